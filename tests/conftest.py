@@ -1,11 +1,14 @@
 """Markers by folder, fixed seeds, and one run of the published case shared by all tests."""
 
+import html
 import importlib
 import lzma
 import os
+import re
 import shutil
 import sys
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -49,6 +52,29 @@ def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item
 @pytest.fixture
 def rng() -> np.random.Generator:
     return np.random.default_rng(SEED)
+
+
+@pytest.fixture(scope="session")
+def read_page():
+    """Return what reads a report: key numbers by label, sections, pictures, tables; nothing is fetched or run."""
+
+    def read(path):
+        text = Path(path).read_text("utf-8")
+        assert text.startswith("<!doctype html>")
+        assert "<script" not in text
+        assert not re.search(
+            r"""(src|href)=["']?(https?:)?//(?!doi\.org)""", text.replace("https://doi.org", "//doi.org")
+        )
+        pairs = re.findall(r"<div><dt>(.*?)</dt><dd>(.*?)</dd></div>", text, re.S)
+        return SimpleNamespace(
+            text=text,
+            numbers={html.unescape(label): html.unescape(value) for label, value in pairs},
+            sections=[html.unescape(head) for head in re.findall(r"<h2 id=[^>]*>(.*?)</h2>", text)],
+            pictures=text.count("<svg"),
+            tables=len(re.findall("<table", text)),
+        )
+
+    return read
 
 
 @pytest.fixture(scope="session")

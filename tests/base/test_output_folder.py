@@ -4,7 +4,10 @@ import shutil
 import subprocess
 import sys
 
+import pytest
+
 from strikewave.base.compiled import PACKAGE, kernel_key
+from strikewave.base.output_folder import keep_true_files
 
 
 def test_unwritable_kernel_cache_is_survived_with_a_word(tmp_path, environment):
@@ -36,3 +39,24 @@ def test_changed_kernel_source_has_another_cache(tmp_path):
         with (copy / changed).open("a") as file:
             file.write("# changed\n")
         assert kernel_key(copy) != before
+
+
+@pytest.mark.parametrize(
+    ("identity", "table", "kept", "removed"),
+    [
+        ("a", "1", ["machine.html"], ["report.html"]),
+        ("b", "1", [], ["machine.html", "report.html"]),
+        ("a", "2", [], ["machine.html", "report.html"]),
+    ],
+)
+def test_rerun_keeps_the_animation_of_the_same_numbers_and_names_what_goes(tmp_path, identity, table, kept, removed):
+    old, new = tmp_path / "old", tmp_path / "new"
+    for folder, text in ((old, "a"), (new, identity)):
+        folder.mkdir()
+        (folder / "case.toml").write_text(text)
+        (folder / "blows.csv").write_text("1" if folder == old else table)
+    for name in ("machine.html", "report.html"):
+        (old / name).write_text("before")
+    assert keep_true_files(old, new, identity) == (kept, removed)
+    assert (new / "machine.html").exists() == bool(kept)
+    assert (old / "machine.html").read_text() == "before"

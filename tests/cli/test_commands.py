@@ -23,6 +23,7 @@ def test_run_json_has_exactly_its_keys(strikewave, tmp_path):
     document = json.loads(out)
     assert set(document) == {
         "schema", "version", "units", "warnings", "case", "route", "blows", "masses", "phases", "balance", "contact", "waves", "published", "fitted_fields",
+        "band", "band_method",
     }  # fmt: skip
     assert all(set(blow) == BLOW_KEYS for blow in document["blows"])
     assert set(document["masses"]) == {"striker", "object", "assembly"}
@@ -34,6 +35,12 @@ def test_run_json_has_exactly_its_keys(strikewave, tmp_path):
     assert all(set(w) == {"code", "severity", "message", "value", "limit"} for w in document["warnings"])
     for blow in document["blows"]:
         assert blow["impulse"] == pytest.approx(document["masses"]["object"] * blow["velocity_change"], rel=1e-6)
+    names = {f"{which}.{what}" for which in ("first", "typical") for what in ("rigid_peak", "width", "velocity_change")}
+    assert set(document["band"]) == names | {"interval"}
+    assert all(set(band) == {"low", "high", "level", "inputs"} for band in document["band"].values())
+    assert all(set(one) == {"field", "share"} for band in document["band"].values() for one in band["inputs"])
+    known = {"field", "typed", "low", "high", "unit", "basis", "reason"}
+    assert all(set(one) == known for one in document["band_method"]["inputs"])
     assert "done in" in err
     assert os.listdir(tmp_path) == []
 
@@ -216,7 +223,7 @@ def test_broken_limit_exits_with_3(strikewave, monkeypatch):
 
 
 def test_our_own_fault_exits_with_1_in_one_line(strikewave, monkeypatch):
-    monkeypatch.setattr("strikewave.analyses.machine.run.blows", lambda run: 1 / 0)
+    monkeypatch.setattr("strikewave.analyses.machine.observe.blows", lambda run: 1 / 0)
     code, out, err = strikewave("run", "li-ma-2019", "--set", "feed.blows=1", "--json")
     assert (code, out) == (1, "")
     assert "please report it" in err

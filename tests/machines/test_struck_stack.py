@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 
 from strikewave import load_case
 from strikewave.analyses.machine.build import build_machine
-from strikewave.analyses.machine.run import observe
+from strikewave.analyses.machine.observe import observe
 from strikewave.base.errors import StrikewaveError
 from strikewave.machines import _stack_kernels as column
 from strikewave.machines import blows, run_machine

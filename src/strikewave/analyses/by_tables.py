@@ -10,8 +10,10 @@ from strikewave.cases.case import load_case, read_case_text
 from strikewave.reporting.options import Output
 
 
-def run_any(name: str, changes: Sequence[str], output: Output, animate: bool = False) -> int:
+def run_any(name: str, changes: Sequence[str], output: Output, animate: bool = False, band: bool = True) -> int:
     """Run a case or a set-up file, write and print its result, and return the exit code.
+
+    With ``band``, a machine or a layered bar gets the bands of its results.
 
     Only the analysis that is asked for is imported: elements and split bars take their time.
 
@@ -37,10 +39,10 @@ def run_any(name: str, changes: Sequence[str], output: Output, animate: bool = F
     if case.command == "wave":
         from strikewave.analyses.wave.screen import run_wave_case
 
-        return run_wave_case(case, changes, output, animate=animate)
+        return run_wave_case(case, changes, output, animate=animate, band=band)
     from strikewave.analyses.machine.screen import run_machine_case
 
-    return run_machine_case(case, changes, output, animate)
+    return run_machine_case(case, changes, output, animate, band)
 
 
 def holds_setup(text: str) -> bool:

@@ -164,6 +164,23 @@ SOURCES: dict[str, str] = {
         "A. Saltelli, P. Annoni, I. Azzini, F. Campolongo, M. Ratto, S. Tarantola, Variance based sensitivity analysis "
         "of model output, Computer Physics Communications 181 (2010) 259-270, doi:10.1016/j.cpc.2009.09.018"
     ),
+    "blatman-sudret-2011": (
+        "G. Blatman, B. Sudret, Adaptive sparse polynomial chaos expansion based on least angle regression, Journal of "
+        "Computational Physics 230 (2011) 2345-2367, doi:10.1016/j.jcp.2010.12.021 (abstract read)"
+    ),
+    "sudret-2008": (
+        "B. Sudret, Global sensitivity analysis using polynomial chaos expansions, Reliability Engineering & System "
+        "Safety 93 (2008) 964-979, doi:10.1016/j.ress.2007.04.002 (from memory)"
+    ),
+    "friedman-1991": (
+        "J. H. Friedman, Multivariate Adaptive Regression Splines, The Annals of Statistics 19 (1991) 1-67, "
+        "doi:10.1214/aos/1176347963 (from memory)"
+    ),
+    "mckay-1979": (
+        "M. D. McKay, R. J. Beckman, W. J. Conover, A Comparison of Three Methods for Selecting Values of Input "
+        "Variables in the Analysis of Output from a Computer Code, Technometrics 21 (1979) 239-245, "
+        "doi:10.1080/00401706.1979.10489755 (from memory)"
+    ),
     "jansen-1999": (
         "M. J. W. Jansen, Analysis of variance designs for model output, Computer Physics Communications 117 (1999) "
         "35-43, doi:10.1016/S0010-4655(98)00154-4"

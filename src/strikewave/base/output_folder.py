@@ -63,19 +63,31 @@ RESULT_FILES = (
     "cushion-laws.png",
     "histories.nc",
     "histories.csv",
+    "histories-pulse.csv",
+    "histories-record.csv",
+    "histories-reading.csv",
+    "histories-interval.csv",
+    "histories.parquet",
+    "histories-pulse.parquet",
+    "histories-record.parquet",
+    "histories-reading.parquet",
+    "histories-interval.parquet",
     "field.vtkhdf",
     "comparison.json",
     "comparison.svg",
     "report.html",
 )
 """What a result consists of; a folder that holds anything else is never replaced, for it may be the user's own."""
+ANIMATIONS = ("machine.html", "machine.gif", "animation.html", "animation.gif")
+"""Files that take long to make and depend on the inputs alone: a rerun that does not make them keeps them."""
 _LONGEST_NAME, _RANDOM_BYTES = 60, 6
 """Characters of a name that its hidden neighbour takes over, well within the 255 bytes of file systems in any script;
 and random bytes behind them, of which no two runs ever share."""
 
 
-_NUMBER = re.compile(r"-\d+\.")
-"""Of the files of a later blow: histories-2.csv is one of the files that a result consists of, as histories.csv is."""
+_NUMBER = re.compile(r"[-_]\d+\.")
+"""Of the files of a later blow: histories-2.csv is one of the files that a result consists of, as histories.csv is; and
+of the readings of a sensor."""
 
 
 def check_place(folder: Path, identity: str, force: bool = False, own: Sequence[str] = ()) -> None:
@@ -155,6 +167,24 @@ def atomic_folder(folder: Path, identity: str, force: bool = False, own: Sequenc
     finally:
         if place is not None:
             shutil.rmtree(place, ignore_errors=True)
+
+
+def keep_true_files(old: Path, new: Path, identity: str) -> tuple[list[str], list[str]]:
+    """Copy the animations of an older run that are still true into the new folder; return the kept and removed names.
+
+    They are true where the older folder is of the same inputs, and every table that both hold is equal to the byte.
+    All else that the new run did not write goes with the older folder.
+    """
+    if not old.is_dir():
+        return [], []
+    rest = sorted(entry.name for entry in old.iterdir() if not (new / entry.name).exists())
+    tables = [path for path in new.glob("*.csv") if (old / path.name).is_file()]
+    same = any((old / mark).is_file() and (old / mark).read_text("utf-8", "replace") == identity for mark in MARKS)
+    same = same and bool(tables) and all(path.read_bytes() == (old / path.name).read_bytes() for path in tables)
+    kept = [name for name in rest if same and name in ANIMATIONS]
+    for name in kept:
+        shutil.copy2(old / name, new / name)
+    return kept, [name for name in rest if name not in kept]
 
 
 def _swap(place: Path, folder: Path) -> None:

@@ -9,16 +9,16 @@ import math
 from abc import ABC, abstractmethod
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, ClassVar, Literal
+from typing import TYPE_CHECKING, Any, ClassVar, Literal, NamedTuple
 
 from strikewave.base.json_document import head, plain, without
 
 if TYPE_CHECKING:
     import xarray
 
-SCHEMA = 5
+SCHEMA = 6
 """Of the files of a solution: 2 adds readings and waves, 3 the contact of each blow; 4 renames keys (balance); 5 adds
-the side force of each blow and the answers of its contact."""
+the side force of each blow and the answers of its contact; 6 adds the bands."""
 Severity = Literal["info", "warning", "failed"]
 INFO: Severity = "info"
 WARNING: Severity = "warning"
@@ -125,6 +125,87 @@ class Band:
         """
         return dataclasses.asdict(self) | {"inputs": [dataclasses.asdict(one) for one in self.inputs]}
 
+    @classmethod
+    def read(cls, document: Mapping[str, Any]) -> Band:
+        """Return the band of an entry of the JSON document."""
+        return cls(**{**document, "inputs": tuple(InputShare(**one) for one in document["inputs"])})
+
+
+class MovedInput(NamedTuple):
+    """An input that moved: its field, what was typed, the ends of its range (SI), its unit, and why so far."""
+
+    field: str
+    typed: str | int | float
+    low: float
+    high: float
+    unit: str
+    basis: str
+    reason: str
+
+
+@dataclass(frozen=True)
+class BandMethod:
+    """How the bands of a result were found.
+
+    Attributes
+    ----------
+    engine : str
+        What ran, in words.
+    level : float
+        Share of the draws within a band.
+    seed : int
+        Of the draws.
+    runs, first_runs, sensor_runs : int
+        Runs, further ones of the first blow alone, and full ones of the first blow for sensors.
+    missed, failed : int
+        Runs in which a striker missed; that could not be made.
+    rest : dict
+        Of each result, the share of the variance that no input makes by itself.
+    fitted : tuple of str
+        Results with the ends of a fit; the others have quantiles of the runs.
+    ranked : tuple of str
+        Results of which the shares are those in the variance of their ranks.
+    inputs : tuple of MovedInput
+        What moved.
+    """
+
+    engine: str
+    level: float
+    seed: int
+    runs: int
+    first_runs: int = 0
+    missed: int = 0
+    failed: int = 0
+    sensor_runs: int = 0
+    rest: Mapping[str, float] = dataclasses.field(default_factory=dict)
+    fitted: tuple[str, ...] = ()
+    ranked: tuple[str, ...] = ()
+    inputs: tuple[MovedInput, ...] = ()
+
+    def words(self) -> str:
+        """Return the method in one line, with what it leaves out."""
+        more = f" and {self.first_runs} of the first blow" if self.first_runs else ""
+        full = f", of sensors {self.sensor_runs} full runs of the first blow" if self.sensor_runs else ""
+        lost = [f"{count} {what}" for count, what in ((self.missed, "with a miss"), (self.failed, "failed")) if count]
+        among = f" ({', '.join(lost)})" if lost else ""
+        return (
+            f"{100.0 * self.level:.0f} % of {self.runs} runs{more}{among} by {self.engine}{full}, {len(self.inputs)} "
+            "inputs moved within what is known of them; materials, laws and other choices stay, and the error of the "
+            "model is not in it"
+        )
+
+    def document(self) -> dict[str, Any]:
+        """Return the entry of the JSON document."""
+        told = {key: value for key, value in vars(self).items() if key != "inputs"}
+        return {"words": self.words(), **told, "inputs": [one._asdict() for one in self.inputs]}
+
+    @classmethod
+    def read(cls, document: Mapping[str, Any]) -> BandMethod:
+        """Return the method of an entry of the JSON document."""
+        told: dict[str, Any] = {k: tuple(value) if isinstance(value, list) else value for k, value in document.items()}
+        del told["words"]
+        return cls(**{**told, "inputs": tuple(MovedInput(**one) for one in document["inputs"])})
+
 
 @dataclass(frozen=True)
 class Source:
@@ -185,6 +266,8 @@ class Result(ABC):
         Keys of the sources of the models used.
     band : mapping of str to Band
         Band of each result that has one, by its name, such as ``first.rigid_peak``; empty where none was asked for.
+    band_method : BandMethod or None
+        How the bands were found.
     """
 
     command: ClassVar[str]
@@ -196,6 +279,7 @@ class Result(ABC):
     comparisons: tuple[Comparison, ...] = ()
     citations: tuple[str, ...] = ()
     band: Mapping[str, Band] = dataclasses.field(default_factory=dict)
+    band_method: BandMethod | None = None
 
     @property
     @abstractmethod
@@ -234,6 +318,13 @@ class Result(ABC):
     @abstractmethod
     def content(self) -> dict[str, Any]:
         """Return what the JSON document holds beside its head."""
+
+    def band_content(self) -> dict[str, Any]:
+        """Return what the JSON document says of the bands; see `Band` and `BandMethod`."""
+        return {
+            "band": {name: band.document() for name, band in self.band.items()},
+            "band_method": None if self.band_method is None else self.band_method.document(),
+        }
 
     def document(self) -> dict[str, Any]:
         """Return the JSON document; values that do not exist are null."""

@@ -253,13 +253,18 @@ class Case(CaseTable):
         InputError
             If there is no such quantity, or the tolerance does not suit the new value.
         """
-        case, mine = self, self.values()
+        mine, tree = self.values(), dict[str, Any]()
         for path, value in changes.items():
             if path not in mine:
                 raise InputError(path, value.typed, "a quantity of the case", nearest(path, mine))
             new = _with_band(path, value, mine[path].tolerance) if keep_tolerances else value
-            case = _with_value(case, path.split("."), new)
-        return case
+            *places, key = path.split(".")
+            branch = tree
+            for place in places:
+                branch = branch.setdefault(place, {})
+            branch[key] = new
+        changed: Case = _with_tree(self, tree)
+        return changed
 
 
 FORM = Form(Case, "case", 'machine.speed="500 rpm"')
@@ -293,16 +298,16 @@ def _entries(part: Any, path: str) -> Iterator[tuple[str, float | str]]:
             yield from _entries(row, f"{path}.{row_name(row, place)}")
 
 
-def _with_value(part: Any, places: list[str], value: Value) -> Any:
-    """Return a part of a case with the quantity at a path replaced."""
-    if not places:
-        return value
-    first, rest = places[0], places[1:]
+def _with_tree(part: Any, tree: Value | dict[str, Any]) -> Any:
+    """Return a part of a case with some quantities replaced, which stand in a tree of the keys of their paths."""
+    if isinstance(tree, Value):
+        return tree
     if isinstance(part, tuple):
+        names = [row_name(row, place) for place, row in enumerate(part)]
         return tuple(
-            _with_value(row, rest, value) if row_name(row, place) == first else row for place, row in enumerate(part)
+            _with_tree(row, tree[name]) if name in tree else row for name, row in zip(names, part, strict=True)
         )
-    return part.model_copy(update={first: _with_value(getattr(part, first), rest, value)})
+    return part.model_copy(update={key: _with_tree(getattr(part, key), branch) for key, branch in tree.items()})
 
 
 def _with_band(path: str, value: Value, band: ToleranceBand | None) -> Value:

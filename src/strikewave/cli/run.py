@@ -6,7 +6,7 @@ from typing import Annotated
 
 import typer
 
-from strikewave.reporting.options import CaseName, Changes, Output
+from strikewave.reporting.options import CaseName, Changes, RunOutput, WithBand
 
 
 def command(
@@ -16,7 +16,8 @@ def command(
     animate: Annotated[
         bool, typer.Option("--animate", help="Also write an animation: of the machine, the waves or the elements.")
     ] = False,
-    output: Output,
+    band: WithBand = True,
+    output: RunOutput,
 ) -> int:
     """Run a case or a set-up file.
 
@@ -27,4 +28,4 @@ def command(
     """
     from strikewave.analyses.by_tables import run_any
 
-    return run_any(case, changes or (), output, animate)
+    return run_any(case, changes or (), output, animate, band)

@@ -27,8 +27,10 @@ _BELOW_CRITICAL = 1.0 - 1e-16
 """Largest damping ratio below 1 that a float holds: there the restitution is zero already."""
 _CRITICAL = 1e-9
 """Distance from critical damping within which 0/0 stands for its limit: the function is flat to as much there."""
-_HALVINGS = 120
-"""Halvings of the bracket of a damping ratio: 106 leave a ratio of 1e-16 with all its digits."""
+_NEWTON_STEPS = 30
+"""Newton's steps to a damping ratio: the decay is concave, so that they come from below, and six leave all digits."""
+_FAR = 2.0
+"""Decay from which on ln(2 zeta) is nearer to it than its slope at 0 times zeta: where to begin."""
 _OWN: dict[str, DamperLaw] = {}
 """The laws of this module by name; `_law` fills it."""
 
@@ -68,6 +70,15 @@ def _decay_to_turning(zeta: Array) -> Array:
     z = np.where(near, 0.5, zeta)
     angle = np.where(z < 1.0, np.arccos(np.minimum(z, 1.0)), np.arccosh(np.maximum(z, 1.0)))
     return np.where(near, 1.0, z * angle / np.sqrt(np.abs(1.0 - z * z)))
+
+
+def _slope_of_decay(zeta: Array) -> Array:
+    """Return the slope of `_decay_to_turning`."""
+    near = np.abs(zeta - 1.0) < _CRITICAL
+    z = np.where(near, 0.5, zeta)
+    square = (1.0 - z) * (1.0 + z)
+    angle = np.where(z < 1.0, np.arccos(np.minimum(z, 1.0)), np.arccosh(np.maximum(z, 1.0))) / np.sqrt(np.abs(square))
+    return np.where(near, 2.0 / 3.0, angle + z * (z * angle - 1.0) / square)
 
 
 def cut_off_restitution(damping_ratio: ArrayLike) -> Array:
@@ -111,13 +122,15 @@ def cut_off_damping_ratio(restitution_asked: ArrayLike) -> Array:
     >>> print(cut_off_restitution(cut_off_damping_ratio(0.3)).round(12))
     0.3
     """
-    e = asked(restitution_asked)
-    low, high = np.zeros_like(e), np.maximum(1.0 / np.sqrt(e), 1.0) + 1.0
-    for _ in range(_HALVINGS):
-        middle = 0.5 * (low + high)
-        above = cut_off_restitution(middle) > e
-        low, high = np.where(above, middle, low), np.where(above, high, middle)
-    return np.asarray(np.where(e == 1.0, 0.0, 0.5 * (low + high)))
+    decay = -0.5 * np.log(asked(restitution_asked))
+    zeta = np.where(decay > _FAR, 0.5 * np.exp(decay), 2.0 / np.pi * decay)
+    for _ in range(_NEWTON_STEPS):
+        missing = decay - _decay_to_turning(zeta)
+        onward = zeta + missing / _slope_of_decay(zeta)
+        if np.array_equal(onward, zeta):
+            break
+        zeta = onward
+    return np.asarray(zeta)
 
 
 def damper_of_ratio(stiffness: Stiffness, mass: ArrayLike, damping_ratio: ArrayLike, style: str) -> Damper:

@@ -17,12 +17,13 @@ from strikewave.base.citations import SOURCES
 from strikewave.base.quantities import PROVENANCES, Value
 from strikewave.base.result import BALANCE_LIMIT, FAILED, INFO, WARNING
 from strikewave.cases.case import PUBLISHED_QUANTITIES, Case, bundled_cases, dump_case, load_case, row_name
-from strikewave.reporting.numbers import SHOWN_UNITS, band_text, headed, listed, percent, shown
+from strikewave.reporting.bands import band_words
+from strikewave.reporting.numbers import SHOWN_UNITS, headed, listed, shown
 from strikewave.reporting.page import Head, whole_page
 from strikewave.reporting.parts import NONE, Cell, Code, Section, Table, Tag, written
 
 if TYPE_CHECKING:
-    from strikewave.base.result import Band, Comparison, Notice, Result, Source
+    from strikewave.base.result import Comparison, Notice, Result, Source
 
 
 _PROVENANCE_WORDS = {
@@ -44,18 +45,6 @@ _PUBLISHED_WORDS = {
     "window": "first to last blow",
     "interval": "interval of the blows, median",
 }
-_BAND_UNITS = {
-    "rigid_peak": ("m/s^2", "g"),
-    "peak": ("m/s^2", "g"),
-    "peak_acceleration": ("m/s^2", "g"),
-    "width": ("s", "us"),
-    "interval": ("s", "ms"),
-    "velocity_change": ("m/s", "m/s"),
-    "peak_velocity": ("m/s", "m/s"),
-    "peak_force": ("N", "kN"),
-    "peak_stress": ("Pa", "MPa"),
-}
-"""SI unit of a result with a band and the unit in which it is shown as a rule, by the last part of its name."""
 
 
 def layer_steps(case: Case) -> list[str]:
@@ -176,54 +165,6 @@ def published(comparisons: Sequence[Comparison]) -> list[Section]:
     return [Section("Comparison with published values", text, [table])]
 
 
-def band_words(bands: Mapping[str, Band]) -> list[str]:
-    """Say what the bands beside the key numbers are, and what the first one depends on; nothing without bands."""
-    if not bands:
-        return []
-    name, band = next(iter(bands.items()))
-    most = listed([f"{one.field} ({percent(one.share, 0)})" for one in band.inputs])
-    depends = f" What moves the {_band_label(name)} most, with its share of the variance: {most}." if most else ""
-    return [
-        f"In brackets: the range of {percent(band.level, 0)} of all results when inputs move within what is known of "
-        f"them; the model's own error is not in it.{depends}"
-    ]
-
-
-def band_sections(bands: Mapping[str, Band]) -> list[Section]:
-    """List the band of each result and the inputs that matter most; nothing without bands."""
-    if not bands:
-        return []
-    most = max(len(band.inputs) for band in bands.values())
-    rows: list[list[Cell]] = []
-    for name, band in bands.items():
-        inputs = [f"{one.field}, {percent(one.share, 0)}" for one in band.inputs]
-        si, usual = _BAND_UNITS.get(name.rpartition(".")[2], ("", ""))
-        ends = band_text(band, si, usual) if si else f"{written(band.low)} to {written(band.high)}"
-        rows.append([_band_label(name), ends, *inputs, *[NONE] * (most - len(inputs))])
-    heads = ["result", "range", *(f"{nth} input" for nth in ("largest", "second", "third", "fourth", "fifth")[:most])]
-    text = (
-        "Every input moves within its stated tolerance or, where none is stated, within what its provenance leaves "
-        "open. A share is that of the variance of the result that goes when the input is known exactly. The model's "
-        "own error is not in these ranges."
-    )
-    return [Section("What the results depend on", text, [Table("Ranges and the inputs that matter most", heads, rows)])]
-
-
-def _band_label(name: str) -> str:
-    """Say in words what a result with a band is called.
-
-    Examples
-    --------
-    >>> _band_label("first.rigid_peak"), _band_label("sensor.buffered.peak"), _band_label("interval")
-    ('rigid peak of the first blow', 'peak of sensor buffered', 'interval of the blows, median')
-    """
-    where, _, quantity = name.rpartition(".")
-    if not where:
-        return _PUBLISHED_WORDS.get(name, name.replace("_", " "))
-    words = {"first": "the first blow", "typical": "later blows, median"}.get(where, where.replace(".", " "))
-    return f"{quantity.replace('_', ' ')} of {words}"
-
-
 def warnings(notices: Sequence[Notice]) -> Section:
     """List all notices: the value that raised each, its limit, and its case where there are several."""
     of_cases = any(notice.case for notice in notices)
@@ -258,6 +199,10 @@ def reproduction(result: Result) -> Section:
         text = f"This command gives the same numbers again with strikewave {__version__}, from the same files."
         command = [Code(source.asked)] if source.asked else []
         return Section("How to run this again", text if command else "The command is not known.", [*read, *command])
+    inputs_text = Code(source.text, f"The whole {source.kind}, {source.file}")
+    if source.asked:
+        text = f"This command gives the same numbers again with strikewave {__version__}."
+        return Section("How to run this again", text, [*read, Code(source.asked), inputs_text])
     names = ([source.name] if _is_published(source) else []) + [source.file]
     either = "Either of these commands" if len(names) > 1 else "This command"
     text = (
@@ -265,7 +210,6 @@ def reproduction(result: Result) -> Section:
         f"is also in the folder of this report. The text has the SHA-256 {source.digest}."
     )
     commands = "\n".join(f"strikewave {result.command} {name}" for name in names)
-    inputs_text = Code(source.text, f"The whole {source.kind}, {source.file}")
     return Section("How to run this again", text, [*read, Code(commands), inputs_text])
 
 

@@ -154,8 +154,16 @@ def traces(title: str, curves: Sequence[Trace], unit: str, since: str, wide: boo
     quiet(axes, title, headed(since, "s", "us"), headed(name, si, unit))
     if len(curves) > 1:
         handles, labels = axes.get_legend_handles_labels()
-        above_right(axes, handles[::-1], labels[::-1])
+        if wide:
+            below_left(figure, handles[::-1], labels[::-1])
+        else:
+            above_right(axes, handles[::-1], labels[::-1])
     return figure
+
+
+def below_left(figure: Figure, handles: Sequence[Any], labels: Sequence[str]) -> None:
+    """Put the legend of a wide figure below it at its left, where a narrow screen shows it before it is scrolled."""
+    figure.legend(handles, labels, frameon=False, fontsize=8, loc="outside lower left", ncols=3, columnspacing=1.2)
 
 
 def above_right(axes: Any, handles: Sequence[Any] | None = None, labels: Sequence[str] | None = None) -> None:

@@ -12,7 +12,7 @@ from contextlib import AbstractContextManager
 from dataclasses import dataclass
 from importlib import resources
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, ClassVar, NamedTuple
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal, NamedTuple
 
 import typer
 
@@ -23,6 +23,7 @@ from strikewave.reporting.terminal import Screen, screen
 
 if TYPE_CHECKING:
     from strikewave.base.quantities import Value
+    from strikewave.base.result import Result
     from strikewave.cases.case import Case
 
 Read = Callable[[str, str], Any]
@@ -288,6 +289,12 @@ Changes = Annotated[
         show_default=False,
     ),
 ]
+WithBand = Annotated[
+    bool,
+    typer.Option(
+        "--band/--no-band", help="Find the range of each result when inputs move within what is known of them."
+    ),
+]
 Out = Annotated[
     Path | None,
     typer.Option("--out", metavar="DIR", help="Folder of the result; out/NAME by default.", show_default=False),
@@ -309,6 +316,12 @@ Show = Annotated[
         read=ShownUnits.read,
         help="Units to show, at most one for each kind of quantity, such as g,us,kN or m/s2,ms,N; JSON stays in SI.",
         metavar="UNITS",
+    ),
+]
+Histories = Annotated[
+    Literal["csv", "parquet"] | None,
+    typer.Option(
+        "--histories", help="Write the histories as tables too, one file for each time base.", show_default=False
     ),
 ]
 Json = Annotated[bool, typer.Option("--json", help="Print one JSON document on stdout and nothing else.")]
@@ -421,6 +434,13 @@ class Output(Shown):
         if animate and self.json and self.out is None:
             raise InputError("--animate", "--json without --out", "a folder for the animation", "add --out DIR")
 
+    def check_files(self) -> None:
+        """Refuse files that cannot be written, before the work."""
+
+    def write_more(self, result: Result, folder: Path) -> list[str]:
+        """Write what was asked for beside the usual files of a result, and return the names of the files."""
+        return []
+
     def writes(self, usual: str | None) -> bool:
         """Tell whether files are written at all; ``usual`` as of `place`."""
         return self.place(usual).folder is not None
@@ -430,3 +450,35 @@ class Output(Shown):
         if self.out is None and usual is not None and not self.json:
             return Place(Path("out") / usual, True)
         return Place(self.out, self.force)
+
+
+@dataclass(frozen=True)
+class RunOutput(Output):
+    """Where the result of a run goes, and which files hold it.
+
+    Attributes
+    ----------
+    histories : str or None
+        Format of the tables of histories, csv or parquet; None for none.
+    """
+
+    histories: Histories = None
+
+    def check_files(self) -> None:
+        """Refuse histories that have no folder.
+
+        Raises
+        ------
+        InputError
+            If there is none.
+        """
+        if self.histories and self.json and self.out is None:
+            raise InputError("--histories", "--json without --out", "a folder for the files", "add --out DIR")
+
+    def write_more(self, result: Result, folder: Path) -> list[str]:
+        """Write the histories, and return the names of the files."""
+        if self.histories is None:
+            return []
+        from strikewave.reporting.histories import write_histories
+
+        return write_histories(result, folder, self.histories)

@@ -9,11 +9,13 @@ import functools
 import re
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
+from html import unescape
 from importlib import resources
 from typing import TYPE_CHECKING, Any
+from xml.etree import ElementTree
 
 from strikewave._version import __version__
-from strikewave.reporting.parts import Picture, Section, Tag
+from strikewave.reporting.parts import Formula, Picture, Section, Tag
 
 if TYPE_CHECKING:
     from jinja2 import Template
@@ -80,7 +82,20 @@ def _template() -> Template:
         lstrip_blocks=True,
         loader=FunctionLoader(lambda name: (folder / name).read_text("utf-8")),
     )
+    environment.filters["mathml"] = _mathml
     return environment.get_template("template.html")
+
+
+def _mathml(formula: Formula) -> Any:
+    """Return an equation as an element that browsers typeset, without any script or font of ours."""
+    from latex2mathml.converter import convert_to_element
+    from markupsafe import Markup
+
+    element = convert_to_element(formula.tex, display="block")
+    for inner in element.iter():
+        inner.text = unescape(inner.text or "") or None  # the library writes letters as entities
+    element.set("alttext", formula.text)
+    return Markup(ElementTree.tostring(element, encoding="unicode"))  # what a formula holds is escaped there
 
 
 def _css() -> Any:
@@ -110,5 +125,10 @@ def _numbered(listing: Sequence[Section]) -> Iterator[dict[str, Any]]:
                     blocks[-1]["shown"] += block["shown"]
                     continue
             blocks.append(block)
-        shown = {"title": section.title, "paragraphs": section.paragraphs(), "folded": section.folded}
+        shown = {
+            "title": section.title,
+            "paragraphs": section.paragraphs(),
+            "folded": section.folded,
+            "alone": section.alone,
+        }
         yield {"id": f"section-{place}", **shown, "blocks": blocks}

@@ -30,7 +30,15 @@ class Tag:
     look: str = ""
 
 
-Cell = str | int | float | Tag | None
+@dataclass(frozen=True)
+class Formula:
+    """An equation in a cell of a table: typeset from ``tex``; ``text`` says the same in plain text."""
+
+    tex: str
+    text: str
+
+
+Cell = str | int | float | Tag | Formula | None
 
 
 @dataclass(frozen=True)
@@ -44,7 +52,7 @@ class Table:
     columns : sequence of str
         Heads, with units.
     rows : sequence of sequences
-        Text as it shall be read, numbers (written with four digits), `Tag`, or None for nothing.
+        Text as it shall be read, numbers (written with four digits), `Tag`, `Formula`, or None for nothing.
     empty : str
         Words that stand for a table without rows.
     """
@@ -55,15 +63,15 @@ class Table:
     empty: str = "Nothing to show."
     kind: ClassVar[str] = "table"
 
-    def cells(self) -> list[list[Tag | str]]:
-        """Return all cells as text or tag.
+    def cells(self) -> list[list[Tag | Formula | str]]:
+        """Return all cells as text, tag or formula.
 
         Examples
         --------
         >>> Table("", ["a", "b"], [["x", 1234.567], [None, float("nan")]]).cells()
         [['x', '1235'], ['–', '–']]
         """
-        return [[cell if isinstance(cell, Tag) else written(cell) for cell in row] for row in self.rows]
+        return [[cell if isinstance(cell, Tag | Formula) else written(cell) for cell in row] for row in self.rows]
 
     def numeric(self) -> list[bool]:
         """Return for each column whether it holds nothing but numbers, which are set to the right.
@@ -145,6 +153,8 @@ class Section:
     folded : str
         Words that open the parts where they begin folded away, as those of inputs do; empty where they are in view.
         Print shows them all.
+    alone : bool
+        Whether the page up to here stands for itself: print begins a new one after it.
 
     Examples
     --------
@@ -156,6 +166,7 @@ class Section:
     text: str = ""
     parts: Sequence[Part] = ()
     folded: str = ""
+    alone: bool = False
 
     def paragraphs(self) -> list[str]:
         """Return the paragraphs of the text."""

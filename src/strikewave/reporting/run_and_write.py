@@ -10,8 +10,9 @@ from pathlib import Path
 from typing import ClassVar, Generic, TypeVar
 
 from strikewave.base.errors import InputError
-from strikewave.base.output_folder import atomic_folder, check_place
+from strikewave.base.output_folder import atomic_folder, check_place, keep_true_files
 from strikewave.base.result import Notice, Result
+from strikewave.reporting.bands import band_words
 from strikewave.reporting.numbers import showing
 from strikewave.reporting.options import Output
 from strikewave.reporting.terminal import STARTED, case_hash, complain, most_memory, print_json, say, show_notices, tell
@@ -94,6 +95,7 @@ def run_and_write(
     """
     if output.test is not None and not command.of_test:
         raise InputError("--test", str(output.test), "none here: this is not of a test that was made", "leave it out")
+    output.check_files()
     with showing(output.show):
         return _run_and_write(command, output, usual, identity, own)
 
@@ -102,7 +104,7 @@ def _run_and_write(
     command: Command[R], output: Output, usual: str | None, identity: str | None, own: Sequence[str]
 ) -> int:
     """Do what `run_and_write` says, in the units shown."""
-    place, names = output.place(usual), list[str]()
+    place, names, kept, removed = output.place(usual), list[str](), list[str](), list[str]()
     if place.folder is None:
         result = command.solve()
     else:
@@ -110,15 +112,24 @@ def _run_and_write(
         with command.under_way(place.folder):
             result = command.solve()
             with atomic_folder(place.folder, result.source.text, place.replace, own) as folder:
-                names = [*command.draw(result, folder), *write_files(result, folder), *command.hand_over(folder)]
+                names = [
+                    *command.draw(result, folder),
+                    *write_files(result, folder),
+                    *output.write_more(result, folder),
+                ]
+                names += command.hand_over(folder)
+                kept, removed = keep_true_files(place.folder, folder, result.source.text)
     if output.json:
         print_json(result.document(), indent=command.indent)
     else:
-        tell(command.summary(result))
+        tell(" ".join([command.summary(result), *band_words(result.band)]))
         command.show(result)
         show_notices(command.printed_notices(result))
     if place.folder is not None:
         say(f"written: {str(place.folder).rstrip('/')}/ ({', '.join(names)})")
+    for words, files in (("kept", kept), ("removed", removed)):
+        if files:
+            say(f"{words}: {', '.join(files)} (of the run before)")
     if usual is not None or place.folder is not None:  # a question that is answered at once needs no clock
         say(f"done in {time.perf_counter() - STARTED:.2f} s{most_memory()}")
     if not result.broken:

@@ -8,9 +8,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from strikewave.base.constants import STANDARD_GRAVITY
 from strikewave.reporting.curves import Trace, traces
-from strikewave.reporting.numbers import fixed, percent
+from strikewave.reporting.numbers import fixed, headed, heads, percent, shown, with_unit
 from strikewave.reporting.parts import NONE, Cell, Part, Picture, Section, Table, written
 from strikewave.reporting.wave_curves import insertion_loss
 from strikewave.reporting.wave_field import QUANTITIES, WaveField, snapshots, xt_diagram
@@ -33,6 +32,13 @@ PEAK_WORDS = (
     "A peak is the value of largest magnitude, with its sign. Rigid is the momentum rate of the assembly over its "
     "mass; total is what a perfect sensor at the section would read; wave is total minus rigid."
 )
+_RECORDED = [
+    ("resonance", "Hz", "kHz", 0),
+    ("range", "m/s^2", "g", 0),
+    ("sampling", "Hz", "kHz", 0),
+    ("filter", "Hz", "kHz", 0),
+]
+"""What the table of sensors says of each: name, SI unit, unit shown as a rule."""
 _ROUTES = (
     "The routes of Li & Ma 2019 take the neighbours of the specimen as endless, with the force on the loaded face as "
     "input. As printed, echoes return too early and a backward wave has the wrong sign; the corrected route repairs "
@@ -43,11 +49,12 @@ _ROUTES = (
 
 def fit_table(losses: Sequence[FittedLoss]) -> Table:
     """List where energy is lost: the loss factor of the case, its band, the largest relative deviation of the model."""
-    rows: list[list[Cell]] = [
-        [loss.where, f"{loss.loss_factor:g}", f"{loss.low / 1e3:g} to {loss.high / 1e3:g}", percent(loss.error, 1)]
-        for loss in losses
-    ]
-    return Table("Fit of the loss factors", ["where", "loss factor", "band (kHz)", "largest deviation"], rows)
+    rows: list[list[Cell]] = []
+    for loss in losses:
+        low, high = (f"{shown(end, 'Hz', 'kHz'):g}" for end in (loss.low, loss.high))
+        rows.append([loss.where, f"{loss.loss_factor:g}", f"{low} to {high}", percent(loss.error, 1)])
+    band = headed("band", "Hz", "kHz")
+    return Table("Fit of the loss factors", ["where", "loss factor", band, "largest deviation"], rows)
 
 
 def layer_table(setup: WaveSetup) -> Table:
@@ -55,38 +62,39 @@ def layer_table(setup: WaveSetup) -> Table:
     rows: list[list[Cell]] = [
         [
             layer.name,
-            written(layer.length_asked * 1e3, 7),
-            written(layer.length_used * 1e3, 7),
+            written(shown(layer.length_asked, "m", "mm"), 7),
+            written(shown(layer.length_used, "m", "mm"), 7),
             f"{layer.length_used / layer.length_asked - 1.0:+.1e}",
             layer.steps,
         ]
         for layer in setup.layers[:MOST_LAYERS]
     ]
     more = len(setup.layers) - MOST_LAYERS
-    caption = f"Layers, rounded to whole time steps of {setup.step * 1e9:.4g} ns"
+    caption = f"Layers, rounded to whole time steps of {with_unit(setup.step, 's', 'ns')}"
     caption += f"; {more} more in the JSON" if more > 0 else ""
+    lengths = [headed(name, "m", "mm") for name in ("length in the case", "length used")]
     return Table(
         caption,
-        ["layer", "length in the case (mm)", "length used (mm)", "relative difference", "time steps of a transit"],
+        ["layer", *lengths, "relative difference", "time steps of a transit"],
         rows,
     )
 
 
 def field_pictures(field: WaveField, quantity: str = "stress") -> list[Part]:
     """Show the whole field: the x-t diagram, and snapshots along the stack."""
-    shown = QUANTITIES[quantity]
+    drawn = QUANTITIES[quantity]
     meaning = {"RdBu": "blue is compression, red tension", "PuOr": "purple is along the blow, orange against it"}
     opens = any(joint.unilateral for joint in field.stack.joints)
     double = " A joint that can open is a double line while no force crosses it." if opens else ""
     return [
         Picture(
             xt_diagram(field, quantity),
-            f"{shown.name.capitalize()} along the stack over time (exact): {meaning[shown.colours]}. Lines are faces "
+            f"{drawn.name.capitalize()} along the stack over time (exact): {meaning[drawn.colours]}. Lines are faces "
             f"of layers, dotted ones taps; the dashed line is the leading front at the bar wave speeds.{double}",
         ),
         Picture(
             snapshots(field, quantity),
-            f"{shown.name.capitalize()} along the stack at chosen times: as the front passes, at the largest values, "
+            f"{drawn.name.capitalize()} along the stack at chosen times: as the front passes, at the largest values, "
             "and in the longest intervals between. The darker a layer, the larger its impedance.",
         ),
     ]
@@ -102,7 +110,7 @@ def route_section(name: str, quoted: bool, time: Any, exact: Any, rigid: Any, wa
         Trace("superposed: rigid + as printed", time, rigid + printed),
     ]
     rows: list[list[Cell]] = [[c.label, fixed(_largest(c.values), "m/s^2", "g", 0)] for c in curves]
-    peaks = Table(f"Largest acceleration at {name} by route", ["route", "peak (g)"], rows)
+    peaks = Table(f"Largest acceleration at {name} by route", ["route", headed("peak", "m/s^2", "g")], rows)
     return Section(
         "Routes of the paper compared with the exact solution",
         _ROUTES,
@@ -134,16 +142,20 @@ def sensor_part(channels: Sequence[SensorChannel], picture: Figure, readings: Ta
             [
                 sensor.name,
                 "direct" if sensor.mounting.direct else f"{len(sensor.mounting.gaskets)} gaskets",
-                _finite(sensor.resonance / 1e3),
-                _finite(sensor.range / STANDARD_GRAVITY),
-                _finite(recorder.sampling_rate / 1e3),
-                _finite(recorder.cutoff / 1e3),
+                _finite(sensor.resonance, "Hz", "kHz"),
+                _finite(sensor.range, "m/s^2", "g"),
+                _finite(recorder.sampling_rate, "Hz", "kHz"),
+                _finite(recorder.cutoff, "Hz", "kHz"),
                 str(recorder.bits or NONE),
             ]
         )
-    heads = ["sensor", "mounting", "resonance (kHz)", "range (g)", "sampling (kHz)", "filter (kHz)", "bits"]
+    described_by = ["sensor", "mounting", *heads(_RECORDED), "bits"]
     caption = "Sensor readings as recorded: with mounting, resonance, range, filter, sampling and bits."
-    parts: list[Part] = [Picture(picture, caption), readings, Table("Sensors and their recorders", heads, described)]
+    parts: list[Part] = [
+        Picture(picture, caption),
+        readings,
+        Table("Sensors and their recorders", described_by, described),
+    ]
     buffered = [channel.sensor for channel in channels if not channel.sensor.mounting.direct]
     if buffered:
         frequency = np.geomspace(1e3, 1e5, 201)
@@ -155,18 +167,17 @@ def sensor_part(channels: Sequence[SensorChannel], picture: Figure, readings: Ta
 
 def loss_table(channels: Sequence[SensorChannel]) -> Table:
     """List the insertion loss of the buffered sensors."""
-    shown = np.array(LOSS_FREQUENCIES)
     rows: list[list[Cell]] = [
-        [sensor.name, *(f"{value:.1f}" for value in loss_of(sensor.mounting, shown))]
+        [sensor.name, *(f"{value:.1f}" for value in loss_of(sensor.mounting, np.array(LOSS_FREQUENCIES)))]
         for sensor, _, _ in channels
         if not sensor.mounting.direct
     ]
     return Table(
         "Insertion loss (dB; negative where the mounting amplifies)",
-        ["sensor", *(f"{f / 1e3:g} kHz" for f in shown)],
+        ["sensor", *(with_unit(f, "Hz", "kHz") for f in LOSS_FREQUENCIES)],
         rows,
     )
 
 
-def _finite(value: float) -> str:
-    return "none" if math.isinf(value) else written(value, 4)
+def _finite(value: float, si: str, usual: str) -> str:
+    return "none" if math.isinf(value) else written(shown(value, si, usual), 4)

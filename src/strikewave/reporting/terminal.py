@@ -14,12 +14,13 @@ import math
 import os
 import sys
 import time
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextvars import ContextVar
 from typing import TYPE_CHECKING, Any, NamedTuple, TextIO
 
 from strikewave.base.result import FAILED, INFO, WARNING
 from strikewave.reporting import numbers
+from strikewave.reporting.bands import BAND_HEADS, band_rows
 from strikewave.reporting.layout import (
     KEY,
     MAIN,
@@ -38,7 +39,7 @@ from strikewave.reporting.layout import (
 from strikewave.reporting.numbers import headed, percent, shown
 
 if TYPE_CHECKING:
-    from strikewave.base.result import Comparison, Notice
+    from strikewave.base.result import Comparison, Notice, Result
     from strikewave.cases.losses_of_case import FittedLoss
     from strikewave.reporting.parts import Table
     from strikewave.sensors.channel import SensorChannel
@@ -312,6 +313,23 @@ def report_table(shown: Table, keys: int = 1, more: Sequence[str] = ()) -> None:
         for place, (head, numeric) in enumerate(zip(shown.columns, shown.numeric(), strict=True))
     ]
     table(shown.caption, columns, rows)
+
+
+def print_bands(result: Result, values: Mapping[str, float]) -> None:
+    """Print the range of each result with the inputs that matter most, and how they were found; nothing without any.
+
+    Parameters
+    ----------
+    result : Result
+        With bands.
+    values : mapping of str to float
+        The results themselves, SI, by the names of the bands.
+    """
+    if result.band and result.band_method is not None:
+        named, value, inputs, rest = BAND_HEADS
+        columns = [*keys(named), *texts(value, inputs), *numerals(rest, priority=MORE)]
+        table("What the results depend on", columns, band_rows(result, values))
+        tell(result.band_method.words())
 
 
 def print_fits(losses: Sequence[FittedLoss]) -> None:

@@ -6,7 +6,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from strikewave.analyses.machine.run import observe, published_value
+from strikewave.analyses.machine.observe import observe
+from strikewave.analyses.machine.run import published_value
 from strikewave.base.errors import InputError
 from strikewave.base.quantities import Value
 from strikewave.cases.case import Case

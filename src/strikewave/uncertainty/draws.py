@@ -1,22 +1,28 @@
-"""What a case may be within its tolerances: where they stand, what is drawn, and the case that a draw makes."""
+"""What is uncertain in a case: the inputs, what is drawn of each, and the case that a draw makes."""
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
+from pydantic import BaseModel
 
 from strikewave.base.errors import MISSING, InputError
 from strikewave.base.quantities import DEVIATIONS, TRUNCATION, Range, Value
 from strikewave.base.units import DIMENSIONS
-from strikewave.cases.case import Case
+from strikewave.cases.case import FORM, Case
 from strikewave.cases.paths import Form
-from strikewave.cases.tables import OwnStriker
+from strikewave.cases.tables import OwnStriker, RotaryTable
 
 Array = NDArray[np.float64]
+Shape = Literal["normal", "uniform", "log-uniform"]
+
+STATED = "stated tolerance"
+"""Basis of an input that is drawn within the tolerance that its case states."""
 
 OF_EACH_STRIKER = {
     **{f"striker.{key}": key for key in OwnStriker.model_fields if key not in ("number", "restitution")},
@@ -30,17 +36,28 @@ EXAMPLE = 'mass = { value = "1 kg", tolerance = "2 %" } in [striker], or --set s
 
 
 @dataclass(frozen=True)
-class Tolerance:
-    """A quantity of a case that has a tolerance.
+class UncertainInput:
+    """A quantity of a case that is not known exactly.
 
     Attributes
     ----------
     path : str
         In the case.
     value : Value
-        Nominal, with its tolerance.
+        Nominal, as the case has it.
     allowed : Range
         What it may be.
+    low, high : float
+        Ends of its range, SI.
+    shape : {"normal", "uniform", "log-uniform"}
+        How it is drawn between them: the normal distribution about the value, cut off at the ends; evenly; evenly in
+        its logarithm.
+    deviation : float
+        Standard deviation of the normal distribution before it is cut off, SI.
+    basis : str
+        What its range rests on, such as "stated tolerance".
+    reason : str
+        Why it is so wide.
     strikers : tuple of int
         Numbers of the strikers for which it is drawn separately; empty where it is drawn once a run.
     """
@@ -48,6 +65,12 @@ class Tolerance:
     path: str
     value: Value
     allowed: Range
+    low: float
+    high: float
+    shape: Shape = "uniform"
+    deviation: float = math.nan
+    basis: str = STATED
+    reason: str = ""
     strikers: tuple[int, ...] = ()
 
     @property
@@ -60,8 +83,78 @@ class Tolerance:
         """Name of each number drawn."""
         return [f"{self.path} of {number}" for number in self.strikers] or [self.path]
 
+    def at(self, quantile: ArrayLike) -> Array:
+        """Return what the quantity is at quantiles of its distribution, in SI.
 
-def tolerances_of(case: Case) -> tuple[Tolerance, ...]:
+        Examples
+        --------
+        >>> value = Value(si=0.5, typed=0.5)
+        >>> UncertainInput("x", value, Range("", 0.0, 1.0), 0.2, 0.8).at([0.0, 0.5, 1.0]).round(12).tolist()
+        [0.2, 0.5, 0.8]
+        """
+        from scipy.special import ndtr, ndtri
+
+        u, low, high = np.asarray(quantile, dtype=float), self.low, self.high
+        if self.shape == "log-uniform":
+            return np.clip(low * (high / low) ** u, low, high)
+        if self.shape == "uniform":
+            return np.clip(low + u * (high - low), low, high)
+        middle, deviation = self.value.si, self.deviation
+        below, above = ndtr((low - middle) / deviation), ndtr((high - middle) / deviation)
+        return np.clip(middle + deviation * ndtri(below + u * (above - below)), low, high)
+
+    @property
+    def width(self) -> float:
+        """Half of what a tolerance states, or of the range, SI; that of a normal tolerance is two deviations."""
+        return DEVIATIONS * self.deviation if self.shape == "normal" else 0.5 * (self.high - self.low)
+
+
+def within(allowed: Range, low: float, high: float) -> tuple[float, float]:
+    """Return ends of a range cut off where the quantity must not be."""
+    low, high = max(low, allowed.low), min(high, allowed.high)
+    if allowed.open_low and low == allowed.low:
+        low = float(np.nextafter(low, high))
+    return low, high
+
+
+def stated(path: str, value: Value, allowed: Range, strikers: tuple[int, ...] = ()) -> UncertainInput:
+    """Return a quantity within its stated tolerance.
+
+    Uniform: even over the band. Normal: the tolerance is two standard deviations, and the distribution is cut off at
+    three. Either is cut off where the quantity must not be, and keeps its form in between.
+    """
+    band, half = value.tolerance, value.half_width
+    assert band is not None
+    normal = band.distribution == "normal"
+    reach = half * TRUNCATION / DEVIATIONS if normal else half
+    low, high = within(allowed, value.si - reach, value.si + reach)
+    deviation = half / DEVIATIONS if normal else math.nan
+    reason = f"{band.typed}, {band.distribution}"
+    return UncertainInput(path, value, allowed, low, high, band.distribution, deviation, STATED, reason, strikers)
+
+
+def range_of(case: Case, path: str) -> Range:
+    """Return what a quantity of a case may be."""
+    table, *places = path.split(".")
+    part = getattr(case, table)
+    models = [type(part)] if isinstance(part, BaseModel) else []
+    allowed = Form(models[0], table, "").range_at(places) if models else FORM.range_at([table, *places])
+    assert allowed is not None
+    return allowed
+
+
+def drawn_strikers(case: Case, path: str) -> tuple[int, ...] | None:
+    """Return the strikers for which a quantity is drawn separately; None where it is drawn once a run."""
+    key = OF_EACH_STRIKER.get(path)
+    if key is None or not isinstance(case.machine, RotaryTable):
+        return None
+    tables = case.rotary_tables()
+    rows = {int(row.number.si): row for row in tables.striker.each}
+    numbers = range(1, int(tables.machine.strikers.si) + 1)
+    return tuple(n for n in numbers if n not in rows or getattr(rows[n], key) is None)
+
+
+def tolerances_of(case: Case) -> tuple[UncertainInput, ...]:
     """Return the tolerances of a machine case that its blows feel, by path.
 
     Raises
@@ -72,96 +165,59 @@ def tolerances_of(case: Case) -> tuple[Tolerance, ...]:
     Examples
     --------
     >>> from strikewave import load_case
-    >>> found = {tolerance.path: tolerance.count for tolerance in tolerances_of(load_case("li-ma-2019"))}
+    >>> found = {one.path: one.count for one in tolerances_of(load_case("li-ma-2019"))}
     >>> len(found), found["feed.arrival"], found["striker.mass"]
     (24, 1, 4)
     """
-    rig = case.rotary_tables()
-    numbers = range(1, int(rig.machine.strikers.si) + 1)
-    rows = {int(row.number.si): row for row in rig.striker.each}
-    tolerances = []
+    case.rotary_tables()
+    inputs = []
     for path, value in sorted(case.values().items()):
         if value.tolerance is None or path.partition(".")[0] not in FELT:
             continue
-        table, *places = path.split(".")
-        allowed = Form(type(getattr(case, table)), table, "").range_at(places)
-        assert allowed is not None
-        key = OF_EACH_STRIKER.get(path)
-        drawn = tuple(n for n in numbers if n not in rows or getattr(rows[n], key) is None) if key else ()
-        if drawn or not key:
-            tolerances.append(Tolerance(path, value, allowed, drawn))
-    if not tolerances:
+        strikers = drawn_strikers(case, path)
+        if strikers != ():
+            inputs.append(stated(path, value, range_of(case, path), strikers or ()))
+    if not inputs:
         raise InputError("tolerance", MISSING, "a tolerance on at least one quantity that a blow feels", EXAMPLE)
-    return tuple(tolerances)
+    return tuple(inputs)
 
 
-def unfelt(case: Case, tolerances: Sequence[Tolerance]) -> list[str]:
+def unfelt(case: Case, inputs: Sequence[UncertainInput]) -> list[str]:
     """Return the paths of other tolerances: of sensors, recorder, solver, or of what each striker has for itself."""
-    known = {tolerance.path for tolerance in tolerances}
+    known = {one.path for one in inputs}
     return [path for path, value in case.values().items() if value.tolerance is not None and path not in known]
 
 
-def draw(value: Value, allowed: Range, quantile: ArrayLike) -> Array:
-    """Return what a toleranced quantity is at quantiles of its distribution, in SI.
-
-    Uniform: even over the band. Normal: the tolerance is two standard deviations, and the distribution is cut off at
-    three. Either is cut off where the quantity must not be, and keeps its form in between.
-
-    Examples
-    --------
-    >>> share = Range("", 0.0, 1.0)
-    >>> value = share.read({"value": 0.5, "tolerance": 0.2})
-    >>> draw(value, share, [0.0, 0.5, 1.0]).round(12).tolist()
-    [0.2, 0.5, 0.8]
-    """
-    from scipy.special import ndtr, ndtri
-
-    u, half = np.asarray(quantile, dtype=float), value.half_width
-    assert value.tolerance is not None
-    normal = value.tolerance.distribution == "normal"
-    reach = half * TRUNCATION / DEVIATIONS if normal else half
-    low, high = max(value.si - reach, allowed.low), min(value.si + reach, allowed.high)
-    if allowed.open_low and low == allowed.low:
-        low = float(np.nextafter(low, high))
-    if not normal:
-        return np.clip(low + u * (high - low), low, high)
-    deviation = half / DEVIATIONS
-    below, above = ndtr((low - value.si) / deviation), ndtr((high - value.si) / deviation)
-    return np.clip(value.si + deviation * ndtri(below + u * (above - below)), low, high)
-
-
-def quantiles(tolerances: Sequence[Tolerance], runs: int, seed: int) -> Array:
+def quantiles(inputs: Sequence[UncertainInput], runs: int, seed: int) -> Array:
     """Return quantiles for some runs, shape (runs, numbers drawn).
 
     Each depends on seed, run and path alone: another tolerance in the case, or more runs, change none of them.
     """
-    return np.array(
-        [np.concatenate([_random(tolerance, run, seed) for tolerance in tolerances]) for run in range(runs)]
-    )
+    return np.array([np.concatenate([_random(one, run, seed) for one in inputs]) for run in range(runs)])
 
 
-def _random(tolerance: Tolerance, run: int, seed: int) -> Array:
+def _random(one: UncertainInput, run: int, seed: int) -> Array:
     """Return the random numbers of one tolerance in one run; a striker has the same whether others are drawn or not."""
-    source = np.random.Philox(np.random.SeedSequence(seed, spawn_key=(run, *tolerance.path.encode())))
-    numbers = np.random.Generator(source).random(max(tolerance.strikers, default=1))
-    return numbers[np.array(tolerance.strikers) - 1] if tolerance.strikers else numbers
+    source = np.random.Philox(np.random.SeedSequence(seed, spawn_key=(run, *one.path.encode())))
+    numbers = np.random.Generator(source).random(max(one.strikers, default=1))
+    return numbers[np.array(one.strikers) - 1] if one.strikers else numbers
 
 
-def drawn(tolerances: Sequence[Tolerance], points: Array) -> Array:
+def drawn(inputs: Sequence[UncertainInput], points: Array) -> Array:
     """Return what is drawn at quantiles, shape (runs, numbers drawn), in SI."""
     columns, place = [], 0
-    for tolerance in tolerances:
-        columns.append(draw(tolerance.value, tolerance.allowed, points[:, place : place + tolerance.count]))
-        place += tolerance.count
+    for one in inputs:
+        columns.append(one.at(points[:, place : place + one.count]))
+        place += one.count
     return np.concatenate(columns, axis=1)
 
 
-def nominal(tolerances: Sequence[Tolerance]) -> Array:
+def nominal(inputs: Sequence[UncertainInput]) -> Array:
     """Return the nominal values in the order of the drawn numbers, shape (1, numbers drawn)."""
-    return np.array([[tolerance.value.si for tolerance in tolerances for _ in range(tolerance.count)]])
+    return np.array([[one.value.si for one in inputs for _ in range(one.count)]])
 
 
-def drawn_case(case: Case, tolerances: Sequence[Tolerance], numbers: Sequence[float]) -> Case:
+def drawn_case(case: Case, inputs: Sequence[UncertainInput], numbers: Sequence[float]) -> Case:
     """Return a case with what was drawn instead of what has a tolerance; strikers get rows of their own.
 
     Examples
@@ -175,11 +231,11 @@ def drawn_case(case: Case, tolerances: Sequence[Tolerance], numbers: Sequence[fl
     own: dict[int, dict[str, Value]] = {}
     once: dict[str, Value] = {}
     left = iter(numbers)
-    for tolerance in tolerances:
-        for number in tolerance.strikers:
-            own.setdefault(number, {})[OF_EACH_STRIKER[tolerance.path]] = _exactly(tolerance, next(left))
-        if not tolerance.strikers:
-            once[tolerance.path] = _exactly(tolerance, next(left))
+    for one in inputs:
+        for number in one.strikers:
+            own.setdefault(number, {})[OF_EACH_STRIKER[one.path]] = _exactly(one, next(left))
+        if not one.strikers:
+            once[one.path] = _exactly(one, next(left))
     changed = case.with_values(once, keep_tolerances=False)
     return changed.model_copy(update={"striker": _with_rows(changed.rotary_tables().striker, own)}) if own else changed
 
@@ -193,8 +249,8 @@ def _with_rows(striker: Any, own: dict[int, dict[str, Value]]) -> Any:
     return striker.model_copy(update={"each": tuple(rows[number] for number in sorted(rows))})
 
 
-def _exactly(tolerance: Tolerance, number: float) -> Value:
+def _exactly(one: UncertainInput, number: float) -> Value:
     """Return a drawn number as a value without tolerance that reads back bit for bit."""
     number = float(number)
-    typed = f"{number!r} {tolerance.allowed.unit}" if tolerance.allowed.unit in DIMENSIONS else number
-    return tolerance.value.model_copy(update={"si": number, "typed": typed, "tolerance": None})
+    typed = f"{number!r} {one.allowed.unit}" if one.allowed.unit in DIMENSIONS else number
+    return Value(si=number, typed=typed, provenance=one.value.provenance, note=one.value.note)

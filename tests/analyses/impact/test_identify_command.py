@@ -108,14 +108,19 @@ def test_exit_3_where_the_law_does_not_describe_the_blow(command):
     assert err.count("does not describe") == 1
 
 
-def test_a_folder_holds_picture_and_document(command):
+def test_a_folder_holds_page_picture_and_document(command, read_page):
     code, _, err = command(written("N"), "--mass", "0.1393 kg", "--out", "told")
     assert code == 0
     assert "written: told/" in err
-    assert sorted(os.listdir("told")) == ["identify.json", "record.toml", "summary.svg"]
+    assert sorted(os.listdir("told")) == ["identify.json", "record.toml", "report.html", "summary.svg"]
     ElementTree.parse("told/summary.svg")
     with open("told/identify.json") as file:
-        assert json.load(file)["values"]["mass"]["value"] == 0.1393
+        found = json.load(file)
+    assert found["values"]["mass"]["value"] == 0.1393
+    page = read_page("told/report.html")
+    (exponent,) = [value for label, value in page.numbers.items() if label.startswith("exponent")]
+    assert exponent == f"{found['values']['exponent']['value']:.5g}"
+    assert page.pictures == 1
 
 
 @pytest.mark.parametrize(

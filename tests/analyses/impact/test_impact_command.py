@@ -237,15 +237,19 @@ def test_a_deep_indentation_of_a_sphere_is_warned_of(impact):
     assert document["warnings"][0]["value"] == pytest.approx(document["max_indentation"] / 1e-3, rel=1e-12)
 
 
-def test_out_holds_the_document_and_a_picture(strikewave, tmp_path):
+def test_out_holds_page_document_and_picture(strikewave, tmp_path, read_page):
     words = ("impact", *BODIES, "--law", "johnson", *LINE, "-e", "0.7", "--yield-pressure", "1.2 GPa", "--repeat", "9")
     code, out, err = strikewave(*words, "--out", "a", "--json")
     assert code == 0
-    assert "written: a/ (impact.svg, history.csv, impact.json, record.toml)" in err
-    assert sorted(os.listdir("a")) == ["history.csv", "impact.json", "impact.svg", "record.toml"]
+    assert "written: a/ (report.html, impact.svg, history.csv, impact.json, record.toml)" in err
+    assert sorted(os.listdir("a")) == ["history.csv", "impact.json", "impact.svg", "record.toml", "report.html"]
     assert os.listdir(tmp_path) == ["a"]
     assert json.loads(open("a/impact.json", encoding="utf-8").read()) == json.loads(out)
     ElementTree.parse("a/impact.svg")
+    page, found = read_page("a/report.html"), json.loads(out)
+    assert page.numbers["peak force"] == f"{found['peak_force'] / 1e3:.4g} kN"
+    assert page.numbers["coefficient of restitution"] == f"{found['restitution']:.4g}"
+    assert (page.pictures, "Blows" in page.sections) == (1, True)
 
 
 def test_out_replaces_another_impact_by_force_alone(strikewave):

@@ -195,10 +195,11 @@ def test_a_file_that_is_none_is_bad_input(strikewave):
         assert f"FILE: {told}" in err
 
 
-def test_a_folder_appears_whole(strikewave, shot):
+def test_a_folder_appears_whole(strikewave, shot, read_page):
     code, out, err = strikewave("srs", shot, "--kind", "absolute", "--kind", "pseudo-velocity")
     assert code == 0
-    assert sorted(os.listdir("out/srs-shot")) == ["record.toml", "spectrum.csv", "summary.svg", "tripartite.svg"]
+    names = ["record.toml", "report.html", "spectrum.csv", "summary.svg", "tripartite.svg"]
+    assert sorted(os.listdir("out/srs-shot")) == names
     assert "Shock response spectrum" in out
     assert "written: out/srs-shot/" in err
     with open("out/srs-shot/spectrum.csv") as file:
@@ -208,3 +209,7 @@ def test_a_folder_appears_whole(strikewave, shot):
     assert [float(row.split(",")[1]) for row in rows] == pytest.approx(found["absolute"])
     for name in ("summary.svg", "tripartite.svg"):
         ElementTree.parse(f"out/srs-shot/{name}")
+    page = read_page("out/srs-shot/report.html")
+    largest = f"{max(found['absolute']) / 9.80665:.4g} g"
+    assert any("largest absolute response" in label and value == largest for label, value in page.numbers.items())
+    assert page.pictures == 4

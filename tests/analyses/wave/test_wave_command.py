@@ -335,7 +335,7 @@ def test_a_solution_with_a_stack_reads_back_the_same(fig5, tmp_path):
 def test_removing_all_gaskets_returns_the_direct_reading(fig5):
     """Same sensor, same tap: without gaskets and edge the buffered channel reads what the direct one reads, to 1e-9."""
     from strikewave import load_case
-    from strikewave.analyses.machine.run import observe
+    from strikewave.analyses.machine.observe import observe
 
     case = load_case("li-ma-2019-fig5", ["feed.blows=1"])
     bare = case.sensor[1].model_copy(update={"gasket": (), "edge_stiffness": None, "edge_damping": None})
@@ -362,7 +362,7 @@ def test_a_peak_beyond_one_dimensional_theory_is_refused_and_the_number_said():
 def test_the_paper_by_choice_superposes_rigid_and_wave():
     """By the printed route, total is rigid plus a wave that the contact force drives through endless fixtures."""
     from strikewave import load_case
-    from strikewave.analyses.machine.run import observe
+    from strikewave.analyses.machine.observe import observe
 
     changes = ["feed.blows=1", "solver.bandwidth=100 kHz"]
     exact = observe(load_case("li-ma-2019-fig13", changes))

@@ -10,7 +10,8 @@ import numpy as np
 import pytest
 
 from strikewave import load_case
-from strikewave.analyses.machine.run import observe, run_case
+from strikewave.analyses.machine.observe import observe
+from strikewave.analyses.machine.run import run_case
 from strikewave.base.constants import STANDARD_GRAVITY
 from strikewave.cases.case import dump_case, parse_case
 from strikewave.papers.li_ma_2019 import gaskets, joints

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from strikewave import load_case
-from strikewave.analyses.machine.run import observe
+from strikewave.analyses.machine.observe import observe
 from strikewave.analyses.wave.run import run_wave
 from strikewave.base.constants import STANDARD_GRAVITY
 from strikewave.base.errors import InputError

@@ -99,10 +99,18 @@ def test_json_ranks_every_stack_and_writes_nothing(strikewave, bar):
 
 
 @pytest.mark.verify
-def test_the_written_case_reads_what_the_study_said(strikewave, bar):
+def test_the_written_case_reads_what_the_study_said(strikewave, bar, read_page):
     code, out, _ = strikewave("buffer", bar, "--limit", "5000 g", *FEW, "--out", "there")
     assert code == 0
-    files = {"case.toml", "buffer.json", "buffers.csv", "peak-bandwidth.svg", "histories.svg", "transmissibility.svg"}
+    files = {
+        "case.toml",
+        "buffer.json",
+        "buffers.csv",
+        "peak-bandwidth.svg",
+        "histories.svg",
+        "transmissibility.svg",
+        "report.html",
+    }
     assert set(os.listdir("there")) == files
     assert "back-effect" in out
     with open("there/buffer.json") as file:
@@ -111,6 +119,11 @@ def test_the_written_case_reads_what_the_study_said(strikewave, bar):
         rows = list(csv.DictReader(file))
     assert float(rows[0]["peak [m/s^2]"]) == pytest.approx(first["peak"], rel=1e-8)
     assert first["name"] in out
+    page = read_page("there/report.html")
+    assert page.numbers["reading on the first; limit 5000 g"] == f"{first['true_peak'] / 9.80665:.4g} g"
+    assert page.pictures == 3
+    assert first["name"] in page.text
+    assert "strikewave buffer bar.toml --limit" in page.text
     _, out, _ = strikewave("wave", "there/case.toml", "--json")
     assert json.loads(out)["sensors"]["acc"]["peak"] == pytest.approx(first["peak"], rel=1e-9)
 

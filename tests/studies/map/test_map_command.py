@@ -24,19 +24,24 @@ from strikewave.studies.map.study import MapStudy, plan_of
 FEW = ("map", "li-ma-2019", "--points", "4x3", "--workers", "1", "--train", "0", "--set", "feed.blows=3")
 
 
-def test_files_agree_and_the_nearest_case_reads_back(strikewave):
+def test_files_agree_and_the_nearest_case_reads_back(strikewave, read_page):
     code, out, _ = strikewave(*FEW, "--want-cv", "4.5 %")
     assert code == 0
     (folder,) = Path("out").iterdir()
     assert folder.name.startswith("map-li-ma-2019-")
-    names = {"case.toml", "map.json", "map.nc", "map.csv", "map.svg", "map.png", "equal-blows.toml"}
+    names = {"case.toml", "map.json", "map.nc", "map.csv", "map.svg", "map.png", "equal-blows.toml", "report.html"}
     assert {path.name for path in folder.iterdir()} == names
-    assert "a full run has a CV of" in out
+    assert "The nearest setting with a CV" in out
     document = json.loads((folder / "map.json").read_text())
     assert np.shape(document["cells"]["cv"]) == (1, 3, 4)
     changed = load_case(str(folder / "equal-blows.toml"))
     assert changed.machine.speed.si == pytest.approx(document["nearest"]["settings"]["machine.speed"], rel=1e-8)
     assert "nearest within 4.5 %" in out
+    page, speed = read_page(folder / "report.html"), document["nearest"]["settings"]["machine.speed"]
+    assert page.numbers["machine.speed, nearest with equal blows"] == f"{speed * 30.0 / np.pi:.5g} rpm"
+    assert page.numbers["mean peak there"] == f"{document['nearest']['full_run']['peak'] / 9.80665:.4g} g"
+    assert page.pictures == 1
+    assert "strikewave map li-ma-2019 --points 4x3" in page.text
 
 
 def test_changed_case_never_replaces_the_unchanged_one(strikewave):
@@ -62,7 +67,7 @@ def test_case_that_is_even_is_told_so(strikewave):
     """With a limit above its own CV, the case is the nearest even setting, and the file is the case."""
     code, out, _ = strikewave(*FEW, "--want-cv", "20 %", "--out", "here")
     assert code == 0
-    assert "The case has equal blows already" in out
+    assert "The case itself has a CV" in out
     assert load_case("here/equal-blows.toml").machine.speed.typed == load_case("li-ma-2019").machine.speed.typed
 
 
@@ -78,7 +83,7 @@ def test_json_is_one_document_and_writes_nothing(strikewave):
 def test_no_even_setting_is_exit_code_3(strikewave):
     code, out, _ = strikewave(*FEW, "--want-cv", "0.000001 %")
     assert code == 3
-    assert "No setting of this map" in out
+    assert "No setting has blows" in out
 
 
 def test_the_same_map_again_replaces_the_old_one(strikewave):

@@ -17,7 +17,7 @@ from strikewave.machines import blows, run_machine
 from strikewave.studies.scatter.runs import Runner, RunResult, of_blows, run_result
 from strikewave.studies.scatter.study import ScatterPlan, scatter
 from strikewave.studies.settings.candidate import supply
-from strikewave.uncertainty.draws import draw, drawn, drawn_case, quantiles, tolerances_of
+from strikewave.uncertainty.draws import drawn, drawn_case, quantiles, stated, tolerances_of
 from strikewave.uncertainty.shares import (
     mixtures,
     scatter_shares,
@@ -62,7 +62,7 @@ def test_what_is_drawn_lies_in_the_band_and_where_it_may_be(value, share, quanti
     mass = Range("kg", 0.0, 1e6, open_low=True)
     read = mass.read({"value": f"{value!r} kg", "tolerance": f"{100 * share!r} %", "distribution": distribution})
     reach = read.half_width * (1.5 if distribution == "normal" else 1.0)
-    found = float(draw(read, mass, quantile))
+    found = float(stated("", read, mass).at(quantile))
     assert found > 0.0
     assert abs(found - read.si) <= reach * (1.0 + 1e-12)
 
@@ -74,13 +74,13 @@ def test_normal_draws_are_those_of_the_truncated_normal(low, high):
     u = np.linspace(0.001, 0.999, 201)
     a, b = max(-3.0, (low - 1.0) / 0.05), min(3.0, (high - 1.0) / 0.05)
     expected = stats.truncnorm(a, b, loc=1.0, scale=0.05).ppf(u)
-    np.testing.assert_allclose(draw(value, allowed, u), expected, rtol=1e-12)
+    np.testing.assert_allclose(stated("", value, allowed).at(u), expected, rtol=1e-12)
 
 
 def test_uniform_draws_end_where_the_quantity_does():
     allowed = Range("", 0.0, 1.0)
     value = allowed.read({"value": 0.9, "tolerance": 0.2, "distribution": "uniform"})
-    np.testing.assert_allclose(draw(value, allowed, [0.0, 0.5, 1.0]), [0.7, 0.85, 1.0], rtol=1e-15)
+    np.testing.assert_allclose(stated("", value, allowed).at([0.0, 0.5, 1.0]), [0.7, 0.85, 1.0], rtol=1e-15)
 
 
 def test_draws_depend_on_seed_run_and_path_alone():

@@ -40,18 +40,24 @@ def study(bare_case, tmp_path_factory):
     return scatter(load_case(str(file), changes), ScatterPlan(12, 3, "alone"))
 
 
-def test_files_appear_whole_and_agree(strikewave):
+def test_files_appear_whole_and_agree(strikewave, read_page):
     code, out, err = strikewave(*QUICK, *TWO)
     assert code == 0
     (folder,) = Path("out").iterdir()
     assert folder.name.startswith("scatter-li-ma-2019-")
-    assert sorted(path.name for path in folder.iterdir()) == ["case.toml", "runs.csv", "scatter.json", "scatter.svg"]
+    names = ["case.toml", "report.html", "runs.csv", "scatter.json", "scatter.svg"]
+    assert sorted(path.name for path in folder.iterdir()) == names
     assert f"written: {folder}/" in err
     for words in ("CV between runs", "dynamics", "Shares in the variance of the typical peak", "each striker"):
         assert words in out
     rows = list(csv.DictReader((folder / "runs.csv").open()))
     document = json.loads((folder / "scatter.json").read_text())
     assert len(rows) == document["runs"] == 10
+    page, typical = read_page(folder / "report.html"), document["figures"]["peak"]["typical"]
+    assert page.numbers["peak of the typical blow, mean of the runs"] == f"{typical['mean'] / 9.80665:.4g} g"
+    assert page.numbers["CV of that peak from run to run"] == f"{100.0 * typical['cv']:.3g} %"
+    assert page.pictures == 1
+    assert "strikewave scatter" in page.text
     means = np.array([float(row["mean peak [m/s^2]"]) for row in rows])
     assert document["figures"]["peak"]["mean"]["mean"] == pytest.approx(means.mean(), rel=1e-12)
     assert document["figures"]["peak"]["mean"]["cv"] == pytest.approx(means.std(ddof=1) / means.mean(), rel=1e-12)

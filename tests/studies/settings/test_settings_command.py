@@ -64,10 +64,15 @@ def test_document_says_goal_best_and_limits(strikewave):
 
 
 @pytest.mark.verify
-def test_folder_holds_case_document_and_picture(strikewave):
+def test_folder_holds_case_document_page_and_picture(strikewave, read_page):
     code, out, err = strikewave("settings", *GOAL, *FEW, "--blows", "3", "--out", "found")
     assert code == 0
-    assert {path.name for path in Path("found").iterdir()} == {"case.toml", "settings.json", "settings.svg"}
+    assert {path.name for path in Path("found").iterdir()} == {
+        "case.toml",
+        "report.html",
+        "settings.json",
+        "settings.svg",
+    }
     assert "settings give blows of 4000 g and 200 us every 20 ms" in out
     assert "warning [contact-yield]" in err
     case = load_case("found")
@@ -78,6 +83,12 @@ def test_folder_holds_case_document_and_picture(strikewave):
     assert engagement["provenance"] == "assumed"
     assert "chosen by strikewave settings" in engagement["note"]
     assert "<svg" in Path("found/settings.svg").read_text("utf-8")
+    page, found = read_page("found/report.html"), json.loads(Path("found/settings.json").read_text("utf-8"))
+    met = sum(row["meets"] for row in found["candidates"])
+    assert page.numbers["settings that meet the goal"] == f"{met} of {len(found['candidates'])}"
+    assert page.numbers["typical peak; wanted 4000 g"] == f"{found['best']['peak']['typical'] / 9.80665:.4g} g"
+    assert page.pictures == 1
+    assert "strikewave settings --interval" in page.text
 
 
 @pytest.mark.verify

@@ -6,7 +6,7 @@ from typing import Annotated
 
 import typer
 
-from strikewave.reporting.options import CaseName, Changes, Output
+from strikewave.reporting.options import CaseName, Changes, RunOutput
 
 
 def command(
@@ -39,7 +39,7 @@ def command(
     no_report: Annotated[bool, typer.Option("--no-report", help="Write no report.html.")] = False,
     animate: Annotated[bool, typer.Option("--animate", help="Write animation.html and animation.gif too.")] = False,
     changes: Changes = None,
-    output: Output,
+    output: RunOutput,
 ) -> int:
     """Run an explicit finite-element model.
 

@@ -8,8 +8,10 @@ from typing import TYPE_CHECKING, Any
 from strikewave.analyses.impact.figures.contact import asked_given, impact_sheet
 from strikewave.analyses.impact.figures.identified import identified_figure
 from strikewave.analyses.impact.identified import IdentifyResult
+from strikewave.analyses.impact.identified_report import identified_report
 from strikewave.analyses.impact.law_list import LawsResult
-from strikewave.analyses.impact.screen import ImpactResult
+from strikewave.analyses.impact.report import impact_report
+from strikewave.analyses.impact.result import ImpactResult
 from strikewave.reporting.style import titled
 
 if TYPE_CHECKING:
@@ -37,4 +39,5 @@ picture: dict[type, Callable[[Any], Figure]] = {
     IdentifyResult: identified_picture,
     LawsResult: laws_picture,
 }
-"""What a result draws of itself in Python, see `strikewave.reporting.shown_result`."""
+page: dict[type, Callable[[Any], str]] = {ImpactResult: impact_report, IdentifyResult: identified_report}
+"""What a result draws of itself in Python, see `strikewave.reporting.shown_result`; so does `picture`."""

@@ -82,7 +82,8 @@ def command(
     (masses, speed, stiffness, n, e) is given; the rest is found with its standard error, or it is reported why it
     cannot be. The exit code is 3 where the law does not describe the blow.
     """
-    from strikewave.analyses.impact.identified import Given, identify_contact
+    from strikewave.analyses.impact.identified import Given
+    from strikewave.analyses.impact.identified_screen import identify_contact
 
     known = {"speed": speed, "stiffness": stiffness, "exponent": exponent, "restitution": restitution}
     given = Given(

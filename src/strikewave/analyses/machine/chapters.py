@@ -9,9 +9,9 @@ from typing import TYPE_CHECKING
 from strikewave.analyses.machine.columns import headings, shown_in
 from strikewave.analyses.machine.kind import kind_of
 from strikewave.analyses.machine.words import (
-    ANSWER_HEADS,
     ANSWERS_CALLED,
     MACHINES,
+    answer_heads,
     answer_rows,
     launch_tables,
     reference_law,
@@ -144,7 +144,7 @@ def _answers(solution: Solution) -> list[Table]:
         f"{ANSWERS_CALLED}. The weaker material first yields inside at {passed}. Low and high are the ends of what is "
         f"known of the pressure that the contact bears. {asked[0].upper()}{asked[1:]}."
     )
-    return [Table(caption, ANSWER_HEADS, rows)]
+    return [Table(caption, answer_heads(), rows)]
 
 
 def pulse_pictures(solution: Solution, moving: str = "") -> Section:

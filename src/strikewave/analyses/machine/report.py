@@ -9,6 +9,7 @@ from strikewave.analyses.machine import chapters
 from strikewave.analyses.machine.stack_chapters import accuracy_section, sensor_section, stack_section
 from strikewave.analyses.machine.words import key_numbers, summary_words
 from strikewave.reporting import chapters as shared
+from strikewave.reporting.bands import band_sections
 from strikewave.reporting.parts import Section
 
 if TYPE_CHECKING:
@@ -40,7 +41,7 @@ def report(solution: Solution, sections: Sequence[Section] = (), moving: str = "
         *sensor_section(solution),
         *sections,
         chapters.blow_table(solution),
-        *shared.band_sections(solution.band),
+        *band_sections(solution),
         *shared.published(solution.comparisons),
         shared.warnings(solution.notices),
         chapters.setup(solution.case),

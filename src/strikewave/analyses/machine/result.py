@@ -19,9 +19,10 @@ from typing import TYPE_CHECKING, Any, ClassVar
 from strikewave._version import __version__
 from strikewave.analyses.machine.columns import BLOW_SI, BLOW_UNITS, HIDDEN, shown_in
 from strikewave.analyses.machine.contact_answers import ANSWER_UNITS, ContactAnswer, ContactAnswers
+from strikewave.analyses.machine.figures_of import figures_of, sensor_figures
 from strikewave.analyses.machine.sensor_readings import BlowReading
 from strikewave.base.errors import InputError
-from strikewave.base.result import SCHEMA, Comparison, Notice, Source, comparison_document
+from strikewave.base.result import SCHEMA, Band, BandMethod, Comparison, Notice, Source, comparison_document
 from strikewave.cases.case import PUBLISHED_QUANTITIES, Case, dump_case, parse_case
 from strikewave.machines import Blow
 from strikewave.machines.blows import KINDS
@@ -192,7 +193,13 @@ class Solution(ShownResult):
             "waves": dataclasses.asdict(self.waves) if self.waves else None,
             "published": [comparison_document(c, "note", "sensor") for c in self.comparisons],
             "fitted_fields": self.case.fitted_fields(),
+            **self.band_content(),
         }
+
+    @property
+    def figures(self) -> dict[str, float]:
+        """The results that may have a band, by name, SI."""
+        return {**figures_of(self.blows), **sensor_figures(self.readings)}
 
     def _launched(self) -> dict[str, Any]:
         """Return what the JSON document says of a machine without a drive; nothing of one with a drive."""
@@ -278,6 +285,7 @@ class Solution(ShownResult):
             "launch": self.launch,
             "collisions": [dataclasses.asdict(collision) for collision in self.collisions],
             "contact": dataclasses.asdict(self.contact) if self.contact else None,
+            **self.band_content(),
         }
         attributes = {
             "strikewave_schema": SCHEMA,
@@ -339,6 +347,8 @@ def load_solution(path: Path | str) -> Solution:
             launch=state["launch"],
             collisions=tuple(LineCollision(**row) for row in state["collisions"]),
             contact=_contact(state["contact"]),
+            band={name: Band.read(row) for name, row in state["band"].items()},
+            band_method=None if state["band_method"] is None else BandMethod.read(state["band_method"]),
         )
     except InputError:
         raise

@@ -3,60 +3,49 @@
 from __future__ import annotations
 
 import dataclasses
-import math
 from collections.abc import Callable, Sequence
 from statistics import median
 
-import numpy as np
-
-from strikewave.analyses.machine.build import build_machine
 from strikewave.analyses.machine.dataset import build_dataset
 from strikewave.analyses.machine.feed_notices import feed_notices
 from strikewave.analyses.machine.kind import Release, kind_of
 from strikewave.analyses.machine.launched import line_collisions, release
 from strikewave.analyses.machine.notices import launch_notices, notices, wave_notices
+from strikewave.analyses.machine.observe import observe
 from strikewave.analyses.machine.result import RigidReference, Solution
 from strikewave.analyses.machine.sensor_readings import (
     BlowReading,
     Observed,
-    ReadingSetup,
-    blow_history,
-    blow_reading,
     without_peaks,
 )
 from strikewave.analyses.machine.yielding import contact_answers
 from strikewave.base import citations
-from strikewave.base.errors import InputError
 from strikewave.base.quantities import AUTO
 from strikewave.base.result import Comparison, balance_notices
 from strikewave.cases.case import Case
 from strikewave.cases.comparisons import comparisons
 from strikewave.cases.contact_of_case import contact_source
-from strikewave.cases.sensors_of_case import build_channels
-from strikewave.cases.stack_of_case import build_taps, check_route
 from strikewave.contact import damping_law, solve_impact
-from strikewave.machines import Blow, Machine, blows, run_machine
+from strikewave.machines import Blow, Machine
 from strikewave.machines.spans import StackSpan
-from strikewave.machines.strike import kept_step
 from strikewave.sensors.channel import channel_notices, sensor_sources
-from strikewave.waves import Stack
-from strikewave.waves.limits import honest_bandwidth
 from strikewave.waves.routes import EXACT
 from strikewave.waves.setup import wave_setup
 
-LOWEST_BANDWIDTH = 1e3
-"""Lowest bandwidth of the acceleration of a blow, which lasts a millisecond, Hz."""
 
-
-def run_case(case: Case, progress: Callable[[float], None] | None = None) -> Solution:
+def run_case(case: Case, progress: Callable[[float], None] | None = None, *, band: bool = False) -> Solution:
     """Run a case and return its solution.
+
+    The bands of its results take several hundred further runs, some 0.4 s, and are only found where they are asked for.
 
     Parameters
     ----------
     case : Case
         What to run.
     progress : callable, optional
-        Called with the share done, 0 to 1.
+        Called with the share done, 0 to 1; of the bands it begins again.
+    band : bool, optional
+        Whether the band of each result is found; see `strikewave.analyses.machine.band`.
 
     Raises
     ------
@@ -96,7 +85,7 @@ def run_case(case: Case, progress: Callable[[float], None] | None = None) -> Sol
     )
     balance = {"energy_error": run.energy_error, "momentum_error": momentum}
     struck = machine.struck
-    return Solution(
+    solution = Solution(
         case=case,
         blows=seen.blows,
         masses={"striker": machine.strikers.mass, "object": struck.mass, "assembly": struck.assembly_mass},
@@ -113,6 +102,15 @@ def run_case(case: Case, progress: Callable[[float], None] | None = None) -> Sol
         collisions=line_collisions(start) if start else (),
         contact=answers,
     )
+    return with_bands(solution, progress) if band else solution
+
+
+def with_bands(solution: Solution, progress: Callable[[float], None] | None = None) -> Solution:
+    """Return a solution with the band of each result; see `strikewave.analyses.machine.band`."""
+    from strikewave.analyses.machine.band import machine_bands  # the fast engine, which a run alone does not need
+
+    bands, method = machine_bands(solution.case, solution.blows, solution.readings, progress)
+    return dataclasses.replace(solution, band=bands, band_method=method)
 
 
 def launch_of(machine: Machine, start: Release) -> dict[str, float]:
@@ -125,63 +123,6 @@ def launch_of(machine: Machine, start: Release) -> dict[str, float]:
         "energy_at_touch": 0.5 * striker.mass * start.striker**2 + 0.5 * machine.struck.mass * start.object**2 + energy,
     }
     return numbers if start.gain is None else {**numbers, "gain": start.gain}
-
-
-def observe(case: Case, progress: Callable[[float], None] | None = None) -> Observed:
-    """Run a machine case and look at each blow with its taps and sensors; see `run_case`."""
-    machine = build_machine(case)
-    stack = machine.layered.stack if machine.layered else None
-    taps = build_taps(case) if machine.layered else ()
-    route = case.solver.route
-    channels = build_channels(case)
-    if route != EXACT and stack is None:
-        raise InputError("solver.route", route, EXACT, "the object of this case is no stack")
-    check_route(case, taps, channels)
-    view = ReadingSetup(channels, stated_bandwidth(case, stack), case.impact().recorder.begin, route)
-    if machine.layered is not None:
-        check_rates(case, view, kept_step(machine.layered.grid))
-    run = run_machine(machine, case.solver.tolerance.si, progress)
-    run_blows = blows(run)
-    if case.launched() is not None:
-        run_blows = tuple(dataclasses.replace(blow, turntable_speed=math.nan) for blow in run_blows)
-    first = next((blow for blow in run_blows if blow.kind != "missed"), None)
-    histories = tuple(
-        None if blow.kind == "missed" else blow_history(run, blow, view, routes=blow is first) for blow in run_blows
-    )
-    readings = tuple(history and blow_reading(history, view) for history in histories)
-    return Observed(run, run_blows, view, tuple(name for name, _ in taps), histories, readings)
-
-
-def check_rates(case: Case, view: ReadingSetup, step: float) -> None:
-    """Refuse a bandwidth or a filter that the histories of a stack, or its short blows, cannot show.
-
-    Raises
-    ------
-    InputError
-        With the field.
-    """
-    highest = 0.5 / step
-    bandwidth = case.solver.bandwidth
-    if bandwidth is not None and not LOWEST_BANDWIDTH <= view.bandwidth < highest:
-        allowed = f"{LOWEST_BANDWIDTH / 1e3:g} kHz to {highest / 1e6:.3g} MHz, half the rate at which waves are kept"
-        raise InputError("solver.bandwidth", bandwidth.typed, allowed)
-    for channel in view.channels:
-        cutoff = channel.recorder.cutoff
-        if not math.isinf(cutoff) and cutoff >= highest:
-            field = f"sensor.{channel.sensor.name}.cutoff"
-            raise InputError(
-                field, f"{cutoff:g} Hz", f"below {highest / 1e6:.3g} MHz, half the rate at which waves are kept"
-            )
-
-
-def stated_bandwidth(case: Case, stack: Stack | None) -> float:
-    """Return the bandwidth at which total and wave acceleration are stated, Hz.
-
-    That of the case, or the largest one at which one-dimensional theory needs no warning.
-    """
-    if case.solver.bandwidth is not None:
-        return case.solver.bandwidth.si
-    return np.inf if stack is None else honest_bandwidth(stack)
 
 
 def rigid_reference(case: Case, machine: Machine) -> RigidReference:

@@ -8,12 +8,12 @@ from pathlib import Path
 
 from strikewave.analyses.machine.columns import screen_columns, shown_in
 from strikewave.analyses.machine.result import Solution
-from strikewave.analyses.machine.run import run_case
+from strikewave.analyses.machine.run import run_case, with_bands
 from strikewave.analyses.machine.words import (
-    ANSWER_HEADS,
     ANSWERS_CALLED,
-    COLLISION_HEADS,
+    answer_heads,
     answer_rows,
+    collision_heads,
     collision_rows,
     reference_law,
     restitution_words,
@@ -25,12 +25,13 @@ from strikewave.cases.case import Case, dump_case
 from strikewave.cases.losses_of_case import fitted_losses
 from strikewave.cases.sensors_of_case import build_channels
 from strikewave.reporting.layout import KEY, MORE, keys, numerals
-from strikewave.reporting.numbers import with_unit
+from strikewave.reporting.numbers import headed, with_unit
 from strikewave.reporting.options import Output
 from strikewave.reporting.run_and_write import Command, case_folder, run_and_write
 from strikewave.reporting.terminal import (
     fixed,
     number,
+    print_bands,
     print_fits,
     print_losses,
     print_published,
@@ -41,7 +42,9 @@ from strikewave.reporting.terminal import (
 )
 
 
-def run_machine_case(case: Case, changes: Sequence[str], output: Output, animate: bool = False) -> int:
+def run_machine_case(
+    case: Case, changes: Sequence[str], output: Output, animate: bool = False, band: bool = True
+) -> int:
     """Run a machine case, write and print its result, and return the exit code.
 
     Raises
@@ -52,7 +55,7 @@ def run_machine_case(case: Case, changes: Sequence[str], output: Output, animate
     output.check_animation(animate)
     case = output.tested(case)
     text = dump_case(case)
-    return run_and_write(MachineCommand(case, animate), output, case_folder(case.name, text, changes), text)
+    return run_and_write(MachineCommand(case, animate, band), output, case_folder(case.name, text, changes), text)
 
 
 @dataclass(frozen=True)
@@ -61,12 +64,17 @@ class MachineCommand(Command[Solution]):
 
     case: Case
     animate: bool = False
+    band: bool = True
 
     def solve(self) -> Solution:
         """Return the solution, with a bar on stderr."""
         say_compiling()
         with progress_bar("blows") as report:
-            return run_case(self.case, report)
+            solution = run_case(self.case, report)
+        if not self.band:
+            return solution
+        with progress_bar("band") as report:
+            return with_bands(solution, report)
 
     def summary(self, result: Solution) -> str:
         """Say what happened."""
@@ -92,6 +100,7 @@ def show(solution: Solution) -> None:
         for b in solution.blows
     ]
     table(solution.title, screen_columns("blows"), rows)
+    print_bands(solution, solution.figures)
     _print_waves(solution)
     _print_struck(solution, "contact", "Contact, blow by blow")
     _print_answers(solution)
@@ -129,7 +138,7 @@ def _print_answers(solution: Solution) -> None:
     if answers is None:
         return
     if answers.differ:
-        named, pressure, *others, back = ANSWER_HEADS
+        named, pressure, *others, back = answer_heads()
         columns = [
             *keys(named),
             *numerals(pressure, priority=MORE),
@@ -166,15 +175,15 @@ def _print_waves(solution: Solution) -> None:
             pulse = reading.sensors[name]
             cells.append(number(pulse.peak, "m/s^2", "g", 5) + (" clipped" if pulse.clipped else ""))
         rows.append([str(blow.index), *cells])
-    waves = ["rigid (g)", "total (g)", "wave (g)"] if solution.waves else ["rigid (g)"]
-    sensors = numerals(*(f"sensor {name} (g)" for name in names))
+    kinds = ("rigid", "total", "wave") if solution.waves else ("rigid",)
+    peaks_of = [headed(name, "m/s^2", "g") for name in (*kinds, *(f"sensor {name}" for name in names))]
     title = f"Peak accelerations, route {solution.case.solver.route}{stated}"
-    table(title, [*numerals("#", priority=KEY), *numerals(*waves), *sensors], rows)
+    table(title, [*numerals("#", priority=KEY), *numerals(*peaks_of)], rows)
     setup = solution.waves
     if setup is not None:
         tell(
-            f"waves: time step {setup.step * 1e9:.4g} ns, which changes a layer's length by {setup.mismatch:.1e} of it "
-            "at most (layer by layer in the report)"
+            f"waves: time step {with_unit(setup.step, 's', 'ns')}, which changes a layer's length by "
+            f"{setup.mismatch:.1e} of it at most (layer by layer in the report)"
         )
     print_losses(build_channels(solution.case))
     print_fits(fitted_losses(solution.case))
@@ -183,6 +192,6 @@ def _print_waves(solution: Solution) -> None:
 def _print_collisions(solution: Solution) -> None:
     """Print the collisions of the bodies of an amplifier."""
     if solution.collisions:
-        time, lower, upper, *others = COLLISION_HEADS
+        time, lower, upper, *others = collision_heads()
         columns = [*numerals(time, priority=KEY), *keys(lower), *keys(upper), *numerals(*others)]
         table("Collisions in the line, by restitution alone", columns, collision_rows(solution))

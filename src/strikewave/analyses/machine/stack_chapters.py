@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from strikewave.reporting.curves import Trace, traces
-from strikewave.reporting.numbers import fixed, with_unit
+from strikewave.reporting.numbers import fixed, heads, with_unit
 from strikewave.reporting.parts import Cell, Part, Picture, Section, Table, Tag
 from strikewave.reporting.stack_chapters import (
     PEAK_WORDS,
@@ -26,6 +26,8 @@ if TYPE_CHECKING:
 
 
 _SINCE_TOUCH = "time after first touch"
+_PEAKS = [(name, "m/s^2", "g", 0) for name in ("rigid", "total", "wave")]
+_PULSE = [("peak", "m/s^2", "g", 0), ("pulse width at 10 %", "s", "us", 1)]
 
 
 def struck_field(solution: Solution) -> WaveField | None:
@@ -46,7 +48,7 @@ def struck_field(solution: Solution) -> WaveField | None:
         data["field_force"].values,
         None,
         build_taps(solution.case),
-        "time after first touch",
+        _SINCE_TOUCH,
     )
 
 
@@ -73,7 +75,7 @@ def stack_section(solution: Solution) -> list[Section]:
     text = f"{PEAK_WORDS} Total and wave are stated{band}, at the tap {names[0]}; route: {route}."
     if refused:
         text += " No peak of total and wave is quoted: see the warning on the rise."
-    table = Table("Rigid, total and wave acceleration", ["blow", "rigid (g)", "total (g)", "wave (g)"], rows)
+    table = Table("Rigid, total and wave acceleration", ["blow", *heads(_PEAKS)], rows)
     parts: list[Part] = []
     time = data["pulse_time"].values
     until = _settled(data["tap_force"].values[first])
@@ -165,5 +167,5 @@ def sensor_section(solution: Solution) -> list[Section]:
         )
     index = solution.blows[struck[0]].index
     picture = traces(f"What the sensors read, blow {index}", curves, "g", _SINCE_TOUCH)
-    table = Table("Sensor readings", ["blow", "sensor", "peak (g)", "pulse width at 10 % (µs)", "clipped"], rows)
+    table = Table("Sensor readings", ["blow", "sensor", *heads(_PULSE), "clipped"], rows)
     return [sensor_part(channels, picture, table)]

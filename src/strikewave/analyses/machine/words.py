@@ -12,8 +12,8 @@ from strikewave.analyses.machine.contact_answers import ContactAnswers
 from strikewave.analyses.machine.kind import MachineKind, kind_of
 from strikewave.cases.machine_tables import KINDS
 from strikewave.cases.yield_pressure import YIELDING
-from strikewave.reporting.numbers import fixed, heads, listed, percent, with_band, with_unit
-from strikewave.reporting.parts import NONE, Cell, Table
+from strikewave.reporting.numbers import fixed, headed, heads, listed, shown, with_band, with_unit
+from strikewave.reporting.parts import NONE, Cell, Table, written
 
 if TYPE_CHECKING:
     from strikewave.analyses.machine.result import Solution
@@ -36,26 +36,30 @@ ANSWER_COLUMNS = (
     ("width", "s", "us", 1),
     ("restitution", "1", "1", 3),
 )
-ANSWER_HEADS = ["contact", *heads([(CALLED.get(column[0], column[0]), *column[1:]) for column in ANSWER_COLUMNS])]
 ANSWERS_CALLED = "First blow with its contact elastic and yielding"
 
-COLLISION_HEADS = (
-    *("time (ms)", "lower", "upper", "lower before (m/s)", "upper before (m/s)"),
-    *("lower after (m/s)", "upper after (m/s)", "impulse (N s)", "energy lost (J)"),
+_COLLISION_COLUMNS = (
+    ("lower_before", "m/s", "m/s"),
+    ("upper_before", "m/s", "m/s"),
+    ("lower_after", "m/s", "m/s"),
+    ("upper_after", "m/s", "m/s"),
+    ("impulse", "N s", "N s"),
+    ("energy_lost", "J", "J"),
 )
 
 
 def settings(solution: Solution) -> list[str]:
     """Return the main settings of a machine, each with its unit."""
     case = solution.case
-    shown = []
+    words = []
     for key, si, unit, name in kind_of(case).settings:
         value = getattr(case.machine, key)
         if value is not None:
-            shown.append(f"{name} {with_unit(value.si, si, unit)}".strip() if si else f"{value.si:.0f} {name}")
+            words.append(f"{name} {with_unit(value.si, si, unit)}".strip() if si else f"{value.si:.0f} {name}")
     approach = solution.launch.get("approach_speed", solution.reference.approach_speed)
-    shown += [f"nominal approach {approach:.4g} m/s", f"object {solution.masses['object']:.4g} kg"]
-    return shown + ([f"{case.feed.blows.si:.0f} blows wanted"] if case.feed else [])
+    words += [f"nominal approach {with_unit(approach, 'm/s', 'm/s')}"]
+    words += [f"object {with_unit(solution.masses['object'], 'kg', 'kg')}"]
+    return words + ([f"{case.feed.blows.si:.0f} blows wanted"] if case.feed else [])
 
 
 def reference_law(case: Case) -> str:
@@ -63,8 +67,13 @@ def reference_law(case: Case) -> str:
     return kind_of(case).reference_law
 
 
+def answer_heads() -> list[str]:
+    """Return the heads of the answers of a contact, in the units shown."""
+    return ["contact", *heads([(CALLED.get(column[0], column[0]), *column[1:]) for column in ANSWER_COLUMNS])]
+
+
 def answer_rows(answers: ContactAnswers) -> list[list[str]]:
-    """Return the answers of a contact as the rows of a table; see `ANSWER_HEADS`."""
+    """Return the answers of a contact as the rows of a table; see `answer_heads`."""
     return [
         [
             row.name + (" (this run)" if row.name == answers.taken else ""),
@@ -94,20 +103,31 @@ def launch_tables(solution: Solution) -> list[Table]:
     collisions: list[list[Cell]] = [list(row) for row in collision_rows(solution)]
     if collisions:
         caption = "Collisions in the line, by restitution alone; speeds upwards, time after the lowest met the floor"
-        tables.append(Table(caption, list(COLLISION_HEADS), collisions))
+        tables.append(Table(caption, collision_heads(), collisions))
     return tables
 
 
+def collision_heads() -> list[str]:
+    """Return the heads of the collisions of a line of bodies, in the units shown.
+
+    Examples
+    --------
+    >>> collision_heads()[:4]
+    ['time (ms)', 'lower', 'upper', 'lower before (m/s)']
+    """
+    numbers = heads([(*column, 0) for column in _COLLISION_COLUMNS])
+    return [headed("time", "s", "ms"), "lower", "upper", *numbers]
+
+
 def collision_rows(solution: Solution) -> list[list[str]]:
-    """Return the collisions of a line of bodies as the rows of a table; see `COLLISION_HEADS`."""
+    """Return the collisions of a line of bodies as the rows of a table; see `collision_heads`."""
     return [
         [
             fixed(c.time, "s", "ms", 4),
             c.lower,
             c.upper,
-            *(f"{v:.4f}" for v in (c.lower_before, c.upper_before, c.lower_after, c.upper_after)),
-            f"{c.impulse:.5g}",
-            f"{c.energy_lost:.5g}",
+            *(fixed(getattr(c, name), si, unit, 4) for name, si, unit in _COLLISION_COLUMNS[:4]),
+            *(written(shown(getattr(c, name), si, unit), 5) for name, si, unit in _COLLISION_COLUMNS[4:]),
         ]
         for c in solution.collisions
     ]
@@ -149,17 +169,7 @@ def summary_words(solution: Solution) -> str:
             f"Later blows: {with_band(peak, band.get('typical.rigid_peak'), 'm/s^2', 'g')} and "
             f"{with_band(span, band.get('typical.width'), 's', 'us')} (medians)."
         )
-    return " ".join([*words, *_felt_words(solution), *_band_words(solution)])
-
-
-def _band_words(solution: Solution) -> list[str]:
-    """Say what the bands are, and which inputs that of the first peak comes from; nothing without bands."""
-    band = solution.band.get("first.rigid_peak")
-    if band is None:
-        return []
-    shares = [f"{one.field} ({percent(one.share, 0)})" for one in band.inputs]
-    most = f"; most of that of the first peak is from {listed(shares)}" if shares else ""
-    return [f"In brackets: {percent(band.level, 0)} of the results within what is known of the inputs{most}."]
+    return " ".join([*words, *_felt_words(solution)])
 
 
 def key_numbers(solution: Solution) -> list[tuple[str, str]]:

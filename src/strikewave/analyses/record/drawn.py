@@ -10,6 +10,7 @@ from strikewave.analyses.record.figures.spectra import record_summary, srs_figur
 from strikewave.analyses.record.report import record_report
 from strikewave.analyses.record.result import RecordResult
 from strikewave.analyses.record.spectrum import SpectrumResult
+from strikewave.analyses.record.spectrum_report import spectrum_report
 from strikewave.reporting.style import save, titled
 
 if TYPE_CHECKING:
@@ -27,7 +28,7 @@ def spectrum_picture(result: SpectrumResult) -> Figure:
 
 
 picture: dict[type, Callable[[Any], Figure]] = {RecordResult: record_picture, SpectrumResult: spectrum_picture}
-page: dict[type, Callable[[Any], str]] = {RecordResult: record_report}
+page: dict[type, Callable[[Any], str]] = {RecordResult: record_report, SpectrumResult: spectrum_report}
 """What a result draws of itself in Python, see `strikewave.reporting.shown_result`; so does `picture`."""
 
 

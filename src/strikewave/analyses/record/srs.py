@@ -64,7 +64,8 @@ def command(
 
     They are those of a record, its baseline taken off. With --json, no files are written unless --out is given.
     """
-    from strikewave.analyses.record.spectrum import SpectrumRequest, compute_spectra
+    from strikewave.analyses.record.spectrum import SpectrumRequest
+    from strikewave.analyses.record.spectrum_screen import compute_spectra
 
     kinds = tuple(dict.fromkeys(kind or ["absolute"]))
     wanted = SpectrumRequest(q, frequency, (low, high, per_octave), kinds, side, part, end)

@@ -6,7 +6,7 @@ from typing import Annotated, Literal
 
 import typer
 
-from strikewave.reporting.options import CaseName, Changes, Output
+from strikewave.reporting.options import CaseName, Changes, RunOutput, WithBand
 
 
 def command(
@@ -18,7 +18,8 @@ def command(
         typer.Option("--field", help="Quantity that the pictures along the bar show."),
     ] = "stress",
     animate: Annotated[bool, typer.Option("--animate", help="Write animation.html and animation.gif too.")] = False,
-    output: Output,
+    band: WithBand = True,
+    output: RunOutput,
 ) -> int:
     """Run a layered bar under its load.
 
@@ -27,4 +28,4 @@ def command(
     from strikewave.analyses.wave.screen import run_wave_case
     from strikewave.cases.case import load_case
 
-    return run_wave_case(load_case(case, changes or ()), changes or (), output, field, animate)
+    return run_wave_case(load_case(case, changes or ()), changes or (), output, field, animate, band)

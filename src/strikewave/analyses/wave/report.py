@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 from strikewave.analyses.wave.field import field_of_solution
 from strikewave.base.constants import STANDARD_GRAVITY
 from strikewave.reporting import chapters
+from strikewave.reporting.bands import band_sections
 from strikewave.reporting.curves import Trace, traces
 from strikewave.reporting.numbers import fixed, with_band
 from strikewave.reporting.parts import NONE, Cell, Flow, Part, Picture, Section, Table, Tag
@@ -257,7 +258,7 @@ def wave_report(solution: WaveSolution, quantity: str = "stress") -> str:
     case = solution.case
     parts = [
         *wave_sections(solution, quantity),
-        *chapters.band_sections(solution.band),
+        *band_sections(solution),
         chapters.warnings(solution.notices),
         _setup(case),
         chapters.inputs(case),

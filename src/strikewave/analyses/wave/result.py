@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 import functools
+import math
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any, ClassVar
@@ -120,6 +121,22 @@ class WaveSolution(ShownResult):
             return dict.fromkeys(RouteHistory._fields)
         peaks: dict[str, float | None] = {key: largest(values) for key, values in history._asdict().items()}
         return peaks if self.quoted else {**peaks, "acceleration": None}
+
+    @property
+    def figures(self) -> dict[str, float]:
+        """The results that may have a band, by name, SI: as sizes, as they may be of either sign, and none that are 0.
+
+        Examples
+        --------
+        >>> from strikewave import load_case, run_wave
+        >>> list(run_wave(load_case("li-ma-2019-fig13-bar")).figures)[:2]
+        ['tap.sensor.peak_force', 'tap.sensor.peak_velocity']
+        """
+        figures: dict[str, float | None] = {}
+        for k, (name, _) in enumerate(self.taps):
+            figures |= {f"tap.{name}.peak_{what}": peak for what, peak in self.peaks(k, self.route).items()}
+        figures |= {f"sensor.{name}.peak": pulse.peak for name, pulse in self.sensors.items()}
+        return {name: abs(value) for name, value in figures.items() if value and math.isfinite(value)}
 
     @property
     def route(self) -> str:
@@ -239,6 +256,7 @@ class WaveSolution(ShownResult):
             ],
             "taps": taps,
             "sensors": {name: dataclasses.asdict(pulse) for name, pulse in self.sensors.items()},
+            **self.band_content(),
         }
 
     def _histories(self) -> Iterator[tuple[Array, Array, Array, Array]]:

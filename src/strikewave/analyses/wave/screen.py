@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import ClassVar
 
+from strikewave.analyses.wave.band import with_bands
 from strikewave.analyses.wave.report import error_words, tap_rows, wave_tables, wave_words
 from strikewave.analyses.wave.run import WaveSolution, run_wave
 from strikewave.base.errors import MISSING, InputError
@@ -17,11 +18,26 @@ from strikewave.reporting.options import Output
 from strikewave.reporting.parts import Table
 from strikewave.reporting.run_and_write import Command, case_folder, run_and_write
 from strikewave.reporting.stack_chapters import MOST_LAYERS
-from strikewave.reporting.terminal import number, print_fits, print_losses, report_table, say_compiling, table, tell
+from strikewave.reporting.terminal import (
+    number,
+    print_bands,
+    print_fits,
+    print_losses,
+    progress_bar,
+    report_table,
+    say_compiling,
+    table,
+    tell,
+)
 
 
 def run_wave_case(
-    case: Case, changes: Sequence[str], output: Output, field: str = "stress", animate: bool = False
+    case: Case,
+    changes: Sequence[str],
+    output: Output,
+    field: str = "stress",
+    animate: bool = False,
+    band: bool = True,
 ) -> int:
     """Run a stack under its load, write and print its result, and return the exit code.
 
@@ -38,7 +54,7 @@ def run_wave_case(
         raise InputError("stack.layer", MISSING, "at least one [[stack.layer]]", hint)
     case = output.tested(case)
     text = dump_case(case)
-    return run_and_write(WaveCommand(case, field, animate), output, case_folder(case.name, text, changes), text)
+    return run_and_write(WaveCommand(case, field, animate, band), output, case_folder(case.name, text, changes), text)
 
 
 @dataclass(frozen=True)
@@ -50,11 +66,16 @@ class WaveCommand(Command[WaveSolution]):
     case: Case
     field: str = "stress"
     animate: bool = False
+    band: bool = True
 
     def solve(self) -> WaveSolution:
-        """Return the solution."""
+        """Return the solution, with a bar on stderr while its bands are found."""
         say_compiling()
-        return run_wave(self.case)
+        solution = run_wave(self.case)
+        if not self.band:
+            return solution
+        with progress_bar("band") as report:
+            return with_bands(solution, report)
 
     def summary(self, result: WaveSolution) -> str:
         """Say what the taps show."""
@@ -120,5 +141,6 @@ def show(solution: WaveSolution) -> None:
         ]
         table("What the sensors read", columns, read)
         print_losses(solution.channels)
+    print_bands(solution, solution.figures)
     tell(error_words(solution))
     tell(f"balance: momentum {solution.run.momentum_error:.1e} (limit 1e-6)")

@@ -43,5 +43,5 @@ def _table() -> tuple[dict[str, Any], ...]:
 def _row(words: dict[str, Any], values: Values) -> EquationRow:
     """Join the words of an equation and its numbers."""
     texts = {key: words[key].format(**values.words) for key in ("quantity", "note")}
-    filled = {"corrected": "", **words, **texts}
+    filled = {"corrected": "", "corrected_tex": "", **words, **texts}
     return EquationRow(**filled, printed=values.printed, corrected_value=values.corrected, exact=values.exact)

@@ -90,7 +90,7 @@ def ratio_figure(rows: Sequence[Ratio]) -> Figure:
     >>> [label.get_text() for label in figure.axes[0].get_yticklabels()]
     ['first peak', 'direct sensor']
     """
-    figure, axes = _sheet((9.8, 1.2 + 0.27 * len(rows)))
+    figure, axes = _sheet((9.8, 1.0 + 0.21 * len(rows)))
     for k, row in enumerate(rows):
         if row.ends is not None:
             axes.hlines(k, 1.0 + row.ends[0], 1.0 + row.ends[1], color=ROLES["range"][0], linewidth=7.0, alpha=0.6)

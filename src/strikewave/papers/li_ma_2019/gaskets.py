@@ -15,7 +15,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from strikewave.analyses.machine.run import observe
+from strikewave.analyses.machine.observe import observe
 from strikewave.base.quantities import Value
 from strikewave.cases.case import Case, load_case
 from strikewave.cases.tables import GasketTable

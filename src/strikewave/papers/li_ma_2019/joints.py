@@ -16,7 +16,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from strikewave.analyses.machine.run import observe
+from strikewave.analyses.machine.observe import observe
 from strikewave.cases.case import load_case
 from strikewave.papers.li_ma_2019.runs import FIXTURE, Report
 from strikewave.uncertainty.statistics import variation

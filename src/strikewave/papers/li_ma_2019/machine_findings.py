@@ -7,8 +7,8 @@ from typing import NamedTuple
 
 import numpy as np
 
+from strikewave.analyses.machine.observe import observe
 from strikewave.analyses.machine.result import Solution
-from strikewave.analyses.machine.run import observe
 from strikewave.base.constants import STANDARD_GRAVITY
 from strikewave.base.materials import material
 from strikewave.base.quantities import Value

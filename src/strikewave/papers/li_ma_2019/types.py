@@ -32,6 +32,8 @@ class EquationRow:
         The printed formula, plain Unicode text.
     corrected : str
         The repaired formula; empty where the printed one stands.
+    tex, corrected_tex : str
+        Both formulas to typeset, as TeX.
     quantity, unit : str
         The number that is compared, and its unit ("1" without one).
     printed, corrected_value, exact : float or None
@@ -52,7 +54,9 @@ class EquationRow:
     section: Section
     what: str
     formula: str
+    tex: str
     corrected: str
+    corrected_tex: str
     quantity: str
     unit: str
     printed: float | None

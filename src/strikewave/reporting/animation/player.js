@@ -7,7 +7,7 @@ const [play, slider, clock, speed, slowed, loop, reading, viewChoice, placeSlide
 const { smooth, views, places, playing_seconds: PLAYING_SECONDS } = run, STEPS = Number(slider.max);
 const INK = "#1a1f24", SOFT = "#4d5760", PALE = "#bcc3c9", LAYER_EDGE = "#8a8a8a", JOINT = "#333333";
 const FONT = '13px system-ui, "DejaVu Sans", sans-serif', LEFT = 58, RIGHT = 12, TITLE = 20, LEGEND = 15, GAP = 10, FOOT = 38;
-const LEAST_PLOT = 50; // px: of a panel, however low the window
+const LEAST_PLOT = 34; // px: of a panel, however low the window
 const LONGEST_WAIT = 0.1; // s: a page that was hidden goes on where it was
 
 // ---- data ----
@@ -166,7 +166,7 @@ function drawScene(canvas, firstScale) {
   const [left, right, bottom, top] = canvas.limits, foot = canvas.colour_scale ? 68 : 0;
   const across = right - left, high = top - bottom;
   if (!canvas.element.closest(".beside")) {
-    setHeight(canvas.element, Math.min(canvas.element.clientWidth * (high / across) + foot, 0.7 * window.innerHeight));
+    setHeight(canvas.element, Math.min(canvas.element.clientWidth * (high / across) + foot, 0.4 * window.innerHeight));
   }
   const { pen, width, height } = sheet(canvas.element), scale = Math.min(width / across, (height - foot) / high);
   const x = (m) => width / 2 + (m - (left + right) / 2) * scale;
@@ -197,7 +197,9 @@ function drawChart(canvas) {
   const [begin, end] = overPlace ? [0, places.bands[places.bands.length - 1].end] : [view.time[0], view.time[last()]];
   const legends = panels.map((panel) => LEGEND * panel.curves.filter((curve) => curve.name).length);
   const around = FOOT + legends.reduce((sum, legend) => sum + legend + TITLE + GAP, 0);
-  const plot = Math.max(Math.min(canvas.height, (0.74 * window.innerHeight - around) / panels.length), LEAST_PLOT);
+  // what the window leaves when all else, down to the controls, is in view
+  const others = element("controls").getBoundingClientRect().bottom + window.scrollY - canvas.element.clientHeight + 6;
+  const plot = Math.max(Math.min(canvas.height, (window.innerHeight - others - around) / panels.length), LEAST_PLOT);
   setHeight(canvas.element, Math.round(around + plot * panels.length));
   const { pen, width, height } = sheet(canvas.element), right = width - RIGHT;
   const x = (value) => LEFT + ((value - begin) / (end - begin || 1)) * (right - LEFT);

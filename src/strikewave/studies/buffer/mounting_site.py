@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from strikewave.analyses.machine.notices import notices, wave_notices
-from strikewave.analyses.machine.run import observe
+from strikewave.analyses.machine.observe import observe
 from strikewave.analyses.machine.yielding import contact_answers
 from strikewave.analyses.wave.run import run_wave
 from strikewave.base.errors import MISSING, InputError, checked, nearest

@@ -68,6 +68,8 @@ class BufferStudy(ShownResult):
         Where sensor and blow come from.
     origin : Source or None
         The command line and the record, where the blow is no case's.
+    asked : str
+        Command line that gives it again, where one does.
     """
 
     command: ClassVar[str] = "buffer"
@@ -79,6 +81,7 @@ class BufferStudy(ShownResult):
     present: BufferCandidate | None = None
     case: Case | None = None
     origin: Source | None = None
+    asked: str = ""
 
     @property
     def title(self) -> str:
@@ -95,7 +98,7 @@ class BufferStudy(ShownResult):
         """The case with the first stack under its sensor; of a measured blow, what was asked of which file."""
         if self.case is not None:
             case = case_with(self.case, self.site, self.candidates[0].stack)
-            return Source("case", self.case.name, dump_case(case))
+            return Source("case", self.case.name, dump_case(case), asked=self.asked)
         return self.origin or UNKNOWN
 
     @property

@@ -135,10 +135,12 @@ class BufferCommand(Command[BufferStudy]):
         origin = None
         if source.record is not None:
             origin = measured.source_of("records", source.record.stem, [source.record], self.test)
-        return dataclasses.replace(study, case=source.case, origin=origin)
+        return dataclasses.replace(study, case=source.case, origin=origin, asked=measured.asked())
 
     def summary(self, result: BufferStudy) -> str:
         """Say which stack is first, and what the sensor then reads."""
+        from strikewave.studies.buffer.report import buffer_words
+
         return buffer_words(result)
 
     def show(self, result: BufferStudy) -> None:
@@ -146,14 +148,16 @@ class BufferCommand(Command[BufferStudy]):
         _print(result)
 
     def draw(self, result: BufferStudy, folder: Path) -> list[str]:
-        """Write peak over bandwidth, histories and transmissibility."""
+        """Write the page, peak over bandwidth, histories and transmissibility."""
         from strikewave.reporting.style import save
         from strikewave.studies.buffer.figures import buffer_histories, buffer_transmissibility, peak_bandwidth
+        from strikewave.studies.buffer.report import buffer_report
 
         save(peak_bandwidth(result), folder / "peak-bandwidth.svg")
         save(buffer_histories(result), folder / "histories.svg")
         save(buffer_transmissibility(result), folder / "transmissibility.svg")
-        return ["peak-bandwidth.svg", "histories.svg", "transmissibility.svg"]
+        (folder / "report.html").write_text(buffer_report(result), "utf-8", newline="\n")
+        return ["report.html", "peak-bandwidth.svg", "histories.svg", "transmissibility.svg"]
 
 
 def source_of_case(
@@ -226,7 +230,6 @@ def _print(study: BufferStudy) -> None:
         f"{motion.name}: surface {with_unit(motion.peak, 'm/s^2', 'g', 5)}{rigid}",
         "  ",
     )
-    tell("the motion of the surface is given: the sensor's back-effect on the structure is not modelled")
     shown = distinct(study.candidates, LEADING)
     shown += [c for c in (study.robust, study.direct) if c is not None and c not in shown]
     places = {candidate: place for place, candidate in enumerate(study.candidates, 1)}
@@ -255,20 +258,6 @@ def _print(study: BufferStudy) -> None:
         f"loss factors held to {first.loss_error:.1%} from 1 to 100 kHz",
     ]
     tell(f"{first.name}: {', '.join(parts)}")
-
-
-def buffer_words(study: BufferStudy) -> str:
-    """Say in words which stack is first, what the sensor then reads, and how many keep the limit."""
-    first = study.candidates[0]
-    kept = sum(candidate.keeps for candidate in study.candidates)
-    limit = with_unit(study.goal.limit, "m/s^2", "g", 5)
-    counted = f"{kept} of {len(study.candidates)} stacks keep {limit}" if kept else f"No stack keeps {limit}"
-    direct = "" if study.direct is None else f" (mounted directly: {with_unit(study.direct.true_peak, 'm/s^2', 'g')})"
-    return (
-        f"{counted}. First: {first.name}: {study.site.table.name} reads "
-        f"{with_unit(first.true_peak, 'm/s^2', 'g')}{direct}, right to 10 % up to "
-        f"{with_unit(first.band.within_10, 'Hz', 'kHz', 3)}."
-    )
 
 
 def _cells(place: str, candidate: BufferCandidate) -> list[str]:

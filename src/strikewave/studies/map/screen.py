@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import dataclasses
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -10,7 +11,7 @@ from typing import ClassVar
 
 from strikewave.base.compiled import is_cold
 from strikewave.reporting.layout import keys, numerals
-from strikewave.reporting.numbers import listed, percent, with_unit
+from strikewave.reporting.measured_files import asked
 from strikewave.reporting.options import Output
 from strikewave.reporting.run_and_write import Command, case_folder, run_and_write
 from strikewave.reporting.terminal import INTERRUPTED, number, progress_bar, say, table, tell
@@ -88,16 +89,19 @@ class MapCommand(Command[MapStudy]):
         say(_words(self.plan, self.seconds, store))
         try:
             with progress_bar("map", float(store.done.mean()), ("left",)) as report:
-                return make_map(self.plan, self.wanted, self.workers, store, report)
+                study = make_map(self.plan, self.wanted, self.workers, store, report)
         except KeyboardInterrupt:
             resumption = (
                 f"{store.done.sum()} of {store.done.size} rows are kept in {store.path}: the same command goes on there"
             )
             say("stopped; " + (resumption if store.path is not None and store.done.any() else "nothing was written"))
             raise SystemExit(INTERRUPTED) from None
+        return dataclasses.replace(study, asked=asked())
 
     def summary(self, result: MapStudy) -> str:
         """Say what the blows are like, and where the nearest equal ones are."""
+        from strikewave.studies.map.report import map_words
+
         return map_words(result)
 
     def show(self, result: MapStudy) -> None:
@@ -105,14 +109,16 @@ class MapCommand(Command[MapStudy]):
         _print(result)
 
     def draw(self, result: MapStudy, folder: Path) -> list[str]:
-        """Write the picture in two formats."""
+        """Write the page, and the picture in two formats."""
         from strikewave.reporting.style import save
         from strikewave.studies.map.figures import map_figure
+        from strikewave.studies.map.report import map_report
 
         figure = map_figure(result, self.colour)
         save(figure, folder / "map.svg")
         save(figure, folder / "map.png")
-        return ["map.svg", "map.png"]
+        (folder / "report.html").write_text(map_report(result, self.colour), "utf-8", newline="\n")
+        return ["report.html", "map.svg", "map.png"]
 
 
 def _words(plan: MapPlan, seconds: float, store: Store) -> str:
@@ -123,21 +129,6 @@ def _words(plan: MapPlan, seconds: float, store: Store) -> str:
     stored = f", {store.done.sum()} of {store.done.size} rows are there already" if store.done.any() else ""
     trains = f" and trains of {plan.train}" if plan.train else ""
     return f"{size} machines, {plan.blows} blows{trains}: about {max(left * seconds, 1.0):.0f} s on free cores{stored}"
-
-
-def map_words(study: MapStudy) -> str:
-    """Say in words what the blows are like over the map, and where the nearest equal ones are."""
-    regimes = [f"{name} {percent(share)}" for name, share in study.shares.items() if share > 0.0]
-    over = " and ".join(axis.path for axis in study.plan.axes)
-    words = f"{study.case.name} over {over}, share of the cells: {listed(regimes)}. "
-    nearest = study.setting
-    if nearest is None:
-        return words + _none_found(study)
-    full = f"a full run has a CV of {percent(nearest.cv, 2)} and a mean peak of {with_unit(nearest.peak, *_PEAK, 5)}"
-    if nearest.distance == 0.0:
-        return words + f"The case has equal blows already: {full}."
-    place = f"{_at(study.plan.axes, nearest.values)}, {nearest.distance:.3g} away in relative steps"
-    return words + f"Nearest equal blows: {place}; {full}."
 
 
 def _print(study: MapStudy) -> None:
@@ -156,15 +147,6 @@ def _print(study: MapStudy) -> None:
     table(f"{study.case.name}: {study.plan.blows} blows", columns, list(zip(heads, *shown, strict=True)))
     for values, reason in study.refused:
         tell(f"even by the fast run, but not in full: {_at(study.plan.axes, values)}: {reason}")
-
-
-def _none_found(study: MapStudy) -> str:
-    """Return why there is no even setting, in words."""
-    limit, even = f"{100.0 * study.wanted:g} %", len(study.even_settings())
-    if not even:
-        return f"No setting of this map has blows that all come with a CV within {limit}."
-    tried = f"the {len(study.refused)} nearest of them" if even > len(study.refused) else "all of them"
-    return f"{even} settings have a CV within {limit} by the fast run; {tried} failed in full runs."
 
 
 def _at(axes: tuple[Axis, ...], values: tuple[float, ...]) -> str:

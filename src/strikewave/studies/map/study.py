@@ -123,6 +123,8 @@ class MapStudy(ShownResult):
         The nearest even setting that a full run confirms; the case itself, at distance 0, where it is even already.
     refused : tuple of Refusal
         Nearer ones whose full runs disagree.
+    asked : str
+        Command line that gives it again, where one does.
     """
 
     command: ClassVar[str] = "map"
@@ -134,6 +136,7 @@ class MapStudy(ShownResult):
     present: dict[str, float]
     setting: EvenSetting | None = None
     refused: tuple[Refusal, ...] = ()
+    asked: str = ""
 
     @cached_property
     def case(self) -> Case:
@@ -153,7 +156,7 @@ class MapStudy(ShownResult):
     @property
     def source(self) -> Source:
         """The case, and above it what was asked."""
-        return Source("case", self.case.name, marked_text(self.plan, self.wanted))
+        return Source("case", self.case.name, marked_text(self.plan, self.wanted), asked=self.asked)
 
     @property
     def paths(self) -> tuple[str, ...]:

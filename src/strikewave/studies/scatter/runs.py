@@ -16,7 +16,7 @@ from strikewave.cases.case import Case
 from strikewave.machines import Blow, Machine, MachineRun, blows, run_machine
 from strikewave.studies.accuracy import FINER_TOLERANCE, RUN_TOLERANCE
 from strikewave.studies.workers import Workers
-from strikewave.uncertainty.draws import Tolerance, drawn_case
+from strikewave.uncertainty.draws import UncertainInput, drawn_case
 from strikewave.uncertainty.statistics import variation
 
 Array = NDArray[np.float64]
@@ -124,7 +124,7 @@ def of_blows(train: Sequence[Blow]) -> RunResult:
     )
 
 
-def _run_chunk(case: Case, tolerances: tuple[Tolerance, ...], rows: Array) -> list[RunResult]:
+def _run_chunk(case: Case, tolerances: tuple[UncertainInput, ...], rows: Array) -> list[RunResult]:
     return [run_result(drawn_case(case, tolerances, row)) for row in rows]
 
 
@@ -135,7 +135,7 @@ class Runner:
     ----------
     case : Case
         Of a machine.
-    tolerances : tuple of Tolerance
+    tolerances : tuple of UncertainInput
         What is drawn.
     workers : int, optional
         Processes; with 1 everything runs in this one. Each run is computed alone, so that their number changes no bit.
@@ -146,7 +146,7 @@ class Runner:
     def __init__(
         self,
         case: Case,
-        tolerances: tuple[Tolerance, ...],
+        tolerances: tuple[UncertainInput, ...],
         workers: int = 1,
         advance: Callable[[int], None] | None = None,
     ) -> None:

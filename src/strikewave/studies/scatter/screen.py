@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -9,7 +10,7 @@ from pathlib import Path
 
 from strikewave.cases.case import Case, dump_case
 from strikewave.reporting.layout import MORE, keys, numerals, texts
-from strikewave.reporting.numbers import with_unit
+from strikewave.reporting.measured_files import asked
 from strikewave.reporting.options import Output
 from strikewave.reporting.run_and_write import Command, case_folder, run_and_write
 from strikewave.reporting.terminal import number, progress_bar, say_compiling, table, tell
@@ -46,10 +47,12 @@ class ScatterCommand(Command[ScatterStudy]):
         """Return the study, with a bar on stderr."""
         say_compiling()
         with progress_bar("runs", clocks=("elapsed", "left")) as report:
-            return scatter(self.case, self.plan, report)
+            return dataclasses.replace(scatter(self.case, self.plan, report), asked=asked())
 
     def summary(self, result: ScatterStudy) -> str:
         """Say how much the blows scatter, and which tolerance matters most."""
+        from strikewave.studies.scatter.report import scatter_words
+
         return scatter_words(result)
 
     def show(self, result: ScatterStudy) -> None:
@@ -57,26 +60,14 @@ class ScatterCommand(Command[ScatterStudy]):
         _print(result)
 
     def draw(self, result: ScatterStudy, folder: Path) -> list[str]:
-        """Write the picture."""
+        """Write page and picture."""
         from strikewave.reporting.style import save
         from strikewave.studies.scatter.figures import scatter_picture
+        from strikewave.studies.scatter.report import scatter_report
 
         save(scatter_picture(result), folder / "scatter.svg")
-        return ["scatter.svg"]
-
-
-def scatter_words(study: ScatterStudy) -> str:
-    """Say in words how much the blows scatter, and which tolerance matters most."""
-    peak, completed = study.figure("peak"), len(study.completed)
-    words = [
-        f"{study.case.name}: {completed} runs within {len(study.tolerances)} tolerances (seed {study.plan.seed}). The "
-        f"mean peak is {with_unit(peak.mean.mean, 'm/s^2', 'g', 5)}, its CV between runs {_percent(peak.mean.cv)} and "
-        f"within a run {_percent(peak.within[0])} (median)."
-    ]
-    for shares in study.shares[:1]:
-        first = max(shares.rows, key=lambda row: row.share)
-        words.append(f"Most of the scatter of the {shares.of} is from {first.path} ({_percent(first.share)}).")
-    return " ".join(words)
+        (folder / "report.html").write_text(scatter_report(result), "utf-8", newline="\n")
+        return ["report.html", "scatter.svg"]
 
 
 def _print(study: ScatterStudy) -> None:

@@ -25,7 +25,7 @@ from strikewave.reporting.columns import Column, csv_table
 from strikewave.reporting.numbers import axis_unit, percent, with_unit
 from strikewave.reporting.shown_result import Curve, ShownResult
 from strikewave.studies.scatter.runs import FIGURES, Runner, RunResult
-from strikewave.uncertainty.draws import Tolerance, drawn, nominal, quantiles, tolerances_of, unfelt
+from strikewave.uncertainty.draws import UncertainInput, drawn, nominal, quantiles, tolerances_of, unfelt
 from strikewave.uncertainty.shares import (
     Shares,
     mixtures,
@@ -151,17 +151,21 @@ class Figure(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class ScatterStudy(ShownResult):
-    """Runs of a case within its tolerances; see `scatter`, and `Result` for what it shares with others."""
+    """Runs of a case within its tolerances; see `scatter`, and `Result` for what it shares with others.
+
+    ``asked`` is the command line that gives it again, where one does.
+    """
 
     command: ClassVar[str] = "scatter"
 
     case: Case
     plan: ScatterPlan
-    tolerances: tuple[Tolerance, ...]
+    tolerances: tuple[UncertainInput, ...]
     numbers: Array
     runs: tuple[RunResult, ...]
     nominal_run: RunResult
     shares: tuple[Shares, ...]
+    asked: str = ""
 
     @property
     def title(self) -> str:
@@ -176,7 +180,7 @@ class ScatterStudy(ShownResult):
     @property
     def source(self) -> Source:
         """The case, and above it what was asked."""
-        return Source("case", self.case.name, marked_text(self.case, self.plan))
+        return Source("case", self.case.name, marked_text(self.case, self.plan), asked=self.asked)
 
     @property
     def completed(self) -> list[RunResult]:
@@ -434,7 +438,7 @@ def _known(values: list[float]) -> list[float]:
     return [value for value in values if math.isfinite(value)]
 
 
-def _tolerance(one: Tolerance) -> dict[str, Any]:
+def _tolerance(one: UncertainInput) -> dict[str, Any]:
     assert one.value.tolerance is not None
     return {
         "path": one.path,

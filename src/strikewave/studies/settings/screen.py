@@ -8,8 +8,8 @@ from pathlib import Path
 from typing import ClassVar
 
 from strikewave.cases.case import Case
+from strikewave.reporting import measured_files as measured
 from strikewave.reporting.layout import KEY, MORE, ScreenColumn, keys, numerals, texts
-from strikewave.reporting.numbers import with_unit
 from strikewave.reporting.options import Output
 from strikewave.reporting.run_and_write import Command, run_and_write
 from strikewave.reporting.terminal import fixed, number, progress_bar, say_compiling, significant, table, tell
@@ -62,10 +62,13 @@ class SettingsCommand(Command[SettingsStudy]):
         """Return the study, with a bar on stderr."""
         say_compiling()
         with progress_bar("settings") as report:
-            return design_settings(self.case, self.goal, self.choice, report)
+            study = design_settings(self.case, self.goal, self.choice, report)
+        return dataclasses.replace(study, asked=measured.asked())
 
     def summary(self, result: SettingsStudy) -> str:
         """Say which settings are first, and what they give."""
+        from strikewave.studies.settings.report import settings_words
+
         return settings_words(result)
 
     def show(self, result: SettingsStudy) -> None:
@@ -73,12 +76,14 @@ class SettingsCommand(Command[SettingsStudy]):
         _print(result)
 
     def draw(self, result: SettingsStudy, folder: Path) -> list[str]:
-        """Write the picture."""
+        """Write page and picture."""
         from strikewave.reporting.style import save
         from strikewave.studies.settings.figures import settings_figure
+        from strikewave.studies.settings.report import settings_report
 
         save(settings_figure(result), folder / "settings.svg")
-        return ["settings.svg"]
+        (folder / "report.html").write_text(settings_report(result), "utf-8", newline="\n")
+        return ["report.html", "settings.svg"]
 
 
 def _holds(folder: Path, asked: str) -> bool:
@@ -117,22 +122,6 @@ def _print(study: SettingsStudy) -> None:
         tell(f"left out, {count} strikers: {why}")
     for why in study.failed[:SHOWN]:
         tell(f"no result, {why}")
-
-
-def settings_words(study: SettingsStudy) -> str:
-    """Say in words which settings are first, what they give, and how many meet the goal."""
-    first = study.candidates[0]
-    values, observation = first.case.values(), first.observation
-    met = sum(one.meets for one in study.candidates)
-    counted = f"{met} of {len(study.candidates)} settings meet the goal" if met else "No setting meets the goal"
-    return (
-        f"{counted}: {goal_words(study.goal)}. First: {values['machine.strikers'].si:.0f} strikers at "
-        f"{with_unit(values['machine.speed'].si, 'rad/s', 'rpm')}, engagement "
-        f"{with_unit(values['machine.engagement'].si, 'm', 'mm', 3)}, {study.choice.vary} "
-        f"{with_unit(values[VARIED[study.choice.vary][0]].si, 'N/m', 'MN/m', 3)}; it gives "
-        f"{with_unit(observation.peak.typical, 'm/s^2', 'g')}, {with_unit(observation.width.typical, 's', 'us')} and "
-        f"{with_unit(observation.interval.typical, 's', 'ms')}."
-    )
 
 
 def _columns(varied: str) -> list[ScreenColumn]:

@@ -110,7 +110,8 @@ class SettingsChoices:
 class SettingsStudy(ShownResult):
     """Ranked settings for a goal; see `design_settings`, and `Result` for what it shares with others.
 
-    ``left_out`` holds the reason why a number of strikers was not run, ``failed`` why a setting gave no result.
+    ``left_out`` holds the reason why a number of strikers was not run, ``failed`` why a setting gave no result,
+    and ``asked`` is the command line that gives it again, where one does.
     """
 
     command: ClassVar[str] = "settings"
@@ -121,6 +122,7 @@ class SettingsStudy(ShownResult):
     candidates: tuple[SettingsCandidate, ...]
     left_out: dict[int, str]
     failed: tuple[str, ...]
+    asked: str = ""
 
     @property
     def best(self) -> SettingsCandidate | None:
@@ -141,7 +143,7 @@ class SettingsStudy(ShownResult):
     def source(self) -> Source:
         """The case of the first candidate, and above it what was asked."""
         text = asked_line(self.case, self.goal, self.choice) + dump_case(self.case_of())
-        return Source("case", self.name, text)
+        return Source("case", self.name, text, asked=self.asked)
 
     def case_of(self, place: int = 0) -> Case:
         """Return the case of a candidate, under a name of its own and without published numbers to compare with."""

@@ -431,22 +431,22 @@ def pictures(result: Reproduction) -> Iterator[tuple[str, Figure]]:
 
 
 def key_numbers(result: Reproduction) -> list[tuple[str, str]]:
-    """Return the numbers at the head of the report: of the published ones those that nothing was fitted to."""
+    """Return the three numbers at the head of the report: of the published ones those that nothing was fitted to."""
     verdicts = [row.verdict for row in result.equations]
     words = f"equations hold as printed, and {verdicts.count('definition')} definitions"
     numbers = [(words, f"{verdicts.count('right')} of {len(verdicts)}")]
-    for name, label in (
-        (known.DIRECT_PEAK, "peak of the direct sensor over what gaskets may be"),
-        (known.WAVE_PEAK, "stress-wave peak over what joints may be"),
-    ):
-        best = result.row(name).best
-        if best is not None and best.role == "range":
-            numbers.append((label, computed_text(best, "g")))
+    numbers += _range(result, known.WAVE_PEAK, "stress-wave peak over what joints may be")
     row = result.row(known.DYNA_FORCE)
-    if result.runs.element_solution(QUIET_ELEMENTS) is not None and row.best is not None:
-        off = row.best.difference(row.number.value)
-        numbers.append(("force on non-reflecting elements: off LS-DYNA's by", NONE if off is None else share(off)))
-    return numbers
+    if result.runs.element_solution(QUIET_ELEMENTS) is None or row.best is None:
+        return numbers + _range(result, known.DIRECT_PEAK, "peak of the direct sensor over what gaskets may be")
+    off = row.best.difference(row.number.value)
+    return [*numbers, ("force on non-reflecting elements: off LS-DYNA's by", NONE if off is None else share(off))]
+
+
+def _range(result: Reproduction, name: str, label: str) -> list[tuple[str, str]]:
+    """Return a published number that a range answers; nothing where none does."""
+    best = result.row(name).best
+    return [(label, computed_text(best, "g"))] if best is not None and best.role == "range" else []
 
 
 def fitted_inputs(result: Reproduction) -> list[str]:

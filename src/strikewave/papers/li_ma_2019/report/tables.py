@@ -14,7 +14,7 @@ from strikewave.cases.case import Case
 from strikewave.fem.measures import balance_measure
 from strikewave.papers.li_ma_2019.values import EQUAL
 from strikewave.reporting.numbers import spelled
-from strikewave.reporting.parts import NONE, Cell, Code, Part, Section, Table, Tag, written
+from strikewave.reporting.parts import NONE, Cell, Code, Formula, Part, Picture, Section, Table, Tag, written
 
 if TYPE_CHECKING:
     from strikewave.analyses.fem.result import FemSolution
@@ -25,6 +25,8 @@ VERDICTS = {"right": "good", "approximate": "warned", "misprint": "bad", "wrong"
 """Look of the verdict on an equation."""
 ANSWERS = {"right": "good", "partly": "warned", "not": "bad", "open": ""}
 """Look of the verdict of a finding."""
+CLAIMS = {"right": "holds", "partly": "holds in part", "not": "does not hold", "open": "stays open"}
+"""The verdicts of findings, in words."""
 ORIGINS = {"measured": "measured", "simulated": "LS-DYNA", "given": "given"}
 SECTIONS = {"3.1": "contact force", "3.2": "stress waves"}
 MATERIALS = (("65Mn", "1, 2"), ("2A12", "1"), ("45 steel", "2"))
@@ -97,7 +99,7 @@ def provenance_section(cases: Sequence[Case]) -> Section:
         Table("Inputs that are not assumed", ["input", "value", "provenance", "note", "cases"], known),
         Code("\n".join(lines), f"The {len(assumed)} assumed inputs"),
     ]
-    return Section("What it rests on", text, parts)
+    return Section("Inputs: what it rests on", text, parts, folded=f"Show {len(inputs)} inputs with their provenance")
 
 
 def materials_section(numbers: Sequence[NumberRow]) -> Section:
@@ -180,8 +182,8 @@ def _said(row: EquationRow) -> list[Cell]:
         off = "in another unit"
     return [
         f"{row.number} {row.what}",
-        row.formula,
-        row.corrected or NONE,
+        Formula(row.tex, row.formula),
+        Formula(row.corrected_tex, row.corrected) if row.corrected else NONE,
         Tag(row.verdict, VERDICTS[row.verdict]),
         off,
     ]
@@ -362,6 +364,17 @@ def findings_section(rows: Sequence[Finding]) -> Section:
     return Section("What the paper gets right, and what not", text, [findings_table(rows)])
 
 
+def claims_section(rows: Sequence[Finding], picture: Picture) -> Section:
+    """Open: what holds of what the paper says, in a line each, and how near the numbers are."""
+    lines: list[list[Cell]] = []
+    for answer, words in CLAIMS.items():
+        topics = [row.topic for row in rows if row.verdict == answer]
+        if topics:
+            lines.append([Tag(words, ANSWERS[answer]), len(topics), "; ".join(topics)])
+    table = Table("What the paper says, and what holds of it", ["verdict", "points", "on"], lines)
+    return Section("What holds, and what does not", "", [picture, table], alone=True)
+
+
 def findings_table(rows: Sequence[Finding]) -> Table:
     """List findings."""
     table: list[list[Cell]] = [
@@ -379,5 +392,5 @@ def plain_rows(table: Table, columns: Sequence[str]) -> list[list[str]]:
     [['good']]
     """
     places = [list(table.columns).index(name) for name in columns]
-    rows = [[cell.text if isinstance(cell, Tag) else cell for cell in row] for row in table.cells()]
+    rows = [[cell if isinstance(cell, str) else cell.text for cell in row] for row in table.cells()]
     return [[row[place] for place in places] for row in rows]

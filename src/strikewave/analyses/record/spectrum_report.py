@@ -1,0 +1,163 @@
+"""The report of shock response spectra: the spectra, the record that they are of, and its calibration."""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+
+import numpy as np
+
+from strikewave.analyses.record.figures import records
+from strikewave.analyses.record.figures.spectra import srs_figure, tripartite
+from strikewave.analyses.record.spectrum import KIND_UNITS, SHOWN_UNITS, SpectrumResult
+from strikewave.reporting import chapters
+from strikewave.reporting.numbers import headed, percent, shown, spelled, with_unit
+from strikewave.reporting.parts import NONE, Cell, Part, Picture, Section, Table, Tag, written
+from strikewave.signal.srs import Spectrum
+
+MOST_ROWS = 60
+"""Frequencies in the table, evenly chosen: spectrum.csv has all."""
+
+
+def spectrum_report(result: SpectrumResult) -> str:
+    """Return the report of shock response spectra as one HTML page: no script, nothing fetched, the same bytes."""
+    unit = result.reading.channel.unit
+    parts: list[Part] = [
+        Picture(
+            srs_figure(one, unit=unit),
+            f"Largest {one.kind} response of oscillators whose base moves as the record says, over their natural "
+            "frequency: upwards (positive), downwards (negative), and the larger of both (maximax).",
+        )
+        for one in result.spectra
+    ]
+    parts.append(
+        Picture(
+            tripartite(result.velocity),
+            "Pseudo-velocity on four-coordinate paper: rising lines are those of one relative displacement, falling "
+            "ones those of one acceleration.",
+        )
+    )
+    sections = [
+        Section("Spectra", "", parts),
+        _record_section(result),
+        _table_section(result),
+        chapters.warnings(result.notices),
+        _calibration_section(result),
+    ]
+    status = result.reading.status
+    tag = Tag(f"record {status}", {"good": "good", "bad": "bad"}.get(status, "warned"))
+    summary = chapters.Summary("Report of a shock response spectrum", spectrum_words(result), _key_numbers(result), tag)
+    return chapters.result_page(result, summary, sections)
+
+
+def spectrum_words(result: SpectrumResult) -> str:
+    """Say in words what the spectra are of."""
+    first, reading = result.spectra[0], result.reading
+    q = "undamped" if math.isinf(first.q) else f"Q = {first.q:g} ({percent(0.5 / first.q)} of critical damping)"
+    part = "" if first.part == "total" else f", the {first.part} part"
+    lowest, highest = _hertz(first.frequency[0]), _hertz(first.frequency[-1])
+    words = [
+        f"Spectra of {reading.channel.name} in {Path(result.file).name}, its baseline taken off: {q}, {result.side}"
+        f"{part}, {len(first.frequency)} natural frequencies from {lowest} to {highest}."
+    ]
+    words += [
+        f"The {one.kind} response is largest, {_response(one.kind, float(one.side(result.side)[k]), result)}, at "
+        f"{_hertz(one.frequency[k])}."
+        for one, k in ((one, _largest(one, result.side)) for one in result.spectra)
+    ]
+    words.append(f"The record is {reading.status}.")
+    return " ".join(words)
+
+
+def _key_numbers(result: SpectrumResult) -> list[tuple[str, str]]:
+    first = result.spectra[0]
+    pairs = [
+        (
+            f"largest {one.kind} response, at {_hertz(one.frequency[k])}",
+            _response(one.kind, float(one.side(result.side)[k]), result),
+        )
+        for one, k in ((one, _largest(one, result.side)) for one in result.spectra)
+    ]
+    if not any(one.kind == "pseudo-velocity" for one in result.spectra):
+        k = _largest(result.velocity, "maximax")
+        value = float(result.velocity.maximax[k])
+        pairs.append(
+            (
+                f"largest pseudo-velocity, at {_hertz(result.velocity.frequency[k])}",
+                _response("pseudo-velocity", value, result),
+            )
+        )
+    pairs.append(("quality factor", "undamped" if math.isinf(first.q) else f"{first.q:g}"))
+    peaks = [abs(pulse.peak) for pulse in result.reading.pulses]
+    if peaks and _in_si(result):
+        pairs.append((f"largest peak of the record, {len(peaks)} blow(s)", with_unit(max(peaks), "m/s^2", "g")))
+    return pairs
+
+
+def _in_si(result: SpectrumResult) -> bool:
+    return result.reading.channel.unit == "m/s^2"
+
+
+def _largest(one: Spectrum, side: str) -> int:
+    return int(np.argmax(one.side(side)))
+
+
+def _hertz(value: float) -> str:
+    return with_unit(float(value), "Hz", "Hz" if value < 1e4 else "kHz")
+
+
+def _response(kind: str, value: float, result: SpectrumResult) -> str:
+    """Write a response; without a unit where the record is no acceleration."""
+    return with_unit(value, KIND_UNITS[kind], SHOWN_UNITS[kind]) if _in_si(result) else written(value)
+
+
+def _record_section(result: SpectrumResult) -> Section:
+    """Draw the record."""
+    reading = result.reading
+    if not records.drawable(reading):
+        return Section("Record", "The record holds nothing that could be drawn.")
+    count = len(reading.pulses)
+    caption = f"The record: {count} blow{'' if count == 1 else 's'}, {reading.status}."
+    return Section("Record", "", [Picture(records.history(reading), caption)])
+
+
+def _table_section(result: SpectrumResult) -> Section:
+    """List the spectra at some of their frequencies."""
+    frequency = result.spectra[0].frequency
+    step = max(math.ceil(len(frequency) / MOST_ROWS), 1)
+    heads = [headed("natural frequency", "Hz", "Hz")]
+    heads += [
+        headed(one.kind, KIND_UNITS[one.kind], SHOWN_UNITS[one.kind]) if _in_si(result) else f"{one.kind} (file's own)"
+        for one in result.spectra
+    ]
+    rows: list[list[Cell]] = []
+    for k in range(0, len(frequency), step):
+        values = [(one.kind, float(one.side(result.side)[k])) for one in result.spectra]
+        cells = [
+            written(shown(value, KIND_UNITS[kind], SHOWN_UNITS[kind]) if _in_si(result) else value)
+            for kind, value in values
+        ]
+        rows.append([written(shown(float(frequency[k]), "Hz", "Hz")), *cells])
+    some = f"Every {step}th of {len(frequency)} frequencies; " if step > 1 else ""
+    return Section("Values", f"{some}spectrum.csv has them all.", [Table(f"Spectra, {result.side}", heads, rows)])
+
+
+def _calibration_section(result: SpectrumResult) -> Section:
+    """List what the channel was taken as, and what its examination says."""
+    reading = result.reading
+    stated = ", ".join(f"{key.replace('_', ' ')} {value}" for key, value in reading.calibration.stated().items())
+    unit = spelled(reading.channel.unit) or "file's own numbers"
+    rows: list[list[Cell]] = [[reading.channel.name, stated or "nothing was stated", unit]]
+    findings: list[list[Cell]] = [
+        [
+            Tag(one.code, {"good": "good", "bad": "bad"}.get(one.severity, "warned")),
+            one.message,
+            ", ".join(one.harms) or NONE,
+        ]
+        for one in reading.findings
+    ]
+    tables = [
+        Table("What the channel was taken as", ["channel", "stated", "SI unit"], rows),
+        Table("Health of the record", ["finding", "what", "harms"], findings, empty="Nothing was found wrong."),
+    ]
+    return Section("Calibration and health", "", tables)

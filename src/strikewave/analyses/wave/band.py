@@ -1,0 +1,68 @@
+"""The bands of a layered bar: the same bar with its inputs moved within what is known of them."""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+from collections.abc import Callable
+
+import numpy as np
+from numpy.typing import NDArray
+
+from strikewave.analyses.wave.result import WaveSolution
+from strikewave.analyses.wave.run import run_wave
+from strikewave.base.result import BandMethod
+from strikewave.cases.case import Case
+from strikewave.uncertainty.bands import LEVEL, SEED, Sample, find_bands, latin_hypercube
+from strikewave.uncertainty.draws import drawn, drawn_case
+from strikewave.uncertainty.known import known_inputs
+from strikewave.uncertainty.runs import on_threads
+
+Array = NDArray[np.float64]
+
+RUNS, FEWEST_RUNS = 64, 24
+"""Runs of a bar: 20 to 60 ms each; of a long one as many as `WORK` allows, and below the fewest there is no band."""
+WORK = 2e9
+"""Samples times layers of all runs together: some ten seconds of the solver."""
+BAR_STREAM = 21
+"""Key of the draws."""
+
+
+def with_bands(
+    solution: WaveSolution, progress: Callable[[float], None] | None = None, threads: int | None = None
+) -> WaveSolution:
+    """Return a solution with the band of each of its results; as it is where the bar takes too long.
+
+    Parameters
+    ----------
+    solution : WaveSolution
+        What a bar did.
+    progress : callable, optional
+        Called with the share done, 0 to 1.
+    threads : int, optional
+        As many as processors, where it is left out; their number changes no bit.
+    """
+    case = solution.case
+    runs = min(RUNS, int(WORK / (solution.run.time.size * len(solution.run.stack.layers))))
+    if runs < FEWEST_RUNS:
+        return solution
+    inputs = known_inputs(case, _tables(case))
+    points = latin_hypercube(sum(one.count for one in inputs), runs, stream=BAR_STREAM)
+    found = on_threads(
+        lambda row: run_wave(drawn_case(case, inputs, row.tolist())).figures,
+        list(drawn(inputs, points)),
+        threads,
+        progress,
+    )
+    nothing: dict[str, float] = {}
+    rows = [nothing if one is None else one for one in found]
+    results = {name: np.array([row.get(name, math.nan) for row in rows]) for name in solution.figures}
+    method = BandMethod("full runs", LEVEL, SEED, runs, failed=sum(one is None for one in found))
+    bands, method = find_bands(Sample(inputs, points), results, method)
+    return dataclasses.replace(solution, band=bands, band_method=method)
+
+
+def _tables(case: Case) -> tuple[str, ...]:
+    """Return the tables that a bar alone depends on: the striker only where it makes the load."""
+    struck = case.load is not None and case.load.shape == "contact"
+    return ("stack", "load", "sensor", *(("striker", "contact") if struck else ()))

@@ -1,0 +1,166 @@
+"""What is known of each input of a case: as it states, or a default that its provenance and its field call for.
+
+A stated tolerance counts as it stands. Without one, what was measured, published, or typed by the user is known to half
+a unit of its last digit, and to 1 % at best; what was inferred, fitted or assumed to the share of `DEFAULTS`. A field
+that nobody can weigh or read off (`strikewave.cases.plausible`) keeps its plausible range while its value is assumed or
+the user's, whatever tolerance stands there: it says how a machine scatters about a value that nobody knows. To narrow
+it, mark the value as measured.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Sequence
+
+from strikewave.base.quantities import Range, Value
+from strikewave.cases.case import Case
+from strikewave.cases.paths import row_name
+from strikewave.cases.plausible import NOT_MOVED, PLAUSIBLE, PlausibleRange
+from strikewave.uncertainty.draws import (
+    FELT,
+    OF_EACH_STRIKER,
+    Shape,
+    UncertainInput,
+    drawn_strikers,
+    range_of,
+    stated,
+    within,
+)
+
+UNSTATED, PLAUSIBLE_BASIS = "no tolerance stated", "plausible range"
+"""Bases of inputs whose case states no tolerance, and of those that nobody can weigh or read off."""
+LEAST = 0.01
+"""Least half width of what was measured, as a share: scales, gauges and tachometers of a test house keep 1 % together
+with whoever reads them, however many digits are typed."""
+MOST = 0.10
+"""Most that the last digit typed stands for, as a share: who types 1 kg does not mean half a kilogram."""
+DEFAULTS = {
+    "measured": (LEAST, "measured: half a unit of its last digit, at least 1 %"),
+    "published": (LEAST, "published: half a unit of its last digit, at least 1 %"),
+    "user": (LEAST, "typed by the user: half a unit of its last digit, at least 1 %"),
+    "inferred": (0.05, "inferred: from numbers of 1 to 2 % each by a relation that is nearly true"),
+    "fitted": (0.05, "fitted: as well as a shock accelerometer reads what it was fitted to"),
+    "assumed": (0.10, "assumed: nobody has weighed or measured it"),
+}
+"""Half width of a value without tolerance, as a share of it, and why, by its provenance."""
+BY_DIGITS = ("measured", "published", "user")
+"""Provenances of values whose last digit counts."""
+UNKNOWN = ("assumed", "user")
+"""Provenances of values that are in their plausible range at least, where the field has one."""
+_NUMBER = re.compile(r"\s*[-+]?(\d*)\.?(\d*)(?:[eE]([-+]?\d+))?")
+
+
+def known_inputs(case: Case, tables: Sequence[str] = FELT) -> tuple[UncertainInput, ...]:
+    """Return every input of a case that moves within what is known of it, by path.
+
+    Parameters
+    ----------
+    case : Case
+        Of a machine, or of a bar alone.
+    tables : sequence of str, optional
+        Tables that the results depend on.
+
+    Examples
+    --------
+    >>> from strikewave import load_case
+    >>> known = {one.path: one for one in known_inputs(load_case("li-ma-2019", ["machine.engagement=5 mm"]))}
+    >>> engagement = known["machine.engagement"]
+    >>> engagement.basis, round(engagement.low, 6), round(engagement.high, 6)
+    ('plausible range', 0.0025, 0.0075)
+    """
+    inputs = []
+    for path, value in sorted(case.values().items()):
+        if path.partition(".")[0] in tables:
+            one = known_input(case, path, value)
+            if one is not None and one.high > one.low:
+                inputs.append(one)
+    return tuple(inputs)
+
+
+def known_input(case: Case, path: str, value: Value) -> UncertainInput | None:
+    """Return what is known of one quantity of a case; None where it is a choice, or 0 without a range of its own."""
+    allowed, field = range_of(case, path), field_of(case, path)
+    if allowed.unit == "count" or field in NOT_MOVED:
+        return None
+    strikers = drawn_strikers(case, path)
+    if strikers == ():
+        return None
+    plausible = PLAUSIBLE.get(field)
+    unknown = plausible is not None and value.provenance in UNKNOWN
+    by_tolerance = None if value.tolerance is None else stated(path, value, allowed, strikers or ())
+    if plausible is not None and unknown:
+        by_field = _plausible(path, value, allowed, plausible, strikers or ())
+        if by_tolerance is None or (by_field.width > by_tolerance.width and not plausible.each):
+            return by_field
+    if by_tolerance is not None or value.si == 0.0:
+        return by_tolerance
+    share, reason = default_share(value)
+    half = share * abs(value.si)
+    low, high = within(allowed, value.si - half, value.si + half)
+    return UncertainInput(path, value, allowed, low, high, basis=UNSTATED, reason=f"±{100.0 * share:.2g} %, {reason}")
+
+
+def field_of(case: Case, path: str) -> str:
+    """Return the path of a quantity without the names of rows: the field that all rows share.
+
+    Examples
+    --------
+    >>> from strikewave import load_case
+    >>> field_of(load_case("li-ma-2019-fig13"), "stack.joint.nose.stiffness")
+    'stack.joint.stiffness'
+    """
+    table, *places = path.split(".")
+    part, kept, place = getattr(case, table), [table], 0
+    while place < len(places):
+        if isinstance(part, tuple):
+            part = next(row for k, row in enumerate(part) if row_name(row, k) == places[place])
+        else:
+            part = getattr(part, places[place])
+            kept.append(places[place])
+        place += 1
+    field = ".".join(kept)
+    if field.startswith("striker.each."):
+        key = kept[-1]
+        return next((of_all for of_all, own in OF_EACH_STRIKER.items() if own == key), field)
+    return field
+
+
+def default_share(value: Value) -> tuple[float, str]:
+    """Return the half width of a value without tolerance as a share of it, and why.
+
+    Examples
+    --------
+    >>> [default_share(Value(si=1.0, typed=typed, provenance="user"))[0] for typed in ("1.25 kg", "8 mm", "730 rpm")]
+    [0.01, 0.0625, 0.01]
+    """
+    share, reason = DEFAULTS[value.provenance]
+    if value.provenance in BY_DIGITS:
+        share = min(max(share, half_a_digit(value.typed)), MOST)
+    return share, reason
+
+
+def half_a_digit(typed: str | float) -> float:
+    """Return half a unit of the last digit typed as a share of the number; 0 where the text begins with no number.
+
+    Examples
+    --------
+    >>> half_a_digit("1.25 kg"), half_a_digit("8 mm"), half_a_digit(0.5), half_a_digit("2e3 N")
+    (0.004, 0.0625, 0.1, 0.25)
+    """
+    match = _NUMBER.match(str(typed))
+    if match is None or not (match[1] or match[2]):
+        return 0.0
+    number = float(f"{match[1] or 0}.{match[2] or 0}")
+    return 0.5 * 10.0 ** -len(match[2]) / number if number else 0.0
+
+
+def _plausible(
+    path: str, value: Value, allowed: Range, plausible: PlausibleRange, strikers: tuple[int, ...]
+) -> UncertainInput:
+    """Return a quantity within the plausible range of its field; what is unknown of all strikers is drawn once."""
+    low, high = within(allowed, *plausible.ends(value.si))
+    shape: Shape = "log-uniform" if plausible.form == "factor" and low > 0.0 else "uniform"
+    of = strikers if plausible.each else ()
+    return UncertainInput(
+        path, value, allowed, low, high, shape, basis=PLAUSIBLE_BASIS, reason=plausible.reason, strikers=of
+    )
