@@ -12,9 +12,10 @@ import pytest
 from strikewave import load_case, run_case, run_wave
 from strikewave.analyses.machine.figures.animation import machine_page
 from strikewave.analyses.machine.report import report
+from strikewave.analyses.record.result import RecordResult
 from strikewave.analyses.wave.report import wave_report
 from strikewave.base.result import Band, InputShare
-from strikewave.reporting.chapters import band_sections, band_words
+from strikewave.reporting.bands import band_sections, band_words
 from strikewave.reporting.page import Head, whole_page
 from strikewave.reporting.parts import Formula, Section, Table, Tag
 
@@ -84,12 +85,12 @@ def test_a_band_stands_in_brackets_with_what_it_depends_on():
     (words,) = band_words(bands)
     assert "the model's own error is not in it" in words
     assert "machine.engagement (62 %) and object.frame_stiffness (20 %)" in words
-    (section,) = band_sections(bands)
+    (section,) = band_sections(RecordResult([], band=bands))
     first, interval = section.parts[0].rows
-    assert first[:3] == ["rigid peak of the first blow", "800 to 1600 g", "machine.engagement, 62 %"]
-    assert interval == ["interval of the blows, median", "19.80 to 20.30 ms", "–", "–"]
+    assert first[:3] == ["rigid peak of the first blow", "800 to 1600 g", "machine.engagement 62 %"]
+    assert interval == ["interval of the blows, median", "19.80 to 20.30 ms", "–", "–", "–"]
     assert band_words({}) == []
-    assert band_sections({}) == []
+    assert band_sections(RecordResult([])) == []
     head = Head("t", "", "Case", "", "", Tag("ok"), [words], [("first peak", "1200 g (800 to 1600 g)")], "")
     assert "<dd>1200 g <small>(800 to 1600 g)</small></dd>" in whole_page(head, [])
 

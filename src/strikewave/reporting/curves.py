@@ -154,21 +154,21 @@ def traces(title: str, curves: Sequence[Trace], unit: str, since: str, wide: boo
     quiet(axes, title, headed(since, "s", "us"), headed(name, si, unit))
     if len(curves) > 1:
         handles, labels = axes.get_legend_handles_labels()
-        if wide:
-            below_left(figure, handles[::-1], labels[::-1])
-        else:
-            above_right(axes, handles[::-1], labels[::-1])
+        put_legend(axes, handles[::-1], labels[::-1])
     return figure
 
 
-def below_left(figure: Figure, handles: Sequence[Any], labels: Sequence[str]) -> None:
-    """Put the legend of a wide figure below it at its left, where a narrow screen shows it before it is scrolled."""
-    figure.legend(handles, labels, frameon=False, fontsize=8, loc="outside lower left", ncols=3, columnspacing=1.2)
+def put_legend(axes: Any, handles: Sequence[Any] | None = None, labels: Sequence[str] | None = None) -> None:
+    """Put the legend where it hides no curve, and where a narrow screen shows it.
 
-
-def above_right(axes: Any, handles: Sequence[Any] | None = None, labels: Sequence[str] | None = None) -> None:
-    """Put the legend above the axes, where it hides no curve."""
+    It stands above the axes at their right. In a wide figure of one column, whose right side a phone shows only after
+    scrolling, it stands below at the left.
+    """
     entries = axes.get_legend_handles_labels() if handles is None else (handles, labels)
+    grid = axes.get_gridspec()
+    if axes.figure.get_figwidth() > HALF[0] and grid is not None and grid.ncols == 1:
+        axes.figure.legend(*entries, frameon=False, fontsize=8, loc="outside lower left", ncols=3, columnspacing=1.2)
+        return
     axes.legend(
         *entries,
         frameon=False,

@@ -18,6 +18,7 @@ from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextvars import ContextVar
 from typing import TYPE_CHECKING, Any, NamedTuple, TextIO
 
+from strikewave.base.compile_progress import WORDS, compiling_shown
 from strikewave.base.result import FAILED, INFO, WARNING
 from strikewave.reporting import numbers
 from strikewave.reporting.bands import BAND_HEADS, band_rows
@@ -191,12 +192,10 @@ def case_hash(text: str, changes: Sequence[str] | None) -> str:
     return "-" + hashlib.sha256(text.encode()).hexdigest()[:8] if changes else ""
 
 
-def say_compiling() -> None:
-    """Say that the first run takes longer, where it does."""
-    from strikewave.base.compiled import is_cold
-
-    if is_cold():
-        say("compiling the kernels: once after install, about 20 s")
+def say_compiling(count: int, done: bool) -> None:
+    """Say in one plain line, for logs, that kernels are compiled; see `compiling_shown`."""
+    if count == 0 and not done:
+        say(f"{WORDS}: about 20 s")
 
 
 def most_memory() -> str:
@@ -220,10 +219,12 @@ def progress_bar(what: str, done: float = 0.0, clocks: Sequence[str] = ("elapsed
     and "left" for the time that is left.
     """
     if _screen.get().quiet:
-        yield lambda share, words="": None
+        with compiling_shown(lambda *_: None):
+            yield lambda share, words="": None
         return
     if not sys.stderr.isatty() or is_dumb():
-        yield _plain_progress(what, done)
+        with compiling_shown(say_compiling):
+            yield _plain_progress(what, done)
         return
     from rich.console import Console
     from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn, TimeRemainingColumn
@@ -233,7 +234,8 @@ def progress_bar(what: str, done: float = 0.0, clocks: Sequence[str] = ("elapsed
     with Progress(*columns, console=Console(stderr=True), transient=True) as progress:
         task = progress.add_task("", total=1.0)
         progress.update(task, completed=done)
-        yield lambda share, words="": progress.update(task, completed=share, description=words)
+        with compiling_shown(lambda count, _: progress.update(task, description=f"{WORDS}: {count} compiled")):
+            yield lambda share, words="": progress.update(task, completed=share, description=words)
 
 
 def _plain_progress(what: str, done: float) -> Callable[..., None]:

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from strikewave.reporting.curves import COLOURS, DASHES, above_right, shortened
+from strikewave.reporting.curves import COLOURS, DASHES, put_legend, shortened
 from strikewave.reporting.numbers import axis_unit, headed, with_unit
 from strikewave.reporting.style import BLUE, GREY, RED, WHOLE, new_figure, quiet
 from strikewave.reporting.wave_field import WaveField
@@ -115,5 +115,5 @@ def insertion_loss(curves: Sequence[tuple[str, Array, Array]]) -> Figure:
     axes.set_xticks([1, 2, 5, 10, 20, 50, 100], ["1", "2", "5", "10", "20", "50", "100"])
     axes.minorticks_off()
     if len(curves) > 1:
-        above_right(axes)
+        put_legend(axes)
     return figure

@@ -9,8 +9,9 @@ import pytest
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 
 from strikewave import load_case
+from strikewave.analyses.machine.chapters import _drawing
 from strikewave.analyses.machine.figures import geometry as machine_geometry
-from strikewave.analyses.machine.figures.drawing import drawing_words, machine_drawing, scale_words, view
+from strikewave.analyses.machine.figures.drawing import machine_drawings, scale_words, view
 from strikewave.analyses.machine.figures.geometry import (
     DISC,
     NOSE,
@@ -22,18 +23,17 @@ from strikewave.analyses.machine.figures.geometry import (
     stretched,
     strike_geometry,
 )
-from strikewave.analyses.machine.figures.parts import MARKS, machine_parts
+from strikewave.analyses.machine.figures.parts import machine_parts
 from strikewave.analyses.machine.kinds.falling_ball import FallingBall
 from strikewave.analyses.machine.report import report
-from strikewave.base.quantities import PROVENANCES
 
 CAM = StrikeGeometry(radius=0.2, strikers=4, engagement=5.5e-3, nose_radius=0.01)
 TANGENTIAL = dataclasses.replace(CAM, blow_angle=0.5 * math.pi, face_width=0.04)
 OBLIQUE = dataclasses.replace(CAM, blow_angle=0.25 * math.pi, face_width=0.04)
 
 
-def texts(figure):
-    return [text.get_text() for axes in figure.axes for text in axes.texts]
+def texts(figures):
+    return [text.get_text() for figure in figures for axes in figure.axes for text in axes.texts]
 
 
 def test_a_nose_touches_the_face_at_the_angle_of_a_cam():
@@ -150,26 +150,21 @@ def test_every_number_of_the_list_is_the_case_s_with_its_provenance(name):
         assert any(provenance == entry.provenance for _, provenance in near), entry
 
 
-def test_the_drawing_writes_its_numbers_and_marks(published):
-    words = texts(machine_drawing(published))
-    for expected in (
-        "R 200 mm",
-        "q 5.502 mm",
-        "stroke s 20 mm",
-        "730 r/min",
-        "90.82 MN/m",
-        "0.459 kg",
-        "blow",
-        "turns",
-    ):
+def test_the_drawing_writes_its_dimensions_and_the_table_all_numbers_with_their_provenance(published):
+    words = texts(machine_drawings(published))
+    for expected in ("R 200 mm", "q 5.502 mm", "stroke s 20 mm", "blow", "turns"):
         assert expected in words, expected
-    assert {"p", "m", "i", "a", "f", "="} <= set(words)
     assert any("46.6 mm" in line for line in scale_words(published, outlines(published)))  # sqrt(2 R q - q^2)
-    counted = [value.provenance for path, value in published.values().items() if path == "machine.speed"]
-    assert counted == ["published"]
-    assert "published" in drawing_words(published)
-    assert "fitted" in drawing_words(published)
-    assert set(MARKS) >= set(PROVENANCES)
+    *pictures, table = _drawing(published)
+    assert len(pictures) == 2
+    assert "fitted" in pictures[0].caption
+    rows = {row[0]: (row[1], getattr(row[2], "text", row[2])) for row in table.rows}
+    assert rows["1 turntable: speed"] == ("730 r/min", "published")
+    assert rows["3 strike: engagement q"] == ("5.502 mm", "fitted")
+    assert rows["3 strike: approach, nominal"] == ("3.562 m/s", "follows")
+    assert rows["6 assembly with sensor"] == ("–", "–")
+    numbers = {name.partition(" ")[0] for name in rows}
+    assert numbers == {word for word in words if word.isdigit()}  # every balloon has its part, every part its balloon
 
 
 @pytest.mark.verify
@@ -191,7 +186,11 @@ def test_the_drawing_writes_its_numbers_and_marks(published):
 )
 def test_all_words_stay_inside_the_drawing_and_off_each_other(changes):
     """Any machine that a case can describe: nothing is cut off, and no two words share a place."""
-    figure = machine_drawing(load_case("li-ma-2019", changes))
+    for figure in machine_drawings(load_case("li-ma-2019", changes)):
+        _inside_and_apart(figure)
+
+
+def _inside_and_apart(figure):
     canvas = FigureCanvasAgg(figure)
     canvas.draw()
     renderer = canvas.get_renderer()
@@ -226,29 +225,30 @@ def test_a_view_does_not_distort():
 
 
 def test_hostile_layer_names_are_no_formula_in_the_drawing():
-    """A name begins with a letter; what TeX would read must not reach it."""
+    """A name begins with a letter; what TeX would read must not reach a picture."""
     case = load_case("li-ma-2019-fig5")
     layers = tuple(
         layer.model_copy(update={"name": "fixture" if layer.name == "fixture" else f"{layer.name} $\\frac{{"})
         for layer in case.stack.layer
     )
     hostile = case.model_copy(update={"stack": case.stack.model_copy(update={"layer": layers})})
-    figure = machine_drawing(hostile)
-    FigureCanvasAgg(figure).draw()
-    assert any("$" in words for words in texts(figure))
+    *_, table = _drawing(hostile)
+    assert any("$" in row[0] for row in table.rows)
+    for figure in machine_drawings(hostile):
+        FigureCanvasAgg(figure).draw()
 
 
 def test_other_cases_have_no_drawing_and_their_reports_leave_it_out(monkeypatch, solution):
-    assert machine_drawing(load_case("li-ma-2019-fig13-bar")) is None
+    assert machine_drawings(load_case("li-ma-2019-fig13-bar")) == ()
     other = FallingBall.model_construct(kind="falling-ball")
     other = load_case("li-ma-2019").model_copy(update={"machine": other})
     assert strike_geometry(other) is None
-    assert machine_drawing(other) is None
+    assert machine_drawings(other) == ()
     page = report(solution)
-    assert "The machine with its numbers" in page
+    assert "The machine at first touch" in page
     assert 'href="machine.html"' not in page
     monkeypatch.setattr("strikewave.analyses.machine.figures.drawing.outlines", lambda case: None)
-    assert "The machine with its numbers" not in report(solution)
+    assert "The machine at first touch" not in report(solution)
 
 
 def test_the_set_up_says_how_the_nose_meets_the_face(solution):

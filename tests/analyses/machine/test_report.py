@@ -286,9 +286,9 @@ def test_sections_of_the_caller_are_shown_in_order_and_counted(solution):
     assert tables(page)["Peaks"] == [["sensor", "peak (g)"], ["a", "4151"], ["b", "–"]]
     assert "<p>First.</p>\n<p>Second.</p>" in page
     numbers = [int(n) for n in re.findall(r"<b>Figure (\d+)\.</b>", page)]
-    assert numbers == list(range(1, 7))  # four of the pulses, one of the caller, the drawing
+    assert numbers == list(range(1, 8))  # four of the pulses, one of the caller, two drawings
     svgs = [found for tag, found in read.tags if tag == "svg"]
-    assert len(svgs) == 6
+    assert len(svgs) == 7
     assert all(found["role"] == "img" and found["aria-label"] for found in svgs)
     assert len(re.findall("<figcaption>", page)) >= 5
     assert len(read.ids) == len(set(read.ids))
@@ -337,7 +337,7 @@ def test_solution_without_any_blow_says_so(solution):
     ):
         assert words in text
     assert "Comparison with published values" not in text
-    assert page.count("<svg") == 2  # the train and the drawing
+    assert page.count("<svg") == 3  # the train and two drawings
 
 
 def test_histories_may_be_missing(solution):
@@ -348,7 +348,7 @@ def test_histories_may_be_missing(solution):
     assert "No warning was raised." in text
     assert "all checks passed" in text
     assert "Without the history time and rigid_acceleration there is no picture" in text
-    assert page.count("<svg") == 1  # the drawing, which takes only the case
+    assert page.count("<svg") == 2  # the drawings, which take only the case
 
 
 def test_missed_and_odd_blows_are_visible(solution):

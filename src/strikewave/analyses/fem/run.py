@@ -11,6 +11,7 @@ from strikewave.analyses.fem.field_names import fields_of_case
 from strikewave.analyses.fem.notices import all_notices
 from strikewave.analyses.fem.result import FemSolution
 from strikewave.base import citations
+from strikewave.base.compile_progress import compiling_shown
 from strikewave.cases.case import Case
 from strikewave.fem.invariants import von_mises
 from strikewave.fem.model import Model, NonReflecting
@@ -71,6 +72,7 @@ def run_fem(case: Case, threads: int = 1) -> FemSolution:
     return run_model(case, build_model(case, threads))
 
 
+@compiling_shown()
 def run_model(case: Case, model: Model, options: RunOptions | None = None, snapshots: int = SNAPSHOTS) -> FemSolution:
     """Run the model of a case; see `run_fem`.
 

@@ -38,7 +38,6 @@ from strikewave.reporting.terminal import (
     print_published,
     progress_bar,
     say,
-    say_compiling,
     show_notices,
     table,
     tell,
@@ -127,7 +126,6 @@ class FemCommand(Command[FemSolution]):
 
     def solve(self) -> FemSolution:
         """Return the solution, with a bar on stderr."""
-        say_compiling()
         with progress() as report:
             return run_model(self.case, self.model, self._asked()._replace(report=report), self._stills())
 

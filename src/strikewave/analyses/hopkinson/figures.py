@@ -16,7 +16,7 @@ from strikewave.hopkinson.echoes import Echoes
 from strikewave.hopkinson.pulses import Pulses
 from strikewave.hopkinson.reduction import Reduction
 from strikewave.hopkinson.uniformity import UNIFORM, face_forces
-from strikewave.reporting.curves import above_right, thin
+from strikewave.reporting.curves import put_legend, thin
 from strikewave.reporting.numbers import axis_unit, headed, percent, with_unit
 from strikewave.reporting.style import BLUE, GREEN, GREY, ORANGE, RED, WHOLE, new_figure, quiet, sheet_title
 
@@ -60,7 +60,7 @@ def draw_record(axes: Any, pulses: Pulses) -> None:
         max(first, pulses.starts[0] - 0.5 * pulses.duration) / _second(),
         min(last, max(pulses.starts) + 1.5 * pulses.duration) / _second(),
     )
-    above_right(axes)
+    put_legend(axes)
 
 
 def _window(axes: Any, span: tuple[float, float], level: float, name: str) -> None:
@@ -77,7 +77,7 @@ def draw_waves(axes: Any, reduction: Reduction) -> None:
         axes.plot(w.time / _second(), strain * STRAIN, dash, color=colour, linewidth=1.3, label=name)
     axes.axvline(w.loaded / _second(), color=GREY, linewidth=0.8, linestyle=":")
     quiet(axes, "At the specimen", headed(SINCE, "s", "us"), "strain (µε), compression +")
-    above_right(axes)
+    put_legend(axes)
 
 
 def draw_forces(axes: Any, solution: HopkinsonSolution) -> None:
@@ -88,7 +88,7 @@ def draw_forces(axes: Any, solution: HopkinsonSolution) -> None:
     axes.plot(time, r.second_force / newton, "--", color=RED, linewidth=1.3, label="F2, transmitted bar")
     axes.axvline(r.waves.loaded / _second(), color=GREY, linewidth=0.8, linestyle=":")
     quiet(axes, "Force balance", headed(SINCE, "s", "us"), headed("force", "N", "kN"))
-    above_right(axes)
+    put_legend(axes)
 
 
 def draw_difference(axes: Any, solution: HopkinsonSolution) -> None:
@@ -117,7 +117,7 @@ def draw_curves(axes: Any, reduction: Reduction) -> None:
             label=name,
         )
     quiet(axes, "True curve", "true strain (%)", headed("true stress", "Pa", "MPa"))
-    above_right(axes)
+    put_legend(axes)
 
 
 def draw_rate(axes: Any, reduction: Reduction) -> None:
@@ -134,7 +134,7 @@ def draw_rate(axes: Any, reduction: Reduction) -> None:
             label=name,
         )
     quiet(axes, "True strain rate", "true strain (%)", headed("rate", "1/s", "1/s"))
-    above_right(axes)
+    put_legend(axes)
 
 
 def shot_summary(solution: HopkinsonSolution) -> Figure:
@@ -181,7 +181,7 @@ def draw_speed(axes: Any, echoes: Echoes, stated: float) -> None:
     axes.plot(frequency, echoes.theory_speed / speed, "-", color=RED, linewidth=1.4, label="theory")
     axes.axhline(stated / speed, color=GREY, linewidth=1.0, linestyle="--", label="stated")
     quiet(axes, "Phase speed", headed("frequency", "Hz", "kHz"), headed("speed", "m/s", "m/s"))
-    above_right(axes)
+    put_legend(axes)
 
 
 def draw_losses(axes: Any, echoes: Echoes) -> None:
@@ -200,7 +200,7 @@ def draw_losses(axes: Any, echoes: Echoes) -> None:
     axes.axhline(echoes.attenuation.value, color=RED, linewidth=1.2, label="mean by energy")
     axes.axhline(0.0, color=GREY, linewidth=0.8)
     quiet(axes, "Attenuation", headed("frequency", "Hz", "kHz"), "attenuation (1/m)")
-    above_right(axes)
+    put_legend(axes)
 
 
 def echo_summary(solution: EchoSolution) -> Figure:
@@ -231,7 +231,7 @@ def draw_accelerations(axes: Any, solution: SensorSolution) -> None:
         "" if solution.quoted else ": not to be quoted"
     )
     quiet(axes, title, headed(AT_END, "s", "us"), headed("acceleration", "m/s^2", "g"))
-    above_right(axes)
+    put_legend(axes)
 
 
 def draw_sensor_difference(axes: Any, solution: SensorSolution) -> None:
@@ -252,7 +252,7 @@ def draw_velocities(axes: Any, solution: SensorSolution) -> None:
         time, shown = thin(comparison.time, values)
         axes.plot(time / _second(), shown / axis_unit("m/s", "m/s")[0], dash, color=colour, linewidth=width, label=name)
     quiet(axes, "Velocity", headed(AT_END, "s", "us"), headed("velocity", "m/s", "m/s"))
-    above_right(axes)
+    put_legend(axes)
 
 
 def draw_end_record(axes: Any, solution: SensorSolution) -> None:

@@ -20,6 +20,7 @@ from strikewave.analyses.hopkinson.plausibility import (
 from strikewave.analyses.hopkinson.result import HopkinsonSolution
 from strikewave.analyses.hopkinson.sensor_result import SensorSolution
 from strikewave.analyses.hopkinson.setup_file import HopkinsonCase
+from strikewave.base.compile_progress import compiling_shown
 from strikewave.base.errors import InputError
 from strikewave.base.result import FAILED, Notice
 from strikewave.cases.hopkinson_tables import LimitsTable
@@ -51,6 +52,7 @@ FEWEST_SAMPLES = 10.0
 by a tenth of the plateau."""
 
 
+@compiling_shown()
 def run_hopkinson(case: HopkinsonCase) -> HopkinsonSolution | SensorSolution | EchoSolution:
     """Reduce the shot of a set-up, compare the accelerometer on its bar, or calibrate the bar by echoes.
 

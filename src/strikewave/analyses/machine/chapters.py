@@ -19,7 +19,7 @@ from strikewave.analyses.machine.words import (
 )
 from strikewave.reporting.chapters import balance_table, layer_steps
 from strikewave.reporting.numbers import fixed, listed, with_unit
-from strikewave.reporting.parts import Cell, Flow, Link, Part, Picture, Section, Table, Tag, written
+from strikewave.reporting.parts import NONE, Cell, Flow, Link, Part, Picture, Section, Table, Tag, written
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -40,6 +40,7 @@ _DATA_FLOW = (
 )
 
 
+_PARTS = "The parts with their numbers, counted as in the drawing"
 _WORDS = (
     "A blow is one pass of one striker, all its re-contacts included. It is glancing when its approach speed is below "
     "half of the nominal one, double when a second group of contacts, more than a pulse width later, carries a tenth "
@@ -76,9 +77,19 @@ def _strike_words(case: Case) -> str:
 
 
 def _drawing(case: Case) -> list[Part]:
-    """Return the drawing of the machine with its numbers; nothing for a machine that is not drawn."""
+    """Return drawings of the machine and a table of its numbers; nothing for a machine that is not drawn."""
     drawing = kind_of(case).drawing(case)
-    return [] if drawing is None else [Picture(*drawing)]
+    if drawing is None:
+        return []
+    rows: list[list[Cell]] = []
+    for number, part in enumerate(drawing.parts, 1):
+        name = f"{number} {part.name}" if part.place else part.name
+        for one in part.entries:
+            looks = ("follows", "") if one.provenance == "computed" else (one.provenance, one.provenance)
+            rows.append([f"{name}: {one.name}", one.shown, Tag(*looks)])
+        if not part.entries:
+            rows.append([name, NONE, NONE])
+    return [*drawing.pictures, Table(_PARTS, ["part", "value", "provenance"], rows)]
 
 
 def blow_table(solution: Solution) -> Section:

@@ -8,7 +8,7 @@ at its head only what a table needs (see `strikewave.cases.machine_tables`); phy
 from __future__ import annotations
 
 from abc import abstractmethod
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from typing import TYPE_CHECKING, ClassVar, Literal, NamedTuple
 
 from strikewave.base.errors import MISSING, InputError
@@ -16,13 +16,12 @@ from strikewave.base.result import Notice
 from strikewave.cases.tables import LaunchedTable, MachineTable
 
 if TYPE_CHECKING:
-    from matplotlib.figure import Figure
-
     from strikewave.cases.case import Case
     from strikewave.contact.law import AnyContact
     from strikewave.machines import Machine
     from strikewave.machines.amplifier import Collisions
     from strikewave.machines.launch import RigidPendulum
+    from strikewave.reporting.parts import Picture
 
 
 class ShownSetting(NamedTuple):
@@ -34,12 +33,27 @@ class ShownSetting(NamedTuple):
     name: str
 
 
-class Drawing(NamedTuple):
-    """A drawing of a machine, its caption, and what it shows for those who cannot see it."""
+class PartNumber(NamedTuple):
+    """A number of a part: what it is, the number with its unit, where it comes from."""
 
-    figure: Figure
-    caption: str
-    label: str
+    name: str
+    shown: str
+    provenance: str
+
+
+class PartEntry(NamedTuple):
+    """A part: the name by which the drawing points at it, what it is called, its numbers."""
+
+    place: str
+    name: str
+    entries: Sequence[PartNumber]
+
+
+class Drawing(NamedTuple):
+    """What shows a machine: pictures, and the parts with their numbers that the pictures point at."""
+
+    pictures: Sequence[Picture]
+    parts: Sequence[PartEntry]
 
 
 class MachineKind(MachineTable):

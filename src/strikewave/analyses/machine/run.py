@@ -20,6 +20,7 @@ from strikewave.analyses.machine.sensor_readings import (
 )
 from strikewave.analyses.machine.yielding import contact_answers
 from strikewave.base import citations
+from strikewave.base.compile_progress import compiling_shown
 from strikewave.base.quantities import AUTO
 from strikewave.base.result import Comparison, balance_notices
 from strikewave.cases.case import Case
@@ -33,6 +34,7 @@ from strikewave.waves.routes import EXACT
 from strikewave.waves.setup import wave_setup
 
 
+@compiling_shown()
 def run_case(case: Case, progress: Callable[[float], None] | None = None, *, band: bool = False) -> Solution:
     """Run a case and return its solution.
 

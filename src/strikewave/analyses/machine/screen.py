@@ -36,7 +36,6 @@ from strikewave.reporting.terminal import (
     print_losses,
     print_published,
     progress_bar,
-    say_compiling,
     table,
     tell,
 )
@@ -68,7 +67,6 @@ class MachineCommand(Command[Solution]):
 
     def solve(self) -> Solution:
         """Return the solution, with a bar on stderr."""
-        say_compiling()
         with progress_bar("blows") as report:
             solution = run_case(self.case, report)
         if not self.band:

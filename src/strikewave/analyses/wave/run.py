@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from strikewave.analyses.wave.build import build_load, wanted
 from strikewave.analyses.wave.notices import Front, layered_bar_notices
 from strikewave.analyses.wave.result import WaveSolution
+from strikewave.base.compile_progress import compiling_shown
 from strikewave.base.errors import InputError, checked
 from strikewave.cases.case import Case
 from strikewave.cases.sensors_of_case import build_channels
@@ -40,6 +41,7 @@ MOST_REST = 4
 """Of such samples at most, over those of the run: a very low bandwidth would else fill the memory."""
 
 
+@compiling_shown()
 def run_wave(case: Case, period: float = math.inf) -> WaveSolution:
     """Run the stack of a case under its load.
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sys
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -10,6 +11,7 @@ from typing import ClassVar
 from strikewave.analyses.wave.band import with_bands
 from strikewave.analyses.wave.report import error_words, tap_rows, wave_tables, wave_words
 from strikewave.analyses.wave.run import WaveSolution, run_wave
+from strikewave.base.compile_progress import compiling_shown
 from strikewave.base.errors import MISSING, InputError
 from strikewave.cases.case import Case, dump_case
 from strikewave.reporting.layout import MORE, keys, numerals, texts
@@ -70,8 +72,8 @@ class WaveCommand(Command[WaveSolution]):
 
     def solve(self) -> WaveSolution:
         """Return the solution, with a bar on stderr while its bands are found."""
-        say_compiling()
-        solution = run_wave(self.case)
+        with compiling_shown(None if sys.stderr.isatty() else say_compiling):
+            solution = run_wave(self.case)
         if not self.band:
             return solution
         with progress_bar("band") as report:

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from strikewave.base.constants import STANDARD_GRAVITY
 from strikewave.papers.li_ma_2019.values import EQUAL
-from strikewave.reporting.curves import Trace, above_right, thin
+from strikewave.reporting.curves import Trace, put_legend, thin
 from strikewave.reporting.style import BLUE, GREEN, GREY, HALF, ORANGE, RED, WHOLE, quiet
 from strikewave.waves.li_ma import arrivals
 from strikewave.waves.routes import EXACT, specimen_of
@@ -131,7 +131,7 @@ def ratio_figure(rows: Sequence[Ratio]) -> Figure:
     axes.minorticks_off()
     axes.set_yticks(range(len(rows)), [row.label for row in rows], fontsize=8.5)
     axes.set_ylim(len(rows) - 0.4, -0.6)
-    above_right(axes)
+    put_legend(axes)
     return figure
 
 
@@ -155,7 +155,7 @@ def sensors_figure(solution: Solution, direct: PublishedMark, buffered: Publishe
     quiet(first, "First blow", "time after first touch (µs)", "acceleration (g)")
     train.margins(x=0.01)
     _headroom(train, first)
-    above_right(first)
+    put_legend(first)
     return figure
 
 
@@ -199,7 +199,7 @@ def passing_figure(solution: WaveSolution, tap: int = 0) -> Figure:
     quiet(way, "Way of the wave", "place x / l", "time / t₀, from interface I")
     way.set_xticks([0.0, x, 1.0], ["0 (I)", f"{x:g}", "1 (II)"])
     way.margins(x=0.08)
-    above_right(way)
+    put_legend(way)
     transit = sandwich.transit
     since = (solution.run.time - _arrival(solution, tap)) / transit
     shown = (since >= -0.5) & (since <= 6.0)
@@ -298,7 +298,7 @@ def pulse_figure(
     axes.set_xlim(0.0, last * 1e6)
     _headroom(axes)
     if curves:
-        above_right(axes)
+        put_legend(axes)
     return figure
 
 
@@ -323,7 +323,7 @@ def fixture_figure(solution: Solution, sensor: str, marks: Sequence[PublishedMar
     train.margins(x=0.01)
     first.set_xlim(0.0, 6e2)
     _headroom(train, first)
-    above_right(first)
+    put_legend(first)
     return figure
 
 
@@ -337,7 +337,7 @@ def front_figure(solution: WaveSolution, marks: Sequence[PublishedMark]) -> Figu
     quiet(axes, "A bar alone under a front of 5 µs", "time after the start of the load (µs)", "acceleration (g)")
     axes.set_xlim(0.0, 60.0)
     _headroom(axes)
-    above_right(axes)
+    put_legend(axes)
     return figure
 
 

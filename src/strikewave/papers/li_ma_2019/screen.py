@@ -19,7 +19,7 @@ from strikewave.papers.li_ma_2019.runs import Effort
 from strikewave.reporting.layout import MORE, keys, numerals, texts
 from strikewave.reporting.options import Output
 from strikewave.reporting.run_and_write import Command, run_and_write
-from strikewave.reporting.terminal import progress_bar, say, say_compiling, table, tell
+from strikewave.reporting.terminal import progress_bar, say, table, tell
 
 Report = Callable[[float, str], None]
 
@@ -58,7 +58,6 @@ class ReproduceCommand(Command[Reproduction]):
 
     def solve(self) -> Reproduction:
         """Return the result, with a bar on stderr."""
-        say_compiling()
         with progress() as report:
             return reproduce(self.effort, report)
 

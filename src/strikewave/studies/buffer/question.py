@@ -5,6 +5,7 @@ from __future__ import annotations
 import dataclasses
 from collections.abc import Callable, Sequence
 
+from strikewave.base.compile_progress import compiling_shown
 from strikewave.base.quantities import Value
 from strikewave.base.units import si_value
 from strikewave.cases.case import Case
@@ -17,6 +18,7 @@ from strikewave.studies.buffer.result import BufferStudy
 from strikewave.studies.buffer.study import design_buffer
 
 
+@compiling_shown()
 def buffer(
     case: Case,
     limit: str | float,

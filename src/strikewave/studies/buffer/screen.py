@@ -26,7 +26,7 @@ from strikewave.reporting.layout import KEY, MORE, numerals, texts
 from strikewave.reporting.numbers import with_unit
 from strikewave.reporting.options import Output
 from strikewave.reporting.run_and_write import Command, run_and_write
-from strikewave.reporting.terminal import number, progress_bar, say_compiling, significant, table, tell
+from strikewave.reporting.terminal import number, progress_bar, significant, table, tell
 from strikewave.studies.buffer.candidate import ALIKE, RINGING, BufferCandidate, BufferGoal, distinct
 from strikewave.studies.buffer.choice import StackChoices
 from strikewave.studies.buffer.mounting_site import (
@@ -127,7 +127,6 @@ class BufferCommand(Command[BufferStudy]):
         if source.reading is not None:
             blows = _recorded(source.record, source.reading, source.found)
         else:
-            say_compiling()
             with progress_bar("blows") as report:
                 blows = _blows(source, self.blow, report)
         with progress_bar("stacks") as report:

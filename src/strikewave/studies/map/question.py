@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 
+from strikewave.base.compile_progress import compiling_shown
 from strikewave.base.errors import InputError, nearest
 from strikewave.base.quantities import Value
 from strikewave.cases.case import Case, dump_case, parse_case
@@ -15,6 +16,7 @@ MOST_PANELS = 6
 """Most values of a third setting."""
 
 
+@compiling_shown()
 def map(
     case: Case,
     x: str = X,

@@ -13,7 +13,7 @@ from strikewave.reporting.layout import MORE, keys, numerals, texts
 from strikewave.reporting.measured_files import asked
 from strikewave.reporting.options import Output
 from strikewave.reporting.run_and_write import Command, case_folder, run_and_write
-from strikewave.reporting.terminal import number, progress_bar, say_compiling, table, tell
+from strikewave.reporting.terminal import number, progress_bar, table, tell
 from strikewave.studies.scatter.study import ScatterPlan, ScatterStudy, marked_text, scatter
 from strikewave.uncertainty.shares import Shares
 
@@ -45,7 +45,6 @@ class ScatterCommand(Command[ScatterStudy]):
 
     def solve(self) -> ScatterStudy:
         """Return the study, with a bar on stderr."""
-        say_compiling()
         with progress_bar("runs", clocks=("elapsed", "left")) as report:
             return dataclasses.replace(scatter(self.case, self.plan, report), asked=asked())
 

@@ -17,6 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from strikewave.base.citations import citation
+from strikewave.base.compile_progress import compiling_shown
 from strikewave.base.errors import InputError
 from strikewave.base.result import INFO, Notice, Source
 from strikewave.cases.case import Case, dump_case
@@ -338,6 +339,7 @@ def marked_text(case: Case, plan: ScatterPlan) -> str:
     return asked + dump_case(case)
 
 
+@compiling_shown()
 def scatter(
     case: Case, plan: ScatterPlan | None = None, progress: Callable[[float], None] | None = None
 ) -> ScatterStudy:

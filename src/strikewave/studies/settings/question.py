@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 
+from strikewave.base.compile_progress import compiling_shown
 from strikewave.base.materials import material
 from strikewave.base.units import si_value
 from strikewave.cases.case import Case, load_case
@@ -12,6 +13,7 @@ from strikewave.studies.settings.defaults import DISC, REFERENCE, STIFFNESS
 from strikewave.studies.settings.study import SettingsChoices, SettingsStudy, design_settings
 
 
+@compiling_shown()
 def settings(
     interval: str | float,
     peak: str | float,

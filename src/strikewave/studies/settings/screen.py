@@ -12,7 +12,7 @@ from strikewave.reporting import measured_files as measured
 from strikewave.reporting.layout import KEY, MORE, ScreenColumn, keys, numerals, texts
 from strikewave.reporting.options import Output
 from strikewave.reporting.run_and_write import Command, run_and_write
-from strikewave.reporting.terminal import fixed, number, progress_bar, say_compiling, significant, table, tell
+from strikewave.reporting.terminal import fixed, number, progress_bar, significant, table, tell
 from strikewave.studies.settings.candidate import BlowGoal, Limit, SettingsCandidate
 from strikewave.studies.settings.estimate import engagement_sensitivity
 from strikewave.studies.settings.search import VARIED
@@ -60,7 +60,6 @@ class SettingsCommand(Command[SettingsStudy]):
 
     def solve(self) -> SettingsStudy:
         """Return the study, with a bar on stderr."""
-        say_compiling()
         with progress_bar("settings") as report:
             study = design_settings(self.case, self.goal, self.choice, report)
         return dataclasses.replace(study, asked=measured.asked())

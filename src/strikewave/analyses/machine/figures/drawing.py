@@ -1,4 +1,7 @@
-"""The drawing of a rotary machine with its numbers: the whole, the strike close up, the parts and their provenance."""
+"""The drawings of a rotary machine with its numbers: the whole, and the strike close up.
+
+Each is as wide as a phone shows without scrolling; the numbers of the parts stand in a table beside them.
+"""
 
 from __future__ import annotations
 
@@ -20,16 +23,13 @@ from strikewave.analyses.machine.figures.geometry import (
     outlines,
     placed,
     stretched,
-    strike_geometry,
 )
 from strikewave.analyses.machine.figures.parts import (
-    MARKS,
-    PartEntry,
     length,
     machine_parts,
-    provenance_words,
     significant,
 )
+from strikewave.analyses.machine.kind import PartEntry
 from strikewave.reporting.style import BLUE, GREY, RED
 
 if TYPE_CHECKING:
@@ -39,41 +39,38 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 
-SIZE = (9.8, 7.0)
-"""Of the drawing, inches."""
-WHOLE, CLOSE = (0.05, 2.75, 6.35, 4.2), (0.05, 0.05, 3.2, 2.6)
+SIZE = (4.9, 3.3)
+"""Of each drawing, inches."""
+WHOLE, CLOSE = (0.05, 0.05, 4.8, 3.2), (0.05, 0.05, 4.8, 3.05)
 """Left, bottom, width and height of the views, inches."""
 INK = "#1a1f24"
 _ARROW: dict[str, Any] = {"arrowstyle": "<|-|>", "shrinkA": 0.0, "shrinkB": 0.0, "linewidth": 0.9, "mutation_scale": 8}
 
 
-def machine_drawing(case: Case) -> Figure | None:
-    """Draw a rotary machine from its case, with every number marked by its provenance; None for any other case.
+def machine_drawings(case: Case) -> tuple[Figure, ...]:
+    """Draw a rotary machine from its case: the whole, and the strike magnified; nothing for any other case.
 
     Path, noses, engagement, face and stroke are to scale, and so are the layers of a stack where that can be read.
 
     Examples
     --------
     >>> from strikewave import load_case
-    >>> len(machine_drawing(load_case("li-ma-2019")).axes)  # whole, close up, notes, list of parts
-    4
-    >>> machine_drawing(load_case("li-ma-2019-fig13-bar")) is None
-    True
+    >>> len(machine_drawings(load_case("li-ma-2019")))
+    2
+    >>> machine_drawings(load_case("li-ma-2019-fig13-bar"))
+    ()
     """
     from matplotlib.figure import Figure
 
     outline = outlines(case)
     if outline is None:
-        return None
-    figure = Figure(figsize=SIZE)
-    parts = machine_parts(case, outline.geometry)
-    whole, scale = view(figure, WHOLE, whole_limits(outline))
-    _draw_whole(whole, case, outline, parts)
-    close, enlarged = view(figure, CLOSE, close_limits(outline.geometry))
+        return ()
+    figures = Figure(figsize=SIZE), Figure(figsize=SIZE)
+    whole, scale = view(figures[0], WHOLE, whole_limits(outline))
+    _draw_whole(whole, case, outline, machine_parts(case, outline.geometry))
+    close, enlarged = view(figures[1], CLOSE, close_limits(outline.geometry))
     _draw_close(close, case, outline, enlarged / scale)
-    _draw_notes(figure, case, outline)
-    list_parts(figure, parts)
-    return figure
+    return figures
 
 
 def view(
@@ -164,7 +161,7 @@ def _clear_nose(geometry: StrikeGeometry, angle: float, towards: float) -> Array
 def balloon(axes: Any, number: int, place: tuple[float, float]) -> None:
     """Draw the number of a part in a circle."""
     look = {"boxstyle": "circle,pad=0.2", "facecolor": "white", "edgecolor": INK, "linewidth": 0.8}
-    axes.text(*place, str(number), ha="center", va="center", fontsize=7.5, color=INK, bbox=look, zorder=6)
+    axes.text(*place, str(number), ha="center", va="center", fontsize=8, color=INK, bbox=look, zorder=6)
 
 
 def _polar(radius: float, angle: float) -> tuple[float, float]:
@@ -186,7 +183,7 @@ def _draw_radius(axes: Any, case: Case, geometry: StrikeGeometry, angle: float) 
     end = _clear_nose(geometry, angle, 1.2)
     axes.annotate("", end, (0.0, 0.0), arrowprops={**_ARROW, "arrowstyle": "-|>", "color": INK}, zorder=4)
     (entry,) = length("R", case.rotary_tables().machine.radius)
-    _marked(axes, tuple(0.45 * end), f"R {entry.shown}", entry.provenance)
+    _dimensioned(axes, tuple(0.45 * end), f"R {entry.shown}")
     return math.atan2(end[1], end[0])
 
 
@@ -241,21 +238,16 @@ def _draw_stroke(axes: Any, case: Case, made: Outlines) -> None:
         axes.plot([x, x], [places.floor - 0.1 * geometry.radius, places.floor + 0.1 * geometry.radius], **_EXTENSION)
     axes.annotate("", (right + shown, y), (right, y), arrowprops={**_ARROW, "color": INK}, zorder=5)
     words = "stroke s " + entry.shown + (" (not to scale)" if stroke.si > shown else "")
-    _marked(axes, (right - 0.02 * geometry.radius, y), words, entry.provenance, "right")
+    _dimensioned(axes, (right - 0.02 * geometry.radius, y), words, "right")
 
 
 _EXTENSION: dict[str, Any] = {"color": GREY, "linewidth": 0.7, "zorder": 4}
 _PLAIN: dict[str, Any] = {"facecolor": "white", "alpha": 0.8, "edgecolor": "none", "pad": 0.8}
 
 
-def _marked(axes: Any, place: tuple[float, ...], words: str, provenance: str, side: str = "center") -> None:
-    """Write a dimension with the mark of its provenance behind it."""
-    look: dict[str, Any] = {"textcoords": "offset points", "va": "center", "color": INK}
-    room = {"center": -7, "right": -15}[side]
-    text = axes.annotate(words, place, (room, 0), fontsize=8, ha=side, bbox=_PLAIN, zorder=6, **look)
-    letter, colour = MARKS[provenance]
-    box = {"boxstyle": "round,pad=0.15", "facecolor": "white", "edgecolor": colour, "linewidth": 1.1}
-    axes.annotate(letter, (1.0, 0.5), (8, 0), xycoords=text, fontsize=6.5, ha="center", bbox=box, zorder=7, **look)
+def _dimensioned(axes: Any, place: tuple[float, ...], words: str, side: str = "center") -> None:
+    """Write a dimension."""
+    axes.text(*place, words, fontsize=8, ha=side, va="center", color=INK, bbox=_PLAIN, zorder=6)
 
 
 def _draw_close(axes: Any, case: Case, made: Outlines, magnified: float) -> None:
@@ -302,7 +294,7 @@ def _draw_touch(axes: Any, geometry: StrikeGeometry, angle: float, size: float) 
     below = 0.22 * size * math.sin(abs(geometry.blow_angle))  # clear of the path
     place = (centre[0] + geometry.nose_radius + 0.03 * size, centre[1] - below)
     words = f"first touch,\n{significant(-math.degrees(angle), 3)}° before the\nstrike position"
-    axes.text(*place, words, fontsize=7.5, ha="left", va="center", zorder=6)
+    axes.text(*place, words, fontsize=8, ha="left", va="center", zorder=6)
 
 
 def _draw_engagement(axes: Any, value: Any, ends: tuple[float, float], y: float, size: float) -> None:
@@ -310,12 +302,12 @@ def _draw_engagement(axes: Any, value: Any, ends: tuple[float, float], y: float,
     (entry,) = length("q", value)
     if ends[1] - ends[0] > 0.3 * size:
         axes.annotate("", (ends[1], y), (ends[0], y), arrowprops={**_ARROW, "color": INK}, zorder=6)
-        _marked(axes, (0.5 * (ends[0] + ends[1]), y - 0.06 * size), f"q {entry.shown}", entry.provenance)
+        _dimensioned(axes, (0.5 * (ends[0] + ends[1]), y - 0.06 * size), f"q {entry.shown}")
         return
     for end, side in zip(ends, (-1.0, 1.0), strict=True):
         begin = (end + side * 0.1 * size, y)
         axes.annotate("", (end, y), begin, arrowprops={**_ARROW, "arrowstyle": "-|>", "color": INK}, zorder=6)
-    _marked(axes, (ends[0] - 0.12 * size, y), f"q {entry.shown}", entry.provenance, "right")
+    _dimensioned(axes, (ends[0] - 0.12 * size, y), f"q {entry.shown}", "right")
 
 
 def _frame(left: float, bottom: float, width: float, height: float) -> Any:
@@ -344,57 +336,3 @@ def scale_words(case: Case, made: Outlines) -> list[str]:
             "touches it."
         )
     return words
-
-
-def _draw_notes(figure: Figure, case: Case, made: Outlines) -> None:
-    """Write what is to scale, and what the marks mean."""
-    import textwrap
-
-    width, height = SIZE
-    axes = figure.add_axes((3.4 / width, 0.05 / height, 3.0 / width, 2.6 / height))
-    axes.set_axis_off()
-    axes.set_xlim(0.0, 3.0)
-    axes.set_ylim(0.0, 2.6)
-    lines = [line for words in scale_words(case, made) for line in textwrap.wrap(words, 46)]
-    for k, line in enumerate(lines):
-        axes.text(0.0, 2.5 - 0.165 * k, line, fontsize=8, va="center", color="#4d5760")
-    for k, (word, (letter, colour)) in enumerate(MARKS.items()):
-        x, y = 0.1 + 1.4 * (k % 2), 0.74 - 0.21 * (k // 2)
-        mark(axes, (x, y), letter, colour)
-        axes.text(x + 0.15, y, "follows from these" if word == "computed" else word, fontsize=8, va="center")
-
-
-def mark(axes: Any, place: tuple[float, float], letter: str, colour: str) -> None:
-    """Draw the mark of a provenance."""
-    look = {"boxstyle": "round,pad=0.15", "facecolor": "white", "edgecolor": colour, "linewidth": 1.1}
-    axes.text(*place, letter, fontsize=6.5, ha="center", va="center", color=INK, bbox=look)
-
-
-def list_parts(figure: Figure, parts: Sequence[PartEntry]) -> None:
-    """List the parts with their numbers, as the balloons count them."""
-    width, height = figure.get_size_inches()
-    axes = figure.add_axes((6.55 / width, 0.0, 3.2 / width, 1.0))
-    axes.set_axis_off()
-    axes.set_xlim(0.0, 3.2)
-    axes.set_ylim(0.0, height)
-    rows = sum(1 + len(part.entries) for part in parts)
-    step = min(0.185, (height - 0.3) / (rows + 0.25 * len(parts)))
-    y = height - 0.2
-    for number, part in enumerate(parts, 1):
-        if part.place:
-            balloon(axes, number, (0.12, y))
-        axes.text(0.3, y, part.name, fontsize=8, fontweight="bold", va="center", parse_math=False)
-        y -= step
-        for entry in part.entries:
-            axes.text(0.3, y, entry.name, fontsize=8, va="center", color="#4d5760")
-            axes.text(2.75, y, entry.shown, fontsize=8, va="center", ha="right")
-            mark(axes, (2.95, y), *MARKS[entry.provenance])
-            y -= step
-        y -= 0.25 * step
-
-
-def drawing_words(case: Case) -> str:
-    """Say in words what the drawing shows, for its caption: how many of its numbers have each provenance."""
-    geometry = strike_geometry(case)
-    parts = [] if geometry is None else machine_parts(case, geometry)
-    return provenance_words(parts)

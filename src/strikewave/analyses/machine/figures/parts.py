@@ -1,47 +1,22 @@
-"""The parts of a rotary machine with their numbers, as the list beside a drawing gives them."""
+"""The parts of a rotary machine with their numbers, as the table beside its drawing gives them."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Sequence
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING
 
 from strikewave.analyses.machine.figures.geometry import StrikeGeometry
+from strikewave.analyses.machine.kind import PartEntry, PartNumber
+from strikewave.base.quantities import PROVENANCES
 from strikewave.base.units import in_unit
 from strikewave.reporting.curves import shortened
-from strikewave.reporting.style import BLUE, GREEN, GREY, ORANGE, RED
 
 if TYPE_CHECKING:
     from strikewave.cases.case import Case, Value
 
-MARKS = {
-    "published": ("p", BLUE),
-    "measured": ("m", GREEN),
-    "user": ("u", "#1a1f24"),
-    "inferred": ("i", "#CC79A7"),
-    "assumed": ("a", ORANGE),
-    "fitted": ("f", RED),
-    "computed": ("=", GREY),
-}
-"""Letter and colour of each provenance, and of what follows from the values of the case."""
 MOST_LAYERS = 6
 """Layers of a stack that are listed one by one."""
-
-
-class PartNumber(NamedTuple):
-    """A number of a part: what it is, the number with its unit, where it comes from."""
-
-    name: str
-    shown: str
-    provenance: str
-
-
-class PartEntry(NamedTuple):
-    """A part: the name by which the drawing points at it, what it is called, its numbers."""
-
-    place: str
-    name: str
-    entries: Sequence[PartNumber]
 
 
 def significant(value: float, digits: int = 4) -> str:
@@ -98,7 +73,7 @@ def mass(name: str, value: Value | None) -> list[PartNumber]:
 def provenance_words(parts: Sequence[PartEntry]) -> str:
     """Say how many of the numbers of some parts have each provenance."""
     marks = [entry.provenance for part in parts for entry in part.entries if entry.provenance != "computed"]
-    counted = [f"{marks.count(word)} {word}" for word in MARKS if word in marks]
+    counted = [f"{marks.count(word)} {word}" for word in PROVENANCES if word in marks]
     return f"Of the {len(marks)} numbers shown {', '.join(counted)}."
 
 

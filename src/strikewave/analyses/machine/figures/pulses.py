@@ -14,7 +14,7 @@ from strikewave.analyses.machine.figures.summary import (
     since_touch,
     time_words,
 )
-from strikewave.reporting.curves import MOST_PULSES, below_left, thin
+from strikewave.reporting.curves import MOST_PULSES, put_legend, thin
 from strikewave.reporting.numbers import axis_unit, headed
 from strikewave.reporting.style import BLUE, GREY, HALF, WHOLE, quiet
 
@@ -83,7 +83,7 @@ def overlaid_pulses(solution: Solution) -> Figure:
     since = headed("time after first touch of each blow", "s", "us")
     quiet(axes, "Rigid-body pulses, overlaid", since, headed("acceleration", "m/s^2", "g"))
     handles, labels = axes.get_legend_handles_labels()
-    below_left(figure, handles[::-1], labels[::-1])
+    put_legend(axes, handles[::-1], labels[::-1])
     return figure
 
 
@@ -109,7 +109,7 @@ def whole_train(solution: Solution) -> Figure:
             place = (blow.time / unit, height)
             axes.annotate(str(blow.index), place, xytext=(0, 5), textcoords="offset points", ha="center", fontsize=8)
     if kinds - {"full"}:
-        below_left(figure, *axes.get_legend_handles_labels())
+        put_legend(axes, *axes.get_legend_handles_labels())
     axes.margins(y=0.14)
     return figure
 

@@ -1,7 +1,7 @@
-"""A schematic of a launched machine with its numbers: symbols, not to scale, and the list of parts beside them.
+"""A schematic of a launched machine: symbols, not to scale; its parts with their numbers stand in a table beside it.
 
-A kind draws its own with a few symbols in a field of 10 by 10; each number carries the mark of its provenance, as in
-the drawing of the rotary machine.
+A kind draws its own with a few symbols in a field 10 wide; balloons number the parts, as in the drawing of the rotary
+machine.
 """
 
 from __future__ import annotations
@@ -13,25 +13,24 @@ from typing import Any
 import numpy as np
 from matplotlib.figure import Figure
 
-from strikewave.analyses.machine.figures.drawing import balloon, list_parts, mark
+from strikewave.analyses.machine.figures.drawing import SIZE, balloon
 from strikewave.analyses.machine.figures.geometry import LOOKS
 from strikewave.analyses.machine.figures.parts import (
-    MARKS,
-    PartEntry,
     damping,
     mass,
     provenance_words,
     quantity,
     stiffness,
 )
-from strikewave.analyses.machine.kind import Drawing
+from strikewave.analyses.machine.kind import Drawing, PartEntry
 from strikewave.cases.case import Case
+from strikewave.reporting.parts import Picture
 from strikewave.reporting.style import BLUE, GREY, RED
 
-SIZE = (9.8, 5.6)
-"""Of a schematic, inches."""
 FIELD = 10.0
-"""Width and height of the field in which symbols stand."""
+"""Width of the field in which symbols stand."""
+HEIGHT = 4.0
+"""Of a schematic, inches: its field is 8.2 high."""
 INK = "#1a1f24"
 Point = tuple[float, float]
 
@@ -47,11 +46,11 @@ class Schematic:
 
     def __init__(self, parts: Sequence[PartEntry]) -> None:
         self.parts = parts
-        self.figure = Figure(figsize=SIZE)
-        width, height = SIZE
-        self.axes = self.figure.add_axes((0.05 / width, 0.45 / height, 6.3 / width, (height - 0.5) / height))
+        width, height = SIZE[0], HEIGHT
+        self.figure = Figure(figsize=(width, height))
+        self.axes = self.figure.add_axes((0.01, 0.01, 0.98, 0.98))
         self.axes.set_xlim(0.0, FIELD)
-        self.axes.set_ylim(0.0, FIELD * (height - 0.5) / 6.3)
+        self.axes.set_ylim(0.0, FIELD * height / width)
         self.axes.set_axis_off()
 
     def block(self, low: Point, high: Point, look: str, part: str = "") -> None:
@@ -123,19 +122,10 @@ class Schematic:
             balloon(self.axes, names.index(part) + 1, place)
 
     def drawing(self, what: str) -> Drawing:
-        """Return the schematic with its list of parts, of what it shows in words."""
-        list_parts(self.figure, self.parts)
-        axes = self.figure.add_axes((0.05 / SIZE[0], 0.05 / SIZE[1], 6.3 / SIZE[0], 0.35 / SIZE[1]))
-        axes.set_axis_off()
-        axes.set_xlim(0.0, 6.3)
-        axes.set_ylim(0.0, 0.35)
-        axes.text(0.0, 0.25, "Schematic, not to scale.", fontsize=8, va="center", color="#4d5760")
-        for k, (word, (letter, colour)) in enumerate(MARKS.items()):
-            mark(axes, (0.1 + 0.89 * k, 0.07), letter, colour)
-            words = "follows" if word == "computed" else word
-            axes.text(0.22 + 0.89 * k, 0.07, words, fontsize=8, va="center")
+        """Return the schematic with its parts, of what it shows in words."""
         words = provenance_words(self.parts)
-        return Drawing(self.figure, f"{what}: schematic with its numbers, not to scale. {words}", f"{what}. {words}")
+        caption = f"{what}: schematic, not to scale; the table gives its numbers. {words}"
+        return Drawing([Picture(self.figure, caption, f"{what}. {words}")], self.parts)
 
 
 def striker_part(case: Case, name: str) -> PartEntry:

@@ -6,7 +6,7 @@ import math
 from collections.abc import Iterator
 from typing import TYPE_CHECKING, ClassVar, Literal
 
-from strikewave.analyses.machine.kind import Drawing, LaunchedKind, Release, ShownSetting
+from strikewave.analyses.machine.kind import Drawing, LaunchedKind, PartEntry, Release, ShownSetting
 from strikewave.base.constants import STANDARD_GRAVITY
 from strikewave.base.errors import InputError
 from strikewave.base.quantities import Length, Mass, MaybeGap, MaybeShare, Restitution
@@ -118,7 +118,7 @@ class Amplifier(LaunchedKind):
     def drawing(self, case: Case) -> Drawing:
         """Return a schematic."""
         from strikewave.analyses.machine.figures import schematic as s
-        from strikewave.analyses.machine.figures.parts import PartEntry, length, mass, quantity
+        from strikewave.analyses.machine.figures.parts import length, mass, quantity
 
         drop = [*quantity("drop height", self.height, "m", "m"), *quantity("friction of weight", self.friction)]
         drop += quantity("restitution, floor", self.restitution)

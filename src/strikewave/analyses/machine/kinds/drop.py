@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, ClassVar, Literal
 
-from strikewave.analyses.machine.kind import Drawing, LaunchedKind, Release, ShownSetting
+from strikewave.analyses.machine.kind import Drawing, LaunchedKind, PartEntry, Release, ShownSetting
 from strikewave.base.quantities import Length, MaybeShare
 
 if TYPE_CHECKING:
@@ -45,7 +45,7 @@ class Drop(LaunchedKind):
     def drawing(self, case: Case) -> Drawing:
         """Return a schematic."""
         from strikewave.analyses.machine.figures import schematic as s
-        from strikewave.analyses.machine.figures.parts import PartEntry, quantity, shown
+        from strikewave.analyses.machine.figures.parts import quantity, shown
 
         drop = [*quantity("drop height", self.height, "m", "m"), *quantity("friction of weight", self.friction)]
         parts = [PartEntry("fall", "fall", drop), s.object_part(case, "table with load")]

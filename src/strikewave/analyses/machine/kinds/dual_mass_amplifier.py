@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, ClassVar, Literal
 
-from strikewave.analyses.machine.kind import Drawing, LaunchedKind, Release, ShownSetting
+from strikewave.analyses.machine.kind import Drawing, LaunchedKind, PartEntry, Release, ShownSetting
 from strikewave.base.quantities import Length, MaybeDamping, MaybeShare, Restitution, SpringRate
 from strikewave.base.result import Notice
 
@@ -97,7 +97,7 @@ class DualMassAmplifier(LaunchedKind):
     def drawing(self, case: Case) -> Drawing:
         """Return a schematic."""
         from strikewave.analyses.machine.figures import schematic as s
-        from strikewave.analyses.machine.figures.parts import PartEntry, damping, quantity, shown, stiffness
+        from strikewave.analyses.machine.figures.parts import damping, quantity, shown, stiffness
 
         drop = [*quantity("drop height", self.height, "m", "m"), *quantity("friction of weight", self.friction)]
         shaper = [*stiffness("stiffness", self.shaper_stiffness), *quantity("restitution", self.shaper_restitution)]

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, ClassVar, Literal
 
-from strikewave.analyses.machine.kind import FREE_OBJECT, Drawing, LaunchedKind, Release, ShownSetting
+from strikewave.analyses.machine.kind import FREE_OBJECT, Drawing, LaunchedKind, PartEntry, Release, ShownSetting
 from strikewave.base.quantities import Length, MaybeShare
 
 if TYPE_CHECKING:
@@ -39,7 +39,7 @@ class FallingBall(LaunchedKind):
     def drawing(self, case: Case) -> Drawing:
         """Return a schematic."""
         from strikewave.analyses.machine.figures import schematic as s
-        from strikewave.analyses.machine.figures.parts import PartEntry, quantity, shown
+        from strikewave.analyses.machine.figures.parts import quantity, shown
 
         drop = [*quantity("drop height", self.height, "m", "m"), *quantity("friction of weight", self.friction)]
         parts = [PartEntry("fall", "fall", drop), s.striker_part(case, "ball"), s.contact_part(case, "contact")]

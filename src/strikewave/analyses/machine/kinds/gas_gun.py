@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING, ClassVar, Literal
 
-from strikewave.analyses.machine.kind import FREE_OBJECT, Drawing, LaunchedKind, Release, ShownSetting
+from strikewave.analyses.machine.kind import FREE_OBJECT, Drawing, LaunchedKind, PartEntry, Release, ShownSetting
 from strikewave.base.errors import MISSING, InputError
 from strikewave.base.quantities import (
     MaybeAmbient,
@@ -94,7 +94,7 @@ class GasGun(LaunchedKind):
     def drawing(self, case: Case) -> Drawing:
         """Return a schematic."""
         from strikewave.analyses.machine.figures import schematic as s
-        from strikewave.analyses.machine.figures.parts import PartEntry, length, quantity
+        from strikewave.analyses.machine.figures.parts import length, quantity
 
         gas = [*quantity("speed", self.speed, "m/s", "m/s"), *quantity("pressure", self.pressure, "Pa", "bar")]
         gas += [

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING, ClassVar, Literal
 
-from strikewave.analyses.machine.kind import Drawing, LaunchedKind, Release, ShownSetting
+from strikewave.analyses.machine.kind import Drawing, LaunchedKind, PartEntry, Release, ShownSetting
 from strikewave.base.constants import STANDARD_GRAVITY
 from strikewave.base.errors import InputError, InputErrors
 from strikewave.base.quantities import Count, Inertia, Length, MaybeAngle, MaybeLength, MaybeMass, MaybeTorque
@@ -107,7 +107,7 @@ class Machete(LaunchedKind):
     def drawing(self, case: Case) -> Drawing:
         """Return a schematic."""
         from strikewave.analyses.machine.figures import schematic as s
-        from strikewave.analyses.machine.figures.parts import PartEntry, length, mass, quantity
+        from strikewave.analyses.machine.figures.parts import length, mass, quantity
 
         arm = [*quantity("teeth", self.teeth), *quantity("teeth of the wheel", self.wheel_teeth)]
         arm += [*quantity("inertia", self.inertia, "", "", "kg m²"), *length("shaft to head", self.radius)]

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING, ClassVar, Literal
 
-from strikewave.analyses.machine.kind import FREE_OBJECT, Drawing, LaunchedKind, Release, ShownSetting
+from strikewave.analyses.machine.kind import FREE_OBJECT, Drawing, LaunchedKind, PartEntry, Release, ShownSetting
 from strikewave.base.constants import STANDARD_GRAVITY
 from strikewave.base.errors import MISSING, InputError
 from strikewave.base.quantities import Length, Mass, MaybeInertia, MaybeTime, SwingAngle
@@ -83,7 +83,7 @@ class Pendulum(LaunchedKind):
     def drawing(self, case: Case) -> Drawing:
         """Return a schematic."""
         from strikewave.analyses.machine.figures import schematic as s
-        from strikewave.analyses.machine.figures.parts import PartEntry, length, mass, quantity
+        from strikewave.analyses.machine.figures.parts import length, mass, quantity
 
         arm = [*quantity("release angle", self.angle, "rad", "deg", "°"), *mass("mass", self.mass)]
         arm += [*length("pivot to centre", self.centre), *length("pivot to striker", self.radius)]

@@ -52,11 +52,17 @@ class Rotary(RotaryTable, MachineKind):
 
     def drawing(self, case: Case) -> Drawing | None:
         """Return path, strike and parts with their numbers."""
-        from strikewave.analyses.machine.figures.drawing import drawing_words, machine_drawing
+        from strikewave.analyses.machine.figures.drawing import machine_drawings, scale_words
+        from strikewave.analyses.machine.figures.geometry import outlines
+        from strikewave.analyses.machine.figures.parts import machine_parts, provenance_words
+        from strikewave.reporting.parts import Picture
 
-        figure = machine_drawing(case)
-        if figure is None:
+        made, figures = outlines(case), machine_drawings(case)
+        if made is None or not figures:
             return None
-        words = drawing_words(case)
-        label = f"Drawing of the rotary machine with a list of its parts. {words}"
-        return Drawing(figure, f"The machine with its numbers, at first touch. {words}", label)
+        parts = machine_parts(case, made.geometry)
+        words = provenance_words(parts)
+        whole = f"The machine at first touch; the table gives its numbers. {words} {' '.join(scale_words(case, made))}"
+        close = "The strike: a nose at first touch, and dashed at the strike position; q is the engagement."
+        captions = (whole, close)
+        return Drawing([Picture(*pair) for pair in zip(figures, captions, strict=True)], parts)

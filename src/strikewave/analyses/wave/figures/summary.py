@@ -6,7 +6,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from strikewave.analyses.wave.run import WaveSolution
-from strikewave.reporting.curves import COLOURS, DASHES, above_right, thin
+from strikewave.reporting.curves import COLOURS, DASHES, put_legend, thin
 from strikewave.reporting.numbers import axis_unit, headed
 from strikewave.reporting.style import GREY, new_figure, quiet, sheet_title
 
@@ -40,7 +40,7 @@ def wave_summary(solution: WaveSolution) -> Figure:
             axes.plot(t / unit, v, DASHES[k % len(DASHES)], color=COLOURS[k], linewidth=1.2, label=name)
         quiet(axes, name_of.capitalize(), since, headed(name_of, si, usual))
     if len(solution.taps) > 1:
-        above_right(grid[0, 1])
+        put_legend(grid[0, 1])
     if not solution.quoted:
         grid[1, 1].set_title("Acceleration (peaks not to be quoted)", loc="left", fontsize=10)
     return figure
