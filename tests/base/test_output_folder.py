@@ -42,19 +42,23 @@ def test_changed_kernel_source_has_another_cache(tmp_path):
 
 
 @pytest.mark.parametrize(
-    ("identity", "table", "kept", "removed"),
+    ("identity", "table", "axis", "kept", "removed"),
     [
-        ("a", "1", ["machine.html"], ["report.html"]),
-        ("b", "1", [], ["machine.html", "report.html"]),
-        ("a", "2", [], ["machine.html", "report.html"]),
+        ("a", "1", "g", ["machine.html"], ["report.html"]),
+        ("b", "1", "g", [], ["machine.html", "report.html"]),
+        ("a", "2", "g", [], ["machine.html", "report.html"]),
+        ("a", "1", "m/s²", [], ["machine.html", "report.html"]),  # CSV is in SI either way, the animation was in g
     ],
 )
-def test_rerun_keeps_the_animation_of_the_same_numbers_and_names_what_goes(tmp_path, identity, table, kept, removed):
+def test_rerun_keeps_the_animation_of_the_same_numbers_and_units_and_names_what_goes(
+    tmp_path, identity, table, axis, kept, removed
+):
     old, new = tmp_path / "old", tmp_path / "new"
     for folder, text in ((old, "a"), (new, identity)):
         folder.mkdir()
         (folder / "case.toml").write_text(text)
         (folder / "blows.csv").write_text("1" if folder == old else table)
+        (folder / "summary.svg").write_text("g" if folder == old else axis, "utf-8")
     for name in ("machine.html", "report.html"):
         (old / name).write_text("before")
     assert keep_true_files(old, new, identity) == (kept, removed)

@@ -92,7 +92,7 @@ def test_a_set_up_takes_a_test_and_is_written_with_it():
 def test_the_test_heads_page_document_and_case_of_a_run_escaped(strikewave, tmp_path):
     case, out = tmp_path / "case.toml", tmp_path / "out"
     case.write_text(dump_case(with_stated()))
-    code, shown, _ = strikewave("wave", case, "--json", "--out", out)
+    code, shown, _ = strikewave("wave", "--no-band", case, "--json", "--out", out)
     document = json.loads(shown)
     assert code == 0
     assert document["test"] == STATED

@@ -46,7 +46,7 @@ def test_run_json_has_exactly_its_keys(strikewave, tmp_path):
 
 
 def test_run_writes_a_whole_result_that_runs_again_to_the_same_numbers(strikewave, tmp_path):
-    code, out, err = strikewave("run", "li-ma-2019", "--set", "feed.blows=3", "--out", "a")
+    code, out, err = strikewave("run", "--no-band", "li-ma-2019", "--set", "feed.blows=3", "--out", "a")
     assert code == 0
     assert sorted(os.listdir("a")) == ["blows.csv", "case.toml", "report.html", "solution.nc", "summary.svg"]
     assert sorted(os.listdir(tmp_path)) == ["a"]
@@ -54,39 +54,41 @@ def test_run_writes_a_whole_result_that_runs_again_to_the_same_numbers(strikewav
     assert "printed contact law on a rigid object" in out
     assert "written: a/ (report.html, " in err
     assert open("a/report.html", encoding="utf-8").read().startswith("<!doctype html>")
-    assert strikewave("run", "a/case.toml", "--out", "b")[0] == 0
+    assert strikewave("run", "--no-band", "a/case.toml", "--out", "b")[0] == 0
     assert open("a/blows.csv").read() == open("b/blows.csv").read()
     assert open("a/case.toml").read() == open("b/case.toml").read()
     ElementTree.parse("a/summary.svg")
 
 
 def test_run_refuses_the_folder_of_another_result(strikewave):
-    assert strikewave("run", "li-ma-2019", "--set", "feed.blows=1", "--out", "a", "--json")[0] == 0
-    code, out, err = strikewave("run", "li-ma-2019", "--set", "feed.blows=2", "--out", "a", "--json")
+    assert strikewave("run", "--no-band", "li-ma-2019", "--set", "feed.blows=1", "--out", "a", "--json")[0] == 0
+    code, out, err = strikewave("run", "--no-band", "li-ma-2019", "--set", "feed.blows=2", "--out", "a", "--json")
     assert (code, out) == (2, "")
     assert "add --force" in err
-    assert strikewave("run", "li-ma-2019", "--set", "feed.blows=2", "--out", "a", "--force")[0] == 0
+    assert strikewave("run", "--no-band", "li-ma-2019", "--set", "feed.blows=2", "--out", "a", "--force")[0] == 0
 
 
 def test_changed_case_goes_to_a_folder_of_its_own(strikewave):
-    assert strikewave("run", "li-ma-2019", "--set", "feed.blows=1")[0] == 0
-    assert strikewave("run", "li-ma-2019", "--set", "feed.blows=2")[0] == 0
+    assert strikewave("run", "--no-band", "li-ma-2019", "--set", "feed.blows=1")[0] == 0
+    assert strikewave("run", "--no-band", "li-ma-2019", "--set", "feed.blows=2")[0] == 0
     assert len(os.listdir("out")) == 2
 
 
 def test_out_name_holds_the_last_run_of_that_name(strikewave):
     """new, run, change, run: nobody has to type --force for the folder that the command chose itself."""
     assert strikewave("new", "mine")[0] == 0
-    assert strikewave("run", "mine.toml", "--set", "feed.blows=1")[0] == 0
+    assert strikewave("run", "--no-band", "mine.toml", "--set", "feed.blows=1")[0] == 0
     text = open("mine.toml").read().replace("value = 11,", "value = 1,", 1)
     for speed in ("730 rpm", "700 rpm"):
         open("mine.toml", "w").write(text.replace('"730 rpm"', f'"{speed}"'))
-        assert strikewave("run", "mine.toml")[0] == 0
+        assert strikewave("run", "--no-band", "mine.toml")[0] == 0
     assert "700 rpm" in open("out/mine/case.toml").read()
 
 
 def test_a_changed_case_says_so(strikewave):
-    code, out, err = strikewave("run", "li-ma-2019", "--set", "machine.speed=700 rpm", "--set", "feed.blows=2")
+    code, out, err = strikewave(
+        "run", "--no-band", "li-ma-2019", "--set", "machine.speed=700 rpm", "--set", "feed.blows=2"
+    )
     assert code == 0
     assert "here machine.speed = 700 rpm" in out
     assert "predicted" not in out
@@ -95,7 +97,9 @@ def test_a_changed_case_says_so(strikewave):
 
 
 def test_fewer_or_more_blows_than_wanted_break_a_limit(strikewave):
-    code, _, err = strikewave("run", "li-ma-2019", "--set", "feed.retract_time=200 ms", "--set", "feed.blows=2")
+    code, _, err = strikewave(
+        "run", "--no-band", "li-ma-2019", "--set", "feed.retract_time=200 ms", "--set", "feed.blows=2"
+    )
     assert code == 3
     assert "instead of the 2 wanted" in err
 
@@ -217,14 +221,14 @@ def test_validate_lists_every_value_with_its_provenance(strikewave):
 
 def test_broken_limit_exits_with_3(strikewave, monkeypatch):
     monkeypatch.setattr("strikewave.base.result.BALANCE_LIMIT", 0.0)
-    code, out, _ = strikewave("run", "li-ma-2019", "--set", "feed.blows=1", "--json")
+    code, out, _ = strikewave("run", "--no-band", "li-ma-2019", "--set", "feed.blows=1", "--json")
     assert code == 3
     assert {"energy-balance", "momentum-balance"} <= {w["code"] for w in json.loads(out)["warnings"]}
 
 
 def test_our_own_fault_exits_with_1_in_one_line(strikewave, monkeypatch):
     monkeypatch.setattr("strikewave.analyses.machine.observe.blows", lambda run: 1 / 0)
-    code, out, err = strikewave("run", "li-ma-2019", "--set", "feed.blows=1", "--json")
+    code, out, err = strikewave("run", "--no-band", "li-ma-2019", "--set", "feed.blows=1", "--json")
     assert (code, out) == (1, "")
     assert "please report it" in err
 
@@ -234,7 +238,7 @@ def test_full_disk_leaves_nothing_half_written(strikewave, monkeypatch, tmp_path
         raise OSError(28, "No space left on device")
 
     monkeypatch.setattr("xarray.Dataset.to_netcdf", full)
-    code, _, err = strikewave("run", "li-ma-2019", "--set", "feed.blows=1", "--out", "a")
+    code, _, err = strikewave("run", "--no-band", "li-ma-2019", "--set", "feed.blows=1", "--out", "a")
     assert code == 2
     assert "No space left" in err
     assert os.listdir(tmp_path) == []

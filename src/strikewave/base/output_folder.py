@@ -73,9 +73,11 @@ RESULT_FILES = (
     "histories-reading.parquet",
     "histories-interval.parquet",
     "field.vtkhdf",
+    "result.xlsx",
     "comparison.json",
     "comparison.svg",
     "report.html",
+    "report.pdf",
 )
 """What a result consists of; a folder that holds anything else is never replaced, for it may be the user's own."""
 ANIMATIONS = ("machine.html", "machine.gif", "animation.html", "animation.gif")
@@ -172,15 +174,16 @@ def atomic_folder(folder: Path, identity: str, force: bool = False, own: Sequenc
 def keep_true_files(old: Path, new: Path, identity: str) -> tuple[list[str], list[str]]:
     """Copy the animations of an older run that are still true into the new folder; return the kept and removed names.
 
-    They are true where the older folder is of the same inputs, and every table that both hold is equal to the byte.
+    They are true where the older folder is of the same inputs, and every table and picture that both hold is equal to
+    the byte: tables tell other numbers, pictures other units.
     All else that the new run did not write goes with the older folder.
     """
     if not old.is_dir():
         return [], []
     rest = sorted(entry.name for entry in old.iterdir() if not (new / entry.name).exists())
-    tables = [path for path in new.glob("*.csv") if (old / path.name).is_file()]
+    shared = [path for kind in ("*.csv", "*.svg") for path in new.glob(kind) if (old / path.name).is_file()]
     same = any((old / mark).is_file() and (old / mark).read_text("utf-8", "replace") == identity for mark in MARKS)
-    same = same and bool(tables) and all(path.read_bytes() == (old / path.name).read_bytes() for path in tables)
+    same = same and bool(shared) and all(path.read_bytes() == (old / path.name).read_bytes() for path in shared)
     kept = [name for name in rest if same and name in ANIMATIONS]
     for name in kept:
         shutil.copy2(old / name, new / name)

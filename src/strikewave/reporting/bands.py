@@ -26,6 +26,11 @@ BAND_UNITS = {
     "peak_stress": ("Pa", "MPa"),
 }
 """SI unit of a result with a band and the unit in which it is shown as a rule, by the last part of its name."""
+NO_BAND_OF_ELEMENTS = (
+    "No band: it would take dozens of runs like this one, minutes each. How far the inputs move the result is seen in "
+    "the band of the same bodies as a machine or a layered bar."
+)
+"""Why a run of finite elements has no band."""
 _UNIT = re.compile(r"[^\W\d_][^\d]*.*$|%$")
 """Unit of a quantity as it was typed."""
 

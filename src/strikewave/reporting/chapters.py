@@ -64,7 +64,7 @@ def inputs(case: BaseModel, unused: str = "") -> Section:
 
     The tables begin folded away.
     """
-    groups = [group for group in _groups(case) if group[0] != unused]
+    groups = [group for group in input_groups(case) if group[0] != unused]
     quantities = [
         (f"{path}.{key}", entry) for path, _, rows in groups for key, entry in rows if isinstance(entry, Value)
     ]
@@ -95,7 +95,7 @@ def inputs(case: BaseModel, unused: str = "") -> Section:
     return Section("Inputs", text, tables, folded=f"Show {len(quantities)} values with their provenance")
 
 
-def _groups(model: BaseModel, path: str = "") -> Iterator[tuple[str, str, list[tuple[str, Any]]]]:
+def input_groups(model: BaseModel, path: str = "") -> Iterator[tuple[str, str, list[tuple[str, Any]]]]:
     """Yield path, description and entries of each table of a case; an array of tables is one table."""
     inner: list[tuple[str, str, list[tuple[str, Any]]]] = []
     rows: list[tuple[str, Any]] = []
@@ -104,7 +104,7 @@ def _groups(model: BaseModel, path: str = "") -> Iterator[tuple[str, str, list[t
         if path and (isinstance(entry, Value) or not isinstance(entry, BaseModel | tuple)):
             rows.append((key, entry))
         elif isinstance(entry, BaseModel) and (path or _quantities(entry)):
-            inner += _groups(entry, below)
+            inner += input_groups(entry, below)
         elif isinstance(entry, tuple) and entry and key != "published":
             inner.append((below, _about(entry[0]), list(_flat(entry, ""))))
     rows = [(key, entry) for key, entry in rows if entry is not None and entry != ""]

@@ -219,6 +219,28 @@ def heads(columns: Sequence[tuple[str, str, str, int]]) -> list[str]:
     return [headed(name.replace("_", " "), si, usual) for name, si, usual, _ in columns]
 
 
+def shown_heads(*usual: str) -> list[str]:
+    """Return heads that end with their usual unit, such as ``peak (kN)``, with the unit shown in its place.
+
+    A head without a unit, or with one of which there is no choice, stays as it is.
+
+    Examples
+    --------
+    >>> with showing(ShownUnits.read("N")):
+    ...     shown_heads("contact", "peak (kN)", "at (us)", "strain (%)")
+    ['contact', 'peak (N)', 'at (µs)', 'strain (%)']
+    """
+    return [_with_shown_unit(head) for head in usual]
+
+
+def _with_shown_unit(head: str) -> str:
+    """Return a head with the unit shown in the place of its usual one."""
+    name, _, rest = head.rpartition(" (")
+    unit = _plain_unit(rest.removesuffix(")"))
+    si = next((si for si, offered in OFFERED.items() if unit in offered), None)
+    return head if si is None or not rest.endswith(")") else headed(name, si, unit)
+
+
 def shown(value: float, si: str, usual: str) -> float:
     """Return an SI value in the unit in which it is shown.
 

@@ -324,6 +324,18 @@ Histories = Annotated[
         "--histories", help="Write the histories as tables too, one file for each time base.", show_default=False
     ),
 ]
+Xlsx = Annotated[
+    bool, typer.Option("--xlsx", help="Write one workbook too: tables, comparison, warnings, inputs, histories.")
+]
+Pdf = Annotated[
+    Literal["A4", "letter"] | None,
+    typer.Option(
+        "--pdf",
+        case_sensitive=False,
+        help="Write the report as report.pdf too, on paper of this size; needs the extra pdf.",
+        show_default=False,
+    ),
+]
 Json = Annotated[bool, typer.Option("--json", help="Print one JSON document on stdout and nothing else.")]
 Wide = Annotated[
     bool, typer.Option("--wide", help="Show all columns of the tables, not only those that matter and those that fit.")
@@ -392,12 +404,15 @@ class Output(Shown):
         The file that says what was tested.
     show : ShownUnits or None
         Units of numbers on screen, in the report and in CSV; None for the usual ones.
+    pdf : str or None
+        Paper of the report as PDF, A4 or letter; None for no PDF.
     """
 
     out: Out = None
     force: Force = False
     test: TestFile = None
     show: Show = None
+    pdf: Pdf = None
 
     def stated_test(self) -> dict[str, str]:
         """Return what ``--test`` states; nothing without it.
@@ -434,12 +449,43 @@ class Output(Shown):
         if animate and self.json and self.out is None:
             raise InputError("--animate", "--json without --out", "a folder for the animation", "add --out DIR")
 
-    def check_files(self) -> None:
-        """Refuse files that cannot be written, before the work."""
+    def check_files(self, usual: str | None) -> None:
+        """Refuse files that cannot be written, before the work; ``usual`` as of `place`.
+
+        Raises
+        ------
+        InputError
+            If there is no folder for them, or what writes them is not installed.
+        """
+        if self.pdf is None:
+            return
+        from strikewave.reporting.pdf import check_pdf
+
+        self._check_folder("--pdf", usual)
+        check_pdf("--pdf", self.pdf)
+
+    def _check_folder(self, option: str, usual: str | None) -> None:
+        """Refuse an option whose files have no folder."""
+        if not self.writes(usual):
+            got = "--json without --out" if self.json else "no --out"
+            raise InputError(option, got, "a folder for the files", "add --out DIR")
 
     def write_more(self, result: Result, folder: Path) -> list[str]:
-        """Write what was asked for beside the usual files of a result, and return the names of the files."""
-        return []
+        """Write what was asked for beside the usual files of a result, and return the names of the files.
+
+        Raises
+        ------
+        InputError
+            If a PDF is wanted of a report that is not written.
+        """
+        if self.pdf is None:
+            return []
+        from strikewave.reporting.pdf import write_pdf
+
+        page = folder / "report.html"
+        if not page.is_file():
+            raise InputError("--pdf", self.pdf, "only where a report is written", "leave it out")
+        return [write_pdf(page, self.pdf)]
 
     def writes(self, usual: str | None) -> bool:
         """Tell whether files are written at all; ``usual`` as of `place`."""
@@ -460,25 +506,39 @@ class RunOutput(Output):
     ----------
     histories : str or None
         Format of the tables of histories, csv or parquet; None for none.
+    xlsx: bool
+        Whether all of it is written as one workbook too.
     """
 
     histories: Histories = None
+    xlsx: Xlsx = False
 
-    def check_files(self) -> None:
-        """Refuse histories that have no folder.
+    def check_files(self, usual: str | None) -> None:
+        """Refuse histories and a workbook that have no folder, and a workbook that cannot be written.
 
         Raises
         ------
         InputError
-            If there is none.
+            If there is none, if the writer is not installed, or what `Output.check_files` raises.
         """
-        if self.histories and self.json and self.out is None:
-            raise InputError("--histories", "--json without --out", "a folder for the files", "add --out DIR")
+        super().check_files(usual)
+        if self.histories:
+            self._check_folder("--histories", usual)
+        if self.xlsx:
+            from strikewave.reporting.workbook import check_workbook
+
+            self._check_folder("--xlsx", usual)
+            check_workbook()
 
     def write_more(self, result: Result, folder: Path) -> list[str]:
-        """Write the histories, and return the names of the files."""
-        if self.histories is None:
-            return []
-        from strikewave.reporting.histories import write_histories
+        """Write the histories and the workbook, and return the names of the files."""
+        names = super().write_more(result, folder)
+        if self.histories is not None:
+            from strikewave.reporting.histories import write_histories
 
-        return write_histories(result, folder, self.histories)
+            names += write_histories(result, folder, self.histories)
+        if self.xlsx:
+            from strikewave.reporting.workbook import write_workbook
+
+            names.append(write_workbook(result, folder))
+        return names

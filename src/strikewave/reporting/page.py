@@ -95,6 +95,7 @@ def _mathml(formula: Formula) -> Any:
     for inner in element.iter():
         inner.text = unescape(inner.text or "") or None  # the library writes letters as entities
     element.set("alttext", formula.text)
+    element.set("data-tex", formula.tex)  # for what cannot set MathML: PDF
     return Markup(ElementTree.tostring(element, encoding="unicode"))  # what a formula holds is escaped there
 
 

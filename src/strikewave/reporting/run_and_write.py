@@ -95,7 +95,7 @@ def run_and_write(
     """
     if output.test is not None and not command.of_test:
         raise InputError("--test", str(output.test), "none here: this is not of a test that was made", "leave it out")
-    output.check_files()
+    output.check_files(usual)
     with showing(output.show):
         return _run_and_write(command, output, usual, identity, own)
 

@@ -100,6 +100,8 @@ class ShownResult(Result):
 
     drawing: ClassVar[str] = "drawn"
     """The module beside the result with its picture and page; empty where nothing is drawn."""
+    table_name: ClassVar[str] = "table"
+    """What its main table is called in a workbook."""
 
     def __init_subclass__(cls, **rest: Any) -> None:
         super().__init_subclass__(**rest)

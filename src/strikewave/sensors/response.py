@@ -22,6 +22,9 @@ Array = NDArray[np.float64]
 BLOCK = 256
 """Samples that are answered by one product of matrices. Chosen: longer blocks cost more products a sample, shorter ones
 more steps of the loop; a power of two, so that the power of Phi takes eight products."""
+GROUP = 4
+"""Blocks of one product of matrices: so small a one runs on this thread alone. Larger ones wake threads of the library
+behind numpy that wait longer than they work, and double the processor time of a run of a stack."""
 
 
 class LinearSystem(NamedTuple):
@@ -105,15 +108,17 @@ class Recursion(NamedTuple):
         size, states = values.size, self.first.size
         if states == 0:
             return self.through[0, 0] * values
-        inputs = np.zeros((-(-size // BLOCK), BLOCK))
+        groups = -(-size // (GROUP * BLOCK))
+        inputs = np.zeros((groups, GROUP, BLOCK))
         inputs.ravel()[:size] = values
-        kicks = inputs @ self.gather.T
+        kicks = (inputs @ self.gather.T).reshape(-1, states)
         state = self.first * values[0]
-        before = np.empty((inputs.shape[0], states))
+        before = np.empty(kicks.shape)
         for k, kick in enumerate(kicks):
             before[k] = state
             state = self.onward @ state + kick
-        return (before @ self.watch.T + inputs @ self.through.T).ravel()[:size]
+        outputs = before.reshape(groups, GROUP, states) @ self.watch.T + inputs @ self.through.T
+        return np.asarray(outputs).ravel()[:size]
 
 
 def ramp_invariant(system: LinearSystem, step: float) -> Recursion:

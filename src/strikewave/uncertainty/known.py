@@ -4,7 +4,8 @@ A stated tolerance counts as it stands. Without one, what was measured, publishe
 a unit of its last digit, and to 1 % at best; what was inferred, fitted or assumed to the share of `DEFAULTS`. A field
 that nobody can weigh or read off (`strikewave.cases.plausible`) keeps its plausible range while its value is assumed or
 the user's, whatever tolerance stands there: it says how a machine scatters about a value that nobody knows. To narrow
-it, mark the value as measured.
+it, mark the value as measured. A fitted value of a case that was changed since is an assumed one: it was fitted to
+another machine.
 """
 
 from __future__ import annotations
@@ -69,12 +70,28 @@ def known_inputs(case: Case, tables: Sequence[str] = FELT) -> tuple[UncertainInp
     ('plausible range', 0.0025, 0.0075)
     """
     inputs = []
+    elsewhere = fitted_elsewhere(case)
     for path, value in sorted(case.values().items()):
         if path.partition(".")[0] in tables:
+            if elsewhere and value.provenance == "fitted":
+                value = value.model_copy(update={"provenance": "assumed"})
             one = known_input(case, path, value)
             if one is not None and one.high > one.low:
                 inputs.append(one)
     return tuple(inputs)
+
+
+def fitted_elsewhere(case: Case) -> bool:
+    """Return whether fitted values are those of another machine: the case differs from its origin in what a blow feels.
+
+    Examples
+    --------
+    >>> from strikewave import load_case
+    >>> [fitted_elsewhere(load_case("li-ma-2019", [change])) for change in ("feed.blows=3", "machine.speed=500 rpm")]
+    [False, True]
+    """
+    changed = [path for path in case.changed_fields() if path.partition(".")[0] in FELT]
+    return any(path != "feed.blows" and path not in NOT_MOVED for path in changed)
 
 
 def known_input(case: Case, path: str, value: Value) -> UncertainInput | None:

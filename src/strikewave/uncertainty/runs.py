@@ -53,11 +53,14 @@ def on_threads(
                 pool.shutdown(cancel_futures=True)
                 raise
 
+    from threadpoolctl import threadpool_limits
+
     done = []
-    for result in results():
-        done.append(result)
-        if advance is not None:
-            advance(len(done) / len(items))
+    with threadpool_limits(1):  # matrices this small: further threads of each product wait longer than they work
+        for result in results():
+            done.append(result)
+            if advance is not None:
+                advance(len(done) / len(items))
     return done
 
 

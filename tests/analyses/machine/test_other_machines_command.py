@@ -20,7 +20,7 @@ CASES = {
 
 @pytest.mark.parametrize("name", CASES)
 def test_run_json_of_each_case(strikewave, name):
-    code, out, _ = strikewave("run", name, "--json")
+    code, out, _ = strikewave("run", "--no-band", name, "--json")
     document = json.loads(out)
     assert code == 0
     (blow,) = document["blows"]
@@ -36,7 +36,7 @@ def test_run_json_of_each_case(strikewave, name):
 
 
 def test_a_rotary_machine_has_no_launch(strikewave):
-    _, out, _ = strikewave("run", "li-ma-2019", "--set", "feed.blows=1", "--json")
+    _, out, _ = strikewave("run", "--no-band", "li-ma-2019", "--set", "feed.blows=1", "--json")
     assert not {"launch", "collisions"} & set(json.loads(out))
 
 
@@ -50,7 +50,7 @@ def test_validate_lists_the_values_of_each_case(strikewave, name):
 
 
 def test_files_and_report_of_an_amplifier(strikewave, tmp_path):
-    code, out, _ = strikewave("run", "rodgers-2009-amplifier", "--out", "it")
+    code, out, _ = strikewave("run", "--no-band", "rodgers-2009-amplifier", "--out", "it")
     assert code == 0
     assert "Collisions in the line" in out
     assert "the contact law of the case on a rigid object" in out
@@ -71,8 +71,8 @@ def test_files_and_report_of_an_amplifier(strikewave, tmp_path):
 @pytest.mark.verify
 def test_new_run_and_diff_of_a_drop(strikewave):
     assert strikewave("new", "mine", "--from", "jesd22-b111-b")[0] == 0
-    assert strikewave("run", "mine.toml", "--out", "a")[0] == 0
-    code, out, _ = strikewave("run", "mine.toml", "--set", "machine.height=0.5 m", "--out", "b")
+    assert strikewave("run", "--no-band", "mine.toml", "--out", "a")[0] == 0
+    code, out, _ = strikewave("run", "--no-band", "mine.toml", "--set", "machine.height=0.5 m", "--out", "b")
     assert code == 0
     assert "changed-case" not in out or "machine.height" in out
     code, out, _ = strikewave("diff", "a", "b")
@@ -88,7 +88,7 @@ def test_cases_lists_a_bar_for_wave(strikewave):
 
 def test_the_end_of_a_bar_goes_as_fast_as_a_striker_of_its_kind(strikewave):
     """Twice the particle speed v/2 of the pulse, once the pulse is longer than the mass needs."""
-    code, out, _ = strikewave("wave", "togami-1996-bar", "--json")
+    code, out, _ = strikewave("wave", "--no-band", "togami-1996-bar", "--json")
     document = json.loads(out)
     assert code == 0
     end = next(tap for tap in document["taps"] if tap["name"] == "end")
@@ -97,7 +97,7 @@ def test_the_end_of_a_bar_goes_as_fast_as_a_striker_of_its_kind(strikewave):
 
 
 def test_no_animation_of_other_machines_is_said(strikewave):
-    code, _, err = strikewave("run", "en-166-ball", "--animate", "--out", "c")
+    code, _, err = strikewave("run", "--no-band", "en-166-ball", "--animate", "--out", "c")
     assert code == 0
     assert "only the rotary machine" in err
 

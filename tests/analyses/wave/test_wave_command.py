@@ -49,7 +49,7 @@ def bar(tmp_path, monkeypatch):
 
 
 def test_wave_json_has_its_keys_and_sample_i_stands_at_i_steps(strikewave, bar, tmp_path):
-    code, out, err = strikewave("wave", bar, "--json")
+    code, out, err = strikewave("wave", "--no-band", bar, "--json")
     assert code == 0
     document = json.loads(out)
     assert {"schema", "version", "units", "warnings", "step", "error_bound", "layers", "taps"} <= set(document)
@@ -67,7 +67,7 @@ def test_wave_json_has_its_keys_and_sample_i_stands_at_i_steps(strikewave, bar, 
 
 
 def test_an_asked_step_is_kept_and_its_bound_said(strikewave, bar):
-    code, out, _ = strikewave("wave", bar, "--json", "--set", "solver.step=50 ns")
+    code, out, _ = strikewave("wave", "--no-band", bar, "--json", "--set", "solver.step=50 ns")
     document = json.loads(out)
     assert code == 0
     assert document["step"] == document["solver_step"] == 50e-9
@@ -77,7 +77,7 @@ def test_an_asked_step_is_kept_and_its_bound_said(strikewave, bar):
 
 def test_free_end_moves_twice_as_fast_as_the_wave_that_comes(strikewave, bar):
     """Before any echo from the specimen returns, v = 2 P/Z at the free end, P what two faces let pass."""
-    _, out, _ = strikewave("wave", bar, "--json", "--set", "load.duration=10 us")
+    _, out, _ = strikewave("wave", "--no-band", bar, "--json", "--set", "load.duration=10 us")
     end = json.loads(out)["taps"][1]
     z1, z2 = 4.0620e7, np.sqrt(72e9 * 2780.0)
     passed = 4 * z1 * z2 / (z1 + z2) ** 2  # first pass through both faces; echoes add later
@@ -91,18 +91,18 @@ def test_free_end_moves_twice_as_fast_as_the_wave_that_comes(strikewave, bar):
 @pytest.mark.verify
 @pytest.mark.parametrize("route", ["as printed", "corrected"])
 def test_a_route_of_the_paper_is_named_in_every_output(strikewave, bar, route):
-    code, out, _ = strikewave("wave", bar, "--json", "--set", f"solver.route={route}")
+    code, out, _ = strikewave("wave", "--no-band", bar, "--json", "--set", f"solver.route={route}")
     taps = json.loads(out)["taps"]
     assert code == 0
     assert [(tap["name"], tap["route"]) for tap in taps] == [("mid", route)]  # the end tap has one neighbour only
-    code, out, _ = strikewave("wave", bar, "--out", "o", "--set", f"solver.route={route}")
+    code, out, _ = strikewave("wave", "--no-band", bar, "--out", "o", "--set", f"solver.route={route}")
     assert route in out
     page = open("o/report.html", encoding="utf-8").read()
     assert route in page
 
 
 def test_wave_writes_a_whole_result(strikewave, bar):
-    code, out, _ = strikewave("wave", bar, "--out", "w")
+    code, out, _ = strikewave("wave", "--no-band", bar, "--out", "w")
     assert code == 0
     assert sorted(os.listdir("w")) == ["case.toml", "field.svg", "report.html", "summary.svg", "taps.csv", "waves.nc"]
     head = open("w/taps.csv").readline()
@@ -110,7 +110,7 @@ def test_wave_writes_a_whole_result(strikewave, bar):
         "time [s],mid force [N],mid stress [Pa],mid velocity [m/s],mid acceleration [m/s^2],end force"
     )
     assert "error bound" in out
-    assert strikewave("wave", "w/case.toml", "--json")[0] == 0
+    assert strikewave("wave", "--no-band", "w/case.toml", "--json")[0] == 0
 
 
 @pytest.mark.verify
@@ -123,13 +123,13 @@ def test_wave_writes_a_whole_result(strikewave, bar):
     ],
 )
 def test_the_pictures_along_the_stack_show_what_is_asked_for(strikewave, bar, field, label):
-    assert strikewave("wave", bar, "--out", "w", "--field", field)[0] == 0
+    assert strikewave("wave", "--no-band", bar, "--out", "w", "--field", field)[0] == 0
     assert f"<!-- {label} -->" in open("w/field.svg", encoding="utf-8").read()
     assert label in open("w/report.html", encoding="utf-8").read()
 
 
 def test_an_unknown_field_names_the_nearest_and_nothing_runs(strikewave, bar, tmp_path):
-    code, out, err = strikewave("wave", bar, "--field", "strss")
+    code, out, err = strikewave("wave", "--no-band", bar, "--field", "strss")
     assert (code, out) == (2, "")
     assert err == '--field: got "strss"; allowed: one of stress, force, velocity; did you mean "stress"?\n'
     assert os.listdir(tmp_path) == ["bar.toml"]
@@ -143,7 +143,7 @@ def test_an_animation_comes_as_a_page_and_a_gif_and_may_be_replaced(strikewave, 
 
     monkeypatch.setattr(animation, "GIF_FRAMES", 4)
     for more in ((), ("--force", "--set", "load.peak=10 kN")):
-        code, _, err = strikewave("wave", bar, "--animate", "--out", "w", *more)
+        code, _, err = strikewave("wave", "--no-band", bar, "--animate", "--out", "w", *more)
         assert code == 0
         assert "animation.html, animation.gif" in err
         assert {"animation.html", "animation.gif", "field.svg"} < set(os.listdir("w"))
@@ -153,7 +153,7 @@ def test_an_animation_comes_as_a_page_and_a_gif_and_may_be_replaced(strikewave, 
 
 
 def test_an_animation_needs_a_place(strikewave, bar, tmp_path):
-    code, out, err = strikewave("wave", bar, "--animate", "--json")
+    code, out, err = strikewave("wave", "--no-band", bar, "--animate", "--json")
     assert (code, out) == (2, "")
     assert "--animate" in err
     assert "add --out DIR" in err
@@ -184,7 +184,7 @@ def test_an_animation_needs_a_place(strikewave, bar, tmp_path):
     ],
 )
 def test_bad_bars_are_refused_in_one_line(strikewave, bar, changes, said, tmp_path):
-    code, out, err = strikewave("wave", bar, *(word for change in changes for word in ("--set", change)))
+    code, out, err = strikewave("wave", "--no-band", bar, *(word for change in changes for word in ("--set", change)))
     assert code == 2
     assert out == ""
     assert said in err
@@ -212,7 +212,7 @@ def test_bad_bars_are_refused_in_one_line(strikewave, bar, changes, said, tmp_pa
 )
 def test_bad_bar_files_are_refused_in_words(strikewave, tmp_path, text, said):
     (tmp_path / "bad.toml").write_text(text)
-    code, out, err = strikewave("wave", "bad.toml")
+    code, out, err = strikewave("wave", "--no-band", "bad.toml")
     assert code == 2
     assert out == ""
     assert said in err
@@ -221,7 +221,7 @@ def test_bad_bar_files_are_refused_in_words(strikewave, tmp_path, text, said):
 def test_run_takes_a_bar_as_wave_does_and_a_machine_is_sent_from_wave_to_run(strikewave, bar):
     by_run, by_wave = (json.loads(strikewave(command, bar, "--json")[1]) for command in ("run", "wave"))
     assert by_run["taps"] == by_wave["taps"]
-    code, _, err = strikewave("wave", "li-ma-2019-fig13")
+    code, _, err = strikewave("wave", "--no-band", "li-ma-2019-fig13")
     assert code == 2
     assert "strikewave run" in err
 
@@ -236,8 +236,8 @@ def test_a_measured_force_in_a_file_gives_the_same_as_its_shape(strikewave, bar,
         'shape = "sine-squared"\npeak = "19685 N"\nduration = "40 us"', 'shape = "file"\nfile = "force.csv"'
     )
     (tmp_path / "filed.toml").write_text(text)
-    whole = json.loads(strikewave("wave", bar, "--json", "--set", "solver.step=20 ns")[1])["taps"]
-    filed = json.loads(strikewave("wave", "filed.toml", "--json", "--set", "solver.step=20 ns")[1])["taps"]
+    whole = json.loads(strikewave("wave", "--no-band", bar, "--json", "--set", "solver.step=20 ns")[1])["taps"]
+    filed = json.loads(strikewave("wave", "--no-band", "filed.toml", "--json", "--set", "solver.step=20 ns")[1])["taps"]
     for a, b in zip(whole, filed, strict=True):
         assert np.abs(np.array(a["velocity"]) - b["velocity"]).max() < 1e-5 * np.abs(a["velocity"]).max()
 
@@ -260,7 +260,7 @@ restitution = 0.7
 slowest_approach = "0.1 m/s"
 """
     (tmp_path / "struck.toml").write_text(text)
-    code, out, _ = strikewave("wave", "struck.toml", "--json")
+    code, out, _ = strikewave("wave", "--no-band", "struck.toml", "--json")
     assert code == 0
     force = np.array(json.loads(out)["taps"][0]["force"])
     z = 4.0620e7 * np.pi * 0.015**2
@@ -277,7 +277,7 @@ def fig5():
 def test_a_sensor_on_a_bar_reads_its_tap(strikewave, bar, tmp_path):
     """An ideal sensor at a tap reads the largest acceleration of that tap."""
     (tmp_path / "sensed.toml").write_text(BAR + '[[sensor]]\nname = "s"\ntap = "mid"\n')
-    document = json.loads(strikewave("wave", "sensed.toml", "--json")[1])
+    document = json.loads(strikewave("wave", "--no-band", "sensed.toml", "--json")[1])
     peak = max(document["taps"][0]["acceleration"], key=abs)
     assert document["sensors"]["s"]["peak"] == pytest.approx(peak, rel=1e-4)  # between samples by a parabola
 
@@ -378,7 +378,7 @@ def test_the_paper_by_choice_superposes_rigid_and_wave():
 def test_a_route_runs_through_to_the_report_though_a_tap_has_none(strikewave):
     """The far end of the two cylinders has one neighbour only: its columns are empty, the rest is there."""
     words = ("--set", "solver.route=as printed", "--set", "feed.blows=1", "--out", "r")
-    code, out, _ = strikewave("run", "li-ma-2019-fig13", *words)
+    code, out, _ = strikewave("run", "--no-band", "li-ma-2019-fig13", *words)
     assert code == 0
     assert "route as printed" in out
     assert "as printed" in open("r/blows.csv").read()
@@ -394,10 +394,10 @@ def test_a_changed_material_makes_another_case(strikewave):
 
 def test_the_bandwidth_that_the_warning_names_is_quotable(strikewave, bar):
     """What is advised works: a peak acceleration is then quoted, with the milder warning."""
-    _, out, _ = strikewave("wave", bar, "--json", "--set", "load.duration=10 us")
+    _, out, _ = strikewave("wave", "--no-band", bar, "--json", "--set", "load.duration=10 us")
     (notice,) = [w for w in json.loads(out)["warnings"] if w["code"] == "rise-too-steep"]
     advised = notice["message"].rpartition("--set ")[2].replace('"', "")
-    _, out, _ = strikewave("wave", bar, "--json", "--set", "load.duration=10 us", "--set", advised)
+    _, out, _ = strikewave("wave", "--no-band", bar, "--json", "--set", "load.duration=10 us", "--set", advised)
     codes = {w["code"] for w in json.loads(out)["warnings"]}
     assert "rise-too-steep" not in codes
     assert "rise-steep" in codes
@@ -410,12 +410,12 @@ def test_the_cases_of_the_docs_run(strikewave, tmp_path):
     text = (Path(__file__).parents[3] / "docs" / "waves.md").read_text("utf-8")
     first, struck = (part.partition("```")[0] for part in text.split("```toml\n")[1:3])
     (tmp_path / "docs.toml").write_text(first)
-    code, out, _ = strikewave("wave", "docs.toml", "--json")
+    code, out, _ = strikewave("wave", "--no-band", "docs.toml", "--json")
     assert code == 0
     assert json.loads(out)["warnings"] == []
     before, _, load = first.partition("[load]")
     (tmp_path / "struck.toml").write_text(before + struck + "[[tap]]" + load.partition("[[tap]]")[2])
-    code, out, _ = strikewave("wave", "struck.toml", "--json")
+    code, out, _ = strikewave("wave", "--no-band", "struck.toml", "--json")
     assert code == 0
     contact = json.loads(out)["contact"]
     # no more than the momentum of the striker twice over

@@ -124,7 +124,7 @@ def test_the_written_case_reads_what_the_study_said(strikewave, bar, read_page):
     assert page.pictures == 3
     assert first["name"] in page.text
     assert "strikewave buffer bar.toml --limit" in page.text
-    _, out, _ = strikewave("wave", "there/case.toml", "--json")
+    _, out, _ = strikewave("wave", "--no-band", "there/case.toml", "--json")
     assert json.loads(out)["sensors"]["acc"]["peak"] == pytest.approx(first["peak"], rel=1e-9)
 
 

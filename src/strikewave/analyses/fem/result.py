@@ -71,6 +71,7 @@ class FemSolution(ShownResult):
     """
 
     command: ClassVar[str] = "fem"
+    table_name: ClassVar[str] = "parts"
     data_file: ClassVar[str] = "histories.nc"
 
     case: Case

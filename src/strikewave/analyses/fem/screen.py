@@ -29,7 +29,9 @@ from strikewave.fem.quality import UNWARPED, PartQuality, quality_report
 from strikewave.fem.run import ENERGIES
 from strikewave.fem.snapshots import SNAPSHOTS
 from strikewave.fem.solve import Checkpoint, Progress, RunOptions
+from strikewave.reporting.bands import NO_BAND_OF_ELEMENTS
 from strikewave.reporting.layout import KEY, MORE, keys, numerals
+from strikewave.reporting.numbers import headed, shown_heads
 from strikewave.reporting.options import Output
 from strikewave.reporting.run_and_write import Command, case_folder, run_and_write
 from strikewave.reporting.terminal import (
@@ -254,8 +256,9 @@ def show(solution: FemSolution) -> None:
         for name, part in {**solution.parts, **solution.groups}.items()
     ]
     columns = [
-        *[*keys("part"), *numerals("mass (kg)", priority=MORE)],
-        *numerals("rigid peak (g)", "pulse width at 10 % (us)", "velocity change (m/s)"),
+        *keys("part"),
+        *numerals(*shown_heads("mass (kg)"), priority=MORE),
+        *numerals(*shown_heads("rigid peak (g)", "pulse width at 10 % (us)", "velocity change (m/s)")),
         *numerals("along", priority=MORE),
     ]
     table(f"{solution.title}: parts as rigid bodies", columns, rows)
@@ -263,11 +266,8 @@ def show(solution: FemSolution) -> None:
         [name, number(part.von_mises, "Pa", "MPa"), number(part.plastic_strain, "1", "1", 3)]
         for name, part in solution.parts.items()
     ]
-    table(
-        "Largest in the elements",
-        [*keys("part"), *numerals("von Mises stress (MPa)", "plastic strain")],
-        rows,
-    )
+    heads = shown_heads("von Mises stress (MPa)", "plastic strain")
+    table("Largest in the elements", [*keys("part"), *numerals(*heads)], rows)
     if solution.film is not None and (words := largest_words(solution.film, solution.model.mesh)):
         tell(words)
     wholes = solution.wholes
@@ -278,12 +278,12 @@ def show(solution: FemSolution) -> None:
     if rows:
         columns = [
             *keys("contact"),
-            *numerals("peak (kN)"),
-            *numerals("at (us)", priority=MORE),
-            *numerals("impulse (N s)"),
+            *numerals(*shown_heads("peak (kN)")),
+            *numerals(*shown_heads("at (us)"), priority=MORE),
+            *numerals(*shown_heads("impulse (N s)")),
+            *numerals(*shown_heads("begins (us)"), priority=MORE),
+            *numerals(*shown_heads("lasts (us)", "peak, whole bodies (kN)", "impulse, whole bodies (N s)")),
         ]
-        columns += [*numerals("begins (us)", priority=MORE), *numerals("lasts (us)")]
-        columns += numerals("peak, whole bodies (kN)", "impulse, whole bodies (N s)")
         many = len(columns) if any(wholes.values()) else len(columns) - 2
         table("Contacts", columns[:many], [row[:many] for row in rows])
     print_published(solution.comparisons)
@@ -305,12 +305,13 @@ def _show_balance(solution: FemSolution) -> None:
     run, balance = solution.run, balance_measure(solution.run)
     kinds = [name for name in ENERGIES if run.energy[name].any()]
     cells = [number(run.initial_energy, "J", "J"), *(number(float(run.energy[name][-1]), "J", "J") for name in kinds)]
-    table("Energy at the end", numerals(*(f"{name} (J)" for name in ("initial", *kinds))), [cells])
+    table("Energy at the end", numerals(*(headed(name, "J", "J") for name in ("initial", *kinds))), [cells])
     tell(
         f"balance: energy {balance.energy:+.1e} (limit {ENERGY_LIMIT:g}), hourglass {balance.hourglass:.1e} of "
         f"internal (limit {HOURGLASS_LIMIT:g}), momentum {balance.momentum:.1e}"
     )
     tell(f"{run.steps} steps of {run.step * 1e9:.3g} ns or more, {run.speed / 1e6:.3g} M element-steps/s")
+    tell(NO_BAND_OF_ELEMENTS[0].lower() + NO_BAND_OF_ELEMENTS[1:])
 
 
 def _show_blows(solution: FemSolution) -> None:
@@ -332,9 +333,9 @@ def _show_blows(solution: FemSolution) -> None:
                 f"{balance_measure(each.run).energy:+.1e}",
             ]
         )
-    columns = [*numerals("blow", priority=KEY), *numerals("peak (kN)", "impulse (N s)", "lasts (us)")]
-    columns += [*numerals("restitution", priority=MORE), *numerals("rigid peak (g)")]
-    columns += numerals("plastic strain", "yields with (J)", "energy error", priority=MORE)
+    columns = [*numerals("blow", priority=KEY), *numerals(*shown_heads("peak (kN)", "impulse (N s)", "lasts (us)"))]
+    columns += [*numerals("restitution", priority=MORE), *numerals(*shown_heads("rigid peak (g)"))]
+    columns += numerals("plastic strain", *shown_heads("yields with (J)"), "energy error", priority=MORE)
     table("Blow after blow", columns, rows)
     for run in solution.later:
         if run.rest is not None:
@@ -365,9 +366,9 @@ def _show_quality(model: Model, quality: Sequence[PartQuality]) -> None:
         ]
         for row in quality
     ]
-    columns = [*keys("part"), *numerals("elements"), *numerals("nodes", "mass (kg)", priority=MORE)]
-    columns += [*numerals("shortest edge (mm)"), *numerals("longest (mm)", priority=MORE)]
-    columns += numerals("aspect ratio", "scaled Jacobian", "warpage (deg)")
+    columns = [*keys("part"), *numerals("elements"), *numerals("nodes", *shown_heads("mass (kg)"), priority=MORE)]
+    columns += [*numerals(*shown_heads("shortest edge (mm)")), *numerals(*shown_heads("longest (mm)"), priority=MORE)]
+    columns += numerals("aspect ratio", "scaled Jacobian", *shown_heads("warpage (deg)"))
     table("Mesh", columns, rows)
 
 

@@ -10,7 +10,17 @@ import numpy as np
 from strikewave.base.constants import STANDARD_GRAVITY
 from strikewave.hopkinson import ANALYSES, stress_difference, transits_to_uniform
 from strikewave.reporting import chapters
-from strikewave.reporting.numbers import percent, with_unit
+from strikewave.reporting.numbers import (
+    decimals_in,
+    fixed,
+    headed,
+    percent,
+    shown,
+    shown_heads,
+    shown_unit,
+    spelled,
+    with_unit,
+)
 from strikewave.reporting.parts import NONE, Cell, Picture, Section, Table, written
 from strikewave.reporting.style import WHOLE, one_diagram
 
@@ -78,12 +88,14 @@ def _curve_table(solution: HopkinsonSolution) -> Table:
             [
                 name + (" *" if name == solution.case.setup.solver.analysis else ""),
                 f"{100.0 * float(true.strain[on].max()):.2f}",
-                f"{float(true.stress[on].max()) / 1e6:.1f}",
-                f"{float(np.median(true.rate[on])):.0f}",
+                fixed(float(true.stress[on].max()), "Pa", "MPa", 1),
+                fixed(float(np.median(true.rate[on])), "1/s", "1/s", 0),
                 _slope(slope),
             ]
         )
-    heads = ["analysis", "true strain (%)", "true stress (MPa)", "true rate (1/s)", "slope of the rise (GPa)"]
+    heads = shown_heads(
+        "analysis", "true strain (%)", "true stress (MPa)", "true rate (1/s)", "slope of the rise (GPa)"
+    )
     caption = (
         f"{solution.title}: largest true strain and stress, median true rate, slope from 10 to 50 % of the largest "
         "stress (and within a sample of misalignment); * the one chosen"
@@ -92,17 +104,14 @@ def _curve_table(solution: HopkinsonSolution) -> Table:
 
 
 def _slope(slope: Slope) -> str:
-    """Write a slope with the values between which a sample of misalignment moves it, GPa."""
+    """Write a slope with the values between which a sample of misalignment moves it."""
     if math.isnan(slope.value):
         return NONE
-    value = f"{slope.value / 1e9:.3g}"
+    value = written(shown(slope.value, "Pa", "GPa"), 3)
     if math.isnan(slope.low):
         return value
-    above = (
-        f"{slope.low / 1e9:.3g} or more"
-        if math.isinf(slope.high)
-        else f"{slope.low / 1e9:.3g} to {slope.high / 1e9:.3g}"
-    )
+    low = written(shown(slope.low, "Pa", "GPa"), 3)
+    above = f"{low} or more" if math.isinf(slope.high) else f"{low} to {written(shown(slope.high, 'Pa', 'GPa'), 3)}"
     return f"{value} ({above})"
 
 
@@ -113,7 +122,7 @@ def _balance_table(solution: HopkinsonSolution) -> Table:
         solution.energy,
         solution.case.setup.limits,
     )
-    specimen = NONE if math.isnan(impulses.specimen) else f"{impulses.specimen * 1e3:.3g} mN s"
+    specimen = NONE if math.isnan(impulses.specimen) else with_unit(impulses.specimen, "N s", "mN s", 3)
     wrong = "" if work.acceleration >= 0.0 else "; below 0: the forces do not balance"
     rows: list[list[Cell]] = [
         [
@@ -128,12 +137,13 @@ def _balance_table(solution: HopkinsonSolution) -> Table:
             percent(abs(impulses.closure), 2),
             f"of the incident one; limit {percent(limits.momentum.si, 0)}",
         ],
-        ["incident, reflected, transmitted impulse", _three(impulses[:3], 1.0, "N s"), f"specimen {specimen}"],
-        ["incident, reflected, transmitted energy", _three(work[:3], 1.0, "J"), ""],
+        ["incident, reflected, transmitted impulse", _three(impulses[:3], "N s"), f"specimen {specimen}"],
+        ["incident, reflected, transmitted energy", _three(work[:3], "J"), ""],
         [
             "absorbed energy",
-            f"{work.absorbed:.4g} J",
-            f"deforms {work.deformation:.4g}, moves {work.acceleration:.3g} J{wrong}",
+            with_unit(work.absorbed, "J", "J"),
+            f"deforms {with_unit(work.deformation, 'J', 'J')}, "
+            f"moves {with_unit(work.acceleration, 'J', 'J', 3)}{wrong}",
         ],
     ]
     return Table(
@@ -145,43 +155,44 @@ def _agreeing(equilibrium: Equilibrium) -> str:
     """Write the longest stretch in which the forces agree."""
     if math.isnan(equilibrium.begin):
         return "in no lasting stretch"
-    return f"from {equilibrium.begin * 1e6:.1f} to {equilibrium.end * 1e6:.1f} µs"
+    return f"from {_time(equilibrium.begin, 1)} to {_time(equilibrium.end, 1)} {spelled(shown_unit('s', 'us'))}"
 
 
-def _three(values: Sequence[float], scale: float, unit: str) -> str:
-    return ", ".join(f"{value * scale:.4g}" for value in values) + f" {unit}"
+def _three(values: Sequence[float], si: str) -> str:
+    return ", ".join(written(shown(value, si, si)) for value in values) + f" {spelled(shown_unit(si, si))}"
 
 
 def _alignment_table(solution: HopkinsonSolution) -> Table:
     waves = solution.reduction.waves
     rows: list[list[Cell]] = [
-        [name, *(f"{late[k] * 1e6:+.2f}" for late in (waves.late_onset, waves.late_balance, waves.applied))]
+        [name, *(_time(late[k], 2, "+") for late in (waves.late_onset, waves.late_balance, waves.applied))]
         for k, name in enumerate(("reflected", "transmitted"))
     ]
     caption = (
         f"Delay of the waves at the specimen against geometry; alignment {waves.method}, dispersion "
-        f"{waves.theory} up to {waves.band / 1e3:.4g} kHz, largest shift allowed {waves.window * 1e6:.3g} µs, the rise"
+        f"{waves.theory} up to {with_unit(waves.band, 'Hz', 'kHz')}, largest shift allowed "
+        f"{with_unit(waves.window, 's', 'us', 3)}, the rise"
     )
-    return Table(caption, ["wave", "by onset (µs)", "by balance (µs)", "applied shift (µs)"], rows)
+    return Table(caption, shown_heads("wave", "by onset (us)", "by balance (us)", "applied shift (us)"), rows)
 
 
 def _bar_table(solution: HopkinsonSolution) -> Table:
     rows: list[list[Cell]] = [
         [
             name,
-            f"{constants.density:.5g}",
-            f"{constants.modulus / 1e9:.5g}",
-            f"{constants.speed:.6g}",
+            written(shown(constants.density, "kg/m^3", "kg/m^3"), 5),
+            written(shown(constants.modulus, "Pa", "GPa"), 5),
+            written(shown(constants.speed, "m/s", "m/s"), 6),
             constants.derived,
-            f"{bar.impedance:.5g}",
+            written(shown(bar.impedance, "N s/m", "N s/m"), 5),
             f"{noise * 1e6:.3g}",
         ]
         for (name, constants), bar, noise in zip(
             solution.constants.items(), solution.reduction.bars, solution.reduction.waves.noise, strict=True
         )
     ]
-    heads = ["bar", "density (kg/m³)", "modulus (GPa)", "speed (m/s)", "derived", "impedance (N s/m)", "noise (µε)"]
-    return Table("Bars, with the constant that follows from the two others", heads, rows)
+    heads = shown_heads("bar", "density (kg/m^3)", "modulus (GPa)", "speed (m/s)", "derived", "impedance (N s/m)")
+    return Table("Bars, with the constant that follows from the two others", [*heads, "noise (µε)"], rows)
 
 
 def _striker_table(solution: HopkinsonSolution) -> list[Table]:
@@ -190,9 +201,14 @@ def _striker_table(solution: HopkinsonSolution) -> list[Table]:
         return []
     rows: list[list[Cell]] = [
         ["plateau strain (µε)", written(check.strain * 1e6), written(check.strain_expected * 1e6)],
-        ["pulse width at 50 % (µs)", written(check.duration * 1e6), written(check.duration_expected * 1e6)],
+        [
+            headed("pulse width at 50 %", "s", "us"),
+            *(written(shown(width, "s", "us")) for width in (check.duration, check.duration_expected)),
+        ],
     ]
-    caption = f"Incident pulse compared with the striker; the plateau corresponds to {check.speed:.4g} m/s"
+    caption = (
+        f"Incident pulse compared with the striker; the plateau corresponds to {with_unit(check.speed, 'm/s', 'm/s')}"
+    )
     return [Table(caption, ["quantity", "measured", "v Zs/((Zs+Zb) c), 2 Ls/cs"], rows)]
 
 
@@ -205,7 +221,7 @@ def _theory_table(solution: HopkinsonSolution) -> list[Table]:
     rise = solution.pulses.rise / RISE_SHARE / transit
     rows: list[list[Cell]] = [
         ["impedance of the specimen over that of the bar", f"{beta:.4g}"],
-        ["transit of the specimen (µs)", f"{transit * 1e6:.4g}"],
+        [headed("transit of the specimen", "s", "us"), written(shown(transit, "s", "us"))],
         ["force difference after a step, transit 3", percent(float(stress_difference(beta, 3)), 1)],
         ["force difference after a step, transit 5", percent(float(stress_difference(beta, 5)), 2)],
         ["transits to 5 % after a step", f"{transits_to_uniform(beta):.4g}"],
@@ -220,16 +236,16 @@ def echo_tables(solution: EchoSolution) -> list[Table]:
     band = echoes.frequency
     rows: list[list[Cell]] = [
         [
-            "bar speed (m/s)",
-            *_estimated(echoes.speed, 1.0),
-            f"{percent(solution.difference, 2, '+')} off the stated {solution.bar.speed:.6g}",
+            headed("bar speed", "m/s", "m/s"),
+            *_estimated(echoes.speed, shown(1.0, "m/s", "m/s")),
+            f"{percent(solution.difference, 2, '+')} off the stated {with_unit(solution.bar.speed, 'm/s', 'm/s', 6)}",
         ],
-        ["length (mm)", *_estimated(echoes.round_trip, 1e3), _length_words(solution)],
+        [headed("length", "m", "mm"), *_estimated(echoes.round_trip, shown(1.0, "m", "mm")), _length_words(solution)],
         ["attenuation (1/m)", *_estimated(echoes.attenuation, 1.0), "by energy, ends included"],
         ["passes used", str(echoes.times.size), NONE, NONE, NONE, f"from number {echoes.first + 1} on"],
         [
-            "band (kHz)",
-            f"{band[0] / 1e3:.3g} to {band[-1] / 1e3:.3g}",
+            headed("band", "Hz", "kHz"),
+            f"{shown(float(band[0]), 'Hz', 'kHz'):.3g} to {shown(float(band[-1]), 'Hz', 'kHz'):.3g}",
             NONE,
             NONE,
             NONE,
@@ -242,7 +258,11 @@ def echo_tables(solution: EchoSolution) -> list[Table]:
 
 def _length_words(solution: EchoSolution) -> str:
     stated = solution.bar.length
-    return f"by round trips; given as {stated * 1e3:.6g}" if math.isfinite(stated) else "by round trips"
+    return (
+        f"by round trips; given as {written(shown(stated, 'm', 'mm'), 6)}"
+        if math.isfinite(stated)
+        else "by round trips"
+    )
 
 
 def _estimated(estimate: FittedValue, scale: float) -> tuple[str, str, str, str]:
@@ -279,14 +299,19 @@ def _sensitivity_table(solution: SensorSolution) -> Table:
             _read(reading, unit),
             _sensitivity(reading / peak, unit),
         ],
-        ["velocity change", f"{velocity:.4g} m/s", _integral(integral, unit), _sensitivity(integral / velocity, unit)],
+        [
+            "velocity change",
+            with_unit(velocity, "m/s", "m/s"),
+            _integral(integral, unit),
+            _sensitivity(integral / velocity, unit),
+        ],
     ]
     if not solution.quoted:
         rows[0][3] = rows[1][3] = "not quoted: rise too steep"
     heads = ["quantity", "reference by the gauge", "reading", "reading over reference"]
     bandwidth = comparison.bandwidth
     caption = (
-        f"{solution.title}: sensitivity with its standard uncertainty, at {bandwidth.value / 1e3:.4g} kHz "
+        f"{solution.title}: sensitivity with its standard uncertainty, at {with_unit(bandwidth.value, 'Hz', 'kHz')} "
         f"(set by: {bandwidth.reason})"
     )
     return Table(caption, heads, rows)
@@ -295,9 +320,9 @@ def _sensitivity_table(solution: SensorSolution) -> Table:
 def _agreement_table(solution: SensorSolution) -> Table:
     comparison, standing = solution.comparison, solution.standing
     reflected = NONE if math.isnan(comparison.reflected_misfit) else percent(comparison.reflected_misfit, 2)
-    disk = f", elastic disk of {standing.disk.mass * 1e3:.4g} gram" if standing.disk else ""
+    disk = f", elastic disk of {with_unit(standing.disk.mass, 'kg', 'gram')}" if standing.disk else ""
     rows: list[list[Cell]] = [
-        ["delay of the reading", f"{comparison.agreement.delay * 1e6:+.3f} µs", "against gauge and bar speed"],
+        ["delay of the reading", _delay(comparison.agreement.delay, 3), "against gauge and bar speed"],
         ["correlation", f"{comparison.correlation:.5f}", "at that delay"],
         ["residual over reading", percent(comparison.agreement.residual, 2), "root mean square"],
         [
@@ -307,9 +332,13 @@ def _agreement_table(solution: SensorSolution) -> Table:
         ],
         ["noise of the reading", _read(comparison.reading_noise, solution.unit), "at the bandwidth"],
         ["rise left, in diameters of travel", f"{solution.rise_diameters:.3g}", "not quoted below 2, warned below 5"],
-        ["frequency at which the pulse sinks in noise", f"{comparison.bandwidth.noise / 1e3:.4g} kHz", "at the gauge"],
+        [
+            "frequency at which the pulse sinks in noise",
+            with_unit(comparison.bandwidth.noise, "Hz", "kHz"),
+            "at the gauge",
+        ],
         ["velocity by both waves, off the model", reflected, "root mean square"],
-        ["mass on the end", f"{standing.mass * 1e3:.4g} gram", f"sensor and rigid disk{disk}"],
+        ["mass on the end", with_unit(standing.mass, "kg", "gram"), f"sensor and rigid disk{disk}"],
     ]
     return Table("Agreement of reading and reference", ["quantity", "value", "note"], rows)
 
@@ -329,13 +358,22 @@ def _uncertainty_table(solution: SensorSolution) -> Table:
     return Table("Relative standard uncertainty of the sensitivity", ["part", "value", "from"], rows)
 
 
+def _time(value: float, decimals: int, sign: str = "") -> str:
+    """Write a time in the unit shown, with the decimals that it has in microseconds."""
+    return f"{shown(value, 's', 'us'):{sign}.{decimals_in('s', 'us', decimals)}f}"
+
+
+def _delay(value: float, decimals: int) -> str:
+    return f"{_time(value, decimals, '+')} {spelled(shown_unit('s', 'us'))}"
+
+
 def _read(value: float, unit: str) -> str:
     """Write a reading: volts as they are, an acceleration in g."""
     return with_unit(value, "V", "mV") if unit == "V" else with_unit(value, "m/s^2", "g")
 
 
 def _integral(value: float, unit: str) -> str:
-    return f"{value * 1e6:.4g} mV ms" if unit == "V" else f"{value:.4g} m/s"
+    return f"{value * 1e6:.4g} mV ms" if unit == "V" else with_unit(value, "m/s", "m/s")
 
 
 def _sensitivity(value: float, unit: str, digits: int = 5) -> str:
@@ -348,7 +386,7 @@ def shot_words(solution: HopkinsonSolution) -> str:
     summary = solution.summary()
     return (
         f"The specimen reached a true strain of {percent(summary['strain'], 1)} at {summary['rate']:.0f} 1/s (median) "
-        f"and a true stress of {summary['stress'] / 1e6:.4g} MPa. The forces on its faces differ by "
+        f"and a true stress of {with_unit(summary['stress'], 'Pa', 'MPa')}. The forces on its faces differ by "
         f"{percent(solution.equilibrium.misfit, 1)} of their mean, and {percent(abs(solution.momentum.closure), 2)} "
         f"of the incident impulse is {_closing(solution)}."
     )
@@ -382,7 +420,7 @@ def shot_report(solution: HopkinsonSolution) -> str:
     ]
     summary = solution.summary()
     numbers = [
-        ("largest true stress", f"{summary['stress'] / 1e6:.4g} MPa"),
+        ("largest true stress", with_unit(summary["stress"], "Pa", "MPa")),
         ("largest true strain", f"{100.0 * summary['strain']:.3g} %"),
         ("median true rate", f"{summary['rate']:.0f} 1/s"),
         ("force difference", percent(solution.equilibrium.misfit, 1)),
@@ -403,7 +441,7 @@ def sensor_words(solution: SensorSolution) -> str:
     sensitivity = _sensitivity(solution.sensitivity, solution.unit)
     what = "The sensitivity of the sensor" if solution.unit == "V" else "The reading over the reference"
     return (
-        f"{what} is {sensitivity} at {comparison.bandwidth.value / 1e3:.4g} kHz (standard "
+        f"{what} is {sensitivity} at {with_unit(comparison.bandwidth.value, 'Hz', 'kHz')} (standard "
         f"uncertainty {percent(solution.uncertainty.combined, 2)}), and {percent(comparison.agreement.residual, 1)} of "
         "the reading does not follow the reference."
         if solution.quoted
@@ -440,8 +478,8 @@ def sensor_report(solution: SensorSolution) -> str:
         ("sensitivity" if solution.unit == "V" else "reading over reference", sensitivity if solution.quoted else NONE),
         ("standard uncertainty", percent(share, 2) if solution.quoted else NONE),
         ("largest acceleration", with_unit(solution.peaks[0], "m/s^2", "g")),
-        ("velocity change", f"{comparison.velocities[0]:.4g} m/s"),
-        ("delay", f"{comparison.agreement.delay * 1e6:+.2f} µs"),
+        ("velocity change", with_unit(comparison.velocities[0], "m/s", "m/s")),
+        ("delay", _delay(comparison.agreement.delay, 2)),
     ]
     tables = Section("Result", f"{_SENSOR}\n\n{_DOUBT}", sensor_tables(solution))
     head = chapters.Summary("Report of an accelerometer on the end of a bar", sensor_words(solution), numbers)
@@ -452,7 +490,7 @@ def echo_words(solution: EchoSolution) -> str:
     """Say in words what the echoes gave: on the screen and at the head of the report."""
     echoes = solution.echoes
     return (
-        f"The bar speed by {echoes.times.size} passes is {echoes.speed.value:.5g} m/s, "
+        f"The bar speed by {echoes.times.size} passes is {with_unit(echoes.speed.value, 'm/s', 'm/s', 5)}, "
         f"{percent(solution.difference, 2, '+')} off the stated one."
     )
 
@@ -468,9 +506,9 @@ def echo_report(solution: EchoSolution) -> str:
         Picture(one_diagram(lambda axes: draw_losses(axes, echoes)), "Attenuation by the echoes."),
     ]
     numbers = [
-        ("bar speed", f"{echoes.speed.value:.5g} m/s"),
-        ("standard error", NONE if math.isnan(echoes.speed.error) else f"{echoes.speed.error:.2g} m/s"),
-        ("length", f"{echoes.length.value * 1e3:.5g} mm"),
+        ("bar speed", with_unit(echoes.speed.value, "m/s", "m/s", 5)),
+        ("standard error", NONE if math.isnan(echoes.speed.error) else with_unit(echoes.speed.error, "m/s", "m/s", 2)),
+        ("length", with_unit(echoes.length.value, "m", "mm", 5)),
         ("attenuation", f"{echoes.attenuation.value:.3g} 1/m"),
     ]
     sections = [Section("Pulses", "", pictures), Section("Result", _ECHOES, echo_tables(solution))]

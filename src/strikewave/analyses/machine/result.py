@@ -120,6 +120,7 @@ class Solution(ShownResult):
     """
 
     command: ClassVar[str] = "run"
+    table_name: ClassVar[str] = "blows"
 
     case: Case
     blows: Sequence[Blow]

@@ -7,12 +7,21 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 from strikewave.analyses.wave.field import field_of_solution
-from strikewave.base.constants import STANDARD_GRAVITY
 from strikewave.reporting import chapters
 from strikewave.reporting.bands import band_sections
 from strikewave.reporting.curves import Trace, traces
-from strikewave.reporting.numbers import fixed, with_band
-from strikewave.reporting.parts import NONE, Cell, Flow, Part, Picture, Section, Table, Tag
+from strikewave.reporting.numbers import (
+    fixed,
+    headed,
+    listed,
+    shown,
+    shown_heads,
+    shown_unit,
+    spelled,
+    with_band,
+    with_unit,
+)
+from strikewave.reporting.parts import NONE, Cell, Flow, Part, Picture, Section, Table, Tag, written
 from strikewave.reporting.stack_chapters import (
     MOST_LAYERS,
     field_pictures,
@@ -31,13 +40,12 @@ if TYPE_CHECKING:
 
 _SINCE_LOAD = "time after the start of the load"
 _DATA_FLOW = ("case file", "checks of units and fits", "stack", "stress waves", "taps and sensors")
-CONTACT_HEADS = ["contact of the striker", "value"]
-OSCILLATOR_HEADS = ["mass on a spring", "mass (gram)", "largest acceleration (g)"]
+TAP_HEADS = ("tap", "route", "layer", "position", "force (kN)", "stress (MPa)", "velocity (m/s)", "acceleration (g)")
+"""With usual units, as `shown_heads` takes them."""
 MOST_OPENINGS = 5
 """Openings, and closings, of a joint that a table lists (chosen: a row stays one line; the JSON has them all)."""
 MOST_CURVES = 4
 """Taps that a picture draws: as many as there are dashes, so that no two curves look alike in print."""
-JOINT_HEADS = ["after", "kind", "preload (N)", "opens at (us)", "closes at (us)"]
 
 
 def tap_rows(solution: WaveSolution) -> list[list[str]]:
@@ -65,8 +73,10 @@ def wave_words(solution: WaveSolution) -> str:
     """Return the peak values at the taps as a sentence."""
     at_taps = []
     for name, _, layer, _, force, stress, velocity, acceleration in tap_rows(solution):
-        quoted = f" and {acceleration} g" if acceleration != NONE else ""
-        at_taps.append(f"{name} (in {layer}): {force} kN, {stress} MPa, {velocity} m/s{quoted}")
+        units = (spelled(shown_unit(*pair)) for pair in (("N", "kN"), ("Pa", "MPa"), ("m/s", "m/s"), ("m/s^2", "g")))
+        values = zip((force, stress, velocity, acceleration), units, strict=True)
+        words = listed([f"{value} {unit}" for value, unit in values if value != NONE])
+        at_taps.append(f"{name} (in {layer}): {words}")
     return f"A layered bar under its load, route {solution.route}. Signed peak values: {'; '.join(at_taps)}."
 
 
@@ -77,13 +87,13 @@ def key_numbers(solution: WaveSolution) -> list[tuple[str, str]]:
         name, tap = solution.taps[0]
         peaks, layer = solution.peaks(0, solution.route), solution.run.stack.layers[tap.layer]
         stress = None if peaks["force"] is None else peaks["force"] / layer.area
-        shown = {
+        peaks_of = {
             "force": (peaks["force"], "N", "kN"),
             "stress": (stress, "Pa", "MPa"),
             "velocity": (peaks["velocity"], "m/s", "m/s"),
             "acceleration": (peaks["acceleration"], "m/s^2", "g"),
         }
-        for what, (value, si, unit) in shown.items():
+        for what, (value, si, unit) in peaks_of.items():
             if value is not None:
                 numbers.append((f"{what} at {name}", with_band(value, band.get(f"tap.{name}.peak_{what}"), si, unit)))
     for name, pulse in solution.sensors.items():
@@ -95,7 +105,7 @@ def error_words(solution: WaveSolution) -> str:
     """Say how exact the waves of a bar are."""
     velocity, acceleration = solution.accuracy
     bounds = "no bound" if math.isinf(velocity) else f"velocity {velocity:.1e}, acceleration {acceleration:.1e}"
-    step = f"{solution.waves.step * 1e9:.4g} ns"
+    step = with_unit(solution.waves.step, "s", "ns")
     if solution.method == "spectral":
         dispersion = solution.case.solver.dispersion
         return (
@@ -112,11 +122,11 @@ def joint_rows(solution: WaveSolution, most: int = MOST_OPENINGS) -> list[list[s
     """List the joints that can open, and their first openings and closings."""
 
     def times(values: Sequence[float]) -> str:
-        shown = ", ".join(f"{t * 1e6:.5g}" for t in values[:most])
-        return (shown or NONE) + (f" and {len(values) - most} more" if len(values) > most else "")
+        words = ", ".join(written(shown(t, "s", "us"), 5) for t in values[:most])
+        return (words or NONE) + (f" and {len(values) - most} more" if len(values) > most else "")
 
     return [
-        [row["after"], row["kind"], f"{row['preload']:g}", times(row["opened"]), times(row["closed"])]
+        [row["after"], row["kind"], f"{shown(row['preload'], 'N', 'N'):g}", times(row["opened"]), times(row["closed"])]
         for row in solution.joints()
     ]
 
@@ -127,21 +137,21 @@ def contact_rows(solution: WaveSolution) -> list[list[str]]:
     if contact is None:
         return []
     touches = contact["contacts"]
-    last = f"{touches[-1]['end'] * 1e6:.5g}" if touches else NONE
+    last = written(shown(touches[-1]["end"], "s", "us"), 5) if touches else NONE
     return [
-        ["peak force (kN)", f"{contact['peak_force'] / 1e3:.5g}"],
-        ["deepest indentation (um)", f"{contact['max_indentation'] * 1e6:.4g}"],
-        ["contacts, the last one until (us)", f"{len(touches)}, {last}"],
-        ["impulse (N s)", f"{contact['impulse']:.5g}"],
-        ["rebound speed of the striker (m/s)", f"{contact['rebound_speed']:.4g}"],
-        ["energy lost in the contact (J)", f"{contact['energy_lost']:.4g}"],
+        [headed("peak force", "N", "kN"), written(shown(contact["peak_force"], "N", "kN"), 5)],
+        [headed("deepest indentation", "m", "um"), written(shown(contact["max_indentation"], "m", "um"))],
+        [headed("contacts, the last one until", "s", "us"), f"{len(touches)}, {last}"],
+        [headed("impulse", "N s", "N s"), written(shown(contact["impulse"], "N s", "N s"), 5)],
+        [headed("rebound speed of the striker", "m/s", "m/s"), written(shown(contact["rebound_speed"], "m/s", "m/s"))],
+        [headed("energy lost in the contact", "J", "J"), written(shown(contact["energy_lost"], "J", "J"))],
     ]
 
 
 def oscillator_rows(solution: WaveSolution) -> list[list[str]]:
     """List the masses on springs and their largest acceleration, without any filter."""
     return [
-        [row["where"], f"{row['mass'] * 1e3:.4g}", f"{row['peak'] / STANDARD_GRAVITY:.5g}"]
+        [row["where"], written(shown(row["mass"], "kg", "gram")), written(shown(row["peak"], "m/s^2", "g"), 5)]
         for row in solution.oscillators()
     ]
 
@@ -160,16 +170,24 @@ def _staircase(field: WaveField, layer: int, solution: WaveSolution) -> Picture:
 def wave_tables(solution: WaveSolution) -> list[tuple[str, list[str], list[list[str]]]]:
     """Return the further tables of a bar, captions, heads and rows: contact, masses on springs, joints, layers."""
     layers = [
-        [layer.name, f"{stress / 1e6:.4g}"]
+        [layer.name, written(shown(stress, "Pa", "MPa"))]
         for layer, stress in zip(solution.waves.layers, solution.layer_stress, strict=False)
     ]
     tables = [
-        ("Contact of the striker", CONTACT_HEADS, contact_rows(solution)),
-        ("Masses on springs", OSCILLATOR_HEADS, oscillator_rows(solution)),
-        ("Joints that can open", JOINT_HEADS, joint_rows(solution)),
+        ("Contact of the striker", ["contact of the striker", "value"], contact_rows(solution)),
+        (
+            "Masses on springs",
+            shown_heads("mass on a spring", "mass (gram)", "largest acceleration (g)"),
+            oscillator_rows(solution),
+        ),
+        (
+            "Joints that can open",
+            shown_heads("after", "kind", "preload (N)", "opens at (us)", "closes at (us)"),
+            joint_rows(solution),
+        ),
         ("Largest stress in each layer", ["layer", "stress (MPa)"], layers[:MOST_LAYERS]),
     ]
-    return [entry for entry in tables if entry[2]]
+    return [(caption, shown_heads(*heads), rows) for caption, heads, rows in tables if rows]
 
 
 def wave_sections(solution: WaveSolution, quantity: str = "stress") -> list[Section]:
@@ -213,7 +231,9 @@ def wave_sections(solution: WaveSolution, quantity: str = "stress") -> list[Sect
             for name, pulse in solution.sensors.items()
         ]
         picture = traces("Sensor readings", readings, "g", _SINCE_LOAD)
-        table = Table("Sensor readings", ["sensor", "peak (g)", "pulse width at 10 % (µs)", "clipped"], pulses)
+        table = Table(
+            "Sensor readings", shown_heads("sensor", "peak (g)", "pulse width at 10 % (us)", "clipped"), pulses
+        )
         sections.append(sensor_part(solution.channels, picture, table))
     tap = next((k for k, (name, _) in enumerate(solution.taps) if (name, "corrected") in solution.routes), None)
     if tap is not None:
@@ -227,8 +247,7 @@ def wave_sections(solution: WaveSolution, quantity: str = "stress") -> list[Sect
 
 def _peak_section(solution: WaveSolution) -> Section:
     """List the peak values at the taps, of contact, masses, joints and layers."""
-    heads = ["tap", "route", "layer", "position", "force (kN)", "stress (MPa)", "velocity (m/s)", "acceleration (g)"]
-    tables = [("Peak values at the taps", heads, tap_rows(solution)), *wave_tables(solution)]
+    tables = [("Peak values at the taps", shown_heads(*TAP_HEADS), tap_rows(solution)), *wave_tables(solution)]
     return Section(
         "Peak values", "", [Table(caption, columns, [list(row) for row in rows]) for caption, columns, rows in tables]
     )

@@ -69,6 +69,7 @@ class WaveSolution(ShownResult):
     """
 
     command: ClassVar[str] = "wave"
+    table_name: ClassVar[str] = "taps"
     data_file: ClassVar[str] = "waves.nc"
 
     case: Case

@@ -7,9 +7,9 @@ from typing import TYPE_CHECKING
 
 from strikewave.analyses.fem.figures.blows import blows_figure
 from strikewave.analyses.fem.sectors import blow_of_bodies
-from strikewave.base.constants import STANDARD_GRAVITY
 from strikewave.fem.blow_measures import blow_measure
 from strikewave.fem.measures import balance_measure
+from strikewave.reporting.numbers import shown, shown_heads
 from strikewave.reporting.parts import NONE, Cell, Picture, Section, Table, written
 
 if TYPE_CHECKING:
@@ -38,16 +38,19 @@ def _forces(solution: FemSolution) -> Table:
     for blow in solution.blows:
         restitution = blow_measure(blow.run, blow.model.touching).restitution
         name, pulse = next(iter(blow_of_bodies(blow.model, blow.run, blow.sectors).items()))
-        width = NONE if math.isnan(pulse.width) else written(pulse.width * 1e6)
-        rigid = [f"{name}: {written(pulse.rigid_peak / STANDARD_GRAVITY)}", width, written(pulse.velocity_change)]
+        width = NONE if math.isnan(pulse.width) else written(shown(pulse.width, "s", "us"))
+        change = written(shown(pulse.velocity_change, "m/s", "m/s"))
+        rigid = [f"{name}: {written(shown(pulse.rigid_peak, 'm/s^2', 'g'))}", width, change]
         for contact, measure in blow.contacts.items():
             e = restitution[contact]
             values: list[Cell] = [NONE, NONE, NONE]
             if measure is not None:
-                values = [written(x) for x in (measure.peak / 1e3, measure.impulse, measure.duration * 1e6)]
+                pulse_of = ((measure.peak, "N", "kN"), (measure.impulse, "N s", "N s"), (measure.duration, "s", "us"))
+                values = [written(shown(*one)) for one in pulse_of]
             rows.append([str(blow.run.blow), contact, *values, NONE if e is None else f"{e:.4f}", *rigid])
-    heads = ["blow", "contact", "peak force (kN)", "impulse (N s)", "duration (µs)", "coefficient of restitution"]
-    heads += ["rigid peak (g)", "pulse width at 10 % (µs)", "velocity change (m/s)"]
+    heads = shown_heads("blow", "contact", "peak force (kN)", "impulse (N s)", "duration (us)")
+    heads += ["coefficient of restitution"]
+    heads += shown_heads("rigid peak (g)", "pulse width at 10 % (us)", "velocity change (m/s)")
     return Table("Forces of each blow", heads, rows, empty="No contact is in the model.")
 
 
@@ -59,9 +62,13 @@ def _yield(solution: FemSolution) -> Table:
         energy = [sum(measure.plastic_energy.values()), blow.run.initial_energy]
         to_rest: list[Cell] = [NONE] * 5
         if rest is not None:
-            values = [rest.kinetic_share, rest.plastic_energy, rest.added_distance * 1e6]
+            energy_of, distance = shown(rest.plastic_energy, "J", "J"), shown(rest.added_distance, "m", "um")
+            values = [rest.kinetic_share, energy_of, distance]
             to_rest = [str(rest.maxima), str(rest.steps), *(written(value, 3) for value in values)]
-        cells = [NONE if math.isnan(strain) else written(strain), *(written(value) for value in energy)]
+        cells = [
+            NONE if math.isnan(strain) else written(strain),
+            *(written(shown(value, "J", "J")) for value in energy),
+        ]
         rows.append([str(measure.blow), *cells, f"{balance_measure(blow.run).energy:+.1e}", *to_rest])
     heads = ["blow", "plastic strain, largest", "taken by yield (J)", "energy at the start (J)", "energy balance error"]
     heads += [
@@ -70,4 +77,6 @@ def _yield(solution: FemSolution) -> Table:
         "kinetic energy left (share)",
         "yield during relaxation (J)",
     ]
-    return Table("Yield in each blow, and relaxation before it", [*heads, "moved back at the start (µm)"], rows)
+    return Table(
+        "Yield in each blow, and relaxation before it", shown_heads(*heads, "moved back at the start (um)"), rows
+    )

@@ -15,7 +15,6 @@ from strikewave.analyses.fem.figures.pictures import contact_zone, mesh_picture,
 from strikewave.analyses.fem.report.blows import blows_section
 from strikewave.analyses.fem.report.fields import fields_section
 from strikewave.analyses.fem.sectors import Sector, WholeForce, blow_of_bodies
-from strikewave.base.constants import STANDARD_GRAVITY
 from strikewave.base.result import BALANCE_LIMIT
 from strikewave.fem.measures import (
     ENERGY_LIMIT,
@@ -32,8 +31,9 @@ from strikewave.fem.run import ENERGIES
 from strikewave.fem.skin import blow_contact
 from strikewave.fem.solids import Bilinear, JohnsonCook, ZerilliArmstrong
 from strikewave.reporting import chapters
+from strikewave.reporting.bands import NO_BAND_OF_ELEMENTS
 from strikewave.reporting.curves import shortened
-from strikewave.reporting.numbers import listed, percent, with_unit
+from strikewave.reporting.numbers import listed, percent, shown, shown_heads, with_unit
 from strikewave.reporting.parts import NONE, Cell, Part, Picture, Section, Table, Tag, written
 
 if TYPE_CHECKING:
@@ -104,7 +104,7 @@ def fem_report(solution: FemSolution) -> str:
     ]
     summary = chapters.Summary(
         kicker="Report of an explicit finite-element run",
-        words=fem_words(solution),
+        words=f"{fem_words(solution)} {NO_BAND_OF_ELEMENTS}",
         numbers=_key_numbers(solution.run, wholes, bodies),
         status=_status(solution),
     )
@@ -144,7 +144,7 @@ def fem_words(solution: FemSolution) -> str:
         whole = _whole_of((name, strongest), wholes)
         sentences.append(
             f"The contact {name} reaches {with_unit(whole.peak, 'N', 'kN')}, lasts "
-            f"{with_unit(strongest.duration, 's', 'us', 3)} and carries {written(whole.impulse)} N s"
+            f"{with_unit(strongest.duration, 's', 'us', 3)} and carries {with_unit(whole.impulse, 'N s', 'N s')}"
             f"{', of whole bodies' if wholes[name] else ''}."
         )
     else:
@@ -245,12 +245,15 @@ def _contact_table(run: FemRun, wholes: dict[str, WholeForce | None]) -> Table:
             continue
         last = float(np.linalg.norm(run.force[name][-1]))
         note = "touches at the end" if last > TOUCHES_AT_END * measure.peak else NONE
-        values = [measure.peak / 1e3, measure.at * 1e6, measure.impulse, measure.duration * 1e6]
+        peak, impulse = shown(measure.peak, "N", "kN"), shown(measure.impulse, "N s", "N s")
+        values = [peak, shown(measure.at, "s", "us"), impulse, shown(measure.duration, "s", "us")]
         whole = wholes[name]
-        of_whole = [NONE, NONE] if whole is None else [written(whole.peak / 1e3), written(whole.impulse)]
+        of_whole = [NONE, NONE]
+        if whole is not None:
+            of_whole = [written(shown(whole.peak, "N", "kN")), written(shown(whole.impulse, "N s", "N s"))]
         rows.append([name, *(written(v) for v in values), *of_whole, note])
-    heads = ["contact", "peak force (kN)", "at (µs)", "impulse (N s)", "duration (µs)"]
-    heads += ["peak force, whole bodies (kN)", "impulse, whole bodies (N s)", "note"]
+    heads = shown_heads("contact", "peak force (kN)", "at (us)", "impulse (N s)", "duration (us)")
+    heads += shown_heads("peak force, whole bodies (kN)", "impulse, whole bodies (N s)", "note")
     if not any(wholes.values()):
         heads, rows = [*heads[:5], heads[7]], [[*row[:5], row[7]] for row in rows]
     return Table("Contacts and walls", heads, rows, empty="No contact is in the model.")
@@ -261,18 +264,21 @@ def _part_table(run: FemRun, sectors: dict[str, Sector]) -> Table:
     for name in (*run.parts, *run.groups):
         pulse = part_measure(run, name, sectors[name].free)
         direction = ", ".join(f"{v:.3g}" for v in np.round(pulse.direction, 4) + 0.0)
-        width = NONE if math.isnan(pulse.width) else written(pulse.width * 1e6)
+        width = NONE if math.isnan(pulse.width) else written(shown(pulse.width, "s", "us"))
         moved = pulse.velocity_change > 0.0
-        peak = written(pulse.rigid_peak / STANDARD_GRAVITY) if moved else NONE
-        change = written(pulse.velocity_change) if moved else NONE
+        peak = written(shown(pulse.rigid_peak, "m/s^2", "g")) if moved else NONE
+        change = written(shown(pulse.velocity_change, "m/s", "m/s")) if moved else NONE
         share = f" ({_SHARES[sectors[name].pieces]})" if sectors[name].pieces > 1 else ""
-        row = [name + share, written(pulse.mass * 1e3), peak, width, change, direction if moved else "does not move"]
+        mass = written(shown(pulse.mass, "kg", "gram"))
+        row = [name + share, mass, peak, width, change, direction if moved else "does not move"]
         rigid = math.isnan(pulse.von_mises)
-        largest = [NONE, NONE] if rigid else [written(pulse.von_mises / 1e6), written(pulse.plastic_strain)]
+        largest = [NONE, NONE]
+        if not rigid:
+            largest = [written(shown(pulse.von_mises, "Pa", "MPa")), written(pulse.plastic_strain)]
         rows.append([*row, *largest])
-    heads = ["part", "mass (gram)", "rigid peak (g)", "pulse width at 10 % (µs)", "velocity change (m/s)", "along"]
-    heads += ["von Mises, largest (MPa)", "plastic strain, largest"]
-    return Table("Parts, each as one rigid body", heads, rows)
+    heads = ("part", "mass (gram)", "rigid peak (g)", "pulse width at 10 % (us)", "velocity change (m/s)", "along")
+    largest_heads = ("von Mises, largest (MPa)", "plastic strain, largest")
+    return Table("Parts, each as one rigid body", shown_heads(*heads, *largest_heads), rows)
 
 
 def _what_ran(model: Model, run: FemRun) -> Section:
@@ -282,10 +288,10 @@ def _what_ran(model: Model, run: FemRun) -> Section:
     if zone is not None:
         near = dataclasses.replace(view, near=zone)
         name = getattr(blow_contact(model), "name", "")
-        caption = f"The mesh within {zone[1] * 1e3:.3g} mm of where {name} is nearest."
+        caption = f"The mesh within {with_unit(zone[1], 'm', 'mm', 3)} of where {name} is nearest."
         pictures.append(Picture(mesh_picture(model.mesh, near), caption))
-    pace = f"{run.steps} steps, the smallest {run.step * 1e9:.4g} ns, took {run.seconds:.3g} s."
-    added = f" Mass scaling added {run.added_mass * 1e3:.3g} gram." if run.added_mass > 0.0 else ""
+    pace = f"{run.steps} steps, the smallest {with_unit(run.step, 's', 'ns')}, took {run.seconds:.3g} s."
+    added = f" Mass scaling added {with_unit(run.added_mass, 'kg', 'gram', 3)}." if run.added_mass > 0.0 else ""
     parts: list[Part] = [_solid_table(model), _condition_table(model), _quality_table(model), *pictures]
     return Section("Model and method", f"{_METHOD}\n\n{pace}{added}", parts)
 
@@ -391,16 +397,16 @@ def _quality_table(model: Model) -> Table:
         [
             quality.part,
             str(quality.nodes),
-            written(quality.shortest_edge * 1e3, 3),
-            written(quality.longest_edge * 1e3, 3),
+            written(shown(quality.shortest_edge, "m", "mm"), 3),
+            written(shown(quality.longest_edge, "m", "mm"), 3),
             written(quality.aspect_ratio, 3),
             written(quality.scaled_jacobian, 3),
             written(math.degrees(quality.warpage) if quality.warpage >= UNWARPED else 0.0, 2),
         ]
         for quality in quality_report(model.mesh, speeds)
     ]
-    heads = ["part", "nodes", "shortest edge (mm)", "longest edge (mm)", "worst aspect ratio", "worst scaled Jacobian"]
-    heads.append("worst warpage (°)")
+    heads = shown_heads("part", "nodes", "shortest edge (mm)", "longest edge (mm)", "worst aspect ratio")
+    heads += ["worst scaled Jacobian", "worst warpage (°)"]
     caption = "Quality of the mesh; the scaled Jacobian is 1 for right angles and 0 for a flat corner"
     return Table(caption, heads, rows)
 
@@ -446,11 +452,14 @@ def _balances(run: FemRun) -> Section:
 
 
 def _energy_table(run: FemRun) -> Table:
-    rows: list[list[Cell]] = [["at the start, all", NONE, written(run.initial_energy)]]
+    rows: list[list[Cell]] = [["at the start, all", NONE, written(shown(run.initial_energy, "J", "J"))]]
     for name in ENERGIES:
         values = run.energy[name]
         most = float(values[int(np.argmax(np.abs(values)))])
         rows.append(
-            [name + (" (within internal)" if name == "plastic" else ""), written(most), written(float(values[-1]))]
+            [
+                name + (" (within internal)" if name == "plastic" else ""),
+                *(written(shown(value, "J", "J")) for value in (most, float(values[-1]))),
+            ]
         )
-    return Table("Energies", ["energy", "largest (J)", "at the end (J)"], rows)
+    return Table("Energies", shown_heads("energy", "largest (J)", "at the end (J)"), rows)

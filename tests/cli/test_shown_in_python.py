@@ -1,0 +1,72 @@
+"""What a command comes to shows itself in Python: a line, a notebook's page, a table, a picture; its report is the same."""
+
+import xml.etree.ElementTree as ElementTree
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from strikewave.reporting import run_and_write
+from strikewave.reporting.shown_result import ShownResult
+
+WAVE = ("wave", "li-ma-2019-fig13-bar", "--no-band")
+SCATTER = ("scatter", "li-ma-2019-equal-blows", "--runs", "10", "--shares", "none", "--set", "feed.blows=2")
+MAP = ("map", "li-ma-2019", "--points", "3x2", "--workers", "1", "--train", "0", "--set", "feed.blows=2")
+GASKETS = ("--material", "PTFE", "--thickness", "1 mm", "--layers", "1")
+SETTINGS = (
+    "settings",
+    "--interval",
+    "20 ms",
+    "--peak",
+    "4000 g",
+    "--width",
+    "200 us",
+    "--strikers",
+    "4",
+    "--striker-mass",
+    "1 kg",
+)
+COMMANDS = [
+    ("record", "pulse.csv"),
+    ("srs", "pulse.csv", "--per-octave", "1"),
+    ("identify", "pulse.csv", "--m1", "0.2", "--m2", "0.4"),
+    ("impact", "--m1", "0.2", "--m2", "0.4", "--speed", "3", "--stiffness", "4.7e9", "-n", "1.1", "-e", "0.5"),
+    MAP,
+    ("buffer", "li-ma-2019-fig5", "--sensor", "buffered", "--limit", "7000 g", *GASKETS),
+    *(pytest.param(words, marks=pytest.mark.verify) for words in (WAVE, SCATTER, SETTINGS)),  # together 15 s
+]
+
+
+@pytest.fixture
+def result_of(strikewave, monkeypatch):
+    """Run a command that writes a folder; return its result and the folder."""
+
+    def call(*words):
+        results = []
+        write = run_and_write.write_files
+        monkeypatch.setattr(
+            run_and_write, "write_files", lambda result, folder: results.append(result) or write(result, folder)
+        )
+        code, _, err = strikewave(*words, "--out", "written")
+        assert code in (0, 3), err
+        return results[0], Path("written")
+
+    return call
+
+
+@pytest.mark.parametrize("words", COMMANDS, ids=lambda words: words[0])
+def test_the_result_of_a_command_shows_itself_and_writes_the_same_report(result_of, words):
+    time = np.arange(0.0, 1e-3, 2e-6)
+    pulse = 3000.0 * np.clip(np.sin(np.pi * (time - 2e-4) / 2e-4), 0.0, None) * ((time > 2e-4) & (time < 4e-4))
+    lines = [f"{t:.6f},{a:.4f}" for t, a in zip(time, pulse, strict=True)]
+    Path("pulse.csv").write_text("\n".join(["time [s],acceleration [g]", *lines]) + "\n")
+    result, folder = result_of(*words)
+    assert isinstance(result, ShownResult)
+    line, page = repr(result), result._repr_html_()
+    assert line.startswith(f"<{type(result).__name__} ")
+    assert "\n" not in line
+    ElementTree.fromstring(page.replace("<br>", "<br/>"))  # every other tag is closed
+    assert "<table" in page
+    assert len(result.to_dataframe()) >= 1
+    assert result.plot().axes
+    assert result.report("again.html").read_text("utf-8") == (folder / "report.html").read_text("utf-8")
