@@ -7,20 +7,35 @@ import re
 import shutil
 import subprocess
 
+import numpy as np
 import pytest
 
-from strikewave import load_case, run_case, run_wave
+from strikewave import load_case, run_case, run_fem, run_hopkinson, run_wave
+from strikewave.analyses.fem.report.page import fem_report
+from strikewave.analyses.hopkinson.report import shot_report
+from strikewave.analyses.hopkinson.setup_file import load_setup
 from strikewave.analyses.machine.figures.animation import machine_page
 from strikewave.analyses.machine.report import report
-from strikewave.analyses.record.result import RecordResult
+from strikewave.analyses.record.report import record_report
+from strikewave.analyses.record.result import RecordResult, record_result
 from strikewave.analyses.wave.report import wave_report
 from strikewave.base.result import Band, InputShare
+from strikewave.papers.li_ma_2019.report.page import reproduction_report
+from strikewave.papers.li_ma_2019.reproduce import reproduce
+from strikewave.papers.li_ma_2019.runs import Effort
+from strikewave.records.campaign import compare, summed
+from strikewave.records.readers import read_record
+from strikewave.records.reading import Request, read_file
 from strikewave.reporting.bands import band_sections, band_words
 from strikewave.reporting.page import Head, whole_page
 from strikewave.reporting.parts import Formula, Section, Table, Tag
 
+from ..analyses.hopkinson.test_hopkinson_command import SETUP
+from ..hopkinson import bench
+
 CHROMIUM = shutil.which("chromium-headless-shell") or shutil.which("chromium") or shutil.which("google-chrome")
 HOW_TO_GET = "chromium is not installed; Debian: apt-get install --no-install-recommends chromium-headless-shell"
+KINDS = ["machine", "bar", "drop", "fem", "record", "shot", "paper"]
 FIRST_SCREEN = 900
 """Pixels of a page 1280 wide within which the whole of the first data plot lies."""
 LEGIBLE = 8.0
@@ -63,10 +78,35 @@ def seen(page, tmp_path, width, height):
 
 
 @pytest.fixture(scope="module")
-def pages(solution):
+def shot(tmp_path_factory):
+    """The page of an elastic shot of bars whose answer is known."""
+    place = tmp_path_factory.mktemp("shot")
+    bars, specimen, (incident, transmitted), _ = bench.bench()
+    columns = np.column_stack([1e6 * incident.time, 1e6 * incident.strain, 1e6 * transmitted.strain])
+    heads = "time [us],incident [ustrain],transmitted [ustrain]"
+    np.savetxt(place / "shot.csv", columns, "%.9g", ",", header=heads, comments="", encoding="utf-8")
+    first, second = (bar.gauge_distance for bar in bars)
+    striker = 90e-6 * bars[0].speed / 2.0
+    setup = SETUP.format(first=first, second=second, length=specimen.length, striker=striker)
+    (place / "shot.toml").write_text(setup, "utf-8")
+    return shot_report(run_hopkinson(load_setup(str(place / "shot.toml"))))
+
+
+@pytest.fixture(scope="module")
+def pages(solution, shot, measured):
     bar = run_wave(load_case("li-ma-2019-fig13-bar"))
     drop = run_case(load_case("jesd22-b111-b"))
-    return {"machine": report(solution), "bar": wave_report(bar), "drop": report(drop)}
+    files = sorted(measured("smd-5kg-impacts").glob("*.lvm"))
+    readings = compare([read_file(read_record(file), {}, Request(("1",), {"all": {"unit": "g"}})) for file in files])
+    return {
+        "machine": report(solution),
+        "bar": wave_report(bar),
+        "drop": report(drop),
+        "fem": fem_report(run_fem(load_case("two-bars-fem"))),
+        "record": record_report(record_result(readings, [summed(readings)])),
+        "shot": shot,
+        "paper": reproduction_report(reproduce(Effort(elements=False, studies=False))),
+    }
 
 
 def test_pictures_of_data_come_before_tables_and_inputs_are_folded(solution):
@@ -107,14 +147,14 @@ def test_a_formula_is_typeset_without_script_and_its_text_is_escaped():
 
 
 @pytest.mark.verify
-@pytest.mark.parametrize("kind", ["machine", "bar", "drop"])
+@pytest.mark.parametrize("kind", KINDS)
 def test_the_first_data_plot_lies_on_the_first_screen(pages, kind, tmp_path):
     assert seen(pages[kind], tmp_path, 1280, 900)["first"] <= FIRST_SCREEN
 
 
 @pytest.mark.verify
 @pytest.mark.parametrize("width", [390, 768, 1280])
-@pytest.mark.parametrize("kind", ["machine", "bar", "drop"])
+@pytest.mark.parametrize("kind", KINDS)
 def test_nothing_is_cut_at_any_width(pages, kind, width, tmp_path):
     """Only boxes scroll, and a table says so; letters of figures stay legible."""
     found = seen(pages[kind], tmp_path, width, 844)

@@ -146,6 +146,6 @@ def test_errors_and_restitution_of_strikers_reach_the_machine():
 def test_cases_without_tolerances_are_written_as_before():
     for name in bundled_cases():
         case = load_case(name)
-        assert ("tolerance = {" in dump_case(case)) is False
+        assert (", tolerance = {" in dump_case(case)) is False
         has = any(value.tolerance is not None for value in case.values().values())
-        assert ("tolerance" in dump_case(case).replace("[solver]\ntolerance", "")) is has
+        assert ("tolerance" in dump_case(case).replace("\ntolerance", "")) is has

@@ -87,10 +87,8 @@ class Value(BaseModel):
         return band.size * abs(self.si) if band.relative else band.size
 
     def document(self) -> Any:
-        """Return what stands in a case file: the plain value, or a table with provenance, tolerance and note."""
+        """Return what stands in a case file: a table with provenance, tolerance and note."""
         band = self.tolerance
-        if self.provenance == "assumed" and not self.note and band is None:
-            return self.typed
         table: dict[str, Any] = {"value": self.typed, "provenance": self.provenance}
         if band is not None:
             table["tolerance"] = band.typed

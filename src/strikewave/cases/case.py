@@ -9,7 +9,7 @@ from __future__ import annotations
 import functools
 import re
 import tomllib
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from importlib import resources
 from pathlib import Path
 from typing import Annotated, Any, Literal, NamedTuple, TypeVar
@@ -28,10 +28,12 @@ from pydantic import (
 from strikewave.base.errors import EXISTING_FILE, MISSING, InputError, InputErrors, nearest, show
 from strikewave.base.quantities import Provenance, ToleranceBand, Value
 from strikewave.cases.fem_tables import FemTable
+from strikewave.cases.fits import FitTable, StaleFit, changed_since, check_fit
 from strikewave.cases.machine_tables import AnyMachine
 from strikewave.cases.mesh_tables import FilePart, MeshTable
 from strikewave.cases.paths import Form, row_name
 from strikewave.cases.performed_test import PerformedTest
+from strikewave.cases.provenance import with_provenance
 from strikewave.cases.tables import (
     PUBLISHED_QUANTITIES,
     AnyObject,
@@ -55,6 +57,8 @@ from strikewave.cases.tables import (
 )
 
 T = TypeVar("T", LoadTable, FilePart)
+Comments = Callable[[str, Any], Sequence[str]]
+"""What is said above a key of a file: its path and what stands there in, lines out."""
 
 SCHEMA = 1
 """Version of case files: it rises when a field changes its meaning or goes."""
@@ -76,6 +80,8 @@ STRICT: dict[str, type[CaseTable]] = {"striker": StrikerTable, "object": Object}
 """Tables of which a rotary machine needs all that one without a drive may leave out."""
 LOOSE: dict[str, type[CaseTable]] = {"striker": AnyStriker, "object": AnyObject}
 """The same tables of a machine without a drive."""
+DIFFERS = "the case differs in"
+"""Begin of the note of a published number that belongs to another case."""
 
 
 class StrikeTables(NamedTuple):
@@ -107,6 +113,7 @@ class Case(CaseTable):
     name: Annotated[str, BeforeValidator(case_name)] = ""
     title: str = ""
     source: str = ""
+    compare: bool | None = None
     test: PerformedTest = PerformedTest()
     machine: AnyMachine | None = None
     striker: AnyStriker | None = None
@@ -121,6 +128,7 @@ class Case(CaseTable):
     solver: Solver = Solver()
     mesh: MeshTable | None = None
     fem: FemTable | None = None
+    fit: tuple[FitTable, ...] = ()
     published: tuple[Annotated[Published, BeforeValidator(read_published)], ...] = ()
 
     @field_validator("striker", "object", mode="before")
@@ -158,6 +166,8 @@ class Case(CaseTable):
             raise InputError("solver", "[solver]", "none: a mesh alone is run by the controls of [fem]", "remove it")
         if "feed" not in needed and self.feed is not None:
             raise InputError("feed", "[feed]", "none: nothing is fed in a machine without a drive", "remove it")
+        for place, fit in enumerate(self.fit):
+            check_fit(fit, FORM, f"fit.{place}")
         return self
 
     @property
@@ -225,18 +235,62 @@ class Case(CaseTable):
         """Return the paths of the fitted values."""
         return [path for path, value in self.values().items() if value.provenance == "fitted"]
 
+    def stale_fits(self) -> list[StaleFit]:
+        """Return the fitted values whose fit no longer applies: a field that they were fitted under has changed."""
+        if not self.fit:
+            return []
+        values, entries, stale = self.values(), self.entries(), []
+        for fit in self.fit:
+            changed = tuple(changed_since(fit, entries, values, FORM))
+            stale += [
+                StaleFit(path, fit.to, changed)
+                for path in fit.fields
+                if changed and path in values and values[path].provenance == "fitted"
+            ]
+        return stale
+
+    def with_stale_fits_assumed(self) -> Case:
+        """Return the case as what is known of it today: a value whose fit no longer applies is assumed."""
+        values = self.values()
+        assumed: dict[str, Value] = {
+            one.field: values[one.field].model_copy(update={"provenance": "assumed", "note": one.since})
+            for one in self.stale_fits()
+        }
+        return self.with_values(assumed)
+
+    def compared(self) -> list[Published]:
+        """Return the published numbers that its results are compared with.
+
+        Those of the built-in case that a changed case comes from are no longer its own: they are shown only where it
+        asks for that by ``compare = true``. What it adds to them is its own.
+        """
+        if self.compare is False:
+            return []
+        changed = self.changed_fields()
+        theirs = _built_in(self.source).published if self.source in bundled_cases() else ()
+        listed = self.published or (theirs if self.compare else ())
+        if not changed:
+            return list(listed)
+        shown = {"role": "shown", "note": f"{DIFFERS} {', '.join(changed)}"}
+        return [
+            entry.model_copy(update=shown) if entry in theirs else entry
+            for entry in listed
+            if self.compare or entry not in theirs
+        ]
+
     def changed_fields(self) -> list[str]:
         """Return the paths whose values or choices differ from the built-in case that this one comes from.
 
-        The solver does not count, nor the recorder where no sensor feels it: they change no result.
+        The solver does not count, nor the recorder where no sensor feels it, nor how many blows and pictures a mesh is
+        followed over: they change no published result.
         """
         if self.source not in bundled_cases():
             return []
         aside = ("solver",) if self.sensor else ("solver", "recorder")
-        origin, mine = _published_entries(self.source), self.entries()
+        origin, mine = _built_in_entries(self.source), self.entries()
         changed = [path for path, value in mine.items() if path not in origin or value != origin[path]]
         gone = [path for path in origin if path not in mine]
-        return [path for path in changed + gone if path.partition(".")[0] not in aside]
+        return [p for p in changed + gone if p.partition(".")[0] not in aside and p not in ("fem.blows", "fem.frames")]
 
     def entries(self) -> dict[str, float | str]:
         """Return every quantity (SI) and every choice, such as a material, by its path."""
@@ -327,9 +381,15 @@ def _with_band(path: str, value: Value, band: ToleranceBand | None) -> Value:
 
 
 @functools.cache
-def _published_entries(name: str) -> dict[str, float | str]:
-    """Return quantities and choices of a built-in case; it is read once."""
-    return load_case(name).entries()
+def _built_in(name: str) -> Case:
+    """Return a built-in case; it is read once."""
+    return load_case(name)
+
+
+@functools.cache
+def _built_in_entries(name: str) -> dict[str, float | str]:
+    """Return quantities and choices of a built-in case."""
+    return _built_in(name).entries()
 
 
 def bundled_cases() -> list[str]:
@@ -397,7 +457,7 @@ def load_case(name: str, changes: Iterable[str] = ()) -> Case:
     52.3599
     """
     text, stem = read_case_text(name)
-    case = parse_case(text, re.sub(r"[^\w.+-]+", "-", stem).strip("-.+") or "case", changes)
+    case = _parse(text, re.sub(r"[^\w.+-]+", "-", stem).strip("-.+") or "case", changes, name in bundled_cases())
     return _with_whole_path(case, Path(name))
 
 
@@ -421,8 +481,25 @@ def _with_whole_file(table: T, folder: Path) -> T:
     return table.model_copy(update={"file": str(path.resolve())}) if path.is_file() else table
 
 
+def own_case(case: Case, name: str, origin: str) -> Case:
+    """Return a case of one's own that begins from another: it names the built-in one, whose numbers are not its own."""
+    source = origin if origin in bundled_cases() else case.source
+    theirs = _built_in(source).published if source in bundled_cases() else ()
+    own = tuple(entry for entry in case.published if entry not in theirs)
+    update = {"name": name, "title": f"{name}, from {origin}", "source": source, "published": own, "compare": None}
+    return case.model_copy(update=update)
+
+
 def parse_case(text: str, name: str = "", changes: Iterable[str] = ()) -> Case:
-    """Check the TOML text of a case; see `load_case`."""
+    """Check the TOML text of a case of one's own; see `load_case`.
+
+    What was typed or changed in it is the user's: see `strikewave.cases.provenance`.
+    """
+    return _parse(text, name, changes)
+
+
+def _parse(text: str, name: str, changes: Iterable[str], built_in: bool = False) -> Case:
+    """Check the TOML text of a case; a built-in one says of every value itself where it comes from."""
     try:
         document = tomllib.loads(text)
     except (ValueError, RecursionError) as error:
@@ -434,9 +511,12 @@ def parse_case(text: str, name: str = "", changes: Iterable[str] = ()) -> Case:
         FORM.change(document, change)
     document.setdefault("name", name)
     try:
-        return Case.model_validate(document)
+        case = Case.model_validate(document)
     except ValidationError as error:
         raise InputErrors(FORM.lines(error)) from None
+    if built_in:
+        return case
+    return with_provenance(case, document, _built_in(case.source) if case.source in bundled_cases() else None)
 
 
 def _check_schema(document: Mapping[str, Any]) -> None:
@@ -455,6 +535,8 @@ def document_of(case: Case) -> dict[str, Any]:
     """Return a case as the plain tables of a case file."""
     head = {"schema": SCHEMA, "name": case.name, "title": case.title, "source": case.source}
     document: dict[str, Any] = {key: value for key, value in head.items() if value}
+    if case.compare is not None:
+        document["compare"] = case.compare
     if case.test.stated():
         document["test"] = case.test.stated()
     for table in case.tables():
@@ -465,7 +547,8 @@ def document_of(case: Case) -> dict[str, Any]:
         {key: value.typed if isinstance(value, Value) else value for key, value in entry if value != ""}
         for entry in case.published
     ]
-    return {**document, "published": published} if published else document
+    fits = [{"fields": list(fit.fields), "to": fit.to, "under": dict(fit.under)} for fit in case.fit]
+    return document | ({"fit": fits} if fits else {}) | ({"published": published} if published else {})
 
 
 def _document(part: Any) -> Any:
@@ -482,8 +565,15 @@ def _document(part: Any) -> Any:
     return part
 
 
-def dump_case(case: Case) -> str:
+def dump_case(case: Case, comments: Comments | None = None) -> str:
     """Write a case as TOML that reads back to the same numbers and provenance.
+
+    Parameters
+    ----------
+    case : Case
+        What is written.
+    comments : callable, optional
+        Returns the lines of comment above a key from its path, without names of rows, and from what stands there.
 
     Examples
     --------
@@ -495,28 +585,37 @@ def dump_case(case: Case) -> str:
 
     document = tomlkit.document()
     for key, value in document_of(case).items():
-        document[key] = _toml(value)
+        document[key] = _toml(value, key, comments)
     return tomlkit.dumps(document)
 
 
-def _toml(value: Any) -> Any:
+def _toml(value: Any, path: str, comments: Comments | None) -> Any:
     """Turn plain tables into TOML's: a quantity or a vector stays on its line, rows become arrays of tables."""
     import tomlkit
 
     if isinstance(value, dict):
-        flat = "provenance" in value or (value.keys() <= VECTOR)
+        flat = not _has_head(value)
         table: Any = tomlkit.inline_table() if flat else tomlkit.table()
-        for key, entry in value.items():
-            table[key] = _toml(entry)
+        for key, entry in sorted(value.items(), key=lambda item: _has_head(item[1])):
+            for line in comments(f"{path}.{key}", entry) if comments and not flat else ():
+                table.add(tomlkit.comment(line))
+            table[key] = _toml(entry, f"{path}.{key}", comments)
         return table
     if isinstance(value, list) and not _is_rows(value):
-        return [_toml(entry) for entry in value]
+        return [_toml(entry, path, comments) for entry in value]
     if isinstance(value, list):
         rows = tomlkit.aot()
         for entry in value:
-            rows.append(_toml(entry))
+            rows.append(_toml(entry, path, comments))
         return rows
     return value
+
+
+def _has_head(value: Any) -> bool:
+    """Tell whether a part of a file has a head of its own: what has none stands before it."""
+    if isinstance(value, dict):
+        return not ("provenance" in value or value.keys() <= VECTOR)
+    return isinstance(value, list) and _is_rows(value)
 
 
 def _is_rows(values: list[Any]) -> bool:
@@ -533,5 +632,6 @@ __all__ = [
     "document_of",
     "dump_case",
     "load_case",
+    "own_case",
     "parse_case",
 ]

@@ -2,19 +2,21 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator, Sequence
+from typing import Any
 
-from strikewave.base.result import Comparison
-from strikewave.cases.case import Case
+from strikewave.base.result import INFO, Comparison, Notice
+from strikewave.cases.case import DIFFERS, Case
 from strikewave.cases.tables import Published
+
+LISTED = 3
+"""Fields that a notice names; the report names all."""
 
 
 def comparisons(case: Case, computed: Callable[[Published], float | None]) -> tuple[Comparison, ...]:
-    """Compare the published numbers of a case with the computed ones; of a changed case they are only shown."""
-    changed = case.changed_fields()
-    aside = f"the case differs in {', '.join(changed)}" if changed else ""
+    """Compare the published numbers of a case with the computed ones."""
     rows = []
-    for entry in case.published:
+    for entry in case.compared():
         value = computed(entry)
         rows.append(
             Comparison(
@@ -23,9 +25,41 @@ def comparisons(case: Case, computed: Callable[[Published], float | None]) -> tu
                 measured_or_simulated=entry.origin,
                 computed=value,
                 difference=None if value is None else value / entry.value.si - 1.0,
-                role="shown" if changed else entry.role,
-                note=aside or entry.note,
+                role=entry.role,
+                note=entry.note,
                 sensor=entry.sensor,
             )
         )
     return tuple(rows)
+
+
+def origin_notices(case: Case) -> Iterator[Notice]:
+    """Report what a case no longer has of the one that it comes from: published numbers, and fits."""
+    changed, compared = case.changed_fields(), case.compared()
+    listed = f"it differs in {_first(changed)}"
+    if len(compared) < len(case.published) and case.compare is None:
+        message = f"not compared with the published numbers of {case.source}: {listed}; compare = true shows them"
+        yield Notice("not-compared", message, float(len(changed)), 0.0, severity=INFO)
+    elif changed and any(entry.role == "shown" and entry.note.startswith(DIFFERS) for entry in compared):
+        message = f"the published numbers belong to the case {case.source}: {listed}"
+        yield Notice("changed-case", message, float(len(changed)), 0.0, severity=INFO)
+    stale = case.stale_fits()
+    if stale:
+        paths = list(dict.fromkeys(change.path for one in stale for change in one.changed))
+        fields = ", ".join(one.field for one in stale)
+        message = (
+            f"the fit of {fields} no longer applies: it was made under another {_first(paths)}; fit again, or take "
+            "them as assumed"
+        )
+        yield Notice("fit-stale", message, float(len(paths)), 0.0)
+
+
+def stale_fits_document(case: Case) -> list[dict[str, Any]]:
+    """Return the fits that no longer apply for the JSON document, with the fields that changed."""
+    return [{"field": one.field, "changed": [change.path for change in one.changed]} for one in case.stale_fits()]
+
+
+def _first(paths: Sequence[str]) -> str:
+    """Return the first of some paths, and how many more there are."""
+    more = f" and {len(paths) - LISTED} more" if len(paths) > LISTED else ""
+    return ", ".join(paths[:LISTED]) + more

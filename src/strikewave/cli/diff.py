@@ -28,7 +28,8 @@ def flat(document: dict[str, Any], prefix: str = "") -> dict[str, str]:
             rows |= flat(value, f"{path}.")
         elif isinstance(value, list):
             for place, entry in enumerate(value):
-                rows |= flat(entry, f"{path}.{place}.")
+                inner = f"{path}.{place}"
+                rows |= flat(entry, f"{inner}.") if isinstance(entry, dict) else {inner: str(entry)}
         else:
             rows[path] = str(value)
     return rows

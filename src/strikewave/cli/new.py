@@ -9,13 +9,22 @@ import typer
 
 from strikewave.base.errors import InputError
 from strikewave.base.output_folder import write_atomically
-from strikewave.cases.case import dump_case, load_case, parse_case
+from strikewave.cases.case import dump_case, load_case, own_case, parse_case
+from strikewave.cases.explained import comment_lines
 from strikewave.cases.performed_test import EXAMPLE as TEST_EXAMPLE
 from strikewave.reporting.options import complete_case
 from strikewave.reporting.terminal import say
 
 HOPKINSON = "hopkinson"
 """Stands for the example of a set-up of split bars, and is the command that it is for."""
+HEADER = """\
+# A case of your own, begun from {origin}. Replace what you know of your machine: a value that you type alone, such as
+# mass = "1.2 kg", is yours (provenance user); {{ value = "1.2 kg", provenance = "measured", tolerance = "5 gram",
+# note = "weighed" }} also says how, and how well it is known. compare = true adds the comparison with published
+# values of {origin}, where it has any.
+
+"""
+"""Begin of a new case file."""
 
 
 def _complete(incomplete: str) -> list[str]:
@@ -41,7 +50,7 @@ def command(
 ) -> int:
     """Write a new case file to edit.
 
-    It has every value of the case with its provenance.
+    Every value has its provenance, and a comment: what it is, how to get it on a real machine, why this default.
     """
     if not file.name or file.suffix not in ("", ".toml"):
         raise InputError("FILE", str(file), "the name of a case file, such as my-machine.toml")
@@ -51,14 +60,24 @@ def command(
     if not path.absolute().parent.is_dir():
         raise InputError("FILE", str(path), "a file in a folder that exists")
     if origin == HOPKINSON:
-        from strikewave.analyses.hopkinson.setup_file import example_setup
-
-        write_atomically(path, example_setup() + TEST_EXAMPLE)
-        say(f"written: {path}; name your bars and files, then: strikewave {HOPKINSON} {path}")
+        _write_example(path, force)
         return 0
-    case = load_case(origin)
-    text = dump_case(case.model_copy(update={"name": path.stem, "title": f"{path.stem}, from {origin}"}))
+    case = own_case(load_case(origin), path.stem, origin)
+    text = HEADER.format(origin=origin) + dump_case(case, comment_lines)
     parse_case(text)  # refuses a name that no result folder may have
     write_atomically(path, text if case.test.stated() else text + TEST_EXAMPLE)
     say(f"written: {path}; change a value, then: strikewave {case.command} {path}")
     return 0
+
+
+def _write_example(path: Path, force: bool) -> None:
+    """Write a set-up of split bars, and the record that it names beside it."""
+    from strikewave.analyses.hopkinson.setup_file import example_record, example_setup
+
+    name, record = example_record()
+    beside = path.with_name(name)
+    if beside.exists() and not force and beside.read_bytes() != record.encode():
+        raise InputError("FILE", str(beside), "no other file of this name there", "add --force to replace it")
+    write_atomically(beside, record)
+    write_atomically(path, example_setup() + TEST_EXAMPLE)
+    say(f"written: {path} and {beside}, a measured shot; name your bars and files, then: strikewave {HOPKINSON} {path}")

@@ -64,6 +64,7 @@ def inputs(case: BaseModel, unused: str = "") -> Section:
 
     The tables begin folded away.
     """
+    fits = _fits(case) if isinstance(case, Case) else []
     groups = [group for group in input_groups(case) if group[0] != unused]
     quantities = [
         (f"{path}.{key}", entry) for path, _, rows in groups for key, entry in rows if isinstance(entry, Value)
@@ -76,7 +77,7 @@ def inputs(case: BaseModel, unused: str = "") -> Section:
     text = f"{len(quantities)} values, as they were typed; g is standard gravity. " + (
         f"Fitted: {listed(fitted)}." if fitted else "No value is fitted."
     )
-    tables = [Table("Where the values come from", ["provenance", "values", "meaning"], counts)]
+    tables = [Table("Where the values come from", ["provenance", "values", "meaning"], counts), *fits]
     for path, about, rows in groups:
         shown: list[list[Cell]] = []
         for key, entry in rows:
@@ -95,8 +96,25 @@ def inputs(case: BaseModel, unused: str = "") -> Section:
     return Section("Inputs", text, tables, folded=f"Show {len(quantities)} values with their provenance")
 
 
+def _fits(case: Case) -> list[Table]:
+    """Return a table of what was fitted, to what, and whether it still applies; none where nothing was."""
+    stale = {one.field: one for one in case.stale_fits()}
+    values = case.values()
+    rows: list[list[Cell]] = []
+    for fit in case.fit:
+        for path in fit.fields:
+            if path in values and values[path].provenance == "fitted":
+                state = stale[path].since if path in stale else Tag("applies", "good")
+                rows.append([path, fit.to or NONE, state])
+    return [Table("What was fitted", ["value", "to", "the fit"], rows)] if rows else []
+
+
 def input_groups(model: BaseModel, path: str = "") -> Iterator[tuple[str, str, list[tuple[str, Any]]]]:
-    """Yield path, description and entries of each table of a case; an array of tables is one table."""
+    """Yield path, description and entries of each table of a case; an array of tables is one table.
+
+    A value whose fit no longer applies is assumed, and its note says why.
+    """
+    model = model.with_stale_fits_assumed() if isinstance(model, Case) else model
     inner: list[tuple[str, str, list[tuple[str, Any]]]] = []
     rows: list[tuple[str, Any]] = []
     for key, entry in model:
@@ -105,7 +123,7 @@ def input_groups(model: BaseModel, path: str = "") -> Iterator[tuple[str, str, l
             rows.append((key, entry))
         elif isinstance(entry, BaseModel) and (path or _quantities(entry)):
             inner += input_groups(entry, below)
-        elif isinstance(entry, tuple) and entry and key != "published":
+        elif isinstance(entry, tuple) and entry and key not in ("published", "fit"):
             inner.append((below, _about(entry[0]), list(_flat(entry, ""))))
     rows = [(key, entry) for key, entry in rows if entry is not None and entry != ""]
     if rows:

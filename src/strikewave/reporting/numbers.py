@@ -235,10 +235,10 @@ def shown_heads(*usual: str) -> list[str]:
 
 def _with_shown_unit(head: str) -> str:
     """Return a head with the unit shown in the place of its usual one."""
-    name, _, rest = head.rpartition(" (")
-    unit = _plain_unit(rest.removesuffix(")"))
-    si = next((si for si, offered in OFFERED.items() if unit in offered), None)
-    return head if si is None or not rest.endswith(")") else headed(name, si, unit)
+    found = re.fullmatch(r"(.*\s)\(([^()]*)\)", head, re.DOTALL)
+    usual = _plain_unit(found[2]) if found else ""
+    si = next((si for si, offered in OFFERED.items() if usual in offered), None)
+    return head if found is None or si is None else f"{found[1]}({spelled(shown_unit(si, usual))})"
 
 
 def shown(value: float, si: str, usual: str) -> float:

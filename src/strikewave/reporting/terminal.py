@@ -37,7 +37,7 @@ from strikewave.reporting.layout import (
     texts,
     wrapped,
 )
-from strikewave.reporting.numbers import headed, percent, shown
+from strikewave.reporting.numbers import headed, percent, shown, shown_heads
 
 if TYPE_CHECKING:
     from strikewave.base.result import Comparison, Notice, Result
@@ -305,6 +305,12 @@ def table(title: str, columns: Sequence[ScreenColumn], rows: Iterable[Sequence[s
     columns = [dataclasses.replace(column, head=_showable(column.head, sys.stdout)) for column in columns]
     cells = [[_showable(cell, sys.stdout) for cell in row] for row in rows]
     _write([Line(""), *table_lines(title, columns, cells, width, is_wide())], sys.stdout)
+
+
+def shown_columns(columns: Sequence[ScreenColumn]) -> list[ScreenColumn]:
+    """Return columns whose heads end with their usual units with the units shown in their places."""
+    heads = shown_heads(*(column.head for column in columns))
+    return [dataclasses.replace(column, head=head) for column, head in zip(columns, heads, strict=True)]
 
 
 def report_table(shown: Table, keys: int = 1, more: Sequence[str] = ()) -> None:

@@ -52,7 +52,7 @@ _NUMBER = re.compile(r"\s*[-+]?(\d*)\.?(\d*)(?:[eE]([-+]?\d+))?")
 
 
 def known_inputs(case: Case, tables: Sequence[str] = FELT) -> tuple[UncertainInput, ...]:
-    """Return every input of a case that moves within what is known of it, by path.
+    """Return every input of a case that moves within what is known of it, by path; of a stale fit nothing is known.
 
     Parameters
     ----------
@@ -70,28 +70,12 @@ def known_inputs(case: Case, tables: Sequence[str] = FELT) -> tuple[UncertainInp
     ('plausible range', 0.0025, 0.0075)
     """
     inputs = []
-    elsewhere = fitted_elsewhere(case)
-    for path, value in sorted(case.values().items()):
+    for path, value in sorted(case.with_stale_fits_assumed().values().items()):
         if path.partition(".")[0] in tables:
-            if elsewhere and value.provenance == "fitted":
-                value = value.model_copy(update={"provenance": "assumed"})
             one = known_input(case, path, value)
             if one is not None and one.high > one.low:
                 inputs.append(one)
     return tuple(inputs)
-
-
-def fitted_elsewhere(case: Case) -> bool:
-    """Return whether fitted values are those of another machine: the case differs from its origin in what a blow feels.
-
-    Examples
-    --------
-    >>> from strikewave import load_case
-    >>> [fitted_elsewhere(load_case("li-ma-2019", [change])) for change in ("feed.blows=3", "machine.speed=500 rpm")]
-    [False, True]
-    """
-    changed = [path for path in case.changed_fields() if path.partition(".")[0] in FELT]
-    return any(path != "feed.blows" and path not in NOT_MOVED for path in changed)
 
 
 def known_input(case: Case, path: str, value: Value) -> UncertainInput | None:

@@ -441,7 +441,7 @@ def test_a_stack_without_machine_has_a_report_too():
     assert re.findall(r'<li><a href="#section-\d+">(.*?)</a>', page)[:5] == titles
     layers = {row[0]: row[1:] for row in next(v for k, v in tables(page).items() if k.startswith("[stack.layer]"))[1:]}
     assert layers["upper.length"] == ["80 mm", "measured", "calliper"]
-    assert layers["lower.length"][:2] == ["40 mm", "assumed"]
+    assert layers["lower.length"][:2] == ["40 mm", "user"]
     steps = re.findall(r"<li>([^<]*)</li>", page)
     assert steps[:4] == ["upper", "compliant joint", "lower", "free end"]
     assert "A layered bar under its load" in read.text

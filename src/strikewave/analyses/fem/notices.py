@@ -11,6 +11,7 @@ from strikewave.analyses.fem.sectors import open_cuts, sectors
 from strikewave.base.materials import material
 from strikewave.base.result import BALANCE_LIMIT, FAILED, Notice
 from strikewave.cases.case import Case
+from strikewave.cases.comparisons import origin_notices
 from strikewave.fem.blow_measures import still_presses
 from strikewave.fem.measures import ENERGY_LIMIT, HOURGLASS_LIMIT, balance_measure
 from strikewave.fem.mesh import TINY
@@ -49,6 +50,7 @@ def notices(case: Case, model: Model, run: FemRun) -> Iterator[Notice]:
         message = f"the run ended early: {run.stopped}"
         yield Notice("stopped", message, float(run.time[-1]), model.controls.duration, severity=FAILED)
     yield from _balances(run)
+    yield from origin_notices(case)
     yield from model_notices(case, model)
     if run.added_mass > 0.0:
         share = run.added_mass / sum(part.mass for part in run.parts.values())

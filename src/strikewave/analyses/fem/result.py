@@ -18,7 +18,7 @@ from strikewave.analyses.fem.sectors import Sector, WholeForce, sectors, whole_f
 from strikewave.base.result import Comparison, Source, comparison_document
 from strikewave.base.variables import quantity
 from strikewave.cases.case import Case, dump_case
-from strikewave.cases.comparisons import comparisons
+from strikewave.cases.comparisons import comparisons, stale_fits_document
 from strikewave.fem.blow_measures import blow_measure
 from strikewave.fem.measures import (
     ContactMeasure,
@@ -189,6 +189,7 @@ class FemSolution(ShownResult):
             "momentum_error": balance.momentum,
             "published": [comparison_document(row, "note") for row in self.comparisons],
             "fitted_fields": self.case.fitted_fields(),
+            "stale_fits": stale_fits_document(self.case),
             "stopped": run.stopped or None,
             "blows": [_blow(each) for each in self.blows],
         }

@@ -16,8 +16,11 @@ from strikewave.base.quantities import Value
 from strikewave.cases.hopkinson_tables import HopkinsonSetup
 from strikewave.cases.paths import Form
 from strikewave.cases.performed_test import PerformedTest
+from strikewave.cases.provenance import with_provenance
 from strikewave.cases.tables import CaseTable
 
+EXAMPLE = resources.files("strikewave.cases") / "hopkinson_example"
+"""Folder of the example: set-up, record, and the licence of the record."""
 LARGEST_FILE = 1_000_000
 """A set-up above this many bytes is refused: a record was named in its place, since no set-up comes near."""
 FORM = Form(HopkinsonSetup, "set-up", 'bar.incident.speed="4866 m/s"')
@@ -40,7 +43,20 @@ def example_setup() -> str:
     >>> parse_setup(example_setup()).setup.kind
     'shot'
     """
-    return (resources.files("strikewave.cases") / "hopkinson_example.toml").read_text("utf-8")
+    return (EXAMPLE / "setup.toml").read_text("utf-8")
+
+
+def example_record() -> tuple[str, str]:
+    """Return name and text of the record that the example names: a shot that was measured, with its credit.
+
+    Examples
+    --------
+    >>> example_record()[0]
+    'shot.csv'
+    """
+    import lzma
+
+    return "shot.csv", lzma.decompress((EXAMPLE / "shot.csv.xz").read_bytes()).decode("utf-8")
 
 
 def load_setup(path: str, changes: Iterable[str] = ()) -> HopkinsonCase:
@@ -98,6 +114,7 @@ def parse_setup(text: str, name: str = "", changes: Iterable[str] = (), folder: 
         setup = HopkinsonSetup.model_validate(document)
     except ValidationError as error:
         raise InputErrors(FORM.lines(error)) from None
+    setup = with_provenance(setup, document)
     return HopkinsonCase(setup, tomlkit.dumps(_toml(document)), place)
 
 

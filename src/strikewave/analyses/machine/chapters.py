@@ -55,7 +55,7 @@ def setup(case: Case) -> Section:
     """Say what machine it is and how the numbers come about."""
     words, chain = MACHINES[case.machine.kind if case.machine else ""]
     layers = layer_steps(case)
-    parts = _drawing(case)
+    parts = _drawing(case.with_stale_fits_assumed())
     if chain and not layers:
         parts.append(Flow(chain, "Bodies and links, in the order in which a blow runs through them"))
     if layers:

@@ -17,6 +17,7 @@ from strikewave.analyses.machine.sensor_readings import (
 from strikewave.base.quantities import AUTO
 from strikewave.base.result import FAILED, INFO, Notice
 from strikewave.cases.case import Case
+from strikewave.cases.comparisons import origin_notices
 from strikewave.cases.contact_notices import cushion_notices, force_words, law_notices, low_pressure_notices
 from strikewave.cases.contact_range_notices import damping_speed_notices, size_notices, speed_notices
 from strikewave.cases.yield_pressure import ELASTIC, YIELDING
@@ -55,7 +56,7 @@ def notices(case: Case, blows: Sequence[Blow], answers: ContactAnswers | None) -
         Of the contact of the first one that struck.
     """
     struck = [blow for blow in blows if blow.kind != "missed"]
-    listed = [*_changed(case), *law_notices(case)]
+    listed = [*origin_notices(case), *law_notices(case)]
     if not struck:
         listed.append(
             Notice(
@@ -72,13 +73,6 @@ def notices(case: Case, blows: Sequence[Blow], answers: ContactAnswers | None) -
     listed += cushion_notices(case, struck)
     listed += _recorder(case, struck)
     return tuple(listed)
-
-
-def _changed(case: Case) -> Iterator[Notice]:
-    changed = case.changed_fields() if case.published else []
-    if changed:
-        message = f"the published numbers belong to the case {case.source}; this one differs in {', '.join(changed)}"
-        yield Notice("changed-case", message, float(len(changed)), 0.0, severity=INFO)
 
 
 def _wanted(case: Case, made: int) -> float:

@@ -24,6 +24,7 @@ from strikewave.analyses.machine.sensor_readings import BlowReading
 from strikewave.base.errors import InputError
 from strikewave.base.result import SCHEMA, Band, BandMethod, Comparison, Notice, Source, comparison_document
 from strikewave.cases.case import PUBLISHED_QUANTITIES, Case, dump_case, parse_case
+from strikewave.cases.comparisons import stale_fits_document
 from strikewave.machines import Blow
 from strikewave.machines.blows import KINDS
 from strikewave.reporting.columns import Column, csv_table
@@ -194,6 +195,7 @@ class Solution(ShownResult):
             "waves": dataclasses.asdict(self.waves) if self.waves else None,
             "published": [comparison_document(c, "note", "sensor") for c in self.comparisons],
             "fitted_fields": self.case.fitted_fields(),
+            "stale_fits": stale_fits_document(self.case),
             **self.band_content(),
         }
 

@@ -108,10 +108,10 @@ def show(solution: Solution) -> None:
     _print_collisions(solution)
     tell("")
     tell(_alone_words(solution))
-    fitted = solution.case.fitted_fields()
+    values = solution.case.with_stale_fits_assumed().values()
+    fitted = [f"{path} = {value.typed}" for path, value in values.items() if value.provenance == "fitted"]
     if fitted:
-        values = solution.case.values()
-        tell("fitted: " + ", ".join(f"{path} = {values[path].typed}" for path in fitted))
+        tell("fitted: " + ", ".join(fitted))
     balance = solution.balance
     tell(f"balance: energy {balance['energy_error']:.1e}, momentum {balance['momentum_error']:.1e} (limit 1e-6)")
 

@@ -13,6 +13,7 @@ from strikewave.analyses.wave.build import wanted
 from strikewave.analyses.wave.result import WaveSolution, load_peak
 from strikewave.base.result import BALANCE_LIMIT, FAILED, Notice
 from strikewave.cases.case import Case
+from strikewave.cases.comparisons import origin_notices
 from strikewave.cases.contact_notices import law_notices, yield_notices
 from strikewave.cases.contact_range_notices import (
     damping_speed_notices,
@@ -60,6 +61,7 @@ def layered_bar_notices(
     case, run, stack, accuracy = solution.case, solution.run, solution.run.stack, solution.accuracy
     most, least, greatest = extremes
     yield from _momentum_balance(run)
+    yield from origin_notices(case)
     yield from grid_notices(run.grid)
     yield from _file_notices(run)
     yield from _longer_load(run)

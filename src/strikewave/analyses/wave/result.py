@@ -16,6 +16,7 @@ from strikewave._version import __version__
 from strikewave.base.result import SCHEMA, Source
 from strikewave.base.variables import quantity
 from strikewave.cases.case import Case, dump_case
+from strikewave.cases.comparisons import stale_fits_document
 from strikewave.cases.losses_of_case import FittedLoss, fitted_losses
 from strikewave.reporting.columns import HISTORY_DIGITS, Column, csv_table
 from strikewave.reporting.numbers import with_band, with_unit
@@ -238,6 +239,8 @@ class WaveSolution(ShownResult):
                 taps.append({**place, "time": self.run.time, **history._asdict(), "stress": history.force / layer.area})
         return {
             "case": self.case.name,
+            "fitted_fields": self.case.fitted_fields(),
+            "stale_fits": stale_fits_document(self.case),
             "step": float(self.run.time[1]) if self.run.time.size > 1 else self.waves.step,
             "solver_step": self.waves.step,
             "mismatch": self.waves.mismatch,

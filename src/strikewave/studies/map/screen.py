@@ -12,6 +12,7 @@ from typing import ClassVar
 from strikewave.base.compiled import is_cold
 from strikewave.reporting.layout import keys, numerals
 from strikewave.reporting.measured_files import asked
+from strikewave.reporting.numbers import shown_heads
 from strikewave.reporting.options import Output
 from strikewave.reporting.run_and_write import Command, case_folder, run_and_write
 from strikewave.reporting.terminal import INTERRUPTED, number, progress_bar, say, table, tell
@@ -143,7 +144,7 @@ def _print(study: MapStudy) -> None:
     shown = [_column(study, study.here, study.present)]
     if nearest is not None:
         shown.append(_column(study, nearest.values, nearest.cell))
-    heads = [f"{a.path} ({a.unit or '1'})" for a in study.plan.axes] + [head for head, *_ in SHOWN]
+    heads = [f"{a.path} ({a.unit or '1'})" for a in study.plan.axes] + shown_heads(*(head for head, *_ in SHOWN))
     table(f"{study.case.name}: {study.plan.blows} blows", columns, list(zip(heads, *shown, strict=True)))
     for values, reason in study.refused:
         tell(f"even by the fast run, but not in full: {_at(study.plan.axes, values)}: {reason}")

@@ -10,9 +10,10 @@ from typing import ClassVar
 from strikewave.cases.case import Case
 from strikewave.reporting import measured_files as measured
 from strikewave.reporting.layout import KEY, MORE, ScreenColumn, keys, numerals, texts
+from strikewave.reporting.numbers import shown_heads, shown_unit, spelled
 from strikewave.reporting.options import Output
 from strikewave.reporting.run_and_write import Command, run_and_write
-from strikewave.reporting.terminal import fixed, number, progress_bar, significant, table, tell
+from strikewave.reporting.terminal import fixed, number, progress_bar, shown_columns, table, tell
 from strikewave.studies.settings.candidate import BlowGoal, Limit, SettingsCandidate
 from strikewave.studies.settings.estimate import engagement_sensitivity
 from strikewave.studies.settings.search import VARIED
@@ -101,7 +102,7 @@ def _print(study: SettingsStudy) -> None:
     shown = [one for one in study.candidates if one in study.candidates[:SHOWN] or one in others.values()]
     rows = [_cells(study, place, one) for place, one in enumerate(study.candidates, 1) if one in shown]
     title = f"{met} of {len(study.candidates)} settings give {goal_words(study.goal)}"
-    table(title, _columns(study.choice.vary), rows)
+    table(title, shown_columns(_columns(study.choice.vary)), rows)
     tell(
         "peak, width, interval: of the typical blow, the median of the later full ones; CV: scatter of all peaks; "
         "0.1 mm: change of the peak with that much of engagement"
@@ -111,12 +112,9 @@ def _print(study: SettingsStudy) -> None:
     table("Limits of the first", columns, [_limit(x) for x in first.limits])
     if len(study.masses) > 1:
         rows = [_mass_cells(study, one) for one in study.masses]
-        columns = [
-            *numerals("striker (kg)", priority=KEY),
-            *numerals("engagement (mm)", f"{study.choice.vary} (MN/m)"),
-        ]
-        columns += numerals("contact (kN)", "lost a blow (rpm)")
-        table("What the mass of a striker costs", columns, rows)
+        heads = ("striker (kg)", "engagement (mm)", f"{study.choice.vary} (MN/m)", "contact (kN)", "lost a blow (rpm)")
+        striker, *numbers = shown_heads(*heads)
+        table("What the mass of a striker costs", [*numerals(striker, priority=KEY), *numerals(*numbers)], rows)
     for count, why in study.left_out.items():
         tell(f"left out, {count} strikers: {why}")
     for why in study.failed[:SHOWN]:
@@ -174,13 +172,13 @@ def _cells(study: SettingsStudy, place: int, one: SettingsCandidate) -> list[str
 
 def _limit(limit: Limit) -> list[str]:
     """Return a row of the table of limits."""
-    unit = LIMIT_UNITS.get(limit.unit, "1")
-    value, most = (number(x, limit.unit, unit, 3) for x in (limit.value, limit.limit))
+    usual = LIMIT_UNITS.get(limit.unit, "1")
+    value, most = (number(x, limit.unit, usual, 3) for x in (limit.value, limit.limit))
     return [
         limit.name.replace("_", " "),
         value,
         most,
-        unit,
+        spelled(shown_unit(limit.unit, usual)),
         "yes" if limit.kept else "no" if limit.decides else "warned",
     ]
 
@@ -192,6 +190,6 @@ def _mass_cells(study: SettingsStudy, one: SettingsCandidate) -> list[str]:
         number(values["striker.mass"].si, "kg", "kg"),
         number(values["machine.engagement"].si, "m", "mm"),
         number(values[VARIED[study.choice.vary][0]].si, "N/m", "MN/m"),
-        significant(one.observation.peak_force / 1e3, 3),
+        number(one.observation.peak_force, "N", "kN", 3),
         number(one.observation.supply.speed_lost, "rad/s", "rpm", 3),
     ]
