@@ -60,7 +60,8 @@ def page(result):
 @pytest.fixture(scope="module")
 def struck(result):
     """The same with finite-element models, on elements four times as large and for 60 us."""
-    changes = {name: [*coarser(load_case(name), 4.0), "fem.duration=60 us", "fem.frames=0"] for name in ELEMENT_CASES}
+    short = ["fem.duration=60 us", "fem.frames=0", "compare=true"]
+    changes = {name: [*coarser(load_case(name), 4.0), *short] for name in ELEMENT_CASES}
     elements = tuple(run_fem(load_case(name, found)) for name, found in changes.items())
     runs = dataclasses.replace(result.runs, elements=elements, quick=True)
     return dataclasses.replace(
