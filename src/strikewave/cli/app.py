@@ -16,7 +16,7 @@ from strikewave._version import __version__
 from strikewave.base.errors import StrikewaveError, StrikewaveWarning
 from strikewave.cli.group import SETTINGS, CommandGroup
 from strikewave.cli.usage import usage_line
-from strikewave.reporting.terminal import INTERRUPTED, say
+from strikewave.reporting.terminal import INTERRUPTED, complain, say
 
 app = typer.Typer(
     name="strikewave",
@@ -63,23 +63,24 @@ def _run() -> int:
     except (typer.Abort, KeyboardInterrupt):
         code = INTERRUPTED
     except StrikewaveError as error:
-        say(str(error))
+        complain(str(error))
         return 2
     except BrokenPipeError:
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         return 0
     except MemoryError:
-        say("out of memory: a smaller recorder.memory, a larger solver.output_step or step, or fewer taps take less")
+        less = "a smaller recorder.memory, a larger solver.output_step or step, or fewer taps take less"
+        complain(f"out of memory: {less}")
         return 2
     except Exception as error:
         wrong = usage_line(error)
         if wrong is not None:
-            say(wrong)
+            complain(wrong)
             return 2
         if os.environ.get("STRIKEWAVE_TRACE"):
             raise
-        say(f"internal error ({type(error).__name__}: {error}); please report it, with STRIKEWAVE_TRACE=1 set")
+        complain(f"internal error ({type(error).__name__}: {error}); please report it, with STRIKEWAVE_TRACE=1 set")
         return 1
     if code == INTERRUPTED:
-        say("stopped; nothing was written")
+        complain("stopped; nothing was written")
     return code

@@ -6,8 +6,9 @@ from typing import Annotated, Any
 
 from strikewave.base.json_document import head
 from strikewave.cases.case import document_of, load_case
-from strikewave.reporting.options import Json, case_name
-from strikewave.reporting.terminal import print_json, table
+from strikewave.reporting.layout import keys, texts
+from strikewave.reporting.options import Shown, case_name
+from strikewave.reporting.terminal import print_json, table, tell
 
 
 def flat(document: dict[str, Any], prefix: str = "") -> dict[str, str]:
@@ -38,18 +39,18 @@ def command(
     a: Annotated[str, case_name("A", "A case file, or the name of a built-in case.")],
     b: Annotated[str, case_name("B", "Another case to compare with A.")],
     *,
-    json: Json = False,
+    shown: Shown,
 ) -> int:
     """List the differences of two cases."""
     rows = [flat(document_of(load_case(name))) for name in (a, b)]
     paths = [path for path in dict.fromkeys([*rows[0], *rows[1]]) if rows[0].get(path) != rows[1].get(path)]
-    if json:
+    if shown.json:
         differences = [{"field": p, "a": rows[0].get(p), "b": rows[1].get(p)} for p in paths]
         print_json({**head({}), "a": a, "b": b, "differences": differences})
     elif paths:
-        table(
-            f"{a} and {b}", ["field", "A", "B"], [[p, rows[0].get(p, "-"), rows[1].get(p, "-")] for p in paths], left=3
-        )
+        tell(f"{a} (A) and {b} (B) differ in {len(paths)} field{'s' if len(paths) > 1 else ''}.")
+        values = [[p, rows[0].get(p, "-"), rows[1].get(p, "-")] for p in paths]
+        table("Differences", [*keys("field"), *texts("A"), *texts("B")], values)
     else:
-        print("the cases are equal")
+        tell("the cases are equal")
     return 0

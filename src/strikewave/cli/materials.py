@@ -6,17 +6,18 @@ import dataclasses
 
 from strikewave.base.json_document import head
 from strikewave.base.materials import materials
-from strikewave.reporting.options import Json
-from strikewave.reporting.terminal import print_json, significant, table
+from strikewave.reporting.layout import MORE, keys, numerals, texts
+from strikewave.reporting.options import Shown
+from strikewave.reporting.terminal import print_json, significant, table, tell
 
 
-def command(json: Json = False) -> int:
+def command(shown: Shown) -> int:
     """List the materials with their sources.
 
     Elastic constants, yield strength, hardness, loss factor, status and source.
     """
     entries = materials().values()
-    if json:
+    if shown.json:
         units = {
             "density": "kg/m^3",
             "youngs_modulus": "Pa",
@@ -43,7 +44,14 @@ def command(json: Json = False) -> int:
         ]
         for m in entries
     ]
-    columns = ["name", "status", "density (kg/m³)", "E (GPa)", "nu", "yield (MPa)", "hardness (MPa)", "loss factor"]
-    columns += ["bar speed (m/s)"]
-    table("Materials (sources: strikewave materials --json)", columns, rows, left=2)
+    columns = [
+        *keys("name"),
+        *texts("status", priority=MORE),
+        *numerals("density (kg/m³)", "E (GPa)"),
+        *numerals("nu", priority=MORE),
+    ]
+    columns += [*numerals("yield (MPa)"), *numerals("hardness (MPa)", "loss factor", priority=MORE)]
+    columns += numerals("bar speed (m/s)")
+    tell(f"{len(rows)} materials; --json has the source of each.")
+    table("Materials", columns, rows)
     return 0

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import copy
 import dataclasses
 import functools
@@ -17,7 +18,8 @@ def spread(command: Callable[..., int]) -> Callable[..., int]:
     ----------
     command : callable
         A parameter annotated with a dataclass is a group; the fields of the dataclass are annotated as parameters of a
-        command are, and have defaults where not required. Its ``panel``, a class variable, heads them in the help.
+        command are, and have defaults where not required. Its ``panel``, a class variable, heads them in the help. The
+        command runs in the context that its method ``in_force`` returns, if it has one.
 
     Raises
     ------
@@ -48,9 +50,12 @@ def spread(command: Callable[..., int]) -> Callable[..., int]:
 
     @functools.wraps(command)
     def gathered(**values: Any) -> int:
-        for name, group in groups.items():
-            values[name] = group(**{field.name: values.pop(field.name) for field in dataclasses.fields(group)})
-        return command(**values)
+        with contextlib.ExitStack() as stack:
+            for name, group in groups.items():
+                values[name] = group(**{field.name: values.pop(field.name) for field in dataclasses.fields(group)})
+                if hasattr(values[name], "in_force"):
+                    stack.enter_context(values[name].in_force())
+            return command(**values)
 
     keyword_only = [option.replace(kind=inspect.Parameter.KEYWORD_ONLY) for option in options]
     gathered.__dict__["__signature__"] = inspect.Signature(keyword_only)

@@ -8,11 +8,12 @@ from collections.abc import Mapping
 from strikewave.base.json_document import head
 from strikewave.base.quantities import PROVENANCES, Value
 from strikewave.cases.case import load_case, read_case_text
-from strikewave.reporting.options import CaseName, Changes, Json
-from strikewave.reporting.terminal import print_json, say, table
+from strikewave.reporting.layout import MORE, keys, texts
+from strikewave.reporting.options import CaseName, Changes, Shown
+from strikewave.reporting.terminal import print_json, say, table, tell
 
 
-def command(case: CaseName, *, changes: Changes = None, json: Json = False) -> int:
+def command(case: CaseName, *, changes: Changes = None, shown: Shown) -> int:
     """Check a case without running it.
 
     Lists every value and where it comes from.
@@ -26,7 +27,7 @@ def command(case: CaseName, *, changes: Changes = None, json: Json = False) -> i
     if holds_setup(read_case_text(case)[0]):
         setup_case = load_setup(case, changes or ())
         missing, setup = check_setup(setup_case), setup_case.setup
-        _show(setup.name, setup.title, dict(values_of(setup)), json)
+        _show(setup.name, setup.title, dict(values_of(setup)), shown.json)
         if missing:
             say("not there yet: " + ", ".join(missing))
         return 0
@@ -34,7 +35,7 @@ def command(case: CaseName, *, changes: Changes = None, json: Json = False) -> i
     check(read)
     if read.fem is not None:
         build_model(read)
-    _show(read.name, read.title, read.values(), json)
+    _show(read.name, read.title, read.values(), shown.json)
     if read.fem is not None:
         say(f"the mesh fits together; not checked: what boundaries and ties hold (strikewave fem {case} --check)")
     return 0
@@ -50,9 +51,14 @@ def _show(name: str, title: str, values: Mapping[str, Value], json: bool) -> Non
         }
         print_json({**head({"value": "SI"}), "case": name, "provenance": dict(counted), "values": rows})
         return
+    counts = ", ".join(f"{counted[provenance]} {provenance}" for provenance in PROVENANCES if counted[provenance])
+    tell(f"valid: {counts}")
     shown = [[path, _typed(v), v.provenance, v.note] for path, v in values.items()]
-    table(title or name, ["field", "value", "provenance", "note"], shown, left=4)
-    print("valid: " + ", ".join(f"{counted[p]} {p}" for p in PROVENANCES if counted[p]))
+    table(
+        title or name,
+        [*keys("field"), *texts("value"), *texts("provenance"), *texts("note", priority=MORE)],
+        shown,
+    )
 
 
 def _typed(value: Value) -> str:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import hashlib
 import math
 import os
@@ -19,7 +20,7 @@ from strikewave.base.errors import InputError, StrikewaveError, nearest
 from strikewave.base.result import Source
 from strikewave.reporting.options import quantity
 from strikewave.reporting.shown_result import ShownResult
-from strikewave.reporting.terminal import say
+from strikewave.reporting.terminal import progress_bar, say
 
 if TYPE_CHECKING:
     from strikewave.records import ChannelReading, FileReading, Options, Record
@@ -151,20 +152,16 @@ def read_all(files: Sequence[str], options: Options) -> list[Record | Exception]
     InputError
         If not one of them can be read.
     """
-    from rich.console import Console
-    from rich.progress import track
-
     from strikewave.records import read_record
 
-    console = Console(stderr=True)
     results: list[Record | Exception] = []
-    for file in track(
-        files, "reading", console=console, transient=True, disable=len(files) < 2 or not console.is_terminal
-    ):
-        try:
-            results.append(read_record(file, options))
-        except StrikewaveError as error:
-            results.append(error)
+    with progress_bar("reading") if len(files) > 1 else contextlib.nullcontext(lambda share: None) as report:
+        for file in files:
+            try:
+                results.append(read_record(file, options))
+            except StrikewaveError as error:
+                results.append(error)
+            report(len(results) / len(files))
     errors = [result for result in results if isinstance(result, Exception)]
     if len(errors) == len(results):
         raise errors[0]

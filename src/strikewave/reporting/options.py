@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
+from contextlib import AbstractContextManager
 from dataclasses import dataclass
 from importlib import resources
 from pathlib import Path
@@ -18,6 +19,7 @@ import typer
 from strikewave.base.errors import InputError, nearest
 from strikewave.base.units import DIMENSIONS, parse_quantity, parse_typed
 from strikewave.reporting.numbers import ShownUnits
+from strikewave.reporting.terminal import Screen, screen
 
 if TYPE_CHECKING:
     from strikewave.base.quantities import Value
@@ -335,6 +337,13 @@ Pdf = Annotated[
     ),
 ]
 Json = Annotated[bool, typer.Option("--json", help="Print one JSON document on stdout and nothing else.")]
+Wide = Annotated[
+    bool, typer.Option("--wide", help="Show all columns of the tables, not only those that matter and those that fit.")
+]
+Verbose = Annotated[bool, typer.Option("-v", "--verbose", help="Show warnings whole, not in one line each.")]
+Quiet = Annotated[
+    bool, typer.Option("-q", "--quiet", help="Show the result and failed checks only: no progress, no warnings.")
+]
 
 
 @dataclass(frozen=True)
@@ -346,17 +355,51 @@ class Place:
 
 
 @dataclass(frozen=True)
-class Output:
-    """Where a result goes.
+class Shown:
+    """What is shown of a result.
+
+    Attributes
+    ----------
+    json : bool
+        Whether one JSON document goes to stdout, and nothing else.
+    wide : bool
+        Whether tables have all their columns.
+    verbose : bool
+        Whether warnings are shown whole.
+    quiet : bool
+        Whether nothing but the result is shown.
+    """
+
+    panel: ClassVar[str] = "Output"
+
+    json: Json = False
+    wide: Wide = False
+    verbose: Verbose = False
+    quiet: Quiet = False
+
+    def in_force(self) -> AbstractContextManager[None]:
+        """Return the context in which that much is shown.
+
+        Raises
+        ------
+        InputError
+            If all and nothing is wanted.
+        """
+        if self.verbose and self.quiet:
+            raise InputError("--quiet", "--verbose too", "one of them")
+        return screen(Screen(self.wide, self.verbose, self.quiet))
+
+
+@dataclass(frozen=True)
+class Output(Shown):
+    """Where a result goes, and what is shown of it.
 
     Attributes
     ----------
     out : Path or None
-        The folder asked for.
+        The folder asked for; with ``json``, files are written only there.
     force : bool
         Whether it may replace the result of something else.
-    json : bool
-        Whether one JSON document goes to stdout; files are then written only to ``out``.
     test : Path or None
         The file that says what was tested.
     show : ShownUnits or None
@@ -365,11 +408,8 @@ class Output:
         Paper of the report as PDF, A4 or letter; None for no PDF.
     """
 
-    panel: ClassVar[str] = "Output"
-
     out: Out = None
     force: Force = False
-    json: Json = False
     test: TestFile = None
     show: Show = None
     pdf: Pdf = None

@@ -12,9 +12,10 @@ from typing import ClassVar, Generic, TypeVar
 from strikewave.base.errors import InputError
 from strikewave.base.output_folder import atomic_folder, check_place, keep_true_files
 from strikewave.base.result import Notice, Result
+from strikewave.reporting.bands import band_words
 from strikewave.reporting.numbers import showing
 from strikewave.reporting.options import Output
-from strikewave.reporting.terminal import STARTED, case_hash, most_memory, print_json, say, show_notices
+from strikewave.reporting.terminal import STARTED, case_hash, complain, most_memory, print_json, say, show_notices, tell
 
 BROKEN = 3
 """Exit code of a run that failed a check, or missed its goal."""
@@ -25,8 +26,8 @@ R = TypeVar("R", bound=Result)
 class Command(ABC, Generic[R]):
     """What a command does: how it comes to its result, prints it, and draws it.
 
-    `run_and_write` enters `under_way`, then calls `solve`, `draw`, `hand_over` and `show`; what the result keeps of
-    itself (`Result.files`) it writes by itself, between the pictures and what is handed over.
+    `run_and_write` enters `under_way`, then calls `solve`, `draw`, `hand_over`, `summary` and `show`; what the result
+    keeps of itself (`Result.files`) it writes by itself, between the pictures and what is handed over.
     """
 
     indent: ClassVar[int | None] = 2
@@ -39,8 +40,12 @@ class Command(ABC, Generic[R]):
         """Return the result."""
 
     @abstractmethod
+    def summary(self, result: R) -> str:
+        """Return what came out in one or two sentences, with the key numbers: what is printed first."""
+
+    @abstractmethod
     def show(self, result: R) -> None:
-        """Print the result, without its notices."""
+        """Print the rest of the result below its summary, without its notices."""
 
     def printed_notices(self, result: R) -> Sequence[Notice]:
         """Return the notices that are printed."""
@@ -117,6 +122,7 @@ def _run_and_write(
     if output.json:
         print_json(result.document(), indent=command.indent)
     else:
+        tell(" ".join([command.summary(result), *band_words(result.band)]))
         command.show(result)
         show_notices(command.printed_notices(result))
     if place.folder is not None:
@@ -129,7 +135,7 @@ def _run_and_write(
     if not result.broken:
         return 0
     failed = ", ".join(dict.fromkeys(notice.code for notice in result.notices if notice.broken))
-    say(
+    complain(
         f"exit code {BROKEN}: "
         + (f"check failed: {failed}" if failed else "the goal is missed, or something could not be read")
     )

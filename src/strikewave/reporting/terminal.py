@@ -1,25 +1,48 @@
-"""What the commands share: printing JSON, tables and numbers."""
+"""What the commands share: words, tables and numbers on a terminal, in a pipe or a file; JSON.
+
+The result goes to stdout: a sentence, tables, what explains them. All else goes to stderr: progress, warnings, where
+files were written. A pipe or a file gets lines of `PIPE_WIDTH`, or of the environment variable COLUMNS, without styles.
+"""
 
 from __future__ import annotations
 
 import contextlib
+import dataclasses
 import hashlib
 import json
 import math
 import os
 import sys
 import time
-from collections.abc import Callable, Iterator, Mapping, Sequence
-from typing import TYPE_CHECKING, Any
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from contextvars import ContextVar
+from typing import TYPE_CHECKING, Any, NamedTuple, TextIO
 
 from strikewave.base.compile_progress import WORDS, compiling_shown
+from strikewave.base.result import FAILED, INFO, WARNING
 from strikewave.reporting import numbers
 from strikewave.reporting.bands import BAND_HEADS, band_rows
-from strikewave.reporting.numbers import headed, shown
+from strikewave.reporting.layout import (
+    KEY,
+    MAIN,
+    MORE,
+    Line,
+    ScreenColumn,
+    clean,
+    cut,
+    keys,
+    numerals,
+    plain,
+    table_lines,
+    texts,
+    wrapped,
+)
+from strikewave.reporting.numbers import headed, percent, shown, shown_heads
 
 if TYPE_CHECKING:
     from strikewave.base.result import Comparison, Notice, Result
     from strikewave.cases.losses_of_case import FittedLoss
+    from strikewave.reporting.parts import Table
     from strikewave.sensors.channel import SensorChannel
 
 STARTED = time.perf_counter()
@@ -28,6 +51,89 @@ INTERRUPTED = 130
 """Exit code after Ctrl-C: 128 and the number of the signal, as shells have it."""
 SELDOM = 10.0
 """Seconds between two lines of progress, at least, where stderr is no terminal."""
+PIPE_WIDTH = 80
+"""Characters of a line where there is no terminal: a file is the same wherever it is made, and any pager shows it."""
+LEAST_WIDTH = 40
+"""Characters of a line at least: below, hardly a number stands beside its name."""
+
+
+class Screen(NamedTuple):
+    """How much is shown: all columns, whole warnings, nothing but the result."""
+
+    wide: bool = False
+    verbose: bool = False
+    quiet: bool = False
+
+
+_screen: ContextVar[Screen] = ContextVar("screen", default=Screen())  # noqa: B039 (a named tuple does not change)
+
+
+@contextlib.contextmanager
+def screen(shown: Screen) -> Iterator[None]:
+    """Show as much as this as long as the context lasts, in this thread."""
+    token = _screen.set(shown)
+    try:
+        yield
+    finally:
+        _screen.reset(token)
+
+
+def is_wide() -> bool:
+    """Tell whether all columns are wanted."""
+    return _screen.get().wide
+
+
+def is_dumb() -> bool:
+    """Tell whether the terminal says that it shows letters and nothing else."""
+    return os.environ.get("TERM", "").lower() in ("dumb", "unknown")
+
+
+def screen_width(stream: TextIO) -> float:
+    """Return the characters of a line: of COLUMNS, of the terminal, or `PIPE_WIDTH`.
+
+    Where all columns are wanted and there is no terminal, a line is as long as it takes.
+    """
+    columns = os.environ.get("COLUMNS", "")
+    if columns.isdecimal() and int(columns) > 0:
+        return max(int(columns), LEAST_WIDTH)
+    if stream.isatty():
+        with contextlib.suppress(OSError, ValueError):
+            return max(os.get_terminal_size(stream.fileno()).columns, LEAST_WIDTH)
+    return math.inf if is_wide() and not stream.isatty() else PIPE_WIDTH
+
+
+def _shows_styles(stream: TextIO) -> bool:
+    return stream.isatty() and not is_dumb() and not os.environ.get("NO_COLOR")
+
+
+def _shows_only_ascii(stream: TextIO) -> bool:
+    """Tell whether a stream shows no other letters: a dumb terminal, or an encoding without them."""
+    if is_dumb():
+        return True
+    try:
+        "µ–²…─".encode(stream.encoding or "utf-8")
+    except (UnicodeEncodeError, LookupError):
+        return True
+    return False
+
+
+def _showable(text: str, stream: TextIO) -> str:
+    """Return a text as the stream shows it: no command to the terminal, and ASCII where it knows nothing else."""
+    return plain(clean(text)) if _shows_only_ascii(stream) else clean(text)
+
+
+def _write(lines: Iterable[Line], stream: TextIO) -> None:
+    """Write lines with their styles where the stream shows them."""
+    texts = [Line(_showable(line.text, stream), line.style) for line in lines]
+    if not _shows_styles(stream):
+        stream.write("".join(f"{line.text}\n" for line in texts))
+        return
+    from rich.console import Console
+    from rich.text import Text
+
+    console = Console(file=stream, highlight=False)
+    for line in texts:
+        console.print(Text(line.text, style=line.style), no_wrap=True, overflow="ignore", crop=False)
 
 
 def print_json(document: dict[str, Any], indent: int | None = 2) -> None:
@@ -35,18 +141,44 @@ def print_json(document: dict[str, Any], indent: int | None = 2) -> None:
     sys.stdout.write(json.dumps(document, indent=indent, allow_nan=False, ensure_ascii=False) + "\n")
 
 
+def tell(text: str, indent: str = "") -> None:
+    """Print a sentence of the result on stdout, in lines that end at spaces; all but the first are indented."""
+    _write(map(Line, wrapped(_showable(text, sys.stdout), screen_width(sys.stdout), indent)), sys.stdout)
+
+
 def say(text: str) -> None:
-    """Print words on stderr, where they cannot spoil what stdout carries."""
-    sys.stderr.write(text + "\n")
+    """Print words on stderr, where they cannot spoil what stdout carries; nothing where only the result is wanted."""
+    if not _screen.get().quiet:
+        complain(text)
+
+
+def complain(text: str) -> None:
+    """Print words on stderr in any case: an error, or a check that failed. A file gets them in one line."""
+    width = screen_width(sys.stderr) if sys.stderr.isatty() else math.inf
+    _write(map(Line, wrapped(_showable(text, sys.stderr), width, "  ")), sys.stderr)
 
 
 def show_notices(notices: Sequence[Notice]) -> None:
-    """Print what the user should know."""
-    for notice in notices:
+    """Print what the user should know, what weighs most first: failed checks whole, the rest in a line each.
+
+    Where all is wanted, everything is printed whole; where only the result is, failed checks alone.
+    """
+    shown, width, shortened = _screen.get(), screen_width(sys.stderr), False
+    for notice in sorted(notices, key=lambda notice: (FAILED, WARNING, INFO).index(notice.severity)):
         about = f" {notice.case}" if notice.case else ""
         limit = f" (limit {significant(notice.limit, 3)})" if notice.broken and notice.limit == notice.limit else ""
         kind = "check failed" if notice.broken else notice.severity
-        say(f"{kind} [{notice.code}]{about}: {notice.message}{limit}")
+        text = _showable(f"{kind} [{notice.code}]{about}: {notice.message}{limit}", sys.stderr)
+        if notice.broken:
+            complain(text)
+        elif shown.verbose:
+            say(text)
+        elif not shown.quiet:
+            line = cut(text, width, _showable("…", sys.stderr))
+            shortened = shortened or line != text
+            _write([Line(line, "dim" if notice.severity == INFO else "")], sys.stderr)
+    if shortened:
+        say("shortened to a line each: -v shows all of it")
 
 
 def case_hash(text: str, changes: Sequence[str] | None) -> str:
@@ -81,20 +213,25 @@ def most_memory() -> str:
 def progress_bar(what: str, done: float = 0.0, clocks: Sequence[str] = ("elapsed",)) -> Iterator[Callable[..., None]]:
     """Show a bar on stderr where that is a terminal, else a plain line at each tenth, at most every `SELDOM` seconds.
 
+    A dumb terminal gets the lines, and nothing is shown where only the result is wanted.
+
     Gives a function that takes the share done, and words beside it. It begins with ``done``; ``clocks`` are "elapsed",
     and "left" for the time that is left.
     """
-    from rich.console import Console
-    from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn, TimeRemainingColumn
-
-    console = Console(stderr=True)
-    if not console.is_terminal:
+    if _screen.get().quiet:
+        with compiling_shown(lambda *_: None):
+            yield lambda share, words="": None
+        return
+    if not sys.stderr.isatty() or is_dumb():
         with compiling_shown(say_compiling):
             yield _plain_progress(what, done)
         return
+    from rich.console import Console
+    from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn, TimeRemainingColumn
+
     times = [TimeElapsedColumn() if clock == "elapsed" else TimeRemainingColumn() for clock in clocks]
     columns = (TextColumn(what), BarColumn(), TextColumn("{task.percentage:>3.0f} %  {task.description}"), *times)
-    with Progress(*columns, console=console, transient=True) as progress:
+    with Progress(*columns, console=Console(stderr=True), transient=True) as progress:
         task = progress.add_task("", total=1.0)
         progress.update(task, completed=done)
         with compiling_shown(lambda count, _: progress.update(task, description=f"{WORDS}: {count} compiled")):
@@ -154,22 +291,36 @@ def significant(value: float, digits: int) -> str:
     return f"{value:.0f}" if "e" in text else text
 
 
-def table(title: str, columns: Sequence[str], rows: Sequence[Sequence[str]], left: int = 1) -> None:
-    """Print a table on stdout: the first ``left`` columns to the left, the rest to the right."""
-    from rich.box import SIMPLE_HEAD
-    from rich.console import Console
-    from rich.markup import escape
-    from rich.table import Table
+def table(title: str, columns: Sequence[ScreenColumn], rows: Iterable[Sequence[str]], detail: bool = False) -> None:
+    """Print a table on stdout, with the columns that fit; see `strikewave.reporting.layout.table_lines`.
 
-    grid = Table(title=escape(title), title_justify="left", title_style="bold", box=SIMPLE_HEAD, pad_edge=False)
-    for place, column in enumerate(columns):
-        grid.add_column(escape(column), justify="left" if place < left else "right", overflow="fold")
-    for row in rows:
-        grid.add_row(*(escape(cell) for cell in row))
-    console = Console(soft_wrap=False)
-    if not console.is_terminal:
-        console.width = int(os.environ.get("COLUMNS", "160")) if os.environ.get("COLUMNS", "160").isdigit() else 160
-    console.print(grid)
+    A detail is only named, unless all is wanted.
+    """
+    width = screen_width(sys.stdout)
+    if detail and not is_wide():
+        named = _showable(f"not shown: {title} (--wide)", sys.stdout)
+        _write([Line(line, "dim") for line in wrapped(named, width)], sys.stdout)
+        return
+    title = _showable(title, sys.stdout)
+    columns = [dataclasses.replace(column, head=_showable(column.head, sys.stdout)) for column in columns]
+    cells = [[_showable(cell, sys.stdout) for cell in row] for row in rows]
+    _write([Line(""), *table_lines(title, columns, cells, width, is_wide())], sys.stdout)
+
+
+def shown_columns(columns: Sequence[ScreenColumn]) -> list[ScreenColumn]:
+    """Return columns whose heads end with their usual units with the units shown in their places."""
+    heads = shown_heads(*(column.head for column in columns))
+    return [dataclasses.replace(column, head=head) for column, head in zip(columns, heads, strict=True)]
+
+
+def report_table(shown: Table, keys: int = 1, more: Sequence[str] = ()) -> None:
+    """Print a table of a report: its first columns name the rows, and those in ``more`` are left out first."""
+    rows = [[cell if isinstance(cell, str) else cell.text for cell in row] for row in shown.cells()]
+    columns = [
+        ScreenColumn(head, KEY if place < keys else MORE if head in more else MAIN, words=not numeric)
+        for place, (head, numeric) in enumerate(zip(shown.columns, shown.numeric(), strict=True))
+    ]
+    table(shown.caption, columns, rows)
 
 
 def print_bands(result: Result, values: Mapping[str, float]) -> None:
@@ -183,8 +334,10 @@ def print_bands(result: Result, values: Mapping[str, float]) -> None:
         The results themselves, SI, by the names of the bands.
     """
     if result.band and result.band_method is not None:
-        table("What the results depend on", list(BAND_HEADS), band_rows(result, values), left=3)
-        say(result.band_method.words())
+        named, value, inputs, rest = BAND_HEADS
+        columns = [*keys(named), *texts(value, inputs), *numerals(rest, priority=MORE)]
+        table("What the results depend on", columns, band_rows(result, values))
+        tell(result.band_method.words())
 
 
 def print_fits(losses: Sequence[FittedLoss]) -> None:
@@ -192,8 +345,7 @@ def print_fits(losses: Sequence[FittedLoss]) -> None:
     from strikewave.reporting.stack_chapters import fit_table
 
     if losses:
-        fits = fit_table(losses)
-        table(fits.caption, fits.columns, [[str(cell) for cell in row] for row in fits.rows])
+        report_table(fit_table(losses))
 
 
 def print_losses(channels: Sequence[SensorChannel]) -> None:
@@ -202,7 +354,7 @@ def print_losses(channels: Sequence[SensorChannel]) -> None:
 
     losses = loss_table(channels)
     if losses.rows:
-        table(losses.caption, losses.columns, [[str(cell) for cell in row] for row in losses.rows])
+        report_table(losses)
 
 
 def print_published(published: Sequence[Comparison]) -> None:
@@ -219,7 +371,7 @@ def print_published(published: Sequence[Comparison]) -> None:
             number(v, unit, usual, 6) if unit else ("-" if v is None else f"{v:g}")
             for v in (entry.published, entry.computed)
         ]
-        difference = "-" if entry.difference is None else f"{entry.difference:+.1%}"
+        difference = "-" if entry.difference is None else percent(entry.difference, 1, "+")
         rows.append(
             [
                 headed(entry.quantity + (f" of {entry.sensor}" if entry.sensor else ""), unit, usual),
@@ -229,9 +381,10 @@ def print_published(published: Sequence[Comparison]) -> None:
                 difference,
             ]
         )
-    table(
-        "Comparison with published values",
-        ["quantity", "origin", "role", "published", "computed", "difference"],
-        rows,
-        left=3,
-    )
+    columns = [
+        *keys("quantity"),
+        *texts("origin", priority=MORE),
+        *texts("role"),
+        *numerals("published", "computed", "difference"),
+    ]
+    table("Comparison with published values", columns, rows)

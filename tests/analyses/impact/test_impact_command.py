@@ -195,11 +195,12 @@ def test_blows_without_yielding_are_all_the_same(impact):
 
 
 def test_many_blows_are_shortened_on_the_screen(strikewave):
-    code, out, err = strikewave("impact", *BODIES, *GIVEN, "--yield-load", "1 kN", "--shape", "line", "--repeat", "40")
+    code, out, _ = strikewave("impact", *BODIES, *GIVEN, "--yield-load", "1 kN", "--shape", "line", "--repeat", "40")
     assert code == 0
-    rows = [line.split()[0] for line in out.split("Blows on the same spot")[1].splitlines() if line.strip()][2:]
+    first = [line.split()[0] for line in out.split("Blows on the same spot")[1].splitlines() if line.strip()]
+    rows = [word for word in first if word.isdigit() or word == "..."]
     assert rows == [*(str(k) for k in range(1, 11)), "...", *(str(k) for k in range(31, 41))]
-    assert "the first and last 10 of 40 blows" in err
+    assert "the first and last 10 of 40 blows" in out
 
 
 def test_an_elastic_line_that_would_yield_is_warned_of(impact):

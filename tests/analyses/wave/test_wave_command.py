@@ -102,14 +102,14 @@ def test_a_route_of_the_paper_is_named_in_every_output(strikewave, bar, route):
 
 
 def test_wave_writes_a_whole_result(strikewave, bar):
-    code, _, err = strikewave("wave", "--no-band", bar, "--out", "w")
+    code, out, _ = strikewave("wave", "--no-band", bar, "--out", "w")
     assert code == 0
     assert sorted(os.listdir("w")) == ["case.toml", "field.svg", "report.html", "summary.svg", "taps.csv", "waves.nc"]
     head = open("w/taps.csv").readline()
     assert head.startswith(
         "time [s],mid force [N],mid stress [Pa],mid velocity [m/s],mid acceleration [m/s^2],end force"
     )
-    assert "error bound" in err
+    assert "error bound" in out
     assert strikewave("wave", "--no-band", "w/case.toml", "--json")[0] == 0
 
 

@@ -100,7 +100,7 @@ def test_json_ranks_every_stack_and_writes_nothing(strikewave, bar):
 
 @pytest.mark.verify
 def test_the_written_case_reads_what_the_study_said(strikewave, bar, read_page):
-    code, out, err = strikewave("buffer", bar, "--limit", "5000 g", *FEW, "--out", "there")
+    code, out, _ = strikewave("buffer", bar, "--limit", "5000 g", *FEW, "--out", "there")
     assert code == 0
     files = {
         "case.toml",
@@ -112,7 +112,7 @@ def test_the_written_case_reads_what_the_study_said(strikewave, bar, read_page):
         "report.html",
     }
     assert set(os.listdir("there")) == files
-    assert "back-effect" in err
+    assert "back-effect" in out
     with open("there/buffer.json") as file:
         first = json.load(file)["candidates"][0]
     with open("there/buffers.csv") as file:

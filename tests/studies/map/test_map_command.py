@@ -25,13 +25,13 @@ FEW = ("map", "li-ma-2019", "--points", "4x3", "--workers", "1", "--train", "0",
 
 
 def test_files_agree_and_the_nearest_case_reads_back(strikewave, read_page):
-    code, out, err = strikewave(*FEW, "--want-cv", "4.5 %")
+    code, out, _ = strikewave(*FEW, "--want-cv", "4.5 %")
     assert code == 0
     (folder,) = Path("out").iterdir()
     assert folder.name.startswith("map-li-ma-2019-")
     names = {"case.toml", "map.json", "map.nc", "map.csv", "map.svg", "map.png", "equal-blows.toml", "report.html"}
     assert {path.name for path in folder.iterdir()} == names
-    assert "a full run has a CV of" in err
+    assert "The nearest setting with a CV" in out
     document = json.loads((folder / "map.json").read_text())
     assert np.shape(document["cells"]["cv"]) == (1, 3, 4)
     changed = load_case(str(folder / "equal-blows.toml"))
@@ -65,9 +65,9 @@ def test_tables_fit_into_80_columns(strikewave, monkeypatch):
 
 def test_case_that_is_even_is_told_so(strikewave):
     """With a limit above its own CV, the case is the nearest even setting, and the file is the case."""
-    code, _, err = strikewave(*FEW, "--want-cv", "20 %", "--out", "here")
+    code, out, _ = strikewave(*FEW, "--want-cv", "20 %", "--out", "here")
     assert code == 0
-    assert "the case has equal blows already" in err
+    assert "The case itself has a CV" in out
     assert load_case("here/equal-blows.toml").machine.speed.typed == load_case("li-ma-2019").machine.speed.typed
 
 
@@ -81,9 +81,9 @@ def test_json_is_one_document_and_writes_nothing(strikewave):
 
 
 def test_no_even_setting_is_exit_code_3(strikewave):
-    code, _, err = strikewave(*FEW, "--want-cv", "0.000001 %")
+    code, out, _ = strikewave(*FEW, "--want-cv", "0.000001 %")
     assert code == 3
-    assert "no setting of this map" in err
+    assert "No setting has blows" in out
 
 
 def test_the_same_map_again_replaces_the_old_one(strikewave):

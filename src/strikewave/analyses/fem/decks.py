@@ -23,7 +23,7 @@ from strikewave.reporting.columns import Column
 from strikewave.reporting.options import Output
 from strikewave.reporting.run_and_write import Command, case_folder, run_and_write
 from strikewave.reporting.shown_result import ShownResult
-from strikewave.reporting.terminal import say
+from strikewave.reporting.terminal import tell
 
 CODES = {"ls-dyna": (".k",), "openradioss": ("_0000.rad", "_0001.rad")}
 """Codes, and how the names of their files end."""
@@ -150,9 +150,18 @@ class DeckCommand(Command[DeckResult]):
         notices = tuple(model_notices(self.case, self.model))
         return DeckResult(self.case, self.model, deck, self.code, self.system, heading.stem, notices=notices)
 
+    def summary(self, result: DeckResult) -> str:
+        """Say how large the model is, and in which units."""
+        mesh, (length, mass, time) = result.model.mesh, result.system.words
+        counted = f"{len(mesh.hexahedra)} elements, {len(mesh.points)} nodes"
+        return f"A deck of {result.code}: {counted}, in {length}, {mass}, {time}."
+
     def show(self, result: DeckResult) -> None:
         """Print what differs from the model, and what is left out."""
-        _show(result.model, result.deck, result.system)
+        for line in result.deck.differs:
+            tell(f"done in its own way: {line}", "  ")
+        for line in result.deck.left_out or ("nothing",):
+            tell(f"left out: {line}", "  ")
 
     def draw(self, result: DeckResult, folder: Path) -> list[str]:
         """Write the files of the deck piece by piece, for they may be long."""
@@ -173,12 +182,3 @@ def _heading(case: Case, model: Model) -> Heading:
         for many in sorted(set(pieces.values()))
     ]
     return Heading(case.title or case.name or "a case", case.name or "case", __version__, frames, tuple(notes))
-
-
-def _show(model: Model, deck: Deck, system: UnitSystem) -> None:
-    length, mass, time = system.words
-    say(f"{len(model.mesh.hexahedra)} elements, {len(model.mesh.points)} nodes, in {length}, {mass}, {time}")
-    for line in deck.differs:
-        say(f"done in its own way: {line}")
-    for line in deck.left_out or ("nothing",):
-        say(f"left out: {line}")

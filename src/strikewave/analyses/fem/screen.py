@@ -30,6 +30,7 @@ from strikewave.fem.run import ENERGIES
 from strikewave.fem.snapshots import SNAPSHOTS
 from strikewave.fem.solve import Checkpoint, Progress, RunOptions
 from strikewave.reporting.bands import NO_BAND_OF_ELEMENTS
+from strikewave.reporting.layout import KEY, MORE, keys, numerals
 from strikewave.reporting.numbers import headed, shown_heads
 from strikewave.reporting.options import Output
 from strikewave.reporting.run_and_write import Command, case_folder, run_and_write
@@ -41,6 +42,7 @@ from strikewave.reporting.terminal import (
     say,
     show_notices,
     table,
+    tell,
 )
 
 NAMES = {2: "half", 4: "quarter"}
@@ -146,6 +148,12 @@ class FemCommand(Command[FemSolution]):
 
         return animation.SNAPSHOTS
 
+    def summary(self, result: FemSolution) -> str:
+        """Say what happened."""
+        from strikewave.analyses.fem.report.page import fem_words
+
+        return fem_words(result)
+
     def show(self, result: FemSolution) -> None:
         """Print the tables of a run."""
         show(result)
@@ -247,25 +255,37 @@ def show(solution: FemSolution) -> None:
         ]
         for name, part in {**solution.parts, **solution.groups}.items()
     ]
-    heads = ("part", "mass (kg)", "rigid peak (g)", "pulse width at 10 % (us)", "velocity change (m/s)", "along")
-    table(f"{solution.title}: parts as rigid bodies", shown_heads(*heads), rows)
+    columns = [
+        *keys("part"),
+        *numerals(*shown_heads("mass (kg)"), priority=MORE),
+        *numerals(*shown_heads("rigid peak (g)", "pulse width at 10 % (us)", "velocity change (m/s)")),
+        *numerals("along", priority=MORE),
+    ]
+    table(f"{solution.title}: parts as rigid bodies", columns, rows)
     rows = [
         [name, number(part.von_mises, "Pa", "MPa"), number(part.plastic_strain, "1", "1", 3)]
         for name, part in solution.parts.items()
     ]
-    table("Largest in the elements", shown_heads("part", "von Mises stress (MPa)", "plastic strain"), rows)
+    heads = shown_heads("von Mises stress (MPa)", "plastic strain")
+    table("Largest in the elements", [*keys("part"), *numerals(*heads)], rows)
     if solution.film is not None and (words := largest_words(solution.film, solution.model.mesh)):
-        say(words)
+        tell(words)
     wholes = solution.wholes
     rows = [
         [name, *([*"-----"] if one is None else _contact_cells(one)), *_whole_cells(wholes[name] if one else None)]
         for name, one in solution.contacts.items()
     ]
     if rows:
-        names = shown_heads("contact", "peak (kN)", "at (us)", "impulse (N s)", "begins (us)", "lasts (us)")
-        names += shown_heads("peak, whole bodies (kN)", "impulse, whole bodies (N s)")
-        many = len(names) if any(wholes.values()) else len(names) - 2
-        table("Contacts", names[:many], [row[:many] for row in rows])
+        columns = [
+            *keys("contact"),
+            *numerals(*shown_heads("peak (kN)")),
+            *numerals(*shown_heads("at (us)"), priority=MORE),
+            *numerals(*shown_heads("impulse (N s)")),
+            *numerals(*shown_heads("begins (us)"), priority=MORE),
+            *numerals(*shown_heads("lasts (us)", "peak, whole bodies (kN)", "impulse, whole bodies (N s)")),
+        ]
+        many = len(columns) if any(wholes.values()) else len(columns) - 2
+        table("Contacts", columns[:many], [row[:many] for row in rows])
     print_published(solution.comparisons)
     _show_balance(solution)
     if solution.later:
@@ -285,13 +305,13 @@ def _show_balance(solution: FemSolution) -> None:
     run, balance = solution.run, balance_measure(solution.run)
     kinds = [name for name in ENERGIES if run.energy[name].any()]
     cells = [number(run.initial_energy, "J", "J"), *(number(float(run.energy[name][-1]), "J", "J") for name in kinds)]
-    table(headed("Energy at the end", "J", "J"), ["initial", *kinds], [cells], left=0)
-    say(
+    table("Energy at the end", numerals(*(headed(name, "J", "J") for name in ("initial", *kinds))), [cells])
+    tell(
         f"balance: energy {balance.energy:+.1e} (limit {ENERGY_LIMIT:g}), hourglass {balance.hourglass:.1e} of "
         f"internal (limit {HOURGLASS_LIMIT:g}), momentum {balance.momentum:.1e}"
     )
-    say(f"{run.steps} steps of {run.step * 1e9:.3g} ns or more, {run.speed / 1e6:.3g} M element-steps/s")
-    say(NO_BAND_OF_ELEMENTS[0].lower() + NO_BAND_OF_ELEMENTS[1:])
+    tell(f"{run.steps} steps of {run.step * 1e9:.3g} ns or more, {run.speed / 1e6:.3g} M element-steps/s")
+    tell(NO_BAND_OF_ELEMENTS[0].lower() + NO_BAND_OF_ELEMENTS[1:])
 
 
 def _show_blows(solution: FemSolution) -> None:
@@ -313,12 +333,14 @@ def _show_blows(solution: FemSolution) -> None:
                 f"{balance_measure(each.run).energy:+.1e}",
             ]
         )
-    heads = ("blow", "peak (kN)", "impulse (N s)", "lasts (us)", "restitution", "rigid peak (g)")
-    table("Blow after blow", shown_heads(*heads, "plastic strain", "yields with (J)", "energy error"), rows, left=0)
+    columns = [*numerals("blow", priority=KEY), *numerals(*shown_heads("peak (kN)", "impulse (N s)", "lasts (us)"))]
+    columns += [*numerals("restitution", priority=MORE), *numerals(*shown_heads("rigid peak (g)"))]
+    columns += numerals("plastic strain", *shown_heads("yields with (J)"), "energy error", priority=MORE)
+    table("Blow after blow", columns, rows)
     for run in solution.later:
         if run.rest is not None:
             away = f"; begins {run.rest.added_distance * 1e6:.3g} um farther away" if run.rest.added_distance else ""
-            say(
+            tell(
                 f"at rest before blow {run.blow}: {run.rest.maxima} maxima, {run.rest.steps} steps, "
                 f"{run.rest.kinetic_share:.1e} of the energy left, {run.rest.plastic_energy:.3g} J of yield{away}"
             )
@@ -344,8 +366,10 @@ def _show_quality(model: Model, quality: Sequence[PartQuality]) -> None:
         ]
         for row in quality
     ]
-    heads = ("part", "elements", "nodes", "mass (kg)", "shortest edge (mm)", "longest (mm)", "aspect ratio")
-    table("Mesh", shown_heads(*heads, "scaled Jacobian", "warpage (deg)"), rows)
+    columns = [*keys("part"), *numerals("elements"), *numerals("nodes", *shown_heads("mass (kg)"), priority=MORE)]
+    columns += [*numerals(*shown_heads("shortest edge (mm)")), *numerals(*shown_heads("longest (mm)"), priority=MORE)]
+    columns += numerals("aspect ratio", "scaled Jacobian", *shown_heads("warpage (deg)"))
+    table("Mesh", columns, rows)
 
 
 def _check_document(case: Case, model: Model, quality: Sequence[PartQuality]) -> dict[str, Any]:

@@ -381,6 +381,17 @@ def _sensitivity(value: float, unit: str, digits: int = 5) -> str:
     return f"{value * STANDARD_GRAVITY * 1e3:.{digits}g} mV/g" if unit == "V" else f"{value:.{digits}g}"
 
 
+def shot_words(solution: HopkinsonSolution) -> str:
+    """Say in words what the specimen did: on the screen and at the head of the report."""
+    summary = solution.summary()
+    return (
+        f"The specimen reached a true strain of {percent(summary['strain'], 1)} at {summary['rate']:.0f} 1/s (median) "
+        f"and a true stress of {with_unit(summary['stress'], 'Pa', 'MPa')}. The forces on its faces differ by "
+        f"{percent(solution.equilibrium.misfit, 1)} of their mean, and {percent(abs(solution.momentum.closure), 2)} "
+        f"of the incident impulse is {_closing(solution)}."
+    )
+
+
 def shot_report(solution: HopkinsonSolution) -> str:
     """Return the report of a reduced shot as one HTML page."""
     from strikewave.analyses.hopkinson.figures import (
@@ -408,12 +419,6 @@ def shot_report(solution: HopkinsonSolution) -> str:
         Picture(one_diagram(lambda axes: draw_rate(axes, r)), "True strain rate over true strain."),
     ]
     summary = solution.summary()
-    text = (
-        f"The specimen reached a true strain of {percent(summary['strain'], 1)} at {summary['rate']:.0f} 1/s (median) "
-        f"and a true stress of {with_unit(summary['stress'], 'Pa', 'MPa')}. The forces on its faces differ by "
-        f"{percent(solution.equilibrium.misfit, 1)} of their mean, and {percent(abs(solution.momentum.closure), 2)} "
-        f"of the incident impulse is {_closing(solution)}."
-    )
     numbers = [
         ("largest true stress", with_unit(summary["stress"], "Pa", "MPa")),
         ("largest true strain", f"{100.0 * summary['strain']:.3g} %"),
@@ -422,11 +427,26 @@ def shot_report(solution: HopkinsonSolution) -> str:
         (f"impulse {_closing(solution)}", percent(abs(solution.momentum.closure), 2)),
     ]
     sections = [Section("Pulses", "", pictures), Section("Result", f"{_SHOT}\n\n{_SLOPE}", shot_tables(solution))]
-    return _page(solution, chapters.Summary("Report of a split-Hopkinson shot", text, numbers), sections)
+    head = chapters.Summary("Report of a split-Hopkinson shot", shot_words(solution), numbers)
+    return _page(solution, head, sections)
 
 
 def _closing(solution: HopkinsonSolution) -> str:
     return "missing" if solution.momentum.closure >= 0.0 else "in excess"
+
+
+def sensor_words(solution: SensorSolution) -> str:
+    """Say in words what the sensor read: on the screen and at the head of the report."""
+    comparison = solution.comparison
+    sensitivity = _sensitivity(solution.sensitivity, solution.unit)
+    what = "The sensitivity of the sensor" if solution.unit == "V" else "The reading over the reference"
+    return (
+        f"{what} is {sensitivity} at {with_unit(comparison.bandwidth.value, 'Hz', 'kHz')} (standard "
+        f"uncertainty {percent(solution.uncertainty.combined, 2)}), and {percent(comparison.agreement.residual, 1)} of "
+        "the reading does not follow the reference."
+        if solution.quoted
+        else "The rise of the pulse is too steep at this bandwidth for accelerations to be quoted."
+    )
 
 
 def sensor_report(solution: SensorSolution) -> str:
@@ -454,14 +474,6 @@ def sensor_report(solution: SensorSolution) -> str:
         ),
     ]
     sensitivity = _sensitivity(solution.sensitivity, solution.unit)
-    what = "The sensitivity of the sensor" if solution.unit == "V" else "The reading over the reference"
-    text = (
-        f"{what} is {sensitivity} at {with_unit(comparison.bandwidth.value, 'Hz', 'kHz')} (standard "
-        f"uncertainty {percent(share, 2)}), and {percent(comparison.agreement.residual, 1)} of the "
-        "reading does not follow the reference."
-        if solution.quoted
-        else "The rise of the pulse is too steep at this bandwidth for accelerations to be quoted."
-    )
     numbers = [
         ("sensitivity" if solution.unit == "V" else "reading over reference", sensitivity if solution.quoted else NONE),
         ("standard uncertainty", percent(share, 2) if solution.quoted else NONE),
@@ -470,8 +482,17 @@ def sensor_report(solution: SensorSolution) -> str:
         ("delay", _delay(comparison.agreement.delay, 2)),
     ]
     tables = Section("Result", f"{_SENSOR}\n\n{_DOUBT}", sensor_tables(solution))
-    summary = chapters.Summary("Report of an accelerometer on the end of a bar", text, numbers)
-    return _page(solution, summary, [Section("Pulses", "", pictures), tables])
+    head = chapters.Summary("Report of an accelerometer on the end of a bar", sensor_words(solution), numbers)
+    return _page(solution, head, [Section("Pulses", "", pictures), tables])
+
+
+def echo_words(solution: EchoSolution) -> str:
+    """Say in words what the echoes gave: on the screen and at the head of the report."""
+    echoes = solution.echoes
+    return (
+        f"The bar speed by {echoes.times.size} passes is {with_unit(echoes.speed.value, 'm/s', 'm/s', 5)}, "
+        f"{percent(solution.difference, 2, '+')} off the stated one."
+    )
 
 
 def echo_report(solution: EchoSolution) -> str:
@@ -484,10 +505,6 @@ def echo_report(solution: EchoSolution) -> str:
         Picture(one_diagram(lambda axes: draw_speed(axes, echoes, solution.bar.speed)), "Phase speed by the echoes."),
         Picture(one_diagram(lambda axes: draw_losses(axes, echoes)), "Attenuation by the echoes."),
     ]
-    text = (
-        f"The bar speed by {echoes.times.size} passes is {with_unit(echoes.speed.value, 'm/s', 'm/s', 5)}, "
-        f"{percent(solution.difference, 2, '+')} off the stated one."
-    )
     numbers = [
         ("bar speed", with_unit(echoes.speed.value, "m/s", "m/s", 5)),
         ("standard error", NONE if math.isnan(echoes.speed.error) else with_unit(echoes.speed.error, "m/s", "m/s", 2)),
@@ -495,7 +512,8 @@ def echo_report(solution: EchoSolution) -> str:
         ("attenuation", f"{echoes.attenuation.value:.3g} 1/m"),
     ]
     sections = [Section("Pulses", "", pictures), Section("Result", _ECHOES, echo_tables(solution))]
-    return _page(solution, chapters.Summary("Report of a bar calibrated by its echoes", text, numbers), sections)
+    head = chapters.Summary("Report of a bar calibrated by its echoes", echo_words(solution), numbers)
+    return _page(solution, head, sections)
 
 
 def _page(solution: Outcome, summary: chapters.Summary, sections: Sequence[Section]) -> str:

@@ -10,7 +10,14 @@ from typing import ClassVar
 from strikewave.analyses.hopkinson.echo_result import EchoSolution
 from strikewave.analyses.hopkinson.notices import digests
 from strikewave.analyses.hopkinson.outcome import marked_text
-from strikewave.analyses.hopkinson.report import echo_tables, sensor_tables, shot_tables
+from strikewave.analyses.hopkinson.report import (
+    echo_tables,
+    echo_words,
+    sensor_tables,
+    sensor_words,
+    shot_tables,
+    shot_words,
+)
 from strikewave.analyses.hopkinson.result import HopkinsonSolution
 from strikewave.analyses.hopkinson.run import run_hopkinson
 from strikewave.analyses.hopkinson.sensor_result import SensorSolution
@@ -18,7 +25,10 @@ from strikewave.analyses.hopkinson.setup_file import HopkinsonCase, with_test
 from strikewave.reporting.options import Output
 from strikewave.reporting.parts import Table
 from strikewave.reporting.run_and_write import Command, case_folder, run_and_write
-from strikewave.reporting.terminal import table
+from strikewave.reporting.terminal import report_table
+
+LEFT_OUT_FIRST = ("note", "derived", "noise (µε)", "Student's factor, 95 %", "freedom")
+"""Columns that a narrow screen does without."""
 
 AnySolution = HopkinsonSolution | SensorSolution | EchoSolution
 
@@ -48,11 +58,16 @@ class SetupCommand(Command[AnySolution]):
         """Return the solution."""
         return run_hopkinson(self.case)
 
+    def summary(self, result: AnySolution) -> str:
+        """Say what came out."""
+        if isinstance(result, HopkinsonSolution):
+            return shot_words(result)
+        return sensor_words(result) if isinstance(result, SensorSolution) else echo_words(result)
+
     def show(self, result: AnySolution) -> None:
         """Print the tables of a result."""
         for shown in _tables(result):
-            rows = [[cell if isinstance(cell, str) else cell.text for cell in row] for row in shown.cells()]
-            table(shown.caption, shown.columns, rows)
+            report_table(shown, more=LEFT_OUT_FIRST)
 
     def draw(self, result: AnySolution, folder: Path) -> list[str]:
         """Write page and summary."""

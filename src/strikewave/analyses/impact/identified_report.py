@@ -25,11 +25,13 @@ def identified_report(result: IdentifyResult) -> str:
         _record_section(result),
     ]
     status = None if result.found.described else Tag("the law does not describe the blow", "bad")
-    summary = chapters.Summary("Report of an identified contact", _words(result), _key_numbers(result), status)
+    summary = chapters.Summary(
+        "Report of an identified contact", identified_words(result), _key_numbers(result), status
+    )
     return chapters.result_page(result, summary, sections)
 
 
-def _words(result: IdentifyResult) -> str:
+def identified_words(result: IdentifyResult) -> str:
     """Say in words what the pulse determines."""
     contact = result.found
     fits = "describes" if contact.described else "does not describe"

@@ -14,9 +14,10 @@ from strikewave.contact.identification import DESCRIBED, Identified, identify
 from strikewave.contact.impact import reduced_mass
 from strikewave.records import ChannelReading, Options
 from strikewave.reporting import measured_files as measured
+from strikewave.reporting.layout import keys, numerals, texts
 from strikewave.reporting.options import Output, Typed
 from strikewave.reporting.run_and_write import Command, run_and_write
-from strikewave.reporting.terminal import say, significant, table
+from strikewave.reporting.terminal import significant, table, tell
 
 
 def identify_contact(
@@ -57,6 +58,12 @@ class IdentifyCommand(Command[IdentifyResult]):
         contact = _identified(self.file, reading, scale, known, self.given.window)
         notices = _notices(reading, contact)
         return IdentifyResult(self.file, reading, contact, origin=self.origin, notices=notices)
+
+    def summary(self, result: IdentifyResult) -> str:
+        """Say what the pulse determines of the contact."""
+        from strikewave.analyses.impact.identified_report import identified_words
+
+        return identified_words(result)
 
     def show(self, result: IdentifyResult) -> None:
         """Print what the pulse determines of the contact."""
@@ -146,13 +153,11 @@ def _print(result: IdentifyResult) -> None:
     rows += [value_line(name, estimate) for name, estimate in contact.combinations.items()]
     rows.append(value_line("begin", contact.begin))
     title = f"Contact of {Path(result.file).name}, {result.reading.channel.name}: F = K d^n (1 + chi d'/v0)"
-    table(title, ["", "value", "standard error", "unit"], rows)
-    say(
+    table(title, [*keys(""), *numerals("value", "standard error"), *texts("unit")], rows)
+    tell(
         f"noise {significant(contact.noise, 3)} N, misfit {contact.residual:.2%} of the peak, "
         f"{contact.time.size} samples"
     )
     shared = contact.correlated("exponent", "restitution")
     if shared is not None:
-        say(f"correlation of exponent and restitution: {shared:.2f}")
-    for words in contact.words[: None if contact.described else -1]:
-        say(words)
+        tell(f"correlation of exponent and restitution: {shared:.2f}")

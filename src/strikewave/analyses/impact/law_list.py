@@ -30,10 +30,12 @@ from strikewave.contact.cushions import cushion_laws
 from strikewave.contact.registry import FROM_MEMORY
 from strikewave.reporting import measured_files as measured
 from strikewave.reporting.columns import Column
+from strikewave.reporting.layout import KEY, MORE, keys, numerals, texts
+from strikewave.reporting.numbers import listed
 from strikewave.reporting.options import Output
 from strikewave.reporting.run_and_write import Command, run_and_write
 from strikewave.reporting.shown_result import columns_of
-from strikewave.reporting.terminal import say, table
+from strikewave.reporting.terminal import say, table, tell
 
 ASKED = (0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9)
 """Restitutions asked of each law; the overview shows every other."""
@@ -148,13 +150,22 @@ class LawsCommand(Command[LawsResult]):
         laws = _named(everything, self.name)
         return LawsResult(laws, everything, origin=self.origin, notices=_notices(laws))
 
+    def summary(self, result: LawsResult) -> str:
+        """Count the laws, or say what those of a name are."""
+        laws = [(kind, list(laws_of_kind.values())) for kind, laws_of_kind in result.laws.kinds if laws_of_kind]
+        if self.name is None:
+            return f"{listed([f'{len(of_kind)} {kind}s' for kind, of_kind in laws])}."
+        named = [(law, kind) for kind, of_kind in laws for law in of_kind]
+        return " ".join(f"{law.name}, {kind}: {law.equation} ({law.status})." for law, kind in named)
+
     def show(self, result: LawsResult) -> None:
         """Print an overview, or the laws of a name in full."""
         if self.name is not None:
             _print_each(result.laws)
             return
         _print_all(result.laws)
-        say(
+        tell("")
+        tell(
             "one law in full: strikewave laws NAME; a law of your own: name it as an entry point in the "
             "pyproject.toml of an installed package (strikewave/contact/registry.py shows how)"
         )
@@ -255,23 +266,25 @@ def _mark(law: Law) -> str:
 
 def _print_all(laws: Laws) -> None:
     shown = range(0, len(ASKED), 2)
-    columns = ["name", "status", "equation", *(f"e = {ASKED[k]:g}" for k in shown)]
+    named = [*keys("name"), *texts("status"), *texts("equation")]
+    needing = [*named, *texts("needs", priority=MORE)]
+    columns = [*named, *numerals(*(f"e = {ASKED[k]:g}" for k in shown), priority=MORE)]
     rows = []
     for law in laws.damping.values():
         given = laws.given[f"damping {law.name}"] or []
         rows.append([law.name, _mark(law), law.equation, *(f"{given[k]:.4f}" for k in shown)])
-    table("Damping laws, F = K d^n (1 + chi d'/v0), and the restitution that comes out for e", columns, rows, left=3)
+    table("Damping laws, F = K d^n (1 + chi d'/v0), and the restitution that comes out for e", columns, rows)
     rows = [
         [law.name, _mark(law), law.equation, _relation(laws.given[f"damper {law.name}"])]
         for law in laws.dampers.values()
     ]
-    table("Dampers, F = K d^n + c d^p d'", ["name", "status", "equation", "restitution"], rows, left=4)
+    table("Dampers, F = K d^n + c d^p d'", [*named, *texts("restitution", priority=MORE)], rows)
     rows = [[law.name, _mark(law), law.equation, _needs(law)] for law in laws.stiffness.values()]
-    table("Stiffness laws", ["name", "status", "equation", "needs"], rows, left=4)
+    table("Stiffness laws", needing, rows)
     rows = [[law.name, _mark(law), law.equation] for law in laws.caps.values()]
-    table("Pressure caps: elastic-plastic contacts that remember", ["name", "status", "equation"], rows, left=3)
+    table("Pressure caps: elastic-plastic contacts that remember", named, rows)
     rows = [[law.name, _mark(law), law.equation, _needs(law)] for law in laws.cushions.values()]
-    table("Cushions: pads between plane faces", ["name", "status", "equation", "needs"], rows, left=4)
+    table("Cushions: pads between plane faces", needing, rows)
 
 
 def _relation(given: Sequence[float] | None) -> str:
@@ -297,13 +310,13 @@ def _needs(law: Law) -> str:
 def _print_each(laws: Laws) -> None:
     for kind, laws_of_kind in laws.kinds:
         for law in laws_of_kind.values():
-            table(f"{law.name}, {kind}", ["", ""], _rows(law), left=2)
+            table(f"{law.name}, {kind}", [*keys(""), *texts("")], _rows(law))
     for name in laws.damping:
         _print_given(laws.given[f"damping {name}"], "Restitution of the damping law")
     for name in laws.dampers:
         given = laws.given[f"damper {name}"]
         if given is None:
-            say("its restitution cannot be prescribed: it depends on the speed")
+            tell("its restitution cannot be prescribed: it depends on the speed")
         else:
             _print_given(given, f"Restitution of the damper (n = {EXPONENT:g} where it depends on n)")
 
@@ -315,5 +328,5 @@ def _rows(law: Law) -> list[tuple[str, str]]:
 
 
 def _print_given(given: Sequence[float] | None, title: str) -> None:
-    columns = ["asked", *(f"{asked:g}" for asked in ASKED)]
-    table(title, columns, [["given", *(f"{value:.4f}" for value in given or ())]])
+    rows = [[f"{asked:g}", f"{value:.4f}"] for asked, value in zip(ASKED, given or (), strict=False)]
+    table(title, [*numerals("asked", priority=KEY), *numerals("given")], rows)

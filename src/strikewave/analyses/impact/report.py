@@ -25,11 +25,11 @@ def impact_report(result: ImpactResult) -> str:
         *([_blows(result)] if many else []),
         chapters.warnings(result.notices),
     ]
-    summary = chapters.Summary("Report of an impact", _words(result), _key_numbers(result))
+    summary = chapters.Summary("Report of an impact", impact_words(result), _key_numbers(result))
     return chapters.result_page(result, summary, sections)
 
 
-def _words(result: ImpactResult) -> str:
+def impact_words(result: ImpactResult) -> str:
     """Say in words what happens."""
     setup, first = result.setup, result.blows[0]
     m1, m2 = (with_unit(mass, "kg", "kg") if mass < float("inf") else "a fixed body" for mass in setup.masses)

@@ -19,9 +19,10 @@ from strikewave.analyses.impact.setup import Setup
 from strikewave.base.result import Source
 from strikewave.contact import Impact
 from strikewave.reporting import measured_files as measured
+from strikewave.reporting.layout import KEY, MORE, keys, numerals, texts
 from strikewave.reporting.options import Output
 from strikewave.reporting.run_and_write import Command, run_and_write
-from strikewave.reporting.terminal import say, table
+from strikewave.reporting.terminal import table, tell
 
 
 def solve_setup(setup: Setup, output: Output) -> int:
@@ -51,6 +52,12 @@ class ImpactCommand(Command[ImpactResult]):
             self.setup, blows, answers, origin=self.origin, notices=_notices(self.setup, blows[0], answers)
         )
 
+    def summary(self, result: ImpactResult) -> str:
+        """Say what the first blow came to."""
+        from strikewave.analyses.impact.report import impact_words
+
+        return impact_words(result)
+
     def show(self, result: ImpactResult) -> None:
         """Print the first blow, and the others in a table."""
         _print(result)
@@ -69,18 +76,19 @@ class ImpactCommand(Command[ImpactResult]):
 
 def _print(result: ImpactResult) -> None:
     setup, blows = result.setup, result.blows
-    table(
-        "Impact of two free bodies" + (", first blow" if setup.repeat > 1 else ""),
-        ["", ""],
-        first_rows(setup, blows[0]),
-    )
+    title = "Impact of two free bodies" + (", first blow" if setup.repeat > 1 else "")
+    table(title, [*keys(""), *texts("")], first_rows(setup, blows[0]))
     if result.answers.differ:
-        table("First blow with its contact elastic and yielding", *answer_table(result.answers))
+        (named, *heads), rows = answer_table(result.answers)
+        table("First blow with its contact elastic and yielding", [*keys(named), *numerals(*heads)], rows)
     if setup.repeat > 1:
         _print_blows(blows)
 
 
 def _print_blows(blows: list[Impact]) -> None:
-    table("Blows on the same spot", *blow_table(blows), left=0)
+    (blow, restitution, indentation, residual, force, duration, *others), rows = blow_table(blows)
+    columns = [*numerals(blow, priority=KEY), *numerals(restitution)]
+    columns += [*numerals(indentation, residual, priority=MORE), *numerals(force, duration)]
+    table("Blows on the same spot", [*columns, *numerals(*others, priority=MORE + 1)], rows)
     if len(blows) > MOST_ROWS:
-        say(f"the first and last {MOST_ROWS // 2} of {len(blows)} blows; --json and --out have them all")
+        tell(f"the first and last {MOST_ROWS // 2} of {len(blows)} blows; --json and --out have them all")

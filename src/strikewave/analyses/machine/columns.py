@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
+from strikewave.reporting.layout import KEY, MAIN, MORE, ScreenColumn, numerals, texts
 from strikewave.reporting.numbers import heads
 
 
@@ -27,6 +28,8 @@ class BlowColumn(NamedTuple):
         Where it is shown: ``blows``, ``contact``, ``sliding`` (where friction acts across the face), or nowhere.
     document : bool
         Whether the JSON document holds it; blows.csv and the histories hold all.
+    priority : int
+        On a narrow screen a column of a larger number than `MAIN` is left out, the largest first.
     """
 
     name: str
@@ -35,32 +38,33 @@ class BlowColumn(NamedTuple):
     decimals: int = 0
     tables: str = ""
     document: bool = True
+    priority: int = MAIN
 
 
 COLUMNS = (
     BlowColumn("striker", "1", document=False),
     BlowColumn("time", "s", "ms", 3, "blows"),
-    BlowColumn("approach_speed", "m/s", "m/s", 3, "blows, contact"),
-    BlowColumn("rebound_speed", "m/s", "m/s", 3, "contact"),
+    BlowColumn("approach_speed", "m/s", "m/s", 3, "blows, contact", priority=MORE),
+    BlowColumn("rebound_speed", "m/s", "m/s", 3, "contact", priority=MORE),
     BlowColumn("restitution", "1", "1", 4, "contact"),
     BlowColumn("indentation", "m", "um", 2, "contact"),
-    BlowColumn("residual_indentation", "m", "um", 2, "contact"),
+    BlowColumn("residual_indentation", "m", "um", 2, "contact", priority=MORE + 1),
     BlowColumn("contact_stiffness", "N/m", "MN/m", 1, "contact"),
-    BlowColumn("flattening", "1", "1", 4, "contact"),
+    BlowColumn("flattening", "1", "1", 4, "contact", priority=MORE + 1),
     BlowColumn("side_force", "N", "kN", 2, "sliding"),
     BlowColumn("side_impulse", "N s", "N s", 3, "sliding"),
-    BlowColumn("friction_heat", "J", "J", 2, "sliding"),
-    BlowColumn("impulse", "N s", "N s", 3, "blows"),
+    BlowColumn("friction_heat", "J", "J", 2, "sliding", priority=MORE),
+    BlowColumn("impulse", "N s", "N s", 3, "blows", priority=MORE + 1),
     BlowColumn("contact_impulse", "N s", document=False),
     BlowColumn("support_impulse", "N s", document=False),
     BlowColumn("momentum_error", "1", document=False),
-    BlowColumn("peak_force", "N", "kN", 2, "blows"),
+    BlowColumn("peak_force", "N", "kN", 2, "blows", priority=MORE),
     BlowColumn("rigid_peak", "m/s^2", "g", 1, "blows"),
     BlowColumn("width", "s", "us", 1, "blows"),
     BlowColumn("rise", "s", document=False),
     BlowColumn("velocity_change", "m/s", "m/s", 3, "blows"),
-    BlowColumn("largest_displacement", "m", "mm", 2, "blows"),
-    BlowColumn("turntable_speed", "rad/s", "rad/s", 3, "sliding"),
+    BlowColumn("largest_displacement", "m", "mm", 2, "blows", priority=MORE + 1),
+    BlowColumn("turntable_speed", "rad/s", "rad/s", 3, "sliding", priority=MORE),
 )
 
 BLOW_SI = {column.name: column.unit for column in COLUMNS if column.name != "striker"}
@@ -97,3 +101,18 @@ def headings(table: str) -> list[str]:
     ['rebound speed (m/s)', 'coefficient of restitution']
     """
     return heads([(CALLED.get(name, name), si, unit, decimals) for name, si, unit, decimals in shown_in(table)])
+
+
+def screen_columns(table: str) -> list[ScreenColumn]:
+    """Return the columns of a table on the screen, with the number of the blow, and in ``blows`` its kind and contacts.
+
+    Examples
+    --------
+    >>> [column.head for column in screen_columns("contact")][:3]
+    ['#', 'approach speed (m/s)', 'rebound speed (m/s)']
+    """
+    priorities = [column.priority for column in COLUMNS if table in column.tables]
+    shown = [ScreenColumn(head, priority) for head, priority in zip(headings(table), priorities, strict=True)]
+    if table != "blows":
+        return [*numerals("#", priority=KEY), *shown]
+    return [*numerals("#", priority=KEY), *texts("kind"), *shown, *numerals("contacts", priority=MORE + 2)]

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from strikewave.analyses.machine.columns import headings, shown_in
+from strikewave.analyses.machine.columns import screen_columns, shown_in
 from strikewave.analyses.machine.result import Solution
 from strikewave.analyses.machine.run import run_case, with_bands
 from strikewave.analyses.machine.words import (
@@ -18,10 +18,13 @@ from strikewave.analyses.machine.words import (
     reference_law,
     restitution_words,
     settings,
+    struck_blows,
+    summary_words,
 )
 from strikewave.cases.case import Case, dump_case
 from strikewave.cases.losses_of_case import fitted_losses
 from strikewave.cases.sensors_of_case import build_channels
+from strikewave.reporting.layout import KEY, MORE, keys, numerals
 from strikewave.reporting.numbers import headed, with_unit
 from strikewave.reporting.options import Output
 from strikewave.reporting.run_and_write import Command, case_folder, run_and_write
@@ -33,8 +36,8 @@ from strikewave.reporting.terminal import (
     print_losses,
     print_published,
     progress_bar,
-    say,
     table,
+    tell,
 )
 
 
@@ -71,6 +74,10 @@ class MachineCommand(Command[Solution]):
         with progress_bar("band") as report:
             return with_bands(solution, report)
 
+    def summary(self, result: Solution) -> str:
+        """Say what happened."""
+        return summary_words(result)
+
     def show(self, result: Solution) -> None:
         """Print the tables of a run."""
         show(result)
@@ -83,38 +90,44 @@ class MachineCommand(Command[Solution]):
 
 
 def show(solution: Solution) -> None:
-    """Print the blows, the contact, the waves, published numbers and the balance of a run."""
+    """Print the settings, the blows, the waves, the contact, published numbers and the balance of a run."""
+    tell(f"{solution.case.name}: {', '.join(settings(solution))}", "  ")
     columns = shown_in("blows")
     rows = [
         [str(b.index), b.kind, *(fixed(getattr(b, n), si, unit, d) for n, si, unit, d in columns), str(b.contacts)]
         for b in solution.blows
     ]
-    say(_header(solution))
-    table(solution.title, ["#", "kind", *headings("blows"), "contacts"], rows, left=2)
+    table(solution.title, screen_columns("blows"), rows)
     print_bands(solution, solution.figures)
+    _print_waves(solution)
     _print_struck(solution, "contact", "Contact, blow by blow")
     _print_answers(solution)
     if solution.slides:
         _print_struck(solution, "sliding", "Nose across the face; the object's guide bears the side force")
-    _print_waves(solution)
     print_published(solution.comparisons)
     _print_collisions(solution)
+    tell("")
+    tell(_alone_words(solution))
+    values = solution.case.with_stale_fits_assumed().values()
+    fitted = [f"{path} = {value.typed}" for path, value in values.items() if value.provenance == "fitted"]
+    if fitted:
+        tell("fitted: " + ", ".join(fitted))
+    balance = solution.balance
+    tell(f"balance: energy {balance['energy_error']:.1e}, momentum {balance['momentum_error']:.1e} (limit 1e-6)")
+
+
+def _alone_words(solution: Solution) -> str:
+    """Say what the pulse would be if nothing but the contact gave way."""
     r = solution.reference
     pulse = (
         with_unit(r.duration, "s", "us", 3),
         with_unit(r.peak_force, "N", "kN", 3),
         with_unit(r.peak_acceleration, "m/s^2", "g", 3),
     )
-    say(
+    return (
         f"if nothing but the contact gave way ({reference_law(solution.case)} on a rigid object, at the nominal "
         f"{with_unit(r.approach_speed, 'm/s', 'm/s', 3)}), the pulse would be {', '.join(pulse)}"
     )
-    values = solution.case.with_stale_fits_assumed().values()
-    fitted = [f"{path} = {value.typed}" for path, value in values.items() if value.provenance == "fitted"]
-    if fitted:
-        say("fitted: " + ", ".join(fitted))
-    balance = solution.balance
-    say(f"balance: energy {balance['energy_error']:.1e}, momentum {balance['momentum_error']:.1e} (limit 1e-6)")
 
 
 def _print_answers(solution: Solution) -> None:
@@ -123,15 +136,25 @@ def _print_answers(solution: Solution) -> None:
     if answers is None:
         return
     if answers.differ:
-        table(ANSWERS_CALLED, answer_heads(), answer_rows(answers))
-    say(restitution_words(answers))
+        named, pressure, *others, back = answer_heads()
+        columns = [
+            *keys(named),
+            *numerals(pressure, priority=MORE),
+            *numerals(*others),
+            *numerals(back, priority=MORE),
+        ]
+        table(ANSWERS_CALLED, columns, answer_rows(answers))
+    tell(restitution_words(answers))
 
 
 def _print_struck(solution: Solution, which: str, title: str) -> None:
     """Print a table of the blows that struck."""
-    columns, struck = shown_in(which), [blow for blow in solution.blows if blow.kind != "missed"]
-    rows = [[str(b.index), *(fixed(getattr(b, n), si, unit, d) for n, si, unit, d in columns)] for b in struck]
-    table(title, ["#", *headings(which)], rows)
+    columns = shown_in(which)
+    rows = [
+        [str(b.index), *(fixed(getattr(b, n), si, unit, d) for n, si, unit, d in columns)]
+        for b in struck_blows(solution)
+    ]
+    table(title, screen_columns(which), rows, detail=True)
 
 
 def _print_waves(solution: Solution) -> None:
@@ -153,23 +176,20 @@ def _print_waves(solution: Solution) -> None:
     kinds = ("rigid", "total", "wave") if solution.waves else ("rigid",)
     peaks_of = [headed(name, "m/s^2", "g") for name in (*kinds, *(f"sensor {name}" for name in names))]
     title = f"Peak accelerations, route {solution.case.solver.route}{stated}"
+    table(title, [*numerals("#", priority=KEY), *numerals(*peaks_of)], rows)
     setup = solution.waves
     if setup is not None:
-        say(
+        tell(
             f"waves: time step {with_unit(setup.step, 's', 'ns')}, which changes a layer's length by "
             f"{setup.mismatch:.1e} of it at most (layer by layer in the report)"
         )
-    table(title, ["#", *peaks_of], rows, left=0)
     print_losses(build_channels(solution.case))
     print_fits(fitted_losses(solution.case))
-
-
-def _header(solution: Solution) -> str:
-    """Return the main settings in one line."""
-    return f"{solution.case.name}: " + ", ".join(settings(solution))
 
 
 def _print_collisions(solution: Solution) -> None:
     """Print the collisions of the bodies of an amplifier."""
     if solution.collisions:
-        table("Collisions in the line, by restitution alone", collision_heads(), collision_rows(solution), left=3)
+        time, lower, upper, *others = collision_heads()
+        columns = [*numerals(time, priority=KEY), *keys(lower), *keys(upper), *numerals(*others)]
+        table("Collisions in the line, by restitution alone", columns, collision_rows(solution))

@@ -142,7 +142,7 @@ def summary_words(solution: Solution) -> str:
     >>> summary_words(run_case(load_case("li-ma-2019", ["feed.blows=1"]))).partition(".")[0]
     'One blow, full'
     """
-    struck = _struck(solution)
+    struck = struck_blows(solution)
     if not struck:
         missed = len(solution.blows)
         passes = f" {missed} {'striker' if missed == 1 else 'strikers'} passed without touching it." if missed else ""
@@ -174,7 +174,7 @@ def summary_words(solution: Solution) -> str:
 
 def key_numbers(solution: Solution) -> list[tuple[str, str]]:
     """Return the numbers of a run that matter most, each with its unit, and its band where it has one."""
-    struck, band = _struck(solution), solution.band
+    struck, band = struck_blows(solution), solution.band
     wanted = solution.case.feed.blows if solution.case.feed else None
     pairs = [("blows" if wanted is None else f"blows of {wanted.si:.0f} wanted", str(len(struck)))]
     if not struck:
@@ -198,7 +198,8 @@ def key_numbers(solution: Solution) -> list[tuple[str, str]]:
     return pairs
 
 
-def _struck(solution: Solution) -> list[Blow]:
+def struck_blows(solution: Solution) -> list[Blow]:
+    """Return the blows that touched the object."""
     return [blow for blow in solution.blows if blow.kind != "missed"]
 
 

@@ -18,6 +18,7 @@ from strikewave.analyses.record.result import (
     record_result,
 )
 from strikewave.analyses.record.tables import short_names
+from strikewave.analyses.record.words import record_words
 from strikewave.base.errors import StrikewaveError
 from strikewave.base.result import Source
 from strikewave.records import (
@@ -36,9 +37,10 @@ from strikewave.records import (
 )
 from strikewave.records.campaign import SUMMED
 from strikewave.reporting import measured_files as measured
+from strikewave.reporting.layout import MORE, keys, numerals, texts
 from strikewave.reporting.options import Output
 from strikewave.reporting.run_and_write import Command, run_and_write
-from strikewave.reporting.terminal import number, say, significant, table
+from strikewave.reporting.terminal import number, say, significant, table, tell
 from strikewave.signal.filters import Filter
 
 MOST_ROWS = 60
@@ -89,6 +91,10 @@ class RecordCommand(Command[RecordResult]):
         calibrations = _calibrations(wanted, [Path(reading.path) for reading in readings])
         return record_result(readings, campaigns, wanted.filter, calibrations=calibrations, origin=self.origin)
 
+    def summary(self, result: RecordResult) -> str:
+        """Say what the records have in common, and which are bad."""
+        return record_words(result)
+
     def show(self, result: RecordResult) -> None:
         """Print files, campaigns, and what the filter did."""
         _print(result.readings, result.campaigns, result.filter)
@@ -129,14 +135,10 @@ def _print(readings: Sequence[FileReading], campaigns: Sequence[Campaign], filte
     names = short_names([file.path for file in readings])
     rows = [row for file in readings for row in _rows(file, names[file.path])]
     columns = [
-        "file",
-        "channel",
-        "status",
-        "blows",
-        "peak",
-        "rise time 10-90 % (us)",
-        "pulse width at 10 % (us)",
-        "velocity change",
+        *(*keys("file"), *texts("channel"), *texts("status"), *numerals("blows", "peak")),
+        *numerals("rise time 10-90 % (us)", priority=MORE),
+        *numerals("pulse width at 10 % (us)"),
+        *numerals("velocity change", priority=MORE),
     ]
     shown = rows[:MOST_ROWS]
     title = f"{len(readings)} records" if len(readings) > 1 else readings[0].path
@@ -144,11 +146,10 @@ def _print(readings: Sequence[FileReading], campaigns: Sequence[Campaign], filte
         title if len(rows) == len(shown) else f"{title}, the first {MOST_ROWS} of {len(rows)} rows",
         columns,
         shown,
-        left=3,
     )
     for file in readings:
         if file.status != "good":
-            say(f"{names[file.path]}, {file.status}: {'; '.join(file.reasons)}")
+            tell(f"{names[file.path]}, {file.status}: {'; '.join(file.reasons)}", "  ")
     for campaign in campaigns:
         _print_campaign(campaign, readings, names)
     _print_filter([reading for file in readings for reading in file.channels], filter_)
@@ -213,15 +214,16 @@ def _print_campaign(campaign: Campaign, readings: Sequence[FileReading], names: 
         cv = "-" if statistic.n < 2 else f"{statistic.cv:.2%}"
         rows.append([name.replace("_", " "), write(statistic.mean), cv, bounds, str(statistic.n), trend])
     if not rows:
-        say(f"{campaign.channel}: nothing is left to sum up")
+        tell(f"{campaign.channel}: nothing is left to sum up")
         return
-    columns = ["figure", "mean", "scatter (CV)", "mean, 95 % bounds", "blows", "trend over the files"]
+    columns = [*keys("figure"), *numerals("mean", "scatter (CV)"), *numerals("mean, 95 % bounds")]
+    columns += numerals("blows", "trend over the files", priority=MORE)
     table(f"All blows together: {campaign.channel}", columns, rows)
     if any(" *" in row[-1] for row in rows):
-        say("* a trend that scatter alone gives in less than 5 % of campaigns")
+        tell("* a trend that scatter alone gives in less than 5 % of campaigns")
     for path, figures, _ in campaign.left_out:
         what = "all figures" if len(figures) == len(SUMMED) else ", ".join(figures).replace("_", " ")
-        say(f"left out: {what} of {names[path]}")
+        tell(f"left out: {what} of {names[path]}")
 
 
 def _print_filter(readings: Sequence[ChannelReading], filter_: Filter | None) -> None:
@@ -230,7 +232,7 @@ def _print_filter(readings: Sequence[ChannelReading], filter_: Filter | None) ->
         cutoffs = [cutoff for cutoff in map(cutoff_for, readings) if cutoff is not None]
         if cutoffs:
             kilohertz = significant(max(cutoffs) / 1e3, 3)
-            say(f"a low-pass of {kilohertz} kHz or more (--filter) leaves 98 % of a half-sine as steep as these")
+            tell(f"a low-pass of {kilohertz} kHz or more (--filter) leaves 98 % of a half-sine as steep as these")
         return
     for reading in readings:
         effect = filter_effect(reading, filter_)
@@ -240,4 +242,4 @@ def _print_filter(readings: Sequence[ChannelReading], filter_: Filter | None) ->
             sentence += f" leaves {peak:.1%} of the peak, {width:.1%} of the width"
         if effect["half_sine_peak_left"] is not None:
             sentence += f" (of a half-sine as wide {effect['half_sine_peak_left']:.1%})"
-        say(sentence)
+        tell(sentence)

@@ -46,11 +46,11 @@ def spectrum_report(result: SpectrumResult) -> str:
     ]
     status = result.reading.status
     tag = Tag(f"record {status}", {"good": "good", "bad": "bad"}.get(status, "warned"))
-    summary = chapters.Summary("Report of a shock response spectrum", _words(result), _key_numbers(result), tag)
+    summary = chapters.Summary("Report of a shock response spectrum", spectrum_words(result), _key_numbers(result), tag)
     return chapters.result_page(result, summary, sections)
 
 
-def _words(result: SpectrumResult) -> str:
+def spectrum_words(result: SpectrumResult) -> str:
     """Say in words what the spectra are of."""
     first, reading = result.spectra[0], result.reading
     q = "undamped" if math.isinf(first.q) else f"Q = {first.q:g} ({percent(0.5 / first.q)} of critical damping)"

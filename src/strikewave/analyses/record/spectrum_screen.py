@@ -12,9 +12,11 @@ from strikewave.base.errors import InputError
 from strikewave.base.result import Notice, Source
 from strikewave.records import ChannelReading, Options
 from strikewave.reporting import measured_files as measured
+from strikewave.reporting.layout import KEY, numerals
+from strikewave.reporting.numbers import headed
 from strikewave.reporting.options import Output, Typed
 from strikewave.reporting.run_and_write import Command, run_and_write
-from strikewave.reporting.terminal import number, say, significant, table
+from strikewave.reporting.terminal import number, say, significant, table, tell
 from strikewave.signal.srs import Scope, octaves
 
 HIGHEST = 100e3
@@ -79,6 +81,12 @@ class SrsCommand(Command[SpectrumResult]):
             origin=self.origin,
             notices=_notices(reading),
         )
+
+    def summary(self, result: SpectrumResult) -> str:
+        """Say where the spectrum is largest."""
+        from strikewave.analyses.record.spectrum_report import spectrum_words
+
+        return spectrum_words(result)
 
     def show(self, result: SpectrumResult) -> None:
         """Print every so many of the frequencies."""
@@ -151,7 +159,8 @@ def _print(result: SpectrumResult) -> None:
     step = max(len(first.frequency) // SHOWN_ROWS, 1)
     shown = range(0, len(first.frequency), step)
     in_g = reading.channel.unit == "m/s^2"
-    columns = ["frequency (Hz)"] + [f"{s.kind} ({SHOWN_UNITS[s.kind] if in_g else 'own'})" for s in spectra]
+    columns = numerals(headed("frequency", "Hz", "Hz"), priority=KEY)
+    columns += numerals(*(headed(s.kind, *_units(s.kind, in_g)) if in_g else f"{s.kind} (own)" for s in spectra))
     rows = [
         [significant(float(first.frequency[k]), 4)]
         + [number(float(s.side(side)[k]), *_units(s.kind, in_g)) for s in spectra]
@@ -159,6 +168,6 @@ def _print(result: SpectrumResult) -> None:
     ]
     q = "undamped" if math.isinf(first.q) else f"Q = {first.q:g}"
     title = f"Shock response spectrum of {Path(result.file).name}, {reading.channel.name}: {q}, {side}, {first.part}"
-    table(title, columns, rows, left=0)
+    table(title, columns, rows)
     if step > 1:
-        say(f"every {step}th of {len(first.frequency)} frequencies; --json or spectrum.csv has them all")
+        tell(f"every {step}th of {len(first.frequency)} frequencies; --json or spectrum.csv has them all")

@@ -9,13 +9,15 @@ from pathlib import Path
 from typing import ClassVar
 
 from strikewave.analyses.wave.band import with_bands
-from strikewave.analyses.wave.report import TAP_HEADS, error_words, tap_rows, wave_tables
+from strikewave.analyses.wave.report import TAP_HEADS, error_words, tap_rows, wave_tables, wave_words
 from strikewave.analyses.wave.run import WaveSolution, run_wave
 from strikewave.base.compile_progress import compiling_shown
 from strikewave.base.errors import MISSING, InputError
 from strikewave.cases.case import Case, dump_case
+from strikewave.reporting.layout import MORE, keys, numerals, texts
 from strikewave.reporting.numbers import shown_heads, with_unit
 from strikewave.reporting.options import Output
+from strikewave.reporting.parts import Table
 from strikewave.reporting.run_and_write import Command, case_folder, run_and_write
 from strikewave.reporting.stack_chapters import MOST_LAYERS
 from strikewave.reporting.terminal import (
@@ -24,9 +26,10 @@ from strikewave.reporting.terminal import (
     print_fits,
     print_losses,
     progress_bar,
-    say,
+    report_table,
     say_compiling,
     table,
+    tell,
 )
 
 
@@ -76,6 +79,10 @@ class WaveCommand(Command[WaveSolution]):
         with progress_bar("band") as report:
             return with_bands(solution, report)
 
+    def summary(self, result: WaveSolution) -> str:
+        """Say what the taps show."""
+        return wave_words(result)
+
     def show(self, result: WaveSolution) -> None:
         """Print the tables of a run."""
         show(result)
@@ -90,10 +97,13 @@ class WaveCommand(Command[WaveSolution]):
 def show(solution: WaveSolution) -> None:
     """Print the largest values at the taps, the layers, joints and sensors of a stack, and how exact they are."""
     stack = solution.run.stack
-    transit = with_unit(stack.transit, "s", "us")
-    say(f"{solution.case.name}: {len(stack.layers)} layers, {stack.mass:.4g} kg, transit {transit}")
+    name, transit = solution.case.name, with_unit(stack.transit, "s", "us")
+    tell(f"{name}: {len(stack.layers)} layers, {stack.mass:.4g} kg, transit {transit}", "  ")
+    tap, route, layer, position, *others = shown_heads(*TAP_HEADS)
+    columns = [*keys(tap), *texts(route, priority=MORE + 1), *texts(layer, priority=MORE)]
+    columns += [*numerals(position, priority=MORE), *numerals(*others)]
     rows = [[str(cell) for cell in row] for row in tap_rows(solution)]
-    table(f"{solution.title}: largest values at the taps", shown_heads(*TAP_HEADS), rows, left=3)
+    table(f"{solution.title}: largest values at the taps", columns, rows)
     used = [
         [
             layer.name,
@@ -106,10 +116,11 @@ def show(solution: WaveSolution) -> None:
     if solution.method != "spectral":
         more = len(stack.layers) - MOST_LAYERS
         title = "Layers as the time step makes them" + (f" ({more} more in the JSON)" if more > 0 else "")
-        table(title, shown_heads("layer", "asked (mm)", "used (mm)", "steps"), used)
+        columns = [*keys("layer"), *numerals(*shown_heads("asked (mm)", "used (mm)"), "steps")]
+        table(title, columns, used, detail=True)
     print_fits(solution.losses)
-    for caption, columns, rows in wave_tables(solution):
-        table(caption, columns, rows)
+    for caption, heads, listing in wave_tables(solution):
+        report_table(Table(caption, heads, listing))
     if solution.channels:
         read = [
             [
@@ -120,8 +131,9 @@ def show(solution: WaveSolution) -> None:
             ]
             for name, pulse in solution.sensors.items()
         ]
-        table("What the sensors read", shown_heads("sensor", "peak (g)", "pulse width at 10 % (us)", "clipped"), read)
+        heads = shown_heads("peak (g)", "pulse width at 10 % (us)")
+        table("What the sensors read", [*keys("sensor"), *numerals(*heads), *texts("clipped")], read)
         print_losses(solution.channels)
     print_bands(solution, solution.figures)
-    say(error_words(solution))
-    say(f"balance: momentum {solution.run.momentum_error:.1e} (limit 1e-6)")
+    tell(error_words(solution))
+    tell(f"balance: momentum {solution.run.momentum_error:.1e} (limit 1e-6)")

@@ -16,9 +16,10 @@ from strikewave.papers.li_ma_2019.report.tables import findings_table, numbers_t
 from strikewave.papers.li_ma_2019.reproduce import reproduce
 from strikewave.papers.li_ma_2019.result import PAPER, Reproduction, marked_text
 from strikewave.papers.li_ma_2019.runs import Effort
+from strikewave.reporting.layout import MORE, keys, numerals, texts
 from strikewave.reporting.options import Output
 from strikewave.reporting.run_and_write import Command, run_and_write
-from strikewave.reporting.terminal import progress_bar, say, table
+from strikewave.reporting.terminal import progress_bar, say, table, tell
 
 Report = Callable[[float, str], None]
 
@@ -60,15 +61,32 @@ class ReproduceCommand(Command[Reproduction]):
         with progress() as report:
             return reproduce(self.effort, report)
 
+    def summary(self, result: Reproduction) -> str:
+        """Say what came out."""
+        from strikewave.papers.li_ma_2019.report.page import reproduction_words
+
+        return reproduction_words(result)
+
     def show(self, result: Reproduction) -> None:
         """Print the published numbers with what was computed, and what was found."""
-        columns = ("published number", "published", "origin", "computed", "difference", "role", "by")
-        heads, rows = plain_rows(numbers_table([row for row in result.numbers if row.computed]), columns)
-        table("Published numbers and what was computed", heads, rows, left=len(heads))
-        heads, rows = plain_rows(findings_table(result.findings), ("topic", "found", "verdict"))
-        table("What the paper gets right, and what not", heads, rows, left=len(heads))
-
-        say(f"{len(result.notices)} warnings of the runs; the report lists them")
+        heads = ("published number", "published", "origin", "computed", "difference", "role", "by")
+        rows = plain_rows(numbers_table([row for row in result.numbers if row.computed]), heads)
+        columns = [
+            *keys("published number"),
+            *numerals("published"),
+            *texts("origin", priority=MORE),
+            *numerals("computed"),
+        ]
+        columns += [*numerals("difference"), *texts("role", priority=MORE), *texts("by")]
+        table("Published numbers and what was computed", columns, rows)
+        rows = plain_rows(findings_table(result.findings), ("topic", "found", "verdict"))
+        table(
+            "What the paper gets right, and what not",
+            [*keys("topic"), *texts("found"), *texts("verdict")],
+            rows,
+        )
+        tell("")
+        tell(f"{len(result.notices)} warnings of the runs; the report lists them")
 
     def printed_notices(self, result: Reproduction) -> list[Notice]:
         """Return the broken limits: a page of warnings of twelve cases says nothing on a screen."""

@@ -42,11 +42,11 @@ def buffer_report(study: BufferStudy) -> str:
         *([chapters.inputs(study.case)] if study.case is not None else []),
     ]
     status = Tag("no stack keeps the limit", "bad") if study.broken else None
-    summary = chapters.Summary("Report of a buffer design", _words(study), _key_numbers(study), status)
+    summary = chapters.Summary("Report of a buffer design", buffer_words(study), _key_numbers(study), status)
     return chapters.result_page(study, summary, sections)
 
 
-def _words(study: BufferStudy) -> str:
+def buffer_words(study: BufferStudy) -> str:
     """Say in words what the stacks do to the reading."""
     within = sum(candidate.keeps for candidate in study.candidates)
     first, limit = study.candidates[0], with_unit(study.goal.limit, "m/s^2", "g")

@@ -5,7 +5,6 @@ from __future__ import annotations
 import dataclasses
 import math
 import shlex
-import shutil
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -23,10 +22,11 @@ from strikewave.records import (
     Options,
 )
 from strikewave.reporting import measured_files as measured
-from strikewave.reporting.numbers import shown_heads, with_unit
+from strikewave.reporting.layout import KEY, MORE, numerals, texts
+from strikewave.reporting.numbers import with_unit
 from strikewave.reporting.options import Output
 from strikewave.reporting.run_and_write import Command, run_and_write
-from strikewave.reporting.terminal import number, progress_bar, say, significant, table
+from strikewave.reporting.terminal import number, progress_bar, shown_columns, significant, table, tell
 from strikewave.studies.buffer.candidate import ALIKE, RINGING, BufferCandidate, BufferGoal, distinct
 from strikewave.studies.buffer.choice import StackChoices
 from strikewave.studies.buffer.mounting_site import (
@@ -45,13 +45,16 @@ LONGEST = 200_000
 any blow and its ringing, and few enough for a run of each stack."""
 
 COLUMNS = (
-    "#", "stack, from the surface up", "peak\n(g)", "of limit\n(1)", "5 %\n(Hz)", "10 %\n(Hz)", "-3 dB\n(Hz)",
-    "resonance\n(Hz)", "Q", "softer\n(g)", "stiffer\n(g)", "no slip\n(g)", "robust",
-)  # fmt: skip
-LEFT_OUT, WIDE = (4, 6, 7, 8, 9, 11), 150
-"""Columns of the table that a screen with fewer characters does without: those that no ranking depends on."""
-NAME, SHORT_NAME = 38, 24
-"""Characters of a line of a stack's name, on a wide and on a narrow screen."""
+    *(*numerals("#", priority=KEY), *texts("stack, from the surface up"), *numerals("peak (g)", "of limit")),
+    *(
+        *numerals("5 % (Hz)", priority=MORE),
+        *numerals("10 % (Hz)"),
+        *numerals("-3 dB (Hz)", priority=MORE),
+    ),
+    *numerals("resonance (Hz)", "Q", "softer (g)", priority=MORE),
+    *(*numerals("stiffer (g)"), *numerals("no slip (g)", priority=MORE), *texts("robust")),
+)
+"""Of the ranking: what no ranking depends on is left out first."""
 
 
 class BlowSource(NamedTuple):
@@ -132,6 +135,12 @@ class BufferCommand(Command[BufferStudy]):
         if source.record is not None:
             origin = measured.source_of("records", source.record.stem, [source.record], self.test)
         return dataclasses.replace(study, case=source.case, origin=origin, asked=measured.asked())
+
+    def summary(self, result: BufferStudy) -> str:
+        """Say which stack is first, and what the sensor then reads."""
+        from strikewave.studies.buffer.report import buffer_words
+
+        return buffer_words(result)
 
     def show(self, result: BufferStudy) -> None:
         """Print the ranking."""
@@ -215,11 +224,11 @@ def _called(source: BlowSource) -> str:
 def _print(study: BufferStudy) -> None:
     motion, site = study.motion, study.site
     rigid = "" if motion.rigid_peak is None else f", rigid-body peak {with_unit(motion.rigid_peak, 'm/s^2', 'g', 5)}"
-    say(
-        f"{site.table.name}, {site.mass * 1e3:.4g} g of mass, on {site.area * 1e6:.4g} mm^2 of gasket; {motion.name}: "
-        f"surface {with_unit(motion.peak, 'm/s^2', 'g', 5)}{rigid}"
+    tell(
+        f"{site.table.name}, {with_unit(site.mass, 'kg', 'gram')}, on {with_unit(site.area, 'm^2', 'mm^2')} of gasket; "
+        f"{motion.name}: surface {with_unit(motion.peak, 'm/s^2', 'g', 5)}{rigid}",
+        "  ",
     )
-    say("the motion of the surface is given: the sensor's back-effect on the structure is not modelled")
     shown = distinct(study.candidates, LEADING)
     shown += [c for c in (study.robust, study.direct) if c is not None and c not in shown]
     places = {candidate: place for place, candidate in enumerate(study.candidates, 1)}
@@ -231,26 +240,23 @@ def _print(study: BufferStudy) -> None:
         f"{within_limit} of {len(study.candidates)} stacks keep {with_unit(study.goal.limit, 'm/s^2', 'g', 5)}; "
         f"{first_by if within_limit else 'first by peak'} (*: Pareto-optimal in peak and bandwidth)"
     )
-    kinds = [k for k in range(len(COLUMNS)) if k not in LEFT_OUT or _wide()]
-    table(title, shown_heads(*(COLUMNS[k] for k in kinds)), [[row[k] for k in kinds] for row in rows], left=2)
+    table(title, shown_columns(COLUMNS), rows)
     if len(study.candidates) > len(shown):
-        say(
+        tell(
             f"stacks with peak and bandwidth of one above within {ALIKE:.0%} are left out here; --json and the files "
             "have all"
         )
     first = study.candidates[0]
-    words = [f"{first.rigid_ratio:.3g} times the rigid-body peak"] if math.isfinite(first.rigid_ratio) else []
+    parts = [f"{first.rigid_ratio:.3g} times the rigid-body peak"] if math.isfinite(first.rigid_ratio) else []
     if math.isfinite(first.velocity_error):
-        words += [f"velocity change off by {first.velocity_error:+.1%}"]
+        parts += [f"velocity change off by {first.velocity_error:+.1%}"]
     elif first.ringing > RINGING or not first.whole:
-        words += ["velocity change not known: the history ends while it still rings"]
-    words += [f"{first.sag * 1e6:.3g} um of sag", f"loss factors held to {first.loss_error:.1%} from 1 to 100 kHz"]
-    say(f"{first.name}: {', '.join(words)}")
-
-
-def _wide() -> bool:
-    """Return whether the screen holds all columns; without one there is room."""
-    return shutil.get_terminal_size((160, 24)).columns >= WIDE
+        parts += ["velocity change not known: the history ends while it still rings"]
+    parts += [
+        f"{with_unit(first.sag, 'm', 'um', 3)} of sag",
+        f"loss factors held to {first.loss_error:.1%} from 1 to 100 kHz",
+    ]
+    tell(f"{first.name}: {', '.join(parts)}")
 
 
 def _cells(place: str, candidate: BufferCandidate) -> list[str]:
@@ -263,7 +269,7 @@ def _cells(place: str, candidate: BufferCandidate) -> list[str]:
     spread = (leading.softer, leading.stiffer, leading.confined) if leading else (None,) * 3
     return [
         f"{place}{'*' if candidate.pareto else ''}",
-        _folded(candidate.name),
+        candidate.name,
         number(candidate.true_peak, "m/s^2", "g", 5) + (" cut" if candidate.clipped else ""),
         "-" if math.isnan(candidate.margin) else f"{1.0 - candidate.margin:.3g}",
         *passed,
@@ -271,14 +277,3 @@ def _cells(place: str, candidate: BufferCandidate) -> list[str]:
         *(number(peak, "m/s^2", "g", 4) for peak in spread),
         "-" if leading is None or not candidate.keeps else "yes" if leading.robust else "no",
     ]
-
-
-def _folded(name: str) -> str:
-    """Return the name of a stack in lines that end between gaskets."""
-    lines, longest = [""], NAME if _wide() else SHORT_NAME
-    for part in name.split(" | "):
-        if lines[-1] and len(lines[-1]) + len(part) > longest - 5:
-            lines.append(part)
-        else:
-            lines[-1] += f" | {part}" if lines[-1] else part
-    return " |\n".join(lines)

@@ -38,11 +38,11 @@ def map_report(study: MapStudy, colour: str = "cv") -> str:
         chapters.inputs(study.case),
     ]
     status = Tag("no setting with equal blows", "bad") if study.broken else None
-    summary = chapters.Summary("Report of a map", _words(study), _key_numbers(study), status)
+    summary = chapters.Summary("Report of a map", map_words(study), _key_numbers(study), status)
     return chapters.result_page(study, summary, sections)
 
 
-def _words(study: MapStudy) -> str:
+def map_words(study: MapStudy) -> str:
     """Say in words what the map shows."""
     panels, rows, columns = study.plan.shape
     cells, even = panels * rows * columns, len(study.even_settings())

@@ -10,11 +10,12 @@ from pathlib import Path
 from typing import ClassVar
 
 from strikewave.base.compiled import is_cold
+from strikewave.reporting.layout import keys, numerals
 from strikewave.reporting.measured_files import asked
-from strikewave.reporting.numbers import shown_heads, with_unit
+from strikewave.reporting.numbers import shown_heads
 from strikewave.reporting.options import Output
 from strikewave.reporting.run_and_write import Command, case_folder, run_and_write
-from strikewave.reporting.terminal import INTERRUPTED, number, progress_bar, say, table
+from strikewave.reporting.terminal import INTERRUPTED, number, progress_bar, say, table, tell
 from strikewave.studies.map.cells import Axis, MapPlan
 from strikewave.studies.map.store import Store, rows_beside
 from strikewave.studies.map.study import MapStudy, make_map, marked_text
@@ -98,6 +99,12 @@ class MapCommand(Command[MapStudy]):
             raise SystemExit(INTERRUPTED) from None
         return dataclasses.replace(study, asked=asked())
 
+    def summary(self, result: MapStudy) -> str:
+        """Say what the blows are like, and where the nearest equal ones are."""
+        from strikewave.studies.map.report import map_words
+
+        return map_words(result)
+
     def show(self, result: MapStudy) -> None:
         """Print regimes, the case, and the nearest even setting."""
         _print(result)
@@ -128,35 +135,19 @@ def _words(plan: MapPlan, seconds: float, store: Store) -> str:
 def _print(study: MapStudy) -> None:
     """Print what the map shows: shares of the regimes, why cells failed, the case, and the nearest even setting."""
     rows = [[name, f"{100.0 * share:.1f}"] for name, share in study.shares.items()]
-    table("Regimes", ["regime", "cells (%)"], rows)
+    table("Regimes", [*keys("regime"), *numerals("cells (%)")], rows)
     for text, count in study.failures.items():
-        say(f"no result, or no regime, in {count} cells: {text}")
+        tell(f"no result, or no regime, in {count} cells: {text}")
     nearest = study.setting
-    columns = ["", "case"] + ([] if nearest is None else [f"nearest within {100.0 * study.wanted:g} %"])
+    columns = [*keys(""), *numerals("case")]
+    columns += [] if nearest is None else numerals(f"nearest within {100.0 * study.wanted:g} %")
     shown = [_column(study, study.here, study.present)]
     if nearest is not None:
         shown.append(_column(study, nearest.values, nearest.cell))
     heads = [f"{a.path} ({a.unit or '1'})" for a in study.plan.axes] + shown_heads(*(head for head, *_ in SHOWN))
     table(f"{study.case.name}: {study.plan.blows} blows", columns, list(zip(heads, *shown, strict=True)))
     for values, reason in study.refused:
-        say(f"even by the fast run, but not in full: {_at(study.plan.axes, values)}: {reason}")
-    if nearest is None:
-        say(_none_found(study))
-        return
-    full = f"a full run has a CV of {100.0 * nearest.cv:.3g} % and a mean peak of {with_unit(nearest.peak, *_PEAK, 5)}"
-    if nearest.distance == 0.0:
-        say(f"the case has equal blows already: {full}")
-    else:
-        say(f"the nearest is {nearest.distance:.3g} away in relative steps; {full}")
-
-
-def _none_found(study: MapStudy) -> str:
-    """Return why there is no even setting, in words."""
-    limit, even = f"{100.0 * study.wanted:g} %", len(study.even_settings())
-    if not even:
-        return f"no setting of this map has blows that all come with a CV within {limit}"
-    tried = f"the {len(study.refused)} nearest of them" if even > len(study.refused) else "all of them"
-    return f"{even} settings have a CV within {limit} by the fast run; {tried} failed in full runs"
+        tell(f"even by the fast run, but not in full: {_at(study.plan.axes, values)}: {reason}")
 
 
 def _at(axes: tuple[Axis, ...], values: tuple[float, ...]) -> str:

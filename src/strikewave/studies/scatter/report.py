@@ -33,11 +33,11 @@ def scatter_report(study: ScatterStudy) -> str:
         _tolerance_section(study),
         chapters.inputs(study.case),
     ]
-    summary = chapters.Summary("Report of a scatter study", _words(study), _key_numbers(study))
+    summary = chapters.Summary("Report of a scatter study", scatter_words(study), _key_numbers(study))
     return chapters.result_page(study, summary, sections)
 
 
-def _words(study: ScatterStudy) -> str:
+def scatter_words(study: ScatterStudy) -> str:
     """Say in words what the tolerances do."""
     peak, still = study.figure("peak"), study.nominal_run.variation("peak")
     low, high = (with_unit(value, "m/s^2", "g") for value in study.peaks()[[0, 2], 0])

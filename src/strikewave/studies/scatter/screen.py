@@ -4,26 +4,24 @@ from __future__ import annotations
 
 import dataclasses
 import math
-import shutil
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
 from strikewave.cases.case import Case, dump_case
+from strikewave.reporting.layout import MORE, keys, numerals, texts
 from strikewave.reporting.measured_files import asked
 from strikewave.reporting.options import Output
 from strikewave.reporting.run_and_write import Command, case_folder, run_and_write
-from strikewave.reporting.terminal import number, progress_bar, say, table
+from strikewave.reporting.terminal import number, progress_bar, table, tell
 from strikewave.studies.scatter.study import ScatterPlan, ScatterStudy, marked_text, scatter
 from strikewave.uncertainty.shares import Shares
 
 SHOWN = {"peak": ("m/s^2", "g"), "width": ("s", "us"), "interval": ("s", "ms"), "velocity_change": ("m/s", "m/s")}
 """Figures of a blow, their SI units and those shown."""
-NAMES = {"peak": "peak", "width": "width", "interval": "interval", "velocity_change": "velocity\nchange"}
+NAMES = {"peak": "peak", "width": "width", "interval": "interval", "velocity_change": "velocity change"}
 FEWEST_FOR_LIMIT = 59
 """Runs below which no limit holds for 95 % of all runs with 95 % confidence."""
-SHARES_LEFT_OUT, MEANS_LEFT_OUT, WIDE = (1, 2, 3, 7), (3,), 120
-"""Columns of the tables of shares and of means that a screen with fewer characters does without."""
 
 
 def run_scatter(case: Case, changes: Sequence[str], plan: ScatterPlan, output: Output) -> int:
@@ -50,6 +48,12 @@ class ScatterCommand(Command[ScatterStudy]):
         with progress_bar("runs", clocks=("elapsed", "left")) as report:
             return dataclasses.replace(scatter(self.case, self.plan, report), asked=asked())
 
+    def summary(self, result: ScatterStudy) -> str:
+        """Say how much the blows scatter, and which tolerance matters most."""
+        from strikewave.studies.scatter.report import scatter_words
+
+        return scatter_words(result)
+
     def show(self, result: ScatterStudy) -> None:
         """Print the scatter, and which tolerance it comes from."""
         _print(result)
@@ -66,8 +70,7 @@ class ScatterCommand(Command[ScatterStudy]):
 
 
 def _print(study: ScatterStudy) -> None:
-    completed, still = len(study.completed), study.nominal_run
-    say(f"{study.case.name}: {completed} runs within {len(study.tolerances)} tolerances, seed {study.plan.seed}")
+    still = study.nominal_run
     rows = []
     for name, units in SHOWN.items():
         figure = study.figure(name)
@@ -75,23 +78,25 @@ def _print(study: ScatterStudy) -> None:
         between = [_bare(value) for value in (figure.mean.cv, figure.mean.cv_low, figure.mean.cv_high)]
         typical = number(figure.typical.mean, *units, 5)
         rows.append([f"{NAMES[name]} ({units[1]})", mean[0], _to(*mean[1:]), typical, between[0], _to(*between[1:])])
-    heads = ["figure", "mean", "95 % bounds", "typical", "CV (%)", "95 % bounds"]
-    _table("Means of the runs, and CV between runs", heads, rows, MEANS_LEFT_OUT)
+    columns = [*keys("figure"), *numerals("mean", "95 % bounds"), *numerals("typical", priority=MORE)]
+    columns += numerals("CV (%)", "95 % bounds of the CV (%)")
+    table("Means of the runs, and CV between runs", columns, rows)
     rows = []
     for name in SHOWN:
         figure = study.figure(name)
         for blows, later, within in (("all", False, figure.within), ("later", True, figure.later)):
             cells = [_bare(x) for x in (still.variation(name, later), *within[:4])]
-            rows.append([NAMES[name].replace("\n", " "), blows, *cells[:2], _to(*cells[2:4]), cells[4]])
-    heads = ["figure", "blows", "dynamics\nalone", "median", "95 % bounds", "95 % of\nruns below"]
-    table("Scatter within a run: CV (%); later: without the first blow", heads, rows, left=2)
+            rows.append([NAMES[name], blows, *cells[:2], _to(*cells[2:4]), cells[4]])
+    columns = [*keys("figure"), *keys("blows"), *numerals("dynamics alone"), *numerals("median")]
+    columns += numerals("95 % bounds", "95 % of runs below")
+    table("Scatter within a run: CV (%); later: without the first blow", columns, rows)
     broken = sum(study.without_limit)
     counted = f"; {broken} of {len(study.runs)} runs failed or missed a blow and keep no limit" if broken else ""
-    say(f"bounds of the CV between runs: for normal figures; 95 % of runs below: with 95 % confidence{counted}")
+    tell(f"bounds of the CV between runs: for normal figures; 95 % of runs below: with 95 % confidence{counted}")
     if len(study.runs) < FEWEST_FOR_LIMIT:
-        say(f"95 % of runs below takes {FEWEST_FOR_LIMIT} runs or more")
+        tell(f"95 % of runs below takes {FEWEST_FOR_LIMIT} runs or more")
     kinds = ", ".join(f"{blows} {kind} (in {runs} runs)" for kind, (blows, runs) in study.kinds().items())
-    say(f"blows: {kinds}; largest displacement (rearward) {number(study.largest_displacement, 'm', 'mm', 3)} mm")
+    tell(f"blows: {kinds}; largest displacement (rearward) {number(study.largest_displacement, 'm', 'mm', 3)} mm")
     for one in study.shares:
         _print_shares(study, one)
 
@@ -100,8 +105,9 @@ def _print_shares(study: ScatterStudy, shares: Shares) -> None:
     """Print the shares in one quantity with what each tolerance is."""
     known = {one.path: one for one in study.tolerances}
     sobol = study.plan.shares == "sobol"
-    columns = ["tolerance", "value", "drawn", "provenance", "share (%)", "95 % bounds"]
-    columns += ["total (%)", "95 % bounds"] if sobol else []
+    columns = [*keys("tolerance"), *texts("value", "drawn", "provenance", priority=MORE)]
+    columns += numerals("share (%)", "95 % bounds")
+    columns += [*numerals("total (%)"), *numerals("95 % bounds of the total", priority=MORE)] if sobol else []
     rows = []
     for row in shares.rows:
         one = known[row.path]
@@ -113,18 +119,10 @@ def _print_shares(study: ScatterStudy, shares: Shares) -> None:
         cells += [_bare(row.total), _to(_bare(row.total_low), _bare(row.total_high))] if sobol else []
         rows.append(cells)
     title = f"Shares in the {shares.of}, {'Sobol indices' if sobol else 'each alone'}, {shares.runs} runs each"
-    _table(title, columns, rows, SHARES_LEFT_OUT, left=4)
+    table(title, columns, rows)
     if not all(row.distinct for row in shares.rows):
-        say("*: not significant (95 %)")
-    say(f"sum of the shares: {_percent(shares.sum)} ({_percent(shares.sum_low)} to {_percent(shares.sum_high)})")
-
-
-def _table(title: str, columns: list[str], rows: list[list[str]], aside: tuple[int, ...], left: int = 1) -> None:
-    """Print a table, on a narrow screen without some of its columns."""
-    wide = shutil.get_terminal_size((160, 24)).columns >= WIDE
-    shown = [k for k in range(len(columns)) if wide or k not in aside]
-    left = sum(k < left for k in shown)
-    table(title, [columns[k] for k in shown], [[row[k] for k in shown] for row in rows], left)
+        tell("*: not significant (95 %)")
+    tell(f"sum of the shares: {_percent(shares.sum)} ({_percent(shares.sum_low)} to {_percent(shares.sum_high)})")
 
 
 def _to(low: str, high: str) -> str:

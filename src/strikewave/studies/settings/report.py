@@ -32,11 +32,13 @@ def settings_report(study: SettingsStudy) -> str:
         chapters.inputs(study.case_of()),
     ]
     status = Tag("goal missed", "bad") if study.broken else None
-    summary = chapters.Summary("Report of a search for machine settings", _words(study), _key_numbers(study), status)
+    summary = chapters.Summary(
+        "Report of a search for machine settings", settings_words(study), _key_numbers(study), status
+    )
     return chapters.result_page(study, summary, sections)
 
 
-def _words(study: SettingsStudy) -> str:
+def settings_words(study: SettingsStudy) -> str:
     """Say in words what was found."""
     first, met = study.candidates[0], sum(one.meets for one in study.candidates)
     values = first.case.values()

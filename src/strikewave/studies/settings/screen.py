@@ -3,17 +3,17 @@
 from __future__ import annotations
 
 import dataclasses
-import shutil
 from dataclasses import dataclass
 from pathlib import Path
 from typing import ClassVar
 
 from strikewave.cases.case import Case
 from strikewave.reporting import measured_files as measured
+from strikewave.reporting.layout import KEY, MORE, ScreenColumn, keys, numerals, texts
 from strikewave.reporting.numbers import shown_heads, shown_unit, spelled
 from strikewave.reporting.options import Output
 from strikewave.reporting.run_and_write import Command, run_and_write
-from strikewave.reporting.terminal import fixed, number, progress_bar, say, table
+from strikewave.reporting.terminal import fixed, number, progress_bar, shown_columns, table, tell
 from strikewave.studies.settings.candidate import BlowGoal, Limit, SettingsCandidate
 from strikewave.studies.settings.estimate import engagement_sensitivity
 from strikewave.studies.settings.search import VARIED
@@ -28,13 +28,6 @@ from strikewave.studies.settings.study import (
 
 SHOWN = 6
 """First of the ranking in the table; the first of each other number of strikers follows."""
-COLUMNS = (
-    "#", "strikers", "speed\n(rpm)", "engaged\n(mm)", "{}\n(MN/m)", "striker\n(kg)", "spring\n(kN/m)",
-    "preload\n(N)", "damper\n(N s/m)", "peak\n(g)", "CV\n(%)", "width at\n10 % (us)", "interval\n(ms)", "stop\n(kN)",
-    "largest\ndisplace-\nment (mm)", "0.1 mm\n(%)", "meets",
-)  # fmt: skip
-LEFT_OUT, WIDE = (5, 6, 7, 8, 12, 14, 15), 140
-"""Columns of the table that a screen with fewer characters does without."""
 LIMIT_UNITS = {"Pa": "MPa", "m": "mm", "N": "kN", "m/s": "m/s", "N m": "N m"}
 """Units in which limits are shown; shares are shown in %, errors as they are."""
 
@@ -72,6 +65,12 @@ class SettingsCommand(Command[SettingsStudy]):
             study = design_settings(self.case, self.goal, self.choice, report)
         return dataclasses.replace(study, asked=measured.asked())
 
+    def summary(self, result: SettingsStudy) -> str:
+        """Say which settings are first, and what they give."""
+        from strikewave.studies.settings.report import settings_words
+
+        return settings_words(result)
+
     def show(self, result: SettingsStudy) -> None:
         """Print the ranking, and the limits of the first."""
         _print(result)
@@ -98,29 +97,42 @@ def _holds(folder: Path, asked: str) -> bool:
 
 def _print(study: SettingsStudy) -> None:
     first = study.candidates[0]
-    say(_header(study.case, study.goal, first))
     met = sum(one.meets for one in study.candidates)
     others = {one.case.rotary_tables().machine.strikers.si: one for one in reversed(study.candidates)}
     shown = [one for one in study.candidates if one in study.candidates[:SHOWN] or one in others.values()]
-    wide = shutil.get_terminal_size((160, 24)).columns >= WIDE
-    kinds = [k for k in range(len(COLUMNS)) if wide or k not in LEFT_OUT]
-    columns = shown_heads(*(COLUMNS[k].format(study.choice.vary) for k in kinds))
     rows = [_cells(study, place, one) for place, one in enumerate(study.candidates, 1) if one in shown]
     title = f"{met} of {len(study.candidates)} settings give {goal_words(study.goal)}"
-    table(title, columns, [[row[k] for k in kinds] for row in rows], left=0)
-    say(
+    table(title, shown_columns(_columns(study.choice.vary)), rows)
+    tell(
         "peak, width, interval: of the typical blow, the median of the later full ones; CV: scatter of all peaks; "
         "0.1 mm: change of the peak with that much of engagement"
     )
-    table("Limits of the first", ["limit", "value", "at most", "unit", "kept"], [_limit(x) for x in first.limits])
+    tell(_header(study.case, study.goal, first))
+    columns = [*keys("limit"), *numerals("value", "at most"), *texts("unit"), *texts("kept")]
+    table("Limits of the first", columns, [_limit(x) for x in first.limits])
     if len(study.masses) > 1:
         rows = [_mass_cells(study, one) for one in study.masses]
-        names = ("striker (kg)", "engagement (mm)", f"{study.choice.vary} (MN/m)", "contact (kN)", "lost a blow (rpm)")
-        table("What the mass of a striker costs", shown_heads(*names), rows, left=0)
+        heads = ("striker (kg)", "engagement (mm)", f"{study.choice.vary} (MN/m)", "contact (kN)", "lost a blow (rpm)")
+        striker, *numbers = shown_heads(*heads)
+        table("What the mass of a striker costs", [*numerals(striker, priority=KEY), *numerals(*numbers)], rows)
     for count, why in study.left_out.items():
-        say(f"left out, {count} strikers: {why}")
+        tell(f"left out, {count} strikers: {why}")
     for why in study.failed[:SHOWN]:
-        say(f"no result, {why}")
+        tell(f"no result, {why}")
+
+
+def _columns(varied: str) -> list[ScreenColumn]:
+    """Return the columns of the table of candidates; see `_cells`."""
+    return [
+        *numerals("#", priority=KEY),
+        *numerals("strikers", "speed (rpm)", "engaged (mm)", f"{varied} (MN/m)"),
+        *numerals("striker (kg)", "spring (kN/m)", "preload (N)", "damper (N s/m)", priority=MORE + 1),
+        *numerals("peak (g)"),
+        *numerals("CV (%)", priority=MORE),
+        *numerals("width at 10 % (us)"),
+        *numerals("interval (ms)", "stop (kN)", "largest displacement (mm)", "0.1 mm (%)", priority=MORE),
+        *texts("meets"),
+    ]
 
 
 def _header(case: Case, goal: BlowGoal, first: SettingsCandidate) -> str:

@@ -40,11 +40,12 @@ def ls_dyna_report(result: LsDynaResult) -> str:
     sections = [_forces(comparison), _energies(comparison)]
     sections += [_fields(comparison)] if theirs.fields or (ours and ours.extremes) else []
     sections += [chapters.warnings(result.notices), _read(theirs)]
-    summary = chapters.Summary("Report of a run of LS-DYNA", _summary(comparison), _key_numbers(comparison))
+    summary = chapters.Summary("Report of a run of LS-DYNA", ls_dyna_words(comparison), _key_numbers(comparison))
     return chapters.result_page(result, summary, sections)
 
 
-def _summary(comparison: RunComparison) -> str:
+def ls_dyna_words(comparison: RunComparison) -> str:
+    """Say in words what the contact came to, and how far both runs are apart: on the screen and in the report."""
     pair = _largest(comparison)
     if pair and pair.strikewave and pair.ls_dyna:
         return (

@@ -6,15 +6,15 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
-from strikewave.analyses.fem.ls_dyna.report import contact_table, energy_table, field_table, pair_table
+from strikewave.analyses.fem.ls_dyna.report import contact_table, energy_table, field_table, ls_dyna_words, pair_table
 from strikewave.analyses.fem.ls_dyna.result import LsDynaResult, folder_name
-from strikewave.exchange.ls_dyna.comparison import ForcePair, RunComparison, compare_runs, read_strikewave
+from strikewave.exchange.ls_dyna.comparison import RunComparison, compare_runs, read_strikewave
 from strikewave.exchange.ls_dyna.folder import LsDynaRun, read_folder
 from strikewave.exchange.units import UnitSystem
 from strikewave.reporting import measured_files as measured
 from strikewave.reporting.options import Output
 from strikewave.reporting.run_and_write import Command, run_and_write
-from strikewave.reporting.terminal import case_hash, number, say, table
+from strikewave.reporting.terminal import case_hash, number, report_table, tell
 
 
 @dataclass(frozen=True)
@@ -36,6 +36,10 @@ class LsDynaCommand(Command[LsDynaResult]):
         read = [*theirs.files, *([ours.folder / "histories.nc", ours.folder / "field.vtkhdf"] if ours else [])]
         origin = measured.source_of("records", folder_name(self.folder), read, self.test)
         return LsDynaResult(comparison, origin=origin, notices=comparison.warnings)
+
+    def summary(self, result: LsDynaResult) -> str:
+        """Say what the contact came to, and how far both runs are apart."""
+        return ls_dyna_words(result.found)
 
     def show(self, result: LsDynaResult) -> None:
         """Print contacts, energies, fields, and how far both are apart."""
@@ -66,24 +70,14 @@ def _show(comparison: RunComparison) -> None:
     """Print contacts, energies, fields, and how far both are apart."""
     _show_read(comparison.ls_dyna)
     for pair in comparison.forces:
-        _show_pair(pair)
+        report_table(pair_table(pair))
     for run_table in (contact_table(comparison.ls_dyna.contacts), energy_table(comparison), field_table(comparison)):
         if run_table.rows:
-            table(
-                run_table.caption,
-                list(run_table.columns),
-                [[str(cell) for cell in row] for row in run_table.rows],
-                left=2,
-            )
+            report_table(run_table, keys=2)
 
 
 def _show_read(theirs: LsDynaRun) -> None:
     first, last = (number(t, "s", "us") for t in theirs.span)
     fields = theirs.fields
     solids = f"; {len(fields.mesh.hexahedra)} solids, {theirs.frames} states" if fields else ""
-    say(f"read: {', '.join(path.name for path in theirs.files)}; from {first} to {last} us{solids}")
-
-
-def _show_pair(pair: ForcePair) -> None:
-    force_table = pair_table(pair)
-    table(force_table.caption, list(force_table.columns), [[str(cell) for cell in row] for row in force_table.rows])
+    tell(f"read: {', '.join(path.name for path in theirs.files)}; from {first} to {last} us{solids}")

@@ -104,7 +104,7 @@ def fem_report(solution: FemSolution) -> str:
     ]
     summary = chapters.Summary(
         kicker="Report of an explicit finite-element run",
-        words=f"{_summary(solution.run, wholes, bodies)}{_sector_words(sectors)} {NO_BAND_OF_ELEMENTS}",
+        words=f"{fem_words(solution)} {NO_BAND_OF_ELEMENTS}",
         numbers=_key_numbers(solution.run, wholes, bodies),
         status=_status(solution),
     )
@@ -133,8 +133,10 @@ def _failed(solution: FemSolution) -> list[str]:
     ]
 
 
-def _summary(run: FemRun, wholes: dict[str, WholeForce | None], bodies: dict[str, PartMeasure]) -> str:
-    """Say in words what happened."""
+def fem_words(solution: FemSolution) -> str:
+    """Say in words what happened: on the screen and at the head of the report."""
+    run, wholes, sectors_of = solution.run, solution.wholes, solution.sectors
+    bodies = blow_of_bodies(solution.model, run, sectors_of)
     sentences = [f"The run ended early: {run.stopped}."] if run.stopped else []
     touched = _touched(run)
     if touched:
@@ -156,7 +158,7 @@ def _summary(run: FemRun, wholes: dict[str, WholeForce | None], bodies: dict[str
         sentences.append(f"Rigid-body peak and change of velocity: {listed(moved[:MOST_BODIES])}.")
     balance = balance_measure(run)
     sentences.append(_energy_words(balance))
-    return " ".join(sentences)
+    return " ".join(sentences) + _sector_words(sectors_of)
 
 
 def _sector_words(sectors: dict[str, Sector]) -> str:

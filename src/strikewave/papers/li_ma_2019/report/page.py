@@ -34,7 +34,9 @@ def reproduction_report(result: Reproduction) -> str:
         tables.provenance_section(result.runs.cases),
         _one_by_one(result),
     ]
-    summary = chapters.Summary("Report of a reproduction", _summary(result), key_numbers(result), _status(result))
+    summary = chapters.Summary(
+        "Report of a reproduction", reproduction_words(result), key_numbers(result), _status(result)
+    )
     return chapters.result_page(result, summary, sections)
 
 
@@ -46,8 +48,8 @@ def _status(result: Reproduction) -> Tag:
     return Tag("quick: coarse elements", "warned") if result.runs.quick else Tag("all runs, full meshes", "good")
 
 
-def _summary(result: Reproduction) -> str:
-    """Say in words what the paper claims, and what came out."""
+def reproduction_words(result: Reproduction) -> str:
+    """Say in words what the paper claims, and what came out: on the screen and at the head of the report."""
     verdicts = [row.verdict for row in result.equations]
     counted = listed([f"{verdicts.count(name)} {name}" for name in tables.VERDICTS if name in verdicts])
     return (

@@ -383,14 +383,14 @@ def findings_table(rows: Sequence[Finding]) -> Table:
     return Table("Findings", ["topic", "the paper says", "found", "verdict", "shown by"], table)
 
 
-def plain_rows(table: Table, columns: Sequence[str]) -> tuple[list[str], list[list[str]]]:
+def plain_rows(table: Table, columns: Sequence[str]) -> list[list[str]]:
     """Return some columns of a table as text, for a terminal.
 
     Examples
     --------
     >>> plain_rows(Table("", ["a", "b"], [["x", Tag("good")]]), ["b"])
-    (['b'], [['good']])
+    [['good']]
     """
     places = [list(table.columns).index(name) for name in columns]
     rows = [[cell if isinstance(cell, str) else cell.text for cell in row] for row in table.cells()]
-    return list(columns), [[row[place] for place in places] for row in rows]
+    return [[row[place] for place in places] for row in rows]

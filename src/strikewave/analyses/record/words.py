@@ -1,0 +1,65 @@
+"""What measured records say, in words: for the screen and for the report."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+
+from strikewave.analyses.record.result import RecordResult
+from strikewave.analyses.record.tables import amount, between, called, percent, rows_of, short_names, unit_of
+from strikewave.records.campaign import Campaign
+from strikewave.records.health_notice import STATUSES
+from strikewave.records.reading import FileReading
+from strikewave.reporting.numbers import listed
+
+MOST_REASONS = 4
+"""Bad records whose reason the summary gives: more are counted, and stand in the table of findings."""
+
+
+def counted(files: Sequence[FileReading]) -> list[str]:
+    """Return how many files there are of each status, in words."""
+    statuses = [file.status for file in files]
+    return [f"{statuses.count(status)} {status}" for status in STATUSES if status in statuses]
+
+
+def record_words(result: RecordResult) -> str:
+    """Say in words what the records have in common, and which are bad: on the screen and at the head of the report."""
+    files, campaigns = result.readings, result.campaigns
+    names = short_names([file.path for file in files])
+    if not files:
+        return "No file was read."
+    words = [f"{len(files)} files: {listed(counted(files))}." if len(files) != 1 else f"One file, {files[0].status}."]
+    for campaign in campaigns:
+        words.append(_campaign_words(campaign, unit_of(files, campaign), len(campaigns) > 1))
+    bad = [(names[file.path], f) for file in files for f in file.findings if f.severity == "bad"]
+    several = len(campaigns) > 1
+    for file, reading in rows_of(files):
+        harmful = [f for f in reading.findings if f.severity == "bad"]
+        bad += [(names[file.path] + (f", {reading.channel.name}," if several else ""), harmful[0])] if harmful else []
+    for name, finding in bad[:MOST_REASONS]:
+        words.append(f"{name} is bad: {finding.message}.")
+    if len(bad) > MOST_REASONS:
+        words.append(f"{len(bad) - MOST_REASONS} more records are bad, see below.")
+    return " ".join(words)
+
+
+def _campaign_words(campaign: Campaign, unit: str, several: bool) -> str:
+    where = f"{campaign.channel}: " if several else ""
+    statistics = campaign.statistics
+    if "peak" not in statistics:
+        return f"{where}No record gave a peak that can be trusted."
+    one = statistics["peak"]
+    text = f"{where}{one.n} blow{'s' if one.n > 1 else ''}, peak {amount('peak', unit, one.mean)}"
+    if one.n > 1:
+        bounds = between("peak", unit, one.low, one.high)
+        text += f" in the mean (95 % bounds {bounds}, scatter {percent(one.cv, 2)})"
+    for name in ("width", "velocity_change"):
+        if name in statistics:
+            text += f", {called(name, unit)} {amount(name, unit, statistics[name].mean)}"
+    line = campaign.trends.get("peak")
+    if line is None or not math.isfinite(line.low):
+        return text + "."
+    if line.low <= 0.0 <= line.high:
+        return text + ". Over the files no trend of the peak stands out of the scatter."
+    grows = "grows" if (line.slope > 0.0) == (one.mean > 0.0) else "falls"
+    return f"{text}. Over the files the peak {grows} by {percent(abs(line.change), 2)} along its trend."
