@@ -50,7 +50,8 @@ def full_run(item):
     try:
         if case.stack.layer:
             seen = observe(changed.with_values({"feed.blows": Value(si=1.0, typed=1)}))
-            figures = {**figures_of(seen.blows), **sensor_figures(seen.readings)}
+            first = {name: value for name, value in figures_of(seen.blows).items() if name.startswith("first.")}
+            figures = {**first, **sensor_figures(seen.readings)}
         else:
             figures = figures_of(blows(run_machine(build_machine(changed), FULL_TOLERANCE)))
     except (StrikewaveError, ValueError, ArithmeticError):

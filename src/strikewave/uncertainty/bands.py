@@ -28,8 +28,8 @@ LEVEL = 0.95
 SEED = 2019
 """Seed of the draws of a band: any; equal seeds reproduce a band bit for bit."""
 SMOOTH = 0.95
-"""Share of the variance that a fit must explain for its draws to give the ends. Chosen: what it leaves is then at most a fifth
-of the spread, and is added to the draws; 40 random smooth functions keep the level to 3 points (the tests)."""
+"""Share of the variance that a fit must explain for its draws to give the ends. Chosen: what it leaves is then at most
+a fifth of the spread, and is added to the draws; 40 random smooth functions keep the level to 3 points (the tests)."""
 RANKED_BELOW = 0.90
 """Share of the variance below which the shares may be those in the variance of the ranks instead: a few blows that
 glance or miss, far off from all others, else hide what moves the rest."""

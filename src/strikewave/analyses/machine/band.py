@@ -42,9 +42,9 @@ FIRST_PASSES = 2
 MOST_BLOWS = 20
 """Most blows of a run: a longer train is judged by its beginning, and its bands are moved to its own numbers."""
 SENSOR_RUNS = 32
-"""Runs of the first blow for sensors: each takes 0.06 s of a processor on a stack, so that they take 1 s on two. The ends
-are then the lowest and the highest run where no fit smooths them, which hold 31/33 = 94 % of others on the mean, and
-shares below a tenth are within chance."""
+"""Runs of the first blow for sensors: each takes 0.06 s of a processor on a stack, so that they take 1 s on two. The
+ends are then the lowest and the highest run where no fit smooths them, which hold 31/33 = 94 % of others on the
+mean, and shares below a tenth are within chance."""
 LAUNCHED_RUNS = 128
 """Runs of a machine that strikes once, or as it is: 3 to 8 ms each."""
 WHOLE_STREAM, FIRST_STREAM, SENSOR_STREAM = 11, 12, 13
