@@ -21,7 +21,7 @@ from strikewave.sensors import Recorder, Sensor
 from strikewave.sensors.channel import SensorChannel
 from strikewave.signal.pulse import HALF_SINE_WIDTH
 from strikewave.signal.srs import srs
-from strikewave.studies.buffer.candidate import RINGING, BufferGoal, assess, look_closer, ranked, withstands
+from strikewave.studies.buffer.candidate import RINGING, BufferGoal, assess, carries, look_closer, ranked, withstands
 from strikewave.studies.buffer.choice import StackChoices, stacks
 from strikewave.studies.buffer.moduli import confined, confinement
 from strikewave.studies.buffer.mounting_site import (
@@ -254,6 +254,25 @@ def test_ranking_by_bandwidth_is_what_it_says(study):
 def test_ranking_by_peak_is_what_it_says(study):
     kept = [c for c in ranked(study.candidates, BufferGoal(study.goal.limit, "peak")) if c.keeps]
     assert [abs(c.peak) for c in kept] == sorted(abs(c.peak) for c in kept)
+
+
+def test_stacks_that_carry_the_pulse_come_before_those_that_do_not(study):
+    """A pulse needs one over its width, Hz: taken so wide that half of the stacks that keep the limit carry it."""
+    passed = sorted(c.band.within_10 for c in study.candidates if c.keeps)
+    width = 1.0 / passed[len(passed) // 2]
+    for rank in ("peak", "bandwidth", "robust"):
+        order = [c for c in ranked(study.candidates, BufferGoal(study.goal.limit, rank), width) if c.keeps]
+        carrying = [carries(c, width) for c in order]
+        assert carrying == sorted(carrying, reverse=True)
+        assert 0 < sum(carrying) < len(carrying)
+
+
+def test_the_title_says_that_nothing_is_robust_or_carries_the_pulse(study):
+    goal = BufferGoal(study.goal.limit, "robust")
+    frail = tuple(dataclasses.replace(c, leading=None) for c in study.candidates)
+    assert "none is known to be robust" in dataclasses.replace(study, candidates=frail, goal=goal).order
+    slow = tuple(dataclasses.replace(c, band=c.band._replace(within_10=1.0)) for c in study.candidates)
+    assert "none carries the pulse" in dataclasses.replace(study, candidates=slow).order
 
 
 def test_pareto_optimal_stacks_are_those_that_no_other_beats_in_both(study):

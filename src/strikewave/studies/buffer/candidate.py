@@ -265,19 +265,28 @@ def _peak(site: MountingSite, stack: GasketStack, motion: BaseMotion, factors: S
     return true_peak(reading_of(site, stack, motion, factors))
 
 
-def ranked(candidates: Sequence[BufferCandidate], goal: BufferGoal) -> list[BufferCandidate]:
+def carries(candidate: BufferCandidate, width: float) -> bool:
+    """Tell whether a stack passes within 10 % what a pulse of a width needs: one over its width, Hz.
+
+    Else the reading is the buffer's own swing. A width of NaN, where there is no pulse, asks for nothing.
+    """
+    return not candidate.band.within_10 * width < 1.0
+
+
+def ranked(candidates: Sequence[BufferCandidate], goal: BufferGoal, width: float = math.nan) -> list[BufferCandidate]:
     """Return candidates in order: those that keep the limit first, the others by their true peak.
 
-    By ``bandwidth`` the one that passes the highest frequency within 10 % comes first; what is equal to
-    `BANDWIDTH_DIGITS` goes by fewer gaskets, then by the lower peak.
-    By ``peak`` the lowest peak comes first. By ``robust`` those known
-    to be robust come first, then by bandwidth.
+    Of those that keep it the ones that carry a pulse of the width come first; see `carries`. By ``bandwidth`` the one
+    that passes the highest frequency within 10 % comes first; what is equal to `BANDWIDTH_DIGITS` goes by fewer
+    gaskets, then by the lower peak. By ``peak`` the lowest peak comes first. By ``robust`` those known to be robust
+    come first, then by bandwidth.
     """
 
     def key(candidate: BufferCandidate) -> tuple[Any, ...]:
         peak = candidate.true_peak if math.isfinite(candidate.true_peak) else math.inf
         layers, bandwidth = len(candidate.stack), candidate.band.within_10
-        first = (not candidate.keeps, goal.rank == "robust" and not candidate.robust)
+        lost = candidate.keeps and not carries(candidate, width)
+        first = (not candidate.keeps, lost, goal.rank == "robust" and not candidate.robust)
         if candidate.keeps and goal.rank != "peak":
             return (*first, -float(f"{bandwidth:.{BANDWIDTH_DIGITS - 1}e}"), layers, peak)
         return (*first, peak, layers, -bandwidth)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
@@ -14,7 +13,7 @@ from strikewave.base.result import FAILED, INFO, Notice
 from strikewave.contact import AnyContact
 from strikewave.contact.cushions import Pad, carried, elastomer, retardation_of, retarded
 from strikewave.sensors.channel import channel_notices, sensor_pulse
-from strikewave.studies.buffer.candidate import SHOWN_PERIODS, BufferCandidate, slowest_shown, true_peak
+from strikewave.studies.buffer.candidate import SHOWN_PERIODS, BufferCandidate, carries, slowest_shown, true_peak
 from strikewave.studies.buffer.moduli import confined, spread
 from strikewave.studies.buffer.mounting_site import reading_of
 
@@ -67,7 +66,7 @@ def study_notices(study: BufferStudy, skipped: int) -> Iterator[Notice]:
 def _pulse_lost(study: BufferStudy, first: BufferCandidate) -> Iterator[Notice]:
     """Yield whether the first stack passes too little of the pulse to show it."""
     width, passed = study.motion.width, first.band.within_10
-    if not math.isnan(width) and passed * width < 1.0:
+    if not carries(first, width):
         message = (
             f"{first.name} passes within 10 % only up to {passed:.3g} Hz, and a pulse of {width * 1e6:.4g} us needs "
             f"about {1.0 / width:.4g} Hz, one over its width: the reading is the buffer's own swing; it tells that the "

@@ -53,7 +53,7 @@ def buffer_words(study: BufferStudy) -> str:
     words = [
         f"{within} of {len(study.candidates)} stacks keep the reading of {study.motion.name} within {limit}; directly "
         f"on the surface {study.site.table.name} would read {_peak(study.direct)}.",
-        f"First by {study.goal.rank if within else 'peak'}: {first.name}, {_peak(first)}, amplitudes within 10 % up to "
+        f"{study.order[0].upper()}{study.order[1:]}: {first.name}, {_peak(first)}, amplitudes within 10 % up to "
         f"{_hertz(first.band.within_10)}.",
     ]
     if study.robust is None:

@@ -25,6 +25,7 @@ from strikewave.studies.buffer.candidate import (
     BufferCandidate,
     BufferGoal,
     Leading,
+    carries,
 )
 from strikewave.studies.buffer.moduli import spread
 from strikewave.studies.buffer.mounting_site import BaseMotion, Blows, MountingSite, case_with, reading_of, table_with
@@ -115,6 +116,17 @@ class BufferStudy(ShownResult):
     def broken(self) -> bool:
         """Whether no stack keeps the limit."""
         return self.best is None
+
+    @property
+    def order(self) -> str:
+        """What the ranking goes by, in words; that nothing is robust, or carries the pulse, is said here too."""
+        if not any(candidate.keeps for candidate in self.candidates):
+            return "first by peak"
+        words = f"first by {self.goal.rank}"
+        if self.goal.rank == "robust":
+            none = "none is known to be robust: first by bandwidth"
+            words = none if self.robust is None else "the robust first, then by bandwidth"
+        return words if carries(self.candidates[0], self.motion.width) else f"{words}; none carries the pulse"
 
     @property
     def robust(self) -> BufferCandidate | None:

@@ -235,10 +235,9 @@ def _print(study: BufferStudy) -> None:
     rows = [_cells(str(places[candidate]), candidate) for candidate in sorted(shown, key=places.__getitem__)]
     rows += [] if study.present is None else [_cells("", study.present)]
     within_limit = sum(candidate.keeps for candidate in study.candidates)
-    first_by = {"robust": "the robust first, then by bandwidth"}.get(study.goal.rank, f"first by {study.goal.rank}")
     title = (
         f"{within_limit} of {len(study.candidates)} stacks keep {with_unit(study.goal.limit, 'm/s^2', 'g', 5)}; "
-        f"{first_by if within_limit else 'first by peak'} (*: Pareto-optimal in peak and bandwidth)"
+        f"{study.order} (*: Pareto-optimal in peak and bandwidth)"
     )
     table(title, shown_columns(COLUMNS), rows)
     if len(study.candidates) > len(shown):

@@ -90,12 +90,12 @@ def _looked_at(
     candidates: Sequence[BufferCandidate], site: MountingSite, motion: BaseMotion, goal: BufferGoal
 ) -> tuple[BufferCandidate, ...]:
     """Return candidates ranked, the first distinct and the Pareto-optimal ones with what is computed only of them."""
-    order = ranked(with_pareto(candidates), goal)
+    order = ranked(with_pareto(candidates), goal, motion.width)
     chosen = distinct(order, LEADING) + [candidate for candidate in order if candidate.pareto and candidate.keeps]
     if goal.rank == "robust":
         chosen += _withstanding(order, site, motion, goal)
     closer = {id(candidate): look_closer(site, candidate, motion, goal) for candidate in dict.fromkeys(chosen)}
-    return tuple(ranked([closer.get(id(candidate), candidate) for candidate in order], goal))
+    return tuple(ranked([closer.get(id(candidate), candidate) for candidate in order], goal, motion.width))
 
 
 def _withstanding(
