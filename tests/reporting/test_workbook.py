@@ -18,7 +18,7 @@ FORMULAS = ["=1+1", "+1", "-cmd", "@SUM(A1)", "#N/A", "{=1}"]
 
 @pytest.fixture(scope="module")
 def run():
-    solution = run_case(load_case("li-ma-2019", ["feed.blows=1"]))
+    solution = run_case(load_case("li-ma-2019", ["feed.blows=1", "compare=true"]))
     few = {dim: slice(None, None, 40) for dim, count in solution.data.sizes.items() if count > 1000}
     bands = {"first.rigid_peak": Band(3e4, 5e4, 0.95, (InputShare("machine.engagement", 0.6),))}
     notices = [Notice("text", words, 1.0) for words in FORMULAS] + [Notice("odd", "a\x00b\x1fc", float("nan"))]

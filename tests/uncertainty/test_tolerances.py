@@ -125,7 +125,8 @@ def test_a_tolerance_changes_no_published_case():
 def test_validate_lists_tolerances(strikewave):
     change = ("--set", "striker.mass.tolerance=2 %", "--set", "striker.mass.distribution=uniform")
     _, out, _ = strikewave("validate", "li-ma-2019", *change)
-    assert "1 kg ± 2 % (uniform)" in out
+    assert "1 kg ± 2 %" in out
+    assert "(uniform)" in out
     _, out, _ = strikewave("validate", "li-ma-2019", *change, "--json")
     row = json.loads(out)["values"]["striker.mass"]
     assert (row["tolerance"], row["distribution"]) == (0.02, "uniform")

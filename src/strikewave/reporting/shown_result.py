@@ -302,7 +302,7 @@ def shown_table(result: ShownResult, most: int | None = None) -> tuple[list[str]
     >>> from strikewave import load_case, run_case
     >>> heads, rows = shown_table(run_case(load_case("li-ma-2019", ["feed.blows=1"])))
     >>> heads[:3], rows[0][:3]
-    (['index', 'kind', 'time (ms)'], ['1', 'full', '220.5'])
+    (['index', 'kind', 'time (ms)'], ['1', 'full', '42.07'])
     """
     usual = result.brief()
     kept = [column for column in result.columns() if column.name in usual]

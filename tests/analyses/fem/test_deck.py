@@ -13,11 +13,11 @@ import pytest
     ],
 )
 def test_deck_and_its_case_are_written(strikewave, tmp_path, code, names):
-    status, _, err = strikewave("deck", "taylor-bar-fem", "--code", code, "--units", "mm-g-us", "--out", "deck")
+    status, out, _ = strikewave("deck", "taylor-bar-fem", "--code", code, "--units", "mm-g-us", "--out", "deck")
     assert status == 0
     assert {path.name for path in (tmp_path / "deck").iterdir()} == {*names, "case.toml"}
-    assert "mm, g, mus" in err
-    assert "left out: section middle" in err
+    assert "mm, g, mus" in out
+    assert "left out: section middle" in out
 
 
 def test_written_case_is_the_case(strikewave, tmp_path):

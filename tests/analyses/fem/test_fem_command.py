@@ -203,9 +203,9 @@ def test_fem_writes_a_whole_result_that_runs_again(strikewave, small):
     files = ["case.toml", "field.vtkhdf", "histories.csv", "histories.nc", "report.html", "summary.svg"]
     assert sorted(os.listdir("f")) == files
     assert sorted(os.listdir(".")) == ["f", "small.toml"]  # nothing of the run under way is left
-    assert "rigid peak (g)" in out
+    assert "rigid peak" in out
     for words in ("40 elements", "mass: striker 0.001001 kg", "worst element", "element-steps", "balance: energy"):
-        assert words in err
+        assert words in out + err
     code, out, _ = strikewave("fem", "f/case.toml", "--json")
     assert code == 0
     assert json.loads(out)["elements"] == 40
@@ -322,10 +322,11 @@ def test_the_terminal_says_where_the_largest_values_are_and_which_impulse_is_of_
 
     monkeypatch.setenv("COLUMNS", "200")
     show(bars)
-    out, err = capsys.readouterr()
-    assert out.count("impulse (N s)") == 1
-    assert "whole bodies" in out[out.index("Contacts") :]
-    assert re.search(r"von Mises stress \S+ MPa in (striker|bar) at \(.*\) mm at \S+ µs", err)
+    out = capsys.readouterr().out
+    contacts = out[out.index("Contacts") :]
+    assert "impulse" not in out[: out.index("Contacts")]
+    assert "whole bodies" in contacts
+    assert re.search(r"von Mises stress \S+ MPa in (striker|bar) at \(.*\) mm at \S+ µs", out)
 
 
 def test_the_step_that_is_said_before_is_the_one_that_is_taken(bars):

@@ -129,7 +129,8 @@ def test_what_gives_the_peak_is_told_with_what_it_does_to_the_rigid_pulse(result
 
 
 def test_no_row_that_unknown_inputs_leave_open_is_called_predicted(result):
-    heads, rows = plain_rows(numbers_table(result.numbers), ("published number", "computed", "role", "note"))
+    heads = ("published number", "computed", "role", "note")
+    rows = plain_rows(numbers_table(result.numbers), heads)
     machine = [row for row in rows if row[0].startswith(tuple(f"{name}:" for name in OPEN))]
     assert len(machine) == len(OPEN)
     for row in machine:

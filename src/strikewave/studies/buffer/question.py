@@ -63,7 +63,7 @@ def buffer(
     --------
     >>> import strikewave
     >>> case = strikewave.load_case("li-ma-2019-fig5")
-    >>> study = strikewave.buffer(case, "7000 g", sensor="direct", materials=["PTFE"], thicknesses=["1 mm"], layers=1)
+    >>> study = strikewave.buffer(case, "7000 g", sensor="buffered", materials=["PTFE"], thicknesses=["1 mm"], layers=1)
     >>> [candidate.name for candidate in study.candidates]
     ['direct', 'PTFE 1 mm']
     """
