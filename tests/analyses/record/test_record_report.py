@@ -266,7 +266,7 @@ def test_two_channels_stand_apart():
     files = read(*(record(5000.0 + k, path=f"{k}.csv", extra=other) for k in range(3)))
     page = page_of(files, [summed(files, 1), summed(files, 2)], **FACTS)
     contents = re.findall(r'<li><a href="#section-\d+">(.*?)</a>', page)
-    assert contents[3:5] == ["Campaign: board", "Campaign: frame"]
+    assert [title for title in contents if title.startswith("Campaign")] == ["Campaign: board", "Campaign: frame"]
     assert {row[1] for row in tables(page)["Blows"][1:]} == {"board", "frame"}
     mean = summed(files, 2).statistics["peak"].mean
     assert f"frame: 3 blows, peak {mean / 9.80665:.4g} g" in Page(page).text
