@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 Array = NDArray[np.float64]
 
 PROPORTION, CONFIDENCE = 0.95, 0.5
-"""Share of shocks below the limit, and how sure that is, where none is stated: P95/50, the usual one of maximum expected
+"""Share of shocks below the limit, and how sure that is, where none is stated: P95/50, usual for maximum expected
 environments."""
 FEWEST = 3
 """Spectra without which no limit is given: of two the factor is exact and useless (2.3 deviations of two values)."""
@@ -63,7 +63,7 @@ def tolerance_factor(count: int, proportion: float = PROPORTION, confidence: flo
     >>> [round(tolerance_factor(n, 0.95, 0.95), 3) for n in (3, 10, 50)]
     [7.656, 2.911, 2.065]
     """
-    from scipy.special import ndtri, nctdtrit
+    from scipy.special import nctdtrit, ndtri
 
     if count < 2:
         raise ValueError(f"a tolerance limit needs two values or more, got {count}")
@@ -99,7 +99,7 @@ def tolerance_limit(
     Examples
     --------
     >>> tolerance_limit([[90.0], [100.0], [111.0]]).round(1)
-    array([122.6])
+    array([122.5])
     """
     rows = _rows(spectra)
     if rows.shape[0] < FEWEST:
