@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 Array = NDArray[np.float64]
 
 
-class Motion(NamedTuple):
+class IntegratedMotion(NamedTuple):
     """What a base did whose acceleration was measured.
 
     Attributes
@@ -28,7 +28,7 @@ class Motion(NamedTuple):
     displacement_drift: Array
 
 
-def motion(values: ArrayLike, step: float, zero_error: float = 0.0, noise: float = 0.0) -> Motion:
+def motion(values: ArrayLike, step: float, zero_error: float = 0.0, noise: float = 0.0) -> IntegratedMotion:
     """Integrate an acceleration twice, as straight lines between its samples, and tell the drift.
 
     v' = a, d' = v; exactly: v_1 = v_0 + h (a_0 + a_1)/2, d_1 = d_0 + h v_0 + h^2 (2 a_0 + a_1)/6. A zero that is off
@@ -69,7 +69,7 @@ def motion(values: ArrayLike, step: float, zero_error: float = 0.0, noise: float
     velocity = _summed(0.5 * step * (a[:-1] + a[1:]))
     displacement = _summed(step * velocity[:-1] + step**2 / 6.0 * (2.0 * a[:-1] + a[1:]))
     t = step * np.arange(a.size)
-    return Motion(
+    return IntegratedMotion(
         velocity,
         displacement,
         np.hypot(zero_error * t, noise * np.sqrt(step * t)),
