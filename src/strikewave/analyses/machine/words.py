@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from itertools import pairwise
 from statistics import median
 from typing import TYPE_CHECKING
 
-from strikewave.analyses.machine.columns import CALLED
+from strikewave.analyses.machine.columns import CALLED, with_banded_decimals
 from strikewave.analyses.machine.contact_answers import ContactAnswers
 from strikewave.analyses.machine.kind import MachineKind, kind_of
+from strikewave.base.result import Band
 from strikewave.cases.machine_tables import KINDS
 from strikewave.cases.yield_pressure import YIELDING
 from strikewave.reporting.numbers import fixed, headed, heads, listed, shown, with_band, with_unit
@@ -72,12 +73,13 @@ def answer_heads() -> list[str]:
     return ["contact", *heads([(CALLED.get(column[0], column[0]), *column[1:]) for column in ANSWER_COLUMNS])]
 
 
-def answer_rows(answers: ContactAnswers) -> list[list[str]]:
-    """Return the answers of a contact as the rows of a table; see `answer_heads`."""
+def answer_rows(answers: ContactAnswers, bands: Mapping[str, Band] | None = None) -> list[list[str]]:
+    """Return the answers of a contact as the rows of a table, in the digits of its bands; see `answer_heads`."""
+    columns = with_banded_decimals(ANSWER_COLUMNS, bands)
     return [
         [
             row.name + (" (this run)" if row.name == answers.taken else ""),
-            *(fixed(getattr(row, name), si, unit, decimals) for name, si, unit, decimals in ANSWER_COLUMNS),
+            *(fixed(getattr(row, name), si, unit, decimals) for name, si, unit, decimals in columns),
         ]
         for row in answers.rows
     ]
