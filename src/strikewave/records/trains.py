@@ -51,7 +51,7 @@ BIN = 0.05
 """Share by which periods that are tried differ: well within `JITTER`."""
 
 
-class Train(NamedTuple):
+class BlowTrain(NamedTuple):
     """Blows one period apart.
 
     Attributes
@@ -80,17 +80,17 @@ class Contacts(NamedTuple):
         For each contact that belongs to a blow, that blow.
     double : dict
         For each blow that is the second of a double hit, the first.
-    train : Train or None
+    train : BlowTrain or None
         What shows the period, where there is one.
     """
 
     blows: tuple[int, ...]
     owner: dict[int, int]
     double: dict[int, int]
-    train: Train | None
+    train: BlowTrain | None
 
 
-def find_train(times: Array, peaks: Array) -> Train | None:
+def find_train(times: Array, peaks: Array) -> BlowTrain | None:
     """Return the chain of contacts, one or a few periods apart, that holds most of the peaks; None where none does.
 
     Parameters
@@ -125,7 +125,7 @@ def find_train(times: Array, peaks: Array) -> Train | None:
     if single.size < FEWEST_GAPS or 2 * single.size < gaps.size:
         return None
     jitter = float(np.median(np.abs(single - period))) / period
-    return Train(tuple(members), period, jitter) if _regular(times, peaks, members) else None
+    return BlowTrain(tuple(members), period, jitter) if _regular(times, peaks, members) else None
 
 
 def sort_contacts(times: Array, peaks: Array, widths: Array, small: Sequence[bool]) -> Contacts:
@@ -202,7 +202,7 @@ def missing_of(times: Array, contacts: Contacts) -> list[float]:
     return missing
 
 
-def _sure(train: Train) -> bool:
+def _sure(train: BlowTrain) -> bool:
     return len(train.members) > SURE_GAPS and train.jitter < 0.5 * SURE_JITTER
 
 
