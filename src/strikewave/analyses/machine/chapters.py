@@ -166,7 +166,7 @@ def pulse_pictures(solution: Solution, moving: str = "") -> Section:
     """
     from strikewave.analyses.machine.figures import pulses
 
-    data = solution.data
+    data = solution.arrays
     struck = [row for row, blow in enumerate(solution.blows) if blow.kind != "missed"]
     parts: list[Part] = []
     words = [] if struck else ["No striker touched the object: there is no pulse to show."]

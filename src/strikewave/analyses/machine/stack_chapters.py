@@ -35,7 +35,7 @@ def struck_field(solution: Solution) -> WaveField | None:
     """Return the field of a machine's first blow on a stack; None where there is none. It holds no velocities."""
     from strikewave.cases.stack_of_case import build_stack, build_taps
 
-    data = solution.data
+    data = solution.arrays
     if "field_force" not in data:
         return None
     stack, setup = build_stack(solution.case), solution.waves
@@ -58,7 +58,7 @@ def stack_section(solution: Solution) -> list[Section]:
     setup = solution.waves
     if setup is None:
         return []
-    data, struck = solution.data, [k for k, reading in enumerate(solution.readings) if reading is not None]
+    data, struck = solution.arrays, [k for k, reading in enumerate(solution.readings) if reading is not None]
     if not struck or "tap_acceleration" not in data:
         return [Section("Stress waves", "No blow touched the object: there are no waves to show.")]
     first, names = struck[0], [str(name) for name in data["tap"].values]
@@ -133,7 +133,7 @@ def _settled(force: Any) -> int:
 
 
 def _run_routes(solution: Solution, first: int, tap: int, until: int) -> Section:
-    data = solution.data
+    data = solution.arrays
     time, name = data["pulse_time"].values[:until], str(data["tap"].values[tap])
     rigid = data["rigid_acceleration_filtered"].values[first, :until]
     exact = data["tap_acceleration"].values[first, tap, :until]
@@ -150,7 +150,7 @@ def sensor_section(solution: Solution) -> list[Section]:
         return []
     from strikewave.cases.sensors_of_case import build_channels
 
-    channels, data = build_channels(solution.case), solution.data
+    channels, data = build_channels(solution.case), solution.arrays
     struck = [k for k, reading in enumerate(solution.readings) if reading is not None]
     rows: list[list[Cell]] = []
     for k in struck:

@@ -225,8 +225,8 @@ def _felt_words(solution: Solution) -> list[str]:
     if reading is None:
         return []
     words = []
-    if reading.total_peak is not None and reading.bandwidth is not None and "tap" in solution.data:
-        band, tap = with_unit(reading.bandwidth, "Hz", "kHz", 3), solution.data["tap"].values[0]
+    if reading.total_peak is not None and reading.bandwidth is not None and "tap" in solution.arrays:
+        band, tap = with_unit(reading.bandwidth, "Hz", "kHz", 3), solution.arrays["tap"].values[0]
         words.append(f"At the tap {tap} it reaches {with_unit(reading.total_peak, 'm/s^2', 'g')} in all, at {band}.")
     read = [f"{name} {with_unit(pulse.peak, 'm/s^2', 'g')}" for name, pulse in reading.sensors.items()]
     if read:
