@@ -9,7 +9,8 @@ reports.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from collections.abc import Container, Sequence
+from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 import numpy as np
@@ -19,6 +20,7 @@ from strikewave.records.baseline import LocalBaseline, baseline_before
 from strikewave.records.pulses import Box, find_boxes, robust_line, sample_noise
 from strikewave.records.smooth_pulse import PulseUncertainty, SmoothPulse, fit_smooth_pulse
 from strikewave.records.smoothing import smooth
+from strikewave.records.trains import Contacts, sort_contacts
 from strikewave.signal.pulse import WIDTH_FRACTION, crossing, measure_pulse
 
 Array = NDArray[np.float64]
@@ -30,6 +32,8 @@ FOOT = 0.02
 0.02 % of its area, and what drifts beside it is left out."""
 TOES = 5
 """Widths of a blow to either side in which its feet are sought."""
+SMALLEST_REBOUND = 0.1
+"""Share of the peak of its blow from which a rebound is reported."""
 STRAIGHT, TINY = 1e-6, 1e-100
 """What is bent by less than this share of its largest value, or by so little, is a straight line: a count, a clock."""
 CLEAR = 3.0
@@ -51,6 +55,24 @@ ROUNDING = 1e-24
 """Share of the largest power below which a peak is rounding: 1e-12 of the amplitude."""
 NO_BASELINE, NOT_KNOWN = LocalBaseline(math.nan), PulseUncertainty()
 """Of a pulse that was not measured in a record."""
+
+
+class Rebound(NamedTuple):
+    """A contact that belongs to a blow: smaller than it, and as late after each, or near.
+
+    Attributes
+    ----------
+    time : float
+        Time of its peak, s.
+    peak : float
+        Largest value above the baseline, with its sign.
+    velocity_change : float
+        Integral from foot to foot, in the unit of the record times s.
+    """
+
+    time: float
+    peak: float
+    velocity_change: float
 
 
 @dataclass(frozen=True)
@@ -84,6 +106,8 @@ class RecordedPulse:
         The baseline before the pulse, its slope, and what noise does to it.
     uncertainty : PulseUncertainty
         Of peak, width and velocity change, by what lies before the blow.
+    rebounds : tuple of Rebound
+        Smaller contacts that belong to the blow.
     """
 
     time: float
@@ -100,6 +124,7 @@ class RecordedPulse:
     end: float
     baseline: LocalBaseline = NO_BASELINE
     uncertainty: PulseUncertainty = NOT_KNOWN
+    rebounds: tuple[Rebound, ...] = ()
 
 
 def find_pulses(values: Array, step: float, start: float = 0.0) -> list[RecordedPulse]:
@@ -137,16 +162,49 @@ def find_pulses(values: Array, step: float, start: float = 0.0) -> list[Recorded
     if bent <= max(STRAIGHT * float(np.max(np.abs(values))), TINY):
         return []
     noise = sample_noise(values)
-    sign, boxes = find_boxes(values, line, noise)
-    measured = []
-    for k, box in enumerate(boxes):
-        earliest = boxes[k - 1].last if k else 0
-        latest = boxes[k + 1].first if k + 1 < len(boxes) else values.size
-        baseline = baseline_before(values, box.first, box.width, earliest)
-        if baseline is None:
-            baseline = LocalBaseline(float(line.at(box.first + 0.5 * box.width)))
-        measured.append(_measure(values, BlowWindow(box, earliest, latest, sign, baseline, noise, step, start)))
-    return [pulse for pulse in measured if pulse is not None]
+    sign, large, small = find_boxes(values, line, noise)
+
+    def measured(boxes: Sequence[Box], wanted: Container[Box]) -> list[tuple[RecordedPulse, bool]]:
+        """Measure boxes between their neighbours, and tell which are small."""
+        found = []
+        for k, box in enumerate(boxes):
+            if box in wanted:
+                earliest = boxes[k - 1].last if k else 0
+                latest = boxes[k + 1].first if k + 1 < len(boxes) else values.size
+                baseline = baseline_before(values, box.first, box.width, earliest)
+                if baseline is None:
+                    baseline = LocalBaseline(float(line.at(box.first + 0.5 * box.width)))
+                pulse = _measure(values, BlowWindow(box, earliest, latest, sign, baseline, noise, step, start))
+                found += [] if pulse is None else [(pulse, wanted is small)]
+        return found
+
+    return _owned(sorted([*measured(large, large), *measured(sorted(large + small), small)], key=lambda p: p[0].time))
+
+
+def _owned(contacts: Sequence[tuple[RecordedPulse, bool]]) -> list[RecordedPulse]:
+    """Return the blows among contacts, each with its rebounds."""
+    pulses = [pulse for pulse, _ in contacts]
+    kinds = sort_contacts(*_sizes(pulses), [small for _, small in contacts])
+    rebounds: dict[int, list[Rebound]] = {}
+    for k, blow in kinds.owner.items():
+        pulse = pulses[k]
+        if abs(pulse.peak) >= SMALLEST_REBOUND * abs(pulses[blow].peak):
+            rebounds.setdefault(blow, []).append(Rebound(pulse.time, pulse.peak, pulse.velocity_change))
+    return [replace(pulses[k], rebounds=tuple(sorted(rebounds.get(k, ())))) for k in kinds.blows]
+
+
+def contacts_of(pulses: Sequence[RecordedPulse]) -> Contacts:
+    """Return what the blows of a record are to one another: a train, double hits."""
+    return sort_contacts(*_sizes(pulses), [False] * len(pulses))
+
+
+def _sizes(pulses: Sequence[RecordedPulse]) -> tuple[Array, Array, Array]:
+    """Return times, sizes of peaks, and widths."""
+    return (
+        np.array([pulse.time for pulse in pulses]),
+        np.array([abs(pulse.peak) for pulse in pulses]),
+        np.array([pulse.smooth.width() for pulse in pulses]),
+    )
 
 
 @dataclass(frozen=True)
