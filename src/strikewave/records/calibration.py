@@ -102,9 +102,8 @@ class Calibration:
             spare = [name for name in ("gain", "excitation", "rated_excitation", "count") if getattr(self, name)]
             if spare:
                 raise InputError(f"{field}.{spare[0]}", getattr(self, spare[0]), "nothing without a sensitivity")
-            if self.unit and known_unit(unit) is None:
-                allowed = 'a unit, or a number with a unit such as "1000 g", of ' + ", ".join(MEASURED[:-1])
-                raise InputError(f"{field}.unit", unit, f"{allowed}, strain or V", ambiguous(unit))
+            if self.unit:
+                check_unit(unit, f"{field}.unit")
             known = known_unit(unit)
             return Scale(float(self.polarity), "") if known is None else Scale(self.polarity * known[1], known[0])
         output, per, measured = _sensitivity(self.sensitivity, f"{field}.sensitivity")
@@ -161,6 +160,20 @@ def known_unit(text: str) -> tuple[str, float] | None:
         known = known_unit(match[2])
         return None if known is None or not math.isfinite(float(match[1])) else (known[0], float(match[1]) * known[1])
     return convertible(_SPELLINGS.get(plain, _SPELLINGS.get(plain.lower(), plain)), (*MEASURED, "V"))
+
+
+def check_unit(unit: str, field: str) -> None:
+    """Refuse a unit that is stated and not known.
+
+    Raises
+    ------
+    InputError
+        If it is none.
+    """
+    if known_unit(unit) is None:
+        allowed = 'a unit, or a number with a unit such as "1000 g", of ' + ", ".join(MEASURED[:-1])
+        hint = ambiguous(unit) or nearest(unit, ("g", "m/s^2", "mV", "V", "kN", "N", "MPa", "Pa", "ustrain", "mm"))
+        raise InputError(field, unit, f"{allowed}, strain or V", hint)
 
 
 def ambiguous(unit: str) -> str:

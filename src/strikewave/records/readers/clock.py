@@ -19,6 +19,8 @@ _SECONDS = {
     "millisekunden": 1e-3, "mikrosekunden": 1e-6, "nanosekunden": 1e-9,
 }  # fmt: skip
 """Seconds of a unit of time as instruments write it, in English and German."""
+UNITS_OF_TIME = ("s", "ms", "us", "ns", "ps", "min", "h")
+"""Units that are offered for one that is none."""
 _HERTZ = {"": 1.0, "k": 1e3, "m": 1e6, "g": 1e9}
 """Factors before Hz; ``m`` is mega, as no instrument samples in millihertz."""
 _DIGITS = re.compile(r"[+-]?(\d*)(?:[.,](\d*))?(?:[eE]([+-]?\d{1,4}))?")
