@@ -149,5 +149,5 @@ def write_files(result: Result, folder: Path) -> list[str]:
         if isinstance(content, str):
             (folder / name).write_text(content, "utf-8", newline="\n")
         else:
-            content.to_netcdf(folder / name, engine="h5netcdf")
+            content.write(folder / name)
     return list(files)

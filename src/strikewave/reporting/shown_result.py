@@ -21,9 +21,10 @@ from numpy.typing import ArrayLike, NDArray
 
 from strikewave.base.errors import InputError, StrikewaveError
 from strikewave.base.output_folder import write_atomically
-from strikewave.base.result import WARNING, Result
+from strikewave.base.result import WARNING, Band, Result
+from strikewave.reporting.bands import bands_of
 from strikewave.reporting.columns import Column
-from strikewave.reporting.numbers import axis_unit, headed, shown, time_unit
+from strikewave.reporting.numbers import axis_unit, fixed, headed, shown, table_decimals, time_unit
 from strikewave.reporting.parts import written
 
 if TYPE_CHECKING:
@@ -307,8 +308,16 @@ def shown_table(result: ShownResult, most: int | None = None) -> tuple[list[str]
     usual = result.brief()
     kept = [column for column in result.columns() if column.name in usual]
     heads = [headed(column.name.replace("_", " "), column.si, usual[column.name]) for column in kept]
-    cells = ([_cell(value, column.si, usual[column.name]) for value in column.values[:most]] for column in kept)
+    cells = (_cells(column, usual[column.name], bands_of(result.band, column.name), most) for column in kept)
     return heads, [list(row) for row in zip(*cells, strict=True)]
+
+
+def _cells(column: Column, usual: str, bands: Sequence[Band], most: int | None) -> list[str]:
+    """Return the first cells of a column as they are shown, with the digits that its bands leave."""
+    if not bands:
+        return [_cell(value, column.si, usual) for value in column.values[:most]]
+    decimals = table_decimals(bands, column.si, usual)
+    return [fixed(value, column.si, usual, decimals) for value in column.values[:most]]
 
 
 def _cell(value: Any, si: str, usual: str) -> str:

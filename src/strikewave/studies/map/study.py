@@ -8,14 +8,14 @@ import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import cached_property
-from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple
+from typing import Any, ClassVar, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from strikewave.base.errors import InputError, IntegrationError, StrikewaveError
 from strikewave.base.result import Source
-from strikewave.base.variables import quantity
+from strikewave.base.variables import LabelledArrays, quantity
 from strikewave.cases.case import Case, dump_case, parse_case
 from strikewave.machines import blows
 from strikewave.machines.run import run_machine
@@ -40,9 +40,6 @@ from strikewave.studies.map.regimes import NAMES
 from strikewave.studies.map.store import Store
 from strikewave.studies.workers import Workers
 from strikewave.uncertainty.statistics import variation
-
-if TYPE_CHECKING:
-    import xarray
 
 Array = NDArray[np.float64]
 
@@ -251,10 +248,8 @@ class MapStudy(ShownResult):
         return {"settings": settings, "distance": nearest.distance, "result": nearest.cell, "full_run": full}
 
     @property
-    def data(self) -> xarray.Dataset:
+    def arrays(self) -> LabelledArrays:
         """The map with its units; attributes carry the case and the meaning of the codes."""
-        import xarray
-
         axes = self.plan.axes
         dimensions = ("panel", "y", "x")
         named = (axes[2] if len(axes) > 2 else None, axes[1], axes[0])
@@ -267,7 +262,7 @@ class MapStudy(ShownResult):
             name: quantity(dimensions, self.field(name), unit, meaning) for name, (unit, meaning) in FIELDS.items()
         }
         words = {"case": self.plan.case, "regimes": " | ".join(NAMES), "reasons": " | ".join(REASONS)}
-        return xarray.Dataset(variables, coordinates, {**words, "blows": self.plan.blows, "train": self.plan.train})
+        return LabelledArrays.of(variables, coordinates, {**words, "blows": self.plan.blows, "train": self.plan.train})
 
     def texts(self) -> dict[str, str]:
         """Return the JSON document, and the case of the nearest even setting, as files."""
