@@ -369,7 +369,12 @@ def test_files_are_taken_in_natural_order_where_they_come_as_a_shell_lists_them(
 
     assert order(*names) == ["a1.csv", "a2.csv", "a10.csv"]
     assert order("a*.csv") == ["a1.csv", "a2.csv", "a10.csv"]  # where the shell leaves patterns to the command
-    assert order("a10.csv", "a1.csv", "a2.csv") == ["a10.csv", "a1.csv", "a2.csv"]
+    assert order("a10.csv", "a1.csv", "a2.csv") == [
+        "a1.csv",
+        "a2.csv",
+        "a10.csv",
+    ]  # as locales sort that pass marks over
+    assert order("a2.csv", "a1.csv", "a10.csv") == ["a2.csv", "a1.csv", "a10.csv"]
     code, out, err = strikewave("record", "a1.csv", "./a1.csv", "--json")
     assert (code, len(document(out)["files"])) == (0, 1)
     assert "named twice" in err
