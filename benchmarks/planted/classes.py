@@ -309,7 +309,7 @@ def cut_off(rng):
     draft = one_or_several(rng)
     at_end = rng.random() < 0.5
     blow = draft.blows[-1 if at_end else 0]
-    place = int((blow.begin + rng.uniform(0.1, 0.8) * (blow.end - blow.begin)) / draft.setting.step)
+    place = int((blow.begin + rng.uniform(0.25, 0.8) * (blow.end - blow.begin)) / draft.setting.step)
     draft.cut(*((0, place) if at_end else (place, draft.values.size)))
     draft.faults["cut"] = "end" if at_end else "begin"
     return [recorded(rng, draft, rng.uniform(35.0, 75.0))], {0}

@@ -8,7 +8,8 @@ peak, the figures are those of the smooth pulse that fits best, which its ``meth
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from collections.abc import Container, Sequence
+from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 import numpy as np
@@ -17,6 +18,7 @@ from numpy.typing import NDArray
 from strikewave.records.pulses import Baseline, Box, find_boxes, robust_line, sample_noise
 from strikewave.records.smooth_pulse import SmoothPulse, fit_smooth_pulse
 from strikewave.records.smoothing import smooth
+from strikewave.records.trains import Contacts, sort_contacts
 from strikewave.signal.pulse import WIDTH_FRACTION, crossing, measure_pulse
 
 Array = NDArray[np.float64]
@@ -30,6 +32,8 @@ LOOK_BACK = 40
 """Widths of a blow before it over which the baseline is taken: more than its foot lasts."""
 TOES = 5
 """Widths of a blow to either side in which its feet are sought."""
+SMALLEST_REBOUND = 0.1
+"""Share of the peak of its blow from which a rebound is reported."""
 STRAIGHT, TINY = 1e-6, 1e-100
 """What is bent by less than this share of its largest value, or by so little, is a straight line: a count, a clock."""
 CLEAR = 3.0
@@ -51,6 +55,24 @@ STANDS_OUT = 30.0
 """Power of a ringing over that of the noise: noise reaches it once in 1e13 frequencies (exp(-30))."""
 ROUNDING = 1e-24
 """Share of the largest power below which a peak is rounding: 1e-12 of the amplitude."""
+
+
+class Rebound(NamedTuple):
+    """A contact that belongs to a blow: smaller than it, and as late after each, or near.
+
+    Attributes
+    ----------
+    time : float
+        Time of its peak, s.
+    peak : float
+        Largest value above the baseline, with its sign.
+    velocity_change : float
+        Integral from foot to foot, in the unit of the record times s.
+    """
+
+    time: float
+    peak: float
+    velocity_change: float
 
 
 @dataclass(frozen=True)
@@ -80,6 +102,8 @@ class RecordedPulse:
         ``record`` where the figures are read off the record, ``fit`` where noise hides a tenth of the peak.
     begin, end : float
         Time of the feet, s.
+    rebounds : tuple of Rebound
+        Smaller contacts that belong to the blow.
     """
 
     time: float
@@ -94,6 +118,7 @@ class RecordedPulse:
     method: str
     begin: float
     end: float
+    rebounds: tuple[Rebound, ...] = ()
 
 
 def find_pulses(values: Array, step: float, start: float = 0.0) -> list[RecordedPulse]:
@@ -131,14 +156,47 @@ def find_pulses(values: Array, step: float, start: float = 0.0) -> list[Recorded
     if bent <= max(STRAIGHT * float(np.max(np.abs(values))), TINY):
         return []
     noise = sample_noise(values)
-    sign, boxes = find_boxes(values, line, noise)
-    measured = []
-    for k, box in enumerate(boxes):
-        earliest = boxes[k - 1].last if k else 0
-        latest = boxes[k + 1].first if k + 1 < len(boxes) else values.size
-        offset = _offset(values, box, earliest, line)
-        measured.append(_measure(values, BlowWindow(box, earliest, latest, sign, offset, noise, step, start)))
-    return [pulse for pulse in measured if pulse is not None]
+    sign, large, small = find_boxes(values, line, noise)
+
+    def measured(boxes: Sequence[Box], wanted: Container[Box]) -> list[tuple[RecordedPulse, bool]]:
+        """Measure boxes between their neighbours, and tell which are small."""
+        found = []
+        for k, box in enumerate(boxes):
+            if box in wanted:
+                earliest = boxes[k - 1].last if k else 0
+                latest = boxes[k + 1].first if k + 1 < len(boxes) else values.size
+                offset = _offset(values, box, earliest, line)
+                pulse = _measure(values, BlowWindow(box, earliest, latest, sign, offset, noise, step, start))
+                found += [] if pulse is None else [(pulse, wanted is small)]
+        return found
+
+    return _owned(sorted([*measured(large, large), *measured(sorted(large + small), small)], key=lambda p: p[0].time))
+
+
+def _owned(contacts: Sequence[tuple[RecordedPulse, bool]]) -> list[RecordedPulse]:
+    """Return the blows among contacts, each with its rebounds."""
+    pulses = [pulse for pulse, _ in contacts]
+    kinds = sort_contacts(*_sizes(pulses), [small for _, small in contacts])
+    rebounds: dict[int, list[Rebound]] = {}
+    for k, blow in kinds.owner.items():
+        pulse = pulses[k]
+        if abs(pulse.peak) >= SMALLEST_REBOUND * abs(pulses[blow].peak):
+            rebounds.setdefault(blow, []).append(Rebound(pulse.time, pulse.peak, pulse.velocity_change))
+    return [replace(pulses[k], rebounds=tuple(sorted(rebounds.get(k, ())))) for k in kinds.blows]
+
+
+def contacts_of(pulses: Sequence[RecordedPulse]) -> Contacts:
+    """Return what the blows of a record are to one another: a train, double hits."""
+    return sort_contacts(*_sizes(pulses), [False] * len(pulses))
+
+
+def _sizes(pulses: Sequence[RecordedPulse]) -> tuple[Array, Array, Array]:
+    """Return times, sizes of peaks, and widths."""
+    return (
+        np.array([pulse.time for pulse in pulses]),
+        np.array([abs(pulse.peak) for pulse in pulses]),
+        np.array([pulse.smooth.width() for pulse in pulses]),
+    )
 
 
 @dataclass(frozen=True)

@@ -4,7 +4,8 @@ A blow is a one-sided excursion. Boxes of all widths slide over the record; the 
 samples stands out where it exceeds what noise alone would give anywhere in the record once in a hundred
 records; the noise of each width is measured from the record itself. The box that holds the largest energy
 w r^2 gives sign and scale; the others must be of its sign and scale (a third to three times its width), have at
-least a fifth of its area, and stand out from what swings around them, so that ringing is no blow.
+least a fifth of its area, and stand out from what swings around them, so that ringing is no blow. Which of them
+belong to the blow before is for `strikewave.records.trains` to tell.
 """
 
 from __future__ import annotations
@@ -31,6 +32,8 @@ SMALLEST_AREA = 0.2
 
 The blows of one test are alike, and what rings after a blow swings to both sides: the areas of its lobes are
 smaller."""
+SMALLEST_CONTACT = 0.05
+"""Share of that area from which on a box may be a rebound, or a blow where a train asks for one."""
 SCALES = 3.0
 """The widths of the blows of one record differ by at most this factor from the largest one: the lobes of a ringing are
 narrower, a drift or a change of level is wider."""
@@ -83,6 +86,11 @@ class Box(NamedTuple):
         """One past the last sample."""
         return self.first + self.width
 
+    @property
+    def area(self) -> float:
+        """Sum of its samples."""
+        return self.width * self.mean
+
 
 def robust_line(values: Array, blocks: int = LINE_BLOCKS) -> Baseline:
     """Fit a line that blows do not bend: repeated medians over the medians of equal blocks.
@@ -132,8 +140,10 @@ def sample_noise(values: Array) -> float:
     return noise if noise > 0.0 or not steps.size else float(np.min(steps)) / math.sqrt(12.0)
 
 
-def find_boxes(values: Array, line: Baseline, single: float) -> tuple[int, list[Box]]:
-    """Return the sign of the blows of a record, and a box for each, in the order of time.
+def find_boxes(values: Array, line: Baseline, single: float) -> tuple[int, list[Box], list[Box]]:
+    """Return the sign of the contacts of a record, and boxes of the large and of the small ones, in the order of time.
+
+    A small one has less than a fifth of the largest area, and more than a twentieth.
 
     Parameters
     ----------
@@ -147,27 +157,31 @@ def find_boxes(values: Array, line: Baseline, single: float) -> tuple[int, list[
     Examples
     --------
     >>> values = np.random.default_rng(1).normal(size=4000)
-    >>> values[1000:1100] -= 20.0
-    >>> sign, boxes = find_boxes(values, robust_line(values), sample_noise(values))
-    >>> sign, len(boxes), abs(boxes[0].first - 1000) < 20
-    (-1, 1, True)
+    >>> values[1000:1100] -= 40.0
+    >>> values[2000:2100] -= 6.0
+    >>> sign, large, small = find_boxes(values, robust_line(values), sample_noise(values))
+    >>> sign, len(large), abs(large[0].first - 1000) < 20, len(small)
+    (-1, 1, True, 1)
     """
     boxes_by_sign = {sign: _standing_out(values, line, sign) for sign in (1, -1)}
     best = {sign: max(boxes, key=_energy, default=None) for sign, boxes in boxes_by_sign.items()}
     chosen = max(best, key=lambda sign: _energy(best[sign]))
     top = best[chosen]
     if top is None:
-        return 1, []
+        return 1, [], []
     alike = [box for box in boxes_by_sign[chosen] if top.width / SCALES <= box.width <= top.width * SCALES]
-    blows: list[Box] = []
+    alike.sort(key=_energy, reverse=True)
+    large: list[Box] = []
+    small: list[Box] = []
     claimed: list[Box] = []
-    for box in sorted(alike, key=_energy, reverse=True):
-        if box.width * box.mean < SMALLEST_AREA * top.width * top.mean or _touches(box, claimed):
-            continue
-        claimed.append(box)
-        if box.first >= 0.5 * box.width and not _swings(values, line, chosen, box, blows, single):
-            blows.append(box)
-    return chosen, sorted(blows)
+    for found, least, most in ((large, SMALLEST_AREA, math.inf), (small, SMALLEST_CONTACT, SMALLEST_AREA)):
+        for box in alike:
+            if not least <= box.area / top.area < most or _touches(box, claimed):
+                continue
+            claimed.append(box)
+            if box.first >= 0.5 * box.width and not _swings(values, line, chosen, box, large + small, single):
+                found.append(box)
+    return chosen, sorted(large), sorted(small)
 
 
 def _touches(box: Box, others: list[Box]) -> bool:

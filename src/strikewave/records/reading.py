@@ -7,7 +7,6 @@ import math
 import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
-from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -17,8 +16,9 @@ from strikewave.records.calibration import Calibration, calibrated, calibration_
 from strikewave.records.clock import even
 from strikewave.records.health import Examined, examine, level_step
 from strikewave.records.health_notice import FIGURES, STATUSES, HealthNotice, worst, worst_first
-from strikewave.records.measuring import FEWEST, RecordedPulse, find_pulses
+from strikewave.records.measuring import FEWEST, RecordedPulse, contacts_of, find_pulses
 from strikewave.records.record import Array, Channel, Record
+from strikewave.records.trains import gaps_of
 from strikewave.signal.filters import Filter
 
 MUCH, HALF = 0.9, 0.5
@@ -89,9 +89,8 @@ class ChannelReading:
 
     @property
     def intervals(self) -> list[float]:
-        """Times from each peak to the next, s."""
-        times = [pulse.time for pulse in self.pulses]
-        return [later - earlier for earlier, later in pairwise(times)]
+        """Times from each blow to the next, s: not inside a double hit, nor over a missing blow."""
+        return gaps_of(np.array([pulse.time for pulse in self.pulses]), contacts_of(self.pulses))
 
     def figures(self, name: str) -> list[float]:
         """Return a figure of all blows, those that a finding harms left out."""

@@ -221,6 +221,7 @@ def pulse_row(pulse: RecordedPulse) -> dict[str, Any]:
         "smooth_peak": pulse.smooth.peak,
         "smooth_width": pulse.smooth.width(),
         "smooth_misfit": pulse.smooth.misfit,
+        "rebounds": [rebound._asdict() for rebound in pulse.rebounds],
     }
 
 

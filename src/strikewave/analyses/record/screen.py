@@ -39,11 +39,14 @@ from strikewave.records import (
 from strikewave.records.campaign import SUMMED
 from strikewave.reporting import measured_files as measured
 from strikewave.reporting.layout import MORE, keys, numerals, texts
+from strikewave.reporting.numbers import listed
 from strikewave.reporting.options import Output
 from strikewave.reporting.run_and_write import Command, run_and_write
 from strikewave.reporting.terminal import number, say, significant, table, tell
 from strikewave.signal.filters import Filter
 
+MOST_NAMED = 3
+"""Files that a line names; the others are counted."""
 MOST_ROWS = 60
 """Files shown in the table on the screen."""
 
@@ -179,9 +182,31 @@ def _print(readings: Sequence[FileReading], campaigns: Sequence[Campaign], filte
     for file in readings:
         if file.status != "good":
             tell(f"{names[file.path]}, {file.status}: {'; '.join(file.reasons)}", "  ")
+    _print_rebounds(readings, names)
     for campaign in campaigns:
         _print_campaign(campaign, readings, names)
     _print_filter([reading for file in readings for reading in file.channels], filter_)
+
+
+def _print_rebounds(readings: Sequence[FileReading], names: dict[str, str]) -> None:
+    """Say in a line what the files with rebounds have in common; each is listed in the report."""
+    owners = [
+        (names[file.path], pulse)
+        for file in readings
+        for reading in file.channels
+        for pulse in reading.pulses
+        if pulse.rebounds
+    ]
+    if not owners:
+        return
+    shares = [abs(rebound.peak / pulse.peak) for _, pulse in owners for rebound in pulse.rebounds]
+    lags = [1e3 * abs(rebound.time - pulse.time) for _, pulse in owners for rebound in pulse.rebounds]
+    where = list(dict.fromkeys(name for name, _ in owners))
+    tell(
+        f"{len(shares)} rebounds, counted with their blows, in {listed(where[:MOST_NAMED])}"
+        + (f" and {len(where) - MOST_NAMED} more files" if len(where) > MOST_NAMED else "")
+        + f": {min(shares):.0%} to {max(shares):.0%} of the peak, {min(lags):.3g} to {max(lags):.3g} ms from it"
+    )
 
 
 def _rows(file: FileReading, name: str) -> list[list[str]]:

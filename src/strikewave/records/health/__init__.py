@@ -1,7 +1,7 @@
 """What is wrong with a record: each check is one short function that finds one fault.
 
-A module a subject: blows, zero, range, sampling, noise, ringing. Every check takes an `Examined` and returns findings;
-`examine` asks them all.
+A module a subject: blows, their train, zero, range, sampling, noise, ringing. Every check takes an `Examined` and
+returns findings; `examine` asks them all.
 """
 
 from __future__ import annotations
@@ -14,6 +14,7 @@ from strikewave.records.health.noise import noisy
 from strikewave.records.health.range import clipped, saturated
 from strikewave.records.health.ringing import larger_elsewhere, ringing
 from strikewave.records.health.sampling import aliased, few_samples
+from strikewave.records.health.train import double_hit, missing_blow, rebounds
 from strikewave.records.health.zero import level_step, no_foot, not_settled, velocity_drift, zero_shift
 from strikewave.records.health_notice import FIGURES, HealthNotice, worst_first
 
@@ -35,6 +36,9 @@ CHECKS = (
     ringing,
     larger_elsewhere,
     beyond_drop_height,
+    rebounds,
+    double_hit,
+    missing_blow,
 )
 """Every check, in the order of their findings."""
 
