@@ -31,8 +31,9 @@ JITTER = 0.12
 MOST_PERIODS = 4
 """Periods that a gap may last: more blows missing in a row are an end of a train and the begin of another."""
 MISSED = 0.75
-"""Median peaks that a missing blow costs a chain: less than one, so that a train that lacks a blow is not taken for one
-of twice the period."""
+"""Weights of a usual blow, its peak squared, that a missing one costs a chain.
+
+Less than one: a train that lacks a blow is else taken for one of twice the period."""
 FEWEST_GAPS = 2
 """Gaps of one period without which there is no train."""
 IRREGULAR = 0.35
@@ -109,10 +110,11 @@ def find_train(times: Array, peaks: Array) -> BlowTrain | None:
     """
     if times.size < FEWEST_GAPS + 1:
         return None
-    penalty = MISSED * float(np.median(peaks))
+    weights = peaks**2  # a rebound weighs little
+    penalty = MISSED * float(np.median(np.sort(weights)[weights.size // 2 :]))  # of the larger half: the blows
     best: tuple[float, float, list[int]] | None = None
     for period in _periods(times):
-        score, members = _chain(times, peaks, period, penalty)
+        score, members = _chain(times, weights, period, penalty)
         off = _off_period(times[members], period)
         if best is None or score > best[0] * (1.0 + 1e-9) or (score > best[0] * (1.0 - 1e-9) and off < best[1]):
             best = score, off, members
@@ -214,12 +216,12 @@ def _periods(times: Array) -> Array:
     return np.array([float(np.median(gaps[gaps > 0.0][steps == step])) for step in np.unique(steps)])
 
 
-def _chain(times: Array, peaks: Array, period: float, penalty: float) -> tuple[float, list[int]]:
-    """Return the chain with gaps of one period or a few that holds most of the peaks, and what it holds.
+def _chain(times: Array, weights: Array, period: float, penalty: float) -> tuple[float, list[int]]:
+    """Return the chain with gaps of one period or a few of the largest weight, and what it holds.
 
     Each blow that it misses costs ``penalty``.
     """
-    score, before = peaks.copy(), np.full(times.size, -1)
+    score, before = weights.copy(), np.full(times.size, -1)
     firsts = np.searchsorted(times, times - (MOST_PERIODS + JITTER) * period)
     for k in range(1, times.size):
         earlier = np.arange(firsts[k], k)
