@@ -31,6 +31,7 @@ from strikewave.records import (
     calibrations_beside,
     compare,
     read_file,
+    repeats,
     summed,
     unreadable,
     worst,
@@ -50,19 +51,41 @@ MOST_ROWS = 60
 """Files shown in the table on the screen."""
 
 
-def examine_records(files: Sequence[str], wanted: Request, options: Options, output: Output) -> int:
+def examine_records(
+    files: Sequence[str],
+    wanted: Request,
+    options: Options,
+    output: Output,
+    in_columns: bool = False,
+    fail_on: str = "",
+) -> int:
     """Examine records, write and print what they say, and return the exit code.
+
+    Parameters
+    ----------
+    files : sequence of str
+        Paths, or patterns.
+    wanted, options : Request, Options
+        What is wanted of them, and how they are read.
+    output : Output
+        Where the result goes.
+    in_columns : bool
+        Whether the channels of a file are repeats of one test.
+    fail_on : str
+        Status that makes the exit code 3; empty for none.
 
     Raises
     ------
     InputError, StrikewaveError
         If not one file can be read.
     """
+    files = measured.ordered(files)
     paths = [Path(measured.shown(file)) for file in files]
     name = name_of(paths)
     usual = f"record-{name}"
     origin = measured.source_of("records", name, paths if output.writes(usual) else [], output.stated_test())
-    return run_and_write(RecordCommand(files, wanted, options, origin), output, usual, origin.text)
+    command = RecordCommand(files, wanted, options, origin, in_columns, fail_on)
+    return run_and_write(command, output, usual, origin.text)
 
 
 @dataclass(frozen=True)
@@ -75,6 +98,8 @@ class RecordCommand(Command[RecordResult]):
     wanted: Request
     options: Options
     origin: Source
+    in_columns: bool = False
+    fail_on: str = ""
 
     def solve(self) -> RecordResult:
         """Return what the records say."""
@@ -88,11 +113,15 @@ class RecordCommand(Command[RecordResult]):
         unread = [notice for file in read for notice in file.findings if notice.code == "unreadable"]
         if len(unread) == len(read):
             raise StrikewaveError(unread[0].message)
+        if self.in_columns:
+            read = [one for file in read for one in repeats(file) or [file]]
         readings = compare(read)
         numbers = dict.fromkeys(reading.number for file in readings for reading in file.channels)
         campaigns = [one for one in (summed(readings, k) for k in numbers) if one is not None]
-        calibrations = _calibrations(wanted, [Path(reading.path) for reading in readings])
-        return record_result(readings, campaigns, wanted.filter, calibrations=calibrations, origin=self.origin)
+        calibrations = _calibrations(wanted, [Path(file) for file in self.files])
+        return record_result(
+            readings, campaigns, wanted.filter, self.fail_on, calibrations=calibrations, origin=self.origin
+        )
 
     def summary(self, result: RecordResult) -> str:
         """Say what the records have in common, and which are bad."""
