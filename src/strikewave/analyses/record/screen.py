@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import dataclasses
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -15,25 +14,17 @@ from strikewave.analyses.record.result import (
     cutoff_for,
     filter_effect,
     name_of,
-    record_result,
 )
+from strikewave.analyses.record.run import examine_files
 from strikewave.analyses.record.tables import short_names
 from strikewave.analyses.record.words import record_words
-from strikewave.base.errors import StrikewaveError
 from strikewave.base.result import Source
 from strikewave.records import (
     Campaign,
     ChannelReading,
     FileReading,
     Options,
-    Record,
     Request,
-    calibrations_beside,
-    compare,
-    read_file,
-    repeats,
-    summed,
-    unreadable,
     worst,
 )
 from strikewave.records.campaign import SUMMED
@@ -42,7 +33,7 @@ from strikewave.reporting.layout import MORE, keys, numerals, texts
 from strikewave.reporting.numbers import listed
 from strikewave.reporting.options import Output
 from strikewave.reporting.run_and_write import Command, run_and_write
-from strikewave.reporting.terminal import number, say, significant, table, tell
+from strikewave.reporting.terminal import number, significant, table, tell
 from strikewave.signal.filters import Filter
 
 MOST_NAMED = 3
@@ -103,25 +94,7 @@ class RecordCommand(Command[RecordResult]):
 
     def solve(self) -> RecordResult:
         """Return what the records say."""
-        wanted = self.wanted
-        records = measured.read_all(self.files, self.options)
-        measured.check_channels(
-            wanted.calibrations, (record for record in records if not isinstance(record, Exception))
-        )
-        several = len(self.files) > 1
-        read = [_reading(file, record, wanted, several) for file, record in zip(self.files, records, strict=True)]
-        unread = [notice for file in read for notice in file.findings if notice.code == "unreadable"]
-        if len(unread) == len(read):
-            raise StrikewaveError(unread[0].message)
-        if self.in_columns:
-            read = [one for file in read for one in repeats(file) or [file]]
-        readings = compare(read)
-        numbers = dict.fromkeys(reading.number for file in readings for reading in file.channels)
-        campaigns = [one for one in (summed(readings, k) for k in numbers) if one is not None]
-        calibrations = _calibrations(wanted, [Path(file) for file in self.files])
-        return record_result(
-            readings, campaigns, wanted.filter, self.fail_on, calibrations=calibrations, origin=self.origin
-        )
+        return examine_files(self.files, self.wanted, self.options, self.origin, self.in_columns, self.fail_on)
 
     def summary(self, result: RecordResult) -> str:
         """Say what the records have in common, and which are bad."""
@@ -136,31 +109,6 @@ class RecordCommand(Command[RecordResult]):
         from strikewave.analyses.record.drawn import draw_result
 
         return draw_result(result, folder)
-
-
-def _reading(file: str, record: Record | Exception, wanted: Request, among: bool) -> FileReading:
-    """Return what a file says; one among several that cannot be used is named, and the others are done."""
-    if isinstance(record, Exception):
-        return FileReading(measured.shown(file), "", (), (unreadable(str(record)),))
-    try:
-        reading = read_file(record, calibrations_beside(Path(file)), wanted)
-        return dataclasses.replace(reading, path=measured.shown(file))
-    except StrikewaveError as error:
-        if not among:
-            raise
-        say(f"left out: {file}: {error}")
-        return FileReading(measured.shown(file), "", (), (unreadable(str(error)),))
-
-
-def _calibrations(wanted: Request, paths: Sequence[Path]) -> list[tuple[str, str]]:
-    """Return where a calibration was stated, and what."""
-    layers = {"command line": wanted.calibrations}
-    layers |= {f"beside {path.name}": stated for path in paths if (stated := calibrations_beside(path))}
-    return [
-        (where, f"{channel}: " + ", ".join(f"{key} = {value}" for key, value in table.items()))
-        for where, stated in layers.items()
-        for channel, table in stated.items()
-    ]
 
 
 def _print(readings: Sequence[FileReading], campaigns: Sequence[Campaign], filter_: Filter | None) -> None:
