@@ -121,6 +121,8 @@ def judged_file(draft, file):
         alone = rigid(pulse)
         scale = {"peak": draft.sign * G, "width": 1.0, "velocity_change": draft.sign * G}
         verdict.errors["raw peak"].append(pulse.peak / (scale["peak"] * blow.raw_peak) - 1.0)
+        stands = float(np.interp(blow.time, draft.time, draft.zero))
+        verdict.errors["zero"].append((draft.sign * pulse.offset / G - stands) / blow.peak)
         swings = folded(draft.faults.get("ringing frequency", math.nan), draft.setting.step)
         verdict.errors["ringing frequency"].append(pulse.ringing_frequency / swings - 1.0)
         best = pulse.smooth if alone is None else alone
@@ -212,7 +214,7 @@ def judged_classes(kinds=tuple(classes.CLASSES), scale=1.0, first=0):
 
 HEAD = (
     "class", "draws", "records", "blows", "found", "extra", "peak as recorded", "smooth peak", "width",
-    "velocity change", "ringing frequency", "silent misses", "of", "findings on sound records", "right but withheld",
+    "velocity change", "zero (of the peak)", "ringing frequency", "silent misses", "of", "findings on sound records", "right but withheld",
 )  # fmt: skip
 
 
@@ -235,7 +237,7 @@ def row(kind, verdicts):
         spread(errors["smooth peak"]),
         spread(errors["width"]),
         spread(errors["velocity_change"]),
-        spread([e for f in files for e in f.errors["ringing frequency"]]),
+        *(spread([e for f in files for e in f.errors[name]]) for name in ("zero", "ringing frequency")),
         f"{len(silent)} ({len(silent) / len(verdicts):.0%})",
         ", ".join(f"{name} {count}" for name, count in what.most_common()) or "-",
         f"{alarmed} ({alarmed / len(files):.1%})" if verdicts[0].clean else "-",
@@ -316,7 +318,7 @@ def section(scale=1.0):
         "and 50 g to 50 000 g, 8 to 500 samples a width, white and coloured noise 15 to 80 dB below, 10 to 16 bits, either sign, "
         "an offset; then one fault a class, with a strength from hardly to very harmful. Errors in percent, median ± scaled "
         "median deviation, of all blows found, stated or not: the peak as recorded against that with its ringing, the smooth "
-        "peak, width and velocity change against the pulse alone. A silent miss is a draw in which a figure is stated that is "
+        "peak, width and velocity change against the pulse alone, the zero against what the blow stands on. A silent miss is a draw in which a figure is stated that is "
         "more than 5 % off, or a blow too many, or blows are missing from a record called good. A finding on a sound record is a "
         "false alarm; polarity of a negative record and flat-top of a trapezoid are not counted. Right but withheld: a figure "
         "within 2 % of the truth that a finding keeps out of the mean. `python scripts/validate/records.py` draws them and "

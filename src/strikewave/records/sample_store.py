@@ -5,6 +5,7 @@ from __future__ import annotations
 import dataclasses
 import mmap
 import tempfile
+from types import TracebackType
 from typing import IO
 
 import numpy as np
@@ -13,8 +14,8 @@ from strikewave.records.reading import FileReading
 from strikewave.records.record import Array
 
 IN_MEMORY = 2**20
-"""Samples, of 8 bytes, that stay in memory: 8 MB, little beside the 150 MB of the program; fifty records of 20 000 samples
-never meet the disk."""
+"""Samples, of 8 bytes, that stay in memory: 8 MB, little beside the 150 MB of the program; fifty records of 20 000
+samples never meet the disk."""
 PART = 2**28
 """Bytes of a file on disk: few enough files for thousands of records, and what is not used takes no room."""
 _BYTES = 8
@@ -35,18 +36,28 @@ class SampleStore:
     Examples
     --------
     >>> from strikewave.records.calibration import Calibration
+    >>> from strikewave.records.reading import ChannelReading, FileReading
     >>> from strikewave.records.record import Channel
     >>> channel = ChannelReading(Channel("board", np.arange(3.0), 1e-5), 1, (), (), Calibration())
-    >>> kept = SampleStore(in_memory=2).kept(FileReading("a.csv", "text", (channel,)))
+    >>> with SampleStore(in_memory=2) as store:
+    ...     kept = store.kept(FileReading("a.csv", "text", (channel,)))
     >>> kept.channels[0].channel.values.tolist()
     [0.0, 1.0, 2.0]
     """
 
     def __init__(self, in_memory: int = IN_MEMORY) -> None:
         self._left = in_memory
-        self._file: IO[bytes]
+        self._file: IO[bytes] | None = None
         self._map: mmap.mmap | bytes = b""
         self._used = 0
+
+    def __enter__(self) -> SampleStore:
+        return self
+
+    def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, at: TracebackType | None) -> None:
+        """End it: nothing is laid down any more, and what was is still there to be read."""
+        if self._file is not None:
+            self._file.close()
 
     def kept(self, file: FileReading) -> FileReading:
         """Return a reading whose samples take no more memory than is left for them."""
@@ -67,20 +78,23 @@ class SampleStore:
         if not values.size:
             return values
         try:
-            if self._used + _BYTES * values.size > len(self._map):
-                self._begin(max(PART, _BYTES * values.size))
-            self._file.seek(self._used)
-            self._file.write(np.ascontiguousarray(values).data)
-            self._file.flush()
+            file = self._file_for(_BYTES * values.size)
+            file.seek(self._used)
+            file.write(np.ascontiguousarray(values).data)
+            file.flush()
         except OSError:
             return values
         view = np.frombuffer(self._map, np.float64, values.size, self._used)
         self._used += _BYTES * values.size
         return view
 
-    def _begin(self, size: int) -> None:
-        """Open the next file, with holes where nothing is written yet."""
-        file = tempfile.TemporaryFile()  # noqa: SIM115  (open as long as its samples are looked at)
-        file.truncate(size)
-        self._map = mmap.mmap(file.fileno(), size, access=mmap.ACCESS_READ)
-        self._file, self._used = file, 0
+    def _file_for(self, size: int) -> IO[bytes]:
+        """Return a file that has room for so many bytes; a new one, with holes, where there is too little."""
+        if self._file is not None and self._used + size <= len(self._map):
+            return self._file
+        if self._file is not None:
+            self._file.close()
+        self._file = file = tempfile.TemporaryFile()  # noqa: SIM115  (closed by __exit__)
+        file.truncate(max(PART, size))
+        self._map, self._used = mmap.mmap(file.fileno(), max(PART, size), access=mmap.ACCESS_READ), 0
+        return file

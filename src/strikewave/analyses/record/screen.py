@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, ClassVar
 
+from strikewave.analyses.record.question import examined
 from strikewave.analyses.record.result import (
     INTEGRALS,
     RecordResult,
@@ -15,7 +16,6 @@ from strikewave.analyses.record.result import (
     filter_effect,
     name_of,
 )
-from strikewave.analyses.record.run import examine_files
 from strikewave.analyses.record.tables import short_names
 from strikewave.analyses.record.words import record_words
 from strikewave.base.result import Source
@@ -94,7 +94,7 @@ class RecordCommand(Command[RecordResult]):
 
     def solve(self) -> RecordResult:
         """Return what the records say."""
-        return examine_files(self.files, self.wanted, self.options, self.origin, self.in_columns, self.fail_on)
+        return examined(self.files, self.wanted, self.options, self.origin, self.in_columns, self.fail_on)
 
     def summary(self, result: RecordResult) -> str:
         """Say what the records have in common, and which are bad."""
