@@ -122,9 +122,7 @@ def _run_and_write(
     if output.json:
         print_json(result.document(), indent=command.indent)
     else:
-        tell(" ".join([command.summary(result), *band_words(result.band)]))
-        command.show(result)
-        show_notices(command.printed_notices(result))
+        print_result(command, result)
     if place.folder is not None:
         say(f"written: {str(place.folder).rstrip('/')}/ ({', '.join(names)})")
     for words, files in (("kept", kept), ("removed", removed)):
@@ -140,6 +138,13 @@ def _run_and_write(
         + (f"check failed: {failed}" if failed else "the goal is missed, or something could not be read")
     )
     return BROKEN
+
+
+def print_result(command: Command[R], result: R) -> None:
+    """Print what came out: a sentence, tables, and what the user should know."""
+    tell(" ".join([command.summary(result), *band_words(result.band)]))
+    command.show(result)
+    show_notices(command.printed_notices(result))
 
 
 def write_files(result: Result, folder: Path) -> list[str]:

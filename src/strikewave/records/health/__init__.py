@@ -1,7 +1,7 @@
 """What is wrong with a record: each check is one short function that finds one fault.
 
-A module a subject: blows, zero, range, sampling, noise, ringing. Every check takes an `Examined` and returns findings;
-`examine` asks them all.
+A module a subject: blows, their train, zero, range, sampling, noise, ringing. Every check takes an `Examined` and
+returns findings; `examine` asks them all.
 """
 
 from __future__ import annotations
@@ -10,10 +10,11 @@ import numpy as np
 
 from strikewave.records.health.blows import beyond_drop_height, cut, no_pulse, polarity
 from strikewave.records.health.examined import BLOW, Examined
-from strikewave.records.health.noise import noisy
+from strikewave.records.health.noise import noisy, short_before, uncertain
 from strikewave.records.health.range import clipped, saturated
 from strikewave.records.health.ringing import larger_elsewhere, ringing
 from strikewave.records.health.sampling import aliased, few_samples
+from strikewave.records.health.train import double_hit, missing_blow, rebounds
 from strikewave.records.health.zero import level_step, no_foot, not_settled, velocity_drift, zero_shift
 from strikewave.records.health_notice import FIGURES, HealthNotice, worst_first
 
@@ -32,9 +33,14 @@ CHECKS = (
     cut,
     no_foot,
     noisy,
+    uncertain,
+    short_before,
     ringing,
     larger_elsewhere,
     beyond_drop_height,
+    rebounds,
+    double_hit,
+    missing_blow,
 )
 """Every check, in the order of their findings."""
 
