@@ -117,6 +117,8 @@ def blow_section(files: Sequence[FileReading], names: Names) -> Section:
     figures = ("peak", "rise", "width", "velocity_change", *(("ringing_frequency",) if rings else ()))
     columns = Columns(figures, units_of(rows))
     smooth = Columns(("peak", "width"), units_of(rows))
+    differs = any(pulse.differs_without_ringing for _, reading in rows for pulse in reading.pulses)
+    rigid = Columns(("peak", "width") if differs else (), units_of(rows))
     rebounding = any(pulse.rebounds for _, reading in rows for pulse in reading.pulses)
     several = len({reading.channel.name for _, reading in rows}) > 1
     cells: list[list[Cell]] = []
@@ -135,6 +137,7 @@ def blow_section(files: Sequence[FileReading], names: Names) -> Section:
                     *columns.cells(values, unit),
                     pulse.method,
                     *smooth.cells(fitted, unit),
+                    *rigid.cells({"peak": pulse.rigid_peak, "width": pulse.rigid_width}, unit),
                     *([_rebounds(pulse)] if rebounding else []),
                 ]
             )
@@ -145,10 +148,13 @@ def blow_section(files: Sequence[FileReading], names: Names) -> Section:
         + "The smooth pulse is the best fit of a power of a half-sine: the blow with little of its ringing. Where "
         "noise hides a tenth of the peak, the figures are those of the fit. Bad records stand here too."
     )
+    if differs:
+        text += " The pulse without ringing is fitted together with the mode that rings; a dash where no mode fits."
     if total > len(cells):
         text += f" The first {len(cells)} of {total} blows are listed."
     heads = ["file", *(["channel"] if several else []), "#", "time (ms)", *columns.heads, "method"]
     heads += [f"smooth {head}" for head in smooth.heads]
+    heads += [f"without ringing: {head}" for head in rigid.heads]
     heads += ["rebounds (share of the peak, after)"] if rebounding else []
     return Section("Blows", text if cells else "", [Table("Blows", heads, cells, "No blow was found.")])
 

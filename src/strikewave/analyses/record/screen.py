@@ -130,10 +130,40 @@ def _print(readings: Sequence[FileReading], campaigns: Sequence[Campaign], filte
     for file in readings:
         if file.status != "good":
             tell(f"{names[file.path]}, {file.status}: {'; '.join(file.reasons)}", "  ")
+    _print_rigid(readings, names)
     _print_rebounds(readings, names)
     for campaign in campaigns:
         _print_campaign(campaign, readings, names)
     _print_filter([reading for file in readings for reading in file.channels], filter_)
+
+
+def _print_rigid(readings: Sequence[FileReading], names: dict[str, str]) -> None:
+    """Print the pulses without ringing beside those with it, where they differ by more than 5 %."""
+    rows = []
+    for file in readings:
+        for reading in file.channels:
+            pulses = [pulse for pulse in reading.pulses if pulse.rigid is not None]
+            if not any(pulse.differs_without_ringing for pulse in pulses):
+                continue
+            peak, width = _mean([p.rigid_peak for p in pulses]), _mean([p.rigid_width for p in pulses])
+            doubt = _mean([p.rigid.peak_uncertainty for p in pulses if p.rigid is not None])
+            raw = _mean([pulse.peak for pulse in pulses])
+            rows.append(
+                [
+                    names[file.path],
+                    reading.channel.name,
+                    _value(peak, reading.channel.unit),
+                    f"{doubt / abs(peak):.1%}",
+                    f"{raw / peak - 1.0:+.1%}",
+                    number(width, "s", "us"),
+                    number(_mean([p.rigid.frequency for p in pulses if p.rigid is not None]), "Hz", "Hz"),
+                ]
+            )
+    if rows:
+        columns = [*keys("file"), *texts("channel"), *numerals("peak", "uncertainty", "with ringing")]
+        columns += [*numerals("pulse width at 10 % (us)", "ringing (Hz)", priority=MORE)]
+        title = "Without ringing" + (f", the first {MOST_ROWS} of {len(rows)} rows" if len(rows) > MOST_ROWS else "")
+        table(title, columns, rows[:MOST_ROWS])
 
 
 def _print_rebounds(readings: Sequence[FileReading], names: dict[str, str]) -> None:
