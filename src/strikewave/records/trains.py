@@ -30,7 +30,7 @@ JITTER = 0.12
 """Share of its period by which a gap of a train may differ: machines keep it to some percent, hands do not."""
 MOST_PERIODS = 4
 """Periods that a gap may last: more blows missing in a row are an end of a train and the begin of another."""
-MISSED = 0.75
+MISSED = 0.5
 """Weights of a usual blow, its peak squared, that a missing one costs a chain.
 
 Less than one: a train that lacks a blow is else taken for one of twice the period."""
@@ -161,7 +161,7 @@ def sort_contacts(times: Array, peaks: Array, widths: Array, small: Sequence[boo
     blow_of = {k: int(members[max(int(np.searchsorted(times[members], times[k])) - 1, 0)]) for k in others}
     late = _as_late(times, peaks, blow_of, len(members))
     for k, blow in blow_of.items():
-        if small[k] or late or peaks[k] < COMPARABLE * peaks[blow]:
+        if small[k] or k in late or peaks[k] < COMPARABLE * peaks[blow]:
             owner[k] = blow
         elif abs(times[k] - times[blow]) < 0.5 * train.period:
             double[k] = blow
@@ -245,8 +245,8 @@ def _off_period(times: Array, period: float) -> float:
 
 
 def _common_period(gaps: Array) -> float:
-    """Return the median of the gaps that are as long as the shortest half of them is."""
-    shortest = float(np.median(np.sort(gaps)[: max((gaps.size + 1) // 2, 1)]))
+    """Return the median of the gaps that are as long as the shortest quarter of them is."""
+    shortest = float(np.sort(gaps)[(gaps.size - 1) // 4])
     return float(np.median(gaps[np.abs(gaps - shortest) < 2.0 * JITTER * shortest]))
 
 
@@ -266,14 +266,15 @@ def _regular(times: Array, peaks: Array, members: Sequence[int]) -> bool:
     return float(np.median(np.abs(lags - np.median(lags)))) < 0.5 * AS_LATE * float(np.median(lags))
 
 
-def _as_late(times: Array, peaks: Array, blow_of: dict[int, int], blows: int) -> bool:
-    """Tell whether what follows the blows of a train comes after most of them, equally late and smaller: rebounds."""
-    lags = np.array([times[k] - times[blow] for k, blow in blow_of.items()])
-    if lags.size < max(blows // 2, FEWEST_GAPS) or float(np.median(lags)) <= 0.0:
-        return False
-    spread = float(np.median(np.abs(lags - np.median(lags))))
-    smaller = np.mean([peaks[k] < peaks[blow] for k, blow in blow_of.items()])
-    return spread < AS_LATE * float(np.median(lags)) and float(smaller) > IRREGULAR
+def _as_late(times: Array, peaks: Array, blow_of: dict[int, int], blows: int) -> set[int]:
+    """Return what comes after most blows of a train, equally late and smaller: rebounds."""
+    after = {k: float(times[k] - times[blow]) for k, blow in blow_of.items() if times[k] > times[blow]}
+    if len(after) < max(blows // 2, FEWEST_GAPS):
+        return set()
+    usual = float(np.median(list(after.values())))
+    late = {k for k, lag in after.items() if abs(lag - usual) < AS_LATE * usual}
+    smaller = sum(peaks[k] < peaks[blow_of[k]] for k in late)
+    return late if len(late) >= max(blows // 2, FEWEST_GAPS) and smaller > IRREGULAR * len(late) else set()
 
 
 def _without_train(times: Array, peaks: Array, widths: Array, small: Sequence[bool]) -> Contacts:
