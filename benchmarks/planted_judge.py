@@ -2,12 +2,15 @@
 
 A figure is stated where no finding harms it and none of the record is bad: it then enters a mean. A stated figure more
 than 5 % off the truth is a silent miss. Of a peak or width that holds ringing the truth is that of the pulse without it,
-and the pulse without ringing is taken for the statement where the reading shows one.
+and the pulse without ringing is taken for the statement where the reading shows one that is right. One that is more than
+5 % off, and twice its stated uncertainty, is a silent miss itself, unless a finding other than the ringing harms it.
 """
 
 import csv
 import math
+import os
 from collections import Counter, defaultdict
+from concurrent.futures import ProcessPoolExecutor
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -67,9 +70,14 @@ def read(draw):
     return files, summed(files) if len(files) > 1 else None
 
 
-def stated(reading, name):
-    """Tell whether a figure of a reading stands unharmed."""
-    return not any(f.severity == "bad" or name in f.harms for f in reading.findings)
+def kept(reading, name):
+    """Return the values of a figure that stand unharmed: those that enter a mean."""
+    return list(reading.figures(name))
+
+
+def stated(reading, pulse, name):
+    """Tell whether a figure of a blow stands unharmed."""
+    return getattr(pulse, name) in kept(reading, name)
 
 
 def rigid(pulse):
@@ -82,6 +90,11 @@ def of(pulse, name):
     """Return a figure that is an attribute, or a method."""
     value = getattr(pulse, name, math.nan)
     return float(value() if callable(value) else value)
+
+
+def folded(frequency, step):
+    """Return where a frequency lies in a record that is too slow for it, Hz."""
+    return abs(frequency - round(frequency * step) / step) if math.isfinite(frequency) else frequency
 
 
 def matched(draft, reading):
@@ -103,39 +116,48 @@ def judged_file(draft, file):
     codes = tuple(f"{f.code}:{f.severity}" for f in reading.findings)
     verdict = FileVerdict(len(draft.blows), len(reading.pulses), len(pairs), file.status, codes)
     worst = {}
+    rigid_off = {}
+    withheld = defaultdict(list)
     for blow, pulse in pairs:
         truth = {"peak": blow.peak, "width": blow.width, "velocity_change": blow.velocity_change}
         alone = rigid(pulse)
         scale = {"peak": draft.sign * G, "width": 1.0, "velocity_change": draft.sign * G}
         verdict.errors["raw peak"].append(pulse.peak / (scale["peak"] * blow.raw_peak) - 1.0)
-        best = pulse.smooth if alone is None else alone
-        verdict.errors["smooth peak"].append(of(best, "peak") / (scale["peak"] * blow.peak) - 1.0)
+        stands = float(np.interp(blow.time, draft.time, draft.zero))
+        verdict.errors["zero"].append((draft.sign * pulse.offset / G - stands) / blow.peak)
+        swings = folded(draft.faults.get("ringing frequency", math.nan), draft.setting.step)
+        verdict.errors["ringing frequency"].append(pulse.ringing_frequency / swings - 1.0)
+        verdict.errors["smooth peak"].append(of(pulse.smooth, "peak") / (scale["peak"] * blow.peak) - 1.0)
         for name in FIGURES:
             error = getattr(pulse, name) / (scale[name] * truth[name]) - 1.0
+            other = of(alone, name) / (scale[name] * truth[name]) - 1.0
             verdict.errors[name].append(error)
-            other = of(alone, name) / (scale[name] * truth[name]) - 1.0 if alone is not None else math.nan
-            if abs(other) < abs(error):
-                error = other
-            if math.isfinite(error) and abs(error) > abs(worst.get(name, 0.0)):
+            verdict.errors[f"rigid {name}"].append(other)
+            known = 2.0 * abs(of(alone, f"{name}_uncertainty") / (scale[name] * truth[name]))
+            doubted = any(f.severity == "bad" or (name in f.harms and f.code != "ringing") for f in file.all_findings)
+            if not doubted and abs(other) > max(LIMIT, known if math.isfinite(known) else 0.0):
+                rigid_off[name] = max(rigid_off.get(name, 0.0), other, key=abs)
+            if not stated(reading, pulse, name):
+                withheld[name].append(abs(error))
+            elif abs(error) > abs(worst.get(name, 0.0)) and not abs(other) <= LIMIT:
                 worst[name] = error
-    for name in FIGURES:
-        if not stated(reading, name):
-            if pairs and abs(worst.get(name, 0.0)) < RIGHT:
-                verdict.withheld.append(name)
-        elif abs(worst.get(name, 0.0)) > LIMIT:
-            verdict.silent.append((name, worst[name]))
-    extra, lost = len(reading.pulses) - len(pairs), len(draft.blows) - len(pairs)
-    if extra and stated(reading, "peak"):
+    verdict.silent = [(name, error) for name, error in worst.items() if abs(error) > LIMIT]
+    verdict.silent += [(f"{name} without ringing", error) for name, error in rigid_off.items()]
+    verdict.withheld = [name for name, errors in withheld.items() if max(errors) < RIGHT]
+    known = {id(pulse) for _, pulse in pairs}
+    extra = sum(stated(reading, p, "peak") for p in reading.pulses if id(p) not in known)
+    lost = len(draft.blows) - len(pairs)
+    if extra:
         verdict.silent.append(("extra blows", extra))
     if lost and reading.status == "good":
         verdict.silent.append(("lost blows", lost))
-    if math.isfinite(draft.period) and stated(reading, "interval"):
-        off = [gap / draft.period - 1.0 for gap in reading.figures("interval")]
+    if math.isfinite(draft.period):
+        off = [gap / draft.period - 1.0 for gap in kept(reading, "interval")]
         if off and max(map(abs, off)) > LIMIT:
             verdict.silent.append(("interval", max(off, key=abs)))
     facts = {"negative": draft.sign < 0, "trapezoid": draft.setting.shape.name == "trapezoid"}
     verdict.alarms = [f.code for f in file.all_findings if f.severity != "good" and not facts.get(ALLOWED.get(f.code))]
-    if extra or lost:
+    if len(reading.pulses) != len(draft.blows):
         verdict.alarms.append(f"{len(reading.pulses)} of {len(draft.blows)} blows")
     return verdict
 
@@ -177,9 +199,27 @@ def spread(values):
     return f"{100 * middle:+.1f} ± {100 * 1.4826 * float(np.median(np.abs(sample - middle))):.1f}"
 
 
+CLEAN = {"clean-single": 300, "clean-train": 160, "clean-campaign": 40}
+FAULTY = {"campaign": 20, "single": 40}
+"""Draws of a class: of one record, of a campaign."""
+
+
+def counted(kind, scale=1.0):
+    """Return how many draws of a class are made."""
+    plain = CLEAN.get(kind) or FAULTY["campaign" if kind.endswith("-files") else "single"]
+    return max(round(plain * scale), 1)
+
+
+def judged_classes(kinds=tuple(classes.CLASSES), scale=1.0, first=0):
+    """Return the verdicts on the draws of some classes, from a first seed on, over all processors."""
+    items = [(kind, first + k) for kind in kinds for k in range(counted(kind, scale))]
+    with ProcessPoolExecutor(os.cpu_count() or 1) as pool:
+        return list(pool.map(judged_seed, items, chunksize=8))
+
+
 HEAD = (
-    "class", "draws", "records", "blows", "found", "extra", "peak as recorded", "smooth peak", "width",
-    "velocity change", "silent misses", "of", "findings on sound records", "right but withheld",
+    "class", "draws", "records", "blows", "found", "extra", "peak as recorded", "smooth peak", "peak without ringing", "width",
+    "velocity change", "zero (of the peak)", "ringing frequency", "silent misses", "of", "findings on sound records", "right but withheld",
 )  # fmt: skip
 
 
@@ -200,8 +240,10 @@ def row(kind, verdicts):
         str(sum(f.found - f.matched for f in files)),
         spread(errors["raw peak"]),
         spread(errors["smooth peak"]),
+        spread([e for f in files for e in f.errors["rigid peak"]]),
         spread(errors["width"]),
         spread(errors["velocity_change"]),
+        *(spread([e for f in files for e in f.errors[name]]) for name in ("zero", "ringing frequency")),
         f"{len(silent)} ({len(silent) / len(verdicts):.0%})",
         ", ".join(f"{name} {count}" for name, count in what.most_common()) or "-",
         f"{alarmed} ({alarmed / len(files):.1%})" if verdicts[0].clean else "-",
@@ -272,3 +314,21 @@ def worst(verdicts, most=4):
                 counts = Counter(v.alarms)
                 lines.append(f"- {kind} --seed {v.seed}: ALARM {', '.join(f'{c} x {n}' for c, n in counts.items())}")
     return lines
+
+
+def section(scale=1.0):
+    """Return the paragraphs of the page of benchmarks."""
+    verdicts = judged_classes(scale=scale)
+    return [
+        "Records made by benchmarks/planted, which shares nothing with what reads them: eight families of pulses of 50 us to 20 ms "
+        "and 50 g to 50 000 g, 8 to 500 samples a width, white and coloured noise 15 to 80 dB below, 10 to 16 bits, either sign, "
+        "an offset; then one fault a class, with a strength from hardly to very harmful. Errors in percent, median ± scaled "
+        "median deviation, of all blows found, stated or not: the peak as recorded against that with its ringing, the smooth "
+        "peak, that of the fit without ringing, width and velocity change against the pulse alone, the zero against what the blow stands on. A silent miss is a draw in which a figure is stated that is "
+        "more than 5 % off (without ringing: and twice its own uncertainty), or a blow too many, or blows are missing from a record called good. A finding on a sound record is a "
+        "false alarm; polarity of a negative record and flat-top of a trapezoid are not counted. Right but withheld: a figure "
+        "within 2 % of the truth that a finding keeps out of the mean. `python scripts/validate/records.py` draws them and "
+        "shows any of them.",
+        markdown(verdicts),
+        *totals(verdicts),
+    ]

@@ -102,7 +102,7 @@ def recorded(rng, draft, decibels=None, colour=None, clean=True, sign=None, bits
         short = 2.0 * float(np.std(moving(sample, tip)))
         harm = max(2.0 * float(np.std(wander)) / 0.01, short / 0.02 * max(1.0, draft.setting.shape.width_error))
         size = min(size, faults.level(draft) / harm)
-    draft.values = draft.values + size * sample
+    draft.values = np.clip(draft.values + size * sample, -draft.limit, draft.limit)
     draft.faults |= {"noise": colour, "decibels": float(20 * np.log10(faults.level(draft) / size))}
     span = rng.uniform(1.15, 8.0) * max(top, float(np.max(np.abs(draft.values))))
     draft.faults["bits"] = int(rng.integers(10, 17)) if bits is None else bits
@@ -155,7 +155,7 @@ def campaign(rng, count=None, blows=1, decibels=None, bits=None):
         drafts.append(draft)
     shortest = min(draft.values.size for draft in drafts)  # one recorder, one length
     for draft in drafts:
-        draft.values = draft.values[:shortest]
+        draft.cut(0, shortest)
     return drafts
 
 
@@ -309,7 +309,7 @@ def cut_off(rng):
     draft = one_or_several(rng)
     at_end = rng.random() < 0.5
     blow = draft.blows[-1 if at_end else 0]
-    place = int((blow.begin + rng.uniform(0.1, 0.8) * (blow.end - blow.begin)) / draft.setting.step)
+    place = int((blow.begin + rng.uniform(0.25, 0.8) * (blow.end - blow.begin)) / draft.setting.step)
     draft.cut(*((0, place) if at_end else (place, draft.values.size)))
     draft.faults["cut"] = "end" if at_end else "begin"
     return [recorded(rng, draft, rng.uniform(35.0, 75.0))], {0}

@@ -70,6 +70,10 @@ class Draft:
         -1 where the whole record is turned round.
     begin_time, period : float
         Time of the first sample; from blow to blow of a train; s.
+    limit : float
+        Where the range of the recorder ends, g.
+    zero : ndarray
+        What the blows stand on: offset, drift and hum, g.
     """
 
     setting: Setting
@@ -79,6 +83,19 @@ class Draft:
     sign: int = 1
     begin_time: float = 0.0
     period: float = np.nan
+    limit: float = np.inf
+    zero: np.ndarray = None
+
+    def __post_init__(self):
+        """Stand at zero where nothing else is said."""
+        if self.zero is None:
+            self.zero = np.zeros_like(self.values)
+
+    def lift(self, zero):
+        """Add what the blows stand on."""
+        self.values = self.values + zero
+        self.zero = self.zero + zero
+
     name: str = "record"
 
     @property
@@ -86,15 +103,11 @@ class Draft:
         """Of each sample from the first, s."""
         return self.setting.step * np.arange(self.values.size)
 
-    def copy(self):
-        """Return a draft whose values can be changed."""
-        return replace(self, values=self.values.copy(), blows=list(self.blows), faults=dict(self.faults))
-
     def cut(self, first, last):
         """Keep the samples between two places; blows that are left out altogether leave the truth."""
         step = self.setting.step
         shift = first * step
-        self.values = self.values[first:last]
+        self.values, self.zero = self.values[first:last], self.zero[first:last]
         moved = [
             replace(b, time=b.time - shift, begin=b.begin - shift, end=b.end - shift)
             for b in self.blows

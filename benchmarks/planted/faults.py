@@ -19,7 +19,7 @@ def hum(rng, draft, strength):
     phase = rng.uniform(0, 2 * np.pi)
     third = rng.uniform(0.0, 0.3)
     angle = 2 * np.pi * frequency * draft.time + phase
-    draft.values += strength * level(draft) * (np.sin(angle) + third * np.sin(3 * angle + rng.uniform(0, 6)))
+    draft.lift(strength * level(draft) * (np.sin(angle) + third * np.sin(3 * angle + rng.uniform(0, 6))))
     draft.faults["hum"] = strength
 
 
@@ -34,13 +34,13 @@ def slow_motion(rng, draft, strength):
 
 def offset(rng, draft, strength):
     """Add a constant."""
-    draft.values += rng.choice([-1, 1]) * strength * level(draft)
+    draft.lift(np.full(draft.values.size, rng.choice([-1, 1]) * strength * level(draft)))
     draft.faults["offset"] = strength
 
 
 def drift(rng, draft, strength):
     """Add a straight drift over the record, by so much of the peak from end to end."""
-    draft.values += rng.choice([-1, 1]) * strength * level(draft) * draft.time / draft.time[-1]
+    draft.lift(rng.choice([-1, 1]) * strength * level(draft) * draft.time / draft.time[-1])
     draft.faults["drift"] = strength
 
 
@@ -110,9 +110,8 @@ def rebounds(rng, draft, strength, gap):
 
 
 def clip(rng, draft, share):
-    """End the range of the recorder at so much of the largest peak."""
-    limit = share * max(blow.raw_peak for blow in draft.blows)
-    draft.values = np.minimum(draft.values, limit)
+    """End the range of the recorder at so much of the largest peak: what it adds comes before."""
+    draft.limit = share * max(blow.raw_peak for blow in draft.blows)
     draft.faults["clipped at"] = share
 
 
@@ -138,5 +137,5 @@ def slew(rng, draft, share):
 def thermal(rng, draft, strength):
     """Warm the sensor before: its zero decays through the record."""
     decay = 10 ** rng.uniform(-1.0, 0.7) * draft.time[-1]
-    draft.values += rng.choice([-1, 1]) * strength * level(draft) * np.exp(-draft.time / decay)
+    draft.lift(rng.choice([-1, 1]) * strength * level(draft) * np.exp(-draft.time / decay))
     draft.faults |= {"thermal": strength, "decay": decay}

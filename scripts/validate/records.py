@@ -7,31 +7,26 @@ draws from the classes of benchmarks/planted, clean and faulty, and writes recor
 for each class bias and spread of the figures, the share of draws with a silent miss (a figure more than 5 % off the
 truth that is stated as sound), and the share of clean records with a finding. ``--show`` draws one again, prints its
 truth and what is reported, and writes a picture.
+
+    python scripts/validate/records.py --measured FOLDER [--channel 1] [--unit g] [--earlier measured.csv]
+
+plants faults in copies of measured records of one test instead, prints whether each is judged right, and writes the
+figures of the records as they are to measured.csv, to be compared with by a later run.
 """
 
 import argparse
 import os
 import sys
 import time
-from concurrent.futures import ProcessPoolExecutor
 from pathlib import Path
 
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # for the processes: matrices are small
 sys.path.insert(0, str(Path(__file__).parents[2] / "benchmarks"))
 
+import planted_in_measured
 import planted_judge
 import planted_show
 from planted import classes
-
-CLEAN = {"clean-single": 300, "clean-train": 160, "clean-campaign": 40}
-FAULTY = {"campaign": 20, "single": 40}
-"""Draws of a class: of one record, of a campaign."""
-
-
-def counted(kind, scale):
-    """Return how many draws of a class are made."""
-    plain = CLEAN.get(kind) or FAULTY["campaign" if kind.endswith("-files") else "single"]
-    return max(round(plain * scale), 1)
 
 
 def main():
@@ -44,18 +39,26 @@ def main():
         "--show", action="store_true", help="one draw of --only: its truth, what is reported, a picture"
     )
     parser.add_argument("--output", type=Path, default=Path("out/validate"))
+    parser.add_argument("--measured", type=Path, help="a folder of records of one test")
+    parser.add_argument("--channel", default="1", help="of the measured records")
+    parser.add_argument("--unit", default="g", help="of the measured records")
+    parser.add_argument("--earlier", type=Path, help="measured.csv of an earlier run")
     words = parser.parse_args()
+    words.output.mkdir(parents=True, exist_ok=True)
+    if words.measured:
+        written = words.output / "measured.csv"
+        lines = planted_in_measured.report(words.measured, words.channel, words.unit, words.earlier, written)
+        (words.output / "measured.md").write_text("\n".join(lines) + "\n", "utf-8")
+        print("\n".join(lines))
+        return
     if words.show:
         print(planted_show.show(words.only[0], words.seed, words.output))
         return
     kinds = words.only or list(classes.CLASSES)
-    items = [(kind, words.seed + k) for kind in kinds for k in range(counted(kind, words.scale))]
     begin = time.perf_counter()
-    with ProcessPoolExecutor(os.cpu_count() or 1) as pool:
-        verdicts = list(pool.map(planted_judge.judged_seed, items, chunksize=8))
+    verdicts = planted_judge.judged_classes(kinds, words.scale, words.seed)
     text = [planted_judge.markdown(verdicts), "", *planted_judge.totals(verdicts)]
     text += ["", "Worst draws:", "", *planted_judge.worst(verdicts)]
-    words.output.mkdir(parents=True, exist_ok=True)
     (words.output / "records.md").write_text("\n".join(text) + "\n", "utf-8")
     planted_judge.write_csv(verdicts, words.output / "records.csv")
     print("\n".join(text))

@@ -102,6 +102,25 @@ def test_two_equal_blows_close_together_are_a_double_hit():
     assert "double-hit" in codes(reading)
 
 
+@pytest.mark.parametrize("apart", [1.0, 1.2, 1.5, 2.0, 2.5, 3.0])
+@pytest.mark.parametrize("ratio", [1.0, 0.8])
+def test_two_hits_a_little_more_than_their_length_apart_are_told_apart(apart, ratio):
+    _, values = train_of([0.01, 0.01 + apart * DURATION], [PEAK, ratio * PEAK])
+    reading = reading_of(values)
+    assert [pulse.peak / 9.80665 for pulse in reading.pulses] == pytest.approx([PEAK, ratio * PEAK], rel=0.02)
+    assert [pulse.smooth.peak / 9.80665 for pulse in reading.pulses] == pytest.approx([PEAK, ratio * PEAK], rel=0.02)
+    assert "double-hit" in codes(reading)
+
+
+@pytest.mark.parametrize("frequency", [5e3, 8e3, 12e3])
+@pytest.mark.parametrize("share", [0.6, 1.0])
+def test_a_blow_that_rings_strongly_is_one_blow(frequency, share):
+    time, values = train_of([0.01], [PEAK])
+    since = np.maximum(time - 0.01, 0.0)
+    values += share * PEAK * np.exp(-since / 1e-3) * np.sin(2.0 * np.pi * frequency * since)
+    assert len(find_pulses(values, 1.0 / RATE)) == 1
+
+
 def test_ringing_that_is_folded_down_is_no_second_blow():
     """30 shots of a half-sine of 12 samples; 22 kHz, half the peak, sampled at 25.6 kHz: it looks like 3.6 kHz."""
     rate, counts = 25.6e3, []

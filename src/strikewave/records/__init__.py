@@ -9,8 +9,9 @@ if TYPE_CHECKING:
     from strikewave.records.health_notice import HealthNotice, unreadable, worst
     from strikewave.records.measuring import RecordedPulse, find_pulses
     from strikewave.records.readers import Options, read_record
-    from strikewave.records.reading import ChannelReading, FileReading, Request, read_file
+    from strikewave.records.reading import ChannelReading, FileReading, Request, read_file, repeats
     from strikewave.records.record import Channel, Record
+    from strikewave.records.sample_store import SampleStore
 
 _ROOMS = {
     "calibration": ("Calibration", "calibrations_beside"),
@@ -18,8 +19,9 @@ _ROOMS = {
     "health_notice": ("HealthNotice", "unreadable", "worst"),
     "measuring": ("RecordedPulse", "find_pulses"),
     "readers": ("Options", "read_record"),
-    "reading": ("ChannelReading", "FileReading", "Request", "read_file"),
+    "reading": ("ChannelReading", "FileReading", "Request", "read_file", "repeats"),
     "record": ("Channel", "Record"),
+    "sample_store": ("SampleStore",),
 }
 _HOMES = {name: room for room, names in _ROOMS.items() for name in names}
 
@@ -34,6 +36,7 @@ __all__ = [
     "Record",
     "RecordedPulse",
     "Request",
+    "SampleStore",
     "Statistic",
     "Trend",
     "calibrations_beside",
@@ -41,6 +44,7 @@ __all__ = [
     "find_pulses",
     "read_file",
     "read_record",
+    "repeats",
     "summed",
     "unreadable",
     "worst",

@@ -1,8 +1,9 @@
 """Measure the blows that were found in a record.
 
-The baseline is the median of the record before the blow. Noise is smoothed by local parabolas, at each sample over the
-longest window that the noise allows, so that a clean record stays as it is. Where the noise hides a tenth of the
-peak, the figures are those of the smooth pulse that fits best, which its ``method`` reports.
+The baseline is that of the record before the blow (`strikewave.records.baseline`). Noise is smoothed by local
+parabolas, at each sample over the longest window that the noise allows, so that a clean record stays as it is. Where
+the noise hides a tenth of the peak, the figures are those of the smooth pulse that fits best, which its ``method``
+reports.
 """
 
 from __future__ import annotations
@@ -15,8 +16,11 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from strikewave.records.pulses import Baseline, Box, find_boxes, robust_line, sample_noise
-from strikewave.records.smooth_pulse import SmoothPulse, fit_smooth_pulse
+from strikewave.records.baseline import LocalBaseline, baseline_before
+from strikewave.records.health_notice import HARMED
+from strikewave.records.pulses import Box, find_boxes, robust_line, sample_noise
+from strikewave.records.rigid_pulse import RINGS_WITHIN, RigidPulse, Stretch, rigid_pulse
+from strikewave.records.smooth_pulse import PulseUncertainty, SmoothPulse, fit_smooth_pulse
 from strikewave.records.smoothing import smooth
 from strikewave.records.trains import Contacts, sort_contacts
 from strikewave.signal.pulse import WIDTH_FRACTION, crossing, measure_pulse
@@ -28,8 +32,6 @@ FEWEST = 16
 FOOT = 0.02
 """Share of the peak at which a pulse begins and ends when its area is taken: what lies below the foot of a half-sine is
 0.02 % of its area, and what drifts beside it is left out."""
-LOOK_BACK = 40
-"""Widths of a blow before it over which the baseline is taken: more than its foot lasts."""
 TOES = 5
 """Widths of a blow to either side in which its feet are sought."""
 SMALLEST_REBOUND = 0.1
@@ -41,13 +43,15 @@ CLEAR = 3.0
 LONGEST_WINDOW = 3
 """Share of a blow, one in so many of its box, that a smoothing window reaches to either side at most: a parabola over
 two thirds of a box still follows a half-sine."""
-FEWEST_OF_BASELINE = 4
-"""Samples before a blow, and a width of it, without which the line of the whole record is taken for its baseline."""
 EARLIER, LENGTH = 0.15, 1.3
 """Of the box, how much earlier a half-sine whose mean stands out most begins, and how long it lasts: a first guess."""
 RINGING_WIDTHS, FEWEST_OF_RINGING = 40, 32
 """Widths after a blow over which its ringing is looked at, and samples without which it is not: four swings of
 eight."""
+PERIODS_OF_RINGING = 8.0
+"""Swings after a blow that are handed to the fit of its ringing."""
+LOBE = 0.5
+"""Share of a rebound by which a record swings to the other side before it where it is a lobe of a ringing."""
 SWINGS, PADDED = 4, 4
 """Swings of the lowest frequency that can be measured, and times that a spectrum is padded so that its peak is found
 between."""
@@ -55,6 +59,8 @@ STANDS_OUT = 30.0
 """Power of a ringing over that of the noise: noise reaches it once in 1e13 frequencies (exp(-30))."""
 ROUNDING = 1e-24
 """Share of the largest power below which a peak is rounding: 1e-12 of the amplitude."""
+NO_BASELINE, NOT_KNOWN = LocalBaseline(math.nan), PulseUncertainty()
+"""Of a pulse that was not measured in a record."""
 
 
 class Rebound(NamedTuple):
@@ -102,8 +108,14 @@ class RecordedPulse:
         ``record`` where the figures are read off the record, ``fit`` where noise hides a tenth of the peak.
     begin, end : float
         Time of the feet, s.
+    baseline : LocalBaseline
+        The baseline before the pulse, its slope, and what noise does to it.
+    uncertainty : PulseUncertainty
+        Of peak, width and velocity change, by what lies before the blow.
     rebounds : tuple of Rebound
         Smaller contacts that belong to the blow.
+    rigid : RigidPulse or None
+        The pulse without its ringing, fitted together with it; None where nothing rings, or no model of it fits.
     """
 
     time: float
@@ -118,7 +130,29 @@ class RecordedPulse:
     method: str
     begin: float
     end: float
+    baseline: LocalBaseline = NO_BASELINE
+    uncertainty: PulseUncertainty = NOT_KNOWN
     rebounds: tuple[Rebound, ...] = ()
+    rigid: RigidPulse | None = None
+
+    @property
+    def rigid_peak(self) -> float:
+        """Peak without ringing; NaN where none was fitted."""
+        return math.nan if self.rigid is None else self.rigid.peak
+
+    @property
+    def rigid_width(self) -> float:
+        """Width without ringing, s; NaN where none was fitted."""
+        return math.nan if self.rigid is None else self.rigid.width
+
+    @property
+    def differs_without_ringing(self) -> bool:
+        """Whether peak, width or velocity change without ringing differ by more than `HARMED`."""
+        rigid = self.rigid
+        names = () if rigid is None else PulseUncertainty._fields
+        return any(
+            abs(getattr(self, name) - getattr(rigid, name)) > HARMED * abs(getattr(rigid, name)) for name in names
+        )
 
 
 def find_pulses(values: Array, step: float, start: float = 0.0) -> list[RecordedPulse]:
@@ -165,12 +199,57 @@ def find_pulses(values: Array, step: float, start: float = 0.0) -> list[Recorded
             if box in wanted:
                 earliest = boxes[k - 1].last if k else 0
                 latest = boxes[k + 1].first if k + 1 < len(boxes) else values.size
-                offset = _offset(values, box, earliest, line)
-                pulse = _measure(values, BlowWindow(box, earliest, latest, sign, offset, noise, step, start))
+                baseline = baseline_before(values, box.first, box.width, earliest)
+                if baseline is None:
+                    baseline = LocalBaseline(float(line.at(box.first + 0.5 * box.width)))
+                pulse = _measure(values, BlowWindow(box, earliest, latest, sign, baseline, noise, step, start))
                 found += [] if pulse is None else [(pulse, wanted is small)]
         return found
 
-    return _owned(sorted([*measured(large, large), *measured(sorted(large + small), small)], key=lambda p: p[0].time))
+    contacts = [*measured(large, large), *measured(sorted(large + small), small)]
+    return _with_rigid(values, step, start, _owned(sorted(contacts, key=lambda contact: contact[0].time)))
+
+
+def _with_rigid(values: Array, step: float, start: float, pulses: Sequence[RecordedPulse]) -> list[RecordedPulse]:
+    """Return blows with the pulse without ringing, where they ring."""
+    done: list[RecordedPulse] = []
+    last: RigidPulse | None = None
+    for k, pulse in enumerate(pulses):
+        others = [rebound.time - pulse.smooth.length for rebound in one_sided(values, step, start, pulse)]
+        others += [pulses[k + 1].begin] if k + 1 < len(pulses) else []
+        rigid = rigid_pulse(stretch_of(values, step, start, pulse, min(others, default=math.inf)), last)
+        if rigid is not None:
+            last = rigid
+            sign = math.copysign(1.0, pulse.peak)
+            rigid = rigid._replace(peak=sign * rigid.peak, velocity_change=sign * rigid.velocity_change)
+        done.append(replace(pulse, rigid=rigid))
+    return done
+
+
+def one_sided(values: Array, step: float, start: float, pulse: RecordedPulse) -> list[Rebound]:
+    """Return the rebounds of a blow that are no lobes of its ringing, which swings to the other side before them."""
+    found = []
+    for rebound in pulse.rebounds:
+        begin, end = (round((time - start) / step) for time in (pulse.end, rebound.time))
+        sign = math.copysign(1.0, pulse.peak)
+        deepest = float(np.min(sign * (values[max(begin, 0) : end] - pulse.offset), initial=0.0))
+        found += [] if -deepest > LOBE * abs(rebound.peak) else [rebound]
+    return found
+
+
+def stretch_of(values: Array, step: float, start: float, pulse: RecordedPulse, until: float = math.inf) -> Stretch:
+    """Return the record around a blow as its ringing is sought in: until a time, s, at most."""
+    width = max((pulse.width if pulse.width > 0.0 else pulse.smooth.width()) / step, 1.0)
+    begin, end = (min(max(round((time - start) / step), 0), values.size - 1) for time in (pulse.begin, pulse.end))
+    first = max(begin - math.ceil(width), 0)
+    ringing = 0.0 if math.isnan(pulse.ringing_frequency) else PERIODS_OF_RINGING / (pulse.ringing_frequency * step)
+    last = end + math.ceil(max(RINGS_WITHIN * width, ringing, FEWEST_OF_RINGING)) + 1
+    if math.isfinite(until):
+        last = min(last, round((until - start) / step))
+    sign = math.copysign(1.0, pulse.peak)
+    above = sign * (values[first : max(last, end)] - pulse.offset)
+    smooth_pulse = pulse.smooth._replace(peak=sign * pulse.smooth.peak, begin=pulse.smooth.begin - start - step * first)
+    return Stretch(above, step, begin - first, end - first, width, smooth_pulse, pulse.noise)
 
 
 def _owned(contacts: Sequence[tuple[RecordedPulse, bool]]) -> list[RecordedPulse]:
@@ -207,27 +286,19 @@ class BlowWindow:
     earliest: int
     latest: int
     sign: int
-    offset: float
+    baseline: LocalBaseline
     noise: float
     step: float
     start: float
 
+    @property
+    def offset(self) -> float:
+        """The baseline under the blow."""
+        return self.baseline.level
+
     def time(self, place: float) -> float:
         """Return the time of a sample, s."""
         return self.start + place * self.step
-
-
-def _offset(values: Array, box: Box, earliest: int, line: Baseline) -> float:
-    """Return the baseline under a blow: the median of the record before it, carried on along the slope of the whole.
-
-    Where there is no room before it, the line of the whole record.
-    """
-    middle = box.first + 0.5 * box.width
-    end = box.first - box.width
-    begin = max(end - LOOK_BACK * box.width, earliest + 2 * box.width if earliest else 0)
-    if end - begin < max(box.width, FEWEST_OF_BASELINE):
-        return float(line.at(middle))
-    return float(np.median(values[begin:end] - line.slope * (np.arange(begin, end) - middle)))
 
 
 def _measure(values: Array, stretch: BlowWindow) -> RecordedPulse | None:
@@ -244,18 +315,47 @@ def _measure(values: Array, stretch: BlowWindow) -> RecordedPulse | None:
     alone[inside] = clean[inside]
     pulse = measure_pulse(alone, step, stretch.time(begin))
     fitted = _fitted(values, stretch)
-    common = Common(_ringing(values, stretch), stretch.offset, stretch.noise, fitted._replace(peak=sign * fitted.peak))
+    smooth_pulse = fitted._replace(peak=sign * fitted.peak)
+    common = Common(_ringing(values, stretch), stretch.offset, stretch.noise, smooth_pulse)
     if WIDTH_FRACTION * pulse.peak < CLEAR * float(np.max(spread[max(index - 1, 0) : index + 2])):
         figures = (fitted.time, sign * fitted.peak, fitted.rise(), fitted.width(), sign * fitted.area())
-        return RecordedPulse(*figures, *common, "fit", fitted.begin, fitted.begin + fitted.length)
+        doubt = _of_fit(fitted, stretch)
+        return RecordedPulse(
+            *figures, *common, "fit", fitted.begin, fitted.begin + fitted.length, stretch.baseline, doubt
+        )
     first, last = (crossing(alone, index, FOOT * pulse.peak, side) for side in (-1, 1))
     if math.isnan(first) or math.isnan(last):  # it does not come back to its zero: the smooth pulse does
         figures = (pulse.time, sign * pulse.peak, pulse.rise, pulse.width, sign * fitted.area())
-        return RecordedPulse(*figures, *common, "record", fitted.begin, fitted.begin + fitted.length)
+        doubt = _of_record(fitted, fitted.length, stretch)
+        return RecordedPulse(
+            *figures, *common, "record", fitted.begin, fitted.begin + fitted.length, stretch.baseline, doubt
+        )
     grid = np.unique(np.concatenate([[first], np.arange(math.ceil(first), math.floor(last) + 1), [last]]))
     area = float(np.trapezoid(np.interp(grid, np.arange(raw.size), raw), grid)) * step
     figures = (pulse.time, sign * pulse.peak, pulse.rise, pulse.width, sign * area)
-    return RecordedPulse(*figures, *common, "record", stretch.time(begin + first), stretch.time(begin + last))
+    feet = stretch.time(begin + first), stretch.time(begin + last)
+    return RecordedPulse(
+        *figures, *common, "record", *feet, stretch.baseline, _of_record(fitted, feet[1] - feet[0], stretch)
+    )
+
+
+def _of_record(fitted: SmoothPulse, length: float, stretch: BlowWindow) -> PulseUncertainty:
+    """Return the uncertainty of figures read off the record: the baseline moves under them, and noise beside it.
+
+    A common shift moves both ends of a width, noise each of its own.
+    """
+    wander, ripple = stretch.baseline.wander, stretch.baseline.ripple
+    tip = math.hypot(wander, 0.0 if math.isnan(ripple) else ripple)
+    ends = math.hypot(wander, math.sqrt(0.5) * (0.0 if math.isnan(ripple) else ripple))
+    return PulseUncertainty(tip, fitted.width_slope() * ends / fitted.peak, wander * length)
+
+
+def _of_fit(fitted: SmoothPulse, stretch: BlowWindow) -> PulseUncertainty:
+    """Return the uncertainty of fitted figures: of white noise, or what the mean over the blow wanders if more."""
+    wander = stretch.baseline.wander
+    white = stretch.noise / math.sqrt(stretch.box.width)
+    more = 1.0 if math.isnan(wander) else max(wander / white, 1.0)
+    return fitted.uncertainty(stretch.step, more * stretch.noise)
 
 
 class Common(NamedTuple):

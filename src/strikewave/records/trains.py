@@ -30,9 +30,10 @@ JITTER = 0.12
 """Share of its period by which a gap of a train may differ: machines keep it to some percent, hands do not."""
 MOST_PERIODS = 4
 """Periods that a gap may last: more blows missing in a row are an end of a train and the begin of another."""
-MISSED = 0.75
-"""Median peaks that a missing blow costs a chain: less than one, so that a train that lacks a blow is not taken for one
-of twice the period."""
+MISSED = 0.5
+"""Weights of a usual blow, its peak squared, that a missing one costs a chain.
+
+Less than one: a train that lacks a blow is else taken for one of twice the period."""
 FEWEST_GAPS = 2
 """Gaps of one period without which there is no train."""
 IRREGULAR = 0.35
@@ -109,10 +110,11 @@ def find_train(times: Array, peaks: Array) -> BlowTrain | None:
     """
     if times.size < FEWEST_GAPS + 1:
         return None
-    penalty = MISSED * float(np.median(peaks))
+    weights = peaks**2  # a rebound weighs little
+    penalty = MISSED * float(np.median(np.sort(weights)[weights.size // 2 :]))  # of the larger half: the blows
     best: tuple[float, float, list[int]] | None = None
     for period in _periods(times):
-        score, members = _chain(times, peaks, period, penalty)
+        score, members = _chain(times, weights, period, penalty)
         off = _off_period(times[members], period)
         if best is None or score > best[0] * (1.0 + 1e-9) or (score > best[0] * (1.0 - 1e-9) and off < best[1]):
             best = score, off, members
@@ -159,7 +161,7 @@ def sort_contacts(times: Array, peaks: Array, widths: Array, small: Sequence[boo
     blow_of = {k: int(members[max(int(np.searchsorted(times[members], times[k])) - 1, 0)]) for k in others}
     late = _as_late(times, peaks, blow_of, len(members))
     for k, blow in blow_of.items():
-        if small[k] or late or peaks[k] < COMPARABLE * peaks[blow]:
+        if small[k] or k in late or peaks[k] < COMPARABLE * peaks[blow]:
             owner[k] = blow
         elif abs(times[k] - times[blow]) < 0.5 * train.period:
             double[k] = blow
@@ -214,12 +216,12 @@ def _periods(times: Array) -> Array:
     return np.array([float(np.median(gaps[gaps > 0.0][steps == step])) for step in np.unique(steps)])
 
 
-def _chain(times: Array, peaks: Array, period: float, penalty: float) -> tuple[float, list[int]]:
-    """Return the chain with gaps of one period or a few that holds most of the peaks, and what it holds.
+def _chain(times: Array, weights: Array, period: float, penalty: float) -> tuple[float, list[int]]:
+    """Return the chain with gaps of one period or a few of the largest weight, and what it holds.
 
     Each blow that it misses costs ``penalty``.
     """
-    score, before = peaks.copy(), np.full(times.size, -1)
+    score, before = weights.copy(), np.full(times.size, -1)
     firsts = np.searchsorted(times, times - (MOST_PERIODS + JITTER) * period)
     for k in range(1, times.size):
         earlier = np.arange(firsts[k], k)
@@ -243,8 +245,8 @@ def _off_period(times: Array, period: float) -> float:
 
 
 def _common_period(gaps: Array) -> float:
-    """Return the median of the gaps that are as long as the shortest half of them is."""
-    shortest = float(np.median(np.sort(gaps)[: max((gaps.size + 1) // 2, 1)]))
+    """Return the median of the gaps that are as long as the shortest quarter of them is."""
+    shortest = float(np.sort(gaps)[(gaps.size - 1) // 4])
     return float(np.median(gaps[np.abs(gaps - shortest) < 2.0 * JITTER * shortest]))
 
 
@@ -264,14 +266,15 @@ def _regular(times: Array, peaks: Array, members: Sequence[int]) -> bool:
     return float(np.median(np.abs(lags - np.median(lags)))) < 0.5 * AS_LATE * float(np.median(lags))
 
 
-def _as_late(times: Array, peaks: Array, blow_of: dict[int, int], blows: int) -> bool:
-    """Tell whether what follows the blows of a train comes after most of them, equally late and smaller: rebounds."""
-    lags = np.array([times[k] - times[blow] for k, blow in blow_of.items()])
-    if lags.size < max(blows // 2, FEWEST_GAPS) or float(np.median(lags)) <= 0.0:
-        return False
-    spread = float(np.median(np.abs(lags - np.median(lags))))
-    smaller = np.mean([peaks[k] < peaks[blow] for k, blow in blow_of.items()])
-    return spread < AS_LATE * float(np.median(lags)) and float(smaller) > IRREGULAR
+def _as_late(times: Array, peaks: Array, blow_of: dict[int, int], blows: int) -> set[int]:
+    """Return what comes after most blows of a train, equally late and smaller: rebounds."""
+    after = {k: float(times[k] - times[blow]) for k, blow in blow_of.items() if times[k] > times[blow]}
+    if len(after) < max(blows // 2, FEWEST_GAPS):
+        return set()
+    usual = float(np.median(list(after.values())))
+    late = {k for k, lag in after.items() if abs(lag - usual) < AS_LATE * usual}
+    smaller = sum(peaks[k] < peaks[blow_of[k]] for k in late)
+    return late if len(late) >= max(blows // 2, FEWEST_GAPS) and smaller > IRREGULAR * len(late) else set()
 
 
 def _without_train(times: Array, peaks: Array, widths: Array, small: Sequence[bool]) -> Contacts:

@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import contextlib
+import glob
 import hashlib
 import math
 import os
+import re
 import shlex
 import sys
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, ClassVar
@@ -18,7 +20,8 @@ import typer
 
 from strikewave.base.errors import InputError, StrikewaveError, nearest
 from strikewave.base.result import Source
-from strikewave.reporting.options import quantity
+from strikewave.base.units import parse_quantity
+from strikewave.reporting.options import parsed, quantity
 from strikewave.reporting.shown_result import ShownResult
 from strikewave.reporting.terminal import progress_bar, say
 
@@ -37,6 +40,31 @@ def _of_channels(name: str, help: str) -> Any:
     """Return an option of the calibration, which may be said for each channel."""
     each = " [CHANNEL=]VALUE; may be repeated."
     return typer.Option(name, metavar="VALUE", help=help + each, show_default=False)
+
+
+def read_time_unit(word: str, field: str) -> float:
+    """Return the seconds of a unit of time, or of a number of them.
+
+    Raises
+    ------
+    InputError
+        If it is none.
+
+    Examples
+    --------
+    >>> read_time_unit("ms", "--time-unit"), read_time_unit("10 us", "--time-unit")
+    (0.001, 1e-05)
+    """
+    from strikewave.records.readers.clock import UNITS_OF_TIME, seconds_in
+
+    seconds = seconds_in(word)
+    if seconds is not None:
+        return seconds
+    number, _, unit = word.strip().partition(" ")
+    if is_bare(number) and float(number) > 0.0 and seconds_in(unit) is not None:
+        return parse_quantity(word, "s", field)
+    allowed = 'a unit of time, such as s, ms, us, ns or min, or a number of them, such as "10 us"'
+    raise InputError(field, word, allowed, nearest(unit or word, UNITS_OF_TIME))
 
 
 @dataclass(frozen=True)
@@ -81,6 +109,16 @@ class MeasurementOptions:
         ),
     ] = None
 
+    time_unit: Annotated[
+        float | None,
+        parsed(
+            "--time-unit",
+            read=read_time_unit,
+            metavar="UNIT",
+            help='Unit of the time column, such as ms or "10 us"; that of the file, or s, by default.',
+        ),
+    ] = None
+
     def calibration(self) -> dict[str, dict[str, Any]]:
         """Return what was typed of the calibration, a table a channel; ``all`` for values without one.
 
@@ -89,7 +127,7 @@ class MeasurementOptions:
         Raises
         ------
         InputError
-            If a polarity is neither 1 nor -1.
+            If a polarity is neither 1 nor -1, or a unit is not known.
 
         Examples
         --------
@@ -108,11 +146,56 @@ class MeasurementOptions:
         """Return what is said of the files."""
         from strikewave.records import Options
 
-        return Options(self.rate, self.time, tuple(self.channel or ()))
+        return Options(self.rate, self.time, tuple(self.channel or ()), self.time_unit)
+
+
+def ordered(files: Sequence[str]) -> list[str]:
+    """Return files in the natural order of their names where they come as a shell lists them, a2 before a10; each once.
+
+    Patterns that the shell left as they are (those of Windows) are replaced by what they find. Files that were named in
+    another order than that of the alphabet keep it: it is the order of the test.
+
+    Examples
+    --------
+    >>> ordered(["a1.csv", "a10.csv", "a2.csv"]), ordered(["b.csv", "a.csv"])
+    (['a1.csv', 'a2.csv', 'a10.csv'], ['b.csv', 'a.csv'])
+    """
+    found: list[str] = []
+    for file in files:
+        pattern = any(mark in file for mark in "*?[") and not os.path.lexists(file)
+        found += sorted(glob.glob(file, recursive=True), key=natural) or [file] if pattern else [file]
+    once = {os.path.realpath(file): file for file in reversed(found)}
+    files = [file for file in dict.fromkeys(found) if once[os.path.realpath(file)] == file]
+    if len(files) < len(found):
+        say(f"{len(found) - len(files)} of {len(found)} files were named twice, and are taken once")
+    listed = [sorted(files), sorted(files, key=str.casefold), sorted(files, key=_letters)]
+    return sorted(files, key=natural) if list(files) in listed else list(files)
+
+
+def natural(name: str) -> tuple[tuple[str, int, str], ...]:
+    """Return a key by which names are sorted with their numbers as numbers.
+
+    Examples
+    --------
+    >>> sorted(["a10.csv", "a2.csv", "a.csv", "A1.csv"], key=natural)
+    ['a.csv', 'A1.csv', 'a2.csv', 'a10.csv']
+    """
+    stem, ending = os.path.splitext(name)
+    parts = re.findall(r"(\D*)(\d{0,30})", stem)
+    return (*((words.casefold(), int(digits or -1), digits) for words, digits in parts), (ending, 0, name))
+
+
+def _letters(name: str) -> str:
+    """Return a name as the locales of most shells sort it: without marks and capitals."""
+    return re.sub(r"[\W_]", "", name).casefold()
 
 
 def _stated(name: str, value: str) -> Any:
     """Return a value of the calibration as its table takes it."""
+    if name == "unit":
+        from strikewave.records.calibration import check_unit
+
+        check_unit(value, "--unit")
     if name == "polarity":
         if value not in ("1", "+1", "-1"):
             raise InputError("--polarity", value, "1 or -1")
@@ -128,15 +211,15 @@ def is_bare(text: str) -> bool:
         return False
 
 
-def check_channels(stated: Mapping[str, Any], records: Iterable[Record]) -> None:
-    """Refuse a calibration of a channel that no record has.
+def check_channels(stated: Mapping[str, Any], known: Iterable[str]) -> None:
+    """Refuse a calibration of a channel that no record has, of all that ``known`` names.
 
     Raises
     ------
     InputError
         If there is one.
     """
-    known = {key for record in records for key in record.keys}
+    known = set(known)
     for channel, table in stated.items():
         if channel != "all" and channel not in known:
             option = "--" + next(iter(table)).replace("_", "-")
@@ -144,30 +227,18 @@ def check_channels(stated: Mapping[str, Any], records: Iterable[Record]) -> None
             raise InputError(option, f"{channel}=", allowed, nearest(channel, known))
 
 
-def read_all(files: Sequence[str], options: Options) -> list[Record | Exception]:
-    """Read files, with a bar on stderr; a file that cannot be read gives its error.
-
-    Raises
-    ------
-    InputError
-        If not one of them can be read.
-    """
+def read_each(files: Sequence[str], options: Options) -> Iterator[tuple[str, Record | Exception]]:
+    """Read files one after the other, with a bar on stderr; one that cannot be read gives its error."""
     from strikewave.records import read_record
 
-    results: list[Record | Exception] = []
     with progress_bar("reading") if len(files) > 1 else contextlib.nullcontext(lambda share: None) as report:
-        for file in files:
+        for count, file in enumerate(files, start=1):
             try:
-                results.append(read_record(file, options))
+                read: Record | Exception = read_record(file, options)
             except StrikewaveError as error:
-                results.append(error)
-            report(len(results) / len(files))
-    errors = [result for result in results if isinstance(result, Exception)]
-    if len(errors) == len(results):
-        raise errors[0]
-    for failed in errors:
-        say(f"left out: {failed}")
-    return results
+                read = error
+            yield file, read
+            report(count / len(files))
 
 
 def read_channels(file: str, stated: dict[str, dict[str, Any]], options: Options) -> tuple[Record, FileReading]:
@@ -181,7 +252,7 @@ def read_channels(file: str, stated: dict[str, dict[str, Any]], options: Options
     from strikewave.records import Request, calibrations_beside, read_file, read_record
 
     record = read_record(file, options)
-    check_channels(stated, [record])
+    check_channels(stated, record.keys)
     return record, read_file(record, calibrations_beside(Path(file)), Request(options.channels or ("1",), stated))
 
 

@@ -41,6 +41,7 @@ class EchoSolution(Outcome):
     """
 
     data_file: ClassVar[str] = "echoes.nc"
+    is_history: ClassVar[bool] = True
 
     bar: Bar
     echoes: Echoes = field(repr=False)

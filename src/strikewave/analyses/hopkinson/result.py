@@ -58,6 +58,7 @@ class HopkinsonSolution(Outcome):
     """
 
     data_file: ClassVar[str] = "reduction.nc"
+    is_history: ClassVar[bool] = True
 
     pulses: Pulses = field(repr=False)
     reduction: Reduction = field(repr=False)
@@ -196,6 +197,11 @@ class HopkinsonSolution(Outcome):
             Column("true stress", true.stress, "Pa"),
             Column("true rate", true.rate, "1/s"),
         ]
+
+    def brief(self) -> dict[str, str]:
+        """Return the time, the curve of the chosen analysis, and the forces on both faces of the specimen."""
+        curve = {"true strain": "1", "true stress": "MPa", "true rate": "1/s"}
+        return {"time": "us", **curve, "force 1": "kN", "force 2": "kN"}
 
     def pulses_table(self) -> str:
         """Return the three pulses as the gauges saw them, each with its own time, as CSV text."""

@@ -87,6 +87,7 @@ class SensorSolution(Outcome):
     """
 
     data_file: ClassVar[str] = "reduction.nc"
+    is_history: ClassVar[bool] = True
 
     bar: Bar
     standing: Standing
@@ -220,6 +221,10 @@ class SensorSolution(Outcome):
             Column("end velocity by both waves", comparison.both_waves, "m/s"),
         ]
         return [column._replace(values=column.values[samples]) for column in columns]
+
+    def brief(self) -> dict[str, str]:
+        """Return the time, and the accelerations of reference and reading with their difference."""
+        return {"time": "us", **dict.fromkeys(("reference acceleration", "reading as acceleration", "difference"), "g")}
 
     @functools.cached_property
     def arrays(self) -> LabelledArrays:

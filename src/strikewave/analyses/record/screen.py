@@ -2,24 +2,22 @@
 
 from __future__ import annotations
 
-import dataclasses
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, ClassVar
 
+from strikewave.analyses.record.question import examined
 from strikewave.analyses.record.result import (
     INTEGRALS,
     RecordResult,
     cutoff_for,
     filter_effect,
     name_of,
-    record_result,
 )
 from strikewave.analyses.record.tables import short_names
 from strikewave.analyses.record.words import record_words
-from strikewave.base.errors import StrikewaveError
 from strikewave.base.result import Source
 from strikewave.base.units import DIMENSIONS
 from strikewave.records import (
@@ -27,13 +25,7 @@ from strikewave.records import (
     ChannelReading,
     FileReading,
     Options,
-    Record,
     Request,
-    calibrations_beside,
-    compare,
-    read_file,
-    summed,
-    unreadable,
     worst,
 )
 from strikewave.records.campaign import SUMMED
@@ -42,7 +34,7 @@ from strikewave.reporting.layout import MORE, keys, numerals, texts
 from strikewave.reporting.numbers import listed, with_unit
 from strikewave.reporting.options import Output
 from strikewave.reporting.run_and_write import Command, run_and_write
-from strikewave.reporting.terminal import number, say, significant, table, tell
+from strikewave.reporting.terminal import number, significant, table, tell
 from strikewave.signal.filters import Filter
 
 MOST_NAMED = 3
@@ -51,19 +43,41 @@ MOST_ROWS = 60
 """Files shown in the table on the screen."""
 
 
-def examine_records(files: Sequence[str], wanted: Request, options: Options, output: Output) -> int:
+def examine_records(
+    files: Sequence[str],
+    wanted: Request,
+    options: Options,
+    output: Output,
+    in_columns: bool = False,
+    fail_on: str = "",
+) -> int:
     """Examine records, write and print what they say, and return the exit code.
+
+    Parameters
+    ----------
+    files : sequence of str
+        Paths, or patterns.
+    wanted, options : Request, Options
+        What is wanted of them, and how they are read.
+    output : Output
+        Where the result goes.
+    in_columns : bool
+        Whether the channels of a file are repeats of one test.
+    fail_on : str
+        Status that makes the exit code 3; empty for none.
 
     Raises
     ------
     InputError, StrikewaveError
         If not one file can be read.
     """
+    files = measured.ordered(files)
     paths = [Path(measured.shown(file)) for file in files]
     name = name_of(paths)
     usual = f"record-{name}"
     origin = measured.source_of("records", name, paths if output.writes(usual) else [], output.stated_test())
-    return run_and_write(RecordCommand(files, wanted, options, origin), output, usual, origin.text)
+    command = RecordCommand(files, wanted, options, origin, in_columns, fail_on)
+    return run_and_write(command, output, usual, origin.text)
 
 
 @dataclass(frozen=True)
@@ -76,24 +90,12 @@ class RecordCommand(Command[RecordResult]):
     wanted: Request
     options: Options
     origin: Source
+    in_columns: bool = False
+    fail_on: str = ""
 
     def solve(self) -> RecordResult:
         """Return what the records say."""
-        wanted = self.wanted
-        records = measured.read_all(self.files, self.options)
-        measured.check_channels(
-            wanted.calibrations, (record for record in records if not isinstance(record, Exception))
-        )
-        several = len(self.files) > 1
-        read = [_reading(file, record, wanted, several) for file, record in zip(self.files, records, strict=True)]
-        unread = [notice for file in read for notice in file.findings if notice.code == "unreadable"]
-        if len(unread) == len(read):
-            raise StrikewaveError(unread[0].message)
-        readings = compare(read)
-        numbers = dict.fromkeys(reading.number for file in readings for reading in file.channels)
-        campaigns = [one for one in (summed(readings, k) for k in numbers) if one is not None]
-        calibrations = _calibrations(wanted, [Path(reading.path) for reading in readings])
-        return record_result(readings, campaigns, wanted.filter, calibrations=calibrations, origin=self.origin)
+        return examined(self.files, self.wanted, self.options, self.origin, self.in_columns, self.fail_on)
 
     def summary(self, result: RecordResult) -> str:
         """Say what the records have in common, and which are bad."""
@@ -108,31 +110,6 @@ class RecordCommand(Command[RecordResult]):
         from strikewave.analyses.record.drawn import draw_result
 
         return draw_result(result, folder)
-
-
-def _reading(file: str, record: Record | Exception, wanted: Request, among: bool) -> FileReading:
-    """Return what a file says; one among several that cannot be used is named, and the others are done."""
-    if isinstance(record, Exception):
-        return FileReading(measured.shown(file), "", (), (unreadable(str(record)),))
-    try:
-        reading = read_file(record, calibrations_beside(Path(file)), wanted)
-        return dataclasses.replace(reading, path=measured.shown(file))
-    except StrikewaveError as error:
-        if not among:
-            raise
-        say(f"left out: {file}: {error}")
-        return FileReading(measured.shown(file), "", (), (unreadable(str(error)),))
-
-
-def _calibrations(wanted: Request, paths: Sequence[Path]) -> list[tuple[str, str]]:
-    """Return where a calibration was stated, and what."""
-    layers = {"command line": wanted.calibrations}
-    layers |= {f"beside {path.name}": stated for path in paths if (stated := calibrations_beside(path))}
-    return [
-        (where, f"{channel}: " + ", ".join(f"{key} = {value}" for key, value in table.items()))
-        for where, stated in layers.items()
-        for channel, table in stated.items()
-    ]
 
 
 def _print(readings: Sequence[FileReading], campaigns: Sequence[Campaign], filter_: Filter | None) -> None:
@@ -154,10 +131,40 @@ def _print(readings: Sequence[FileReading], campaigns: Sequence[Campaign], filte
     for file in readings:
         if file.status != "good":
             tell(f"{names[file.path]}, {file.status}: {'; '.join(file.reasons)}", "  ")
+    _print_rigid(readings, names)
     _print_rebounds(readings, names)
     for campaign in campaigns:
         _print_campaign(campaign, readings, names)
     _print_filter([reading for file in readings for reading in file.channels], filter_)
+
+
+def _print_rigid(readings: Sequence[FileReading], names: dict[str, str]) -> None:
+    """Print the pulses without ringing beside those with it, where they differ by more than 5 %."""
+    rows = []
+    for file in readings:
+        for reading in file.channels:
+            pulses = [pulse for pulse in reading.pulses if pulse.rigid is not None]
+            if not any(pulse.differs_without_ringing for pulse in pulses):
+                continue
+            peak, width = _mean([p.rigid_peak for p in pulses]), _mean([p.rigid_width for p in pulses])
+            doubt = _mean([p.rigid.peak_uncertainty for p in pulses if p.rigid is not None])
+            raw = _mean([pulse.peak for pulse in pulses])
+            rows.append(
+                [
+                    names[file.path],
+                    reading.channel.name,
+                    _value(peak, reading.channel.unit),
+                    f"{doubt / abs(peak):.1%}",
+                    f"{raw / peak - 1.0:+.1%}",
+                    number(width, "s", "us"),
+                    number(_mean([p.rigid.frequency for p in pulses if p.rigid is not None]), "Hz", "Hz"),
+                ]
+            )
+    if rows:
+        columns = [*keys("file"), *texts("channel"), *numerals("peak", "uncertainty", "with ringing")]
+        columns += [*numerals("pulse width at 10 % (us)", "ringing (Hz)", priority=MORE)]
+        title = "Without ringing" + (f", the first {MOST_ROWS} of {len(rows)} rows" if len(rows) > MOST_ROWS else "")
+        table(title, columns, rows[:MOST_ROWS])
 
 
 def _print_rebounds(readings: Sequence[FileReading], names: dict[str, str]) -> None:
@@ -242,21 +249,31 @@ def _print_campaign(campaign: Campaign, readings: Sequence[FileReading], names: 
     for name, statistic in campaign.statistics.items():
         write = writers.get(name, lambda v: with_unit(v, "s", "us"))
         line = campaign.trends.get(name)
-        trend = "-" if line is None else f"{line.change:+.1%}" + ("" if line.low <= 0.0 <= line.high else " *")
+        trend = "-" if line is None else f"{line.change:+.1%}" + (" *" if line.significant else "")
         bounds = "-" if statistic.n < 2 else f"{write(statistic.low)} to {write(statistic.high)}"
         cv = "-" if statistic.n < 2 else f"{statistic.cv:.2%}"
-        rows.append([name.replace("_", " "), write(statistic.mean), cv, bounds, str(statistic.n), trend])
+        robust = ["-", "-"] if statistic.n < 2 else [write(statistic.median), f"{statistic.robust_cv:.2%}"]
+        rows.append([name.replace("_", " "), write(statistic.mean), cv, bounds, str(statistic.n), *robust, trend])
     if not rows:
         tell(f"{campaign.channel}: nothing is left to sum up")
         return
     columns = [*keys("figure"), *numerals("mean", "scatter (CV)"), *numerals("mean, 95 % bounds")]
-    columns += numerals("blows", "trend over the files", priority=MORE)
+    columns += numerals("blows", "median", "robust scatter", "trend over the files", priority=MORE)
     table(f"All blows together: {campaign.channel}", columns, rows)
     if any(" *" in row[-1] for row in rows):
         tell("* a trend that scatter alone gives in less than 5 % of campaigns")
     for path, figures, _ in campaign.left_out:
         what = "all figures" if len(figures) == len(SUMMED) else ", ".join(figures).replace("_", " ")
         tell(f"left out: {what} of {names[path]}")
+    for one in campaign.outliers:
+        if one.figure in ("peak", "width", "interval"):  # the velocity change goes with the peak
+            write = writers.get(one.figure, lambda v: number(v, "s", "us") + " us")
+            statistic = campaign.statistics[one.figure]
+            with_it = f"{write(one.mean_with)}, scatter {one.cv_with:.2%}"
+            tell(
+                f"with the {one.figure} of {names[one.path]}, {write(one.value)}, the mean would be {with_it}, instead "
+                f"of {write(statistic.mean)}, {statistic.cv:.2%}"
+            )
 
 
 def _print_filter(readings: Sequence[ChannelReading], filter_: Filter | None) -> None:

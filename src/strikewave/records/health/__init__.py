@@ -10,7 +10,7 @@ import numpy as np
 
 from strikewave.records.health.blows import beyond_drop_height, cut, no_pulse, polarity
 from strikewave.records.health.examined import BLOW, Examined
-from strikewave.records.health.noise import noisy
+from strikewave.records.health.noise import noisy, short_before, uncertain
 from strikewave.records.health.range import clipped, saturated
 from strikewave.records.health.ringing import larger_elsewhere, ringing
 from strikewave.records.health.sampling import aliased, few_samples
@@ -33,6 +33,8 @@ CHECKS = (
     cut,
     no_foot,
     noisy,
+    uncertain,
+    short_before,
     ringing,
     larger_elsewhere,
     beyond_drop_height,

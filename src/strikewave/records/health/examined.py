@@ -24,6 +24,41 @@ BEGINNING, FEWEST_OF_PART = 20, 8
 Chosen: short beside what a pre-trigger lasts, so that a blow that is cut fills much of it."""
 
 
+def effects_of_level(pulse: RecordedPulse, level: float, after_peak: bool = False) -> dict[str, float]:
+    """Return what a level added under a blow does to its figures, over themselves.
+
+    Parameters
+    ----------
+    pulse : RecordedPulse
+        The blow.
+    level : float
+        What stands under it and is not its own, in the unit of the record.
+    after_peak : bool, optional
+        The level is there from the peak on only: one foot stands on it, and half of the area.
+    """
+    share = level / pulse.peak
+    half = 0.5 if after_peak else 1.0
+    width = share * pulse.smooth.width_slope() / pulse.width if pulse.width > 0.0 else math.nan
+    area = level * (pulse.end - pulse.begin) / pulse.velocity_change if pulse.velocity_change else math.nan
+    effects = {"peak": share, "width": half * width, "velocity_change": half * area}
+    return {name: effect for name, effect in effects.items() if math.isfinite(effect)}
+
+
+def with_unit(value: float, unit: str) -> str:
+    """Write a value with its SI unit: accelerations in g.
+
+    Examples
+    --------
+    >>> with_unit(9806.65, "m/s^2"), with_unit(3.0, "")
+    ('1000 g', '3')
+    """
+    if unit == "m/s^2":
+        return f"{in_unit(value, 'm/s^2', 'g'):.5g} g"
+    if unit == "1":
+        return f"{1e6 * value:.5g} ustrain"
+    return f"{value:.5g} {unit}".strip()
+
+
 @dataclass(frozen=True, eq=False)
 class Examined:
     """A uniformly sampled record, with the blows found in it.
@@ -66,11 +101,7 @@ class Examined:
 
     def text(self, value: float) -> str:
         """Write a value with its unit: accelerations in g."""
-        if self.unit == "m/s^2":
-            return f"{in_unit(value, 'm/s^2', 'g'):.5g} g"
-        if self.unit == "1":
-            return f"{1e6 * value:.5g} ustrain"
-        return f"{value:.5g} {self.unit}".strip()
+        return with_unit(value, self.unit)
 
     def time(self, place: float) -> float:
         """Return the time of a sample, s."""

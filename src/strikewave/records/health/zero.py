@@ -7,9 +7,9 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
+from strikewave.records.baseline import LOOK_BACK
 from strikewave.records.health.examined import BEGINNING, BLOW, FEWEST_OF_PART, Examined
 from strikewave.records.health_notice import FIGURES, HealthNotice
-from strikewave.records.measuring import LOOK_BACK
 from strikewave.records.pulses import MAD_TO_SIGMA
 
 Array = NDArray[np.float64]
@@ -89,22 +89,28 @@ def not_settled(record: Examined) -> list[HealthNotice]:
             message = f"the zero stands at {record.text(middle)} and drifts by {record.text(drift)}: it has not settled"
             findings.append(HealthNotice("not-settled", message, middle, severity="bad", harms=FIGURES))
         return findings
-    share = max(abs(drift), abs(pulse.offset)) / abs(pulse.peak)
-    missed = 0.5 * LOOK_BACK * abs(line.slope) * max(pulse.width, record.step) / record.step / abs(pulse.peak)
-    if missed > WRONG_PEAK:
+    findings = []
+    if not pulse.baseline.widths:  # nothing lies before it: the line of the whole record is all there is
+        missed = 0.5 * LOOK_BACK * abs(line.slope) * max(pulse.width, record.step) / record.step / abs(pulse.peak)
+        if missed > WRONG_PEAK:
+            message = (
+                f"the zero drifts by {record.text(drift)} over the record, and nothing before the blow tells where it "
+                f"stood: the peak may be wrong by {missed:.1%}"
+            )
+            findings += [HealthNotice("drift", message, drift, severity="suspect", harms=(*BLOW, "spectrum"))]
+    elif abs(pulse.baseline.slope) * (record.values.size - 1) > NOTED_ZERO * abs(pulse.peak):
+        drift = pulse.baseline.slope * (record.values.size - 1)
         message = (
-            f"the zero drifts by {record.text(drift)} over the record, so that the peak above it may be wrong by "
-            f"{missed:.1%}: let the sensor settle"
+            f"before the blow the zero drifts, by {record.text(drift)} over a length of the record, "
+            f"{abs(drift / pulse.peak):.1%} of the peak: it is carried on under the blow; the spectrum still holds it"
         )
-        return [HealthNotice("not-settled", message, pulse.offset, severity="suspect", harms=(*BLOW, "spectrum"))]
-    if not share > NOTED_ZERO:
-        return []
-    message = (
-        f"the zero stands at {record.text(pulse.offset)}, {abs(pulse.offset / pulse.peak):.1%} of the peak, and "
-        f"drifts by {record.text(drift)} over the record; it is taken off"
-    )
-    severity, harms = ("suspect", ("spectrum",)) if share > LARGE_ZERO else ("good", ())
-    return [HealthNotice("not-settled", message, pulse.offset, severity=severity, harms=harms)]
+        findings += [HealthNotice("drift", message, drift, severity="good", harms=("spectrum",))]
+    share = abs(pulse.offset) / abs(pulse.peak)
+    if share > NOTED_ZERO:
+        message = f"the zero stands at {record.text(pulse.offset)}, {share:.1%} of the peak; it is taken off"
+        severity, harms = ("suspect", ("spectrum",)) if share > LARGE_ZERO else ("good", ())
+        findings += [HealthNotice("not-settled", message, pulse.offset, severity=severity, harms=harms)]
+    return findings
 
 
 def zero_shift(record: Examined) -> list[HealthNotice]:

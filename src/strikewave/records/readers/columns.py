@@ -27,6 +27,8 @@ _MISSING = frozenset({"nan", "+nan", "-nan", "na", "n/a", "null"})
 """Words for a missing value, in small letters."""
 _NULLS = ["", " ", "nan", "NaN", "NAN", "+nan", "-nan", "-NaN", "NA", "N/A", "n/a", "null", "NULL"]
 """The same as Arrow takes them, letter by letter."""
+_SAMPLE, _PLAIN = 40, 0.8
+"""Lines by which marks are found where all but one give no numbers at all, and the share of them that are numbers."""
 _SMALL = 16 * 2**10
 """Bytes of a block below which it is read line by line and not halved again: some hundred lines."""
 _THREADED = 2**20
@@ -45,7 +47,10 @@ class Marks(NamedTuple):
 
 
 class Region(NamedTuple):
-    """Lines of a file: from a byte on, or some lines after it, to an end; `cut` leaves out the last one."""
+    """Lines of a file: from a byte on, or some lines after it, to an end; `cut` leaves out the last one.
+
+    Where lines are `quoted` as a whole, their quotes are taken off.
+    """
 
     path: Path
     encoding: str
@@ -55,15 +60,20 @@ class Region(NamedTuple):
     cut: bool = False
     lone_returns: bool = False
     line: int = 1
+    quoted: bool = False
 
 
 class CellLayout(NamedTuple):
-    """How a line is cut into cells, how many it has, which are wanted, and the header that must not come again."""
+    """How a line is cut into cells, how many it has, which are wanted, and the header that must not come again.
+
+    Up to the line `beside`, settings may stand behind the cells.
+    """
 
     marks: Marks
     width: int
     wanted: tuple[int, ...]
     header: tuple[str, ...] = ()
+    beside: int = 0
 
 
 class ParsedColumns(NamedTuple):
@@ -178,7 +188,7 @@ def find_marks(lines: Sequence[str], path: Path) -> Marks:
     orders = [Marks("\t"), Marks(";"), Marks(","), Marks(""), Marks("\t", ","), Marks(";", ","), Marks("", ",")]
     if any('"' in line for line in lines):
         orders.append(Marks(",", ","))
-    best = max(orders, key=lambda marks: _fit(lines, marks))
+    best = _plain(orders, lines) or max(orders, key=lambda marks: _fit(lines, marks))
     if best == Marks(","):
         rows = [cells_of(line, best) for line in lines]
         if _decimals_behind_commas(rows, 2):
@@ -187,6 +197,14 @@ def find_marks(lines: Sequence[str], path: Path) -> Marks:
             hint = "commas stand both between the numbers and within them: export it with semicolons or points"
             raise refuse(path, "a file whose numbers can be told apart", hint)
     return best
+
+
+def _plain(orders: Iterable[Marks], lines: Sequence[str]) -> Marks | None:
+    """Return the only marks under which lines of a sample are numbers, where nearly all are; None in doubt."""
+    sample = lines[:: max(len(lines) // _SAMPLE, 1)]
+    fitting = [(marks, _fit(sample, marks)[0]) for marks in orders]
+    fitting = [(marks, whole) for marks, whole in fitting if whole]
+    return fitting[0][0] if len(fitting) == 1 and fitting[0][1] >= max(_PLAIN * len(sample), 2) else None
 
 
 def _fit(lines: Iterable[str], marks: Marks) -> tuple[int, int, int]:
@@ -310,6 +328,7 @@ def _raw(region: Region) -> Iterator[bytes]:
             beginning, at = at == 0, at + len(raw)
             raw = decoder.decode(raw).encode("utf-8", "replace") if wide else raw
             raw = raw.removeprefix(codecs.BOM_UTF8) if beginning else raw
+            raw = raw.replace(b'"', b"") if region.quoted else raw
             yield raw.replace(b"\r\n", b"\n").replace(b"\r", b"\n") if region.lone_returns else raw
 
 
@@ -380,7 +399,7 @@ def _one_by_one(block: bytes, line: int, grid: CellLayout, store: _Store, encodi
         if not row.strip(_ENDS) or is_comment(row):
             continue
         cells = cells_of(row, grid.marks)
-        if any(cells[grid.width :]):
+        if k > grid.beside and any(cells[grid.width :]):
             hint = f"line {k} has {len(cells)}: is it damaged, or are two files in one?"
             raise refuse(store.path, f"{grid.width} columns in every line", hint)
         if grid.header and tuple(cells[: len(grid.header)]) == grid.header:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import dataclasses
 import hashlib
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any, ClassVar, NamedTuple
@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from strikewave.base.errors import InputError, IntegrationError, StrikewaveError
-from strikewave.base.result import Source
+from strikewave.base.result import Notice, Source
 from strikewave.base.variables import LabelledArrays, quantity
 from strikewave.cases.case import Case, dump_case, parse_case
 from strikewave.machines import blows
@@ -410,7 +410,23 @@ def make_map(
                 progress(float(rows.done.mean()))
     study = MapStudy(plan, rows.data.reshape(*plan.shape, len(FIELDS)), wanted, present)
     setting, refused = confirmed(study)
-    return dataclasses.replace(study, setting=setting, refused=refused)
+    study = dataclasses.replace(study, setting=setting, refused=refused)
+    return dataclasses.replace(study, notices=tuple(range_notices(study)))
+
+
+def range_notices(study: MapStudy) -> Iterator[Notice]:
+    """Warn where the nearest even setting is nearest only because the map ends there, on the side of the case."""
+    if study.setting is None:
+        return
+    for axis, here, at in zip(study.plan.axes[:2], study.here, study.setting.values, strict=False):
+        low, high = axis.values[0], axis.values[-1]
+        if not low <= here <= high and at == (low if here < low else high):
+            end, way = ("low", "lower") if here < low else ("high", "higher")
+            message = (
+                f"the nearest setting with equal blows stands at the {end} end of {axis.path}, {axis.typed(at)}, and "
+                f"the case beyond it, at {axis.typed(here)}: nearer settings may lie between them; take a {way} end"
+            )
+            yield Notice("range-end", message, at, here)
 
 
 def confirmed(study: MapStudy) -> tuple[EvenSetting | None, tuple[Refusal, ...]]:
