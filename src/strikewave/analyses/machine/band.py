@@ -32,10 +32,10 @@ from strikewave.uncertainty.runs import on_threads
 Array = NDArray[np.float64]
 Figures = Mapping[str, float]
 
-RUNS = 128
-"""Runs of all blows. On li-ma-2019 the bands of so many hold 94 to 98 % of 160 full runs (docs/band.md); with those of
-the first blow they take 1 s of a processor."""
-FIRST_RUNS = 128
+RUNS = 96
+"""Runs of all blows. On li-ma-2019 and li-ma-2019-fig13 the bands of so many hold 94 to 97 % of 1200 other draws on the
+mean over seeds, as those of 128 do (docs/band.md); with those of the first blow they take 0.6 s of a processor."""
+FIRST_RUNS = 96
 """Further runs of the first blow: each takes a third of the time of one of all blows."""
 FIRST_PASSES = 2
 """Passes after which the first blow has ended: a second contact of it may come as late as the next striker."""
