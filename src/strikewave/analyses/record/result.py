@@ -163,11 +163,11 @@ def units_of(files: Sequence[FileReading]) -> dict[str, str]:
     unit = units.pop() if len(units) == 1 else ""
     own = "each channel's unit" if units else OWN
     return {
-        **dict.fromkeys(("time", "rise", "width", "interval", "begin", "end", "smooth_width"), "s"),
-        **dict.fromkeys(("peak", "offset", "noise", "smooth_peak"), unit or own),
-        "velocity_change": INTEGRALS.get(unit, f"{unit} s") or f"{own}, times s",
+        **dict.fromkeys(("time", "interval", *IN_SECONDS), "s"),
+        **dict.fromkeys(OF_CHANNEL, unit or own),
+        **dict.fromkeys(OF_INTEGRAL, INTEGRALS.get(unit, f"{unit} s") or f"{own}, times s"),
         **dict.fromkeys(("ringing_frequency", "sampling_rate", "advised_cutoff", "cutoff"), "Hz"),
-        **dict.fromkeys(("cv", "cv_low", "cv_high", "change", "smooth_misfit"), "1"),
+        **dict.fromkeys(("cv", "cv_low", "cv_high", "robust_cv", "cv_with", "ratio", "change", "smooth_misfit"), "1"),
     }
 
 
@@ -221,6 +221,8 @@ def pulse_row(pulse: RecordedPulse) -> dict[str, Any]:
         "smooth_peak": pulse.smooth.peak,
         "smooth_width": pulse.smooth.width(),
         "smooth_misfit": pulse.smooth.misfit,
+        **{f"{name}_uncertainty": value for name, value in pulse.uncertainty._asdict().items()},
+        **{f"rigid_{name}": getattr(pulse.rigid, name, math.nan) for name in RIGID},
         "rebounds": [rebound._asdict() for rebound in pulse.rebounds],
     }
 
@@ -257,20 +259,40 @@ def _campaign(campaign: Campaign) -> dict[str, Any]:
         "channel": campaign.channel,
         **{name: value._asdict() for name, value in campaign.statistics.items()},
         "trend": {name: value._asdict() for name, value in campaign.trends.items()},
+        "outliers": [
+            {"file": one.path, **{k: v for k, v in one._asdict().items() if k != "path"}} for one in campaign.outliers
+        ],
         "left_out": [
             {"file": path, "figures": list(figures), "reason": reason} for path, figures, reason in campaign.left_out
         ],
     }
 
 
+RIGID = ("peak", "width", "velocity_change", "peak_uncertainty", "width_uncertainty", "velocity_change_uncertainty")
+"""Figures of the pulse without ringing."""
+DOUBTS = tuple(name for name in RIGID if name.endswith("_uncertainty"))
+IN_SECONDS = (
+    "rise",
+    "width",
+    "begin",
+    "end",
+    "smooth_width",
+    "width_uncertainty",
+    "rigid_width",
+    "rigid_width_uncertainty",
+)
 PULSE_UNITS = {
-    **dict.fromkeys(("time", "rise", "width", "begin", "end", "smooth_width"), "s"),
+    **dict.fromkeys(("time", *IN_SECONDS), "s"),
     **dict.fromkeys(("ringing_frequency",), "Hz"),
     **dict.fromkeys(("smooth_misfit",), "1"),
 }
 """SI unit of the figures of a pulse that do not depend on what the channel measures."""
-OF_CHANNEL = ("peak", "offset", "noise", "smooth_peak")
-"""Figures of a pulse in the unit of its channel; the velocity change is in that unit times seconds."""
+OF_CHANNEL = (*("peak", "offset", "noise", "smooth_peak", "peak_uncertainty", "rigid_peak", "rigid_peak_uncertainty"),)
+"""Figures of a pulse in the unit of its channel."""
+OF_INTEGRAL = (
+    *("velocity_change", "velocity_change_uncertainty", "rigid_velocity_change", "rigid_velocity_change_uncertainty"),
+)
+"""Figures of a pulse in that unit times seconds."""
 
 
 def pulse_columns(files: Sequence[FileReading]) -> list[Column]:
@@ -291,7 +313,16 @@ def pulse_columns(files: Sequence[FileReading]) -> list[Column]:
         Column("index", [index for _, _, index, _ in rows]),
     ]
     names = ("time", "peak", "rise", "width", "velocity_change", "ringing_frequency", "offset", "noise", "method")
-    for name in (*names, "begin", "end", "smooth_peak", "smooth_width", "smooth_misfit"):
-        si = only if name in OF_CHANNEL else INTEGRALS.get(only, f"{only} s") if name == "velocity_change" else ""
+    more = (
+        "begin",
+        "end",
+        "smooth_peak",
+        "smooth_width",
+        "smooth_misfit",
+        *DOUBTS,
+        *(f"rigid_{name}" for name in RIGID),
+    )
+    for name in (*names, *more):
+        si = only if name in OF_CHANNEL else INTEGRALS.get(only, f"{only} s") if name in OF_INTEGRAL else ""
         columns.append(Column(name, [row[name] for _, _, _, row in rows], PULSE_UNITS.get(name, si)))
     return columns
