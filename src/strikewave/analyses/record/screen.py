@@ -8,21 +8,20 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, ClassVar
 
+from strikewave.analyses.record.chosen import advised_filter
 from strikewave.analyses.record.question import examined
 from strikewave.analyses.record.result import (
     INTEGRALS,
     RecordResult,
-    cutoff_for,
     filter_effect,
     name_of,
 )
-from strikewave.analyses.record.tables import short_names
+from strikewave.analyses.record.tables import rows_of, short_names
 from strikewave.analyses.record.words import record_words
 from strikewave.base.result import Source
 from strikewave.base.units import DIMENSIONS
 from strikewave.records import (
     Campaign,
-    ChannelReading,
     FileReading,
     Options,
     Request,
@@ -135,7 +134,7 @@ def _print(readings: Sequence[FileReading], campaigns: Sequence[Campaign], filte
     _print_rebounds(readings, names)
     for campaign in campaigns:
         _print_campaign(campaign, readings, names)
-    _print_filter([reading for file in readings for reading in file.channels], filter_)
+    _print_filter(readings, filter_)
 
 
 def _print_rigid(readings: Sequence[FileReading], names: dict[str, str]) -> None:
@@ -276,15 +275,15 @@ def _print_campaign(campaign: Campaign, readings: Sequence[FileReading], names: 
             )
 
 
-def _print_filter(readings: Sequence[ChannelReading], filter_: Filter | None) -> None:
+def _print_filter(files: Sequence[FileReading], filter_: Filter | None) -> None:
     """Say what the filter did to each channel, or which cutoff would leave the steepest blow of all as it is."""
     if filter_ is None:
-        cutoffs = [cutoff for cutoff in map(cutoff_for, readings) if cutoff is not None]
-        if cutoffs:
-            kilohertz = significant(max(cutoffs) / 1e3, 3)
+        advised = advised_filter(files)
+        if advised is not None:
+            kilohertz = significant(advised.cutoff / 1e3, 3)
             tell(f"a low-pass of {kilohertz} kHz or more (--filter) leaves 98 % of a half-sine as steep as these")
         return
-    for reading in readings:
+    for _, reading in rows_of(files):
         effect = filter_effect(reading, filter_)
         sentence = f"{reading.channel.name}: {effect['name']}"
         if effect["peak_left"]:
