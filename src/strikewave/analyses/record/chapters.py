@@ -177,18 +177,19 @@ def campaign_section(campaign: Campaign, files: Sequence[FileReading], names: Na
         if name in campaign.statistics:
             one = campaign.statistics[name]
             digits = digits_of(one.low, one.high)
-            values = [number(name, unit, value, digits) for value in (one.mean, one.low, one.high)]
-            table.append([f"{what} ({shown})", one.n, *values, *map(percent, (one.cv, one.cv_low, one.cv_high))])
+            values = [number(name, unit, value, digits) for value in (one.mean, one.low, one.high, one.median)]
+            scatter = (one.cv, one.cv_low, one.cv_high, one.robust_cv)
+            table.append([f"{what} ({shown})", one.n, *values, *map(percent, scatter)])
         if name in campaign.trends:
             line = campaign.trends[name]
-            significant = "yes" if math.isfinite(line.low) and not line.low <= 0.0 <= line.high else "no"
+            significant = "yes" if line.significant else "no"
             values = [number(name, unit, value, 3) for value in (line.slope, line.low, line.high)]
             trends.append([f"{what} ({shown})", *values, percent(line.change), significant])
     gone: list[list[Cell]] = [
         [names.get(path, path), "all" if set(SUMMED) <= set(harmed) else _words(harmed), why]
         for path, harmed, why in campaign.left_out
     ]
-    heads = ["figure", "values", "mean", "from", "to", "CV", "CV from", "CV to"]
+    heads = ["figure", "values", "mean", "from", "to", "median", "CV", "CV from", "CV to", "robust scatter"]
     parts: list[Part] = [
         Table("Means and scatter, with bounds at 95 %", heads, table, "No record gave a figure that can be trusted."),
         Table(
@@ -198,12 +199,15 @@ def campaign_section(campaign: Campaign, files: Sequence[FileReading], names: Na
             "A trend needs values from three files.",
         ),
         Table("Left out of the means", ["file", "figures", "why"], gone, "Nothing was left out."),
+        *([_odd_table(campaign, unit, names)] if campaign.outliers else []),
     ]
     title = "Campaign" if len(files) > 1 else "Means"
     title += f": {campaign.channel}" if several else ""
     text = (
         "CV is the standard deviation over the mean. The bounds of the mean are Student's, those of the CV Vangel's; "
-        "they hold for values that scatter like a normal distribution and have no trend."
+        "they hold for values that scatter like a normal distribution and have no trend. Robust scatter is that of the "
+        "median deviation over the median. The trend is the median of the slopes between all files, its bounds are "
+        "Kendall's: single files bend none of the three."
     )
     used = [reading for _, reading in same_channel(files, campaign) if reading.status != "bad"]
     units = sorted({reading.channel.unit or "file's own numbers" for reading in used})
@@ -211,6 +215,28 @@ def campaign_section(campaign: Campaign, files: Sequence[FileReading], names: Na
         text += f" The files hold this channel in different units, {listed(units)}: "
         text += "peak and velocity change are summed up in the usual one."
     return Section(title, text, parts)
+
+
+def _odd_table(campaign: Campaign, unit: str, names: Names) -> Table:
+    """List what disagrees with the other files, and what it would do to mean and scatter."""
+    rows: list[list[Cell]] = []
+    for one in campaign.outliers:
+        _, what, shown = figure_unit(one.figure, unit)
+        statistic = campaign.statistics[one.figure]
+        values = [number(one.figure, unit, value) for value in (one.value, statistic.mean, one.mean_with)]
+        rows.append(
+            [
+                names.get(one.path, one.path),
+                f"{what} ({shown})",
+                values[0],
+                f"{one.ratio:.3g}",
+                *values[1:],
+                percent(statistic.cv),
+                percent(one.cv_with),
+            ]
+        )
+    heads = ["file", "figure", "value", "over the median", "mean without", "mean with", "CV without", "CV with"]
+    return Table("What disagrees with the other files, and what it would do", heads, rows)
 
 
 def _words(harmed: Sequence[str]) -> str:

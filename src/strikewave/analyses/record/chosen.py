@@ -36,7 +36,8 @@ def sources_of(files: Sequence[FileReading], campaigns: Sequence[Campaign], filt
     """Return the keys of the sources of the methods used."""
     read = any(file.channels for file in files)
     keys = ["siegel-1982"] if read else []
-    keys += ["vangel-1996"] if any(campaign.statistics for campaign in campaigns) else []
+    keys += ["vangel-1996", "croux-1992"] if any(campaign.statistics for campaign in campaigns) else []
+    keys += ["rosner-1983", "sen-1968"] if any(campaign.trends for campaign in campaigns) else []
     keys += ["smallwood-1981", "iso-18431-4"] if shown_response(files) is not None else []
     j211 = filter_ is None or "J211" in str(filter_)
     return tuple(keys + (["sae-j211"] if j211 and read else []))

@@ -167,7 +167,7 @@ def units_of(files: Sequence[FileReading]) -> dict[str, str]:
         **dict.fromkeys(OF_CHANNEL, unit or own),
         **dict.fromkeys(OF_INTEGRAL, INTEGRALS.get(unit, f"{unit} s") or f"{own}, times s"),
         **dict.fromkeys(("ringing_frequency", "sampling_rate", "advised_cutoff", "cutoff"), "Hz"),
-        **dict.fromkeys(("cv", "cv_low", "cv_high", "change", "smooth_misfit"), "1"),
+        **dict.fromkeys(("cv", "cv_low", "cv_high", "robust_cv", "cv_with", "ratio", "change", "smooth_misfit"), "1"),
     }
 
 
@@ -259,6 +259,9 @@ def _campaign(campaign: Campaign) -> dict[str, Any]:
         "channel": campaign.channel,
         **{name: value._asdict() for name, value in campaign.statistics.items()},
         "trend": {name: value._asdict() for name, value in campaign.trends.items()},
+        "outliers": [
+            {"file": one.path, **{k: v for k, v in one._asdict().items() if k != "path"}} for one in campaign.outliers
+        ],
         "left_out": [
             {"file": path, "figures": list(figures), "reason": reason} for path, figures, reason in campaign.left_out
         ],

@@ -241,21 +241,31 @@ def _print_campaign(campaign: Campaign, readings: Sequence[FileReading], names: 
     for name, statistic in campaign.statistics.items():
         write = writers.get(name, lambda v: number(v, "s", "us") + " us")
         line = campaign.trends.get(name)
-        trend = "-" if line is None else f"{line.change:+.1%}" + ("" if line.low <= 0.0 <= line.high else " *")
+        trend = "-" if line is None else f"{line.change:+.1%}" + (" *" if line.significant else "")
         bounds = "-" if statistic.n < 2 else f"{write(statistic.low)} to {write(statistic.high)}"
         cv = "-" if statistic.n < 2 else f"{statistic.cv:.2%}"
-        rows.append([name.replace("_", " "), write(statistic.mean), cv, bounds, str(statistic.n), trend])
+        robust = ["-", "-"] if statistic.n < 2 else [write(statistic.median), f"{statistic.robust_cv:.2%}"]
+        rows.append([name.replace("_", " "), write(statistic.mean), cv, bounds, str(statistic.n), *robust, trend])
     if not rows:
         tell(f"{campaign.channel}: nothing is left to sum up")
         return
     columns = [*keys("figure"), *numerals("mean", "scatter (CV)"), *numerals("mean, 95 % bounds")]
-    columns += numerals("blows", "trend over the files", priority=MORE)
+    columns += numerals("blows", "median", "robust scatter", "trend over the files", priority=MORE)
     table(f"All blows together: {campaign.channel}", columns, rows)
     if any(" *" in row[-1] for row in rows):
         tell("* a trend that scatter alone gives in less than 5 % of campaigns")
     for path, figures, _ in campaign.left_out:
         what = "all figures" if len(figures) == len(SUMMED) else ", ".join(figures).replace("_", " ")
         tell(f"left out: {what} of {names[path]}")
+    for one in campaign.outliers:
+        if one.figure in ("peak", "width", "interval"):  # the velocity change goes with the peak
+            write = writers.get(one.figure, lambda v: number(v, "s", "us") + " us")
+            statistic = campaign.statistics[one.figure]
+            with_it = f"{write(one.mean_with)}, scatter {one.cv_with:.2%}"
+            tell(
+                f"with the {one.figure} of {names[one.path]}, {write(one.value)}, the mean would be {with_it}, instead "
+                f"of {write(statistic.mean)}, {statistic.cv:.2%}"
+            )
 
 
 def _print_filter(readings: Sequence[ChannelReading], filter_: Filter | None) -> None:
