@@ -22,8 +22,11 @@ Array = NDArray[np.float64]
 AFTER = 0.15
 """Widths after a blow from which on its tail is looked at."""
 GROWS = 1.15
-"""Times that each stretch of a tail is as long as the one before, from a width on: both a fast decay and a long one
-are followed by some dozens of them."""
+"""Times that each half of a stretch is as long as the one before, from a width on: both a fast decay and a long one
+are followed by some dozens of them. Stretches overlap by half, and are weighted as Hann's window does: what swings
+once in a width, or faster, has no mean."""
+QUICK, ONE_SIDE = 3.0, 0.85
+"""Stretches within which a decay is quick, and share of the samples of the first on its side: else it swings."""
 FEWEST = 6
 """Stretches without which a tail says nothing."""
 PENALTY = 4.0
@@ -58,11 +61,14 @@ class Tail(NamedTuple):
         Mean above the baseline before the first blow.
     velocity : ndarray
         Mean of the integral of the record from before the first blow on.
+    one_side : float
+        Share of the samples of the first stretch that have the sign of its level.
     """
 
     time: Array
     level: Array
     velocity: Array
+    one_side: float = 1.0
 
 
 class TailModel(NamedTuple):
@@ -114,20 +120,24 @@ def tail_of(values: Array, step: float, start: float, pulses: Sequence[RecordedP
     while edges[-1] + size <= end:
         edges.append(edges[-1] + round(size))
         size *= GROWS
-    if len(edges) - 1 < FEWEST:
+    if len(edges) - 2 < FEWEST:
         return None
     origin = max(round((first.begin - start) / step - width), 0)
-    places = np.arange(origin, edges[-1])
+    places = np.arange(origin, edges[-1], dtype=np.float64)
     middle = (first.time - start) / step
     above = values[origin : edges[-1]] - first.offset - first.baseline.slope * (places - middle)
     velocity = step * (np.cumsum(above) - 0.5 * (above + above[0]))
-    cuts = np.array(edges[:-1]) - origin
-    sizes = np.diff(edges)
-    return Tail(
-        np.asarray((np.array(edges[:-1]) + 0.5 * sizes) * step + start - pulse.end),
-        np.add.reduceat(above, cuts) / sizes,
-        np.add.reduceat(velocity, cuts) / sizes,
-    )
+    rows = []
+    for low, high in zip(edges[:-2], edges[2:], strict=True):
+        weights = np.hanning(high - low + 2)[1:-1]
+        part = slice(low - origin, high - origin)
+        weights /= np.sum(weights)
+        middle = start + step * 0.5 * (low + high - 1) - pulse.end
+        rows.append((middle, float(weights @ above[part]), float(weights @ velocity[part])))
+    near = above[edges[0] - origin : edges[2] - origin]
+    one_side = float(np.mean(np.sign(near) == math.copysign(1.0, rows[0][1])))
+    time, level, velocities = np.array(rows).T
+    return Tail(time, level, velocities, one_side)
 
 
 def model_of(tail: Tail) -> TailModel:
@@ -168,6 +178,8 @@ def model_of(tail: Tail) -> TailModel:
     rest = tail.level - fits[kind][0]
     share = 1.0 - squares[kind] / total
     error = math.sqrt(squares[kind] / max(n - 1 - fits[kind][1], 1) / n * _memory(rest))
+    if kind == "decay" and constant < QUICK * (tail.time[1] - tail.time[0]) and tail.one_side < ONE_SIDE:
+        return TailModel("motion", explained=share)
     if kind == "decay":
         return TailModel("decay", float(decay[0]), error, constant, math.nan, share)
     level = float(fits[kind][0][-1])

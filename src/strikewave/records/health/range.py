@@ -78,7 +78,7 @@ def saturated(record: Examined) -> list[HealthNotice]:
             )
             findings.append(
                 HealthNotice(
-                    "flat-top", message, flat, severity="suspect", harms=("peak",), start=pulse.begin, end=pulse.end
+                    "flat-top", message, flat, severity="suspect", harms=BLOW, start=pulse.begin, end=pulse.end
                 )
             )
     return findings[:1]
