@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
 from statistics import mean, median
 
+from strikewave.analyses.record.chosen import advised_filter
 from strikewave.analyses.record.figures.campaigns import figure_unit
 from strikewave.analyses.record.tables import (
     Columns,
@@ -24,7 +24,7 @@ from strikewave.records.measuring import RecordedPulse
 from strikewave.records.reading import ChannelReading, FileReading
 from strikewave.reporting.numbers import listed, spelled
 from strikewave.reporting.parts import NONE, Cell, Part, Section, Table, Tag, written
-from strikewave.signal.filters import Filter, advised_cutoff, effect_on_half_sine
+from strikewave.signal.filters import Filter, effect_on_half_sine
 from strikewave.signal.pulse import HALF_SINE_WIDTH
 
 MOST_ROWS = 200
@@ -266,16 +266,15 @@ def filter_section(files: Sequence[FileReading], names: Names, filter_: Filter |
     else:
         text = (
             "No filter was used: all figures are those of the records as they are. The table says what filters would "
-            "do; the advised cutoff is the lowest that takes at most 2 % off the peak, 4 poles a pass, zero-phase."
+            "do; the advised cutoff is the lowest that takes at most 2 % off the peak of the steepest blow that enters "
+            "the means, 4 poles a pass, zero-phase."
         )
         parts, filters = [], [("", Filter.sae_j211(k)) for k in (1000, 600)]
     widths = [pulse.width for pulse in pulses if pulse.width > 0.0]
-    rises = [pulse.rise for pulse in pulses if pulse.rise > 0.0]
     if not widths:
         return Section("Filter", text.partition(" The table")[0] + " There is no blow to filter.", parts)
-    if filter_ is None:
-        cutoff = advised_cutoff(median(rises) if rises else math.nan, median(widths))
-        filters = [("advised: ", Filter(float(f"{1.005 * cutoff:.3g}"))), *filters]
+    advised = advised_filter(files) if filter_ is None else None
+    filters = filters if advised is None else [("advised: ", advised), *filters]
     duration = median(widths) / HALF_SINE_WIDTH
     rows: list[list[Cell]] = [
         [

@@ -10,7 +10,7 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from strikewave.analyses.record.chosen import sources_of
+from strikewave.analyses.record.chosen import advised_filter, cutoff_for, sources_of
 from strikewave.base.result import FAILED, Notice
 from strikewave.records.campaign import Campaign
 from strikewave.records.health_notice import STATUSES, HealthNotice
@@ -20,7 +20,7 @@ from strikewave.reporting.columns import Column, csv_table
 from strikewave.reporting.measured_files import AskedResult
 from strikewave.reporting.numbers import shown_unit, with_unit
 from strikewave.reporting.shown_result import Curve, history_curve
-from strikewave.signal.filters import Filter, advised_cutoff, effect_on_half_sine
+from strikewave.signal.filters import Filter, effect_on_half_sine
 from strikewave.signal.pulse import HALF_SINE_WIDTH
 
 INTEGRALS = {"m/s^2": "m/s", "m/s": "m", "N": "N s", "Pa": "Pa s", "V": "V s", "1": "s", "": ""}
@@ -76,6 +76,7 @@ class RecordResult(AskedResult):
         content = {
             "files": [_file(file, self.filter) for file in self.readings],
             "campaign": _campaign(self.campaigns[0]) if self.campaigns else {},
+            "advised_cutoff": None if (advised := advised_filter(self.readings)) is None else advised.cutoff,
         }
         if len(self.campaigns) > 1:
             content["campaigns"] = [_campaign(one) for one in self.campaigns]
@@ -225,17 +226,6 @@ def pulse_row(pulse: RecordedPulse) -> dict[str, Any]:
         **{f"rigid_{name}": getattr(pulse.rigid, name, math.nan) for name in RIGID},
         "rebounds": [rebound._asdict() for rebound in pulse.rebounds],
     }
-
-
-def cutoff_for(reading: ChannelReading) -> float | None:
-    """Return the cutoff advised for the steepest blow, Hz; None where there is none, or it cannot be reached."""
-    advised = [
-        advised_cutoff(pulse.smooth.rise(), pulse.smooth.width())
-        for pulse in reading.unfiltered or reading.pulses
-        if pulse.smooth.width() > 0.0
-    ]
-    cutoff = max(advised, default=math.inf)
-    return cutoff if cutoff < 0.5 * reading.channel.sampling_rate else None
 
 
 def filter_effect(reading: ChannelReading, filter_: Filter) -> dict[str, Any]:

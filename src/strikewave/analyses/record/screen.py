@@ -8,20 +8,20 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, ClassVar
 
+from strikewave.analyses.record.chosen import advised_filter
 from strikewave.analyses.record.question import examined
 from strikewave.analyses.record.result import (
     INTEGRALS,
     RecordResult,
-    cutoff_for,
     filter_effect,
     name_of,
 )
-from strikewave.analyses.record.tables import short_names
+from strikewave.analyses.record.tables import rows_of, short_names
 from strikewave.analyses.record.words import record_words
 from strikewave.base.result import Source
+from strikewave.base.units import DIMENSIONS
 from strikewave.records import (
     Campaign,
-    ChannelReading,
     FileReading,
     Options,
     Request,
@@ -30,7 +30,7 @@ from strikewave.records import (
 from strikewave.records.campaign import SUMMED
 from strikewave.reporting import measured_files as measured
 from strikewave.reporting.layout import MORE, keys, numerals, texts
-from strikewave.reporting.numbers import listed
+from strikewave.reporting.numbers import listed, with_unit
 from strikewave.reporting.options import Output
 from strikewave.reporting.run_and_write import Command, run_and_write
 from strikewave.reporting.terminal import number, significant, table, tell
@@ -134,7 +134,7 @@ def _print(readings: Sequence[FileReading], campaigns: Sequence[Campaign], filte
     _print_rebounds(readings, names)
     for campaign in campaigns:
         _print_campaign(campaign, readings, names)
-    _print_filter([reading for file in readings for reading in file.channels], filter_)
+    _print_filter(readings, filter_)
 
 
 def _print_rigid(readings: Sequence[FileReading], names: dict[str, str]) -> None:
@@ -178,12 +178,13 @@ def _print_rebounds(readings: Sequence[FileReading], names: dict[str, str]) -> N
     if not owners:
         return
     shares = [abs(rebound.peak / pulse.peak) for _, pulse in owners for rebound in pulse.rebounds]
-    lags = [1e3 * abs(rebound.time - pulse.time) for _, pulse in owners for rebound in pulse.rebounds]
+    lags = [abs(rebound.time - pulse.time) for _, pulse in owners for rebound in pulse.rebounds]
     where = list(dict.fromkeys(name for name, _ in owners))
     tell(
         f"{len(shares)} rebounds, counted with their blows, in {listed(where[:MOST_NAMED])}"
         + (f" and {len(where) - MOST_NAMED} more files" if len(where) > MOST_NAMED else "")
-        + f": {min(shares):.0%} to {max(shares):.0%} of the peak, {min(lags):.3g} to {max(lags):.3g} ms from it"
+        + f": {min(shares):.0%} to {max(shares):.0%} of the peak, {number(min(lags), 's', 'ms', 3)} to "
+        f"{with_unit(max(lags), 's', 'ms', 3)} from it"
     )
 
 
@@ -222,11 +223,17 @@ def _value(value: float, unit: str) -> str:
         return "-"
     if unit == "1":
         return f"{significant(1e6 * value, 5)} ustrain"
-    return f"{number(value, 'm/s^2', 'g', 5)} g" if unit == "m/s^2" else f"{significant(value, 5)} {unit}".strip()
+    if unit in DIMENSIONS:
+        return with_unit(value, unit, "g" if unit == "m/s^2" else unit, 5)
+    return f"{significant(value, 5)} {unit}".strip()
 
 
 def _integral(value: float, unit: str) -> str:
-    return "-" if value != value else f"{significant(value, 4)} {INTEGRALS.get(unit, '')}".strip()
+    integral = INTEGRALS.get(unit, "")
+    if value != value:
+        return "-"
+    known = integral in DIMENSIONS
+    return with_unit(value, integral, integral) if known else f"{significant(value, 4)} {integral}".strip()
 
 
 def _print_campaign(campaign: Campaign, readings: Sequence[FileReading], names: dict[str, str]) -> None:
@@ -234,12 +241,12 @@ def _print_campaign(campaign: Campaign, readings: Sequence[FileReading], names: 
     writers: dict[str, Any] = {
         "peak": lambda v: _value(v, unit),
         "velocity_change": lambda v: _integral(v, unit),
-        "interval": lambda v: number(v, "s", "ms") + " ms",
-        "ringing_frequency": lambda v: number(v, "Hz", "Hz") + " Hz",
+        "interval": lambda v: with_unit(v, "s", "ms"),
+        "ringing_frequency": lambda v: with_unit(v, "Hz", "Hz"),
     }
     rows = []
     for name, statistic in campaign.statistics.items():
-        write = writers.get(name, lambda v: number(v, "s", "us") + " us")
+        write = writers.get(name, lambda v: with_unit(v, "s", "us"))
         line = campaign.trends.get(name)
         trend = "-" if line is None else f"{line.change:+.1%}" + (" *" if line.significant else "")
         bounds = "-" if statistic.n < 2 else f"{write(statistic.low)} to {write(statistic.high)}"
@@ -268,15 +275,15 @@ def _print_campaign(campaign: Campaign, readings: Sequence[FileReading], names: 
             )
 
 
-def _print_filter(readings: Sequence[ChannelReading], filter_: Filter | None) -> None:
+def _print_filter(files: Sequence[FileReading], filter_: Filter | None) -> None:
     """Say what the filter did to each channel, or which cutoff would leave the steepest blow of all as it is."""
     if filter_ is None:
-        cutoffs = [cutoff for cutoff in map(cutoff_for, readings) if cutoff is not None]
-        if cutoffs:
-            kilohertz = significant(max(cutoffs) / 1e3, 3)
+        advised = advised_filter(files)
+        if advised is not None:
+            kilohertz = significant(advised.cutoff / 1e3, 3)
             tell(f"a low-pass of {kilohertz} kHz or more (--filter) leaves 98 % of a half-sine as steep as these")
         return
-    for reading in readings:
+    for _, reading in rows_of(files):
         effect = filter_effect(reading, filter_)
         sentence = f"{reading.channel.name}: {effect['name']}"
         if effect["peak_left"]:
