@@ -104,6 +104,16 @@ def test_the_quiet_zero_of_a_coarse_recorder_is_no_clipping():
     assert codes(values) == []
 
 
+def test_a_top_that_turns_within_a_step_of_the_converter_is_no_clipping():
+    """Three samples at the top, by chance one beside: the parabola through both sides turns within the step."""
+    values = np.round(in_bits(blow(noise=1e-4), 12))
+    step = 2.5 * PEAK / 2**12
+    top = int(np.argmax(values))
+    levels = np.array([-8, -7, -5, -3, -2, 0, 0, 0, -3, -8, -14])
+    values[top - 5 : top + 6] = 1002.0 + step * levels
+    assert "clipped" not in dict(codes(values))
+
+
 @pytest.mark.parametrize("level", [-50.0, -100.0])
 def test_clipping_of_negative_ringing_alone_harms_the_ringing_alone(level):
     swing = np.where(AFTER, 300.0 * np.exp(-(np.arange(SIZE) - BEGIN) / 300.0) * np.sin(0.14 * np.arange(SIZE)), 0.0)
