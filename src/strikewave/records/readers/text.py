@@ -46,7 +46,7 @@ _AFTER_HEAD = 40
 _MARKED = 20
 """Lines of samples by which two first numbers are known to be none: start and step of Tektronix and the like."""
 SAME_RATE = 0.01
-"""Share by which a rate that is stated may differ from that of the file without a word: clocks are good to 1e-4."""
+"""Share by which a rate that is stated may differ from that of the file without a warning: clocks are good to 1e-4."""
 _SPARE = 1.05
 """Times the lines that a file is thought to have: lines grow longer with time."""
 
