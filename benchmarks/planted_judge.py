@@ -32,6 +32,34 @@ ALLOWED = {"polarity": "negative", "flat-top": "trapezoid"}
 """Findings that are true of a clean record: its blows are negative; its top is flat."""
 
 
+NAMES = {
+    "hum": {"hum"},
+    "slow-motion": {"velocity-drift", "slow-motion"},
+    "offset": {"not-settled", "offset"},
+    "drift": {"drift", "not-settled", "velocity-drift"},
+    "zero-step": {"zero-shift"},
+    "ac-coupling": {"ac-coupling"},
+    "ringing": {"ringing"},
+    "alias-ringing": {"ringing", "alias"},
+    "mount-near": {"ringing", "mount"},
+    "rebound": {"rebound"},
+    "rebound-train": {"rebound"},
+    "double-hit": {"double-hit"},
+    "missing-in-train": {"missing-blow"},
+    "clipping": {"clipped"},
+    "saturation": {"clipped", "flat-top"},
+    "slew": {"slew", "flat-top"},
+    "coloured-noise": {"noise", "noisy"},
+    "strong-noise": {"noise", "noisy"},
+    "thermal": {"drift", "not-settled", "velocity-drift", "ac-coupling"},
+    "cut": {"cut", "cut-off"},
+    "few-samples": {"few-samples", "alias"},
+    "response-channel": {"swings", "response", "no-pulse", "not-settled"},
+    "nothing": {"no-pulse"},
+}
+"""Findings that name the fault of a class; of a campaign any finding on the files that have it."""
+
+
 @dataclass
 class FileVerdict:
     """What became of one file."""
@@ -58,6 +86,8 @@ class Verdict:
     files: list
     silent: list
     alarms: list
+    named: float
+    """Share of the files with the fault on which it is named."""
 
 
 def read(draw):
@@ -181,7 +211,14 @@ def judged(draw):
             if abs(said.cv - true) > max(LIMIT, true):
                 silent.append(("cv of peaks", said.cv - true))
     faults = {k: v for k in (draw.odd or {0}) for k, v in draw.files[k].faults.items()}
-    return Verdict(draw.kind, draw.seed, draw.clean, faults, files, silent, alarms)
+    named = [_named(draw.kind, files[k]) for k in sorted(draw.odd)]
+    return Verdict(draw.kind, draw.seed, draw.clean, faults, files, silent, alarms, float(np.mean(named or [0.0])))
+
+
+def _named(kind, verdict):
+    if kind not in NAMES:
+        return verdict.status != "good"
+    return any(code.split(":")[0] in NAMES[kind] for code in verdict.codes)
 
 
 def judged_seed(item):
@@ -219,7 +256,7 @@ def judged_classes(kinds=tuple(classes.CLASSES), scale=1.0, first=0):
 
 HEAD = (
     "class", "draws", "records", "blows", "found", "extra", "peak as recorded", "smooth peak", "peak without ringing", "width",
-    "velocity change", "zero (of the peak)", "ringing frequency", "silent misses", "of", "findings on sound records", "right but withheld",
+    "velocity change", "zero (of the peak)", "ringing frequency", "silent misses", "of", "fault named", "findings on sound records", "right but withheld",
 )  # fmt: skip
 
 
@@ -246,6 +283,7 @@ def row(kind, verdicts):
         *(spread([e for f in files for e in f.errors[name]]) for name in ("zero", "ringing frequency")),
         f"{len(silent)} ({len(silent) / len(verdicts):.0%})",
         ", ".join(f"{name} {count}" for name, count in what.most_common()) or "-",
+        "-" if verdicts[0].clean else f"{np.mean([v.named for v in verdicts]):.0%}",
         f"{alarmed} ({alarmed / len(files):.1%})" if verdicts[0].clean else "-",
         f"{withheld} ({withheld / len(files):.0%})",
     ]
@@ -327,7 +365,8 @@ def section(scale=1.0):
         "peak, that of the fit without ringing, width and velocity change against the pulse alone, the zero against what the blow stands on. A silent miss is a draw in which a figure is stated that is "
         "more than 5 % off (without ringing: and twice its own uncertainty), or a blow too many, or blows are missing from a record called good. A finding on a sound record is a "
         "false alarm; polarity of a negative record and flat-top of a trapezoid are not counted. Right but withheld: a figure "
-        "within 2 % of the truth that a finding keeps out of the mean. `python scripts/validate/records.py` draws them and "
+        "within 2 % of the truth that a finding keeps out of the mean. Fault named: the share of records with the fault on which a finding "
+        "of its kind stands, however weak the fault. `python scripts/validate/records.py` draws them and "
         "shows any of them.",
         markdown(verdicts),
         *totals(verdicts),

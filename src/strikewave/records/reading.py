@@ -14,6 +14,7 @@ import numpy as np
 from strikewave.base.errors import InputError, nearest, show
 from strikewave.records.calibration import Calibration, calibrated, calibration_of, laid_over
 from strikewave.records.clock import even
+from strikewave.records.coupling import uncoupled
 from strikewave.records.health import Examined, examine, level_step
 from strikewave.records.health_notice import FIGURES, STATUSES, HealthNotice, worst, worst_first
 from strikewave.records.measuring import FEWEST, RecordedPulse, contacts_of, find_pulses
@@ -42,12 +43,16 @@ class Request:
         Fall before the blow, m; NaN where none is stated.
     filter : Filter or None
         Low-pass taken before the blows are measured.
+    ac_coupling : str or float
+        AC coupling that is taken off: of this time constant, s, or ``auto`` for that which is recognised; none by
+        default.
     """
 
     channels: tuple[str, ...] = ()
     calibrations: Mapping[str, Mapping[str, Any]] = field(default_factory=dict)
     drop_height: float = math.nan
     filter: Filter | None = None
+    ac_coupling: str | float = ""
 
 
 @dataclass(frozen=True, eq=False)
@@ -156,6 +161,15 @@ def read_channel(channel: Channel, number: int, calibration: Calibration, reques
         return ChannelReading(channel, number, (), tuple(findings), calibration)
     pulses = _blows(channel)
     examined = Examined(channel.values, channel.step, channel.start, channel.unit, pulses, request.drop_height)
+    if request.ac_coupling != "" and pulses:
+        channel, said = _without_coupling(channel, examined, request.ac_coupling)
+        findings += said
+        pulses = _blows(channel)
+        examined = dataclasses.replace(examined, values=channel.values, pulses=pulses)
+    elif examined.uncoupled_pulses:  # an undershoot is no ringing: what rings is seen without it
+        pairs = zip(pulses, examined.uncoupled_pulses, strict=True)
+        pulses = tuple(dataclasses.replace(pulse, rigid=other.rigid) for pulse, other in pairs)
+        examined = dataclasses.replace(examined, pulses=pulses)
     findings += [*examine(examined), *_in_blows(holes, pulses)]
     unfiltered: tuple[RecordedPulse, ...] = ()
     if request.filter is not None:
@@ -173,9 +187,29 @@ def read_channel(channel: Channel, number: int, calibration: Calibration, reques
         if len(pulses) == len(unfiltered):  # what a filter leaves beside a blow is no ringing
             pairs = zip(pulses, unfiltered, strict=True)
             pulses = tuple(
-                dataclasses.replace(after, ringing_frequency=before.ringing_frequency) for after, before in pairs
+                dataclasses.replace(after, ringing_frequency=before.ringing_frequency, rigid=before.rigid)
+                for after, before in pairs
             )
     return ChannelReading(channel, number, pulses, tuple(findings), calibration, unfiltered)
+
+
+def _without_coupling(channel: Channel, examined: Examined, wanted: str | float) -> tuple[Channel, list[HealthNotice]]:
+    """Return a channel without its AC coupling, of a stated time constant or of the one that is recognised."""
+    if isinstance(wanted, str):
+        model = examined.tail
+        if model is None or model.kind != "ac-coupling":
+            message = "no AC coupling is recognised: nothing was taken off"
+            return channel, [HealthNotice("ac-coupling", message, severity="good")]
+        constant, doubt = model.constant, f" +- {2e3 * model.constant_error:.2g}"
+    else:
+        constant, doubt = float(wanted), ""
+    values = uncoupled(channel.values, channel.step, channel.start, examined.pulses[0], constant)
+    message = (
+        f"AC coupling of {1.0 / (2.0 * math.pi * constant):.4g} Hz (tau = {1e3 * constant:.4g}{doubt} ms) was taken off"
+    )
+    return dataclasses.replace(channel, values=values), [
+        HealthNotice("ac-coupling", message, constant, severity="good")
+    ]
 
 
 def _holes(channel: Channel) -> Array:

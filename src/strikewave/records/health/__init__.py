@@ -15,7 +15,7 @@ from strikewave.records.health.range import clipped, saturated
 from strikewave.records.health.ringing import larger_elsewhere, ringing
 from strikewave.records.health.sampling import aliased, few_samples
 from strikewave.records.health.train import double_hit, missing_blow, rebounds
-from strikewave.records.health.zero import level_step, no_foot, not_settled, velocity_drift, zero_shift
+from strikewave.records.health.zero import ac_coupling, level_step, no_foot, not_settled, velocity_drift, zero_shift
 from strikewave.records.health_notice import FIGURES, HealthNotice, worst_first
 
 __all__ = ["BLOW", "CHECKS", "Examined", "clipped", "examine", "level_step"]
@@ -26,6 +26,7 @@ CHECKS = (
     clipped,
     saturated,
     zero_shift,
+    ac_coupling,
     velocity_drift,
     few_samples,
     aliased,

@@ -10,8 +10,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from strikewave.base.units import in_unit
-from strikewave.records.measuring import RecordedPulse
+from strikewave.records.coupling import uncoupled
+from strikewave.records.measuring import RecordedPulse, find_pulses
 from strikewave.records.pulses import Baseline, robust_line, sample_noise
+from strikewave.records.tail import TailModel, model_of, tail_of
 
 Array = NDArray[np.float64]
 
@@ -93,6 +95,21 @@ class Examined:
     def line(self) -> Baseline:
         """The baseline of the whole record."""
         return robust_line(self.values)
+
+    @cached_property
+    def tail(self) -> TailModel | None:
+        """What the zero does after the blows; None where too little follows them."""
+        tail = tail_of(self.values, self.step, self.start, self.pulses)
+        return None if tail is None else model_of(tail)
+
+    @cached_property
+    def uncoupled_pulses(self) -> tuple[RecordedPulse, ...]:
+        """The blows without AC coupling, where that is recognised and leaves as many."""
+        if self.tail is None or self.tail.kind != "ac-coupling":
+            return ()
+        values = uncoupled(self.values, self.step, self.start, self.pulses[0], self.tail.constant)
+        pulses = tuple(find_pulses(values, self.step, self.start))
+        return pulses if len(pulses) == len(self.pulses) else ()
 
     @cached_property
     def noise(self) -> float:

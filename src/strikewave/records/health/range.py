@@ -31,6 +31,8 @@ NEAR_TOP = 0.05
 """Share of the span below the largest value in which the steps of the converter are looked for."""
 OFF_ZERO = 0.01
 """Share of the span, or three steps of the converter, that a rail lies off the zero: the quiet zero is no rail."""
+BESIDE, SHORT_RUN = 3, 6
+"""Samples to either side of a run at a rail through which a parabola is laid, and longest run for which it is."""
 BESIDE_RAIL = 2.5
 """Steps of the converter below the largest value that count as beside it: the next two."""
 
@@ -78,7 +80,7 @@ def saturated(record: Examined) -> list[HealthNotice]:
             )
             findings.append(
                 HealthNotice(
-                    "flat-top", message, flat, severity="suspect", harms=("peak",), start=pulse.begin, end=pulse.end
+                    "flat-top", message, flat, severity="suspect", harms=BLOW, start=pulse.begin, end=pulse.end
                 )
             )
     return findings[:1]
@@ -101,7 +103,22 @@ def _rail(values: Array, zero: float) -> NDArray[np.intp]:
     if level - zero <= max(3.0 * resolution, OFF_ZERO * span):
         return none
     beside = int(np.count_nonzero(near >= level - BESIDE_RAIL * resolution)) - at.size
-    return at if at.size >= FEWEST_AT_RAIL * max(beside, 1) else none
+    if at.size < FEWEST_AT_RAIL * max(beside, 1):
+        return none
+    return at if _cut_off(values, level) > resolution else none
+
+
+def _cut_off(values: Array, level: float) -> float:
+    """Return how far the parabola through both sides of the longest run at a level goes above it.
+
+    A round top turns within a step of its converter. Infinite where a side is missing, or the run is long.
+    """
+    first, last = _longest(values == level)
+    if last - first + 1 > SHORT_RUN or first < BESIDE or last + BESIDE >= values.size:
+        return math.inf
+    beside = np.concatenate([np.arange(first - BESIDE, first), np.arange(last + 1, last + 1 + BESIDE)])
+    place = beside - 0.5 * (first + last)
+    return float(np.polynomial.polynomial.polyfit(place, values[beside], 2)[0]) - level
 
 
 def _longest(flags: NDArray[np.bool_]) -> tuple[int, int]:

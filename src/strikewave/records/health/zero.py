@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
+import dataclasses
 import math
 
 import numpy as np
 from numpy.typing import NDArray
 
 from strikewave.records.baseline import LOOK_BACK
-from strikewave.records.health.examined import BEGINNING, BLOW, FEWEST_OF_PART, Examined
-from strikewave.records.health_notice import FIGURES, HealthNotice
+from strikewave.records.health.examined import BEGINNING, BLOW, FEWEST_OF_PART, Examined, effects_of_level
+from strikewave.records.health_notice import FIGURES, HealthNotice, by_effect
 from strikewave.records.pulses import MAD_TO_SIGMA
 
 Array = NDArray[np.float64]
@@ -32,13 +33,8 @@ WRONG_PEAK = 0.02
 sensor."""
 NOTED_ZERO, LARGE_ZERO = 0.05, 0.5
 """Shares of the peak at which a zero is noted, and at which it swamps the low frequencies of a spectrum."""
-TAIL, FEWEST_OF_TAIL = 8, 16
-"""The last eighth of a record tells the zero after the blows, where it has 16 samples or more: half of a quiet head."""
-QUIET_AFTER = 20.0
-"""Widths after a blow before which its zero is not judged: what rings and rocks has died out by then."""
-MEDIAN_ERROR, INDEPENDENT = 1.25, 100
-"""Standard error of a median over that of a mean, sqrt(pi/2); samples that count as independent at most: hum and slow
-noise make more of them worth no more."""
+FEWEST_OF_TAIL = 16
+"""Samples after the blows, or of a level, without which their zero is not judged."""
 SHIFTED = 3.0
 """Standard errors by which a zero must have shifted, so that chance does it in one record of 400."""
 NOTED_SHIFT, LARGE_SHIFT = 0.01, 0.03
@@ -114,40 +110,70 @@ def not_settled(record: Examined) -> list[HealthNotice]:
 
 
 def zero_shift(record: Examined) -> list[HealthNotice]:
-    """Find a zero after the blows that is not that before them."""
+    """Find a zero that steps, or one after the blows that is not that before them: shifted, decaying, drifting."""
     step = level_step(record.values)
     if step is not None:
         place, shift = step
+        code = "zero-shift" if _near_a_blow(record, record.time(place)) else "zero-step"
         message = (
             f"at {record.time(place):.6g} s the zero shifts by {record.text(shift)} and stays there: the sensor was "
             "overloaded or came loose"
         )
-        return [HealthNotice("zero-shift", message, shift, severity="bad", harms=FIGURES, start=record.time(place))]
-    if not record.pulses:
+        return [HealthNotice(code, message, shift, severity="bad", harms=FIGURES, start=record.time(place))]
+    model = record.tail
+    if model is None or model.kind in ("rest", "motion", "ac-coupling"):
         return []
     last = record.pulses[-1]
-    tail = record.values[max(record.place(last.end) + 1, record.values.size - record.values.size // TAIL) :]
-    if (
-        tail.size < FEWEST_OF_TAIL
-        or not last.width > 0.0
-        or record.place(last.end) + QUIET_AFTER * last.width / record.step > record.values.size
-    ):
+    share = abs(model.level) / min(abs(pulse.peak) for pulse in record.pulses)
+    if share < NOTED_SHIFT or abs(model.level) < SHIFTED * model.level_error:
         return []
-    line = record.line
-    before = record.pulses[0]
-    shift = float(np.median(tail)) - before.offset
-    drift = line.slope * (record.values.size - record.place(before.begin))
-    unsure = MEDIAN_ERROR * float(np.std(tail)) / math.sqrt(min(tail.size, INDEPENDENT)) + abs(drift)
-    share = abs(shift) / abs(before.peak)
-    if abs(shift) < SHIFTED * unsure or share < NOTED_SHIFT:
+    if model.kind == "line":
+        if share < NOTED_ZERO:
+            return []
+        level = record.text(model.level)
+        message = f"after the blows the zero drifts on by {level}, {share:.1%} of the peak: velocities drift"
+        return [HealthNotice("drift", message, model.level, severity="good", harms=("spectrum",), start=last.end)]
+    effects = {name: abs(e) for name, e in effects_of_level(last, model.level, after_peak=True).items()}
+    message = f"after the blows the zero has shifted by {record.text(model.level)}, {share:.1%} of the peak"
+    if model.kind == "decay":
+        message += f", and comes back with a time constant of {1e3 * model.constant:.3g} ms"
+    found = by_effect(
+        "zero-shift",
+        f"{message}: velocities drift, and if it did so in the blow",
+        model.level,
+        effects,
+        signed=False,
+        start=last.end,
+    )
+    severity = "suspect" if share > LARGE_SHIFT else found.severity
+    return [dataclasses.replace(found, severity=severity, harms=(*found.harms, "spectrum"))]
+
+
+def _near_a_blow(record: Examined, time: float) -> bool:
+    """Tell whether a time lies within a width of a blow: then the blow did it."""
+    return any(pulse.begin - pulse.smooth.length < time < pulse.end + pulse.smooth.length for pulse in record.pulses)
+
+
+def ac_coupling(record: Examined) -> list[HealthNotice]:
+    """Find AC coupling, and what it does to the figures: the blows are measured again without it."""
+    model = record.tail
+    if model is None or model.kind != "ac-coupling":
         return []
-    severity = "suspect" if share > LARGE_SHIFT else "good"
-    message = f"after the blows the zero has shifted by {record.text(shift)}, {share:.1%} of the peak: velocities drift"
-    return [
-        HealthNotice(
-            "zero-shift", message, shift, severity=severity, harms=("velocity_change", "spectrum"), start=last.end
-        )
-    ]
+    effects: dict[str, float] = {}
+    for pulse, other in zip(record.pulses, record.uncoupled_pulses, strict=False):
+        for name in ("peak", "width", "velocity_change"):
+            effect = getattr(pulse, name) / getattr(other, name) - 1.0
+            effects[name] = effect if abs(effect) > abs(effects.get(name, 0.0)) else effects[name]
+    if not effects:  # nothing can be measured without it: half of a length over tau is what it takes off at least
+        length = max(pulse.smooth.length for pulse in record.pulses)
+        effects = {name: -min(0.5 * length / model.constant, 1.0) for name in ("peak", "width", "velocity_change")}
+    message = (
+        f"after the blows the record decays from {record.text(model.level)} as a high-pass of "
+        f"{1.0 / (2.0 * math.pi * model.constant):.4g} Hz makes it (AC coupling, tau = {1e3 * model.constant:.4g} +- "
+        f"{2e3 * model.constant_error:.2g} ms; --ac-coupling auto takes it off)"
+    )
+    found = by_effect("ac-coupling", message, model.constant, effects, start=record.pulses[0].begin)
+    return [dataclasses.replace(found, harms=(*found.harms, "spectrum"))]
 
 
 def velocity_drift(record: Examined) -> list[HealthNotice]:

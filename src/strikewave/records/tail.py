@@ -1,0 +1,243 @@
+"""What the zero of a record does after its blows: nothing, a shift, a line, an exponential, or that of AC coupling.
+
+A high-pass of first order with time constant tau makes y of x by x = y + (1/tau) int y dt. Where nothing moves, x is
+zero, and y = -v / tau, where v is the integral of y: the undershoot after a blow is the velocity change over tau, and
+dies out with the same tau. One number explains both; what is shifted or warmed has an amplitude of its own, and what
+moves begins from zero.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from strikewave.records.measuring import RecordedPulse
+
+Array = NDArray[np.float64]
+
+AFTER = 0.15
+"""Widths after a blow from which on its tail is looked at."""
+GROWS = 1.15
+"""Times that each half of a stretch is as long as the one before, from a width on: both a fast decay and a long one
+are followed by some dozens of them. Stretches overlap by half, and are weighted as Hann's window does: what swings
+once in a width, or faster, has no mean."""
+QUICK, ONE_SIDE = 3.0, 0.85
+"""Stretches within which a decay is quick, and share of the samples of the first on its side: else it swings."""
+FEWEST = 6
+"""Stretches without which a tail says nothing."""
+PENALTY = 4.0
+"""Logarithms of the number of stretches that a parameter must be worth: twice those of the Bayesian criterion, because
+stretches side by side are alike."""
+WINDOW = 5.0
+"""Time constants over which a decay is looked at: it has died out by then."""
+LEAST_DECAY = 0.5
+"""Time constants that a tail must last for its decay to be distinct from a shift."""
+SURE = 6.0
+"""Standard errors that a rate of decay must have."""
+EXPLAINED = 0.8
+"""Share of the squares of a tail that AC coupling must explain."""
+TIED = (0.7, 1.4)
+"""Bounds of the amplitude of a free exponential over that which its time constant and the velocity demand."""
+ROUNDS = 6
+"""Of narrowing the window to the time constant found."""
+AT_ONCE, HALF_THERE = 3, 0.5
+"""First stretches in which a shift must be there to half: what moves begins from zero. A model explains half, too."""
+RATES = 120
+"""Time constants tried for a free exponential."""
+
+
+class Tail(NamedTuple):
+    """The record after a blow, in stretches.
+
+    Attributes
+    ----------
+    time : ndarray
+        Since the end of the blow, s.
+    level : ndarray
+        Mean above the baseline before the first blow.
+    velocity : ndarray
+        Mean of the integral of the record from before the first blow on.
+    one_side : float
+        Share of the samples of the first stretch that have the sign of its level.
+    """
+
+    time: Array
+    level: Array
+    velocity: Array
+    one_side: float = 1.0
+
+
+class TailModel(NamedTuple):
+    """What a tail does.
+
+    Attributes
+    ----------
+    kind : str
+        ``rest``, ``shift``, ``line``, ``decay``, ``ac-coupling``, or ``motion`` where none of these explains it.
+    level, level_error : float
+        Of the shift, or of a decay at the end of the blow; of a line at its last stretch.
+    constant, constant_error : float
+        Time constant of a decay, s.
+    explained : float
+        Share of the squares of the tail.
+    """
+
+    kind: str
+    level: float = 0.0
+    level_error: float = math.nan
+    constant: float = math.nan
+    constant_error: float = math.nan
+    explained: float = 0.0
+
+
+def tail_of(values: Array, step: float, start: float, pulses: Sequence[RecordedPulse]) -> Tail | None:
+    """Return the longest tail after a blow; None where none is long enough.
+
+    Parameters
+    ----------
+    values : ndarray
+        The record.
+    step, start : float
+        Time between samples, and of the first, s.
+    pulses : sequence of RecordedPulse
+        Its blows.
+    """
+    if not pulses:
+        return None
+    first = pulses[0]
+    lasts = [pulses[k + 1].begin if k + 1 < len(pulses) else start + step * values.size for k in range(len(pulses))]
+    longest = max(range(len(pulses)), key=lambda k: lasts[k] - pulses[k].end)
+    pulse = pulses[longest]
+    width = max((pulse.width if pulse.width > 0.0 else pulse.smooth.width()) / step, 1.0)
+    begin = max(round((pulse.end - start) / step + AFTER * width), 0)
+    end = min(round((lasts[longest] - start) / step - width * (longest + 1 < len(pulses))), values.size)
+    edges = [begin]
+    size = max(width, 2.0)
+    while edges[-1] + size <= end:
+        edges.append(edges[-1] + round(size))
+        size *= GROWS
+    if len(edges) - 2 < FEWEST:
+        return None
+    origin = max(round((first.begin - start) / step - width), 0)
+    places = np.arange(origin, edges[-1], dtype=np.float64)
+    middle = (first.time - start) / step
+    above = values[origin : edges[-1]] - first.offset - first.baseline.slope * (places - middle)
+    velocity = step * (np.cumsum(above) - 0.5 * (above + above[0]))
+    rows = []
+    for low, high in zip(edges[:-2], edges[2:], strict=True):
+        weights = np.hanning(high - low + 2)[1:-1]
+        part = slice(low - origin, high - origin)
+        weights /= np.sum(weights)
+        middle = start + step * 0.5 * (low + high - 1) - pulse.end
+        rows.append((middle, float(weights @ above[part]), float(weights @ velocity[part])))
+    near = above[edges[0] - origin : edges[2] - origin]
+    one_side = float(np.mean(np.sign(near) == math.copysign(1.0, rows[0][1])))
+    time, level, velocities = np.array(rows).T
+    return Tail(time, level, velocities, one_side)
+
+
+def model_of(tail: Tail) -> TailModel:
+    """Return the model that explains a tail best, at the cost of its parameters.
+
+    Examples
+    --------
+    >>> time = np.linspace(1e-4, 1e-2, 40)
+    >>> noise = 0.01 * np.random.default_rng(1).normal(size=40)
+    >>> decay = np.exp(-time / 2e-3)
+    >>> coupled = model_of(Tail(time, -3.0 * decay + noise, 6e-3 * decay))
+    >>> coupled.kind, abs(coupled.constant / 2e-3 - 1.0) < 0.05
+    ('ac-coupling', True)
+    >>> model_of(Tail(time, 0.5 + noise, 6e-3 + 0.5 * time)).kind, model_of(Tail(time, noise, 6e-3 + 0.0 * time)).kind
+    ('shift', 'rest')
+    """
+    coupled = _coupled(tail)
+    if coupled is not None:
+        return coupled
+    n = tail.time.size
+    ones = np.ones(n)
+    fits = {
+        "rest": (np.zeros(n), 0),
+        "shift": (_on(tail.level, ones), 1),
+        "line": (_on(tail.level, tail.time), 1),
+    }
+    decay, constant = _decay(tail.time, tail.level)
+    fits["decay"] = (decay, 2)
+    squares = {kind: float(np.sum((tail.level - fitted) ** 2)) for kind, (fitted, _) in fits.items()}
+    total = squares["rest"]
+    if total <= 0.0:
+        return TailModel("rest")
+    floor = 1e-24 * total
+    scores = {kind: n * math.log(max(squares[kind], floor)) + PENALTY * fits[kind][1] * math.log(n) for kind in fits}
+    kind = min(scores, key=lambda name: scores[name])
+    if kind == "rest":
+        return TailModel("rest")
+    rest = tail.level - fits[kind][0]
+    share = 1.0 - squares[kind] / total
+    error = math.sqrt(squares[kind] / max(n - 1 - fits[kind][1], 1) / n * _memory(rest))
+    if kind == "decay" and constant < QUICK * (tail.time[1] - tail.time[0]) and tail.one_side < ONE_SIDE:
+        return TailModel("motion", explained=share)
+    if kind == "decay":
+        return TailModel("decay", float(decay[0]), error, constant, math.nan, share)
+    level = float(fits[kind][0][-1])
+    late = kind == "shift" and abs(float(np.mean(tail.level[:AT_ONCE]))) < HALF_THERE * abs(level)
+    return TailModel("motion" if late or share < HALF_THERE else kind, level, error, explained=share)
+
+
+def _coupled(tail: Tail) -> TailModel | None:
+    """Return AC coupling where one time constant explains undershoot and decay; None elsewhere."""
+    chosen = np.ones(tail.time.size, dtype=bool)
+    rate = 0.0
+    for _ in range(ROUNDS):
+        velocity, level = tail.velocity[chosen], tail.level[chosen]
+        squares = float(np.sum(velocity**2))
+        rate = -float(np.sum(velocity * level)) / squares if squares > 0.0 else 0.0
+        if rate <= 0.0:
+            return None
+        narrowed = tail.time <= max(WINDOW / rate, tail.time[FEWEST - 1])
+        if np.array_equal(narrowed, chosen):
+            break
+        chosen = narrowed
+    time, level, velocity = tail.time[chosen], tail.level[chosen], tail.velocity[chosen]
+    rest = level + rate * velocity
+    n, squares = time.size, float(np.sum(rest**2))
+    total = float(np.sum(level**2))
+    error = math.sqrt(squares / max(n - 1, 1) / float(np.sum(velocity**2)) * _memory(rest))
+    share = 1.0 - squares / total if total > 0.0 else 0.0
+    if share < EXPLAINED or rate < SURE * error or time[-1] * rate < LEAST_DECAY:
+        return None
+    for other in (np.ones(n), time):
+        left = float(np.sum((level - _on(level, other)) ** 2))
+        if n * math.log(max(left, 1e-24 * total) / max(squares, 1e-24 * total)) < PENALTY * math.log(n):
+            return None
+    free, constant = _decay(time, level)
+    demanded = -float(velocity[0]) / constant
+    amplitude = float(free[0]) / demanded if demanded else math.nan
+    if not TIED[0] < amplitude < TIED[1]:
+        return None
+    return TailModel("ac-coupling", -rate * float(velocity[0]), math.nan, 1.0 / rate, error / rate**2, share)
+
+
+def _on(values: Array, column: Array) -> Array:
+    """Return the multiple of a column that is nearest to values."""
+    return np.asarray(column * (float(np.sum(values * column)) / float(np.sum(column**2))))
+
+
+def _decay(time: Array, level: Array) -> tuple[Array, float]:
+    """Return the exponential to zero that is nearest to a tail, and its time constant."""
+    constants = np.geomspace(0.5 * time[1], 3.0 * time[-1], RATES)
+    columns = np.exp(-time / constants[:, None])
+    products = columns @ level
+    k = int(np.argmax(products**2 / np.sum(columns**2, axis=1)))
+    return _on(level, columns[k]), float(constants[k])
+
+
+def _memory(rest: Array) -> float:
+    """Return how many stretches count as one."""
+    power = float(np.sum(rest**2))
+    alike = float(np.sum(rest[1:] * rest[:-1])) / power if power > 0.0 else 0.0
+    alike = min(max(alike, 0.0), 0.9)
+    return (1.0 + alike) / (1.0 - alike)
