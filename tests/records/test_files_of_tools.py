@@ -155,6 +155,24 @@ def test_a_time_column_that_is_named_is_no_channel_beside_a_rate(tmp_path, name)
     check(record, BOARD)
 
 
+@pytest.mark.parametrize("head", ["time (s),board (g)", "fs = 200 kHz\nboard (g)"])
+def test_a_rate_that_is_not_that_of_the_file_is_reported(tmp_path, head):
+    columns = [TIME, BOARD] if "time" in head else [BOARD]
+    np.savetxt(tmp_path / "a.csv", np.column_stack(columns), "%.9g", ",", header=head, comments="")
+    slip = read_record(tmp_path / "a.csv", Options(rate=200.0))  # kHz was meant
+    assert [finding.code for finding in slip.findings] == ["rate-overrules"]
+    assert slip.channels[0].step == 1.0 / 200.0
+    assert read_record(tmp_path / "a.csv", Options(rate=200e3)).findings == ()
+
+
+def test_a_named_column_without_a_number_is_reported(tmp_path):
+    rows = "".join(f"{t!r},{v!r},nan\n" for t, v in zip(TIME.tolist(), BOARD.tolist(), strict=True))
+    (tmp_path / "a.csv").write_text(f"time (s),board (g),frame (g)\n{rows}")
+    record = read_record(tmp_path / "a.csv")
+    assert told(record) == [("board", "g")]
+    assert "column 3, frame, is left out" in record.findings[0].message
+
+
 # pandas
 
 

@@ -176,6 +176,35 @@ def check_unit(unit: str, field: str) -> None:
         raise InputError(field, unit, f"{allowed}, strain or V", hint)
 
 
+def check_part(name: str, text: str, field: str) -> None:
+    """Refuse a part of a calibration, named as in `Calibration`, that can be none.
+
+    Raises
+    ------
+    InputError
+        If it is none, by the name of the field.
+    """
+    if name == "unit":
+        check_unit(text, field)
+    elif name == "sensitivity":
+        _sensitivity(text, field)
+    elif name == "gain" and not _is_number(text):
+        try:
+            _number_and_unit(text, field, ("V/C",))
+        except InputError:
+            allowed = 'a number that is not zero, or that of a charge amplifier, such as "10 mV/pC"'
+            raise InputError(field, text, allowed) from None
+    elif name in ("excitation", "rated_excitation", "count"):
+        _voltage(text, field)
+
+
+def _is_number(text: str) -> bool:
+    try:
+        return math.isfinite(float(text)) and float(text) != 0.0
+    except ValueError:
+        return False
+
+
 def ambiguous(unit: str) -> str:
     """Return what to write instead of a unit that is a mass, and that some write for a multiple of gravity.
 

@@ -127,7 +127,7 @@ class MeasurementOptions:
         Raises
         ------
         InputError
-            If a polarity is neither 1 nor -1, or a unit is not known.
+            If a polarity is neither 1 nor -1, or another value can be none.
 
         Examples
         --------
@@ -192,15 +192,15 @@ def _letters(name: str) -> str:
 
 def _stated(name: str, value: str) -> Any:
     """Return a value of the calibration as its table takes it."""
-    if name == "unit":
-        from strikewave.records.calibration import check_unit
-
-        check_unit(value, "--unit")
     if name == "polarity":
         if value not in ("1", "+1", "-1"):
             raise InputError("--polarity", value, "1 or -1")
         return int(value)
-    return f"{value} V" if name in ("excitation", "rated_excitation", "count") and is_bare(value) else value
+    from strikewave.records.calibration import check_part
+
+    stated = f"{value} V" if name in ("excitation", "rated_excitation", "count") and is_bare(value) else value
+    check_part(name, stated, "--" + name.replace("_", "-"))
+    return stated
 
 
 def is_bare(text: str) -> bool:

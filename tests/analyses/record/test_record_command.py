@@ -203,7 +203,7 @@ def test_a_calibration_that_fits_none_of_the_files_is_bad_input(strikewave, volt
     shutil.copy(volts, "again.csv")
     code, out, err = strikewave("record", volts, "again.csv", "--sensitivity", "0 mV/g", "--json")
     assert (code, out) == (2, "")
-    assert "calibration of board.sensitivity" in err
+    assert "--sensitivity: got" in err
 
 
 def test_files_of_which_none_can_be_read_are_bad_input(strikewave):
@@ -415,3 +415,24 @@ def test_screen_report_and_document_advise_the_same_filter(strikewave):
     assert found["advised_cutoff"] == pytest.approx(max(each), rel=1e-2)  # three digits, rounded up
     # a half-sine of 1 ms loses 2 % to a cutoff of 1.045 over its length; the ringing one is fitted within some percent
     assert found["advised_cutoff"] == pytest.approx(1045.0, rel=0.15)
+
+
+@pytest.mark.parametrize(
+    ("option", "value", "words"),
+    [
+        ("--gain", "ten", "a number that is not zero"),
+        ("--gain", "0", "a number that is not zero"),
+        ("--sensitivity", "1.2", "1.2 mV/g"),
+        ("--count", "1 g", "a voltage"),
+        ("--excitation", "-5", "a voltage above zero"),
+        ("--unit", "kNN", 'did you mean "kN"'),
+        ("--time-unit", "mss", 'did you mean "ms"'),
+        ("--columns", "rows", "channels or repeats"),
+        ("--fail-on", "good", "bad or suspect"),
+    ],
+)
+def test_a_value_that_can_be_none_is_refused_by_the_name_of_its_option(strikewave, volts, option, value, words):
+    code, out, err = strikewave("record", volts, "--json", option, value)
+    assert (code, out) == (2, "")
+    assert err.startswith(f"{option}: got")
+    assert words in err

@@ -172,11 +172,15 @@ def units_of(files: Sequence[FileReading]) -> dict[str, str]:
     }
 
 
+NOTED = ("unit-unknown", "not-calibrated", "unreadable", "rate-overrules")
+"""Codes of findings that are warnings of the result too: what all its figures depend on."""
+
+
 def notices_of(files: Sequence[FileReading]) -> tuple[Notice, ...]:
     """Return the warnings on all files, each once."""
     findings: dict[str, tuple[HealthNotice, int]] = {}
     for file in files:
-        for code in {f.code for f in file.all_findings if f.code in ("unit-unknown", "not-calibrated", "unreadable")}:
+        for code in {f.code for f in file.all_findings if f.code in NOTED}:
             first = next(f for f in file.all_findings if f.code == code)
             findings[code] = (findings[code][0] if code in findings else first, findings.get(code, (first, 0))[1] + 1)
     return tuple(

@@ -172,6 +172,11 @@ def lay_out(look: Look) -> NumberLayout:
         message = f"settings stand behind the columns in lines {first + 1} to {beside}: they are left out"
         findings.append(HealthNotice("column-dropped", message, width + 1.0, severity="good"))
     headings = find_headings(above, marks, width, filled)
+    dropped = {finding.value for finding in findings}
+    for k, name in enumerate(headings.names):
+        if name and k not in filled and k + 1.0 not in dropped:
+            message = f"column {k + 1}, {name}, is left out: it holds no number"
+            findings.append(HealthNotice("column-dropped", message, k + 1.0, severity="good"))
     return NumberLayout(marks, width, first, filled, full, headings, above, findings, beside)
 
 
@@ -220,8 +225,14 @@ def _labels(
     return [
         HealthNotice("column-dropped", f"column {k + 1} is left out: it holds settings", k + 1.0, severity="good")
         for k in range(width)
-        if k not in filled and k + 1.0 not in reported and any(row[k] for row in numbers)
+        if k not in filled and k + 1.0 not in reported and any(_says(row[k], marks) for row in numbers)
     ]
+
+
+def _says(cell: str, marks: Marks) -> bool:
+    """Tell whether a cell holds a word or a number, and not a word for none."""
+    value = number(cell, marks.decimal)
+    return value is None or value == value
 
 
 def _first_line(look: Look, marks: Marks, width: int, full: list[int]) -> int:

@@ -45,6 +45,8 @@ _AFTER_HEAD = 40
 """Lines after the head in which a rate is looked for too: some instruments write settings beside the first data."""
 _MARKED = 20
 """Lines of samples by which two first numbers are known to be none: start and step of Tektronix and the like."""
+SAME_RATE = 0.01
+"""Share by which a rate that is stated may differ from that of the file without a warning: clocks are good to 1e-4."""
 _SPARE = 1.05
 """Times the lines that a file is thought to have: lines grow longer with time."""
 
@@ -92,6 +94,7 @@ def read(path: Path, options: Options = Options()) -> Record:  # noqa: B008  (a 
         raise refuse(path, "at least two lines of numbers")
     if options.rate is not None:
         step, start = 1.0 / options.rate, 0.0
+        notes += _overruled(look, layout, time, options.rate)
     unread = np.broadcast_to(np.float64(np.nan), (size,))
     channels = [
         Channel(name, columns[k][skip:] if k in wanted else unread, step, start, unit, stamps)
@@ -154,6 +157,19 @@ def _named_time(layout: NumberLayout, wanted: str, unit_stated: bool) -> int:
         hint = f"its unit is {unit}: state another by --time-unit, or give --rate instead"
         raise InputError("--time", wanted, "a column in s, ms, us or ns", hint)
     return k
+
+
+def _overruled(look: Look, layout: NumberLayout, time: int | None, rate: float) -> list[HealthNotice]:
+    """Say that a rate that is stated is not that of the time column, or of the lines above the data."""
+    if time is None:
+        step = said_step([re.sub(r"^[#%/\s]+", "", line) for line in look.head[: layout.first]])[0]
+    else:
+        cells, values = _values(look, layout, time)
+        step = step_of(values, last_digit(cells)) * (seconds_in(layout.headings.units[time]) or 1.0)
+    if not step > 0.0 or abs(step * rate - 1.0) <= SAME_RATE:
+        return []
+    message = f"a rate of {rate:.6g} Hz is stated, and the file says {1.0 / step:.6g} Hz: the stated one is taken"
+    return [HealthNotice("rate-overrules", message, rate, severity="good")]
 
 
 def _cells(lines: Iterable[str], layout: NumberLayout, column: int) -> list[str]:
