@@ -79,7 +79,7 @@ def test_every_option_is_described_by_a_phrase(strikewave, name):
         (["impact", "--m1", "2 m"], '--m1: got "2 m"; allowed: a mass with its unit, such as "0.459 kg"'),
         (["impact", "--m1", "0"], '--m1: got "0"; allowed: a mass above zero, or inf'),
         (["impact", "-e", "2"], '--restitution: got "2"; allowed: a number above 1e-06 and at most 1'),
-        (["srs", "x", "--kind", "relative"], "allowed: one of absolute, displacement, pseudo-velocity"),
+        (["srs", "x", "--kind", "relative"], "allowed: one of absolute, displacement, relative-velocity, pseudo-velocity"),
         (["map", "x", "--points", "6x6x6"], '--points: got "6x6x6"; allowed: two whole numbers; such as 200x200'),
         (["map", "x", "--want-cv", "200 %"], '--want-cv: got "200 %"; allowed: a share above 0 and below 1, such as 2 %'),
         (["map", "x", "--log", "z"], '--log: got "z"; allowed: x or y'),

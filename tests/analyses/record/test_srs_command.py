@@ -63,7 +63,14 @@ def test_a_grid_as_asked_for(strikewave, shot):
 def test_limits_of_every_kind(strikewave, shot):
     """Stiff oscillators follow the record; soft ones take its velocity change, and move by it over 2 pi f."""
     words = ["--frequency", "10 Hz", "--frequency", "100 kHz", "--q", "inf"]
-    kinds = [word for kind in ("absolute", "displacement", "pseudo-velocity") for word in ("--kind", kind)]
+    units = {
+        "absolute": "m/s^2",
+        "displacement": "m",
+        "relative-velocity": "m/s",
+        "pseudo-velocity": "m/s",
+        "equivalent-static": "m/s^2",
+    }
+    kinds = [word for kind in units for word in ("--kind", kind)]
     found = document(strikewave("srs", shot, *words, *kinds, "--json")[1])
     assert found["q"] == "inf"
     assert found["frequency"] == [10.0, 100e3]
@@ -71,7 +78,9 @@ def test_limits_of_every_kind(strikewave, shot):
     assert found["pseudo-velocity"][0] == pytest.approx(CHANGE, rel=0.01)
     assert found["displacement"][0] == pytest.approx(CHANGE / (2.0 * math.pi * 10.0), rel=0.01)
     assert found["absolute"][0] == pytest.approx(2.0 * math.pi * 10.0 * CHANGE, rel=0.01)
-    assert {found["units"][kind] for kind in ("absolute", "displacement", "pseudo-velocity")} == {"m/s^2", "m", "m/s"}
+    assert found["relative-velocity"][0] == pytest.approx(CHANGE, rel=0.01)
+    assert found["equivalent-static"] == pytest.approx(found["absolute"], rel=1e-9)  # undamped: both are one
+    assert {kind: found["units"][kind] for kind in units} == units
 
 
 def test_the_command_gives_what_the_library_gives(strikewave, shot):
@@ -152,7 +161,7 @@ def test_what_harms_a_spectrum_is_warned_of(strikewave, shot):
         (("--q", "-3"), "--q", '"-3"', "above zero, or inf"),
         (("--q", "nan"), "--q", '"nan"', "above zero, or inf"),
         (("--q", "ten"), "--q", '"ten"', "above zero, or inf"),
-        (("--kind", "velocity"), "--kind", '"velocity"', "absolute, displacement, pseudo-velocity"),
+        (("--kind", "velocity"), "--kind", '"velocity"', "absolute, displacement, relative-velocity, pseudo-velocity"),
         (("--side", "up"), "--side", '"up"', "maximax, positive, negative"),
         (("--part", "all"), "--part", '"all"', "total, primary, residual"),
         (("--from", "0"), "--from", '"0"', "above zero"),

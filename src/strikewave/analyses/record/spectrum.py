@@ -19,9 +19,15 @@ from strikewave.reporting.options import Typed
 from strikewave.reporting.shown_result import Curve
 from strikewave.signal.srs import Scope, Spectrum, srs
 
-KIND_UNITS = {"absolute": "m/s^2", "displacement": "m", "pseudo-velocity": "m/s"}
+KIND_UNITS = {
+    "absolute": "m/s^2",
+    "displacement": "m",
+    "relative-velocity": "m/s",
+    "pseudo-velocity": "m/s",
+    "equivalent-static": "m/s^2",
+}
 """Kinds of spectrum, with their SI unit for an acceleration."""
-SHOWN_UNITS = {"absolute": "g", "displacement": "mm", "pseudo-velocity": "m/s"}
+SHOWN_UNITS = {kind: {"m/s^2": "g", "m": "mm"}.get(unit, unit) for kind, unit in KIND_UNITS.items()}
 """The units in which they are shown on the screen."""
 
 

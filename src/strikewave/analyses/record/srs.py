@@ -9,7 +9,7 @@ import typer
 from strikewave.reporting import measured_files as measured
 from strikewave.reporting.options import Output, Typed, bare_number, one_of, quantity
 
-KINDS = ("absolute", "displacement", "pseudo-velocity")
+KINDS = ("absolute", "displacement", "relative-velocity", "pseudo-velocity", "equivalent-static")
 """Kinds of spectra."""
 
 

@@ -208,7 +208,9 @@ def _response_unit(kind: str, unit: str) -> tuple[float, str]:
     name, si, usual = {
         "absolute": ("absolute acceleration", "m/s^2", "g"),
         "displacement": ("relative displacement", "m", "mm"),
+        "relative-velocity": ("relative velocity", "m/s", "m/s"),
         "pseudo-velocity": ("pseudo-velocity", "m/s", "m/s"),
+        "equivalent-static": ("equivalent static acceleration", "m/s^2", "g"),
     }[kind]
     return axis_unit(si, usual)[0], headed(name, si, usual)
 
