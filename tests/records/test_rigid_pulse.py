@@ -88,6 +88,26 @@ def test_a_negative_blow_has_a_negative_rigid_peak():
     _, rigid = rigid_of(-half_sine() - swing)
     assert rigid.peak == pytest.approx(-PEAK, rel=0.02)
     assert rigid.velocity_change < 0.0
+    assert rigid.shape.begin == pytest.approx(BEGIN, abs=0.03 * LENGTH)
+    assert np.max(np.abs(rigid.shape.at(TIME) + half_sine())) < 0.06 * PEAK
+
+
+def test_a_campaign_has_the_figures_without_ringing(rng):
+    """Three blows of 1000 that ring by 60 %, and one that does not: raw peaks are left out, rigid ones are not."""
+    from strikewave.records import Channel, Record, Request, read_file, summed
+
+    since = np.maximum(TIME - BEGIN, 0.0)
+    swing = 0.6 * PEAK * np.exp(-since / 300e-6) * np.sin(2.0 * np.pi * 23e3 * since)
+    files = []
+    for k in range(4):
+        values = half_sine() + (swing if k else 0.0) + 0.002 * PEAK * rng.normal(size=TIME.size)
+        record = Record(f"{k}.csv", "text", (Channel("board", values, STEP, unit="m/s^2"),))
+        files.append(read_file(record, {}, Request()))
+    campaign = summed(files)
+    assert campaign.statistics["peak"].n == 1
+    assert campaign.statistics["rigid_peak"].n == 4
+    assert campaign.statistics["rigid_peak"].mean == pytest.approx(PEAK, rel=0.02)
+    assert campaign.statistics["rigid_width"].mean == pytest.approx(0.936 * LENGTH, rel=0.05)
 
 
 def test_its_uncertainty_covers_noise(rng):

@@ -174,3 +174,16 @@ def test_contacts_at_random_times_are_no_train_with_gaps(rng):
 def test_fewer_than_three_contacts_are_no_train():
     assert find_train(np.array([0.0, 1.0]), np.ones(2)) is None
     assert sort_contacts(np.empty(0), np.empty(0), np.empty(0), []).blows == ()
+
+
+@pytest.mark.parametrize("at_end", [False, True])
+@pytest.mark.parametrize("share", [0.3, 0.5, 0.7])
+def test_a_part_of_a_blow_at_the_edge_of_a_train_is_named(at_end, share):
+    begins = begins_of(5)
+    _, values = train_of(begins, [PEAK] * 5)
+    place = round((begins[-1 if at_end else 0] + share * DURATION) * RATE)
+    reading = reading_of(values[:place] if at_end else values[place:])
+    assert len(reading.pulses) in (4, 5)
+    assert "cut" in codes(reading)
+    whole = reading_of(values)
+    assert "cut" not in codes(whole)

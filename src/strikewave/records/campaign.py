@@ -18,6 +18,8 @@ from strikewave.records.siblings import ODD, SUMMED, compare
 
 __all__ = ["Campaign", "Outlier", "Statistic", "Trend", "compare", "statistic", "summed", "trend"]
 
+WITHOUT_RINGING = ("rigid_peak", "rigid_width")
+"""Figures without ringing, which a campaign has where a blow has them and they differ by more than 5 %."""
 CONFIDENCE = 0.95
 """Of all bounds; chosen: as is usual in test reports."""
 
@@ -115,7 +117,7 @@ class Campaign:
     channel : str
         Name of the channel in the first file.
     statistics : dict
-        A `Statistic` for each of `SUMMED` that has a value.
+        A `Statistic` for each of `SUMMED` that has a value, and of `WITHOUT_RINGING` where blows ring.
     trends : dict
         A `Trend` over the files in the order given, for each figure with three files or more.
     left_out : tuple of (path, figures, reason)
@@ -228,7 +230,8 @@ def summed(files: Sequence[FileReading], number: int | None = None) -> Campaign 
     if not have:
         return None
     points: dict[str, tuple[tuple[int, float], ...]] = {}
-    for name in SUMMED:
+    rings = any(pulse.differs_without_ringing for _, _, reading in have for pulse in reading.pulses)
+    for name in (*SUMMED, *(WITHOUT_RINGING if rings else ())):
         pairs = [(k, v) for k, file, reading in have if not _file_bad(file) for v in reading.figures(name)]
         if pairs:
             points[name] = tuple(pairs)

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -31,8 +33,15 @@ def coupling_of(values: Array, step: float, start: float, pulses: tuple[Recorded
     return model if model is not None and model.kind == "ac-coupling" else None
 
 
-def uncoupled(values: Array, step: float, start: float, first: RecordedPulse, constant: float) -> Array:
+AFTER = 5.0
+"""Widths after the last blow from which on a record is taken to be at rest."""
+
+
+def uncoupled(values: Array, step: float, start: float, pulses: Sequence[RecordedPulse], constant: float) -> Array:
     """Return a record without its AC coupling; its zero is that before the first blow.
+
+    What is wrong with that zero is integrated, and grows as 1 + t / tau: it is made so small that the record comes to
+    rest after its last blow.
 
     Parameters
     ----------
@@ -40,11 +49,17 @@ def uncoupled(values: Array, step: float, start: float, first: RecordedPulse, co
         The record.
     step, start : float
         Time between samples, and of the first, s.
-    first : RecordedPulse
-        Its first blow.
+    pulses : sequence of RecordedPulse
+        Its blows.
     constant : float
         Time constant, s.
     """
+    first, last = pulses[0], pulses[-1]
     places = np.arange(values.size)
     zero = first.offset + first.baseline.slope * (places - (first.time - start) / step)
-    return np.asarray(zero + ac_uncoupled(values - zero, step, constant))
+    plain = ac_uncoupled(values - zero, step, constant)
+    wrong = 1.0 + step / constant * places
+    rest = slice(round((last.end + AFTER * last.smooth.length - start) / step), None)
+    if (values.size - rest.start) * step > constant:
+        plain -= wrong * (float(np.sum(wrong[rest] * plain[rest])) / float(np.sum(wrong[rest] ** 2)))
+    return np.asarray(zero + plain)

@@ -55,6 +55,9 @@ HUMP, VALLEY = 0.5, 0.35
 either side of the baseline.
 
 Half-sines that touch foot to foot leave nothing; those 0.9 lengths apart a third."""
+OTHER_SIDE, OTHER_LOBE = 0.2, 0.3
+"""Shares of the lower of two humps that a ringing reaches to the other side of the baseline around them, and to the
+same side as far away as they lie apart; hits leave their tails there, and less."""
 LOBES = 4.0
 """Widths between two boxes within which both may be lobes of one ringing."""
 TAIL_WIDTHS = 3.0
@@ -236,8 +239,8 @@ def _goes_on(part: Array, low: int, high: int, height: float, noise: float) -> b
     around = part[max(low - apart, 0) : high + 2 * apart]
     before, after = low - apart // 2, high + apart // 2
     beside = np.concatenate([part[max(before - apart, 0) : max(before, 0)], part[after : after + apart]])
-    deep = -float(np.min(around)) > VALLEY * height + noise
-    return deep or float(np.max(beside, initial=0.0)) > HUMP * height
+    deep = -float(np.min(around)) > OTHER_SIDE * height + noise
+    return deep or float(np.max(beside, initial=0.0)) > OTHER_LOBE * height + noise
 
 
 def _without_lobes(values: Array, line: Baseline, sign: int, boxes: Sequence[Box], single: float) -> list[Box]:

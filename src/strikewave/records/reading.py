@@ -22,6 +22,8 @@ from strikewave.records.record import Array, Channel, Record
 from strikewave.records.trains import gaps_of
 from strikewave.signal.filters import Filter, HighPass
 
+RIGID = "rigid_"
+"""With this, a figure is that of the pulse without ringing."""
 MUCH, HALF = 0.9, 0.5
 """Shares of a peak that a filter must leave for no finding, and for one that harms nothing: what it takes off is
 reported with each peak in any case."""
@@ -101,10 +103,21 @@ class ChannelReading:
         return gaps_of(np.array([pulse.time for pulse in self.pulses]), contacts_of(self.pulses))
 
     def figures(self, name: str) -> list[float]:
-        """Return a figure of all blows, those that a finding harms left out."""
-        if any(name in finding.harms or finding.severity == "bad" for finding in self.findings):
+        """Return a figure of all blows, those that a finding harms left out.
+
+        A figure without ringing is not harmed by ringing; where a record does not ring, it is the figure itself.
+        """
+        plain = name.removeprefix(RIGID)
+        rings = [finding for finding in self.findings if finding.code == "ringing"]
+        findings = self.findings if plain == name else [finding for finding in self.findings if finding not in rings]
+        if any(plain in finding.harms or finding.severity == "bad" for finding in findings):
             return []
-        values = self.intervals if name == "interval" else [float(getattr(pulse, name)) for pulse in self.pulses]
+        if name == "interval":
+            values = self.intervals
+        else:
+            values = [
+                float(getattr(pulse, plain if pulse.rigid is None and not rings else name)) for pulse in self.pulses
+            ]
         return [value for value in values if math.isfinite(value)]
 
     def with_finding(self, finding: HealthNotice) -> ChannelReading:
@@ -240,7 +253,7 @@ def _without_coupling(channel: Channel, examined: Examined, wanted: str | float)
         constant, doubt = model.constant, f" +- {2e3 * model.constant_error:.2g}"
     else:
         constant, doubt = float(wanted), ""
-    values = uncoupled(channel.values, channel.step, channel.start, examined.pulses[0], constant)
+    values = uncoupled(channel.values, channel.step, channel.start, examined.pulses, constant)
     message = (
         f"AC coupling of {1.0 / (2.0 * math.pi * constant):.4g} Hz (tau = {1e3 * constant:.4g}{doubt} ms) was taken off"
     )

@@ -80,7 +80,7 @@ class Contacts(NamedTuple):
     owner : dict
         For each contact that belongs to a blow, that blow.
     double : dict
-        For each blow that is the second of a double hit, the first.
+        For each blow of a double hit beside the one of the train, or the first, that one.
     train : BlowTrain or None
         What shows the period, where there is one.
     """
@@ -163,8 +163,10 @@ def sort_contacts(times: Array, peaks: Array, widths: Array, small: Sequence[boo
     for k, blow in blow_of.items():
         if small[k] or k in late or peaks[k] < COMPARABLE * peaks[blow]:
             owner[k] = blow
-        elif abs(times[k] - times[blow]) < 0.5 * train.period:
-            double[k] = blow
+        else:
+            nearest = int(members[np.argmin(np.abs(times[members] - times[k]))])
+            if abs(times[k] - times[nearest]) < 0.5 * train.period:
+                double[k] = nearest
     blows = tuple(k for k in range(times.size) if k not in owner)
     return Contacts(blows, owner, double, train)
 

@@ -18,7 +18,7 @@ from strikewave.analyses.record.tables import (
     unit_of,
     units_of,
 )
-from strikewave.records.campaign import SUMMED, Campaign
+from strikewave.records.campaign import SUMMED, WITHOUT_RINGING, Campaign
 from strikewave.records.health_notice import STATUSES, worst
 from strikewave.records.measuring import RecordedPulse
 from strikewave.records.reading import ChannelReading, FileReading
@@ -172,7 +172,7 @@ def campaign_section(campaign: Campaign, files: Sequence[FileReading], names: Na
     unit = unit_of(files, campaign)
     table: list[list[Cell]] = []
     trends: list[list[Cell]] = []
-    for name in SUMMED:
+    for name in (*SUMMED, *WITHOUT_RINGING):
         _, what, shown = figure_unit(name, unit)
         if name in campaign.statistics:
             one = campaign.statistics[name]

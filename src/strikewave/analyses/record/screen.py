@@ -27,7 +27,7 @@ from strikewave.records import (
     Request,
     worst,
 )
-from strikewave.records.campaign import SUMMED
+from strikewave.records.campaign import SUMMED, WITHOUT_RINGING
 from strikewave.reporting import measured_files as measured
 from strikewave.reporting.layout import MORE, keys, numerals, texts
 from strikewave.reporting.numbers import listed, with_unit
@@ -239,7 +239,7 @@ def _integral(value: float, unit: str) -> str:
 def _print_campaign(campaign: Campaign, readings: Sequence[FileReading], names: dict[str, str]) -> None:
     unit = next(r.channel.unit for file in readings for r in file.channels if r.channel.name == campaign.channel)
     writers: dict[str, Any] = {
-        "peak": lambda v: _value(v, unit),
+        **dict.fromkeys(("peak", "rigid_peak"), lambda v: _value(v, unit)),
         "velocity_change": lambda v: _integral(v, unit),
         "interval": lambda v: with_unit(v, "s", "ms"),
         "ringing_frequency": lambda v: with_unit(v, "Hz", "Hz"),
@@ -252,7 +252,8 @@ def _print_campaign(campaign: Campaign, readings: Sequence[FileReading], names: 
         bounds = "-" if statistic.n < 2 else f"{write(statistic.low)} to {write(statistic.high)}"
         cv = "-" if statistic.n < 2 else f"{statistic.cv:.2%}"
         robust = ["-", "-"] if statistic.n < 2 else [write(statistic.median), f"{statistic.robust_cv:.2%}"]
-        rows.append([name.replace("_", " "), write(statistic.mean), cv, bounds, str(statistic.n), *robust, trend])
+        called = f"{name.removeprefix('rigid_')} without ringing" if name in WITHOUT_RINGING else name.replace("_", " ")
+        rows.append([called, write(statistic.mean), cv, bounds, str(statistic.n), *robust, trend])
     if not rows:
         tell(f"{campaign.channel}: nothing is left to sum up")
         return

@@ -12,6 +12,9 @@ from strikewave.records.health_notice import HealthNotice
 
 SPANS_NOISE = 30.0
 """Standard deviations beyond which a record without a blow holds something: noise spans ten in a million samples."""
+PART, FEWEST_OF_PART = 0.1, 3
+"""Share of a peak from which on what a record begins or ends in, and falls off from, is a part of another blow; samples
+of a width of it."""
 MISSED_FALL = 0.9
 """Share of the speed of a fall that is the least change of velocity: 10 % is left to friction of guides and the
 height."""
@@ -50,7 +53,29 @@ def cut(record: Examined) -> list[HealthNotice]:
                     "cut", message, pulse.time, severity="suspect", harms=BLOW, start=pulse.begin, end=pulse.end
                 )
             )
-    return findings
+    return findings + [f for at_end in (False, True) for f in _part_of_blow(record, at_end)]
+
+
+def _part_of_blow(record: Examined, at_end: bool) -> list[HealthNotice]:
+    """Find that a record with whole blows begins or ends in another one, of which only a part is there."""
+    if not record.pulses:
+        return []
+    pulse = record.pulses[-1 if at_end else 0]
+    count = max(round(pulse.smooth.width() / record.step), FEWEST_OF_PART)
+    beside = record.values[record.place(pulse.end) + count :] if at_end else record.values[: record.place(pulse.begin)]
+    beside = math.copysign(1.0, pulse.peak) * ((beside[::-1] if at_end else beside) - pulse.offset)
+    if beside.size < 4 * count:
+        return []
+    edge, quiet = beside[: 2 * count], beside[2 * count : 4 * count]
+    height = float(np.median(edge[: max(count // 8, 2)]))
+    stray = float(np.max(np.abs(quiet - np.median(quiet))))
+    after = float(np.max(np.abs(edge[count:] - np.median(quiet))))
+    if height - float(np.median(quiet)) < PART * abs(pulse.peak) or max(stray, after) > 0.5 * PART * abs(pulse.peak):
+        return []
+    where = "ends" if at_end else "begins"
+    message = f"the record {where} in another blow, of which it holds a part only; its figures are not among these"
+    place = record.start + record.step * (record.values.size - 1) if at_end else record.start
+    return [HealthNotice("cut", message, place, start=place, end=place)]
 
 
 def beyond_drop_height(record: Examined) -> list[HealthNotice]:

@@ -107,7 +107,7 @@ class Examined:
         """The blows without AC coupling, where that is recognised and leaves as many."""
         if self.tail is None or self.tail.kind != "ac-coupling":
             return ()
-        values = uncoupled(self.values, self.step, self.start, self.pulses[0], self.tail.constant)
+        values = uncoupled(self.values, self.step, self.start, self.pulses, self.tail.constant)
         pulses = tuple(find_pulses(values, self.step, self.start))
         return pulses if len(pulses) == len(self.pulses) else ()
 

@@ -86,8 +86,8 @@ def figure_unit(name: str, unit: str) -> tuple[float, str, str]:
     ((1e-06, 'pulse width at 10 %', 'µs'), (1.0, 'impulse change', 'N s'))
     """
     how = shown(unit)
-    if name == "peak":
-        return how.scale, "peak", how.unit or how.name
+    if name in ("peak", "rigid_peak"):
+        return how.scale, "peak" + (" without ringing" if name != "peak" else ""), how.unit or how.name
     if name == "velocity_change":
         return how.integral_scale, f"{how.integral} change", how.integral_unit
     si, usual, called = {
@@ -95,6 +95,7 @@ def figure_unit(name: str, unit: str) -> tuple[float, str, str]:
         "interval": ("s", "ms", name),
         "rise": ("s", "us", "rise time 10-90 %"),
         "width": ("s", "us", "pulse width at 10 %"),
+        "rigid_width": ("s", "us", "pulse width at 10 % without ringing"),
     }[name]
     size, shown_as = axis_unit(si, usual)
     return size, called, shown_as
