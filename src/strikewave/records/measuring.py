@@ -221,11 +221,11 @@ def _with_rigid(values: Array, step: float, start: float, pulses: Sequence[Recor
             continue
         others = [rebound.time - pulse.smooth.length for rebound in one_sided(values, step, start, pulse)]
         others += [pulses[k + 1].begin] if k + 1 < len(pulses) else []
-        rigid = rigid_pulse(stretch_of(values, step, start, pulse, min(others, default=math.inf)), last)
+        stretch = stretch_of(values, step, start, pulse, min(others, default=math.inf))
+        rigid = rigid_pulse(stretch, last)
         if rigid is not None:
             last = rigid
-            sign = math.copysign(1.0, pulse.peak)
-            rigid = rigid._replace(peak=sign * rigid.peak, velocity_change=sign * rigid.velocity_change)
+            rigid = rigid.moved(pulse.smooth.begin - stretch.smooth.begin, math.copysign(1.0, pulse.peak))
         done.append(replace(pulse, rigid=rigid))
     return done
 

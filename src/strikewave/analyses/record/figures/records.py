@@ -197,6 +197,9 @@ def _draw_largest(axes: Any, reading: ChannelReading) -> None:
     fine = np.linspace(pulse.begin - reach, pulse.end + reach, 160)
     smooth = (pulse.offset + pulse.smooth.at(fine)) / how.scale
     axes.plot((fine - pulse.time) * factor, smooth, "--", color=ORANGE, linewidth=1.3, label="smooth pulse")
+    if pulse.rigid is not None and pulse.differs_without_ringing:
+        rigid = (pulse.offset + pulse.rigid.shape.at(fine)) / how.scale
+        axes.plot((fine - pulse.time) * factor, rigid, color=GREEN, linewidth=1.6, label="without ringing")
     axes.plot([0.0], [(pulse.offset + pulse.peak) / how.scale], "o", color=RED, markersize=3.5, zorder=4)
     number = reading.pulses.index(pulse) + 1
     title = "The blow" if len(reading.pulses) == 1 else f"The largest blow, {number}"
