@@ -12,7 +12,7 @@ from typing import Any, ClassVar, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from strikewave.analyses.record.srs import Rolling
+from strikewave.analyses.record.rolling_window import Rolling
 from strikewave.records import ChannelReading
 from strikewave.reporting import measured_files as measured
 from strikewave.reporting.columns import HISTORY_DIGITS, Column, csv_table

@@ -12,6 +12,7 @@ from typing import Any, ClassVar
 import numpy as np
 
 from strikewave.analyses.record.result import name_of
+from strikewave.analyses.record.rolling_window import Rolling
 from strikewave.analyses.record.spectrum import (
     KIND_UNITS,
     SHOWN_UNITS,
@@ -22,7 +23,6 @@ from strikewave.analyses.record.spectrum import (
     rms_of,
     spectrum_of,
 )
-from strikewave.analyses.record.srs import Rolling
 from strikewave.base.errors import InputError, StrikewaveError
 from strikewave.base.result import Notice, Source
 from strikewave.records import ChannelReading, Options, Request

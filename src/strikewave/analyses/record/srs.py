@@ -2,52 +2,17 @@
 
 from __future__ import annotations
 
-import math
-from typing import Annotated, Literal, NamedTuple
+from typing import Annotated, Literal
 
 import typer
 
 from strikewave.analyses.record.filter_options import FilterOptions
-from strikewave.base.errors import InputError
-from strikewave.base.units import parse_quantity
+from strikewave.analyses.record.rolling_window import Rolling, read_rolling
 from strikewave.reporting import measured_files as measured
 from strikewave.reporting.options import Output, Typed, bare_number, one_of, parsed, quantity
 
 KINDS = ("absolute", "displacement", "relative-velocity", "pseudo-velocity", "equivalent-static")
 """Kinds of spectra."""
-HOP = 0.25
-"""Hop of a rolling spectrum over its window, unless said: a blow then lies well inside of one of four windows."""
-
-
-class Rolling(NamedTuple):
-    """Window and hop of a rolling spectrum, s, and how they were typed."""
-
-    window: float
-    hop: float
-    word: str
-
-
-def read_rolling(word: str, field: str) -> Rolling:
-    """Return a window, and a hop after a comma.
-
-    Raises
-    ------
-    InputError
-        If they are no times above zero.
-
-    Examples
-    --------
-    >>> read_rolling("20 ms,5 ms", "--rolling")[:2], read_rolling("20 ms", "--rolling")[:2]
-    ((0.02, 0.005), (0.02, 0.005))
-    """
-    allowed = 'a window, or a window and a hop, times above zero such as "20 ms" or "20 ms,5 ms"'
-    try:
-        times = [parse_quantity(part.strip(), "s", field) for part in word.split(",")]
-    except InputError as error:
-        raise InputError(field, word, allowed) from error
-    if len(times) > 2 or not all(0.0 < time < math.inf for time in times):
-        raise InputError(field, word, allowed)
-    return Rolling(times[0], times[-1] if len(times) > 1 else HOP * times[0], word)
 
 
 def command(
