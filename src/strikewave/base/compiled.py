@@ -27,9 +27,15 @@ PACKAGE = Path(__file__).absolute().parents[1]
 """Folder of the package: kernels are told apart by their place in it, wherever it lies."""
 KEY_DIGITS = 16
 """Digits of the key of a folder of kernels: of 64 bits no two versions are alike, and the path stays short."""
-LEAF: Any = {"_nrt": False, "forceinline": True}
-"""Numba's options of a small kernel that makes no array: in small loops counting references and calling cost half the
-time."""
+FULL: Any = {"forceinline": False, "no_cfunc_wrapper": True}
+"""Numba's options of every kernel. It is inlined only where that is asked for: left unsaid, numba hands the wish of the
+kernel that first calls it down to it, and copies large ones wherever they are called. Nothing calls kernels by pointers
+of C, so that such an entry, one more copy of what is inlined, is left out. Both make compiling shorter, not results
+different."""
+LEAF: Any = {**FULL, "_nrt": False, "forceinline": True}
+"""Of a small kernel that makes no array: in small loops counting references and calling cost half the time."""
+CALLED: Any = {**FULL, "_nrt": False}
+"""Of a large kernel that makes no array."""
 LOCATORS = ("UserWideCacheLocator", "IPythonCacheLocator", "ZipCacheLocator")
 """Numba's own, for kernels that come from no plain file: a frozen program, a notebook, a zipped package."""
 
@@ -84,7 +90,7 @@ def kernel(function: F) -> F:
     >>> double(2.0)
     4.0
     """
-    return _compiled(function, {})
+    return _compiled(function, FULL)
 
 
 def leaf_kernel(function: F) -> F:
@@ -100,12 +106,12 @@ def called_kernel(function: F) -> F:
 
     For what stands in many loops and is large: it compiles once.
     """
-    return _compiled(function, {"_nrt": False})
+    return _compiled(function, CALLED)
 
 
 def fused_kernel(function: F) -> F:
     """Compile a kernel whose products and sums may be rounded once together (fused multiply-add)."""
-    return _compiled(function, {"fastmath": {"contract"}})
+    return _compiled(function, {**FULL, "fastmath": {"contract"}})
 
 
 def fused_leaf_kernel(function: F) -> F:
@@ -115,7 +121,7 @@ def fused_leaf_kernel(function: F) -> F:
 
 def fused_called_kernel(function: F) -> F:
     """Compile a `called_kernel` whose products and sums may be rounded once together."""
-    return _compiled(function, {"_nrt": False, "fastmath": {"contract"}})
+    return _compiled(function, {**CALLED, "fastmath": {"contract"}})
 
 
 class KernelLocator(UserProvidedCacheLocator):

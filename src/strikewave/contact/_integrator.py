@@ -161,7 +161,7 @@ def _stage(system, s, t, h, y, mode, memory, work, k):
     derivatives(system, t + C[s] * h, work, mode, memory, k[s])
 
 
-@leaf_kernel
+@called_kernel
 def _take_step(system, control, t, h, y, mode, memory, work, k, new):
     """Take one step into ``new`` and return its error over the tolerance."""
     for s in range(1, STAGES):
@@ -189,7 +189,8 @@ def _take_step(system, control, t, h, y, mode, memory, work, k, new):
 
 @called_kernel
 def _fill_dense(system, t, h, y, new, mode, memory, work, k, dense):
-    for s in range(STAGES + 1, _EXTENDED):
+    # counted by the arrays: loops of known length would be unrolled, which is four times the code
+    for s in range(STAGES + 1, k.shape[0]):
         _stage(system, s, t, h, y, mode, memory, work, k)
     for i in range(y.size):
         delta = new[i] - y[i]
@@ -197,8 +198,8 @@ def _fill_dense(system, t, h, y, new, mode, memory, work, k, dense):
         dense[1, i] = delta
         dense[2, i] = h * k[0, i] - delta
         dense[3, i] = 2.0 * delta - h * (k[STAGES, i] + k[0, i])
-    for r in range(4):
-        _weigh(D[r], _EXTENDED, k, dense[4 + r])
+    for r in range(dense.shape[0] - 4):
+        _weigh(D[r], k.shape[0], k, dense[4 + r])
         for i in range(y.size):
             dense[4 + r, i] *= h
 

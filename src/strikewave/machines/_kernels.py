@@ -25,7 +25,7 @@ from typing import NamedTuple
 import numpy as np
 from numba.extending import overload
 
-from strikewave.base.compiled import LEAF, kernel, leaf_kernel
+from strikewave.base.compiled import LEAF, called_kernel, kernel, leaf_kernel
 from strikewave.contact import _integrator
 from strikewave.contact._chain_kernels import (
     ACCELERATION,
@@ -211,7 +211,7 @@ def turning_inertia(system):
     return inertia
 
 
-@leaf_kernel
+@called_kernel
 def machine_rates(system, t, y, mode, memory, dy):
     """Fill the time derivative of the whole state."""
     at, bodies, bases, settings = layout_of(system), system.chain.bodies, system.chain.bases, system.settings
@@ -278,7 +278,7 @@ def own_switches(system, t, y, mode, memory, g):
         edges[i] = inside if on_face[i] else -inside
 
 
-@leaf_kernel
+@called_kernel
 def machine_switches(system, t, y, mode, memory, g):
     """Fill the switch functions of links, drive, feed, passing strikers and edges of the face."""
     at = layout_of(system)
@@ -350,7 +350,7 @@ def own_switch(system, own, t, y, mode, memory):
     return CONTINUE
 
 
-@leaf_kernel
+@called_kernel
 def machine_switch(system, k, t, y, mode, memory):
     """Change the mode at switch k: a link, the drive, the feed, a striker at its apex or at an edge.
 
