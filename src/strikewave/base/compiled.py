@@ -19,6 +19,7 @@ from typing import Any, TypeVar, cast
 import numba
 import platformdirs
 from numba.core.caching import UserProvidedCacheLocator
+from numba.core.registry import CPUDispatcher
 
 from strikewave.base.errors import StrikewaveWarning
 
@@ -36,6 +37,9 @@ LEAF: Any = {**FULL, "_nrt": False, "forceinline": True}
 """Of a small kernel that makes no array: in small loops counting references and calling cost half the time."""
 CALLED: Any = {**FULL, "_nrt": False}
 """Of a large kernel that makes no array."""
+INNER: Any = {**CALLED, "no_cpython_wrapper": True}
+"""Of one that Python never calls: an entry for Python takes apart each array of its arguments, which is more to compile
+than many a kernel."""
 LOCATORS = ("UserWideCacheLocator", "IPythonCacheLocator", "ZipCacheLocator")
 """Numba's own, for kernels that come from no plain file: a frozen program, a notebook, a zipped package."""
 
@@ -109,6 +113,13 @@ def called_kernel(function: F) -> F:
     return _compiled(function, CALLED)
 
 
+def inner_kernel(function: F) -> F:
+    """Compile a `called_kernel` that only kernels call, without an entry for Python: for arguments of many arrays."""
+    compiled = _compiled(function, INNER)
+    compiled.__class__ = _InnerKernel
+    return compiled
+
+
 def fused_kernel(function: F) -> F:
     """Compile a kernel whose products and sums may be rounded once together (fused multiply-add)."""
     return _compiled(function, {**FULL, "fastmath": {"contract"}})
@@ -122,6 +133,13 @@ def fused_leaf_kernel(function: F) -> F:
 def fused_called_kernel(function: F) -> F:
     """Compile a `called_kernel` whose products and sums may be rounded once together."""
     return _compiled(function, {**CALLED, "fastmath": {"contract"}})
+
+
+class _InnerKernel(CPUDispatcher):  # type: ignore[misc]
+    """What refuses to be called from Python, where there is nothing to call."""
+
+    def __call__(self, *_: Any) -> Any:
+        raise TypeError(f"{self.__name__} is called by kernels alone (inner_kernel)")
 
 
 class KernelLocator(UserProvidedCacheLocator):
