@@ -17,7 +17,7 @@ import numba
 import numpy as np
 import peers
 import peers_bench
-import planted_bench
+import planted_judge
 import reading_bench
 import records_bench
 import waves_bench
@@ -201,12 +201,7 @@ def main():
             records_bench.section(),
             reading_bench.section(),
             "## Planted blows",
-            f"{planted_bench.COUNT} records made by benchmarks/planted.py (seed {planted_bench.SEED}), which shares nothing "
-            "with what reads them: 1 to 15 blows of 80 to 400 us, four shapes, 100 kHz to 1 MHz, 5 to 60 dB over white noise, "
-            "offset, drift, half of them with ringing of 3 to 30 % and 3 to 30 kHz, a tenth clipped. Errors in percent, median "
-            "± scaled median deviation, against the blow without its ringing: a peak that carries ringing is larger. "
-            "Clipped records are left out of the errors.",
-            planted_bench.table(),
+            *planted_judge.section(),
             "## Peers",
             "`make bench` installs scipy, pyyeti, endaq, elwaspatid, Exudyn and MuJoCo beside strikewave in `.bench/venv`, in the "
             "versions of benchmarks/requirements.txt, and runs CalculiX where the system has it. One that cannot be run is named.",

@@ -21,6 +21,8 @@ if TYPE_CHECKING:  # for type checkers and editors; at run time a name is import
     from strikewave.analyses.machine.result import Solution as Solution
     from strikewave.analyses.machine.result import load_solution as load_solution
     from strikewave.analyses.machine.run import run_case as run_case
+    from strikewave.analyses.record.question import record as record
+    from strikewave.analyses.record.result import RecordResult as RecordResult
     from strikewave.analyses.wave.result import WaveSolution as WaveSolution
     from strikewave.analyses.wave.run import run_wave as run_wave
     from strikewave.base.errors import InputError as InputError
@@ -50,6 +52,7 @@ _HOMES = {
     "Contact": "contact.law",
     "FemSolution": "analyses.fem.result",
     "InputError": "base.errors",
+    "RecordResult": "analyses.record.result",
     "Result": "base.result",
     "ScatterPlan": "studies.scatter.study",
     "Solution": "analyses.machine.result",
@@ -66,6 +69,7 @@ _HOMES = {
     "material": "base.materials",
     "materials": "base.materials",
     "read_record": "records.readers",
+    "record": "analyses.record.question",
     "run_case": "analyses.machine.run",
     "run_fem": "analyses.fem.run",
     "run_hopkinson": "analyses.hopkinson.run",

@@ -170,11 +170,17 @@ def test_a_quantity_that_is_no_number_of_the_file_is_shown_as_typed():
     assert json.dumps(held) == "1000000.0"
 
 
-@pytest.mark.parametrize("words", [["run", "li-ma-2019", "--set", "feed.blows=1"], ["wave", "li-ma-2019-fig13-bar"]])
-def test_json_draws_nothing_and_imports_no_library_for_it(words, environment, tmp_path):
+FILES_ONLY = ("xarray", "pandas", "pyarrow", "h5py", "h5netcdf", "matplotlib", "jinja2")
+"""Libraries that files, pictures and pages need, and nothing else."""
+ONE_BLOW = ["run", "li-ma-2019", "--set", "feed.blows=1"]
+
+
+@pytest.mark.parametrize("band", [[], ["--no-band"]])
+@pytest.mark.parametrize("words", [ONE_BLOW, ["wave", "li-ma-2019-fig13-bar"]])
+def test_json_draws_nothing_and_imports_no_library_for_it(words, band, environment, tmp_path):
     program = (
-        f"import sys; sys.argv = ['strikewave', *{words!r}, '--json']\nfrom strikewave.cli import app\n"
-        "heavy = ('matplotlib', 'jinja2', 'scipy.signal', 'scipy.stats', 'strikewave.hopkinson')\n"
+        f"import sys; sys.argv = ['strikewave', *{[*words, *band]!r}, '--json']\nfrom strikewave.cli import app\n"
+        f"heavy = (*{FILES_ONLY!r}, 'scipy.signal', 'scipy.stats', 'strikewave.hopkinson')\n"
         "try: app.main()\nfinally: print([m for m in heavy if m in sys.modules], file=sys.stderr)"
     )
     run = subprocess.run(
@@ -182,3 +188,17 @@ def test_json_draws_nothing_and_imports_no_library_for_it(words, environment, tm
     )
     assert json.loads(run.stdout)["schema"]
     assert run.stderr.splitlines()[-1] == "[]"
+
+
+def test_files_and_page_of_a_run_are_written_without_xarray(environment, tmp_path):
+    """xarray and pandas take a third of a second to import: only who reads histories in Python needs them."""
+    program = (
+        f"import sys; sys.argv = ['strikewave', *{ONE_BLOW!r}, '--no-band', '--out', 'run', '-q']\n"
+        "from strikewave.cli import app\n"
+        "try: app.main()\nfinally: print([m for m in ('xarray', 'pandas', 'pyarrow') if m in sys.modules])"
+    )
+    run = subprocess.run(
+        [sys.executable, "-c", program], capture_output=True, text=True, env=environment, cwd=tmp_path, check=True
+    )
+    assert (tmp_path / "run" / "solution.nc").is_file()
+    assert run.stdout.splitlines()[-1] == "[]"

@@ -6,8 +6,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+import strikewave
+from strikewave import load_setup, run_hopkinson
+from strikewave.base.errors import InputError
 from strikewave.reporting import run_and_write
-from strikewave.reporting.shown_result import ShownResult
+from strikewave.reporting.shown_result import ShownResult, shown_table
 
 WAVE = ("wave", "li-ma-2019-fig13-bar", "--no-band")
 SCATTER = ("scatter", "li-ma-2019-equal-blows", "--runs", "10", "--shares", "none", "--set", "feed.blows=2")
@@ -54,12 +57,17 @@ def result_of(strikewave, monkeypatch):
     return call
 
 
-@pytest.mark.parametrize("words", COMMANDS, ids=lambda words: words[0])
-def test_the_result_of_a_command_shows_itself_and_writes_the_same_report(result_of, words):
+def write_pulse():
+    """Write a half-sine of 3000 g and 200 us as a measured file."""
     time = np.arange(0.0, 1e-3, 2e-6)
     pulse = 3000.0 * np.clip(np.sin(np.pi * (time - 2e-4) / 2e-4), 0.0, None) * ((time > 2e-4) & (time < 4e-4))
     lines = [f"{t:.6f},{a:.4f}" for t, a in zip(time, pulse, strict=True)]
     Path("pulse.csv").write_text("\n".join(["time [s],acceleration [g]", *lines]) + "\n")
+
+
+@pytest.mark.parametrize("words", COMMANDS, ids=lambda words: words[0])
+def test_the_result_of_a_command_shows_itself_and_writes_the_same_report(result_of, words):
+    write_pulse()
     result, folder = result_of(*words)
     assert isinstance(result, ShownResult)
     line, page = repr(result), result._repr_html_()
@@ -70,3 +78,33 @@ def test_the_result_of_a_command_shows_itself_and_writes_the_same_report(result_
     assert len(result.to_dataframe()) >= 1
     assert result.plot().axes
     assert result.report("again.html").read_text("utf-8") == (folder / "report.html").read_text("utf-8")
+
+
+def test_records_in_python_are_those_of_the_command(result_of):
+    """The same document, whatever is said of reading, calibration and filter; and the same refusals."""
+    write_pulse()
+    said = ("--unit", "g", "--polarity", "acceleration=-1", "--filter", "20 kHz", "--drop-height", "1 m")
+    command, _ = result_of("record", "pulse.csv", *said)
+    called = strikewave.record("pulse.csv", unit="g", polarity={"acceleration": -1}, filter="20 kHz", drop_height=1.0)
+    assert called.document() == command.document()
+    assert called.filter == command.filter
+    assert [row for row in called.calibrations if "polarity" in row[1]] == [("the call", "acceleration: polarity = -1")]
+    with pytest.raises(InputError, match="a channel of the files"):
+        strikewave.record("pulse.csv", unit={"acceleratoin": "g"})
+    with pytest.raises(InputError, match="measured file"):
+        strikewave.record([])
+
+
+def test_a_shot_shows_a_table_spread_over_its_history(strikewave):
+    """A dozen rows from the first to the last sample: the first ones alone are all zero."""
+    assert strikewave("new", "shot", "--from", "hopkinson")[0] == 0
+    shot = run_hopkinson(load_setup("shot.toml"))
+    heads, rows = shown_table(shot, 12)
+    stress = heads.index("true stress (MPa)")
+    assert heads[0] == "time (µs)"
+    table = shot.to_dataframe()
+    assert len(rows) == 12
+    assert float(rows[-1][0]) == pytest.approx(1e6 * table["time"].iloc[-1], rel=1e-3)  # four digits are shown
+    largest = max(float(row[stress]) for row in rows)
+    assert largest > 0.5e-6 * table["true stress"].max()
+    assert "true stress (MPa)" in shot._repr_html_()

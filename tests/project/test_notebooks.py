@@ -38,7 +38,7 @@ def test_notebooks_are_valid_and_kept_without_outputs(path):
 
 def test_a_result_and_a_study_show_a_table_and_a_curve(first_run):
     cells, _ = first_run
-    for name in ("run", "scatter"):
+    for name in ("run", "record", "scatter"):
         page = shown(cells[name])["text/html"]
         assert "<table" in page
         drawing = page[page.index("<svg") : page.index("</svg>") + len("</svg>")]
@@ -53,6 +53,12 @@ def test_a_change_of_speed_shows_in_the_line_of_a_result(first_run):
     assert "first peak 4151 g" in before
     assert "Solution li-ma-2019" in after
     assert "first peak 4151 g" not in after
+
+
+def test_the_recorded_blows_are_those_of_the_run(first_run):
+    """Written by the recorder of the run, read and judged as a measured file: as many blows as the machine made."""
+    cells, _ = first_run
+    assert "files 1, blows 3" in shown(cells["record"])["text/plain"]
 
 
 def test_a_plot_is_drawn_once_as_an_image(first_run):

@@ -1,51 +1,74 @@
-"""Blows planted in noise, offset, drift, ringing and clipping, against what is found in them."""
+"""Records with planted blows and faults: what is reported of them against their truth.
+
+Goals: no figure more than 5 % off is stated, and fewer than 2 % of clean records raise a finding. Seeds are not those
+of the table in the docs.
+"""
 
 import numpy as np
-import planted_bench
+import planted_judge
 import pytest
+from planted import classes, faults
+from planted.drafts import Setting
+from planted.shapes import FAMILIES, FINE, Shape, draw_shape
+
+FIRST = 70_000
+"""Seed of the first draw."""
+ALARMS = 0.02
 
 
-@pytest.fixture(scope="module", params=[60, pytest.param(200, marks=pytest.mark.verify)])
-def tallies(request):
-    # a seed of its own, not that of the table in the docs
-    return planted_bench.tallied(seed=7_001, count=request.param)
+def verdicts(kind, count, first=FIRST):
+    return [planted_judge.judged_seed((kind, first + k)) for k in range(count)]
 
 
-def total(tallies, name, lowest=0):
-    return sum(getattr(tally, name) for (band, _), tally in tallies.items() if band[0] >= lowest)
+def silent(found):
+    return {f"{v.kind} --seed {v.seed}": v.silent for v in found if v.silent}
+
+
+def alarms(found):
+    return [
+        (f"{v.kind} --seed {v.seed}", what) for v in found for what in (f.alarms for f in v.files) if what
+    ]  # fmt: skip
+
+
+def test_clean_records_raise_nothing_and_their_figures_are_right():
+    found = [
+        v
+        for kind, count in (("clean-single", 40), ("clean-train", 6), ("clean-campaign", 2))
+        for v in verdicts(kind, count)
+    ]
+    assert not silent(found)
+    assert len(alarms(found)) < ALARMS * sum(len(v.files) for v in found), alarms(found)
+    assert sum(f.matched for v in found for f in v.files) == sum(f.true for v in found for f in v.files)
 
 
 @pytest.mark.verify
-def test_every_blow_that_stands_15_db_out_of_the_noise_is_found(tallies):
-    planted = total(tallies, "planted", 15)
-    assert planted > 200
-    assert total(tallies, "found", 15) >= 0.995 * planted
+@pytest.mark.parametrize(("kind", "count"), [("clean-single", 250), ("clean-train", 60), ("clean-campaign", 10)])
+def test_fewer_than_two_clean_records_in_a_hundred_raise_a_finding(kind, count):
+    found = verdicts(kind, count, FIRST + 1000)
+    records = sum(len(v.files) for v in found)
+    assert len(alarms(found)) < ALARMS * records, alarms(found)
+    # 5 % is six standard deviations of what clean noise does to one figure, but a train or a campaign has dozens of
+    # them, and a width of 12 samples is read between samples: two draws in a hundred, and one by chance
+    assert len(silent(found)) <= 0.02 * count + 1, silent(found)
 
 
-def test_at_most_one_found_blow_in_a_hundred_is_false(tallies):
-    assert total(tallies, "false") <= 0.01 * total(tallies, "found")
+@pytest.mark.verify
+@pytest.mark.parametrize(("kind", "count"), [("clean-single", 100), ("clean-train", 20)])
+def test_figures_of_clean_records_are_without_bias(kind, count):
+    found = verdicts(kind, count, FIRST + 2000)
+    # noise lifts peaks and widths a little; half of the 2 % that clean noise may move them
+    for name in ("peak", "width", "velocity_change"):
+        errors = [e for v in found for f in v.files for e in f.errors[name]]
+        assert abs(np.median(errors)) < 0.01, name
 
 
-def test_clipping_is_told_where_it_was_planted_and_only_there(tallies):
-    assert total(tallies, "clipped") >= 3
-    assert total(tallies, "flagged") == total(tallies, "clipped")
-    assert total(tallies, "wrongly") == 0
-
-
-def test_without_ringing_the_bias_of_figures_is_below_the_noise_or_one_percent(tallies):
-    for (band, ringing), tally in tallies.items():
-        if not ringing and band[0] >= 25 and len(tally.errors["peak"]) > 20:
-            bound = max(0.01, 10 ** (-band[0] / 20))  # at 25 dB a sharp tip drowns in noise of 6 %
-            for name in ("peak", "width", "velocity_change"):
-                assert abs(tally.spread(name)[0]) < bound, (band, name)
-
-
-def test_ringing_frequency_is_found_to_one_percent(tallies):
-    for (band, ringing), tally in tallies.items():
-        if ringing and band[0] >= 25:
-            bias, spread = tally.spread("ringing frequency")
-            assert abs(bias) < 0.01
-            assert spread < 0.01
+@pytest.mark.verify
+def test_ringing_frequency_is_found_to_one_percent():
+    found = verdicts("ringing", 40)
+    errors = np.array([e for v in found for f in v.files for e in f.errors["ringing frequency"]])
+    errors = errors[np.isfinite(errors)]
+    assert errors.size > 40
+    assert np.median(np.abs(errors)) < 0.01
 
 
 def test_noise_alone_holds_no_blow(rng):
@@ -56,15 +79,45 @@ def test_noise_alone_holds_no_blow(rng):
 
 
 def test_the_finder_takes_any_unit_offset_and_sign():
-    import planted
-
     from strikewave.records import find_pulses
 
-    record = planted.plant(np.random.default_rng(3))
-    step = record.time[1]
-    plain = find_pulses(record.values, step)
-    turned = find_pulses(-1e6 * record.values + 1e9, step)
-    assert len(plain) == len(turned) > 0
+    [draft] = classes.draw("clean-train", 3).files
+    plain = find_pulses(draft.values, draft.setting.step)
+    turned = find_pulses(-1e6 * draft.values + 1e9, draft.setting.step)
+    assert len(plain) == len(turned) == len(draft.blows) > 1
     for one, other in zip(plain, turned, strict=True):
         assert other.peak == pytest.approx(-1e6 * one.peak, rel=1e-6)
         assert other.width == pytest.approx(one.width, rel=1e-6)
+
+
+@pytest.mark.parametrize("name", FAMILIES)
+def test_planted_shapes_begin_and_end_at_zero_and_have_height_one(name, rng):
+    for _ in range(20):
+        shape = draw_shape(rng, [name])
+        values = shape.at(FINE)
+        assert values.max() == pytest.approx(1.0, rel=1e-6)
+        assert values.min() >= 0.0
+        assert max(values[0], values[-1]) == 0.0
+        assert np.abs(np.diff(values)).max() < 0.02  # no jump: 8000 steps of a slope of at most 100 a length
+
+
+def test_the_truth_of_a_half_sine_is_its_closed_form():
+    rng = np.random.default_rng(1)
+    how = Setting(Shape("half-sine"), 1e-3, 200.0, 1e-5, 0.0)
+    [blow] = classes.train(rng, how).blows
+    assert blow.peak == pytest.approx(200.0, rel=1e-4)
+    assert blow.width == pytest.approx(1e-3, rel=5e-3)  # to a step of its fine grid
+    length = 1e-3 / (1.0 - 2.0 * np.arcsin(0.1) / np.pi)
+    assert blow.velocity_change == pytest.approx(2.0 / np.pi * 200.0 * length, rel=1e-3)
+
+
+def test_a_planted_mount_has_the_residual_response_of_its_closed_form():
+    """A half-sine on an undamped oscillator leaves it swinging by 2 r cos(pi r / 2) / (1 - r^2), r = T_n / 2 T... squared."""
+    rng = np.random.default_rng(2)
+    how = Setting(Shape("half-sine"), 1e-3, 100.0, 2e-6, 0.0)
+    for ratio in (1.5, 2.0, 3.7):  # natural frequency over that of the pulse, 1/(2 lengths)
+        draft = classes.train(rng, how, before=5.0, after=20.0)
+        faults.mount(rng, draft, ratio, 1e6)
+        after = draft.values[draft.time > draft.blows[0].end]
+        swing = abs(2.0 * ratio * np.cos(0.5 * np.pi * ratio) / (1.0 - ratio**2)) * 100.0
+        assert 0.5 * np.ptp(after) == pytest.approx(swing, rel=0.01, abs=0.3)  # the method is good to a percent

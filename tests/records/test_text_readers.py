@@ -335,7 +335,7 @@ def test_files_that_cannot_be_used_are_refused_with_a_reason(read, content, word
     [
         (Options(time="tme"), 'did you mean "time"'),
         (Options(time="9"), "number from 1 to 3"),
-        (Options(time="a"), "its unit is V: give --rate"),
+        (Options(time="a"), "its unit is V: state another by --time-unit, or give --rate"),
         (Options(channels=("c",)), "--channel"),
         (Options(channels=("3",)), "1 a, 2 b"),
     ],

@@ -8,6 +8,7 @@ from strikewave import load_case, run_case
 from strikewave.base.errors import InputError
 from strikewave.base.result import Band, InputShare, Notice
 from strikewave.base.units import parse_quantity
+from strikewave.base.variables import LabelledArrays
 from strikewave.reporting import workbook
 from strikewave.reporting.numbers import ShownUnits, showing
 from strikewave.reporting.workbook import WORKBOOK, check_workbook, write_workbook
@@ -23,7 +24,9 @@ def run():
     bands = {"first.rigid_peak": Band(3e4, 5e4, 0.95, (InputShare("machine.engagement", 0.6),))}
     notices = [Notice("text", words, 1.0) for words in FORMULAS] + [Notice("odd", "a\x00b\x1fc", float("nan"))]
     short = solution.data.isel(few)  # reading back takes seconds for all samples
-    return dataclasses.replace(solution, histories=short, band=bands, notices=(*solution.notices, *notices))
+    return dataclasses.replace(
+        solution, sampled=LabelledArrays.of_xarray(short), band=bands, notices=(*solution.notices, *notices)
+    )
 
 
 def sheets_of(result, folder):

@@ -192,3 +192,23 @@ def test_unknown_accelerometer_names_the_nearest():
 def test_bad_values_are_refused_in_words(make, word):
     with pytest.raises(ValueError, match=word):
         make()
+
+
+def test_an_accelerometer_from_memory_is_reported_with_what_the_case_does_not_give_itself():
+    from strikewave import load_case, run_case
+    from strikewave.cases.sensors_of_case import sensor_notices
+
+    case = load_case("li-ma-2019-fig5", ["feed.blows=1"])
+    sensor = case.sensor[0].model_copy(update={"model": "PCB 350C02", "range": None})
+
+    def with_sensor(**changes):
+        return case.model_copy(update={"sensor": (sensor.model_copy(update=changes),)})
+
+    (notice,) = sensor_notices(with_sensor())
+    assert notice.severity == "info"
+    assert "range of sensor direct (PCB 350C02)" in notice.message  # the case gives the resonance
+    (notice,) = sensor_notices(with_sensor(resonance=None))
+    assert "range and resonance" in notice.message
+    assert not list(sensor_notices(with_sensor(range=case.sensor[0].range)))
+    assert not list(sensor_notices(with_sensor(model="Bruel & Kjaer 8309")))  # quoted
+    assert "sensor-from-memory" in [notice.code for notice in run_case(with_sensor()).notices]

@@ -4,7 +4,9 @@ import pytest
 
 from strikewave import load_case
 from strikewave.base.errors import InputError
-from strikewave.studies.calibrate import calibrate, rounded
+from strikewave.base.quantities import Value
+from strikewave.cases.case import dump_case, parse_case
+from strikewave.studies.calibrate import calibrate, rounded, with_fit_recorded
 
 
 def test_stored_values_are_those_of_the_fit():
@@ -39,3 +41,29 @@ def test_engagement_of_the_two_sensor_case_is_found_again():
     fit = calibrate(off)
     assert fit.case.values()["machine.engagement"].si == pytest.approx(fitted.si, rel=1e-5)  # a peak is read at samples
     assert set(fit.misses) == {"first.sensor_peak buffered"}
+
+
+def test_a_fit_is_recorded_under_what_the_case_has_now():
+    """Fitted anew under another speed: the record follows it, and a later change is noticed again."""
+    case = load_case("li-ma-2019", ["machine.speed=700 rpm"])
+    assert case.stale_fits()
+    fitted = calibrate(case).case
+    assert fitted.fit[0].under["machine.speed"] == "700 rpm"
+    assert fitted.fit[0].under["machine.engagement"] == fitted.machine.engagement.typed
+    assert fitted.fit[0].under["stack.layer"] == "none"
+    again = parse_case(dump_case(fitted))
+    assert again.fitted_fields() == fitted.fitted_fields()  # not taken for the user's own numbers
+    assert not again.stale_fits()
+    changed = again.with_values({"striker.mass": Value(si=1.2, typed="1.2 kg")})
+    assert [field.path for field in changed.stale_fits()[0].changed] == ["striker.mass"]
+
+
+def test_a_fit_without_a_record_gets_one_of_every_field_that_a_blow_feels():
+    case = load_case("li-ma-2019").model_copy(update={"fit": ()})
+    recorded = with_fit_recorded(case, case.fitted_fields(), ["first.rigid_peak"])
+    (fit,) = parse_case(dump_case(recorded)).fit
+    assert fit.fields == tuple(case.fitted_fields())
+    assert "first rigid peak" in fit.to
+    assert {"machine.speed", "object.gravity", "contact.law"} < set(fit.under)
+    assert not any(path.startswith(("recorder", "solver", "sensor")) for path in fit.under)
+    assert not recorded.stale_fits()

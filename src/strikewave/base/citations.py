@@ -156,6 +156,14 @@ SOURCES: dict[str, str] = {
         "M. G. Vangel, Confidence intervals for a normal coefficient of variation, The American Statistician "
         "50 (1996) 21-26"
     ),
+    "nist-handbook": (
+        "NIST/SEMATECH e-Handbook of Statistical Methods, 7.2.6.3 Tolerance intervals for a normal distribution, "
+        "doi:10.18434/M32189"
+    ),
+    "piersol-2009": (
+        "T. L. Paez, A. G. Piersol (eds.), Harris' Shock and Vibration Handbook, 6th ed., McGraw-Hill 2009, ch. 20: "
+        "normal tolerance limits of spectra (reference from memory)"
+    ),
     "wilks-1941": (
         "S. S. Wilks, Determination of Sample Sizes for Setting Tolerance Limits, The Annals of Mathematical "
         "Statistics 12 (1941) 91-96, doi:10.1214/aoms/1177731788"

@@ -135,11 +135,11 @@ def fused_called_kernel(function: F) -> F:
     return _compiled(function, {**CALLED, "fastmath": {"contract"}})
 
 
-class _InnerKernel(CPUDispatcher):  # type: ignore[misc]
+class _InnerKernel(CPUDispatcher):
     """What refuses to be called from Python, where there is nothing to call."""
 
     def __call__(self, *_: Any) -> Any:
-        raise TypeError(f"{self.__name__} is called by kernels alone (inner_kernel)")
+        raise TypeError(f"{self} is called by kernels alone (inner_kernel)")
 
 
 class KernelLocator(UserProvidedCacheLocator):

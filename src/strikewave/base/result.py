@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+import functools
 import hashlib
 import json
 import math
@@ -15,6 +16,8 @@ from strikewave.base.json_document import head, plain, without
 
 if TYPE_CHECKING:
     import xarray
+
+    from strikewave.base.variables import LabelledArrays
 
 SCHEMA = 6
 """Of the files of a solution: 2 adds readings and waves, 3 the contact of each blow; 4 renames keys (balance); 5 adds
@@ -337,19 +340,32 @@ class Result(ABC):
         return {}
 
     @property
-    def data(self) -> xarray.Dataset | None:
+    def arrays(self) -> LabelledArrays | None:
         """Its histories with units; None where there are none."""
         return None
 
-    def datasets(self) -> dict[str, xarray.Dataset]:
+    @functools.cached_property
+    def data(self) -> xarray.Dataset:
+        """Its histories with units, as an xarray Dataset.
+
+        Raises
+        ------
+        AttributeError
+            If there are none.
+        """
+        if self.arrays is None:
+            raise AttributeError(f"a result of `strikewave {self.command}` has no histories")
+        return self.arrays.to_xarray()
+
+    def datasets(self) -> dict[str, LabelledArrays]:
         """Return what is kept as NetCDF, by the names of the files."""
-        return {} if self.data is None else {self.data_file: self.data}
+        return {} if self.arrays is None else {self.data_file: self.arrays}
 
     def texts(self) -> dict[str, str]:
         """Return further text files, by name."""
         return {}
 
-    def files(self) -> dict[str, str | xarray.Dataset]:
+    def files(self) -> dict[str, str | LabelledArrays]:
         """Return everything that is kept of it, but for page and pictures, by the names of the files."""
         source = self.source
         return {**self.datasets(), **self.tables(), **self.texts(), source.file: source.text}

@@ -10,9 +10,11 @@ from strikewave.base.quantities import AUTO, Value
 from strikewave.base.result import FAILED, INFO, Notice
 from strikewave.cases.case import Case
 from strikewave.cases.contact_of_case import cap_geometry, cushion_contact, cushion_of_contact
+from strikewave.cases.stack_of_case import DEFAULT_LAW
 from strikewave.cases.tables import CUSHION, POWER, AnyStriker, ContactTable
 from strikewave.contact import (
     FirstYield,
+    Geometry,
     damping_law,
     factor,
     first_yield,
@@ -106,6 +108,31 @@ def yield_notices(striker: AnyStriker, contact: ContactTable, face: str, peak: f
             f'"{AUTO}"'
         )
         yield Notice("contact-yield", message, peak, first.load)
+
+
+def joint_yield_notices(case: Case, greatest: Sequence[float]) -> Iterator[Notice]:
+    """Warn where an elastic contact between two layers of a stack goes beyond its first yield.
+
+    ``greatest`` are the largest forces of the blow at each joint of the stack, N, to which a preload adds.
+    """
+    layers = {layer.name: k for k, layer in enumerate(case.stack.layer)}
+    for joint in case.stack.joint:
+        if joint.kind != "contact" or joint.yield_pressure is not None or joint.radius is None:
+            continue
+        place = layers[joint.after]
+        one, other = case.stack.layer[place : place + 2]
+        of_line = "length" in stiffness_law(joint.law or DEFAULT_LAW).needs
+        geometry = Geometry(joint.radius.si, length=joint.length.si if of_line and joint.length else None)
+        first = first_yield(material(one.material), material(other.material), geometry)
+        peak = float(greatest[place]) + (joint.preload.si if joint.preload else 0.0)
+        if first is not None and peak > first.load:
+            field = f"stack.joint.{joint.after}.yield_pressure"
+            message = (
+                f"the contact between {one.name} and {other.name} yields below its surface (von Mises) beyond "
+                f"{force_words(first.load)} and is loaded with {force_words(peak)}: the elastic law is outside its "
+                f'range; give {field}, such as "{AUTO}"'
+            )
+            yield Notice("contact-yield", message, peak, first.load)
 
 
 def cushion_notices(case: Case, pressed: Sequence[PressedBlow]) -> Iterator[Notice]:

@@ -11,7 +11,7 @@ from strikewave.cases.case import Case
 from strikewave.cases.cushion_of_case import cushion_of
 from strikewave.cases.stack_of_case import area_of, need
 from strikewave.cases.tables import CUSHION, POWER, AnyStriker, ContactTable
-from strikewave.cases.yield_pressure import capped_pressure, pressure_words
+from strikewave.cases.yield_pressure import capped_pressure, pressure_words, refuse_beyond_law
 from strikewave.contact import (
     AnyContact,
     Geometry,
@@ -130,6 +130,10 @@ def face_contact(striker: AnyStriker, contact: ContactTable, face: Material) -> 
         return cushion_contact(contact)
     _refuse_stray_cushion(contact)
     stiffness, cap = face_stiffness(striker, contact, face), pressure_cap(striker, contact, face)
+    if cap is not None and contact.yield_pressure is not None:
+        field, nose = "contact.yield_pressure", material(striker.material, "striker.material")
+        pressure = capped_pressure(contact.yield_pressure, nose, face, field)
+        refuse_beyond_law(cap, stiffness, pressure_words(contact.yield_pressure), field, pressure)
     return named_contact(stiffness, contact.damping, contact.restitution.si, cap)
 
 

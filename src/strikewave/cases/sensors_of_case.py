@@ -4,10 +4,13 @@ from __future__ import annotations
 
 import dataclasses
 import math
+from collections.abc import Iterator
 from typing import Any
 
+from strikewave.base.citations import FROM_MEMORY
 from strikewave.base.errors import MISSING, InputError, checked, nearest
 from strikewave.base.quantities import Value
+from strikewave.base.result import INFO, Notice
 from strikewave.cases.case import Case
 from strikewave.cases.stack_of_case import area_of, build_taps, matter_of, once
 from strikewave.cases.tables import SensorTable
@@ -46,6 +49,34 @@ def _channel(case: Case, table: SensorTable) -> SensorChannel:
     if recorder.bits and math.isinf(sensor.range):
         raise InputError(f"{path}.range", MISSING, "a range for a recorder with bits", 'add range = "20000 g"')
     return SensorChannel(sensor, taps.index(table.tap) if table.tap else None, recorder)
+
+
+def sensor_notices(case: Case) -> Iterator[Notice]:
+    """Report the accelerometers whose numbers are from memory, but for those that the case gives itself."""
+    for table in case.sensor:
+        yield from memory_notices(table)
+
+
+def memory_notices(table: SensorTable) -> Iterator[Notice]:
+    """Report a sensor whose range or resonance are those of an accelerometer that the table has from memory.
+
+    Examples
+    --------
+    >>> from strikewave import load_case
+    >>> sensor = load_case("li-ma-2019-fig5").sensor[0].model_copy(update={"model": "PCB 350C02", "range": None})
+    >>> [notice.code for notice in memory_notices(sensor)]
+    ['sensor-from-memory']
+    """
+    known = accelerometer(table.model, f"sensor.{table.name}.model") if table.model else None
+    if known is None or known.status != FROM_MEMORY:
+        return
+    taken = [name for name in ("range", "resonance") if getattr(table, name) is None]
+    if taken:
+        message = (
+            f"{' and '.join(taken)} of sensor {table.name} ({known.name}) are from memory: no data sheet that states "
+            f"them could be opened; give {' and '.join(f'sensor.{table.name}.{name}' for name in taken)} from yours"
+        )
+        yield Notice("sensor-from-memory", message, 1.0, 0.0, severity=INFO)
 
 
 def _given(table: SensorTable, fields: dict[str, Any]) -> dict[str, Any]:

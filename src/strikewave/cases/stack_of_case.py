@@ -14,7 +14,7 @@ from strikewave.base.quantities import Value
 from strikewave.cases.case import Case
 from strikewave.cases.cushion_of_case import cushion_of
 from strikewave.cases.tables import CUSHION, EndTable, JointTable, LayerTable
-from strikewave.cases.yield_pressure import capped_pressure
+from strikewave.cases.yield_pressure import capped_pressure, pressure_words, refuse_beyond_law
 from strikewave.contact.damping import named_contact
 from strikewave.contact.elastoplastic import cap_of
 from strikewave.contact.stiffness import Geometry, stiffness_of
@@ -27,6 +27,8 @@ from strikewave.waves.routes import EXACT
 
 T = TypeVar("T")
 
+DEFAULT_LAW = "hertz"
+"""Stiffness law of a contact between two layers that names none."""
 USUAL_TAPS = 20
 """Taps where a case names none: the middle of each layer, of many layers as many as a figure can hold."""
 _JOINT_FIELDS = {
@@ -196,7 +198,7 @@ def _contact(table: JointTable, path: str, before: LayerTable, after: LayerTable
     datum = table.datum_depth.si if table.datum_depth else None
     geometry = Geometry(table.radius.si if table.radius else None, math.inf, of_line, datum)
     try:
-        stiffness = stiffness_of(table.law or "hertz", first, second, geometry, f"{path}.law")
+        stiffness = stiffness_of(table.law or DEFAULT_LAW, first, second, geometry, f"{path}.law")
     except InputError as error:
         if error.field != "radius1":
             raise
@@ -206,6 +208,7 @@ def _contact(table: JointTable, path: str, before: LayerTable, after: LayerTable
     if table.yield_pressure is not None:
         pressure = capped_pressure(table.yield_pressure, first, second, f"{path}.yield_pressure")
         cap = checked(f"{path}.yield_pressure", lambda: cap_of(first, second, geometry, pressure))
+        refuse_beyond_law(cap, stiffness, pressure_words(table.yield_pressure), f"{path}.yield_pressure", pressure)
     law = named_contact(stiffness, "exact", 1.0, cap)
     gap, preload = (value.si if value else 0.0 for value in (table.gap, table.preload))
     return checked(path, lambda: Joint(contact=law, gap=gap, preload=preload))

@@ -2,9 +2,14 @@
 
 from __future__ import annotations
 
+import math
+
+import numpy as np
+
 from strikewave.base.errors import InputError
 from strikewave.base.materials import Material
 from strikewave.base.quantities import AUTO, ContactPressure, Value
+from strikewave.contact import LogarithmicStiffness, PressureCap, Stiffness
 from strikewave.contact.elastoplastic import AutomaticPressure, automatic_pressure, hardness_of
 
 ELASTIC, LOW, YIELDING, HIGH = "elastic", "yielding, low", "yielding", "yielding, high"
@@ -71,6 +76,50 @@ def pressures_of_answers(given: ContactPressure, one: Material, other: Material)
         return {ELASTIC: None}
     best, low, high = automatic_pressure(one, other)
     return {ELASTIC: None, LOW: low, YIELDING: best, HIGH: high}
+
+
+def refuse_beyond_law(
+    cap: PressureCap, stiffness: Stiffness | LogarithmicStiffness, typed: str, field: str, pressure: float | None = None
+) -> None:
+    """Refuse a cap that a logarithmic law cannot reach: its indentation grows with the force up to B/e only.
+
+    Parameters
+    ----------
+    cap : PressureCap
+        On the contact.
+    stiffness : Stiffness or LogarithmicStiffness
+        Of the contact.
+    typed, field : str
+        What was typed, and its field.
+    pressure : float, optional
+        Of the cap, Pa; without it, the load at which it yields is what was typed.
+
+    Raises
+    ------
+    InputError
+        If it does.
+
+    Examples
+    --------
+    >>> from strikewave.contact import LogarithmicStiffness, PressureCap
+    >>> law = LogarithmicStiffness(1e9, math.e * 4e3, "johnson", "checked", "johnson-1985")
+    >>> refuse_beyond_law(PressureCap(1.6e4, "line"), law, "8 GPa", "contact.yield_pressure", 8e9)
+    Traceback (most recent call last):
+        ...
+    strikewave.base.errors.InputError: contact.yield_pressure: got "8 GPa"; allowed: below 4 GPa, where the \
+logarithmic law johnson ends (at 4 kN); give a smaller one, or leave it out: the contact is then elastic
+    """
+    if not isinstance(stiffness, LogarithmicStiffness):
+        return
+    load, end = float(np.asarray(cap.yield_load)), stiffness.load / math.e
+    if load < end:
+        return
+    limit = f"{end / 1e3:.4g} kN"
+    allowed = f"below {limit}, where the logarithmic law {stiffness.law} ends"
+    if pressure is not None:  # the load goes with the square of the pressure of a line, the cube of that of a point
+        most = pressure * (end / load) ** (1.0 / (2.0 if cap.shape == "line" else 3.0))
+        allowed = f"below {most / 1e9:.4g} GPa, where the logarithmic law {stiffness.law} ends (at {limit})"
+    raise InputError(field, typed, allowed, "give a smaller one, or leave it out: the contact is then elastic")
 
 
 def pressure_words(given: ContactPressure) -> str:

@@ -11,6 +11,8 @@ from typer.core import TyperCommand, TyperGroup
 from strikewave.cli.option_groups import spread
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
+
     from typer._click import Command, Context, HelpFormatter
 
 PANELS: dict[str, dict[str, tuple[str, str]]] = {
@@ -53,6 +55,8 @@ module; a test holds both equal.
 """
 WIDEST = 28
 """Characters of an option in the help; the words of a longer one begin on the next line."""
+KEPT_HYPHEN = "\u2011"
+"""A hyphen that no line ends at."""
 SETTINGS: dict[str, Any] = {"help_option_names": ["-h", "--help"]}
 """Of every command."""
 
@@ -87,7 +91,30 @@ def whole_command(name: str, module: str) -> Command:
     return typer.main.get_command(one)
 
 
-class SectionedCommand(TyperCommand):
+class WholeWords:
+    """A command whose help breaks no word, not even at a hyphen: ``mm-t-s`` and ``--json`` stand in one line."""
+
+    def get_help(self, ctx: Context) -> str:
+        """Return the help, in which other hyphens stood while it was put into lines."""
+        formatter = ctx.make_formatter()
+        for write in ("write_text", "write_dl", "write_usage"):
+            setattr(formatter, write, _with_hyphens_kept(getattr(formatter, write)))
+        self.format_help(ctx, formatter)  # type: ignore[attr-defined]  # of the command beside this class
+        return formatter.getvalue().rstrip("\n").replace(KEPT_HYPHEN, "-")
+
+
+def _with_hyphens_kept(write: Callable[..., None]) -> Callable[..., None]:
+    """Return a method of a formatter that gets each hyphen as one that no line ends at."""
+
+    def kept(one: Any) -> Any:
+        if isinstance(one, str):
+            return one.replace("-", KEPT_HYPHEN)
+        return [tuple(map(kept, row)) for row in one] if isinstance(one, list) else one
+
+    return lambda *texts, **sizes: write(*map(kept, texts), **sizes)
+
+
+class SectionedCommand(WholeWords, TyperCommand):
     """A command whose help shows its options in sections: those of a panel of their own after the others."""
 
     def format_options(self, ctx: Context, formatter: HelpFormatter) -> None:
@@ -122,7 +149,7 @@ class LazyCommand(TyperCommand):
         return whole_command(str(self.name), self.entry.module).make_context(info_name, args, parent, **extra)
 
 
-class CommandGroup(TyperGroup):
+class CommandGroup(WholeWords, TyperGroup):
     """All commands, shown in panels."""
 
     def __init__(self, **settings: Any) -> None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from contextlib import AbstractContextManager
+from typing import Any
 
 import numpy as np
 
@@ -26,8 +27,6 @@ def compile_fast_run() -> None:
     Types are those of the smallest tables; no machine is built. Were one wrong, the kernel would be compiled when it
     is called, and a test says so.
     """
-    from numba import typeof
-
     table, line, count = np.zeros((1, 1)), np.zeros(1), np.zeros(1, dtype=np.int64)
     system = MachineSystem(ChainTables(table, table, count.reshape(1, 1), table), table, line)
     part, passes = Part(line, count, line, empty_record(1, 1, 1, 1)), empty_passes(1)
@@ -47,7 +46,13 @@ def compile_fast_run() -> None:
         (_pass_kernels.repeats, (table, 0, 0.0, 0)),
     )
     for kernel, arguments in own:
-        kernel.compile(tuple(typeof(argument) for argument in arguments))
+        _compile(kernel, arguments)
     await_kernel("_integrator.advance")
     whole = TrainTables(system, system, mounted), part, part, (control, control), train, passes
-    _train_kernels.run_train.compile(tuple(typeof(argument) for argument in whole))
+    _compile(_train_kernels.run_train, whole)
+
+
+def _compile(kernel: Any, arguments: tuple[Any, ...]) -> None:
+    from numba import typeof
+
+    kernel.compile(tuple(typeof(argument) for argument in arguments))

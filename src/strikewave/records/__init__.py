@@ -9,7 +9,7 @@ if TYPE_CHECKING:
     from strikewave.records.health_notice import HealthNotice, unreadable, worst
     from strikewave.records.measuring import RecordedPulse, find_pulses
     from strikewave.records.readers import Options, read_record
-    from strikewave.records.reading import ChannelReading, FileReading, Request, read_file
+    from strikewave.records.reading import ChannelReading, FileReading, Request, read_file, repeats
     from strikewave.records.record import Channel, Record
 
 _ROOMS = {
@@ -18,7 +18,7 @@ _ROOMS = {
     "health_notice": ("HealthNotice", "unreadable", "worst"),
     "measuring": ("RecordedPulse", "find_pulses"),
     "readers": ("Options", "read_record"),
-    "reading": ("ChannelReading", "FileReading", "Request", "read_file"),
+    "reading": ("ChannelReading", "FileReading", "Request", "read_file", "repeats"),
     "record": ("Channel", "Record"),
 }
 _HOMES = {name: room for room, names in _ROOMS.items() for name in names}
@@ -41,6 +41,7 @@ __all__ = [
     "find_pulses",
     "read_file",
     "read_record",
+    "repeats",
     "summed",
     "unreadable",
     "worst",

@@ -32,6 +32,12 @@ LARGEST_FILE = 100_000
 """Bytes of a calibration file: a few lines for each of hundreds of channels."""
 MOST_DOTS = 40
 """In one line of such a file: keys nested thousands deep take gigabytes to read."""
+LONGEST_UNIT = 80
+"""Characters of a unit that are looked at."""
+_MULTIPLE = re.compile(r"(\d{1,20}(?:\.\d{0,20})?(?:[eE][+-]?\d{1,2})?)\s*([^\d\s].*)")
+"""A unit with a number before it: ``1000 g``."""
+_AMBIGUOUS = {"kg": "1000 g", "mg": "0.001 g", "ug": "1e-6 g", "µg": "1e-6 g"}
+"""Units that some write for multiples of standard gravity, and that are masses; how to write what is then meant."""
 _SPELLINGS = {
     "G": "g", "gs": "g", "g's": "g", "gn": "g", "g_n": "g", "grav": "g",
     "volt": "V", "volts": "V", "v": "V", "millivolts": "mV",
@@ -96,8 +102,8 @@ class Calibration:
             spare = [name for name in ("gain", "excitation", "rated_excitation", "count") if getattr(self, name)]
             if spare:
                 raise InputError(f"{field}.{spare[0]}", getattr(self, spare[0]), "nothing without a sensitivity")
-            if self.unit and known_unit(unit) is None:
-                raise InputError(f"{field}.unit", unit, "a unit of " + ", ".join((*MEASURED[:-1], "strain", "V")))
+            if self.unit:
+                check_unit(unit, f"{field}.unit")
             known = known_unit(unit)
             return Scale(float(self.polarity), "") if known is None else Scale(self.polarity * known[1], known[0])
         output, per, measured = _sensitivity(self.sensitivity, f"{field}.sensitivity")
@@ -145,11 +151,43 @@ def known_unit(text: str) -> tuple[str, float] | None:
 
     Examples
     --------
-    >>> known_unit("G"), known_unit("m/s²"), known_unit("bananas")
-    (('m/s^2', 9.80665), ('m/s^2', 1.0), None)
+    >>> known_unit("G"), known_unit("m/s²"), known_unit("1000 g"), known_unit("bananas")
+    (('m/s^2', 9.80665), ('m/s^2', 1.0), ('m/s^2', 9806.65), None)
     """
     plain = text.strip().strip("[]()").strip()
+    match = _MULTIPLE.fullmatch(plain[:LONGEST_UNIT])
+    if match is not None and float(match[1]) > 0.0:
+        known = known_unit(match[2])
+        return None if known is None or not math.isfinite(float(match[1])) else (known[0], float(match[1]) * known[1])
     return convertible(_SPELLINGS.get(plain, _SPELLINGS.get(plain.lower(), plain)), (*MEASURED, "V"))
+
+
+def check_unit(unit: str, field: str) -> None:
+    """Refuse a unit that is stated and not known.
+
+    Raises
+    ------
+    InputError
+        If it is none.
+    """
+    if known_unit(unit) is None:
+        allowed = 'a unit, or a number with a unit such as "1000 g", of ' + ", ".join(MEASURED[:-1])
+        hint = ambiguous(unit) or nearest(unit, ("g", "m/s^2", "mV", "V", "kN", "N", "MPa", "Pa", "ustrain", "mm"))
+        raise InputError(field, unit, f"{allowed}, strain or V", hint)
+
+
+def ambiguous(unit: str) -> str:
+    """Return what to write instead of a unit that is a mass, and that some write for a multiple of gravity.
+
+    Examples
+    --------
+    >>> ambiguous("kg"), ambiguous("g")
+    ('kg is a mass: for thousands of g, if these are meant, --unit "1000 g"', '')
+    """
+    plain = unit.strip().strip("[]()").strip()
+    meant = _AMBIGUOUS.get(plain, _AMBIGUOUS.get(plain.lower(), ""))
+    of = {"1000 g": "thousands", "0.001 g": "thousandths"}.get(meant, "millionths")
+    return f'{plain} is a mass: for {of} of g, if these are meant, --unit "{meant}"' if meant else ""
 
 
 def calibrated(
@@ -173,7 +211,8 @@ def calibrated(
     findings = []
     if not scale.unit:
         reason = f'its unit "{channel.unit}" is not known' if channel.unit else "the file names no unit"
-        message = f"{reason}: figures are in the file's own numbers; state the unit, such as --unit g"
+        stated = ambiguous(channel.unit) or "state the unit, such as --unit g"
+        message = f"{reason}: figures are in the file's own numbers; {stated}"
         findings.append(HealthNotice("unit-unknown", message, severity="good"))
     elif scale.unit == "V":
         message = 'the file holds volts: figures are in V; state the sensitivity, such as --sensitivity "1.2 mV/g"'

@@ -277,4 +277,6 @@ def _left_out(file: FileReading, reading: ChannelReading) -> list[tuple[str, tup
     findings = [f for f in (*file.findings, *reading.findings) if f.severity == "bad" or set(f.harms) & set(SUMMED)]
     harmed = {name for f in findings for name in (SUMMED if f.severity == "bad" else f.harms)}
     figures = tuple(name for name in SUMMED if name in harmed)
-    return [(file.path, figures, "; ".join(f.message for f in findings))] if figures else []
+    own = f"{reading.channel.name}: " if len(file.channels) > 1 else ""
+    reasons = [f.message if f in file.findings else own + f.message for f in findings]
+    return [(file.path, figures, "; ".join(reasons))] if figures else []

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from typing import Any
 
@@ -12,6 +12,10 @@ STATUSES = ("good", "suspect", "bad")
 """From best to worst."""
 FIGURES = ("peak", "rise", "width", "velocity_change", "interval", "ringing_frequency", "spectrum")
 """What a notice can harm."""
+HARMED = 0.05
+"""Estimated effect on a figure beyond which it is harmed: the usual uncertainty of a calibrated shock accelerometer."""
+NO_EFFECT = 0.0005
+"""Effects below which they are not worth a word."""
 
 
 @dataclass(frozen=True)
@@ -32,6 +36,8 @@ class HealthNotice:
         Names of `FIGURES` that are not to be trusted.
     start, end : float
         Where in time, s; NaN where it is the whole record.
+    effects : tuple of (str, float)
+        By how much of itself it may falsify a figure, estimated from the record: signed where it is known which way.
     """
 
     code: str
@@ -41,6 +47,7 @@ class HealthNotice:
     harms: tuple[str, ...] = ()
     start: float = float("nan")
     end: float = float("nan")
+    effects: tuple[tuple[str, float], ...] = ()
 
     @property
     def notice(self) -> Notice:
@@ -50,7 +57,8 @@ class HealthNotice:
     def health_document(self) -> dict[str, Any]:
         """Return the row of the JSON document under ``health``."""
         words = {"code": self.code, "message": self.message, "value": self.value, "severity": self.severity}
-        return {**words, "harms": list(self.harms), "start": self.start, "end": self.end}
+        where = {"harms": list(self.harms), "start": self.start, "end": self.end}
+        return {**words, **where, "effects": dict(self.effects)}
 
 
 def worst(notices: Iterable[HealthNotice]) -> str:
@@ -67,6 +75,46 @@ def worst(notices: Iterable[HealthNotice]) -> str:
 def worst_first(notices: Iterable[HealthNotice]) -> list[HealthNotice]:
     """Return notices by severity, the worst first, otherwise in their order."""
     return sorted(notices, key=lambda notice: -STATUSES.index(notice.severity))
+
+
+def by_effect(
+    code: str,
+    message: str,
+    value: float,
+    effects: Mapping[str, float],
+    signed: bool = True,
+    start: float = float("nan"),
+    end: float = float("nan"),
+) -> HealthNotice:
+    """Return a notice that says what it does to each figure; those beyond `HARMED` are harmed, and it is suspect.
+
+    A rise time is harmed with the peak that it depends on.
+
+    Examples
+    --------
+    >>> by_effect("hum", "hum of 50 Hz", 1.0, {"peak": 0.02, "velocity_change": 0.08}, signed=False).message
+    'hum of 50 Hz: peak +-2.0 %, velocity change +-8.0 %'
+    """
+    sign = "+" if signed else ""
+    parts = [
+        f"{name.replace('_', ' ')} {'' if signed else '+-'}{100.0 * effect:{sign}.1f} %"
+        for name, effect in effects.items()
+        if abs(effect) >= NO_EFFECT
+    ]
+    harms = [name for name, effect in effects.items() if abs(effect) > HARMED]
+    if "peak" in harms or "width" in harms:
+        harms.append("rise")
+    message = f"{message}: {', '.join(parts)}" if parts else message
+    return HealthNotice(
+        code,
+        message,
+        value,
+        severity="suspect" if harms else "good",
+        harms=tuple(name for name in FIGURES if name in harms),
+        start=start,
+        end=end,
+        effects=tuple((name, float(effect)) for name, effect in effects.items()),
+    )
 
 
 def unreadable(why: str) -> HealthNotice:

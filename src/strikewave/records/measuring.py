@@ -1,22 +1,26 @@
 """Measure the blows that were found in a record.
 
-The baseline is the median of the record before the blow. Noise is smoothed by local parabolas, at each sample over the
-longest window that the noise allows, so that a clean record stays as it is. Where the noise hides a tenth of the
-peak, the figures are those of the smooth pulse that fits best, which its ``method`` reports.
+The baseline is that of the record before the blow (`strikewave.records.baseline`). Noise is smoothed by local
+parabolas, at each sample over the longest window that the noise allows, so that a clean record stays as it is. Where
+the noise hides a tenth of the peak, the figures are those of the smooth pulse that fits best, which its ``method``
+reports.
 """
 
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from collections.abc import Container, Sequence
+from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from strikewave.records.pulses import Baseline, Box, find_boxes, robust_line, sample_noise
-from strikewave.records.smooth_pulse import SmoothPulse, fit_smooth_pulse
+from strikewave.records.baseline import LocalBaseline, baseline_before
+from strikewave.records.pulses import Box, find_boxes, robust_line, sample_noise
+from strikewave.records.smooth_pulse import PulseUncertainty, SmoothPulse, fit_smooth_pulse
 from strikewave.records.smoothing import smooth
+from strikewave.records.trains import Contacts, sort_contacts
 from strikewave.signal.pulse import WIDTH_FRACTION, crossing, measure_pulse
 
 Array = NDArray[np.float64]
@@ -26,10 +30,10 @@ FEWEST = 16
 FOOT = 0.02
 """Share of the peak at which a pulse begins and ends when its area is taken: what lies below the foot of a half-sine is
 0.02 % of its area, and what drifts beside it is left out."""
-LOOK_BACK = 40
-"""Widths of a blow before it over which the baseline is taken: more than its foot lasts."""
 TOES = 5
 """Widths of a blow to either side in which its feet are sought."""
+SMALLEST_REBOUND = 0.1
+"""Share of the peak of its blow from which a rebound is reported."""
 STRAIGHT, TINY = 1e-6, 1e-100
 """What is bent by less than this share of its largest value, or by so little, is a straight line: a count, a clock."""
 CLEAR = 3.0
@@ -37,8 +41,6 @@ CLEAR = 3.0
 LONGEST_WINDOW = 3
 """Share of a blow, one in so many of its box, that a smoothing window reaches to either side at most: a parabola over
 two thirds of a box still follows a half-sine."""
-FEWEST_OF_BASELINE = 4
-"""Samples before a blow, and a width of it, without which the line of the whole record is taken for its baseline."""
 EARLIER, LENGTH = 0.15, 1.3
 """Of the box, how much earlier a half-sine whose mean stands out most begins, and how long it lasts: a first guess."""
 RINGING_WIDTHS, FEWEST_OF_RINGING = 40, 32
@@ -51,6 +53,26 @@ STANDS_OUT = 30.0
 """Power of a ringing over that of the noise: noise reaches it once in 1e13 frequencies (exp(-30))."""
 ROUNDING = 1e-24
 """Share of the largest power below which a peak is rounding: 1e-12 of the amplitude."""
+NO_BASELINE, NOT_KNOWN = LocalBaseline(math.nan), PulseUncertainty()
+"""Of a pulse that was not measured in a record."""
+
+
+class Rebound(NamedTuple):
+    """A contact that belongs to a blow: smaller than it, and as late after each, or near.
+
+    Attributes
+    ----------
+    time : float
+        Time of its peak, s.
+    peak : float
+        Largest value above the baseline, with its sign.
+    velocity_change : float
+        Integral from foot to foot, in the unit of the record times s.
+    """
+
+    time: float
+    peak: float
+    velocity_change: float
 
 
 @dataclass(frozen=True)
@@ -80,6 +102,12 @@ class RecordedPulse:
         ``record`` where the figures are read off the record, ``fit`` where noise hides a tenth of the peak.
     begin, end : float
         Time of the feet, s.
+    baseline : LocalBaseline
+        The baseline before the pulse, its slope, and what noise does to it.
+    uncertainty : PulseUncertainty
+        Of peak, width and velocity change, by what lies before the blow.
+    rebounds : tuple of Rebound
+        Smaller contacts that belong to the blow.
     """
 
     time: float
@@ -94,6 +122,9 @@ class RecordedPulse:
     method: str
     begin: float
     end: float
+    baseline: LocalBaseline = NO_BASELINE
+    uncertainty: PulseUncertainty = NOT_KNOWN
+    rebounds: tuple[Rebound, ...] = ()
 
 
 def find_pulses(values: Array, step: float, start: float = 0.0) -> list[RecordedPulse]:
@@ -131,14 +162,49 @@ def find_pulses(values: Array, step: float, start: float = 0.0) -> list[Recorded
     if bent <= max(STRAIGHT * float(np.max(np.abs(values))), TINY):
         return []
     noise = sample_noise(values)
-    sign, boxes = find_boxes(values, line, noise)
-    measured = []
-    for k, box in enumerate(boxes):
-        earliest = boxes[k - 1].last if k else 0
-        latest = boxes[k + 1].first if k + 1 < len(boxes) else values.size
-        offset = _offset(values, box, earliest, line)
-        measured.append(_measure(values, BlowWindow(box, earliest, latest, sign, offset, noise, step, start)))
-    return [pulse for pulse in measured if pulse is not None]
+    sign, large, small = find_boxes(values, line, noise)
+
+    def measured(boxes: Sequence[Box], wanted: Container[Box]) -> list[tuple[RecordedPulse, bool]]:
+        """Measure boxes between their neighbours, and tell which are small."""
+        found = []
+        for k, box in enumerate(boxes):
+            if box in wanted:
+                earliest = boxes[k - 1].last if k else 0
+                latest = boxes[k + 1].first if k + 1 < len(boxes) else values.size
+                baseline = baseline_before(values, box.first, box.width, earliest)
+                if baseline is None:
+                    baseline = LocalBaseline(float(line.at(box.first + 0.5 * box.width)))
+                pulse = _measure(values, BlowWindow(box, earliest, latest, sign, baseline, noise, step, start))
+                found += [] if pulse is None else [(pulse, wanted is small)]
+        return found
+
+    return _owned(sorted([*measured(large, large), *measured(sorted(large + small), small)], key=lambda p: p[0].time))
+
+
+def _owned(contacts: Sequence[tuple[RecordedPulse, bool]]) -> list[RecordedPulse]:
+    """Return the blows among contacts, each with its rebounds."""
+    pulses = [pulse for pulse, _ in contacts]
+    kinds = sort_contacts(*_sizes(pulses), [small for _, small in contacts])
+    rebounds: dict[int, list[Rebound]] = {}
+    for k, blow in kinds.owner.items():
+        pulse = pulses[k]
+        if abs(pulse.peak) >= SMALLEST_REBOUND * abs(pulses[blow].peak):
+            rebounds.setdefault(blow, []).append(Rebound(pulse.time, pulse.peak, pulse.velocity_change))
+    return [replace(pulses[k], rebounds=tuple(sorted(rebounds.get(k, ())))) for k in kinds.blows]
+
+
+def contacts_of(pulses: Sequence[RecordedPulse]) -> Contacts:
+    """Return what the blows of a record are to one another: a train, double hits."""
+    return sort_contacts(*_sizes(pulses), [False] * len(pulses))
+
+
+def _sizes(pulses: Sequence[RecordedPulse]) -> tuple[Array, Array, Array]:
+    """Return times, sizes of peaks, and widths."""
+    return (
+        np.array([pulse.time for pulse in pulses]),
+        np.array([abs(pulse.peak) for pulse in pulses]),
+        np.array([pulse.smooth.width() for pulse in pulses]),
+    )
 
 
 @dataclass(frozen=True)
@@ -149,27 +215,19 @@ class BlowWindow:
     earliest: int
     latest: int
     sign: int
-    offset: float
+    baseline: LocalBaseline
     noise: float
     step: float
     start: float
 
+    @property
+    def offset(self) -> float:
+        """The baseline under the blow."""
+        return self.baseline.level
+
     def time(self, place: float) -> float:
         """Return the time of a sample, s."""
         return self.start + place * self.step
-
-
-def _offset(values: Array, box: Box, earliest: int, line: Baseline) -> float:
-    """Return the baseline under a blow: the median of the record before it, carried on along the slope of the whole.
-
-    Where there is no room before it, the line of the whole record.
-    """
-    middle = box.first + 0.5 * box.width
-    end = box.first - box.width
-    begin = max(end - LOOK_BACK * box.width, earliest + 2 * box.width if earliest else 0)
-    if end - begin < max(box.width, FEWEST_OF_BASELINE):
-        return float(line.at(middle))
-    return float(np.median(values[begin:end] - line.slope * (np.arange(begin, end) - middle)))
 
 
 def _measure(values: Array, stretch: BlowWindow) -> RecordedPulse | None:
@@ -186,18 +244,47 @@ def _measure(values: Array, stretch: BlowWindow) -> RecordedPulse | None:
     alone[inside] = clean[inside]
     pulse = measure_pulse(alone, step, stretch.time(begin))
     fitted = _fitted(values, stretch)
-    common = Common(_ringing(values, stretch), stretch.offset, stretch.noise, fitted._replace(peak=sign * fitted.peak))
+    smooth_pulse = fitted._replace(peak=sign * fitted.peak)
+    common = Common(_ringing(values, stretch), stretch.offset, stretch.noise, smooth_pulse)
     if WIDTH_FRACTION * pulse.peak < CLEAR * float(np.max(spread[max(index - 1, 0) : index + 2])):
         figures = (fitted.time, sign * fitted.peak, fitted.rise(), fitted.width(), sign * fitted.area())
-        return RecordedPulse(*figures, *common, "fit", fitted.begin, fitted.begin + fitted.length)
+        doubt = _of_fit(fitted, stretch)
+        return RecordedPulse(
+            *figures, *common, "fit", fitted.begin, fitted.begin + fitted.length, stretch.baseline, doubt
+        )
     first, last = (crossing(alone, index, FOOT * pulse.peak, side) for side in (-1, 1))
     if math.isnan(first) or math.isnan(last):  # it does not come back to its zero: the smooth pulse does
         figures = (pulse.time, sign * pulse.peak, pulse.rise, pulse.width, sign * fitted.area())
-        return RecordedPulse(*figures, *common, "record", fitted.begin, fitted.begin + fitted.length)
+        doubt = _of_record(fitted, fitted.length, stretch)
+        return RecordedPulse(
+            *figures, *common, "record", fitted.begin, fitted.begin + fitted.length, stretch.baseline, doubt
+        )
     grid = np.unique(np.concatenate([[first], np.arange(math.ceil(first), math.floor(last) + 1), [last]]))
     area = float(np.trapezoid(np.interp(grid, np.arange(raw.size), raw), grid)) * step
     figures = (pulse.time, sign * pulse.peak, pulse.rise, pulse.width, sign * area)
-    return RecordedPulse(*figures, *common, "record", stretch.time(begin + first), stretch.time(begin + last))
+    feet = stretch.time(begin + first), stretch.time(begin + last)
+    return RecordedPulse(
+        *figures, *common, "record", *feet, stretch.baseline, _of_record(fitted, feet[1] - feet[0], stretch)
+    )
+
+
+def _of_record(fitted: SmoothPulse, length: float, stretch: BlowWindow) -> PulseUncertainty:
+    """Return the uncertainty of figures read off the record: the baseline moves under them, and noise beside it.
+
+    A common shift moves both ends of a width, noise each of its own.
+    """
+    wander, ripple = stretch.baseline.wander, stretch.baseline.ripple
+    tip = math.hypot(wander, 0.0 if math.isnan(ripple) else ripple)
+    ends = math.hypot(wander, math.sqrt(0.5) * (0.0 if math.isnan(ripple) else ripple))
+    return PulseUncertainty(tip, fitted.width_slope() * ends / fitted.peak, wander * length)
+
+
+def _of_fit(fitted: SmoothPulse, stretch: BlowWindow) -> PulseUncertainty:
+    """Return the uncertainty of fitted figures: of white noise, or what the mean over the blow wanders if more."""
+    wander = stretch.baseline.wander
+    white = stretch.noise / math.sqrt(stretch.box.width)
+    more = 1.0 if math.isnan(wander) else max(wander / white, 1.0)
+    return fitted.uncertainty(stretch.step, more * stretch.noise)
 
 
 class Common(NamedTuple):

@@ -4,12 +4,14 @@ A blow is a one-sided excursion. Boxes of all widths slide over the record; the 
 samples stands out where it exceeds what noise alone would give anywhere in the record once in a hundred
 records; the noise of each width is measured from the record itself. The box that holds the largest energy
 w r^2 gives sign and scale; the others must be of its sign and scale (a third to three times its width), have at
-least a fifth of its area, and stand out from what swings around them, so that ringing is no blow.
+least a fifth of its area, and stand out from what swings around them, so that ringing is no blow. Which of them
+belong to the blow before is for `strikewave.records.trains` to tell.
 """
 
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -31,6 +33,8 @@ SMALLEST_AREA = 0.2
 
 The blows of one test are alike, and what rings after a blow swings to both sides: the areas of its lobes are
 smaller."""
+SMALLEST_CONTACT = 0.05
+"""Share of that area from which on a box may be a rebound, or a blow where a train asks for one."""
 SCALES = 3.0
 """The widths of the blows of one record differ by at most this factor from the largest one: the lobes of a ringing are
 narrower, a drift or a change of level is wider."""
@@ -40,6 +44,21 @@ STANDS_OUT = 2.0
 Chosen: a blow may begin while what was struck before still swings, by less than half of it."""
 APART = 0.3
 """Share of its width around a blow in which no second one is looked for: the feet of a pulse reach beyond its box."""
+FEWEST_OF_HITS = 12
+"""Samples of a box without which two hits in it cannot be told apart."""
+HUMP_OF_BOX = 16
+"""A box that may hold two hits is looked at in means over one in so many of its samples.
+
+They are a fifth of either hit or less."""
+HUMP, VALLEY = 0.5, 0.35
+"""Shares of the higher of two hits that the other reaches, and of the lower that is left between them at most, to
+either side of the baseline.
+
+Half-sines that touch foot to foot leave nothing; those 0.9 lengths apart a third."""
+LOBES = 4.0
+"""Widths between two boxes within which both may be lobes of one ringing."""
+TAIL_WIDTHS = 3.0
+"""Widths after a hit in which its tail may hold a small box."""
 BESIDE = 3
 """Widths to either side of a box in which a lobe of the other sign makes it one of a ringing: one and a half
 periods."""
@@ -82,6 +101,11 @@ class Box(NamedTuple):
     def last(self) -> int:
         """One past the last sample."""
         return self.first + self.width
+
+    @property
+    def area(self) -> float:
+        """Sum of its samples."""
+        return self.width * self.mean
 
 
 def robust_line(values: Array, blocks: int = LINE_BLOCKS) -> Baseline:
@@ -132,8 +156,10 @@ def sample_noise(values: Array) -> float:
     return noise if noise > 0.0 or not steps.size else float(np.min(steps)) / math.sqrt(12.0)
 
 
-def find_boxes(values: Array, line: Baseline, single: float) -> tuple[int, list[Box]]:
-    """Return the sign of the blows of a record, and a box for each, in the order of time.
+def find_boxes(values: Array, line: Baseline, single: float) -> tuple[int, list[Box], list[Box]]:
+    """Return the sign of the contacts of a record, and boxes of the large and of the small ones, in the order of time.
+
+    A small one has less than a fifth of the largest area, and more than a twentieth.
 
     Parameters
     ----------
@@ -147,27 +173,118 @@ def find_boxes(values: Array, line: Baseline, single: float) -> tuple[int, list[
     Examples
     --------
     >>> values = np.random.default_rng(1).normal(size=4000)
-    >>> values[1000:1100] -= 20.0
-    >>> sign, boxes = find_boxes(values, robust_line(values), sample_noise(values))
-    >>> sign, len(boxes), abs(boxes[0].first - 1000) < 20
-    (-1, 1, True)
+    >>> values[1000:1100] -= 40.0
+    >>> values[2000:2100] -= 6.0
+    >>> sign, large, small = find_boxes(values, robust_line(values), sample_noise(values))
+    >>> sign, len(large), abs(large[0].first - 1000) < 20, len(small)
+    (-1, 1, True, 1)
     """
     boxes_by_sign = {sign: _standing_out(values, line, sign) for sign in (1, -1)}
     best = {sign: max(boxes, key=_energy, default=None) for sign, boxes in boxes_by_sign.items()}
     chosen = max(best, key=lambda sign: _energy(best[sign]))
     top = best[chosen]
     if top is None:
-        return 1, []
+        return 1, [], []
     alike = [box for box in boxes_by_sign[chosen] if top.width / SCALES <= box.width <= top.width * SCALES]
-    blows: list[Box] = []
+    alike.sort(key=_energy, reverse=True)
+    large: list[Box] = []
+    small: list[Box] = []
     claimed: list[Box] = []
-    for box in sorted(alike, key=_energy, reverse=True):
-        if box.width * box.mean < SMALLEST_AREA * top.width * top.mean or _touches(box, claimed):
-            continue
-        claimed.append(box)
-        if box.first >= 0.5 * box.width and not _swings(values, line, chosen, box, blows, single):
-            blows.append(box)
-    return chosen, sorted(blows)
+    for found, least, most in ((large, SMALLEST_AREA, math.inf), (small, SMALLEST_CONTACT, SMALLEST_AREA)):
+        for box in alike:
+            if not least <= box.area / top.area < most or _touches(box, claimed):
+                continue
+            claimed.append(box)
+            if box.first >= 0.5 * box.width and not _swings(values, line, chosen, box, large + small, single):
+                found.append(box)
+    parts = sorted(part for box in large for part in _hits_of(values, line, chosen, box, single))
+    hits = _without_lobes(values, line, chosen, parts, single)
+    return chosen, hits, sorted(box for box in small if _rises_again(values, line, chosen, box, hits))
+
+
+def _hits_of(values: Array, line: Baseline, sign: int, box: Box, single: float) -> list[Box]:
+    """Return the two hits that a box covers, a box each, or the box itself.
+
+    Two hits leave a valley that comes near the baseline and does not fall below it, and nothing like them comes as long
+    before and after: a contact pushes only and comes alone, ringing swings to both sides and goes on.
+    """
+    begin, end = max(box.first - box.width, 0), min(box.last + box.width, values.size)
+    if box.width < FEWEST_OF_HITS:
+        return [box]
+    across = max(box.width // HUMP_OF_BOX, 1)
+    raw = sign * (values[begin:end] - line.at(np.arange(begin, end)))
+    part = np.convolve(raw, np.full(across, 1.0 / across), mode="same")
+    inside = slice(box.first - begin - box.width // 4, box.last - begin + box.width // 4)
+    top = inside.start + int(np.argmax(part[inside]))
+    humps = [_second_hump(part, inside, top, side) for side in (1, -1)]
+    place, valley = max(humps, key=lambda hump: part[hump[0]] - part[hump[1]])
+    height, depth = float(part[place]), float(part[valley])
+    noise = SURE * single / math.sqrt(across)
+    if height < HUMP * part[top] or depth > VALLEY * height + noise or noise > VALLEY * height:
+        return [box]
+    if _goes_on(part, min(place, top), max(place, top), height, noise):
+        return [box]
+    hits = sorted(_hump_box(part, raw, at, valley) for at in (place, top))
+    if max(hit.width for hit in hits) > SCALES * min(hit.width for hit in hits):
+        return [box]
+    return [Box(hit.first + begin, hit.width, hit.mean) for hit in hits]
+
+
+def _goes_on(part: Array, low: int, high: int, height: float, noise: float) -> bool:
+    """Tell whether two humps are lobes of one ringing: it swings to both sides, or goes on as far apart."""
+    apart = high - low
+    around = part[max(low - apart, 0) : high + 2 * apart]
+    before, after = low - apart // 2, high + apart // 2
+    beside = np.concatenate([part[max(before - apart, 0) : max(before, 0)], part[after : after + apart]])
+    deep = -float(np.min(around)) > VALLEY * height + noise
+    return deep or float(np.max(beside, initial=0.0)) > HUMP * height
+
+
+def _without_lobes(values: Array, line: Baseline, sign: int, boxes: Sequence[Box], single: float) -> list[Box]:
+    """Return boxes without those that are a lobe of one ringing with a higher one beside them."""
+    left: list[Box] = []
+    for box in boxes:
+        if left and box.first - left[-1].last < LOBES * max(box.width, left[-1].width):
+            begin, end = max(2 * left[-1].first - box.last, 0), 3 * box.last - 2 * left[-1].first
+            part = sign * (values[begin:end] - line.at(np.arange(begin, min(end, values.size))))
+            low, high = (b.first + b.width // 2 - begin for b in (left[-1], box))
+            height = min(left[-1].mean, box.mean)
+            noise = SURE * single
+            if _goes_on(part, low, high, height, noise):
+                left[-1] = max(left[-1], box, key=lambda b: b.mean)
+                continue
+        left.append(box)
+    return left
+
+
+def _rises_again(values: Array, line: Baseline, sign: int, box: Box, others: Sequence[Box]) -> bool:
+    """Tell whether a small box stands over what lies between it and the hits beside it, so that it is no tail."""
+    for other in others:
+        begin, end = (other.last, box.first) if other.first < box.first else (box.last, other.first)
+        if end - begin < TAIL_WIDTHS * other.width:
+            between = sign * (values[begin:end] - line.at(np.arange(begin, end)))
+            if not between.size or float(np.min(between)) > 0.5 * box.mean:
+                return False
+    return True
+
+
+def _second_hump(part: Array, inside: slice, top: int, side: int) -> tuple[int, int]:
+    """Return the place that stands highest over the lowest one between it and the top, and that one."""
+    beside = part[top : inside.stop] if side > 0 else part[inside.start : top + 1][::-1]
+    lowest = np.minimum.accumulate(beside)
+    place = int(np.argmax(beside - lowest))
+    valley = int(np.argmin(beside[: place + 1]))
+    return top + side * place, top + side * valley
+
+
+def _hump_box(part: Array, raw: Array, top: int, valley: int) -> Box:
+    """Return the samples around a hump that are above half of it, on its side of the valley."""
+    below = np.flatnonzero(part < 0.5 * part[top])
+    left, right = below[below < top], below[below > top]
+    first = max(int(left[-1]) + 1 if left.size else 0, valley + 1 if valley < top else 0)
+    last = min(int(right[0]) if right.size else part.size, valley if valley > top else part.size)
+    width = max(last - first, 1)
+    return Box(first, width, float(np.mean(raw[first : first + width])))
 
 
 def _touches(box: Box, others: list[Box]) -> bool:

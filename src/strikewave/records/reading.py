@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import dataclasses
 import math
+import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
-from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -15,9 +15,10 @@ from strikewave.base.errors import InputError, nearest, show
 from strikewave.records.calibration import Calibration, calibrated, calibration_of, laid_over
 from strikewave.records.clock import even
 from strikewave.records.health import Examined, examine, level_step
-from strikewave.records.health_notice import FIGURES, HealthNotice, worst, worst_first
-from strikewave.records.measuring import FEWEST, RecordedPulse, find_pulses
+from strikewave.records.health_notice import FIGURES, STATUSES, HealthNotice, worst, worst_first
+from strikewave.records.measuring import FEWEST, RecordedPulse, contacts_of, find_pulses
 from strikewave.records.record import Array, Channel, Record
+from strikewave.records.trains import gaps_of
 from strikewave.signal.filters import Filter
 
 MUCH, HALF = 0.9, 0.5
@@ -88,9 +89,8 @@ class ChannelReading:
 
     @property
     def intervals(self) -> list[float]:
-        """Times from each peak to the next, s."""
-        times = [pulse.time for pulse in self.pulses]
-        return [later - earlier for earlier, later in pairwise(times)]
+        """Times from each blow to the next, s: not inside a double hit, nor over a missing blow."""
+        return gaps_of(np.array([pulse.time for pulse in self.pulses]), contacts_of(self.pulses))
 
     def figures(self, name: str) -> list[float]:
         """Return a figure of all blows, those that a finding harms left out."""
@@ -125,8 +125,16 @@ class FileReading:
 
     @property
     def reasons(self) -> list[str]:
-        """Why the file is not good, in words, each once."""
-        return list(dict.fromkeys(f.message for f in self.all_findings if f.severity != "good"))
+        """Why the file is not good, in words, each once; of several channels, with the names of those it is true of."""
+        pairs = [(finding, "") for finding in self.findings]
+        pairs += [(finding, reading.channel.name) for reading in self.channels for finding in reading.findings]
+        pairs.sort(key=lambda pair: -STATUSES.index(pair[0].severity))
+        names: dict[str, dict[str, None]] = {}
+        for finding, name in pairs:
+            if finding.severity != "good":
+                names.setdefault(finding.message, {})[name] = None
+        several = len(self.channels) > 1
+        return [f"{', '.join(of)}: {words}" if several and all(of) else words for words, of in names.items()]
 
 
 def read_channel(channel: Channel, number: int, calibration: Calibration, request: Request) -> ChannelReading:
@@ -257,6 +265,36 @@ def read_file(record: Record, stated: Mapping[str, Mapping[str, Any]], request: 
         number = places[id(channel)]
         readings.append(read_channel(channel, number, calibration_of(tables, channel.name, number), request))
     return FileReading(record.path, record.format, tuple(readings), (*record.findings, *unused))
+
+
+def repeats(file: FileReading) -> list[FileReading]:
+    """Return a file a channel: repeats of the same test that stand in columns, or sheets, of one file.
+
+    Each is called as the file with the name of its column, and its channel as what the names have in common.
+
+    Examples
+    --------
+    >>> t = np.arange(4000) * 1e-5
+    >>> channels = tuple(Channel(f"shot {k}", np.exp(-(((t - 0.02) / 1e-4) ** 2)), 1e-5) for k in (1, 2))
+    >>> file = read_file(Record("a.csv", "text", channels), {}, Request())
+    >>> [(one.path, [(r.channel.name, r.number) for r in one.channels]) for one in repeats(file)]
+    [('a.csv: shot 1', [('shot', 1)]), ('a.csv: shot 2', [('shot', 1)])]
+    """
+    names = [reading.channel.name for reading in file.channels]
+    stems = {re.sub(r"[\W_]*\d*[\W_]*$", "", name.rpartition("/")[2]) for name in names}
+    common = stems.pop() if len(stems) == 1 else ""
+    return [
+        dataclasses.replace(
+            file,
+            path=f"{file.path}: {reading.channel.name}",
+            channels=(
+                dataclasses.replace(
+                    reading, number=1, channel=dataclasses.replace(reading.channel, name=common or "repeats")
+                ),
+            ),
+        )
+        for reading in file.channels
+    ]
 
 
 def _by_number(

@@ -3,14 +3,15 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping
+from collections import Counter
+from collections.abc import Iterable, Mapping
 
 from strikewave.base.result import Band, BandMethod, MovedInput, Result
 from strikewave.base.units import in_unit
 from strikewave.reporting.numbers import band_text, listed, percent, spelled, with_band
 from strikewave.reporting.parts import NONE, Cell, Section, Table, written
 
-BAND_HEADS = ("result", "value and range", "inputs that matter most, with their shares", "rest")
+BAND_HEADS = ("result", "value and range", "shares of the inputs that matter most", "rest")
 """Heads of the table of bands on the screen."""
 MOVED_HEADS = ("input", "as typed", "from", "to", "what is known", "why")
 """Heads of the table of inputs."""
@@ -63,6 +64,47 @@ def band_label(name: str) -> str:
     return f"{quantity.replace('_', ' ')} of {words}"
 
 
+def short_label(name: str) -> str:
+    """Say in few words what a result with a band is called, for a narrow table.
+
+    Examples
+    --------
+    >>> short_label("first.rigid_peak"), short_label("typical.width"), short_label("tap.end.peak_velocity")
+    ('rigid peak, first', 'width, later', 'peak velocity, tap end')
+    """
+    where, _, quantity = name.rpartition(".")
+    words = quantity.replace("_", " ")
+    return f"{words}, {({'typical': 'later'}).get(where, where.replace('.', ' '))}" if where else words
+
+
+def short_fields(fields: Iterable[str]) -> dict[str, str]:
+    """Return the last words of each field, as few as tell it from the others.
+
+    Examples
+    --------
+    >>> short_fields(["object.mass", "striker.mass", "machine.engagement"])
+    {'object.mass': 'object.mass', 'striker.mass': 'striker.mass', 'machine.engagement': 'engagement'}
+    >>> short_fields(["stack.layer.upper.diameter", "stack.layer.lower.diameter"])
+    {'stack.layer.upper.diameter': 'upper.diameter', 'stack.layer.lower.diameter': 'lower.diameter'}
+    """
+    ends = {field: [".".join(field.split(".")[-k:]) for k in range(1, field.count(".") + 2)] for field in fields}
+    counts = Counter(end for of_one in ends.values() for end in of_one)
+    return {field: next((end for end in of_one if counts[end] == 1), field) for field, of_one in ends.items()}
+
+
+def bands_of(bands: Mapping[str, Band], column: str) -> list[Band]:
+    """Return the bands of what a column of a table holds: of the first blow and of later ones, or of a sensor.
+
+    Examples
+    --------
+    >>> bands = {"first.width": Band(1e-4, 2e-4, 0.95), "sensor.end.peak": Band(1e4, 2e4, 0.95)}
+    >>> len(bands_of(bands, "width")), len(bands_of(bands, "end peak")), len(bands_of(bands, "impulse"))
+    (1, 1, 0)
+    """
+    named = column.replace(".", " ")
+    return [band for name, band in bands.items() if name.partition(".")[2].replace(".", " ") == named]
+
+
 def units_of(name: str) -> tuple[str, str]:
     """Return the SI unit of a result with a band, and the one in which it is shown as a rule.
 
@@ -74,7 +116,7 @@ def units_of(name: str) -> tuple[str, str]:
     return BAND_UNITS[name.rpartition(".")[2]]
 
 
-def band_rows(result: Result, values: Mapping[str, float]) -> list[list[str]]:
+def band_rows(result: Result, values: Mapping[str, float], whole: bool = True) -> list[list[str]]:
     """Return a row for each result with a band: its name, its value with the range, the inputs, and the rest.
 
     Parameters
@@ -83,20 +125,24 @@ def band_rows(result: Result, values: Mapping[str, float]) -> list[list[str]]:
         With bands.
     values : mapping of str to float
         The results themselves, SI, by the names of the bands.
+    whole : bool
+        Whether names of results and fields are whole, not shortened for a narrow table.
     """
+    method = result.band_method
+    short = {} if whole or method is None else short_fields(one.field for one in method.inputs)
     return [
         [
-            band_label(name),
+            band_label(name) if whole else short_label(name),
             with_band(values.get(name), band, *units_of(name)),
-            ", ".join(_shares(band)) or NONE,
+            ", ".join(_shares(band, short)) or NONE,
             _rest(result, name),
         ]
         for name, band in result.band.items()
     ]
 
 
-def _shares(band: Band) -> list[str]:
-    return [f"{one.field} {percent(one.share, 0)}" for one in band.inputs]
+def _shares(band: Band, called: Mapping[str, str] | None = None) -> list[str]:
+    return [f"{(called or {}).get(one.field, one.field)} {percent(one.share, 0)}" for one in band.inputs]
 
 
 def _rest(result: Result, name: str) -> str:

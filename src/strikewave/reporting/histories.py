@@ -14,9 +14,8 @@ import numpy as np
 from strikewave.reporting.columns import HISTORY_DIGITS, Column, csv_table
 
 if TYPE_CHECKING:
-    import xarray
-
     from strikewave.base.result import Result
+    from strikewave.base.variables import LabelledArrays
 
 HistoryFormat = Literal["csv", "parquet"]
 """Formats of tables of histories."""
@@ -68,21 +67,19 @@ def write_histories(result: Result, folder: Path, form: HistoryFormat) -> list[s
     return names
 
 
-def _time_bases(data: xarray.Dataset) -> dict[str, Any]:
+def _time_bases(data: LabelledArrays) -> dict[str, Any]:
     """Return the times, s, of each dimension that is one: by its coordinate, or by the step of its samples."""
     bases = {
-        str(name): data[name].values
-        for name in data.dims
-        if name in data.coords and data[name].attrs.get("units") == "s"
+        name: data[name].values for name in data.sizes if name in data.coords and data[name].attrs.get("units") == "s"
     }
     for variable in data.data_vars.values():
         if "step" in variable.attrs:
-            base = str(variable.dims[-1])
+            base = variable.dims[-1]
             bases[base] = variable.attrs["step"] * np.arange(data.sizes[base])
     return bases
 
 
-def _columns_over(data: xarray.Dataset, base: str) -> Iterator[Column]:
+def _columns_over(data: LabelledArrays, base: str) -> Iterator[Column]:
     """Yield the columns of all variables over a time base; one for each label of their other dimensions."""
     for name, variable in data.data_vars.items():
         others = [dim for dim in variable.dims if dim != base]
@@ -90,13 +87,13 @@ def _columns_over(data: xarray.Dataset, base: str) -> Iterator[Column]:
             continue
         si = str(variable.attrs.get("units", ""))
         for places in itertools.product(*(range(data.sizes[dim]) for dim in others)):
-            at = dict(zip(map(str, others), places, strict=True))
-            values = variable.isel(at).values
+            at = dict(zip(others, places, strict=True))
+            values = variable.values[tuple(at.get(dim, slice(None)) for dim in variable.dims)]
             if np.isfinite(values).any():
-                yield Column(_named(str(name), data, at, variable.attrs), values, si)
+                yield Column(_named(name, data, at, variable.attrs), values, si)
 
 
-def _named(name: str, data: xarray.Dataset, at: Mapping[str, int], attributes: Mapping[Any, Any]) -> str:
+def _named(name: str, data: LabelledArrays, at: Mapping[str, int], attributes: Mapping[Any, Any]) -> str:
     """Return the name of a column: the variable's, the sensor it is of, and the labels of its place."""
     labels = [str(attributes["sensor"])] if "sensor" in attributes else []
     for dim, place in at.items():

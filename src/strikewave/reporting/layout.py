@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import re
 import unicodedata
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from typing import NamedTuple
 
@@ -17,6 +17,8 @@ GAP = "  "
 """Between two columns."""
 MOST_HEAD_LINES = 3
 """Lines of the words of a head, if words that long let it: higher ones are hard to read."""
+MOST_ROW_LINES = 6
+"""Lines of a row up to which the widths are sought at which no row takes more."""
 LEAST_TEXT = 16
 """Characters that a column of words gets at least, if its words are not shorter altogether."""
 PLAIN = {
@@ -277,21 +279,44 @@ class _Grid:
         return [sorted(piece) for piece in pieces] or [keys]
 
     def widths(self, places: Sequence[int], width: float) -> dict[int, int]:
-        """Share the width among columns: words first, then what makes the heads lower."""
-        widths = {place: self.least[place] for place in places}
-        left = width - self.total(places, self.least)
-        wanting = {
-            place: want for place in places if self.columns[place].words and (want := self.most[place] - widths[place])
-        }
-        share = min(left / sum(wanting.values()), 1.0) if wanting else 0.0
-        for place, want in wanting.items():
-            widths[place] += int(share * want)
+        """Share the width among columns: words first, so that rows take few lines, then what makes the heads lower."""
+        ways = [self._in_proportion(places, width), *self._by_height(places, width)]
+        widths = min(ways, key=lambda way: self._height(places, way))
         left = width - sum(widths.values()) - len(GAP) * (len(places) - 1)
         for high in range(1, MOST_HEAD_LINES):
             wanted = {place: self._head_width(place, widths[place], high) for place in places}
             if sum(wanted.values()) - sum(widths.values()) <= left:
                 return wanted
         return widths
+
+    def _in_proportion(self, places: Sequence[int], width: float) -> dict[int, int]:
+        """Return widths that give each column of words an equal part of what it lacks to stand in one line."""
+        widths = {place: self.least[place] for place in places}
+        left = width - self.total(places, self.least)
+        wanting = {place: self.most[place] - widths[place] for place in places if self.columns[place].words}
+        share = min(left / sum(wanting.values()), 1.0) if any(wanting.values()) else 0.0
+        return {place: widths[place] + int(share * wanting.get(place, 0)) for place in places}
+
+    def _by_height(self, places: Sequence[int], width: float) -> Iterator[dict[int, int]]:
+        """Give the widths at which no row takes more than two lines, or three and so on, where they fit."""
+        for high in range(2, MOST_ROW_LINES + 1):
+            widths = {place: self._row_width(place, high) for place in places}
+            if sum(widths.values()) + len(GAP) * max(len(places) - 1, 0) <= width:
+                yield widths
+
+    def _row_width(self, place: int, high: int) -> int:
+        """Return the least width at which no cell of a column takes more than so many lines."""
+        if not self.columns[place].words:
+            return self.least[place]
+        widths = range(self.least[place], self.most[place])
+        cells = {row[place] for row in self.rows}
+        fits = (width for width in widths if all(len(wrapped(cell, width)) <= high for cell in cells))
+        return next(fits, self.most[place])
+
+    def _height(self, places: Sequence[int], widths: dict[int, int]) -> int:
+        """Return the lines of all rows."""
+        words = [place for place in places if self.columns[place].words]
+        return sum(max((len(wrapped(row[place], widths[place])) for place in words), default=1) for row in self.rows)
 
     def _head_width(self, place: int, least: int, high: int) -> int:
         """Return the width at which a head takes no more than so many lines."""

@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import contextlib
+import glob
 import hashlib
 import math
 import os
+import re
 import shlex
 import sys
 from collections.abc import Iterable, Mapping, Sequence
@@ -18,7 +20,8 @@ import typer
 
 from strikewave.base.errors import InputError, StrikewaveError, nearest
 from strikewave.base.result import Source
-from strikewave.reporting.options import quantity
+from strikewave.base.units import parse_quantity
+from strikewave.reporting.options import parsed, quantity
 from strikewave.reporting.shown_result import ShownResult
 from strikewave.reporting.terminal import progress_bar, say
 
@@ -37,6 +40,31 @@ def _of_channels(name: str, help: str) -> Any:
     """Return an option of the calibration, which may be said for each channel."""
     each = " [CHANNEL=]VALUE; may be repeated."
     return typer.Option(name, metavar="VALUE", help=help + each, show_default=False)
+
+
+def read_time_unit(word: str, field: str) -> float:
+    """Return the seconds of a unit of time, or of a number of them.
+
+    Raises
+    ------
+    InputError
+        If it is none.
+
+    Examples
+    --------
+    >>> read_time_unit("ms", "--time-unit"), read_time_unit("10 us", "--time-unit")
+    (0.001, 1e-05)
+    """
+    from strikewave.records.readers.clock import UNITS_OF_TIME, seconds_in
+
+    seconds = seconds_in(word)
+    if seconds is not None:
+        return seconds
+    number, _, unit = word.strip().partition(" ")
+    if is_bare(number) and float(number) > 0.0 and seconds_in(unit) is not None:
+        return parse_quantity(word, "s", field)
+    allowed = 'a unit of time, such as s, ms, us, ns or min, or a number of them, such as "10 us"'
+    raise InputError(field, word, allowed, nearest(unit or word, UNITS_OF_TIME))
 
 
 @dataclass(frozen=True)
@@ -81,6 +109,16 @@ class MeasurementOptions:
         ),
     ] = None
 
+    time_unit: Annotated[
+        float | None,
+        parsed(
+            "--time-unit",
+            read=read_time_unit,
+            metavar="UNIT",
+            help='Unit of the time column, such as ms or "10 us"; that of the file, or s, by default.',
+        ),
+    ] = None
+
     def calibration(self) -> dict[str, dict[str, Any]]:
         """Return what was typed of the calibration, a table a channel; ``all`` for values without one.
 
@@ -89,7 +127,7 @@ class MeasurementOptions:
         Raises
         ------
         InputError
-            If a polarity is neither 1 nor -1.
+            If a polarity is neither 1 nor -1, or a unit is not known.
 
         Examples
         --------
@@ -108,11 +146,55 @@ class MeasurementOptions:
         """Return what is said of the files."""
         from strikewave.records import Options
 
-        return Options(self.rate, self.time, tuple(self.channel or ()))
+        return Options(self.rate, self.time, tuple(self.channel or ()), self.time_unit)
+
+
+def ordered(files: Sequence[str]) -> list[str]:
+    """Return files in the natural order of their names where they come as a shell lists them, a2 before a10; each once.
+
+    Patterns that the shell left as they are (those of Windows) are replaced by what they find. Files that were named in
+    another order than that of the alphabet keep it: it is the order of the test.
+
+    Examples
+    --------
+    >>> ordered(["a1.csv", "a10.csv", "a2.csv"]), ordered(["b.csv", "a.csv"])
+    (['a1.csv', 'a2.csv', 'a10.csv'], ['b.csv', 'a.csv'])
+    """
+    found: list[str] = []
+    for file in files:
+        pattern = any(mark in file for mark in "*?[") and not os.path.lexists(file)
+        found += sorted(glob.glob(file, recursive=True), key=natural) or [file] if pattern else [file]
+    once = {os.path.realpath(file): file for file in reversed(found)}
+    files = [file for file in dict.fromkeys(found) if once[os.path.realpath(file)] == file]
+    if len(files) < len(found):
+        say(f"{len(found) - len(files)} of {len(found)} files were named twice, and are taken once")
+    listed = [sorted(files), sorted(files, key=str.casefold), sorted(files, key=_letters)]
+    return sorted(files, key=natural) if list(files) in listed else list(files)
+
+
+def natural(name: str) -> tuple[tuple[str, int, str], ...]:
+    """Return a key by which names are sorted with their numbers as numbers.
+
+    Examples
+    --------
+    >>> sorted(["a10", "a2", "A1"], key=natural)
+    ['A1', 'a2', 'a10']
+    """
+    parts = re.findall(r"(\D*)(\d{0,30})", name)
+    return (*((words.casefold(), int(digits or -1), digits) for words, digits in parts), (name, 0, ""))
+
+
+def _letters(name: str) -> str:
+    """Return a name as the locales of most shells sort it: without marks and capitals."""
+    return re.sub(r"[\W_]", "", name).casefold()
 
 
 def _stated(name: str, value: str) -> Any:
     """Return a value of the calibration as its table takes it."""
+    if name == "unit":
+        from strikewave.records.calibration import check_unit
+
+        check_unit(value, "--unit")
     if name == "polarity":
         if value not in ("1", "+1", "-1"):
             raise InputError("--polarity", value, "1 or -1")

@@ -9,7 +9,7 @@ from __future__ import annotations
 import contextlib
 import math
 import re
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextvars import ContextVar
 from dataclasses import dataclass, field
 
@@ -378,15 +378,31 @@ def decimals_within(low: float, high: float) -> int:
     return min(finest, -place + (1 if half / 10.0**place < TWO_DIGITS_BELOW else 0))
 
 
-def rounded(value: float, decimals: int) -> str:
-    """Write a number with so many decimals; below 0 it is rounded to tens, hundreds and so on.
+def table_decimals(bands: Iterable[Band], si: str, usual: str, decimals: int = MOST_DIGITS) -> int:
+    """Return the decimals of a column of a table, in its usual unit: one more than the narrowest band allows.
+
+    What is not known of the inputs moves all rows together, so that rows that differ are told apart by one digit more.
+    Without a band, and at most, there are so many.
 
     Examples
     --------
-    >>> rounded(1165.2, -2), rounded(1165.2, 1)
-    ('1200', '1165.2')
+    >>> table_decimals([Band(7850.0, 15400.0, 0.95)], "m/s^2", "g", 1), table_decimals([], "m/s^2", "g", 1)
+    (-1, 1)
     """
-    return f"{round(value, decimals):.{max(decimals, 0)}f}"
+    ends = [[float(in_unit(end, si, usual)) for end in (band.low, band.high)] for band in bands]
+    allowed = [decimals_within(*pair) + 1 for pair in ends if all(map(math.isfinite, pair))]
+    return min(decimals, max(allowed, default=decimals))
+
+
+def rounded(value: float, decimals: int) -> str:
+    """Write a number with so many decimals; below 0 it is rounded to tens, hundreds and so on. No zero has a sign.
+
+    Examples
+    --------
+    >>> rounded(1165.2, -2), rounded(1165.2, 1), rounded(-0.2, 0)
+    ('1200', '1165.2', '0')
+    """
+    return f"{round(value, decimals) + 0.0:.{max(decimals, 0)}f}"
 
 
 def with_band(value: float | None, band: Band | None, si: str, usual: str, digits: int = 4) -> str:

@@ -122,9 +122,7 @@ def _run_and_write(
     if output.json:
         print_json(result.document(), indent=command.indent)
     else:
-        tell(" ".join([command.summary(result), *band_words(result.band)]))
-        command.show(result)
-        show_notices(command.printed_notices(result))
+        print_result(command, result)
     if place.folder is not None:
         say(f"written: {str(place.folder).rstrip('/')}/ ({', '.join(names)})")
     for words, files in (("kept", kept), ("removed", removed)):
@@ -142,6 +140,13 @@ def _run_and_write(
     return BROKEN
 
 
+def print_result(command: Command[R], result: R) -> None:
+    """Print what came out: a sentence, tables, and what the user should know."""
+    tell(" ".join([command.summary(result), *band_words(result.band)]))
+    command.show(result)
+    show_notices(command.printed_notices(result))
+
+
 def write_files(result: Result, folder: Path) -> list[str]:
     """Write what a result keeps of itself into a folder, and return the names of the files."""
     files = result.files()
@@ -149,5 +154,5 @@ def write_files(result: Result, folder: Path) -> list[str]:
         if isinstance(content, str):
             (folder / name).write_text(content, "utf-8", newline="\n")
         else:
-            content.to_netcdf(folder / name, engine="h5netcdf")
+            content.write(folder / name)
     return list(files)

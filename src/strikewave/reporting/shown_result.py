@@ -21,9 +21,10 @@ from numpy.typing import ArrayLike, NDArray
 
 from strikewave.base.errors import InputError, StrikewaveError
 from strikewave.base.output_folder import write_atomically
-from strikewave.base.result import WARNING, Result
+from strikewave.base.result import WARNING, Band, Result
+from strikewave.reporting.bands import bands_of
 from strikewave.reporting.columns import Column
-from strikewave.reporting.numbers import axis_unit, headed, shown, time_unit
+from strikewave.reporting.numbers import axis_unit, fixed, headed, shown, table_decimals, time_unit
 from strikewave.reporting.parts import written
 
 if TYPE_CHECKING:
@@ -102,6 +103,9 @@ class ShownResult(Result):
     """The module beside the result with its picture and page; empty where nothing is drawn."""
     table_name: ClassVar[str] = "table"
     """What its main table is called in a workbook."""
+
+    is_history: ClassVar[bool] = False
+    """Whether its main table is a history, of which a notebook shows rows spread over it, not the first ones."""
 
     def __init_subclass__(cls, **rest: Any) -> None:
         super().__init_subclass__(**rest)
@@ -275,7 +279,7 @@ class ShownResult(Result):
 
 
 def _html_table(result: ShownResult) -> str:
-    """Return the first rows of the main table, as notebooks show them; nothing where no column is shown."""
+    """Return some rows of the main table, as notebooks show them; nothing where no column is shown."""
     heads, rows = shown_table(result, MOST_ROWS)
     if not heads:
         return ""
@@ -295,7 +299,9 @@ def _row(first: str, rest: str, cells: Sequence[str]) -> str:
 
 
 def shown_table(result: ShownResult, most: int | None = None) -> tuple[list[str], list[list[str]]]:
-    """Return heads and rows of the columns that a notebook shows, with their units; the first ``most`` rows.
+    """Return heads and rows of the columns that a notebook shows, with their units.
+
+    The first ``most`` rows are returned, of a history as many spread over it.
 
     Examples
     --------
@@ -307,8 +313,25 @@ def shown_table(result: ShownResult, most: int | None = None) -> tuple[list[str]
     usual = result.brief()
     kept = [column for column in result.columns() if column.name in usual]
     heads = [headed(column.name.replace("_", " "), column.si, usual[column.name]) for column in kept]
-    cells = ([_cell(value, column.si, usual[column.name]) for value in column.values[:most]] for column in kept)
+    if most is not None and result.is_history:
+        kept = [column._replace(values=_spread(column.values, most)) for column in kept]
+    cells = (_cells(column, usual[column.name], bands_of(result.band, column.name), most) for column in kept)
     return heads, [list(row) for row in zip(*cells, strict=True)]
+
+
+def _spread(values: Sequence[Any] | NDArray[Any], most: int) -> list[Any]:
+    """Return at most so many values, from the first to the last in equal steps."""
+    count = len(values)
+    places = range(count) if count <= most else [round(k * (count - 1) / (most - 1)) for k in range(most)]
+    return [values[place] for place in places]
+
+
+def _cells(column: Column, usual: str, bands: Sequence[Band], most: int | None) -> list[str]:
+    """Return the first cells of a column as they are shown, with the digits that its bands leave."""
+    if not bands:
+        return [_cell(value, column.si, usual) for value in column.values[:most]]
+    decimals = table_decimals(bands, column.si, usual)
+    return [fixed(value, column.si, usual, decimals) for value in column.values[:most]]
 
 
 def _cell(value: Any, si: str, usual: str) -> str:

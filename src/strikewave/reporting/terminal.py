@@ -40,7 +40,7 @@ from strikewave.reporting.layout import (
 from strikewave.reporting.numbers import headed, percent, shown, shown_heads
 
 if TYPE_CHECKING:
-    from strikewave.base.result import Comparison, Notice, Result
+    from strikewave.base.result import Band, Comparison, Notice, Result
     from strikewave.cases.losses_of_case import FittedLoss
     from strikewave.reporting.parts import Table
     from strikewave.sensors.channel import SensorChannel
@@ -253,8 +253,10 @@ def _plain_progress(what: str, done: float) -> Callable[..., None]:
     return show
 
 
-def number(value: float | None, si: str, usual: str, digits: int = 4) -> str:
+def number(value: float | None, si: str, usual: str, digits: int = 4, bands: Sequence[Band] = ()) -> str:
     """Write an SI value in the unit in which it is shown, for a table; a dash where there is none.
+
+    Of a value with bands, there are the digits of `strikewave.reporting.numbers.table_decimals`.
 
     Examples
     --------
@@ -263,6 +265,8 @@ def number(value: float | None, si: str, usual: str, digits: int = 4) -> str:
     """
     if value is None or value != value:
         return "-"
+    if bands:
+        return numbers.fixed(value, si, usual, numbers.table_decimals(bands, si, usual))
     return significant(shown(value, si, usual), digits)
 
 
@@ -336,7 +340,7 @@ def print_bands(result: Result, values: Mapping[str, float]) -> None:
     if result.band and result.band_method is not None:
         named, value, inputs, rest = BAND_HEADS
         columns = [*keys(named), *texts(value, inputs), *numerals(rest, priority=MORE)]
-        table("What the results depend on", columns, band_rows(result, values))
+        table("What the results depend on", columns, band_rows(result, values, whole=is_wide()))
         tell(result.band_method.words())
 
 

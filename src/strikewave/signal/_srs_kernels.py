@@ -84,6 +84,21 @@ def march(x, before, filters, state, record):
 
 
 @fused_kernel
+def follow(x, before, filters, state, history):
+    """Take all oscillators through the samples; write each response, a row a sample."""
+    decay, stiffness, first, second = filters[0], filters[1], filters[2], filters[3]
+    response, change = state[0], state[1]
+    a, b = before[0], before[1]
+    for k in range(x.size):
+        p = x[k]
+        for j in range(history.shape[1]):
+            d = decay[j] * change[j] + (p + first[j] * b + second[j] * a - stiffness[j] * response[j])
+            y = response[j] + d
+            response[j], change[j], history[k, j] = y, d, y
+        a, b = b, p
+
+
+@fused_kernel
 def loads(x, before, record):
     """Write the largest sample and the largest step between samples of each segment."""
     last = before[1]

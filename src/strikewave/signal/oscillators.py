@@ -1,15 +1,16 @@
 """Single-degree-of-freedom oscillators on a base whose acceleration runs straight between samples.
 
 z'' + 2 zeta w z' + w^2 z = x, with base acceleration x and z = base minus mass: a base that starts upwards gives
-a positive z first. Two responses: z itself, impulse response h = exp(-a t) sin(K t)/K, and the absolute
-acceleration of the mass, w^2 z + 2 zeta w z', impulse response h = exp(-a t) (2 a cos(K t) + (w^2 - 2 a^2)
-sin(K t)/K); a = zeta w, K^2 = w^2 - a^2. All times here are in steps. Beyond critical damping K is imaginary and
-the same formulas hold; at critical damping K is kept at 1e-7 w, which shifts a response by 1e-14.
+a positive z first. Three responses, see `Response`: z itself, z', and the absolute acceleration of the mass,
+w^2 z + 2 zeta w z'. Impulse responses are h = exp(-a t) (even cos(K t) + odd sin(K t)/K); a = zeta w,
+K^2 = w^2 - a^2. All times here are in steps. Beyond critical damping K is imaginary and the same formulas hold; at
+critical damping K is kept at 1e-7 w, which shifts a response by 1e-14.
 """
 
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from typing import NamedTuple
 
 import numpy as np
@@ -52,6 +53,47 @@ SERIES_TERMS = 8
 """Terms of sin(K v)/K beyond the first, |K v| below 1: the next is 1e-16."""
 
 
+class Response(NamedTuple):
+    """What is looked at of an oscillator, f: f'' + 2 a f' + w^2 f = level x + slope x'.
+
+    Attributes
+    ----------
+    even, odd : ndarray
+        Of the impulse response, exp(-a t) (even cos(K t) + odd sin(K t)/K).
+    mode : callable
+        m(p) of each pole p; the impulse response is also (m(p1) exp(p1 t) - m(p2) exp(p2 t)) / (p1 - p2).
+    level, slope : ndarray
+        How the base acceleration and its slope load it.
+    static : ndarray
+        Response to a base acceleration of 1 that lasts.
+    """
+
+    even: Array
+    odd: Array
+    mode: Callable[[Array], Array]
+    level: Array
+    slope: Array
+    static: Array
+
+
+def displacement(w: Array, zeta: float) -> Response:
+    """Return the relative displacement z."""
+    none, one = np.zeros_like(w), np.ones_like(w)
+    return Response(none, one, np.ones_like, one, none, 1.0 / w**2)
+
+
+def velocity(w: Array, zeta: float) -> Response:
+    """Return the relative velocity z'."""
+    none, one = np.zeros_like(w), np.ones_like(w)
+    return Response(one, -zeta * w, np.copy, none, one, none)
+
+
+def acceleration(w: Array, zeta: float) -> Response:
+    """Return the absolute acceleration of the mass, w^2 z + 2 a z'; w^2 m(z) + 2 a m(z') = w^2 + 2 a p = -p^2."""
+    a = zeta * w
+    return Response(2.0 * a, w**2 - 2.0 * a**2, lambda p: -(p**2), w**2, 2.0 * a, np.ones_like(w))
+
+
 class Bank(NamedTuple):
     """Oscillators side by side, and what the time loop needs of them.
 
@@ -61,8 +103,8 @@ class Bank(NamedTuple):
         w, natural angular frequency in radians a step.
     damping : float
         zeta, share of critical damping.
-    absolute : bool
-        Whether the response is the absolute acceleration; the relative displacement otherwise.
+    static : ndarray
+        Response to a base acceleration of 1 that lasts.
     weight : ndarray
         b0, response to the newest sample, in which unit the loop counts.
     filters : ndarray
@@ -76,14 +118,14 @@ class Bank(NamedTuple):
 
     frequency: Array
     damping: float
-    absolute: bool
+    static: Array
     weight: Array
     filters: Array
     shapes: Array
     bends: Array
 
 
-def bank(frequency: Array, damping: float, absolute: bool) -> Bank:
+def bank(frequency: Array, damping: float, response: Callable[[Array, float], Response]) -> Bank:
     """Prepare oscillators for the time loop.
 
     A peak inside a step stands at most max|f''|/8 above the samples. Its slope vanishes there, so that |f'| <= max|f''|
@@ -92,13 +134,14 @@ def bank(frequency: Array, damping: float, absolute: bool) -> Bank:
 
     Examples
     --------
-    >>> bank(np.array([0.1]), 0.05, absolute=True).filters.shape
+    >>> bank(np.array([0.1]), 0.05, acceleration).filters.shape
     (4, 1)
     """
-    decay, stiffness, b0, b1, b2 = recursion(frequency, damping, absolute)
+    of = response(frequency, damping)
+    decay, stiffness, b0, b1, b2 = recursion(frequency, damping, of)
     bends = np.stack(bend(frequency[:, None], damping, PLACES))
     square, double = frequency**2, 2.0 * damping * frequency
-    on_level, on_slope = (square / b0, double / b0) if absolute else (1.0 / b0, np.zeros_like(b0))
+    on_level, on_slope = of.level / b0, of.slope / b0
     flat, rising = BETWEEN_PLACES * np.max(bends, axis=2)
     calmness = 1.0 - double - square / 8.0
     lively, curved = calmness < CALM, 0.125 / np.maximum(calmness, CALM)
@@ -108,7 +151,7 @@ def bank(frequency: Array, damping: float, absolute: bool) -> Bank:
         np.where(lively, flat * on_slope + rising * on_level, curved * on_slope),
     ]
     shapes = np.stack([square, double, on_level, on_slope, flat, rising, *between])
-    return Bank(frequency, damping, absolute, b0, np.stack([decay, stiffness, b1 / b0, b2 / b0]), shapes, bends)
+    return Bank(frequency, damping, of.static, b0, np.stack([decay, stiffness, b1 / b0, b2 / b0]), shapes, bends)
 
 
 def poles(w: Array, zeta: float) -> tuple[NDArray[np.complex128], NDArray[np.complex128]]:
@@ -121,13 +164,12 @@ def poles(w: Array, zeta: float) -> tuple[NDArray[np.complex128], NDArray[np.com
     return np.asarray(w**2 / fast, dtype=np.complex128), np.asarray(fast, dtype=np.complex128)
 
 
-def recursion(w: Array, zeta: float, absolute: bool) -> tuple[Array, Array, Array, Array, Array]:
+def recursion(w: Array, zeta: float, of: Response) -> tuple[Array, Array, Array, Array, Array]:
     """Return decay E^2, stiffness 1 - 2 E cos K + E^2 and the weights b0, b1, b2 of three samples.
 
     A straight line between samples is a sum of hats, and b0 = int_0^1 (1 - u) h(u) du is the response to a hat at
     its top. The free vibration behind a hat, continued back to its top, misses b0 by b2 = -E^2 int_0^1 (1 - u)
-    h(-u) du. A constant input has to give the static response: b0 + b1 + b2 = stiffness H(0), H(0) = 1 for
-    the acceleration and 1/w^2 for the displacement.
+    h(-u) du. A constant input has to give the static response: b0 + b1 + b2 = stiffness H(0).
 
     Ramp-invariant method of Smallwood and of ISO 18431-4, whose closed forms lose digits as w^-3.
 
@@ -136,31 +178,31 @@ def recursion(w: Array, zeta: float, absolute: bool) -> tuple[Array, Array, Arra
     p1, p2 = poles(w, zeta)
     a = zeta * w
     stiffness = (np.expm1(p1) * np.expm1(p2)).real
-    static = stiffness if absolute else stiffness / w**2
+    static = stiffness * of.static
     if np.all(np.abs(p2.real) <= STIFF):
-        b0, both = _weights_by_quadrature(w, zeta, absolute)
+        b0, both = _weights_by_quadrature(w, zeta, of.even, of.odd)
     else:
         soft = np.abs(p2.real) <= STIFF
         b0, both = np.empty_like(w), np.empty_like(w)
-        b0[soft], both[soft] = _weights_by_quadrature(w[soft], zeta, absolute)
-        b0[~soft], both[~soft] = _weights_of_stiff(p1[~soft].real, p2[~soft].real, absolute)
+        b0[soft], both[soft] = _weights_by_quadrature(w[soft], zeta, of.even[soft], of.odd[soft])
+        b0[~soft], both[~soft] = _weights_of_stiff(p1[~soft].real, p2[~soft].real, of.mode)
     return np.exp(-2.0 * a), stiffness, b0, static - both, both - b0
 
 
-def _weights_by_quadrature(w: Array, zeta: float, absolute: bool) -> tuple[Array, Array]:
+def _weights_by_quadrature(w: Array, zeta: float, of_even: Array, of_odd: Array) -> tuple[Array, Array]:
     """Return b0 and b0 + b2; the sum by itself, because damping cancels in it."""
     p1, p2 = poles(w[:, None], zeta)
     a, sigma = zeta * w[:, None], 0.5 * (p1 - p2)
     cosh, sinh = np.cosh(sigma * NODES).real, (np.sinh(sigma * NODES) / sigma).real
-    even, odd = (2.0 * a * cosh, (w[:, None] ** 2 - 2.0 * a**2) * sinh) if absolute else (0.0 * cosh, sinh)
+    even, odd = of_even[:, None] * cosh, of_odd[:, None] * sinh
     rule, forth = WEIGHTS * (1.0 - NODES), np.exp(-a * NODES)
     less = -np.expm1(-2.0 * a * (1.0 - NODES))  # forth - back, as a share of forth; back = E^2 exp(a u)
     return (forth * (even + odd)) @ rule, (forth * (even * less + odd * (2.0 - less))) @ rule
 
 
-def _weights_of_stiff(p1: Array, p2: Array, absolute: bool) -> tuple[Array, Array]:
-    """Return b0 and b0 + b2 far beyond critical damping, mode by mode; h = sum of m exp(p t) / (p1 - p2)."""
-    m1, m2 = (-(p1**2), -(p2**2)) if absolute else (np.ones_like(p1), np.ones_like(p2))
+def _weights_of_stiff(p1: Array, p2: Array, mode: Callable[[Array], Array]) -> tuple[Array, Array]:
+    """Return b0 and b0 + b2 far beyond critical damping, mode by mode."""
+    m1, m2 = mode(p1), mode(p2)
 
     def falling(p: Array) -> Array:
         """int_0^1 (1 - u) exp(p u) du."""

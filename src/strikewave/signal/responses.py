@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -40,20 +42,29 @@ def interpolate(history: Array, factor: int) -> Array:
     return np.ascontiguousarray(fine[first : first + (history.size - 1) * factor + 1])
 
 
-def framed(body: Array, factor: int) -> tuple[Array, Array]:
-    """Return a record with its rise from zero over one step of the original, and its fall over one step."""
+def framed(body: Array, factor: int, level: float = 0.0) -> tuple[Array, Array]:
+    """Return a record with its rise from a level over one step of the original, and its fall to zero over one step."""
     ramp = np.arange(1, factor) / factor
-    rising = np.concatenate([ramp * body[0], body]) if factor > 1 else body
+    rising = np.concatenate([level + ramp * (body[0] - level), body]) if factor > 1 else body
     return rising, np.concatenate([ramp[::-1] * body[-1], np.zeros(1)])
 
 
-def extremes(x: Array, tail: Array, oscillators: Bank, part: str) -> tuple[Array, Array]:
-    """Return the magnitudes of the largest responses while the record ``x`` lasts, after it, or both."""
-    state = np.zeros((2, oscillators.frequency.size))
-    during = _stretch(x, np.zeros(2), oscillators, state, part != "residual")
+def at_rest(oscillators: Bank, level: float) -> Array:
+    """Return the state of oscillators whose base has had an acceleration for ever: response and its change."""
+    static = level * oscillators.static / oscillators.weight
+    return np.stack([static, np.zeros_like(static)])
+
+
+def extremes(x: Array, tail: Array, oscillators: Bank, part: str, level: float = 0.0) -> tuple[Array, Array]:
+    """Return the magnitudes of the largest responses while the record ``x`` lasts, after it, or both.
+
+    ``level`` is the acceleration that the base has had for ever before the record.
+    """
+    state = at_rest(oscillators, level)
+    during = _stretch(x, np.full(2, level), oscillators, state, part != "residual")
     if part == "primary":
         return during
-    before = np.concatenate([np.zeros(1), x])[-2:]
+    before = np.concatenate([np.full(1, level), x])[-2:]
     after = _stretch(tail, before, oscillators, state, True)
     decay, stiffness, _, second = oscillators.filters
     change = decay * state[1] - stiffness * state[0] + second * np.concatenate([before, tail])[-2]
@@ -61,6 +72,22 @@ def extremes(x: Array, tail: Array, oscillators: Bank, part: str) -> tuple[Array
     free = free_extremes(oscillators.frequency, oscillators.damping, weight * state[0], weight * change)
     sides = np.maximum(after[0], free[0]), np.maximum(after[1], -free[1])
     return sides if part == "residual" else (np.maximum(sides[0], during[0]), np.maximum(sides[1], during[1]))
+
+
+BLOCK = 4096
+"""Samples whose responses are held together: 100 frequencies of them take 3 MB, which stays in a cache."""
+
+
+def followed(x: Array, oscillators: Bank, level: float = 0.0) -> Iterator[Array]:
+    """Yield the responses at the samples, blocks of rows, a column an oscillator; see `extremes`."""
+    state, before = at_rest(oscillators, level), np.full(2, level)
+    for begin in range(0, x.size, BLOCK):
+        part = x[begin : begin + BLOCK]
+        history = np.empty((part.size, oscillators.frequency.size))
+        kernels.follow(part, before, oscillators.filters, state, history)
+        before = np.concatenate([before, part])[-2:]
+        history *= oscillators.weight
+        yield history
 
 
 def _stretch(x: Array, before: Array, oscillators: Bank, state: Array, counts: bool) -> tuple[Array, Array]:

@@ -9,19 +9,29 @@ base minus mass: a base that starts upwards gives a positive spectrum first.
 from __future__ import annotations
 
 import math
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from strikewave.signal.oscillators import bank
-from strikewave.signal.responses import extremes, framed, interpolate
+from strikewave.signal.oscillators import Bank, acceleration, bank, displacement, velocity
+from strikewave.signal.responses import extremes, followed, framed, interpolate
 
 Array = NDArray[np.float64]
 
-KINDS = ("absolute", "displacement", "pseudo-velocity")
-"""Responses that a spectrum can be of."""
+KINDS = {
+    "absolute": (acceleration, 0, 0),
+    "displacement": (displacement, 0, 2),
+    "relative-velocity": (velocity, 0, 1),
+    "pseudo-velocity": (displacement, 1, 2),
+    "equivalent-static": (displacement, 2, 2),
+}
+"""Responses that a spectrum can be of: what is looked at of the oscillator, and the powers of 2 pi f and of the step
+that make SI of it."""
+INITIAL = ("rest", "shifted", "steady")
+"""How a record can begin; see `Scope`."""
 PARTS = ("total", "primary", "residual")
 """Parts of a response: with the vibration after the shock, without it, or that alone."""
 
@@ -35,6 +45,12 @@ the sampling rate; few factors, since the record is gone through once for each."
 PER_OCTAVE, QUALITY = 12.0, 10.0
 """Frequencies an octave, and quality factor, where none is given: the usual ones of shock response spectra, a resonance
 of 5 % damping being wider than a twelfth of an octave."""
+
+LAST_SWING = 1.05
+"""Periods of free vibration after the record in which its largest vector sum lies: the first swing, and a little."""
+
+TINY = 1e-300
+"""What a curvature is divided by at least."""
 
 _ROUNDING, _SAME_FREQUENCY = 1e-12, 1e-9
 """Relative roundings: of the samples a period of a frequency at the edge of a factor, and of a frequency reached by
@@ -53,11 +69,15 @@ class Scope:
         End of the shock, s after the first sample; the last sample unless given. What follows is taken as zero.
     upsample : bool
         Whether the record is interpolated, band-limited, for frequencies above 1/20 of the sampling rate.
+    initial : str
+        "rest": the base is at rest and reaches its first sample within one step. "shifted": the first sample is taken
+        off all. "steady": the base has had the acceleration of its first sample for ever.
     """
 
     part: str = "total"
     end: float | None = None
     upsample: bool = True
+    initial: str = "rest"
 
 
 @dataclass(frozen=True, eq=False)
@@ -69,8 +89,8 @@ class Spectrum:
     frequency : ndarray
         Natural frequencies, Hz.
     positive, negative : ndarray
-        Magnitudes of the largest responses of either sign: m/s^2 ("absolute"), m ("displacement") or m/s
-        ("pseudo-velocity"), for a record in m/s^2.
+        Magnitudes of the largest responses of either sign: m/s^2 ("absolute", "equivalent-static"), m
+        ("displacement") or m/s ("pseudo-velocity", "relative-velocity"), for a record in m/s^2.
     q : float
         Quality factor 1/(2 zeta).
     kind, part : str
@@ -160,8 +180,9 @@ def srs(
     q : float, optional
         Quality factor 1/(2 zeta); 0.5 is critical damping, `math.inf` none.
     kind : str, optional
-        "absolute" acceleration of the mass (m/s^2), relative "displacement" (m), or "pseudo-velocity", 2 pi f times
-        the relative displacement (m/s).
+        "absolute" acceleration of the mass (m/s^2); relative "displacement" (m) and "relative-velocity" (m/s), base
+        minus mass; "pseudo-velocity" (m/s) and "equivalent-static" acceleration (m/s^2): 2 pi f and (2 pi f)^2 times
+        the relative displacement.
     scope : Scope, optional
         Part of the response, end of the shock, interpolation.
 
@@ -188,12 +209,11 @@ def srs(
         if not 0.0 < scope.end < math.inf or round(scope.end / step) < 1:
             raise ValueError(f"the end of the shock must come at least one step after its start, got {scope.end!r} s")
         history = history[: round(scope.end / step) + 1]
+    history, level = _begun(history, scope.initial)
     positive, negative = np.empty_like(fn), np.empty_like(fn)
-    for factor, members in _groups(fn, step, scope.upsample):
-        body = interpolate(history, factor)
-        oscillators = bank(2.0 * np.pi * fn[members] * (step / factor), 0.5 / q, kind == "absolute")
-        sides = extremes(*framed(body, factor), oscillators, scope.part)
-        positive[members], negative[members] = (side * _unit(kind, fn[members], step / factor) for side in sides)
+    for group in _groups(history, step, fn, (q, kind), scope.upsample):
+        sides = extremes(*framed(group.body, group.factor, level), group.oscillators, scope.part, level)
+        positive[group.members], negative[group.members] = (side * group.unit for side in sides)
     return Spectrum(fn, positive, negative, float(q), kind, scope.part)
 
 
@@ -239,28 +259,41 @@ def rolling_srs(
         )
     starts = np.arange(0, history.size - length + 1, hop)
     positive, negative = np.empty((starts.size, fn.size)), np.empty((starts.size, fn.size))
-    for factor, members in _groups(fn, step, True):
-        body = interpolate(history, factor)
-        oscillators = bank(2.0 * np.pi * fn[members] * (step / factor), 0.5 / q, kind == "absolute")
-        unit = _unit(kind, fn[members], step / factor)
+    for group in _groups(history, step, fn, (q, kind), True):
         for row, start in enumerate(starts):
-            part = body[start * factor : (start + length - 1) * factor + 1]
-            sides = extremes(*framed(part, factor), oscillators, "total")
-            positive[row, members], negative[row, members] = (side * unit for side in sides)
+            part = group.body[start * group.factor : (start + length - 1) * group.factor + 1]
+            sides = extremes(*framed(part, group.factor), group.oscillators, "total")
+            positive[row, group.members], negative[row, group.members] = (side * group.unit for side in sides)
     return RollingSpectrum(np.asarray((starts + 0.5 * (length - 1)) * step), fn, positive, negative)
 
 
-def _groups(fn: Array, step: float, upsample: bool) -> list[tuple[int, NDArray[np.intp]]]:
-    """Return factors of interpolation, each with the frequencies that need it."""
+class Group(NamedTuple):
+    """Oscillators that take the same interpolation of the record."""
+
+    factor: int
+    members: NDArray[np.intp]
+    body: Array
+    oscillators: Bank
+    unit: Array
+
+
+def _groups(history: Array, step: float, fn: Array, oscillator: tuple[float, str], upsample: bool) -> Iterator[Group]:
+    """Yield the frequencies by the interpolation that they need; ``unit`` makes SI of a response counted in steps."""
+    q, kind = oscillator
+    response, of_frequency, of_step = KINDS[kind]
     needed = np.searchsorted(FACTORS, SMOOTH * fn * step * (1.0 - _ROUNDING)) if upsample else np.zeros(fn.size, int)
-    return [(FACTORS[i], np.flatnonzero(needed == i)) for i in np.unique(needed)]
+    for i in np.unique(needed):
+        factor, members = FACTORS[i], np.flatnonzero(needed == i)
+        w, fine = 2.0 * np.pi * fn[members], step / FACTORS[i]
+        oscillators = bank(w * fine, 0.5 / q, response)
+        yield Group(factor, members, interpolate(history, factor), oscillators, w**of_frequency * fine**of_step)
 
 
-def _unit(kind: str, fn: Array, step: float) -> Array:
-    """Return what a response counted in steps is multiplied by."""
-    if kind == "absolute":
-        return np.ones_like(fn)
-    return step**2 * (2.0 * np.pi * fn if kind == "pseudo-velocity" else np.ones_like(fn))
+def _begun(history: Array, initial: str) -> tuple[Array, float]:
+    """Return a record as it begins, and the acceleration that its base had for ever before; see `Scope`."""
+    if initial == "shifted":
+        return history - history[0], 0.0
+    return history, float(history[0]) if initial == "steady" else 0.0
 
 
 def _history(values: ArrayLike, step: float) -> Array:
@@ -272,6 +305,166 @@ def _history(values: ArrayLike, step: float) -> Array:
     if not np.all(np.isfinite(history)):
         raise ValueError("the record holds values that are not finite")
     return history
+
+
+def response_history(
+    values: ArrayLike,
+    step: float,
+    frequency: float,
+    q: float = QUALITY,
+    kind: str = "absolute",
+    initial: str = "rest",
+) -> Array:
+    """Return what an oscillator does while the record lasts: its response at each sample.
+
+    Parameters
+    ----------
+    values, step, q, kind
+        As for `srs`.
+    frequency : float
+        Its natural frequency, Hz.
+    initial : str, optional
+        How the record begins; see `Scope`.
+
+    Raises
+    ------
+    ValueError
+        As for `srs`.
+
+    Examples
+    --------
+    A stiff oscillator follows its base:
+
+    >>> pulse = np.sin(np.pi * np.arange(101) / 100)
+    >>> response_history(pulse, 1e-5, 20e3, q=0.7)[[25, 50, 75]].round(3)
+    array([0.708, 1.001, 0.708])
+    """
+    _check(q, kind, Scope(initial=initial))
+    history, level = _begun(_history(values, step), initial)
+    [group] = _groups(history, step, _natural(frequency, step), (q, kind), True)
+    x = framed(group.body, group.factor, level)[0]
+    response = np.concatenate([block[:, 0] for block in followed(x, group.oscillators, level)])
+    return np.asarray(response[x.size - group.body.size :: group.factor] * group.unit)
+
+
+def rms_spectrum(
+    values: ArrayLike,
+    step: float,
+    frequencies: ArrayLike,
+    q: float = QUALITY,
+    kind: str = "absolute",
+    initial: str = "rest",
+) -> Array:
+    """Return the root mean square of the responses while the record lasts, one a natural frequency.
+
+    For long shocks and vibration; it depends on how long the record goes on after the shock.
+
+    Parameters
+    ----------
+    values, step, frequencies, q, kind
+        As for `srs`.
+    initial : str, optional
+        How the record begins; see `Scope`.
+
+    Raises
+    ------
+    ValueError
+        As for `srs`.
+
+    Examples
+    --------
+    Of 1 g held for ever, a stiff oscillator feels 1 g:
+
+    >>> rms_spectrum(np.ones(1000), 1e-4, [500.0], initial="steady").round(6)
+    array([1.])
+    """
+    _check(q, kind, Scope(initial=initial))
+    history, level = _begun(_history(values, step), initial)
+    fn = _natural(frequencies, step)
+    rms = np.empty_like(fn)
+    for group in _groups(history, step, fn, (q, kind), True):
+        squares = sum(np.sum(block**2, axis=0) for block in followed(group.body, group.oscillators, level))
+        rms[group.members] = np.sqrt(squares / group.body.size) * group.unit
+    return rms
+
+
+def resultant_srs(
+    axes: Sequence[ArrayLike],
+    step: float,
+    frequencies: ArrayLike,
+    q: float = QUALITY,
+    kind: str = "absolute",
+    initial: str = "rest",
+) -> Array:
+    """Return the largest vector sums of the responses of equal oscillators along several axes, at one instant.
+
+    Never above the root of the sum of the squares of the axes' own spectra, which peak at different instants. The
+    free vibration after the record counts.
+
+    Parameters
+    ----------
+    axes : sequence of array_like
+        Acceleration of the base along two or three perpendicular axes, sampled together, m/s^2.
+    step, frequencies, q, kind
+        As for `srs`.
+    initial : str, optional
+        How the record begins; see `Scope`.
+
+    Raises
+    ------
+    ValueError
+        As for `srs`, and if the axes do not have as many samples.
+
+    Examples
+    --------
+    One shock seen by two axes turned by 45 degrees is the shock:
+
+    >>> pulse = np.sin(np.pi * np.arange(101) / 100)
+    >>> both = resultant_srs([pulse / math.sqrt(2.0)] * 2, 1e-5, [300.0, 2000.0])
+    >>> np.allclose(both, srs(pulse, 1e-5, [300.0, 2000.0]).maximax, rtol=1e-4)
+    True
+    """
+    _check(q, kind, Scope(initial=initial))
+    histories = [_history(values, step) for values in axes]
+    if not histories or len({history.size for history in histories}) > 1:
+        raise ValueError(f"axes need as many samples each, got {[history.size for history in histories]}")
+    fn = _natural(frequencies, step)
+    largest = np.empty_like(fn)
+    begun = [_begun(history, initial) for history in histories]
+    for together in zip(*(_groups(history, step, fn, (q, kind), True) for history, _ in begun), strict=True):
+        blocks = []
+        for group, (_, level) in zip(together, begun, strict=True):
+            body, tail = framed(group.body, group.factor, level)
+            swing = np.zeros(math.ceil(LAST_SWING * 2.0 * np.pi / float(np.min(group.oscillators.frequency))))
+            blocks.append(followed(np.concatenate([body, tail, swing]), group.oscillators, level))
+        largest[together[0].members] = _largest_sum(zip(*blocks, strict=True)) * together[0].unit
+    return largest
+
+
+def _largest_sum(blocks: Iterable[tuple[Array, ...]]) -> Array:
+    """Return the root of the largest sum of squares at one instant, by a parabola through three samples."""
+    best = np.zeros(0)
+    last = np.zeros((0, 0))
+    for block in blocks:
+        squares = sum((axis**2 for axis in block[1:]), start=block[0] ** 2)
+        best = best if best.size else np.zeros(squares.shape[1])
+        squares = np.concatenate([last, squares]) if last.size else squares
+        best = np.maximum(best, _tops(squares))
+        last = squares[-2:]
+    return np.asarray(np.sqrt(best))
+
+
+def _tops(squares: Array) -> Array:
+    """Return the largest value of each column, between its samples."""
+    k = np.clip(np.argmax(squares, axis=0), 1, max(squares.shape[0] - 2, 1))
+    if squares.shape[0] < 3:
+        return np.asarray(squares.max(axis=0))
+    column = np.arange(squares.shape[1])
+    low, middle, high = (squares[k + shift, column] for shift in (-1, 0, 1))
+    curvature = low - 2.0 * middle + high
+    top = middle - np.where(curvature < 0.0, (high - low) ** 2 / (8.0 * np.minimum(curvature, -TINY)), 0.0)
+    inside = (middle >= low) & (middle >= high)
+    return np.asarray(np.where(inside, top, np.maximum(np.maximum(low, high), middle)))
 
 
 def _natural(frequencies: ArrayLike, step: float) -> Array:
@@ -289,6 +482,10 @@ def _natural(frequencies: ArrayLike, step: float) -> Array:
 def _check(q: float, kind: str, scope: Scope) -> None:
     if not q > 0.0:
         raise ValueError(f"the quality factor q must be above zero (math.inf for no damping), got {q!r}")
-    for name, got, allowed in (("kind", kind, KINDS), ("part", scope.part, PARTS)):
+    for name, got, allowed in (
+        ("kind", kind, tuple(KINDS)),
+        ("part", scope.part, PARTS),
+        ("initial state", scope.initial, INITIAL),
+    ):
         if got not in allowed:
             raise ValueError(f"the {name} of a spectrum must be one of {', '.join(allowed)}, got {got!r}")

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Collection, Iterable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -11,6 +12,8 @@ from strikewave.analyses.machine.run import published_value
 from strikewave.base.errors import InputError
 from strikewave.base.quantities import Value
 from strikewave.cases.case import Case
+from strikewave.cases.fits import NONE, FitTable
+from strikewave.uncertainty.draws import FELT
 
 FAILED = 10.0
 """Residual of a target that a trial run has no number for: as if it were eleven times the target, worse than any run
@@ -39,7 +42,7 @@ class CaseFit:
 
 
 def calibrate(case: Case, accuracy: float = ACCURACY) -> CaseFit:
-    """Fit the values marked ``fitted`` to the published numbers whose role is ``fitted``.
+    """Fit the values marked ``fitted`` to the published numbers whose role is ``fitted``, and record it as [[fit]].
 
     Only targets of the first blow are met, so each trial runs a single blow. The values are searched on
     a logarithmic scale from where they stand.
@@ -105,9 +108,60 @@ def calibrate(case: Case, accuracy: float = ACCURACY) -> CaseFit:
     for path, value in zip(fields, start * np.exp(answer.x), strict=True):
         before = case.values()[path]
         fitted[path] = before.model_copy(
-            update={"si": float(value), "typed": rounded(before.typed, float(value) / before.si)}
+            update={
+                "si": float(value),
+                "typed": rounded(before.typed, float(value) / before.si),
+                "note": f"to {_target_words(targets)}",  # a note of its own: read back, it is not the user's
+            }
         )
-    return CaseFit(case.with_values(fitted), misses, runs)
+    return CaseFit(with_fit_recorded(case.with_values(fitted), fields, targets), misses, runs)
+
+
+def with_fit_recorded(case: Case, fields: Sequence[str], targets: Collection[str]) -> Case:
+    """Return a case whose [[fit]] holds the fields that it has now, so that a later change of one is noticed.
+
+    Parameters
+    ----------
+    case : Case
+        With the fitted values.
+    fields : sequence of str
+        Paths of the fitted values.
+    targets : collection of str
+        Names of what they were fitted to.
+
+    Notes
+    -----
+    A record that the case has keeps its choice of fields. A fitted value without one is recorded under every field that
+    a blow feels, and those of the sensors where a target is theirs.
+    """
+    kept = [_refreshed(fit, case) for fit in case.fit if set(fit.fields) & set(fields)]
+    others = [fit for fit in case.fit if not set(fit.fields) & set(fields)]
+    recorded = {path for fit in kept for path in fit.fields}
+    missing = tuple(path for path in fields if path not in recorded)
+    if missing:
+        tables = (*FELT, "sensor") if any("sensor" in name for name in targets) else FELT
+        felt = [path for path in case.entries() if path.partition(".")[0] in tables]
+        kept.append(FitTable(fields=missing, to=_target_words(targets), under=_as_typed(felt, case)))
+    return case.model_copy(update={"fit": (*others, *kept)})
+
+
+def _target_words(targets: Iterable[str]) -> str:
+    return "the published " + ", ".join(name.replace(".", " ").replace("_", " ") for name in targets)
+
+
+def _refreshed(fit: FitTable, case: Case) -> FitTable:
+    """Return a record of a fit under what its fields are now; those of a table that was left out, and no longer is."""
+    entries, under = case.entries(), list[str]()
+    for path in fit.under:
+        below = [] if path in entries else [entry for entry in entries if entry.startswith(f"{path}.")]
+        under += below or [path]
+    return fit.model_copy(update={"under": _as_typed(under, case)})
+
+
+def _as_typed(paths: Sequence[str], case: Case) -> dict[str, str | int | float]:
+    """Return the fields of a case as they were typed; `NONE` for one that it does not have."""
+    entries, values = case.entries(), case.values()
+    return {path: values[path].typed if path in values else entries.get(path, NONE) for path in paths}
 
 
 def rounded(typed: str | int | float, ratio: float) -> str | float:

@@ -2,11 +2,12 @@
 
 import json
 import math
+import re
 
 import numpy as np
 import pytest
 
-from strikewave import load_case, run_case
+from strikewave import load_case, run_case, run_wave
 from strikewave.analyses.machine.chapters import blow_table
 from strikewave.analyses.machine.screen import show
 from strikewave.analyses.machine.words import answer_rows
@@ -169,3 +170,35 @@ def test_a_joint_takes_the_pressure_of_its_softer_neighbour():
     text += '[load]\nshape = "half-sine"\npeak = "1 kN"\nduration = "20 us"\n'
     loads = [build_stack(parse_case(text.format(word))).joints[0].contact.cap for word in ("auto", "2016.4 MPa")]
     assert loads[0] == loads[1]
+
+
+def test_a_pressure_beyond_the_end_of_a_logarithmic_law_is_refused_by_its_field():
+    """The limit that the error names is the one at which it stops: just below it the case is taken."""
+    from strikewave.analyses.machine.build import build_machine
+
+    own = ["contact.law=johnson", "contact.datum_depth=30 mm"]
+    with pytest.raises(InputError) as refused:
+        build_machine(load_case("li-ma-2019", [*own, "contact.yield_pressure=1000 GPa"]))
+    assert refused.value.field == "contact.yield_pressure"
+    most = float(re.search(r"below ([0-9.]+) GPa", refused.value.allowed)[1])
+    build_machine(load_case("li-ma-2019", [*own, f"contact.yield_pressure={0.999 * most} GPa"]))
+    with pytest.raises(InputError, match="ends"):
+        build_machine(load_case("li-ma-2019", [*own, f"contact.yield_pressure={1.001 * most} GPa"]))
+
+
+def test_the_contact_of_two_layers_is_reported_where_it_yields():
+    """A sphere of 10 mm on 45 steel yields below its surface long before 5 kN, and not under 1 N; not where capped."""
+    base = '[[stack.layer]]\nname = "{}"\nmaterial = "45 steel"\nlength = "50 mm"\ndiameter = "20 mm"\n'
+    text = "schema = 1\n" + base.format("one") + base.format("two")
+    text += '[[stack.joint]]\nafter = "one"\nkind = "contact"\nradius = "10 mm"\n{}\n'
+    text += '[load]\nshape = "half-sine"\npeak = "{}"\nduration = "50 us"\n[solver]\nduration = "60 us"\n'
+
+    def messages(peak, more=""):
+        notices = run_wave(parse_case(text.format(more, peak))).notices
+        return [notice.message for notice in notices if notice.code == "contact-yield"]
+
+    (message,) = messages("5 kN")
+    assert "between one and two" in message
+    assert "stack.joint.one.yield_pressure" in message
+    assert not messages("1 N")
+    assert not messages("5 kN", 'yield_pressure = "auto"')

@@ -29,6 +29,7 @@ from strikewave.analyses.machine.figures.animation import (
 from strikewave.analyses.machine.figures.motion import MOST_DETAILED, detailed
 from strikewave.analyses.machine.figures.motion import machine_motion as motion_of
 from strikewave.base.constants import STANDARD_GRAVITY
+from strikewave.base.variables import LabelledArrays
 from strikewave.machines._kernels import stroke_profile
 
 HOSTILE = "_</script><img src=x onerror=alert(1)> $\\frac{1}{$ & \u202e\u2028"
@@ -83,7 +84,7 @@ def missed(solution):
     data = solution.data.copy()
     for name in ("pulse_force", "pulse_acceleration"):
         data[name] = data[name] * np.nan
-    return dataclasses.replace(solution, blows=blows, histories=data)
+    return dataclasses.replace(solution, blows=blows, sampled=LabelledArrays.of_xarray(data))
 
 
 def test_the_page_is_whole_and_fetches_nothing(page):
@@ -212,7 +213,10 @@ def test_a_long_run_makes_a_page_of_bounded_size(solution):
     for name in ("pulse_force", "pulse_acceleration"):
         values = np.tile(solution.data[name].values, (10, 1))[:100]
         data[name] = (("blow", "pulse_time"), values)
-    assert len(machine_page(dataclasses.replace(solution, blows=tuple(many), histories=data))) < LARGEST
+    assert (
+        len(machine_page(dataclasses.replace(solution, blows=tuple(many), sampled=LabelledArrays.of_xarray(data))))
+        < LARGEST
+    )
 
 
 def test_where_all_blows_missed_the_machine_still_moves(solution):

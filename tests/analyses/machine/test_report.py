@@ -342,7 +342,7 @@ def test_solution_without_any_blow_says_so(solution):
 
 def test_histories_may_be_missing(solution):
     """What is not there is said in words."""
-    bare = dataclasses.replace(solution, histories={}, notices=())
+    bare = dataclasses.replace(solution, sampled={}, notices=())
     page = report(bare)
     text = Page(page).text
     assert "No warning was raised." in text
@@ -398,7 +398,7 @@ def test_a_thousand_blows_stay_below_the_largest_size(solution):
     data = {name: solution.data[name] for name in ("time", "rigid_acceleration", "pulse_time")}
     for name in ("pulse_force", "pulse_acceleration"):
         data[name] = SimpleNamespace(values=solution.data[name].values[rows])
-    long = dataclasses.replace(solution, blows=blows, histories=data)
+    long = dataclasses.replace(solution, blows=blows, sampled=data)
     assert len(chosen(long)) <= MOST_PULSES
     page = report(long)
     assert len(tables(page)["Blows"]) == many + 1

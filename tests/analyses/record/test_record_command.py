@@ -330,3 +330,62 @@ def test_json_with_out_writes_too_and_never_over_other_files(strikewave, volts):
     code, out, err = strikewave("record", volts, "--unit", "g", "--json", "--out", "mine", "--force")
     assert (code, out) == (2, "")
     assert os.listdir("mine") == ["thesis.doc"]
+
+
+def test_the_exit_code_follows_the_worst_status_that_is_asked_for(strikewave):
+    write("good.csv", history(100.0), header="time [s],board [g]")
+    write("turned.csv", history(-100.0), header="time [s],board [g]")  # negative blows: suspect
+    assert strikewave("record", "good.csv", "--json", "--fail-on", "suspect")[0] == 0
+    assert strikewave("record", "turned.csv", "--json")[0] == 0
+    assert strikewave("record", "turned.csv", "--json", "--fail-on", "bad")[0] == 0
+    code, out, err = strikewave("record", "good.csv", "turned.csv", "--json", "--fail-on", "suspect")
+    assert code == 3
+    [warning] = document(out)["warnings"]
+    assert (warning["code"], warning["value"]) == ("fail-on", 1.0)
+    assert "1 suspect of 2 files" in warning["message"]
+    assert "exit code 3: check failed: fail-on" in err
+
+
+def test_repeats_in_columns_make_one_campaign(strikewave):
+    peaks = [100.0, 104.0, 96.0]
+    write("all.csv", *map(history, peaks), header="time [s],shot 1 [g],shot 2 [g],shot 3 [g]")
+    _, out, _ = strikewave("record", "all.csv", "--columns", "repeats", "--json")
+    found = document(out)
+    assert [file["file"] for file in found["files"]] == [f"all.csv: shot {k}" for k in (1, 2, 3)]
+    assert "campaigns" not in found
+    assert found["campaign"]["channel"] == "shot"
+    peak = found["campaign"]["peak"]
+    assert (peak["n"], peak["mean"] / G) == (3, pytest.approx(100.0, rel=2e-3))  # noise of 1e-4 at the top
+    assert peak["cv"] == pytest.approx(0.04, rel=0.02)
+
+
+def test_files_are_taken_in_natural_order_where_they_come_as_a_shell_lists_them(strikewave):
+    names = ["a1.csv", "a10.csv", "a2.csv"]
+    for name in names:
+        write(name, history(100.0), header="time [s],board [g]")
+
+    def order(*given):
+        return [file["file"] for file in document(strikewave("record", *given, "--json")[1])["files"]]
+
+    assert order(*names) == ["a1.csv", "a2.csv", "a10.csv"]
+    assert order("a*.csv") == ["a1.csv", "a2.csv", "a10.csv"]  # where the shell leaves patterns to the command
+    assert order("a10.csv", "a1.csv", "a2.csv") == [
+        "a1.csv",
+        "a2.csv",
+        "a10.csv",
+    ]  # as locales sort that pass marks over
+    assert order("a2.csv", "a1.csv", "a10.csv") == ["a2.csv", "a1.csv", "a10.csv"]
+    code, out, err = strikewave("record", "a1.csv", "./a1.csv", "--json")
+    assert (code, len(document(out)["files"])) == (0, 1)
+    assert "named twice" in err
+
+
+def test_a_unit_that_is_a_mass_is_refused_with_what_may_be_meant(strikewave):
+    write("shot.csv", history(1.2), header="time [s],board [kg]")
+    code, _, err = strikewave("record", "shot.csv", "--unit", "kg", "--json")
+    assert (code, '--unit "1000 g"' in err) == (2, True)
+    code, out, _ = strikewave("record", "shot.csv", "--unit", "1000 g", "--json")
+    assert code == 0
+    assert document(out)["campaign"]["peak"]["mean"] / G == pytest.approx(1200.0, rel=2e-3)
+    _, out, _ = strikewave("record", "shot.csv", "--json")
+    assert "kg is a mass" in document(out)["warnings"][0]["message"]

@@ -10,7 +10,7 @@ from scipy.integrate import solve_ivp
 
 from strikewave import load_case
 from strikewave.base.errors import InputError, IntegrationError, StrikewaveError
-from strikewave.base.quantities import Range, ToleranceBand
+from strikewave.base.quantities import Range, ToleranceBand, Value
 from strikewave.machines import StruckObject, blows, run_machine
 from strikewave.machines.fast_train import fast_train
 from strikewave.studies.axes import axis_of, case_at
@@ -427,3 +427,19 @@ def test_document_and_dataset_carry_units_and_regimes(tmp_path):
 def test_wrong_inputs_are_refused_in_words(change, words):
     with pytest.raises(InputError, match=words):
         change(load_case("li-ma-2019"))
+
+
+def test_a_map_that_ends_before_the_case_says_so():
+    """Nearest even setting at the end of the range on the side of the case: nothing between was looked at."""
+    case = load_case("li-ma-2019")
+
+    def codes(low, high):
+        speed = (
+            Value(si=low * math.pi / 30.0, typed=f"{low} rpm"),
+            Value(si=high * math.pi / 30.0, typed=f"{high} rpm"),
+        )
+        axes = axis_of(case, "machine.speed", speed, 3, False), axis_of(case, "object.spring", None, 5, False)
+        return [notice.code for notice in make_map(plan_of(case, axes, train=0), 0.02).notices]
+
+    assert codes(800, 900) == ["range-end"]
+    assert codes(700, 800) == []

@@ -37,6 +37,7 @@ from strikewave.studies.settings.estimate import (
 from strikewave.studies.settings.search import Design, Trial
 from strikewave.studies.settings.study import (
     SettingsChoices,
+    check_changes,
     check_goal,
     design_settings,
     least_width,
@@ -510,3 +511,26 @@ def test_stack_is_refused():
 def test_disc_that_is_no_metal_is_refused(published):
     with pytest.raises(InputError, match="--disc"):
         check_goal(published, BlowGoal(20e-3, 4000 * G, 200e-6, material("PTFE")), SettingsChoices())
+
+
+@pytest.mark.parametrize(
+    ("change", "vary", "instead"),
+    [
+        ("machine.speed=700 rpm", "frame", "--interval"),
+        ("machine.engagement = 5 mm", "frame", "--peak"),
+        ("object.frame_stiffness=90 MN/m", "frame", "--width"),
+        ("striker.mount_stiffness=90 MN/m", "mount", "--width"),
+        ("machine.strikers=6", "frame", "--strikers"),
+        ("striker.mass=1.2 kg", "frame", "--striker-mass"),
+    ],
+)
+def test_a_change_of_what_is_chosen_here_is_refused(change, vary, instead):
+    """The search would replace it: the options ask for it."""
+    with pytest.raises(InputError, match="no --set of it") as refused:
+        check_changes([change], vary)
+    assert refused.value.field == change.partition("=")[0].strip()
+    assert instead in str(refused.value)
+
+
+def test_a_stiffness_that_is_kept_may_be_changed():
+    check_changes(["striker.mount_stiffness=250 MN/m", "object.spring=50 kN/m"], "frame")

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from strikewave._version import __version__
 from strikewave.analyses.fem.sectors import Sector, WholeForce, sectors, whole_forces
 from strikewave.base.result import Comparison, Source, comparison_document
-from strikewave.base.variables import quantity
+from strikewave.base.variables import LabelledArrays, quantity
 from strikewave.cases.case import Case, dump_case
 from strikewave.cases.comparisons import comparisons, stale_fits_document
 from strikewave.fem.blow_measures import blow_measure
@@ -38,8 +38,6 @@ from strikewave.reporting.numbers import with_unit
 from strikewave.reporting.shown_result import Curve, ShownResult, columns_of, history_curve
 
 if TYPE_CHECKING:
-    import xarray
-
     from strikewave.cases.tables import Published
 
 Array = NDArray[np.float64]
@@ -263,15 +261,13 @@ class FemSolution(ShownResult):
         columns = [Column(name, values, si) for name, si, values in self._columns()]
         return csv_table([Column("time", self.run.time, "s"), *columns], HISTORY_DIGITS)
 
-    def datasets(self) -> dict[str, xarray.Dataset]:
+    def datasets(self) -> dict[str, LabelledArrays]:
         """Return the histories of each blow, by the names of the files."""
-        return {of_blow(self.data_file, blow.run.blow): blow.data for blow in self.blows}
+        return {of_blow(self.data_file, blow.run.blow): blow.arrays for blow in self.blows}
 
     @functools.cached_property
-    def data(self) -> xarray.Dataset:
+    def arrays(self) -> LabelledArrays:
         """Histories of the first blow by the names of the case: vectors by ``axis``, stresses by ``component``."""
-        import xarray
-
         run, vector, means = self.run, ("time", "axis"), ("interval", "axis")
         variables = {}
 
@@ -309,7 +305,7 @@ class FemSolution(ShownResult):
             "component": ("component", np.array(STRESS, dtype=object)),
         }
         attributes = {"strikewave_schema": SCHEMA, "strikewave_version": __version__, "case": self.source.text}
-        return xarray.Dataset(variables, coordinates, attributes)
+        return LabelledArrays.of(variables, coordinates, attributes)
 
 
 MOTION = {"displacement": "m", "velocity": "m/s", "acceleration": "m/s^2"}

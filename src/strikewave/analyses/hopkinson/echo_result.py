@@ -5,19 +5,16 @@ from __future__ import annotations
 import functools
 import math
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import Any, ClassVar
 
 from strikewave.analyses.hopkinson.outcome import Outcome
 from strikewave.analyses.hopkinson.result import inputs
-from strikewave.base.variables import quantity
+from strikewave.base.variables import LabelledArrays, quantity
 from strikewave.hopkinson.bars import Bar
 from strikewave.hopkinson.echoes import Echoes
 from strikewave.reporting.columns import HISTORY_DIGITS, Column, csv_table
 from strikewave.reporting.numbers import percent, with_unit
 from strikewave.reporting.shown_result import Curve, history_curve
-
-if TYPE_CHECKING:
-    import xarray
 
 _KEYS = {
     "s": "passes window late",
@@ -44,6 +41,7 @@ class EchoSolution(Outcome):
     """
 
     data_file: ClassVar[str] = "echoes.nc"
+    is_history: ClassVar[bool] = True
 
     bar: Bar
     echoes: Echoes = field(repr=False)
@@ -120,10 +118,8 @@ class EchoSolution(Outcome):
         return {"frequency": "kHz", **speeds, "attenuation": "1/m"}
 
     @functools.cached_property
-    def data(self) -> xarray.Dataset:
+    def arrays(self) -> LabelledArrays:
         """Speed and attenuation over frequency, and the trace, with units."""
-        import xarray
-
         echoes, trace = self.echoes, self.echoes.quiet.trace
         variables = {
             "phase_speed": quantity("frequency", echoes.phase_speed, "m/s", "phase speed by the echoes"),
@@ -137,4 +133,4 @@ class EchoSolution(Outcome):
             "frequency": quantity("frequency", echoes.frequency, "Hz", "frequency"),
             "time": quantity("time", trace.time, "s", "time of the record"),
         }
-        return xarray.Dataset(variables, coordinates, self.attributes())
+        return LabelledArrays.of(variables, coordinates, self.attributes())

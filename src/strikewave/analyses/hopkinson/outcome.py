@@ -5,16 +5,13 @@ from __future__ import annotations
 from abc import abstractmethod
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import Any, ClassVar
 
 from strikewave._version import __version__
 from strikewave.analyses.hopkinson.setup_file import HopkinsonCase
 from strikewave.base.result import Source
+from strikewave.base.variables import LabelledArrays
 from strikewave.reporting.shown_result import ShownResult
-
-if TYPE_CHECKING:
-    import xarray
-
 
 SCHEMA = 1
 """Version of the layout of the files of a solution; it rises when they change."""
@@ -54,7 +51,7 @@ class Outcome(ShownResult):
 
     @property
     @abstractmethod
-    def data(self) -> xarray.Dataset:
+    def arrays(self) -> LabelledArrays:
         """The histories with units."""
 
     def attributes(self) -> dict[str, Any]:

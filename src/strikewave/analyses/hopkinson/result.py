@@ -5,7 +5,7 @@ from __future__ import annotations
 import functools
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import Any, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from strikewave.analyses.hopkinson.outcome import Outcome
 from strikewave.analyses.hopkinson.setup_file import HopkinsonCase, values_of
 from strikewave.base.json_document import without
-from strikewave.base.variables import quantity
+from strikewave.base.variables import LabelledArrays, quantity
 from strikewave.hopkinson.bars import BarMaterial, StrikerBar
 from strikewave.hopkinson.checks import Energy, Equilibrium, Momentum, Slope, StrikerCheck, rise_slopes
 from strikewave.hopkinson.pulses import Pulses
@@ -21,9 +21,6 @@ from strikewave.hopkinson.reduction import ANALYSES, Reduction, StressStrainCurv
 from strikewave.reporting.columns import HISTORY_DIGITS, Column, csv_table
 from strikewave.reporting.numbers import axis_unit, percent, with_unit
 from strikewave.reporting.shown_result import Curve
-
-if TYPE_CHECKING:
-    import xarray
 
 Array = NDArray[np.float64]
 
@@ -61,6 +58,7 @@ class HopkinsonSolution(Outcome):
     """
 
     data_file: ClassVar[str] = "reduction.nc"
+    is_history: ClassVar[bool] = True
 
     pulses: Pulses = field(repr=False)
     reduction: Reduction = field(repr=False)
@@ -133,10 +131,8 @@ class HopkinsonSolution(Outcome):
         }
 
     @functools.cached_property
-    def data(self) -> xarray.Dataset:
+    def arrays(self) -> LabelledArrays:
         """Waves, forces, velocities and curves at the specimen with units."""
-        import xarray
-
         r, w = self.reduction, self.reduction.waves
         variables = {
             "incident": quantity("time", w.incident, "1", "strain of the incident wave at the specimen"),
@@ -157,7 +153,7 @@ class HopkinsonSolution(Outcome):
             "time": quantity("time", r.time, "s", "time after the incident wave comes to the specimen"),
             "analysis": ("analysis", np.array(ANALYSES, dtype=object)),
         }
-        return xarray.Dataset(variables, coordinates, self.attributes())
+        return LabelledArrays.of(variables, coordinates, self.attributes())
 
     def highlights(self) -> list[tuple[str, str]]:
         """Return the largest true stress and strain, the rate, and by how much forces and impulses miss each other."""
@@ -201,6 +197,11 @@ class HopkinsonSolution(Outcome):
             Column("true stress", true.stress, "Pa"),
             Column("true rate", true.rate, "1/s"),
         ]
+
+    def brief(self) -> dict[str, str]:
+        """Return the time, the curve of the chosen analysis, and the forces on both faces of the specimen."""
+        curve = {"true strain": "1", "true stress": "MPa", "true rate": "1/s"}
+        return {"time": "us", **curve, "force 1": "kN", "force 2": "kN"}
 
     def pulses_table(self) -> str:
         """Return the three pulses as the gauges saw them, each with its own time, as CSV text."""

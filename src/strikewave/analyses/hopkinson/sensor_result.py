@@ -6,7 +6,7 @@ import functools
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple
+from typing import Any, ClassVar, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,14 +14,11 @@ from numpy.typing import NDArray
 from strikewave.analyses.hopkinson.bar_end import SensorComparison, Standing
 from strikewave.analyses.hopkinson.outcome import Outcome
 from strikewave.analyses.hopkinson.result import inputs
-from strikewave.base.variables import quantity
+from strikewave.base.variables import LabelledArrays, quantity
 from strikewave.hopkinson.bars import Bar, BarMaterial
 from strikewave.reporting.columns import HISTORY_DIGITS, Column, csv_table
 from strikewave.reporting.numbers import percent, spelled, with_unit
 from strikewave.reporting.shown_result import Curve, history_curve
-
-if TYPE_CHECKING:
-    import xarray
 
 Array = NDArray[np.float64]
 
@@ -90,6 +87,7 @@ class SensorSolution(Outcome):
     """
 
     data_file: ClassVar[str] = "reduction.nc"
+    is_history: ClassVar[bool] = True
 
     bar: Bar
     standing: Standing
@@ -224,11 +222,13 @@ class SensorSolution(Outcome):
         ]
         return [column._replace(values=column.values[samples]) for column in columns]
 
-    @functools.cached_property
-    def data(self) -> xarray.Dataset:
-        """The histories with units."""
-        import xarray
+    def brief(self) -> dict[str, str]:
+        """Return the time, and the accelerations of reference and reading with their difference."""
+        return {"time": "us", **dict.fromkeys(("reference acceleration", "reading as acceleration", "difference"), "g")}
 
+    @functools.cached_property
+    def arrays(self) -> LabelledArrays:
+        """The histories with units."""
         comparison, samples = self.comparison, self.kept
         histories = {
             "reference_acceleration": (
@@ -248,4 +248,4 @@ class SensorSolution(Outcome):
         }
         variables = {name: quantity("time", v[samples], unit, words) for name, (v, unit, words) in histories.items()}
         coordinates = {"time": quantity("time", comparison.time[samples], "s", "time after the wave comes to the end")}
-        return xarray.Dataset(variables, coordinates, self.attributes())
+        return LabelledArrays.of(variables, coordinates, self.attributes())

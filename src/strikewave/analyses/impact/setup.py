@@ -9,7 +9,7 @@ from typing import Any
 from strikewave.analyses.impact.options import BodyOptions, LossOptions, StiffnessOptions, YieldOptions
 from strikewave.base.errors import MISSING, InputError
 from strikewave.base.materials import Material, material
-from strikewave.cases.yield_pressure import pressure_of_materials
+from strikewave.cases.yield_pressure import pressure_of_materials, refuse_beyond_law
 from strikewave.contact import (
     AnyContact,
     Damper,
@@ -223,7 +223,9 @@ def read_cap(typed: YieldOptions, base: Base, damper: str | None) -> PressureCap
     shape = typed.shape or base.shape
     if shape is None:
         raise InputError("--shape", MISSING, "the shape of the contact that yields", "line or point")
-    return PressureCap(typed.yield_load, shape)
+    cap = PressureCap(typed.yield_load, shape)
+    refuse_beyond_law(cap, base.stiffness, f"{typed.yield_load:g} N", "--yield-load")
+    return cap
 
 
 def _cap_of_pressure(pressure: float | str, base: Base) -> PressureCap:
@@ -237,6 +239,8 @@ def _cap_of_pressure(pressure: float | str, base: Base) -> PressureCap:
     if isinstance(pressure, str):
         pressure = pressure_of_materials(one, other, "--yield-pressure").best
     try:
-        return cap_of(one, other, base.cap_sizes, pressure)
+        cap = cap_of(one, other, base.cap_sizes, pressure)
     except ValueError as error:
         raise InputError("--yield-pressure", text, "a pressure that a body bears", str(error)) from None
+    refuse_beyond_law(cap, base.stiffness, text, "--yield-pressure", pressure)
+    return cap

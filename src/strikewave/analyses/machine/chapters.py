@@ -18,7 +18,7 @@ from strikewave.analyses.machine.words import (
     restitution_words,
 )
 from strikewave.reporting.chapters import balance_table, layer_steps
-from strikewave.reporting.numbers import fixed, listed, with_unit
+from strikewave.reporting.numbers import fixed, listed, with_band, with_unit
 from strikewave.reporting.parts import NONE, Cell, Flow, Link, Part, Picture, Section, Table, Tag, written
 
 if TYPE_CHECKING:
@@ -95,11 +95,12 @@ def _drawing(case: Case) -> list[Part]:
 def blow_table(solution: Solution) -> Section:
     """List the blows, in the units and columns of the command line."""
     named = ["#", "kind", *headings("blows"), "contacts"]
+    columns = shown_in("blows", solution.band)
     rows: list[list[Cell]] = [
         [
             str(blow.index),
             Tag(blow.kind, blow.kind),
-            *(fixed(getattr(blow, name), si, unit, decimals) for name, si, unit, decimals in shown_in("blows")),
+            *(fixed(getattr(blow, name), si, unit, decimals) for name, si, unit, decimals in columns),
             str(blow.contacts),
         ]
         for blow in solution.blows
@@ -148,7 +149,7 @@ def _answers(solution: Solution) -> list[Table]:
     answers = solution.contact
     if answers is None or not answers.differ:
         return []
-    rows: list[list[Cell]] = [list(row) for row in answer_rows(answers)]
+    rows: list[list[Cell]] = [list(row) for row in answer_rows(answers, solution.band)]
     asked = restitution_words(answers)
     passed = "" if answers.first_yield is None else with_unit(answers.first_yield, "N", "N", 3)
     caption = (
@@ -165,7 +166,7 @@ def pulse_pictures(solution: Solution, moving: str = "") -> Section:
     """
     from strikewave.analyses.machine.figures import pulses
 
-    data = solution.data
+    data = solution.arrays
     struck = [row for row, blow in enumerate(solution.blows) if blow.kind != "missed"]
     parts: list[Part] = []
     words = [] if struck else ["No striker touched the object: there is no pulse to show."]
@@ -185,8 +186,9 @@ def pulse_pictures(solution: Solution, moving: str = "") -> Section:
             lambda: pulses.rigid_acceleration(solution, struck[0]),
             f"Rigid-body acceleration of the assembly, blow {first.index}"
             + ("; the marks are published peaks and widths." if _marked(solution) else "."),
-            f"Rigid-body acceleration over time, blow {first.index}: peak {with_unit(first.rigid_peak, 'm/s^2', 'g')}, "
-            f"width {with_unit(first.width, 's', 'us')}.",
+            f"Rigid-body acceleration over time, blow {first.index}: peak "
+            f"{with_band(first.rigid_peak, solution.band.get('first.rigid_peak'), 'm/s^2', 'g')}, "
+            f"width {with_band(first.width, solution.band.get('first.width'), 's', 'us')}.",
         )
         add(
             ["pulse_time", "pulse_force"],

@@ -5,10 +5,13 @@ A new column is a field of `strikewave.machines.Blow` and a line here.
 
 from __future__ import annotations
 
+from collections.abc import Mapping, Sequence
 from typing import NamedTuple
 
+from strikewave.base.result import Band
+from strikewave.reporting.bands import bands_of
 from strikewave.reporting.layout import KEY, MAIN, MORE, ScreenColumn, numerals, texts
-from strikewave.reporting.numbers import heads
+from strikewave.reporting.numbers import heads, table_decimals
 
 
 class BlowColumn(NamedTuple):
@@ -81,15 +84,27 @@ HIDDEN = frozenset(column.name for column in COLUMNS if not column.document)
 """Columns that the JSON document leaves out."""
 
 
-def shown_in(table: str) -> list[tuple[str, str, str, int]]:
+def shown_in(table: str, bands: Mapping[str, Band] | None = None) -> list[tuple[str, str, str, int]]:
     """Return name, SI unit, unit shown and decimals of the columns of a table, ``blows``, ``contact`` or ``sliding``.
+
+    Of a quantity with bands there are the decimals that they leave.
 
     Examples
     --------
     >>> shown_in("contact")[1]
     ('rebound_speed', 'm/s', 'm/s', 3)
     """
-    return [column[:4] for column in COLUMNS if table in column.tables]
+    return with_banded_decimals([column[:4] for column in COLUMNS if table in column.tables], bands)
+
+
+def with_banded_decimals(
+    columns: Sequence[tuple[str, str, str, int]], bands: Mapping[str, Band] | None
+) -> list[tuple[str, str, str, int]]:
+    """Return columns of the first blow, or of all, with the decimals that the bands of their quantities leave."""
+    return [
+        (name, si, usual, table_decimals(bands_of(bands or {}, name), si, usual, decimals))
+        for name, si, usual, decimals in columns
+    ]
 
 
 def headings(table: str) -> list[str]:

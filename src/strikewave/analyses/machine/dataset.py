@@ -1,17 +1,17 @@
-"""A run sampled into an xarray Dataset: the whole train, each blow in detail, the ideal record, taps and sensors."""
+"""A run sampled into arrays: the whole train, each blow in detail, the ideal record, taps and sensors."""
 
 from __future__ import annotations
 
 import dataclasses
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from strikewave.analyses.machine.columns import BLOW_UNITS
 from strikewave.analyses.machine.sensor_readings import BlowHistory, Observed, ReadingSetup
-from strikewave.base.variables import quantity
+from strikewave.base.variables import LabelledArrays, quantity
 from strikewave.cases.case import Case
 from strikewave.machines import Blow
 from strikewave.machines._kernels import stroke_places
@@ -20,9 +20,6 @@ from strikewave.machines.run import MachineRun
 from strikewave.machines.spans import Moments, StackSpan
 from strikewave.sensors.channel import SensorChannel
 from strikewave.waves.li_ma import ROUTES
-
-if TYPE_CHECKING:
-    import xarray
 
 Array = NDArray[np.float64]
 
@@ -46,10 +43,8 @@ def carriage_position(case: Case, phases: Sequence[tuple[str, float]], time: Arr
     return np.asarray(feed.stroke.si * (1.0 - moved(at["feed"], at["fed"]) + moved(at["retract"], at["brake"])))
 
 
-def build_dataset(case: Case, seen: Observed) -> xarray.Dataset:
-    """Sample a run and what was seen of it into a dataset."""
-    import xarray
-
+def build_dataset(case: Case, seen: Observed) -> LabelledArrays:
+    """Sample a run and what was seen of it into the arrays of a dataset."""
     run, blows = seen.run, seen.blows
     time = np.arange(0.0, run.end, case.solver.output_step.si)
     time = time[time <= run.end]  # rounding may lead beyond
@@ -104,7 +99,7 @@ def build_dataset(case: Case, seen: Observed) -> xarray.Dataset:
         coordinates["route"] = ("route", np.array(ROUTES, dtype=object))
     variables |= _reading_variables(seen.histories, seen.view.channels)
     variables |= _field_variables(run)
-    return xarray.Dataset(variables, coordinates, {"route": seen.view.route})
+    return LabelledArrays.of(variables, coordinates, {"route": seen.view.route})
 
 
 def _place_variables(case: Case, run: MachineRun, time: Array, train: Moments) -> dict[str, Any]:

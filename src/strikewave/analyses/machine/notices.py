@@ -18,7 +18,13 @@ from strikewave.base.quantities import AUTO
 from strikewave.base.result import FAILED, INFO, Notice
 from strikewave.cases.case import Case
 from strikewave.cases.comparisons import origin_notices
-from strikewave.cases.contact_notices import cushion_notices, force_words, law_notices, low_pressure_notices
+from strikewave.cases.contact_notices import (
+    cushion_notices,
+    force_words,
+    joint_yield_notices,
+    law_notices,
+    low_pressure_notices,
+)
 from strikewave.cases.contact_range_notices import damping_speed_notices, size_notices, speed_notices
 from strikewave.cases.yield_pressure import ELASTIC, YIELDING
 from strikewave.machines import Blow
@@ -217,6 +223,7 @@ def _peak_lost(intervals: float) -> str:
 
 
 def wave_notices(
+    case: Case,
     run: MachineRun,
     histories: Sequence[BlowHistory | None],
     readings: Sequence[BlowReading | None],
@@ -236,6 +243,7 @@ def wave_notices(
         *rise_notices(stack, min(contact_rise(span), *fronts), bandwidth, first.total_peak),
         *layer_notices(stack, largest),
         *joint_notices(stack, least, greatest),
+        *joint_yield_notices(case, greatest.tolist()),
     )
 
 

@@ -23,6 +23,7 @@ from strikewave.analyses.machine.figures_of import figures_of, sensor_figures
 from strikewave.analyses.machine.sensor_readings import BlowReading
 from strikewave.base.errors import InputError
 from strikewave.base.result import SCHEMA, Band, BandMethod, Comparison, Notice, Source, comparison_document
+from strikewave.base.variables import LabelledArrays
 from strikewave.cases.case import PUBLISHED_QUANTITIES, Case, dump_case, parse_case
 from strikewave.cases.comparisons import stale_fits_document
 from strikewave.machines import Blow
@@ -35,7 +36,6 @@ from strikewave.waves.setup import LayerUsed, WaveSetup
 
 if TYPE_CHECKING:
     import xarray
-
 
 LARGEST_LOAD = 4_000_000_000
 """A solution file that would take more bytes than this is refused."""
@@ -110,8 +110,8 @@ class Solution(ShownResult):
         What taps and sensors show, one a blow; None where it missed.
     waves : WaveSetup or None
         How the waves were followed; None where the object is no stack.
-    histories : xarray.Dataset
-        Histories and the table of blows, with units in their attributes.
+    sampled : LabelledArrays
+        Histories and the table of blows, with units; `histories` and `data` are the xarray Dataset of them.
     launch : dict
         Of a machine without a drive, SI: see `LAUNCH_UNITS`.
     collisions : tuple of LineCollision
@@ -131,7 +131,7 @@ class Solution(ShownResult):
     reference: RigidReference
     readings: tuple[BlowReading | None, ...]
     waves: WaveSetup | None
-    histories: xarray.Dataset = field(repr=False, compare=False)
+    sampled: LabelledArrays = field(repr=False, compare=False)
     launch: dict[str, float] = field(default_factory=dict)
     collisions: tuple[LineCollision, ...] = ()
     contact: ContactAnswers | None = None
@@ -163,9 +163,14 @@ class Solution(ShownResult):
         return Source("case", self.case.name, dump_case(self.case))
 
     @property
-    def data(self) -> xarray.Dataset:
+    def arrays(self) -> LabelledArrays:
+        """Histories and the table of blows, with units."""
+        return self.sampled
+
+    @property
+    def histories(self) -> xarray.Dataset:
         """Histories and the table of blows, with units in their attributes."""
-        return self.histories
+        return self.data
 
     def units(self) -> dict[str, str]:
         """Return the unit of each key of the JSON document."""
@@ -236,9 +241,9 @@ class Solution(ShownResult):
         place = next((k for k, blow in enumerate(self.blows) if blow.kind != "missed"), None)
         if place is None:
             return None
-        blow, time = self.blows[place], self.data["pulse_time"].values
+        blow, time = self.blows[place], self.arrays["pulse_time"].values
         kept = time <= (SHOWN_WIDTHS * blow.width if blow.width > 0.0 else time[-1])
-        acceleration = self.data["pulse_acceleration"].values[place][kept]
+        acceleration = self.arrays["pulse_acceleration"].values[place][kept]
         return history_curve(time[kept], acceleration, "m/s^2", "g", f"rigid-body acceleration, blow {blow.index}")
 
     def tables(self) -> dict[str, str]:
@@ -268,13 +273,13 @@ class Solution(ShownResult):
 
     def save(self, path: Path) -> None:
         """Write the whole solution as NetCDF; `load_solution` reads it back."""
-        self._stored().to_netcdf(path, engine="h5netcdf")
+        self._stored().write(path)
 
-    def datasets(self) -> dict[str, xarray.Dataset]:
+    def datasets(self) -> dict[str, LabelledArrays]:
         """Return the histories and, in its attributes, everything else that `load_solution` reads back."""
         return {"solution.nc": self._stored()}
 
-    def _stored(self) -> xarray.Dataset:
+    def _stored(self) -> LabelledArrays:
         state = {
             "masses": self.masses,
             "phases": self.phases,
@@ -296,7 +301,7 @@ class Solution(ShownResult):
             "case": dump_case(self.case),
             "tables": json.dumps(state),
         }
-        return self.data.assign_attrs(attributes)
+        return self.arrays.with_attributes(attributes)
 
 
 def load_solution(path: Path | str) -> Solution:
@@ -346,7 +351,7 @@ def load_solution(path: Path | str) -> Solution:
             readings=tuple(_reading(row) for row in state["readings"]),
             waves=_waves(state["waves"]),
             citations=tuple(state["citations"]),
-            histories=data.drop_attrs(deep=False),
+            sampled=LabelledArrays.of_xarray(data.drop_attrs(deep=False)),
             launch=state["launch"],
             collisions=tuple(LineCollision(**row) for row in state["collisions"]),
             contact=_contact(state["contact"]),

@@ -27,6 +27,7 @@ from strikewave.base.result import Comparison, balance_notices
 from strikewave.cases.case import Case
 from strikewave.cases.comparisons import comparisons
 from strikewave.cases.contact_of_case import contact_source
+from strikewave.cases.sensors_of_case import sensor_notices
 from strikewave.contact import damping_law, solve_impact
 from strikewave.machines import Blow, Machine
 from strikewave.machines.spans import StackSpan
@@ -76,7 +77,8 @@ def run_case(case: Case, progress: Callable[[float], None] | None = None, *, ban
     listed = [
         *notices(case, seen.blows, answers),
         *(launch_notices(case, seen, start) if start else feed_notices(run, seen.blows)),
-        *wave_notices(run, seen.histories, seen.readings, seen.view.bandwidth),
+        *wave_notices(case, run, seen.histories, seen.readings, seen.view.bandwidth),
+        *sensor_notices(case),
         *channel_notices(
             seen.view.channels,
             [reading.sensors for reading in seen.readings if reading is not None],
@@ -104,7 +106,7 @@ def run_case(case: Case, progress: Callable[[float], None] | None = None, *, ban
         readings=readings,
         waves=wave_setup(machine.layered.stack, machine.layered.grid) if machine.layered else None,
         citations=_citations(case, seen),
-        histories=build_dataset(case, seen),
+        sampled=build_dataset(case, seen),
         launch=launch_of(machine, start) if start else {},
         collisions=line_collisions(start) if start else (),
         contact=answers,

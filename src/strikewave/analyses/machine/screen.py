@@ -25,6 +25,7 @@ from strikewave.analyses.machine.words import (
 from strikewave.cases.case import Case, dump_case
 from strikewave.cases.losses_of_case import fitted_losses
 from strikewave.cases.sensors_of_case import build_channels
+from strikewave.reporting.bands import bands_of
 from strikewave.reporting.layout import KEY, MORE, keys, numerals
 from strikewave.reporting.numbers import headed, with_unit
 from strikewave.reporting.options import Output
@@ -94,7 +95,7 @@ class MachineCommand(Command[Solution]):
 def show(solution: Solution) -> None:
     """Print the settings, the blows, the waves, the contact, published numbers and the balance of a run."""
     tell(f"{solution.case.name}: {', '.join(settings(solution))}", "  ")
-    columns = shown_in("blows")
+    columns = shown_in("blows", solution.band)
     rows = [
         [str(b.index), b.kind, *(fixed(getattr(b, n), si, unit, d) for n, si, unit, d in columns), str(b.contacts)]
         for b in solution.blows
@@ -134,7 +135,7 @@ def _alone_words(solution: Solution) -> str:
 
 def _print_answers(solution: Solution) -> None:
     """Print what was asked of the contact, and its other answers where they differ."""
-    answers = solution.contact
+    answers, bands = solution.contact, solution.band
     if answers is None:
         return
     if answers.differ:
@@ -145,7 +146,7 @@ def _print_answers(solution: Solution) -> None:
             *numerals(*others),
             *numerals(back, priority=MORE),
         ]
-        table(ANSWERS_CALLED, columns, answer_rows(answers))
+        table(ANSWERS_CALLED, columns, answer_rows(answers, bands))
     tell(restitution_words(answers))
 
 
@@ -167,13 +168,15 @@ def _print_waves(solution: Solution) -> None:
         return
     band = read_blows[0][1].bandwidth
     stated = "" if band is None else f", total and wave at {with_unit(band, 'Hz', 'kHz', 3)}"
-    rows = []
+    rows, bands = [], solution.band
+    rigid = bands_of(bands, "rigid_peak")
     for blow, reading in read_blows:
         peaks = [blow.rigid_peak, reading.total_peak, reading.wave_peak] if solution.waves else [blow.rigid_peak]
-        cells = [number(peak, "m/s^2", "g", 5) for peak in peaks]
+        cells = [number(peak, "m/s^2", "g", 5, rigid) for peak in peaks]
         for name in names:
             pulse = reading.sensors[name]
-            cells.append(number(pulse.peak, "m/s^2", "g", 5) + (" clipped" if pulse.clipped else ""))
+            peak = number(pulse.peak, "m/s^2", "g", 5, bands_of(bands, f"{name} peak"))
+            cells.append(peak + (" clipped" if pulse.clipped else ""))
         rows.append([str(blow.index), *cells])
     kinds = ("rigid", "total", "wave") if solution.waves else ("rigid",)
     peaks_of = [headed(name, "m/s^2", "g") for name in (*kinds, *(f"sensor {name}" for name in names))]

@@ -6,8 +6,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from strikewave.reporting.bands import bands_of
 from strikewave.reporting.curves import Trace, traces
-from strikewave.reporting.numbers import fixed, heads, with_unit
+from strikewave.reporting.numbers import fixed, heads, table_decimals, with_unit
 from strikewave.reporting.parts import Cell, Part, Picture, Section, Table, Tag
 from strikewave.reporting.stack_chapters import (
     PEAK_WORDS,
@@ -34,7 +35,7 @@ def struck_field(solution: Solution) -> WaveField | None:
     """Return the field of a machine's first blow on a stack; None where there is none. It holds no velocities."""
     from strikewave.cases.stack_of_case import build_stack, build_taps
 
-    data = solution.data
+    data = solution.arrays
     if "field_force" not in data:
         return None
     stack, setup = build_stack(solution.case), solution.waves
@@ -57,7 +58,7 @@ def stack_section(solution: Solution) -> list[Section]:
     setup = solution.waves
     if setup is None:
         return []
-    data, struck = solution.data, [k for k, reading in enumerate(solution.readings) if reading is not None]
+    data, struck = solution.arrays, [k for k, reading in enumerate(solution.readings) if reading is not None]
     if not struck or "tap_acceleration" not in data:
         return [Section("Stress waves", "No blow touched the object: there are no waves to show.")]
     first, names = struck[0], [str(name) for name in data["tap"].values]
@@ -67,11 +68,12 @@ def stack_section(solution: Solution) -> list[Section]:
     band = "" if reading.bandwidth is None else f" at a bandwidth of {with_unit(reading.bandwidth, 'Hz', 'kHz', 3)}"
     refused = reading.total_peak is None
     rows: list[list[Cell]] = []
+    decimals = table_decimals(bands_of(solution.band, "rigid_peak"), "m/s^2", "g", 0)
     for k in struck:
         blow, seen = solution.blows[k], solution.readings[k]
         assert seen is not None
         numbers = (blow.rigid_peak, seen.total_peak, seen.wave_peak)
-        rows.append([str(blow.index), *(fixed(number, "m/s^2", "g", 0) for number in numbers)])
+        rows.append([str(blow.index), *(fixed(number, "m/s^2", "g", decimals) for number in numbers)])
     text = f"{PEAK_WORDS} Total and wave are stated{band}, at the tap {names[0]}; route: {route}."
     if refused:
         text += " No peak of total and wave is quoted: see the warning on the rise."
@@ -131,7 +133,7 @@ def _settled(force: Any) -> int:
 
 
 def _run_routes(solution: Solution, first: int, tap: int, until: int) -> Section:
-    data = solution.data
+    data = solution.arrays
     time, name = data["pulse_time"].values[:until], str(data["tap"].values[tap])
     rigid = data["rigid_acceleration_filtered"].values[first, :until]
     exact = data["tap_acceleration"].values[first, tap, :until]
@@ -148,7 +150,7 @@ def sensor_section(solution: Solution) -> list[Section]:
         return []
     from strikewave.cases.sensors_of_case import build_channels
 
-    channels, data = build_channels(solution.case), solution.data
+    channels, data = build_channels(solution.case), solution.arrays
     struck = [k for k, reading in enumerate(solution.readings) if reading is not None]
     rows: list[list[Cell]] = []
     for k in struck:
@@ -157,7 +159,8 @@ def sensor_section(solution: Solution) -> list[Section]:
         for name, pulse in seen.sensors.items():
             clipped = Tag("clipped", "bad") if pulse.clipped else Tag("no")
             width = fixed(pulse.width, "s", "us", 1)
-            rows.append([str(solution.blows[k].index), name, fixed(pulse.peak, "m/s^2", "g", 0), width, clipped])
+            decimals = table_decimals(bands_of(solution.band, f"{name} peak"), "m/s^2", "g", 0)
+            rows.append([str(solution.blows[k].index), name, fixed(pulse.peak, "m/s^2", "g", decimals), width, clipped])
     curves = []
     for k, channel in enumerate(channels):
         values, start = data[f"reading_{k + 1}"], float(data[f"reading_{k + 1}_start"].values[struck[0]])

@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from itertools import pairwise
 from statistics import median
 from typing import TYPE_CHECKING
 
-from strikewave.analyses.machine.columns import CALLED
+from strikewave.analyses.machine.columns import CALLED, with_banded_decimals
 from strikewave.analyses.machine.contact_answers import ContactAnswers
 from strikewave.analyses.machine.kind import MachineKind, kind_of
+from strikewave.base.result import Band
 from strikewave.cases.machine_tables import KINDS
 from strikewave.cases.yield_pressure import YIELDING
 from strikewave.reporting.numbers import fixed, headed, heads, listed, shown, with_band, with_unit
@@ -72,12 +73,13 @@ def answer_heads() -> list[str]:
     return ["contact", *heads([(CALLED.get(column[0], column[0]), *column[1:]) for column in ANSWER_COLUMNS])]
 
 
-def answer_rows(answers: ContactAnswers) -> list[list[str]]:
-    """Return the answers of a contact as the rows of a table; see `answer_heads`."""
+def answer_rows(answers: ContactAnswers, bands: Mapping[str, Band] | None = None) -> list[list[str]]:
+    """Return the answers of a contact as the rows of a table, in the digits of its bands; see `answer_heads`."""
+    columns = with_banded_decimals(ANSWER_COLUMNS, bands)
     return [
         [
             row.name + (" (this run)" if row.name == answers.taken else ""),
-            *(fixed(getattr(row, name), si, unit, decimals) for name, si, unit, decimals in ANSWER_COLUMNS),
+            *(fixed(getattr(row, name), si, unit, decimals) for name, si, unit, decimals in columns),
         ]
         for row in answers.rows
     ]
@@ -223,8 +225,8 @@ def _felt_words(solution: Solution) -> list[str]:
     if reading is None:
         return []
     words = []
-    if reading.total_peak is not None and reading.bandwidth is not None and "tap" in solution.data:
-        band, tap = with_unit(reading.bandwidth, "Hz", "kHz", 3), solution.data["tap"].values[0]
+    if reading.total_peak is not None and reading.bandwidth is not None and "tap" in solution.arrays:
+        band, tap = with_unit(reading.bandwidth, "Hz", "kHz", 3), solution.arrays["tap"].values[0]
         words.append(f"At the tap {tap} it reaches {with_unit(reading.total_peak, 'm/s^2', 'g')} in all, at {band}.")
     read = [f"{name} {with_unit(pulse.peak, 'm/s^2', 'g')}" for name, pulse in reading.sensors.items()]
     if read:

@@ -10,7 +10,7 @@ from pydantic import BaseModel
 
 from strikewave.analyses.machine.build import build_machine
 from strikewave.analyses.machine.contact_answers import ContactAnswer, ContactAnswers
-from strikewave.base.errors import IntegrationError
+from strikewave.base.errors import InputError, IntegrationError
 from strikewave.base.materials import material
 from strikewave.base.quantities import Value
 from strikewave.cases.case import Case
@@ -68,7 +68,10 @@ def _found(case: Case, name: str, pressure: float | None, elastic: ContactAnswer
 
     None where the blow does not come, its motion cannot be followed, or its law ends below the pressure.
     """
-    machine = build_machine(_of_first_blow(case, pressure))
+    try:
+        machine = build_machine(_of_first_blow(case, pressure))
+    except InputError:
+        return None
     if elastic is not None and elastic.peak_force <= min(_yield_loads(machine)):
         return replace(elastic, name=name, yield_pressure=pressure)
     try:

@@ -117,6 +117,7 @@ def blow_section(files: Sequence[FileReading], names: Names) -> Section:
     figures = ("peak", "rise", "width", "velocity_change", *(("ringing_frequency",) if rings else ()))
     columns = Columns(figures, units_of(rows))
     smooth = Columns(("peak", "width"), units_of(rows))
+    rebounding = any(pulse.rebounds for _, reading in rows for pulse in reading.pulses)
     several = len({reading.channel.name for _, reading in rows}) > 1
     cells: list[list[Cell]] = []
     total = sum(len(reading.pulses) for _, reading in rows)
@@ -134,6 +135,7 @@ def blow_section(files: Sequence[FileReading], names: Names) -> Section:
                     *columns.cells(values, unit),
                     pulse.method,
                     *smooth.cells(fitted, unit),
+                    *([_rebounds(pulse)] if rebounding else []),
                 ]
             )
     text = (
@@ -147,7 +149,16 @@ def blow_section(files: Sequence[FileReading], names: Names) -> Section:
         text += f" The first {len(cells)} of {total} blows are listed."
     heads = ["file", *(["channel"] if several else []), "#", "time (ms)", *columns.heads, "method"]
     heads += [f"smooth {head}" for head in smooth.heads]
+    heads += ["rebounds (share of the peak, after)"] if rebounding else []
     return Section("Blows", text if cells else "", [Table("Blows", heads, cells, "No blow was found.")])
+
+
+def _rebounds(pulse: RecordedPulse) -> str:
+    """Write the rebounds of a blow."""
+    words = [
+        f"{rebound.peak / pulse.peak:.0%}, {1e3 * (rebound.time - pulse.time):.3g} ms" for rebound in pulse.rebounds
+    ]
+    return "; ".join(words) or NONE
 
 
 def campaign_section(campaign: Campaign, files: Sequence[FileReading], names: Names, several: bool) -> Section:

@@ -11,9 +11,9 @@ from typing import Any, ClassVar
 import numpy as np
 
 from strikewave.analyses.record.chosen import sources_of
-from strikewave.base.result import Notice
+from strikewave.base.result import FAILED, Notice
 from strikewave.records.campaign import Campaign
-from strikewave.records.health_notice import HealthNotice
+from strikewave.records.health_notice import STATUSES, HealthNotice
 from strikewave.records.measuring import RecordedPulse
 from strikewave.records.reading import ChannelReading, FileReading
 from strikewave.reporting.columns import Column, csv_table
@@ -43,6 +43,8 @@ class RecordResult(AskedResult):
         Low-pass that was taken before the blows were measured.
     calibrations : sequence of (str, str)
         Where a calibration was stated (an option, a file), and what.
+    fail_on : str
+        Status, ``suspect`` or ``bad``, that makes the command exit with 3 where a file has it, or a worse one.
     """
 
     command: ClassVar[str] = "record"
@@ -51,6 +53,7 @@ class RecordResult(AskedResult):
     campaigns: Sequence[Campaign] = ()
     filter: Filter | None = None
     calibrations: Sequence[tuple[str, str]] = ()
+    fail_on: str = ""
 
     @property
     def title(self) -> str:
@@ -60,8 +63,9 @@ class RecordResult(AskedResult):
 
     @property
     def broken(self) -> bool:
-        """Whether some files could not be read."""
-        return any(notice.code == "unreadable" for file in self.readings for notice in file.findings)
+        """Whether some files could not be read, or have a status that was not to be."""
+        failed = any(notice.broken for notice in self.notices)
+        return failed or any(notice.code == "unreadable" for file in self.readings for notice in file.findings)
 
     def units(self) -> dict[str, str]:
         """Return the unit of each key of the JSON document."""
@@ -132,11 +136,25 @@ def record_result(
     readings: Sequence[FileReading],
     campaigns: Sequence[Campaign] = (),
     filter: Filter | None = None,
+    fail_on: str = "",
     **asked: Any,
 ) -> RecordResult:
     """Return the result of records with its notices and sources; ``asked`` are further attributes of `RecordResult`."""
     citations = sources_of(readings, campaigns, filter)
-    return RecordResult(readings, campaigns, filter, notices=notices_of(readings), citations=citations, **asked)
+    notices = (*notices_of(readings), *failed_on(readings, fail_on))
+    return RecordResult(readings, campaigns, filter, fail_on=fail_on, notices=notices, citations=citations, **asked)
+
+
+def failed_on(files: Sequence[FileReading], status: str) -> tuple[Notice, ...]:
+    """Return a failed check where a file has a status, or a worse one; none for an empty status."""
+    failing = STATUSES[STATUSES.index(status) :] if status else ()
+    counts = {one: sum(file.status == one for file in files) for one in reversed(failing)}
+    found = sum(counts.values())
+    if not found:
+        return ()
+    words = " and ".join(f"{count} {one}" for one, count in counts.items() if count)
+    message = f"{words} of {len(files)} file{'s' if len(files) > 1 else ''}, and none was to be (--fail-on {status})"
+    return (Notice("fail-on", message, float(found), 0.0, FAILED),)
 
 
 def units_of(files: Sequence[FileReading]) -> dict[str, str]:
@@ -203,6 +221,7 @@ def pulse_row(pulse: RecordedPulse) -> dict[str, Any]:
         "smooth_peak": pulse.smooth.peak,
         "smooth_width": pulse.smooth.width(),
         "smooth_misfit": pulse.smooth.misfit,
+        "rebounds": [rebound._asdict() for rebound in pulse.rebounds],
     }
 
 

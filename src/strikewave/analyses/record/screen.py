@@ -2,64 +2,81 @@
 
 from __future__ import annotations
 
-import dataclasses
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, ClassVar
 
+from strikewave.analyses.record.question import examined
 from strikewave.analyses.record.result import (
     INTEGRALS,
     RecordResult,
     cutoff_for,
     filter_effect,
     name_of,
-    record_result,
 )
 from strikewave.analyses.record.tables import short_names
 from strikewave.analyses.record.words import record_words
-from strikewave.base.errors import StrikewaveError
 from strikewave.base.result import Source
 from strikewave.records import (
     Campaign,
     ChannelReading,
     FileReading,
     Options,
-    Record,
     Request,
-    calibrations_beside,
-    compare,
-    read_file,
-    summed,
-    unreadable,
     worst,
 )
 from strikewave.records.campaign import SUMMED
 from strikewave.reporting import measured_files as measured
 from strikewave.reporting.layout import MORE, keys, numerals, texts
+from strikewave.reporting.numbers import listed
 from strikewave.reporting.options import Output
 from strikewave.reporting.run_and_write import Command, run_and_write
-from strikewave.reporting.terminal import number, say, significant, table, tell
+from strikewave.reporting.terminal import number, significant, table, tell
 from strikewave.signal.filters import Filter
 
+MOST_NAMED = 3
+"""Files that a line names; the others are counted."""
 MOST_ROWS = 60
 """Files shown in the table on the screen."""
 
 
-def examine_records(files: Sequence[str], wanted: Request, options: Options, output: Output) -> int:
+def examine_records(
+    files: Sequence[str],
+    wanted: Request,
+    options: Options,
+    output: Output,
+    in_columns: bool = False,
+    fail_on: str = "",
+) -> int:
     """Examine records, write and print what they say, and return the exit code.
+
+    Parameters
+    ----------
+    files : sequence of str
+        Paths, or patterns.
+    wanted, options : Request, Options
+        What is wanted of them, and how they are read.
+    output : Output
+        Where the result goes.
+    in_columns : bool
+        Whether the channels of a file are repeats of one test.
+    fail_on : str
+        Status that makes the exit code 3; empty for none.
 
     Raises
     ------
     InputError, StrikewaveError
         If not one file can be read.
     """
+    files = measured.ordered(files)
     paths = [Path(measured.shown(file)) for file in files]
     name = name_of(paths)
     usual = f"record-{name}"
     origin = measured.source_of("records", name, paths if output.writes(usual) else [], output.stated_test())
-    return run_and_write(RecordCommand(files, wanted, options, origin), output, usual, origin.text)
+    command = RecordCommand(files, wanted, options, origin, in_columns, fail_on)
+    return run_and_write(command, output, usual, origin.text)
 
 
 @dataclass(frozen=True)
@@ -72,24 +89,12 @@ class RecordCommand(Command[RecordResult]):
     wanted: Request
     options: Options
     origin: Source
+    in_columns: bool = False
+    fail_on: str = ""
 
     def solve(self) -> RecordResult:
         """Return what the records say."""
-        wanted = self.wanted
-        records = measured.read_all(self.files, self.options)
-        measured.check_channels(
-            wanted.calibrations, (record for record in records if not isinstance(record, Exception))
-        )
-        several = len(self.files) > 1
-        read = [_reading(file, record, wanted, several) for file, record in zip(self.files, records, strict=True)]
-        unread = [notice for file in read for notice in file.findings if notice.code == "unreadable"]
-        if len(unread) == len(read):
-            raise StrikewaveError(unread[0].message)
-        readings = compare(read)
-        numbers = dict.fromkeys(reading.number for file in readings for reading in file.channels)
-        campaigns = [one for one in (summed(readings, k) for k in numbers) if one is not None]
-        calibrations = _calibrations(wanted, [Path(reading.path) for reading in readings])
-        return record_result(readings, campaigns, wanted.filter, calibrations=calibrations, origin=self.origin)
+        return examined(self.files, self.wanted, self.options, self.origin, self.in_columns, self.fail_on)
 
     def summary(self, result: RecordResult) -> str:
         """Say what the records have in common, and which are bad."""
@@ -104,31 +109,6 @@ class RecordCommand(Command[RecordResult]):
         from strikewave.analyses.record.drawn import draw_result
 
         return draw_result(result, folder)
-
-
-def _reading(file: str, record: Record | Exception, wanted: Request, among: bool) -> FileReading:
-    """Return what a file says; one among several that cannot be used is named, and the others are done."""
-    if isinstance(record, Exception):
-        return FileReading(measured.shown(file), "", (), (unreadable(str(record)),))
-    try:
-        reading = read_file(record, calibrations_beside(Path(file)), wanted)
-        return dataclasses.replace(reading, path=measured.shown(file))
-    except StrikewaveError as error:
-        if not among:
-            raise
-        say(f"left out: {file}: {error}")
-        return FileReading(measured.shown(file), "", (), (unreadable(str(error)),))
-
-
-def _calibrations(wanted: Request, paths: Sequence[Path]) -> list[tuple[str, str]]:
-    """Return where a calibration was stated, and what."""
-    layers = {"command line": wanted.calibrations}
-    layers |= {f"beside {path.name}": stated for path in paths if (stated := calibrations_beside(path))}
-    return [
-        (where, f"{channel}: " + ", ".join(f"{key} = {value}" for key, value in table.items()))
-        for where, stated in layers.items()
-        for channel, table in stated.items()
-    ]
 
 
 def _print(readings: Sequence[FileReading], campaigns: Sequence[Campaign], filter_: Filter | None) -> None:
@@ -150,9 +130,31 @@ def _print(readings: Sequence[FileReading], campaigns: Sequence[Campaign], filte
     for file in readings:
         if file.status != "good":
             tell(f"{names[file.path]}, {file.status}: {'; '.join(file.reasons)}", "  ")
+    _print_rebounds(readings, names)
     for campaign in campaigns:
         _print_campaign(campaign, readings, names)
     _print_filter([reading for file in readings for reading in file.channels], filter_)
+
+
+def _print_rebounds(readings: Sequence[FileReading], names: dict[str, str]) -> None:
+    """Say in a line what the files with rebounds have in common; each is listed in the report."""
+    owners = [
+        (names[file.path], pulse)
+        for file in readings
+        for reading in file.channels
+        for pulse in reading.pulses
+        if pulse.rebounds
+    ]
+    if not owners:
+        return
+    shares = [abs(rebound.peak / pulse.peak) for _, pulse in owners for rebound in pulse.rebounds]
+    lags = [1e3 * abs(rebound.time - pulse.time) for _, pulse in owners for rebound in pulse.rebounds]
+    where = list(dict.fromkeys(name for name, _ in owners))
+    tell(
+        f"{len(shares)} rebounds, counted with their blows, in {listed(where[:MOST_NAMED])}"
+        + (f" and {len(where) - MOST_NAMED} more files" if len(where) > MOST_NAMED else "")
+        + f": {min(shares):.0%} to {max(shares):.0%} of the peak, {min(lags):.3g} to {max(lags):.3g} ms from it"
+    )
 
 
 def _rows(file: FileReading, name: str) -> list[list[str]]:

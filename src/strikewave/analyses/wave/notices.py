@@ -14,13 +14,14 @@ from strikewave.analyses.wave.result import WaveSolution, load_peak
 from strikewave.base.result import BALANCE_LIMIT, FAILED, Notice
 from strikewave.cases.case import Case
 from strikewave.cases.comparisons import origin_notices
-from strikewave.cases.contact_notices import law_notices, yield_notices
+from strikewave.cases.contact_notices import joint_yield_notices, law_notices, yield_notices
 from strikewave.cases.contact_range_notices import (
     damping_speed_notices,
     joint_size_notices,
     size_notices,
     speed_notices,
 )
+from strikewave.cases.sensors_of_case import sensor_notices
 from strikewave.reporting.numbers import percent
 from strikewave.sensors.channel import SensorChannel, channel_notices, shortest_period
 from strikewave.waves import BarRun, Impactor, LoadPulse, Sampled, Tap
@@ -76,8 +77,10 @@ def layered_bar_notices(
     yield from channel_notices(solution.channels, [solution.sensors], stack.mass)
     yield from _unresolved(solution.channels, float(run.time[1]))
     yield from _missed_accuracy(case, run, accuracy)
+    yield from sensor_notices(case)
     yield from _contact_notices(case, run)
     yield from joint_size_notices(case)
+    yield from joint_yield_notices(case, greatest.tolist())
 
 
 def _jump(rise: float) -> list[Notice]:

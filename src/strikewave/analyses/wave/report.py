@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+import dataclasses
 import math
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 from strikewave.analyses.wave.field import field_of_solution
 from strikewave.reporting import chapters
-from strikewave.reporting.bands import band_sections
+from strikewave.reporting.bands import band_sections, bands_of
 from strikewave.reporting.curves import Trace, traces
 from strikewave.reporting.numbers import (
     fixed,
@@ -18,6 +19,7 @@ from strikewave.reporting.numbers import (
     shown_heads,
     shown_unit,
     spelled,
+    table_decimals,
     with_band,
     with_unit,
 )
@@ -35,6 +37,7 @@ from strikewave.reporting.wave_field import WaveField, sandwiched
 
 if TYPE_CHECKING:
     from strikewave.analyses.wave.result import WaveSolution
+    from strikewave.base.result import Band
     from strikewave.cases.case import Case
 
 
@@ -42,41 +45,68 @@ _SINCE_LOAD = "time after the start of the load"
 _DATA_FLOW = ("case file", "checks of units and fits", "stack", "stress waves", "taps and sensors")
 TAP_HEADS = ("tap", "route", "layer", "position", "force (kN)", "stress (MPa)", "velocity (m/s)", "acceleration (g)")
 """With usual units, as `shown_heads` takes them."""
+_TAP_UNITS: Sequence[tuple[str, str, str, int]] = (
+    ("force", "N", "kN", 3),
+    ("stress", "Pa", "MPa", 2),
+    ("velocity", "m/s", "m/s", 3),
+    ("acceleration", "m/s^2", "g", 0),
+)
+"""What a tap shows, its SI unit, the unit shown as a rule, and decimals."""
 MOST_OPENINGS = 5
 """Openings, and closings, of a joint that a table lists (chosen: a row stays one line; the JSON has them all)."""
 MOST_CURVES = 4
 """Taps that a picture draws: as many as there are dashes, so that no two curves look alike in print."""
 
 
+class TapPeak(NamedTuple):
+    """What a tap shows at most: what, its signed value, its band, SI unit, unit shown as a rule, decimals."""
+
+    what: str
+    value: float | None
+    band: Band | None
+    si: str
+    usual: str
+    decimals: int
+
+    def shown(self) -> str:
+        """Return the value in the unit shown, in the digits that a table has beside its band."""
+        bands = [] if self.band is None else [self.band]
+        return fixed(self.value, self.si, self.usual, table_decimals(bands, self.si, self.usual, self.decimals))
+
+
+def tap_peaks(solution: WaveSolution, k: int) -> list[TapPeak]:
+    """Return the peak values at a tap, for the route of the case. The stress is the force over the area."""
+    name, tap = solution.taps[k]
+    area = solution.run.stack.layers[tap.layer].area
+    values = solution.peaks(k, solution.route)
+    bands = {what: solution.band.get(f"tap.{name}.peak_{what}") for what in values}
+    force, band = values["force"], bands["force"]
+    values = {**values, "stress": None if force is None else force / area}
+    bands["stress"] = band and dataclasses.replace(band, low=band.low / area, high=band.high / area)
+    return [TapPeak(one[0], values[one[0]], bands[one[0]], *one[1:]) for one in _TAP_UNITS]
+
+
 def tap_rows(solution: WaveSolution) -> list[list[str]]:
     """Return a row a tap with its largest values, for the route of the case."""
-    rows = []
-    for k, (name, tap) in enumerate(solution.taps):
-        peaks, layer = solution.peaks(k, solution.route), solution.run.stack.layers[tap.layer]
-        stress = None if peaks["force"] is None else peaks["force"] / layer.area
-        rows.append(
-            [
-                name,
-                solution.route,
-                layer.name,
-                f"{tap.position:g}",
-                fixed(peaks["force"], "N", "kN", 3),
-                fixed(stress, "Pa", "MPa", 2),
-                fixed(peaks["velocity"], "m/s", "m/s", 3),
-                fixed(peaks["acceleration"], "m/s^2", "g", 0),
-            ]
-        )
-    return rows
+    return [
+        [
+            name,
+            solution.route,
+            solution.run.stack.layers[tap.layer].name,
+            f"{tap.position:g}",
+            *(peak.shown() for peak in tap_peaks(solution, k)),
+        ]
+        for k, (name, tap) in enumerate(solution.taps)
+    ]
 
 
 def wave_words(solution: WaveSolution) -> str:
     """Return the peak values at the taps as a sentence."""
     at_taps = []
-    for name, _, layer, _, force, stress, velocity, acceleration in tap_rows(solution):
-        units = (spelled(shown_unit(*pair)) for pair in (("N", "kN"), ("Pa", "MPa"), ("m/s", "m/s"), ("m/s^2", "g")))
-        values = zip((force, stress, velocity, acceleration), units, strict=True)
-        words = listed([f"{value} {unit}" for value, unit in values if value != NONE])
-        at_taps.append(f"{name} (in {layer}): {words}")
+    for k, (name, tap) in enumerate(solution.taps):
+        peaks = [peak for peak in tap_peaks(solution, k) if peak.value is not None]
+        words = listed([f"{peak.shown()} {spelled(shown_unit(peak.si, peak.usual))}" for peak in peaks])
+        at_taps.append(f"{name} (in {solution.run.stack.layers[tap.layer].name}): {words}")
     return f"A layered bar under its load, route {solution.route}. Signed peak values: {'; '.join(at_taps)}."
 
 
@@ -84,18 +114,11 @@ def key_numbers(solution: WaveSolution) -> list[tuple[str, str]]:
     """Return the peak values at the first tap, each with its band where it has one, and what the sensors read."""
     band, numbers = solution.band, list[tuple[str, str]]()
     if solution.taps:
-        name, tap = solution.taps[0]
-        peaks, layer = solution.peaks(0, solution.route), solution.run.stack.layers[tap.layer]
-        stress = None if peaks["force"] is None else peaks["force"] / layer.area
-        peaks_of = {
-            "force": (peaks["force"], "N", "kN"),
-            "stress": (stress, "Pa", "MPa"),
-            "velocity": (peaks["velocity"], "m/s", "m/s"),
-            "acceleration": (peaks["acceleration"], "m/s^2", "g"),
-        }
-        for what, (value, si, unit) in peaks_of.items():
-            if value is not None:
-                numbers.append((f"{what} at {name}", with_band(value, band.get(f"tap.{name}.peak_{what}"), si, unit)))
+        name = solution.taps[0][0]
+        for peak in tap_peaks(solution, 0):
+            if peak.value is not None:
+                shown_peak = with_band(peak.value, peak.band, peak.si, peak.usual)
+                numbers.append((f"{peak.what} at {name}", shown_peak))
     for name, pulse in solution.sensors.items():
         numbers.append((f"sensor {name}", with_band(pulse.peak, band.get(f"sensor.{name}.peak"), "m/s^2", "g")))
     return numbers
@@ -224,7 +247,9 @@ def wave_sections(solution: WaveSolution, quantity: str = "stress") -> list[Sect
         pulses: list[list[Cell]] = [
             [
                 name,
-                fixed(pulse.peak, "m/s^2", "g", 0),
+                fixed(
+                    pulse.peak, "m/s^2", "g", table_decimals(bands_of(solution.band, f"{name} peak"), "m/s^2", "g", 0)
+                ),
                 fixed(pulse.width, "s", "us", 1),
                 Tag("clipped", "bad") if pulse.clipped else Tag("no"),
             ]

@@ -7,14 +7,14 @@ import functools
 import math
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import Any, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
 
 from strikewave._version import __version__
 from strikewave.base.result import SCHEMA, Source
-from strikewave.base.variables import quantity
+from strikewave.base.variables import LabelledArrays, quantity
 from strikewave.cases.case import Case, dump_case
 from strikewave.cases.comparisons import stale_fits_document
 from strikewave.cases.losses_of_case import FittedLoss, fitted_losses
@@ -27,9 +27,6 @@ from strikewave.signal.pulse import largest
 from strikewave.waves import BarRun, Impactor, Tap
 from strikewave.waves.routes import EXACT, RouteHistory
 from strikewave.waves.setup import WaveSetup
-
-if TYPE_CHECKING:
-    import xarray
 
 Array = NDArray[np.float64]
 
@@ -272,10 +269,8 @@ class WaveSolution(ShownResult):
             yield history.force, stress, history.velocity, history.acceleration
 
     @functools.cached_property
-    def data(self) -> xarray.Dataset:
+    def arrays(self) -> LabelledArrays:
         """All histories and the x-t field with units."""
-        import xarray
-
         run, where = self.run, ("time", "tap")
         force, stress, velocity, acceleration = (np.column_stack(c) for c in zip(*self._histories(), strict=True))
         variables = {
@@ -309,7 +304,7 @@ class WaveSolution(ShownResult):
             "case": dump_case(self.case),
             "route": self.route,
         }
-        return xarray.Dataset(variables, coordinates, attributes)
+        return LabelledArrays.of(variables, coordinates, attributes)
 
     def highlights(self) -> list[tuple[str, str]]:
         """Return the peaks at the first tap, and what each sensor reads."""

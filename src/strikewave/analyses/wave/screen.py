@@ -14,6 +14,7 @@ from strikewave.analyses.wave.run import WaveSolution, run_wave
 from strikewave.base.compile_progress import compiling_shown
 from strikewave.base.errors import MISSING, InputError
 from strikewave.cases.case import Case, dump_case
+from strikewave.reporting.bands import bands_of
 from strikewave.reporting.layout import MORE, keys, numerals, texts
 from strikewave.reporting.numbers import shown_heads, with_unit
 from strikewave.reporting.options import Output
@@ -125,7 +126,7 @@ def show(solution: WaveSolution) -> None:
         read = [
             [
                 name,
-                number(pulse.peak, "m/s^2", "g", 5),
+                number(pulse.peak, "m/s^2", "g", 5, bands_of(solution.band, f"{name} peak")),
                 number(pulse.width, "s", "us", 4),
                 "yes" if pulse.clipped else "no",
             ]

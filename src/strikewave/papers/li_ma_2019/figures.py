@@ -163,7 +163,7 @@ def reading_traces(solution: Solution, sensor: str) -> list[Trace]:
     """Return what a sensor read of each blow that touched, s after the first touch of the first one, and m/s^2."""
     names = [row.name for row in solution.case.sensor]
     key = f"reading_{names.index(sensor) + 1}"
-    values, starts = solution.data[key], solution.data[f"{key}_start"].values
+    values, starts = solution.arrays[key], solution.arrays[f"{key}_start"].values
     struck = [k for k, blow in enumerate(solution.blows) if blow.kind != "missed"]
     traces = []
     for row in struck:
@@ -231,7 +231,7 @@ def train_figure(machine: Solution, equal: Solution, typical: PublishedMark) -> 
     figure = Figure(figsize=WHOLE, layout="constrained")
     train, peaks = figure.subplots(1, 2, width_ratios=(2.3, 1.0), sharey=True)
     begun = machine.blows[0].time
-    time, values = thin(machine.data["time"].values - begun, machine.data["rigid_acceleration"].values)
+    time, values = thin(machine.arrays["time"].values - begun, machine.arrays["rigid_acceleration"].values)
     train.plot(time * 1e3, values / STANDARD_GRAVITY, color=BLUE, linewidth=0.8)
     train.plot(
         [(blow.time - begun) * 1e3 for blow in machine.blows],

@@ -171,7 +171,7 @@ def costly_rate(width: float) -> float:
 def sampling(machine: Solution) -> Finding:
     """Return what a recorder takes off the rigid pulse."""
     width, recorder = published_number("rigid width").value, storage_recorder(FULL_SCALE)
-    times, pulse = (machine.data[name].values for name in ("pulse_time", "pulse_acceleration"))
+    times, pulse = (machine.arrays[name].values for name in ("pulse_time", "pulse_acceleration"))
     first = pulse[0] if pulse.ndim > 1 else pulse
     reading = read(Sensor(), recorder, first, float(times[1] - times[0]), float(times[0]))
     kept = float(np.abs(reading.values).max() / np.abs(first).max())

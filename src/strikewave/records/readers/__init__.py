@@ -50,11 +50,14 @@ class Options(NamedTuple):
         Name or number (from 1) of the column that holds time.
     channels : tuple of str
         Names or numbers of the channels wanted, where reading fewer saves memory; empty for all.
+    time_unit : float or None
+        Seconds of one number of the time column; overrules the unit that the file states.
     """
 
     rate: float | None = None
     time: str | None = None
     channels: tuple[str, ...] = ()
+    time_unit: float | None = None
 
 
 def read_record(path: str | Path, options: Options = Options()) -> Record:  # noqa: B008  (a tuple, frozen)
@@ -78,6 +81,10 @@ def read_record(path: str | Path, options: Options = Options()) -> Record:  # no
     file = Path(path)
     if options.rate is not None and not 0.0 < options.rate < math.inf:
         raise InputError("--rate", options.rate, "a sampling rate above zero")
+    if options.time_unit is not None and options.rate is not None:
+        raise InputError(
+            "--time-unit", f"{options.time_unit:g} s", "none beside --rate", "the rate overrules all times"
+        )
     try:
         if not file.is_file():
             raise InputError("FILE", str(path), EXISTING_FILE, "this is a folder" if file.is_dir() else "")

@@ -102,7 +102,7 @@ def work() -> None:
     folder = Path(task["folder"])
     _limit(task["memory"])
     stated = task["options"]
-    options = Options(stated["rate"], stated["time"], tuple(stated["channels"]))
+    options = Options(**{**stated, "channels": tuple(stated["channels"])})
     try:
         record = importlib.import_module(f"{__package__}.{task['reader']}").parse(Path(task["path"]), options)
         answer = _written(record, folder)

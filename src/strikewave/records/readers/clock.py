@@ -13,11 +13,14 @@ from strikewave.records.record import Array
 _SECONDS = {
     "s": 1.0, "sec": 1.0, "secs": 1.0, "second": 1.0, "seconds": 1.0, "sekunde": 1.0, "sekunden": 1.0,
     "ms": 1e-3, "msec": 1e-3, "millisecond": 1e-3, "milliseconds": 1e-3,
-    "us": 1e-6, "usec": 1e-6, "microsecond": 1e-6, "microseconds": 1e-6,
+    "us": 1e-6, "usec": 1e-6, "mus": 1e-6, "microsecond": 1e-6, "microseconds": 1e-6,
     "ns": 1e-9, "nsec": 1e-9, "nanosecond": 1e-9, "nanoseconds": 1e-9,
-    "ps": 1e-12, "min": 60.0, "minute": 60.0, "minutes": 60.0, "h": 3600.0,
+    "ps": 1e-12, "min": 60.0, "minute": 60.0, "minutes": 60.0, "h": 3600.0, "hour": 3600.0, "hours": 3600.0,
+    "millisekunden": 1e-3, "mikrosekunden": 1e-6, "nanosekunden": 1e-9,
 }  # fmt: skip
 """Seconds of a unit of time as instruments write it, in English and German."""
+UNITS_OF_TIME = ("s", "ms", "us", "ns", "ps", "min", "h")
+"""Units that are offered for one that is none."""
 _HERTZ = {"": 1.0, "k": 1e3, "m": 1e6, "g": 1e9}
 """Factors before Hz; ``m`` is mega, as no instrument samples in millihertz."""
 _DIGITS = re.compile(r"[+-]?(\d*)(?:[.,](\d*))?(?:[eE]([+-]?\d{1,4}))?")
@@ -72,9 +75,12 @@ def seconds_in(unit: str) -> float | None:
     return _SECONDS.get(unit.strip().lower().replace("µ", "u").replace("μ", "u"))
 
 
-def to_seconds(values: Array, unit: str) -> Array:
-    """Bring times to seconds, in place; by a divisor, so that 20 us are 2e-05 s and not a digit less."""
-    factor = seconds_in(unit) or 1.0
+def to_seconds(values: Array, unit: str, stated: float | None = None) -> Array:
+    """Bring times to seconds, in place; by a divisor, so that 20 us are 2e-05 s and not a digit less.
+
+    Seconds of the unit that are stated overrule the unit.
+    """
+    factor = stated or seconds_in(unit) or 1.0
     if factor < 1.0:
         values /= round(1.0 / factor)
     elif factor > 1.0:

@@ -45,7 +45,10 @@ class Marks(NamedTuple):
 
 
 class Region(NamedTuple):
-    """Lines of a file: from a byte on, or some lines after it, to an end; `cut` leaves out the last one."""
+    """Lines of a file: from a byte on, or some lines after it, to an end; `cut` leaves out the last one.
+
+    Where lines are `quoted` as a whole, their quotes are taken off.
+    """
 
     path: Path
     encoding: str
@@ -55,15 +58,20 @@ class Region(NamedTuple):
     cut: bool = False
     lone_returns: bool = False
     line: int = 1
+    quoted: bool = False
 
 
 class CellLayout(NamedTuple):
-    """How a line is cut into cells, how many it has, which are wanted, and the header that must not come again."""
+    """How a line is cut into cells, how many it has, which are wanted, and the header that must not come again.
+
+    Up to the line `beside`, settings may stand behind the cells.
+    """
 
     marks: Marks
     width: int
     wanted: tuple[int, ...]
     header: tuple[str, ...] = ()
+    beside: int = 0
 
 
 class ParsedColumns(NamedTuple):
@@ -310,6 +318,7 @@ def _raw(region: Region) -> Iterator[bytes]:
             beginning, at = at == 0, at + len(raw)
             raw = decoder.decode(raw).encode("utf-8", "replace") if wide else raw
             raw = raw.removeprefix(codecs.BOM_UTF8) if beginning else raw
+            raw = raw.replace(b'"', b"") if region.quoted else raw
             yield raw.replace(b"\r\n", b"\n").replace(b"\r", b"\n") if region.lone_returns else raw
 
 
@@ -380,7 +389,7 @@ def _one_by_one(block: bytes, line: int, grid: CellLayout, store: _Store, encodi
         if not row.strip(_ENDS) or is_comment(row):
             continue
         cells = cells_of(row, grid.marks)
-        if any(cells[grid.width :]):
+        if k > grid.beside and any(cells[grid.width :]):
             hint = f"line {k} has {len(cells)}: is it damaged, or are two files in one?"
             raise refuse(store.path, f"{grid.width} columns in every line", hint)
         if grid.header and tuple(cells[: len(grid.header)]) == grid.header:

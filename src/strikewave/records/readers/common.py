@@ -5,6 +5,7 @@ from __future__ import annotations
 import importlib
 import math
 from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -272,12 +273,17 @@ def assemble(
     channels_with_clock, ignored = _kept(with_clock, bool(clocks) and options.rate is None)
     if not channels_with_clock:
         raise damaged(path, "it has nothing but time", "a file with samples")
-    wanted = [_wanted(k, column, options) for k, (column, _) in enumerate(channels_with_clock, start=1)]
+    if options.time_unit is not None and not any(clock for _, clock in channels_with_clock):
+        hint = "no array of it is: name it by --time"
+        raise InputError("--time-unit", f"{options.time_unit:g} s", "a file with time", hint)
+    names = one_each([_named(column)[0] for column, _ in channels_with_clock])
+    wanted = _wanted(path, names, [column for column, _ in channels_with_clock], options)
     guard(path, 8.0 * sum(column.size for (column, _), want in zip(channels_with_clock, wanted, strict=True) if want))
     stamps: dict[int, tuple[Array, float, float]] = {}
     channels = [
         _channel(*pair, want, options, grid, stamps) for pair, want in zip(channels_with_clock, wanted, strict=True)
     ]
+    channels = [replace(channel, name=name) for channel, name in zip(channels, names, strict=True)]
     return Record(str(path), form, tuple(channels), (*findings, *left_out([c.name for c in ignored])))
 
 
@@ -292,11 +298,28 @@ def left_out(names: Sequence[str]) -> tuple[HealthNotice, ...]:
     )
 
 
+def one_each(names: Sequence[str]) -> list[str]:
+    """Give names that come again a number.
+
+    Examples
+    --------
+    >>> one_each(["a", "b", "a"])
+    ['a', 'b', 'a (2)']
+    """
+    taken: dict[str, None] = {}
+    for name in names:
+        taken[next(n for n in (name, *(f"{name} ({k})" for k in range(2, len(names) + 2))) if n not in taken)] = None
+    return list(taken)
+
+
 def _clocks(columns: Sequence[ArrayColumn], options: Options) -> list[ArrayColumn]:
     """Return the arrays that hold time: the one that the user names, else those that the file or their name tells."""
     if options.time is not None:
         wanted, names = str(options.time).strip(), [column.name for column in columns]
         chosen = [c for c in columns if wanted in (c.name, _named(c)[0])]
+        bare = [c for c in columns if wanted in (c.name.removeprefix(c.folder), _named(c)[0].removeprefix(c.folder))]
+        if bare and len(bare) == len({column.folder for column in bare}):
+            return bare  # one in each sheet or group
         if not chosen and wanted.isdecimal() and 1 <= int(wanted) <= len(columns):
             chosen = [columns[int(wanted) - 1]]
         if not chosen:
@@ -327,9 +350,14 @@ def _kept(
     return keep, [column for column, _ in with_clock if all(column is not pair[0] for pair in keep)]
 
 
-def _wanted(k: int, column: ArrayColumn, options: Options) -> bool:
-    names = {str(word).strip() for word in options.channels}
-    return not names or bool(names & {str(k), column.name, _named(column)[0]})
+def _wanted(path: Path, names: Sequence[str], columns: Sequence[ArrayColumn], options: Options) -> list[bool]:
+    """Tell of each column whether it is wanted; a name as it stands in the file is as good as that of the channel."""
+    files_own = {column.name: name for name, column in zip(reversed(names), reversed(columns), strict=True)}
+    units = [_named(column)[1] for column in columns]
+    blank = [Channel(name, np.empty(0), unit=unit) for name, unit in zip(names, units, strict=True)]
+    asked = [files_own.get(str(word).strip(), word) for word in options.channels]
+    chosen = {channel.name for channel in Record(str(path), "", tuple(blank)).only(asked).channels}
+    return [name in chosen for name in names]
 
 
 def _channel(
@@ -350,7 +378,7 @@ def _channel(
         step = 1.0 / options.rate
     elif clock is not None and wanted:
         if id(clock) not in stamps:
-            stamps[id(clock)] = _stamps(clock)
+            stamps[id(clock)] = _stamps(clock, options.time_unit)
         own_stamps, step, start = stamps[id(clock)]
     values = floats(column.load()) if wanted else np.broadcast_to(np.float64(np.nan), (column.size,))
     if own_stamps is not None and own_stamps.size != values.size:
@@ -366,10 +394,10 @@ def _named(column: ArrayColumn) -> tuple[str, str]:
     return column.name[: len(column.name) - len(own)] + (name or own), column.unit or unit
 
 
-def _stamps(clock: ArrayColumn) -> tuple[Array, float, float]:
-    """Return time stamps, s, with their step and start."""
+def _stamps(clock: ArrayColumn, unit: float | None) -> tuple[Array, float, float]:
+    """Return time stamps, s, with their step and start; seconds of a unit that is stated overrule that of the file."""
     with np.errstate(all="ignore"):
-        stamps = to_seconds(floats(clock.load()).copy(), _named(clock)[1])
+        stamps = to_seconds(floats(clock.load()).copy(), _named(clock)[1], unit)
         step = step_of(stamps, 0.0)
     start = float(stamps[0]) if stamps.size else math.nan
     return stamps, step if math.isfinite(step) else math.nan, start

@@ -21,6 +21,8 @@ MOST_ROWS = 2**20
 """What Excel itself can hold."""
 MOST_CELLS = 20_000_000
 """A workbook with more cells is refused; reading them would take minutes."""
+FEWEST_NUMBERS = 16
+"""A column with fewer numbers, beside columns of twice as many and more, holds settings: no blow has so few samples."""
 MOST_SHEETS = 100
 """Sheets of a workbook that are read: a hundred blows, one a sheet."""
 LONGEST_HEAD = 200
@@ -56,6 +58,8 @@ def read(path: Path, options: Options) -> Record:
                 place = f"{sheet.title}/" if len(sheets) > 1 else ""
                 columns += [entry._replace(name=place + entry.name, folder=place) for entry in sheet_columns]
             skipped = [entry.name for entry in columns if entry.size == 0]
+            columns, settings = _without_settings(columns)
+            skipped += settings
             return assemble(path, "excel", columns, options, findings=left_out(skipped))
         finally:
             book.close()
@@ -88,6 +92,15 @@ def _columns(path: Path, rows: Iterable[tuple[Any, ...]], left: int) -> tuple[li
         (name, unit) = names[place]
         columns.append(ArrayColumn(name or f"column {place + 1}", values.size, _loader(values), unit))
     return _trimmed(columns), cells
+
+
+def _without_settings(columns: list[ArrayColumn]) -> tuple[list[ArrayColumn], list[str]]:
+    """Part columns of samples from those with fewer numbers than a blow needs samples, beside long ones."""
+    counts = [int(np.count_nonzero(~np.isnan(column.load()))) for column in columns]
+    long = {column.folder for column, count in zip(columns, counts, strict=True) if count >= 2 * FEWEST_NUMBERS}
+    few = [count < FEWEST_NUMBERS and c.folder in long for c, count in zip(columns, counts, strict=True)]
+    settings = [column.name for column, is_few in zip(columns, few, strict=True) if is_few and column.size]
+    return [column for column, is_few in zip(columns, few, strict=True) if not is_few], settings
 
 
 def _loader(values: Any) -> Any:

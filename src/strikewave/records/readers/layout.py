@@ -34,8 +34,11 @@ _MOST_JUDGED, _FEWEST_JUDGED = 2**18, 8
 """Characters of those lines at most, for lines of thousands of cells, and lines that are left at least."""
 _CLEAN = 5
 """One line in so many must be numbers alone for the others to be left out as words, errors or heads."""
-_SPARSE = 100
-"""A column with a value in fewer than one line in so many holds settings, not samples."""
+_SPARSE, _FEWEST = 100, 16
+"""A column with a value in fewer than one line in so many, or in fewer lines than a blow needs samples while most have
+none, holds settings, not samples."""
+_BESIDE = 40
+"""First lines of the data beside which settings may stand without a column of their own."""
 _FEWEST_ALIKE, _FEWEST_MANY = 8, 50
 """Numbers above the last one, all of as many digits, or so many of any, by which it is known to be cut."""
 _OVER = re.compile(
@@ -47,7 +50,10 @@ _DECIMALS = re.compile(r"[+-]?\d*(?:[.,](\d*))?(?:[eE][+-]?(\d*))?")
 
 
 class Look(NamedTuple):
-    """Lines from the beginning, the middle and the end of a file; `ended` when its last line has an end."""
+    """Lines from the beginning, the middle and the end of a file; `ended` when its last line has an end.
+
+    Where lines are `quoted` as a whole, their quotes are taken off.
+    """
 
     path: Path
     size: int
@@ -57,10 +63,14 @@ class Look(NamedTuple):
     middle: list[str]
     tail: list[str]
     ended: bool
+    quoted: bool = False
 
 
 class NumberLayout(NamedTuple):
-    """Where the numbers are: first line, columns that hold some, columns that hold them in most lines."""
+    """Where the numbers are: first line, columns that hold some, columns that hold them in most lines.
+
+    Up to the line `beside`, settings may stand behind the columns.
+    """
 
     marks: Marks
     width: int
@@ -70,6 +80,7 @@ class NumberLayout(NamedTuple):
     headings: Headings
     above: list[str]
     findings: list[HealthNotice]
+    beside: int = 0
 
 
 def look_at(path: Path) -> Look:
@@ -104,9 +115,23 @@ def look_at(path: Path) -> Look:
     if not lines:
         raise refuse(path, f"lines of at most {LONGEST_LINE} bytes", "is this a text file of numbers?")
     ended = not ends or not ends[-1].strip(" \t\x1a")
-    return Look(
-        path, size, encoding, lone, lines, between[:_MIDDLE_LINES], [e for e in ends if e.strip()][-_LINES:], ended
-    )
+    between, ends = between[:_MIDDLE_LINES], [end for end in ends if end.strip()][-_LINES:]
+    quoted = _are_quoted(lines[:_LINES])
+    if quoted:
+        lines, between, ends = ([line.replace('"', "") for line in part] for part in (lines, between, ends))
+    return Look(path, size, encoding, lone, lines, between, ends, ended, quoted)
+
+
+def _are_quoted(lines: list[str]) -> bool:
+    """Tell whether each line as a whole stands in quotes, as some programs write what they take for a single cell."""
+    bodies = [line.strip()[1:-1] for line in lines if line.strip().startswith('"') and line.strip().endswith('"')]
+    many = [body for body in bodies if '"' not in body and re.search(r"[,;\t]", body)]
+    return len(many) > 2 and len(many) >= len(lines) - lines.count("") - _CLEAN and not _decimal_commas(many)
+
+
+def _decimal_commas(bodies: list[str]) -> bool:
+    """Tell whether lines in quotes are single numbers with a decimal comma."""
+    return all(number(body.strip(), ",") is not None for body in bodies[len(bodies) // 2 :])
 
 
 def lay_out(look: Look) -> NumberLayout:
@@ -141,7 +166,21 @@ def lay_out(look: Look) -> NumberLayout:
     )
     first = _first_line(look, marks, width, full)
     above = look.head[:first]
-    return NumberLayout(marks, width, first, filled, full, find_headings(above, marks, width, filled), above, findings)
+    beside = _settings_beside(look, marks, width, first)
+    if beside:
+        message = f"settings stand behind the columns in lines {first + 1} to {beside}: they are left out"
+        findings.append(HealthNotice("column-dropped", message, width + 1.0, severity="good"))
+    headings = find_headings(above, marks, width, filled)
+    return NumberLayout(marks, width, first, filled, full, headings, above, findings, beside)
+
+
+def _settings_beside(look: Look, marks: Marks, width: int, first: int) -> int:
+    """Return the last of the first lines of the data that have more cells than columns; 0 where none has."""
+    lines = look.head[first : first + _BESIDE + 1]
+    wider = [k for k, line in enumerate(lines, start=first + 1) if any(cells_of(line, marks)[width:])]
+    many = len(look.head) - first > 2 * len(wider)  # else the lines that have fewer cells are the odd ones
+    together = bool(wider) and wider[0] == first + 1 and wider == list(range(wider[0], wider[-1] + 1))
+    return wider[-1] if many and together and len(wider) <= _BESIDE else 0
 
 
 def _columns_with_numbers(
@@ -152,6 +191,7 @@ def _columns_with_numbers(
         here = [value is not None and value == value for value in column]
         numbers, word_count = sum(here), column.count(None)
         sparse = numbers <= len(rows) // _SPARSE or (numbers == 1 and here[0] and len(rows) > 2)
+        sparse = sparse or (numbers < _FEWEST and len(rows) >= 2 * _FEWEST)
         if numbers > word_count and not sparse:
             filled.append(k)
             full += [k] if 2 * numbers >= len(rows) else []

@@ -30,8 +30,9 @@ from strikewave.records.readers.columns import (
     parse,
     refuse,
 )
+from strikewave.records.readers.common import one_each
 from strikewave.records.readers.headings import name_and_unit
-from strikewave.records.readers.text import odd_cells, one_each
+from strikewave.records.readers.text import odd_cells
 from strikewave.records.record import Array, Channel, Record
 
 _BEGIN = b"LabVIEW Measurement"
@@ -120,6 +121,8 @@ def read(path: Path, options: Options = Options()) -> Record:  # noqa: B008  (a 
     is_wanted = [name in wanted for name in names]
     if options.time is not None and options.time.strip().casefold() not in ("x_value", "1"):
         raise InputError("--time", options.time, "X_Value", nearest(options.time, ["X_Value"]))
+    if options.time_unit is not None:
+        raise InputError("--time-unit", f"{options.time_unit:g} s", "none here", "LabVIEW measurement files are in s")
     runs, findings = _runs(path, encoding, marks, segments, layout, is_wanted, options, ended)
     channels = [_channel(runs, j, blank[j], is_wanted[j], options) for j in range(len(names))]
     size = max(channel.values.size for channel in channels)

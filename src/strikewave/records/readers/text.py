@@ -30,6 +30,7 @@ from strikewave.records.readers.columns import (
     parse,
     refuse,
 )
+from strikewave.records.readers.common import one_each
 from strikewave.records.readers.headings import is_counter, is_time
 from strikewave.records.readers.layout import Look, NumberLayout, is_cut, lay_out, look_at
 from strikewave.records.record import Array, Channel, Record
@@ -78,9 +79,14 @@ def read(path: Path, options: Options = Options()) -> Record:  # noqa: B008  (a 
     shown, findings = _channels(look, layout, time)
     wanted = _wanted(str(path), shown, options.channels)
     clock = None if options.rate is not None else time
+    if options.time_unit is not None and time is None:
+        raise InputError(
+            "--time-unit", f"{options.time_unit:g} s", "a file with time", "no column of it is: name it by --time"
+        )
     columns, odd = _numbers(look, layout, wanted if clock is None else {*wanted, clock})
-    stamps, lost = _with_time(columns, clock, layout)
-    step, start, skip, notes = _grid(look, layout, clock, stamps, [] if time is not None else list(shown))
+    unit = 1.0 if clock is None else options.time_unit or seconds_in(layout.headings.units[clock]) or 1.0
+    stamps, lost = _with_time(columns, clock, unit)
+    step, start, skip, notes = _grid(look, layout, clock, unit, stamps, [] if time is not None else list(shown))
     size = next(iter(columns.values())).size - skip
     if size < 2:
         raise refuse(path, "at least two lines of numbers")
@@ -104,8 +110,10 @@ def _wanted(path: str, shown: dict[int, tuple[str, str]], names: Sequence[str]) 
 def _numbers(look: Look, layout: NumberLayout, columns: set[int]) -> tuple[dict[int, Array], list[HealthNotice]]:
     """Read columns of numbers; report cells that are none, and a last line that was cut."""
     wanted, cut = tuple(sorted(columns)), is_cut(look, layout)
-    region = Region(look.path, look.encoding, skip=layout.first, cut=cut, lone_returns=look.lone_returns)
-    table = parse(region, CellLayout(layout.marks, layout.width, wanted, layout.headings.header), _expected(look))
+    lone = look.lone_returns
+    region = Region(look.path, look.encoding, skip=layout.first, cut=cut, lone_returns=lone, quoted=look.quoted)
+    cells = CellLayout(layout.marks, layout.width, wanted, layout.headings.header, layout.beside)
+    table = parse(region, cells, _expected(look))
     findings = odd_cells(table)
     if cut:
         findings.append(HealthNotice("truncated", "the last line is cut: it is left out"))
@@ -114,18 +122,18 @@ def _numbers(look: Look, layout: NumberLayout, columns: set[int]) -> tuple[dict[
 
 def _time_column(look: Look, layout: NumberLayout, options: Options) -> int | None:
     if options.time is not None:
-        return _named_time(layout, options.time)
+        return _named_time(layout, options.time, options.time_unit is not None or options.rate is not None)
     names, units, _ = layout.headings
     if layout.headings.named or any(units):
         by_name = [k for k in layout.filled if is_time(names[k], units[k])]
-        sure = [k for k in by_name if units[k] or len(names[k]) > 2]
+        sure = [k for k in by_name if units[k] or len(names[k]) > 2 or (options.rate and names[k].casefold() == "t")]
         return next((k for k in sure + by_name if k in sure or _rises(look, layout, k)), None)
     if len(layout.filled) < 2:
         return None
     return next((k for k in layout.filled if _even(look, layout, k)), None)
 
 
-def _named_time(layout: NumberLayout, wanted: str) -> int:
+def _named_time(layout: NumberLayout, wanted: str, unit_stated: bool) -> int:
     names = layout.headings.names
     folded = [name.casefold() for name in names]
     headers = [cell.casefold() for cell in layout.headings.header]
@@ -142,8 +150,9 @@ def _named_time(layout: NumberLayout, wanted: str) -> int:
     if k not in layout.filled:
         raise InputError("--time", wanted, "a column of numbers", "this one holds words, or is almost empty")
     unit = layout.headings.units[k]
-    if unit and seconds_in(unit) is None:
-        raise InputError("--time", wanted, "a column in s, ms, us or ns", f"its unit is {unit}: give --rate instead")
+    if unit and seconds_in(unit) is None and not unit_stated:
+        hint = f"its unit is {unit}: state another by --time-unit, or give --rate instead"
+        raise InputError("--time", wanted, "a column in s, ms, us or ns", hint)
     return k
 
 
@@ -183,7 +192,8 @@ def _channels(
     for k in layout.filled:
         if k == time:
             continue
-        if is_counter(names[k], units[k]) and np.all(np.diff(_values(look, layout, k)[1]) == 1.0):
+        unnamed = layout.headings.named and not names[k] and not units[k]
+        if (unnamed or is_counter(names[k], units[k])) and np.all(np.diff(_values(look, layout, k)[1]) == 1.0):
             findings.append(
                 HealthNotice("column-dropped", f"column {k + 1} is left out: it counts the samples", severity="good")
             )
@@ -193,20 +203,6 @@ def _channels(
         raise refuse(look.path, "a channel besides time")
     unique = one_each([name for name, _ in shown.values()])
     return {k: (name, shown[k][1]) for k, name in zip(shown, unique, strict=True)}, findings
-
-
-def one_each(names: Sequence[str]) -> list[str]:
-    """Give names that come again a number.
-
-    Examples
-    --------
-    >>> one_each(["a", "b", "a"])
-    ['a', 'b', 'a (2)']
-    """
-    taken: dict[str, None] = {}
-    for name in names:
-        taken[next(n for n in (name, *(f"{name} ({k})" for k in range(2, len(names) + 2))) if n not in taken)] = None
-    return list(taken)
 
 
 def _expected(look: Look) -> int:
@@ -225,9 +221,7 @@ def odd_cells(table: ParsedColumns) -> list[HealthNotice]:
     return [HealthNotice("not-a-number", message, float(table.words))]
 
 
-def _with_time(
-    columns: dict[int, Array], clock: int | None, layout: NumberLayout
-) -> tuple[Array | None, list[HealthNotice]]:
+def _with_time(columns: dict[int, Array], clock: int | None, unit: float) -> tuple[Array | None, list[HealthNotice]]:
     """Return the stamps, s; leave out lines without time."""
     if clock is None:
         return None, []
@@ -238,15 +232,14 @@ def _with_time(
             columns[k] = values[here]
     message = f"{lost} lines have no time: they are left out"
     findings = [HealthNotice("time-missing", message, float(lost))] if lost else []
-    return to_seconds(columns[clock], layout.headings.units[clock]), findings
+    return to_seconds(columns[clock], "", unit), findings
 
 
 def _grid(
-    look: Look, layout: NumberLayout, clock: int | None, stamps: Array | None, loose: list[int]
+    look: Look, layout: NumberLayout, clock: int | None, unit: float, stamps: Array | None, loose: list[int]
 ) -> tuple[float, float, int, list[HealthNotice]]:
     """Return step, start, how many first lines are no samples, and findings."""
     if clock is not None and stamps is not None and stamps.size:
-        unit = seconds_in(layout.headings.units[clock]) or 1.0
         cells = _cells(look.head[layout.first :][:_EDGE_LINES], layout, clock)
         digit = max(last_digit(cells), last_digit(_cells(look.tail[-_EDGE_LINES - 1 : -1], layout, clock))) * unit
         findings = []

@@ -365,7 +365,7 @@ def blows_of(
     first = next(struck for struck, _ in pairs)
     warnings = (
         *notices(case, observed.blows, contact_answers(case, first)),
-        *wave_notices(observed.run, observed.histories, observed.readings, observed.view.bandwidth),
+        *wave_notices(case, observed.run, observed.histories, observed.readings, observed.view.bandwidth),
     )
     return Blows(motions, _chosen(blow, motions), warnings, observed.machine.struck.assembly_mass)
 

@@ -10,6 +10,7 @@ from strikewave.base.constants import STANDARD_GRAVITY
 from strikewave.base.errors import IntegrationError
 from strikewave.base.materials import material
 from strikewave.base.result import FAILED, INFO, Notice
+from strikewave.cases.sensors_of_case import memory_notices
 from strikewave.contact import AnyContact
 from strikewave.contact.cushions import Pad, carried, elastomer, retardation_of, retarded
 from strikewave.sensors.channel import channel_notices, sensor_pulse
@@ -51,6 +52,7 @@ def study_notices(study: BufferStudy, skipped: int) -> Iterator[Notice]:
     reading = study.reading(first)
     pulses = [{study.first_channel.sensor.name: sensor_pulse(reading)}]
     yield from channel_notices([study.first_channel], pulses, study.blows.assembly_mass)
+    yield from memory_notices(study.site.table)
     if not first.whole:
         message = (
             f"the history ends {study.motion.after_peak * 1e6:.4g} us after the surface's largest value, before "

@@ -5,17 +5,17 @@ from __future__ import annotations
 import dataclasses
 import hashlib
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from functools import cached_property
-from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple
+from typing import Any, ClassVar, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from strikewave.base.errors import InputError, IntegrationError, StrikewaveError
-from strikewave.base.result import Source
-from strikewave.base.variables import quantity
+from strikewave.base.result import Notice, Source
+from strikewave.base.variables import LabelledArrays, quantity
 from strikewave.cases.case import Case, dump_case, parse_case
 from strikewave.machines import blows
 from strikewave.machines.run import run_machine
@@ -40,9 +40,6 @@ from strikewave.studies.map.regimes import NAMES
 from strikewave.studies.map.store import Store
 from strikewave.studies.workers import Workers
 from strikewave.uncertainty.statistics import variation
-
-if TYPE_CHECKING:
-    import xarray
 
 Array = NDArray[np.float64]
 
@@ -251,10 +248,8 @@ class MapStudy(ShownResult):
         return {"settings": settings, "distance": nearest.distance, "result": nearest.cell, "full_run": full}
 
     @property
-    def data(self) -> xarray.Dataset:
+    def arrays(self) -> LabelledArrays:
         """The map with its units; attributes carry the case and the meaning of the codes."""
-        import xarray
-
         axes = self.plan.axes
         dimensions = ("panel", "y", "x")
         named = (axes[2] if len(axes) > 2 else None, axes[1], axes[0])
@@ -267,7 +262,7 @@ class MapStudy(ShownResult):
             name: quantity(dimensions, self.field(name), unit, meaning) for name, (unit, meaning) in FIELDS.items()
         }
         words = {"case": self.plan.case, "regimes": " | ".join(NAMES), "reasons": " | ".join(REASONS)}
-        return xarray.Dataset(variables, coordinates, {**words, "blows": self.plan.blows, "train": self.plan.train})
+        return LabelledArrays.of(variables, coordinates, {**words, "blows": self.plan.blows, "train": self.plan.train})
 
     def texts(self) -> dict[str, str]:
         """Return the JSON document, and the case of the nearest even setting, as files."""
@@ -415,7 +410,23 @@ def make_map(
                 progress(float(rows.done.mean()))
     study = MapStudy(plan, rows.data.reshape(*plan.shape, len(FIELDS)), wanted, present)
     setting, refused = confirmed(study)
-    return dataclasses.replace(study, setting=setting, refused=refused)
+    study = dataclasses.replace(study, setting=setting, refused=refused)
+    return dataclasses.replace(study, notices=tuple(range_notices(study)))
+
+
+def range_notices(study: MapStudy) -> Iterator[Notice]:
+    """Warn where the nearest even setting is nearest only because the map ends there, on the side of the case."""
+    if study.setting is None:
+        return
+    for axis, here, at in zip(study.plan.axes[:2], study.here, study.setting.values, strict=False):
+        low, high = axis.values[0], axis.values[-1]
+        if not low <= here <= high and at == (low if here < low else high):
+            end, way = ("low", "lower") if here < low else ("high", "higher")
+            message = (
+                f"the nearest setting with equal blows stands at the {end} end of {axis.path}, {axis.typed(at)}, and "
+                f"the case beyond it, at {axis.typed(here)}: nearer settings may lie between them; take a {way} end"
+            )
+            yield Notice("range-end", message, at, here)
 
 
 def confirmed(study: MapStudy) -> tuple[EvenSetting | None, tuple[Refusal, ...]]:

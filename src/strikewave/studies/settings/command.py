@@ -77,12 +77,13 @@ def command(
     from strikewave.cases.case import load_case
     from strikewave.studies.settings.candidate import BlowGoal
     from strikewave.studies.settings.screen import SettingsCommand, find_settings
-    from strikewave.studies.settings.study import SettingsChoices, check_goal
+    from strikewave.studies.settings.study import SettingsChoices, check_changes, check_goal
 
     plain = not (changes or strikers or striker_mass or stop_limit) and blows is None
     plain = plain and (source, vary, disc) == (REFERENCE, STIFFNESS, DISC)
     goal = BlowGoal(interval, peak, width, material(disc, "--disc"), stop_limit)
     choice = SettingsChoices(tuple(dict.fromkeys(strikers or ())), tuple(dict.fromkeys(striker_mass or ())), vary)
+    check_changes(changes or (), vary)
     case = load_case(source, [*(changes or ()), *([] if blows is None else [f"feed.blows={blows}"])])
     check_goal(case, goal, choice)
     return find_settings(SettingsCommand(output.tested(case), goal, choice), output, plain)

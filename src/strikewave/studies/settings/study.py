@@ -9,7 +9,7 @@ from __future__ import annotations
 import dataclasses
 import hashlib
 import math
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from typing import Any, ClassVar
@@ -351,6 +351,36 @@ def check_goal(case: Case, goal: BlowGoal, choice: SettingsChoices) -> None:
         allowed = f"at least about {least * 1e6:.3g} us at this peak: object and striker are no stiffer"
         hint = "a lighter striker or a stiffer contact helps" + ("" if choice.vary == "frame" else ", or --vary frame")
         raise InputError("--width", f"{goal.width * 1e6:.4g} us", allowed, hint)
+
+
+def check_changes(changes: Iterable[str], vary: str) -> None:
+    """Refuse a change (``path=value``) of a field that is chosen here: the search would replace it, with no warning.
+
+    Raises
+    ------
+    InputError
+        With the field.
+
+    Examples
+    --------
+    >>> check_changes(["machine.speed=700 rpm"], "frame")
+    Traceback (most recent call last):
+        ...
+    strikewave.base.errors.InputError: machine.speed: got "700 rpm"; allowed: no --set of it: it is chosen, with the \
+strikers by --interval; leave it out, or ask for another --interval
+    """
+    chosen_here = {
+        "machine.speed": ("with the strikers by --interval", "leave it out, or ask for another --interval"),
+        "machine.engagement": ("by --peak", "leave it out, or ask for another --peak"),
+        "machine.strikers": ("from those that are tried", "give --strikers"),
+        "striker.mass": ("from those that are tried", "give --striker-mass"),
+        VARIED[vary][0]: ("by --width", "leave it out, ask for another --width, or --vary the other stiffness"),
+    }
+    for change in changes:
+        path, _, value = (part.strip() for part in change.partition("="))
+        if path in chosen_here:
+            how, hint = chosen_here[path]
+            raise InputError(path, value, f"no --set of it: it is chosen, {how}", hint)
 
 
 def _check_strikers(case: Case, choice: SettingsChoices) -> None:

@@ -102,7 +102,7 @@ def machine_motion(solution: Solution) -> MachineMotion | None:
     outline = outlines(solution.case)
     if outline is None:
         return None
-    data = solution.data
+    data = solution.arrays
     time = data["time"].values
     near = tuple(_near(solution, row) for row in detailed(solution.blows))
     rows = _kept_rows(time, near)
@@ -132,7 +132,7 @@ def detailed(blows: Sequence[Blow]) -> list[int]:
 
 def _near(solution: Solution, row: int) -> NearBlow:
     """Return a blow from near by: samples of the whole run, and those of its pulse where it has one."""
-    blow, time = solution.blows[row], solution.data["time"].values
+    blow, time = solution.blows[row], solution.arrays["time"].values
     begin, end = max(blow.time - BEFORE, 0.0), min(blow.time + AFTER, float(time[-1]))
     force = _joined(solution, row, (begin, end), "contact_force", "pulse_force")
     acceleration = _joined(solution, row, (begin, end), "rigid_acceleration", "pulse_acceleration")
@@ -141,7 +141,7 @@ def _near(solution: Solution, row: int) -> NearBlow:
 
 def _joined(solution: Solution, row: int, shown: tuple[float, float], train: str, pulse_name: str) -> TimeHistory:
     """Return a history about a blow, its pulse sampled as finely as the solution keeps it."""
-    data, begun = solution.data, solution.blows[row].time
+    data, begun = solution.arrays, solution.blows[row].time
     time = data["time"].values
     rows = slice(*np.searchsorted(time, shown))
     coarse, values = time[rows], data[train].values[rows]

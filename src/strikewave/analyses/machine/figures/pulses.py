@@ -90,7 +90,7 @@ def overlaid_pulses(solution: Solution) -> Figure:
 def whole_train(solution: Solution) -> Figure:
     """Draw the rigid-body acceleration of the whole train and mark each blow."""
     figure, axes = _sheet(WHOLE)
-    data = solution.data
+    data = solution.arrays
     time, values = thin(data["time"].values, data["rigid_acceleration"].values)
     (unit, _), (size, _) = axis_unit("s", "ms"), axis_unit("m/s^2", "g")
     axes.plot(time / unit, values / size, color=BLUE, linewidth=0.8)
@@ -141,8 +141,8 @@ def _sheet(size: tuple[float, float]) -> tuple[Figure, Any]:
 
 def _window(solution: Solution, row: int, name: str, width: float) -> tuple[Array, Array]:
     """Return time (as shown) and values (SI) of a blow, cut where a pulse of this width (s) is over."""
-    time, (unit, _) = solution.data["pulse_time"].values, axis_unit("s", "us")
-    values = solution.data[name].values[row]
+    time, (unit, _) = solution.arrays["pulse_time"].values, axis_unit("s", "us")
+    values = solution.arrays[name].values[row]
     shown = np.isfinite(values) & (time <= (2.2 * width if width > 0.0 else time[-1]))
     return time[shown] / unit, values[shown]
 

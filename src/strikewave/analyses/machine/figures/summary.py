@@ -46,7 +46,7 @@ def summary(solution: Solution) -> Figure:
 
 
 def _first_blow(solution: Solution, row: int, force_axes: Any, acceleration_axes: Any) -> None:
-    data, blow = solution.data, solution.blows[row]
+    data, blow = solution.arrays, solution.blows[row]
     unit, newtons, size = axis_unit("s", "us")[0], axis_unit("N", "kN")[0], axis_unit("m/s^2", "g")[0]
     time = data["pulse_time"].values / unit
     force = data["pulse_force"].values[row] / newtons
@@ -100,11 +100,11 @@ def since_touch() -> str:
 
 def time_words(solution: Solution) -> str:
     """Return what the time of the whole run counts from."""
-    return str(solution.data["time"].attrs.get("long_name", "time after the valve signal"))
+    return str(solution.arrays["time"].attrs.get("long_name", "time after the valve signal"))
 
 
 def _train(solution: Solution, axes: Any) -> None:
-    data = solution.data
+    data = solution.arrays
     (unit, _), (size, _) = axis_unit("s", "ms"), axis_unit("m/s^2", "g")
     time = data["time"].values / unit
     acceleration = data["rigid_acceleration"].values / size

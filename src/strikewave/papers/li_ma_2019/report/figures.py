@@ -237,7 +237,7 @@ li-ma-2019-equal-blows, has another damper, stop and preload and shows that the 
 
 
 def _first_pulse(result: Reproduction) -> Section:
-    data = result.runs.machine.data
+    data = result.runs.machine.arrays
     curves = [Trace("machine model", data["pulse_time"].values, data["pulse_acceleration"].values[0])]
     named = ((RIGID_ELEMENTS, "elements"), (QUIET_ELEMENTS, "elements, non-reflecting faces"))
     curves += [*_pulses(result, named), *_force_over_mass(result)]

@@ -1,0 +1,328 @@
+"""What is reported of planted records against their truth: errors, silent misses, false alarms.
+
+A figure is stated where no finding harms it and none of the record is bad: it then enters a mean. A stated figure more
+than 5 % off the truth is a silent miss. Of a peak or width that holds ringing the truth is that of the pulse without it,
+and the pulse without ringing is taken for the statement where the reading shows one.
+"""
+
+import csv
+import math
+import os
+from collections import Counter, defaultdict
+from concurrent.futures import ProcessPoolExecutor
+from dataclasses import dataclass, field
+from pathlib import Path
+
+import numpy as np
+from planted import classes
+
+from strikewave.records import Channel, Record, Request, read_file
+from strikewave.records.campaign import compare, summed
+
+G = 9.80665
+LIMIT = 0.05
+"""Share by which a stated figure may be off."""
+RIGHT = 0.02
+"""Share within which a figure that is withheld was right."""
+FIGURES = ("peak", "width", "velocity_change")
+RIGID = ("without_ringing", "rigid", "rigid_pulse")
+"""What a pulse without its ringing may be called on a blow."""
+ALLOWED = {"polarity": "negative", "flat-top": "trapezoid"}
+"""Findings that are true of a clean record: its blows are negative; its top is flat."""
+
+
+@dataclass
+class FileVerdict:
+    """What became of one file."""
+
+    true: int
+    found: int
+    matched: int
+    status: str
+    codes: tuple
+    errors: dict = field(default_factory=lambda: defaultdict(list))
+    silent: list = field(default_factory=list)
+    alarms: list = field(default_factory=list)
+    withheld: list = field(default_factory=list)
+
+
+@dataclass
+class Verdict:
+    """What became of one draw."""
+
+    kind: str
+    seed: int
+    clean: bool
+    faults: dict
+    files: list
+    silent: list
+    alarms: list
+
+
+def read(draw):
+    """Return the readings of a draw, judged against one another, and their campaign."""
+    files = []
+    for draft in draw.files:
+        channel = Channel("board", draft.values, draft.setting.step, draft.begin_time, "g")
+        files.append(read_file(Record(draft.name, "text", (channel,)), {}, Request()))
+    files = compare(files) if len(files) > 1 else files
+    return files, summed(files) if len(files) > 1 else None
+
+
+def kept(reading, name):
+    """Return the values of a figure that stand unharmed: those that enter a mean."""
+    return list(reading.figures(name))
+
+
+def stated(reading, pulse, name):
+    """Tell whether a figure of a blow stands unharmed."""
+    return getattr(pulse, name) in kept(reading, name)
+
+
+def rigid(pulse):
+    """Return the pulse without its ringing where the reading has one."""
+    found = [getattr(pulse, name) for name in RIGID if getattr(pulse, name, None) is not None]
+    return found[0] if found else None
+
+
+def of(pulse, name):
+    """Return a figure that is an attribute, or a method."""
+    value = getattr(pulse, name, math.nan)
+    return float(value() if callable(value) else value)
+
+
+def folded(frequency, step):
+    """Return where a frequency lies in a record that is too slow for it, Hz."""
+    return abs(frequency - round(frequency * step) / step) if math.isfinite(frequency) else frequency
+
+
+def matched(draft, reading):
+    """Return pairs of planted and reported blows, the nearest first taken."""
+    left, pairs = list(reading.pulses), []
+    for blow in draft.blows:
+        near = [p for p in left if abs(p.time - draft.begin_time - blow.time) < 0.6 * (blow.end - blow.begin)]
+        if near:
+            pulse = min(near, key=lambda p: abs(p.time - draft.begin_time - blow.time))
+            left.remove(pulse)
+            pairs.append((blow, pulse))
+    return pairs
+
+
+def judged_file(draft, file):
+    """Return the verdict on one file."""
+    [reading] = file.channels
+    pairs = matched(draft, reading)
+    codes = tuple(f"{f.code}:{f.severity}" for f in reading.findings)
+    verdict = FileVerdict(len(draft.blows), len(reading.pulses), len(pairs), file.status, codes)
+    worst = {}
+    withheld = defaultdict(list)
+    for blow, pulse in pairs:
+        truth = {"peak": blow.peak, "width": blow.width, "velocity_change": blow.velocity_change}
+        alone = rigid(pulse)
+        scale = {"peak": draft.sign * G, "width": 1.0, "velocity_change": draft.sign * G}
+        verdict.errors["raw peak"].append(pulse.peak / (scale["peak"] * blow.raw_peak) - 1.0)
+        stands = float(np.interp(blow.time, draft.time, draft.zero))
+        verdict.errors["zero"].append((draft.sign * pulse.offset / G - stands) / blow.peak)
+        swings = folded(draft.faults.get("ringing frequency", math.nan), draft.setting.step)
+        verdict.errors["ringing frequency"].append(pulse.ringing_frequency / swings - 1.0)
+        best = pulse.smooth if alone is None else alone
+        verdict.errors["smooth peak"].append(of(best, "peak") / (scale["peak"] * blow.peak) - 1.0)
+        for name in FIGURES:
+            error = getattr(pulse, name) / (scale[name] * truth[name]) - 1.0
+            verdict.errors[name].append(error)
+            other = of(alone, name) / (scale[name] * truth[name]) - 1.0 if alone is not None else math.nan
+            if abs(other) < abs(error):
+                error = other
+            if not stated(reading, pulse, name):
+                withheld[name].append(abs(error))
+            elif abs(error) > abs(worst.get(name, 0.0)):
+                worst[name] = error
+    verdict.silent = [(name, error) for name, error in worst.items() if abs(error) > LIMIT]
+    verdict.withheld = [name for name, errors in withheld.items() if max(errors) < RIGHT]
+    known = {id(pulse) for _, pulse in pairs}
+    extra = sum(stated(reading, p, "peak") for p in reading.pulses if id(p) not in known)
+    lost = len(draft.blows) - len(pairs)
+    if extra:
+        verdict.silent.append(("extra blows", extra))
+    if lost and reading.status == "good":
+        verdict.silent.append(("lost blows", lost))
+    if math.isfinite(draft.period):
+        off = [gap / draft.period - 1.0 for gap in kept(reading, "interval")]
+        if off and max(map(abs, off)) > LIMIT:
+            verdict.silent.append(("interval", max(off, key=abs)))
+    facts = {"negative": draft.sign < 0, "trapezoid": draft.setting.shape.name == "trapezoid"}
+    verdict.alarms = [f.code for f in file.all_findings if f.severity != "good" and not facts.get(ALLOWED.get(f.code))]
+    if len(reading.pulses) != len(draft.blows):
+        verdict.alarms.append(f"{len(reading.pulses)} of {len(draft.blows)} blows")
+    return verdict
+
+
+def judged(draw):
+    """Return the verdict on a draw."""
+    readings, campaign = read(draw)
+    files = [judged_file(draft, file) for draft, file in zip(draw.files, readings, strict=True)]
+    silent = [(f"file {k + 1}", *what) if len(files) > 1 else what for k, f in enumerate(files) for what in f.silent]
+    alarms = [what for f in files for what in f.alarms]
+    if campaign is not None:
+        healthy = [d for k, d in enumerate(draw.files) if k not in draw.odd]
+        peaks = np.array([draft.sign * blow.peak * G for draft in healthy for blow in draft.blows])
+        said = campaign.statistics.get("peak")
+        told = {k for k in draw.odd if files[k].status != "good"}
+        if said is not None and told != draw.odd:
+            off = said.mean / float(np.mean(peaks)) - 1.0
+            true = float(np.std(peaks, ddof=1) / abs(np.mean(peaks)))
+            if abs(off) > LIMIT:
+                silent.append(("mean peak", off))
+            if abs(said.cv - true) > max(LIMIT, true):
+                silent.append(("cv of peaks", said.cv - true))
+    faults = {k: v for k in (draw.odd or {0}) for k, v in draw.files[k].faults.items()}
+    return Verdict(draw.kind, draw.seed, draw.clean, faults, files, silent, alarms)
+
+
+def judged_seed(item):
+    """Return the verdict on a draw, by its class and seed."""
+    return judged(classes.draw(*item))
+
+
+def spread(values):
+    """Return median and scaled median deviation in percent, as text."""
+    sample = np.asarray(values, dtype=float)
+    sample = sample[np.isfinite(sample)]
+    if not sample.size:
+        return "-"
+    middle = float(np.median(sample))
+    return f"{100 * middle:+.1f} ± {100 * 1.4826 * float(np.median(np.abs(sample - middle))):.1f}"
+
+
+CLEAN = {"clean-single": 300, "clean-train": 160, "clean-campaign": 40}
+FAULTY = {"campaign": 20, "single": 40}
+"""Draws of a class: of one record, of a campaign."""
+
+
+def counted(kind, scale=1.0):
+    """Return how many draws of a class are made."""
+    plain = CLEAN.get(kind) or FAULTY["campaign" if kind.endswith("-files") else "single"]
+    return max(round(plain * scale), 1)
+
+
+def judged_classes(kinds=tuple(classes.CLASSES), scale=1.0, first=0):
+    """Return the verdicts on the draws of some classes, from a first seed on, over all processors."""
+    items = [(kind, first + k) for kind in kinds for k in range(counted(kind, scale))]
+    with ProcessPoolExecutor(os.cpu_count() or 1) as pool:
+        return list(pool.map(judged_seed, items, chunksize=8))
+
+
+HEAD = (
+    "class", "draws", "records", "blows", "found", "extra", "peak as recorded", "smooth peak", "width",
+    "velocity change", "zero (of the peak)", "ringing frequency", "silent misses", "of", "findings on sound records", "right but withheld",
+)  # fmt: skip
+
+
+def row(kind, verdicts):
+    """Return the cells of a class."""
+    files = [file for verdict in verdicts for file in verdict.files]
+    errors = {name: [e for f in files for e in f.errors[name]] for name in ("raw peak", "smooth peak", *FIGURES)}
+    silent = [v for v in verdicts if v.silent]
+    what = Counter(name for v in silent for name in {s[-2] for s in v.silent})
+    alarmed = sum(bool(f.alarms) for f in files)
+    withheld = sum(bool(f.withheld) for f in files)
+    return [
+        kind,
+        str(len(verdicts)),
+        str(len(files)),
+        str(sum(f.true for f in files)),
+        str(sum(f.matched for f in files)),
+        str(sum(f.found - f.matched for f in files)),
+        spread(errors["raw peak"]),
+        spread(errors["smooth peak"]),
+        spread(errors["width"]),
+        spread(errors["velocity_change"]),
+        *(spread([e for f in files for e in f.errors[name]]) for name in ("zero", "ringing frequency")),
+        f"{len(silent)} ({len(silent) / len(verdicts):.0%})",
+        ", ".join(f"{name} {count}" for name, count in what.most_common()) or "-",
+        f"{alarmed} ({alarmed / len(files):.1%})" if verdicts[0].clean else "-",
+        f"{withheld} ({withheld / len(files):.0%})",
+    ]
+
+
+def totals(verdicts):
+    """Return how clean and faulty draws fared, in words."""
+    clean = [f for v in verdicts if v.clean for f in v.files]
+    faulty = [v for v in verdicts if not v.clean]
+    lines = []
+    if clean:
+        wrong = sum(bool(f.alarms) for f in clean)
+        draws = [v for v in verdicts if v.clean]
+        missed = sum(bool(v.silent) for v in draws)
+        lines.append(
+            f"{len(draws)} clean draws of {len(clean)} records: findings on {wrong} records ({wrong / len(clean):.1%}); "
+            f"silent misses in {missed} draws ({missed / len(draws):.1%})."
+        )
+    if faulty:
+        missed = sum(bool(v.silent) for v in faulty)
+        lines.append(f"{len(faulty)} faulty draws: silent misses in {missed} ({missed / len(faulty):.1%}).")
+    return lines
+
+
+def by_class(verdicts):
+    """Return the verdicts of each class, in its order."""
+    groups = defaultdict(list)
+    for verdict in verdicts:
+        groups[verdict.kind].append(verdict)
+    return groups
+
+
+def markdown(verdicts):
+    """Return the table."""
+    rows = [HEAD, ["---"] * len(HEAD), *(row(kind, group) for kind, group in by_class(verdicts).items())]
+    return "\n".join("| " + " | ".join(cells) + " |" for cells in rows)
+
+
+def write_csv(verdicts, path: Path):
+    """Write the table as numbers and text."""
+    with path.open("w", newline="", encoding="utf-8") as file:
+        writer = csv.writer(file, lineterminator="\n")
+        writer.writerow(HEAD)
+        writer.writerows(row(kind, group) for kind, group in by_class(verdicts).items())
+
+
+def size(what):
+    """Return how bad a silent miss is."""
+    return abs(float(what[-1]))
+
+
+def worst(verdicts, most=4):
+    """Return the worst draws of each class, in words: silent misses, then findings on clean ones."""
+    lines = []
+    for kind, group in by_class(verdicts).items():
+        bad = sorted((v for v in group if v.silent), key=lambda v: -max(map(size, v.silent)))[:most]
+        for v in bad:
+            text = "; ".join(
+                " ".join(f"{s:+.3g}" if isinstance(s, float) else str(s) for s in what) for what in v.silent[:4]
+            )
+            faults = ", ".join(f"{k} {x:.3g}" if isinstance(x, float) else f"{k} {x}" for k, x in v.faults.items())
+            codes = sorted({code for f in v.files for code in f.codes})
+            lines.append(f"- {kind} --seed {v.seed}: SILENT {text} | {faults} | said: {' '.join(codes) or 'nothing'}")
+        if group[0].clean:
+            for v in [v for v in group if v.alarms][: 3 * most]:
+                counts = Counter(v.alarms)
+                lines.append(f"- {kind} --seed {v.seed}: ALARM {', '.join(f'{c} x {n}' for c, n in counts.items())}")
+    return lines
+
+
+def section(scale=1.0):
+    """Return the paragraphs of the page of benchmarks."""
+    verdicts = judged_classes(scale=scale)
+    return [
+        "Records made by benchmarks/planted, which shares nothing with what reads them: eight families of pulses of 50 us to 20 ms "
+        "and 50 g to 50 000 g, 8 to 500 samples a width, white and coloured noise 15 to 80 dB below, 10 to 16 bits, either sign, "
+        "an offset; then one fault a class, with a strength from hardly to very harmful. Errors in percent, median ± scaled "
+        "median deviation, of all blows found, stated or not: the peak as recorded against that with its ringing, the smooth "
+        "peak, width and velocity change against the pulse alone, the zero against what the blow stands on. A silent miss is a draw in which a figure is stated that is "
+        "more than 5 % off, or a blow too many, or blows are missing from a record called good. A finding on a sound record is a "
+        "false alarm; polarity of a negative record and flat-top of a trapezoid are not counted. Right but withheld: a figure "
+        "within 2 % of the truth that a finding keeps out of the mean. `python scripts/validate/records.py` draws them and "
+        "shows any of them.",
+        markdown(verdicts),
+        *totals(verdicts),
+    ]

@@ -1,0 +1,201 @@
+"""Records read and judged: for the command, and in plain values for Python."""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+
+from strikewave.analyses.record.result import RecordResult, name_of, record_result
+from strikewave.base.errors import InputError, StrikewaveError
+from strikewave.base.result import Source
+from strikewave.base.units import si_value
+from strikewave.records import (
+    FileReading,
+    Options,
+    Record,
+    Request,
+    calibrations_beside,
+    compare,
+    read_file,
+    repeats,
+    summed,
+    unreadable,
+)
+from strikewave.reporting import measured_files as measured
+from strikewave.reporting.terminal import say
+from strikewave.signal.filters import Filter
+
+Stated = str | float | Mapping[str, str | float]
+"""A value for all channels, or one for each by its name or number."""
+
+
+def record(
+    paths: str | Path | Sequence[str | Path],
+    *,
+    channels: Sequence[str | int] = (),
+    unit: Stated | None = None,
+    sensitivity: Stated | None = None,
+    gain: Stated | None = None,
+    excitation: Stated | None = None,
+    rated_excitation: Stated | None = None,
+    count: Stated | None = None,
+    polarity: Stated | None = None,
+    rate: str | float | None = None,
+    time: str | int | None = None,
+    time_unit: str | None = None,
+    drop_height: str | float | None = None,
+    filter: str | float | Filter | None = None,
+    repeats_in_columns: bool = False,
+) -> RecordResult:
+    """Read measured files and judge them: status, health and pulses of each, and the statistics of all together.
+
+    It is what ``strikewave record`` does. Values of the calibration are for all channels, or a mapping from names (or
+    numbers) of channels to values; they stand over those of a ``calibration.toml`` beside the files.
+
+    Parameters
+    ----------
+    paths : str, Path or sequence of them
+        Measured files of any known format, in the order of the test; or a pattern, such as ``"blows/*.lvm"``.
+    channels : sequence of str or int, optional
+        Names, or numbers from 1, of those to take; all by default.
+    unit, sensitivity, gain, excitation, rated_excitation, count, polarity : str, float or mapping, optional
+        Calibration, such as ``unit="g"`` or ``sensitivity="1.2 mV/g"``; see docs/records.md.
+    rate : str or float, optional
+        Sampling rate of files without a time column: with a unit, or in Hz.
+    time : str or int, optional
+        Name or number of the column that holds time; found by default.
+    time_unit : str, optional
+        Unit of that column, such as ``"ms"``; that of the file, or s, by default.
+    drop_height : str or float, optional
+        Free fall before the blow: with a unit, or in m; not checked by default.
+    filter : str, float or Filter, optional
+        Zero-phase low-pass taken before blows are measured: its cutoff, with a unit or in Hz, or a filter, such as
+        ``Filter.sae_j211(1000)``.
+    repeats_in_columns : bool, optional
+        Whether the channels of a file are repeats of one test.
+
+    Raises
+    ------
+    InputError, StrikewaveError
+        If not one file can be read, or a value is none that it can be.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> from pathlib import Path
+    >>> import numpy as np
+    >>> import strikewave
+    >>> time = np.arange(4000) * 1e-5
+    >>> pulse = 500.0 * np.sin(np.pi * (time - 0.01) / 1e-3) * ((time > 0.01) & (time < 0.011))
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     file = Path(folder) / "shot.csv"
+    ...     np.savetxt(file, np.column_stack([time, pulse]), delimiter=",", header="time (s),frame", comments="")
+    ...     found = strikewave.record(file, unit={"frame": "g"})
+    >>> found.highlights()[:2]
+    [('files', '1'), ('blows', '1')]
+    >>> len(found.to_dataframe()), found.readings[0].status
+    (1, 'good')
+    """
+    several = [paths] if isinstance(paths, str | Path) else paths
+    files = measured.ordered([str(path) for path in several])
+    if not files:
+        raise InputError("paths", "none", "at least one measured file")
+    calibration = {
+        "unit": unit,
+        "sensitivity": sensitivity,
+        "gain": gain,
+        "excitation": excitation,
+        "rated_excitation": rated_excitation,
+        "count": count,
+        "polarity": polarity,
+    }
+    stated = measured.MeasurementOptions(
+        channel=[str(channel) for channel in channels] or None,
+        **{name: _typed(value) for name, value in calibration.items()},
+        rate=None if rate is None else si_value(rate, "Hz", "rate"),
+        time=None if time is None else str(time),
+        time_unit=None if time_unit is None else measured.read_time_unit(time_unit, "time_unit"),
+    )
+    height = math.nan if drop_height is None else si_value(drop_height, "m", "drop_height")
+    low_pass = filter if filter is None or isinstance(filter, Filter) else Filter(si_value(filter, "Hz", "filter"))
+    wanted = Request(tuple(stated.channel or ()), stated.calibration(), height, low_pass)
+    origin = dataclasses.replace(measured.UNKNOWN, name=name_of([Path(file) for file in files]))
+    return examined(files, wanted, stated.reading(), origin, repeats_in_columns)
+
+
+def _typed(value: Stated | None) -> list[str] | None:
+    """Return a value of the calibration as the command line takes it."""
+    if value is None:
+        return None
+    return [f"{name}={one}" for name, one in value.items()] if isinstance(value, Mapping) else [str(value)]
+
+
+def examined(
+    files: Sequence[str],
+    wanted: Request,
+    options: Options,
+    origin: Source,
+    repeats_in_columns: bool = False,
+    fail_on: str = "",
+) -> RecordResult:
+    """Return what records say.
+
+    Parameters
+    ----------
+    files : sequence of str
+        Paths, in the order of the test.
+    wanted, options : Request, Options
+        What is wanted of them, and how they are read.
+    origin : Source
+        Where the result comes from.
+    repeats_in_columns : bool, optional
+        Whether the channels of a file are repeats of one test.
+    fail_on : str, optional
+        Status that counts as a failed check; empty for none.
+
+    Raises
+    ------
+    InputError, StrikewaveError
+        If not one file can be read.
+    """
+    records = measured.read_all(files, options)
+    measured.check_channels(wanted.calibrations, (record for record in records if not isinstance(record, Exception)))
+    several = len(files) > 1
+    read = [_reading(file, record, wanted, several) for file, record in zip(files, records, strict=True)]
+    unread = [notice for file in read for notice in file.findings if notice.code == "unreadable"]
+    if len(unread) == len(read):
+        raise StrikewaveError(unread[0].message)
+    if repeats_in_columns:
+        read = [one for file in read for one in repeats(file) or [file]]
+    readings = compare(read)
+    numbers = dict.fromkeys(reading.number for file in readings for reading in file.channels)
+    campaigns = [one for one in (summed(readings, k) for k in numbers) if one is not None]
+    calibrations = _calibrations("command line" if origin.asked else "the call", wanted, [Path(file) for file in files])
+    return record_result(readings, campaigns, wanted.filter, fail_on, calibrations=calibrations, origin=origin)
+
+
+def _reading(file: str, record: Record | Exception, wanted: Request, among: bool) -> FileReading:
+    """Return what a file says; one among several that cannot be used is named, and the others are done."""
+    if isinstance(record, Exception):
+        return FileReading(measured.shown(file), "", (), (unreadable(str(record)),))
+    try:
+        reading = read_file(record, calibrations_beside(Path(file)), wanted)
+        return dataclasses.replace(reading, path=measured.shown(file))
+    except StrikewaveError as error:
+        if not among:
+            raise
+        say(f"left out: {file}: {error}")
+        return FileReading(measured.shown(file), "", (), (unreadable(str(error)),))
+
+
+def _calibrations(stated_in: str, wanted: Request, paths: Sequence[Path]) -> list[tuple[str, str]]:
+    """Return where a calibration was stated, and what."""
+    layers = {stated_in: wanted.calibrations}
+    layers |= {f"beside {path.name}": stated for path in paths if (stated := calibrations_beside(path))}
+    return [
+        (where, f"{channel}: " + ", ".join(f"{key} = {value}" for key, value in table.items()))
+        for where, stated in layers.items()
+        for channel, table in stated.items()
+    ]

@@ -1,0 +1,154 @@
+"""The baseline under a blow, from what lies before it, and how well it is known.
+
+What noise, hum and drift do to a figure is measured, not derived from a colour of the noise: each stretch of the
+pre-trigger as long as the blow is predicted from those before it, as the baseline under the blow is, and the root mean
+square of what is missed is the uncertainty of the mean over the blow. That holds for noise of any colour.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+
+LOOK_BACK = 40
+"""Widths of a blow before it over which the baseline is taken: more than its foot lasts."""
+NEAR = (8, 3)
+"""Widths over which it is taken where the record wanders: noise whose neighbours are alike is better known nearby."""
+BETTER = 0.6
+"""A nearer baseline, or a sloping one, is taken where it misses less than this share of what the level one misses.
+
+With a dozen trials chance makes one of two equal ones so much better in one record of a hundred."""
+TRIALS = 6
+"""Stretches that must be predicted before what they miss counts as known: to 30 %, 1 / sqrt(2 x 6)."""
+SLOPED = 12
+"""Widths before a blow from which its slope is known: it is carried on for less than an eighth of their length."""
+SIGNIFICANT = 4.0
+"""Standard errors of a slope that is one; they count the memory of the noise."""
+MOST = 256
+"""Widths before a blow that are looked at: what lies farther back tells nothing more of it."""
+FEWEST = 4
+"""Samples before a blow, and a width of it, without which the line of the whole record is taken for its baseline."""
+TIP = 5
+"""A tip is a fifth of a width: over so much a half-sine stays within 5 % of its peak."""
+
+
+class LocalBaseline(NamedTuple):
+    """Where a record stands under a blow.
+
+    Attributes
+    ----------
+    level : float
+        At the middle of the blow.
+    slope : float
+        Rise a sample before it; 0 where none is significant.
+    wander : float
+        Standard deviation of the mean over a width about the baseline; NaN where too little lies before to know it.
+    ripple : float
+        Standard deviation of the mean over a fifth of a width about that over the width around it.
+    widths : int
+        Widths over which the baseline was taken.
+    """
+
+    level: float
+    slope: float = 0.0
+    wander: float = math.nan
+    ripple: float = math.nan
+    widths: int = 0
+
+
+def baseline_before(values: Array, first: int, width: int, earliest: int = 0) -> LocalBaseline | None:
+    """Return the baseline under a blow; None where no room lies before it.
+
+    Parameters
+    ----------
+    values : ndarray
+        The record.
+    first, width : int
+        Where the blow stands out, and over how many samples.
+    earliest : int, optional
+        Where the blow before it ends.
+
+    Examples
+    --------
+    >>> noise = np.random.default_rng(1).normal(size=4000)
+    >>> drifting = baseline_before(5.0 + 0.02 * np.arange(4000) + noise, 3000, 50)
+    >>> round(drifting.level, 0), round(drifting.slope, 3), drifting.wander < 0.3
+    (66.0, 0.02, True)
+    """
+    end = first - width
+    begin = max(end - MOST * width, earliest + 2 * width if earliest else 0)
+    if end - begin < max(width, FEWEST):
+        return None
+    near = values[max(begin, end - LOOK_BACK * width) : end]
+    level = float(np.median(near))
+    count = (end - begin) // width
+    blocks = values[end - count * width : end].reshape(count, width)
+    means = blocks.mean(axis=1)
+    ripple = _ripple(blocks, means)
+    if count < TRIALS + 1:
+        return LocalBaseline(level, 0.0, math.nan, ripple, min(count, LOOK_BACK))
+    recent = means[-LOOK_BACK:]
+    best = LocalBaseline(level, 0.0, _root_mean_square(means - _medians_before(means, level)), ripple, recent.size)
+    best = _sloped(recent, width, best)
+    for widths in NEAR:
+        missed = _missed(means, widths)
+        if missed.size >= TRIALS and _root_mean_square(missed) < BETTER * best.wander:
+            mean = float(np.mean(means[-widths:]))
+            best = LocalBaseline(mean, 0.0, _root_mean_square(missed), ripple, widths)
+    return best
+
+
+def _medians_before(means: Array, level: float) -> Array | float:
+    """Return what a level baseline gives for each width: a long record's wanders with it."""
+    if means.size <= LOOK_BACK:
+        return level
+    groups = np.array_split(means, math.ceil(means.size / LOOK_BACK))
+    return np.concatenate([np.full(group.size, np.median(group)) for group in groups])
+
+
+def _missed(means: Array, widths: int) -> Array:
+    """Return what the mean over so many widths misses of the width after next: the foot of a blow lies between."""
+    if means.size < widths + 2:
+        return np.empty(0)
+    sums = np.cumsum(np.concatenate([[0.0], means]))
+    before = (sums[widths:-2] - sums[: -widths - 2]) / widths
+    return np.asarray(means[widths + 1 :] - before)
+
+
+def _sloped(means: Array, width: int, level: LocalBaseline) -> LocalBaseline:
+    """Return the sloping baseline where its slope is significant and misses less than the level one."""
+    n = means.size
+    if n < SLOPED:
+        return level
+    place = np.arange(n) - 0.5 * (n - 1)
+    spread = float(np.sum(place**2))
+    slope = float(np.sum(place * means)) / spread
+    rest = means - float(np.mean(means)) - slope * place
+    scatter = math.sqrt(float(np.sum(rest**2)) / (n - 2))
+    power = float(np.sum(rest**2))
+    memory = min(max(float(np.sum(rest[1:] * rest[:-1])) / power, 0.0), 0.9) if power > 0.0 else 0.0
+    error = scatter / math.sqrt(spread) * math.sqrt((1.0 + memory) / (1.0 - memory))
+    ahead = 0.5 * (n - 1) + 2.0  # the width after next, as above
+    missed = scatter * math.sqrt(1.0 + (1.0 + memory) / (1.0 - memory) * (1.0 / n + ahead**2 / spread))
+    if abs(slope) < SIGNIFICANT * error or missed > BETTER * level.wander:
+        return level
+    return level._replace(level=float(np.mean(means)) + slope * ahead, slope=slope / width, wander=missed)
+
+
+def _ripple(blocks: Array, means: Array) -> float:
+    """Return the standard deviation of means over a fifth of a width about that over the width."""
+    tip = max(blocks.shape[1] // TIP, 1)
+    parts = blocks.shape[1] // tip
+    if parts < 2:
+        return math.nan
+    tips = blocks[:, : parts * tip].reshape(blocks.shape[0], parts, tip).mean(axis=2)
+    return float(np.std(tips - means[:, None])) * math.sqrt(parts / (parts - 1.0))
+
+
+def _root_mean_square(values: Array) -> float:
+    return math.sqrt(float(np.mean(values**2)))

@@ -1,0 +1,59 @@
+"""What is wrong with a record: each check is one short function that finds one fault.
+
+A module a subject: blows, their train, zero, range, sampling, noise, ringing. Every check takes an `Examined` and
+returns findings; `examine` asks them all.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from strikewave.records.health.blows import beyond_drop_height, cut, no_pulse, polarity
+from strikewave.records.health.examined import BLOW, Examined
+from strikewave.records.health.noise import noisy, short_before, uncertain
+from strikewave.records.health.range import clipped, saturated
+from strikewave.records.health.ringing import larger_elsewhere, ringing
+from strikewave.records.health.sampling import aliased, few_samples
+from strikewave.records.health.train import double_hit, missing_blow, rebounds
+from strikewave.records.health.zero import level_step, no_foot, not_settled, velocity_drift, zero_shift
+from strikewave.records.health_notice import FIGURES, HealthNotice, worst_first
+
+__all__ = ["BLOW", "CHECKS", "Examined", "clipped", "examine", "level_step"]
+
+CHECKS = (
+    no_pulse,
+    not_settled,
+    clipped,
+    saturated,
+    zero_shift,
+    velocity_drift,
+    few_samples,
+    aliased,
+    polarity,
+    cut,
+    no_foot,
+    noisy,
+    uncertain,
+    short_before,
+    ringing,
+    larger_elsewhere,
+    beyond_drop_height,
+    rebounds,
+    double_hit,
+    missing_blow,
+)
+"""Every check, in the order of their findings."""
+
+
+def examine(record: Examined) -> list[HealthNotice]:
+    """Return everything that is wrong with a record, the worst first.
+
+    Examples
+    --------
+    >>> [finding.code for finding in examine(Examined(np.full(1000, 3.0), 1e-5))]
+    ['dead']
+    """
+    if float(np.ptp(record.values)) == 0.0:
+        message = f"every sample is {record.text(record.values[0])}: the channel is dead or not connected"
+        return [HealthNotice("dead", message, float(record.values[0]), severity="bad", harms=FIGURES)]
+    return worst_first(finding for check in CHECKS for finding in check(record))

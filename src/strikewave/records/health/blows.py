@@ -1,0 +1,74 @@
+"""Whether there are blows, whole ones, and as they should be."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from strikewave.base.constants import STANDARD_GRAVITY
+from strikewave.records.health.examined import BLOW, Examined
+from strikewave.records.health_notice import HealthNotice
+
+SPANS_NOISE = 30.0
+"""Standard deviations beyond which a record without a blow holds something: noise spans ten in a million samples."""
+MISSED_FALL = 0.9
+"""Share of the speed of a fall that is the least change of velocity: 10 % is left to friction of guides and the
+height."""
+
+
+def no_pulse(record: Examined) -> list[HealthNotice]:
+    """Find that nothing in the record is a blow."""
+    if record.pulses:
+        return []
+    reach = float(np.ptp(record.values))
+    if reach > SPANS_NOISE * record.noise:
+        message = f"the record spans {record.text(reach)}, but no one-sided blow stands out: it drifts, or swings"
+    else:
+        message = "no blow stands out of the noise"
+    return [HealthNotice("no-pulse", message, 0.0, severity="bad", harms=(*BLOW, "interval"))]
+
+
+def polarity(record: Examined) -> list[HealthNotice]:
+    """Find blows that are negative."""
+    if not record.pulses or record.pulses[0].peak > 0.0:
+        return []
+    message = "the blows are negative: is the sensor mounted the other way? --polarity -1 turns it"
+    return [HealthNotice("polarity", message, -1.0, severity="suspect")]
+
+
+def cut(record: Examined) -> list[HealthNotice]:
+    """Find a blow that runs into the begin or the end of the record."""
+    findings = []
+    for pulse in record.pulses:
+        at_end = record.place(pulse.end) >= record.values.size - 2
+        if at_end or math.isnan(pulse.width):
+            where = "end" if at_end else "begin"
+            message = f"the blow at {pulse.time:.6g} s is cut by the {where} of the record"
+            findings.append(
+                HealthNotice(
+                    "cut", message, pulse.time, severity="suspect", harms=BLOW, start=pulse.begin, end=pulse.end
+                )
+            )
+    return findings
+
+
+def beyond_drop_height(record: Examined) -> list[HealthNotice]:
+    """Find a velocity change that a fall from the stated height cannot give: sqrt(2 g h) to twice that."""
+    if not (record.drop_height > 0.0 and record.unit == "m/s^2" and record.pulses):
+        return []
+    speed = math.sqrt(2.0 * STANDARD_GRAVITY * record.drop_height)
+    change = max(abs(p.velocity_change) for p in record.pulses)
+    if change > 2.0 * speed:
+        message = f"the velocity change, {change:.3g} m/s, is above twice the speed of the fall, {2.0 * speed:.3g} m/s"
+        return [
+            HealthNotice("drop-height", message, change, severity="bad", harms=("peak", "velocity_change", "spectrum"))
+        ]
+    if change < MISSED_FALL * speed:
+        message = f"the velocity change, {change:.3g} m/s, is below the speed of the fall, {speed:.3g} m/s"
+        return [
+            HealthNotice(
+                "drop-height", message, change, severity="suspect", harms=("peak", "velocity_change", "spectrum")
+            )
+        ]
+    return []

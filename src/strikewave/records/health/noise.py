@@ -1,0 +1,145 @@
+"""What noise and hum beside the blows do to the figures of a record."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+
+from strikewave.records.health.examined import Examined
+from strikewave.records.health_notice import HealthNotice, by_effect
+from strikewave.records.measuring import RecordedPulse
+
+Array = NDArray[np.float64]
+
+NOISY = 15.0
+"""Ratio of peak to noise, dB, below which a fitted pulse is suspect too: noise of a fifth of the peak."""
+COVERAGE = 2.0
+"""Standard uncertainties that the effect of noise is: nineteen of twenty figures are off by less."""
+NOTED_NOISE = 0.02
+"""Effect on a figure from which on noise is worth a word."""
+MAINS = (50.0, 60.0)
+"""Frequencies of the mains, Hz."""
+HARMONICS = 3
+"""Of the mains that are looked for: what rectifiers make besides is small."""
+BESIDE_MAINS = (0.62, 0.8, 1.25, 1.6)
+"""Of the frequency of the mains, others at which the record must swing less: hum is a line."""
+FEWEST_PERIODS = 2.5
+"""Of the mains that the quiet parts must span: below, its line is not distinct from a slow motion."""
+A_PERIOD = 30
+"""Means of the record a period of the mains: ten a period of its third harmonic."""
+MOST_MEANS = 6000
+"""Means that are looked at: two hundred periods tell enough."""
+AROUND_BLOW = 1.0, 20.0
+"""Widths before a blow, and after it, that are not quiet."""
+EXPLAINED = 0.6
+"""Share of the swing of the quiet parts, before the first blow and after it, that hum must explain."""
+NOTED_HUM = 0.01
+"""Amplitude of hum over the peak from which on it is worth a word."""
+
+
+def noisy(record: Examined) -> list[HealthNotice]:
+    """Find noise that hides a tenth of the peak: the figures are then those of a fitted smooth pulse."""
+    fitted = [p for p in record.pulses if p.method == "fit"]
+    if not fitted:
+        return []
+    ratio = min(20.0 * math.log10(abs(p.peak) / p.noise) for p in fitted if p.noise > 0.0)
+    severity = "suspect" if ratio < NOISY else "good"
+    message = f"the noise is only {ratio:.0f} dB below the peak: figures are those of a fitted smooth pulse"
+    return [HealthNotice("noisy", message, ratio, severity=severity, harms=("rise",))]
+
+
+def uncertain(record: Examined) -> list[HealthNotice]:
+    """Find noise of any colour, or hum, that moves the figures of a blow, from what it does before the blow."""
+    if not record.pulses:
+        return []
+    worst: dict[str, float] = {}
+    for pulse in record.pulses:
+        for name, effect in _effects(pulse).items():
+            worst[name] = max(worst.get(name, 0.0), effect)
+    hum = mains_hum(record)
+    peak = min(abs(pulse.peak) for pulse in record.pulses)
+    if hum is not None and hum[1] > NOTED_HUM * peak:
+        frequency, amplitude = hum
+        message = f"hum of {frequency:g} Hz, {amplitude / peak:.1%} of the peak"
+        return [by_effect("hum", message, amplitude, worst, signed=False)]
+    if max(worst.values(), default=0.0) < NOTED_NOISE:
+        return []
+    wander = max((p.baseline.wander for p in record.pulses if p.baseline.wander == p.baseline.wander), default=0.0)
+    message = f"noise before the blow wanders by {record.text(wander)} over its length"
+    return [by_effect("noise", message, wander, worst, signed=False)]
+
+
+def short_before(record: Examined) -> list[HealthNotice]:
+    """Find that too little lies before the first blow to know what noise and drift do to its figures."""
+    if not record.pulses or math.isfinite(record.pulses[0].baseline.wander):
+        return []
+    pulse = record.pulses[0]
+    message = (
+        f"only {pulse.baseline.widths} widths of the blow lie before it: what drift, hum and slow noise do to its "
+        "figures cannot be known"
+    )
+    return [HealthNotice("short-pretrigger", message, pulse.baseline.widths, severity="good", end=pulse.begin)]
+
+
+def _effects(pulse: RecordedPulse) -> dict[str, float]:
+    """Return by how much of itself noise may falsify each figure; of white noise where no more is known."""
+    doubt = pulse.uncertainty
+    known = {name: getattr(doubt, name) / abs(getattr(pulse, name)) for name in doubt._fields if getattr(pulse, name)}
+    return {name: COVERAGE * effect for name, effect in known.items() if math.isfinite(effect)}
+
+
+def mains_hum(record: Examined) -> tuple[float, float] | None:
+    """Return frequency and amplitude of the hum of the mains; None where none is distinct.
+
+    Examples
+    --------
+    >>> t = np.arange(20_000) * 1e-5
+    >>> noise = np.random.default_rng(1).normal(size=t.size)
+    >>> frequency, amplitude = mains_hum(Examined(3.0 * np.sin(2.0 * np.pi * 50.0 * t) + noise, 1e-5))
+    >>> frequency, round(amplitude, 1)
+    (50.0, 3.0)
+    """
+    size = max(round(1.0 / (max(MAINS) * A_PERIOD * record.step)), 1)
+    count = min(record.values.size // size, MOST_MEANS)
+    if count * size * record.step < FEWEST_PERIODS / max(MAINS):
+        return None
+    means = record.values[: count * size].reshape(count, size).mean(axis=1)
+    middles = size * np.arange(count) + 0.5 * (size - 1)
+    time = np.asarray(record.start + record.step * middles, dtype=np.float64)
+    quiet, before = np.ones(count, dtype=bool), np.zeros(count, dtype=bool)
+    for pulse in record.pulses:
+        span = max(pulse.end - pulse.begin, record.step)
+        quiet &= (time < pulse.begin - AROUND_BLOW[0] * span) | (time > pulse.end + AROUND_BLOW[1] * span)
+    if record.pulses:
+        before = time < record.pulses[0].begin
+    if np.count_nonzero(quiet) * size * record.step < FEWEST_PERIODS / max(MAINS):
+        return None
+    best: tuple[float, float] | None = None
+    for frequency in MAINS:
+        fitted, amplitude = _swing(time, means, quiet, frequency)
+        others = [_swing(time, means, quiet, frequency * share)[1] for share in BESIDE_MAINS]
+        parts = [part for part in (quiet & before, quiet & ~before) if np.count_nonzero(part) >= A_PERIOD // 2]
+        explained = [_explained(means[part], fitted[part]) for part in parts]
+        if (
+            amplitude > max(others)
+            and min(explained, default=0.0) > EXPLAINED
+            and (best is None or amplitude > best[1])
+        ):
+            best = frequency, amplitude
+    return best
+
+
+def _swing(time: Array, means: Array, chosen: NDArray[np.bool_], frequency: float) -> tuple[Array, float]:
+    """Return the best swing of a frequency with its harmonics about a constant, and its amplitude."""
+    angles = 2.0 * np.pi * frequency * np.outer(np.arange(1, HARMONICS + 1), time)
+    columns = np.vstack([np.ones(time.size), np.cos(angles), np.sin(angles)]).T
+    solution = np.linalg.lstsq(columns[chosen], means[chosen], rcond=None)[0]
+    swings = columns[:, 1:] @ solution[1:]
+    return np.asarray(columns @ solution), float(0.5 * np.ptp(swings))
+
+
+def _explained(values: Array, fitted: Array) -> float:
+    total = float(np.sum((values - np.mean(values)) ** 2))
+    return 1.0 - float(np.sum((values - fitted) ** 2)) / total if total > 0.0 else 0.0

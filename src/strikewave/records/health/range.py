@@ -1,0 +1,113 @@
+"""The range of sensor, amplifier and recorder: clipped records and flat tops."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+
+from strikewave.records.health.examined import BLOW, Examined
+from strikewave.records.health_notice import HealthNotice
+
+Array = NDArray[np.float64]
+
+
+SMOOTH_TOP = 8.0
+"""Steps of a width that has samples enough in its top to tell whether it is flat."""
+TOP, NOISES_OF_TOP, DEEPEST_TOP = 0.02, 4.0, 0.5
+"""What counts as top: 2 % of the peak below it and four standard deviations of noise, at most half of the peak."""
+LENGTH_OVER_WIDTH = 1.07
+"""Length of a half-sine over its width at 10 % of the peak, 1 / `HALF_SINE_WIDTH` = 1.068, rounded up."""
+FLATTER = 0.15
+"""Share of the width by which a top is flatter than that of a half-sine before it is suspect.
+
+No usual smooth pulse comes near: a haversine is more pointed, a saw-tooth too."""
+FEWEST_AT_RAIL = 3
+"""Samples at the largest value, and times those beside it, that make a rail; see `_rail`."""
+LEVELS_LOOKED_AT = 4096
+"""Samples in which at least three different values stand, or the record is a switch or a count, and has no rail."""
+NEAR_TOP = 0.05
+"""Share of the span below the largest value in which the steps of the converter are looked for."""
+OFF_ZERO = 0.01
+"""Share of the span, or three steps of the converter, that a rail lies off the zero: the quiet zero is no rail."""
+BESIDE_RAIL = 2.5
+"""Steps of the converter below the largest value that count as beside it: the next two."""
+
+
+def clipped(record: Examined) -> list[HealthNotice]:
+    """Find where the record stops at one value again and again: the recorder's range ended there.
+
+    A plateau of a rounded top in a coarse recorder is no clipping: there the steps beside it are long too. Neither is
+    the quiet zero of a record that goes to one side of it only.
+    """
+    findings = []
+    pulse = record.largest
+    zero = float(np.median(record.values)) if pulse is None else pulse.offset
+    for sign in (1.0, -1.0):
+        at = _rail(sign * record.values, sign * zero)
+        if not at.size:
+            continue
+        level = float(record.values[at[0]])
+        struck = [p for p in record.pulses if np.any((at >= record.place(p.begin)) & (at <= record.place(p.end)))]
+        where = f"in {len(struck)} of {len(record.pulses)} blows" if struck else "outside the blows"
+        message = (
+            f"clipped at {record.text(level)} for {at.size * record.step * 1e6:.4g} us {where}: the true peak is larger"
+        )
+        severity, harms = ("bad", BLOW) if struck else ("suspect", ("ringing_frequency", "spectrum"))
+        begin, end = record.time(int(at[0])), record.time(int(at[-1]))
+        findings.append(HealthNotice("clipped", message, level, severity=severity, harms=harms, start=begin, end=end))
+    return findings
+
+
+def saturated(record: Examined) -> list[HealthNotice]:
+    """Find a top flatter than that of any smooth pulse: an amplifier at its limit, or a pulse meant to be flat."""
+    findings = []
+    for pulse in record.pulses:
+        if pulse.method != "record" or not pulse.width > SMOOTH_TOP * record.step:
+            continue
+        inside = np.abs(record.values[record.place(pulse.begin) : record.place(pulse.end) + 1] - pulse.offset)
+        depth = min(TOP + NOISES_OF_TOP * pulse.noise / abs(pulse.peak), DEEPEST_TOP)
+        first, last = _longest(inside >= (1.0 - depth) * abs(pulse.peak))
+        flat = (last - first + 1) * record.step / pulse.width
+        usual = (1.0 - 2.0 / math.pi * math.asin(1.0 - depth)) * LENGTH_OVER_WIDTH
+        if flat > usual + FLATTER:
+            message = (
+                f"the top is flat for {flat:.0%} of the width (a half-sine's for {usual:.0%}): the sensor or an "
+                "amplifier may have saturated, unless the pulse is meant to be flat"
+            )
+            findings.append(
+                HealthNotice(
+                    "flat-top", message, flat, severity="suspect", harms=("peak",), start=pulse.begin, end=pulse.end
+                )
+            )
+    return findings[:1]
+
+
+def _rail(values: Array, zero: float) -> NDArray[np.intp]:
+    """Return the samples at the largest value where a recorder stopped there; none where the record turned there.
+
+    A round top at k steps of the converter has about 1 : 0.7 samples in its highest and the next two; a rail has
+    three times as many at it as beside it, and at least three.
+    """
+    level, none = float(np.max(values)), np.empty(0, dtype=np.intp)
+    span = level - float(np.min(values))
+    at = np.flatnonzero(values == level)
+    if at.size < FEWEST_AT_RAIL or np.unique(values[:: max(values.size // LEVELS_LOOKED_AT, 1)]).size < 3:
+        return none
+    near = values[values >= level - NEAR_TOP * span]
+    steps = np.diff(np.unique(near))
+    resolution = float(np.min(steps)) if steps.size else NEAR_TOP * span
+    if level - zero <= max(3.0 * resolution, OFF_ZERO * span):
+        return none
+    beside = int(np.count_nonzero(near >= level - BESIDE_RAIL * resolution)) - at.size
+    return at if at.size >= FEWEST_AT_RAIL * max(beside, 1) else none
+
+
+def _longest(flags: NDArray[np.bool_]) -> tuple[int, int]:
+    """Return first and last place of the longest run of true; (0, -1) where there is none."""
+    edges = np.flatnonzero(np.diff(np.concatenate([[False], flags, [False]]).astype(np.int8)))
+    if not edges.size:
+        return 0, -1
+    k = int(np.argmax(edges[1::2] - edges[::2]))
+    return int(edges[2 * k]), int(edges[2 * k + 1]) - 1

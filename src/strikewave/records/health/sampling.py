@@ -1,0 +1,65 @@
+"""Whether a record was sampled fast enough."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from strikewave.records.health.examined import Examined
+from strikewave.records.health_notice import HealthNotice
+from strikewave.signal.pulse import HALF_SINE_WIDTH
+
+FEW, TOO_FEW, NONE_LEFT = 20.0, 10.0, 5.0
+"""Samples of a half-sine at which 0.3, 1.2 and 4.9 % of its peak may be missed, 1 - cos(pi / (2 n))."""
+AROUND, FEWEST_AROUND = 4.0, 64
+"""Widths around the largest blow whose spectrum is looked at, in 64 samples to either side at least."""
+TOP_OF_SPECTRUM = 0.85
+"""Share of half the sampling rate from which on a spectrum should have fallen off: where anti-alias filters pass
+least."""
+FOLDED, NOISES_OF_SPECTRUM = 0.02, 4.0
+"""Share of the largest value that is too much there, and how many times that of the noise it must be.
+
+2 % that is folded down may shift a peak by as much."""
+
+
+def few_samples(record: Examined) -> list[HealthNotice]:
+    """Find blows of few samples: a half-sine that lasts n of them may lose 1 - cos(pi / (2 n)) of its peak."""
+    widths = [p.width for p in record.pulses if p.width > 0.0]
+    if not widths:
+        return []
+    count = min(widths) / HALF_SINE_WIDTH / record.step
+    if count >= FEW:
+        return []
+    loss = 1.0 - math.cos(math.pi / (2.0 * max(count, 1.0)))
+    severity = "bad" if count < NONE_LEFT else "suspect" if count < TOO_FEW else "good"
+    message = f"a blow has {count:.1f} samples: its peak may be missed by {loss:.1%}; sample faster"
+    return [
+        HealthNotice(
+            "few-samples", message, count, severity=severity, harms=("peak", "rise", "width") if count < TOO_FEW else ()
+        )
+    ]
+
+
+def aliased(record: Examined) -> list[HealthNotice]:
+    """Find a spectrum that has not fallen off at half the sampling rate: what lies above is folded into it."""
+    pulse = record.largest
+    if pulse is None or not pulse.width > 0.0:
+        return []
+    reach = max(round(AROUND * pulse.width / record.step), FEWEST_AROUND)
+    centre = record.place(pulse.time)
+    part = record.values[max(centre - reach, 0) : centre + reach] - pulse.offset
+    spectrum = np.abs(np.fft.rfft(part * np.hanning(part.size)))
+    top = spectrum[int(TOP_OF_SPECTRUM * spectrum.size) :]
+    highest = float(np.max(spectrum))
+    if not highest > 0.0:
+        return []
+    level = math.sqrt(float(np.mean(top**2))) / highest
+    noise = pulse.noise * math.sqrt(0.375 * part.size) / highest  # a Hann window has the mean square 3/8
+    if level < FOLDED or level < NOISES_OF_SPECTRUM * noise:
+        return []
+    message = (
+        f"at half the sampling rate the spectrum still has {level:.1%} of its largest value: what lies above was "
+        "folded into the record; sample faster or filter before"
+    )
+    return [HealthNotice("alias", message, level, severity="suspect", harms=("peak", "rise", "spectrum"))]

@@ -1,0 +1,60 @@
+"""Whether blows follow one another as blows of a test do: rebounds, double hits, missing blows."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from strikewave.records.health.examined import Examined
+from strikewave.records.health_notice import HealthNotice
+from strikewave.records.measuring import contacts_of
+from strikewave.records.trains import missing_of
+
+LISTED = 3
+"""Places that a message names; the others are counted."""
+
+
+def rebounds(record: Examined) -> list[HealthNotice]:
+    """Find smaller contacts that belong to a blow: each is reported with it and counts as none."""
+    owners = [pulse for pulse in record.pulses if pulse.rebounds]
+    if not owners:
+        return []
+    every = [rebound for pulse in owners for rebound in pulse.rebounds]
+    share = float(np.median([rebound.peak / pulse.peak for pulse in owners for rebound in pulse.rebounds]))
+    lag = float(np.median([rebound.time - pulse.time for pulse in owners for rebound in pulse.rebounds]))
+    where = f"{len(owners)} of {len(record.pulses)} blows" if len(record.pulses) > 1 else "the blow"
+    message = (
+        f"{len(every)} smaller contact{'s' if len(every) > 1 else ''} beside {where}, {share:.0%} of the peak, "
+        f"{1e3 * lag:.4g} ms after it: no blow{'s' if len(every) > 1 else ''}, but rebounds"
+    )
+    first = owners[0].rebounds[0]
+    return [HealthNotice("rebound", message, share, severity="good", start=first.time, end=every[-1].time)]
+
+
+def double_hit(record: Examined) -> list[HealthNotice]:
+    """Find two blows as large as one another, much closer than the blows of the record otherwise are."""
+    contacts = contacts_of(record.pulses)
+    if not contacts.double:
+        return []
+    later, earlier = min(contacts.double.items())
+    first, second = record.pulses[earlier], record.pulses[later]
+    several = f" and {len(contacts.double) - 1} more" if len(contacts.double) > 1 else ""
+    message = (
+        f"two blows at {first.time:.6g} and {second.time:.6g} s{several}, of {record.text(first.peak)} and "
+        f"{record.text(second.peak)}, {1e3 * abs(second.time - first.time):.4g} ms apart: a double hit; both count"
+    )
+    return [HealthNotice("double-hit", message, len(contacts.double), start=first.begin, end=second.end)]
+
+
+def missing_blow(record: Examined) -> list[HealthNotice]:
+    """Find gaps of two periods and more in a train of blows."""
+    contacts = contacts_of(record.pulses)
+    places = missing_of(np.array([pulse.time for pulse in record.pulses]), contacts)
+    if not places or contacts.train is None:
+        return []
+    listed = ", ".join(f"{place:.6g}" for place in places[:LISTED])
+    more = f" and {len(places) - LISTED} more" if len(places) > LISTED else ""
+    message = (
+        f"no blow at {listed} s{more}, where one is due: the others come every {1e3 * contacts.train.period:.5g} ms; "
+        "the gaps are left out of the interval"
+    )
+    return [HealthNotice("missing-blow", message, len(places), severity="suspect", start=places[0], end=places[-1])]

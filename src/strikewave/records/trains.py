@@ -1,0 +1,296 @@
+"""Which contacts of a record are blows, and which belong to one: trains, rebounds, double hits, missing blows.
+
+A train is known from the record itself: of all chains of contacts whose gaps are one period, or a few, the
+one that holds most of the peaks. A contact on it is a blow, however small. One off it belongs to the blow before it: a
+rebound where it is smaller or comes always as late, the second of a double hit where it is as large. Without a train a
+contact is a rebound where it is smaller and near.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from itertools import pairwise
+from typing import NamedTuple
+
+import numpy as np
+
+from strikewave.records.record import Array
+
+COMPARABLE = 0.6
+"""Share of the peak beside it from which a contact is as large, and no rebound.
+
+A body that rebounds with a coefficient of restitution of 0.5 strikes again at a half; larger ones are rare in metals on
+test objects, and blows of one machine scatter less."""
+NEAR = 20.0
+"""Widths from peak to peak within which a smaller contact belongs to a blow where no train shows what is regular."""
+DOUBLE = 5.0
+"""Widths from peak to peak within which two contacts as large are a double hit where no train shows what is regular."""
+JITTER = 0.12
+"""Share of its period by which a gap of a train may differ: machines keep it to some percent, hands do not."""
+MOST_PERIODS = 4
+"""Periods that a gap may last: more blows missing in a row are an end of a train and the begin of another."""
+MISSED = 0.5
+"""Weights of a usual blow, its peak squared, that a missing one costs a chain.
+
+Less than one: a train that lacks a blow is else taken for one of twice the period."""
+FEWEST_GAPS = 2
+"""Gaps of one period without which there is no train."""
+IRREGULAR = 0.35
+"""Share of the blows of a train beside which as many contacts of their size, not always as late, show that it is
+none."""
+AS_LATE = 0.15
+"""Share by which the lags of rebounds of one train differ at most around their median."""
+SURE_GAPS, SURE_JITTER = 3, 0.1
+"""Gaps of one period, and their scatter over the period, with which a gap of several periods is blows that are
+missing."""
+LONG_TRAIN = 400
+"""Contacts from whose gaps the period is taken: those of longer trains come again."""
+NEIGHBOURS = 6
+"""Contacts after each to which a gap is tried as the period: a blow, its rebounds, and the next."""
+BIN = 0.05
+"""Share by which periods that are tried differ: well within `JITTER`."""
+
+
+class BlowTrain(NamedTuple):
+    """Blows one period apart.
+
+    Attributes
+    ----------
+    members : tuple of int
+        Contacts that are its blows, in the order of time.
+    period : float
+        Median of the gaps of one period.
+    jitter : float
+        Scatter of these gaps over the period: from the median of their deviations.
+    """
+
+    members: tuple[int, ...]
+    period: float
+    jitter: float
+
+
+class Contacts(NamedTuple):
+    """What the contacts of a record are.
+
+    Attributes
+    ----------
+    blows : tuple of int
+        In the order of time.
+    owner : dict
+        For each contact that belongs to a blow, that blow.
+    double : dict
+        For each blow that is the second of a double hit, the first.
+    train : BlowTrain or None
+        What shows the period, where there is one.
+    """
+
+    blows: tuple[int, ...]
+    owner: dict[int, int]
+    double: dict[int, int]
+    train: BlowTrain | None
+
+
+def find_train(times: Array, peaks: Array) -> BlowTrain | None:
+    """Return the chain of contacts, one or a few periods apart, that holds most of the peaks; None where none does.
+
+    Parameters
+    ----------
+    times : ndarray
+        Of all contacts, rising.
+    peaks : ndarray
+        Their sizes, positive.
+
+    Examples
+    --------
+    >>> times = np.array([0.0, 0.1, 1.0, 1.1, 2.0, 2.1, 4.0, 4.1])
+    >>> train = find_train(times, np.array([5.0, 2.0] * 4))
+    >>> train.members, train.period
+    ((0, 2, 4, 6), 1.0)
+    """
+    if times.size < FEWEST_GAPS + 1:
+        return None
+    weights = peaks**2  # a rebound weighs little
+    penalty = MISSED * float(np.median(np.sort(weights)[weights.size // 2 :]))  # of the larger half: the blows
+    best: tuple[float, float, list[int]] | None = None
+    for period in _periods(times):
+        score, members = _chain(times, weights, period, penalty)
+        off = _off_period(times[members], period)
+        if best is None or score > best[0] * (1.0 + 1e-9) or (score > best[0] * (1.0 - 1e-9) and off < best[1]):
+            best = score, off, members
+    if best is None:
+        return None
+    members = best[2]
+    gaps = np.diff(times[members])
+    period = _common_period(gaps)
+    single = gaps[np.abs(gaps - period) < JITTER * period]
+    if single.size < FEWEST_GAPS or 2 * single.size < gaps.size:
+        return None
+    jitter = float(np.median(np.abs(single - period))) / period
+    return BlowTrain(tuple(members), period, jitter) if _regular(times, peaks, members) else None
+
+
+def sort_contacts(times: Array, peaks: Array, widths: Array, small: Sequence[bool]) -> Contacts:
+    """Tell blows from what belongs to them.
+
+    Parameters
+    ----------
+    times, peaks, widths : ndarray
+        Of all contacts in the order of time; peaks positive.
+    small : sequence of bool
+        Contacts too small for a blow unless a train asks for one there.
+
+    Examples
+    --------
+    >>> three = sort_contacts(np.array([0.0, 1.0, 9.0]), np.array([9.0, 3.0, 8.0]), np.full(3, 0.4), [False] * 3)
+    >>> three.blows, three.owner
+    ((0, 2), {1: 0})
+    """
+    large = np.flatnonzero(~np.asarray(small, dtype=bool))
+    train = find_train(times, peaks)
+    if train is not None and not set(large[peaks[large] >= COMPARABLE * peaks[large].max(initial=0.0)]) & set(
+        train.members
+    ):
+        train = None  # a train of what is small beside a blow that is not on it
+    if train is None:
+        return _without_train(times, peaks, widths, small)
+    owner: dict[int, int] = {}
+    double: dict[int, int] = {}
+    members = np.array(train.members)
+    others = [k for k in range(times.size) if k not in set(train.members)]
+    blow_of = {k: int(members[max(int(np.searchsorted(times[members], times[k])) - 1, 0)]) for k in others}
+    late = _as_late(times, peaks, blow_of, len(members))
+    for k, blow in blow_of.items():
+        if small[k] or k in late or peaks[k] < COMPARABLE * peaks[blow]:
+            owner[k] = blow
+        elif abs(times[k] - times[blow]) < 0.5 * train.period:
+            double[k] = blow
+    blows = tuple(k for k in range(times.size) if k not in owner)
+    return Contacts(blows, owner, double, train)
+
+
+def gaps_of(times: Array, contacts: Contacts) -> list[float]:
+    """Return the times from blow to blow: not those inside a double hit, nor those over a missing blow.
+
+    Examples
+    --------
+    >>> times = np.array([0.0, 1.0, 2.0, 3.0, 5.0])
+    >>> gaps_of(times, sort_contacts(times, np.ones(5), np.full(5, 0.1), [False] * 5))
+    [1.0, 1.0, 1.0]
+    """
+    firsts = [k for k in contacts.blows if k not in contacts.double]
+    gaps = [float(gap) for gap in np.diff(times[firsts])]
+    train = contacts.train
+    return [gap for gap in gaps if train is None or gap < (1.5 if _sure(train) else math.inf) * train.period]
+
+
+def missing_of(times: Array, contacts: Contacts) -> list[float]:
+    """Return the times at which a train lacks a blow.
+
+    Examples
+    --------
+    >>> times = np.array([0.0, 1.0, 2.0, 3.0, 5.0])
+    >>> missing_of(times, sort_contacts(times, np.ones(5), np.full(5, 0.1), [False] * 5))
+    [4.0]
+    """
+    train = contacts.train
+    if train is None or not _sure(train):
+        return []
+    missing = []
+    for k, gap in enumerate(np.diff(times[list(train.members)])):
+        count = round(gap / train.period)
+        if count > 1 and abs(gap / count - train.period) < SURE_JITTER * train.period:
+            missing += [float(times[train.members[k]] + gap * j / count) for j in range(1, count)]
+    return missing
+
+
+def _sure(train: BlowTrain) -> bool:
+    return len(train.members) > SURE_GAPS and train.jitter < 0.5 * SURE_JITTER
+
+
+def _periods(times: Array) -> Array:
+    """Return gaps that may be the period, `BIN` apart."""
+    some = times[:LONG_TRAIN]
+    gaps = np.concatenate([some[k:] - some[:-k] for k in range(1, min(NEIGHBOURS, some.size - 1) + 1)])
+    steps = np.round(np.log(gaps[gaps > 0.0]) / BIN)
+    return np.array([float(np.median(gaps[gaps > 0.0][steps == step])) for step in np.unique(steps)])
+
+
+def _chain(times: Array, weights: Array, period: float, penalty: float) -> tuple[float, list[int]]:
+    """Return the chain with gaps of one period or a few of the largest weight, and what it holds.
+
+    Each blow that it misses costs ``penalty``.
+    """
+    score, before = weights.copy(), np.full(times.size, -1)
+    firsts = np.searchsorted(times, times - (MOST_PERIODS + JITTER) * period)
+    for k in range(1, times.size):
+        earlier = np.arange(firsts[k], k)
+        gaps = (times[k] - times[earlier]) / period
+        counts = np.rint(gaps)
+        fits = (counts >= 1.0) & (np.abs(gaps - counts) < JITTER)
+        gains = np.where(fits, score[earlier] - (counts - 1.0) * penalty, -np.inf)
+        if gains.size and gains.max() > 0.0:
+            before[k] = earlier[int(np.argmax(gains))]
+            score[k] += gains.max()
+    k = int(np.argmax(score))
+    members = [k]
+    while before[members[-1]] >= 0:
+        members.append(int(before[members[-1]]))
+    return float(score[k]), members[::-1]
+
+
+def _off_period(times: Array, period: float) -> float:
+    gaps = np.diff(times) / period
+    return float(np.mean(np.abs(gaps - np.rint(gaps)))) if gaps.size else math.inf
+
+
+def _common_period(gaps: Array) -> float:
+    """Return the median of the gaps that are as long as the shortest quarter of them is."""
+    shortest = float(np.sort(gaps)[(gaps.size - 1) // 4])
+    return float(np.median(gaps[np.abs(gaps - shortest) < 2.0 * JITTER * shortest]))
+
+
+def _regular(times: Array, peaks: Array, members: Sequence[int]) -> bool:
+    """Tell whether what is as large as the members and lies beside them is rare, or always as late."""
+    usual = float(np.median(peaks[list(members)]))
+    on = set(members)
+    begin, end = times[members[0]], times[members[-1]]
+    beside = [k for k in range(times.size) if k not in on and peaks[k] >= COMPARABLE * usual]
+    inside = [k for k in beside if begin < times[k] < end]
+    if len(inside) != len(beside) and len(members) < 2 * (len(beside) - len(inside)) + FEWEST_GAPS:
+        return False
+    if len(inside) <= max(IRREGULAR * len(members), 1.0):
+        return True
+    places = times[list(members)]
+    lags = np.array([times[k] - places[np.searchsorted(places, times[k]) - 1] for k in inside])
+    return float(np.median(np.abs(lags - np.median(lags)))) < 0.5 * AS_LATE * float(np.median(lags))
+
+
+def _as_late(times: Array, peaks: Array, blow_of: dict[int, int], blows: int) -> set[int]:
+    """Return what comes after most blows of a train, equally late and smaller: rebounds."""
+    after = {k: float(times[k] - times[blow]) for k, blow in blow_of.items() if times[k] > times[blow]}
+    if len(after) < max(blows // 2, FEWEST_GAPS):
+        return set()
+    usual = float(np.median(list(after.values())))
+    late = {k for k, lag in after.items() if abs(lag - usual) < AS_LATE * usual}
+    smaller = sum(peaks[k] < peaks[blow_of[k]] for k in late)
+    return late if len(late) >= max(blows // 2, FEWEST_GAPS) and smaller > IRREGULAR * len(late) else set()
+
+
+def _without_train(times: Array, peaks: Array, widths: Array, small: Sequence[bool]) -> Contacts:
+    owner: dict[int, int] = {}
+    blows: list[int] = []
+    for k in np.argsort(-peaks, kind="stable"):
+        near = [b for b in blows if abs(times[k] - times[b]) < NEAR * widths[b]]
+        below = [b for b in near if peaks[k] < COMPARABLE * peaks[b]]
+        if below:
+            owner[int(k)] = min(below, key=lambda b: abs(times[k] - times[b]))
+        elif not small[k]:
+            blows.append(int(k))
+    blows.sort()
+    double = {
+        later: earlier
+        for earlier, later in pairwise(blows)
+        if times[later] - times[earlier] < DOUBLE * max(widths[earlier], widths[later])
+    }
+    return Contacts(tuple(blows), owner, double, None)
