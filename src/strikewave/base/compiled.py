@@ -115,7 +115,7 @@ def called_kernel(function: F) -> F:
 
 def inner_kernel(function: F) -> F:
     """Compile a `called_kernel` that only kernels call, without an entry for Python: for arguments of many arrays."""
-    compiled = _compiled(function, INNER)
+    compiled: Any = _compiled(function, INNER)
     compiled.__class__ = _InnerKernel
     return compiled
 
