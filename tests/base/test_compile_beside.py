@@ -130,7 +130,7 @@ def test_the_second_process_never_runs_the_script_of_the_first(tmp_path):
     assert run.stdout == "once\nwithin\n"
 
 
-def test_a_job_waits_for_a_kernel_no_longer_than_it_has_patience(tmp_path, monkeypatch):
+def test_a_job_waits_until_the_code_of_a_kernel_is_there_and_no_longer_than_it_has_patience(tmp_path, monkeypatch):
     monkeypatch.setattr(compiled, "cache_folder", lambda: str(tmp_path))
     monkeypatch.setattr(compile_beside, "PATIENCE", 0.1)
     await_kernel("never")
@@ -138,9 +138,10 @@ def test_a_job_waits_for_a_kernel_no_longer_than_it_has_patience(tmp_path, monke
 
     def looked(seconds):
         looks.append(seconds)
-        (tmp_path / "_a.last-12.py311.nbi").write_bytes(b"")
+        kind = "nbi" if len(looks) == 1 else "1.nbc"
+        (tmp_path / f"_a.last-12.py311.{kind}").write_bytes(b"")
 
     monkeypatch.setattr(compile_beside, "PATIENCE", 60.0)
     monkeypatch.setattr(compile_beside.time, "sleep", looked)
-    await_kernel("last")
-    assert len(looks) == 1
+    await_kernel("_a.last")
+    assert len(looks) == 2

@@ -15,6 +15,7 @@ import sys
 import threading
 import time
 from collections.abc import Iterator
+from pathlib import Path
 
 from strikewave.base.compile_progress import compiling_shown
 
@@ -59,11 +60,14 @@ def compiled_beside(kernel: str, job: str) -> Iterator[None]:
 
 
 def await_kernel(name: str) -> None:
-    """Wait until a kernel is in the cache: for a job that needs one which the first process compiles meanwhile."""
-    from strikewave.base.compiled import is_cold
+    """Wait until a kernel is in the cache: for a job that needs one which the first process compiles meanwhile.
 
-    end = time.monotonic() + PATIENCE
-    while is_cold(name) and time.monotonic() < end:
+    Looked for is the file of its code, which appears whole, and after that of the index.
+    """
+    from strikewave.base.compiled import cache_folder
+
+    folder, end = cache_folder(), time.monotonic() + PATIENCE
+    while folder and next(Path(folder).rglob(f"{name}-*.nbc"), None) is None and time.monotonic() < end:
         time.sleep(_LOOK)
 
 
