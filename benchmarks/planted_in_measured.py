@@ -87,9 +87,9 @@ class Copy(NamedTuple):
 
 
 def quiet(record, blow):
-    """Return the noise before a blow, forth and back again, as long as the record is."""
+    """Return the noise long before a blow, clear of its foot, forth and back again, as long as the record is."""
     channel = record.channels[0]
-    last = max(round((blow.begin - blow.width - channel.start) / channel.step), 64)
+    last = max(round(0.6 * (blow.begin - channel.start) / channel.step), 64)
     head = channel.values[: min(last, channel.values.size)]
     return np.pad(head, (0, channel.values.size - head.size), mode="reflect")
 

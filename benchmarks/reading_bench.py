@@ -1,8 +1,11 @@
-"""Reading speed of measured files, and memory beyond the arrays."""
+"""Reading speed of measured files, memory beyond the arrays, and campaigns of many files."""
 
+import json
+import resource
 import subprocess
 import sys
 import tempfile
+import time
 from pathlib import Path
 
 import numpy as np
@@ -10,6 +13,8 @@ from timing import table
 
 ROWS = 4_000_000
 """Samples of each of two channels."""
+CAMPAIGNS, SAMPLES = (16, 50, 500), 20_000
+"""Files of a campaign, and samples of each."""
 
 CHILD = """
 import sys, time
@@ -74,7 +79,53 @@ Two channels of {ROWS:,} samples, each file in a process of its own; memory is w
 and the arrays.
 
 {table(("file", "size", "time", "speed", "memory beyond the arrays"), rows)}
+
+Campaigns of text files, {SAMPLES:,} samples each, one blow in each, through `strikewave record`, the whole process:
+
+{table(("campaign", "output", "time", "CPU time", "peak memory"), campaigns())}
 """
+
+
+def campaigns():
+    """Return rows of campaigns through `strikewave record`: whole processes, as JSON and with report and pictures."""
+    rows = []
+    with tempfile.TemporaryDirectory() as folder:
+        paths = [str(_shot(Path(folder) / f"shot{k}.csv", k)) for k in range(max(CAMPAIGNS))]
+        for count in CAMPAIGNS:
+            for name, rest in (("--json", ["--json"]), ("with report", ["--out", f"{folder}/{count}", "--force"])):
+                took, spent, peak = _whole([sys.executable, "-m", "strikewave", "record", *paths[:count], *rest])
+                cells = f"{took:.1f} s", f"{spent:.1f} s", f"{peak / 2**20:.0f} MiB"
+                rows.append((f"{count} files", name, *cells))
+    return rows
+
+
+def _shot(path, seed):
+    """Write a record of one blow of about 4600 g and 200 us at 200 kHz as text."""
+    rng = np.random.default_rng(seed)
+    t = np.arange(SAMPLES) * 5e-6
+    u = (t - 0.03) / 200e-6
+    pulse = 4600.0 * (1.0 + 0.025 * rng.normal()) * np.sin(np.pi * np.clip(u, 0.0, 1.0))
+    values = pulse + rng.normal(0.0, 3.0, SAMPLES)
+    np.savetxt(
+        path, np.column_stack([t, values]), ["%.6f", "%.4f"], ",", header="time (s),acceleration (g)", comments=""
+    )
+    return path
+
+
+def _whole(command):
+    """Run a command in a child of a child, so that the peak memory is its own; return time, CPU time and memory."""
+    code = "import json, sys; sys.path.insert(0, sys.argv[1]); import reading_bench as b; b.report(json.loads(sys.argv[2]))"
+    child = [sys.executable, "-c", code, str(Path(__file__).parent), json.dumps(command)]
+    result = subprocess.run(child, check=True, capture_output=True, text=True)
+    return [float(word) for word in result.stdout.split()]
+
+
+def report(command):
+    """Run a command and print its time, CPU time and peak memory."""
+    begun = time.perf_counter()
+    subprocess.run(command, check=True, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+    used = resource.getrusage(resource.RUSAGE_CHILDREN)
+    print(time.perf_counter() - begun, used.ru_utime + used.ru_stime, 1024 * used.ru_maxrss)
 
 
 def _child(path):

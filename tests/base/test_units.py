@@ -6,8 +6,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from strikewave.base import units
 from strikewave.base.errors import InputError
-from strikewave.base.units import DIMENSIONS, in_unit, parse_quantity, parse_typed
+from strikewave.base.units import DIMENSIONS, USUAL, in_unit, parse_quantity, parse_typed
 
 
 @pytest.mark.parametrize(
@@ -102,3 +103,9 @@ def test_any_text_is_read_or_refused(text):
 def test_bare_number_on_the_command_line_is_si():
     assert parse_typed("20", "m/s", "--speed") == 20.0
     assert parse_typed("4000 g", "m/s^2", "--peak") == pytest.approx(39226.6)
+
+
+@pytest.mark.parametrize(("unit", "si"), USUAL)
+def test_usual_units_are_those_of_pint_to_the_last_bit(unit, si):
+    """They stand in a table, so that a case of usual units is read without pint."""
+    assert units._by_pint(unit, si) == USUAL[unit, si]

@@ -180,7 +180,7 @@ ONE_BLOW = ["run", "li-ma-2019", "--set", "feed.blows=1"]
 def test_json_draws_nothing_and_imports_no_library_for_it(words, band, environment, tmp_path):
     program = (
         f"import sys; sys.argv = ['strikewave', *{[*words, *band]!r}, '--json']\nfrom strikewave.cli import app\n"
-        f"heavy = (*{FILES_ONLY!r}, 'scipy.signal', 'scipy.stats', 'strikewave.hopkinson')\n"
+        f"heavy = (*{FILES_ONLY!r}, 'pint', 'scipy.signal', 'scipy.stats', 'strikewave.hopkinson')\n"
         "try: app.main()\nfinally: print([m for m in heavy if m in sys.modules], file=sys.stderr)"
     )
     run = subprocess.run(

@@ -4,6 +4,7 @@ import xml.etree.ElementTree as ElementTree
 from pathlib import Path
 
 import numpy as np
+import openpyxl
 import pytest
 
 import strikewave
@@ -50,7 +51,7 @@ def result_of(strikewave, monkeypatch):
         monkeypatch.setattr(
             run_and_write, "write_files", lambda result, folder: results.append(result) or write(result, folder)
         )
-        code, _, err = strikewave(*words, "--out", "written")
+        code, _, err = strikewave(*words, "--out", "written", "--xlsx")
         assert code in (0, 3), err
         return results[0], Path("written")
 
@@ -77,6 +78,8 @@ def test_the_result_of_a_command_shows_itself_and_writes_the_same_report(result_
     assert "<table" in page
     assert len(result.to_dataframe()) >= 1
     assert result.plot().axes
+    main = openpyxl.load_workbook(folder / "result.xlsx", read_only=True)[result.table_name]
+    assert len(list(main.iter_rows(values_only=True))) == 1 + len(result.to_dataframe())
     assert result.report("again.html").read_text("utf-8") == (folder / "report.html").read_text("utf-8")
 
 

@@ -155,3 +155,18 @@ def test_help_breaks_nothing(strikewave, monkeypatch, name):
         longer = [line for line in text.splitlines() if length(line) > width]
         assert all("|" in line for line in longer), longer  # the choices of an option are one word
         assert words_of(text) <= whole, (width, sorted(words_of(text) - whole))
+
+
+SHOWABLE = ("wave", "fem", "impact", "record", "srs", "hopkinson", "identify", "map", "buffer", "ls-dyna", "materials")
+USUAL = re.compile(r"[^\n]{0,40}(?:\d (?:g|µs|us|kN|µm|MPa)(?![\w/])|\((?:g|µs|us|kN|mm|µm|GPa|MPa)\)).{0,20}")
+"""A number, or a head, in the usual unit of an acceleration, a time, a force, a length or a stress."""
+TYPED = "under a front of 5 us"
+"""Stands in the title of a case."""
+
+
+@pytest.mark.parametrize("name", SHOWABLE)
+def test_what_is_shown_has_the_units_chosen(at_widths, name):
+    shown = at_widths(name, *CHEAP[name], "--show", "m/s2,ms,N,in,Pa")
+    lines = [line.replace(TYPED, "") for line in shown[ENDLESS, True].splitlines()]
+    # a warning is worded where it is found, in units of its own
+    assert USUAL.findall("\n".join(line for line in lines if not re.match(r"[a-z ]+ \[", line))) == []

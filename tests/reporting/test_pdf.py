@@ -148,14 +148,32 @@ COMMANDS = [
     ["record", "{measured}/impact_05.lvm"],
     ["srs", "{measured}/impact_05.lvm"],
 ]
+GOAL = ["--interval", "20 ms", "--peak", "4000 g", "--width", "200 us", "--strikers", "4", "--striker-mass", "1 kg"]
+GASKETS = ["--sensor", "buffered", "--limit", "7000 g", "--material", "PTFE", "--thickness", "1 mm", "--layers", "2"]
+DEAR = [
+    ["fem", "two-bars-fem"],
+    ["hopkinson", "shot.toml"],
+    ["map", "li-ma-2019", "--points", "4x4", "--train", "20", "--workers", "1"],
+    ["settings", *GOAL],
+    ["buffer", "li-ma-2019-fig5", *GASKETS],
+    ["reproduce", "li-ma-2019", "--without", "elements", "--without", "studies"],
+]
+"""Made on one kind of paper each, in turn: each takes seconds."""
+CASES = [(command, paper) for command in COMMANDS for paper in ("A4", "letter")]
+CASES += [(command, ("A4", "letter")[k % 2]) for k, command in enumerate(DEAR)]
 
 
 @pytest.mark.verify
-@pytest.mark.parametrize("command", COMMANDS, ids=lambda command: "-".join(command[:2]).replace("/", "-"))
-@pytest.mark.parametrize("paper", ["A4", "letter"])
+@pytest.mark.parametrize(
+    ("command", "paper"),
+    CASES,
+    ids=[f"{'-'.join(command[:2])}-{paper}".replace("/", "-") for command, paper in CASES],
+)
 def test_no_word_of_a_head_is_cut_or_broken_in_a_report(command, paper, measured, tmp_path, strikewave):
     folder = str(measured("smd-5kg-impacts")) if "{" in command[1] else ""
     words = [word.replace("{measured}", folder) for word in command]
+    if command[0] == "hopkinson":
+        assert strikewave("new", "shot", "--from", "hopkinson")[0] == 0
     assert strikewave(*words, "--out", "a", "--pdf", paper)[0] in (0, 3)
     reader = PdfReader(tmp_path / "a" / "report.pdf")
     printed = set("\n".join(sheet.extract_text() for sheet in reader.pages).split())

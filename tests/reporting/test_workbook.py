@@ -2,6 +2,7 @@
 
 import dataclasses
 
+import openpyxl
 import pytest
 
 from strikewave import load_case, run_case
@@ -13,7 +14,6 @@ from strikewave.reporting import workbook
 from strikewave.reporting.numbers import ShownUnits, showing
 from strikewave.reporting.workbook import WORKBOOK, check_workbook, write_workbook
 
-openpyxl = pytest.importorskip("openpyxl")
 FORMULAS = ["=1+1", "+1", "-cmd", "@SUM(A1)", "#N/A", "{=1}"]
 
 

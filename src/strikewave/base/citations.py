@@ -152,6 +152,17 @@ SOURCES: dict[str, str] = {
         "Mathematical Methods of Statistics 6 (1997) 135-170"
     ),
     "siegel-1982": ("A. F. Siegel, Robust regression using repeated medians, Biometrika 69 (1982) 242-244"),
+    "rosner-1983": (
+        "B. Rosner, Percentage points for a generalized ESD many-outlier procedure, Technometrics 25 (1983) 165-172"
+    ),
+    "croux-1992": (
+        "C. Croux, P. J. Rousseeuw, Time-efficient algorithms for two highly robust estimators of scale, Computational "
+        "Statistics 1 (1992) 411-428"
+    ),
+    "sen-1968": (
+        "P. K. Sen, Estimates of the regression coefficient based on Kendall's tau, Journal of the American "
+        "Statistical Association 63 (1968) 1379-1389"
+    ),
     "vangel-1996": (
         "M. G. Vangel, Confidence intervals for a normal coefficient of variation, The American Statistician "
         "50 (1996) 21-26"

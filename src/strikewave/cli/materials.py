@@ -3,15 +3,17 @@
 from __future__ import annotations
 
 import dataclasses
+from collections.abc import Sequence
 
 from strikewave.base.json_document import head
-from strikewave.base.materials import materials
+from strikewave.base.materials import Material, materials
 from strikewave.reporting.layout import MORE, keys, numerals, texts
-from strikewave.reporting.options import Shown
-from strikewave.reporting.terminal import print_json, significant, table, tell
+from strikewave.reporting.numbers import showing
+from strikewave.reporting.options import Show, Shown
+from strikewave.reporting.terminal import number, print_json, table, tell
 
 
-def command(shown: Shown) -> int:
+def command(*, show: Show = None, shown: Shown) -> int:
     """List the materials with their sources.
 
     Elastic constants, yield strength, hardness, loss factor, status and source.
@@ -30,17 +32,24 @@ def command(shown: Shown) -> int:
         listed = [{**dataclasses.asdict(m), "bar_speed": m.bar_speed} for m in entries]
         print_json({**head(units), "materials": listed})
         return 0
+    with showing(show):
+        _print(list(entries))
+    return 0
+
+
+def _print(entries: Sequence[Material]) -> None:
+    """Print the table of materials."""
     rows = [
         [
             m.name,
             m.status,
-            significant(m.density, 4),
-            significant(m.youngs_modulus / 1e9, 4),
+            number(m.density, "kg/m^3", "kg/m^3"),
+            number(m.youngs_modulus, "Pa", "GPa"),
             f"{m.poissons_ratio:g}",
-            "-" if m.yield_strength is None else significant(m.yield_strength / 1e6, 4),
-            "-" if m.hardness is None else significant(m.hardness / 1e6, 4),
+            number(m.yield_strength, "Pa", "MPa"),
+            number(m.hardness, "Pa", "MPa"),
             "-" if m.loss_factor is None else f"{m.loss_factor:g}",
-            significant(m.bar_speed, 4),
+            number(m.bar_speed, "m/s", "m/s"),
         ]
         for m in entries
     ]
@@ -54,4 +63,3 @@ def command(shown: Shown) -> int:
     columns += numerals("bar speed (m/s)")
     tell(f"{len(rows)} materials; --json has the source of each.")
     table("Materials", columns, rows)
-    return 0

@@ -2,18 +2,20 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Annotated
 
 import typer
 
 from strikewave.base.errors import InputError
+from strikewave.base.json_document import head
 from strikewave.base.output_folder import write_atomically
 from strikewave.cases.case import dump_case, load_case, own_case, parse_case
 from strikewave.cases.explained import comment_lines
 from strikewave.cases.performed_test import EXAMPLE as TEST_EXAMPLE
-from strikewave.reporting.options import complete_case
-from strikewave.reporting.terminal import say
+from strikewave.reporting.options import Shown, complete_case
+from strikewave.reporting.terminal import print_json, say
 
 HOPKINSON = "hopkinson"
 """Stands for the example of a set-up of split bars, and is the command that it is for."""
@@ -47,6 +49,7 @@ def command(
         ),
     ] = "li-ma-2019",
     force: Annotated[bool, typer.Option("--force", help="Replace the file.")] = False,
+    shown: Shown,
 ) -> int:
     """Write a new case file to edit.
 
@@ -60,18 +63,27 @@ def command(
     if not path.absolute().parent.is_dir():
         raise InputError("FILE", str(path), "a file in a folder that exists")
     if origin == HOPKINSON:
-        _write_example(path, force)
+        record = _write_example(path, force)
+        _tell(shown, [path, record], HOPKINSON, "a measured shot; name your bars and files")
         return 0
     case = own_case(load_case(origin), path.stem, origin)
     text = HEADER.format(origin=origin) + dump_case(case, comment_lines)
     parse_case(text)  # refuses a name that no result folder may have
     write_atomically(path, text if case.test.stated() else text + TEST_EXAMPLE)
-    say(f"written: {path}; change a value, then: strikewave {case.command} {path}")
+    _tell(shown, [path], case.command, "change a value")
     return 0
 
 
-def _write_example(path: Path, force: bool) -> None:
-    """Write a set-up of split bars, and the record that it names beside it."""
+def _tell(shown: Shown, paths: Sequence[Path], command: str, words: str) -> None:
+    """Say which files were written, and what to do next."""
+    if shown.json:
+        print_json({**head({}), "written": [str(path) for path in paths], "command": command})
+    else:
+        say(f"written: {' and '.join(map(str, paths))}; {words}, then: strikewave {command} {paths[0]}")
+
+
+def _write_example(path: Path, force: bool) -> Path:
+    """Write a set-up of split bars, and the record that it names beside it; return the path of the record."""
     from strikewave.analyses.hopkinson.setup_file import example_record, example_setup
 
     name, record = example_record()
@@ -80,4 +92,4 @@ def _write_example(path: Path, force: bool) -> None:
         raise InputError("FILE", str(beside), "no other file of this name there", "add --force to replace it")
     write_atomically(beside, record)
     write_atomically(path, example_setup() + TEST_EXAMPLE)
-    say(f"written: {path} and {beside}, a measured shot; name your bars and files, then: strikewave {HOPKINSON} {path}")
+    return beside

@@ -66,19 +66,24 @@ def logarithmic_damping_ratio(restitution_asked: ArrayLike) -> Array:
 
 def _decay_to_turning(zeta: Array) -> Array:
     """Return zeta arccos(zeta)/sqrt(1 - zeta^2), continued by arcosh beyond 1."""
-    near = np.abs(zeta - 1.0) < _CRITICAL
-    z = np.where(near, 0.5, zeta)
-    angle = np.where(z < 1.0, np.arccos(np.minimum(z, 1.0)), np.arccosh(np.maximum(z, 1.0)))
+    near, z, angle = _angle(zeta)
     return np.where(near, 1.0, z * angle / np.sqrt(np.abs(1.0 - z * z)))
 
 
-def _slope_of_decay(zeta: Array) -> Array:
-    """Return the slope of `_decay_to_turning`."""
+def _angle(zeta: Array) -> tuple[NDArray[np.bool_], Array, Array]:
+    """Return where zeta is critical, zeta with 1/2 there, and its arccos, arcosh beyond 1."""
     near = np.abs(zeta - 1.0) < _CRITICAL
     z = np.where(near, 0.5, zeta)
+    return near, z, np.where(z < 1.0, np.arccos(np.minimum(z, 1.0)), np.arccosh(np.maximum(z, 1.0)))
+
+
+def _decay_and_slope(zeta: Array) -> tuple[Array, Array]:
+    """Return `_decay_to_turning` and its slope."""
+    near, z, turned = _angle(zeta)
+    decay = np.where(near, 1.0, z * turned / np.sqrt(np.abs(1.0 - z * z)))
     square = (1.0 - z) * (1.0 + z)
-    angle = np.where(z < 1.0, np.arccos(np.minimum(z, 1.0)), np.arccosh(np.maximum(z, 1.0))) / np.sqrt(np.abs(square))
-    return np.where(near, 2.0 / 3.0, angle + z * (z * angle - 1.0) / square)
+    angle = turned / np.sqrt(np.abs(square))
+    return decay, np.where(near, 2.0 / 3.0, angle + z * (z * angle - 1.0) / square)
 
 
 def cut_off_restitution(damping_ratio: ArrayLike) -> Array:
@@ -125,8 +130,8 @@ def cut_off_damping_ratio(restitution_asked: ArrayLike) -> Array:
     decay = -0.5 * np.log(asked(restitution_asked))
     zeta = np.where(decay > _FAR, 0.5 * np.exp(decay), 2.0 / np.pi * decay)
     for _ in range(_NEWTON_STEPS):
-        missing = decay - _decay_to_turning(zeta)
-        onward = zeta + missing / _slope_of_decay(zeta)
+        reached, slope = _decay_and_slope(zeta)
+        onward = zeta + (decay - reached) / slope
         if np.array_equal(onward, zeta):
             break
         zeta = onward

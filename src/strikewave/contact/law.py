@@ -345,6 +345,12 @@ def single(contact: AnyContact) -> Array:
     ValueError
         If the contact holds several, or a number of it is out of range.
     """
+    numbers = check(contact)
+    if all(np.ndim(value) == 0 for value in numbers.values()):
+        row = np.zeros(COLUMNS)
+        for place, value in numbers.items():
+            row[place] = value
+        return row
     table = rows(contact)
     if len(table) != 1:
         raise ValueError(f"one contact law is wanted here, got {len(table)}: its numbers are arrays")

@@ -11,6 +11,7 @@ if TYPE_CHECKING:
     from strikewave.records.readers import Options, read_record
     from strikewave.records.reading import ChannelReading, FileReading, Request, read_file, repeats
     from strikewave.records.record import Channel, Record
+    from strikewave.records.sample_store import SampleStore
 
 _ROOMS = {
     "calibration": ("Calibration", "calibrations_beside"),
@@ -20,6 +21,7 @@ _ROOMS = {
     "readers": ("Options", "read_record"),
     "reading": ("ChannelReading", "FileReading", "Request", "read_file", "repeats"),
     "record": ("Channel", "Record"),
+    "sample_store": ("SampleStore",),
 }
 _HOMES = {name: room for room, names in _ROOMS.items() for name in names}
 
@@ -34,6 +36,7 @@ __all__ = [
     "Record",
     "RecordedPulse",
     "Request",
+    "SampleStore",
     "Statistic",
     "Trend",
     "calibrations_beside",

@@ -136,7 +136,7 @@ def _rounded(stamps: Array, steps: Array) -> tuple[float, float] | None:
         return None
     places = np.arange(stamps.size) - 0.5 * steps.size
     middle = float(np.mean(stamps))
-    step = float(np.dot(places, stamps - middle) / np.dot(places, places))
+    step = float(np.sum(places * (stamps - middle)) / np.sum(places**2))  # np.dot would wait for threads of BLAS
     stray = float(np.max(np.abs(stamps - middle - step * places)))
     if _share_odd(steps, float(np.median(steps))) <= ODD_STEPS or stray > WITHIN_DIGIT * _last_digit(stamps):
         return None

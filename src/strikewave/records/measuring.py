@@ -17,7 +17,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from strikewave.records.baseline import LocalBaseline, baseline_before
+from strikewave.records.health_notice import HARMED
 from strikewave.records.pulses import Box, find_boxes, robust_line, sample_noise
+from strikewave.records.rigid_pulse import RINGS_WITHIN, RigidPulse, Stretch, rigid_pulse
 from strikewave.records.smooth_pulse import PulseUncertainty, SmoothPulse, fit_smooth_pulse
 from strikewave.records.smoothing import smooth
 from strikewave.records.trains import Contacts, sort_contacts
@@ -46,6 +48,10 @@ EARLIER, LENGTH = 0.15, 1.3
 RINGING_WIDTHS, FEWEST_OF_RINGING = 40, 32
 """Widths after a blow over which its ringing is looked at, and samples without which it is not: four swings of
 eight."""
+PERIODS_OF_RINGING = 8.0
+"""Swings after a blow that are handed to the fit of its ringing."""
+LOBE = 0.5
+"""Share of a rebound by which a record swings to the other side before it where it is a lobe of a ringing."""
 SWINGS, PADDED = 4, 4
 """Swings of the lowest frequency that can be measured, and times that a spectrum is padded so that its peak is found
 between."""
@@ -108,6 +114,8 @@ class RecordedPulse:
         Of peak, width and velocity change, by what lies before the blow.
     rebounds : tuple of Rebound
         Smaller contacts that belong to the blow.
+    rigid : RigidPulse or None
+        The pulse without its ringing, fitted together with it; None where nothing rings, or no model of it fits.
     """
 
     time: float
@@ -125,6 +133,26 @@ class RecordedPulse:
     baseline: LocalBaseline = NO_BASELINE
     uncertainty: PulseUncertainty = NOT_KNOWN
     rebounds: tuple[Rebound, ...] = ()
+    rigid: RigidPulse | None = None
+
+    @property
+    def rigid_peak(self) -> float:
+        """Peak without ringing; NaN where none was fitted."""
+        return math.nan if self.rigid is None else self.rigid.peak
+
+    @property
+    def rigid_width(self) -> float:
+        """Width without ringing, s; NaN where none was fitted."""
+        return math.nan if self.rigid is None else self.rigid.width
+
+    @property
+    def differs_without_ringing(self) -> bool:
+        """Whether peak, width or velocity change without ringing differ by more than `HARMED`."""
+        rigid = self.rigid
+        names = () if rigid is None else PulseUncertainty._fields
+        return any(
+            abs(getattr(self, name) - getattr(rigid, name)) > HARMED * abs(getattr(rigid, name)) for name in names
+        )
 
 
 def find_pulses(values: Array, step: float, start: float = 0.0) -> list[RecordedPulse]:
@@ -178,7 +206,50 @@ def find_pulses(values: Array, step: float, start: float = 0.0) -> list[Recorded
                 found += [] if pulse is None else [(pulse, wanted is small)]
         return found
 
-    return _owned(sorted([*measured(large, large), *measured(sorted(large + small), small)], key=lambda p: p[0].time))
+    contacts = [*measured(large, large), *measured(sorted(large + small), small)]
+    return _with_rigid(values, step, start, _owned(sorted(contacts, key=lambda contact: contact[0].time)))
+
+
+def _with_rigid(values: Array, step: float, start: float, pulses: Sequence[RecordedPulse]) -> list[RecordedPulse]:
+    """Return blows with the pulse without ringing, where they ring."""
+    done: list[RecordedPulse] = []
+    last: RigidPulse | None = None
+    for k, pulse in enumerate(pulses):
+        others = [rebound.time - pulse.smooth.length for rebound in one_sided(values, step, start, pulse)]
+        others += [pulses[k + 1].begin] if k + 1 < len(pulses) else []
+        rigid = rigid_pulse(stretch_of(values, step, start, pulse, min(others, default=math.inf)), last)
+        if rigid is not None:
+            last = rigid
+            sign = math.copysign(1.0, pulse.peak)
+            rigid = rigid._replace(peak=sign * rigid.peak, velocity_change=sign * rigid.velocity_change)
+        done.append(replace(pulse, rigid=rigid))
+    return done
+
+
+def one_sided(values: Array, step: float, start: float, pulse: RecordedPulse) -> list[Rebound]:
+    """Return the rebounds of a blow that are no lobes of its ringing, which swings to the other side before them."""
+    found = []
+    for rebound in pulse.rebounds:
+        begin, end = (round((time - start) / step) for time in (pulse.end, rebound.time))
+        sign = math.copysign(1.0, pulse.peak)
+        deepest = float(np.min(sign * (values[max(begin, 0) : end] - pulse.offset), initial=0.0))
+        found += [] if -deepest > LOBE * abs(rebound.peak) else [rebound]
+    return found
+
+
+def stretch_of(values: Array, step: float, start: float, pulse: RecordedPulse, until: float = math.inf) -> Stretch:
+    """Return the record around a blow as its ringing is sought in: until a time, s, at most."""
+    width = max((pulse.width if pulse.width > 0.0 else pulse.smooth.width()) / step, 1.0)
+    begin, end = (min(max(round((time - start) / step), 0), values.size - 1) for time in (pulse.begin, pulse.end))
+    first = max(begin - math.ceil(width), 0)
+    ringing = 0.0 if math.isnan(pulse.ringing_frequency) else PERIODS_OF_RINGING / (pulse.ringing_frequency * step)
+    last = end + math.ceil(max(RINGS_WITHIN * width, ringing, FEWEST_OF_RINGING)) + 1
+    if math.isfinite(until):
+        last = min(last, round((until - start) / step))
+    sign = math.copysign(1.0, pulse.peak)
+    above = sign * (values[first : max(last, end)] - pulse.offset)
+    smooth_pulse = pulse.smooth._replace(peak=sign * pulse.smooth.peak, begin=pulse.smooth.begin - start - step * first)
+    return Stretch(above, step, begin - first, end - first, width, smooth_pulse, pulse.noise)
 
 
 def _owned(contacts: Sequence[tuple[RecordedPulse, bool]]) -> list[RecordedPulse]:

@@ -9,7 +9,20 @@ import numpy as np
 from numpy.typing import NDArray
 
 from strikewave.reporting.numbers import axis_unit, headed
-from strikewave.reporting.style import BLUE, GREEN, GREY, HALF, ORANGE, RED, WHOLE, new_figure, quiet
+from strikewave.reporting.style import (
+    BLUE,
+    GREEN,
+    GREY,
+    HALF,
+    HANDLE,
+    LETTER,
+    ORANGE,
+    RED,
+    WHOLE,
+    new_figure,
+    put_below,
+    quiet,
+)
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -161,13 +174,16 @@ def traces(title: str, curves: Sequence[Trace], unit: str, since: str, wide: boo
 def put_legend(axes: Any, handles: Sequence[Any] | None = None, labels: Sequence[str] | None = None) -> None:
     """Put the legend where it hides no curve, and where a narrow screen shows it.
 
-    It stands above the axes at their right. In a wide figure of one column, whose right side a phone shows only after
-    scrolling, it stands below at the left.
+    It stands above the axes at their right, where it fits in one line. In a wide figure of one column, whose right side
+    a phone shows only after scrolling, it stands below at the left.
     """
-    entries = axes.get_legend_handles_labels() if handles is None else (handles, labels)
+    entries = axes.get_legend_handles_labels() if handles is None else (handles, labels or ())
     grid = axes.get_gridspec()
     if axes.figure.get_figwidth() > HALF[0] and grid is not None and grid.ncols == 1:
-        axes.figure.legend(*entries, frameon=False, fontsize=8, loc="outside lower left", ncols=3, columnspacing=1.2)
+        put_below(axes.figure, *entries)
+        return
+    if grid is not None and grid.ncols == 1 and HANDLE * len(entries[1]) + LETTER * sum(map(len, entries[1])) > HALF[0]:
+        put_below(axes.figure, *entries)
         return
     axes.legend(
         *entries,

@@ -10,7 +10,7 @@ import os
 import re
 import shlex
 import sys
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, ClassVar
@@ -177,11 +177,12 @@ def natural(name: str) -> tuple[tuple[str, int, str], ...]:
 
     Examples
     --------
-    >>> sorted(["a10", "a2", "A1"], key=natural)
-    ['A1', 'a2', 'a10']
+    >>> sorted(["a10.csv", "a2.csv", "a.csv", "A1.csv"], key=natural)
+    ['a.csv', 'A1.csv', 'a2.csv', 'a10.csv']
     """
-    parts = re.findall(r"(\D*)(\d{0,30})", name)
-    return (*((words.casefold(), int(digits or -1), digits) for words, digits in parts), (name, 0, ""))
+    stem, ending = os.path.splitext(name)
+    parts = re.findall(r"(\D*)(\d{0,30})", stem)
+    return (*((words.casefold(), int(digits or -1), digits) for words, digits in parts), (ending, 0, name))
 
 
 def _letters(name: str) -> str:
@@ -210,15 +211,15 @@ def is_bare(text: str) -> bool:
         return False
 
 
-def check_channels(stated: Mapping[str, Any], records: Iterable[Record]) -> None:
-    """Refuse a calibration of a channel that no record has.
+def check_channels(stated: Mapping[str, Any], known: Iterable[str]) -> None:
+    """Refuse a calibration of a channel that no record has, of all that ``known`` names.
 
     Raises
     ------
     InputError
         If there is one.
     """
-    known = {key for record in records for key in record.keys}
+    known = set(known)
     for channel, table in stated.items():
         if channel != "all" and channel not in known:
             option = "--" + next(iter(table)).replace("_", "-")
@@ -226,30 +227,18 @@ def check_channels(stated: Mapping[str, Any], records: Iterable[Record]) -> None
             raise InputError(option, f"{channel}=", allowed, nearest(channel, known))
 
 
-def read_all(files: Sequence[str], options: Options) -> list[Record | Exception]:
-    """Read files, with a bar on stderr; a file that cannot be read gives its error.
-
-    Raises
-    ------
-    InputError
-        If not one of them can be read.
-    """
+def read_each(files: Sequence[str], options: Options) -> Iterator[tuple[str, Record | Exception]]:
+    """Read files one after the other, with a bar on stderr; one that cannot be read gives its error."""
     from strikewave.records import read_record
 
-    results: list[Record | Exception] = []
     with progress_bar("reading") if len(files) > 1 else contextlib.nullcontext(lambda share: None) as report:
-        for file in files:
+        for count, file in enumerate(files, start=1):
             try:
-                results.append(read_record(file, options))
+                read: Record | Exception = read_record(file, options)
             except StrikewaveError as error:
-                results.append(error)
-            report(len(results) / len(files))
-    errors = [result for result in results if isinstance(result, Exception)]
-    if len(errors) == len(results):
-        raise errors[0]
-    for failed in errors:
-        say(f"left out: {failed}")
-    return results
+                read = error
+            yield file, read
+            report(count / len(files))
 
 
 def read_channels(file: str, stated: dict[str, dict[str, Any]], options: Options) -> tuple[Record, FileReading]:
@@ -263,7 +252,7 @@ def read_channels(file: str, stated: dict[str, dict[str, Any]], options: Options
     from strikewave.records import Request, calibrations_beside, read_file, read_record
 
     record = read_record(file, options)
-    check_channels(stated, [record])
+    check_channels(stated, record.keys)
     return record, read_file(record, calibrations_beside(Path(file)), Request(options.channels or ("1",), stated))
 
 

@@ -406,6 +406,8 @@ class Output(Shown):
         Units of numbers on screen, in the report and in CSV; None for the usual ones.
     pdf : str or None
         Paper of the report as PDF, A4 or letter; None for no PDF.
+    xlsx : bool
+        Whether tables and histories are written as one workbook too.
     """
 
     out: Out = None
@@ -413,6 +415,7 @@ class Output(Shown):
     test: TestFile = None
     show: Show = None
     pdf: Pdf = None
+    xlsx: Xlsx = False
 
     def stated_test(self) -> dict[str, str]:
         """Return what ``--test`` states; nothing without it.
@@ -457,12 +460,16 @@ class Output(Shown):
         InputError
             If there is no folder for them, or what writes them is not installed.
         """
-        if self.pdf is None:
-            return
-        from strikewave.reporting.pdf import check_pdf
+        if self.pdf is not None:
+            from strikewave.reporting.pdf import check_pdf
 
-        self._check_folder("--pdf", usual)
-        check_pdf("--pdf", self.pdf)
+            self._check_folder("--pdf", usual)
+            check_pdf("--pdf", self.pdf)
+        if self.xlsx:
+            from strikewave.reporting.workbook import check_workbook
+
+            self._check_folder("--xlsx", usual)
+            check_workbook()
 
     def _check_folder(self, option: str, usual: str | None) -> None:
         """Refuse an option whose files have no folder."""
@@ -478,14 +485,19 @@ class Output(Shown):
         InputError
             If a PDF is wanted of a report that is not written.
         """
-        if self.pdf is None:
-            return []
-        from strikewave.reporting.pdf import write_pdf
+        names = []
+        if self.pdf is not None:
+            from strikewave.reporting.pdf import write_pdf
 
-        page = folder / "report.html"
-        if not page.is_file():
-            raise InputError("--pdf", self.pdf, "only where a report is written", "leave it out")
-        return [write_pdf(page, self.pdf)]
+            page = folder / "report.html"
+            if not page.is_file():
+                raise InputError("--pdf", self.pdf, "only where a report is written", "leave it out")
+            names.append(write_pdf(page, self.pdf))
+        if self.xlsx:
+            from strikewave.reporting.workbook import write_workbook
+
+            names.append(write_workbook(result, folder))
+        return names
 
     def writes(self, usual: str | None) -> bool:
         """Tell whether files are written at all; ``usual`` as of `place`."""
@@ -506,39 +518,27 @@ class RunOutput(Output):
     ----------
     histories : str or None
         Format of the tables of histories, csv or parquet; None for none.
-    xlsx: bool
-        Whether all of it is written as one workbook too.
     """
 
     histories: Histories = None
-    xlsx: Xlsx = False
 
     def check_files(self, usual: str | None) -> None:
-        """Refuse histories and a workbook that have no folder, and a workbook that cannot be written.
+        """Refuse histories that have no folder.
 
         Raises
         ------
         InputError
-            If there is none, if the writer is not installed, or what `Output.check_files` raises.
+            If there is none, or what `Output.check_files` raises.
         """
         super().check_files(usual)
         if self.histories:
             self._check_folder("--histories", usual)
-        if self.xlsx:
-            from strikewave.reporting.workbook import check_workbook
-
-            self._check_folder("--xlsx", usual)
-            check_workbook()
 
     def write_more(self, result: Result, folder: Path) -> list[str]:
-        """Write the histories and the workbook, and return the names of the files."""
+        """Write the histories too, and return the names of the files."""
         names = super().write_more(result, folder)
-        if self.histories is not None:
-            from strikewave.reporting.histories import write_histories
+        if self.histories is None:
+            return names
+        from strikewave.reporting.histories import write_histories
 
-            names += write_histories(result, folder, self.histories)
-        if self.xlsx:
-            from strikewave.reporting.workbook import write_workbook
-
-            names.append(write_workbook(result, folder))
-        return names
+        return [*write_histories(result, folder, self.histories), *names]

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import textwrap
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -16,9 +16,10 @@ BLUE, ORANGE, GREEN, RED, GREY = "#0072B2", "#E69F00", "#009E73", "#D55E00", "#6
 HALF, WHOLE = (4.9, 3.3), (9.8, 3.4)
 """Sizes of a picture that shares its line and of one that does not, inches: a page is 9.8 inches wide at 96 pixels an
 inch."""
-LEGEND_LETTERS = 110
-"""Labels with fewer letters in all stand six in a line below a picture, longer ones four (chosen by eye: both fit into
-`WHOLE` in letters of 8 points)."""
+PHONE = 3.9
+"""Inches of a `WHOLE` picture that a phone 390 pixels wide shows unscrolled; of a `HALF` one it shows all."""
+LETTER, HANDLE = 0.062, 0.55
+"""Inches of a letter of a legend in 8 points (the mean, rounded up), and of what stands beside a label."""
 
 
 def quiet(axes: Any, title: str, x: str, y: str) -> None:
@@ -59,11 +60,26 @@ def legend_below(figure: Figure) -> Figure:
         new = dict(zip(*axes.get_legend_handles_labels()[::-1], strict=True))
         entries |= {label: handle for label, handle in new.items() if label not in entries}
     if entries:
-        ncols = 6 if sum(map(len, entries)) < LEGEND_LETTERS else 4
-        figure.legend(
-            list(entries.values()), list(entries), loc="outside lower left", frameon=False, fontsize=8, ncols=ncols
-        )
+        put_below(figure, list(entries.values()), list(entries))
     return figure
+
+
+def put_below(figure: Figure, handles: Sequence[Any], labels: Sequence[str]) -> None:
+    """Put a legend below a picture at its left, in as many columns as a narrow screen shows of it.
+
+    Examples
+    --------
+    >>> figure = new_figure(HALF)
+    >>> (line,) = figure.add_subplot().plot([0.0, 1.0])
+    >>> put_below(figure, [line] * 6, ["blow 1", "blow 2", "blow 3", "blow 4", "blow 5", "blow 6"])
+    >>> figure.legends[0]._ncols
+    4
+    """
+    width = max((HANDLE + LETTER * len(label) for label in labels), default=PHONE)
+    columns = max(1, min(len(labels), int(min(figure.get_figwidth(), PHONE) / width)))
+    figure.legend(
+        handles, labels, loc="outside lower left", frameon=False, fontsize=8, ncols=columns, columnspacing=1.2
+    )
 
 
 def new_figure(size: tuple[float, float] = WHOLE) -> Figure:

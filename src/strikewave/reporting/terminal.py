@@ -298,8 +298,14 @@ def significant(value: float, digits: int) -> str:
 def table(title: str, columns: Sequence[ScreenColumn], rows: Iterable[Sequence[str]], detail: bool = False) -> None:
     """Print a table on stdout, with the columns that fit; see `strikewave.reporting.layout.table_lines`.
 
-    A detail is only named, unless all is wanted.
+    Heads end with their usual units, such as ``peak (kN)``, and are shown with those chosen; cells are written by
+    `number` or `fixed`. A detail is only named, unless all is wanted.
     """
+    _table(title, shown_columns(columns), rows, detail)
+
+
+def _table(title: str, columns: Sequence[ScreenColumn], rows: Iterable[Sequence[str]], detail: bool = False) -> None:
+    """Print a table as `table` does, with its heads as they are."""
     width = screen_width(sys.stdout)
     if detail and not is_wide():
         named = _showable(f"not shown: {title} (--wide)", sys.stdout)
@@ -324,7 +330,7 @@ def report_table(shown: Table, keys: int = 1, more: Sequence[str] = ()) -> None:
         ScreenColumn(head, KEY if place < keys else MORE if head in more else MAIN, words=not numeric)
         for place, (head, numeric) in enumerate(zip(shown.columns, shown.numeric(), strict=True))
     ]
-    table(shown.caption, columns, rows)
+    _table(shown.caption, columns, rows)
 
 
 def print_bands(result: Result, values: Mapping[str, float]) -> None:

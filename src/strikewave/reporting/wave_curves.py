@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from strikewave.reporting.curves import COLOURS, DASHES, put_legend, shortened
 from strikewave.reporting.numbers import axis_unit, headed, with_unit
-from strikewave.reporting.style import BLUE, GREY, RED, WHOLE, new_figure, quiet
+from strikewave.reporting.style import BLUE, GREY, RED, WHOLE, new_figure, put_below, quiet
 from strikewave.reporting.wave_field import WaveField
 from strikewave.waves.li_ma import Sandwich
 from strikewave.waves.staircase import endless_force, first_echoes, staircase
@@ -83,7 +83,7 @@ def staircase_diagram(field: WaveField, layer: int, time: Array, load: Array) ->
         axes.set_xlim(-1.0, float(since[-1]))
     figure.axes[0].set_ylabel("force over the largest load")
     handles, labels = figure.axes[1].get_legend_handles_labels()
-    figure.legend(handles, labels, loc="outside lower center", ncols=2, frameon=False, fontsize=8)
+    put_below(figure, handles, labels)
     return figure
 
 

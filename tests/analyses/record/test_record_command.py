@@ -3,6 +3,7 @@
 import json
 import math
 import os
+import re
 import shutil
 import subprocess
 import sys
@@ -389,3 +390,28 @@ def test_a_unit_that_is_a_mass_is_refused_with_what_may_be_meant(strikewave):
     assert document(out)["campaign"]["peak"]["mean"] / G == pytest.approx(1200.0, rel=2e-3)
     _, out, _ = strikewave("record", "shot.csv", "--json")
     assert "kg is a mass" in document(out)["warnings"][0]["message"]
+
+
+def test_screen_report_and_document_advise_the_same_filter(strikewave):
+    u = np.arange(4000.0)
+    ringing = np.where(
+        u > 1500.0, 30.0 * np.exp(-(u - 1500.0) / 150.0) * np.sin(2.0 * np.pi * (u - 1500.0) / 20.0), 0.0
+    )
+    write("smooth.csv", history(100.0), header="time [s],board [g]")
+    write("rings.csv", history(100.0) + ringing, header="time [s],board [g]")
+    hum = 0.5 * np.sin(u / 3.0) + np.where(u == 700.0, 100.0, 0.0)  # a spike, steeper than any blow, and no blow
+    write("spike.csv", hum, header="time [s],board [g]")
+    code, out, _ = strikewave("record", "smooth.csv", "rings.csv", "spike.csv", "--out", "found")
+    assert code == 0
+    shown = float(re.search(r"a low-pass of ([\d.]+) kHz", " ".join(out.split()))[1])
+    with open("found/report.html") as file:
+        page = file.read()
+    assert f"{1e3 * shown:g} Hz" in re.search(r"advised: ([^<]*)", page)[1]
+    assert set(re.findall(r"advised cutoff, ([\d.]+ kHz)", page)) == {f"{shown:g} kHz"}
+    _, out, _ = strikewave("record", "smooth.csv", "rings.csv", "spike.csv", "--json")
+    found = document(out)
+    assert found["advised_cutoff"] == pytest.approx(1e3 * shown, rel=1e-12)
+    each = [file["channels"][0]["advised_cutoff"] for file in found["files"][:2]]
+    assert found["advised_cutoff"] == pytest.approx(max(each), rel=1e-2)  # three digits, rounded up
+    # a half-sine of 1 ms loses 2 % to a cutoff of 1.045 over its length; the ringing one is fitted within some percent
+    assert found["advised_cutoff"] == pytest.approx(1045.0, rel=0.15)

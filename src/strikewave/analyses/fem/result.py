@@ -94,7 +94,7 @@ class FemSolution(ShownResult):
         """What the case says of the test."""
         return self.case.test.stated()
 
-    @property
+    @functools.cached_property
     def source(self) -> Source:
         """The case."""
         return Source("case", self.case.name, dump_case(self.case))

@@ -31,7 +31,7 @@ from strikewave.fem.snapshots import SNAPSHOTS
 from strikewave.fem.solve import Checkpoint, Progress, RunOptions
 from strikewave.reporting.bands import NO_BAND_OF_ELEMENTS
 from strikewave.reporting.layout import KEY, MORE, keys, numerals
-from strikewave.reporting.numbers import headed, shown_heads
+from strikewave.reporting.numbers import headed, with_unit
 from strikewave.reporting.options import Output
 from strikewave.reporting.run_and_write import Command, case_folder, run_and_write
 from strikewave.reporting.terminal import (
@@ -257,8 +257,8 @@ def show(solution: FemSolution) -> None:
     ]
     columns = [
         *keys("part"),
-        *numerals(*shown_heads("mass (kg)"), priority=MORE),
-        *numerals(*shown_heads("rigid peak (g)", "pulse width at 10 % (us)", "velocity change (m/s)")),
+        *numerals("mass (kg)", priority=MORE),
+        *numerals("rigid peak (g)", "pulse width at 10 % (us)", "velocity change (m/s)"),
         *numerals("along", priority=MORE),
     ]
     table(f"{solution.title}: parts as rigid bodies", columns, rows)
@@ -266,8 +266,7 @@ def show(solution: FemSolution) -> None:
         [name, number(part.von_mises, "Pa", "MPa"), number(part.plastic_strain, "1", "1", 3)]
         for name, part in solution.parts.items()
     ]
-    heads = shown_heads("von Mises stress (MPa)", "plastic strain")
-    table("Largest in the elements", [*keys("part"), *numerals(*heads)], rows)
+    table("Largest in the elements", [*keys("part"), *numerals("von Mises stress (MPa)", "plastic strain")], rows)
     if solution.film is not None and (words := largest_words(solution.film, solution.model.mesh)):
         tell(words)
     wholes = solution.wholes
@@ -278,11 +277,11 @@ def show(solution: FemSolution) -> None:
     if rows:
         columns = [
             *keys("contact"),
-            *numerals(*shown_heads("peak (kN)")),
-            *numerals(*shown_heads("at (us)"), priority=MORE),
-            *numerals(*shown_heads("impulse (N s)")),
-            *numerals(*shown_heads("begins (us)"), priority=MORE),
-            *numerals(*shown_heads("lasts (us)", "peak, whole bodies (kN)", "impulse, whole bodies (N s)")),
+            *numerals("peak (kN)"),
+            *numerals("at (us)", priority=MORE),
+            *numerals("impulse (N s)"),
+            *numerals("begins (us)", priority=MORE),
+            *numerals("lasts (us)", "peak, whole bodies (kN)", "impulse, whole bodies (N s)"),
         ]
         many = len(columns) if any(wholes.values()) else len(columns) - 2
         table("Contacts", columns[:many], [row[:many] for row in rows])
@@ -310,7 +309,7 @@ def _show_balance(solution: FemSolution) -> None:
         f"balance: energy {balance.energy:+.1e} (limit {ENERGY_LIMIT:g}), hourglass {balance.hourglass:.1e} of "
         f"internal (limit {HOURGLASS_LIMIT:g}), momentum {balance.momentum:.1e}"
     )
-    tell(f"{run.steps} steps of {run.step * 1e9:.3g} ns or more, {run.speed / 1e6:.3g} M element-steps/s")
+    tell(f"{run.steps} steps of {with_unit(run.step, 's', 'ns', 3)} or more, {run.speed / 1e6:.3g} M element-steps/s")
     tell(NO_BAND_OF_ELEMENTS[0].lower() + NO_BAND_OF_ELEMENTS[1:])
 
 
@@ -333,16 +332,18 @@ def _show_blows(solution: FemSolution) -> None:
                 f"{balance_measure(each.run).energy:+.1e}",
             ]
         )
-    columns = [*numerals("blow", priority=KEY), *numerals(*shown_heads("peak (kN)", "impulse (N s)", "lasts (us)"))]
-    columns += [*numerals("restitution", priority=MORE), *numerals(*shown_heads("rigid peak (g)"))]
-    columns += numerals("plastic strain", *shown_heads("yields with (J)"), "energy error", priority=MORE)
+    columns = [*numerals("blow", priority=KEY), *numerals("peak (kN)", "impulse (N s)", "lasts (us)")]
+    columns += [*numerals("restitution", priority=MORE), *numerals("rigid peak (g)")]
+    columns += numerals("plastic strain", "yields with (J)", "energy error", priority=MORE)
     table("Blow after blow", columns, rows)
     for run in solution.later:
         if run.rest is not None:
-            away = f"; begins {run.rest.added_distance * 1e6:.3g} um farther away" if run.rest.added_distance else ""
+            added = run.rest.added_distance
+            away = f"; begins {with_unit(added, 'm', 'um', 3)} farther away" if added else ""
             tell(
                 f"at rest before blow {run.blow}: {run.rest.maxima} maxima, {run.rest.steps} steps, "
-                f"{run.rest.kinetic_share:.1e} of the energy left, {run.rest.plastic_energy:.3g} J of yield{away}"
+                f"{run.rest.kinetic_share:.1e} of the energy left, "
+                f"{with_unit(run.rest.plastic_energy, 'J', 'J', 3)} of yield{away}"
             )
 
 
@@ -366,9 +367,9 @@ def _show_quality(model: Model, quality: Sequence[PartQuality]) -> None:
         ]
         for row in quality
     ]
-    columns = [*keys("part"), *numerals("elements"), *numerals("nodes", *shown_heads("mass (kg)"), priority=MORE)]
-    columns += [*numerals(*shown_heads("shortest edge (mm)")), *numerals(*shown_heads("longest (mm)"), priority=MORE)]
-    columns += numerals("aspect ratio", "scaled Jacobian", *shown_heads("warpage (deg)"))
+    columns = [*keys("part"), *numerals("elements"), *numerals("nodes", "mass (kg)", priority=MORE)]
+    columns += [*numerals("shortest edge (mm)"), *numerals("longest (mm)", priority=MORE)]
+    columns += numerals("aspect ratio", "scaled Jacobian", "warpage (deg)")
     table("Mesh", columns, rows)
 
 

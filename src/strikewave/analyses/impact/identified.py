@@ -3,14 +3,16 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 from typing import Any, ClassVar
 
+from strikewave.base.units import DIMENSIONS
 from strikewave.contact.identification import Identified, IdentifiedValue
 from strikewave.records import ChannelReading
 from strikewave.reporting import measured_files as measured
 from strikewave.reporting.columns import Column
-from strikewave.reporting.numbers import percent
+from strikewave.reporting.numbers import percent, shown_unit, spelled
 from strikewave.reporting.options import Typed
 from strikewave.reporting.shown_result import Curve, columns_of, history_curve
 from strikewave.reporting.terminal import number, significant
@@ -165,13 +167,12 @@ def _row(estimate: IdentifiedValue) -> dict[str, Any]:
 
 def value_line(name: str, estimate: IdentifiedValue) -> tuple[str, str, str, str]:
     """Return what a value is called, and value, standard error and unit in words."""
-    unit = UNITS[name]
-    shown = USUAL.get(name, unit)
-    called = CALLED.get(name, name)
+    si = UNITS[name]
+    usual = USUAL.get(name, si)
+    called, unit = CALLED.get(name, name), spelled(shown_unit(si, usual))
     if estimate.value is None:
         return called, "not determined", "-", unit
-    value = number(estimate.value, unit, shown, 5) if shown != unit else significant(estimate.value, 5)
-    if estimate.standard_error is None:
-        return called, value, "given", shown
+    write = partial(number, si=si, usual=usual) if si in DIMENSIONS else significant
+    value = write(estimate.value, digits=5)
     error = estimate.standard_error
-    return called, value, number(error, unit, shown, 2) if shown != unit else significant(error, 2), shown
+    return called, value, "given" if error is None else write(error, digits=2), unit

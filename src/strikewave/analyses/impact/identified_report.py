@@ -46,7 +46,7 @@ def identified_words(result: IdentifyResult) -> str:
 def _key_numbers(result: IdentifyResult) -> list[tuple[str, str]]:
     contact = result.found
     pairs = [
-        (CALLED.get(name, name) + _how(one), _value(name, one))
+        (CALLED.get(name, name) + _how(one), _value(name, one, 4 if name == "stiffness" else 5))
         for name, one in {**contact.values, **contact.combinations}.items()
         if name in ("stiffness", "exponent", "restitution", "peak_force", "duration")
     ]
@@ -74,11 +74,11 @@ def _number(name: str, value: float | None, digits: int) -> str:
     return NONE if value is None else written(shown(value, unit, usual) if usual != unit else value, digits)
 
 
-def _value(name: str, one: IdentifiedValue) -> str:
+def _value(name: str, one: IdentifiedValue, digits: int) -> str:
     if one.value is None:
         return "not determined"
     unit = _unit(name)
-    return _number(name, one.value, 5) + ("" if unit == "1" else f" {unit}")
+    return _number(name, one.value, digits) + ("" if unit == "1" else f" {unit}")
 
 
 def _value_section(result: IdentifyResult) -> Section:

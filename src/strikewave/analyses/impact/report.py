@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import re
-
 from strikewave.analyses.impact.figures.contact import impact_sheet
 from strikewave.analyses.impact.result import MOST_ROWS, ImpactResult, answer_table, blow_table, first_rows
 from strikewave.reporting import chapters
@@ -18,7 +16,7 @@ def impact_report(result: ImpactResult) -> str:
     caption = (
         "Force over time and over indentation, and the phase plane: shares of the approach speed and of the depth."
     )
-    rows: list[list[Cell]] = [[name, _micro(value)] for name, value in first_rows(result.setup, result.blows[0])]
+    rows: list[list[Cell]] = [[name, value] for name, value in first_rows(result.setup, result.blows[0])]
     sections = [
         Section("Histories", "", [Picture(figure, caption)]),
         Section("First blow" if many else "Blow", "", [Table("Numbers", ["", "value"], rows), *_answers(result)]),
@@ -52,19 +50,14 @@ def _key_numbers(result: ImpactResult) -> list[tuple[str, str]]:
     ]
 
 
-def _micro(words: str) -> str:
-    """Spell the units of words that end with one as print does."""
-    return re.sub(r"\bu(?=[sm]\)?$)", "µ", words)
-
-
 def _answers(result: ImpactResult) -> list[Table]:
     if not result.answers.differ:
         return []
     heads, rows = answer_table(result.answers)
-    return [Table("First blow with its contact elastic and yielding", [_micro(head) for head in heads], rows)]
+    return [Table("First blow with its contact elastic and yielding", heads, rows)]
 
 
 def _blows(result: ImpactResult) -> Section:
     heads, rows = blow_table(result.blows)
     some = f"The first and last {MOST_ROWS // 2} of {len(result.blows)} blows." if len(result.blows) > MOST_ROWS else ""
-    return Section("Blows", some, [Table("Blows on the same spot", [_micro(head) for head in heads], rows)])
+    return Section("Blows", some, [Table("Blows on the same spot", heads, rows)])

@@ -20,7 +20,7 @@ from strikewave.contact.elastoplastic import cap_law_of
 from strikewave.contact.registry import FROM_MEMORY
 from strikewave.reporting import measured_files as measured
 from strikewave.reporting.columns import HISTORY_DIGITS, Column, csv_table
-from strikewave.reporting.numbers import with_unit
+from strikewave.reporting.numbers import shown_heads, shown_unit, spelled, with_unit
 from strikewave.reporting.shown_result import Curve, columns_of, history_curve
 from strikewave.reporting.terminal import number
 
@@ -331,7 +331,7 @@ def first_rows(setup: Setup, blow: Impact) -> list[tuple[str, str]]:
     """Return what is known of a blow, in words."""
 
     def shown(value: Any, si: str, unit: str) -> str:
-        return f"{number(float(value), si, unit, 6)} {unit}"
+        return f"{number(float(value), si, unit, 6)} {spelled(shown_unit(si, unit))}"
 
     asked = setup.loss.asked
     rows = [
@@ -388,7 +388,7 @@ def answer_table(answers: ImpactAnswers) -> tuple[list[str], list[list[str]]]:
         ]
         for row in answers.rows
     ]
-    return columns, rows
+    return shown_heads(*columns), rows
 
 
 def blow_table(blows: list[Impact]) -> tuple[list[str], list[list[str]]]:
@@ -400,7 +400,7 @@ def blow_table(blows: list[Impact]) -> tuple[list[str], list[list[str]]]:
     rows = [_blow_row(k, blow) for k, blow in enumerate(blows) if k not in hidden]
     if hidden:
         rows.insert(half, ["..."] * len(columns))
-    return columns, rows
+    return shown_heads(*columns), rows
 
 
 def _blow_row(k: int, blow: Impact) -> list[str]:

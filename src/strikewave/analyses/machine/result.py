@@ -8,6 +8,7 @@ The dataset holds the whole train (dimension ``time``, from the valve signal or 
 from __future__ import annotations
 
 import dataclasses
+import functools
 import json
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
@@ -157,7 +158,7 @@ class Solution(ShownResult):
         """What the case says of the test."""
         return self.case.test.stated()
 
-    @property
+    @functools.cached_property
     def source(self) -> Source:
         """The case."""
         return Source("case", self.case.name, dump_case(self.case))
@@ -298,7 +299,7 @@ class Solution(ShownResult):
         attributes = {
             "strikewave_schema": SCHEMA,
             "strikewave_version": __version__,
-            "case": dump_case(self.case),
+            "case": self.source.text,
             "tables": json.dumps(state),
         }
         return self.arrays.with_attributes(attributes)

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
 from statistics import mean, median
 
+from strikewave.analyses.record.chosen import advised_filter
 from strikewave.analyses.record.figures.campaigns import figure_unit
 from strikewave.analyses.record.tables import (
     Columns,
@@ -24,7 +24,7 @@ from strikewave.records.measuring import RecordedPulse
 from strikewave.records.reading import ChannelReading, FileReading
 from strikewave.reporting.numbers import listed, spelled
 from strikewave.reporting.parts import NONE, Cell, Part, Section, Table, Tag, written
-from strikewave.signal.filters import Filter, advised_cutoff, effect_on_half_sine
+from strikewave.signal.filters import Filter, effect_on_half_sine
 from strikewave.signal.pulse import HALF_SINE_WIDTH
 
 MOST_ROWS = 200
@@ -117,6 +117,8 @@ def blow_section(files: Sequence[FileReading], names: Names) -> Section:
     figures = ("peak", "rise", "width", "velocity_change", *(("ringing_frequency",) if rings else ()))
     columns = Columns(figures, units_of(rows))
     smooth = Columns(("peak", "width"), units_of(rows))
+    differs = any(pulse.differs_without_ringing for _, reading in rows for pulse in reading.pulses)
+    rigid = Columns(("peak", "width") if differs else (), units_of(rows))
     rebounding = any(pulse.rebounds for _, reading in rows for pulse in reading.pulses)
     several = len({reading.channel.name for _, reading in rows}) > 1
     cells: list[list[Cell]] = []
@@ -135,6 +137,7 @@ def blow_section(files: Sequence[FileReading], names: Names) -> Section:
                     *columns.cells(values, unit),
                     pulse.method,
                     *smooth.cells(fitted, unit),
+                    *rigid.cells({"peak": pulse.rigid_peak, "width": pulse.rigid_width}, unit),
                     *([_rebounds(pulse)] if rebounding else []),
                 ]
             )
@@ -145,10 +148,13 @@ def blow_section(files: Sequence[FileReading], names: Names) -> Section:
         + "The smooth pulse is the best fit of a power of a half-sine: the blow with little of its ringing. Where "
         "noise hides a tenth of the peak, the figures are those of the fit. Bad records stand here too."
     )
+    if differs:
+        text += " The pulse without ringing is fitted together with the mode that rings; a dash where no mode fits."
     if total > len(cells):
         text += f" The first {len(cells)} of {total} blows are listed."
     heads = ["file", *(["channel"] if several else []), "#", "time (ms)", *columns.heads, "method"]
     heads += [f"smooth {head}" for head in smooth.heads]
+    heads += [f"without ringing: {head}" for head in rigid.heads]
     heads += ["rebounds (share of the peak, after)"] if rebounding else []
     return Section("Blows", text if cells else "", [Table("Blows", heads, cells, "No blow was found.")])
 
@@ -171,18 +177,19 @@ def campaign_section(campaign: Campaign, files: Sequence[FileReading], names: Na
         if name in campaign.statistics:
             one = campaign.statistics[name]
             digits = digits_of(one.low, one.high)
-            values = [number(name, unit, value, digits) for value in (one.mean, one.low, one.high)]
-            table.append([f"{what} ({shown})", one.n, *values, *map(percent, (one.cv, one.cv_low, one.cv_high))])
+            values = [number(name, unit, value, digits) for value in (one.mean, one.low, one.high, one.median)]
+            scatter = (one.cv, one.cv_low, one.cv_high, one.robust_cv)
+            table.append([f"{what} ({shown})", one.n, *values, *map(percent, scatter)])
         if name in campaign.trends:
             line = campaign.trends[name]
-            significant = "yes" if math.isfinite(line.low) and not line.low <= 0.0 <= line.high else "no"
+            significant = "yes" if line.significant else "no"
             values = [number(name, unit, value, 3) for value in (line.slope, line.low, line.high)]
             trends.append([f"{what} ({shown})", *values, percent(line.change), significant])
     gone: list[list[Cell]] = [
         [names.get(path, path), "all" if set(SUMMED) <= set(harmed) else _words(harmed), why]
         for path, harmed, why in campaign.left_out
     ]
-    heads = ["figure", "values", "mean", "from", "to", "CV", "CV from", "CV to"]
+    heads = ["figure", "values", "mean", "from", "to", "median", "CV", "CV from", "CV to", "robust scatter"]
     parts: list[Part] = [
         Table("Means and scatter, with bounds at 95 %", heads, table, "No record gave a figure that can be trusted."),
         Table(
@@ -192,12 +199,15 @@ def campaign_section(campaign: Campaign, files: Sequence[FileReading], names: Na
             "A trend needs values from three files.",
         ),
         Table("Left out of the means", ["file", "figures", "why"], gone, "Nothing was left out."),
+        *([_odd_table(campaign, unit, names)] if campaign.outliers else []),
     ]
     title = "Campaign" if len(files) > 1 else "Means"
     title += f": {campaign.channel}" if several else ""
     text = (
         "CV is the standard deviation over the mean. The bounds of the mean are Student's, those of the CV Vangel's; "
-        "they hold for values that scatter like a normal distribution and have no trend."
+        "they hold for values that scatter like a normal distribution and have no trend. Robust scatter is that of the "
+        "median deviation over the median. The trend is the median of the slopes between all files, its bounds are "
+        "Kendall's: single files bend none of the three."
     )
     used = [reading for _, reading in same_channel(files, campaign) if reading.status != "bad"]
     units = sorted({reading.channel.unit or "file's own numbers" for reading in used})
@@ -205,6 +215,28 @@ def campaign_section(campaign: Campaign, files: Sequence[FileReading], names: Na
         text += f" The files hold this channel in different units, {listed(units)}: "
         text += "peak and velocity change are summed up in the usual one."
     return Section(title, text, parts)
+
+
+def _odd_table(campaign: Campaign, unit: str, names: Names) -> Table:
+    """List what disagrees with the other files, and what it would do to mean and scatter."""
+    rows: list[list[Cell]] = []
+    for one in campaign.outliers:
+        _, what, shown = figure_unit(one.figure, unit)
+        statistic = campaign.statistics[one.figure]
+        values = [number(one.figure, unit, value) for value in (one.value, statistic.mean, one.mean_with)]
+        rows.append(
+            [
+                names.get(one.path, one.path),
+                f"{what} ({shown})",
+                values[0],
+                f"{one.ratio:.3g}",
+                *values[1:],
+                percent(statistic.cv),
+                percent(one.cv_with),
+            ]
+        )
+    heads = ["file", "figure", "value", "over the median", "mean without", "mean with", "CV without", "CV with"]
+    return Table("What disagrees with the other files, and what it would do", heads, rows)
 
 
 def _words(harmed: Sequence[str]) -> str:
@@ -234,16 +266,15 @@ def filter_section(files: Sequence[FileReading], names: Names, filter_: Filter |
     else:
         text = (
             "No filter was used: all figures are those of the records as they are. The table says what filters would "
-            "do; the advised cutoff is the lowest that takes at most 2 % off the peak, 4 poles a pass, zero-phase."
+            "do; the advised cutoff is the lowest that takes at most 2 % off the peak of the steepest blow that enters "
+            "the means, 4 poles a pass, zero-phase."
         )
         parts, filters = [], [("", Filter.sae_j211(k)) for k in (1000, 600)]
     widths = [pulse.width for pulse in pulses if pulse.width > 0.0]
-    rises = [pulse.rise for pulse in pulses if pulse.rise > 0.0]
     if not widths:
         return Section("Filter", text.partition(" The table")[0] + " There is no blow to filter.", parts)
-    if filter_ is None:
-        cutoff = advised_cutoff(median(rises) if rises else math.nan, median(widths))
-        filters = [("advised: ", Filter(float(f"{1.005 * cutoff:.3g}"))), *filters]
+    advised = advised_filter(files) if filter_ is None else None
+    filters = filters if advised is None else [("advised: ", advised), *filters]
     duration = median(widths) / HALF_SINE_WIDTH
     rows: list[list[Cell]] = [
         [

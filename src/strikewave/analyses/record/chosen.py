@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 
 from strikewave.records.campaign import Campaign
 from strikewave.records.health_notice import STATUSES, worst
 from strikewave.records.reading import ChannelReading, FileReading
-from strikewave.signal.filters import Filter
+from strikewave.signal.filters import Filter, advised_cutoff
 
 
 def usable(files: Sequence[FileReading]) -> list[tuple[FileReading, ChannelReading]]:
@@ -32,11 +33,41 @@ def shown_response(files: Sequence[FileReading]) -> tuple[FileReading, ChannelRe
     return min(fit, key=lambda row: STATUSES.index(row[1].status), default=None)
 
 
+def advised_filter(files: Sequence[FileReading]) -> Filter | None:
+    """Return the filter that is advised for all files: the lowest that takes at most 2 % off the steepest blow.
+
+    Its cutoff has three digits, rounded up. Only blows whose widths enter the means count, where there are any: what is
+    no blow is often the steepest. None where no channel is sampled fast enough for one.
+    """
+    sound = [reading for _, reading in usable(files) if reading.pulses]
+    counted = [reading for reading in sound if reading.figures("width")] or sound
+    cutoff = max((found for found in map(cutoff_for, counted) if found is not None), default=None)
+    if cutoff is None:
+        return None
+    digit = 10.0 ** (math.floor(math.log10(cutoff)) - 2)
+    return Filter(float(f"{math.ceil(cutoff / digit) * digit:.3g}"))
+
+
+def cutoff_for(reading: ChannelReading) -> float | None:
+    """Return the cutoff advised for the steepest blow of a channel, Hz; None where there is none, or it is too high.
+
+    Rise and width are those of the smooth pulse: ringing is what a filter shall take away.
+    """
+    advised = [
+        advised_cutoff(pulse.smooth.rise(), pulse.smooth.width())
+        for pulse in reading.unfiltered or reading.pulses
+        if pulse.smooth.width() > 0.0
+    ]
+    cutoff = max(advised, default=math.inf)
+    return cutoff if cutoff < 0.5 * reading.channel.sampling_rate else None
+
+
 def sources_of(files: Sequence[FileReading], campaigns: Sequence[Campaign], filter_: Filter | None) -> tuple[str, ...]:
     """Return the keys of the sources of the methods used."""
     read = any(file.channels for file in files)
     keys = ["siegel-1982"] if read else []
-    keys += ["vangel-1996"] if any(campaign.statistics for campaign in campaigns) else []
+    keys += ["vangel-1996", "croux-1992"] if any(campaign.statistics for campaign in campaigns) else []
+    keys += ["rosner-1983", "sen-1968"] if any(campaign.trends for campaign in campaigns) else []
     keys += ["smallwood-1981", "iso-18431-4"] if shown_response(files) is not None else []
     j211 = filter_ is None or "J211" in str(filter_)
     return tuple(keys + (["sae-j211"] if j211 and read else []))

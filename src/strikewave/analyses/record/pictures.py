@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from strikewave.analyses.record.chapters import same_channel
-from strikewave.analyses.record.chosen import shown_response
+from strikewave.analyses.record.chosen import advised_filter, shown_response
 from strikewave.analyses.record.figures import records, spectra
 from strikewave.analyses.record.figures.campaigns import trend
 from strikewave.analyses.record.tables import Names, amount, called, unit_of
@@ -40,14 +40,14 @@ def campaign_sections(campaigns: Sequence[Campaign], files: Sequence[FileReading
 
 def picture_section(files: Sequence[FileReading], names: Names) -> Section:
     """Draw records, velocities and amplitude spectra."""
-    chosen = _chosen(files)
+    chosen, advised = _chosen(files), advised_filter(files)
     each = max(MOST_DRAWN // max(len(chosen), 1), 1)
     parts: list[Part] = []
     words = []
     for file in chosen:
         for reading in file.channels[:each]:
             if records.drawable(reading):
-                parts += _pictures(names[file.path], reading)
+                parts += _pictures(names[file.path], reading, None if advised is None else advised.cutoff)
             else:
                 words.append(f"{names[file.path]}, {reading.channel.name} holds nothing that could be drawn.")
     if len(chosen) < len([file for file in files if file.channels]):
@@ -70,7 +70,7 @@ def _chosen(files: Sequence[FileReading]) -> list[FileReading]:
     return [files[k] for k in have]
 
 
-def _pictures(name: str, reading: ChannelReading) -> list[Part]:
+def _pictures(name: str, reading: ChannelReading, advised: float | None) -> list[Part]:
     who = f"{name}, {reading.channel.name}"
     count = len(reading.pulses)
     blows = "no blow" if not count else "one blow" if count == 1 else f"{count} blows"
@@ -90,7 +90,7 @@ def _pictures(name: str, reading: ChannelReading) -> list[Part]:
             f"{who}: the integral of the record; the baseline before the first blow is taken off.",
         ),
         Picture(
-            spectra.spectrum(reading),
+            spectra.spectrum(reading, advised),
             f"{who}: amplitude spectrum |X(f)| of the stretch around the largest blow. At low frequency it is the "
             f"{called('velocity_change', unit)}.",
         ),

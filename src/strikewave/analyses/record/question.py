@@ -14,8 +14,8 @@ from strikewave.base.units import si_value
 from strikewave.records import (
     FileReading,
     Options,
-    Record,
     Request,
+    SampleStore,
     calibrations_beside,
     compare,
     read_file,
@@ -160,13 +160,25 @@ def examined(
     InputError, StrikewaveError
         If not one file can be read.
     """
-    records = measured.read_all(files, options)
-    measured.check_channels(wanted.calibrations, (record for record in records if not isinstance(record, Exception)))
-    several = len(files) > 1
-    read = [_reading(file, record, wanted, several) for file, record in zip(files, records, strict=True)]
-    unread = [notice for file in read for notice in file.findings if notice.code == "unreadable"]
-    if len(unread) == len(read):
-        raise StrikewaveError(unread[0].message)
+    known: dict[str, int] = {}
+    read: list[FileReading] = []
+    errors: dict[str, StrikewaveError] = {}
+    with SampleStore() as store:
+        for file, record_of_file in measured.read_each(files, options):
+            try:
+                if isinstance(record_of_file, Exception):
+                    raise record_of_file
+                known |= record_of_file.keys
+                reading = store.kept(read_file(record_of_file, calibrations_beside(Path(file)), wanted))
+            except StrikewaveError as error:
+                errors[file] = error
+                reading = FileReading(file, "", (), (unreadable(str(error)),))
+            read.append(dataclasses.replace(reading, path=measured.shown(file)))
+    if len(errors) == len(files):
+        raise next(iter(errors.values()))
+    measured.check_channels(wanted.calibrations, known)
+    for file, failed in errors.items():
+        say(f"left out: {failed}" if file in str(failed) else f"left out: {file}: {failed}")
     if repeats_in_columns:
         read = [one for file in read for one in repeats(file) or [file]]
     readings = compare(read)
@@ -174,20 +186,6 @@ def examined(
     campaigns = [one for one in (summed(readings, k) for k in numbers) if one is not None]
     calibrations = _calibrations("command line" if origin.asked else "the call", wanted, [Path(file) for file in files])
     return record_result(readings, campaigns, wanted.filter, fail_on, calibrations=calibrations, origin=origin)
-
-
-def _reading(file: str, record: Record | Exception, wanted: Request, among: bool) -> FileReading:
-    """Return what a file says; one among several that cannot be used is named, and the others are done."""
-    if isinstance(record, Exception):
-        return FileReading(measured.shown(file), "", (), (unreadable(str(record)),))
-    try:
-        reading = read_file(record, calibrations_beside(Path(file)), wanted)
-        return dataclasses.replace(reading, path=measured.shown(file))
-    except StrikewaveError as error:
-        if not among:
-            raise
-        say(f"left out: {file}: {error}")
-        return FileReading(measured.shown(file), "", (), (unreadable(str(error)),))
 
 
 def _calibrations(stated_in: str, wanted: Request, paths: Sequence[Path]) -> list[tuple[str, str]]:

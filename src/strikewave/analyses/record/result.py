@@ -10,7 +10,7 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from strikewave.analyses.record.chosen import sources_of
+from strikewave.analyses.record.chosen import advised_filter, cutoff_for, sources_of
 from strikewave.base.result import FAILED, Notice
 from strikewave.records.campaign import Campaign
 from strikewave.records.health_notice import STATUSES, HealthNotice
@@ -20,7 +20,7 @@ from strikewave.reporting.columns import Column, csv_table
 from strikewave.reporting.measured_files import AskedResult
 from strikewave.reporting.numbers import shown_unit, with_unit
 from strikewave.reporting.shown_result import Curve, history_curve
-from strikewave.signal.filters import Filter, advised_cutoff, effect_on_half_sine
+from strikewave.signal.filters import Filter, effect_on_half_sine
 from strikewave.signal.pulse import HALF_SINE_WIDTH
 
 INTEGRALS = {"m/s^2": "m/s", "m/s": "m", "N": "N s", "Pa": "Pa s", "V": "V s", "1": "s", "": ""}
@@ -76,6 +76,7 @@ class RecordResult(AskedResult):
         content = {
             "files": [_file(file, self.filter) for file in self.readings],
             "campaign": _campaign(self.campaigns[0]) if self.campaigns else {},
+            "advised_cutoff": None if (advised := advised_filter(self.readings)) is None else advised.cutoff,
         }
         if len(self.campaigns) > 1:
             content["campaigns"] = [_campaign(one) for one in self.campaigns]
@@ -163,11 +164,11 @@ def units_of(files: Sequence[FileReading]) -> dict[str, str]:
     unit = units.pop() if len(units) == 1 else ""
     own = "each channel's unit" if units else OWN
     return {
-        **dict.fromkeys(("time", "rise", "width", "interval", "begin", "end", "smooth_width"), "s"),
-        **dict.fromkeys(("peak", "offset", "noise", "smooth_peak"), unit or own),
-        "velocity_change": INTEGRALS.get(unit, f"{unit} s") or f"{own}, times s",
+        **dict.fromkeys(("time", "interval", *IN_SECONDS), "s"),
+        **dict.fromkeys(OF_CHANNEL, unit or own),
+        **dict.fromkeys(OF_INTEGRAL, INTEGRALS.get(unit, f"{unit} s") or f"{own}, times s"),
         **dict.fromkeys(("ringing_frequency", "sampling_rate", "advised_cutoff", "cutoff"), "Hz"),
-        **dict.fromkeys(("cv", "cv_low", "cv_high", "change", "smooth_misfit"), "1"),
+        **dict.fromkeys(("cv", "cv_low", "cv_high", "robust_cv", "cv_with", "ratio", "change", "smooth_misfit"), "1"),
     }
 
 
@@ -221,19 +222,10 @@ def pulse_row(pulse: RecordedPulse) -> dict[str, Any]:
         "smooth_peak": pulse.smooth.peak,
         "smooth_width": pulse.smooth.width(),
         "smooth_misfit": pulse.smooth.misfit,
+        **{f"{name}_uncertainty": value for name, value in pulse.uncertainty._asdict().items()},
+        **{f"rigid_{name}": getattr(pulse.rigid, name, math.nan) for name in RIGID},
         "rebounds": [rebound._asdict() for rebound in pulse.rebounds],
     }
-
-
-def cutoff_for(reading: ChannelReading) -> float | None:
-    """Return the cutoff advised for the steepest blow, Hz; None where there is none, or it cannot be reached."""
-    advised = [
-        advised_cutoff(pulse.smooth.rise(), pulse.smooth.width())
-        for pulse in reading.unfiltered or reading.pulses
-        if pulse.smooth.width() > 0.0
-    ]
-    cutoff = max(advised, default=math.inf)
-    return cutoff if cutoff < 0.5 * reading.channel.sampling_rate else None
 
 
 def filter_effect(reading: ChannelReading, filter_: Filter) -> dict[str, Any]:
@@ -257,20 +249,40 @@ def _campaign(campaign: Campaign) -> dict[str, Any]:
         "channel": campaign.channel,
         **{name: value._asdict() for name, value in campaign.statistics.items()},
         "trend": {name: value._asdict() for name, value in campaign.trends.items()},
+        "outliers": [
+            {"file": one.path, **{k: v for k, v in one._asdict().items() if k != "path"}} for one in campaign.outliers
+        ],
         "left_out": [
             {"file": path, "figures": list(figures), "reason": reason} for path, figures, reason in campaign.left_out
         ],
     }
 
 
+RIGID = ("peak", "width", "velocity_change", "peak_uncertainty", "width_uncertainty", "velocity_change_uncertainty")
+"""Figures of the pulse without ringing."""
+DOUBTS = tuple(name for name in RIGID if name.endswith("_uncertainty"))
+IN_SECONDS = (
+    "rise",
+    "width",
+    "begin",
+    "end",
+    "smooth_width",
+    "width_uncertainty",
+    "rigid_width",
+    "rigid_width_uncertainty",
+)
 PULSE_UNITS = {
-    **dict.fromkeys(("time", "rise", "width", "begin", "end", "smooth_width"), "s"),
+    **dict.fromkeys(("time", *IN_SECONDS), "s"),
     **dict.fromkeys(("ringing_frequency",), "Hz"),
     **dict.fromkeys(("smooth_misfit",), "1"),
 }
 """SI unit of the figures of a pulse that do not depend on what the channel measures."""
-OF_CHANNEL = ("peak", "offset", "noise", "smooth_peak")
-"""Figures of a pulse in the unit of its channel; the velocity change is in that unit times seconds."""
+OF_CHANNEL = (*("peak", "offset", "noise", "smooth_peak", "peak_uncertainty", "rigid_peak", "rigid_peak_uncertainty"),)
+"""Figures of a pulse in the unit of its channel."""
+OF_INTEGRAL = (
+    *("velocity_change", "velocity_change_uncertainty", "rigid_velocity_change", "rigid_velocity_change_uncertainty"),
+)
+"""Figures of a pulse in that unit times seconds."""
 
 
 def pulse_columns(files: Sequence[FileReading]) -> list[Column]:
@@ -291,7 +303,16 @@ def pulse_columns(files: Sequence[FileReading]) -> list[Column]:
         Column("index", [index for _, _, index, _ in rows]),
     ]
     names = ("time", "peak", "rise", "width", "velocity_change", "ringing_frequency", "offset", "noise", "method")
-    for name in (*names, "begin", "end", "smooth_peak", "smooth_width", "smooth_misfit"):
-        si = only if name in OF_CHANNEL else INTEGRALS.get(only, f"{only} s") if name == "velocity_change" else ""
+    more = (
+        "begin",
+        "end",
+        "smooth_peak",
+        "smooth_width",
+        "smooth_misfit",
+        *DOUBTS,
+        *(f"rigid_{name}" for name in RIGID),
+    )
+    for name in (*names, *more):
+        si = only if name in OF_CHANNEL else INTEGRALS.get(only, f"{only} s") if name in OF_INTEGRAL else ""
         columns.append(Column(name, [row[name] for _, _, _, row in rows], PULSE_UNITS.get(name, si)))
     return columns

@@ -8,20 +8,20 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, ClassVar
 
+from strikewave.analyses.record.chosen import advised_filter
 from strikewave.analyses.record.question import examined
 from strikewave.analyses.record.result import (
     INTEGRALS,
     RecordResult,
-    cutoff_for,
     filter_effect,
     name_of,
 )
-from strikewave.analyses.record.tables import short_names
+from strikewave.analyses.record.tables import rows_of, short_names
 from strikewave.analyses.record.words import record_words
 from strikewave.base.result import Source
+from strikewave.base.units import DIMENSIONS
 from strikewave.records import (
     Campaign,
-    ChannelReading,
     FileReading,
     Options,
     Request,
@@ -30,7 +30,7 @@ from strikewave.records import (
 from strikewave.records.campaign import SUMMED
 from strikewave.reporting import measured_files as measured
 from strikewave.reporting.layout import MORE, keys, numerals, texts
-from strikewave.reporting.numbers import listed
+from strikewave.reporting.numbers import listed, with_unit
 from strikewave.reporting.options import Output
 from strikewave.reporting.run_and_write import Command, run_and_write
 from strikewave.reporting.terminal import number, significant, table, tell
@@ -130,10 +130,40 @@ def _print(readings: Sequence[FileReading], campaigns: Sequence[Campaign], filte
     for file in readings:
         if file.status != "good":
             tell(f"{names[file.path]}, {file.status}: {'; '.join(file.reasons)}", "  ")
+    _print_rigid(readings, names)
     _print_rebounds(readings, names)
     for campaign in campaigns:
         _print_campaign(campaign, readings, names)
-    _print_filter([reading for file in readings for reading in file.channels], filter_)
+    _print_filter(readings, filter_)
+
+
+def _print_rigid(readings: Sequence[FileReading], names: dict[str, str]) -> None:
+    """Print the pulses without ringing beside those with it, where they differ by more than 5 %."""
+    rows = []
+    for file in readings:
+        for reading in file.channels:
+            pulses = [pulse for pulse in reading.pulses if pulse.rigid is not None]
+            if not any(pulse.differs_without_ringing for pulse in pulses):
+                continue
+            peak, width = _mean([p.rigid_peak for p in pulses]), _mean([p.rigid_width for p in pulses])
+            doubt = _mean([p.rigid.peak_uncertainty for p in pulses if p.rigid is not None])
+            raw = _mean([pulse.peak for pulse in pulses])
+            rows.append(
+                [
+                    names[file.path],
+                    reading.channel.name,
+                    _value(peak, reading.channel.unit),
+                    f"{doubt / abs(peak):.1%}",
+                    f"{raw / peak - 1.0:+.1%}",
+                    number(width, "s", "us"),
+                    number(_mean([p.rigid.frequency for p in pulses if p.rigid is not None]), "Hz", "Hz"),
+                ]
+            )
+    if rows:
+        columns = [*keys("file"), *texts("channel"), *numerals("peak", "uncertainty", "with ringing")]
+        columns += [*numerals("pulse width at 10 % (us)", "ringing (Hz)", priority=MORE)]
+        title = "Without ringing" + (f", the first {MOST_ROWS} of {len(rows)} rows" if len(rows) > MOST_ROWS else "")
+        table(title, columns, rows[:MOST_ROWS])
 
 
 def _print_rebounds(readings: Sequence[FileReading], names: dict[str, str]) -> None:
@@ -148,12 +178,13 @@ def _print_rebounds(readings: Sequence[FileReading], names: dict[str, str]) -> N
     if not owners:
         return
     shares = [abs(rebound.peak / pulse.peak) for _, pulse in owners for rebound in pulse.rebounds]
-    lags = [1e3 * abs(rebound.time - pulse.time) for _, pulse in owners for rebound in pulse.rebounds]
+    lags = [abs(rebound.time - pulse.time) for _, pulse in owners for rebound in pulse.rebounds]
     where = list(dict.fromkeys(name for name, _ in owners))
     tell(
         f"{len(shares)} rebounds, counted with their blows, in {listed(where[:MOST_NAMED])}"
         + (f" and {len(where) - MOST_NAMED} more files" if len(where) > MOST_NAMED else "")
-        + f": {min(shares):.0%} to {max(shares):.0%} of the peak, {min(lags):.3g} to {max(lags):.3g} ms from it"
+        + f": {min(shares):.0%} to {max(shares):.0%} of the peak, {number(min(lags), 's', 'ms', 3)} to "
+        f"{with_unit(max(lags), 's', 'ms', 3)} from it"
     )
 
 
@@ -192,11 +223,17 @@ def _value(value: float, unit: str) -> str:
         return "-"
     if unit == "1":
         return f"{significant(1e6 * value, 5)} ustrain"
-    return f"{number(value, 'm/s^2', 'g', 5)} g" if unit == "m/s^2" else f"{significant(value, 5)} {unit}".strip()
+    if unit in DIMENSIONS:
+        return with_unit(value, unit, "g" if unit == "m/s^2" else unit, 5)
+    return f"{significant(value, 5)} {unit}".strip()
 
 
 def _integral(value: float, unit: str) -> str:
-    return "-" if value != value else f"{significant(value, 4)} {INTEGRALS.get(unit, '')}".strip()
+    integral = INTEGRALS.get(unit, "")
+    if value != value:
+        return "-"
+    known = integral in DIMENSIONS
+    return with_unit(value, integral, integral) if known else f"{significant(value, 4)} {integral}".strip()
 
 
 def _print_campaign(campaign: Campaign, readings: Sequence[FileReading], names: dict[str, str]) -> None:
@@ -204,39 +241,49 @@ def _print_campaign(campaign: Campaign, readings: Sequence[FileReading], names: 
     writers: dict[str, Any] = {
         "peak": lambda v: _value(v, unit),
         "velocity_change": lambda v: _integral(v, unit),
-        "interval": lambda v: number(v, "s", "ms") + " ms",
-        "ringing_frequency": lambda v: number(v, "Hz", "Hz") + " Hz",
+        "interval": lambda v: with_unit(v, "s", "ms"),
+        "ringing_frequency": lambda v: with_unit(v, "Hz", "Hz"),
     }
     rows = []
     for name, statistic in campaign.statistics.items():
-        write = writers.get(name, lambda v: number(v, "s", "us") + " us")
+        write = writers.get(name, lambda v: with_unit(v, "s", "us"))
         line = campaign.trends.get(name)
-        trend = "-" if line is None else f"{line.change:+.1%}" + ("" if line.low <= 0.0 <= line.high else " *")
+        trend = "-" if line is None else f"{line.change:+.1%}" + (" *" if line.significant else "")
         bounds = "-" if statistic.n < 2 else f"{write(statistic.low)} to {write(statistic.high)}"
         cv = "-" if statistic.n < 2 else f"{statistic.cv:.2%}"
-        rows.append([name.replace("_", " "), write(statistic.mean), cv, bounds, str(statistic.n), trend])
+        robust = ["-", "-"] if statistic.n < 2 else [write(statistic.median), f"{statistic.robust_cv:.2%}"]
+        rows.append([name.replace("_", " "), write(statistic.mean), cv, bounds, str(statistic.n), *robust, trend])
     if not rows:
         tell(f"{campaign.channel}: nothing is left to sum up")
         return
     columns = [*keys("figure"), *numerals("mean", "scatter (CV)"), *numerals("mean, 95 % bounds")]
-    columns += numerals("blows", "trend over the files", priority=MORE)
+    columns += numerals("blows", "median", "robust scatter", "trend over the files", priority=MORE)
     table(f"All blows together: {campaign.channel}", columns, rows)
     if any(" *" in row[-1] for row in rows):
         tell("* a trend that scatter alone gives in less than 5 % of campaigns")
     for path, figures, _ in campaign.left_out:
         what = "all figures" if len(figures) == len(SUMMED) else ", ".join(figures).replace("_", " ")
         tell(f"left out: {what} of {names[path]}")
+    for one in campaign.outliers:
+        if one.figure in ("peak", "width", "interval"):  # the velocity change goes with the peak
+            write = writers.get(one.figure, lambda v: number(v, "s", "us") + " us")
+            statistic = campaign.statistics[one.figure]
+            with_it = f"{write(one.mean_with)}, scatter {one.cv_with:.2%}"
+            tell(
+                f"with the {one.figure} of {names[one.path]}, {write(one.value)}, the mean would be {with_it}, instead "
+                f"of {write(statistic.mean)}, {statistic.cv:.2%}"
+            )
 
 
-def _print_filter(readings: Sequence[ChannelReading], filter_: Filter | None) -> None:
+def _print_filter(files: Sequence[FileReading], filter_: Filter | None) -> None:
     """Say what the filter did to each channel, or which cutoff would leave the steepest blow of all as it is."""
     if filter_ is None:
-        cutoffs = [cutoff for cutoff in map(cutoff_for, readings) if cutoff is not None]
-        if cutoffs:
-            kilohertz = significant(max(cutoffs) / 1e3, 3)
+        advised = advised_filter(files)
+        if advised is not None:
+            kilohertz = significant(advised.cutoff / 1e3, 3)
             tell(f"a low-pass of {kilohertz} kHz or more (--filter) leaves 98 % of a half-sine as steep as these")
         return
-    for reading in readings:
+    for _, reading in rows_of(files):
         effect = filter_effect(reading, filter_)
         sentence = f"{reading.channel.name}: {effect['name']}"
         if effect["peak_left"]:

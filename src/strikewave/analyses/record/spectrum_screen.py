@@ -16,7 +16,7 @@ from strikewave.reporting.layout import KEY, numerals
 from strikewave.reporting.numbers import headed
 from strikewave.reporting.options import Output, Typed
 from strikewave.reporting.run_and_write import Command, run_and_write
-from strikewave.reporting.terminal import number, say, significant, table, tell
+from strikewave.reporting.terminal import number, say, table, tell
 from strikewave.signal.srs import Scope, octaves
 
 HIGHEST = 100e3
@@ -162,7 +162,7 @@ def _print(result: SpectrumResult) -> None:
     columns = numerals(headed("frequency", "Hz", "Hz"), priority=KEY)
     columns += numerals(*(headed(s.kind, *_units(s.kind, in_g)) if in_g else f"{s.kind} (own)" for s in spectra))
     rows = [
-        [significant(float(first.frequency[k]), 4)]
+        [number(float(first.frequency[k]), "Hz", "Hz")]
         + [number(float(s.side(side)[k]), *_units(s.kind, in_g)) for s in spectra]
         for k in shown
     ]

@@ -57,9 +57,11 @@ def _campaign_words(campaign: Campaign, unit: str, several: bool) -> str:
         if name in statistics:
             text += f", {called(name, unit)} {amount(name, unit, statistics[name].mean)}"
     line = campaign.trends.get("peak")
+    odd = len({outlier.path for outlier in campaign.outliers})
+    text += f"; {odd} file{'s' if odd > 1 else ''} that disagree{'' if odd > 1 else 's'} left out" if odd else ""
     if line is None or not math.isfinite(line.low):
         return text + "."
-    if line.low <= 0.0 <= line.high:
+    if not line.significant:
         return text + ". Over the files no trend of the peak stands out of the scatter."
     grows = "grows" if (line.slope > 0.0) == (one.mean > 0.0) else "falls"
     return f"{text}. Over the files the peak {grows} by {percent(abs(line.change), 2)} along its trend."

@@ -99,7 +99,7 @@ class WaveSolution(ShownResult):
         """What the case says of the test."""
         return self.case.test.stated()
 
-    @property
+    @functools.cached_property
     def source(self) -> Source:
         """The case."""
         return Source("case", self.case.name, dump_case(self.case))
@@ -301,7 +301,7 @@ class WaveSolution(ShownResult):
         attributes = {
             "strikewave_schema": SCHEMA,
             "strikewave_version": __version__,
-            "case": dump_case(self.case),
+            "case": self.source.text,
             "route": self.route,
         }
         return LabelledArrays.of(variables, coordinates, attributes)

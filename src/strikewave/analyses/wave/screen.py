@@ -16,7 +16,7 @@ from strikewave.base.errors import MISSING, InputError
 from strikewave.cases.case import Case, dump_case
 from strikewave.reporting.bands import bands_of
 from strikewave.reporting.layout import MORE, keys, numerals, texts
-from strikewave.reporting.numbers import shown_heads, with_unit
+from strikewave.reporting.numbers import with_unit
 from strikewave.reporting.options import Output
 from strikewave.reporting.parts import Table
 from strikewave.reporting.run_and_write import Command, case_folder, run_and_write
@@ -100,7 +100,7 @@ def show(solution: WaveSolution) -> None:
     stack = solution.run.stack
     name, transit = solution.case.name, with_unit(stack.transit, "s", "us")
     tell(f"{name}: {len(stack.layers)} layers, {stack.mass:.4g} kg, transit {transit}", "  ")
-    tap, route, layer, position, *others = shown_heads(*TAP_HEADS)
+    tap, route, layer, position, *others = TAP_HEADS
     columns = [*keys(tap), *texts(route, priority=MORE + 1), *texts(layer, priority=MORE)]
     columns += [*numerals(position, priority=MORE), *numerals(*others)]
     rows = [[str(cell) for cell in row] for row in tap_rows(solution)]
@@ -117,7 +117,7 @@ def show(solution: WaveSolution) -> None:
     if solution.method != "spectral":
         more = len(stack.layers) - MOST_LAYERS
         title = "Layers as the time step makes them" + (f" ({more} more in the JSON)" if more > 0 else "")
-        columns = [*keys("layer"), *numerals(*shown_heads("asked (mm)", "used (mm)"), "steps")]
+        columns = [*keys("layer"), *numerals("asked (mm)", "used (mm)", "steps")]
         table(title, columns, used, detail=True)
     print_fits(solution.losses)
     for caption, heads, listing in wave_tables(solution):
@@ -132,8 +132,8 @@ def show(solution: WaveSolution) -> None:
             ]
             for name, pulse in solution.sensors.items()
         ]
-        heads = shown_heads("peak (g)", "pulse width at 10 % (us)")
-        table("What the sensors read", [*keys("sensor"), *numerals(*heads), *texts("clipped")], read)
+        columns = [*keys("sensor"), *numerals("peak (g)", "pulse width at 10 % (us)"), *texts("clipped")]
+        table("What the sensors read", columns, read)
         print_losses(solution.channels)
     print_bands(solution, solution.figures)
     tell(error_words(solution))

@@ -44,6 +44,21 @@ def effects_of_level(pulse: RecordedPulse, level: float, after_peak: bool = Fals
     return {name: effect for name, effect in effects.items() if math.isfinite(effect)}
 
 
+def with_unit(value: float, unit: str) -> str:
+    """Write a value with its SI unit: accelerations in g.
+
+    Examples
+    --------
+    >>> with_unit(9806.65, "m/s^2"), with_unit(3.0, "")
+    ('1000 g', '3')
+    """
+    if unit == "m/s^2":
+        return f"{in_unit(value, 'm/s^2', 'g'):.5g} g"
+    if unit == "1":
+        return f"{1e6 * value:.5g} ustrain"
+    return f"{value:.5g} {unit}".strip()
+
+
 @dataclass(frozen=True, eq=False)
 class Examined:
     """A uniformly sampled record, with the blows found in it.
@@ -86,11 +101,7 @@ class Examined:
 
     def text(self, value: float) -> str:
         """Write a value with its unit: accelerations in g."""
-        if self.unit == "m/s^2":
-            return f"{in_unit(value, 'm/s^2', 'g'):.5g} g"
-        if self.unit == "1":
-            return f"{1e6 * value:.5g} ustrain"
-        return f"{value:.5g} {self.unit}".strip()
+        return with_unit(value, self.unit)
 
     def time(self, place: float) -> float:
         """Return the time of a sample, s."""

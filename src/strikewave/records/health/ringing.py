@@ -2,10 +2,14 @@
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 
 from strikewave.records.health.examined import BLOW, FEWEST_OF_PART, Examined
-from strikewave.records.health_notice import HealthNotice
+from strikewave.records.health_notice import HealthNotice, by_effect
+from strikewave.records.measuring import RecordedPulse, one_sided, stretch_of
+from strikewave.records.rigid_pulse import ringing_of
 
 AFTER_BLOW, RINGS_WITHIN = 0.25, 5.0
 """Widths after the feet of a blow from which on, and up to which, its ringing is taken: beside the foot, before it
@@ -13,31 +17,75 @@ dies."""
 NOTED_RINGING, STRONG_RINGING, NOISES_OF_RINGING = 0.15, 0.6, 5.0
 """Shares of the peak by which a ringing record swings: noted, and so much that the peak may be ringing; it
 swings by five standard deviations of noise at least."""
+NOTED_EFFECT = 0.02
+"""Effect of ringing on a figure from which on it is worth a word."""
+SEPARATE = 1.5
+"""Swings in a width from which on ringing is distinct from the blow without a model: the smooth pulse averages it."""
+STRAYS = 0.06
+"""Misfit of the smooth pulse that is no usual shape: then the blow itself rings, though it has died out after it."""
+COMPARED = ("peak", "width", "velocity_change")
+"""Figures that are compared with those of the pulse without ringing."""
 HIGHER = 5.0
 """Standard deviations that a record goes higher outside the blows than in them: noise alone does not in any record."""
 
 
 def ringing(record: Examined) -> list[HealthNotice]:
-    """Find a blow after which the record swings by much of its peak: its peak and width hold that ringing too."""
-    pulse = record.largest
-    if pulse is None or not pulse.width > 0.0:
-        return []
-    until = pulse.end + RINGS_WITHIN * pulse.width
-    begin = record.place(pulse.end + AFTER_BLOW * pulse.width)
-    after = record.values[begin : record.place(until)] - pulse.offset
-    others = [p for p in record.pulses if p is not pulse and p.begin < until and p.end > pulse.end]
-    if after.size < FEWEST_OF_PART or others:
-        return []
-    swing = 0.5 * float(np.ptp(after))
-    share = swing / abs(pulse.peak)
-    if share < NOTED_RINGING or swing < NOISES_OF_RINGING * pulse.noise:
-        return []
+    """Find blows that ring, and what the ringing does to their figures: against the pulse fitted together with it."""
+    found = [notice for pulse in record.pulses if (notice := _ringing_of(record, pulse)) is not None]
+    return sorted(found, key=_severity)[-1:]
+
+
+def _severity(notice: HealthNotice) -> tuple[bool, float]:
+    return notice.severity != "good", max((abs(effect) for _, effect in notice.effects), default=0.0)
+
+
+def _ringing_of(record: Examined, pulse: RecordedPulse) -> HealthNotice | None:
+    rigid = pulse.rigid
+    share = _swing_after(record, pulse) / abs(pulse.peak)
+    if rigid is not None:
+        pairs = [(name, getattr(pulse, name) / getattr(rigid, name) - 1.0) for name in COMPARED]
+        effects = {name: effect for name, effect in pairs if math.isfinite(effect)}
+        if max(map(abs, effects.values())) < NOTED_EFFECT and share < NOTED_RINGING:
+            return None
+        message = (
+            f"the blow at {pulse.time:.6g} s rings at {rigid.frequency:.4g} Hz; without it the peak is "
+            f"{record.text(rigid.peak)}, the width {1e6 * rigid.width:.4g} us; with it"
+        )
+        return by_effect("ringing", message, share, effects, start=pulse.begin)
+    within = pulse.smooth.misfit > STRAYS and pulse.method == "record"
+    if share < NOTED_RINGING and not within:
+        return None
+    frequency = ringing_of(stretch_of(record.values, record.step, record.start, pulse))
+    if share < NOTED_RINGING and math.isnan(frequency):
+        return None
+    if not frequency * pulse.smooth.width() > SEPARATE:
+        message = (
+            f"after the blow the record swings by {share:.0%} of the peak, about as slowly as the blow itself, and no "
+            "single mode explains it: peak, rise and width may hold such ringing too"
+        )
+        severity, harms = ("suspect", ("peak", "rise", "width")) if share > STRONG_RINGING else ("good", ())
+        return HealthNotice("ringing", message, share, severity=severity, harms=harms, start=pulse.end)
+    smooth = {"peak": pulse.smooth.peak, "width": pulse.smooth.width(), "velocity_change": pulse.smooth.area()}
+    effects = {name: getattr(pulse, name) / value - 1.0 for name, value in smooth.items() if value}
     message = (
-        f"after the blow the record swings by {share:.0%} of the peak: peak, rise and width hold such ringing too; "
-        "see the smooth pulse, or filter"
+        f"the blow rings at about {frequency:.3g} Hz, by {max(share, pulse.smooth.misfit):.0%} of the peak, and no "
+        "single mode explains it; against the smooth pulse"
     )
-    severity, harms = ("suspect", ("peak", "rise", "width")) if share > STRONG_RINGING else ("good", ())
-    return [HealthNotice("ringing", message, share, severity=severity, harms=harms, start=pulse.end)]
+    return by_effect("ringing", message, share, effects, start=pulse.end)
+
+
+def _swing_after(record: Examined, pulse: RecordedPulse) -> float:
+    """Return by how much a record swings after a blow; 0 where it does not, or another blow is near."""
+    width = pulse.width if pulse.width > 0.0 else pulse.smooth.width()
+    until = pulse.end + RINGS_WITHIN * width
+    begin = record.place(pulse.end + AFTER_BLOW * width)
+    after = record.values[begin : record.place(until)] - pulse.offset
+    contacts = [p.begin for p in record.pulses if p is not pulse and p.end > pulse.end]
+    contacts += [rebound.time - width for rebound in one_sided(record.values, record.step, record.start, pulse)]
+    if after.size < FEWEST_OF_PART or min(contacts, default=math.inf) < until:
+        return 0.0
+    swing = 0.5 * float(np.ptp(after))
+    return swing if swing >= NOISES_OF_RINGING * pulse.noise else 0.0
 
 
 def larger_elsewhere(record: Examined) -> list[HealthNotice]:

@@ -27,6 +27,8 @@ _MISSING = frozenset({"nan", "+nan", "-nan", "na", "n/a", "null"})
 """Words for a missing value, in small letters."""
 _NULLS = ["", " ", "nan", "NaN", "NAN", "+nan", "-nan", "-NaN", "NA", "N/A", "n/a", "null", "NULL"]
 """The same as Arrow takes them, letter by letter."""
+_SAMPLE, _PLAIN = 40, 0.8
+"""Lines by which marks are found where all but one give no numbers at all, and the share of them that are numbers."""
 _SMALL = 16 * 2**10
 """Bytes of a block below which it is read line by line and not halved again: some hundred lines."""
 _THREADED = 2**20
@@ -186,7 +188,7 @@ def find_marks(lines: Sequence[str], path: Path) -> Marks:
     orders = [Marks("\t"), Marks(";"), Marks(","), Marks(""), Marks("\t", ","), Marks(";", ","), Marks("", ",")]
     if any('"' in line for line in lines):
         orders.append(Marks(",", ","))
-    best = max(orders, key=lambda marks: _fit(lines, marks))
+    best = _plain(orders, lines) or max(orders, key=lambda marks: _fit(lines, marks))
     if best == Marks(","):
         rows = [cells_of(line, best) for line in lines]
         if _decimals_behind_commas(rows, 2):
@@ -195,6 +197,14 @@ def find_marks(lines: Sequence[str], path: Path) -> Marks:
             hint = "commas stand both between the numbers and within them: export it with semicolons or points"
             raise refuse(path, "a file whose numbers can be told apart", hint)
     return best
+
+
+def _plain(orders: Iterable[Marks], lines: Sequence[str]) -> Marks | None:
+    """Return the only marks under which lines of a sample are numbers, where nearly all are; None in doubt."""
+    sample = lines[:: max(len(lines) // _SAMPLE, 1)]
+    fitting = [(marks, _fit(sample, marks)[0]) for marks in orders]
+    fitting = [(marks, whole) for marks, whole in fitting if whole]
+    return fitting[0][0] if len(fitting) == 1 and fitting[0][1] >= max(_PLAIN * len(sample), 2) else None
 
 
 def _fit(lines: Iterable[str], marks: Marks) -> tuple[int, int, int]:

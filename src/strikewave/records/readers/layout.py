@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from collections import Counter
+from itertools import islice
 from pathlib import Path
 from typing import NamedTuple
 
@@ -211,9 +212,11 @@ def _labels(
     body: list[str], marks: Marks, width: int, filled: list[int], known: list[HealthNotice]
 ) -> list[HealthNotice]:
     """Say which columns hold settings beside the first lines of the data."""
+    reported = {finding.value for finding in known}
+    if all(k in filled or k + 1.0 in reported for k in range(width)):
+        return []
     rows = [cells for cells in (cells_of(line, marks) for line in body) if len(cells) == width]
     numbers = [row for row in rows if all(number(row[k], marks.decimal) is not None for k in filled)]
-    reported = {finding.value for finding in known}
     return [
         HealthNotice("column-dropped", f"column {k + 1} is left out: it holds settings", k + 1.0, severity="good")
         for k in range(width)
@@ -255,7 +258,8 @@ def _nearly(line: str, marks: Marks, width: int, full: list[int]) -> bool:
 
 def is_cut(look: Look, layout: NumberLayout) -> bool:
     """Tell whether the last line lacks columns, or ends in a number that was cut."""
-    lines = look.tail if look.size > HEAD else [x for x in look.head[layout.first :] if x.strip()][-_LINES:]
+    filled = (line for line in reversed(look.head[layout.first :]) if line.strip())
+    lines = look.tail if look.size > HEAD else list(islice(filled, _LINES))[::-1]
     if len(lines) < 3 or is_comment(lines[-1]):
         return False
     *before, last = (cells_of(line, layout.marks) for line in lines if not is_comment(line))

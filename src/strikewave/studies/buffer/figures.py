@@ -10,7 +10,7 @@ import numpy as np
 
 from strikewave.reporting.curves import thin
 from strikewave.reporting.numbers import axis_unit, headed
-from strikewave.reporting.style import BLUE, GREEN, GREY, ORANGE, RED, quiet
+from strikewave.reporting.style import BLUE, GREEN, GREY, ORANGE, RED, put_below, quiet
 from strikewave.sensors import transmission
 from strikewave.sensors.mounting import RESOLVED
 from strikewave.studies.buffer.candidate import BufferCandidate, distinct
@@ -179,6 +179,4 @@ def _legend(axes: Any) -> None:
     """Put the legend below the axes, where it hides nothing."""
     handles, labels = axes.get_legend_handles_labels()
     names = [textwrap.shorten(label, 60) for label in labels]
-    figure = axes.get_figure()
-    columns = 1 if max(map(len, names), default=0) > 45 else 3 if len(names) != 4 else 2
-    figure.legend(handles, names, frameon=False, fontsize=8, loc="outside lower center", ncols=columns)
+    put_below(axes.get_figure(), handles, names)

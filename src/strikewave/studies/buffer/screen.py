@@ -26,7 +26,7 @@ from strikewave.reporting.layout import KEY, MORE, numerals, texts
 from strikewave.reporting.numbers import with_unit
 from strikewave.reporting.options import Output
 from strikewave.reporting.run_and_write import Command, run_and_write
-from strikewave.reporting.terminal import number, progress_bar, shown_columns, significant, table, tell
+from strikewave.reporting.terminal import number, progress_bar, significant, table, tell
 from strikewave.studies.buffer.candidate import ALIKE, RINGING, BufferCandidate, BufferGoal, distinct
 from strikewave.studies.buffer.choice import StackChoices
 from strikewave.studies.buffer.mounting_site import (
@@ -239,7 +239,7 @@ def _print(study: BufferStudy) -> None:
         f"{within_limit} of {len(study.candidates)} stacks keep {with_unit(study.goal.limit, 'm/s^2', 'g', 5)}; "
         f"{study.order} (*: Pareto-optimal in peak and bandwidth)"
     )
-    table(title, shown_columns(COLUMNS), rows)
+    table(title, COLUMNS, rows)
     if len(study.candidates) > len(shown):
         tell(
             f"stacks with peak and bandwidth of one above within {ALIKE:.0%} are left out here; --json and the files "

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from strikewave.base.errors import InputError, nearest
 from strikewave.reporting.numbers import axis_unit, headed
-from strikewave.reporting.style import BLUE, GREY, ORANGE, RED, quiet, sheet_title
+from strikewave.reporting.style import BLUE, GREY, ORANGE, RED, put_below, quiet, sheet_title
 from strikewave.studies.log_ticks import plain_log_ticks
 from strikewave.studies.map.regimes import FAILED, NAMES, PERIOD_1, UNKNOWN
 from strikewave.studies.map.study import MapStudy
@@ -222,5 +222,4 @@ def _legend(figure: Figure, axes: Any, study: MapStudy) -> None:
             handles.append(Patch(facecolor="#D9D9D9", edgecolor=ORANGE, label="no result, or no regime"))
     if NAMES[PERIOD_1] in study.shares:
         handles.append(Patch(facecolor="none", edgecolor=GREY, label="plain: period-1"))
-    columns = 2 if study.plan.shape[0] == 1 else 4
-    figure.legend(handles=handles, frameon=False, fontsize=8, loc="outside lower center", ncols=columns)
+    put_below(figure, handles, [str(handle.get_label()) for handle in handles])

@@ -11,6 +11,7 @@ from pathlib import Path
 from strikewave.cases.case import Case, dump_case
 from strikewave.reporting.layout import MORE, keys, numerals, texts
 from strikewave.reporting.measured_files import asked
+from strikewave.reporting.numbers import headed, with_unit
 from strikewave.reporting.options import Output
 from strikewave.reporting.run_and_write import Command, case_folder, run_and_write
 from strikewave.reporting.terminal import number, progress_bar, table, tell
@@ -77,7 +78,7 @@ def _print(study: ScatterStudy) -> None:
         mean = [number(value, *units, 5) for value in (figure.mean.mean, figure.mean.low, figure.mean.high)]
         between = [_bare(value) for value in (figure.mean.cv, figure.mean.cv_low, figure.mean.cv_high)]
         typical = number(figure.typical.mean, *units, 5)
-        rows.append([f"{NAMES[name]} ({units[1]})", mean[0], _to(*mean[1:]), typical, between[0], _to(*between[1:])])
+        rows.append([headed(NAMES[name], *units), mean[0], _to(*mean[1:]), typical, between[0], _to(*between[1:])])
     columns = [*keys("figure"), *numerals("mean", "95 % bounds"), *numerals("typical", priority=MORE)]
     columns += numerals("CV (%)", "95 % bounds of the CV (%)")
     table("Means of the runs, and CV between runs", columns, rows)
@@ -96,7 +97,7 @@ def _print(study: ScatterStudy) -> None:
     if len(study.runs) < FEWEST_FOR_LIMIT:
         tell(f"95 % of runs below takes {FEWEST_FOR_LIMIT} runs or more")
     kinds = ", ".join(f"{blows} {kind} (in {runs} runs)" for kind, (blows, runs) in study.kinds().items())
-    tell(f"blows: {kinds}; largest displacement (rearward) {number(study.largest_displacement, 'm', 'mm', 3)} mm")
+    tell(f"blows: {kinds}; largest displacement (rearward) {with_unit(study.largest_displacement, 'm', 'mm', 3)}")
     for one in study.shares:
         _print_shares(study, one)
 

@@ -10,10 +10,10 @@ from typing import ClassVar
 from strikewave.cases.case import Case
 from strikewave.reporting import measured_files as measured
 from strikewave.reporting.layout import KEY, MORE, ScreenColumn, keys, numerals, texts
-from strikewave.reporting.numbers import shown_heads, shown_unit, spelled
+from strikewave.reporting.numbers import shown_unit, spelled, with_unit
 from strikewave.reporting.options import Output
 from strikewave.reporting.run_and_write import Command, run_and_write
-from strikewave.reporting.terminal import fixed, number, progress_bar, shown_columns, table, tell
+from strikewave.reporting.terminal import fixed, number, progress_bar, table, tell
 from strikewave.studies.settings.candidate import BlowGoal, Limit, SettingsCandidate
 from strikewave.studies.settings.estimate import engagement_sensitivity
 from strikewave.studies.settings.search import VARIED
@@ -102,7 +102,7 @@ def _print(study: SettingsStudy) -> None:
     shown = [one for one in study.candidates if one in study.candidates[:SHOWN] or one in others.values()]
     rows = [_cells(study, place, one) for place, one in enumerate(study.candidates, 1) if one in shown]
     title = f"{met} of {len(study.candidates)} settings give {goal_words(study.goal)}"
-    table(title, shown_columns(_columns(study.choice.vary)), rows)
+    table(title, _columns(study.choice.vary), rows)
     tell(
         "peak, width, interval: of the typical blow, the median of the later full ones; CV: scatter of all peaks; "
         "0.1 mm: change of the peak with that much of engagement"
@@ -112,9 +112,9 @@ def _print(study: SettingsStudy) -> None:
     table("Limits of the first", columns, [_limit(x) for x in first.limits])
     if len(study.masses) > 1:
         rows = [_mass_cells(study, one) for one in study.masses]
-        heads = ("striker (kg)", "engagement (mm)", f"{study.choice.vary} (MN/m)", "contact (kN)", "lost a blow (rpm)")
-        striker, *numbers = shown_heads(*heads)
-        table("What the mass of a striker costs", [*numerals(striker, priority=KEY), *numerals(*numbers)], rows)
+        columns = [*numerals("striker (kg)", priority=KEY), *numerals("engagement (mm)", f"{study.choice.vary} (MN/m)")]
+        columns += numerals("contact (kN)", "lost a blow (rpm)")
+        table("What the mass of a striker costs", columns, rows)
     for count, why in study.left_out.items():
         tell(f"left out, {count} strikers: {why}")
     for why in study.failed[:SHOWN]:
@@ -139,9 +139,10 @@ def _header(case: Case, goal: BlowGoal, first: SettingsCandidate) -> str:
     guess = first.estimate
     return (
         f"{goal_words(goal)}, from {case.name}: a half-sine changes the velocity by "
-        f"{guess['velocity_change']:.3g} m/s, for which a first estimate asks an approach of "
-        f"{guess['approach']:.3g} m/s; the full run has {first.observation.velocity_change:.3g} and "
-        f"{first.observation.approach:.3g} m/s"
+        f"{with_unit(guess['velocity_change'], 'm/s', 'm/s', 3)}, for which a first estimate asks an approach of "
+        f"{with_unit(guess['approach'], 'm/s', 'm/s', 3)}; the full run has "
+        f"{with_unit(first.observation.velocity_change, 'm/s', 'm/s', 3)} and "
+        f"{with_unit(first.observation.approach, 'm/s', 'm/s', 3)}"
     )
 
 

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 from strikewave.exchange.ls_dyna.folder import ENERGIES, pulse_of
 from strikewave.reporting import chapters
-from strikewave.reporting.numbers import with_unit
+from strikewave.reporting.numbers import headed, shown, shown_heads, with_unit
 from strikewave.reporting.parts import NONE, Cell, Part, Picture, Section, Table, written
 
 if TYPE_CHECKING:
@@ -29,8 +29,20 @@ _ENERGIES = (
     "The internal energy of strikewave includes the work of bulk viscosity, which LS-DYNA does not list by itself. "
     "The hourglass energy of LS-DYNA is 0 where its deck did not ask for it (HGEN = 2 of *CONTROL_ENERGY)."
 )
-_COLUMNS = (("peak", 1e3), ("at", 1e-6), ("impulse", 1.0), ("width", 1e-6))
-_FIELDS = (("displacement", 1e-3), ("von_mises", 1e6), ("plastic_strain", 1.0))
+_COLUMNS = (
+    ("peak", "peak", "N", "kN"),
+    ("at", "at", "s", "us"),
+    ("impulse", "impulse", "N s", "N s"),
+    ("pulse width at 10 %", "width", "s", "us"),
+)
+"""Of a contact: what it is called, its name, SI unit, and the unit in which it is shown as a rule."""
+_TIMES = (("peak at", "at"), ("onset", "begin"), ("end", "end"))
+_FIELDS = (
+    ("displacement", "displacement", "m", "mm"),
+    ("von Mises", "von_mises", "Pa", "MPa"),
+    ("plastic strain", "plastic_strain", "1", "1"),
+)
+"""Of a part: as of a contact."""
 
 
 def ls_dyna_report(result: LsDynaResult) -> str:
@@ -102,7 +114,7 @@ def share(value: float) -> str:
 def _read(theirs: LsDynaRun) -> Section:
     rows: list[list[Cell]] = [[path.name, f"{path.stat().st_size}"] for path in theirs.files]
     first, last = theirs.span
-    text = f"From {first * 1e6:.4g} µs to {last * 1e6:.4g} µs. " if last == last else ""
+    text = f"From {written(shown(first, 's', 'us'))} to {with_unit(last, 's', 'us')}. " if last == last else ""
     if theirs.fields:
         mesh = theirs.fields.mesh
         text += f"{len(mesh.hexahedra)} solids, {len(mesh.points)} nodes, {theirs.frames} states. "
@@ -127,17 +139,14 @@ def _forces(comparison: RunComparison) -> Section:
 
 def pair_table(pair: ForcePair) -> Table:
     """Return the numbers of a contact of both."""
+    both = (pair.ls_dyna, pair.strikewave)
     rows: list[list[Cell]] = [
-        [label, *(_cell(pulse, what, scale) for pulse in (pair.ls_dyna, pair.strikewave)), share(pair.difference(what))]
-        for label, what, scale in (
-            ("peak (kN)", "peak", 1e3), ("impulse (N s)", "impulse", 1.0), ("pulse width at 10 % (µs)", "width", 1e-6),
-        )
-    ]  # fmt: skip
-    rows += [
-        [label, *(_cell(pulse, what, 1e-6) for pulse in (pair.ls_dyna, pair.strikewave)), NONE]
-        for label, what in (("peak at (µs)", "at"), ("onset (µs)", "begin"), ("end (µs)", "end"))
+        [headed(label, si, usual), *(_cell(one, what, si, usual) for one in both), share(pair.difference(what))]
+        for label, what, si, usual in _COLUMNS
+        if what != "at"
     ]
-    rows.append(["onset later by (µs)", written(pair.shift * 1e6), NONE, NONE])
+    rows += [[headed(label, "s", "us"), *(_cell(one, what, "s", "us") for one in both), NONE] for label, what in _TIMES]
+    rows.append([headed("onset later by", "s", "us"), written(shown(pair.shift, "s", "us")), NONE, NONE])
     rows.append(["angle of the impulses (deg)", written(pair.angle, 3), NONE, NONE])
     for label, agreement in (("as they are", pair.plain), ("onsets aligned", pair.moved)):
         rows.append([f"M, {label}", share(agreement.magnitude), NONE, NONE])
@@ -154,14 +163,15 @@ def contact_table(contacts: tuple[LsDynaContact, ...]) -> Table:
     for contact in contacts:
         for side, force in sorted(contact.sides.items()):
             pulse = pulse_of(force)
-            cells = [_cell(pulse, what, scale) for what, scale in _COLUMNS]
+            cells = [_cell(pulse, *column[1:]) for column in _COLUMNS]
             rows.append([str(contact.number), contact.title or NONE, side, *cells])
-    heads = ["number", "title", "side", "peak (kN)", "at (µs)", "impulse (N s)", "pulse width at 10 % (µs)"]
+    heads = ["number", "title", "side", *(headed(name, si, usual) for name, _, si, usual in _COLUMNS)]
     return Table("Contacts of LS-DYNA", heads, rows, empty="No rcforc or binout with contact forces is there.")
 
 
-def _cell(pulse: ContactPulse | None, what: str, scale: float) -> str:
-    return NONE if pulse is None else written(getattr(pulse, what) / scale)
+def _cell(found: ContactPulse | Extreme | None, what: str, si: str, usual: str) -> str:
+    """Return a number of a contact, or of a part, in the unit shown; a dash where there is none."""
+    return NONE if found is None else written(shown(getattr(found, what), si, usual))
 
 
 def _energies(comparison: RunComparison) -> Section:
@@ -178,11 +188,11 @@ def energy_table(comparison: RunComparison) -> Table:
     for word in ENERGIES:
         curves = [run.energy.get(word) if run else None for run in runs]
         if any(curve is not None for curve in curves):
-            most = [NONE if c is None else written(float(c[abs(c).argmax()])) for c in curves]
-            last = [NONE if c is None else written(float(c[-1])) for c in curves]
+            most = [NONE if c is None else written(shown(c[abs(c).argmax()], "J", "J")) for c in curves]
+            last = [NONE if c is None else written(shown(c[-1], "J", "J")) for c in curves]
             rows.append([word, *most, *last])
-    heads = ["energy", "largest, LS-DYNA (J)", "largest, strikewave (J)", "end, LS-DYNA (J)", "end, strikewave (J)"]
-    return Table("Energies", heads, rows, empty="No glstat or binout with energies is there.")
+    heads = ("energy", "largest, LS-DYNA (J)", "largest, strikewave (J)", "end, LS-DYNA (J)", "end, strikewave (J)")
+    return Table("Energies", shown_heads(*heads), rows, empty="No glstat or binout with energies is there.")
 
 
 def _fields(comparison: RunComparison) -> Section:
@@ -202,12 +212,7 @@ def field_table(comparison: RunComparison) -> Table:
     rows: list[list[Cell]] = []
     for other, name in pairs:
         both = (theirs.get(other) if other else None, ours.get(name) if name else None)
-        cells = [_extreme(extreme, what, scale) for what, scale in _FIELDS for extreme in both]
+        cells = [_cell(extreme, *column[1:]) for column in _FIELDS for extreme in both]
         rows.append([other or NONE, name or NONE, *cells])
-    units = ("displacement, {} (mm)", "von Mises, {} (MPa)", "plastic strain, {}")
-    heads = [unit.format(who) for unit in units for who in ("LS-DYNA", "strikewave")]
+    heads = [headed(f"{name}, {who}", *units) for name, _, *units in _FIELDS for who in ("LS-DYNA", "strikewave")]
     return Table("Parts", ["part in LS-DYNA", "part in strikewave", *heads], rows, empty="No fields are there.")
-
-
-def _extreme(extreme: Extreme | None, what: str, scale: float) -> str:
-    return NONE if extreme is None else written(getattr(extreme, what) / scale)

@@ -12,6 +12,7 @@ from strikewave.exchange.ls_dyna.comparison import RunComparison, compare_runs, 
 from strikewave.exchange.ls_dyna.folder import LsDynaRun, read_folder
 from strikewave.exchange.units import UnitSystem
 from strikewave.reporting import measured_files as measured
+from strikewave.reporting.numbers import with_unit
 from strikewave.reporting.options import Output
 from strikewave.reporting.run_and_write import Command, run_and_write
 from strikewave.reporting.terminal import case_hash, number, report_table, tell
@@ -77,7 +78,7 @@ def _show(comparison: RunComparison) -> None:
 
 
 def _show_read(theirs: LsDynaRun) -> None:
-    first, last = (number(t, "s", "us") for t in theirs.span)
+    first, last = number(theirs.span[0], "s", "us"), with_unit(theirs.span[1], "s", "us")
     fields = theirs.fields
     solids = f"; {len(fields.mesh.hexahedra)} solids, {theirs.frames} states" if fields else ""
-    tell(f"read: {', '.join(path.name for path in theirs.files)}; from {first} to {last} us{solids}")
+    tell(f"read: {', '.join(path.name for path in theirs.files)}; from {first} to {last}{solids}")

@@ -27,7 +27,7 @@ from strikewave.contact.registry import FROM_MEMORY
 from strikewave.contact.stiffness import ElasticBody
 from strikewave.reporting.curves import COLOURS, DASHES
 from strikewave.reporting.numbers import axis_unit, headed, with_unit
-from strikewave.reporting.style import BLUE, GREEN, ORANGE, RED, quiet, sheet_title
+from strikewave.reporting.style import BLUE, GREEN, ORANGE, RED, put_below, quiet, sheet_title
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -95,7 +95,7 @@ def _legend(figure: Any, axes: Any) -> None:
     handles, labels = axes.get_legend_handles_labels()
     handles.append(Line2D([], [], color="black", marker="o", markersize=5.0, linestyle="none"))
     labels.append("largest force")
-    figure.legend(handles, labels, loc="outside lower left", ncols=6, frameon=False, fontsize=8, columnspacing=1.4)
+    put_below(figure, handles, labels)
 
 
 def _curves(axes: Any, blows: Sequence[PlottedBlow], of: Callable[[PlottedBlow], tuple[Array, Array]]) -> None:

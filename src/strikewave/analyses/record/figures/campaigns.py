@@ -68,7 +68,7 @@ def draw_trend(axes: Any, campaign: Campaign, name: str, unit: str, count: int =
     if name in campaign.trends:
         slope = campaign.trends[name].slope / scale
         along = np.array([x.min(), x.max()])
-        axes.plot(along, y.mean() + slope * (along - x.mean()), "--", color=RED, linewidth=1.4, label="trend")
+        axes.plot(along, np.median(y - slope * x) + slope * along, "--", color=RED, linewidth=1.4, label="trend")
     axes.plot(x, y, "o", color="#333333", markersize=4, alpha=0.8, label="blows", zorder=4)
     quiet(axes, what[0].upper() + what[1:] + (f" ({gone})" if left_out else ""), "file", f"{what} ({shown_unit})")
     axes.set_xlim(*ends)

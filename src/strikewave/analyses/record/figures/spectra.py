@@ -18,7 +18,6 @@ from strikewave.records.reading import ChannelReading, FileReading
 from strikewave.reporting.curves import DASHES
 from strikewave.reporting.numbers import axis_unit, headed, with_unit
 from strikewave.reporting.style import BLUE, GREEN, GREY, ORANGE, RED, legend_below, new_figure, plain, quiet
-from strikewave.signal.filters import advised_cutoff
 from strikewave.signal.srs import Spectrum, octaves, srs
 
 if TYPE_CHECKING:
@@ -85,8 +84,8 @@ def amplitude(reading: ChannelReading) -> tuple[Array, Array]:
     return np.asarray(frequency[resolved]), np.asarray(magnitude[resolved])
 
 
-def spectrum(reading: ChannelReading) -> Figure:
-    """Draw the amplitude spectrum of the largest blow, with ringing, advised cutoff and half the sampling rate.
+def spectrum(reading: ChannelReading, advised: float | None = None) -> Figure:
+    """Draw the amplitude spectrum of the largest blow, with ringing, advised cutoff (Hz) and half the sampling rate.
 
     At low frequency an acceleration's spectrum is its velocity change, so it is drawn in m/s.
     """
@@ -111,8 +110,8 @@ def spectrum(reading: ChannelReading) -> Figure:
     )
     pulse = max(reading.pulses, key=lambda p: abs(p.peak))
     marks = [("half the sampling rate", 0.5 * reading.channel.sampling_rate, GREY, "-")]
-    if pulse.rise > 0.0 or pulse.width > 0.0:
-        marks.insert(0, ("advised cutoff", advised_cutoff(pulse.rise, pulse.width), GREEN, "--"))
+    if advised is not None:
+        marks.insert(0, ("advised cutoff", advised, GREEN, "--"))
     if pulse.ringing_frequency > 0.0:
         marks.insert(0, ("ringing", pulse.ringing_frequency, RED, "-."))
     for name, place, colour, style in marks:

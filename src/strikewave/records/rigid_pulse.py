@@ -1,0 +1,424 @@
+"""The pulse without its ringing, fitted together with it.
+
+What is recorded is the pulse and one mode that it drives or strikes. Three physical models, the simplest first, are
+fitted by variable projection: their amplitudes are linear, so that only shape, frequency and decay are sought.
+
+mount
+    the sensor stands on an oscillator and records its absolute acceleration;
+mode
+    the pulse and a share of such a response: a mode of the object at the place of the sensor;
+struck
+    the pulse, and a swing of any phase that begins somewhere in it.
+
+The first two leave the area of the pulse as it is. The simplest model that fits about as well as the best is taken;
+what the others that fit as well say enters the uncertainty.
+
+Source of the projection: G. H. Golub, V. Pereyra, The differentiation of pseudo-inverses and nonlinear least squares
+problems whose variables separate, SIAM Journal on Numerical Analysis 10 (1973) 413-432.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from strikewave.records.smooth_pulse import SmoothPulse
+
+Array = NDArray[np.float64]
+
+LOWEST_RATIO = 0.3
+"""Swings in a width of the blow below which what follows it is a slow motion, no ringing in it."""
+RINGS = 0.05
+"""Share of the peak by which a record swings after a blow, or strays from a smooth pulse in it, before ringing is
+sought."""
+STRAYS = 0.03
+"""Misfit of the smooth pulse from which on ringing is sought in it: usual shapes are fitted better."""
+CLEAR = 5.0
+"""Standard deviations of noise that ringing swings by at least."""
+SEPARATE = 2.5
+"""Swings in a width from which on ringing that is seen in a blow alone is none of its shape: a flat top has fewer."""
+QUICKLY = 0.2
+"""Damping ratio above which what is seen in a blow alone is its shape, no ringing."""
+FEWEST_AFTER = 8
+"""Samples after a blow without which ringing is not sought."""
+NOISE_OF_MISFIT = 1.5
+"""Standard deviations of noise that the misfit of the smooth pulse must have: it is made of more."""
+PADDED = 8
+"""Times that a spectrum is padded so that its peak is found between."""
+AFTER_WIDTHS, PERIODS = 3.0, 6.0
+"""Widths, or swings if longer, after the blow that are fitted."""
+BEFORE_WIDTHS = 0.6
+"""Widths before the blow that are fitted: they hold its begin."""
+RINGS_WITHIN = 5.0
+"""Widths after the blow in which its ringing is looked for."""
+MOST_SAMPLES = 500
+"""Samples that are fitted at most; a finer record is averaged, as far as its ringing allows."""
+A_SWING, A_WIDTH = 12, 24
+"""Samples a swing, and a width, that averaging leaves."""
+FEWEST = 24
+"""Samples without which nine parameters are not fitted."""
+STARTS = ((1.0, 0.0), (0.65, 0.0), (1.0, 0.45))
+"""Of the guess, lengths and onsets of the swing from which the fit begins: a soft mount makes a pulse longer, and a
+mode may be struck in the middle of the pulse."""
+FITS = 0.03
+"""Misfit below which no other beginning is tried."""
+LOWEST = (-1.0, -1.6, 0.05, 0.3, -0.9, -7.0, -0.6)
+HIGHEST = (1.0, 1.1, 0.95, 4.0, 0.9, -0.3, 0.7)
+"""Bounds of begin over length, of the logarithm of the length over its guess, of share of rise and power, of the
+logarithms of the frequency over its guess and of the decay over the frequency, and of the onset of the swing after that
+of the pulse over its length, which only a struck mode has."""
+SPREADS = (0.1, 0.2, 0.1, 0.5, 0.1, 1.0, 0.1)
+"""How far these usually lie from their guess; scales the steps of the fit."""
+ROUNDS, CONVERGED = 30, 1e-5
+"""Evaluations of a fit at most, and the relative change below which it ends."""
+AS_GOOD = 1.5
+"""A simpler model is taken where it misses less than this times what the best one misses."""
+ENOUGH = 0.01
+"""Misfit within which the simplest model is good enough: shapes that no family has are missed by as much."""
+POOR = 0.12
+"""Misfit above which no rigid pulse is reported."""
+BETTER = 0.5
+"""Share of what the smooth pulse alone misses that must be left, or there is no ringing to be taken off."""
+RIDGE = 1e-10
+"""Share of the squares of the columns added to them: a mode and a pulse that look alike share their amplitude."""
+TINY = 1e-300
+"""Added too: a pulse that lies outside has no square."""
+
+
+class RigidPulse(NamedTuple):
+    """A pulse without its ringing.
+
+    Attributes
+    ----------
+    peak : float
+        In the unit of the record, with its sign.
+    rise, width : float
+        From 10 to 90 % of that peak, and above 10 %, s.
+    velocity_change : float
+        Integral of the pulse.
+    peak_uncertainty, width_uncertainty, velocity_change_uncertainty : float
+        Standard uncertainties: of the fit, and of which model holds.
+    frequency, damping : float
+        Of the ringing, Hz; damping ratio.
+    misfit : float
+        Root mean square of what is left, over the peak.
+    model : str
+        ``mount``, ``mode`` or ``struck``.
+    """
+
+    peak: float
+    rise: float
+    width: float
+    velocity_change: float
+    peak_uncertainty: float
+    width_uncertainty: float
+    velocity_change_uncertainty: float
+    frequency: float
+    damping: float
+    misfit: float
+    model: str
+
+
+class Fit(NamedTuple):
+    """One model fitted: pulse, frequency in rad/s, decay in 1/s, misfit, uncertainties of the figures."""
+
+    pulse: SmoothPulse
+    omega: float
+    decay: float
+    misfit: float
+    doubt: Array
+    model: str
+
+
+Columns = Callable[[Array, Array, float, float, float], tuple[Array, Array]]
+"""Pulse, time since the onset of the swing, step, frequency, decay: columns of a model, gains at frequency zero."""
+
+
+def fit_rigid_pulse(
+    values: Array,
+    step: float,
+    guess: SmoothPulse,
+    frequency: float,
+    noise: float = 0.0,
+    models: Sequence[Columns] | None = None,
+) -> RigidPulse | None:
+    """Fit a positive pulse together with its ringing; None where no such model fits.
+
+    Parameters
+    ----------
+    values : ndarray
+        Record around one blow, its baseline taken off; time 0 is its first sample.
+    step : float
+        Time between samples, s.
+    guess : SmoothPulse
+        About where the pulse lies.
+    frequency : float
+        About that of the ringing, Hz.
+    noise : float, optional
+        Standard deviation of white noise of a sample.
+    models : sequence, optional
+        Those of `MODELS` that are tried; all by default.
+
+    Examples
+    --------
+    >>> time = np.arange(600) * 1e-6
+    >>> pulse = SmoothPulse(1000.0, 100e-6, 100e-6, 0.5, 1.0)
+    >>> since = np.maximum(time - 100e-6, 0.0)
+    >>> ringing = 700.0 * np.exp(-since / 80e-6) * np.sin(2.0 * np.pi * 23e3 * since)
+    >>> rigid = fit_rigid_pulse(pulse.at(time) + ringing, 1e-6, pulse._replace(length=90e-6), 22e3)
+    >>> round(rigid.peak, -1), round(rigid.width * 1e6), rigid.model
+    (1000.0, 94, 'struck')
+    """
+    fits: list[Fit] = []
+    for model in MODELS if models is None else models:
+        best: Fit | None = None
+        for share, onset in STARTS if models is None or len(models) > 1 else STARTS[:1]:
+            if onset and model is not _struck:
+                continue
+            one = _fit(values, step, guess._replace(length=share * guess.length), frequency, model, onset)
+            if one is not None and (best is None or one.misfit < best.misfit):
+                best = one
+            if best is not None and best.misfit < FITS:
+                break
+        fits += [] if best is None else [best]
+    least = min((fit.misfit for fit in fits), default=math.inf)
+    if least > POOR:
+        return None
+    alike = [fit for fit in fits if fit.misfit <= max(AS_GOOD * least, ENOUGH, noise / fit.pulse.peak)]
+    best = alike[0]
+    figures = np.array([_figures(fit.pulse) for fit in fits if fit.misfit <= AS_GOOD * least or fit is best])
+    doubt = np.hypot(best.doubt, np.max(np.abs(figures - _figures(best.pulse)), axis=0) / math.sqrt(3.0))
+    return RigidPulse(
+        best.pulse.peak,
+        best.pulse.rise(),
+        best.pulse.width(),
+        best.pulse.area(),
+        float(doubt[0]),
+        float(doubt[1]),
+        float(doubt[2]),
+        best.omega / (2.0 * math.pi),
+        best.decay / math.hypot(best.omega, best.decay),
+        best.misfit,
+        best.model,
+    )
+
+
+def _figures(pulse: SmoothPulse) -> tuple[float, float, float]:
+    return pulse.peak, pulse.width(), pulse.area()
+
+
+def _mount(pulse: Array, since: Array, step: float, omega: float, decay: float) -> tuple[Array, Array]:
+    """Return the absolute acceleration of an oscillator whose base moves by the pulse, a line between samples.
+
+    Its kernel is exp(-d t) (2 d cos w t + (w^2 - d^2) / w sin w t), with damped frequency w and decay d.
+    """
+    from scipy.signal import lfilter
+
+    root = complex(-decay, omega)
+    grown = np.exp(root * step)
+    first = (grown - 1.0) / root  # of a step, exact; of a slope (e^{rh} - 1 - r h) / (r^2 h)
+    ramp = (first - step) / (root * step)
+    swing = lfilter([ramp, first - ramp], [1.0, -grown], pulse)
+    response = 2.0 * decay * swing.real + (omega**2 - decay**2) / omega * swing.imag
+    return np.asarray(response)[None, :], np.ones(1)
+
+
+def _mode(pulse: Array, since: Array, step: float, omega: float, decay: float) -> tuple[Array, Array]:
+    """Return the pulse, and the response of an oscillator to it."""
+    response, _ = _mount(pulse, since, step, omega, decay)
+    return np.vstack([pulse, response[0]]), np.ones(2)
+
+
+def _struck(pulse: Array, since: Array, step: float, omega: float, decay: float) -> tuple[Array, Array]:
+    """Return the pulse, and a decaying cosine and sine from an onset on; the cosine grows in a quarter of a swing."""
+    after = np.maximum(since, 0.0)
+    fall = np.exp(-decay * after)
+    grown = 1.0 - np.exp(-4.0 * omega / (2.0 * np.pi) * after)
+    swings = fall * np.cos(omega * after) * grown, fall * np.sin(omega * after)
+    return np.vstack([pulse, *swings]), np.array([1.0, 0.0, 0.0])
+
+
+MODELS: tuple[Columns, ...] = (_mount, _mode, _struck)
+"""The simplest first."""
+
+
+def _name(model: Columns) -> str:
+    return getattr(model, "__name__", "").strip("_")
+
+
+def _fit(values: Array, step: float, guess: SmoothPulse, frequency: float, model: Columns, onset: float) -> Fit | None:
+    """Fit one model from one guess."""
+    from scipy.optimize import least_squares
+
+    time: Array = step * np.arange(values.size, dtype=np.float64)
+    scale = float(np.max(np.abs(values)))
+    y = values / scale
+    omega0 = 2.0 * math.pi * frequency
+
+    def split(v: Array) -> tuple[SmoothPulse, float, float]:
+        length = guess.length * math.exp(v[1])
+        begin = guess.begin + v[0] * guess.length
+        omega = omega0 * math.exp(v[4])
+        return SmoothPulse(1.0, begin, length, float(v[2]), float(v[3])), omega, omega * math.exp(v[5])
+
+    def projected(v: Array) -> tuple[Array, Array, Array]:
+        pulse, omega, decay = split(v)
+        struck = pulse.begin + (v[6] * pulse.length if v.size > 6 else 0.0)
+        columns, gains = model(pulse.at(time), np.subtract(time, struck), step, omega, decay)
+        products = columns @ columns.T
+        diagonal = np.diag_indices(columns.shape[0])
+        products[diagonal] = products[diagonal] * (1.0 + RIDGE) + TINY
+        amplitudes = np.linalg.solve(products, columns @ y)
+        return np.subtract(y, amplitudes @ columns), np.asarray(amplitudes, dtype=np.float64), gains
+
+    count = 7 if model is _struck else 6
+    shape = np.clip(guess.rise_share, 0.1, 0.9), np.clip(guess.power, 0.5, 2.0)
+    start = np.array([0.0, 0.0, *shape, 0.0, -3.0, onset])[:count]
+    try:
+        best = least_squares(
+            lambda v: projected(v)[0],
+            start,
+            bounds=(LOWEST[:count], HIGHEST[:count]),
+            x_scale=SPREADS[:count],
+            max_nfev=ROUNDS,
+            xtol=CONVERGED,
+            ftol=CONVERGED,
+        )
+    except (ValueError, np.linalg.LinAlgError):
+        return None
+
+    def figures(v: Array) -> Array:
+        pulse = split(v)[0]
+        _, amplitudes, gains = projected(v)
+        gain = float(amplitudes @ gains)
+        return np.array([gain, pulse.width(), gain * pulse.area()])
+
+    rest, amplitudes, gains = projected(best.x)
+    peak = float(amplitudes @ gains)
+    if not peak > 0.0:
+        return None
+    pulse, omega, decay = split(best.x)
+    changes = 1e-4 * np.array(SPREADS[:count])
+    moves = np.diag(changes)
+    slopes = np.array([(figures(best.x + d) - figures(best.x - d)) / (2.0 * d.sum()) for d in moves])
+    memory = _memory(rest)
+    variance = float(np.sum(rest**2)) / max(rest.size - 9, 1) * memory
+    covariance = variance * np.linalg.pinv(best.jac.T @ best.jac)
+    doubt = np.sqrt(np.maximum(np.einsum("ki,kl,li->i", slopes, covariance, slopes), 0.0))
+    own = peak * math.sqrt(variance / (0.5 * max(pulse.length / step, 1.0))) / max(peak, 1e-300)
+    doubt = np.array([math.hypot(doubt[0], own), doubt[1], doubt[2]]) * np.array([scale, 1.0, scale])
+    misfit = math.sqrt(float(np.mean(rest**2))) / peak
+    return Fit(pulse._replace(peak=peak * scale), omega, decay, misfit, doubt, _name(model))
+
+
+def _memory(rest: Array) -> float:
+    """Return how many samples count as one: what is left of a shape that no model has is smooth."""
+    power = float(np.sum(rest**2))
+    alike = float(np.sum(rest[1:] * rest[:-1])) / power if power > 0.0 else 0.0
+    alike = min(max(alike, 0.0), 0.98)
+    return (1.0 + alike) / (1.0 - alike)
+
+
+class Stretch(NamedTuple):
+    """A record around a blow, positive and above its baseline, until the next blow.
+
+    Attributes
+    ----------
+    values : ndarray
+        Samples.
+    step : float
+        Time between them, s.
+    begin, end : int
+        Samples at the feet of the blow.
+    width : float
+        Samples of its width.
+    smooth : SmoothPulse
+        The smooth pulse that fits it best; time 0 is the first sample.
+    noise : float
+        Standard deviation of white noise of a sample.
+    """
+
+    values: Array
+    step: float
+    begin: int
+    end: int
+    width: float
+    smooth: SmoothPulse
+    noise: float
+
+
+def rigid_pulse(stretch: Stretch, last: RigidPulse | None = None) -> RigidPulse | None:
+    """Return the pulse without its ringing; None where nothing rings, or no model of it fits.
+
+    Parameters
+    ----------
+    stretch : Stretch
+        The record around the blow.
+    last : RigidPulse, optional
+        That of the blow before it in a train, whose ringing is alike.
+    """
+    frequency = ringing_of(stretch)
+    if not frequency > 0.0:
+        return None
+    values, step, width = stretch.values, stretch.step, stretch.width
+    low = max(round(stretch.begin - BEFORE_WIDTHS * width), 0)
+    lasting = max(AFTER_WIDTHS * width, PERIODS / (frequency * step), FEWEST)
+    high = min(round(stretch.end + lasting), values.size)
+    finest = min(-(-(high - low) // MOST_SAMPLES), int(1.0 / (frequency * step * A_SWING)), int(width / A_WIDTH))
+    factor = max(1, finest)
+    count = (high - low) // factor
+    if count < FEWEST:
+        return None
+    part = values[low : low + count * factor].reshape(count, factor).mean(axis=1)
+    guess = stretch.smooth._replace(begin=stretch.smooth.begin - step * (low + 0.5 * (factor - 1)))
+    models = MODELS if last is None else [model for model in MODELS if _name(model) == last.model]
+    rigid = fit_rigid_pulse(part, factor * step, guess, frequency, stretch.noise / math.sqrt(factor), models)
+    if rigid is None and last is not None:
+        return rigid_pulse(stretch)
+    if rigid is None or (rigid.damping > QUICKLY and not swings_after(stretch)):
+        return None
+    alone = part - guess.at(factor * step * np.arange(count, dtype=np.float64))
+    return rigid if rigid.misfit * rigid.peak < BETTER * math.sqrt(float(np.mean(alone**2))) else None
+
+
+def ringing_of(stretch: Stretch) -> float:
+    """Return the frequency at which a record rings after a blow, or in it, Hz; NaN where it does not."""
+    values, step, begin, end, width, smooth, noise = stretch
+    last = min(round(end + RINGS_WITHIN * width), values.size)
+    if last - end < FEWEST_AFTER:
+        return math.nan
+    if swings_after(stretch):
+        return strongest_frequency(values[end:last], step, LOWEST_RATIO / (width * step))
+    if smooth.misfit * smooth.peak < max(STRAYS * smooth.peak, NOISE_OF_MISFIT * noise):
+        return math.nan
+    rest = values[begin:last] - smooth.at(step * np.arange(begin, last, dtype=np.float64))
+    frequency = strongest_frequency(rest, step, 1.0 / (width * step))
+    return frequency if frequency * width * step > SEPARATE else math.nan
+
+
+def swings_after(stretch: Stretch) -> bool:
+    """Tell whether a record swings after a blow, by more than its noise."""
+    after = stretch.values[stretch.end : round(stretch.end + RINGS_WITHIN * stretch.width)]
+    least = max(RINGS * stretch.smooth.peak, CLEAR * stretch.noise)
+    return after.size >= FEWEST_AFTER and 0.5 * float(np.ptp(after)) >= least
+
+
+def strongest_frequency(values: Array, step: float, lowest: float) -> float:
+    """Return the frequency of the highest peak of a spectrum, above a lowest one, Hz; NaN where there is none.
+
+    Examples
+    --------
+    >>> time = np.arange(400) * 1e-5
+    >>> round(strongest_frequency(np.exp(-time / 1e-3) * np.sin(2.0 * np.pi * 3000.0 * time), 1e-5, 500.0), -2)
+    3000.0
+    """
+    window = np.hanning(2 * values.size)[values.size :]
+    padded = PADDED * values.size
+    power = np.abs(np.fft.rfft((values - np.mean(values)) * window, padded))
+    frequencies = np.fft.rfftfreq(padded, step)
+    above = np.flatnonzero(frequencies >= lowest)
+    return float(frequencies[above[np.argmax(power[above])]]) if above.size else math.nan

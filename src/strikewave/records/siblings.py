@@ -1,0 +1,235 @@
+"""A record judged against its siblings: what only the other files of a test show."""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+from collections.abc import Iterator, Sequence
+
+import numpy as np
+
+from strikewave.base.errors import show
+from strikewave.records.health.examined import BLOW, with_unit
+from strikewave.records.health_notice import HealthNotice
+from strikewave.records.reading import ChannelReading, FileReading
+from strikewave.records.robust import FEWEST_FOR_OUTLIERS, outliers, spread_of
+
+SUMMED = ("peak", "rise", "width", "velocity_change", "interval", "ringing_frequency")
+"""The figures of a campaign."""
+COMPARED = ("peak", "width", "velocity_change", "interval")
+"""Figures in which outliers are sought: rise times of few samples and the highest of several modes jump as they are."""
+ODD = ("gain-differs", "outlier", "polarity-differs")
+"""Codes of findings whose figures are left out because the other files disagree."""
+FALSE_ALARM = 0.01
+"""Campaigns of normal scatter, without a fault, in which a value is called an outlier; shared by the figures."""
+LEAST_OUTLIER = 0.02
+"""Share by which an outlier differs from the median at least: sensors and their mounting are no better."""
+FACTORS = {
+    "is the gain set otherwise?": (2.0, 5.0, 100.0),
+    "is the gain set otherwise, or m/s^2 taken for g?": (10.0,),
+    "is it in another unit?": (1000.0,),
+}
+"""By what a wrong setting multiplies a record, or divides it, and the question to ask; 10 and 9.80665 lie too close."""
+NEAR_FACTOR, MOST_NEAR = 0.05, 0.15
+"""Share by which a ratio may differ from such a factor: 5 %, or three times the scatter of the others, at most 15 %."""
+AGREE = 0.2
+"""Scatter of the others over their median up to which they agree, so that one file is the odd one."""
+CLEAR = 5.0
+"""Times that scatter by which the odd one differs."""
+SAME_WIDTH = 0.1
+"""Share by which the width of a record at another gain differs from the usual: a softer blow lasts longer."""
+NO_BLOW = 20.0
+"""Times that the usual peak is the largest excursion of a file without a blow: no test scatters so."""
+LOWER, OTHER_WIDTH = 3.0, 3.0
+"""Times that the usual peak is an excursion of a file without a blow if it is also this much wider or narrower, or
+comes in the period of the mains."""
+MAINS = (20e-3, 10e-3, 1.0 / 60.0, 1.0 / 120.0)
+"""Periods of the mains and of their rectified form, s."""
+MAINS_SHARE = 0.01
+"""Share by which the median interval of blips of the mains differs from such a period."""
+SHORTER, MOST = 0.9, 0.6
+"""A record that lasts less than this share of the usual one is shorter than its siblings, where most last as long.
+
+Where a recorder stops by hand all last differently, and none is short."""
+AS_LONG = 0.01
+"""Share by which records that last as long may differ: a few samples of a trigger."""
+SAME_RATE = 0.01
+"""Share by which sampling rates may differ without a finding: clocks of recorders are good to 1e-4."""
+
+
+def compare(files: Sequence[FileReading]) -> list[FileReading]:
+    """Return the files with what only their siblings show.
+
+    A file that holds no blow beside theirs loses what was taken for one. Another sign, gain, length, unit, name or
+    sampling rate, and outliers, are found.
+
+    Examples
+    --------
+    >>> compare([])
+    []
+    """
+    changed = list(files)
+    for number in sorted({reading.number for file in files for reading in file.channels}):
+        for judge in (_without_blow, _unlike_others, _other_gain, _outlying):
+            readings = [
+                (k, reading) for k, file in enumerate(changed) for reading in file.channels if reading.number == number
+            ]
+            for k, finding in list(judge(readings)):
+                changed[k] = _with(changed[k], number, finding)
+    return changed
+
+
+def _with(file: FileReading, number: int, finding: HealthNotice) -> FileReading:
+    """Return a file with a finding on one of its channels; its blows are none where it finds that."""
+    channels = tuple(
+        reading
+        if reading.number != number
+        else dataclasses.replace(reading, pulses=(), findings=(*_of_no_blow(reading), finding))
+        if finding.code == "no-pulse"
+        else reading.with_finding(finding)
+        for reading in file.channels
+    )
+    return dataclasses.replace(file, channels=channels)
+
+
+def _of_no_blow(reading: ChannelReading) -> tuple[HealthNotice, ...]:
+    """Return the findings of a reading that are not about its blows."""
+    return tuple(finding for finding in reading.findings if not set(finding.harms) & {*BLOW, "interval"})
+
+
+def _largest(reading: ChannelReading) -> float:
+    return max(abs(pulse.peak) for pulse in reading.pulses)
+
+
+def _without_blow(readings: list[tuple[int, ChannelReading]]) -> Iterator[tuple[int, HealthNotice]]:
+    """Yield a finding for each file whose blows are none beside those of most of the others."""
+    struck = [(k, reading) for k, reading in readings if reading.pulses]
+    if len(struck) < 3:
+        return
+    sure = [reading for _, reading in struck if not _of_mains(reading)]
+    sure = sure if len(sure) > 1 else [reading for _, reading in struck]
+    usual = float(np.median([_largest(reading) for reading in sure]))
+    width = float(np.median([reading.pulses[0].smooth.width() for reading in sure]))
+    for k, reading in struck:
+        ratio = usual / _largest(reading)
+        wider = max(reading.pulses[0].smooth.width() / width, width / reading.pulses[0].smooth.width())
+        mains = _of_mains(reading)
+        if ratio > NO_BLOW or (ratio > LOWER and (wider > OTHER_WIDTH or mains)):
+            unit = reading.channel.unit
+            message = (
+                f"no blow: its largest excursion, {with_unit(_largest(reading), unit)}, is {ratio:.3g} times below the "
+                f"median {with_unit(usual, unit)} of the other files"
+            )
+            message += ", and comes again in the period of the mains" if mains else ""
+            if _scaled(1.0 / ratio, 0.0) is None or wider > 1.0 + SAME_WIDTH:
+                yield k, HealthNotice("no-pulse", message, 1.0 / ratio, severity="bad", harms=(*BLOW, "interval"))
+
+
+def _of_mains(reading: ChannelReading) -> bool:
+    """Tell whether blows come in the period of the mains."""
+    gaps = np.diff([pulse.time for pulse in reading.pulses])
+    return gaps.size > 1 and any(abs(float(np.median(gaps)) / period - 1.0) < MAINS_SHARE for period in MAINS)
+
+
+def _scaled(ratio: float, scatter: float) -> tuple[str, float] | None:
+    """Return which setting gives such a ratio of peaks most nearly, and its factor; None where none does."""
+    reach = min(max(NEAR_FACTOR, 3.0 * scatter), MOST_NEAR)
+    settings = [(what, exact) for what, factors in FACTORS.items() for f in factors for exact in (f, 1.0 / f)]
+    nearest = min(settings, key=lambda one: abs(math.log(ratio / one[1])))
+    return nearest if abs(math.log(ratio / nearest[1])) < reach else None
+
+
+def _values(readings: list[tuple[int, ChannelReading]], name: str) -> tuple[list[int], list[float]]:
+    """Return the places of the readings that state a figure, and its mean in each."""
+    means = [(place, reading.figures(name)) for place, (_, reading) in enumerate(readings)]
+    stated = [(place, float(np.mean(values))) for place, values in means if values]
+    return [place for place, _ in stated], [value for _, value in stated]
+
+
+def _other_gain(readings: list[tuple[int, ChannelReading]]) -> Iterator[tuple[int, HealthNotice]]:
+    """Yield a finding for each file whose peak is that of the others times a factor, and whose width is theirs."""
+    places, peaks = _values(readings, "peak")
+    if len(places) < 3:
+        return
+    usual_width = float(np.median([readings[place][1].pulses[0].width for place in places]))
+    for place, peak in zip(places, peaks, strict=True):
+        file, reading = readings[place]
+        others = [value for other, value in zip(places, peaks, strict=True) if other != place]
+        usual = float(np.median(others))
+        scatter = abs(spread_of(others) / usual)
+        ratio = peak / usual
+        same = _scaled(ratio, scatter) if ratio > 0.0 else None
+        if same is None or scatter > AGREE or abs(ratio - 1.0) < CLEAR * scatter:
+            continue
+        if abs(float(np.mean([pulse.width for pulse in reading.pulses])) / usual_width - 1.0) > SAME_WIDTH:
+            continue
+        what, factor = same
+        unit = reading.channel.unit
+        times = f"{factor:.5g} times" if factor > 1.0 else f"1/{1.0 / factor:.5g} of"
+        message = (
+            f"its peak, {with_unit(peak, unit)}, is about {times} the median {with_unit(usual, unit)} of the other "
+            f"files, and its width is theirs: {what}"
+        )
+        yield file, HealthNotice("gain-differs", message, ratio, harms=("peak", "velocity_change"))
+
+
+def _outlying(readings: list[tuple[int, ChannelReading]]) -> Iterator[tuple[int, HealthNotice]]:
+    """Yield a finding for each figure of a file that is an outlier among those of the others."""
+    for name in COMPARED:
+        places, values = _values(readings, name)
+        if len(values) < FEWEST_FOR_OUTLIERS:
+            continue
+        found = outliers(values, FALSE_ALARM / len(COMPARED))
+        usual = float(np.median(np.delete(values, found)))
+        spread = float(np.std(np.delete(values, found), ddof=1))
+        for k in found:
+            if abs(values[k] / usual - 1.0) < LEAST_OUTLIER:
+                continue
+            file, reading = readings[places[k]]
+            unit = {"peak": reading.channel.unit, "velocity_change": ""}.get(name, "s")
+            off, side = abs(values[k] - usual) / spread, "above" if values[k] > usual else "below"
+            message = (
+                f"its {name.replace('_', ' ')}, {with_unit(values[k], unit)}, is an outlier: {off:.3g} standard "
+                f"deviations {side} the median {with_unit(usual, unit)} of the other files"
+            )
+            yield file, HealthNotice("outlier", message, values[k] / usual, harms=(name,))
+
+
+def _unlike_others(readings: list[tuple[int, ChannelReading]]) -> Iterator[tuple[int, HealthNotice]]:
+    """Yield a finding, with the number of its file, for each channel that differs from those of the other files.
+
+    Which of two files is the odd one is known from neither: sign and length need three.
+    """
+    if len(readings) < 2:
+        return
+    signs = [math.copysign(1.0, reading.pulses[0].peak) if reading.pulses else 0.0 for _, reading in readings]
+    usual_sign = math.copysign(1.0, sum(signs))
+    durations = [reading.channel.duration for _, reading in readings]
+    usual = float(np.median(durations))
+    fixed = sum(abs(duration - usual) <= AS_LONG * usual for duration in durations) >= MOST * len(durations)
+    units = [reading.channel.unit for _, reading in readings]
+    usual_unit = max(units, key=units.count)
+    names = [reading.channel.name for _, reading in readings]
+    usual_name = max(names, key=names.count)
+    usual_step = float(np.median([reading.channel.step for _, reading in readings]))
+    for (file, reading), sign, duration in zip(readings, signs, durations, strict=True):
+        channel = reading.channel
+        if len(readings) > 2 and sign == -usual_sign and abs(sum(signs)) > 0.0:
+            message = "its blows have the other sign than those of the other files: --polarity turns a channel"
+            yield (
+                file,
+                HealthNotice("polarity-differs", message, sign, severity="suspect", harms=("peak", "velocity_change")),
+            )
+        if len(readings) > 2 and fixed and duration < SHORTER * usual:
+            message = f"it lasts {duration:.4g} s, the other files {usual:.4g} s: it may have been cut off"
+            yield file, HealthNotice("truncated", message, duration, severity="suspect")
+        if channel.unit != usual_unit:
+            message = f"it is in {channel.unit or 'unknown units'}, the other files in {usual_unit or 'unknown units'}"
+            yield file, HealthNotice("unit-differs", message, severity="suspect", harms=("peak", "velocity_change"))
+        if channel.name != usual_name and names.count(usual_name) > 1 - (len(names) == 2):
+            message = f"channel {reading.number} is {show(channel.name)}, in the other files {show(usual_name)}"
+            yield file, HealthNotice("name-differs", message, severity="suspect", harms=SUMMED)
+        if abs(channel.step / usual_step - 1.0) > SAME_RATE:
+            rate, usual_rate = 1.0 / channel.step, 1.0 / usual_step
+            message = f"sampled at {rate:.6g} Hz, the other files at {usual_rate:.6g} Hz"
+            yield file, HealthNotice("rate-differs", message, rate, severity="good")
