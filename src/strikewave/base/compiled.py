@@ -36,10 +36,10 @@ different."""
 LEAF: Any = {**FULL, "_nrt": False, "forceinline": True}
 """Of a small kernel that makes no array: in small loops counting references and calling cost half the time."""
 CALLED: Any = {**FULL, "_nrt": False}
-"""Of a large kernel that makes no array."""
+"""Numba's options of a large kernel that makes no array."""
 INNER: Any = {**CALLED, "no_cpython_wrapper": True}
-"""Of one that Python never calls: an entry for Python takes apart each array of its arguments, which is more to compile
-than many a kernel."""
+"""Numba's options of a kernel that Python never calls: an entry for Python takes apart each array of its arguments, and
+is more to compile than many a kernel."""
 LOCATORS = ("UserWideCacheLocator", "IPythonCacheLocator", "ZipCacheLocator")
 """Numba's own, for kernels that come from no plain file: a frozen program, a notebook, a zipped package."""
 

@@ -25,7 +25,7 @@ def compile_fast_run() -> None:
     """Compile the fast run: first what is its own, then, once the full run has compiled the integrator, the whole.
 
     Types are those of the smallest tables; no machine is built. Were one wrong, the kernel would be compiled when it
-    is called, and a test says so.
+    is called; a test holds them against those of the fast run.
     """
     table, line, count = np.zeros((1, 1)), np.zeros(1), np.zeros(1, dtype=np.int64)
     system = MachineSystem(ChainTables(table, table, count.reshape(1, 1), table), table, line)
