@@ -409,6 +409,14 @@ def test_a_slow_motion_after_the_blow_is_no_hum():
     assert "hum" not in dict(codes(values, step=2e-5))
 
 
+def test_white_noise_counts_where_too_little_lies_before():
+    """8 % of noise, 24 samples a pulse: twice the uncertainty of a fitted peak is 6 %."""
+    values = blow(noise=0.08, length=24, begin=60.0, size=1500)
+    finding = found(values, "noise")
+    assert "peak" in finding.harms
+    assert "short-pretrigger" in dict(codes(values))
+
+
 def test_too_short_a_beginning_is_said():
     finding = found(blow()[int(BEGIN) - 250 :], "short-pretrigger")
     assert (finding.severity, finding.harms) == ("good", ())

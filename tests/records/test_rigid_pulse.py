@@ -88,6 +88,8 @@ def test_a_negative_blow_has_a_negative_rigid_peak():
     _, rigid = rigid_of(-half_sine() - swing)
     assert rigid.peak == pytest.approx(-PEAK, rel=0.02)
     assert rigid.velocity_change < 0.0
+    assert rigid.shape.begin == pytest.approx(BEGIN, abs=0.03 * LENGTH)
+    assert np.max(np.abs(rigid.shape.at(TIME) + half_sine())) < 0.06 * PEAK
 
 
 def test_a_campaign_has_the_figures_without_ringing(rng):

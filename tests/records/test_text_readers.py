@@ -13,6 +13,7 @@ from hypothesis import strategies as st
 from strikewave.base.errors import InputError
 from strikewave.records.readers import Options, text
 from strikewave.records.readers.clock import step_of
+from strikewave.records.readers.columns import cells_of
 from strikewave.records.record import Record
 
 LINES = "0.00,1.5,-2\n0.01,2.5,-3\n0.02,4.5,-5\n0.03,8.5,-9\n"
@@ -464,3 +465,14 @@ def test_a_split_hopkinson_record_with_start_and_step_on_top_is_read_at_10_mhz(m
     assert [channel.name for channel in record.channels] == ["Incident/Reflected Waveform", "Transmitted Waveform"]
     assert record.channels[0].values.tolist()[:2] == [-0.011292, -0.012207]
     assert (record.channels[0].step, record.channels[0].start) == (1e-7, -5e-5)
+
+
+def test_a_comment_above_thousands_of_columns_costs_no_more_than_a_header(tmp_path, monkeypatch):
+    """Lines are cut once for all columns that may be time: 5000 columns took half a minute."""
+    names, row = ",".join(f"name {k} in (x" for k in range(2000)), ",".join(["1.5"] * 2000)
+    (tmp_path / "a.csv").write_text(f"# {names}\n" + f"{row}\n" * 40)
+    cut = []
+    monkeypatch.setattr(text, "cells_of", lambda line, marks: cut.append(line) or cells_of(line, marks))
+    record = text.read(tmp_path / "a.csv")
+    assert len(record.channels) == 2000
+    assert len(cut) < 1000  # once for each line that is looked at, whatever the number of columns

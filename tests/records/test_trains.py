@@ -187,3 +187,17 @@ def test_a_part_of_a_blow_at_the_edge_of_a_train_is_named(at_end, share):
     assert "cut" in codes(reading)
     whole = reading_of(values)
     assert "cut" not in codes(whole)
+
+
+def test_a_double_hit_among_rebounds_keeps_its_figures():
+    """The second hit lies between the first and its rebound; no pulse without ringing is made of the three."""
+    begins = begins_of(7)
+    time, values = train_of(begins, [PEAK] * 7)
+    values += sum(half_sine(time, b + 0.8e-3, 0.3 * PEAK) for b in begins)
+    values += half_sine(time, begins[2] + 1.5 * DURATION, 0.9 * PEAK)
+    reading = reading_of(values)
+    assert [pulse.peak / 9.80665 for pulse in reading.pulses] == pytest.approx(
+        [PEAK] * 3 + [0.9 * PEAK] + [PEAK] * 4, rel=0.02
+    )
+    assert all(pulse.rigid is None for pulse in reading.pulses)
+    assert "double-hit" in codes(reading)

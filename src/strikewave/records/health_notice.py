@@ -83,12 +83,13 @@ def by_effect(
     value: float,
     effects: Mapping[str, float],
     signed: bool = True,
+    doubt: Mapping[str, float] | None = None,
     start: float = float("nan"),
     end: float = float("nan"),
 ) -> HealthNotice:
     """Return a notice that says what it does to each figure; those beyond `HARMED` are harmed, and it is suspect.
 
-    A rise time is harmed with the peak that it depends on.
+    A rise time is harmed with the peak that it depends on. What is not known of an effect, its ``doubt``, counts too.
 
     Examples
     --------
@@ -101,7 +102,7 @@ def by_effect(
         for name, effect in effects.items()
         if abs(effect) >= NO_EFFECT
     ]
-    harms = [name for name, effect in effects.items() if abs(effect) > HARMED]
+    harms = [name for name, effect in effects.items() if abs(effect) + (doubt or {}).get(name, 0.0) > HARMED]
     if "peak" in harms or "width" in harms:
         harms.append("rise")
     message = f"{message}: {', '.join(parts)}" if parts else message

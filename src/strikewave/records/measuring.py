@@ -211,17 +211,21 @@ def find_pulses(values: Array, step: float, start: float = 0.0) -> list[Recorded
 
 
 def _with_rigid(values: Array, step: float, start: float, pulses: Sequence[RecordedPulse]) -> list[RecordedPulse]:
-    """Return blows with the pulse without ringing, where they ring."""
+    """Return blows with the pulse without ringing, where they ring; one of a double hit has too little beside it."""
     done: list[RecordedPulse] = []
     last: RigidPulse | None = None
+    double = {k for pair in contacts_of(pulses).double.items() for k in pair}
     for k, pulse in enumerate(pulses):
+        if k in double:
+            done.append(pulse)
+            continue
         others = [rebound.time - pulse.smooth.length for rebound in one_sided(values, step, start, pulse)]
         others += [pulses[k + 1].begin] if k + 1 < len(pulses) else []
-        rigid = rigid_pulse(stretch_of(values, step, start, pulse, min(others, default=math.inf)), last)
+        stretch = stretch_of(values, step, start, pulse, min(others, default=math.inf))
+        rigid = rigid_pulse(stretch, last)
         if rigid is not None:
             last = rigid
-            sign = math.copysign(1.0, pulse.peak)
-            rigid = rigid._replace(peak=sign * rigid.peak, velocity_change=sign * rigid.velocity_change)
+            rigid = rigid.moved(pulse.smooth.begin - stretch.smooth.begin, math.copysign(1.0, pulse.peak))
         done.append(replace(pulse, rigid=rigid))
     return done
 
@@ -253,7 +257,10 @@ def stretch_of(values: Array, step: float, start: float, pulse: RecordedPulse, u
 
 
 def _owned(contacts: Sequence[tuple[RecordedPulse, bool]]) -> list[RecordedPulse]:
-    """Return the blows among contacts, each with its rebounds."""
+    """Return the blows among contacts, each with its rebounds.
+
+    Where a small one was not known when its blow was measured, the spectrum after that blow is that of the rebound too.
+    """
     pulses = [pulse for pulse, _ in contacts]
     kinds = sort_contacts(*_sizes(pulses), [small for _, small in contacts])
     rebounds: dict[int, list[Rebound]] = {}
@@ -261,7 +268,15 @@ def _owned(contacts: Sequence[tuple[RecordedPulse, bool]]) -> list[RecordedPulse
         pulse = pulses[k]
         if abs(pulse.peak) >= SMALLEST_REBOUND * abs(pulses[blow].peak):
             rebounds.setdefault(blow, []).append(Rebound(pulse.time, pulse.peak, pulse.velocity_change))
-    return [replace(pulses[k], rebounds=tuple(sorted(rebounds.get(k, ())))) for k in kinds.blows]
+    disturbed = {blow for k, blow in kinds.owner.items() if contacts[k][1] and blow in rebounds}
+    return [
+        replace(
+            pulses[k],
+            rebounds=tuple(sorted(rebounds.get(k, ()))),
+            ringing_frequency=math.nan if k in disturbed else pulses[k].ringing_frequency,
+        )
+        for k in kinds.blows
+    ]
 
 
 def contacts_of(pulses: Sequence[RecordedPulse]) -> Contacts:

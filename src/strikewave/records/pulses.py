@@ -55,7 +55,7 @@ HUMP, VALLEY = 0.5, 0.35
 either side of the baseline.
 
 Half-sines that touch foot to foot leave nothing; those 0.9 lengths apart a third."""
-OTHER_SIDE, OTHER_LOBE = 0.2, 0.3
+OTHER_SIDE, OTHER_LOBE = 0.2, 0.45
 """Shares of the lower of two humps that a ringing reaches to the other side of the baseline around them, and to the
 same side as far away as they lie apart; hits leave their tails there, and less."""
 LOBES = 4.0

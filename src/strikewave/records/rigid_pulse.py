@@ -83,6 +83,15 @@ POOR = 0.12
 """Misfit above which no rigid pulse is reported."""
 BETTER = 0.5
 """Share of what the smooth pulse alone misses that must be left, or there is no ringing to be taken off."""
+OVERDAMPED = 0.7
+"""Decay over frequency above which a mode does not swing: it has gone to its bound to make up for something else."""
+WIDER, LOWER = 4.0, 0.25
+"""Times that a pulse without ringing may be as wide as the smooth pulse, and share of its peak that it must have."""
+SHAPES = np.array([0.025, 0.04, 0.015])
+"""Standard uncertainties of peak, width and velocity change, over themselves, by shapes that the family has not: flat
+tops, saw-teeth and long tails, planted and fitted."""
+ALIKE = np.array([0.2, 0.25, 0.15])
+"""The same of a mode that is struck and swings less than `SEPARATE` times in a width: swing and pulse are alike."""
 RIDGE = 1e-10
 """Share of the squares of the columns added to them: a mode and a pulse that look alike share their amplitude."""
 TINY = 1e-300
@@ -108,6 +117,8 @@ class RigidPulse(NamedTuple):
         Root mean square of what is left, over the peak.
     model : str
         ``mount``, ``mode`` or ``struck``.
+    shape : SmoothPulse
+        The pulse itself.
     """
 
     peak: float
@@ -121,6 +132,12 @@ class RigidPulse(NamedTuple):
     damping: float
     misfit: float
     model: str
+    shape: SmoothPulse
+
+    def moved(self, later: float, sign: float = 1.0) -> RigidPulse:
+        """Return the pulse so much later, s, and turned round for a sign of -1."""
+        shape = self.shape._replace(begin=self.shape.begin + later, peak=sign * self.shape.peak)
+        return self._replace(peak=sign * self.peak, velocity_change=sign * self.velocity_change, shape=shape)
 
 
 class Fit(NamedTuple):
@@ -185,13 +202,17 @@ def fit_rigid_pulse(
             if best is not None and best.misfit < FITS:
                 break
         fits += [] if best is None else [best]
+    fits = [fit for fit in fits if fit.decay < OVERDAMPED * fit.omega and _plausible(fit, guess)]
     least = min((fit.misfit for fit in fits), default=math.inf)
     if least > POOR:
         return None
     alike = [fit for fit in fits if fit.misfit <= max(AS_GOOD * least, ENOUGH, noise / fit.pulse.peak)]
     best = alike[0]
     figures = np.array([_figures(fit.pulse) for fit in fits if fit.misfit <= AS_GOOD * least or fit is best])
-    doubt = np.hypot(best.doubt, np.max(np.abs(figures - _figures(best.pulse)), axis=0) / math.sqrt(3.0))
+    own = np.array(_figures(best.pulse))
+    models_apart = np.max(np.abs(figures - own), axis=0) / math.sqrt(3.0)
+    floor = np.hypot(SHAPES if best.model != "struck" or _swings(best) > SEPARATE else ALIKE, 0.5 * best.misfit) * own
+    doubt = np.sqrt(best.doubt**2 + models_apart**2 + floor**2)
     return RigidPulse(
         best.pulse.peak,
         best.pulse.rise(),
@@ -204,7 +225,18 @@ def fit_rigid_pulse(
         best.decay / math.hypot(best.omega, best.decay),
         best.misfit,
         best.model,
+        best.pulse,
     )
+
+
+def _plausible(fit: Fit, guess: SmoothPulse) -> bool:
+    """Tell whether a pulse is one that ringing could have made of the guess."""
+    return fit.pulse.width() < WIDER * guess.width() and fit.pulse.peak > LOWER * guess.peak
+
+
+def _swings(fit: Fit) -> float:
+    """Return the swings in a width of the pulse."""
+    return fit.omega / (2.0 * math.pi) * fit.pulse.width()
 
 
 def _figures(pulse: SmoothPulse) -> tuple[float, float, float]:
@@ -374,7 +406,8 @@ def rigid_pulse(stretch: Stretch, last: RigidPulse | None = None) -> RigidPulse 
     if count < FEWEST:
         return None
     part = values[low : low + count * factor].reshape(count, factor).mean(axis=1)
-    guess = stretch.smooth._replace(begin=stretch.smooth.begin - step * (low + 0.5 * (factor - 1)))
+    middle = step * (low + 0.5 * (factor - 1))
+    guess = stretch.smooth._replace(begin=stretch.smooth.begin - middle)
     models = MODELS if last is None else [model for model in MODELS if _name(model) == last.model]
     rigid = fit_rigid_pulse(part, factor * step, guess, frequency, stretch.noise / math.sqrt(factor), models)
     if rigid is None and last is not None:
@@ -382,7 +415,8 @@ def rigid_pulse(stretch: Stretch, last: RigidPulse | None = None) -> RigidPulse 
     if rigid is None or (rigid.damping > QUICKLY and not swings_after(stretch)):
         return None
     alone = part - guess.at(factor * step * np.arange(count, dtype=np.float64))
-    return rigid if rigid.misfit * rigid.peak < BETTER * math.sqrt(float(np.mean(alone**2))) else None
+    better = rigid.misfit * rigid.peak < BETTER * math.sqrt(float(np.mean(alone**2)))
+    return rigid.moved(middle) if better else None
 
 
 def ringing_of(stretch: Stretch) -> float:

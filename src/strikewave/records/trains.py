@@ -26,7 +26,7 @@ NEAR = 20.0
 """Widths from peak to peak within which a smaller contact belongs to a blow where no train shows what is regular."""
 DOUBLE = 5.0
 """Widths from peak to peak within which two contacts as large are a double hit where no train shows what is regular."""
-JITTER = 0.12
+JITTER = 0.15
 """Share of its period by which a gap of a train may differ: machines keep it to some percent, hands do not."""
 MOST_PERIODS = 4
 """Periods that a gap may last: more blows missing in a row are an end of a train and the begin of another."""
@@ -34,6 +34,8 @@ MISSED = 0.5
 """Weights of a usual blow, its peak squared, that a missing one costs a chain.
 
 Less than one: a train that lacks a blow is else taken for one of twice the period."""
+KNOWN = 0.1
+"""Share of that cost once the period is known: a small blow after a gap is then still one of the train."""
 FEWEST_GAPS = 2
 """Gaps of one period without which there is no train."""
 IRREGULAR = 0.35
@@ -118,9 +120,10 @@ def find_train(times: Array, peaks: Array) -> BlowTrain | None:
         off = _off_period(times[members], period)
         if best is None or score > best[0] * (1.0 + 1e-9) or (score > best[0] * (1.0 - 1e-9) and off < best[1]):
             best = score, off, members
-    if best is None:
+    if best is None or len(best[2]) < 2:
         return None
-    members = best[2]
+    period = _common_period(np.diff(times[best[2]]))
+    members = _chain(times, weights, period, KNOWN * penalty)[1]
     gaps = np.diff(times[members])
     period = _common_period(gaps)
     single = gaps[np.abs(gaps - period) < JITTER * period]

@@ -58,7 +58,7 @@ def _key_numbers(files: Sequence[FileReading], campaigns: Sequence[Campaign]) ->
         return pairs
     first = campaigns[0]
     unit = unit_of(files, first)
-    for name in ("peak", "width", "velocity_change", "interval"):
+    for name in ("peak", "rigid_peak", "width", "velocity_change", "interval"):
         if name in first.statistics:
             one = first.statistics[name]
             label = f"{called(name, unit)}, {_of(one.n, name)}"

@@ -43,11 +43,19 @@ def record_words(result: RecordResult) -> str:
     return " ".join(words)
 
 
+def _of_blows(count: int) -> str:
+    return f"the mean peak of {count} blows is" if count > 1 else "the peak is"
+
+
 def _campaign_words(campaign: Campaign, unit: str, several: bool) -> str:
     where = f"{campaign.channel}: " if several else ""
     statistics = campaign.statistics
+    rigid = statistics.get("rigid_peak")
+    without = (
+        "" if rigid is None else f" Without ringing {_of_blows(rigid.n)} {amount('rigid_peak', unit, rigid.mean)}."
+    )
     if "peak" not in statistics:
-        return f"{where}No record gave a peak that can be trusted."
+        return f"{where}No record gave a peak that can be trusted.{without}"
     one = statistics["peak"]
     text = f"{where}{one.n} blow{'s' if one.n > 1 else ''}, peak {amount('peak', unit, one.mean)}"
     if one.n > 1:
@@ -60,8 +68,8 @@ def _campaign_words(campaign: Campaign, unit: str, several: bool) -> str:
     odd = len({outlier.path for outlier in campaign.outliers})
     text += f"; {odd} file{'s' if odd > 1 else ''} that disagree{'' if odd > 1 else 's'} left out" if odd else ""
     if line is None or not math.isfinite(line.low):
-        return text + "."
+        return f"{text}.{without}"
     if not line.significant:
-        return text + ". Over the files no trend of the peak stands out of the scatter."
+        return f"{text}.{without} Over the files no trend of the peak stands out of the scatter."
     grows = "grows" if (line.slope > 0.0) == (one.mean > 0.0) else "falls"
-    return f"{text}. Over the files the peak {grows} by {percent(abs(line.change), 2)} along its trend."
+    return f"{text}.{without} Over the files the peak {grows} by {percent(abs(line.change), 2)} along its trend."

@@ -56,7 +56,7 @@ def uncertain(record: Examined) -> list[HealthNotice]:
         return []
     worst: dict[str, float] = {}
     for pulse in record.pulses:
-        for name, effect in _effects(pulse).items():
+        for name, effect in _effects(record, pulse).items():
             worst[name] = max(worst.get(name, 0.0), effect)
     hum = mains_hum(record)
     peak = min(abs(pulse.peak) for pulse in record.pulses)
@@ -66,9 +66,12 @@ def uncertain(record: Examined) -> list[HealthNotice]:
         return [by_effect("hum", message, amplitude, worst, signed=False)]
     if max(worst.values(), default=0.0) < NOTED_NOISE:
         return []
-    wander = max((p.baseline.wander for p in record.pulses if p.baseline.wander == p.baseline.wander), default=0.0)
-    message = f"noise before the blow wanders by {record.text(wander)} over its length"
-    return [by_effect("noise", message, wander, worst, signed=False)]
+    wander = max((p.baseline.wander for p in record.pulses if math.isfinite(p.baseline.wander)), default=math.nan)
+    level = record.noise if math.isnan(wander) else wander
+    message = f"noise before the blow wanders by {record.text(level)} over its length"
+    if math.isnan(wander):
+        message = f"noise of {record.text(level)} a sample"
+    return [by_effect("noise", message, level, worst, signed=False)]
 
 
 def short_before(record: Examined) -> list[HealthNotice]:
@@ -83,9 +86,11 @@ def short_before(record: Examined) -> list[HealthNotice]:
     return [HealthNotice("short-pretrigger", message, pulse.baseline.widths, severity="good", end=pulse.begin)]
 
 
-def _effects(pulse: RecordedPulse) -> dict[str, float]:
+def _effects(record: Examined, pulse: RecordedPulse) -> dict[str, float]:
     """Return by how much of itself noise may falsify each figure; of white noise where no more is known."""
     doubt = pulse.uncertainty
+    if math.isnan(doubt.peak) and pulse.width > 0.0:
+        doubt = pulse.smooth.uncertainty(record.step, pulse.noise)
     known = {name: getattr(doubt, name) / abs(getattr(pulse, name)) for name in doubt._fields if getattr(pulse, name)}
     return {name: COVERAGE * effect for name, effect in known.items() if math.isfinite(effect)}
 

@@ -51,7 +51,8 @@ def _ringing_of(record: Examined, pulse: RecordedPulse) -> HealthNotice | None:
             f"the blow at {pulse.time:.6g} s rings at {rigid.frequency:.4g} Hz; without it the peak is "
             f"{record.text(rigid.peak)}, the width {1e6 * rigid.width:.4g} us; with it"
         )
-        return by_effect("ringing", message, share, effects, start=pulse.begin)
+        doubt = {name: getattr(rigid, f"{name}_uncertainty") / abs(getattr(rigid, name)) for name in effects}
+        return by_effect("ringing", message, share, effects, doubt=doubt, start=pulse.begin)
     within = pulse.smooth.misfit > STRAYS and pulse.method == "record"
     if share < NOTED_RINGING and not within:
         return None

@@ -200,25 +200,25 @@ def velocity_drift(record: Examined) -> list[HealthNotice]:
 
 
 def no_foot(record: Examined) -> list[HealthNotice]:
-    """Find blows after or before which the record does not come back to 2 % of the peak."""
+    """Find blows after or before which the record does not come back to 2 % of the peak.
+
+    The smooth pulse, whose area is then the velocity change, and the record over its length are two measures of it.
+    """
     open_ = [p for p in record.pulses if p.method == "record" and p.begin == p.smooth.begin and p.width > 0.0]
     if not open_:
         return []
+    worst = 0.0
+    for pulse in open_:
+        part = record.values[record.place(pulse.begin) : record.place(pulse.end) + 1]
+        area = record.step * float(np.sum(part - pulse.offset))
+        effect = pulse.velocity_change / area - 1.0 if area * pulse.peak > 0.0 else math.inf
+        worst = max(worst, effect, key=abs)
     message = (
         f"the record does not come back to 2 % of the peak beside the blow at {open_[0].time:.6g} s: the velocity "
-        "change is that of the smooth pulse"
+        "change is that of the smooth pulse; against the record over its length"
     )
-    return [
-        HealthNotice(
-            "no-foot",
-            message,
-            len(open_),
-            severity="suspect",
-            harms=("velocity_change",),
-            start=open_[0].begin,
-            end=open_[0].end,
-        )
-    ]
+    effects = {"velocity_change": worst}
+    return [by_effect("no-foot", message, len(open_), effects, start=open_[0].begin, end=open_[0].end)]
 
 
 def level_step(values: Array) -> tuple[int, float] | None:

@@ -35,6 +35,8 @@ from strikewave.records.readers.headings import is_counter, is_time
 from strikewave.records.readers.layout import Look, NumberLayout, is_cut, lay_out, look_at
 from strikewave.records.record import Array, Channel, Record
 
+Rows = Sequence[Sequence[str]]
+"""Cells of some lines."""
 _SHOWN = 1000
 """Lines by which a column is judged to be time or a count."""
 _FIRST = 20
@@ -77,8 +79,9 @@ def read(path: Path, options: Options = Options()) -> Record:  # noqa: B008  (a 
     """
     look = look_at(path)
     layout = lay_out(look)
-    time = _time_column(look, layout, options)
-    shown, findings = _channels(look, layout, time)
+    rows = _rows(look.head[layout.first : layout.first + _SHOWN], layout)
+    time = _time_column(rows, layout, options)
+    shown, findings = _channels(path, rows, layout, time)
     wanted = _wanted(str(path), shown, options.channels)
     clock = None if options.rate is not None else time
     if options.time_unit is not None and time is None:
@@ -94,7 +97,7 @@ def read(path: Path, options: Options = Options()) -> Record:  # noqa: B008  (a 
         raise refuse(path, "at least two lines of numbers")
     if options.rate is not None:
         step, start = 1.0 / options.rate, 0.0
-        notes += _overruled(look, layout, time, options.rate)
+        notes += _overruled(look, rows, layout, time, options.rate)
     unread = np.broadcast_to(np.float64(np.nan), (size,))
     channels = [
         Channel(name, columns[k][skip:] if k in wanted else unread, step, start, unit, stamps)
@@ -123,17 +126,17 @@ def _numbers(look: Look, layout: NumberLayout, columns: set[int]) -> tuple[dict[
     return dict(zip(wanted, table.columns, strict=True)), findings
 
 
-def _time_column(look: Look, layout: NumberLayout, options: Options) -> int | None:
+def _time_column(rows: Rows, layout: NumberLayout, options: Options) -> int | None:
     if options.time is not None:
         return _named_time(layout, options.time, options.time_unit is not None or options.rate is not None)
     names, units, _ = layout.headings
     if layout.headings.named or any(units):
         by_name = [k for k in layout.filled if is_time(names[k], units[k])]
         sure = [k for k in by_name if units[k] or len(names[k]) > 2 or (options.rate and names[k].casefold() == "t")]
-        return next((k for k in sure + by_name if k in sure or _rises(look, layout, k)), None)
+        return next((k for k in sure + by_name if k in sure or _rises(rows, layout, k)), None)
     if len(layout.filled) < 2:
         return None
-    return next((k for k in layout.filled if _even(look, layout, k)), None)
+    return next((k for k in layout.filled if _even(rows, layout, k)), None)
 
 
 def _named_time(layout: NumberLayout, wanted: str, unit_stated: bool) -> int:
@@ -159,12 +162,12 @@ def _named_time(layout: NumberLayout, wanted: str, unit_stated: bool) -> int:
     return k
 
 
-def _overruled(look: Look, layout: NumberLayout, time: int | None, rate: float) -> list[HealthNotice]:
+def _overruled(look: Look, rows: Rows, layout: NumberLayout, time: int | None, rate: float) -> list[HealthNotice]:
     """Say that a rate that is stated is not that of the time column, or of the lines above the data."""
     if time is None:
         step = said_step([re.sub(r"^[#%/\s]+", "", line) for line in look.head[: layout.first]])[0]
     else:
-        cells, values = _values(look, layout, time)
+        cells, values = _values(rows, layout, time)
         step = step_of(values, last_digit(cells)) * (seconds_in(layout.headings.units[time]) or 1.0)
     if not step > 0.0 or abs(step * rate - 1.0) <= SAME_RATE:
         return []
@@ -172,24 +175,28 @@ def _overruled(look: Look, layout: NumberLayout, time: int | None, rate: float) 
     return [HealthNotice("rate-overrules", message, rate, severity="good")]
 
 
-def _cells(lines: Iterable[str], layout: NumberLayout, column: int) -> list[str]:
-    rows = (cells_of(line, layout.marks) for line in lines if line.strip() and not is_comment(line))
+def _rows(lines: Iterable[str], layout: NumberLayout) -> Rows:
+    """Cut lines of data into cells, once for all columns that are looked at."""
+    return [cells_of(line, layout.marks) for line in lines if line.strip() and not is_comment(line)]
+
+
+def _cells(rows: Rows, column: int) -> list[str]:
     return [row[column] for row in rows if len(row) > column]
 
 
-def _values(look: Look, layout: NumberLayout, column: int) -> tuple[list[str], Array]:
-    cells = _cells(look.head[layout.first : layout.first + _SHOWN], layout, column)
+def _values(rows: Rows, layout: NumberLayout, column: int) -> tuple[list[str], Array]:
+    cells = _cells(rows, column)
     values = [number(cell, layout.marks.decimal) for cell in cells]
     return cells, np.array([np.nan if value is None else value for value in values])
 
 
-def _even(look: Look, layout: NumberLayout, column: int) -> bool:
-    cells, values = _values(look, layout, column)
+def _even(rows: Rows, layout: NumberLayout, column: int) -> bool:
+    cells, values = _values(rows, layout, column)
     return rises_evenly(values[:_FIRST], last_digit(cells[:_FIRST])) and rises_evenly(values, _coarsest(cells))
 
 
-def _rises(look: Look, layout: NumberLayout, column: int) -> bool:
-    _, values = _values(look, layout, column)
+def _rises(rows: Rows, layout: NumberLayout, column: int) -> bool:
+    _, values = _values(rows, layout, column)
     return bool(values.size > 1 and values[-1] > values[0] and np.all(np.diff(values) >= 0.0))
 
 
@@ -199,7 +206,7 @@ def _coarsest(cells: Sequence[str]) -> float:
 
 
 def _channels(
-    look: Look, layout: NumberLayout, time: int | None
+    path: Path, rows: Rows, layout: NumberLayout, time: int | None
 ) -> tuple[dict[int, tuple[str, str]], list[HealthNotice]]:
     """Name the channels by column; leave out time, and a column that counts samples."""
     names, units, _ = layout.headings
@@ -209,14 +216,14 @@ def _channels(
         if k == time:
             continue
         unnamed = layout.headings.named and not names[k] and not units[k]
-        if (unnamed or is_counter(names[k], units[k])) and np.all(np.diff(_values(look, layout, k)[1]) == 1.0):
+        if (unnamed or is_counter(names[k], units[k])) and np.all(np.diff(_values(rows, layout, k)[1]) == 1.0):
             findings.append(
                 HealthNotice("column-dropped", f"column {k + 1} is left out: it counts the samples", severity="good")
             )
             continue
         shown[k] = (names[k] or f"channel {len(shown) + 1}", units[k])
     if not shown:
-        raise refuse(look.path, "a channel besides time")
+        raise refuse(path, "a channel besides time")
     unique = one_each([name for name, _ in shown.values()])
     return {k: (name, shown[k][1]) for k, name in zip(shown, unique, strict=True)}, findings
 
@@ -256,8 +263,8 @@ def _grid(
 ) -> tuple[float, float, int, list[HealthNotice]]:
     """Return step, start, how many first lines are no samples, and findings."""
     if clock is not None and stamps is not None and stamps.size:
-        cells = _cells(look.head[layout.first :][:_EDGE_LINES], layout, clock)
-        digit = max(last_digit(cells), last_digit(_cells(look.tail[-_EDGE_LINES - 1 : -1], layout, clock))) * unit
+        edges = (look.head[layout.first :][:_EDGE_LINES], look.tail[-_EDGE_LINES - 1 : -1])
+        digit = max(last_digit(_cells(_rows(lines, layout), clock)) for lines in edges) * unit
         findings = []
         if not layout.headings.named and digit == 1.0 and np.all(np.diff(stamps[:_SHOWN]) == 1.0):
             message = f"column {clock + 1} rises by 1 a line, taken as time in s: if it counts samples, give --rate"
