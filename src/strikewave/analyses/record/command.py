@@ -30,6 +30,9 @@ def command(
             "--fail-on", help="Status of a file, or a worse one, that makes the exit code 3; none by default."
         ),
     ] = None,
+    motion: Annotated[
+        bool, typer.Option("--motion", help="Velocity and displacement too, by integration, with their drift.")
+    ] = False,
     filtering: FilterOptions,
     output: Output,
 ) -> int:
@@ -45,4 +48,4 @@ def command(
     height = math.nan if drop_height is None else drop_height
     channels = tuple(measurement.channel or ())
     wanted = filtering.on(Request(channels, measurement.calibration(), height))
-    return examine_records(files, wanted, measurement.reading(), output, columns == "repeats", fail_on or "")
+    return examine_records(files, wanted, measurement.reading(), output, columns == "repeats", fail_on or "", motion)

@@ -6,6 +6,7 @@ from collections.abc import Sequence
 
 from strikewave.analyses.record import chapters as chapters
 from strikewave.analyses.record import pictures as pictures
+from strikewave.analyses.record.motion_chapter import motion_section
 from strikewave.analyses.record.result import RecordResult
 from strikewave.analyses.record.tables import amount, between, called, percent, short_names, unit_of
 from strikewave.analyses.record.words import counted, record_words
@@ -36,6 +37,7 @@ def record_report(result: RecordResult) -> str:
         chapters.blow_section(files, names),
         *(chapters.campaign_section(one, files, names, len(campaigns) > 1) for one in campaigns),
         shared.warnings(result.notices),
+        *([motion_section(result.motions)] if result.motion else []),
         chapters.filter_section(files, names, result.filter),
         chapters.calibration_section(files, names, result.calibrations),
     ]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -11,12 +12,13 @@ from typing import Any, ClassVar
 import numpy as np
 
 from strikewave.analyses.record.chosen import advised_filter, cutoff_for, sources_of
+from strikewave.analyses.record.moved import MOTION_UNITS, RecordMotion, all_moved, motion_columns
 from strikewave.base.result import FAILED, Notice
 from strikewave.records.campaign import Campaign
 from strikewave.records.health_notice import STATUSES, HealthNotice
 from strikewave.records.measuring import RecordedPulse
 from strikewave.records.reading import ChannelReading, FileReading
-from strikewave.reporting.columns import Column, csv_table
+from strikewave.reporting.columns import HISTORY_DIGITS, Column, csv_table
 from strikewave.reporting.measured_files import AskedResult
 from strikewave.reporting.numbers import shown_unit, with_unit
 from strikewave.reporting.shown_result import Curve, history_curve
@@ -45,6 +47,8 @@ class RecordResult(AskedResult):
         Where a calibration was stated (an option, a file), and what.
     fail_on : str
         Status, ``suspect`` or ``bad``, that makes the command exit with 3 where a file has it, or a worse one.
+    motion : bool
+        Whether velocity and displacement are given.
     """
 
     command: ClassVar[str] = "record"
@@ -54,6 +58,12 @@ class RecordResult(AskedResult):
     filter: Filter | None = None
     calibrations: Sequence[tuple[str, str]] = ()
     fail_on: str = ""
+    motion: bool = False
+
+    @functools.cached_property
+    def motions(self) -> list[RecordMotion]:
+        """Velocity and displacement of the channels, where asked for."""
+        return all_moved(self.readings) if self.motion else []
 
     @property
     def title(self) -> str:
@@ -69,7 +79,8 @@ class RecordResult(AskedResult):
 
     def units(self) -> dict[str, str]:
         """Return the unit of each key of the JSON document."""
-        return units_of(self.readings)
+        more = {**MOTION_UNITS, "lost": "s"} if self.motion else {}
+        return {**units_of(self.readings), **more}
 
     def content(self) -> dict[str, Any]:
         """Return what the JSON document holds beside its head."""
@@ -78,6 +89,8 @@ class RecordResult(AskedResult):
             "campaign": _campaign(self.campaigns[0]) if self.campaigns else {},
             "advised_cutoff": None if (advised := advised_filter(self.readings)) is None else advised.cutoff,
         }
+        if self.motion:
+            content["motion"] = [{"file": one.file, "channel": one.channel, **one.document()} for one in self.motions]
         if len(self.campaigns) > 1:
             content["campaigns"] = [_campaign(one) for one in self.campaigns]
         return content
@@ -119,7 +132,10 @@ class RecordResult(AskedResult):
 
     def tables(self) -> dict[str, str]:
         """Return all pulses as CSV text."""
-        return {"pulses.csv": csv_table(self.columns())}
+        tables = {"pulses.csv": csv_table(self.columns())}
+        if self.motion:
+            tables["motion.csv"] = csv_table(motion_columns(self.motions), HISTORY_DIGITS)
+        return tables
 
 
 def name_of(paths: Sequence[Path]) -> str:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -9,6 +10,7 @@ from pathlib import Path
 from typing import Any, ClassVar
 
 from strikewave.analyses.record.chosen import advised_filter
+from strikewave.analyses.record.motion_chapter import motion_table
 from strikewave.analyses.record.question import examined
 from strikewave.analyses.record.result import (
     INTEGRALS,
@@ -33,7 +35,7 @@ from strikewave.reporting.layout import MORE, keys, numerals, texts
 from strikewave.reporting.numbers import listed, with_unit
 from strikewave.reporting.options import Output
 from strikewave.reporting.run_and_write import Command, run_and_write
-from strikewave.reporting.terminal import number, significant, table, tell
+from strikewave.reporting.terminal import number, report_table, significant, table, tell
 from strikewave.signal.filters import Filter
 
 MOST_NAMED = 3
@@ -49,6 +51,7 @@ def examine_records(
     output: Output,
     in_columns: bool = False,
     fail_on: str = "",
+    motion: bool = False,
 ) -> int:
     """Examine records, write and print what they say, and return the exit code.
 
@@ -64,6 +67,8 @@ def examine_records(
         Whether the channels of a file are repeats of one test.
     fail_on : str
         Status that makes the exit code 3; empty for none.
+    motion : bool
+        Whether velocity and displacement are given.
 
     Raises
     ------
@@ -75,7 +80,7 @@ def examine_records(
     name = name_of(paths)
     usual = f"record-{name}"
     origin = measured.source_of("records", name, paths if output.writes(usual) else [], output.stated_test())
-    command = RecordCommand(files, wanted, options, origin, in_columns, fail_on)
+    command = RecordCommand(files, wanted, options, origin, in_columns, fail_on, motion)
     return run_and_write(command, output, usual, origin.text)
 
 
@@ -91,10 +96,12 @@ class RecordCommand(Command[RecordResult]):
     origin: Source
     in_columns: bool = False
     fail_on: str = ""
+    motion: bool = False
 
     def solve(self) -> RecordResult:
         """Return what the records say."""
-        return examined(self.files, self.wanted, self.options, self.origin, self.in_columns, self.fail_on)
+        found = examined(self.files, self.wanted, self.options, self.origin, self.in_columns, self.fail_on)
+        return dataclasses.replace(found, motion=self.motion)
 
     def summary(self, result: RecordResult) -> str:
         """Say what the records have in common, and which are bad."""
@@ -103,6 +110,8 @@ class RecordCommand(Command[RecordResult]):
     def show(self, result: RecordResult) -> None:
         """Print files, campaigns, and what the filter did."""
         _print(result.readings, result.campaigns, result.filter)
+        if result.motion:
+            report_table(motion_table(result.motions))
 
     def draw(self, result: RecordResult, folder: Path) -> list[str]:
         """Write page and summary."""
