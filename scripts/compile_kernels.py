@@ -11,12 +11,10 @@ from multiprocessing import get_context
 
 
 def fast_train() -> None:
-    """Run a machine without its bodies between blows."""
-    from strikewave import load_case
-    from strikewave.analyses.machine.build import build_machine
-    from strikewave.machines.fast_train import fast_train
+    """Compile the fast run of a machine; the integrator that it shares with the full run is taken from there."""
+    from strikewave.machines.compile_ahead import compile_fast_run
 
-    fast_train(build_machine(load_case("li-ma-2019", ["feed.blows=2"])))
+    compile_fast_run()
 
 
 def machine() -> None:
@@ -70,8 +68,8 @@ def impacts_and_spectra() -> None:
     robust_line(time)
 
 
-FAMILIES = (fast_train, machine, struck_stack, elements, waves, impacts_and_spectra)
-"""The longest first."""
+FAMILIES = (machine, fast_train, struck_stack, elements, waves, impacts_and_spectra)
+"""The longest first, and the machine before the fast run, which waits for it."""
 
 
 def timed(family: int) -> tuple[str, str]:

@@ -1,6 +1,7 @@
 """Kernels that are compiled are counted and shown, once, by whoever stands closest; what the cache holds is not."""
 
 import io
+import re
 import subprocess
 import sys
 
@@ -49,7 +50,7 @@ def test_a_terminal_sees_one_line_and_a_script_none(monkeypatch):
         text = stderr.getvalue()
         assert text.count("\n") == lines
         assert text.count(f"\r{WORDS}: ") == 4 * lines
-        assert "2 compiled in 0 s\n" in text or not lines
+        assert re.search(r"2 compiled in \d+ s\n", text) or not lines  # however long it took
 
 
 def test_the_line_ends_where_a_run_fails(monkeypatch):

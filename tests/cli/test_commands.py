@@ -239,7 +239,7 @@ def test_full_disk_leaves_nothing_half_written(strikewave, monkeypatch, tmp_path
     def full(*_, **__):
         raise OSError(28, "No space left on device")
 
-    monkeypatch.setattr("xarray.Dataset.to_netcdf", full)
+    monkeypatch.setattr("h5netcdf.File", full)
     code, _, err = strikewave("run", "--no-band", "li-ma-2019", "--set", "feed.blows=1", "--out", "a")
     assert code == 2
     assert "No space left" in err

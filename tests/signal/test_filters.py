@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.integrate import quad
 
-from strikewave.signal.filters import Filter, effect_on_half_sine, low_pass
+from strikewave.signal.filters import Filter, HighPass, effect_on_half_sine, low_pass
 
 STEP = 1e-6
 
@@ -179,3 +179,35 @@ def test_advised_cutoff_takes_two_percent_off_the_half_sine_it_is_for():
 def test_unknown_convention_is_refused():
     with pytest.raises(ValueError, match="both"):
         Filter(1e3, convention="one")
+
+
+@pytest.mark.parametrize("order", [1, 2, 4])
+@pytest.mark.parametrize("cutoff", [8e3, 100e3])
+def test_high_pass_has_its_closed_form_and_no_phase(order, cutoff):
+    size = 16384
+    impulse = np.zeros(size)
+    impulse[size // 2] = 1.0
+    high = HighPass(cutoff, order)
+    H = np.fft.rfft(np.roll(high.apply(impulse, STEP), -size // 2))
+    f = np.fft.rfftfreq(size, STEP)
+    # W_c^(2n) of each pass is (sqrt(2) - 1) W(cutoff)^(2n): both lose 3 dB at the cutoff
+    expected = 1.0 / (1.0 + (math.sqrt(2.0) - 1.0) / np.maximum(warped(f[1:-1], cutoff), 1e-300) ** (2 * order))
+    assert np.allclose(H[1:-1].real, expected, atol=1e-9)
+    assert np.allclose(H.imag, 0.0, atol=1e-9)
+    assert high.gain([0.0, cutoff], STEP) == pytest.approx([0.0, math.sqrt(0.5)])
+
+
+def test_high_pass_makes_zero_of_an_offset_and_of_the_velocity_change(rng):
+    high = HighPass(500.0)
+    assert np.allclose(high.apply(np.full(3000, 7.0), 1e-5), 0.0, atol=1e-9)
+    blow = np.zeros(20_000)
+    blow[9950:10050] = np.sin(np.pi * np.arange(100) / 100)
+    assert abs(np.sum(high.apply(blow, 1e-5))) < 1e-9 * np.sum(blow)  # gain zero at zero frequency
+    history = rng.normal(size=500)
+    assert np.allclose(high.apply(history + 5.0, 1e-5), high.apply(history, 1e-5), atol=1e-9)
+
+
+@pytest.mark.parametrize("cutoff", [0.0, -1.0, 500e3, math.nan])
+def test_high_pass_refuses_a_cutoff_that_makes_no_sense(cutoff):
+    with pytest.raises(ValueError, match="the cutoff must lie above zero and below half the sampling rate"):
+        HighPass(cutoff).apply(np.ones(100), STEP)

@@ -7,6 +7,7 @@ is given, and the kernels are compiled anew in each process.
 
 from __future__ import annotations
 
+import contextlib
 import functools
 import hashlib
 import os
@@ -18,7 +19,9 @@ from typing import Any, TypeVar, cast
 
 import numba
 import platformdirs
-from numba.core.caching import UserProvidedCacheLocator
+from numba.core.caching import FunctionCache, UserProvidedCacheLocator
+from numba.core.registry import CPUDispatcher
+from numba.core.runtime import rtsys
 
 from strikewave.base.errors import StrikewaveWarning
 
@@ -27,9 +30,18 @@ PACKAGE = Path(__file__).absolute().parents[1]
 """Folder of the package: kernels are told apart by their place in it, wherever it lies."""
 KEY_DIGITS = 16
 """Digits of the key of a folder of kernels: of 64 bits no two versions are alike, and the path stays short."""
-LEAF: Any = {"_nrt": False, "forceinline": True}
-"""Numba's options of a small kernel that makes no array: in small loops counting references and calling cost half the
-time."""
+FULL: Any = {"forceinline": False, "no_cfunc_wrapper": True}
+"""Numba's options of every kernel. It is inlined only where that is asked for: left unsaid, numba hands the wish of the
+kernel that first calls it down to it, and copies large ones wherever they are called. Nothing calls kernels by pointers
+of C, so that such an entry, one more copy of what is inlined, is left out. Both make compiling shorter, not results
+different."""
+LEAF: Any = {**FULL, "_nrt": False, "forceinline": True}
+"""Of a small kernel that makes no array: in small loops counting references and calling cost half the time."""
+CALLED: Any = {**FULL, "_nrt": False}
+"""Numba's options of a large kernel that makes no array."""
+INNER: Any = {**CALLED, "no_cpython_wrapper": True}
+"""Numba's options of a kernel that Python never calls: an entry for Python takes apart each array of its arguments, and
+is more to compile than many a kernel."""
 LOCATORS = ("UserWideCacheLocator", "IPythonCacheLocator", "ZipCacheLocator")
 """Numba's own, for kernels that come from no plain file: a frozen program, a notebook, a zipped package."""
 
@@ -84,7 +96,7 @@ def kernel(function: F) -> F:
     >>> double(2.0)
     4.0
     """
-    return _compiled(function, {})
+    return _compiled(function, FULL)
 
 
 def leaf_kernel(function: F) -> F:
@@ -100,12 +112,19 @@ def called_kernel(function: F) -> F:
 
     For what stands in many loops and is large: it compiles once.
     """
-    return _compiled(function, {"_nrt": False})
+    return _compiled(function, CALLED)
+
+
+def inner_kernel(function: F) -> F:
+    """Compile a `called_kernel` that only kernels call, without an entry for Python: for arguments of many arrays."""
+    compiled: Any = _compiled(function, INNER)
+    compiled.__class__ = _InnerKernel
+    return compiled
 
 
 def fused_kernel(function: F) -> F:
     """Compile a kernel whose products and sums may be rounded once together (fused multiply-add)."""
-    return _compiled(function, {"fastmath": {"contract"}})
+    return _compiled(function, {**FULL, "fastmath": {"contract"}})
 
 
 def fused_leaf_kernel(function: F) -> F:
@@ -115,7 +134,14 @@ def fused_leaf_kernel(function: F) -> F:
 
 def fused_called_kernel(function: F) -> F:
     """Compile a `called_kernel` whose products and sums may be rounded once together."""
-    return _compiled(function, {"_nrt": False, "fastmath": {"contract"}})
+    return _compiled(function, {**CALLED, "fastmath": {"contract"}})
+
+
+class _InnerKernel(CPUDispatcher):
+    """What refuses to be called from Python, where there is nothing to call."""
+
+    def __call__(self, *_: Any) -> Any:
+        raise TypeError(f"{self} is called by kernels alone (inner_kernel)")
 
 
 class KernelLocator(UserProvidedCacheLocator):
@@ -139,6 +165,20 @@ class KernelLocator(UserProvidedCacheLocator):
         return "" if within else super().get_source_stamp()
 
 
+class _KernelCache(FunctionCache):
+    """Load kernels without numba's registries of types and functions: to fill them takes longer than to load kernels.
+
+    Only the runtime that counts references must stand. Where a kernel has to be compiled, numba's compiler fills its
+    registries itself.
+    """
+
+    def load_overload(self, sig: Any, target_context: Any) -> Any:
+        """Return a kernel for arguments of some types, or None where none is kept."""
+        rtsys.initialize(target_context)
+        with self._guard_against_spurious_io_errors():
+            return self._load_overload(sig, target_context)
+
+
 def _compiled(function: F, options: dict[str, Any]) -> F:
     folder = cache_folder()
     settings: Any = numba.config
@@ -150,10 +190,10 @@ def _compiled(function: F, options: dict[str, Any]) -> F:
             settings.CACHE_LOCATOR_CLASSES = ",".join(
                 [f"{__name__}.{KernelLocator.__name__}", *(f"numba.core.caching.{name}" for name in LOCATORS)]
             )
-        try:
-            compiled = numba.njit(cache=folder is not None, error_model="numpy", nogil=True, **options)(function)
-        except RuntimeError:  # a function without a source file (typed into a console) has no cache
-            compiled = numba.njit(error_model="numpy", nogil=True, **options)(function)
+        compiled = numba.njit(error_model="numpy", nogil=True, **options)(function)
+        if folder is not None:
+            with contextlib.suppress(RuntimeError):  # a function without a source file (typed into a console) has none
+                compiled._cache = _KernelCache(function)
     finally:
         settings.CACHE_DIR, settings.CACHE_LOCATOR_CLASSES = before
     return cast(F, compiled)

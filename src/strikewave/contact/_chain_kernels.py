@@ -13,7 +13,7 @@ from typing import NamedTuple
 import numpy as np
 from numba.extending import overload
 
-from strikewave.base.compiled import LEAF, leaf_kernel
+from strikewave.base.compiled import LEAF, called_kernel, leaf_kernel
 from strikewave.contact import _integrator
 from strikewave.contact._integrator import CONTINUE, RESTART
 from strikewave.contact._law_kernels import (
@@ -217,7 +217,7 @@ def holding_force(chain, i, y, mode, memory):
     return apart / inverse_mass
 
 
-@leaf_kernel
+@called_kernel
 def friction_force(chain, i, y, mode, memory):
     """Return the force of friction link i, N."""
     if mode[i] == STICKING:
@@ -285,7 +285,7 @@ def contact_switches(law, d, rate, mode, approach, deepest, s, g):
             g[2] = deepest - d
 
 
-@leaf_kernel
+@called_kernel
 def friction_switch(chain, i, y, mode, memory, rate):
     """Return the switch function of friction link i: it still holds, or still slides the same way.
 
@@ -337,7 +337,7 @@ def link_of(k):
     return k // SWITCHES
 
 
-@leaf_kernel
+@called_kernel
 def remember(chain, i, memory, deepest):
     """Keep the depth to which contact i has yielded, for all contacts of its spot: the deepest of any."""
     values = chain.values
@@ -359,7 +359,7 @@ def let_go(chain, i, y, mode, memory):
     return stored(chain.values[i], d, deepest)
 
 
-@leaf_kernel
+@called_kernel
 def slip(chain, i, y, mode, memory):
     """Let friction link i stick or slide, as the force that would hold it decides; what comes to rest has no slip left.
 

@@ -20,7 +20,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from strikewave.base.compiled import called_kernel, kernel, leaf_kernel
+from strikewave.base.compiled import inner_kernel, kernel, leaf_kernel
 from strikewave.contact._dop853 import E3, E5, STAGES, A, B, C, D
 
 CONTINUE, RESTART, STOP = 0, 1, 2
@@ -161,7 +161,7 @@ def _stage(system, s, t, h, y, mode, memory, work, k):
     derivatives(system, t + C[s] * h, work, mode, memory, k[s])
 
 
-@leaf_kernel
+@inner_kernel
 def _take_step(system, control, t, h, y, mode, memory, work, k, new):
     """Take one step into ``new`` and return its error over the tolerance."""
     for s in range(1, STAGES):
@@ -187,9 +187,10 @@ def _take_step(system, control, t, h, y, mode, memory, work, k, new):
     return abs(h) * fifth / math.sqrt((fifth + 0.01 * third) * count)
 
 
-@called_kernel
+@inner_kernel
 def _fill_dense(system, t, h, y, new, mode, memory, work, k, dense):
-    for s in range(STAGES + 1, _EXTENDED):
+    # counted by the arrays: loops of known length would be unrolled, which is four times the code
+    for s in range(STAGES + 1, k.shape[0]):
         _stage(system, s, t, h, y, mode, memory, work, k)
     for i in range(y.size):
         delta = new[i] - y[i]
@@ -197,13 +198,13 @@ def _fill_dense(system, t, h, y, new, mode, memory, work, k, dense):
         dense[1, i] = delta
         dense[2, i] = h * k[0, i] - delta
         dense[3, i] = 2.0 * delta - h * (k[STAGES, i] + k[0, i])
-    for r in range(4):
-        _weigh(D[r], _EXTENDED, k, dense[4 + r])
+    for r in range(dense.shape[0] - 4):
+        _weigh(D[r], k.shape[0], k, dense[4 + r])
         for i in range(y.size):
             dense[4 + r, i] *= h
 
 
-@called_kernel
+@inner_kernel
 def _root(system, which, t, h, dense, mode, memory, low, high, work, g):
     """Return the fraction of the step at which switch ``which`` falls through zero (Illinois rule)."""
     evaluate(dense, low, work)
@@ -237,7 +238,7 @@ def _root(system, which, t, h, dense, mode, memory, low, high, work, g):
     return high
 
 
-@called_kernel
+@inner_kernel
 def _dip(system, t, h, dense, mode, memory, j, earlier, previous, now, work, g):
     """Return a switch that falls below zero and rises again between three positive samples, and where.
 
@@ -260,7 +261,7 @@ def _dip(system, t, h, dense, mode, memory, j, earlier, previous, now, work, g):
     return -1, 1.0
 
 
-@called_kernel
+@inner_kernel
 def _first_switch(system, t, h, dense, mode, memory, before, rows, work, g):
     """Return the first switch within the step and its fraction; -1 when there is none. ``rows`` is scratch."""
     first, at = -1, 1.0

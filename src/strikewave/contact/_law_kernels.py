@@ -64,7 +64,7 @@ STEEPNESS = 2.3
 """D of Gibson & Ashby: densification begins at the share 1 - 1/D of its limit."""
 
 
-@leaf_kernel
+@called_kernel
 def logarithm(law, d):
     """Return w = ln(B/F) of the logarithmic law: the root of w - ln w = ln(B/(G d)) above 1, by Newton steps.
 
@@ -200,7 +200,7 @@ def residual(deepest, s):
     return deepest * (1.0 - 1.0 / s)
 
 
-@leaf_kernel
+@called_kernel
 def yielding(law, d):
     """Return the force at the depth d while it yields, its slope, and the rate at which it stores energy, N, N/m, N.
 
@@ -227,7 +227,7 @@ def unyielding_force(law, d, deepest, s):
     return base_force(law, s * d - deepest * (s - 1.0)) / s
 
 
-@leaf_kernel
+@called_kernel
 def stored(law, d, deepest):
     """Return the energy that a contact at the depth d gives back, after yielding to the depth D, J."""
     reached = max(deepest, d)

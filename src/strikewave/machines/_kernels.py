@@ -25,7 +25,7 @@ from typing import NamedTuple
 import numpy as np
 from numba.extending import overload
 
-from strikewave.base.compiled import LEAF, kernel, leaf_kernel
+from strikewave.base.compiled import LEAF, inner_kernel, kernel, leaf_kernel
 from strikewave.contact import _integrator
 from strikewave.contact._chain_kernels import (
     ACCELERATION,
@@ -36,6 +36,7 @@ from strikewave.contact._chain_kernels import (
     ChainTables,
     chain_forces,
     chain_rates,
+    frictionless,
     is_a,
     let_go,
     link_motion,
@@ -48,7 +49,14 @@ from strikewave.contact._chain_kernels import (
 )
 from strikewave.contact._integrator import CONTINUE, RESTART, STOP
 from strikewave.contact._law_kernels import residual
-from strikewave.machines._layout import APEX_SWITCH, FEED_SWITCH, FULL_TORQUE_SWITCH, NO_TORQUE_SWITCH, layout_of
+from strikewave.machines._layout import (
+    APEX_SWITCH,
+    FEED_SWITCH,
+    FULL_TORQUE_SWITCH,
+    NO_TORQUE_SWITCH,
+    OBJECT,
+    layout_of,
+)
 
 REGULATED, FULL_TORQUE, NO_TORQUE = 0, 1, 2
 """Modes of the drive."""
@@ -60,8 +68,9 @@ CARRIED = 2
 FIRST, SECOND, ACROSS = 4, 5, 6
 """Rows of the table of bases: f'(theta), f''(theta) and place across the blow of each seat, m."""
 BASE_ROWS = 7
-COSINE, SINE, REACH = 0, 1, 2
-"""Columns of the table of seats: of the angle at which a striker stands, and its radius, m."""
+COSINE, SINE, REACH, STRETCH, LEFT = range(5)
+"""Columns of the table of seats: of the angle at which a striker stands, and its radius, m; where strikers ride, m/k of
+each on its mount, s^2, and what is left of its spot by yielding, m."""
 
 SETTINGS = (
     *("inertia", "drag", "set_speed", "gain", "torque", "ripple", "ripple_order", "ripple_phase"),
@@ -74,12 +83,19 @@ SETTINGS = (
 (MOTOR_INERTIA, BELT_STIFFNESS, BELT_DAMPING, WEIGHT_MOMENT) = range(8, 12)
 (VALVE_DELAY, STROKE, STROKE_TIME, ACCELERATE, CUSHION, HOLD, RELEASE_DELAY, RETRACT_TIME) = range(12, 20)
 (BLOWS, STOP_AT_TOUCH, ALONG, ASIDE, HALF_FACE, PITCH, CONTACT_FRICTION, SLIDING_DAMPING) = range(20, 28)
+(NOSE_MASS, FRAME_STIFFNESS, OBJECT_GRAVITY, NOSE_SHARE) = range(28, 32)
+"""Where strikers ride, the settings go on with the frame of the object: mass of its nose, kg, stiffness, N/m, gravity,
+m/s^2, share of the nose in its mass."""
 FEED_TIMES = (VALVE_DELAY, STROKE_TIME, HOLD, RELEASE_DELAY, RETRACT_TIME)
 """How long each phase of the feed lasts: places in the settings."""
 
 
 class MachineSystem(NamedTuple):
-    """A machine as tables: chain of bodies, seats and settings."""
+    """A machine as tables: chain of bodies, seats and settings.
+
+    One type serves the whole machine, a blow and free flight of a fast run: the compiler would make the whole
+    integrator anew for another.
+    """
 
     chain: ChainTables
     seats: np.ndarray
@@ -211,7 +227,7 @@ def turning_inertia(system):
     return inertia
 
 
-@leaf_kernel
+@inner_kernel
 def machine_rates(system, t, y, mode, memory, dy):
     """Fill the time derivative of the whole state."""
     at, bodies, bases, settings = layout_of(system), system.chain.bodies, system.chain.bases, system.settings
@@ -279,6 +295,78 @@ def own_switches(system, t, y, mode, memory, g):
 
 
 @leaf_kernel
+def larger(speed, stretch):
+    """Return the radius of a rider's steady circle over that of its seat, 1 / (1 - w^2 m/k)."""
+    return 1.0 / (1.0 - speed * speed * stretch)
+
+
+@leaf_kernel
+def nose_motion(system, i, theta, speed):
+    """Return place and speed along the blow and place across it of a nose that rides, m, m/s, m."""
+    seat, settings = system.seats[i], system.settings
+    sine, cosine = math.sin(theta), math.cos(theta)
+    along = seat[REACH] * (cosine * seat[COSINE] + sine * seat[SINE])
+    across = seat[REACH] * (sine * seat[COSINE] - cosine * seat[SINE])
+    circle = larger(speed, seat[STRETCH])
+    return circle * along - settings[ALONG], -circle * across * speed, across + settings[ASIDE]
+
+
+@leaf_kernel
+def bend_of(settings, acceleration):
+    """Return how far a frame is bent that pushes its nose steadily, m: m (g - a)/k."""
+    return settings[NOSE_MASS] * (settings[OBJECT_GRAVITY] - acceleration) / settings[FRAME_STIFFNESS]
+
+
+@inner_kernel
+def face_of(system, y, mode, memory):
+    """Return the place of the struck face of an object in free flight, m; the bases as placed last.
+
+    The frame bends as its acceleration wants.
+    """
+    at, share = layout_of(system), system.settings[NOSE_SHARE]
+    a = frictionless(system.chain, OBJECT, y, mode, memory)
+    mean = y[at.positions][OBJECT] + bend_of(system.settings, 0.0) * share
+    return mean + bend_of(system.settings, a) * (1.0 - share)
+
+
+@leaf_kernel
+def riding(at):
+    """Tell whether the strikers ride on their circles before an object in free flight: a system of a fast run."""
+    return at.touches.start < at.touches.stop
+
+
+@inner_kernel
+def flight_switches(system, y, mode, memory, own):
+    """Fill, among the machine's own switch functions, those of each nose that rides: first touch, edge of the face."""
+    at, face = layout_of(system), face_of(system, y, mode, memory)
+    half, on_face, touches, edges = system.settings[HALF_FACE], mode[at.on_face], own[at.touches], own[at.edges]
+    for i in range(system.seats.shape[0]):
+        place, _, across = nose_motion(system, i, y[at.angle], y[at.turntable_speed])
+        touches[i] = face + system.seats[i, LEFT] - place if on_face[i] else 1.0
+        edges[i] = 1.0
+        if half < np.inf:
+            inside = half - abs(across)
+            edges[i] = inside if on_face[i] else -inside
+
+
+@inner_kernel
+def flight_switch(system, own, y, mode, memory):
+    """Change the mode at a first touch, which stops the integration, or as a nose that rides passes an edge."""
+    at = layout_of(system)
+    if own < at.edges.start:
+        mode[at.touched] = 1
+        mode[at.touching] = own - at.touches.start
+        return STOP
+    i, on_face = own - at.edges.start, mode[at.on_face]
+    on_face[i] = 1 - on_face[i]
+    place, _, _ = nose_motion(system, i, y[at.angle], y[at.turntable_speed])
+    if on_face[i] and place > face_of(system, y, mode, memory) + system.seats[i, LEFT]:
+        mode[at.edge] = i + 1
+        return STOP
+    return CONTINUE
+
+
+@inner_kernel
 def machine_switches(system, t, y, mode, memory, g):
     """Fill the switch functions of links, drive, feed, passing strikers and edges of the face."""
     at = layout_of(system)
@@ -288,7 +376,10 @@ def machine_switches(system, t, y, mode, memory, g):
     for i in range(at.carriage):
         if on_face[i] == 0:
             never_touches(i, g)
-    own_switches(system, t, y, mode, memory, g[at.own_switches])
+    own = g[at.own_switches]
+    own_switches(system, t, y, mode, memory, own)
+    if riding(at):
+        flight_switches(system, y, mode, memory, own)
 
 
 @leaf_kernel
@@ -350,16 +441,21 @@ def own_switch(system, own, t, y, mode, memory):
     return CONTINUE
 
 
-@leaf_kernel
+@inner_kernel
 def machine_switch(system, k, t, y, mode, memory):
     """Change the mode at switch k: a link, the drive, the feed, a striker at its apex or at an edge.
 
-    Where the struck object is a stack of layers, or rebounds are followed, each touch stops the integration.
+    Where the struck object is a stack of layers, or rebounds are followed, each touch stops the integration; where the
+    strikers ride, each touch and each apex.
     """
     at = layout_of(system)
     place_bases(system, t, y, mode, memory)
-    if k >= at.own_switches.start:
-        return own_switch(system, k - at.own_switches.start, t, y, mode, memory)
+    own = k - at.own_switches.start
+    if own >= 0:
+        if riding(at) and own >= at.touches.start:
+            return flight_switch(system, own, y, mode, memory)
+        code = own_switch(system, own, t, y, mode, memory)
+        return STOP if riding(at) and own == APEX_SWITCH else code
     code = link_switch(system.chain, k, y, mode, memory)
     if link_of(k) < at.contacts.stop and code == RESTART:
         mode[at.touched] = 1

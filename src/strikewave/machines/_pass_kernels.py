@@ -4,10 +4,10 @@ from typing import NamedTuple
 
 import numpy as np
 
-from strikewave.base.compiled import called_kernel, leaf_kernel
+from strikewave.base.compiled import inner_kernel, leaf_kernel
 from strikewave.contact._chain_kernels import GRAVITY, MASS, OPEN, PUSHING, link_push, press
 from strikewave.contact._integrator import evaluate
-from strikewave.machines._kernels import HELD, PITCH, RELEASED, RETRACTING, place_bases
+from strikewave.machines._kernels import HELD, NOSE_SHARE, PITCH, RELEASED, RETRACTING, place_bases
 from strikewave.machines._layout import OBJECT, layout_of
 
 (
@@ -62,7 +62,7 @@ class PassTable(NamedTuple):
     numbers: np.ndarray
 
 
-@called_kernel
+@inner_kernel
 def open_row(flight, blow, going, struck, passes, t):
     """Begin the row of a pass at its first touch; a later touch of the same pass adds a contact to its row.
 
@@ -112,7 +112,7 @@ def _open_contact(passes, t):
         counts[CONTACTS_SEEN] += 1
 
 
-@called_kernel
+@inner_kernel
 def missed_row(flight, going, passes, t, face):
     """Write down the pass whose apex has just come, if the object was held in place and nothing touched it.
 
@@ -134,12 +134,12 @@ def missed_row(flight, going, passes, t, face):
     return True
 
 
-@called_kernel
+@inner_kernel
 def note_blow(flight, blow, struck, passes, steps, work):
     """Write down what the last steps of a blow show: rigid acceleration, impulse of the contact, its end, the stop."""
     record, counts, numbers = struck.record, passes.counts, passes.numbers
     row, at = passes.table[counts[CURRENT]], layout_of(blow)
-    contact, speeds, share = at.contacts.start, work[at.speeds], flight.frame.share
+    contact, speeds, share = at.contacts.start, work[at.speeds], flight.settings[NOSE_SHARE]
     counts[BLOW_STEPS] += steps
     for r in range(steps):
         closed = record.mode[r, contact] != OPEN
@@ -158,7 +158,7 @@ def note_blow(flight, blow, struck, passes, steps, work):
             passes.contacts[counts[CONTACTS_SEEN] - 1, 3] = row[LAST_CHANGE]
 
 
-@called_kernel
+@inner_kernel
 def _note_support(blow, record, r, passes, work):
     """Write down displacement and force of the stop at begin, middle and end of a step of a blow."""
     numbers, row, at = passes.numbers, passes.table[passes.counts[CURRENT]], layout_of(blow)
@@ -173,7 +173,7 @@ def _note_support(blow, record, r, passes, work):
     row[LARGEST_DISPLACEMENT] = numbers[HIGHEST] - numbers[FIRST_PLACE]
 
 
-@called_kernel
+@inner_kernel
 def _sample_blow(blow, record, r, x, weight, passes, work):
     """Write down one sample of a step of a blow, at the fraction x of the step."""
     counts, numbers, at, chain = passes.counts, passes.numbers, layout_of(blow), blow.chain
@@ -198,7 +198,7 @@ def _sample_blow(blow, record, r, x, weight, passes, work):
         passes.contacts[counts[CONTACTS_SEEN] - 1, 2] += weight * record.step[r] * force
 
 
-@called_kernel
+@inner_kernel
 def measure_row(passes):
     """Find peak and width of the rigid acceleration of the blow that lasts, and what its later contacts add."""
     count, row = passes.counts[SAMPLES], passes.table[passes.counts[CURRENT]]
@@ -234,7 +234,7 @@ def measure_row(passes):
             row[VELOCITY_CHANGE] = passes.contacts[k, 3]
 
 
-@called_kernel
+@inner_kernel
 def note_flight(flight, going, passes, steps, work):
     """Write down displacement and force of the stop of the steps after a pass, until the next touch or retraction."""
     record, counts, numbers = going.record, passes.counts, passes.numbers
@@ -278,7 +278,7 @@ def _turning_place(at, dense, work):
     return work[at.positions][OBJECT]
 
 
-@called_kernel
+@inner_kernel
 def repeats(table, rows, tolerance, strikers):
     """Tell whether the last blows repeat with a period up to 4, or a whole turn, within a tolerance.
 

@@ -10,9 +10,8 @@ import math
 from typing import NamedTuple
 
 import numpy as np
-from numba.extending import overload
 
-from strikewave.base.compiled import LEAF, called_kernel, kernel, leaf_kernel
+from strikewave.base.compiled import called_kernel, inner_kernel, kernel, leaf_kernel
 from strikewave.contact import _integrator
 from strikewave.contact._chain_kernels import (
     GRAVITY,
@@ -24,37 +23,32 @@ from strikewave.contact._chain_kernels import (
     SLIDING_BACK,
     SPEED,
     STICKING,
-    ChainTables,
-    chain_forces,
-    frictionless,
-    is_a,
-    link_switch,
-    link_switches,
     press,
     spot_of,
     spring_energy,
 )
-from strikewave.contact._integrator import CONTINUE, END, FULL, STOP, STOPPED, StepRecord, advance
+from strikewave.contact._integrator import END, FULL, STOPPED, StepRecord, advance
 from strikewave.contact._law_kernels import SPOT, STIFFNESS, residual
 from strikewave.machines._kernels import (
-    ALONG,
-    ASIDE,
     BELT_STIFFNESS,
     CARRIED,
-    COSINE,
     FIRST,
+    FRAME_STIFFNESS,
     HALF_FACE,
     INERTIA,
-    REACH,
+    LEFT,
+    NOSE_MASS,
+    NOSE_SHARE,
+    OBJECT_GRAVITY,
     SECOND,
-    SINE,
     MachineSystem,
-    machine_rates,
-    own_switch,
-    own_switches,
+    bend_of,
+    face_of,
+    larger,
+    nose_motion,
     place_bases,
 )
-from strikewave.machines._layout import APEX_SWITCH, FEED_SWITCH, OBJECT, STRIKER, layout_of
+from strikewave.machines._layout import FEED_SWITCH, OBJECT, STRIKER, layout_of
 from strikewave.machines._pass_kernels import (
     LET_GO,
     ROWS_USED,
@@ -71,27 +65,6 @@ QUIET, DONE, STUCK, AT_EDGE, CROWDED, TOO_MANY, LATE = -1, 0, 1, 2, 3, 4, 5
 another striker touched while a blow still rang; more blows than rows; longer than expected."""
 
 RECORD_ROWS = 8
-_STRETCH = 3
-"""Column of the table of seats after those that `_kernels` knows: m/k of a striker on its mount, s^2."""
-
-
-class ObjectFrame(NamedTuple):
-    """The frame of an object in flight: mass of its nose, kg, stiffness, N/m, gravity, m/s^2, share of the nose."""
-
-    nose_mass: float
-    stiffness: float
-    gravity: float
-    share: float
-
-
-class FlightSystem(NamedTuple):
-    """Object as one body on the carriage, the strikers that ride before it, and what is left of their spots, m."""
-
-    chain: ChainTables
-    seats: np.ndarray
-    settings: np.ndarray
-    left: np.ndarray
-    frame: ObjectFrame
 
 
 class MountedStrikers(NamedTuple):
@@ -128,9 +101,9 @@ class Train(NamedTuple):
 
 
 class TrainTables(NamedTuple):
-    """One machine as both systems, and its mounted."""
+    """One machine as both systems, and its mounted: in free flight the object is one body, and the strikers ride."""
 
-    flight: FlightSystem
+    flight: MachineSystem
     blow: MachineSystem
     mounted: MountedStrikers
 
@@ -142,141 +115,21 @@ def copy(source, target):
         target[k] = source[k]
 
 
-@leaf_kernel
-def larger(settings_speed, stretch):
-    """Return the radius of a rider's steady circle over that of its seat, 1 / (1 - w^2 m/k)."""
-    return 1.0 / (1.0 - settings_speed * settings_speed * stretch)
-
-
-@leaf_kernel
-def nose_motion(system, i, theta, speed):
-    """Return place and speed along the blow and place across it of a nose that rides, m, m/s, m."""
-    seat, settings = system.seats[i], system.settings
-    sine, cosine = math.sin(theta), math.cos(theta)
-    along = seat[REACH] * (cosine * seat[COSINE] + sine * seat[SINE])
-    across = seat[REACH] * (sine * seat[COSINE] - cosine * seat[SINE])
-    circle = larger(speed, seat[_STRETCH])
-    return circle * along - settings[ALONG], -circle * across * speed, across + settings[ASIDE]
-
-
-@leaf_kernel
-def bend_of(frame, acceleration):
-    """Return how far a frame is bent that pushes its nose steadily, m: m (g - a)/k."""
-    return frame.nose_mass * (frame.gravity - acceleration) / frame.stiffness
-
-
-@called_kernel
-def face_of(system, t, y, mode, memory):
-    """Return place of the struck face of an object in free flight, m: the frame bends as its acceleration wants."""
-    at, frame = layout_of(system), system.frame
-    place_bases(system, t, y, mode, memory)
-    a = frictionless(system.chain, OBJECT, y, mode, memory)
-    mean = y[at.positions][OBJECT] + bend_of(frame, 0.0) * frame.share
-    return mean + bend_of(frame, a) * (1.0 - frame.share)
-
-
-@called_kernel
-def flight_rates(system, t, y, mode, memory, dy):
-    """Fill the time derivative of the whole state: a machine that no striker touches."""
-    machine_rates(system, t, y, mode, memory, dy)
-
-
-@called_kernel
-def flight_switches(system, t, y, mode, memory, g):
-    """Fill the switch functions of links, drive, feed, apexes; then of each nose: first touch, edge of the face."""
-    at, face = layout_of(system), face_of(system, t, y, mode, memory)
-    link_switches(system.chain, y, mode, memory, g)
-    own = g[at.own_switches]
-    own_switches(system, t, y, mode, memory, own)
-    half, on_face, touches, edges = system.settings[HALF_FACE], mode[at.on_face], own[at.touches], own[at.edges]
-    for i in range(system.seats.shape[0]):
-        place, _, across = nose_motion(system, i, y[at.angle], y[at.turntable_speed])
-        touches[i] = face + system.left[i] - place if on_face[i] else 1.0
-        edges[i] = 1.0
-        if half < np.inf:
-            inside = half - abs(across)
-            edges[i] = inside if on_face[i] else -inside
-
-
-@called_kernel
-def flight_switch(system, k, t, y, mode, memory):
-    """Change the mode at switch k; a first touch, an apex and an edge met stop the integration."""
-    at, face = layout_of(system), face_of(system, t, y, mode, memory)
-    own = k - at.own_switches.start
-    if own < 0:
-        return link_switch(system.chain, k, y, mode, memory)
-    if own < at.touches.start:
-        code = own_switch(system, own, t, y, mode, memory)
-        return STOP if own == APEX_SWITCH else code
-    if own < at.edges.start:
-        mode[at.touched] = 1
-        mode[at.touching] = own - at.touches.start
-        return STOP
-    i, on_face = own - at.edges.start, mode[at.on_face]
-    on_face[i] = 1 - on_face[i]
-    place, _, _ = nose_motion(system, i, y[at.angle], y[at.turntable_speed])
-    if on_face[i] and place > face + system.left[i]:
-        mode[at.edge] = i + 1
-        return STOP
-    return CONTINUE
-
-
-@overload(_integrator.derivatives, jit_options=LEAF)
-def _derivatives(system, t, y, mode, memory, dy):
-    def rates(system, t, y, mode, memory, dy):
-        flight_rates(system, t, y, mode, memory, dy)
-
-    return rates if is_a(system, FlightSystem) else None
-
-
-@overload(_integrator.forces, jit_options=LEAF)
-def _forces(system, t, y, mode, memory, out):
-    def fill(system, t, y, mode, memory, out):
-        place_bases(system, t, y, mode, memory)
-        chain_forces(system.chain, y, mode, memory, out)
-
-    return fill if is_a(system, FlightSystem) else None
-
-
-@overload(_integrator.switches, jit_options=LEAF)
-def _switches(system, t, y, mode, memory, g):
-    def fill(system, t, y, mode, memory, g):
-        flight_switches(system, t, y, mode, memory, g)
-
-    return fill if is_a(system, FlightSystem) else None
-
-
-@overload(_integrator.horizon, jit_options=LEAF)
-def _horizon(system, t, y, mode, memory):
-    def most(system, t, y, mode, memory):
-        return np.inf
-
-    return most if is_a(system, FlightSystem) else None
-
-
-@overload(_integrator.switch, jit_options=LEAF)
-def _switch(system, k, t, y, mode, memory):
-    def change(system, k, t, y, mode, memory):
-        return flight_switch(system, k, t, y, mode, memory)
-
-    return change if is_a(system, FlightSystem) else None
-
-
 @called_kernel
 def rigid_energy(flight, t, part):
     """Return the energy of object and turntable while they flight, J; belt and motor keep theirs."""
-    y, at, frame = part.y, layout_of(flight), flight.frame
+    y, at, settings = part.y, layout_of(flight), flight.settings
     place_bases(flight, t, y, part.mode, part.memory)
     mass, gravity = flight.chain.bodies[OBJECT, MASS], flight.chain.bodies[OBJECT, GRAVITY]
-    centre, speed = y[at.positions][OBJECT] + frame.share * bend_of(frame, 0.0), y[at.speeds][OBJECT]
+    centre, speed = y[at.positions][OBJECT] + settings[NOSE_SHARE] * bend_of(settings, 0.0), y[at.speeds][OBJECT]
     turning = y[at.turntable_speed]
-    out = 0.5 * mass * speed * speed - mass * gravity * centre + 0.5 * flight.settings[INERTIA] * turning * turning
+    out = 0.5 * mass * speed * speed - mass * gravity * centre + 0.5 * settings[INERTIA] * turning * turning
     for i in (at.support, at.stop):
         out += spring_energy(flight.chain, i, y)
     return out
 
 
-@called_kernel
+@inner_kernel
 def blow_energy(blow, t, part):
     """Return the energy of striker, object and turntable in a blow, J, less what the contact stores."""
     y, at, bodies = part.y, layout_of(blow), blow.chain.bodies
@@ -291,10 +144,10 @@ def blow_energy(blow, t, part):
     return out
 
 
-@called_kernel
+@inner_kernel
 def begin_blow(flight, blow, strikers, going, struck, t):
     """Set the bodies of a blow from free flight to the first touch of the striker that its modes name."""
-    circling, at, chain, frame = layout_of(flight), layout_of(blow), blow.chain, flight.frame
+    circling, at, chain, share = layout_of(flight), layout_of(blow), blow.chain, flight.settings[NOSE_SHARE]
     i = going.mode[circling.touching]
     y, z, mode, memory = struck.y, going.y, struck.mode, struck.memory
     copy(strikers.laws[i], chain.values[at.contacts.start])
@@ -306,11 +159,12 @@ def begin_blow(flight, blow, strikers, going, struck, t):
     mode[at.on_face][STRIKER] = 1
     copy(going.memory[circling.own_memory], memory[at.own_memory])
     memory[at.depths][STRIKER], memory[at.growths][STRIKER] = strikers.deepest[i], strikers.growth[i]
-    face = face_of(flight, t, z, going.mode, going.memory)
+    place_bases(flight, t, z, going.mode, going.memory)
+    face = face_of(flight, z, going.mode, going.memory)
     place, speed, _ = nose_motion(flight, i, z[circling.angle], z[circling.turntable_speed])
-    centre, fast = z[circling.positions][OBJECT] + frame.share * bend_of(frame, 0.0), z[circling.speeds][OBJECT]
+    centre, fast = z[circling.positions][OBJECT] + share * bend_of(flight.settings, 0.0), z[circling.speeds][OBJECT]
     x, v = y[at.positions], y[at.speeds]
-    x[STRIKER], x[at.nose], x[at.assembly] = place, face, (centre - frame.share * face) / (1.0 - frame.share)
+    x[STRIKER], x[at.nose], x[at.assembly] = place, face, (centre - share * face) / (1.0 - share)
     v[STRIKER], v[at.nose], v[at.assembly] = speed, fast, fast
     copy(z[circling.turntable], y[at.turntable])
     copy(z[circling.held_energies], y[at.held_energies])
@@ -318,59 +172,59 @@ def begin_blow(flight, blow, strikers, going, struck, t):
     return rigid_energy(flight, t, going) - blow_energy(blow, t, struck)
 
 
-@called_kernel
+@inner_kernel
 def ringing(flight, blow, struck, t):
     """Return the energy that rings in the frame, J, and how far the nose that would ride is from the face, m.
 
     The frame rings about the bend with which it carries its nose; the striker rings about its steady circle. The
     distance is less what both swing; a nose that has left the face is far from it.
     """
-    at, chain, bases, frame = layout_of(blow), blow.chain, blow.chain.bases, flight.frame
+    at, chain, bases, settings = layout_of(blow), blow.chain, blow.chain.bases, flight.settings
     y, mode, memory = struck.y, struck.mode, struck.memory
     x, v = y[at.positions], y[at.speeds]
     place_bases(blow, t, y, mode, memory)
     pulled, _, _ = press(chain, at.support, y, mode, memory)
     pushed, _, _ = press(chain, at.stop, y, mode, memory)
-    carried = bend_of(frame, (pushed - pulled) / flight.chain.bodies[OBJECT, MASS] + frame.gravity)
+    carried = bend_of(settings, (pushed - pulled) / flight.chain.bodies[OBJECT, MASS] + settings[OBJECT_GRAVITY])
     bend = x[at.nose] - x[at.assembly] - carried
-    reduced = frame.nose_mass * (1.0 - frame.share)
-    of_frame = 0.5 * frame.stiffness * bend * bend + 0.5 * reduced * (v[at.nose] - v[at.assembly]) ** 2
+    reduced = settings[NOSE_MASS] * (1.0 - settings[NOSE_SHARE])
+    of_frame = 0.5 * settings[FRAME_STIFFNESS] * bend * bend + 0.5 * reduced * (v[at.nose] - v[at.assembly]) ** 2
     stiffness, striker = chain.values[at.mounts.start, STIFFNESS], chain.bodies[STRIKER, MASS]
     circle = larger(y[at.turntable_speed], striker / stiffness)
     rides = bases[PLACE, STRIKER] - (circle - 1.0) * bases[SECOND, STRIKER]
     swings = v[STRIKER] - circle * bases[SPEED, STRIKER]
     of_striker = 0.5 * stiffness * (x[STRIKER] - rides) ** 2 + 0.5 * striker * swings**2
-    swing = math.sqrt(2.0 * of_frame / frame.stiffness) + math.sqrt(2.0 * of_striker / stiffness)
+    swing = math.sqrt(2.0 * of_frame / settings[FRAME_STIFFNESS]) + math.sqrt(2.0 * of_striker / stiffness)
     deepest, growth = spot_of(chain, memory, at.contacts.start)
     apart = x[at.nose] - max(rides, x[STRIKER]) + residual(deepest, growth)
     return of_frame, apart - swing if mode[at.on_face][STRIKER] else np.inf
 
 
-@called_kernel
+@inner_kernel
 def end_blow(flight, blow, strikers, going, struck, t):
     """Let object and striker flight again, with their momentum and mean places; return the energy let go, J."""
-    circling, at, frame = layout_of(flight), layout_of(blow), flight.frame
-    i, share = going.mode[circling.touching], frame.share
+    circling, at, settings = layout_of(flight), layout_of(blow), flight.settings
+    i, share = going.mode[circling.touching], settings[NOSE_SHARE]
     y, z, mode = struck.y, going.y, going.mode
     x, v = y[at.positions], y[at.speeds]
     before = blow_energy(blow, t, struck)
-    z[circling.positions][OBJECT] = share * x[at.nose] + (1.0 - share) * x[at.assembly] - share * bend_of(frame, 0.0)
+    z[circling.positions][OBJECT] = share * x[at.nose] + (1.0 - share) * x[at.assembly] - share * bend_of(settings, 0.0)
     z[circling.speeds][OBJECT] = share * v[at.nose] + (1.0 - share) * v[at.assembly]
     copy(y[at.turntable], z[circling.turntable])
-    first, inertia, mass = blow.chain.bases[FIRST, STRIKER], flight.settings[INERTIA], blow.chain.bodies[STRIKER, MASS]
+    first, inertia, mass = blow.chain.bases[FIRST, STRIKER], settings[INERTIA], blow.chain.bodies[STRIKER, MASS]
     own = inertia - mass * first * first
     z[circling.turntable_speed] = (own * y[at.turntable_speed] + first * mass * v[STRIKER]) / inertia
-    if flight.settings[BELT_STIFFNESS] == np.inf:
+    if settings[BELT_STIFFNESS] == np.inf:
         z[circling.motor_speed] = z[circling.turntable_speed]
     copy(y[at.held_energies], z[circling.held_energies])
     copy(struck.mode[at.held_modes], mode[circling.held_modes])
     copy(struck.memory[at.own_memory], going.memory[circling.own_memory])
-    half, on_face = flight.settings[HALF_FACE], mode[circling.on_face]
+    half, on_face = settings[HALF_FACE], mode[circling.on_face]
     for j in range(flight.seats.shape[0]):
         _, _, across = nose_motion(flight, j, z[circling.angle], z[circling.turntable_speed])
         on_face[j] = 1 if abs(across) <= half else 0
     deepest, growth = spot_of(blow.chain, struck.memory, at.contacts.start)
-    _keep_spot(strikers, flight.left, i, deepest, growth)
+    _keep_spot(strikers, flight.seats, i, deepest, growth)
     place_bases(flight, t, z, mode, going.memory)
     if circling.rubs:
         slips = z[circling.speeds][OBJECT] - flight.chain.bases[SPEED, circling.carriage]
@@ -382,33 +236,32 @@ def end_blow(flight, blow, strikers, going, struck, t):
 
 
 @leaf_kernel
-def _keep_spot(strikers, left, i, deepest, growth):
+def _keep_spot(strikers, seats, i, deepest, growth):
     """Keep how deep a contact has yielded, for all strikers that share its spot."""
-    for j in range(left.size):
+    for j in range(seats.shape[0]):
         if j == i or (strikers.laws[j, SPOT] > 0.0 and strikers.laws[j, SPOT] == strikers.laws[i, SPOT]):
             strikers.deepest[j], strikers.growth[j] = deepest, growth
-            left[j] = residual(deepest, growth)
+            seats[j, LEFT] = residual(deepest, growth)
 
 
-@called_kernel
+@inner_kernel
 def crowded(flight, blow, struck, i):
     """Tell whether another striker than i, which rides, is behind the face while a blow lasts."""
     at, y, half = layout_of(blow), struck.y, flight.settings[HALF_FACE]
     face = y[at.positions][at.nose]
     for j in range(flight.seats.shape[0]):
         place, _, across = nose_motion(flight, j, y[at.angle], y[at.turntable_speed])
-        if j != i and abs(across) <= half and place > face + flight.left[j]:
+        if j != i and abs(across) <= half and place > face + flight.seats[j, LEFT]:
             return True
     return False
 
 
-@kernel
-def follow_blow(machine, going, struck, control, train, passes, t):
-    """Follow one blow from first touch until all is quiet; return why it came back, and when."""
+@inner_kernel
+def follow_blow(machine, going, struck, control, train, passes, t, work):
+    """Follow one blow from first touch until all is quiet; return why it came back, and when. ``work`` is scratch."""
     flight, blow, mounted = machine.flight, machine.blow, machine.mounted
     at, y, mode, memory = layout_of(blow), struck.y, struck.mode, struck.memory
     i = going.mode[layout_of(flight).touching]
-    work = np.empty(y.size)
     passes.numbers[LET_GO] += begin_blow(flight, blow, mounted, going, struck, t)
     if not open_row(flight, blow, going, struck, passes, t):
         return TOO_MANY, t
@@ -439,7 +292,7 @@ def run_train(machine, going, struck, controls, train, passes):
     """Run a machine from the valve signal; return why it ended, and when."""
     flight, control = machine.flight, controls[0]
     at, y, mode, memory = layout_of(flight), going.y, going.mode, going.memory
-    work = np.empty(y.size)
+    work, work_of_blow = np.empty(y.size), np.empty(struck.y.size)
     t, h, looked = 0.0, control.first_step, 0
     while True:
         mode[at.touching] = -1
@@ -452,14 +305,16 @@ def run_train(machine, going, struck, controls, train, passes):
         if mode[at.edge]:
             return AT_EDGE, t
         if mode[at.touching] >= 0:
-            code, t = follow_blow(machine, going, struck, controls[1], train, passes, t)
+            code, t = follow_blow(machine, going, struck, controls[1], train, passes, t, work_of_blow)
             if code != QUIET:
                 return code, t
             h = control.first_step
         elif going.record.event[events - 1, 0] - at.own_switches.start == FEED_SWITCH:
             return DONE, t
-        elif not missed_row(flight, going, passes, t, face_of(flight, t, y, mode, memory)):
-            return TOO_MANY, t
+        else:
+            place_bases(flight, t, y, mode, memory)
+            if not missed_row(flight, going, passes, t, face_of(flight, y, mode, memory)):
+                return TOO_MANY, t
         rows = passes.counts[ROWS_USED]
         if train.most and mode[at.passes] >= train.most:
             return DONE, t

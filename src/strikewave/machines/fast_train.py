@@ -22,7 +22,7 @@ from strikewave.machines import _train_kernels as kernels
 from strikewave.machines._kernels import BASE_ROWS, STOP_AT_TOUCH, MachineSystem
 from strikewave.machines._layout import OBJECT, layout_of
 from strikewave.machines._pass_kernels import PassTable
-from strikewave.machines._train_kernels import FlightSystem, MountedStrikers, ObjectFrame, Part, Train, TrainTables
+from strikewave.machines._train_kernels import MountedStrikers, Part, Train, TrainTables
 from strikewave.machines.blows import DOUBLE_SHARE, GLANCING_SHARE
 from strikewave.machines.feed import expected_time
 from strikewave.machines.machine import Machine, machine_system, start_state
@@ -277,7 +277,7 @@ def controls(machine: Machine, tolerance: float, tables: TrainTables) -> tuple[C
     pitch_time = machine.pitch / machine.drive.turntable.speed
     end = 3.0 * expected_time(machine.drive.feed, pitch_time)
 
-    def scaled(system: FlightSystem | MachineSystem, place: float) -> Array:
+    def scaled(system: MachineSystem, place: float) -> Array:
         at = layout_of(system)
         scale = np.zeros(at.states)
         scale[at.positions], scale[at.speeds] = place, approach
@@ -304,12 +304,11 @@ def train_tables(machine: Machine) -> tuple[TrainTables, Part, Part]:
     blow = MachineSystem(_part_of(chain, chain.bodies[one], of_blow, in_blow), full.seats[:1].copy(), full.settings)
     masses = chain.bodies[at.strikers, MASS]
     stretches = masses / np.array([s.mount_stiffness for s in machine.strikers.each])
-    flight = FlightSystem(
+    frame = struck.nose_mass, struck.frame_stiffness, struck.gravity, struck.nose_mass / struck.mass
+    flight = MachineSystem(
         _part_of(chain, np.array([[struck.mass, struck.gravity, 0.0]]), supports, [at.assembly, carriage]),
-        np.column_stack([full.seats, stretches]),
-        full.settings,
-        np.zeros(machine.strikers.count),
-        ObjectFrame(struck.nose_mass, struck.frame_stiffness, struck.gravity, struck.nose_mass / struck.mass),
+        np.column_stack([full.seats, stretches, np.zeros(machine.strikers.count)]),
+        np.r_[full.settings, frame],
     )
     mounted = MountedStrikers(
         chain.values[at.contacts].copy(),
@@ -335,7 +334,7 @@ def _part_of(chain: ChainTables, bodies: Array, links: NDArray[np.int64], nodes:
     return ChainTables(bodies, np.zeros((BASE_ROWS, len(nodes) - len(bodies))), joins, chain.values[links].copy())
 
 
-def _at_rest(system: FlightSystem | MachineSystem) -> Part:
+def _at_rest(system: MachineSystem) -> Part:
     """Return a part at rest; what has not yielded has not grown."""
     at = layout_of(system)
     memory = np.zeros(at.memories)

@@ -20,7 +20,7 @@ from strikewave.records.health_notice import FIGURES, STATUSES, HealthNotice, wo
 from strikewave.records.measuring import FEWEST, RecordedPulse, contacts_of, find_pulses
 from strikewave.records.record import Array, Channel, Record
 from strikewave.records.trains import gaps_of
-from strikewave.signal.filters import Filter
+from strikewave.signal.filters import Filter, HighPass
 
 RIGID = "rigid_"
 """With this, a figure is that of the pulse without ringing."""
@@ -48,6 +48,8 @@ class Request:
     ac_coupling : str or float
         AC coupling that is taken off: of this time constant, s, or ``auto`` for that which is recognised; none by
         default.
+    high_pass : HighPass or None
+        High-pass taken, before the low-pass.
     """
 
     channels: tuple[str, ...] = ()
@@ -55,6 +57,7 @@ class Request:
     drop_height: float = math.nan
     filter: Filter | None = None
     ac_coupling: str | float = ""
+    high_pass: HighPass | None = None
 
 
 @dataclass(frozen=True, eq=False)
@@ -185,18 +188,13 @@ def read_channel(channel: Channel, number: int, calibration: Calibration, reques
         examined = dataclasses.replace(examined, pulses=pulses)
     findings += [*examine(examined), *_in_blows(holes, pulses)]
     unfiltered: tuple[RecordedPulse, ...] = ()
-    if request.filter is not None:
-        if request.filter.cutoff * channel.duration < HALF_PERIOD:
-            lowest = HALF_PERIOD / channel.duration
-            allowed = f"a cutoff of half a period a record at least, {lowest:.3g} Hz for {channel.name}"
-            raise InputError("--filter", f"{request.filter.cutoff:g} Hz", allowed, "is kHz meant?")
-        if not request.filter.cutoff < 0.5 * channel.sampling_rate:
-            allowed = f"a cutoff below half the sampling rate of {channel.name}, {0.5 * channel.sampling_rate:g} Hz"
-            raise InputError("--filter", f"{request.filter.cutoff:g} Hz", allowed)
+    if request.filter is not None or request.high_pass is not None:
         unfiltered = pulses
-        channel = dataclasses.replace(channel, values=request.filter.apply(channel.values, channel.step))
+        channel = _filtered(channel, request)
         pulses = _blows(channel)
         findings += _changed(unfiltered, pulses)
+        if request.high_pass is not None:
+            findings += _lightened(request.high_pass, unfiltered, channel)
         if len(pulses) == len(unfiltered):  # what a filter leaves beside a blow is no ringing
             pairs = zip(pulses, unfiltered, strict=True)
             pulses = tuple(
@@ -204,6 +202,45 @@ def read_channel(channel: Channel, number: int, calibration: Calibration, reques
                 for after, before in pairs
             )
     return ChannelReading(channel, number, pulses, tuple(findings), calibration, unfiltered)
+
+
+def _filtered(channel: Channel, request: Request) -> Channel:
+    """Return a channel through the high-pass and the low-pass that are wanted.
+
+    Raises
+    ------
+    InputError
+        If a cutoff is not between half a period a record and half the sampling rate.
+    """
+    for option, one in (("--high-pass", request.high_pass), ("--filter", request.filter)):
+        if one is None:
+            continue
+        if one.cutoff * channel.duration < HALF_PERIOD:
+            lowest = HALF_PERIOD / channel.duration
+            allowed = f"a cutoff of half a period a record at least, {lowest:.3g} Hz for {channel.name}"
+            raise InputError(option, f"{one.cutoff:g} Hz", allowed, "is kHz meant?" if option == "--filter" else "")
+        if not one.cutoff < 0.5 * channel.sampling_rate:
+            allowed = f"a cutoff below half the sampling rate of {channel.name}, {0.5 * channel.sampling_rate:g} Hz"
+            raise InputError(option, f"{one.cutoff:g} Hz", allowed)
+        channel = dataclasses.replace(channel, values=one.apply(channel.values, channel.step))
+    return channel
+
+
+def _lightened(high_pass: HighPass, blows: Sequence[RecordedPulse], filtered: Channel) -> list[HealthNotice]:
+    """Tell what a high-pass leaves of the velocity changes: the integrals over the blows, from zero."""
+    if not blows:
+        return []
+    time = filtered.time
+    shares = []
+    for blow in blows:
+        inside = filtered.values[(time >= blow.begin) & (time <= blow.end)]
+        shares.append(float(np.sum(inside)) * filtered.step / blow.velocity_change)
+    left = min(shares)
+    message = (
+        f"the high-pass at {high_pass.cutoff:g} Hz leaves {left:.1%} of a velocity change (the integral over the blow, "
+        "from zero), and nothing of that of the whole record"
+    )
+    return [HealthNotice("high-pass", message, left, severity="suspect" if left < HALF else "good")]
 
 
 def _without_coupling(channel: Channel, examined: Examined, wanted: str | float) -> tuple[Channel, list[HealthNotice]]:

@@ -11,7 +11,7 @@ import re
 import shlex
 import sys
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, ClassVar
 
@@ -26,7 +26,7 @@ from strikewave.reporting.shown_result import ShownResult
 from strikewave.reporting.terminal import progress_bar, say
 
 if TYPE_CHECKING:
-    from strikewave.records import ChannelReading, FileReading, Options, Record
+    from strikewave.records import ChannelReading, FileReading, Options, Record, Request
 
 Files = Annotated[
     list[str], typer.Argument(metavar="FILE", help="Measured files of any known format.", show_default=False)
@@ -241,8 +241,17 @@ def read_each(files: Sequence[str], options: Options) -> Iterator[tuple[str, Rec
             report(count / len(files))
 
 
-def read_channels(file: str, stated: dict[str, dict[str, Any]], options: Options) -> tuple[Record, FileReading]:
+def read_channels(
+    file: str, stated: dict[str, dict[str, Any]], options: Options, filters: Request | None = None
+) -> tuple[Record, FileReading]:
     """Read a file and examine the channels that are wanted of it: the first unless one is named.
+
+    Parameters
+    ----------
+    file, stated, options
+        As for `examined_channel`.
+    filters : Request, optional
+        Whose filters are taken; none by default.
 
     Raises
     ------
@@ -253,11 +262,17 @@ def read_channels(file: str, stated: dict[str, dict[str, Any]], options: Options
 
     record = read_record(file, options)
     check_channels(stated, record.keys)
-    return record, read_file(record, calibrations_beside(Path(file)), Request(options.channels or ("1",), stated))
+    wanted = replace(filters or Request(), channels=options.channels or ("1",), calibrations=stated)
+    return record, read_file(record, calibrations_beside(Path(file)), wanted)
 
 
 def examined_channel(
-    file: str, stated: dict[str, dict[str, Any]], options: Options, figure: str, what: str
+    file: str,
+    stated: dict[str, dict[str, Any]],
+    options: Options,
+    figure: str,
+    what: str,
+    filters: Request | None = None,
 ) -> ChannelReading:
     """Read one channel of a file and examine it; a bad one is named on stderr, and used all the same.
 
@@ -273,13 +288,15 @@ def examined_channel(
         What is wanted of the channel, one of `strikewave.records.health_notice.FIGURES`: what harms it is named.
     what : str
         The same in words, such as "the spectrum".
+    filters : Request, optional
+        Whose filters are taken; none by default.
 
     Raises
     ------
     InputError
         If the file cannot be read, or has no such channel.
     """
-    record, reading = read_channels(file, stated, options)
+    record, reading = read_channels(file, stated, options, filters)
     for notice in reading.all_findings:
         if notice.severity != "good" and figure in notice.harms:
             say(f"{notice.severity} [{notice.code}]: {notice.message}")

@@ -1,4 +1,4 @@
-"""Butterworth low-pass filters: causal, as a recorder has them, and zero-phase, as records are smoothed.
+"""Butterworth filters: low-pass, causal as a recorder has them and zero-phase as records are smoothed; high-pass.
 
 |H(f)|^2 = 1 / (1 + (W/W_c)^(2 n)) with W = tan(pi f dt), the frequency as the bilinear transform warps it,
 cutoff W_c and order n. Second-order sections, so that low cutoffs keep their digits.
@@ -146,17 +146,7 @@ class Filter:
         ValueError
             If the cutoff is not below half the sampling rate, or another value makes no sense.
         """
-        from scipy import signal
-
-        sections = _butterworth(self.cutoff, step, self.order, self._widened())
-        history = np.moveaxis(_history(values), axis, -1)
-        radius = float(np.max(np.abs(signal.sos2zpk(sections)[1])))
-        length = math.ceil(math.log(SETTLED) / math.log(radius)) if radius > 0.0 else 1
-        padded = np.pad(history, [(0, 0)] * (history.ndim - 1) + [(length, length)], mode="edge")
-        for _ in range(2):  # forward, then back
-            state = signal.sosfilt_zi(sections).reshape(-1, *(1,) * (history.ndim - 1), 2) * padded[..., :1]
-            padded = signal.sosfilt(sections, padded, zi=state)[0][..., ::-1]
-        return np.ascontiguousarray(np.moveaxis(padded[..., length : padded.shape[-1] - length], -1, axis))
+        return _there_and_back(_butterworth(self.cutoff, step, self.order, self._widened()), values, axis)
 
     def gain(self, frequency: ArrayLike, step: float) -> Array:
         """Return the gain of both passes: 1 / (1 + (W/W_c)^(2 n))."""
@@ -173,6 +163,80 @@ class Filter:
         if self.convention == "each" or self.order < 1:
             return 1.0
         return float((math.sqrt(2.0) - 1.0) ** (-0.5 / self.order))
+
+
+@dataclass(frozen=True)
+class HighPass:
+    """A zero-phase Butterworth high-pass, which takes off what changes slowly: an offset becomes zero.
+
+    Both passes together lose 3 dB at the cutoff. What it leaves of a one-sided pulse integrates to zero over the whole
+    record: it undershoots before and after, and the velocity change falls with cutoff times width.
+
+    Attributes
+    ----------
+    cutoff : float
+        Frequency of -3 dB, Hz.
+    order : int
+        Poles of each pass, n: two, since more undershoot further.
+
+    Examples
+    --------
+    >>> drifting = 3.0 + np.sin(2 * np.pi * 0.02 * np.arange(40000) * 1e-3)
+    >>> float(np.abs(HighPass(5.0).apply(drifting, 1e-3)[5000:-5000]).max()) < 1e-6
+    True
+    """
+
+    cutoff: float
+    order: int = 2
+
+    def __str__(self) -> str:
+        return (
+            f"zero-phase Butterworth high-pass, {self.order} poles a pass, -3 dB at {self.cutoff:g} Hz for both passes "
+            "together"
+        )
+
+    def apply(self, values: ArrayLike, step: float, axis: int = -1) -> Array:
+        """Filter a history; outside, it is taken to hold its first and its last value.
+
+        Parameters
+        ----------
+        values : array_like
+            Evenly sampled history.
+        step : float
+            Time between samples, s.
+        axis : int, optional
+            Axis of time.
+
+        Raises
+        ------
+        ValueError
+            If the cutoff is not below half the sampling rate, or another value makes no sense.
+        """
+        sections = _butterworth(self.cutoff, step, self.order, self._narrowed(), "highpass")
+        return _there_and_back(sections, values, axis)
+
+    def gain(self, frequency: ArrayLike, step: float) -> Array:
+        """Return the gain of both passes: 1 / (1 + (W_c/W)^(2 n))."""
+        power = np.tan(np.pi * np.asarray(frequency, dtype=float) * step) ** (2 * self.order)
+        corner = (self._narrowed() * math.tan(math.pi * self.cutoff * step)) ** (2 * self.order)
+        return np.asarray(power / (power + corner))
+
+    def _narrowed(self) -> float:
+        return float((math.sqrt(2.0) - 1.0) ** (0.5 / max(self.order, 1)))
+
+
+def _there_and_back(sections: Array, values: ArrayLike, axis: int) -> Array:
+    """Filter a history forward, then back; outside, it holds its first and its last value."""
+    from scipy import signal
+
+    history = np.moveaxis(_history(values), axis, -1)
+    radius = float(np.max(np.abs(signal.sos2zpk(sections)[1])))
+    length = math.ceil(math.log(SETTLED) / math.log(radius)) if radius > 0.0 else 1
+    padded = np.pad(history, [(0, 0)] * (history.ndim - 1) + [(length, length)], mode="edge")
+    for _ in range(2):
+        state = signal.sosfilt_zi(sections).reshape(-1, *(1,) * (history.ndim - 1), 2) * padded[..., :1]
+        padded = signal.sosfilt(sections, padded, zi=state)[0][..., ::-1]
+    return np.ascontiguousarray(np.moveaxis(padded[..., length : padded.shape[-1] - length], -1, axis))
 
 
 class Effect(NamedTuple):
@@ -255,7 +319,7 @@ def _cutoff_times_duration(loss: float) -> float:
     return float(brentq(excess, *CUTOFFS, xtol=CUTOFF_ROUNDING))
 
 
-def _butterworth(cutoff: float, step: float, order: int, widened: float = 1.0) -> Array:
+def _butterworth(cutoff: float, step: float, order: int, widened: float = 1.0, kind: str = "lowpass") -> Array:
     """Return second-order sections; ``widened`` multiplies the cutoff on the warped scale."""
     if not 0.0 < step < math.inf:
         raise ValueError(f"the step must be above zero and finite, got {step!r}")
@@ -266,14 +330,14 @@ def _butterworth(cutoff: float, step: float, order: int, widened: float = 1.0) -
             f"the cutoff must lie above zero and below half the sampling rate, {0.5 / step:g} Hz, got {cutoff:g} Hz: "
             "take a lower cutoff or a finer step"
         )
-    return _sections(order, 2.0 / math.pi * math.atan(widened * math.tan(math.pi * cutoff * step)))
+    return _sections(order, 2.0 / math.pi * math.atan(widened * math.tan(math.pi * cutoff * step)), kind)
 
 
 @functools.lru_cache(maxsize=64)
-def _sections(order: int, share: float) -> Array:
+def _sections(order: int, share: float, kind: str) -> Array:
     from scipy import signal
 
-    return np.asarray(signal.butter(order, share, output="sos"))
+    return np.asarray(signal.butter(order, share, kind, output="sos"))
 
 
 def _history(values: ArrayLike) -> Array:

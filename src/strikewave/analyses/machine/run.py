@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 from collections.abc import Callable, Sequence
+from contextlib import AbstractContextManager, nullcontext
 from statistics import median
 
 from strikewave.analyses.machine.dataset import build_dataset
@@ -64,6 +65,10 @@ def run_case(case: Case, progress: Callable[[float], None] | None = None, *, ban
     >>> len(solution.blows)
     11
     """
+    if band:
+        with band_compiled_beside(case):
+            solution = run_case(case, progress)
+        return with_bands(solution, progress)
     seen = observe(case, progress)
     machine, run = seen.machine, seen.run
     start = release(case, machine.struck.mass) if case.launched() else None
@@ -89,7 +94,7 @@ def run_case(case: Case, progress: Callable[[float], None] | None = None, *, ban
     )
     balance = {"energy_error": run.energy_error, "momentum_error": momentum}
     struck = machine.struck
-    solution = Solution(
+    return Solution(
         case=case,
         blows=seen.blows,
         masses={"striker": machine.strikers.mass, "object": struck.mass, "assembly": struck.assembly_mass},
@@ -106,7 +111,16 @@ def run_case(case: Case, progress: Callable[[float], None] | None = None, *, ban
         collisions=line_collisions(start) if start else (),
         contact=answers,
     )
-    return with_bands(solution, progress) if band else solution
+
+
+def band_compiled_beside(case: Case) -> AbstractContextManager[None]:
+    """Return what compiles the fast engine for the band of a case in a second process, where it is not compiled yet.
+
+    The run goes on within; a machine that strikes once needs no fast engine.
+    """
+    from strikewave.machines.compile_ahead import fast_run_beside
+
+    return nullcontext() if case.launched() else fast_run_beside()
 
 
 def with_bands(solution: Solution, progress: Callable[[float], None] | None = None) -> Solution:

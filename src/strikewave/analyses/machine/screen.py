@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from contextlib import nullcontext
 from dataclasses import dataclass
 from pathlib import Path
 
 from strikewave.analyses.machine.columns import screen_columns, shown_in
 from strikewave.analyses.machine.result import Solution
-from strikewave.analyses.machine.run import run_case, with_bands
+from strikewave.analyses.machine.run import band_compiled_beside, run_case, with_bands
 from strikewave.analyses.machine.words import (
     ANSWERS_CALLED,
     answer_heads,
@@ -68,7 +69,8 @@ class MachineCommand(Command[Solution]):
 
     def solve(self) -> Solution:
         """Return the solution, with a bar on stderr."""
-        with progress_bar("blows") as report:
+        beside = band_compiled_beside(self.case) if self.band else nullcontext()
+        with progress_bar("blows") as report, beside:
             solution = run_case(self.case, report)
         if not self.band:
             return solution

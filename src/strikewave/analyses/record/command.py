@@ -3,39 +3,13 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, Annotated, Literal
+from typing import Annotated, Literal
 
 import typer
 
-from strikewave.base.errors import InputError
-from strikewave.base.units import parse_quantity
+from strikewave.analyses.record.filter_options import FilterOptions
 from strikewave.reporting import measured_files as measured
-from strikewave.reporting.options import Output, Typed, bare_number, parsed, quantity
-
-if TYPE_CHECKING:
-    from strikewave.signal.filters import Filter
-
-ALLOWED_COUPLING = 'auto, a time constant above zero such as "1.6 ms", or a cutoff such as "100 Hz"'
-
-
-def _time_constant(word: str, field: str) -> str | float:
-    """Return the time constant of AC coupling, s, or ``auto``.
-
-    Examples
-    --------
-    >>> _time_constant("auto", ""), _time_constant("1.6 ms", ""), round(_time_constant("100 Hz", ""), 6)
-    ('auto', 0.0016, 0.001592)
-    """
-    if word.strip() == "auto":
-        return "auto"
-    unit = word.strip().lstrip("+-.0123456789eE").strip()
-    try:
-        value = parse_quantity(word, "Hz" if "Hz" in unit else "s", field)
-    except InputError as error:
-        raise InputError(field, word, ALLOWED_COUPLING) from error
-    if not 0.0 < value < math.inf:
-        raise InputError(field, word, ALLOWED_COUPLING)
-    return 1.0 / (2.0 * math.pi * value) if "Hz" in unit else value
+from strikewave.reporting.options import Output, quantity
 
 
 def command(
@@ -45,29 +19,6 @@ def command(
     drop_height: Annotated[
         float | None,
         quantity("--drop-height", si="m", help='Free fall before the blow, such as "1.2 m"; not checked by default.'),
-    ] = None,
-    cutoff: Annotated[
-        float | None,
-        quantity("--filter", si="Hz", help="Zero-phase low-pass, -3 dB for both passes; none by default."),
-    ] = None,
-    cfc: Annotated[
-        Typed | None,
-        bare_number(
-            "--cfc",
-            high=1e6,
-            allowed="a channel frequency class, such as 60, 180, 600 or 1000",
-            help="SAE J211 filter of this channel frequency class, such as 1000; none by default.",
-        ),
-    ] = None,
-    ac_coupling: Annotated[
-        str | None,
-        parsed(
-            "--ac-coupling",
-            read=_time_constant,
-            help='AC coupling to take off: auto, a time constant such as "1.6 ms", or a cutoff such as "100 Hz"; '
-            "none by default.",
-            metavar="auto|TIME|FREQUENCY",
-        ),
     ] = None,
     columns: Annotated[
         Literal["channels", "repeats"],
@@ -79,6 +30,7 @@ def command(
             "--fail-on", help="Status of a file, or a worse one, that makes the exit code 3; none by default."
         ),
     ] = None,
+    filtering: FilterOptions,
     output: Output,
 ) -> int:
     """Measure the pulses of recorded files.
@@ -91,16 +43,6 @@ def command(
     from strikewave.records import Request
 
     height = math.nan if drop_height is None else drop_height
-    channels, coupling = tuple(measurement.channel or ()), "" if ac_coupling is None else ac_coupling
-    wanted = Request(channels, measurement.calibration(), height, _filter(cutoff, cfc), coupling)
+    channels = tuple(measurement.channel or ())
+    wanted = filtering.on(Request(channels, measurement.calibration(), height))
     return examine_records(files, wanted, measurement.reading(), output, columns == "repeats", fail_on or "")
-
-
-def _filter(cutoff: float | None, cfc: Typed | None) -> Filter | None:
-    from strikewave.signal.filters import Filter
-
-    if cutoff is not None and cfc is not None:
-        raise InputError("--cfc", cfc.word, "either --filter or --cfc", "leave one out")
-    if cutoff is not None:
-        return Filter(cutoff)
-    return None if cfc is None else Filter.sae_j211(cfc)

@@ -6,6 +6,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from strikewave.analyses.record.figures.many_spectra import several_figure
 from strikewave.analyses.record.figures.spectra import record_summary, srs_figure
 from strikewave.analyses.record.report import record_report
 from strikewave.analyses.record.result import RecordResult
@@ -23,8 +24,11 @@ def record_picture(result: RecordResult) -> Figure:
 
 
 def spectrum_picture(result: SpectrumResult) -> Figure:
-    """Return the first spectrum over frequency."""
-    return titled(srs_figure(result.spectra[0], unit=result.reading.channel.unit), result.title)
+    """Return the first spectrum over frequency, or all of several."""
+    unit = result.reading.channel.unit
+    if result.shocks:
+        return titled(several_figure(result, 0), result.title)
+    return titled(srs_figure(result.spectra[0], unit=unit), result.title)
 
 
 picture: dict[type, Callable[[Any], Figure]] = {RecordResult: record_picture, SpectrumResult: spectrum_picture}

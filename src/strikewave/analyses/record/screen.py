@@ -277,7 +277,11 @@ def _print_campaign(campaign: Campaign, readings: Sequence[FileReading], names: 
 
 
 def _print_filter(files: Sequence[FileReading], filter_: Filter | None) -> None:
-    """Say what the filter did to each channel, or which cutoff would leave the steepest blow of all as it is."""
+    """Say what the filters did to each channel, or which cutoff would leave the steepest blow of all as it is."""
+    for _, reading in rows_of(files):
+        for finding in reading.findings:
+            if finding.code == "high-pass":
+                tell(f"{reading.channel.name}: {finding.message}")
     if filter_ is None:
         advised = advised_filter(files)
         if advised is not None:

@@ -4,20 +4,25 @@ from __future__ import annotations
 
 import functools
 import math
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, ClassVar, NamedTuple
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
+from strikewave.analyses.record.rolling_window import Rolling
 from strikewave.records import ChannelReading
 from strikewave.reporting import measured_files as measured
-from strikewave.reporting.columns import Column, csv_table
+from strikewave.reporting.columns import HISTORY_DIGITS, Column, csv_table
 from strikewave.reporting.numbers import axis_unit, with_unit
 from strikewave.reporting.options import Typed
 from strikewave.reporting.shown_result import Curve
-from strikewave.signal.srs import Scope, Spectrum, srs
+from strikewave.signal.envelopes import FEWEST, envelope, tolerance_limit
+from strikewave.signal.srs import RollingSpectrum, Scope, Spectrum, response_history, rms_spectrum, srs
+
+Array = NDArray[np.float64]
 
 KIND_UNITS = {
     "absolute": "m/s^2",
@@ -31,6 +36,16 @@ SHOWN_UNITS = {kind: {"m/s^2": "g", "m": "mm"}.get(unit, unit) for kind, unit in
 """The units in which they are shown on the screen."""
 
 
+class SpectrumOptions(NamedTuple):
+    """What else was asked: how the record begins, and what is given beside the spectra."""
+
+    initial: str
+    rms: bool
+    resultant: bool
+    response: Typed | None
+    rolling: Rolling | None
+
+
 class SpectrumRequest(NamedTuple):
     """What was asked of the spectra: quality factor, frequencies, kinds, side, part of the shock and its end."""
 
@@ -41,16 +56,56 @@ class SpectrumRequest(NamedTuple):
     side: str
     part: str
     end: Typed | None
+    options: SpectrumOptions
+
+
+class ShockSpectra(NamedTuple):
+    """The spectra of one channel of a file among several.
+
+    Attributes
+    ----------
+    file, channel, status : str
+        Of what, and whether it is good.
+    zero_line : float
+        Baseline that was taken off.
+    spectra : list of Spectrum
+        One a kind.
+    rms : mapping
+        Root mean squares by kind, where asked for.
+    left_out : str
+        Why it does not enter the envelope; empty where it does.
+    """
+
+    file: str
+    channel: str
+    status: str
+    zero_line: float
+    spectra: list[Spectrum]
+    rms: Mapping[str, Array]
+    left_out: str = ""
+
+    @property
+    def name(self) -> str:
+        """File and channel."""
+        return f"{Path(self.file).name}, {self.channel}"
+
+
+class OscillatorResponse(NamedTuple):
+    """What one oscillator does while the record lasts, by kind of response."""
+
+    frequency: float
+    time: Array
+    histories: Mapping[str, Array]
 
 
 @dataclass(frozen=True)
 class SpectrumResult(measured.AskedResult):
-    """Spectra of one channel of a file; see `Result` for what it shares with others.
+    """Spectra of one channel of a file, or of several; see `Result` for what it shares with others.
 
     Attributes
     ----------
     file : str
-        The measured file.
+        The measured file; the first of several.
     reading : ChannelReading
         The channel, examined.
     spectra : list of Spectrum
@@ -59,6 +114,16 @@ class SpectrumResult(measured.AskedResult):
         maximax, positive or negative.
     scope : Scope
         Which part of the shock.
+    rms : mapping
+        Root mean squares of the responses by kind, where asked for.
+    shocks : sequence of ShockSpectra
+        All of several; empty for one.
+    resultant : mapping
+        Vector sums of all axes by kind, where asked for.
+    response : OscillatorResponse or None
+        Of one oscillator, where asked for.
+    rolling : RollingSpectrum or None
+        Of windows that slide over the record, of the first kind, where asked for.
     """
 
     command: ClassVar[str] = "srs"
@@ -68,12 +133,37 @@ class SpectrumResult(measured.AskedResult):
     spectra: list[Spectrum]
     side: str
     scope: Scope
+    rms: Mapping[str, Array] = field(default_factory=dict)
+    shocks: Sequence[ShockSpectra] = ()
+    resultant: Mapping[str, Array] = field(default_factory=dict)
+    response: OscillatorResponse | None = None
+    rolling: RollingSpectrum | None = None
 
     @property
     def title(self) -> str:
         """File, channel, and the part of the shock where that is not the whole."""
         part = "" if self.scope.part == "total" else f", {self.scope.part} part"
+        if self.shocks:
+            return f"{len(self.shocks)} shock response spectra of {self.origin.name}{part}"
         return f"{Path(self.file).name}, {self.reading.channel.name}{part}"
+
+    @property
+    def used(self) -> list[ShockSpectra]:
+        """Those of several that enter the envelope."""
+        return [shock for shock in self.shocks if not shock.left_out]
+
+    @functools.cached_property
+    def together(self) -> dict[str, dict[str, Array]]:
+        """What several spectra come to, by name and kind: ``resultant``, or ``envelope`` and ``p95_50``."""
+        if self.resultant:
+            return {"resultant": dict(self.resultant)}
+        rows = {
+            one.kind: [shock.spectra[k].side(self.side) for shock in self.used] for k, one in enumerate(self.spectra)
+        }
+        found = {"envelope": {kind: envelope(of) for kind, of in rows.items() if of}} if self.used else {}
+        if len(self.used) >= FEWEST:
+            found["p95_50"] = {kind: tolerance_limit(of) for kind, of in rows.items()}
+        return found
 
     @functools.cached_property
     def velocity(self) -> Spectrum:
@@ -88,11 +178,14 @@ class SpectrumResult(measured.AskedResult):
         has = self.reading.channel.unit or "the file's own numbers"
         of = "" if has == "m/s^2" else f" for a record in m/s^2; this one is in {has}"
         kinds = {spectrum.kind: KIND_UNITS[spectrum.kind] + of for spectrum in self.spectra}
-        return {"frequency": "Hz", "q": "1", "zero_line": has, **kinds}
+        more = {"time": "s", "window": "s", "hop": "s"} if self.response or self.rolling else {}
+        return {"frequency": "Hz", "q": "1", "zero_line": has, **more, **kinds}
 
     def content(self) -> dict[str, Any]:
         """Return what the JSON document holds beside its head."""
         first, reading = self.spectra[0], self.reading
+        if self.shocks:
+            return self._several()
         return {
             "file": self.file,
             "channel": reading.channel.name,
@@ -104,15 +197,54 @@ class SpectrumResult(measured.AskedResult):
             "part": first.part,
             "end": None if self.scope.end is None else self.scope.end + reading.channel.start,
             "frequency": first.frequency,
+            "initial": self.scope.initial,
             **{spectrum.kind: spectrum.side(self.side) for spectrum in self.spectra},
+            **({"rms": dict(self.rms)} if self.rms else {}),
+            **self._over_time(),
         }
+
+    def _several(self) -> dict[str, Any]:
+        """Return what the document of several spectra holds."""
+        first = self.spectra[0]
+        return {
+            "q": first.q if math.isfinite(first.q) else "inf",
+            "side": self.side,
+            "part": first.part,
+            "initial": self.scope.initial,
+            "frequency": first.frequency,
+            "spectra": [
+                {
+                    "file": shock.file,
+                    "channel": shock.channel,
+                    "status": shock.status,
+                    "left_out": shock.left_out or None,
+                    "zero_line": shock.zero_line,
+                    **{one.kind: one.side(self.side) for one in shock.spectra},
+                    **({"rms": dict(shock.rms)} if shock.rms else {}),
+                }
+                for shock in self.shocks
+            ],
+            **self.together,
+        }
+
+    def _over_time(self) -> dict[str, Any]:
+        """Return what the document holds of a response history and a rolling spectrum."""
+        found: dict[str, Any] = {}
+        if self.response is not None:
+            one = self.response
+            found["response"] = {"frequency": one.frequency, "time": one.time, **one.histories}
+        if self.rolling is not None:
+            values = getattr(self.rolling, self.side)
+            found["rolling"] = {"kind": self.spectra[0].kind, "time": self.rolling.time, "values": values}
+        return found
 
     def highlights(self) -> list[tuple[str, str]]:
         """Return the quality factor, and the largest value of each spectrum with its frequency."""
         first = self.spectra[0]
         numbers = [("Q", "undamped" if math.isinf(first.q) else f"{first.q:g}")]
+        whole = next(iter(self.together.values()), {}) if self.shocks else {}
         for spectrum in self.spectra:
-            values = spectrum.side(self.side)
+            values = whole.get(spectrum.kind, spectrum.side(self.side))
             at = int(np.argmax(values))
             where = with_unit(float(spectrum.frequency[at]), "Hz", "Hz", 3)
             numbers.append((spectrum.kind, f"{with_unit(float(values[at]), *self._shown(spectrum))} at {where}"))
@@ -133,13 +265,40 @@ class SpectrumResult(measured.AskedResult):
 
     def tables(self) -> dict[str, str]:
         """Return the spectra as CSV text."""
-        return {"spectrum.csv": csv_table(self.columns())}
+        tables = {"spectrum.csv": csv_table(self.columns())}
+        of = "" if self.reading.channel.unit == "m/s^2" else " for a record in m/s^2"
+        if self.response is not None:
+            one = self.response
+            columns = [Column("time", one.time, "s")]
+            columns += [Column(f"{kind}{of}", values, KIND_UNITS[kind]) for kind, values in one.histories.items()]
+            tables["response.csv"] = csv_table(columns, HISTORY_DIGITS)
+        if self.rolling is not None:
+            time, frequency, kind = self.rolling.time, self.rolling.frequency, self.spectra[0].kind
+            columns = [
+                Column("time", np.repeat(time, frequency.size), "s"),
+                Column("frequency", np.tile(frequency, time.size), "Hz"),
+                Column(f"{kind}{of}", np.ravel(getattr(self.rolling, self.side)), KIND_UNITS[kind]),
+            ]
+            tables["rolling.csv"] = csv_table(columns, HISTORY_DIGITS)
+        return tables
 
     def columns(self) -> list[Column]:
         """Return the spectra over natural frequency."""
         of = "" if self.reading.channel.unit == "m/s^2" else " for a record in m/s^2"
         columns = [Column("frequency", self.spectra[0].frequency, "Hz")]
-        return columns + [Column(f"{s.kind}{of}", s.side(self.side), KIND_UNITS[s.kind]) for s in self.spectra]
+        for s in () if self.shocks else self.spectra:
+            columns.append(Column(f"{s.kind}{of}", s.side(self.side), KIND_UNITS[s.kind]))
+        for kind, values in self.rms.items() if not self.shocks else ():
+            columns.append(Column(f"{kind} rms{of}", values, KIND_UNITS[kind]))
+        for name, kinds in self.together.items() if self.shocks else ():
+            for kind, values in kinds.items():
+                columns.append(Column(f"{kind} {name}{of}", values, KIND_UNITS[kind]))
+        for shock in self.shocks:
+            for s in shock.spectra:
+                columns.append(Column(f"{s.kind} of {shock.name}{of}", s.side(self.side), KIND_UNITS[s.kind]))
+            for kind, values in shock.rms.items():
+                columns.append(Column(f"{kind} rms of {shock.name}{of}", values, KIND_UNITS[kind]))
+        return columns
 
     def brief(self) -> dict[str, str]:
         """Return all columns."""
@@ -148,6 +307,22 @@ class SpectrumResult(measured.AskedResult):
     def _unit(self, name: str) -> str:
         kind = name.partition(" ")[0]
         return SHOWN_UNITS[kind] if self.reading.channel.unit == "m/s^2" else KIND_UNITS[kind]
+
+
+def rms_of(reading: ChannelReading, kind: str, frequencies: ArrayLike, q: float, initial: str) -> Array:
+    """Return the root mean squares of the responses to a channel, its baseline taken off."""
+    channel = reading.channel
+    return rms_spectrum(channel.values - reading.baseline, channel.step, frequencies, q, kind, initial)
+
+
+def response_of(
+    reading: ChannelReading, kinds: Sequence[str], frequency: float, q: float, initial: str
+) -> OscillatorResponse:
+    """Return what an oscillator does on a channel, its baseline taken off."""
+    channel = reading.channel
+    values = channel.values - reading.baseline
+    histories = {kind: response_history(values, channel.step, frequency, q, kind, initial) for kind in kinds}
+    return OscillatorResponse(frequency, channel.time, histories)
 
 
 def spectrum_of(reading: ChannelReading, kind: str, frequencies: ArrayLike, q: float, scope: Scope) -> Spectrum:

@@ -8,19 +8,25 @@ from pathlib import Path
 import numpy as np
 
 from strikewave.analyses.record.figures import records
+from strikewave.analyses.record.figures.many_spectra import response_figure, rolling_figure, several_figure
 from strikewave.analyses.record.figures.spectra import srs_figure, tripartite
 from strikewave.analyses.record.spectrum import KIND_UNITS, SHOWN_UNITS, SpectrumResult
 from strikewave.reporting import chapters
 from strikewave.reporting.numbers import headed, percent, shown, spelled, with_unit
 from strikewave.reporting.parts import NONE, Cell, Part, Picture, Section, Table, Tag, written
+from strikewave.signal.envelopes import FEWEST
 from strikewave.signal.srs import Spectrum
 
+MOST_NAMED = 3
+"""Records that a sentence names."""
 MOST_ROWS = 60
 """Frequencies in the table, evenly chosen: spectrum.csv has all."""
 
 
 def spectrum_report(result: SpectrumResult) -> str:
     """Return the report of shock response spectra as one HTML page: no script, nothing fetched, the same bytes."""
+    if result.shocks:
+        return _report_of_several(result)
     unit = result.reading.channel.unit
     parts: list[Part] = [
         Picture(
@@ -39,6 +45,7 @@ def spectrum_report(result: SpectrumResult) -> str:
     )
     sections = [
         Section("Spectra", "", parts),
+        *_over_time(result),
         _record_section(result),
         _table_section(result),
         chapters.warnings(result.notices),
@@ -50,8 +57,77 @@ def spectrum_report(result: SpectrumResult) -> str:
     return chapters.result_page(result, summary, sections)
 
 
+def _over_time(result: SpectrumResult) -> list[Section]:
+    """Draw the response of an oscillator and the rolling spectrum, where they were asked for."""
+    unit, parts = result.reading.channel.unit, list[Part]()
+    if result.response is not None:
+        words = f"What an oscillator of {_hertz(result.response.frequency)} does while the record lasts."
+        parts.append(Picture(response_figure(result.response.histories, result.response, unit), words))
+    if result.rolling is not None:
+        words = "The spectrum of windows that slide over the record, each as if nothing came before or after it."
+        parts.append(Picture(rolling_figure(result.rolling, result.side, result.spectra[0], unit), words))
+    return [Section("Over time", "", parts)] if parts else []
+
+
+def _report_of_several(result: SpectrumResult) -> str:
+    """Return the report of several spectra, and of what they come to."""
+    count = len(result.used)
+    parts: list[Part] = [
+        Picture(several_figure(result, k), f"The {one.kind} spectra: thin lines of each, thick ones of all together.")
+        for k, one in enumerate(result.spectra)
+    ]
+    rows: list[list[Cell]] = [
+        [
+            Path(shock.file).name,
+            shock.channel,
+            Tag(shock.status, {"good": "good", "bad": "bad"}.get(shock.status, "warned")),
+            ", ".join(
+                f"{_response(one.kind, float(one.side(result.side)[k]), result)} at {_hertz(one.frequency[k])}"
+                for one, k in ((one, _largest(one, result.side)) for one in shock.spectra)
+            ),
+            shock.left_out or "enters",
+        ]
+        for shock in result.shocks
+    ]
+    kinds = ", ".join(one.kind for one in result.spectra)
+    table = Table("Spectra", ["file", "channel", "status", f"largest {kinds}", "what all come to"], rows)
+    sections = [
+        Section("Spectra", several_words(result), parts),
+        Section("Records", "", [table]),
+        chapters.warnings(result.notices),
+        _calibration_section(result),
+    ]
+    pairs = [("spectra", str(len(result.shocks))), *result.highlights()]
+    tag = Tag(f"{count} of {len(result.shocks)} used", "good" if count == len(result.shocks) else "warned")
+    summary = chapters.Summary("Report of shock response spectra", several_words(result), pairs, tag)
+    return chapters.result_page(result, summary, sections)
+
+
+def several_words(result: SpectrumResult) -> str:
+    """Say in words what several spectra come to."""
+    first, used = result.spectra[0], result.used
+    q = "undamped" if math.isinf(first.q) else f"Q = {first.q:g}"
+    words = [f"{len(result.shocks)} shock response spectra of {result.origin.name}, baselines taken off: {q}."]
+    names = {"envelope": "envelope", "p95_50": "limit P95/50", "resultant": "resultant"}
+    for name, kinds in result.together.items():
+        for kind, values in kinds.items():
+            at = int(np.nanargmax(values)) if np.any(np.isfinite(values)) else 0
+            words.append(
+                f"The {names[name]} of the {kind} response is largest, {_response(kind, float(values[at]), result)}, "
+                f"at {_hertz(first.frequency[at])}."
+            )
+    left = [shock.name for shock in result.shocks if shock.left_out]
+    if left:
+        words.append(f"Left out as bad: {'; '.join(left[:MOST_NAMED])}{' and others' * (len(left) > MOST_NAMED)}.")
+    if not result.resultant and len(used) < FEWEST:
+        words.append(f"P95/50 needs {FEWEST} spectra or more.")
+    return " ".join(words)
+
+
 def spectrum_words(result: SpectrumResult) -> str:
     """Say in words what the spectra are of."""
+    if result.shocks:
+        return several_words(result)
     first, reading = result.spectra[0], result.reading
     q = "undamped" if math.isinf(first.q) else f"Q = {first.q:g} ({percent(0.5 / first.q)} of critical damping)"
     part = "" if first.part == "total" else f", the {first.part} part"

@@ -6,15 +6,17 @@ from typing import Annotated, Literal
 
 import typer
 
+from strikewave.analyses.record.filter_options import FilterOptions
+from strikewave.analyses.record.rolling_window import Rolling, read_rolling
 from strikewave.reporting import measured_files as measured
-from strikewave.reporting.options import Output, Typed, bare_number, one_of, quantity
+from strikewave.reporting.options import Output, Typed, bare_number, one_of, parsed, quantity
 
 KINDS = ("absolute", "displacement", "relative-velocity", "pseudo-velocity", "equivalent-static")
 """Kinds of spectra."""
 
 
 def command(
-    file: measured.OneFile,
+    files: measured.Files,
     *,
     q: Annotated[
         float,
@@ -57,16 +59,48 @@ def command(
         Typed | None,
         quantity("--end", si="s", signed=True, help="End of the shock in the file's time; its last pulse by default."),
     ] = None,
+    resultant: Annotated[
+        bool, typer.Option("--resultant", help="Vector sum of 2 or 3 perpendicular channels of a file.")
+    ] = False,
+    rolling: Annotated[
+        Rolling | None,
+        parsed(
+            "--rolling",
+            read=read_rolling,
+            metavar="WINDOW[,HOP]",
+            help='Spectra of windows that slide over the record, such as "20 ms" or "20 ms,5 ms"; '
+            "a quarter of a window on by default.",
+        ),
+    ] = None,
+    initial: Annotated[
+        Literal["rest", "shifted", "steady"],
+        typer.Option(
+            "--initial",
+            help="How the record begins: from rest, its first sample taken off all, or at its first sample for ever.",
+        ),
+    ] = "rest",
+    rms: Annotated[
+        bool, typer.Option("--rms", help="Root mean square of the responses too, while the record lasts.")
+    ] = False,
+    response: Annotated[
+        Typed | None,
+        quantity("--response", si="Hz", help="Natural frequency of an oscillator whose response is written too."),
+    ] = None,
     measurement: measured.MeasurementOptions,
+    filtering: FilterOptions,
     output: Output,
 ) -> int:
     """Compute shock response spectra.
 
-    They are those of a record, its baseline taken off. With --json, no files are written unless --out is given.
+    They are those of a record, its baseline taken off. Of several files, or channels, their envelope is given, and from
+    three on the limit P95/50. With --json, no files are written unless --out is given.
     """
-    from strikewave.analyses.record.spectrum import SpectrumRequest
+    from strikewave.analyses.record.spectrum import SpectrumOptions, SpectrumRequest
     from strikewave.analyses.record.spectrum_screen import compute_spectra
+    from strikewave.records import Request
 
     kinds = tuple(dict.fromkeys(kind or ["absolute"]))
-    wanted = SpectrumRequest(q, frequency, (low, high, per_octave), kinds, side, part, end)
-    return compute_spectra(file, wanted, measurement.calibration(), measurement.reading(), output)
+    options = SpectrumOptions(initial, rms, resultant, response, rolling)
+    wanted = SpectrumRequest(q, frequency, (low, high, per_octave), kinds, side, part, end, options)
+    filters = filtering.on(Request())
+    return compute_spectra(files, wanted, measurement.calibration(), measurement.reading(), output, filters)

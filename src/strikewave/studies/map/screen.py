@@ -9,7 +9,6 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import ClassVar
 
-from strikewave.base.compiled import is_cold
 from strikewave.reporting.layout import keys, numerals
 from strikewave.reporting.measured_files import asked
 from strikewave.reporting.numbers import shown_heads
@@ -85,8 +84,6 @@ class MapCommand(Command[MapStudy]):
     def solve(self) -> MapStudy:
         """Return the map, with a bar on stderr; where it is stopped, finished rows are kept, and said to be."""
         store = self.store or Store(self.plan, None, self.fresh)
-        if is_cold("run_train"):
-            say("compiling the kernels of the fast run: once after install, a minute or more")
         say(_words(self.plan, self.seconds, store))
         try:
             with progress_bar("map", float(store.done.mean()), ("left",)) as report:

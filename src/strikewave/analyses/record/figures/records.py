@@ -118,7 +118,7 @@ def draw_history(axes: Any, reading: ChannelReading, columns: int = COLUMNS) -> 
         say(axes, f"{plain(reading.channel.name)}: no record to draw")
         return
     channel, how = reading.channel, shown(reading.channel.unit)
-    factor, unit = _clock(channel.duration)
+    factor, unit = clock(channel.duration)
     time, values = thin(channel.time, channel.values, columns)
     axes.plot(time * factor, values / how.scale, color=BLUE, linewidth=0.8)
     places = np.array([channel.time[0], *(p.begin for p in reading.pulses), channel.time[-1]])
@@ -187,7 +187,7 @@ def _draw_largest(axes: Any, reading: ChannelReading) -> None:
     channel, how = reading.channel, shown(reading.channel.unit)
     pulse = max(reading.pulses, key=lambda p: abs(p.peak))
     reach = 0.75 * (pulse.end - pulse.begin)
-    factor, unit = _clock(3.0 * reach)
+    factor, unit = clock(3.0 * reach)
     inside = (channel.time >= pulse.begin - reach) & (channel.time <= pulse.end + reach)
     time, values = thin(channel.time[inside], channel.values[inside], COLUMNS // 3)
     marker = "." if time.size <= 120 else ""
@@ -229,7 +229,7 @@ def draw_overlay(axes: Any, readings: Sequence[Named], names: bool = True) -> No
         return
     how = shown(used[0][1].channel.unit)
     span = float(np.median([p.end - p.begin for _, _, p in pulses]))
-    factor, unit = _clock(2.0 * span)
+    factor, unit = clock(2.0 * span)
     named = names and 1 < len(used) <= MOST_NAMES
     drawn = [pulses[i] for i in np.unique(np.linspace(0, len(pulses) - 1, MOST_PULSES).round().astype(int))]
     labelled: set[str] = set()
@@ -313,7 +313,7 @@ def draw_velocity(axes: Any, reading: ChannelReading, room: float = 0.055) -> No
         say(axes, f"no blow was found: there is no {how.integral} to draw")
         return
     channel, first = reading.channel, reading.pulses[0]
-    factor, unit = _clock(channel.duration)
+    factor, unit = clock(channel.duration)
     above = channel.values - first.offset
     total = np.concatenate([[0.0], np.cumsum(0.5 * (above[1:] + above[:-1]))]) * channel.step
     total -= float(np.interp(first.begin, channel.time, total))
@@ -349,7 +349,7 @@ def say(axes: Any, words: str) -> None:
         axes.figure.set_figheight(0.9)
 
 
-def _clock(duration: float) -> tuple[float, str]:
+def clock(duration: float) -> tuple[float, str]:
     """Return factor and unit of a time axis."""
     size, unit = axis_unit("s", "us" if duration < 2e-3 else "ms" if duration < 10.0 else "s")
     return 1.0 / size, unit

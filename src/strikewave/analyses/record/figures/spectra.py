@@ -120,8 +120,8 @@ def spectrum(reading: ChannelReading, advised: float | None = None) -> Figure:
     quiet(axes, "Amplitude spectrum of the largest blow", headed("frequency", "Hz", "Hz"), f"|X(f)| ({unit})")
     axes.set_ylim(max(float(magnitude.min()), DEPTH * top) / how.integral_scale, 3.0 * top / how.integral_scale)
     axes.set_xlim(frequency[0] / hertz_size, 1.08 * max(place for _, place, _, _ in marks) / hertz_size)
-    _log_axis(axes.xaxis, _hertz_ticks())
-    _log_axis(axes.yaxis, number_tick)
+    log_axis(axes.xaxis, hertz_ticks())
+    log_axis(axes.yaxis, number_tick)
     return legend_below(figure)
 
 
@@ -182,7 +182,7 @@ def draw_srs(axes: Any, spectra: Sequence[Spectrum], labels: Sequence[str] = (),
     if not any(np.any(one.maximax > 0.0) for one in spectra):
         say(axes, "there is no shock response spectrum to draw")
         return
-    scale, label = _response_unit(spectra[0].kind, unit)
+    scale, label = response_unit(spectra[0].kind, unit)
     hertz_size, _ = axis_unit("Hz", "Hz")
     names = [*map(plain, labels), *(f"spectrum {k + 1}" for k in range(len(labels), len(spectra)))]
     several = [(names[k], one, "maximax", _COLOURS[k % 5], DASHES[k % 4], 1.4) for k, one in enumerate(spectra)]
@@ -195,12 +195,12 @@ def draw_srs(axes: Any, spectra: Sequence[Spectrum], labels: Sequence[str] = (),
         )
     q = spectra[0].q
     quiet(axes, f"Shock response spectrum, Q = {q:g}", headed("natural frequency", "Hz", "Hz"), label)
-    _log_axis(axes.xaxis, _hertz_ticks())
-    _log_axis(axes.yaxis, number_tick)
+    log_axis(axes.xaxis, hertz_ticks())
+    log_axis(axes.yaxis, number_tick)
     axes.legend(frameon=False, fontsize=8, loc="best")
 
 
-def _response_unit(kind: str, unit: str) -> tuple[float, str]:
+def response_unit(kind: str, unit: str) -> tuple[float, str]:
     """Return how much SI the shown unit of a response is, and the label of its axis."""
     how = shown(unit)
     if unit != "m/s^2":
@@ -252,8 +252,8 @@ def tripartite(pseudo: Spectrum) -> Figure:
     axes.set_aspect("equal")
     axes.spines[["top", "right"]].set_visible(True)
     _rulings(axes, x, y, np.log10(frequency), np.log10(values))
-    _log_axis(axes.xaxis, _hertz_ticks())
-    _log_axis(axes.yaxis, number_tick)
+    log_axis(axes.xaxis, hertz_ticks())
+    log_axis(axes.yaxis, number_tick)
     return figure
 
 
@@ -391,7 +391,7 @@ def hertz_tick(value: float, place: object = None) -> str:
     return hertz(value).replace(" Hz", "").replace(" kHz", "k").replace(" MHz", "M")
 
 
-def _hertz_ticks() -> Any:
+def hertz_ticks() -> Any:
     """Return what writes the numbers of an axis of frequencies: 20k for 20 000 Hz, plain ones in another unit."""
     return hertz_tick if axis_unit("Hz", "Hz")[0] == 1.0 else number_tick
 
@@ -409,7 +409,7 @@ def number_tick(value: float, place: object = None) -> str:
     return f"{value:.1g}".replace("e-0", "e-").replace("e+0", "e+").replace("e+", "e")
 
 
-def _log_axis(axis: Any, written: Any) -> None:
+def log_axis(axis: Any, written: Any) -> None:
     """Tick decades; where fewer than two are shown, 2 and 5 as well."""
     from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 

@@ -1,0 +1,96 @@
+"""The filters of the commands on records: options, and what they are on a request."""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Annotated, ClassVar
+
+from strikewave.base.errors import InputError
+from strikewave.base.units import parse_quantity
+from strikewave.reporting.options import Typed, bare_number, parsed, quantity
+
+if TYPE_CHECKING:
+    from strikewave.records import Request
+    from strikewave.signal.filters import Filter
+
+ALLOWED_COUPLING = 'auto, a time constant above zero such as "1.6 ms", or a cutoff such as "100 Hz"'
+
+
+def _time_constant(word: str, field: str) -> str | float:
+    """Return the time constant of AC coupling, s, or ``auto``.
+
+    Examples
+    --------
+    >>> _time_constant("auto", ""), _time_constant("1.6 ms", ""), round(_time_constant("100 Hz", ""), 6)
+    ('auto', 0.0016, 0.001592)
+    """
+    if word.strip() == "auto":
+        return "auto"
+    unit = word.strip().lstrip("+-.0123456789eE").strip()
+    try:
+        value = parse_quantity(word, "Hz" if "Hz" in unit else "s", field)
+    except InputError as error:
+        raise InputError(field, word, ALLOWED_COUPLING) from error
+    if not 0.0 < value < math.inf:
+        raise InputError(field, word, ALLOWED_COUPLING)
+    return 1.0 / (2.0 * math.pi * value) if "Hz" in unit else value
+
+
+@dataclass(frozen=True)
+class FilterOptions:
+    """What is taken off a record, or smoothed, before it is measured."""
+
+    panel: ClassVar[str] = "Filters"
+
+    cutoff: Annotated[
+        float | None,
+        quantity("--filter", si="Hz", help="Zero-phase low-pass, -3 dB for both passes; none by default."),
+    ] = None
+    cfc: Annotated[
+        Typed | None,
+        bare_number(
+            "--cfc",
+            high=1e6,
+            allowed="a channel frequency class, such as 60, 180, 600 or 1000",
+            help="SAE J211 filter of this channel frequency class, such as 1000; none by default.",
+        ),
+    ] = None
+    ac_coupling: Annotated[
+        str | None,
+        parsed(
+            "--ac-coupling",
+            read=_time_constant,
+            help='AC coupling to take off: auto, a time constant such as "1.6 ms", or a cutoff such as "100 Hz"; '
+            "none by default.",
+            metavar="auto|TIME|FREQUENCY",
+        ),
+    ] = None
+    high_pass: Annotated[
+        float | None,
+        quantity("--high-pass", si="Hz", help="Zero-phase high-pass, -3 dB for both passes; none by default."),
+    ] = None
+
+    def on(self, request: Request) -> Request:
+        """Return a request with these filters.
+
+        Raises
+        ------
+        InputError
+            If two of them exclude one another.
+        """
+        from strikewave.signal.filters import HighPass
+
+        high_pass = None if self.high_pass is None else HighPass(self.high_pass)
+        coupling = "" if self.ac_coupling is None else self.ac_coupling
+        return dataclasses.replace(request, filter=self._low_pass(), ac_coupling=coupling, high_pass=high_pass)
+
+    def _low_pass(self) -> Filter | None:
+        from strikewave.signal.filters import Filter
+
+        if self.cutoff is not None and self.cfc is not None:
+            raise InputError("--cfc", self.cfc.word, "either --filter or --cfc", "leave one out")
+        if self.cutoff is not None:
+            return Filter(self.cutoff)
+        return None if self.cfc is None else Filter.sae_j211(self.cfc)

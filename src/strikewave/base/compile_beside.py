@@ -1,0 +1,110 @@
+"""Compile kernels in a second process while this one compiles others; both keep them in the same cache.
+
+The second process calls a function that has the kernels compiled, and this one takes them from the cache when it comes
+to them. Where no second process can be had, or it fails, nothing is lost: a kernel that the cache lacks is compiled in
+this process as ever.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import importlib
+import os
+import subprocess
+import sys
+import threading
+import time
+from collections.abc import Iterator
+from pathlib import Path
+
+from strikewave.base.compile_progress import compiling_shown
+
+PATIENCE = 120.0
+"""Longest time that `await_kernel` waits, s: several times what one kernel takes on a slow machine."""
+_LOOK = 0.05
+"""Time between two looks into the cache, s."""
+
+
+@contextlib.contextmanager
+def compiled_beside(kernel: str, job: str) -> Iterator[None]:
+    """Let a second process compile what will be needed after the block, while the block runs.
+
+    The kernels that it compiles count among those of `compiling_shown`. Nothing is started where the kernel is in the
+    cache, where there is no cache to hand it over, on one processor, or in a frozen program, whose executable is no
+    Python. A block that fails ends the process.
+
+    Parameters
+    ----------
+    kernel : str
+        Name of the last kernel that the job compiles.
+    job : str
+        A function without arguments, as ``module:function``. The process calls it alone: it never runs the script or
+        notebook that this one runs.
+    """
+    process = _started(job) if _worth_it(kernel) else None
+    if process is None:
+        yield
+        return
+    from numba.core import event
+
+    assert process.stdout is not None
+    with process:
+        try:
+            yield
+            for _ in process.stdout:  # a line a kernel, until the process ends
+                event.start_event("numba:compile")
+                event.end_event("numba:compile")
+        except BaseException:
+            process.kill()
+            raise
+
+
+def await_kernel(name: str) -> None:
+    """Wait until a kernel is in the cache: for a job that needs one which the first process compiles meanwhile.
+
+    Looked for is the file of its code, which appears whole, and after that of the index.
+    """
+    from strikewave.base.compiled import cache_folder
+
+    folder, end = cache_folder(), time.monotonic() + PATIENCE
+    while folder and next(Path(folder).rglob(f"{name}-*.nbc"), None) is None and time.monotonic() < end:
+        time.sleep(_LOOK)
+
+
+def _worth_it(kernel: str) -> bool:
+    from strikewave.base.compiled import cache_folder, is_cold
+
+    if cache_folder() is None or getattr(sys, "frozen", False) or not sys.executable:
+        return False
+    cores = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+    return cores > 1 and is_cold(kernel)
+
+
+def _started(job: str) -> subprocess.Popen[bytes] | None:
+    """Start the process; its standard input closes when this one ends, however that happens."""
+    environment = {**os.environ, "PYTHONPATH": os.pathsep.join(filter(None, sys.path))}
+    command = [sys.executable, "-c", f"from {__name__} import work; work()", job]
+    pipe, nowhere = subprocess.PIPE, subprocess.DEVNULL
+    try:
+        return subprocess.Popen(command, stdin=pipe, stdout=pipe, stderr=nowhere, env=environment)
+    except OSError:
+        return None
+
+
+def work() -> None:
+    """Do in the second process the job that its first argument names, and write a line for each kernel."""
+    threading.Thread(target=_end_with_the_first, daemon=True).start()
+    module, _, name = sys.argv[1].partition(":")
+    function = getattr(importlib.import_module(module), name)
+
+    def tell(count: int, done: bool) -> None:
+        if count and not done:
+            os.write(1, b"\n")
+
+    with compiling_shown(tell):
+        function()
+
+
+def _end_with_the_first() -> None:
+    os.read(0, 1)  # nothing is ever written: it returns at the end of the file. sys.stdin would be locked at exit
+    os._exit(1)
