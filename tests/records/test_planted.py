@@ -73,7 +73,7 @@ def test_ringing_frequency_is_found_to_one_percent():
 
 
 TOLD = (
-    "hum", "slow-motion", "offset", "drift", "rebound", "rebound-train", "double-hit", "missing-in-train", "clipping", "few-samples",
+    "hum", "slow-motion", "offset", "rebound", "rebound-train", "double-hit", "missing-in-train", "clipping", "few-samples",
     "response-channel", "nothing", "hum-files", "blip-files", "gain-files", "polarity-files", "missing-files",
 )  # fmt: skip
 """Classes of faults without a silent miss; the table in docs/benchmarks.md has the others."""
