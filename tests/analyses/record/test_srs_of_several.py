@@ -67,10 +67,18 @@ def test_a_record_without_a_blow_enters_no_envelope_and_is_named(strikewave, fou
     document = found(*shots, quiet)
     assert document["spectra"][-1]["status"] == "bad"
     assert "no blow" in document["spectra"][-1]["left_out"]
+    assert [warning["code"] for warning in document["warnings"]] == ["left-out"]
     assert document["envelope"] == found(*shots)["envelope"]
     _, out, err = strikewave("srs", *shots, quiet, *WORDS)
     assert "quiet.csv, x enters no envelope" in err
     assert "Left out as bad: quiet.csv, x" in " ".join(out.split())
+
+
+def test_a_file_that_cannot_be_read_is_named_and_fails(strikewave, shots):
+    code, out, err = strikewave("srs", *shots, "gone.csv", *WORDS, "--json")
+    assert code == 3
+    assert [warning["code"] for warning in json.loads(out)["warnings"]] == ["unreadable"]
+    assert "left out: FILE: no such file: gone.csv" in err
 
 
 def test_two_channels_have_an_envelope_and_no_limit(found):

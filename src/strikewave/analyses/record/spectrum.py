@@ -242,12 +242,14 @@ class SpectrumResult(measured.AskedResult):
         """Return the quality factor, and the largest value of each spectrum with its frequency."""
         first = self.spectra[0]
         numbers = [("Q", "undamped" if math.isinf(first.q) else f"{first.q:g}")]
-        whole = next(iter(self.together.values()), {}) if self.shocks else {}
+        of, whole = next(iter(self.together.items()), ("", {})) if self.shocks else ("", {})
         for spectrum in self.spectra:
             values = whole.get(spectrum.kind, spectrum.side(self.side))
             at = int(np.argmax(values))
             where = with_unit(float(spectrum.frequency[at]), "Hz", "Hz", 3)
-            numbers.append((spectrum.kind, f"{with_unit(float(values[at]), *self._shown(spectrum))} at {where}"))
+            numbers.append(
+                (f"{spectrum.kind} {of}".strip(), f"{with_unit(float(values[at]), *self._shown(spectrum))} at {where}")
+            )
         return numbers
 
     def preview(self) -> Curve:

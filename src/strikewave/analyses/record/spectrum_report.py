@@ -92,7 +92,7 @@ def _report_of_several(result: SpectrumResult) -> str:
     kinds = ", ".join(one.kind for one in result.spectra)
     table = Table("Spectra", ["file", "channel", "status", f"largest {kinds}", "what all come to"], rows)
     sections = [
-        Section("Spectra", several_words(result), parts),
+        Section("Spectra", "", parts),
         Section("Records", "", [table]),
         chapters.warnings(result.notices),
         _calibration_section(result),
@@ -232,8 +232,11 @@ def _calibration_section(result: SpectrumResult) -> Section:
         ]
         for one in reading.findings
     ]
+    stated_table = Table("What the channel was taken as", ["channel", "stated", "SI unit"], rows)
+    if result.shocks:
+        return Section("Calibration of the first record", "", [stated_table])
     tables = [
-        Table("What the channel was taken as", ["channel", "stated", "SI unit"], rows),
+        stated_table,
         Table("Health of the record", ["finding", "what", "harms"], findings, empty="Nothing was found wrong."),
     ]
     return Section("Calibration and health", "", tables)

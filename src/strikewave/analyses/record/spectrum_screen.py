@@ -24,7 +24,7 @@ from strikewave.analyses.record.spectrum import (
     spectrum_of,
 )
 from strikewave.base.errors import InputError, StrikewaveError
-from strikewave.base.result import Notice, Source
+from strikewave.base.result import FAILED, Notice, Source
 from strikewave.records import ChannelReading, Options, Request
 from strikewave.reporting import measured_files as measured
 from strikewave.reporting.layout import KEY, MAIN, MORE, numerals
@@ -54,6 +54,10 @@ MOST_SHOWN = 4
 
 MOST_WINDOWS = 20_000
 """Windows of a rolling spectrum, at most. Chosen: more than the pixels of any screen, and a few GB in JSON."""
+
+
+CITED = ("smallwood-1981", "iso-18431-4", "piersol-2009", "nist-handbook")
+"""What several spectra and their limit follow."""
 
 
 SAME_STEP = 1e-9
@@ -196,8 +200,8 @@ def _rolling(reading: ChannelReading, wanted: SpectrumRequest, rolling: Rolling,
     return found._replace(time=found.time + channel.start)
 
 
-def _readings(command: SrsCommand) -> Iterator[tuple[str, ChannelReading]]:
-    """Yield the wanted channels of all files; those that cannot be read are named.
+def _readings(command: SrsCommand, unread: list[Notice]) -> Iterator[tuple[str, ChannelReading]]:
+    """Yield the wanted channels of all files; those that cannot be read are named, and added to ``unread``.
 
     Raises
     ------
@@ -213,7 +217,10 @@ def _readings(command: SrsCommand) -> Iterator[tuple[str, ChannelReading]]:
             if len(command.files) == 1:
                 raise
             failed = failed or error
-            say(f"left out: {error}" if file in str(error) else f"left out: {file}: {error}")
+            unread.append(
+                Notice("unreadable", str(error) if file in str(error) else f"{file}: {error}", severity=FAILED)
+            )
+            say(f"left out: {unread[-1].message}")
             continue
         for reading in found.channels:
             some = True
@@ -229,7 +236,8 @@ def _several(command: SrsCommand) -> SpectrumResult:
     shown: tuple[str, ChannelReading, Scope] | None = None
     frequencies: Any = None
     notices: dict[str, Notice] = {}
-    for file, reading in _readings(command):
+    unread: list[Notice] = []
+    for file, reading in _readings(command, unread):
         if shown is None:
             frequencies = _frequencies(wanted.frequencies, wanted.grid, reading.channel.sampling_rate)
         elif reading.channel.unit != shown[1].channel.unit:
@@ -253,8 +261,11 @@ def _several(command: SrsCommand) -> SpectrumResult:
         )
         shocks.append(shock)
         if left_out:
-            say(f"{shock.name} enters no envelope: {left_out}")
-        notices |= {one.code: one for one in _notices(reading)}
+            does = "is bad, and still in the resultant" if wanted.options.resultant else "enters no envelope"
+            notices[shock.name] = Notice("left-out", f"{shock.name} {does}: {left_out}")
+            say(notices[shock.name].message)
+        else:
+            notices |= {one.code: one for one in _notices(reading)}
         if shown is None or (shown[1].status == "bad" and not left_out):
             shown = (file, reading, scope)
     if shown is None:
@@ -267,7 +278,8 @@ def _several(command: SrsCommand) -> SpectrumResult:
         shown[2],
         shocks=shocks,
         origin=command.origin,
-        notices=tuple(notices.values()),
+        notices=(*notices.values(), *unread),
+        citations=CITED,
     )
 
 
@@ -279,7 +291,7 @@ def _resultant(command: SrsCommand) -> SpectrumResult:
     if wanted.part != "total" or wanted.side != "maximax":
         option, got = ("--part", wanted.part) if wanted.part != "total" else ("--side", wanted.side)
         raise InputError(option, got, "the total maximax with --resultant: a length has no sign", "leave it out")
-    axes = [reading for _, reading in _readings(command)]
+    axes = [reading for _, reading in _readings(command, [])]
     if len(axes) not in (2, 3):
         got = f"{len(axes)} channel{'s' if len(axes) > 1 else ''}"
         raise InputError("--resultant", got, "2 or 3 perpendicular channels", "name each with --channel")
