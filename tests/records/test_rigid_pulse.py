@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from strikewave.records import find_pulses
-from strikewave.records.rigid_pulse import _mount, fit_rigid_pulse
+from strikewave.records.rigid_pulse import _mount, fit_rigid_pulse, least_beside_one_mode
 from strikewave.records.smooth_pulse import SmoothPulse
 
 STEP, PEAK, LENGTH, BEGIN = 1e-6, 1000.0, 200e-6, 1000e-6
@@ -73,6 +73,31 @@ def test_the_oscillator_is_that_of_the_closed_form():
     response, gains = _mount(half_sine(), TIME, STEP, math.pi * 2.4 / LENGTH, 1e-9)
     assert gains.tolist() == [1.0]
     assert np.max(np.abs(response[0] - on_a_mount(2.4))) < 1e-4 * PEAK
+
+
+def test_the_oscillator_is_the_recursion_over_samples():
+    """A first-order recursion with a complex root; many pulses at once as each alone, to rounding."""
+    from scipy.signal import lfilter
+
+    pulses = np.array([half_sine(), half_sine(TIME - 700e-6)])
+    omega, decay = np.array([[4e4], [9e4]]), np.array([[2e3], [6e4]])
+    together, _ = _mount(pulses, TIME, STEP, omega, decay)
+    for k in range(2):
+        w, d = omega[k, 0], decay[k, 0]
+        grown = np.exp(complex(-d, w) * STEP)
+        first = (grown - 1.0) / complex(-d, w)
+        ramp = (first - STEP) / (complex(-d, w) * STEP)
+        swing = lfilter([ramp, first - ramp], [1.0, -grown], pulses[k])
+        assert together[k, 0] == pytest.approx(2.0 * d * swing.real + (w**2 - d**2) / w * swing.imag, abs=1e-9 * PEAK)
+
+
+def test_what_one_mode_leaves_of_one_and_of_two():
+    """Of one next to nothing, between the lines of the grid (3 % of frequency, a factor 1.8 of decay); of two of equal
+    size and frequencies far apart the half, which is the other one."""
+    one, two = (np.exp(-TIME / 2e-3) * np.sin(2.0 * np.pi * f * TIME) for f in (23e3, 37e3))
+    fine = slice(0, 300)
+    assert least_beside_one_mode(one[fine], STEP, 25e3) < 0.02 * np.sum(one[fine] ** 2)
+    assert least_beside_one_mode((one + two)[fine], STEP, 25e3) == pytest.approx(np.sum(two[fine] ** 2), rel=0.1)
 
 
 @pytest.mark.parametrize("power", [1.0, 2.0])

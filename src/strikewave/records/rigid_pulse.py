@@ -26,7 +26,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from strikewave.records.smooth_pulse import SmoothPulse
+from strikewave.records.smooth_pulse import SmoothPulse, unit_pulse
 
 Array = NDArray[np.float64]
 
@@ -66,6 +66,8 @@ STARTS = ((1.0, 0.0), (0.65, 0.0), (1.0, 0.45))
 mode may be struck in the middle of the pulse."""
 FITS = 0.03
 """Misfit below which no other beginning is tried."""
+FAR = 0.36
+"""Misfit of all models above which none is tried again: three times what would be reported."""
 LOWEST = (-1.0, -1.6, 0.05, 0.3, -0.9, -7.0, -0.6)
 HIGHEST = (1.0, 1.1, 0.95, 4.0, 0.9, -0.3, 0.7)
 """Bounds of begin over length, of the logarithm of the length over its guess, of share of rise and power, of the
@@ -83,6 +85,13 @@ POOR = 0.12
 """Misfit above which no rigid pulse is reported."""
 BETTER = 0.5
 """Share of what the smooth pulse alone misses that must be left, or there is no ringing to be taken off."""
+OVER_WIDTHS = 0.5
+"""Widths after the feet of a blow by which its pulse is over, and what is recorded is its ringing."""
+A_LOBE = 0.75
+"""Swings in a width below which a blow may be one lobe of its ringing: half a swing, and its feet."""
+NEAR = np.exp(np.linspace(-0.9, 0.9, 61))
+DECAYS = np.exp(np.linspace(-7.0, -0.3, 12))
+"""Frequencies over their guess, and decays over it, of the swings that are tried before a fit: its bounds."""
 OVERDAMPED = 0.7
 """Decay over frequency above which a mode does not swing: it has gone to its bound to make up for something else."""
 WIDER, LOWER = 4.0, 0.25
@@ -96,6 +105,10 @@ RIDGE = 1e-10
 """Share of the squares of the columns added to them: a mode and a pulse that look alike share their amplitude."""
 TINY = 1e-300
 """Added too: a pulse that lies outside has no square."""
+FAST = 64
+"""Spectra have a multiple of so many samples: their transform is fast."""
+DIFFERENCE = math.sqrt(np.finfo(float).eps)
+"""Change of a parameter for a derivative of what is left."""
 
 
 class RigidPulse(NamedTuple):
@@ -151,8 +164,9 @@ class Fit(NamedTuple):
     model: str
 
 
-Columns = Callable[[Array, Array, float, float, float], tuple[Array, Array]]
-"""Pulse, time since the onset of the swing, step, frequency, decay: columns of a model, gains at frequency zero."""
+Columns = Callable[[Array, Array, float, Array | float, Array | float], tuple[Array, Array]]
+"""Pulse, time since the onset of the swing, step, frequency, decay: columns of a model, gains at frequency zero. Many
+pulses at once where each has a row, and frequency and decay a column of one."""
 
 
 def fit_rigid_pulse(
@@ -190,18 +204,19 @@ def fit_rigid_pulse(
     >>> round(rigid.peak, -1), round(rigid.width * 1e6), rigid.model
     (1000.0, 94, 'struck')
     """
-    fits: list[Fit] = []
-    for model in MODELS if models is None else models:
-        best: Fit | None = None
-        for share, onset in STARTS if models is None or len(models) > 1 else STARTS[:1]:
-            if onset and model is not _struck:
+    tried = MODELS if models is None else models
+    best_of: dict[str, Fit] = {}
+    for share, onset in STARTS if len(tried) > 1 else STARTS[:1]:
+        for model in tried:
+            so_far = best_of.get(_name(model))
+            if (onset and model is not _struck) or (so_far is not None and so_far.misfit < FITS):
                 continue
             one = _fit(values, step, guess._replace(length=share * guess.length), frequency, model, onset)
-            if one is not None and (best is None or one.misfit < best.misfit):
-                best = one
-            if best is not None and best.misfit < FITS:
-                break
-        fits += [] if best is None else [best]
+            if one is not None and (so_far is None or one.misfit < so_far.misfit):
+                best_of[one.model] = one
+        if min((fit.misfit for fit in best_of.values()), default=math.inf) > FAR:
+            return None
+    fits = [best_of[_name(model)] for model in tried if _name(model) in best_of]
     fits = [fit for fit in fits if fit.decay < OVERDAMPED * fit.omega and _plausible(fit, guess)]
     least = min((fit.misfit for fit in fits), default=math.inf)
     if least > POOR:
@@ -243,35 +258,41 @@ def _figures(pulse: SmoothPulse) -> tuple[float, float, float]:
     return pulse.peak, pulse.width(), pulse.area()
 
 
-def _mount(pulse: Array, since: Array, step: float, omega: float, decay: float) -> tuple[Array, Array]:
+def _mount(pulse: Array, since: Array, step: float, omega: Array | float, decay: Array | float) -> tuple[Array, Array]:
     """Return the absolute acceleration of an oscillator whose base moves by the pulse, a line between samples.
 
-    Its kernel is exp(-d t) (2 d cos w t + (w^2 - d^2) / w sin w t), with damped frequency w and decay d.
+    Its kernel is exp(-d t) (2 d cos w t + (w^2 - d^2) / w sin w t), with damped frequency w and decay d. Between
+    samples it is integrated exactly; the sum over samples is a product of spectra, padded so that no end meets a begin.
     """
-    from scipy.signal import lfilter
-
-    root = complex(-decay, omega)
+    count = pulse.shape[-1]
+    root = np.asarray(1j * omega - decay)
     grown = np.exp(root * step)
     first = (grown - 1.0) / root  # of a step, exact; of a slope (e^{rh} - 1 - r h) / (r^2 h)
     ramp = (first - step) / (root * step)
-    swing = lfilter([ramp, first - ramp], [1.0, -grown], pulse)
-    response = 2.0 * decay * swing.real + (omega**2 - decay**2) / omega * swing.imag
-    return np.asarray(response)[None, :], np.ones(1)
+    swing = 2.0 * decay - 1j * (omega**2 - decay**2) / omega
+    later = swing * (ramp + (first - ramp) / grown)
+    time: Array = step * np.arange(count, dtype=np.float64)
+    angle = omega * time
+    kernel = np.exp(-decay * time) * (later.real * np.cos(angle) - later.imag * np.sin(angle))
+    kernel[..., :1] = (swing * ramp).real
+    padded = -(-2 * count // FAST) * FAST
+    spectrum = np.fft.rfft(pulse, padded) * np.fft.rfft(kernel, padded)
+    return np.asarray(np.fft.irfft(spectrum, padded)[..., None, :count]), np.ones(1)
 
 
-def _mode(pulse: Array, since: Array, step: float, omega: float, decay: float) -> tuple[Array, Array]:
+def _mode(pulse: Array, since: Array, step: float, omega: Array | float, decay: Array | float) -> tuple[Array, Array]:
     """Return the pulse, and the response of an oscillator to it."""
     response, _ = _mount(pulse, since, step, omega, decay)
-    return np.vstack([pulse, response[0]]), np.ones(2)
+    return np.concatenate([pulse[..., None, :], response], axis=-2), np.ones(2)
 
 
-def _struck(pulse: Array, since: Array, step: float, omega: float, decay: float) -> tuple[Array, Array]:
+def _struck(pulse: Array, since: Array, step: float, omega: Array | float, decay: Array | float) -> tuple[Array, Array]:
     """Return the pulse, and a decaying cosine and sine from an onset on; the cosine grows in a quarter of a swing."""
     after = np.maximum(since, 0.0)
     fall = np.exp(-decay * after)
     grown = 1.0 - np.exp(-4.0 * omega / (2.0 * np.pi) * after)
     swings = fall * np.cos(omega * after) * grown, fall * np.sin(omega * after)
-    return np.vstack([pulse, *swings]), np.array([1.0, 0.0, 0.0])
+    return np.stack([pulse, *swings], axis=-2), np.array([1.0, 0.0, 0.0])
 
 
 MODELS: tuple[Columns, ...] = (_mount, _mode, _struck)
@@ -297,24 +318,41 @@ def _fit(values: Array, step: float, guess: SmoothPulse, frequency: float, model
         omega = omega0 * math.exp(v[4])
         return SmoothPulse(1.0, begin, length, float(v[2]), float(v[3])), omega, omega * math.exp(v[5])
 
-    def projected(v: Array) -> tuple[Array, Array, Array]:
-        pulse, omega, decay = split(v)
-        struck = pulse.begin + (v[6] * pulse.length if v.size > 6 else 0.0)
-        columns, gains = model(pulse.at(time), np.subtract(time, struck), step, omega, decay)
-        products = columns @ columns.T
-        diagonal = np.diag_indices(columns.shape[0])
-        products[diagonal] = products[diagonal] * (1.0 + RIDGE) + TINY
-        amplitudes = np.linalg.solve(products, columns @ y)
-        return np.subtract(y, amplitudes @ columns), np.asarray(amplitudes, dtype=np.float64), gains
+    def projected(rows: Array) -> tuple[Array, Array, Array]:
+        """Return what is left of the record by rows of parameters, their amplitudes, the gains of these."""
+        v = rows.T[:, :, None]
+        begin, length = guess.begin + v[0] * guess.length, guess.length * np.exp(v[1])
+        omega = omega0 * np.exp(v[4])
+        inside = slice(*np.searchsorted(time, (begin.min(), (begin + length).max())))
+        pulses = np.zeros((rows.shape[0], time.size))
+        pulses[:, inside] = unit_pulse((time[inside] - begin) / length, v[2], v[3])
+        struck = begin + (v[6] * length if v.shape[0] > 6 else 0.0)
+        columns, gains = model(pulses, time - struck, step, omega, omega * np.exp(v[5]))
+        products = columns @ np.swapaxes(columns, 1, 2)
+        diagonal = np.arange(products.shape[1])
+        products[:, diagonal, diagonal] = products[:, diagonal, diagonal] * (1.0 + RIDGE) + TINY
+        amplitudes = np.linalg.solve(products, columns @ y[:, None])
+        rest = y - np.sum(amplitudes * columns, axis=1)
+        return np.asarray(rest), np.asarray(amplitudes[:, :, 0], dtype=np.float64), gains
+
+    def slopes_of_rest(v: Array) -> Array:
+        """Return the derivatives of what is left, from one call: each parameter is changed away from its bound."""
+        change = np.where(v < 0.0, -DIFFERENCE, DIFFERENCE) * np.maximum(np.abs(v), 1.0)
+        moved = v + change
+        change = np.where((moved < low) | (moved > high), -change, change)
+        rest, _, _ = projected(np.vstack([v, v + np.diag(change)]))
+        return np.asarray(((rest[1:] - rest[0]) / ((v + change) - v)[:, None]).T)
 
     count = 7 if model is _struck else 6
+    low, high = np.array(LOWEST[:count]), np.array(HIGHEST[:count])
     shape = np.clip(guess.rise_share, 0.1, 0.9), np.clip(guess.power, 0.5, 2.0)
     start = np.array([0.0, 0.0, *shape, 0.0, -3.0, onset])[:count]
     try:
         best = least_squares(
-            lambda v: projected(v)[0],
+            lambda v: projected(v[None, :])[0][0],
             start,
-            bounds=(LOWEST[:count], HIGHEST[:count]),
+            slopes_of_rest,
+            bounds=(low, high),
             x_scale=SPREADS[:count],
             max_nfev=ROUNDS,
             xtol=CONVERGED,
@@ -323,20 +361,17 @@ def _fit(values: Array, step: float, guess: SmoothPulse, frequency: float, model
     except (ValueError, np.linalg.LinAlgError):
         return None
 
-    def figures(v: Array) -> Array:
-        pulse = split(v)[0]
-        _, amplitudes, gains = projected(v)
-        gain = float(amplitudes @ gains)
-        return np.array([gain, pulse.width(), gain * pulse.area()])
-
-    rest, amplitudes, gains = projected(best.x)
-    peak = float(amplitudes @ gains)
+    changes = 1e-4 * np.array(SPREADS[:count])
+    rows = np.vstack([best.x, best.x + np.diag(changes), best.x - np.diag(changes)])
+    left, amplitudes, gains = projected(rows)
+    rest = left[0]
+    peaks = amplitudes @ gains
+    peak = float(peaks[0])
     if not peak > 0.0:
         return None
     pulse, omega, decay = split(best.x)
-    changes = 1e-4 * np.array(SPREADS[:count])
-    moves = np.diag(changes)
-    slopes = np.array([(figures(best.x + d) - figures(best.x - d)) / (2.0 * d.sum()) for d in moves])
+    figures = np.array([_figures(split(row)[0]._replace(peak=gain)) for row, gain in zip(rows, peaks, strict=True)])
+    slopes = (figures[1 : count + 1] - figures[count + 1 :]) / (2.0 * changes[:, None])
     memory = _memory(rest)
     variance = float(np.sum(rest**2)) / max(rest.size - 9, 1) * memory
     covariance = variance * np.linalg.pinv(best.jac.T @ best.jac)
@@ -408,15 +443,47 @@ def rigid_pulse(stretch: Stretch, last: RigidPulse | None = None) -> RigidPulse 
     part = values[low : low + count * factor].reshape(count, factor).mean(axis=1)
     middle = step * (low + 0.5 * (factor - 1))
     guess = stretch.smooth._replace(begin=stretch.smooth.begin - middle)
+    alone = part - guess.at(factor * step * np.arange(count, dtype=np.float64))
+    over = OVER_WIDTHS if frequency * width * step > A_LOBE else WIDER - 1.0
+    tail = part[min(round((stretch.end + over * width - low) / factor), count) :]
+    if least_beside_one_mode(tail, factor * step, frequency) > BETTER**2 * float(np.sum(alone**2)):
+        return None
     models = MODELS if last is None else [model for model in MODELS if _name(model) == last.model]
     rigid = fit_rigid_pulse(part, factor * step, guess, frequency, stretch.noise / math.sqrt(factor), models)
     if rigid is None and last is not None:
         return rigid_pulse(stretch)
     if rigid is None or (rigid.damping > QUICKLY and not swings_after(stretch)):
         return None
-    alone = part - guess.at(factor * step * np.arange(count, dtype=np.float64))
     better = rigid.misfit * rigid.peak < BETTER * math.sqrt(float(np.mean(alone**2)))
     return rigid.moved(middle) if better else None
+
+
+def least_beside_one_mode(values: Array, step: float, frequency: float) -> float:
+    """Return the least sum of squares that one decaying swing leaves of a record, near a frequency, Hz.
+
+    All frequencies and decays of a grid at once: a cosine and a sine for each, their amplitudes by projection. Where
+    more is left than a fit may miss, no pulse before these samples and no mode of it can make up for it.
+
+    Examples
+    --------
+    >>> time = np.arange(100) * 1e-5
+    >>> swing = np.exp(-time / 1e-3) * np.sin(2.0 * np.pi * 3000.0 * time)
+    >>> bool(least_beside_one_mode(swing, 1e-5, 3100.0) < 0.02 * np.sum(swing**2))
+    True
+    """
+    if values.size < FEWEST_AFTER:
+        return 0.0
+    time = step * np.arange(values.size, dtype=np.float64)
+    omega = 2.0 * math.pi * frequency * NEAR
+    swings = np.exp(-1j * np.multiply.outer(omega, time))
+    falls = np.exp(-2.0 * math.pi * frequency * np.multiply.outer(DECAYS, time))
+    # of columns c + i s, times a fall: sums of c y + i s y, of c^2 + s^2, and of c^2 - s^2 + 2 i c s
+    along = swings @ (falls * values).T
+    both = np.sum(falls**2, axis=1)
+    turned = swings**2 @ (falls**2).T
+    taken = 2.0 * (both * np.abs(along) ** 2 - (np.conj(turned) * along**2).real)
+    taken /= np.maximum(both**2 - np.abs(turned) ** 2, RIDGE * both**2)
+    return float(np.sum(values**2) - np.max(taken))
 
 
 def ringing_of(stretch: Stretch) -> float:

@@ -80,10 +80,7 @@ class SmoothPulse(NamedTuple):
         >>> SmoothPulse(2.0, 0.0, 1.0, 0.5, 1.0).at(np.array([-1.0, 0.5, 0.75])).round(4)
         array([0.    , 2.    , 1.4142])
         """
-        share = np.clip((time - self.begin) / self.length, 0.0, 1.0)
-        rising = share < self.rise_share
-        u = np.where(rising, share / (2.0 * self.rise_share), 1.0 - (1.0 - share) / (2.0 * (1.0 - self.rise_share)))
-        return np.asarray(self.peak * np.maximum(np.sin(np.pi * u), 0.0) ** self.power)
+        return self.peak * unit_pulse(np.asarray((time - self.begin) / self.length), self.rise_share, self.power)
 
     @property
     def time(self) -> float:
@@ -149,6 +146,14 @@ class SmoothPulse(NamedTuple):
 
     def _phase(self, share: float) -> float:
         return math.asin(share ** (1.0 / self.power)) / math.pi
+
+
+def unit_pulse(since: Array, rise_share: float | Array, power: float | Array) -> Array:
+    """Return pulses of peak one at times since their begin over their length; broadcasts."""
+    share = np.clip(since, 0.0, 1.0)
+    rising = share < rise_share
+    u = np.where(rising, share / (2.0 * rise_share), 1.0 - (1.0 - share) / (2.0 * (1.0 - rise_share)))
+    return np.asarray(np.maximum(np.sin(np.pi * u), 0.0) ** power)
 
 
 def fit_smooth_pulse(time: Array, values: Array, begin: float, length: float, rise_share: float = 0.5) -> SmoothPulse:
