@@ -182,7 +182,8 @@ def examined(
     if repeats_in_columns:
         read = [one for file in read for one in repeats(file) or [file]]
     readings = compare(read)
-    numbers = dict.fromkeys(reading.number for file in readings for reading in file.channels)
+    driven = [reading for file in readings for reading in file.channels if reading.response is None]
+    numbers = dict.fromkeys(reading.number for reading in driven)
     campaigns = [one for one in (summed(readings, k) for k in numbers) if one is not None]
     calibrations = _calibrations("command line" if origin.asked else "the call", wanted, [Path(file) for file in files])
     return record_result(readings, campaigns, wanted.filter, fail_on, calibrations=calibrations, origin=origin)
