@@ -19,7 +19,7 @@ from strikewave.records.health import Examined, examine, level_step
 from strikewave.records.health_notice import FIGURES, STATUSES, HealthNotice, worst, worst_first
 from strikewave.records.measuring import FEWEST, RecordedPulse, contacts_of, find_pulses
 from strikewave.records.record import Array, Channel, Record
-from strikewave.records.response import Response, measure_response, swings
+from strikewave.records.response import MeasuredResponse, measure_response, swings
 from strikewave.records.trains import gaps_of
 from strikewave.signal.filters import Filter, HighPass
 
@@ -84,7 +84,7 @@ class ChannelReading:
         What made SI of the file's numbers.
     unfiltered : tuple of RecordedPulse
         The blows before the filter; empty where there is none.
-    response : Response or None
+    response : MeasuredResponse or None
         What the channel does after the largest blow of the base; None for a base, and where none was named.
     """
 
@@ -94,7 +94,7 @@ class ChannelReading:
     findings: tuple[HealthNotice, ...]
     calibration: Calibration
     unfiltered: tuple[RecordedPulse, ...] = ()
-    response: Response | None = None
+    response: MeasuredResponse | None = None
 
     @property
     def status(self) -> str:

@@ -53,7 +53,7 @@ class Mode(NamedTuple):
         return math.sqrt(1.0 - self.damping**2) / (2.0 * math.pi * self.frequency * self.damping)
 
 
-class Response(NamedTuple):
+class MeasuredResponse(NamedTuple):
     """What a channel does after the blow of another one.
 
     Attributes
@@ -177,7 +177,7 @@ def _pencil(values: Array, step: float, late: float) -> list[tuple[complex, floa
 
 def measure_response(
     values: Array, step: float, start: float, blow: tuple[float, float, float], same_unit: bool = True
-) -> Response:
+) -> MeasuredResponse:
     """Measure a channel against the blow of another one.
 
     Parameters
@@ -197,11 +197,11 @@ def measure_response(
     above = values[place:] - level
     top = int(np.argmax(np.abs(above)))
     if above[top] == 0.0:
-        return Response(0.0, begin, begin - time, 0.0 if same_unit else math.nan, begin, 0.0, 0.0, ())
+        return MeasuredResponse(0.0, begin, begin - time, 0.0 if same_unit else math.nan, begin, 0.0, 0.0, ())
     first, last = effective_span(above)
     held = above[math.floor(first) : math.ceil(last) + 1]
     moment = start + (place + top) * step
-    return Response(
+    return MeasuredResponse(
         float(above[top]),
         moment,
         moment - time,

@@ -18,7 +18,7 @@ from strikewave.records.campaign import Campaign
 from strikewave.records.health_notice import STATUSES, HealthNotice
 from strikewave.records.measuring import RecordedPulse
 from strikewave.records.reading import ChannelReading, FileReading
-from strikewave.records.response import Response
+from strikewave.records.response import MeasuredResponse
 from strikewave.reporting.columns import HISTORY_DIGITS, Column, csv_table
 from strikewave.reporting.measured_files import AskedResult
 from strikewave.reporting.numbers import shown_unit, with_unit
@@ -240,7 +240,7 @@ def _channel(reading: ChannelReading, filter_: Filter | None) -> dict[str, Any]:
     }
 
 
-def response_row(response: Response) -> dict[str, Any]:
+def response_row(response: MeasuredResponse) -> dict[str, Any]:
     """Return a response as a row, its modes in a list."""
     modes = [{**mode._asdict(), "decay_time": mode.decay_time} for mode in response.modes]
     return {**response._asdict(), "modes": modes}
