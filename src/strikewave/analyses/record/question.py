@@ -48,6 +48,7 @@ def record(
     drop_height: str | float | None = None,
     filter: str | float | Filter | None = None,
     repeats_in_columns: bool = False,
+    base: str | int = "",
 ) -> RecordResult:
     """Read measured files and judge them: status, health and pulses of each, and the statistics of all together.
 
@@ -75,6 +76,8 @@ def record(
         ``Filter.sae_j211(1000)``.
     repeats_in_columns : bool, optional
         Whether the channels of a file are repeats of one test.
+    base : str or int, optional
+        Name or number of the driving channel: the others are measured as responses to its blow.
 
     Raises
     ------
@@ -120,7 +123,7 @@ def record(
     )
     height = math.nan if drop_height is None else si_value(drop_height, "m", "drop_height")
     low_pass = filter if filter is None or isinstance(filter, Filter) else Filter(si_value(filter, "Hz", "filter"))
-    wanted = Request(tuple(stated.channel or ()), stated.calibration(), height, low_pass)
+    wanted = Request(tuple(stated.channel or ()), stated.calibration(), height, low_pass, base=str(base))
     origin = dataclasses.replace(measured.UNKNOWN, name=name_of([Path(file) for file in files]))
     return examined(files, wanted, stated.reading(), origin, repeats_in_columns)
 
