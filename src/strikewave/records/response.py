@@ -1,7 +1,7 @@
 """A channel that answers the blow of another one: a board that swings, with no blow of its own.
 
 Its modes come from a matrix pencil over what follows the peak, taken over three windows: a mode that not all of them
-show is none, and their scatter is its uncertainty.
+show is none, and their scatter is stated as its uncertainty, which is too small: the windows overlap.
 
 Source of the pencil: Y. Hua, T. K. Sarkar, Matrix pencil method for estimating parameters of exponentially damped
 sinusoids in noise, IEEE Transactions on Acoustics, Speech and Signal Processing 38 (1990) 814-824.
