@@ -19,6 +19,7 @@ from strikewave.records.health import Examined, examine, level_step
 from strikewave.records.health_notice import FIGURES, STATUSES, HealthNotice, worst, worst_first
 from strikewave.records.measuring import FEWEST, RecordedPulse, contacts_of, find_pulses
 from strikewave.records.record import Array, Channel, Record
+from strikewave.records.response import MeasuredResponse, measure_response, swings
 from strikewave.records.trains import gaps_of
 from strikewave.signal.filters import Filter, HighPass
 
@@ -27,6 +28,8 @@ RIGID = "rigid_"
 MUCH, HALF = 0.9, 0.5
 """Shares of a peak that a filter must leave for no finding, and for one that harms nothing: what it takes off is
 reported with each peak in any case."""
+SWINGS_OUT = 20.0
+"""Median magnitudes that a swing must reach: noise alone reaches seven in a million samples."""
 HALF_PERIOD = 0.5
 """Periods of the cutoff that a record must hold: a filter that is slower than the record is a slip of units."""
 
@@ -50,6 +53,8 @@ class Request:
         default.
     high_pass : HighPass or None
         High-pass taken, before the low-pass.
+    base : str
+        Name or number of the driving channel: in the others no blows are sought. Empty where each stands for itself.
     """
 
     channels: tuple[str, ...] = ()
@@ -58,6 +63,7 @@ class Request:
     filter: Filter | None = None
     ac_coupling: str | float = ""
     high_pass: HighPass | None = None
+    base: str = ""
 
 
 @dataclass(frozen=True, eq=False)
@@ -78,6 +84,8 @@ class ChannelReading:
         What made SI of the file's numbers.
     unfiltered : tuple of RecordedPulse
         The blows before the filter; empty where there is none.
+    response : MeasuredResponse or None
+        What the channel does after the largest blow of the base; None for a base, and where none was named.
     """
 
     channel: Channel
@@ -86,6 +94,7 @@ class ChannelReading:
     findings: tuple[HealthNotice, ...]
     calibration: Calibration
     unfiltered: tuple[RecordedPulse, ...] = ()
+    response: MeasuredResponse | None = None
 
     @property
     def status(self) -> str:
@@ -344,11 +353,89 @@ def read_file(record: Record, stated: Mapping[str, Mapping[str, Any]], request: 
     wanted = record.only(request.channels).channels
     places = {id(channel): number for number, channel in enumerate(record.channels, start=1)}
     tables, unused = _by_number(record, laid_over(stated, request.calibrations))
+    base = _base_of(record, wanted, request)
+    driving = None if base is None else _read(base, places, tables, request)
     readings = []
     for channel in wanted:
+        if driving is None or base is channel:
+            readings.append(driving or _read(channel, places, tables, request))
+            continue
         number = places[id(channel)]
-        readings.append(read_channel(channel, number, calibration_of(tables, channel.name, number), request))
-    return FileReading(record.path, record.format, tuple(readings), (*record.findings, *unused))
+        readings.append(_responding(channel, number, calibration_of(tables, channel.name, number), request, driving))
+    told = readings if driving is not None else _told(readings)
+    return FileReading(record.path, record.format, tuple(told), (*record.findings, *unused))
+
+
+def _read(channel: Channel, places: Mapping[int, int], tables: Mapping[str, Any], request: Request) -> ChannelReading:
+    """Return a channel of a file, evaluated."""
+    number = places[id(channel)]
+    return read_channel(channel, number, calibration_of(tables, channel.name, number), request)
+
+
+def _base_of(record: Record, wanted: Sequence[Channel], request: Request) -> Channel | None:
+    """Return the driving channel; None where none is named."""
+    if not request.base:
+        return None
+    names = [channel.name for channel in wanted]
+    if request.base not in record.keys:
+        raise InputError("--base", request.base, "name or number of a channel", nearest(request.base, names))
+    base = record.channels[record.keys[request.base]]
+    if not any(channel is base for channel in wanted):
+        raise InputError("--base", request.base, f"one of the channels that are read: {', '.join(names)}")
+    return base
+
+
+def _responding(
+    channel: Channel, number: int, calibration: Calibration, request: Request, base: ChannelReading
+) -> ChannelReading:
+    """Calibrate a response channel, resample it uniformly, and measure it against the largest blow of the base."""
+    channel, findings = calibrated(channel, calibration, f"calibration of {channel.name}")
+    channel, mended = even(channel)
+    found = [*findings, *mended]
+    usable = channel.values.size >= 2 * FEWEST and bool(np.all(np.isfinite(channel.values)))
+    blow = max(base.pulses, key=lambda pulse: abs(pulse.peak), default=None)
+    if not usable or blow is None:
+        why = "the channel has too few samples" if not usable else f"the base, {base.channel.name}, has no blow"
+        found.append(HealthNotice("no-response", f"{why}: no response is measured", severity="bad", harms=FIGURES))
+        return ChannelReading(channel, number, (), tuple(found), calibration)
+    if request.filter is not None or request.high_pass is not None:
+        channel = _filtered(channel, request)
+    same = channel.unit == base.channel.unit
+    place = blow.begin, blow.time, blow.peak
+    response = measure_response(channel.values, channel.step, channel.start, place, same)
+    return ChannelReading(channel, number, (), tuple(found), calibration, (), response)
+
+
+def _told(readings: Sequence[ChannelReading]) -> list[ChannelReading]:
+    """Return channels of a file; those that only swing after the blow of another one are marked so, and never good."""
+    swinging = [_swings(reading) for reading in readings]
+    struck = [one for one, swing in zip(readings, swinging, strict=True) if one.pulses and not swing]
+    told = []
+    for reading, swing in zip(readings, swinging, strict=True):
+        begin = reading.pulses[0].begin if reading.pulses else math.inf
+        base = next(
+            (one for one in struck if one is not reading and one.pulses[0].begin <= begin + one.pulses[0].width), None
+        )
+        if not swing or base is None:
+            told.append(reading)
+            continue
+        message = (
+            f"no blow of its own: it swings about zero after the blow of {base.channel.name}; --base {base.number}"
+        )
+        told.append(
+            reading.with_finding(HealthNotice("response", f"{message} measures it as a response", harms=FIGURES))
+        )
+    return told
+
+
+def _swings(reading: ChannelReading) -> bool:
+    """Tell whether a channel swings about zero, by more than its noise."""
+    values = reading.channel.values
+    if values.size < FEWEST or not np.all(np.isfinite(values)) or not np.ptp(values) > 0.0:
+        return False
+    above = values - reading.baseline
+    scale = float(np.median(np.abs(above)))
+    return float(np.max(np.abs(above))) > SWINGS_OUT * scale and swings(above)
 
 
 def repeats(file: FileReading) -> list[FileReading]:

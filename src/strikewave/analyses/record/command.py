@@ -20,6 +20,12 @@ def command(
         float | None,
         quantity("--drop-height", si="m", help='Free fall before the blow, such as "1.2 m"; not checked by default.'),
     ] = None,
+    base: Annotated[
+        str | None,
+        typer.Option(
+            "--base", metavar="CHANNEL", help="Driving channel: the others are responses to its blow; none by default."
+        ),
+    ] = None,
     columns: Annotated[
         Literal["channels", "repeats"],
         typer.Option("--columns", help="What the columns of a file are: channels, or repeats of one test."),
@@ -43,9 +49,13 @@ def command(
     names, a2 before a10. The exit code is 3 where a file could not be read, or has a status of --fail-on.
     """
     from strikewave.analyses.record.screen import examine_records
+    from strikewave.base.errors import InputError
     from strikewave.records import Request
+
+    if base and columns == "repeats":
+        raise InputError("--base", base, "a channel of files whose columns are channels", "leave out --columns repeats")
 
     height = math.nan if drop_height is None else drop_height
     channels = tuple(measurement.channel or ())
-    wanted = filtering.on(Request(channels, measurement.calibration(), height))
+    wanted = filtering.on(Request(channels, measurement.calibration(), height, base=base or ""))
     return examine_records(files, wanted, measurement.reading(), output, columns == "repeats", fail_on or "", motion)

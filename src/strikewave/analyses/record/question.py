@@ -48,6 +48,7 @@ def record(
     drop_height: str | float | None = None,
     filter: str | float | Filter | None = None,
     repeats_in_columns: bool = False,
+    base: str | int = "",
 ) -> RecordResult:
     """Read measured files and judge them: status, health and pulses of each, and the statistics of all together.
 
@@ -75,6 +76,8 @@ def record(
         ``Filter.sae_j211(1000)``.
     repeats_in_columns : bool, optional
         Whether the channels of a file are repeats of one test.
+    base : str or int, optional
+        Name or number of the driving channel: the others are measured as responses to its blow.
 
     Raises
     ------
@@ -120,7 +123,7 @@ def record(
     )
     height = math.nan if drop_height is None else si_value(drop_height, "m", "drop_height")
     low_pass = filter if filter is None or isinstance(filter, Filter) else Filter(si_value(filter, "Hz", "filter"))
-    wanted = Request(tuple(stated.channel or ()), stated.calibration(), height, low_pass)
+    wanted = Request(tuple(stated.channel or ()), stated.calibration(), height, low_pass, base=str(base))
     origin = dataclasses.replace(measured.UNKNOWN, name=name_of([Path(file) for file in files]))
     return examined(files, wanted, stated.reading(), origin, repeats_in_columns)
 
@@ -182,7 +185,8 @@ def examined(
     if repeats_in_columns:
         read = [one for file in read for one in repeats(file) or [file]]
     readings = compare(read)
-    numbers = dict.fromkeys(reading.number for file in readings for reading in file.channels)
+    driven = [reading for file in readings for reading in file.channels if reading.response is None]
+    numbers = dict.fromkeys(reading.number for reading in driven)
     campaigns = [one for one in (summed(readings, k) for k in numbers) if one is not None]
     calibrations = _calibrations("command line" if origin.asked else "the call", wanted, [Path(file) for file in files])
     return record_result(readings, campaigns, wanted.filter, fail_on, calibrations=calibrations, origin=origin)

@@ -18,6 +18,7 @@ from strikewave.records.campaign import Campaign
 from strikewave.records.health_notice import STATUSES, HealthNotice
 from strikewave.records.measuring import RecordedPulse
 from strikewave.records.reading import ChannelReading, FileReading
+from strikewave.records.response import MeasuredResponse
 from strikewave.reporting.columns import HISTORY_DIGITS, Column, csv_table
 from strikewave.reporting.measured_files import AskedResult
 from strikewave.reporting.numbers import shown_unit, with_unit
@@ -181,9 +182,14 @@ def units_of(files: Sequence[FileReading]) -> dict[str, str]:
     own = "each channel's unit" if units else OWN
     return {
         **dict.fromkeys(("time", "interval", *IN_SECONDS), "s"),
-        **dict.fromkeys(OF_CHANNEL, unit or own),
+        **dict.fromkeys((*OF_CHANNEL, "rms", "amplitude"), unit or own),
+        **dict.fromkeys(("delay", "duration", "decay_time"), "s"),
+        **dict.fromkeys(("damping", "damping_uncertainty"), "1"),
         **dict.fromkeys(OF_INTEGRAL, INTEGRALS.get(unit, f"{unit} s") or f"{own}, times s"),
-        **dict.fromkeys(("ringing_frequency", "sampling_rate", "advised_cutoff", "cutoff"), "Hz"),
+        **dict.fromkeys(
+            ("ringing_frequency", "sampling_rate", "advised_cutoff", "frequency", "frequency_uncertainty", "cutoff"),
+            "Hz",
+        ),
         **dict.fromkeys(("cv", "cv_low", "cv_high", "robust_cv", "cv_with", "ratio", "change", "smooth_misfit"), "1"),
     }
 
@@ -228,9 +234,16 @@ def _channel(reading: ChannelReading, filter_: Filter | None) -> dict[str, Any]:
         "calibration": reading.calibration.stated(),
         "health": [f.health_document() for f in reading.findings],
         "pulses": [pulse_row(pulse) for pulse in reading.pulses],
+        "response": None if reading.response is None else response_row(reading.response),
         "advised_cutoff": cutoff_for(reading),
         "filter": None if filter_ is None else filter_effect(reading, filter_),
     }
+
+
+def response_row(response: MeasuredResponse) -> dict[str, Any]:
+    """Return a response as a row, its modes in a list."""
+    modes = [{**mode._asdict(), "decay_time": mode.decay_time} for mode in response.modes]
+    return {**response._asdict(), "modes": modes}
 
 
 def pulse_row(pulse: RecordedPulse) -> dict[str, Any]:

@@ -140,6 +140,7 @@ def _print(readings: Sequence[FileReading], campaigns: Sequence[Campaign], filte
         if file.status != "good":
             tell(f"{names[file.path]}, {file.status}: {'; '.join(file.reasons)}", "  ")
     _print_rigid(readings, names)
+    _print_responses(readings, names)
     _print_rebounds(readings, names)
     for campaign in campaigns:
         _print_campaign(campaign, readings, names)
@@ -172,6 +173,36 @@ def _print_rigid(readings: Sequence[FileReading], names: dict[str, str]) -> None
         columns = [*keys("file"), *texts("channel"), *numerals("peak", "uncertainty", "with ringing")]
         columns += [*numerals("pulse width at 10 % (us)", "ringing (Hz)", priority=MORE)]
         title = "Without ringing" + (f", the first {MOST_ROWS} of {len(rows)} rows" if len(rows) > MOST_ROWS else "")
+        table(title, columns, rows[:MOST_ROWS])
+
+
+def _print_responses(readings: Sequence[FileReading], names: dict[str, str]) -> None:
+    """Print what response channels do after the blow of their base."""
+    rows = []
+    for file in readings:
+        for reading in file.channels:
+            response = reading.response
+            if response is None:
+                continue
+            modes = response.modes
+            rows.append(
+                [
+                    names[file.path],
+                    reading.channel.name,
+                    _value(response.peak, reading.channel.unit),
+                    "-" if math.isnan(response.ratio) else f"{response.ratio:.3g}",
+                    number(response.delay, "s", "ms"),
+                    _value(response.rms, reading.channel.unit),
+                    number(response.duration, "s", "ms"),
+                    ", ".join(f"{mode.frequency:.4g}" for mode in modes) or "-",
+                    ", ".join(f"{mode.damping:.2%}" for mode in modes) or "-",
+                ]
+            )
+    if rows:
+        columns = [*keys("file"), *texts("channel"), *numerals("peak", "over base", "delay (ms)")]
+        columns += numerals("RMS", "above 10 % of the peak (ms)", priority=MORE)
+        columns += [*texts("frequencies (Hz)", "damping ratios")]
+        title = "Response channels" + (f", the first {MOST_ROWS} of {len(rows)} rows" if len(rows) > MOST_ROWS else "")
         table(title, columns, rows[:MOST_ROWS])
 
 
