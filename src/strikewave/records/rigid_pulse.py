@@ -478,9 +478,10 @@ def least_beside_one_mode(values: Array, step: float, frequency: float) -> float
     swings = np.exp(-1j * np.multiply.outer(omega, time))
     falls = np.exp(-2.0 * math.pi * frequency * np.multiply.outer(DECAYS, time))
     # of columns c + i s, times a fall: sums of c y + i s y, of c^2 + s^2, and of c^2 - s^2 + 2 i c s
-    along = swings @ (falls * values).T
+    # without a product of matrices, whose threads would wait in a busy loop for the next one
+    along = np.einsum("ft,dt->fd", swings, falls * values)
     both = np.sum(falls**2, axis=1)
-    turned = swings**2 @ (falls**2).T
+    turned = np.einsum("ft,dt->fd", swings**2, falls**2)
     taken = 2.0 * (both * np.abs(along) ** 2 - (np.conj(turned) * along**2).real)
     taken /= np.maximum(both**2 - np.abs(turned) ** 2, RIDGE * both**2)
     return float(np.sum(values**2) - np.max(taken))
