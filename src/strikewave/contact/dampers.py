@@ -66,20 +66,14 @@ def logarithmic_damping_ratio(restitution_asked: ArrayLike) -> Array:
 
 def _decay_to_turning(zeta: Array) -> Array:
     """Return zeta arccos(zeta)/sqrt(1 - zeta^2), continued by arcosh beyond 1."""
-    near, z, angle = _angle(zeta)
-    return np.where(near, 1.0, z * angle / np.sqrt(np.abs(1.0 - z * z)))
-
-
-def _angle(zeta: Array) -> tuple[NDArray[np.bool_], Array, Array]:
-    """Return where zeta is critical, zeta with 1/2 there, and its arccos, arcosh beyond 1."""
-    near = np.abs(zeta - 1.0) < _CRITICAL
-    z = np.where(near, 0.5, zeta)
-    return near, z, np.where(z < 1.0, np.arccos(np.minimum(z, 1.0)), np.arccosh(np.maximum(z, 1.0)))
+    return _decay_and_slope(zeta)[0]
 
 
 def _decay_and_slope(zeta: Array) -> tuple[Array, Array]:
     """Return `_decay_to_turning` and its slope."""
-    near, z, turned = _angle(zeta)
+    near = np.abs(zeta - 1.0) < _CRITICAL
+    z = np.where(near, 0.5, zeta)
+    turned = np.where(z < 1.0, np.arccos(np.minimum(z, 1.0)), np.arccosh(np.maximum(z, 1.0)))
     decay = np.where(near, 1.0, z * turned / np.sqrt(np.abs(1.0 - z * z)))
     square = (1.0 - z) * (1.0 + z)
     angle = turned / np.sqrt(np.abs(square))

@@ -20,6 +20,7 @@ from numpy.typing import ArrayLike, NDArray
 from strikewave.base.errors import nearest
 from strikewave.hopkinson.alignment import FaceWaves
 from strikewave.hopkinson.bars import Bar, Specimen
+from strikewave.signal.motion import integral
 
 Array = NDArray[np.float64]
 
@@ -65,8 +66,7 @@ class Reduction:
     def integral(self, values: ArrayLike) -> Array:
         """Return the running integral over time from the arrival on, by the trapezoidal rule; 0 before it."""
         after = np.where(self.time >= 0.0, np.asarray(values, dtype=float), 0.0)
-        steps = 0.5 * (after[1:] + after[:-1]) * self.waves.step
-        return np.concatenate([[0.0], np.cumsum(steps)])
+        return integral(after, self.waves.step)
 
     def curve(self, analysis: Analysis = "3-wave") -> StressStrainCurve:
         """Return the engineering curve by one analysis.

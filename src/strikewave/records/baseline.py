@@ -11,9 +11,9 @@ import math
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from strikewave.records.correlation import alike_as_one
+from strikewave.records.record import Array
 
 LOOK_BACK = 40
 """Widths of a blow before it over which the baseline is taken: more than its foot lasts."""
@@ -130,11 +130,10 @@ def _sloped(means: Array, width: int, level: LocalBaseline) -> LocalBaseline:
     slope = float(np.sum(place * means)) / spread
     rest = means - float(np.mean(means)) - slope * place
     scatter = math.sqrt(float(np.sum(rest**2)) / (n - 2))
-    power = float(np.sum(rest**2))
-    memory = min(max(float(np.sum(rest[1:] * rest[:-1])) / power, 0.0), 0.9) if power > 0.0 else 0.0
-    error = scatter / math.sqrt(spread) * math.sqrt((1.0 + memory) / (1.0 - memory))
+    memory = alike_as_one(rest)
+    error = scatter / math.sqrt(spread) * math.sqrt(memory)
     ahead = 0.5 * (n - 1) + 2.0  # the width after next, as above
-    missed = scatter * math.sqrt(1.0 + (1.0 + memory) / (1.0 - memory) * (1.0 / n + ahead**2 / spread))
+    missed = scatter * math.sqrt(1.0 + memory * (1.0 / n + ahead**2 / spread))
     if abs(slope) < SIGNIFICANT * error or missed > BETTER * level.wander:
         return level
     return level._replace(level=float(np.mean(means)) + slope * ahead, slope=slope / width, wander=missed)

@@ -26,6 +26,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from strikewave.records.correlation import alike_as_one
 from strikewave.records.smooth_pulse import SmoothPulse, unit_pulse
 
 Array = NDArray[np.float64]
@@ -105,6 +106,8 @@ RIDGE = 1e-10
 """Share of the squares of the columns added to them: a mode and a pulse that look alike share their amplitude."""
 TINY = 1e-300
 """Added too: a pulse that lies outside has no square."""
+SMOOTH_REST = 0.98
+"""Bound of the correlation of neighbours in what is left: what is left of a shape that no model has is smooth."""
 FAST = 64
 """Spectra have a multiple of so many samples: their transform is fast."""
 DIFFERENCE = math.sqrt(np.finfo(float).eps)
@@ -372,22 +375,13 @@ def _fit(values: Array, step: float, guess: SmoothPulse, frequency: float, model
     pulse, omega, decay = split(best.x)
     figures = np.array([_figures(split(row)[0]._replace(peak=gain)) for row, gain in zip(rows, peaks, strict=True)])
     slopes = (figures[1 : count + 1] - figures[count + 1 :]) / (2.0 * changes[:, None])
-    memory = _memory(rest)
-    variance = float(np.sum(rest**2)) / max(rest.size - 9, 1) * memory
+    variance = float(np.sum(rest**2)) / max(rest.size - 9, 1) * alike_as_one(rest, SMOOTH_REST)
     covariance = variance * np.linalg.pinv(best.jac.T @ best.jac)
     doubt = np.sqrt(np.maximum(np.einsum("ki,kl,li->i", slopes, covariance, slopes), 0.0))
-    own = peak * math.sqrt(variance / (0.5 * max(pulse.length / step, 1.0))) / max(peak, 1e-300)
+    own = math.sqrt(variance / (0.5 * max(pulse.length / step, 1.0)))
     doubt = np.array([math.hypot(doubt[0], own), doubt[1], doubt[2]]) * np.array([scale, 1.0, scale])
     misfit = math.sqrt(float(np.mean(rest**2))) / peak
     return Fit(pulse._replace(peak=peak * scale), omega, decay, misfit, doubt, _name(model))
-
-
-def _memory(rest: Array) -> float:
-    """Return how many samples count as one: what is left of a shape that no model has is smooth."""
-    power = float(np.sum(rest**2))
-    alike = float(np.sum(rest[1:] * rest[:-1])) / power if power > 0.0 else 0.0
-    alike = min(max(alike, 0.0), 0.98)
-    return (1.0 + alike) / (1.0 - alike)
 
 
 class Stretch(NamedTuple):

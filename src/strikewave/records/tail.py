@@ -15,7 +15,9 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from strikewave.records.correlation import alike_as_one
 from strikewave.records.measuring import RecordedPulse
+from strikewave.signal.motion import integral
 
 Array = NDArray[np.float64]
 
@@ -126,7 +128,7 @@ def tail_of(values: Array, step: float, start: float, pulses: Sequence[RecordedP
     places = np.arange(origin, edges[-1], dtype=np.float64)
     middle = (first.time - start) / step
     above = values[origin : edges[-1]] - first.offset - first.baseline.slope * (places - middle)
-    velocity = step * (np.cumsum(above) - 0.5 * (above + above[0]))
+    velocity = integral(above, step)
     rows = []
     for low, high in zip(edges[:-2], edges[2:], strict=True):
         weights = np.hanning(high - low + 2)[1:-1]
@@ -177,7 +179,7 @@ def model_of(tail: Tail) -> TailModel:
         return TailModel("rest")
     rest = tail.level - fits[kind][0]
     share = 1.0 - squares[kind] / total
-    error = math.sqrt(squares[kind] / max(n - 1 - fits[kind][1], 1) / n * _memory(rest))
+    error = math.sqrt(squares[kind] / max(n - 1 - fits[kind][1], 1) / n * alike_as_one(rest))
     if kind == "decay" and constant < QUICK * (tail.time[1] - tail.time[0]) and tail.one_side < ONE_SIDE:
         return TailModel("motion", explained=share)
     if kind == "decay":
@@ -205,7 +207,7 @@ def _coupled(tail: Tail) -> TailModel | None:
     rest = level + rate * velocity
     n, squares = time.size, float(np.sum(rest**2))
     total = float(np.sum(level**2))
-    error = math.sqrt(squares / max(n - 1, 1) / float(np.sum(velocity**2)) * _memory(rest))
+    error = math.sqrt(squares / max(n - 1, 1) / float(np.sum(velocity**2)) * alike_as_one(rest))
     share = 1.0 - squares / total if total > 0.0 else 0.0
     if share < EXPLAINED or rate < SURE * error or time[-1] * rate < LEAST_DECAY:
         return None
@@ -233,11 +235,3 @@ def _decay(time: Array, level: Array) -> tuple[Array, float]:
     products = columns @ level
     k = int(np.argmax(products**2 / np.sum(columns**2, axis=1)))
     return _on(level, columns[k]), float(constants[k])
-
-
-def _memory(rest: Array) -> float:
-    """Return how many stretches count as one."""
-    power = float(np.sum(rest**2))
-    alike = float(np.sum(rest[1:] * rest[:-1])) / power if power > 0.0 else 0.0
-    alike = min(max(alike, 0.0), 0.9)
-    return (1.0 + alike) / (1.0 - alike)

@@ -5,6 +5,8 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from strikewave.signal.motion import integral
+
 Array = NDArray[np.float64]
 
 
@@ -42,5 +44,4 @@ def ac_uncoupled(values: Array, step: float, constant: float) -> Array:
     >>> bool(np.allclose(ac_uncoupled(ac_coupled(pulse, 1e-5, 2e-3), 1e-5, 2e-3), pulse, atol=1e-12))
     True
     """
-    sums = np.cumsum(values)
-    return np.asarray(values + step / constant * (sums - 0.5 * (values + values[0])))
+    return np.asarray(values + integral(values, step) / constant)

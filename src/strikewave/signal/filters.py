@@ -70,8 +70,47 @@ def low_pass(values: ArrayLike, step: float, cutoff: float, order: int = 4, axis
     return np.asarray(signal.sosfilt(sections, _history(values), axis=axis))
 
 
+class _ZeroPhase:
+    """A filter that is run forward, then back, so that it delays nothing."""
+
+    def _one_way(self, step: float) -> Array:
+        """Return the second-order sections of one pass."""
+        raise NotImplementedError
+
+    def apply(self, values: ArrayLike, step: float, axis: int = -1) -> Array:
+        """Filter a history; outside, it is taken to hold its first and its last value.
+
+        A pulse that starts from rest at its first sample stays as it is (mirrored padding would bend it).
+
+        Parameters
+        ----------
+        values : array_like
+            Evenly sampled history.
+        step : float
+            Time between samples, s.
+        axis : int, optional
+            Axis of time.
+
+        Raises
+        ------
+        ValueError
+            If the cutoff is not below half the sampling rate, or another value makes no sense.
+        """
+        from scipy import signal
+
+        sections = self._one_way(step)
+        history = np.moveaxis(_history(values), axis, -1)
+        radius = float(np.max(np.abs(signal.sos2zpk(sections)[1])))
+        length = math.ceil(math.log(SETTLED) / math.log(radius)) if radius > 0.0 else 1
+        padded = np.pad(history, [(0, 0)] * (history.ndim - 1) + [(length, length)], mode="edge")
+        for _ in range(2):  # forward, then back
+            state = signal.sosfilt_zi(sections).reshape(-1, *(1,) * (history.ndim - 1), 2) * padded[..., :1]
+            padded = signal.sosfilt(sections, padded, zi=state)[0][..., ::-1]
+        return np.ascontiguousarray(np.moveaxis(padded[..., length : padded.shape[-1] - length], -1, axis))
+
+
 @dataclass(frozen=True)
-class Filter:
+class Filter(_ZeroPhase):
     """A zero-phase Butterworth low-pass: run forward, then back, so that it delays nothing.
 
     Two passes square the response. ``convention`` says what the cutoff means: at ``both`` passes together lose
@@ -127,26 +166,8 @@ class Filter:
         how = "for both passes together" if self.convention == "both" else "for each pass"
         return self.name or f"zero-phase Butterworth, {self.order} poles a pass, -3 dB at {self.cutoff:g} Hz {how}"
 
-    def apply(self, values: ArrayLike, step: float, axis: int = -1) -> Array:
-        """Filter a history; outside, it is taken to hold its first and its last value.
-
-        A pulse that starts from rest at its first sample stays as it is (mirrored padding would bend it).
-
-        Parameters
-        ----------
-        values : array_like
-            Evenly sampled history.
-        step : float
-            Time between samples, s.
-        axis : int, optional
-            Axis of time.
-
-        Raises
-        ------
-        ValueError
-            If the cutoff is not below half the sampling rate, or another value makes no sense.
-        """
-        return _there_and_back(_butterworth(self.cutoff, step, self.order, self._widened()), values, axis)
+    def _one_way(self, step: float) -> Array:
+        return _butterworth(self.cutoff, step, self.order, self._widened())
 
     def gain(self, frequency: ArrayLike, step: float) -> Array:
         """Return the gain of both passes: 1 / (1 + (W/W_c)^(2 n))."""
@@ -166,7 +187,7 @@ class Filter:
 
 
 @dataclass(frozen=True)
-class HighPass:
+class HighPass(_ZeroPhase):
     """A zero-phase Butterworth high-pass, which takes off what changes slowly: an offset becomes zero.
 
     Both passes together lose 3 dB at the cutoff. What it leaves of a one-sided pulse integrates to zero over the whole
@@ -195,25 +216,8 @@ class HighPass:
             "together"
         )
 
-    def apply(self, values: ArrayLike, step: float, axis: int = -1) -> Array:
-        """Filter a history; outside, it is taken to hold its first and its last value.
-
-        Parameters
-        ----------
-        values : array_like
-            Evenly sampled history.
-        step : float
-            Time between samples, s.
-        axis : int, optional
-            Axis of time.
-
-        Raises
-        ------
-        ValueError
-            If the cutoff is not below half the sampling rate, or another value makes no sense.
-        """
-        sections = _butterworth(self.cutoff, step, self.order, self._narrowed(), "highpass")
-        return _there_and_back(sections, values, axis)
+    def _one_way(self, step: float) -> Array:
+        return _butterworth(self.cutoff, step, self.order, self._narrowed(), "highpass")
 
     def gain(self, frequency: ArrayLike, step: float) -> Array:
         """Return the gain of both passes: 1 / (1 + (W_c/W)^(2 n))."""
@@ -223,20 +227,6 @@ class HighPass:
 
     def _narrowed(self) -> float:
         return float((math.sqrt(2.0) - 1.0) ** (0.5 / max(self.order, 1)))
-
-
-def _there_and_back(sections: Array, values: ArrayLike, axis: int) -> Array:
-    """Filter a history forward, then back; outside, it holds its first and its last value."""
-    from scipy import signal
-
-    history = np.moveaxis(_history(values), axis, -1)
-    radius = float(np.max(np.abs(signal.sos2zpk(sections)[1])))
-    length = math.ceil(math.log(SETTLED) / math.log(radius)) if radius > 0.0 else 1
-    padded = np.pad(history, [(0, 0)] * (history.ndim - 1) + [(length, length)], mode="edge")
-    for _ in range(2):
-        state = signal.sosfilt_zi(sections).reshape(-1, *(1,) * (history.ndim - 1), 2) * padded[..., :1]
-        padded = signal.sosfilt(sections, padded, zi=state)[0][..., ::-1]
-    return np.ascontiguousarray(np.moveaxis(padded[..., length : padded.shape[-1] - length], -1, axis))
 
 
 class Effect(NamedTuple):

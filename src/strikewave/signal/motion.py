@@ -28,6 +28,17 @@ class IntegratedMotion(NamedTuple):
     displacement_drift: Array
 
 
+def integral(values: Array, step: float) -> Array:
+    """Return the integral of straight lines between samples, from the first sample on.
+
+    Examples
+    --------
+    >>> integral(np.array([0.0, 1.0, 1.0]), 2.0)
+    array([0., 1., 3.])
+    """
+    return np.concatenate([[0.0], np.cumsum(0.5 * (values[1:] + values[:-1]))]) * step
+
+
 def motion(values: ArrayLike, step: float, zero_error: float = 0.0, noise: float = 0.0) -> IntegratedMotion:
     """Integrate an acceleration twice, as straight lines between its samples, and tell the drift.
 
@@ -66,8 +77,9 @@ def motion(values: ArrayLike, step: float, zero_error: float = 0.0, noise: float
             f"a motion needs a step above zero and errors of zero or more, all finite, got step={step!r}, "
             f"zero_error={zero_error!r}, noise={noise!r}"
         )
-    velocity = _summed(0.5 * step * (a[:-1] + a[1:]))
-    displacement = _summed(step * velocity[:-1] + step**2 / 6.0 * (2.0 * a[:-1] + a[1:]))
+    velocity = integral(a, step)
+    ways = step * velocity[:-1] + step**2 / 6.0 * (2.0 * a[:-1] + a[1:])
+    displacement = np.concatenate([[0.0], np.cumsum(ways)])
     t = step * np.arange(a.size)
     return IntegratedMotion(
         velocity,
@@ -75,7 +87,3 @@ def motion(values: ArrayLike, step: float, zero_error: float = 0.0, noise: float
         np.hypot(zero_error * t, noise * np.sqrt(step * t)),
         np.hypot(0.5 * zero_error * t**2, noise * np.sqrt(step * t**3 / 3.0)),
     )
-
-
-def _summed(changes: Array) -> Array:
-    return np.concatenate([[0.0], np.cumsum(changes)])

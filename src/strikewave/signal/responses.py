@@ -18,6 +18,9 @@ REACH = 32
 KAISER = 8.0
 """Shape of its Kaiser window: 6 and 10 leave 5e-4 and 2.5e-3 with as many samples (measured)."""
 
+BLOCK = 4096
+"""Samples whose responses are held together: 100 frequencies of them take 3 MB, which stays in a cache."""
+
 NARROWER = (0.08, 0.01, 0.001)
 """Half widths, in steps, of the parabolas about a peak: the error of each is of the third power of its width."""
 
@@ -72,10 +75,6 @@ def extremes(x: Array, tail: Array, oscillators: Bank, part: str, level: float =
     free = free_extremes(oscillators.frequency, oscillators.damping, weight * state[0], weight * change)
     sides = np.maximum(after[0], free[0]), np.maximum(after[1], -free[1])
     return sides if part == "residual" else (np.maximum(sides[0], during[0]), np.maximum(sides[1], during[1]))
-
-
-BLOCK = 4096
-"""Samples whose responses are held together: 100 frequencies of them take 3 MB, which stays in a cache."""
 
 
 def followed(x: Array, oscillators: Bank, level: float = 0.0) -> Iterator[Array]:

@@ -211,8 +211,9 @@ def srs(
         history = history[: round(scope.end / step) + 1]
     history, level = _begun(history, scope.initial)
     positive, negative = np.empty_like(fn), np.empty_like(fn)
-    for group in _groups(history, step, fn, (q, kind), scope.upsample):
-        sides = extremes(*framed(group.body, group.factor, level), group.oscillators, scope.part, level)
+    for group in _groups(step, fn, q, kind, scope.upsample):
+        body = interpolate(history, group.factor)
+        sides = extremes(*framed(body, group.factor, level), group.oscillators, scope.part, level)
         positive[group.members], negative[group.members] = (side * group.unit for side in sides)
     return Spectrum(fn, positive, negative, float(q), kind, scope.part)
 
@@ -259,52 +260,13 @@ def rolling_srs(
         )
     starts = np.arange(0, history.size - length + 1, hop)
     positive, negative = np.empty((starts.size, fn.size)), np.empty((starts.size, fn.size))
-    for group in _groups(history, step, fn, (q, kind), True):
+    for group in _groups(step, fn, q, kind):
+        body = interpolate(history, group.factor)
         for row, start in enumerate(starts):
-            part = group.body[start * group.factor : (start + length - 1) * group.factor + 1]
+            part = body[start * group.factor : (start + length - 1) * group.factor + 1]
             sides = extremes(*framed(part, group.factor), group.oscillators, "total")
             positive[row, group.members], negative[row, group.members] = (side * group.unit for side in sides)
     return RollingSpectrum(np.asarray((starts + 0.5 * (length - 1)) * step), fn, positive, negative)
-
-
-class Group(NamedTuple):
-    """Oscillators that take the same interpolation of the record."""
-
-    factor: int
-    members: NDArray[np.intp]
-    body: Array
-    oscillators: Bank
-    unit: Array
-
-
-def _groups(history: Array, step: float, fn: Array, oscillator: tuple[float, str], upsample: bool) -> Iterator[Group]:
-    """Yield the frequencies by the interpolation that they need; ``unit`` makes SI of a response counted in steps."""
-    q, kind = oscillator
-    response, of_frequency, of_step = KINDS[kind]
-    needed = np.searchsorted(FACTORS, SMOOTH * fn * step * (1.0 - _ROUNDING)) if upsample else np.zeros(fn.size, int)
-    for i in np.unique(needed):
-        factor, members = FACTORS[i], np.flatnonzero(needed == i)
-        w, fine = 2.0 * np.pi * fn[members], step / FACTORS[i]
-        oscillators = bank(w * fine, 0.5 / q, response)
-        yield Group(factor, members, interpolate(history, factor), oscillators, w**of_frequency * fine**of_step)
-
-
-def _begun(history: Array, initial: str) -> tuple[Array, float]:
-    """Return a record as it begins, and the acceleration that its base had for ever before; see `Scope`."""
-    if initial == "shifted":
-        return history - history[0], 0.0
-    return history, float(history[0]) if initial == "steady" else 0.0
-
-
-def _history(values: ArrayLike, step: float) -> Array:
-    if not 0.0 < step < math.inf:
-        raise ValueError(f"the step must be above zero and finite, got {step!r}")
-    history = np.ascontiguousarray(values, dtype=float)
-    if history.ndim != 1 or history.size < 2:
-        raise ValueError(f"a record must be one row of two samples or more, got shape {history.shape}")
-    if not np.all(np.isfinite(history)):
-        raise ValueError("the record holds values that are not finite")
-    return history
 
 
 def response_history(
@@ -341,10 +303,11 @@ def response_history(
     """
     _check(q, kind, Scope(initial=initial))
     history, level = _begun(_history(values, step), initial)
-    [group] = _groups(history, step, _natural(frequency, step), (q, kind), True)
-    x = framed(group.body, group.factor, level)[0]
+    [group] = _groups(step, _natural(frequency, step), q, kind)
+    body = interpolate(history, group.factor)
+    x = framed(body, group.factor, level)[0]
     response = np.concatenate([block[:, 0] for block in followed(x, group.oscillators, level)])
-    return np.asarray(response[x.size - group.body.size :: group.factor] * group.unit)
+    return np.asarray(response[x.size - body.size :: group.factor] * group.unit)
 
 
 def rms_spectrum(
@@ -382,9 +345,10 @@ def rms_spectrum(
     history, level = _begun(_history(values, step), initial)
     fn = _natural(frequencies, step)
     rms = np.empty_like(fn)
-    for group in _groups(history, step, fn, (q, kind), True):
-        squares = sum(np.sum(block**2, axis=0) for block in followed(group.body, group.oscillators, level))
-        rms[group.members] = np.sqrt(squares / group.body.size) * group.unit
+    for group in _groups(step, fn, q, kind):
+        body = interpolate(history, group.factor)
+        squares = sum(np.sum(block**2, axis=0) for block in followed(body, group.oscillators, level))
+        rms[group.members] = np.sqrt(squares / body.size) * group.unit
     return rms
 
 
@@ -431,14 +395,52 @@ def resultant_srs(
     fn = _natural(frequencies, step)
     largest = np.empty_like(fn)
     begun = [_begun(history, initial) for history in histories]
-    for together in zip(*(_groups(history, step, fn, (q, kind), True) for history, _ in begun), strict=True):
+    for group in _groups(step, fn, q, kind):
+        swing = np.zeros(math.ceil(LAST_SWING * 2.0 * np.pi / float(np.min(group.oscillators.frequency))))
         blocks = []
-        for group, (_, level) in zip(together, begun, strict=True):
-            body, tail = framed(group.body, group.factor, level)
-            swing = np.zeros(math.ceil(LAST_SWING * 2.0 * np.pi / float(np.min(group.oscillators.frequency))))
-            blocks.append(followed(np.concatenate([body, tail, swing]), group.oscillators, level))
-        largest[together[0].members] = _largest_sum(zip(*blocks, strict=True)) * together[0].unit
+        for history, level in begun:
+            framed_history = framed(interpolate(history, group.factor), group.factor, level)
+            blocks.append(followed(np.concatenate([*framed_history, swing]), group.oscillators, level))
+        largest[group.members] = _largest_sum(zip(*blocks, strict=True)) * group.unit
     return largest
+
+
+class Group(NamedTuple):
+    """Oscillators that need the same factor of interpolation; ``unit`` makes SI of a response counted in steps."""
+
+    factor: int
+    members: NDArray[np.intp]
+    oscillators: Bank
+    unit: Array
+
+
+def _groups(step: float, fn: Array, q: float, kind: str, upsample: bool = True) -> Iterator[Group]:
+    """Yield the frequencies by the interpolation that they need."""
+    response, of_frequency, of_step = KINDS[kind]
+    needed = np.searchsorted(FACTORS, SMOOTH * fn * step * (1.0 - _ROUNDING)) if upsample else np.zeros(fn.size, int)
+    for i in np.unique(needed):
+        factor, members = FACTORS[i], np.flatnonzero(needed == i)
+        w, fine = 2.0 * np.pi * fn[members], step / FACTORS[i]
+        oscillators = bank(w * fine, 0.5 / q, response)
+        yield Group(factor, members, oscillators, w**of_frequency * fine**of_step)
+
+
+def _begun(history: Array, initial: str) -> tuple[Array, float]:
+    """Return a record as it begins, and the acceleration that its base had for ever before; see `Scope`."""
+    if initial == "shifted":
+        return history - history[0], 0.0
+    return history, float(history[0]) if initial == "steady" else 0.0
+
+
+def _history(values: ArrayLike, step: float) -> Array:
+    if not 0.0 < step < math.inf:
+        raise ValueError(f"the step must be above zero and finite, got {step!r}")
+    history = np.ascontiguousarray(values, dtype=float)
+    if history.ndim != 1 or history.size < 2:
+        raise ValueError(f"a record must be one row of two samples or more, got shape {history.shape}")
+    if not np.all(np.isfinite(history)):
+        raise ValueError("the record holds values that are not finite")
+    return history
 
 
 def _largest_sum(blocks: Iterable[tuple[Array, ...]]) -> Array:

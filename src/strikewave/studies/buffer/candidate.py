@@ -17,6 +17,7 @@ from strikewave.base.materials import material
 from strikewave.sensors import Mounting, Reading, Sensor, output
 from strikewave.sensors.bandwidth import PassBand, band
 from strikewave.sensors.channel import sensor_pulse
+from strikewave.signal.motion import integral
 from strikewave.studies.buffer.moduli import SOFTEST, STIFFEST, confined, moduli, spread, variants
 from strikewave.studies.buffer.mounting_site import BaseMotion, GasketStack, MountingSite, loads, read_on, reading_of
 
@@ -213,19 +214,14 @@ def _velocity(reading: Reading, motion: BaseMotion, resonance: float) -> tuple[f
     change = motion.velocity_change
     if abs(change) <= SMALL_CHANGE * float(np.sum(np.abs(motion.acceleration))) * motion.step or reading.time.size < 2:
         return math.nan, math.nan
-    lag = _running(reading.values, float(reading.time[1] - reading.time[0]))
+    lag = integral(reading.values, float(reading.time[1] - reading.time[0]))
     error = float(lag[-1]) / change - 1.0
     if math.isnan(resonance):
         return error, 0.0
     surface = motion.start + motion.step * np.arange(motion.acceleration.size)
-    lag -= np.interp(reading.time, surface, _running(motion.acceleration, motion.step))
+    lag -= np.interp(reading.time, surface, integral(motion.acceleration, motion.step))
     last = lag[reading.time >= reading.time[-1] - 1.0 / resonance]
     return error, 0.5 * float(np.ptp(last)) / abs(change)
-
-
-def _running(values: Array, step: float) -> Array:
-    """Return the integral up to each sample, by the trapezoidal rule."""
-    return np.concatenate([[0.0], np.cumsum(0.5 * (values[1:] + values[:-1]))]) * step
 
 
 def look_closer(

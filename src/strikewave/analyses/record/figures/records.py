@@ -16,6 +16,7 @@ from strikewave.records.reading import ChannelReading
 from strikewave.reporting.curves import MOST_PULSES, thin
 from strikewave.reporting.numbers import ShownQuantity, axis_unit
 from strikewave.reporting.style import BLUE, GREEN, GREY, ORANGE, RED, legend_below, new_figure, plain, quiet
+from strikewave.signal.motion import integral
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -315,7 +316,7 @@ def draw_velocity(axes: Any, reading: ChannelReading, room: float = 0.055) -> No
     channel, first = reading.channel, reading.pulses[0]
     factor, unit = clock(channel.duration)
     above = channel.values - first.offset
-    total = np.concatenate([[0.0], np.cumsum(0.5 * (above[1:] + above[:-1]))]) * channel.step
+    total = integral(above, channel.step)
     total -= float(np.interp(first.begin, channel.time, total))
     time, values = thin(channel.time, total / how.integral_scale, COLUMNS)
     axes.plot(time * factor, values, color=BLUE, linewidth=1.2)
