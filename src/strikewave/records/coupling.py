@@ -1,4 +1,4 @@
-"""AC coupling of a record: recognised by its blows and what follows them, and taken off."""
+"""AC coupling taken off a record; `strikewave.records.tail` recognises it."""
 
 from __future__ import annotations
 
@@ -8,29 +8,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from strikewave.records.measuring import RecordedPulse
-from strikewave.records.tail import TailModel, model_of, tail_of
 from strikewave.signal.coupling import ac_uncoupled
 
 Array = NDArray[np.float64]
-
-
-def coupling_of(values: Array, step: float, start: float, pulses: tuple[RecordedPulse, ...]) -> TailModel | None:
-    """Return the AC coupling of a record; None where none is recognised.
-
-    Examples
-    --------
-    >>> from strikewave.records import find_pulses
-    >>> from strikewave.signal.coupling import ac_coupled
-    >>> u = np.arange(4000) * 1e-3 - 1.0
-    >>> blow = np.where((u > 0.0) & (u < 0.1), 1e3 * np.sin(10.0 * np.pi * u), 0.0)
-    >>> values = ac_coupled(blow, 1e-5, 2e-3) + np.random.default_rng(1).normal(size=4000)
-    >>> found = coupling_of(values, 1e-5, 0.0, tuple(find_pulses(values, 1e-5)))
-    >>> round(1e3 * found.constant, 2)
-    2.0
-    """
-    tail = tail_of(values, step, start, pulses)
-    model = None if tail is None else model_of(tail)
-    return model if model is not None and model.kind == "ac-coupling" else None
 
 
 AFTER = 5.0

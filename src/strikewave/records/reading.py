@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+import functools
 import math
 import re
 from collections.abc import Mapping, Sequence
@@ -106,7 +107,7 @@ class ChannelReading:
         """Where the record stands at rest: before the first blow, or the median of a record without one."""
         return self.pulses[0].offset if self.pulses else float(np.median(self.channel.values))
 
-    @property
+    @functools.cached_property
     def intervals(self) -> list[float]:
         """Times from each blow to the next, s: not inside a double hit, nor over a missing blow."""
         return gaps_of(np.array([pulse.time for pulse in self.pulses]), contacts_of(self.pulses))
@@ -191,10 +192,9 @@ def read_channel(channel: Channel, number: int, calibration: Calibration, reques
         findings += said
         pulses = _blows(channel)
         examined = dataclasses.replace(examined, values=channel.values, pulses=pulses)
-    elif examined.uncoupled_pulses:  # an undershoot is no ringing: what rings is seen without it
-        pairs = zip(pulses, examined.uncoupled_pulses, strict=True)
-        pulses = tuple(dataclasses.replace(pulse, rigid=other.rigid) for pulse, other in pairs)
-        examined = dataclasses.replace(examined, pulses=pulses)
+    else:
+        examined = examined.ringing_as_uncoupled()
+        pulses = examined.pulses
     findings += [*examine(examined), *_in_blows(holes, pulses)]
     unfiltered: tuple[RecordedPulse, ...] = ()
     if request.filter is not None or request.high_pass is not None:
@@ -240,11 +240,12 @@ def _lightened(high_pass: HighPass, blows: Sequence[RecordedPulse], filtered: Ch
     if not blows:
         return []
     time = filtered.time
-    shares = []
-    for blow in blows:
-        inside = filtered.values[(time >= blow.begin) & (time <= blow.end)]
-        shares.append(float(np.sum(inside)) * filtered.step / blow.velocity_change)
-    left = min(shares)
+    begins = np.searchsorted(time, [blow.begin for blow in blows])
+    ends = np.searchsorted(time, [blow.end for blow in blows], side="right")
+    left = min(
+        float(np.sum(filtered.values[begin:end])) * filtered.step / blow.velocity_change
+        for blow, begin, end in zip(blows, begins, ends, strict=True)
+    )
     message = (
         f"the high-pass at {high_pass.cutoff:g} Hz leaves {left:.1%} of a velocity change (the integral over the blow, "
         "from zero), and nothing of that of the whole record"

@@ -81,20 +81,16 @@ def compare(files: Sequence[FileReading]) -> list[FileReading]:
 
 def _with(file: FileReading, number: int, finding: HealthNotice) -> FileReading:
     """Return a file with a finding on one of its channels; its blows are none where it finds that."""
-    channels = tuple(
-        reading
-        if reading.number != number
-        else dataclasses.replace(reading, pulses=(), findings=(*_of_no_blow(reading), finding))
-        if finding.code == "no-pulse"
-        else reading.with_finding(finding)
-        for reading in file.channels
-    )
+    channels = tuple(_found(one, finding) if one.number == number else one for one in file.channels)
     return dataclasses.replace(file, channels=channels)
 
 
-def _of_no_blow(reading: ChannelReading) -> tuple[HealthNotice, ...]:
-    """Return the findings of a reading that are not about its blows."""
-    return tuple(finding for finding in reading.findings if not set(finding.harms) & {*BLOW, "interval"})
+def _found(reading: ChannelReading, finding: HealthNotice) -> ChannelReading:
+    """Return a reading with a finding; where that is no blow, without its blows and what was found of them."""
+    if finding.code != "no-pulse":
+        return reading.with_finding(finding)
+    kept = tuple(known for known in reading.findings if not set(known.harms) & {*BLOW, "interval"})
+    return dataclasses.replace(reading, pulses=(), findings=(*kept, finding))
 
 
 def _largest(reading: ChannelReading) -> float:

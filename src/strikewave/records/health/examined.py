@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -11,9 +11,10 @@ from numpy.typing import NDArray
 
 from strikewave.base.units import in_unit
 from strikewave.records.coupling import uncoupled
-from strikewave.records.measuring import RecordedPulse, find_pulses
+from strikewave.records.measuring import RecordedPulse, contacts_of, find_pulses
 from strikewave.records.pulses import Baseline, robust_line, sample_noise
 from strikewave.records.tail import TailModel, model_of, tail_of
+from strikewave.records.trains import Contacts
 
 Array = NDArray[np.float64]
 
@@ -97,8 +98,24 @@ class Examined:
         return robust_line(self.values)
 
     @cached_property
+    def contacts(self) -> Contacts:
+        """What the blows are to one another: a train, double hits."""
+        return contacts_of(self.pulses)
+
+    @cached_property
     def tail(self) -> TailModel | None:
-        """What the zero does after the blows; None where too little follows them."""
+        """What the zero does after the blows; None where too little follows them.
+
+        Examples
+        --------
+        >>> from strikewave.signal.coupling import ac_coupled
+        >>> u = np.arange(4000) * 1e-3 - 1.0
+        >>> blow = np.where((u > 0.0) & (u < 0.1), 1e3 * np.sin(10.0 * np.pi * u), 0.0)
+        >>> values = ac_coupled(blow, 1e-5, 2e-3) + np.random.default_rng(1).normal(size=4000)
+        >>> found = Examined(values, 1e-5, pulses=tuple(find_pulses(values, 1e-5))).tail
+        >>> found.kind, round(1e3 * found.constant, 2)
+        ('ac-coupling', 2.0)
+        """
         tail = tail_of(self.values, self.step, self.start, self.pulses)
         return None if tail is None else model_of(tail)
 
@@ -110,6 +127,18 @@ class Examined:
         values = uncoupled(self.values, self.step, self.start, self.pulses, self.tail.constant)
         pulses = tuple(find_pulses(values, self.step, self.start))
         return pulses if len(pulses) == len(self.pulses) else ()
+
+    def ringing_as_uncoupled(self) -> Examined:
+        """Return the record with the pulses without ringing that are fitted without its AC coupling, where it has any.
+
+        An undershoot is no ringing. What is known of the tail holds on: no pulse without ringing is in it.
+        """
+        if not self.uncoupled_pulses:
+            return self
+        pairs = zip(self.pulses, self.uncoupled_pulses, strict=True)
+        seen = replace(self, pulses=tuple(replace(pulse, rigid=other.rigid) for pulse, other in pairs))
+        vars(seen).update(tail=self.tail, uncoupled_pulses=self.uncoupled_pulses)
+        return seen
 
     @cached_property
     def noise(self) -> float:

@@ -9,10 +9,10 @@ import numpy as np
 from strikewave.records.health.examined import BLOW, FEWEST_OF_PART, Examined
 from strikewave.records.health_notice import HealthNotice, by_effect
 from strikewave.records.measuring import RecordedPulse, one_sided, stretch_of
-from strikewave.records.rigid_pulse import ringing_of
+from strikewave.records.rigid_pulse import RINGS_WITHIN, ringing_of
 
-AFTER_BLOW, RINGS_WITHIN = 0.25, 5.0
-"""Widths after the feet of a blow from which on, and up to which, its ringing is taken: beside the foot, before it
+AFTER_BLOW = 0.25
+"""Widths after the feet of a blow from which on its ringing is taken, up to `RINGS_WITHIN`: beside the foot, before it
 dies."""
 NOTED_RINGING, STRONG_RINGING, NOISES_OF_RINGING = 0.15, 0.6, 5.0
 """Shares of the peak by which a ringing record swings: noted, and so much that the peak may be ringing; it

@@ -6,7 +6,6 @@ import numpy as np
 
 from strikewave.records.health.examined import Examined
 from strikewave.records.health_notice import HealthNotice
-from strikewave.records.measuring import contacts_of
 from strikewave.records.trains import missing_of
 
 LISTED = 3
@@ -32,7 +31,7 @@ def rebounds(record: Examined) -> list[HealthNotice]:
 
 def double_hit(record: Examined) -> list[HealthNotice]:
     """Find two blows as large as one another, much closer than the blows of the record otherwise are."""
-    contacts = contacts_of(record.pulses)
+    contacts = record.contacts
     if not contacts.double:
         return []
     later, earlier = min(contacts.double.items())
@@ -47,7 +46,7 @@ def double_hit(record: Examined) -> list[HealthNotice]:
 
 def missing_blow(record: Examined) -> list[HealthNotice]:
     """Find gaps of two periods and more in a train of blows."""
-    contacts = contacts_of(record.pulses)
+    contacts = record.contacts
     places = missing_of(np.array([pulse.time for pulse in record.pulses]), contacts)
     if not places or contacts.train is None:
         return []
