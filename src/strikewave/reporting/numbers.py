@@ -394,6 +394,18 @@ def table_decimals(bands: Iterable[Band], si: str, usual: str, decimals: int = M
     return min(decimals, max(allowed, default=decimals))
 
 
+def fixed_within(value: float | None, bands: Iterable[Band], si: str, usual: str, decimals: int = MOST_DIGITS) -> str:
+    """Write an SI value of a table as `fixed` does, with so many decimals as `table_decimals` leaves of its bands.
+
+    Examples
+    --------
+    >>> band = Band(7850.0, 15400.0, 0.95)
+    >>> fixed_within(11421.3, [band], "m/s^2", "g", 1), fixed_within(9806.65, [], "m/s^2", "g", 1)
+    ('1160', '1000.0')
+    """
+    return fixed(value, si, usual, table_decimals(bands, si, usual, decimals))
+
+
 def rounded(value: float, decimals: int) -> str:
     """Write a number with so many decimals; below 0 it is rounded to tens, hundreds and so on. No zero has a sign.
 

@@ -266,7 +266,7 @@ def number(value: float | None, si: str, usual: str, digits: int = 4, bands: Seq
     if value is None or value != value:
         return "-"
     if bands:
-        return numbers.fixed(value, si, usual, numbers.table_decimals(bands, si, usual))
+        return numbers.fixed_within(value, bands, si, usual)
     return significant(shown(value, si, usual), digits)
 
 

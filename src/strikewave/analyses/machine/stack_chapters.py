@@ -8,7 +8,7 @@ import numpy as np
 
 from strikewave.reporting.bands import bands_of
 from strikewave.reporting.curves import Trace, traces
-from strikewave.reporting.numbers import fixed, heads, table_decimals, with_unit
+from strikewave.reporting.numbers import fixed, fixed_within, heads, with_unit
 from strikewave.reporting.parts import Cell, Part, Picture, Section, Table, Tag
 from strikewave.reporting.stack_chapters import (
     PEAK_WORDS,
@@ -68,12 +68,12 @@ def stack_section(solution: Solution) -> list[Section]:
     band = "" if reading.bandwidth is None else f" at a bandwidth of {with_unit(reading.bandwidth, 'Hz', 'kHz', 3)}"
     refused = reading.total_peak is None
     rows: list[list[Cell]] = []
-    decimals = table_decimals(bands_of(solution.band, "rigid_peak"), "m/s^2", "g", 0)
+    rigid = bands_of(solution.band, "rigid_peak")
     for k in struck:
         blow, seen = solution.blows[k], solution.readings[k]
         assert seen is not None
         numbers = (blow.rigid_peak, seen.total_peak, seen.wave_peak)
-        rows.append([str(blow.index), *(fixed(number, "m/s^2", "g", decimals) for number in numbers)])
+        rows.append([str(blow.index), *(fixed_within(number, rigid, "m/s^2", "g", 0) for number in numbers)])
     text = f"{PEAK_WORDS} Total and wave are stated{band}, at the tap {names[0]}; route: {route}."
     if refused:
         text += " No peak of total and wave is quoted: see the warning on the rise."
@@ -159,8 +159,8 @@ def sensor_section(solution: Solution) -> list[Section]:
         for name, pulse in seen.sensors.items():
             clipped = Tag("clipped", "bad") if pulse.clipped else Tag("no")
             width = fixed(pulse.width, "s", "us", 1)
-            decimals = table_decimals(bands_of(solution.band, f"{name} peak"), "m/s^2", "g", 0)
-            rows.append([str(solution.blows[k].index), name, fixed(pulse.peak, "m/s^2", "g", decimals), width, clipped])
+            peak = fixed_within(pulse.peak, bands_of(solution.band, f"{name} peak"), "m/s^2", "g", 0)
+            rows.append([str(solution.blows[k].index), name, peak, width, clipped])
     curves = []
     for k, channel in enumerate(channels):
         values, start = data[f"reading_{k + 1}"], float(data[f"reading_{k + 1}_start"].values[struck[0]])

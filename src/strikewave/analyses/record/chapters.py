@@ -15,6 +15,7 @@ from strikewave.analyses.record.tables import (
     percent,
     rows_of,
     squeezed,
+    status_tag,
     unit_of,
     units_of,
 )
@@ -23,7 +24,7 @@ from strikewave.records.health_notice import STATUSES, worst
 from strikewave.records.measuring import RecordedPulse
 from strikewave.records.reading import ChannelReading, FileReading
 from strikewave.reporting.numbers import listed, spelled
-from strikewave.reporting.parts import NONE, Cell, Part, Section, Table, Tag, written
+from strikewave.reporting.parts import NONE, Cell, Part, Section, Table, written
 from strikewave.signal.filters import Filter, effect_on_half_sine
 from strikewave.signal.pulse import HALF_SINE_WIDTH
 
@@ -32,11 +33,6 @@ MOST_ROWS = 200
 LEFT_LEAST = 0.01
 """Cutoff times duration of a half-sine below which a filter leaves less than 2 % of the peak: no number is then
 shown."""
-_LOOKS = {"good": "good", "suspect": "warned", "bad": "bad"}
-
-
-def _tag(status: str) -> Tag:
-    return Tag(status, _LOOKS.get(status, ""))
 
 
 def file_section(files: Sequence[FileReading], names: Names) -> Section:
@@ -52,7 +48,7 @@ def file_section(files: Sequence[FileReading], names: Names) -> Section:
             cells.append(
                 [
                     names[file.path],
-                    _tag(worst(findings)),
+                    status_tag(worst(findings)),
                     "; ".join(reasons) or NONE,
                     reading.channel.name,
                     file.format,
@@ -65,7 +61,7 @@ def file_section(files: Sequence[FileReading], names: Names) -> Section:
         if not file.channels:
             row: list[Cell] = [
                 names[file.path],
-                _tag(file.status),
+                status_tag(file.status),
                 "; ".join(file.reasons) or "no channel was read",
                 NONE,
                 file.format,
@@ -93,7 +89,7 @@ def health_section(files: Sequence[FileReading], names: Names) -> Section:
         [
             ", ".join([_several(where), *([channel] if channel else [])]),
             message,
-            _tag(severity),
+            status_tag(severity),
             code,
             listed([word.replace("_", " ") for word in harms]) or NONE,
         ]

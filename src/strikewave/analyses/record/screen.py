@@ -31,7 +31,7 @@ from strikewave.records import (
 )
 from strikewave.records.campaign import SUMMED, WITHOUT_RINGING
 from strikewave.reporting import measured_files as measured
-from strikewave.reporting.layout import MORE, keys, numerals, texts
+from strikewave.reporting.layout import MORE, ScreenColumn, keys, numerals, texts
 from strikewave.reporting.numbers import listed, with_unit
 from strikewave.reporting.options import Output
 from strikewave.reporting.run_and_write import Command, run_and_write
@@ -129,13 +129,7 @@ def _print(readings: Sequence[FileReading], campaigns: Sequence[Campaign], filte
         *numerals("pulse width at 10 % (us)"),
         *numerals("velocity change", priority=MORE),
     ]
-    shown = rows[:MOST_ROWS]
-    title = f"{len(readings)} records" if len(readings) > 1 else readings[0].path
-    table(
-        title if len(rows) == len(shown) else f"{title}, the first {MOST_ROWS} of {len(rows)} rows",
-        columns,
-        shown,
-    )
+    _table(f"{len(readings)} records" if len(readings) > 1 else readings[0].path, columns, rows)
     for file in readings:
         if file.status != "good":
             tell(f"{names[file.path]}, {file.status}: {'; '.join(file.reasons)}", "  ")
@@ -145,6 +139,13 @@ def _print(readings: Sequence[FileReading], campaigns: Sequence[Campaign], filte
     for campaign in campaigns:
         _print_campaign(campaign, readings, names)
     _print_filter(readings, filter_)
+
+
+def _table(title: str, columns: Sequence[ScreenColumn], rows: Sequence[Sequence[str]]) -> None:
+    """Print a table, or its first rows."""
+    if len(rows) > MOST_ROWS:
+        title = f"{title}, the first {MOST_ROWS} of {len(rows)} rows"
+    table(title, columns, rows[:MOST_ROWS])
 
 
 def _print_rigid(readings: Sequence[FileReading], names: dict[str, str]) -> None:
@@ -172,8 +173,7 @@ def _print_rigid(readings: Sequence[FileReading], names: dict[str, str]) -> None
     if rows:
         columns = [*keys("file"), *texts("channel"), *numerals("peak", "uncertainty", "with ringing")]
         columns += [*numerals("pulse width at 10 % (us)", "ringing (Hz)", priority=MORE)]
-        title = "Without ringing" + (f", the first {MOST_ROWS} of {len(rows)} rows" if len(rows) > MOST_ROWS else "")
-        table(title, columns, rows[:MOST_ROWS])
+        _table("Without ringing", columns, rows)
 
 
 def _print_responses(readings: Sequence[FileReading], names: dict[str, str]) -> None:
@@ -202,8 +202,7 @@ def _print_responses(readings: Sequence[FileReading], names: dict[str, str]) -> 
         columns = [*keys("file"), *texts("channel"), *numerals("peak", "over base", "delay (ms)")]
         columns += numerals("RMS", "above 10 % of the peak (ms)", priority=MORE)
         columns += [*texts("frequencies (Hz)", "damping ratios")]
-        title = "Response channels" + (f", the first {MOST_ROWS} of {len(rows)} rows" if len(rows) > MOST_ROWS else "")
-        table(title, columns, rows[:MOST_ROWS])
+        _table("Response channels", columns, rows)
 
 
 def _print_rebounds(readings: Sequence[FileReading], names: dict[str, str]) -> None:
@@ -283,10 +282,11 @@ def _print_campaign(campaign: Campaign, readings: Sequence[FileReading], names: 
         "velocity_change": lambda v: _integral(v, unit),
         "interval": lambda v: with_unit(v, "s", "ms"),
         "ringing_frequency": lambda v: with_unit(v, "Hz", "Hz"),
+        **dict.fromkeys(("rise", "width", "rigid_width"), lambda v: with_unit(v, "s", "us")),
     }
     rows = []
     for name, statistic in campaign.statistics.items():
-        write = writers.get(name, lambda v: with_unit(v, "s", "us"))
+        write = writers[name]
         line = campaign.trends.get(name)
         trend = "-" if line is None else f"{line.change:+.1%}" + (" *" if line.significant else "")
         bounds = "-" if statistic.n < 2 else f"{write(statistic.low)} to {write(statistic.high)}"
@@ -307,7 +307,7 @@ def _print_campaign(campaign: Campaign, readings: Sequence[FileReading], names: 
         tell(f"left out: {what} of {names[path]}")
     for one in campaign.outliers:
         if one.figure in ("peak", "width", "interval"):  # the velocity change goes with the peak
-            write = writers.get(one.figure, lambda v: number(v, "s", "us") + " us")
+            write = writers[one.figure]
             statistic = campaign.statistics[one.figure]
             with_it = f"{write(one.mean_with)}, scatter {one.cv_with:.2%}"
             tell(

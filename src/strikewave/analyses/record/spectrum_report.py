@@ -11,6 +11,7 @@ from strikewave.analyses.record.figures import records
 from strikewave.analyses.record.figures.many_spectra import response_figure, rolling_figure, several_figure
 from strikewave.analyses.record.figures.spectra import srs_figure, tripartite
 from strikewave.analyses.record.spectrum import KIND_UNITS, SHOWN_UNITS, SpectrumResult
+from strikewave.analyses.record.tables import status_tag
 from strikewave.reporting import chapters
 from strikewave.reporting.numbers import headed, percent, shown, spelled, with_unit
 from strikewave.reporting.parts import NONE, Cell, Part, Picture, Section, Table, Tag, written
@@ -52,7 +53,7 @@ def spectrum_report(result: SpectrumResult) -> str:
         _calibration_section(result),
     ]
     status = result.reading.status
-    tag = Tag(f"record {status}", {"good": "good", "bad": "bad"}.get(status, "warned"))
+    tag = status_tag(status, f"record {status}")
     summary = chapters.Summary("Report of a shock response spectrum", spectrum_words(result), _key_numbers(result), tag)
     return chapters.result_page(result, summary, sections)
 
@@ -80,7 +81,7 @@ def _report_of_several(result: SpectrumResult) -> str:
         [
             Path(shock.file).name,
             shock.channel,
-            Tag(shock.status, {"good": "good", "bad": "bad"}.get(shock.status, "warned")),
+            status_tag(shock.status),
             ", ".join(
                 f"{_response(one.kind, float(one.side(result.side)[k]), result)} at {_hertz(one.frequency[k])}"
                 for one, k in ((one, _largest(one, result.side)) for one in shock.spectra)
@@ -226,7 +227,7 @@ def _calibration_section(result: SpectrumResult) -> Section:
     rows: list[list[Cell]] = [[reading.channel.name, stated or "nothing was stated", unit]]
     findings: list[list[Cell]] = [
         [
-            Tag(one.code, {"good": "good", "bad": "bad"}.get(one.severity, "warned")),
+            status_tag(one.severity, one.code),
             one.message,
             ", ".join(one.harms) or NONE,
         ]

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, ClassVar
@@ -112,7 +112,10 @@ class SrsCommand(Command[SpectrumResult]):
         for option, typed in (("--rolling", more.rolling), ("--response", more.response), ("--end", self.wanted.end)):
             if typed is not None:
                 raise InputError(option, typed.word, "one channel of one file", "name one file, and one --channel")
-        return _resultant(self) if more.resultant else _several(self)
+        if more.resultant:
+            return _resultant(self)
+        unread: list[Notice] = []
+        return _several(self, _readings(self, unread), unread)
 
     def _one(self) -> SpectrumResult:
         wanted, more = self.wanted, self.wanted.options
@@ -229,15 +232,19 @@ def _readings(command: SrsCommand, unread: list[Notice]) -> Iterator[tuple[str, 
         raise failed
 
 
-def _several(command: SrsCommand) -> SpectrumResult:
-    """Return the spectra of all channels and what they come to; one that is bad enters no envelope."""
+def _several(
+    command: SrsCommand, readings: Iterable[tuple[str, ChannelReading]], unread: Sequence[Notice] = ()
+) -> SpectrumResult:
+    """Return the spectra of all channels and what they come to; one that is bad enters no envelope.
+
+    What could not be read, ``unread``, is known once all ``readings`` are taken.
+    """
     wanted = command.wanted
     shocks: list[ShockSpectra] = []
     shown: tuple[str, ChannelReading, Scope] | None = None
     frequencies: Any = None
     notices: dict[str, Notice] = {}
-    unread: list[Notice] = []
-    for file, reading in _readings(command, unread):
+    for file, reading in readings:
         if shown is None:
             frequencies = _frequencies(wanted.frequencies, wanted.grid, reading.channel.sampling_rate)
         elif reading.channel.unit != shown[1].channel.unit:
@@ -291,7 +298,8 @@ def _resultant(command: SrsCommand) -> SpectrumResult:
     if wanted.part != "total" or wanted.side != "maximax":
         option, got = ("--part", wanted.part) if wanted.part != "total" else ("--side", wanted.side)
         raise InputError(option, got, "the total maximax with --resultant: a length has no sign", "leave it out")
-    axes = [reading for _, reading in _readings(command, [])]
+    readings = list(_readings(command, []))
+    axes = [reading for _, reading in readings]
     if len(axes) not in (2, 3):
         got = f"{len(axes)} channel{'s' if len(axes) > 1 else ''}"
         raise InputError("--resultant", got, "2 or 3 perpendicular channels", "name each with --channel")
@@ -303,7 +311,7 @@ def _resultant(command: SrsCommand) -> SpectrumResult:
         if other.unit != first.unit:
             got = f"{other.name} in {other.unit}"
             raise InputError("--resultant", got, f"channels in the unit of {first.name}, {first.unit or 'unknown'}")
-    found = _several(command)
+    found = _several(command, readings)
     values = [reading.channel.values - reading.baseline for reading in axes]
     frequencies, initial = found.spectra[0].frequency, wanted.options.initial
     sums = {kind: resultant_srs(values, first.step, frequencies, wanted.q, kind, initial) for kind in wanted.kinds}

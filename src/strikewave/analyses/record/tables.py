@@ -9,11 +9,20 @@ from collections.abc import Mapping, Sequence
 from strikewave.analyses.record.figures.campaigns import figure_unit
 from strikewave.records.campaign import Campaign
 from strikewave.records.reading import ChannelReading, FileReading
-from strikewave.reporting.parts import NONE, Cell, written
+from strikewave.reporting.parts import NONE, Cell, Tag, written
 
 Row = tuple[FileReading, ChannelReading]
 Names = Mapping[str, str]
 """Short names of files by their path."""
+
+
+LOOKS = {"good": "good", "suspect": "warned", "bad": "bad"}
+"""How a status, or a severity, looks on a page."""
+
+
+def status_tag(status: str, words: str = "") -> Tag:
+    """Return a status as a tag, or other words in its look."""
+    return Tag(words or status, LOOKS[status])
 
 
 def short_names(paths: Sequence[str]) -> dict[str, str]:

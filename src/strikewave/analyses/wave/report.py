@@ -13,13 +13,13 @@ from strikewave.reporting.bands import band_sections, bands_of
 from strikewave.reporting.curves import Trace, traces
 from strikewave.reporting.numbers import (
     fixed,
+    fixed_within,
     headed,
     listed,
     shown,
     shown_heads,
     shown_unit,
     spelled,
-    table_decimals,
     with_band,
     with_unit,
 )
@@ -43,8 +43,6 @@ if TYPE_CHECKING:
 
 _SINCE_LOAD = "time after the start of the load"
 _DATA_FLOW = ("case file", "checks of units and fits", "stack", "stress waves", "taps and sensors")
-TAP_HEADS = ("tap", "route", "layer", "position", "force (kN)", "stress (MPa)", "velocity (m/s)", "acceleration (g)")
-"""With usual units, as `shown_heads` takes them."""
 _TAP_UNITS: Sequence[tuple[str, str, str, int]] = (
     ("force", "N", "kN", 3),
     ("stress", "Pa", "MPa", 2),
@@ -52,6 +50,8 @@ _TAP_UNITS: Sequence[tuple[str, str, str, int]] = (
     ("acceleration", "m/s^2", "g", 0),
 )
 """What a tap shows, its SI unit, the unit shown as a rule, and decimals."""
+TAP_HEADS = ("tap", "route", "layer", "position", *(f"{what} ({usual})" for what, _, usual, _ in _TAP_UNITS))
+"""With usual units, as `shown_heads` takes them."""
 MOST_OPENINGS = 5
 """Openings, and closings, of a joint that a table lists (chosen: a row stays one line; the JSON has them all)."""
 MOST_CURVES = 4
@@ -71,7 +71,7 @@ class TapPeak(NamedTuple):
     def shown(self) -> str:
         """Return the value in the unit shown, in the digits that a table has beside its band."""
         bands = [] if self.band is None else [self.band]
-        return fixed(self.value, self.si, self.usual, table_decimals(bands, self.si, self.usual, self.decimals))
+        return fixed_within(self.value, bands, self.si, self.usual, self.decimals)
 
 
 def tap_peaks(solution: WaveSolution, k: int) -> list[TapPeak]:
@@ -247,9 +247,7 @@ def wave_sections(solution: WaveSolution, quantity: str = "stress") -> list[Sect
         pulses: list[list[Cell]] = [
             [
                 name,
-                fixed(
-                    pulse.peak, "m/s^2", "g", table_decimals(bands_of(solution.band, f"{name} peak"), "m/s^2", "g", 0)
-                ),
+                fixed_within(pulse.peak, bands_of(solution.band, f"{name} peak"), "m/s^2", "g", 0),
                 fixed(pulse.width, "s", "us", 1),
                 Tag("clipped", "bad") if pulse.clipped else Tag("no"),
             ]
