@@ -160,7 +160,10 @@ def _shade(axes: Any, pulses: Sequence[RecordedPulse], factor: float) -> None:
 
 
 def _mark_findings(axes: Any, findings: Sequence[HealthNotice], factor: float, last: float) -> None:
-    """Mark findings that have a time: hatched from begin to end, a dotted line where only one is known."""
+    """Mark findings that have a time: hatched from begin to end, a dotted line where only one is known.
+
+    What harms no figure, such as rebounds all along a train, has its line too: nothing is wrong between them.
+    """
     labelled: set[str] = set()
     for finding in findings:
         if not np.isfinite(finding.start):
@@ -169,7 +172,7 @@ def _mark_findings(axes: Any, findings: Sequence[HealthNotice], factor: float, l
         labelled.add(finding.code)
         colour = _SEVERITY.get(finding.severity, GREY)
         begin = min(finding.start, last) * factor
-        if np.isfinite(finding.end):
+        if np.isfinite(finding.end) and finding.harms:
             axes.axvspan(
                 begin,
                 finding.end * factor,
