@@ -137,7 +137,7 @@ def shock_spectra(
     ...     np.savetxt(file, np.column_stack([time, pulse]), delimiter=",", header="time (s),frame (g)", comments="")
     ...     found = strikewave.shock_spectra(file, q=math.inf, frequencies=["810 Hz", "8 kHz"])
     >>> found.highlights()
-    [('Q', 'undamped'), ('absolute', '883.9 g at 810 Hz')]
+    [('Q', 'undamped'), ('absolute', '884.2 g at 810 Hz')]
     """
     calibration = {
         "unit": unit,
