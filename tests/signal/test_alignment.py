@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from strikewave.signal.alignment import Sampled, by_correlation, by_onset, by_peak
+from strikewave.signal.alignment import EvenHistory, by_correlation, by_onset, by_peak
 
 RULES = [by_correlation, by_onset, by_peak]
 
@@ -25,15 +25,15 @@ def bell(time, width):
 def test_band_limited_pulses_are_aligned_within_a_hundredth_of_a_sample(first, second, samples, shift, sign):
     """A bell of four steps holds 1e-17 of its spectrum above half the sampling rate."""
     width = samples * max(first, second)
-    a = Sampled(sign * bell((np.arange(600) - 300) * first - shift, width), first, -300 * first)
-    b = Sampled(bell((np.arange(700) - 350) * second, width), second, 1.0 - 350 * second)
+    a = EvenHistory(sign * bell((np.arange(600) - 300) * first - shift, width), first, -300 * first)
+    b = EvenHistory(bell((np.arange(700) - 350) * second, width), second, 1.0 - 350 * second)
     for rule in RULES if sign > 0 else RULES[1:]:
         assert rule(a, b).shift + 1.0 == pytest.approx(shift, abs=0.01 * min(first, second)), rule.__name__
 
 
 def test_a_history_is_aligned_with_itself_by_nothing():
     values = np.convolve(np.random.default_rng(3).normal(size=200), bell(np.arange(-20, 21), 5.0))
-    one = Sampled(values, 1e-6, 0.5)
+    one = EvenHistory(values, 1e-6, 0.5)
     for rule in RULES:
         assert abs(rule(one, one).shift) < 1e-12
         assert rule(one, one).uncertainty < 1e-12
@@ -43,9 +43,9 @@ def test_a_history_is_aligned_with_itself_by_nothing():
 def test_stated_uncertainty_is_that_of_pulses_under_noise(rule):
     """100 draws tell a deviation within 7 %; the onset and the peak state theirs for a lone crossing and wiggle."""
     generator, time, deviation = np.random.default_rng(4), np.arange(600) * 1e-6, 0.01
-    still = Sampled(bell(time - 2e-4, 2e-5), 1e-6, 0.0)
+    still = EvenHistory(bell(time - 2e-4, 2e-5), 1e-6, 0.0)
     found = [
-        rule(Sampled(bell(time - 3e-4, 2e-5) + deviation * generator.normal(size=600), 1e-6, 0.0, deviation), still)
+        rule(EvenHistory(bell(time - 3e-4, 2e-5) + deviation * generator.normal(size=600), 1e-6, 0.0, deviation), still)
         for _ in range(100)
     ]
     scatter = np.std([one.shift for one in found])
@@ -56,9 +56,9 @@ def test_stated_uncertainty_is_that_of_pulses_under_noise(rule):
 @pytest.mark.parametrize("rule", RULES)
 def test_nothing_has_no_shift(rule):
     with pytest.raises(ValueError, match="zero throughout"):
-        rule(Sampled(bell(np.arange(-10.0, 10.0), 3.0), 1.0, 0.0), Sampled(np.zeros(20), 1.0, 0.0))
+        rule(EvenHistory(bell(np.arange(-10.0, 10.0), 3.0), 1.0, 0.0), EvenHistory(np.zeros(20), 1.0, 0.0))
 
 
 def test_a_history_cut_above_its_onset_is_refused():
     with pytest.raises(ValueError, match="begins above 10 %"):
-        by_onset(Sampled(np.linspace(1.0, 0.0, 40), 1.0, 0.0), Sampled(bell(np.arange(-50, 50), 9.0), 1.0, 0.0))
+        by_onset(EvenHistory(np.linspace(1.0, 0.0, 40), 1.0, 0.0), EvenHistory(bell(np.arange(-50, 50), 9.0), 1.0, 0.0))

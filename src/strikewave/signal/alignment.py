@@ -25,7 +25,7 @@ ROUNDS, CLOSE = 30, 1e-9
 """Newton steps at most for the largest correlation, and the samples within which it has ended."""
 
 
-class Sampled(NamedTuple):
+class EvenHistory(NamedTuple):
     """An evenly sampled history: values, time between samples and time of the first one, s, and deviation of noise."""
 
     values: Array
@@ -62,7 +62,7 @@ class Shift(NamedTuple):
     rule: str
 
 
-def by_correlation(first: Sampled, second: Sampled) -> Shift:
+def by_correlation(first: EvenHistory, second: EvenHistory) -> Shift:
     """Return the shift with the largest sum of products of two histories; both are taken as zero outside.
 
     The second is brought to the step of the more finely sampled one. The best shift in whole steps is sought among all,
@@ -80,7 +80,7 @@ def by_correlation(first: Sampled, second: Sampled) -> Shift:
     --------
     >>> time = np.arange(400) * 1e-6
     >>> def pulse(at):
-    ...     return Sampled(np.exp(-(((time - at) / 2e-5) ** 2)), 1e-6, 0.0)
+    ...     return EvenHistory(np.exp(-(((time - at) / 2e-5) ** 2)), 1e-6, 0.0)
     >>> round(by_correlation(pulse(2.0037e-4), pulse(1.5e-4)).shift * 1e6, 6)
     50.37
     """
@@ -132,7 +132,7 @@ def _steepened(both: NDArray[np.complex128], omega: Array, place: float) -> floa
     return place if abs(place - begun) < 1.0 else begun
 
 
-def by_onset(first: Sampled, second: Sampled, share: float = RISE_LOW) -> Shift:
+def by_onset(first: EvenHistory, second: EvenHistory, share: float = RISE_LOW) -> Shift:
     """Return the shift that lays the first crossings of a share of the peak on one another.
 
     Each is sought backwards from the peak, so that noise and earlier pulses do not count; its uncertainty is the noise
@@ -147,7 +147,7 @@ def by_onset(first: Sampled, second: Sampled, share: float = RISE_LOW) -> Shift:
     --------
     >>> time = np.arange(400) * 1e-6
     >>> def pulse(at):
-    ...     return Sampled(np.exp(-(((time - at) / 2e-5) ** 2)), 1e-6, 0.0)
+    ...     return EvenHistory(np.exp(-(((time - at) / 2e-5) ** 2)), 1e-6, 0.0)
     >>> round(by_onset(pulse(2.0037e-4), pulse(1.5e-4)).shift * 1e6, 2)
     50.37
     """
@@ -155,7 +155,7 @@ def by_onset(first: Sampled, second: Sampled, share: float = RISE_LOW) -> Shift:
     return _difference(first, second, lambda one: _onset(one, share), words)
 
 
-def by_peak(first: Sampled, second: Sampled) -> Shift:
+def by_peak(first: EvenHistory, second: EvenHistory) -> Shift:
     """Return the shift that lays the peaks, found between samples, on one another.
 
     White noise of deviation s moves a peak of curvature c (from its width at 80 %) by s pi / (sqrt(3) dt c), and by
@@ -170,19 +170,21 @@ def by_peak(first: Sampled, second: Sampled) -> Shift:
     --------
     >>> time = np.arange(400) * 1e-6
     >>> def pulse(at):
-    ...     return Sampled(np.exp(-(((time - at) / 2e-5) ** 2)), 1e-6, 0.0)
+    ...     return EvenHistory(np.exp(-(((time - at) / 2e-5) ** 2)), 1e-6, 0.0)
     >>> round(by_peak(pulse(2.0037e-4), pulse(1.5e-4)).shift * 1e6, 2)
     50.37
     """
     return _difference(first, second, _peak, "peaks, found between samples")
 
 
-def _difference(first: Sampled, second: Sampled, place: Callable[[Sampled], tuple[float, float]], words: str) -> Shift:
+def _difference(
+    first: EvenHistory, second: EvenHistory, place: Callable[[EvenHistory], tuple[float, float]], words: str
+) -> Shift:
     (at, doubt), (other, further) = place(first), place(second)
     return Shift(at - other, math.hypot(doubt, further), words)
 
 
-def _upright(one: Sampled) -> tuple[Array, int]:
+def _upright(one: EvenHistory) -> tuple[Array, int]:
     """Return a history whose largest magnitude is positive, and its sample."""
     index = int(np.argmax(np.abs(one.values)))
     if not one.values[index]:
@@ -199,7 +201,7 @@ def _top(values: Array, index: int) -> tuple[float, float]:
     return float(places[0] + place / FINER), height
 
 
-def _peak(one: Sampled) -> tuple[float, float]:
+def _peak(one: EvenHistory) -> tuple[float, float]:
     """Return time of the peak, and its uncertainty, s."""
     values, index = _upright(one)
     at, height = _top(values, index)
@@ -210,7 +212,7 @@ def _peak(one: Sampled) -> tuple[float, float]:
     return one.start + at * one.step, doubt * one.step
 
 
-def _onset(one: Sampled, share: float) -> tuple[float, float]:
+def _onset(one: EvenHistory, share: float) -> tuple[float, float]:
     """Return the time when a share of the peak is crossed, and its uncertainty, s."""
     values, index = _upright(one)
     level = share * _top(values, index)[1]
@@ -228,7 +230,7 @@ def _onset(one: Sampled, share: float) -> tuple[float, float]:
     return one.start + at * one.step, doubt * one.step
 
 
-def _at_step(one: Sampled, step: float) -> Array:
+def _at_step(one: EvenHistory, step: float) -> Array:
     """Return a history at a step no longer than its own."""
     ratio = one.step / step
     if ratio < 1.0 + 1e-9:
