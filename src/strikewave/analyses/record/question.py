@@ -185,7 +185,7 @@ def examined(
     if repeats_in_columns:
         read = [one for file in read for one in repeats(file) or [file]]
     readings = compare(read)
-    driven = [reading for file in readings for reading in file.channels if reading.response is None]
+    driven = [reading for file in readings for reading in file.channels if not reading.responses]
     numbers = dict.fromkeys(reading.number for reading in driven)
     campaigns = [one for one in (summed(readings, k) for k in numbers) if one is not None]
     calibrations = _calibrations("command line" if origin.asked else "the call", wanted, [Path(file) for file in files])
