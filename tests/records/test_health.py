@@ -510,7 +510,7 @@ def test_a_saw_tooth_of_straight_sides_is_none_of_a_slow_amplifier():
     found(equal + np.random.default_rng(1).normal(size=SIZE), "slew-rate")
 
 
-@pytest.mark.parametrize("power", [0.9, 1.0, 1.5, 3.0])
+@pytest.mark.parametrize("power", [0.9, 1.0, 1.5, 2.0])
 @pytest.mark.parametrize("taken", [0.06, 0.15])
 def test_a_soft_limit_is_seen_from_what_it_takes_off_a_pulse(power, taken):
     """A limit like |x|^10 takes 6 and 15 % off; the pulse itself is as pointed as a half-sine or nearly."""
