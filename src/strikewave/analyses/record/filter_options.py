@@ -4,17 +4,20 @@ from __future__ import annotations
 
 import dataclasses
 import math
+import re
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Annotated, ClassVar
 
 from strikewave.base.errors import InputError
-from strikewave.base.units import parse_quantity
+from strikewave.base.units import parse_quantity, si_value
 from strikewave.reporting.options import Typed, bare_number, parsed, quantity
 
 if TYPE_CHECKING:
     from strikewave.records import Request
     from strikewave.signal.filters import Filter
 
+ALLOWED_FILTER = 'a cutoff above zero such as "10 kHz", a class such as "CFC 1000", or a filter'
+ALLOWED_HIGH_PASS = 'a cutoff above zero such as "5 Hz"'
 ALLOWED_COUPLING = 'auto, a time constant above zero such as "1.6 ms", or a cutoff such as "100 Hz"'
 
 
@@ -94,3 +97,56 @@ class FilterOptions:
         if self.cutoff is not None:
             return Filter(self.cutoff)
         return None if self.cfc is None else Filter.sae_j211(self.cfc)
+
+
+def filtered(
+    request: Request,
+    filter: str | float | Filter | None,
+    ac_coupling: str | float | None,
+    high_pass: str | float | None,
+) -> Request:
+    """Return a request with the filters that a call names; a bare number is in Hz, of a time constant in s.
+
+    Raises
+    ------
+    InputError
+        If a value is none that it can be.
+
+    Examples
+    --------
+    >>> from strikewave.records import Request
+    >>> wanted = filtered(Request(), "CFC 1000", "100 Hz", 5.0)
+    >>> str(wanted.filter), round(wanted.ac_coupling, 6), wanted.high_pass.cutoff
+    ('CFC 1000 (SAE J211)', 0.001592, 5.0)
+    """
+    from strikewave.signal.filters import HighPass
+
+    word = "" if ac_coupling is None else ac_coupling if isinstance(ac_coupling, str) else f"{ac_coupling} s"
+    return dataclasses.replace(
+        request,
+        filter=_low_pass_of(filter),
+        ac_coupling="" if ac_coupling is None else _time_constant(word, "ac_coupling"),
+        high_pass=None if high_pass is None else HighPass(_cutoff(high_pass, "high_pass", ALLOWED_HIGH_PASS)),
+    )
+
+
+def _cutoff(value: str | float, field: str, allowed: str) -> float:
+    """Return a cutoff, Hz."""
+    try:
+        cutoff = si_value(value, "Hz", field)
+    except (InputError, TypeError, ValueError) as error:
+        raise InputError(field, value, allowed) from error
+    if not 0.0 < cutoff < math.inf:
+        raise InputError(field, value, allowed)
+    return cutoff
+
+
+def _low_pass_of(value: str | float | Filter | None) -> Filter | None:
+    """Return the low-pass that a call names by its cutoff or its class."""
+    from strikewave.signal.filters import Filter
+
+    if value is None or isinstance(value, Filter):
+        return value
+    if isinstance(value, str) and (found := re.fullmatch(r"\s*CFC\s*(\d+\.?\d*)\s*", value, re.IGNORECASE)):
+        return Filter.sae_j211(_cutoff(float(found[1]), "filter", ALLOWED_FILTER))
+    return Filter(_cutoff(value, "filter", ALLOWED_FILTER))
