@@ -208,7 +208,7 @@ class _Comparison:
         band, fine = self.band, COARSE * self.band.pulse.duration
         first, count = round(band.before / COARSE), round((1.0 + band.before + band.after) / COARSE) + 1
         reach = round(REACH / COARSE)
-        low, high = band.curves(fine * (np.arange(count) - first))
+        low, high = band.curves(np.asarray(fine * (np.arange(count) - first), dtype=np.float64))
         times = centre + fine * (np.arange(count + 2 * reach) - first - reach)
         record = np.interp(times, self.time, self.values, left=np.nan, right=np.nan)
         windows = np.lib.stride_tricks.sliding_window_view(record, count)[::SCANNED]
