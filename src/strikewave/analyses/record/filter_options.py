@@ -5,15 +5,15 @@ from __future__ import annotations
 import dataclasses
 import math
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Annotated, ClassVar
+from typing import TYPE_CHECKING, Annotated
 
 from strikewave.base.errors import InputError
 from strikewave.base.units import parse_quantity
-from strikewave.reporting.options import Typed, bare_number, parsed, quantity
+from strikewave.reporting.low_pass import LowPassOptions
+from strikewave.reporting.options import parsed, quantity
 
 if TYPE_CHECKING:
     from strikewave.records import Request
-    from strikewave.signal.filters import Filter
 
 ALLOWED_COUPLING = 'auto, a time constant above zero such as "1.6 ms", or a cutoff such as "100 Hz"'
 
@@ -39,24 +39,9 @@ def _time_constant(word: str, field: str) -> str | float:
 
 
 @dataclass(frozen=True)
-class FilterOptions:
+class FilterOptions(LowPassOptions):
     """What is taken off a record, or smoothed, before it is measured."""
 
-    panel: ClassVar[str] = "Filters"
-
-    cutoff: Annotated[
-        float | None,
-        quantity("--filter", si="Hz", help="Zero-phase low-pass, -3 dB for both passes; none by default."),
-    ] = None
-    cfc: Annotated[
-        Typed | None,
-        bare_number(
-            "--cfc",
-            high=1e6,
-            allowed="a channel frequency class, such as 60, 180, 600 or 1000",
-            help="SAE J211 filter of this channel frequency class, such as 1000; none by default.",
-        ),
-    ] = None
     ac_coupling: Annotated[
         str | None,
         parsed(
@@ -84,13 +69,4 @@ class FilterOptions:
 
         high_pass = None if self.high_pass is None else HighPass(self.high_pass)
         coupling = "" if self.ac_coupling is None else self.ac_coupling
-        return dataclasses.replace(request, filter=self._low_pass(), ac_coupling=coupling, high_pass=high_pass)
-
-    def _low_pass(self) -> Filter | None:
-        from strikewave.signal.filters import Filter
-
-        if self.cutoff is not None and self.cfc is not None:
-            raise InputError("--cfc", self.cfc.word, "either --filter or --cfc", "leave one out")
-        if self.cutoff is not None:
-            return Filter(self.cutoff)
-        return None if self.cfc is None else Filter.sae_j211(self.cfc)
+        return dataclasses.replace(request, filter=self.low_pass(), ac_coupling=coupling, high_pass=high_pass)
