@@ -25,6 +25,8 @@ if TYPE_CHECKING:  # for type checkers and editors; at run time a name is import
     from strikewave.analyses.machine.run import run_case as run_case
     from strikewave.analyses.record.question import record as record
     from strikewave.analyses.record.result import RecordResult as RecordResult
+    from strikewave.analyses.record.spectrum import SpectrumResult as SpectrumResult
+    from strikewave.analyses.record.spectrum_question import shock_spectra as shock_spectra
     from strikewave.analyses.wave.result import WaveSolution as WaveSolution
     from strikewave.analyses.wave.run import run_wave as run_wave
     from strikewave.base.errors import InputError as InputError
@@ -58,6 +60,7 @@ _HOMES = {
     "RecordResult": "analyses.record.result",
     "Result": "base.result",
     "ScatterPlan": "studies.scatter.study",
+    "SpectrumResult": "analyses.record.spectrum",
     "Solution": "analyses.machine.result",
     "StrikewaveError": "base.errors",
     "WaveSolution": "analyses.wave.result",
@@ -79,6 +82,7 @@ _HOMES = {
     "run_hopkinson": "analyses.hopkinson.run",
     "run_wave": "analyses.wave.run",
     "scatter": "studies.scatter.study",
+    "shock_spectra": "analyses.record.spectrum_question",
     "settings": "studies.settings.question",
     "solve_impact": "contact.impact",
     "srs": "signal.srs",

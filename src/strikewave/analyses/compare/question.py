@@ -16,6 +16,7 @@ from strikewave.base.result import INFO, Notice, Source
 from strikewave.base.units import si_value
 from strikewave.records import Options
 from strikewave.reporting import measured_files as measured
+from strikewave.reporting.low_pass import low_pass_of
 from strikewave.reporting.numbers import listed, percent
 from strikewave.reporting.options import wrong_choice
 from strikewave.signal.filters import Filter
@@ -65,7 +66,7 @@ def compare(
     align : str, optional
         ``correlation``, ``onset``, ``peak`` or ``none``.
     filter : str, float or Filter, optional
-        Zero-phase low-pass that both go through: its cutoff, with a unit or in Hz, or a filter.
+        Zero-phase low-pass that both go through: its cutoff, with a unit or in Hz, ``"CFC 1000"``, or a filter.
     limits : sequence of str, optional
         Such as ``"iso18571 > 0.8"`` or ``"peak < 5 %"``.
     deviations : float, optional
@@ -102,12 +103,11 @@ def compare(
     """
     if align not in ALIGNMENTS:
         raise wrong_choice(align, "align", ALIGNMENTS)
-    low_pass = filter if filter is None or isinstance(filter, Filter) else Filter(si_value(filter, "Hz", "filter"))
     stated = measured.MeasurementOptions(unit=_typed(unit), sensitivity=_typed(sensitivity)).calibration()
     options = Options(rate=None if rate is None else si_value(rate, "Hz", "rate"))
     between = tuple(None if one is None else si_value(one, "s", name) for one, name in ((begin, "begin"), (end, "end")))
     request = CompareRequest(
-        SourceOptions(stated, options, low_pass, band),
+        SourceOptions(stated, options, low_pass_of(filter), band),
         align,
         deviations,
         (between[0], between[1]),

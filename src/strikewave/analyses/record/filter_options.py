@@ -9,12 +9,14 @@ from typing import TYPE_CHECKING, Annotated
 
 from strikewave.base.errors import InputError
 from strikewave.base.units import parse_quantity
-from strikewave.reporting.low_pass import LowPassOptions
+from strikewave.reporting.low_pass import LowPassOptions, cutoff_of, low_pass_of
 from strikewave.reporting.options import parsed, quantity
 
 if TYPE_CHECKING:
     from strikewave.records import Request
+    from strikewave.signal.filters import Filter
 
+ALLOWED_HIGH_PASS = 'a cutoff above zero such as "5 Hz"'
 ALLOWED_COUPLING = 'auto, a time constant above zero such as "1.6 ms", or a cutoff such as "100 Hz"'
 
 
@@ -70,3 +72,34 @@ class FilterOptions(LowPassOptions):
         high_pass = None if self.high_pass is None else HighPass(self.high_pass)
         coupling = "" if self.ac_coupling is None else self.ac_coupling
         return dataclasses.replace(request, filter=self.low_pass(), ac_coupling=coupling, high_pass=high_pass)
+
+
+def filtered(
+    request: Request,
+    filter: str | float | Filter | None,
+    ac_coupling: str | float | None,
+    high_pass: str | float | None,
+) -> Request:
+    """Return a request with the filters that a call names; a bare number is in Hz, of a time constant in s.
+
+    Raises
+    ------
+    InputError
+        If a value is none that it can be.
+
+    Examples
+    --------
+    >>> from strikewave.records import Request
+    >>> wanted = filtered(Request(), "CFC 1000", "100 Hz", 5.0)
+    >>> str(wanted.filter), round(wanted.ac_coupling, 6), wanted.high_pass.cutoff
+    ('CFC 1000 (SAE J211)', 0.001592, 5.0)
+    """
+    from strikewave.signal.filters import HighPass
+
+    word = "" if ac_coupling is None else ac_coupling if isinstance(ac_coupling, str) else f"{ac_coupling} s"
+    return dataclasses.replace(
+        request,
+        filter=low_pass_of(filter),
+        ac_coupling="" if ac_coupling is None else _time_constant(word, "ac_coupling"),
+        high_pass=None if high_pass is None else HighPass(cutoff_of(high_pass, "high_pass", ALLOWED_HIGH_PASS)),
+    )
