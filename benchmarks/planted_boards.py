@@ -18,7 +18,7 @@ LIMIT = 0.05
 NAMES = {
     "board-clipped": {"clipped"},
     "board-saturated": {"flat-top", "clipped"},
-    "board-slewing": {"slewing", "flat-top"},
+    "board-slewing": {"slew-rate", "flat-top"},
     "board-coarse": {"coarse"},
     "board-offset": {"not-settled"},
     "board-drift": {"drift", "zero-shift"},

@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 from strikewave.records.correlation import alike_as_one
 from strikewave.records.health.examined import with_unit
 from strikewave.records.health.noise import COVERAGE, NOTED_HUM, NOTED_NOISE, hum_beside
-from strikewave.records.health.range import DEEPEST_TOP, NOISES_OF_TOP, TOP, rail
+from strikewave.records.health.range import rail
 from strikewave.records.health.sampling import folded_level
 from strikewave.records.health_notice import HARMED, RESPONSE_FIGURES, HealthNotice, by_effect, worst_first
 from strikewave.records.modes import FEWEST
@@ -39,6 +39,8 @@ the noise: they are then withheld, and the channel is not suspect for it."""
 FLATTER, FLAT_ALONE, SAME_LEVEL = 0.12, 0.3, 0.02
 """Shares of a half swing by which its top is flatter than that of a sine: where the next highest is so too, within this
 share of its height; and where it stands alone. Modes together make a flat top now and then, but not two alike."""
+TOP, NOISES_OF_TOP, DEEPEST_TOP = 0.02, 4.0, 0.5
+"""What counts as top: 2 % of it below it and four standard deviations of noise, at most half of it."""
 HIGH_TOPS = 0.5
 """Share of the highest top that the tops have which are looked at."""
 LAG = 16
@@ -243,7 +245,7 @@ def saturated(record: ExaminedResponse) -> list[HealthNotice]:
     return [HealthNotice("flat-top", message, flat[0], harms=RESPONSE_FIGURES, start=record.largest.time)]
 
 
-def slewing(record: ExaminedResponse) -> list[HealthNotice]:
+def slew_limited(record: ExaminedResponse) -> list[HealthNotice]:
     """Find slopes that stay at one value where those of swings turn: the amplifier could not follow."""
     begin, end = record.span(record.largest)
     lag = max(round(record.period / LAG / record.step), 1)
@@ -258,7 +260,7 @@ def slewing(record: ExaminedResponse) -> list[HealthNotice]:
         f"the steepest slope stays the same for {flat[0]:.0%} of its half swing (a sine's for {flat[1]:.0%}): the "
         "amplifier was too slow (slew rate); the true peak is larger"
     )
-    return [HealthNotice("slewing", message, flat[0], harms=RESPONSE_FIGURES, start=record.largest.begin)]
+    return [HealthNotice("slew-rate", message, flat[0], harms=RESPONSE_FIGURES, start=record.largest.begin)]
 
 
 def _flat(values: Array, noise: float) -> tuple[float, float] | None:
@@ -521,7 +523,7 @@ def short_before(record: ExaminedResponse) -> list[HealthNotice]:
 RESPONSE_CHECKS: tuple[Callable[[ExaminedResponse], list[HealthNotice]], ...] = (
     clipped,
     saturated,
-    slewing,
+    slew_limited,
     spike,
     coarse,
     offset,
