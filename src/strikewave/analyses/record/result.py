@@ -183,7 +183,8 @@ def units_of(files: Sequence[FileReading]) -> dict[str, str]:
     own = "each channel's unit" if units else OWN
     return {
         **dict.fromkeys(("time", "interval", *IN_SECONDS), "s"),
-        **dict.fromkeys((*OF_CHANNEL, "rms", "amplitude"), unit or own),
+        **dict.fromkeys((*OF_CHANNEL, "rms", "amplitude", "zero"), unit or own),
+        "base_peak": unit or own,
         **dict.fromkeys(("delay", "duration", "decay_time"), "s"),
         **dict.fromkeys(("damping", "damping_uncertainty"), "1"),
         **dict.fromkeys(OF_INTEGRAL, INTEGRALS.get(unit, f"{unit} s") or f"{own}, times s"),
@@ -238,6 +239,7 @@ def _channel(reading: ChannelReading, filter_: Filter | None) -> dict[str, Any]:
         "health": [f.health_document() for f in reading.findings],
         "pulses": [pulse_row(pulse) for pulse in reading.pulses],
         "response": None if reading.response is None else response_row(reading.response),
+        "responses": [response_row(response) for response in reading.responses],
         "advised_cutoff": cutoff_for(reading),
         "filter": None if filter_ is None else filter_effect(reading, filter_),
     }
@@ -246,7 +248,8 @@ def _channel(reading: ChannelReading, filter_: Filter | None) -> dict[str, Any]:
 def response_row(response: MeasuredResponse) -> dict[str, Any]:
     """Return a response as a row, its modes in a list."""
     modes = [{**mode._asdict(), "decay_time": mode.decay_time} for mode in response.modes]
-    return {**response._asdict(), "modes": modes}
+    begin, end = response.decay
+    return {**response._asdict(), "modes": modes, "decay": {"begin": begin, "end": end}}
 
 
 def pulse_row(pulse: RecordedPulse) -> dict[str, Any]:

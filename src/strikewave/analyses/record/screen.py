@@ -215,28 +215,29 @@ def _times(value: float) -> str:
 def _print_responses(readings: Sequence[FileReading], names: dict[str, str]) -> None:
     """Print what response channels do after the blow of their base."""
     rows = []
+    several = any(len(reading.responses) > 1 for file in readings for reading in file.channels)
     for file in readings:
         for reading in file.channels:
-            response = reading.response
-            if response is None:
-                continue
-            modes = response.modes
-            rows.append(
-                [
-                    names[file.path],
-                    reading.channel.name,
-                    _value(response.peak, reading.channel.unit),
-                    "-" if math.isnan(response.ratio) else f"{response.ratio:.3g}",
-                    number(response.delay, "s", "ms"),
-                    _value(response.rms, reading.channel.unit),
-                    number(response.duration, "s", "ms"),
-                    ", ".join(f"{mode.frequency:.4g}" for mode in modes) or "-",
-                    ", ".join(f"{mode.damping:.2%}" for mode in modes) or "-",
-                ]
-            )
+            for response in reading.responses:
+                modes = response.modes
+                rows.append(
+                    [
+                        names[file.path],
+                        reading.channel.name,
+                        *([str(response.blow)] if several else []),
+                        _value(response.peak, reading.channel.unit),
+                        "-" if math.isnan(response.ratio) else f"{response.ratio:.3g}",
+                        number(response.delay, "s", "ms"),
+                        _value(response.rms, reading.channel.unit),
+                        number(response.duration, "s", "ms"),
+                        ", ".join(f"{mode.frequency:.4g}" for mode in modes) or "-",
+                        ", ".join(f"{mode.damping:.2%}" for mode in modes) or "-",
+                    ]
+                )
     if rows:
-        columns = [*keys("file"), *texts("channel"), *numerals("peak", "over base", "delay (ms)")]
-        columns += numerals("RMS", "above 10 % of the peak (ms)", priority=MORE)
+        columns = [*keys("file"), *texts("channel"), *(numerals("blow") if several else [])]
+        columns += numerals("peak", "over base", "delay (ms)")
+        columns += numerals("RMS", "effective duration (ms)", priority=MORE)
         columns += [*texts("frequencies (Hz)", "damping ratios")]
         _table("Response channels", columns, rows)
 
