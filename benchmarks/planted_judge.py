@@ -50,7 +50,7 @@ NAMES = {
     "missing-in-train": {"missing-blow"},
     "clipping": {"clipped"},
     "saturation": {"clipped", "flat-top"},
-    "slew": {"slew", "flat-top"},
+    "slew": {"slew-rate", "flat-top"},
     "coloured-noise": {"noise", "noisy"},
     "strong-noise": {"noise", "noisy"},
     "thermal": {"drift", "not-settled", "velocity-drift", "ac-coupling"},

@@ -133,3 +133,22 @@ def strikewave(monkeypatch, capsys, tmp_path):
         return stopped.value.code, captured.out, captured.err
 
     return call
+
+
+@pytest.fixture
+def result_of(strikewave, monkeypatch):
+    """Run a command that writes a folder; return its result and the folder."""
+
+    def call(*words):
+        from strikewave.reporting import run_and_write
+
+        results = []
+        write = run_and_write.write_files
+        monkeypatch.setattr(
+            run_and_write, "write_files", lambda result, folder: results.append(result) or write(result, folder)
+        )
+        code, _, err = strikewave(*words, "--out", "written", "--xlsx")
+        assert code in (0, 3), err
+        return results[0], Path("written")
+
+    return call

@@ -14,6 +14,8 @@ from typing import TYPE_CHECKING, Any
 from strikewave._version import __version__
 
 if TYPE_CHECKING:  # for type checkers and editors; at run time a name is imported when it is first used
+    from strikewave.analyses.compare.question import compare as compare
+    from strikewave.analyses.compare.result import CompareResult as CompareResult
     from strikewave.analyses.fem.result import FemSolution as FemSolution
     from strikewave.analyses.fem.run import run_fem as run_fem
     from strikewave.analyses.hopkinson.run import run_hopkinson as run_hopkinson
@@ -23,6 +25,8 @@ if TYPE_CHECKING:  # for type checkers and editors; at run time a name is import
     from strikewave.analyses.machine.run import run_case as run_case
     from strikewave.analyses.record.question import record as record
     from strikewave.analyses.record.result import RecordResult as RecordResult
+    from strikewave.analyses.record.spectrum import SpectrumResult as SpectrumResult
+    from strikewave.analyses.record.spectrum_question import shock_spectra as shock_spectra
     from strikewave.analyses.wave.result import WaveSolution as WaveSolution
     from strikewave.analyses.wave.run import run_wave as run_wave
     from strikewave.base.errors import InputError as InputError
@@ -49,16 +53,19 @@ if TYPE_CHECKING:  # for type checkers and editors; at run time a name is import
 _HOMES = {
     "Band": "base.result",
     "Case": "cases.case",
+    "CompareResult": "analyses.compare.result",
     "Contact": "contact.law",
     "FemSolution": "analyses.fem.result",
     "InputError": "base.errors",
     "RecordResult": "analyses.record.result",
     "Result": "base.result",
     "ScatterPlan": "studies.scatter.study",
+    "SpectrumResult": "analyses.record.spectrum",
     "Solution": "analyses.machine.result",
     "StrikewaveError": "base.errors",
     "WaveSolution": "analyses.wave.result",
     "buffer": "studies.buffer.question",
+    "compare": "analyses.compare.question",
     "dump_case": "cases.case",
     "find_pulses": "records.measuring",
     "identify": "contact.identification",
@@ -75,6 +82,7 @@ _HOMES = {
     "run_hopkinson": "analyses.hopkinson.run",
     "run_wave": "analyses.wave.run",
     "scatter": "studies.scatter.study",
+    "shock_spectra": "analyses.record.spectrum_question",
     "settings": "studies.settings.question",
     "solve_impact": "contact.impact",
     "srs": "signal.srs",

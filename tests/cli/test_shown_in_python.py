@@ -10,7 +10,6 @@ import pytest
 import strikewave
 from strikewave import load_setup, run_hopkinson
 from strikewave.base.errors import InputError
-from strikewave.reporting import run_and_write
 from strikewave.reporting.shown_result import ShownResult, shown_table
 
 WAVE = ("wave", "li-ma-2019-fig13-bar", "--no-band")
@@ -34,28 +33,12 @@ COMMANDS = [
     ("record", "pulse.csv"),
     ("srs", "pulse.csv", "--per-octave", "1"),
     ("identify", "pulse.csv", "--m1", "0.2", "--m2", "0.4"),
+    ("compare", "pulse.csv", "pulse.csv"),
     ("impact", "--m1", "0.2", "--m2", "0.4", "--speed", "3", "--stiffness", "4.7e9", "-n", "1.1", "-e", "0.5"),
     MAP,
     ("buffer", "li-ma-2019-fig5", "--sensor", "buffered", "--limit", "7000 g", *GASKETS),
     *(pytest.param(words, marks=pytest.mark.verify) for words in (WAVE, SCATTER, SETTINGS)),  # together 15 s
 ]
-
-
-@pytest.fixture
-def result_of(strikewave, monkeypatch):
-    """Run a command that writes a folder; return its result and the folder."""
-
-    def call(*words):
-        results = []
-        write = run_and_write.write_files
-        monkeypatch.setattr(
-            run_and_write, "write_files", lambda result, folder: results.append(result) or write(result, folder)
-        )
-        code, _, err = strikewave(*words, "--out", "written", "--xlsx")
-        assert code in (0, 3), err
-        return results[0], Path("written")
-
-    return call
 
 
 def write_pulse():

@@ -480,3 +480,45 @@ def test_findings_come_the_worst_first():
     severities = [finding.severity for finding in read(values).findings]
     assert severities == sorted(severities, key=("bad", "suspect", "good").index)
     assert severities[0] == "bad"
+
+
+def limited(values, most):
+    """Values as an amplifier of a largest slope a sample follows them."""
+    followed, now = values.copy(), values[0]
+    for k in range(1, values.size):
+        now += min(max(values[k] - now, -most), most)
+        followed[k] = now
+    return followed
+
+
+@pytest.mark.parametrize("shape", ["half-sine", "haversine"])
+@pytest.mark.parametrize("length", [40, 100, 400])
+def test_an_amplifier_that_is_too_slow_makes_straight_sides(shape, length):
+    """At half of its steepest slope a half-sine loses 5 % of its peak, and a haversine 11 %."""
+    clean = blow(shape, length, noise=0.0)
+    most = 0.5 * float(np.max(np.diff(clean)))
+    noise = 1e-3 * PEAK * np.random.default_rng(1).normal(size=clean.size)
+    finding = found(limited(clean, most) + noise, "slew-rate")
+    assert (finding.severity, finding.harms) == ("suspect", BLOW)
+    assert finding.value == pytest.approx(most / STEP, rel=0.02)  # the noise of a slope over 12 samples and more
+    assert "slew-rate" not in dict(codes(clean + noise))
+
+
+def test_a_saw_tooth_of_straight_sides_is_none_of_a_slow_amplifier():
+    assert "slew-rate" not in dict(codes(blow("saw-tooth", 200)))
+    equal = PEAK * np.maximum(1.0 - np.abs(np.arange(SIZE) - BEGIN) / 50.0, 0.0)
+    found(equal + np.random.default_rng(1).normal(size=SIZE), "slew-rate")
+
+
+@pytest.mark.parametrize("power", [0.9, 1.0, 1.5, 2.0])
+@pytest.mark.parametrize("taken", [0.06, 0.15])
+def test_a_soft_limit_is_seen_from_what_it_takes_off_a_pulse(power, taken):
+    """A limit like |x|^10 takes 6 and 15 % off; the pulse itself is as pointed as a half-sine or nearly."""
+    u = (np.arange(SIZE) - BEGIN) / LENGTH
+    clean = PEAK * np.sin(np.pi * np.clip(u, 0.0, 1.0)) ** power
+    limit = PEAK * ((1.0 - taken) ** -10 - 1.0) ** -0.1
+    bent = clean / (1.0 + (clean / limit) ** 10) ** 0.1
+    assert float(np.max(bent)) == pytest.approx((1.0 - taken) * PEAK, rel=1e-3)
+    noise = np.random.default_rng(1).normal(size=SIZE)
+    assert found(bent + noise, "flat-top").harms == BLOW
+    assert "flat-top" not in dict(codes(clean + noise))

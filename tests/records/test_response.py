@@ -6,11 +6,13 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from planted import noises
 
 from strikewave.base.errors import InputError
+from strikewave.records.modes import decaying_modes
 from strikewave.records.reading import Request, read_file
 from strikewave.records.record import Channel, Record
-from strikewave.records.response import decaying_modes, effective_span, measure_response, swings
+from strikewave.records.response import BaseBlow, effective_span, measure_responses, swings
 
 STEP = 5e-6
 TIME = STEP * np.arange(6000)
@@ -25,37 +27,120 @@ def swing(frequency, damping, amplitude, phase=0.0):
 @settings(max_examples=20, deadline=None)
 @given(st.floats(300.0, 1500.0), st.floats(1.8, 4.0), st.floats(0.01, 0.06), st.floats(-3.0, 3.0))
 def test_a_sum_of_two_decaying_sines_gives_back_frequencies_and_damping(frequency, ratio, damping, phase):
-    """A sum of exponentials is a pencil's own model: what is left, below 1 %, is the thinning's filter."""
+    """A sum of exponentials is what least squares fit: rounding is left."""
     values = swing(frequency, damping, 100.0, phase) + swing(ratio * frequency, damping, 70.0)
     modes = sorted(decaying_modes(values, STEP))
-    assert [mode.frequency for mode in modes] == pytest.approx([frequency, ratio * frequency], rel=0.01)
-    assert [mode.damping for mode in modes] == pytest.approx([damping, damping], rel=0.1)
+    assert [mode.frequency for mode in modes] == pytest.approx([frequency, ratio * frequency], rel=1e-6)
+    assert [mode.damping for mode in modes] == pytest.approx([damping, damping], rel=1e-5)
 
 
-def test_noise_stays_within_a_few_stated_uncertainties(rng):
-    """2 % of white noise: frequency within 1 %, damping within 20 % of itself."""
-    values = swing(900.0, 0.03, 100.0) + 2.0 * rng.normal(size=TIME.size)
-    mode = decaying_modes(values[:3000], STEP)[0]
-    assert mode.frequency == pytest.approx(900.0, rel=0.01)
-    assert mode.damping == pytest.approx(0.03, rel=0.2)
-    assert mode.frequency_uncertainty < 9.0
+def planted_swings(rng, kind, colour):
+    """Return swings in noise 20 to 50 dB below them, their step, and (frequency, damping) of each.
+
+    A close pair is one to three times one over the length apart, what a spectrum just resolves.
+    """
+    size = int(np.exp(rng.uniform(np.log(300), np.log(4000))))
+    time = STEP * np.arange(size)
+    frequencies = [rng.uniform(4.0, 30.0) / (STEP * size)]
+    if kind == "double":
+        frequencies.append(frequencies[0] * rng.uniform(1.5, 4.0))
+    if kind == "close":
+        frequencies.append(frequencies[0] + rng.uniform(1.0, 3.0) / (STEP * size))
+    values = 10.0 ** (-rng.uniform(20.0, 50.0) / 20.0) * noises.noise(rng, size, colour)
+    truth = []
+    for frequency in frequencies:
+        omega = 2.0 * np.pi * frequency
+        decay = rng.uniform(0.6, 6.0) / (STEP * size)
+        swing_ = np.exp(-decay * time) * np.cos(omega * time + rng.uniform(0.0, 6.28))
+        values += (1.0 if not truth else rng.uniform(0.5, 1.0)) * swing_
+        truth.append((frequency, decay / np.hypot(decay, omega)))
+    return values, truth
+
+
+def scores_of(kind, colour, count):
+    """Return errors of frequency and damping over their stated uncertainties, and how many modes were not found."""
+    rng = np.random.default_rng([count, len(kind), len(colour)])
+    scores, lost = [], 0
+    for _ in range(count):
+        values, truth = planted_swings(rng, kind, colour)
+        left = list(decaying_modes(values, STEP))
+        for frequency, damping in truth:
+            near = [mode for mode in left if abs(mode.frequency / frequency - 1.0) < 0.05]
+            if not near:
+                lost += 1
+                continue
+            mode = min(near, key=lambda one: abs(one.frequency - frequency))
+            left.remove(mode)
+            scores.append(
+                (
+                    (mode.frequency - frequency) / mode.frequency_uncertainty,
+                    (mode.damping - damping) / mode.damping_uncertainty,
+                )
+            )
+    return np.abs(scores), lost / count
+
+
+@pytest.mark.verify
+@pytest.mark.parametrize("kind", ["single", "double", "close"])
+@pytest.mark.parametrize("colour", ["white", "pink", "autoregressive", "brown"])
+def test_nine_errors_in_ten_lie_within_two_stated_uncertainties(kind, colour):
+    """19 in 20 where all were normal: 2.5 standard deviations of the count of 200 draws are 4 %; a few close pairs, found
+    as one, are far off. The other way, two thirds must not lie within half of it: then too much would be stated; noise
+    whose power falls off as 1/f^2 leaks into its memory, and is stated up to twice too large."""
+    scores, lost = scores_of(kind, colour, 200)
+    assert np.all(np.mean(scores < 2.0, axis=0) > 0.9)
+    assert colour == "brown" or np.all(np.mean(scores < 0.5, axis=0) < 0.66)
+    assert lost < 0.05
+
+
+def test_the_stated_uncertainty_covers_what_noise_does():
+    """60 double draws: three standard deviations of a share of 95 % are 6 %."""
+    scores, lost = scores_of("double", "white", 60)
+    assert np.all(np.mean(scores < 2.0, axis=0) > 0.87)
+    assert lost == 0.0
+
+
+def test_in_white_noise_the_uncertainty_is_the_cramer_rao_bound(rng):
+    """Of a decaying swing that dies out, beside its phase: 1/var = a^2/(2 s^2) sum (t - mean)^2 exp(-2 d t), and the
+    weights exp(-2 d t) sum up to 1/(2 d step), with a variance of 1/(2 d)^2. s is measured by 4000 samples, but its
+    spectrum near one frequency by forty: 0.25 is 1.5 standard deviations of that."""
+    decay, omega = 1.0 / (400 * STEP), 2.0 * np.pi * 900.0
+    time = STEP * np.arange(4000)
+    values = 100.0 * np.exp(-decay * time) * np.cos(omega * time) + rng.normal(size=time.size)
+    [mode] = decaying_modes(values, STEP)
+    lasts = 1.0 / (2.0 * decay * STEP)
+    bound = math.sqrt(2.0 / 100.0**2 / (lasts / (2.0 * decay) ** 2)) / (2.0 * np.pi)
+    assert mode.frequency_uncertainty == pytest.approx(bound, rel=0.25)
 
 
 @given(st.floats(1.5, 20.0))
 def test_effective_duration_of_an_exponential(decays):
-    """|x| falls to 10 % at tau ln 10; lines between samples of tau/200 miss that by less than a sample."""
+    """|x| falls to 1/3 at tau ln 3; lines between samples of tau/200 miss that by less than a sample."""
     values = np.r_[np.zeros(50), np.exp(-np.arange(int(200 * 2.5 * decays)) / 200.0)]
     first, last = effective_span(values)
     assert 49.0 < first <= 50.0
-    assert last - 50.0 == pytest.approx(200.0 * math.log(10.0), abs=1.0)
+    assert last - 50.0 == pytest.approx(200.0 * math.log(3.0), abs=1.0)
 
 
 def test_a_response_beside_its_base():
     late = np.r_[np.zeros(1000), swing(900.0, 0.03, -300.0)] + 7.0
-    found = measure_response(late, STEP, 0.0, (0.004, 0.0045, 1000.0))
+    [found] = measure_responses(late, STEP, 0.0, [BaseBlow(0.004, 0.0045, 0.005, 1000.0)])
     assert (found.peak, found.ratio) == pytest.approx((-300.0, 0.3), rel=1e-6)
     assert found.delay == pytest.approx(1000 * STEP - 0.0045, abs=1e-9)
     assert found.modes[0].amplitude == pytest.approx(300.0, rel=0.02)
+
+
+def test_each_blow_of_a_train_has_its_response():
+    """From its begin to the next blow; each of four swings is a tenth smaller than the one before."""
+    sizes = [300.0, 270.0, 240.0, 210.0]
+    values = np.concatenate([np.zeros(400), *(size * swing(900.0, 0.03, -1.0)[:3000] for size in sizes)])
+    starts = STEP * (400 + 3000 * np.arange(4))
+    blows = [BaseBlow(begin, begin + 1e-4, begin + 2e-4, 1000.0) for begin in starts]
+    found = measure_responses(values, STEP, 0.0, blows)
+    assert [one.blow for one in found] == [1, 2, 3, 4]
+    assert [-one.peak for one in found] == pytest.approx(sizes, rel=1e-6)
+    assert [one.delay for one in found] == pytest.approx([-1e-4] * 4, abs=1e-9)
+    assert [one.modes[0].frequency for one in found] == pytest.approx([900.0] * 4, rel=1e-4)
 
 
 def test_a_blow_with_ringing_does_not_swing_about_zero():

@@ -12,7 +12,8 @@ from scipy.special import spherical_jn
 from scipy.stats import truncnorm
 
 from strikewave import load_case, load_solution, run_case
-from strikewave.analyses.machine.band import machine_bands
+from strikewave.analyses.machine.band import FULL_TOLERANCE, machine_bands
+from strikewave.analyses.machine.build import build_machine
 from strikewave.base.quantities import Provenance, Range, ToleranceBand, Value
 from strikewave.cases.case import bundled_cases
 from strikewave.cases.machine_tables import KINDS
@@ -27,6 +28,7 @@ from strikewave.cases.tables import (
     StrikerTable,
     TapTable,
 )
+from strikewave.machines import blows, run_machine
 from strikewave.uncertainty.bands import LEVEL, Sample, find_band, latin_hypercube
 from strikewave.uncertainty.draws import OF_EACH_STRIKER, UncertainInput, drawn, drawn_strikers, range_of
 from strikewave.uncertainty.known import DEFAULTS, field_of, known_inputs
@@ -186,6 +188,33 @@ def models_in(kind):
 def test_every_provenance_has_a_default_and_no_field_two_rules():
     assert set(DEFAULTS) == set(get_args(Provenance))
     assert not set(PLAUSIBLE) & set(NOT_MOVED)
+
+
+def test_an_arm_is_never_drawn_with_less_inertia_than_a_point_mass_at_its_centre():
+    """What was computed from the same drawing goes with mass and centre; what was measured apart from them does not."""
+    case = load_case("mil-s-901d-hammer")
+    inputs = known_inputs(case)
+    numbers = drawn(inputs, latin_hypercube(sum(one.count for one in inputs), 256))
+    columns = {one.path: numbers[:, place] for place, one in enumerate(inputs)}
+    ratio = columns["machine.inertia"] / (columns["machine.mass"] * columns["machine.centre"] ** 2)
+    assert ratio.min() >= 1.0 - 1e-12
+    assert ratio.max() == pytest.approx(1.1, rel=1e-3)  # assumed: 10 %, beyond what the point mass has
+    tolerance = ToleranceBand(size=0.05, typed="5 %", relative=True)
+    for own in ({"provenance": "measured"}, {"provenance": "inferred", "tolerance": tolerance}):
+        value = case.machine.inertia.model_copy(update=own)
+        apart = case.model_copy(update={"machine": case.machine.model_copy(update={"inertia": value})})
+        assert all(one.goes_with == () for one in known_inputs(apart))
+
+
+@pytest.mark.parametrize("name", [name for name in bundled_cases() if load_case(name).command == "run"])
+def test_hardly_a_draw_of_a_built_in_case_cannot_be_run(name, monkeypatch):
+    """A band rests on the runs that are left: at most 2 % of them may fail, 1 of 50."""
+    for runs in ("RUNS", "FIRST_RUNS"):
+        monkeypatch.setattr(f"strikewave.analyses.machine.band.{runs}", 25)
+    monkeypatch.setattr("strikewave.analyses.machine.band.LAUNCHED_RUNS", 50)
+    case = load_case(name)
+    _, method = machine_bands(case, blows(run_machine(build_machine(case), FULL_TOLERANCE)), ())
+    assert method.failed <= 1
 
 
 def test_setting_a_value_that_nobody_can_read_off_keeps_its_band():

@@ -147,6 +147,10 @@ SOURCES: dict[str, str] = {
         "ISO 18431-4:2007, Mechanical vibration and shock - Signal processing - Part 4: Shock-response spectrum "
         "analysis"
     ),
+    "iso-18571": (
+        "ISO/TS 18571:2014, 2024, Road vehicles - Objective rating metric for non-ambiguous signals (contents seen, "
+        "its equations as objective-rating-metrics 1.3 (TU Graz, pypi.org/project/objective-rating-metrics) has them)"
+    ),
     "goldenshluger-nemirovski-1997": (
         "A. Goldenshluger, A. Nemirovski, On spatially adaptive estimation of nonparametric regression, "
         "Mathematical Methods of Statistics 6 (1997) 135-170"

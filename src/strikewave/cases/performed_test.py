@@ -25,11 +25,13 @@ UNPRINTED = ("Cc", "Cs", "Cn", "Zl", "Zp")
 """Categories of Unicode without a printed character: control, surrogate, unassigned, line and paragraph separators."""
 
 
-def _line(raw: Any) -> Any:
+def line_text(raw: Any) -> Any:
+    """Return a text of one line; refuse any other."""
     return _text(raw, LONGEST_LINE)
 
 
-def _notes(raw: Any) -> Any:
+def notes_text(raw: Any) -> Any:
+    """Return a text of several lines; refuse any other."""
     return _text(raw, LONGEST_NOTES, "\n")
 
 
@@ -58,7 +60,7 @@ def _date(raw: Any) -> Any:
         raise InputError("", raw if isinstance(raw, str) else str(raw), "a date as YYYY-MM-DD") from None
 
 
-Line = Annotated[str, BeforeValidator(_line)]
+Line = Annotated[str, BeforeValidator(line_text)]
 
 
 class PerformedTest(CaseTable):
@@ -70,7 +72,7 @@ class PerformedTest(CaseTable):
     laboratory: Line = ""
     order: Line = ""
     date: Annotated[str, BeforeValidator(_date)] = ""
-    notes: Annotated[str, BeforeValidator(_notes)] = ""
+    notes: Annotated[str, BeforeValidator(notes_text)] = ""
 
     def stated(self) -> dict[str, str]:
         """Return the fields that are given, in their order.

@@ -54,6 +54,22 @@ class PlausibleRange:
         return value - half, value + half
 
 
+@dataclass(frozen=True)
+class GoesWith:
+    """How a quantity changes with others that come from the same drawing or weighing: with powers of them.
+
+    Attributes
+    ----------
+    powers : mapping of str to float
+        Power by the path of each of the others.
+    least : float
+        Least that it may be at their nominal values, SI; it changes with the same powers.
+    """
+
+    powers: Mapping[str, float]
+    least: float
+
+
 def _share(size: float, reason: str) -> PlausibleRange:
     return PlausibleRange("share", size, reason)
 

@@ -81,6 +81,7 @@ from strikewave.base.quantities import (
     Torque,
     Value,
 )
+from strikewave.cases.plausible import GoesWith
 
 POWER = "power"
 """The contact law that is given by a force at a depth."""
@@ -165,6 +166,10 @@ class LaunchedTable(MachineTable):
     until: Literal["time", "rest", "brake"] | None = None
     brake_after: MaybeBlowCount = None
     longest: MaybeLongest = None
+
+    def goes_with(self) -> Mapping[str, GoesWith]:
+        """Return, by path, the quantities that cannot be drawn apart from others; none, unless a kind has some."""
+        return {}
 
 
 class OwnStriker(CaseTable):

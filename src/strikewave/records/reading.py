@@ -17,10 +17,11 @@ from strikewave.records.calibration import Calibration, calibrated, calibration_
 from strikewave.records.clock import even
 from strikewave.records.coupling import uncoupled
 from strikewave.records.health import Examined, examine, level_step
-from strikewave.records.health_notice import FIGURES, STATUSES, HealthNotice, worst, worst_first
+from strikewave.records.health.response import ExaminedResponse, examine_response
+from strikewave.records.health_notice import FIGURES, RESPONSE_FIGURES, STATUSES, HealthNotice, worst, worst_first
 from strikewave.records.measuring import FEWEST, RecordedPulse, contacts_of, find_pulses
 from strikewave.records.record import Array, Channel, Record
-from strikewave.records.response import MeasuredResponse, measure_response, swings
+from strikewave.records.response import BaseBlow, MeasuredResponse, measure_responses, swings
 from strikewave.records.trains import gaps_of
 from strikewave.signal.filters import Filter, HighPass
 
@@ -85,8 +86,8 @@ class ChannelReading:
         What made SI of the file's numbers.
     unfiltered : tuple of RecordedPulse
         The blows before the filter; empty where there is none.
-    response : MeasuredResponse or None
-        What the channel does after the largest blow of the base; None for a base, and where none was named.
+    responses : tuple of MeasuredResponse
+        What the channel does after each blow of the base; none for a base, and where none was named.
     """
 
     channel: Channel
@@ -95,12 +96,17 @@ class ChannelReading:
     findings: tuple[HealthNotice, ...]
     calibration: Calibration
     unfiltered: tuple[RecordedPulse, ...] = ()
-    response: MeasuredResponse | None = None
+    responses: tuple[MeasuredResponse, ...] = ()
 
     @property
     def status(self) -> str:
         """``good``, ``suspect`` or ``bad``."""
         return worst(self.findings)
+
+    @property
+    def response(self) -> MeasuredResponse | None:
+        """What the channel does after the largest blow of the base; None where it is no response."""
+        return max(self.responses, key=lambda response: abs(response.base_peak), default=None)
 
     @property
     def baseline(self) -> float:
@@ -389,22 +395,49 @@ def _base_of(record: Record, wanted: Sequence[Channel], request: Request) -> Cha
 def _responding(
     channel: Channel, number: int, calibration: Calibration, request: Request, base: ChannelReading
 ) -> ChannelReading:
-    """Calibrate a response channel, resample it uniformly, and measure it against the largest blow of the base."""
+    """Calibrate a response channel, resample it uniformly, and measure it against the blows of the base."""
     channel, findings = calibrated(channel, calibration, f"calibration of {channel.name}")
+    holes = _holes(channel)
     channel, mended = even(channel)
     found = [*findings, *mended]
     usable = channel.values.size >= 2 * FEWEST and bool(np.all(np.isfinite(channel.values)))
-    blow = max(base.pulses, key=lambda pulse: abs(pulse.peak), default=None)
-    if not usable or blow is None:
+    if not usable or not base.pulses:
         why = "the channel has too few samples" if not usable else f"the base, {base.channel.name}, has no blow"
         found.append(HealthNotice("no-response", f"{why}: no response is measured", severity="bad", harms=FIGURES))
         return ChannelReading(channel, number, (), tuple(found), calibration)
     if request.filter is not None or request.high_pass is not None:
         channel = _filtered(channel, request)
     same = channel.unit == base.channel.unit
-    place = blow.begin, blow.time, blow.peak
-    response = measure_response(channel.values, channel.step, channel.start, place, same)
-    return ChannelReading(channel, number, (), tuple(found), calibration, (), response)
+    blows = [BaseBlow(pulse.begin, pulse.time, pulse.end, pulse.peak) for pulse in base.pulses]
+    responses = measure_responses(channel.values, channel.step, channel.start, blows, same)
+    if responses:
+        examined = ExaminedResponse(channel.values, channel.step, channel.start, channel.unit, blows, responses)
+        found += [*examine_response(examined), *_missing(holes, responses), *_of_base(base)]
+    return ChannelReading(channel, number, (), tuple(found), calibration, (), responses)
+
+
+def _missing(holes: Array, responses: Sequence[MeasuredResponse]) -> list[HealthNotice]:
+    """Find responses that lack samples: what bridges them is no measurement."""
+    for one in responses:
+        count = int(np.count_nonzero((holes >= one.begin) & (holes <= one.begin + one.duration)))
+        if count:
+            message = f"{count} samples of the response after {one.begin:.6g} s are no numbers: they are not measured"
+            return [
+                HealthNotice(
+                    "blow-incomplete", message, count, "bad", RESPONSE_FIGURES, one.begin, one.begin + one.duration
+                )
+            ]
+    return []
+
+
+def _of_base(base: ChannelReading) -> list[HealthNotice]:
+    """Tell what is harmed by what is wrong with the base: the ratio to its peak, and what counts from its time."""
+    found = worst_first(f for f in base.findings if f.severity == "bad" or "peak" in f.harms)
+    if not found:
+        return []
+    harms = ("ratio", "delay") if found[0].severity == "bad" else ("ratio",)
+    message = f"the base, {base.channel.name}, is {found[0].severity}: {found[0].message}"
+    return [HealthNotice("base", message, severity="suspect", harms=harms)]
 
 
 def _told(readings: Sequence[ChannelReading]) -> list[ChannelReading]:

@@ -1,85 +1,83 @@
-"""A channel that answers the blow of another one: a board that swings, with no blow of its own.
+"""A channel that answers the blows of another one: a board that swings, with no blow of its own.
 
-Its modes come from a matrix pencil over what follows the peak, taken over three windows: a mode that not all of them
-show is none, and their scatter is stated as its uncertainty, which is too small: the windows overlap.
-
-Source of the pencil: Y. Hua, T. K. Sarkar, Matrix pencil method for estimating parameters of exponentially damped
-sinusoids in noise, IEEE Transactions on Acoustics, Speech and Signal Processing 38 (1990) 814-824.
+The effective duration is T_E of MIL-STD-810H, method 516.8: the minimum length of time that contains all data
+magnitudes exceeding 1/3 of the shock peak magnitude. So it is quoted; the text of the standard itself was not at hand.
+The standard's other duration, T_e, by the moving root mean square, is not given.
 """
 
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
+from strikewave.records.modes import FEWEST, Mode, decaying_modes
+
 Array = NDArray[np.float64]
 
-EFFECTIVE = 0.1
+EFFECTIVE = 1.0 / 3.0
 """Share of the peak magnitude that the effective duration holds all samples above."""
-MOST_MODES, MOST_POLES = 3, 12
-"""Modes reported, and decaying exponentials sought at most."""
-MOST_SAMPLES = 400
-"""Samples of a pencil at most: its time grows with their cube."""
-SAMPLES_A_SWING = 8.0
-"""Samples that thinning leaves of a swing of the strongest frequency."""
-SHARE_OF_LARGEST = 0.02
-"""Singular values, over the largest, that count as signal."""
-WINDOWS = ((0.0, 1.0), (0.1, 1.0), (0.0, 0.8))
-"""Begin and end of the windows, over the stretch."""
-ALIKE = 0.05
-"""Difference of frequencies, over themselves, within which two windows show the same mode."""
-FEWEST = 24
-"""Samples without which no mode is sought."""
+FREE = 0.1
+"""Share of the peak magnitude down to which a free decay is followed: below, little is left of it beside the noise."""
 BOTH_SIDES, ZERO_MEAN = 0.5, 0.2
 """Other side of the peak, over it, and area over that of the magnitude: a channel with more, and less, swings about
 zero. A half-sine has 0 and 1; a decaying sine at a damping ratio of 5 % has 0.85 and below 0.1."""
 
+ROUND = 0.5
+"""Share of the largest value that its neighbours have in a round top: those of six samples a swing and more."""
 
-class Mode(NamedTuple):
-    """A decaying swing: frequency in Hz, damping ratio, amplitude at the peak of the record; standard uncertainties."""
 
-    frequency: float
-    damping: float
-    amplitude: float
-    frequency_uncertainty: float
-    damping_uncertainty: float
+class BaseBlow(NamedTuple):
+    """A blow of the driving channel: begin, time of the peak, and end, s, and the peak."""
 
-    @property
-    def decay_time(self) -> float:
-        """Time in which the swing falls to 1/e, s."""
-        return math.sqrt(1.0 - self.damping**2) / (2.0 * math.pi * self.frequency * self.damping)
+    begin: float
+    time: float
+    end: float
+    peak: float
 
 
 class MeasuredResponse(NamedTuple):
-    """What a channel does after the blow of another one.
+    """What a channel does after a blow of another one, until the next blow or the end of the record.
 
     Attributes
     ----------
+    blow : int
+        Number of the blow of the base, from 1.
     peak : float
-        Absolute maximum above the zero before the blow, with its sign.
+        Absolute maximum above the zero before the first blow, with its sign.
     time, delay : float
         When, s; and how long after the peak of the base.
+    base_peak : float
+        That of the base, in the unit of the base.
     ratio : float
         Magnitude of the peak over that of the base; NaN where their units differ.
     begin, duration : float
-        Effective duration, s: from the first to the last time above 10 % of the peak magnitude.
+        Effective duration, s: from the first to the last time above a third of the peak magnitude.
     rms : float
         Root mean square over the effective duration.
     modes : tuple of Mode
-        The strongest, that with the most energy first.
+        The strongest of the free decay, that with the most energy first; amplitudes at its begin.
+    zero : float
+        What all this is counted from.
+    decay : tuple of float
+        Begin and end of the free decay, s.
     """
 
+    blow: int
     peak: float
     time: float
     delay: float
+    base_peak: float
     ratio: float
     begin: float
     duration: float
     rms: float
     modes: tuple[Mode, ...]
+    zero: float
+    decay: tuple[float, float]
 
 
 def effective_span(values: Array, share: float = EFFECTIVE) -> tuple[float, float]:
@@ -88,8 +86,8 @@ def effective_span(values: Array, share: float = EFFECTIVE) -> tuple[float, floa
     Examples
     --------
     >>> first, last = effective_span(np.exp(-np.arange(1000) / 100.0))
-    >>> first, round(last)  # 100 ln 10
-    (0.0, 230)
+    >>> first, round(last)  # 100 ln 3
+    (0.0, 110)
     """
     size = np.abs(values)
     level = share * float(np.max(size))
@@ -109,76 +107,28 @@ def swings(values: Array) -> bool:
     >>> swings(np.exp(-3.0 * t) * np.sin(60.0 * t)), swings(np.sin(np.pi * t))
     (True, False)
     """
-    first, last = effective_span(values)
+    first, last = effective_span(values, FREE)
     part = values[math.floor(first) : math.ceil(last) + 1]
     low, high = sorted((-float(np.min(part)), float(np.max(part))))
     total = float(np.sum(np.abs(part)))
     return low > BOTH_SIDES * high and abs(float(np.sum(part))) < ZERO_MEAN * total
 
 
-def decaying_modes(values: Array, step: float) -> tuple[Mode, ...]:
-    """Return the strongest decaying swings of a free response, the one with the most energy first.
+def zero_before(values: Array, place: int) -> float:
+    """Return the zero of a record before a place; where too little lies before it, the median of the whole.
 
     Examples
     --------
-    >>> t = np.arange(2000) * 1e-5
-    >>> [mode] = decaying_modes(np.exp(-100.0 * t) * np.cos(2.0 * np.pi * 800.0 * t), 1e-5)
-    >>> round(mode.frequency), round(mode.damping, 3)
-    (800, 0.02)
+    >>> zero_before(np.r_[np.full(100, 3.0), np.full(900, 5.0)], 100)
+    3.0
     """
-    from scipy.signal import decimate
-
-    if values.size < FEWEST or not np.any(values):
-        return ()
-    spectrum = np.abs(np.fft.rfft(values * np.hanning(2 * values.size)[values.size :]))
-    strong = np.flatnonzero(spectrum[1:] > 0.1 * np.max(spectrum[1:])) + 1
-    swing = values.size / float(strong[-1])
-    factor = max(int(swing / SAMPLES_A_SWING), 1)
-    thinned = np.asarray(decimate(values, factor, ftype="fir") if factor > 1 else values, dtype=np.float64)
-    thinned, step = thinned[:MOST_SAMPLES], step * factor
-    found = [
-        _pencil(thinned[round(a * thinned.size) : round(b * thinned.size)], step, a * thinned.size * step)
-        for a, b in WINDOWS
-    ]
-    modes = []
-    for root, amplitude in found[0]:
-        alike = [
-            min(other, key=lambda one: abs(one[0].imag - root.imag))[0] if other else complex("nan") for other in found
-        ]
-        if all(abs(one.imag - root.imag) < ALIKE * root.imag for one in alike):
-            frequencies = np.array([one.imag for one in alike]) / (2.0 * np.pi)
-            dampings = np.array([-one.real / abs(one) for one in alike])
-            spread = float(np.std(frequencies, ddof=1)), float(np.std(dampings, ddof=1))
-            modes.append(Mode(float(frequencies[0]), float(dampings[0]), amplitude, *spread))
-    modes.sort(key=lambda mode: -(mode.amplitude**2) * mode.decay_time)
-    return tuple(modes[:MOST_MODES])
+    return float(np.median(values[:place] if place >= FEWEST else values))
 
 
-def _pencil(values: Array, step: float, late: float) -> list[tuple[complex, float]]:
-    """Return decaying roots of positive frequency, 1/s, and their amplitudes at the begin of the stretch."""
-    size, length = values.size, values.size // 3
-    if size < FEWEST:
-        return []
-    rows = np.lib.stride_tricks.sliding_window_view(values, length + 1)
-    _, large, right = np.linalg.svd(rows, full_matrices=False)
-    order = min(int(np.count_nonzero(large > SHARE_OF_LARGEST * large[0])), MOST_POLES)
-    signal = right[:order].T
-    grown = np.linalg.eigvals(np.linalg.pinv(signal[:-1]) @ signal[1:])
-    grown = grown[np.abs(grown) > 0.0]
-    columns = grown[None, :] ** np.arange(size)[:, None]
-    amplitudes = np.linalg.lstsq(columns, values.astype(np.complex128), rcond=None)[0]
-    roots = np.log(grown) / step
-    return [
-        (complex(root), float(2.0 * abs(a) * math.exp(-root.real * late)))
-        for root, a in zip(roots, amplitudes, strict=True)
-        if root.imag > 0.0 and root.real < 0.0 and -root.real < root.imag
-    ]
-
-
-def measure_response(
-    values: Array, step: float, start: float, blow: tuple[float, float, float], same_unit: bool = True
-) -> MeasuredResponse:
-    """Measure a channel against the blow of another one.
+def measure_responses(
+    values: Array, step: float, start: float, blows: Sequence[BaseBlow], same_unit: bool = True
+) -> tuple[MeasuredResponse, ...]:
+    """Measure a channel against the blows of another one: after each, until the next.
 
     Parameters
     ----------
@@ -186,28 +136,66 @@ def measure_response(
         The channel, finite.
     step, start : float
         Time between samples, and of the first, s.
-    blow : tuple of float
-        Of the base: begin and time of the peak, s, and the peak.
+    blows : sequence of BaseBlow
+        Of the base, in the order of time.
     same_unit : bool, optional
         Whether base and channel have the same unit, so that a ratio makes sense.
+
+    Examples
+    --------
+    >>> t = np.arange(4000) * 1e-5
+    >>> swing = np.exp(-200.0 * t) * np.sin(2.0 * np.pi * 800.0 * t)
+    >>> blows = [BaseBlow(0.01, 0.0102, 0.0104, 9.0), BaseBlow(0.05, 0.0502, 0.0504, 9.0)]
+    >>> both = np.r_[np.zeros(1000), 6.0 * swing, 3.0 * swing]
+    >>> [(found.blow, round(found.peak)) for found in measure_responses(both, 1e-5, 0.0, blows)]
+    [(1, 6), (2, 3)]
     """
-    begin, time, peak = blow
-    place = min(max(round((begin - start) / step), 0), values.size - FEWEST)
-    level = float(np.median(values[:place])) if place >= FEWEST else float(np.median(values))
-    above = values[place:] - level
+    places = [min(max(round((blow.begin - start) / step), 0), max(values.size - FEWEST, 0)) for blow in blows]
+    zero = zero_before(values, places[0]) if places else 0.0
+    ends = [*places[1:], values.size]
+    return tuple(
+        _measure(number, values[place:end] - zero, step, start + place * step, blow, same_unit)._replace(zero=zero)
+        for number, (blow, place, end) in enumerate(zip(blows, places, ends, strict=True), 1)
+        if end - place >= FEWEST
+    )
+
+
+def _measure(number: int, above: Array, step: float, start: float, blow: BaseBlow, same_unit: bool) -> MeasuredResponse:
+    """Measure what follows one blow."""
     top = int(np.argmax(np.abs(above)))
-    if above[top] == 0.0:
-        return MeasuredResponse(0.0, begin, begin - time, 0.0 if same_unit else math.nan, begin, 0.0, 0.0, ())
+    place, peak = _tip(above, top)
+    moment = start + place * step
+    ratio = abs(peak / blow.peak) if same_unit else math.nan
+    if peak == 0.0:
+        at = blow.begin
+        return MeasuredResponse(number, 0.0, at, at - blow.time, blow.peak, ratio, at, 0.0, 0.0, (), 0.0, (at, at))
     first, last = effective_span(above)
     held = above[math.floor(first) : math.ceil(last) + 1]
-    moment = start + (place + top) * step
+    free = max(top, math.ceil((blow.end - start) / step))
+    until = math.ceil(effective_span(above, FREE)[1]) + 1
     return MeasuredResponse(
-        float(above[top]),
+        number,
+        peak,
         moment,
-        moment - time,
-        abs(float(above[top]) / peak) if same_unit else math.nan,
-        start + (place + first) * step,
+        moment - blow.time,
+        blow.peak,
+        ratio,
+        start + first * step,
         (last - first) * step,
         math.sqrt(float(np.mean(held**2))),
-        decaying_modes(above[top : math.ceil(last) + 1], step),
+        decaying_modes(above[free:until], step),
+        0.0,
+        (start + free * step, start + max(until - 1, free) * step),
     )
+
+
+def _tip(above: Array, top: int) -> tuple[float, float]:
+    """Return place and height of the largest value, by the parabola through it and its neighbours where it is round."""
+    if not 0 < top < above.size - 1:
+        return float(top), float(above[top])
+    left, middle, right = (float(value) for value in above[top - 1 : top + 2])
+    bend = left - 2.0 * middle + right
+    if middle == 0.0 or min(left / middle, right / middle) < ROUND:
+        return float(top), middle
+    shift = 0.5 * (left - right) / bend if bend else 0.0
+    return top + shift, middle - 0.25 * (left - right) * shift

@@ -20,7 +20,7 @@ import typer
 
 from strikewave.base.errors import InputError, StrikewaveError, nearest
 from strikewave.base.result import Source
-from strikewave.base.units import parse_quantity
+from strikewave.base.units import parse_quantity, si_value
 from strikewave.reporting.options import parsed, quantity
 from strikewave.reporting.shown_result import ShownResult
 from strikewave.reporting.terminal import progress_bar, say
@@ -40,6 +40,17 @@ def _of_channels(name: str, help: str) -> Any:
     """Return an option of the calibration, which may be said for each channel."""
     each = " [CHANNEL=]VALUE; may be repeated."
     return typer.Option(name, metavar="VALUE", help=help + each, show_default=False)
+
+
+Stated = str | float | Mapping[str, str | float]
+"""A value of the calibration as Python takes it: for all channels, or one for each by its name or number."""
+
+
+def _words(value: Stated | None) -> list[str] | None:
+    """Return a value of the calibration as the command line takes it."""
+    if value is None:
+        return None
+    return [f"{name}={one}" for name, one in value.items()] if isinstance(value, Mapping) else [str(value)]
 
 
 def read_time_unit(word: str, field: str) -> float:
@@ -119,6 +130,36 @@ class MeasurementOptions:
         ),
     ] = None
 
+    @classmethod
+    def in_python(
+        cls,
+        channels: Sequence[str | int],
+        calibration: Mapping[str, Stated | None],
+        rate: str | float | None,
+        time: str | int | None,
+        time_unit: str | None,
+    ) -> MeasurementOptions:
+        """Return the options that stand for the arguments of a call.
+
+        Raises
+        ------
+        InputError
+            If rate or unit of time are none.
+
+        Examples
+        --------
+        >>> MeasurementOptions.in_python([1], {"unit": {"frame": "mV"}}, "1 kHz", None, None).rate
+        1000.0
+        """
+        named = {channels} if isinstance(channels, str | int) else channels
+        return cls(
+            channel=[str(channel) for channel in named] or None,
+            **{name: _words(value) for name, value in calibration.items()},
+            rate=None if rate is None else si_value(rate, "Hz", "rate"),
+            time=None if time is None else str(time),
+            time_unit=None if time_unit is None else read_time_unit(time_unit, "time_unit"),
+        )
+
     def calibration(self) -> dict[str, dict[str, Any]]:
         """Return what was typed of the calibration, a table a channel; ``all`` for values without one.
 
@@ -147,6 +188,52 @@ class MeasurementOptions:
         from strikewave.records import Options
 
         return Options(self.rate, self.time, tuple(self.channel or ()), self.time_unit)
+
+
+PARAMETERS = {
+    "FILE": "paths",
+    "--channel": "channels",
+    "--frequency": "frequencies",
+    "--from": "low",
+    "--kind": "kinds",
+    "--to": "high",
+}
+"""What Python calls an option that it does not call as the command line does."""
+
+
+@contextlib.contextmanager
+def named_for_python() -> Iterator[None]:
+    """Name the parameter in an error that would name the option of the command.
+
+    Examples
+    --------
+    >>> with named_for_python():
+    ...     raise InputError("--high-pass", "2", "a frequency")
+    Traceback (most recent call last):
+    strikewave.base.errors.InputError: high_pass: got "2"; allowed: a frequency
+    """
+    try:
+        yield
+    except InputError as error:
+        name = PARAMETERS.get(error.field) or error.field.removeprefix("--").replace("-", "_")
+        if name == error.field:
+            raise
+        raise InputError(name, error.got, error.allowed, error.hint) from None
+
+
+def files_of(paths: str | Path | Sequence[str | Path]) -> list[str]:
+    """Return the files that a call names, as `ordered` does.
+
+    Raises
+    ------
+    InputError
+        If there are none.
+    """
+    several = [paths] if isinstance(paths, str | Path) else paths
+    files = ordered([str(path) for path in several])
+    if not files:
+        raise InputError("paths", "none", "at least one measured file")
+    return files
 
 
 def ordered(files: Sequence[str]) -> list[str]:
@@ -355,6 +442,19 @@ def source_of(kind: str, name: str, paths: Sequence[Path] = (), test: Mapping[st
     """
     digests, command, stated = digests_of(paths), asked(), dict(test or {})
     return Source(kind, name, identity(command, digests, stated), "record.toml", digests, command, stated)
+
+
+def source_in_python(name: str, test: str | Path | None = None) -> Source:
+    """Return the source of a result of measured files that a call makes; ``test`` is a file as ``--test`` takes it.
+
+    Raises
+    ------
+    InputError, InputErrors
+        If that file cannot be used.
+    """
+    from strikewave.cases.performed_test import load_test
+
+    return replace(UNKNOWN, name=name, test={} if test is None else load_test(Path(test)).stated())
 
 
 def asked() -> str:

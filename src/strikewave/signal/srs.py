@@ -32,6 +32,8 @@ KINDS = {
 that make SI of it."""
 INITIAL = ("rest", "shifted", "steady")
 """How a record can begin; see `Scope`."""
+SIDES = ("maximax", "positive", "negative")
+"""Sides of a spectrum: the larger of both polarities, or one of them."""
 PARTS = ("total", "primary", "residual")
 """Parts of a response: with the vibration after the shock, without it, or that alone."""
 
@@ -111,7 +113,7 @@ class Spectrum:
 
     def side(self, name: str) -> Array:
         """Return "maximax", "positive" or "negative"."""
-        if name not in ("maximax", "positive", "negative"):
+        if name not in SIDES:
             raise ValueError(f"the side of a spectrum must be maximax, positive or negative, got {name!r}")
         return np.asarray(getattr(self, name))
 

@@ -60,6 +60,9 @@ class UncertainInput:
         Why it is so wide.
     strikers : tuple of int
         Numbers of the strikers for which it is drawn separately; empty where it is drawn once a run.
+    goes_with : tuple of (str, float)
+        Paths of inputs, and powers: what is drawn is multiplied by these powers of their drawn values over their
+        nominal ones. ``low`` and ``high`` hold where those are nominal.
     """
 
     path: str
@@ -72,6 +75,7 @@ class UncertainInput:
     basis: str = STATED
     reason: str = ""
     strikers: tuple[int, ...] = ()
+    goes_with: tuple[tuple[str, float], ...] = ()
 
     @property
     def count(self) -> int:
@@ -205,11 +209,19 @@ def _random(one: UncertainInput, run: int, seed: int) -> Array:
 
 def drawn(inputs: Sequence[UncertainInput], points: Array) -> Array:
     """Return what is drawn at quantiles, shape (runs, numbers drawn), in SI."""
-    columns, place = [], 0
+    columns, place = dict[str, Array](), 0
     for one in inputs:
-        columns.append(one.at(points[:, place : place + one.count]))
+        columns[one.path] = one.at(points[:, place : place + one.count])
         place += one.count
-    return np.concatenate(columns, axis=1)
+    nominal = {one.path: one.value.si for one in inputs}
+    scaled = [
+        math.prod(
+            ((columns[path] / nominal[path]) ** power for path, power in one.goes_with if path in columns),
+            start=columns[one.path],
+        )
+        for one in inputs
+    ]
+    return np.concatenate(scaled, axis=1)
 
 
 def nominal(inputs: Sequence[UncertainInput]) -> Array:

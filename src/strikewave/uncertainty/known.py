@@ -9,16 +9,19 @@ it, mark the value as measured. A fitted value whose fit no longer applies is an
 
 from __future__ import annotations
 
+import dataclasses
 import re
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 from strikewave.base.quantities import Range, Value
 from strikewave.cases.case import Case
 from strikewave.cases.paths import row_name
-from strikewave.cases.plausible import NOT_MOVED, PLAUSIBLE, PlausibleRange
+from strikewave.cases.plausible import NOT_MOVED, PLAUSIBLE, GoesWith, PlausibleRange
+from strikewave.cases.tables import LaunchedTable
 from strikewave.uncertainty.draws import (
     FELT,
     OF_EACH_STRIKER,
+    STATED,
     Shape,
     UncertainInput,
     drawn_strikers,
@@ -69,12 +72,32 @@ def known_inputs(case: Case, tables: Sequence[str] = FELT) -> tuple[UncertainInp
     ('plausible range', 0.0025, 0.0075)
     """
     inputs = []
+    goes_with = case.machine.goes_with() if isinstance(case.machine, LaunchedTable) else {}
     for path, value in sorted(case.with_stale_fits_assumed().values().items()):
         if path.partition(".")[0] in tables:
             one = known_input(case, path, value)
+            one = _going_with(one, goes_with) if one is not None else None
             if one is not None and one.high > one.low:
                 inputs.append(one)
     return tuple(inputs)
+
+
+def _going_with(one: UncertainInput, goes_with: Mapping[str, GoesWith]) -> UncertainInput:
+    """Return an input as it goes with others: what was computed from the same drawing is not wrong apart from them.
+
+    A measured quantity, or one with a tolerance of its own, does not go with them: it was found apart from them.
+    """
+    others = goes_with.get(one.path)
+    if others is None or one.basis == STATED or one.value.provenance == "measured":
+        return one
+    names = ", ".join(path.rpartition(".")[2] for path in others.powers)
+    return dataclasses.replace(
+        one,
+        low=max(one.low, others.least),
+        high=max(one.high, others.least),
+        reason=f"{one.reason}; at the values of {names} in the case, with which it changes",
+        goes_with=tuple(others.powers.items()),
+    )
 
 
 def known_input(case: Case, path: str, value: Value) -> UncertainInput | None:

@@ -121,6 +121,48 @@ def test_rolling_response_rms_and_beginning_are_those_of_the_library(found):
         assert document["initial"] == initial
 
 
+def test_channels_and_files_have_rolling_spectra_and_responses_each(strikewave, found):
+    write("two.csv", x=half_sine(1000.0), y=half_sine(500.0, 700))
+    write("late.csv", x=half_sine(300.0, 900), y=half_sine(0.0))
+    asked = ("--rolling", "10 ms,5 ms", "--response", "500 Hz")
+    both = found("two.csv", "--channel", "x", "--channel", "y", *asked)["spectra"]
+    files = found("two.csv", "late.csv", *asked)["spectra"]
+    for one, of in zip(
+        [*both, files[1]], [half_sine(1000.0), half_sine(500.0, 700), half_sine(300.0, 900)], strict=True
+    ):
+        history = response_history(of, STEP, 500.0)
+        assert np.array(one["response"]["absolute"]) == pytest.approx(history, rel=1e-6, abs=1e-6)
+        rolling = rolling_srs(of, STEP, FREQUENCIES, (0.01, 0.005)).maximax
+        assert np.array(one["rolling"]["values"]) == pytest.approx(rolling, rel=1e-6, abs=1e-6)
+    code, _, err = strikewave("srs", "two.csv", "late.csv", *WORDS, *asked, "--out", "all")
+    assert code == 0, err
+    for name, lines in (("response", 2 * 5000), ("rolling", 2 * len(FREQUENCIES) * len(both[0]["rolling"]["time"]))):
+        ElementTree.parse(f"all/{name}.svg")
+        with open(f"all/{name}.csv") as file:
+            head, *rows = csv.reader(file)
+        assert head[:3] == ["file", "channel", "time [s]"]
+        assert len(rows) == lines
+        assert {row[0] for row in rows} == {"two.csv", "late.csv"}
+
+
+def test_files_share_the_frequencies_that_the_slowest_can_carry_in_any_order(strikewave, shots):
+    with open("slow.csv", "w") as file:
+        file.write("time [s],x [m/s^2]\n")
+        file.writelines(f"{k * 1e-4:.4f},{value:.9g}\n" for k, value in enumerate(half_sine(800.0)[::10]))
+    wanted = ("--from", "10 Hz", "--per-octave", "3", "--json")
+    grids = []
+    for files in ((shots[0], "slow.csv"), ("slow.csv", shots[0])):
+        code, out, err = strikewave("srs", *files, *wanted)
+        assert code == 0, err
+        grids.append(json.loads(out)["frequency"])
+    assert grids[0] == grids[1]
+    assert 2.0 ** (-1 / 3) * 0.4 * 10e3 < grids[0][-1] <= 0.4 * 10e3  # 2/5 of 10 kHz
+    _, out, _ = strikewave("srs", shots[0], "slow.csv")
+    assert "in common: the lowest sampling rate is 10 kHz of slow.csv" in " ".join(out.split())
+    _, _, err = strikewave("srs", shots[0], "slow.csv", "--to", "6 kHz")
+    assert "half the sampling rate of slow.csv, 5000 Hz" in err
+
+
 def test_files_of_all_of_it(strikewave, shots):
     for turn in ("first", "again"):  # every file that it wrote is one of a result, and may be replaced
         words = ("--rolling", "10 ms", "--response", "1 kHz", "--out", "one")
@@ -163,7 +205,7 @@ def test_filters_are_those_of_record(found, strikewave):
         (("a0.csv", "--rolling", "10 ms,1 ns"), "--rolling", '"10 ms,1 ns"', "a hop of one sample"),
         (("a0.csv", "--rolling", "10 Hz"), "--rolling", '"10 Hz"', "a window and a hop"),
         (("a0.csv", "--rolling", "1 ms,2 ms,3 ms"), "--rolling", '"1 ms,2 ms,3 ms"', "a window and a hop"),
-        (("a0.csv", "a1.csv", "--rolling", "10 ms"), "--rolling", '"10 ms"', "one channel of one file"),
+        (("a0.csv", "a1.csv", "--end", "1 s"), "--end", '"1 s"', "a time of a0.csv from 0 s to 0.04999 s"),
         (("a0.csv", "--resultant"), "--resultant", '"1 channel"', "2 or 3 perpendicular channels"),
         (("a0.csv", "a1.csv", "--resultant"), "--resultant", '"2 files"', "the channels of one file"),
         (("a0.csv", "--resultant", "--side", "positive"), "--side", '"positive"', "a length has no sign"),

@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import dataclasses
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from pathlib import Path
 
+from strikewave.analyses.record.filter_options import filtered
 from strikewave.analyses.record.result import RecordResult, name_of, record_result
 from strikewave.base.errors import InputError, StrikewaveError
 from strikewave.base.result import Source
@@ -27,28 +28,29 @@ from strikewave.reporting import measured_files as measured
 from strikewave.reporting.terminal import say
 from strikewave.signal.filters import Filter
 
-Stated = str | float | Mapping[str, str | float]
-"""A value for all channels, or one for each by its name or number."""
-
 
 def record(
     paths: str | Path | Sequence[str | Path],
     *,
     channels: Sequence[str | int] = (),
-    unit: Stated | None = None,
-    sensitivity: Stated | None = None,
-    gain: Stated | None = None,
-    excitation: Stated | None = None,
-    rated_excitation: Stated | None = None,
-    count: Stated | None = None,
-    polarity: Stated | None = None,
+    unit: measured.Stated | None = None,
+    sensitivity: measured.Stated | None = None,
+    gain: measured.Stated | None = None,
+    excitation: measured.Stated | None = None,
+    rated_excitation: measured.Stated | None = None,
+    count: measured.Stated | None = None,
+    polarity: measured.Stated | None = None,
     rate: str | float | None = None,
     time: str | int | None = None,
     time_unit: str | None = None,
     drop_height: str | float | None = None,
     filter: str | float | Filter | None = None,
+    ac_coupling: str | float | None = None,
+    high_pass: str | float | None = None,
+    motion: bool = False,
     repeats_in_columns: bool = False,
     base: str | int = "",
+    test: str | Path | None = None,
 ) -> RecordResult:
     """Read measured files and judge them: status, health and pulses of each, and the statistics of all together.
 
@@ -72,12 +74,20 @@ def record(
     drop_height : str or float, optional
         Free fall before the blow: with a unit, or in m; not checked by default.
     filter : str, float or Filter, optional
-        Zero-phase low-pass taken before blows are measured: its cutoff, with a unit or in Hz, or a filter, such as
-        ``Filter.sae_j211(1000)``.
+        Zero-phase low-pass taken before blows are measured: its cutoff, with a unit or in Hz, its class, such as
+        ``"CFC 1000"``, or a filter.
+    ac_coupling : str or float, optional
+        AC coupling to take off: ``"auto"``, a time constant, with a unit or in s, or a cutoff such as ``"100 Hz"``.
+    high_pass : str or float, optional
+        Cutoff of a zero-phase high-pass, with a unit or in Hz.
+    motion : bool, optional
+        Whether velocity and displacement are given, with their drift: ``.motions`` of the result.
     repeats_in_columns : bool, optional
-        Whether the channels of a file are repeats of one test.
+        Whether the columns of a file are repeats of one test, not channels.
     base : str or int, optional
         Name or number of the driving channel: the others are measured as responses to its blow.
+    test : str or Path, optional
+        TOML file that says what was tested, by whom and when, for the head of the report.
 
     Raises
     ------
@@ -101,10 +111,6 @@ def record(
     >>> len(found.to_dataframe()), found.readings[0].status
     (1, 'good')
     """
-    several = [paths] if isinstance(paths, str | Path) else paths
-    files = measured.ordered([str(path) for path in several])
-    if not files:
-        raise InputError("paths", "none", "at least one measured file")
     calibration = {
         "unit": unit,
         "sensitivity": sensitivity,
@@ -114,25 +120,17 @@ def record(
         "count": count,
         "polarity": polarity,
     }
-    stated = measured.MeasurementOptions(
-        channel=[str(channel) for channel in channels] or None,
-        **{name: _typed(value) for name, value in calibration.items()},
-        rate=None if rate is None else si_value(rate, "Hz", "rate"),
-        time=None if time is None else str(time),
-        time_unit=None if time_unit is None else measured.read_time_unit(time_unit, "time_unit"),
-    )
-    height = math.nan if drop_height is None else si_value(drop_height, "m", "drop_height")
-    low_pass = filter if filter is None or isinstance(filter, Filter) else Filter(si_value(filter, "Hz", "filter"))
-    wanted = Request(tuple(stated.channel or ()), stated.calibration(), height, low_pass, base=str(base))
-    origin = dataclasses.replace(measured.UNKNOWN, name=name_of([Path(file) for file in files]))
-    return examined(files, wanted, stated.reading(), origin, repeats_in_columns)
-
-
-def _typed(value: Stated | None) -> list[str] | None:
-    """Return a value of the calibration as the command line takes it."""
-    if value is None:
-        return None
-    return [f"{name}={one}" for name, one in value.items()] if isinstance(value, Mapping) else [str(value)]
+    with measured.named_for_python():
+        files = measured.files_of(paths)
+        stated = measured.MeasurementOptions.in_python(channels, calibration, rate, time, time_unit)
+        if base != "" and repeats_in_columns:
+            raise InputError("base", base, "a channel of files whose columns are channels", "not repeats_in_columns")
+        height = math.nan if drop_height is None else si_value(drop_height, "m", "drop_height")
+        wanted = Request(tuple(stated.channel or ()), stated.calibration(), height, base=str(base))
+        wanted = filtered(wanted, filter, ac_coupling, high_pass)
+        origin = measured.source_in_python(name_of([Path(file) for file in files]), test)
+        found = examined(files, wanted, stated.reading(), origin, repeats_in_columns)
+    return dataclasses.replace(found, motion=motion)
 
 
 def examined(
@@ -185,7 +183,7 @@ def examined(
     if repeats_in_columns:
         read = [one for file in read for one in repeats(file) or [file]]
     readings = compare(read)
-    driven = [reading for file in readings for reading in file.channels if reading.response is None]
+    driven = [reading for file in readings for reading in file.channels if not reading.responses]
     numbers = dict.fromkeys(reading.number for reading in driven)
     campaigns = [one for one in (summed(readings, k) for k in numbers) if one is not None]
     calibrations = _calibrations("command line" if origin.asked else "the call", wanted, [Path(file) for file in files])

@@ -59,6 +59,14 @@ class SpectrumRequest(NamedTuple):
     options: SpectrumOptions
 
 
+class OscillatorResponse(NamedTuple):
+    """What one oscillator does while the record lasts, by kind of response."""
+
+    frequency: float
+    time: Array
+    histories: Mapping[str, Array]
+
+
 class ShockSpectra(NamedTuple):
     """The spectra of one channel of a file among several.
 
@@ -74,6 +82,10 @@ class ShockSpectra(NamedTuple):
         Root mean squares by kind, where asked for.
     left_out : str
         Why it does not enter the envelope; empty where it does.
+    response : OscillatorResponse or None
+        Of one oscillator, where asked for.
+    rolling : RollingSpectrum or None
+        Of windows that slide over the record, of the first kind, where asked for.
     """
 
     file: str
@@ -83,19 +95,13 @@ class ShockSpectra(NamedTuple):
     spectra: list[Spectrum]
     rms: Mapping[str, Array]
     left_out: str = ""
+    response: OscillatorResponse | None = None
+    rolling: RollingSpectrum | None = None
 
     @property
     def name(self) -> str:
         """File and channel."""
         return f"{Path(self.file).name}, {self.channel}"
-
-
-class OscillatorResponse(NamedTuple):
-    """What one oscillator does while the record lasts, by kind of response."""
-
-    frequency: float
-    time: Array
-    histories: Mapping[str, Array]
 
 
 @dataclass(frozen=True)
@@ -121,9 +127,11 @@ class SpectrumResult(measured.AskedResult):
     resultant : mapping
         Vector sums of all axes by kind, where asked for.
     response : OscillatorResponse or None
-        Of one oscillator, where asked for.
+        Of one oscillator, where asked for of one channel; those of several stand in ``shocks``.
     rolling : RollingSpectrum or None
-        Of windows that slide over the record, of the first kind, where asked for.
+        Of windows that slide over the record, of the first kind, where asked for of one channel.
+    bounded_by : str
+        Which sampling rate bounds the frequencies that several channels have in common, where they differ in it.
     """
 
     command: ClassVar[str] = "srs"
@@ -138,6 +146,7 @@ class SpectrumResult(measured.AskedResult):
     resultant: Mapping[str, Array] = field(default_factory=dict)
     response: OscillatorResponse | None = None
     rolling: RollingSpectrum | None = None
+    bounded_by: str = ""
 
     @property
     def title(self) -> str:
@@ -151,6 +160,23 @@ class SpectrumResult(measured.AskedResult):
     def used(self) -> list[ShockSpectra]:
         """Those of several that enter the envelope."""
         return [shock for shock in self.shocks if not shock.left_out]
+
+    @property
+    def responses(self) -> list[tuple[ShockSpectra, OscillatorResponse]]:
+        """What one oscillator does on each channel, where asked for."""
+        return [(shock, shock.response) for shock in self._all if shock.response is not None]
+
+    @property
+    def rollings(self) -> list[tuple[ShockSpectra, RollingSpectrum]]:
+        """The rolling spectrum of each channel, where asked for."""
+        return [(shock, shock.rolling) for shock in self._all if shock.rolling is not None]
+
+    @property
+    def _all(self) -> Sequence[ShockSpectra]:
+        """All channels; one alone, too."""
+        reading = self.reading
+        of = (self.file, reading.channel.name, reading.status, reading.baseline, self.spectra, self.rms, "")
+        return self.shocks or (ShockSpectra(*of, self.response, self.rolling),)
 
     @functools.cached_property
     def together(self) -> dict[str, dict[str, Array]]:
@@ -178,7 +204,7 @@ class SpectrumResult(measured.AskedResult):
         has = self.reading.channel.unit or "the file's own numbers"
         of = "" if has == "m/s^2" else f" for a record in m/s^2; this one is in {has}"
         kinds = {spectrum.kind: KIND_UNITS[spectrum.kind] + of for spectrum in self.spectra}
-        more = {"time": "s", "window": "s", "hop": "s"} if self.response or self.rolling else {}
+        more = {"time": "s", "window": "s", "hop": "s"} if self.responses or self.rollings else {}
         return {"frequency": "Hz", "q": "1", "zero_line": has, **more, **kinds}
 
     def content(self) -> dict[str, Any]:
@@ -200,7 +226,7 @@ class SpectrumResult(measured.AskedResult):
             "initial": self.scope.initial,
             **{spectrum.kind: spectrum.side(self.side) for spectrum in self.spectra},
             **({"rms": dict(self.rms)} if self.rms else {}),
-            **self._over_time(),
+            **self._over_time(self.response, self.rolling),
         }
 
     def _several(self) -> dict[str, Any]:
@@ -221,21 +247,21 @@ class SpectrumResult(measured.AskedResult):
                     "zero_line": shock.zero_line,
                     **{one.kind: one.side(self.side) for one in shock.spectra},
                     **({"rms": dict(shock.rms)} if shock.rms else {}),
+                    **self._over_time(shock.response, shock.rolling),
                 }
                 for shock in self.shocks
             ],
             **self.together,
         }
 
-    def _over_time(self) -> dict[str, Any]:
+    def _over_time(self, response: OscillatorResponse | None, rolling: RollingSpectrum | None) -> dict[str, Any]:
         """Return what the document holds of a response history and a rolling spectrum."""
         found: dict[str, Any] = {}
-        if self.response is not None:
-            one = self.response
-            found["response"] = {"frequency": one.frequency, "time": one.time, **one.histories}
-        if self.rolling is not None:
-            values = getattr(self.rolling, self.side)
-            found["rolling"] = {"kind": self.spectra[0].kind, "time": self.rolling.time, "values": values}
+        if response is not None:
+            found["response"] = {"frequency": response.frequency, "time": response.time, **response.histories}
+        if rolling is not None:
+            values = getattr(rolling, self.side)
+            found["rolling"] = {"kind": self.spectra[0].kind, "time": rolling.time, "values": values}
         return found
 
     def highlights(self) -> list[tuple[str, str]]:
@@ -268,25 +294,51 @@ class SpectrumResult(measured.AskedResult):
     def tables(self) -> dict[str, str]:
         """Return the spectra as CSV text."""
         tables = {"spectrum.csv": csv_table(self.columns())}
-        of = "" if self.reading.channel.unit == "m/s^2" else " for a record in m/s^2"
-        if self.response is not None:
-            one = self.response
-            columns = [Column("time", one.time, "s")]
-            columns += [Column(f"{kind}{of}", values, KIND_UNITS[kind]) for kind, values in one.histories.items()]
-            tables["response.csv"] = csv_table(columns, HISTORY_DIGITS)
-        if self.rolling is not None:
-            time, frequency, kind = self.rolling.time, self.rolling.frequency, self.spectra[0].kind
-            columns = [
-                Column("time", np.repeat(time, frequency.size), "s"),
-                Column("frequency", np.tile(frequency, time.size), "Hz"),
-                Column(f"{kind}{of}", np.ravel(getattr(self.rolling, self.side)), KIND_UNITS[kind]),
-            ]
-            tables["rolling.csv"] = csv_table(columns, HISTORY_DIGITS)
+        if self.responses:
+            tables["response.csv"] = csv_table(self._response_columns(), HISTORY_DIGITS)
+        if self.rollings:
+            tables["rolling.csv"] = csv_table(self._rolling_columns(), HISTORY_DIGITS)
         return tables
+
+    @property
+    def _of(self) -> str:
+        """What follows the name of a kind where the record is no acceleration."""
+        return "" if self.reading.channel.unit == "m/s^2" else " for a record in m/s^2"
+
+    def _response_columns(self) -> list[Column]:
+        """Return responses over time, those of several channels under one another."""
+        found = self.responses
+        columns = self._places([(shock, one.time.size) for shock, one in found])
+        columns.append(Column("time", np.concatenate([one.time for _, one in found]), "s"))
+        for kind in found[0][1].histories:
+            values = np.concatenate([one.histories[kind] for _, one in found])
+            columns.append(Column(f"{kind}{self._of}", values, KIND_UNITS[kind]))
+        return columns
+
+    def _rolling_columns(self) -> list[Column]:
+        """Return rolling spectra over time and frequency, those of several channels under one another."""
+        found, kind = self.rollings, self.spectra[0].kind
+        time = [np.repeat(one.time, one.frequency.size) for _, one in found]
+        values = [np.ravel(getattr(one, self.side)) for _, one in found]
+        return [
+            *self._places([(shock, one.time.size * one.frequency.size) for shock, one in found]),
+            Column("time", np.concatenate(time), "s"),
+            Column("frequency", np.concatenate([np.tile(one.frequency, one.time.size) for _, one in found]), "Hz"),
+            Column(f"{kind}{self._of}", np.concatenate(values), KIND_UNITS[kind]),
+        ]
+
+    def _places(self, counts: Sequence[tuple[ShockSpectra, int]]) -> list[Column]:
+        """Return file and channel of so many lines each; nothing for one channel."""
+        if not self.shocks:
+            return []
+        return [
+            Column(name, [getattr(shock, name) for shock, count in counts for _ in range(count)])
+            for name in ("file", "channel")
+        ]
 
     def columns(self) -> list[Column]:
         """Return the spectra over natural frequency."""
-        of = "" if self.reading.channel.unit == "m/s^2" else " for a record in m/s^2"
+        of = self._of
         columns = [Column("frequency", self.spectra[0].frequency, "Hz")]
         for s in () if self.shocks else self.spectra:
             columns.append(Column(f"{s.kind}{of}", s.side(self.side), KIND_UNITS[s.kind]))

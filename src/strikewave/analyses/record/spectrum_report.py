@@ -60,13 +60,14 @@ def spectrum_report(result: SpectrumResult) -> str:
 
 def _over_time(result: SpectrumResult) -> list[Section]:
     """Draw the response of an oscillator and the rolling spectrum, where they were asked for."""
-    unit, parts = result.reading.channel.unit, list[Part]()
-    if result.response is not None:
-        words = f"What an oscillator of {_hertz(result.response.frequency)} does while the record lasts."
-        parts.append(Picture(response_figure(result.response.histories, result.response, unit), words))
-    if result.rolling is not None:
-        words = "The spectrum of windows that slide over the record, each as if nothing came before or after it."
-        parts.append(Picture(rolling_figure(result.rolling, result.side, result.spectra[0], unit), words))
+    parts = list[Part]()
+    of = "each of the first records" if result.shocks else "the record"
+    if result.responses:
+        natural = _hertz(result.responses[0][1].frequency)
+        parts.append(Picture(response_figure(result), f"What an oscillator of {natural} does while {of} lasts."))
+    if result.rollings:
+        words = f"The spectrum of windows that slide over {of}, each as if nothing came before or after it."
+        parts.append(Picture(rolling_figure(result), words))
     return [Section("Over time", "", parts)] if parts else []
 
 
@@ -94,6 +95,7 @@ def _report_of_several(result: SpectrumResult) -> str:
     table = Table("Spectra", ["file", "channel", "status", f"largest {kinds}", "what all come to"], rows)
     sections = [
         Section("Spectra", "", parts),
+        *_over_time(result),
         Section("Records", "", [table]),
         chapters.warnings(result.notices),
         _calibration_section(result),
@@ -109,6 +111,11 @@ def several_words(result: SpectrumResult) -> str:
     first, used = result.spectra[0], result.used
     q = "undamped" if math.isinf(first.q) else f"Q = {first.q:g}"
     words = [f"{len(result.shocks)} shock response spectra of {result.origin.name}, baselines taken off: {q}."]
+    if result.bounded_by:
+        highest = _hertz(first.frequency[-1])
+        words.append(
+            f"They have natural frequencies up to {highest} in common: the lowest sampling rate is {result.bounded_by}."
+        )
     names = {"envelope": "envelope", "p95_50": "limit P95/50", "resultant": "resultant"}
     for name, kinds in result.together.items():
         for kind, values in kinds.items():

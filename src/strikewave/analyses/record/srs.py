@@ -29,7 +29,9 @@ def command(
     low: Annotated[float, quantity("--from", si="Hz", help="Lowest natural frequency; 10 Hz by default.")] = 10.0,
     high: Annotated[
         Typed | None,
-        quantity("--to", si="Hz", help="Highest natural frequency; 100 kHz, or 2/5 of the sampling rate, by default."),
+        quantity(
+            "--to", si="Hz", help="Highest natural frequency; 100 kHz, or 2/5 of the least sampling rate, by default."
+        ),
     ] = None,
     per_octave: Annotated[
         float,
@@ -57,7 +59,12 @@ def command(
     ] = "total",
     end: Annotated[
         Typed | None,
-        quantity("--end", si="s", signed=True, help="End of the shock in the file's time; its last pulse by default."),
+        quantity(
+            "--end",
+            si="s",
+            signed=True,
+            help="End of the shock in the file's time; its last blow's end by default.",
+        ),
     ] = None,
     resultant: Annotated[
         bool, typer.Option("--resultant", help="Vector sum of 2 or 3 perpendicular channels of a file.")
@@ -96,11 +103,12 @@ def command(
     three on the limit P95/50. With --json, no files are written unless --out is given.
     """
     from strikewave.analyses.record.spectrum import SpectrumOptions, SpectrumRequest
+    from strikewave.analyses.record.spectrum_question import FilesAsked
     from strikewave.analyses.record.spectrum_screen import compute_spectra
     from strikewave.records import Request
 
     kinds = tuple(dict.fromkeys(kind or ["absolute"]))
     options = SpectrumOptions(initial, rms, resultant, response, rolling)
     wanted = SpectrumRequest(q, frequency, (low, high, per_octave), kinds, side, part, end, options)
-    filters = filtering.on(Request())
-    return compute_spectra(files, wanted, measurement.calibration(), measurement.reading(), output, filters)
+    asked = FilesAsked(files, measurement.calibration(), measurement.reading(), filtering.on(Request()))
+    return compute_spectra(asked, wanted, output)

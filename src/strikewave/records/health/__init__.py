@@ -11,7 +11,7 @@ import numpy as np
 from strikewave.records.health.blows import beyond_drop_height, cut, no_pulse, polarity
 from strikewave.records.health.examined import BLOW, Examined
 from strikewave.records.health.noise import noisy, short_before, uncertain
-from strikewave.records.health.range import clipped, saturated
+from strikewave.records.health.range import clipped, saturated, slew_limited
 from strikewave.records.health.ringing import larger_elsewhere, ringing
 from strikewave.records.health.sampling import aliased, few_samples
 from strikewave.records.health.train import double_hit, missing_blow, rebounds
@@ -25,6 +25,7 @@ CHECKS = (
     not_settled,
     clipped,
     saturated,
+    slew_limited,
     zero_shift,
     ac_coupling,
     velocity_drift,

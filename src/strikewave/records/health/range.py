@@ -1,30 +1,62 @@
-"""The range of sensor, amplifier and recorder: clipped records and flat tops."""
+"""The range of sensor, amplifier and recorder: clipped records, flat tops, and a limited slope."""
 
 from __future__ import annotations
 
 import math
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from strikewave.records.health.examined import BLOW, Examined
 from strikewave.records.health_notice import HealthNotice
+from strikewave.records.measuring import RecordedPulse
 
 Array = NDArray[np.float64]
 
 
-SMOOTH_TOP = 8.0
-"""Steps of a width that has samples enough in its top to tell whether it is flat."""
-TOP, NOISES_OF_TOP, DEEPEST_TOP = 0.02, 4.0, 0.5
-"""What counts as top: 2 % of the peak below it and four standard deviations of noise, at most half of the peak."""
-LENGTH_OVER_WIDTH = 1.07
-"""Length of a half-sine over its width at 10 % of the peak, 1 / `HALF_SINE_WIDTH` = 1.068, rounded up."""
-FLATTER = 0.15
-"""Share of the width by which a top is flatter than that of a half-sine before it is suspect.
+FEWEST_OF_TOP = 6
+"""Samples above half of the peak without which the shape of a top is not known."""
+BENDS = 6
+"""Degree of the polynomial through the upper half of a pulse: it follows every smooth one to 0.1 % of its peak."""
+UPPER, TIP = 0.5, 0.9
+"""Shares of the peak at which the widths of the upper half and of the tip are taken."""
+ROUNDEST = (0.5 * math.pi - math.asin(TIP)) / (0.5 * math.pi - math.asin(UPPER))
+"""Width of the tip over that of the upper half of a half-sine, 0.431.
 
-No usual smooth pulse comes near: a haversine is more pointed, a saw-tooth too."""
+A linear spring makes a half-sine. Contacts, felt and foam stiffen as they are pressed, and make more pointed pulses;
+only what yields, is made to be flat, or is compressed by an amplifier has a flatter top."""
+FLATTER = 0.02
+"""By how much a top is flatter before it is suspect: the tip of a sin^0.7 is by as much; a limit that takes 5 % off a
+half-sine makes 0.06."""
+TIP_BY_PEAK = 1.8
+"""Change of that ratio with the share by which the peak is off: of sin^0.7 to sin^3, 1.81 to 1.62."""
+SURE = 3.0
+"""Standard deviations of noise that a top must be flatter by: chance does it in one record of 700."""
+SWINGS_WITHIN, NOISE_SPANS = 2.0, 4.0
+"""Widths after a blow in which what bends its top swings on, and standard deviations that noise alone swings there."""
+FROM, FINE = 0.8, 2001
+"""Share of the upper half's height from which on samples enter its polynomial; places at which that is looked at."""
+LOW, HIGHEST, WRONG = 0.2, 3.0, 0.05
+"""Lower share of the peak at which the half-sine of the flanks is as wide as they are (below, the foot is that of the
+contact); its largest peak over that seen, and by how much it is higher before it is worth a word."""
+OVER, LEVELS = 0.75, (0.02, 0.06, 0.1, 0.14, 0.18, 0.22)
+"""Share of the peak over which a side is looked at, and where that begins.
+
+A limited slope that falsifies a figure by 5 % holds over 0.77 of the peak and more, of all pulses planted."""
+STRAIGHT = 0.01
+"""Bend of such a side, over the peak, below which it is straight.
+
+The straightest that a smooth pulse has is that of a haversine, whose cubic is 0.02: of sin x, x within asin(0.75), half
+the coefficient x^3 / 6 times 2/5."""
+ALIKE = 0.1
+"""Share by which the slopes of two sides differ that one limit makes; their noise is less."""
+SAW_TOOTH = 0.2
+"""Slope of one straight side over that of the other below which a pulse is a saw-tooth as standards have it."""
+FEWEST_OF_FLANK = 6
+"""Samples of a side whose bend is known: two more than a cubic has parameters."""
 FEWEST_AT_RAIL = 3
-"""Samples at the largest value, and times those beside it, that make a rail; see `_rail`."""
+"""Samples at the largest value, and times those beside it, that make a rail; see `rail`."""
 LEVELS_LOOKED_AT = 4096
 """Samples in which at least three different values stand, or the record is a switch or a count, and has no rail."""
 NEAR_TOP = 0.05
@@ -47,7 +79,7 @@ def clipped(record: Examined) -> list[HealthNotice]:
     pulse = record.largest
     zero = float(np.median(record.values)) if pulse is None else pulse.offset
     for sign in (1.0, -1.0):
-        at = _rail(sign * record.values, sign * zero)
+        at = rail(sign * record.values, sign * zero)
         if not at.size:
             continue
         level = float(record.values[at[0]])
@@ -63,30 +95,145 @@ def clipped(record: Examined) -> list[HealthNotice]:
 
 
 def saturated(record: Examined) -> list[HealthNotice]:
-    """Find a top flatter than that of any smooth pulse: an amplifier at its limit, or a pulse meant to be flat."""
-    findings = []
+    """Find a top flatter than any that an elastic contact makes: an amplifier near its limit, or a flat pulse.
+
+    Which of them is not known from one record. What swings after the blow may have bent its top as well.
+    """
     for pulse in record.pulses:
-        if pulse.method != "record" or not pulse.width > SMOOTH_TOP * record.step:
+        if pulse.method != "record" or not pulse.width > 0.0:
             continue
-        inside = np.abs(record.values[record.place(pulse.begin) : record.place(pulse.end) + 1] - pulse.offset)
-        depth = min(TOP + NOISES_OF_TOP * pulse.noise / abs(pulse.peak), DEEPEST_TOP)
-        first, last = _longest(inside >= (1.0 - depth) * abs(pulse.peak))
-        flat = (last - first + 1) * record.step / pulse.width
-        usual = (1.0 - 2.0 / math.pi * math.asin(1.0 - depth)) * LENGTH_OVER_WIDTH
-        if flat > usual + FLATTER:
-            message = (
-                f"the top is flat for {flat:.0%} of the width (a half-sine's for {usual:.0%}): the sensor or an "
-                "amplifier may have saturated, unless the pulse is meant to be flat"
-            )
-            findings.append(
-                HealthNotice(
-                    "flat-top", message, flat, severity="suspect", harms=BLOW, start=pulse.begin, end=pulse.end
-                )
-            )
-    return findings[:1]
+        sharpness = tip_of(record, pulse)
+        white = pulse.noise * math.sqrt((BENDS + 1.0) * record.step / pulse.width)
+        ripple = 0.0 if math.isnan(pulse.baseline.ripple) else pulse.baseline.ripple
+        doubt = TIP_BY_PEAK * (SURE * max(white, ripple) + _swing_to_both_sides(record, pulse)) / abs(pulse.peak)
+        if not sharpness > ROUNDEST + FLATTER + doubt:
+            continue
+        message = (
+            f"the top is flat: {sharpness:.0%} as wide at {TIP:.0%} of the peak as at {UPPER:.0%} (a half-sine's "
+            f"{ROUNDEST:.0%}), so that sensor or amplifier may be near its limit; a pulse that is meant to be flat, or "
+            "made by yielding, cannot be told from it"
+        )
+        higher = _half_sine_of_flanks(record, pulse) - 1.0
+        if higher > WRONG:
+            message += f"; the half-sine of its flanks would be {higher:.0%} higher"
+        begin, end = pulse.begin, pulse.end
+        return [HealthNotice("flat-top", message, sharpness, severity="suspect", harms=BLOW, start=begin, end=end)]
+    return []
 
 
-def _rail(values: Array, zero: float) -> NDArray[np.intp]:
+def slew_limited(record: Examined) -> list[HealthNotice]:
+    """Find a steepest side that is straight where a pulse would be curved: an amplifier that is too slow for it.
+
+    A saw-tooth, straight on both sides and much steeper on one, is meant to be so.
+    """
+    for pulse in record.pulses:
+        if pulse.method != "record" or not pulse.width > 0.0:
+            continue
+        other, steep = sorted(flank_of(record, pulse, side) for side in (-1, 1))
+        own_slope = other.slope < (1.0 - ALIKE) * steep.slope
+        saw_tooth = other.bend < STRAIGHT and other.slope < SAW_TOOTH * steep.slope
+        if not steep.bend < STRAIGHT or saw_tooth:
+            continue
+        sides = "one side is" if own_slope else "its sides are"
+        message = (
+            f"the blow at {pulse.time:.6g} s: {sides} straight over {OVER:.0%} of the peak, at "
+            f"{record.text(1e-6 * steep.slope)} a us, where a smooth pulse is curved: the amplifier may be too slow "
+            "(slew rate), unless the pulse is meant to be straight; the true peak may be larger, the width smaller"
+        )
+        begin, end = pulse.begin, pulse.end
+        return [HealthNotice("slew-rate", message, steep.slope, severity="suspect", harms=BLOW, start=begin, end=end)]
+    return []
+
+
+class Flank(NamedTuple):
+    """A side of a pulse: its largest slope, and by how much it bends at least over `OVER` of the peak."""
+
+    slope: float
+    bend: float
+
+
+def flank_of(record: Examined, pulse: RecordedPulse, side: int) -> Flank:
+    """Return the largest slope of one side of a pulse, and its bend, the doubt by noise added.
+
+    The bend is that of parabola and cubic in the Legendre polynomials through the side, over the peak.
+
+    Examples
+    --------
+    >>> from strikewave.records.measuring import find_pulses
+    >>> place = np.arange(900.0)
+    >>> for heights in (np.sin(np.pi * np.clip(place / 80.0 - 5.0, 0.0, 1.0)) ** 2, 1.0 - np.abs(place / 40.0 - 11.0)):
+    ...     values = np.maximum(heights, 0.0)
+    ...     [pulse] = find_pulses(values, 1e-6)
+    ...     print(round(flank_of(Examined(values, 1e-6), pulse, -1).bend, 2))
+    0.02
+    0.0
+    """
+    heights = _above_zero(record, pulse) / abs(pulse.peak)
+    top = record.place(pulse.time) - record.place(pulse.begin)
+    heights = heights[top:][::-1] if side > 0 else heights[: top + 1]
+    ripple = 0.0 if math.isnan(pulse.baseline.ripple) else pulse.baseline.ripple
+    least, slope = math.inf, float(np.max(np.diff(heights), initial=0.0))
+    for level in LEVELS:
+        first = int(np.max(np.flatnonzero(heights < level), initial=0))
+        last = int(np.max(np.flatnonzero(heights < level + OVER), initial=0)) + 1
+        part = heights[first : last + 1]
+        if part.size < FEWEST_OF_FLANK:
+            continue
+        bends = np.polynomial.legendre.legfit(np.linspace(-1.0, 1.0, part.size), part, 3)
+        doubt = max(pulse.noise * math.sqrt(7.0 / part.size), ripple) / abs(pulse.peak)
+        if (bend := math.hypot(bends[2], bends[3]) + doubt) < least:
+            least, slope = bend, 2.0 * float(bends[1]) / (part.size - 1)
+    return Flank(abs(pulse.peak) * slope / record.step, least)
+
+
+def tip_of(record: Examined, pulse: RecordedPulse) -> float:
+    """Return the width of the tip of a pulse over that of its upper half, of a polynomial through it; NaN if too few.
+
+    Examples
+    --------
+    >>> from strikewave.records.measuring import find_pulses
+    >>> values = np.sin(np.pi * np.clip(np.arange(900.0) / 80.0 - 5.0, 0.0, 1.0))
+    >>> [pulse] = find_pulses(values, 1e-6)
+    >>> round(tip_of(Examined(values, 1e-6), pulse), 3), round(ROUNDEST, 3)
+    (0.431, 0.431)
+    """
+    heights = _above_zero(record, pulse) / abs(pulse.peak)
+    top = record.place(pulse.time) - record.place(pulse.begin)
+    low = np.flatnonzero(heights < FROM * UPPER)
+    left, right = low[low < top], low[low > top]
+    if not (left.size and right.size) or right[0] - left[-1] < FEWEST_OF_TOP:
+        return math.nan
+    inside = heights[left[-1] : right[0] + 1]
+    place = np.linspace(-1.0, 1.0, inside.size)
+    bent = np.polynomial.Chebyshev.fit(place, inside, min(BENDS, inside.size - 3))(np.linspace(-1.0, 1.0, FINE))
+    highest = float(np.max(bent))
+    tip, upper = (int(np.count_nonzero(bent >= share * highest)) for share in (TIP, UPPER))
+    return tip / upper
+
+
+def _half_sine_of_flanks(record: Examined, pulse: RecordedPulse) -> float:
+    """Return the peak of the half-sine that is as wide as a pulse at two low heights, over that of the pulse."""
+    heights = _above_zero(record, pulse) / abs(pulse.peak)
+    low, high = (int(np.count_nonzero(heights >= share)) for share in (LOW, UPPER))
+    peaks = np.linspace(1.0, HIGHEST, FINE)
+    ratios = np.arccos(UPPER / peaks) / np.arccos(LOW / peaks)  # rise with the peak
+    return float(np.interp(high / low, ratios, peaks))
+
+
+def _swing_to_both_sides(record: Examined, pulse: RecordedPulse) -> float:
+    """Return by how much a record swings to either side within two widths after a blow: a tail stays on one."""
+    first, last = record.place(pulse.end), record.place(pulse.end + SWINGS_WITHIN * pulse.width)
+    after = record.values[first : last + 1] - pulse.offset
+    return max(min(float(np.max(after)), -float(np.min(after))) - NOISE_SPANS * pulse.noise, 0.0)
+
+
+def _above_zero(record: Examined, pulse: RecordedPulse) -> Array:
+    """Return what a blow is above its zero, from foot to foot, positive."""
+    part = record.values[record.place(pulse.begin) : record.place(pulse.end) + 1]
+    return np.asarray(math.copysign(1.0, pulse.peak) * (part - pulse.offset))
+
+
+def rail(values: Array, zero: float) -> NDArray[np.intp]:
     """Return the samples at the largest value where a recorder stopped there; none where the record turned there.
 
     A round top at k steps of the converter has about 1 : 0.7 samples in its highest and the next two; a rail has
@@ -113,7 +260,7 @@ def _cut_off(values: Array, level: float) -> float:
 
     A round top turns within a step of its converter. Infinite where a side is missing, or the run is long.
     """
-    first, last = _longest(values == level)
+    first, last = _longest_run(values == level)
     if last - first + 1 > SHORT_RUN or first < BESIDE or last + BESIDE >= values.size:
         return math.inf
     beside = np.concatenate([np.arange(first - BESIDE, first), np.arange(last + 1, last + 1 + BESIDE)])
@@ -121,7 +268,7 @@ def _cut_off(values: Array, level: float) -> float:
     return float(np.polynomial.polynomial.polyfit(place, values[beside], 2)[0]) - level
 
 
-def _longest(flags: NDArray[np.bool_]) -> tuple[int, int]:
+def _longest_run(flags: NDArray[np.bool_]) -> tuple[int, int]:
     """Return first and last place of the longest run of true; (0, -1) where there is none."""
     edges = np.flatnonzero(np.diff(np.concatenate([[False], flags, [False]]).astype(np.int8)))
     if not edges.size:

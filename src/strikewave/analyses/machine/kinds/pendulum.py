@@ -11,7 +11,10 @@ from strikewave.base.errors import MISSING, InputError
 from strikewave.base.quantities import Length, Mass, MaybeInertia, MaybeTime, SwingAngle
 
 if TYPE_CHECKING:
+    from collections.abc import Mapping
+
     from strikewave.cases.case import Case
+    from strikewave.cases.plausible import GoesWith
     from strikewave.machines import launch
 
 
@@ -62,6 +65,17 @@ class Pendulum(LaunchedKind):
             )
         inertia = given[0].si if given[0] else launch.inertia_of_period(mass, centre, or_else(given[1], math.nan))
         return checked("machine.inertia", lambda: launch.RigidPendulum(mass, centre, inertia, self.radius.si))
+
+    def goes_with(self) -> Mapping[str, GoesWith]:
+        """Return how inertia, or period, goes with mass and centre: a point mass at the centre has the least."""
+        from strikewave.cases.plausible import GoesWith
+
+        mass, centre = self.mass.si, self.centre.si
+        swing = 2.0 * math.pi * math.sqrt(centre / STANDARD_GRAVITY)
+        return {
+            "machine.inertia": GoesWith({"machine.mass": 1.0, "machine.centre": 2.0}, mass * centre**2),
+            "machine.period": GoesWith({"machine.centre": 0.5}, swing),
+        }
 
     def release(self, case: Case, mass: float) -> Release:
         """Return an arm at w = sqrt(2 m g r (1 - cos a)/J), after a quarter of its period at this amplitude."""

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -13,12 +12,11 @@ from strikewave.analyses.record.figures.spectra import hertz, hertz_ticks, log_a
 from strikewave.reporting.curves import thin
 from strikewave.reporting.numbers import axis_unit, headed
 from strikewave.reporting.style import BLUE, GREEN, GREY, ORANGE, RED, legend_below, new_figure, plain, quiet
-from strikewave.signal.srs import RollingSpectrum, Spectrum
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-    from strikewave.analyses.record.spectrum import OscillatorResponse, SpectrumResult
+    from strikewave.analyses.record.spectrum import SpectrumResult
 
 Array = NDArray[np.float64]
 
@@ -67,37 +65,47 @@ def several_figure(result: SpectrumResult, place: int) -> Figure:
     return legend_below(figure)
 
 
-def rolling_figure(rolling: RollingSpectrum, side: str, one: Spectrum, unit: str) -> Figure:
-    """Draw a spectrum over time and natural frequency, in colours that the colour-blind tell apart."""
+def rolling_figure(result: SpectrumResult) -> Figure:
+    """Draw spectra over time and natural frequency, in colours told apart by all, a diagram a channel."""
     from matplotlib.colors import LogNorm
 
-    figure = new_figure()
-    axes: Any = figure.add_subplot()
-    values = getattr(rolling, side)
-    top = float(np.max(values))
+    drawn, side, one = result.rollings[:MOST_NAMES], result.side, result.spectra[0]
+    values = [np.asarray(getattr(rolling, side)) for _, rolling in drawn]
+    top = max(float(np.max(each)) for each in values)
+    figure = _stacked(len(drawn))
     if not top > 0.0:
-        say(axes, "there is no shock response spectrum to draw")
+        say(figure.add_subplot(), "there is no shock response spectrum to draw")
         return figure
-    size, label = response_unit(one.kind, unit)
+    rows: Any = figure.subplots(len(drawn), 1, squeeze=False, sharex=True)[:, 0]
+    size, label = response_unit(one.kind, result.reading.channel.unit)
     hertz_size, _ = axis_unit("Hz", "Hz")
-    factor, seconds = clock(float(np.ptp(rolling.time)) or 1e-3)
-    low = max(float(np.min(values[values > 0.0])), top * 10.0**-DECADES)
+    factor, seconds = clock(max(float(np.ptp(rolling.time)) for _, rolling in drawn) or 1e-3)
+    low = max(min(float(np.min(each[each > 0.0], initial=top)) for each in values), top * 10.0**-DECADES)
     norm = LogNorm(min(low, 0.5 * top) / size, top / size)
-    image = axes.pcolormesh(
-        edges(rolling.time) * factor, np.exp(edges(np.log(rolling.frequency))) / hertz_size,
-        np.maximum(values.T, low) / size, norm=norm, cmap="cividis", shading="flat", rasterized=True,
-    )  # fmt: skip
-    axes.set_yscale("log")
-    quiet(
-        axes, f"Rolling shock response spectrum, {side}, Q = {one.q:g}", f"middle of the window ({seconds})",
-        headed("natural frequency", "Hz", "Hz"),
-    )  # fmt: skip
-    axes.grid(False)
-    log_axis(axes.yaxis, hertz_ticks())
-    bar = figure.colorbar(image, ax=axes)
+    some = "" if len(drawn) == len(result.rollings) else f", the first {len(drawn)} of {len(result.rollings)}"
+    for k, (axes, (shock, rolling), each) in enumerate(zip(rows, drawn, values, strict=True)):
+        image = axes.pcolormesh(
+            edges(rolling.time) * factor, np.exp(edges(np.log(rolling.frequency))) / hertz_size,
+            np.maximum(each.T, low) / size, norm=norm, cmap="cividis", shading="flat", rasterized=True,
+        )  # fmt: skip
+        axes.set_yscale("log")
+        title = f"Rolling shock response spectrum, {side}, Q = {one.q:g}{some}" if k == 0 else ""
+        if len(drawn) > 1:
+            title = f"{title}\n{plain(shock.name)}".strip()
+        last = f"middle of the window ({seconds})" if k + 1 == len(drawn) else ""
+        quiet(axes, title, last, headed("natural frequency", "Hz", "Hz"))
+        axes.grid(False)
+        log_axis(axes.yaxis, hertz_ticks())
+    bar = figure.colorbar(image, ax=list(rows))
     bar.set_label(label, fontsize=9)
+    log_axis(bar.ax.yaxis, number_tick)
     bar.outline.set_visible(False)
     return figure
+
+
+def _stacked(count: int) -> Figure:
+    """Return a figure that has room for so many diagrams under one another."""
+    return new_figure((8.0, 1.4 + 2.0 * count)) if count > 1 else new_figure()
 
 
 def edges(places: Array) -> Array:
@@ -114,15 +122,21 @@ def edges(places: Array) -> Array:
     return np.concatenate([[2.0 * places[0] - middle[0]], middle, [2.0 * places[-1] - middle[-1]]])
 
 
-def response_figure(histories: Mapping[str, Array], one: OscillatorResponse, unit: str) -> Figure:
-    """Draw what an oscillator does while the record lasts, a diagram a kind."""
-    figure = new_figure()
-    rows: Any = figure.subplots(len(histories), 1, squeeze=False, sharex=True)
-    factor, seconds = clock(float(one.time[-1] - one.time[0]))
-    for k, (axes, (kind, values)) in enumerate(zip(rows[:, 0], histories.items(), strict=True)):
-        size, label = response_unit(kind, unit)
-        axes.plot(*thin(one.time * factor, values / size), color=BLUE, linewidth=1.0)
-        title = f"Response of an oscillator of {hertz(one.frequency)}" if k == 0 else ""
+def response_figure(result: SpectrumResult) -> Figure:
+    """Draw what an oscillator does while each record lasts, a diagram a kind."""
+    drawn, several = result.responses[:MOST_NAMES], len(result.responses) > 1
+    histories = drawn[0][1].histories
+    figure = _stacked(len(histories))
+    rows: Any = figure.subplots(len(histories), 1, squeeze=False, sharex=True)[:, 0]
+    factor, seconds = clock(max(float(one.time[-1] - one.time[0]) for _, one in drawn))
+    for k, (axes, kind) in enumerate(zip(rows, histories, strict=True)):
+        size, label = response_unit(kind, result.reading.channel.unit)
+        for colour, (shock, one) in zip(_COLOURS, drawn, strict=False):
+            name = plain(shock.name) if several and k == 0 else "_"
+            line = thin(one.time * factor, one.histories[kind] / size)
+            axes.plot(*line, color=colour, linewidth=1.0, alpha=0.8 if several else 1.0, label=name)
+        some = "" if len(drawn) == len(result.responses) else f", the first {len(drawn)} of {len(result.responses)}"
+        title = f"Response of an oscillator of {hertz(drawn[0][1].frequency)}{some}" if k == 0 else ""
         quiet(axes, title, f"time ({seconds})" if k + 1 == len(histories) else "", label)
         axes.margins(x=0.01)
-    return figure
+    return legend_below(figure) if several else figure

@@ -1,0 +1,112 @@
+"""Band-limited interpolation of an evenly sampled history at any places, and what it holds above a frequency."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+Array = NDArray[np.float64]
+
+REACH, KAISER = 32, 12.0
+"""Samples on each side that are looked at, and the shape of the Kaiser window over them: with 8, flat up to 0.46 of the
+sampling rate, smooth pulses err by 3e-5, too much to find a peak within 0.01 samples; with 14, no less than with 12."""
+FLAT, ERROR = 0.42, 1e-6
+"""Share of the sampling rate up to which interpolation is that good, as a share of an amplitude (measured, see the
+test); at 0.45 it errs by 1e-3."""
+SAME_PLACE = 1e-9
+"""Samples within which a place is that of a sample, whose value is then taken as it is: rounding of times."""
+CHUNK = 1 << 15
+"""Places whose weights are held together: 16 MB."""
+
+
+def resampled(values: ArrayLike, places: ArrayLike, factor: float = 1.0) -> Array:
+    """Interpolate a history band-limited, at places counted in its samples.
+
+    A sum of samples weighted by sinc(d) under a Kaiser window, d the distance in samples; at a sample it is the sample.
+    Outside the samples the history is held, so that one that is cut while it is not zero is not made to ring; places
+    outside have no value, NaN.
+
+    Parameters
+    ----------
+    values : array_like
+        Evenly sampled history.
+    places : array_like
+        Where, in samples from the first one.
+    factor : float, optional
+        New step over old one; above 1, what the new samples cannot hold is taken off, by a sinc wider by as much.
+
+    Raises
+    ------
+    ValueError
+        If there is no sample, or one is not finite.
+
+    Examples
+    --------
+    >>> wave = np.sin(2.0 * np.pi * 0.1 * np.arange(200))
+    >>> bool(abs(resampled(wave, [100.37])[0] - np.sin(2.0 * np.pi * 10.037)) < 1e-4)
+    True
+    >>> resampled(wave, [3.0])[0] == wave[3]
+    np.True_
+    """
+    history, where = np.asarray(values, dtype=float), np.asarray(places, dtype=float)
+    if history.ndim != 1 or history.size == 0 or not np.all(np.isfinite(history)):
+        raise ValueError("interpolation needs a history of finite samples")
+    wide = max(1.0, factor)
+    reach = math.ceil(REACH * wide)
+    padded = np.pad(history, reach + 1, mode="edge")
+    found = np.full(where.shape, np.nan)
+    inside = np.flatnonzero((where >= -SAME_PLACE) & (where <= history.size - 1 + SAME_PLACE))
+    offsets = np.arange(1 - reach, reach + 1)
+    for begin in range(0, inside.size, CHUNK):
+        rows = inside[begin : begin + CHUNK]
+        at = np.clip(where[rows], 0.0, history.size - 1.0)
+        near = np.rint(at).astype(np.int64)
+        is_sample = (np.abs(at - near) <= SAME_PLACE) & (wide == 1.0)
+        found[rows[is_sample]] = history[near[is_sample]]
+        rows, at = rows[~is_sample], at[~is_sample]
+        floor = np.floor(at).astype(np.int64)
+        phases, which = np.unique(np.round(at - floor, 10), return_inverse=True)
+        weights = _weights(phases, offsets, wide, reach)
+        samples = padded[floor[:, None] + (offsets + reach + 1)]
+        found[rows] = np.einsum("ij,ij->i", samples, weights[which])
+    return found
+
+
+def _weights(phases: Array, offsets: NDArray[np.int64], wide: float, reach: int) -> Array:
+    """Return the weights of the samples around places, a row a place; they add up to 1."""
+    from scipy.special import i0
+
+    distance = phases[:, None] - offsets
+    window = i0(KAISER * np.sqrt(np.maximum(1.0 - (distance / reach) ** 2, 0.0)))
+    weights = np.sinc(distance / wide) * window
+    return np.asarray(weights / weights.sum(axis=1, keepdims=True))
+
+
+def share_above(values: ArrayLike, step: float, frequency: float) -> float:
+    """Return how much of a history's root mean square lies above a frequency, 0 to 1.
+
+    Parameters
+    ----------
+    values : array_like
+        Evenly sampled history that begins and ends at rest.
+    step : float
+        Time between samples, s.
+    frequency : float
+        Hz.
+
+    Examples
+    --------
+    >>> time = np.arange(1000) * 1e-6
+    >>> round(share_above(3.0 * np.sin(2e5 * np.pi * time) + 4.0 * np.sin(2e4 * np.pi * time), 1e-6, 50e3), 3)
+    0.6
+    """
+    history = np.asarray(values, dtype=float)
+    power = np.abs(np.fft.rfft(history)) ** 2
+    if history.size % 2 == 0 and power.size > 1:
+        power[-1] *= 0.5
+    power[0] *= 0.5
+    whole = float(power.sum())
+    above = float(power[np.fft.rfftfreq(history.size, step) > frequency].sum())
+    return math.sqrt(above / whole) if whole > 0.0 else 0.0

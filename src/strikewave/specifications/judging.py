@@ -1,0 +1,456 @@
+"""One shock against a specification: peak, pulse width, velocity change, band, cross-axis, sampling, filter.
+
+Each clause has its value, limits, margin, status and verdict. What the health of the record, its sampling or a filter
+does not allow to be stated is not: the verdict is ``cannot-tell`` with the reason.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from strikewave.signal.pulse import FEWEST_INTERVALS, crossing, refine_peak
+from strikewave.specifications.decisions import CANNOT_TELL, COVERAGE, FAIL, NOT_JUDGED, PASS, Rule, decide, together
+from strikewave.specifications.ideal_pulses import IdealPulse
+from strikewave.specifications.pulse_bands import Placement, PulseBand
+
+Array = NDArray[np.float64]
+
+NORMATIVE, QUOTED, INDICATIVE = "normative", "quoted", "indicative"
+STATUSES = (NORMATIVE, QUOTED, INDICATIVE)
+"""Status of a number: read in the standard, second-hand from a text that is named, from memory."""
+ROUNDING = 1e-9
+"""Share of a value by which it may miss a limit: sums of some thousand samples are exact to that."""
+
+
+class Limits(NamedTuple):
+    """What a value must lie between, and how well that is known.
+
+    Attributes
+    ----------
+    low, high : float
+        Limits; infinite where there is none.
+    status : str
+        The weakest status of the numbers that it is made of.
+    """
+
+    low: float
+    high: float
+    status: str
+
+    def margin(self, value: float) -> float:
+        """Return the distance to the nearer limit, positive inside."""
+        return min(value - self.low, self.high - value)
+
+
+@dataclass(frozen=True)
+class PulseLimits:
+    """What a specification asks of a shock, in SI.
+
+    Attributes
+    ----------
+    pulse : IdealPulse
+        The ideal pulse.
+    status : str
+        Of its peak and duration.
+    level : float
+        Share of the measured peak at which the pulse width is taken.
+    peak, width, velocity_change, cross_axis : Limits or None
+        None where it asks nothing of it; the cross-axis limit is that of the largest value to either side.
+    window : (float, float)
+        Shares of the duration before and after the ideal pulse over which the velocity change is integrated.
+    band : PulseBand or None
+        The band; None where there is none.
+    band_status : str
+        Its status.
+    rate, cutoff : Limits or None
+        Demands on the sampling rate, and on the cutoff of a low-pass, Hz.
+    """
+
+    pulse: IdealPulse
+    status: str
+    level: float = 0.1
+    peak: Limits | None = None
+    width: Limits | None = None
+    velocity_change: Limits | None = None
+    window: tuple[float, float] = (0.1, 0.1)
+    cross_axis: Limits | None = None
+    band: PulseBand | None = None
+    band_status: str = INDICATIVE
+    rate: Limits | None = None
+    cutoff: Limits | None = None
+
+
+class MeasuredFigure(NamedTuple):
+    """A value and its standard uncertainty."""
+
+    value: float
+    uncertainty: float = 0.0
+
+
+@dataclass(frozen=True)
+class Shock:
+    """One measured shock.
+
+    Attributes
+    ----------
+    values : ndarray
+        Acceleration, m/s^2, baseline taken off, with the sign that makes the pulse positive.
+    step, begin : float
+        Time between samples, and of the first one, s.
+    peak_index : int
+        Sample of the peak.
+    figures : mapping of str to MeasuredFigure
+        Peak, and width at 10 %, where they were measured better than from the samples alone; standard uncertainties.
+    filter_left : float
+        Share of the peak of the ideal pulse that a filter leaves; 1 without one.
+    filter_cutoff : float
+        Its cutoff, Hz; NaN without one.
+    troubles : mapping of str to str
+        Why a figure is not to be trusted: by peak, width and velocity_change.
+    cross_axis : mapping of str to ndarray
+        Accelerations of cross-axis channels at the same times, by name.
+    uncertainty : float
+        Expanded uncertainty, k = 2, of the acceleration as a share of it.
+    """
+
+    values: Array
+    step: float
+    begin: float
+    peak_index: int
+    figures: Mapping[str, MeasuredFigure] = field(default_factory=dict)
+    filter_left: float = 1.0
+    filter_cutoff: float = math.nan
+    troubles: Mapping[str, str] = field(default_factory=dict)
+    cross_axis: Mapping[str, Array] = field(default_factory=dict)
+    uncertainty: float = 0.0
+
+    @property
+    def time(self) -> Array:
+        """Time of each sample, s."""
+        return np.asarray(self.begin + self.step * np.arange(self.values.size), dtype=np.float64)
+
+
+@dataclass(frozen=True)
+class Clause:
+    """A clause and what it comes to.
+
+    Attributes
+    ----------
+    clause : str
+        Name.
+    value, low, high, margin : float
+        In the unit; NaN where there is none.
+    unit : str
+        SI unit of all four.
+    uncertainty : float
+        Expanded uncertainty of the value, k = 2.
+    status : str
+        Of its limits.
+    verdict : str
+        ``pass``, ``fail``, ``cannot-tell`` or ``not-judged``.
+    reason : str
+        Why nothing can be stated, or where it fails.
+    """
+
+    clause: str
+    value: float
+    low: float
+    high: float
+    margin: float
+    unit: str
+    uncertainty: float
+    status: str
+    verdict: str
+    reason: str = ""
+
+    @property
+    def share(self) -> float:
+        """Margin over half the distance of the limits, or over the limit where there is one: what clauses share."""
+        half = 0.5 * (self.high - self.low)
+        one = self.high if math.isfinite(self.high) else self.low
+        scale = half if math.isfinite(half) else abs(one)
+        return self.margin / scale if scale > 0.0 else math.nan
+
+
+class ShockVerdict(NamedTuple):
+    """The verdict on one shock.
+
+    Attributes
+    ----------
+    clauses : tuple of Clause
+        In their order.
+    start : float
+        Time of the begin of the ideal pulse, s.
+    placement : Placement or None
+        How the band lies over it.
+    """
+
+    clauses: tuple[Clause, ...]
+    start: float
+    placement: Placement | None
+
+    @property
+    def verdict(self) -> str:
+        """Of all clauses together."""
+        return together(clause.verdict for clause in self.clauses)
+
+
+def weakest(*statuses: str) -> str:
+    """Return the weakest of statuses.
+
+    Examples
+    --------
+    >>> weakest("normative", "indicative", "quoted")
+    'indicative'
+    """
+    return max(statuses, key=STATUSES.index)
+
+
+def judged(
+    name: str,
+    value: float,
+    limits: Limits,
+    unit: str,
+    uncertainty: float = 0.0,
+    rule: Rule = "simple",
+    reason: str = "",
+) -> Clause:
+    """Return the clause of a value; with a reason for which nothing can be said of it, its verdict is ``cannot-tell``.
+
+    Examples
+    --------
+    >>> judged("peak", 1300.0, Limits(1200.0, 1800.0, "quoted"), "m/s^2").verdict
+    'pass'
+    """
+    margin = limits.margin(value)
+    slack = ROUNDING * max(abs(value), abs(limits.low) if math.isfinite(limits.low) else 0.0)
+    verdict = CANNOT_TELL if reason else decide(margin + slack if margin < 0.0 else margin, uncertainty, rule)
+    if not reason and verdict == CANNOT_TELL:
+        reason = "the uncertainty reaches over the limit" if math.isfinite(value) else "it could not be measured"
+    return Clause(name, value, limits.low, limits.high, margin, unit, uncertainty, limits.status, verdict, reason)
+
+
+def judge_shock(shock: Shock, limits: PulseLimits, rule: Rule = "simple", strict: bool = False) -> ShockVerdict:
+    """Judge one shock.
+
+    Parameters
+    ----------
+    shock : Shock
+        The shock.
+    limits : PulseLimits
+        What is asked of it.
+    rule : str, optional
+        How uncertainty enters: ``simple`` or ``guarded``.
+    strict : bool, optional
+        Whether indicative limits are refused: nothing is stated by them.
+
+    Examples
+    --------
+    >>> pulse = IdealPulse("half-sine", 500.0, 1e-3)
+    >>> limits = PulseLimits(pulse, "quoted", peak=Limits(400.0, 600.0, "quoted"), band=PulseBand(pulse, 0.1, 0.2))
+    >>> shock = Shock(1.1 * pulse.at(np.arange(4000) * 1e-6 - 1.5e-3), 1e-6, 0.0, 2000)
+    >>> [(clause.clause, clause.verdict) for clause in judge_shock(shock, limits).clauses]
+    [('peak', 'pass'), ('band', 'pass')]
+    """
+    pulse = limits.pulse
+    peak = shock.figures.get("peak") or MeasuredFigure(refine_peak(shock.values, shock.peak_index)[1])
+    first, last = _crossings(shock, limits.level * peak.value)
+    width = MeasuredFigure(last - first)
+    if limits.level == 0.1 and "width" in shock.figures:
+        width = shock.figures["width"]
+    centre = _start_about(pulse, limits.level, first, last, shock)
+    placement = None
+    if limits.band is not None:
+        placement = limits.band.placed(shock.values, shock.step, shock.begin, centre)
+    start = centre if placement is None else placement.start
+    coarse = _too_few(shock, pulse)
+    clauses: list[Clause] = []
+    if limits.peak is not None:
+        reason = shock.troubles.get("peak", "") or coarse
+        clauses.append(_through_filter(shock, "peak", peak, limits.peak, rule, reason))
+    if limits.width is not None:
+        name = f"pulse width at {100.0 * limits.level:g} %"
+        reason = shock.troubles.get("width", "") or coarse or _filtered_away(shock)
+        clauses.append(judged(name, width.value, limits.width, "s", COVERAGE * width.uncertainty, rule, reason))
+    if limits.velocity_change is not None:
+        clauses.append(_velocity_clause(shock, limits, start, rule))
+    if limits.band is not None and placement is not None:
+        clauses.append(_band_clause(shock, limits, placement, peak, rule, coarse))
+    if limits.cross_axis is not None:
+        clauses.append(_cross_clause(shock, limits.cross_axis, pulse, start, rule))
+    clauses += _demands(shock, limits)
+    if strict:
+        clauses = [refused(clause) for clause in clauses]
+    return ShockVerdict(tuple(clauses), start, placement)
+
+
+def not_judged(name: str, limits: Limits, unit: str, reason: str) -> Clause:
+    """Return the clause of what only the user can say, and did not."""
+    nothing = math.nan
+    return Clause(name, nothing, limits.low, limits.high, nothing, unit, nothing, limits.status, NOT_JUDGED, reason)
+
+
+def refused(clause: Clause) -> Clause:
+    """Return a clause by which nothing is stated where its limit is indicative."""
+    if clause.status != INDICATIVE or clause.verdict == NOT_JUDGED:
+        return clause
+    return replace(clause, verdict=CANNOT_TELL, reason="its limit is indicative (--strict)")
+
+
+def _crossings(shock: Shock, level: float) -> tuple[float, float]:
+    """Return when a shock crosses a level before and after its peak, s; NaN where it does not."""
+    places = (crossing(shock.values, shock.peak_index, level, side) for side in (-1, 1))
+    first, last = (shock.begin + shock.step * place for place in places)
+    return first, last
+
+
+def _start_about(pulse: IdealPulse, level: float, first: float, last: float, shock: Shock) -> float:
+    """Return where the ideal pulse begins if the middles of both widths agree; else by the peak."""
+    if math.isfinite(first) and math.isfinite(last):
+        low, high = pulse.top
+        begin = pulse.width(0.0) - pulse.width(level)
+        share = low / (low + pulse.duration - high) if low + pulse.duration > high else 0.5
+        middle = begin * share + 0.5 * pulse.width(level)
+        return 0.5 * (first + last) - middle
+    return shock.begin + shock.step * shock.peak_index - 0.5 * sum(pulse.top)
+
+
+def _too_few(shock: Shock, pulse: IdealPulse) -> str:
+    """Return why the sampling is too coarse for a shape, where it is."""
+    count = pulse.duration / shock.step
+    return "" if count >= FEWEST_INTERVALS else f"{count:.1f} samples a pulse; it takes {FEWEST_INTERVALS:g}"
+
+
+def _filtered_away(shock: Shock) -> str:
+    """Return why a filter leaves nothing to be stated of a pulse width, where it takes more than a tenth of a peak."""
+    left = shock.filter_left
+    return "" if left >= 0.9 else f"the filter leaves {left:.0%} of the peak of the ideal pulse"
+
+
+def _relative(shock: Shock, figure: MeasuredFigure) -> float:
+    """Return the expanded uncertainty of a figure that grows with the acceleration."""
+    own = figure.uncertainty if math.isfinite(figure.uncertainty) else 0.0
+    return math.hypot(COVERAGE * own, shock.uncertainty * abs(figure.value))
+
+
+def _through_filter(shock: Shock, name: str, figure: MeasuredFigure, limits: Limits, rule: Rule, reason: str) -> Clause:
+    """Return the clause of a peak of which a filter may have taken a part: both peaks must have the same verdict."""
+    clause = judged(name, figure.value, limits, "m/s^2", _relative(shock, figure), rule, reason)
+    whole = figure.value / shock.filter_left if shock.filter_left > 0.0 else math.inf
+    unfiltered = judged(name, whole, limits, "m/s^2", _relative(shock, figure), rule, reason)
+    if not reason and unfiltered.verdict != clause.verdict:
+        words = f"the filter leaves {shock.filter_left:.1%} of the peak of the ideal pulse"
+        return replace(clause, verdict=CANNOT_TELL, reason=words)
+    return clause
+
+
+def _velocity_clause(shock: Shock, limits: PulseLimits, start: float, rule: Rule) -> Clause:
+    """Return the clause of the velocity change: the integral over the ideal pulse and a little more."""
+    pulse, (before, after) = limits.pulse, limits.window
+    first, last = start - before * pulse.duration, start + (1.0 + after) * pulse.duration
+    value = area_between(shock, first, last)
+    reason = shock.troubles.get("velocity_change", "")
+    if not reason and math.isnan(value):
+        reason = "the record does not hold all of it"
+    doubt = shock.figures.get("velocity_change", MeasuredFigure(value)).uncertainty
+    assert limits.velocity_change is not None
+    uncertainty = _relative(shock, MeasuredFigure(value, doubt))
+    return judged("velocity change", value, limits.velocity_change, "m/s", uncertainty, rule, reason)
+
+
+def area_between(shock: Shock, first: float, last: float) -> float:
+    """Return the integral of a record from one time to another, s; NaN where it does not reach that far."""
+    time = shock.time
+    slack = 1e-9 * (last - first)
+    if first < time[0] - slack or last > time[-1] + slack:
+        return math.nan
+    inside = time[(time > first) & (time < last)]
+    grid = np.concatenate([[first], inside, [last]])
+    return float(np.trapezoid(np.interp(grid, time, shock.values), grid))
+
+
+def _band_clause(
+    shock: Shock, limits: PulseLimits, placement: Placement, peak: MeasuredFigure, rule: Rule, coarse: str
+) -> Clause:
+    """Return the clause of the band: the smallest distance to it, as it lies best."""
+    uncertainty = _relative(shock, peak)
+    reason = coarse or shock.troubles.get("peak", "") or shock.troubles.get("width", "")
+    within = Limits(0.0, math.inf, weakest(limits.band_status, limits.status))
+    clause = judged("band", placement.margin, within, "m/s^2", uncertainty, rule, reason)
+    if reason:
+        return clause
+    taken = (1.0 / shock.filter_left - 1.0) * peak.value if shock.filter_left > 0.0 else math.inf
+    if clause.verdict == PASS and taken > placement.margin:
+        words = f"the filter leaves {shock.filter_left:.1%} of the peak of the ideal pulse"
+        return replace(clause, verdict=CANNOT_TELL, reason=words)
+    lacks = [
+        f"{lack:.2g} durations {side} the pulse"
+        for lack, side in ((placement.before, "before"), (placement.after, "after"))
+        if lack > shock.step / limits.pulse.duration
+    ]
+    if clause.verdict == PASS and lacks:
+        return replace(clause, verdict=CANNOT_TELL, reason=f"the record lacks {' and '.join(lacks)}")
+    if clause.verdict == FAIL:
+        share = (placement.time - placement.start) / limits.pulse.duration
+        side = "above the upper" if placement.above else "below the lower"
+        return replace(clause, reason=f"{side} curve {share:.2f} durations after the begin of the ideal pulse")
+    return clause
+
+
+def _cross_clause(shock: Shock, limits: Limits, pulse: IdealPulse, start: float, rule: Rule) -> Clause:
+    """Return the clause of the cross-axis acceleration, the largest to either side while the pulse lasts."""
+    if not shock.cross_axis:
+        reason = "no cross-axis channel is named (--cross-axis)"
+        return Clause(
+            "cross-axis",
+            math.nan,
+            math.nan,
+            limits.high,
+            math.nan,
+            "m/s^2",
+            math.nan,
+            limits.status,
+            NOT_JUDGED,
+            reason,
+        )
+    time = shock.time
+    inside = (time >= start - 0.1 * pulse.duration) & (time <= start + 1.1 * pulse.duration)
+    largest = max(float(np.max(np.abs(values[inside]), initial=0.0)) for values in shock.cross_axis.values())
+    return judged("cross-axis", largest, limits, "m/s^2", _relative(shock, MeasuredFigure(largest)), rule)
+
+
+def _demands(shock: Shock, limits: PulseLimits) -> list[Clause]:
+    """Return the clauses on sampling and filter: what does not meet them qualifies nothing."""
+    found = []
+    if limits.rate is not None:
+        found.append(_demand("sampling rate", 1.0 / shock.step, limits.rate, "the record is sampled too slowly"))
+    if limits.cutoff is not None and math.isfinite(shock.filter_cutoff):
+        found.append(_demand("filter", shock.filter_cutoff, limits.cutoff, "the filter is too low"))
+    return found
+
+
+def _demand(name: str, value: float, limits: Limits, words: str) -> Clause:
+    clause = judged(name, value, limits, "Hz")
+    return replace(clause, verdict=CANNOT_TELL, reason=words) if clause.verdict == FAIL else clause
+
+
+def worst_clauses(shocks: Sequence[ShockVerdict]) -> list[tuple[Clause, int]]:
+    """Return each clause where it came out worst, with the place of that shock: fails first, then the least margin."""
+    order = {FAIL: 0, CANNOT_TELL: 1, PASS: 2, NOT_JUDGED: 3}
+    rows: dict[str, tuple[Clause, int]] = {}
+    for place, shock in enumerate(shocks):
+        for clause in shock.clauses:
+            known = rows.get(clause.clause)
+            if known is None or _rank(clause, order) < _rank(known[0], order):
+                rows[clause.clause] = (clause, place)
+    return list(rows.values())
+
+
+def _rank(clause: Clause, order: Mapping[str, int]) -> tuple[int, float]:
+    return order[clause.verdict], clause.share if math.isfinite(clause.share) else clause.margin

@@ -1,0 +1,391 @@
+"""Specifications read: the built-in ones by name, one's own by file, a condition of several by ``NAME:CONDITION``."""
+
+from __future__ import annotations
+
+import math
+import re
+import tomllib
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cache
+from importlib import resources
+from pathlib import Path
+from typing import Any, NamedTuple
+
+from pydantic import ValidationError
+
+from strikewave.base.errors import EXISTING_FILE, InputError, InputErrors, nearest, show
+from strikewave.cases.paths import Form
+from strikewave.specifications.ideal_pulses import IdealPulse, from_width
+from strikewave.specifications.judging import Limits, PulseLimits, weakest
+from strikewave.specifications.pulse_bands import PulseBand
+from strikewave.specifications.spectrum_limits import DecibelBand, SpectrumLimits
+from strikewave.specifications.tables import (
+    ConditionTable,
+    SpecificationFile,
+    SpecificationTable,
+    StatedNumber,
+    standing,
+)
+
+FORM = Form(SpecificationFile, "specification", 'pulse.peak="50 g"')
+LARGEST_FILE, MOST_DOTS = 200_000, 12
+"""Bytes of a file, and dots of a line outside of texts: keys nested thousands deep take gigabytes to read."""
+_FILE = re.compile(r"(?P<file>.*\.toml)(?::(?P<condition>[^:/\\]*))?", re.IGNORECASE | re.DOTALL)
+_TEXTS = re.compile(r'"(?:[^"\\\n]|\\.)*"' + r"|'[^'\n]*'|#[^\n]*")
+
+
+class ShockCount(NamedTuple):
+    """How many shocks are asked for: in each direction, at least and at most, and in how many directions."""
+
+    low: float
+    high: float
+    directions: int
+    status: str
+
+
+@dataclass(frozen=True)
+class Specification:
+    """A specification, with one of its conditions where it has several.
+
+    Attributes
+    ----------
+    name : str
+        As it is asked for, without the condition.
+    file : SpecificationFile
+        Its tables.
+    condition : ConditionTable or None
+        The condition; None where there is one severity.
+    text : str
+        The file.
+    """
+
+    name: str
+    file: SpecificationFile
+    condition: ConditionTable | None
+    text: str
+
+    @property
+    def asked(self) -> str:
+        """Name and condition."""
+        return self.name if self.condition is None else f"{self.name}:{self.condition.name}"
+
+    @property
+    def title(self) -> str:
+        """Title, with that of the condition."""
+        if self.condition is None:
+            return self.file.title
+        return f"{self.file.title}, {self.condition.title or f'condition {self.condition.name}'}"
+
+    def _status(self, number: StatedNumber, table: SpecificationTable) -> str:
+        return standing(number, table, self.file)[0]
+
+    def _nominal(self, key: str) -> tuple[StatedNumber, str]:
+        """Return peak or duration with its status."""
+        pulse = self.file.pulse
+        assert pulse is not None
+        for table in (self.condition, pulse):
+            number = getattr(table, key, None)
+            if table is not None and number is not None:
+                return number, self._status(number, table)
+        raise AssertionError("a file has peak and duration")
+
+    @property
+    def pulse(self) -> IdealPulse:
+        """Its ideal pulse.
+
+        Examples
+        --------
+        >>> load_specification("jesd22-b110:B").pulse.duration
+        0.0005
+        """
+        table = self.file.pulse
+        if table is None:
+            raise InputError(
+                "--spec", self.asked, "a specification of a pulse", "this one is of a spectrum: srs --spec"
+            )
+        peak, duration = (self._nominal(key)[0].si for key in ("peak", "duration"))
+        shape = (self.condition and self.condition.shape) or table.shape
+        slopes = [0.1 if one is None else one.si for one in (table.rise, table.fall)]
+        return from_width(shape, peak, duration, table.duration_level.si, *slopes)
+
+    @property
+    def status(self) -> str:
+        """Of its peak and duration."""
+        return weakest(*(self._nominal(key)[1] for key in ("peak", "duration")))
+
+    def pulse_limits(self) -> PulseLimits:
+        """Return what it asks of a shock.
+
+        Raises
+        ------
+        InputError
+            If it is a specification of a spectrum.
+
+        Examples
+        --------
+        >>> limits = load_specification("mil-std-810h-sawtooth:ground").pulse_limits()
+        >>> round(limits.pulse.peak / 9.80665), limits.pulse.shape
+        (40, 'sawtooth')
+        """
+        file, pulse, status = self.file, self.pulse, self.status
+        level = 0.1 if file.width is None else file.width.level.si
+        window = (0.1, 0.1)
+        if file.velocity_change is not None:
+            window = file.velocity_change.before.si, file.velocity_change.after.si
+        cross = None
+        if file.cross_axis is not None:
+            one = file.cross_axis.limit
+            cross = Limits(-math.inf, one.si * pulse.peak, weakest(status, self._status(one, file.cross_axis)))
+        sampling = file.sampling
+        return PulseLimits(
+            pulse,
+            status,
+            level,
+            self._peak_limits(pulse, status),
+            self._width_limits(pulse, level, status),
+            self._velocity_limits(pulse, status),
+            window,
+            cross,
+            self._band(pulse),
+            self._band_status(),
+            None if sampling is None else self._least(sampling.rate, sampling),
+            None if sampling is None else self._least(sampling.cutoff, sampling),
+        )
+
+    def _about(self, nominal: float, pair: tuple[StatedNumber, StatedNumber], table: SpecificationTable) -> Limits:
+        low, high = pair
+        status = weakest(self._status(low, table), self._status(high, table))
+        return Limits(nominal * (1.0 + low.si), nominal * (1.0 + high.si), status)
+
+    def _peak_limits(self, pulse: IdealPulse, status: str) -> Limits | None:
+        table = self.file.peak
+        if table is None:
+            return None
+        limits = self._about(pulse.peak, table.tolerance, table)
+        return limits._replace(status=weakest(status, limits.status))
+
+    def _width_limits(self, pulse: IdealPulse, level: float, status: str) -> Limits | None:
+        table = self.file.width
+        if table is None:
+            return None
+        nominal = pulse.width(level)
+        limits = self._about(nominal, table.tolerance, table)
+        if table.least is not None:
+            least = self._status(table.least, table)
+            low, high = min(limits.low, nominal - table.least.si), max(limits.high, nominal + table.least.si)
+            limits = Limits(max(low, 0.0), high, weakest(limits.status, least))
+        return limits._replace(status=weakest(status, limits.status))
+
+    def _velocity_limits(self, pulse: IdealPulse, status: str) -> Limits | None:
+        table = self.file.velocity_change
+        if table is None:
+            return None
+        nominal = pulse.velocity_change
+        if self.condition is not None and self.condition.velocity_change is not None:
+            nominal = self.condition.velocity_change.si
+            status = self._status(self.condition.velocity_change, self.condition)
+        limits = self._about(nominal, table.tolerance, table)
+        return limits._replace(status=weakest(status, limits.status))
+
+    def _band(self, pulse: IdealPulse) -> PulseBand | None:
+        table = self.file.band
+        if table is None:
+            return None
+        before, after = (math.nan if x is None else x.si for x in (table.amplitude_before, table.amplitude_after))
+        return PulseBand(pulse, table.time.si, table.amplitude.si, before, after, table.before.si, table.after.si)
+
+    def _band_status(self) -> str:
+        table = self.file.band
+        if table is None:
+            return self.file.status
+        stated = [getattr(table, key) for key in table.model_fields_set]
+        return weakest(*(self._status(one, table) for one in stated if isinstance(one, StatedNumber)))
+
+    def _least(self, number: StatedNumber | None, table: SpecificationTable) -> Limits | None:
+        return None if number is None else Limits(number.si, math.inf, self._status(number, table))
+
+    def count(self) -> ShockCount | None:
+        """Return how many shocks are asked for; None where nothing is."""
+        table = self.file.count
+        if table is None:
+            return None
+        own = self.condition
+        number, holder = (
+            (own.per_direction, own)
+            if own is not None and own.per_direction is not None
+            else (table.per_direction, table)
+        )
+        if number is None:
+            return None
+        status = weakest(self._status(number, holder), self._status(table.directions, table))
+        if table.tolerance is None:
+            return ShockCount(number.si, math.inf, int(table.directions.si), status)
+        spread = number.si * table.tolerance.si
+        status = weakest(status, self._status(table.tolerance, table))
+        return ShockCount(number.si - spread, number.si + spread, int(table.directions.si), status)
+
+    def repetition(self) -> Limits | None:
+        """Return the shocks a second that are allowed; None where nothing is stated."""
+        table = self.file.repetition
+        stated = [] if table is None else [one for one in (table.low, table.high) if one is not None]
+        if table is None or not stated:
+            return None
+        low, high = 0.0 if table.low is None else table.low.si, math.inf if table.high is None else table.high.si
+        return Limits(low, high, weakest(*(self._status(one, table) for one in stated)))
+
+    def spectrum_limits(self) -> SpectrumLimits:
+        """Return what it asks of a spectrum.
+
+        Raises
+        ------
+        InputError
+            If it states no spectrum, or no breakpoints of it.
+        """
+        table = self.file.srs
+        if table is None:
+            known = [name for name in specification_names() if read_built_in(name)[0].srs is not None]
+            raise InputError("--spec", self.asked, "a specification of a spectrum", "choose from: " + ", ".join(known))
+        if not table.points:
+            hint = f"strikewave spec new FILE.toml --from {self.name}, and add srs.points"
+            raise InputError(
+                "--spec", self.asked, "a specification with breakpoints: here they are the project's", hint
+            )
+        bands = tuple(
+            DecibelBand(
+                one.first.si,
+                one.last.si,
+                one.low.si,
+                one.high.si,
+                weakest(self._status(one.low, one), self._status(one.high, one)),
+            )
+            for one in table.tolerance
+        )
+        status = weakest(*(self._status(one, table) for point in table.points for one in point))
+        above = (
+            None
+            if table.share_above is None
+            else Limits(table.share_above.si, math.inf, self._status(table.share_above, table))
+        )
+        share = Limits(table.share.si, math.inf, self._status(table.share, table))
+        frequency, level = (tuple(point[k].si for point in table.points) for k in (0, 1))
+        return SpectrumLimits(
+            frequency, level, status, table.q.si, table.kind, table.side, table.per_octave.si, bands, share, above
+        )
+
+    def document(self) -> dict[str, Any]:
+        """Return what identifies it, for a JSON document."""
+        condition = None if self.condition is None else self.condition.name
+        return {"name": self.name, "condition": condition, "title": self.title, "edition": self.file.edition}
+
+
+def specification_names() -> list[str]:
+    """Return the names of the built-in specifications.
+
+    Examples
+    --------
+    >>> "mil-std-810h" in specification_names()
+    True
+    """
+    folder = resources.files(__package__) / "published"
+    return sorted(entry.name.removesuffix(".toml") for entry in folder.iterdir() if entry.name.endswith(".toml"))
+
+
+@cache
+def read_built_in(name: str) -> tuple[SpecificationFile, str]:
+    """Return a built-in specification and its text."""
+    text = (resources.files(__package__) / "published" / f"{name}.toml").read_text("utf-8")
+    return parse_specification(text, name), text
+
+
+def load_specification(asked: str, field: str = "--spec") -> Specification:
+    """Read a specification.
+
+    Parameters
+    ----------
+    asked : str
+        Name of a built-in one, or path of a file that ends in ``.toml``; of one with several conditions with the
+        condition, such as ``jesd22-b110:B``.
+    field : str, optional
+        What asks for it, for errors.
+
+    Raises
+    ------
+    InputError, InputErrors
+        With one line for each thing that is wrong.
+
+    Examples
+    --------
+    >>> load_specification("jesd22-b110:b").title
+    'JESD22-B110B, free state, condition B'
+    """
+    file, wanted = read_specification_file(asked, field)
+    name, table, text = file
+    return Specification(name, table, _condition(asked, table, wanted, field), text)
+
+
+def read_specification_file(asked: str, field: str = "--spec") -> tuple[tuple[str, SpecificationFile, str], str]:
+    """Return name, tables and text of a specification, and the condition that is asked for, empty for none."""
+    match = _FILE.fullmatch(asked)
+    if match is not None:
+        path = Path(match["file"])
+        text = _file_text(path, field)
+        return (path.stem, parse_specification(text, f"{field} {path}"), text), match["condition"] or ""
+    name, _, condition = asked.partition(":")
+    known = {one.lower(): one for one in specification_names()}
+    if name.lower() not in known:
+        raise InputError(field, asked, "a built-in specification, or a file that ends in .toml", nearest(name, known))
+    table, text = read_built_in(known[name.lower()])
+    return (known[name.lower()], table, text), condition
+
+
+def _condition(asked: str, file: SpecificationFile, wanted: str, field: str) -> ConditionTable | None:
+    """Return the condition that is asked for."""
+    conditions = {one.name.lower(): one for one in file.condition}
+    if not conditions:
+        if wanted:
+            raise InputError(field, asked, "a name without condition", "this specification has one severity")
+        return None
+    if not wanted and len(conditions) == 1:
+        return file.condition[0]
+    if wanted.lower() not in conditions:
+        names = [one.name for one in file.condition]
+        hint = nearest(wanted, names) if wanted else "choose from: " + ", ".join(names)
+        raise InputError(field, asked, f"a condition, such as {asked.partition(':')[0]}:{names[0]}", hint)
+    return conditions[wanted.lower()]
+
+
+def _file_text(path: Path, field: str) -> str:
+    try:
+        with path.open("rb") as opened:
+            data = opened.read(LARGEST_FILE + 1)
+    except FileNotFoundError:
+        raise InputError(field, str(path), EXISTING_FILE) from None
+    except (OSError, ValueError) as error:
+        raise InputError(field, str(path), "a file that can be read", getattr(error, "strerror", "") or "") from None
+    if len(data) > LARGEST_FILE:
+        raise InputError(field, str(path), f"a file of at most {LARGEST_FILE // 1000} kB")
+    try:
+        return data.decode("utf-8-sig")
+    except UnicodeDecodeError:
+        raise InputError(field, str(path), "a TOML file in UTF-8") from None
+
+
+def parse_specification(text: str, where: str) -> SpecificationFile:
+    """Return the tables of a specification.
+
+    Raises
+    ------
+    InputError, InputErrors
+        With one line for each thing that is wrong, after ``where``.
+    """
+    if max(line.count(".") for line in _TEXTS.sub("", text).split("\n")) > MOST_DOTS:
+        raise InputError(where, "a key of many parts", "tables such as [pulse] and [[condition]]")
+    try:
+        document: Mapping[str, Any] = tomllib.loads(text)
+    except (ValueError, RecursionError) as error:
+        raise InputError(where, show(str(error), 120).strip('"'), "a specification in TOML") from None
+    try:
+        return SpecificationFile.model_validate(document)
+    except ValidationError as error:
+        raise InputErrors([f"{where}: {line}" for line in FORM.lines(error)]) from None

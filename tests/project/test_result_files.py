@@ -1,0 +1,68 @@
+"""The files of a result as the docs list them, against what the commands write."""
+
+import re
+from pathlib import Path
+
+import pytest
+
+from strikewave.base.output_folder import RESULT_FILES
+
+DOCS = Path(__file__).parents[2] / "docs"
+LINK = "reports.md#the-files-of-a-result"
+PAGES = (
+    "compare",
+    "exchange",
+    "fem",
+    "hopkinson",
+    "machines",
+    "map",
+    "records",
+    "scatter",
+    "sensors",
+    "settings",
+    "waves",
+)
+"""Pages of the commands that write folders."""
+
+
+def listed() -> list[tuple[set[str], str]]:
+    """Return the files of each row of the table of the docs, with its commands."""
+    section = (DOCS / "reports.md").read_text("utf-8").partition("## The files of a result")[2].partition("\n## ")[0]
+    rows = [line.strip("|").split(" | ") for line in section.splitlines() if line.startswith("| `")]
+    return [(set(re.findall(r"`([^`]+)`", files)), commands) for files, _, commands in rows]
+
+
+def test_the_docs_list_each_file_of_a_result_and_no_other():
+    assert set().union(*(files for files, _ in listed())) == set(RESULT_FILES)
+
+
+@pytest.mark.parametrize("page", PAGES)
+def test_the_page_of_a_command_leads_to_the_list_of_files(page):
+    assert LINK in (DOCS / f"{page}.md").read_text("utf-8")
+
+
+@pytest.mark.verify
+def test_a_command_writes_only_what_the_docs_list_for_it(strikewave):
+    """Half a minute; the measured record is the one that ``new`` brings."""
+    assert strikewave("new", "shot", "--from", "hopkinson")[0] == 0
+    impact = ["--law", "palmgren", "--length", "40 mm", "--m1", 0.2, "--m2", 0.459, "--speed", 20, "-e", 0.5]
+    calls = {
+        "run": ["li-ma-2019", "--no-band", "--histories", "csv", "--xlsx"],
+        "wave": ["li-ma-2019-fig13-bar", "--no-band", "--xlsx"],
+        "fem": ["hertz-ball-fem", "--xlsx"],
+        "hopkinson": ["shot.toml", "--xlsx"],
+        "record": ["shot.csv", "--unit", "g", "--motion", "--xlsx"],
+        "srs": ["shot.csv", "--unit", "g", "--rolling", "0.1 ms", "--response", "2 kHz", "--xlsx"],
+        "compare": ["shot.csv", "shot.csv", "--unit", "g", "--xlsx"],
+        "laws": ["--xlsx"],
+        "impact": [*impact, "--xlsx"],
+        "map": ["li-ma-2019", "--points", "3x3", "--x", "machine.speed", "--y", "object.spring", "--xlsx"],
+        "scatter": ["li-ma-2019-equal-blows", "--runs", 16, "--xlsx"],
+    }
+    for command, words in calls.items():
+        code, _, err = strikewave(command, *words, "--out", f"of-{command}", "-q")
+        assert code in (0, 3), err
+        written = {path.name for path in Path(f"of-{command}").iterdir()}
+        assert len(written) > 2
+        rows = [files for files, commands in listed() if re.search(rf"`{command}`|^ ?(all|the same)", commands)]
+        assert written <= set().union(*rows), command

@@ -1,0 +1,51 @@
+"""Band-limited interpolation against the functions that were sampled."""
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from strikewave.signal.resampling import ERROR, FLAT, resampled, share_above
+
+
+def test_samples_are_kept_bit_for_bit():
+    values = np.random.default_rng(1).normal(size=300)
+    assert np.array_equal(resampled(values, np.arange(300.0)), values)
+
+
+@settings(max_examples=30, deadline=None, derandomize=True)
+@given(st.floats(0.0, FLAT), st.floats(0.0, 6.28))
+def test_a_tone_within_the_flat_band_is_met_between_its_samples(frequency, phase):
+    """Far from both ends, where the history is held."""
+    places = np.random.default_rng(2).uniform(100.0, 400.0, 200)
+    tone = np.cos(2.0 * np.pi * frequency * np.arange(500) + phase)
+    error = resampled(tone, places) - np.cos(2.0 * np.pi * frequency * places + phase)
+    assert np.abs(error).max() < 5.0 * ERROR  # the largest of 200 places and two sides of the band
+
+
+def test_a_constant_stays_one_up_to_its_ends_and_beyond_there_is_nothing():
+    found = resampled(np.full(50, 7.0), [-0.1, 0.0, 0.3, 48.9, 49.0, 49.1])
+    assert np.allclose(found[1:5], 7.0, rtol=1e-14)
+    assert np.isnan(found[[0, 5]]).all()
+
+
+def test_what_longer_steps_cannot_hold_is_taken_off():
+    """0.2 of the sampling rate is above half of a third of it, and 0.05 below."""
+    places = np.arange(40.0, 360.0) * 3.0
+    time = np.arange(1200)
+    left = resampled(np.cos(2.0 * np.pi * 0.2 * time) + np.cos(2.0 * np.pi * 0.05 * time), places, 3.0)
+    assert np.abs(left - np.cos(2.0 * np.pi * 0.05 * places)).max() < 1e-5
+
+
+@pytest.mark.parametrize("values", [[], [1.0, np.nan], [[1.0, 2.0]]])
+def test_what_is_no_history_is_refused(values):
+    with pytest.raises(ValueError, match="finite samples"):
+        resampled(values, [0.0])
+
+
+def test_the_share_above_a_frequency_is_that_of_the_parts_of_a_sum():
+    time = np.arange(2000) * 1e-6
+    both = 5.0 * np.sin(2e5 * np.pi * time) + 12.0 * np.cos(4e4 * np.pi * time)
+    assert share_above(both, 1e-6, 60e3) == pytest.approx(5.0 / 13.0, rel=1e-9)
+    assert share_above(both, 1e-6, 1e3) == pytest.approx(1.0)
+    assert share_above(np.zeros(8), 1.0, 0.1) == 0.0

@@ -1,0 +1,218 @@
+"""The judge against a second one that shares nothing with it; uncertainty, health, filter, strictness."""
+
+import functools
+import math
+
+import numpy as np
+import pytest
+
+from strikewave.specifications.decisions import decide
+from strikewave.specifications.ideal_pulses import IdealPulse
+from strikewave.specifications.judging import Limits, MeasuredFigure, PulseLimits, Shock, judge_shock, worst_clauses
+from strikewave.specifications.pulse_bands import PulseBand
+from strikewave.specifications.reading import load_specification
+from strikewave.specifications.spectrum_limits import DecibelBand, SpectrumLimits, judge_spectrum
+
+
+@functools.cache
+def second_band(peak, duration):
+    """The band as smallest and largest values of a comb of moved half-sines."""
+    fine = np.linspace(-0.4 * duration, 2.0 * duration, 601)
+    near = (fine[:, None] + np.linspace(-0.1, 0.1, 101) * duration) / duration
+    hull = np.where((near >= 0.0) & (near <= 1.0), peak * np.sin(np.pi * near), 0.0)
+    return fine, hull.min(axis=1) - 0.2 * peak, hull.max(axis=1) + 0.2 * peak
+
+
+def second_judge(values, step, peak, duration):
+    """MIL-STD-810H half-sine, written apart: peak, T10, velocity change and band; each with its margin as a share."""
+    time = [k * step for k in range(len(values))]
+    top = max(range(len(values)), key=lambda k: values[k])
+    a, b, c = values[top - 1 : top + 2]
+    height = b - (a - c) ** 2 / (8.0 * (a - 2.0 * b + c))
+    level = 0.1 * height
+    left = next(k for k in range(top, -1, -1) if values[k] <= level)
+    right = next(k for k in range(top, len(values)) if values[k] <= level)
+    first = time[left] + step * (level - values[left]) / (values[left + 1] - values[left])
+    last = time[right] - step * (level - values[right]) / (values[right - 1] - values[right])
+
+    fine, lower, upper = second_band(peak, duration)
+    middle = 0.5 * (first + last) - 0.5 * duration
+
+    def inside(start):
+        record = np.interp(fine + start, time, values)
+        return min((upper - record).min(), (record - lower).min())
+
+    rough = max((middle + x * duration for x in np.linspace(-0.5, 0.5, 201)), key=inside)
+    distance = max(inside(rough + x * duration) for x in np.linspace(-5e-3, 5e-3, 41))
+    figures = {
+        "peak": (height / peak - 1.0) / 0.2,
+        "pulse width at 10 %": ((last - first) / (0.93623 * duration) - 1.0) / 0.1,
+    }
+    margins = {name: 1.0 - abs(share) for name, share in figures.items()}
+    margins["band"] = distance / (0.2 * peak)
+    return margins
+
+
+def random_pulse(random):
+    """Return samples of a pulse near the limits: another peak, duration and power, a ringing, an undershoot."""
+    step = 1.0e-5
+    time = np.arange(800) * step
+    duration = 1e-3 * random.uniform(0.85, 1.15)
+    share = (time - 3e-3 - random.uniform(0.0, step)) / duration
+    power = random.uniform(0.8, 1.3)
+    pulse = np.where((share > 0) & (share < 1), np.sin(np.pi * np.clip(share, 0, 1)) ** power, 0.0)
+    swing = (
+        random.uniform(0.0, 0.25) * np.sin(2 * np.pi * share * random.uniform(0.7, 3.0)) * np.exp(-share) * (share > 1)
+    )
+    return 1000.0 * random.uniform(0.75, 1.25) * (pulse + swing), step
+
+
+def test_500_random_pulses_have_the_verdicts_of_a_second_judge():
+    """Margins within rounding of a limit are left out: the second judge compares 600 times, to 2.5e-4 D."""
+    random = np.random.default_rng(20261124)
+    pulse = IdealPulse("half-sine", 1000.0, 1e-3)
+    limits = load_specification("mil-std-810h:ground").pulse_limits()
+    scale = 1000.0 / limits.pulse.peak
+    limits = PulseLimits(
+        pulse,
+        "quoted",
+        peak=Limits(limits.peak.low * scale, limits.peak.high * scale, "quoted"),
+        width=Limits(0.9 * pulse.width(0.1), 1.1 * pulse.width(0.1), "quoted"),
+        band=type(limits.band)(pulse, limits.band.time, limits.band.amplitude),
+        band_status="quoted",
+    )
+    counted = {"pass": 0, "fail": 0}
+    close = 0
+    for _ in range(500):
+        values, step = random_pulse(random)
+        found = judge_shock(Shock(values, step, 0.0, int(np.argmax(values))), limits)
+        other = second_judge(values, step, 1000.0, 1e-3)
+        for clause in found.clauses:
+            if abs(other[clause.clause]) < 0.01:
+                close += 1
+                continue
+            assert clause.verdict == ("pass" if other[clause.clause] > 0.0 else "fail"), (clause, other)
+            counted[clause.verdict] += 1
+    assert min(counted.values()) > 200
+    assert close < 60
+
+
+PULSE = IdealPulse("half-sine", 1000.0, 1e-3)
+PEAK = PulseLimits(PULSE, "quoted", peak=Limits(800.0, 1200.0, "quoted"))
+
+
+def shock_of(peak, **more):
+    values = PULSE.at(np.arange(6000) * 1e-6 - 2e-3) * peak / 1000.0
+    return Shock(values, 1e-6, 0.0, int(np.argmax(values)), **more)
+
+
+def only(shock, limits, **how):
+    [clause] = judge_shock(shock, limits, **how).clauses
+    return clause
+
+
+def test_guarded_decisions_leave_the_expanded_uncertainty_on_both_sides_of_a_limit():
+    """JCGM 106, 8.3: with U = 5 % of 1150, 57.5, the guard band reaches from 1142.5 to 1257.5."""
+    verdicts = {
+        peak: only(shock_of(peak, uncertainty=0.05), PEAK, rule="guarded").verdict for peak in (1140, 1150, 1250, 1270)
+    }
+    assert verdicts == {1140: "pass", 1150: "cannot-tell", 1250: "cannot-tell", 1270: "fail"}
+    assert only(shock_of(1150, uncertainty=0.05), PEAK).verdict == "pass"  # simple acceptance
+    assert decide(math.nan, 1.0, "guarded") == "cannot-tell"
+
+
+def test_standard_uncertainty_of_a_figure_counts_twice():
+    figures = {"peak": MeasuredFigure(1180.0, 15.0)}
+    clause = only(shock_of(1180.0, figures=figures), PEAK, rule="guarded")
+    assert (clause.uncertainty, clause.verdict) == (pytest.approx(30.0), "cannot-tell")
+
+
+def test_a_filter_that_may_have_taken_the_difference_leaves_the_peak_open():
+    """1150 behind a filter that leaves 95 % was up to 1211; 1000 was up to 1053, and 700 up to 737."""
+    found = {peak: only(shock_of(peak, filter_left=0.95), PEAK).verdict for peak in (1000.0, 1150.0, 700.0, 790.0)}
+    assert found == {1000.0: "pass", 1150.0: "cannot-tell", 700.0: "fail", 790.0: "cannot-tell"}
+
+
+def test_what_harms_a_figure_leaves_its_clause_open():
+    shock = shock_of(1000.0, troubles={"peak": "clipped at 1000 m/s2"})
+    assert only(shock, PEAK).reason == "clipped at 1000 m/s2"
+    assert only(shock, PEAK).verdict == "cannot-tell"
+
+
+def test_demands_on_sampling_and_filter_qualify_nothing_where_they_are_not_met():
+    limits = PulseLimits(PULSE, "quoted", rate=Limits(2e6, math.inf, "quoted"), cutoff=Limits(1e4, math.inf, "quoted"))
+    clauses = judge_shock(shock_of(1000.0, filter_cutoff=5e3), limits).clauses
+    assert [(c.clause, c.verdict) for c in clauses] == [("sampling rate", "cannot-tell"), ("filter", "cannot-tell")]
+    few = PulseLimits(PULSE, "quoted", peak=PEAK.peak)
+    coarse = Shock(PULSE.at(np.arange(60) * 1.2e-4 - 2e-3), 1.2e-4, 0.0, 20)
+    assert only(coarse, few).reason == "8.3 samples a pulse; it takes 10"
+
+
+def test_cross_axis_is_the_largest_value_to_either_side_while_the_pulse_lasts():
+    limits = PulseLimits(PULSE, "quoted", cross_axis=Limits(-math.inf, 300.0, "quoted"))
+    assert only(shock_of(1000.0), limits).verdict == "not-judged"
+    across = np.zeros(6000)
+    across[2500], across[5000] = -310.0, 900.0  # the second one after the pulse
+    clause = only(shock_of(1000.0, cross_axis={"y": across}), limits)
+    assert (clause.value, clause.verdict) == (310.0, "fail")
+
+
+def test_strict_states_nothing_by_indicative_limits():
+    limits = PulseLimits(PULSE, "quoted", peak=Limits(800.0, 900.0, "indicative"))
+    assert only(shock_of(1000.0), limits).verdict == "fail"
+    refused = only(shock_of(1000.0), limits, strict=True)
+    assert (refused.verdict, refused.reason) == ("cannot-tell", "its limit is indicative (--strict)")
+    assert only(shock_of(1000.0), PEAK, strict=True).verdict == "pass"
+
+
+def test_the_worst_of_several_shocks_is_the_failed_one_then_the_least_margin():
+    verdicts = [judge_shock(shock_of(peak), PEAK) for peak in (1000.0, 1190.0, 1100.0)]
+    assert [(c.clause, place) for c, place in worst_clauses(verdicts)] == [("peak", 1)]
+    verdicts.append(judge_shock(shock_of(700.0), PEAK))
+    assert worst_clauses(verdicts)[0][1] == 3
+
+
+def test_the_sawtooth_is_placed_by_its_tip_and_its_own_band_contains_it():
+    pulse = IdealPulse("sawtooth", 400.0, 11e-3)
+    values = pulse.at(np.arange(6000) * 1e-5 - 20e-3)
+    shock = Shock(values, 1e-5, 0.0, int(np.argmax(values)))
+    limits = PulseLimits(pulse, "quoted", band=PulseBand(pulse, 0.05, 0.15, 0.05, 0.3), band_status="quoted")
+    found = judge_shock(shock, limits)
+    assert found.start == pytest.approx(20e-3, abs=0.05 * 11e-3)
+    assert found.verdict == "pass"
+
+
+SPECTRUM = SpectrumLimits(
+    (10.0, 100.0, 1000.0),
+    (10.0, 100.0, 100.0),
+    "quoted",
+    10.0,
+    "absolute",
+    "maximax",
+    12.0,
+    (DecibelBand(10.0, 100.0, -6.0, 6.0, "quoted"), DecibelBand(100.0, 1000.0, -6.0, 9.0, "quoted")),
+    Limits(0.9, math.inf, "quoted"),
+    Limits(0.5, math.inf, "quoted"),
+)
+
+
+def test_spectrum_touches_its_tolerance_from_inside_and_outside():
+    f = SPECTRUM.grid()
+    nominal = SPECTRUM.nominal(f)
+    assert f[0] == 10.0
+    assert f[-1] == pytest.approx(1000.0)
+    for decibels, passes in ((5.99, True), (-5.99, True), (-6.01, False)):
+        share = judge_spectrum(f, nominal * 10 ** (decibels / 20), SPECTRUM)[0]
+        assert share.verdict == ("pass" if passes else "fail")
+    between = judge_spectrum(f, nominal * 10 ** (7.5 / 20), SPECTRUM)[0]  # above 6 dB below 100 Hz, below 9 dB above it
+    assert between.value == pytest.approx(np.mean(f >= 100.0 * (1 - 1e-9)))
+    assert "1.5 dB above the tolerance" in between.reason
+
+
+def test_half_of_the_spectrum_must_reach_nominal_and_uncertainty_may_hide_it():
+    f = SPECTRUM.grid()
+    nominal = SPECTRUM.nominal(f)
+    assert [c.verdict for c in judge_spectrum(f, 0.98 * nominal, SPECTRUM)] == ["pass", "fail"]
+    guarded = judge_spectrum(f, 0.98 * nominal, SPECTRUM, 0.05, "guarded")
+    assert [c.verdict for c in guarded] == ["pass", "cannot-tell"]
+    assert [c.verdict for c in judge_spectrum(f, nominal, SPECTRUM, trouble="clipped")] == ["cannot-tell"] * 2

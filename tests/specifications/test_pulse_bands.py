@@ -1,0 +1,123 @@
+"""Bands: pulses that touch them from inside and outside, and the sampling of the record."""
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from strikewave.specifications.ideal_pulses import SHAPES, IdealPulse
+from strikewave.specifications.judging import Limits, PulseLimits, Shock, judge_shock
+from strikewave.specifications.pulse_bands import PulseBand
+
+SMOOTH = settings(derandomize=True, deadline=None, max_examples=25)
+
+
+def brute_curves(pulse, time, by):
+    """Smallest and largest value within ``by``, from a fine comb."""
+    comb = np.linspace(-by, by, 2001)
+    values = pulse.at(time[:, None] + comb)
+    return values.min(axis=1), values.max(axis=1)
+
+
+@pytest.mark.parametrize("shape", SHAPES)
+def test_the_curves_are_the_smallest_and_largest_values_within_the_widening(shape):
+    pulse = IdealPulse(shape, 100.0, 1.0, 0.2, 0.3)
+    time = np.linspace(-0.4, 2.0, 601)
+    low, high = pulse.widened(time, 0.1)
+    expected_low, expected_high = brute_curves(pulse, time, 0.1)
+    # the comb misses a top by half of 1e-4 at most, a slope of up to 500 a second: 0.05; a jump is on one side or the other
+    far_from_jumps = np.abs(np.abs(time - 1.0) - 0.1) > 2e-3
+    assert np.abs(low - expected_low)[far_from_jumps].max() < 0.06
+    assert np.abs(high - expected_high)[far_from_jumps].max() < 0.06
+
+
+@SMOOTH
+@given(
+    st.sampled_from(SHAPES),
+    st.floats(0.02, 0.08),
+    st.floats(0.05, 0.15),
+    st.floats(-0.3, 0.3),
+    st.sampled_from(["over", "before", "after"]),
+)
+def test_a_pulse_that_touches_the_band_passes_by_0_1_percent_inside_and_fails_by_0_1_percent_outside(
+    shape, time, amplitude, moved, where
+):
+    """A spike of one value reaches for the upper curve at its top, or for zero plus or minus alpha A beside the pulse.
+
+    The band can give way by 0.23 durations at most, tau and alpha of the steepest line, so that a spike 0.6 durations
+    before the pulse, or 0.45 after it, stays where the band is plus or minus alpha A.
+    """
+    pulse = IdealPulse(shape, 1000.0, 1e-3, 0.2, 0.3)
+    band = PulseBand(pulse, time, amplitude, before=1.0)
+    step = 1e-6
+    moments = np.arange(6000) * step
+    start = round(2e-3 + moved * 1e-3, 6) + 1e-13  # on a sample, so that one is at the tip of a sawtooth
+    share = (moments - start) / 1e-3
+    for by, passes in ((-0.001, True), (0.001, False)):
+        values = pulse.at(moments - start)
+        reach = amplitude * 1000.0 * (1.0 + by)
+        if where == "over":  # the whole top is higher: no placement makes it lower
+            values = values * (1.0 + amplitude * (1.0 + by))
+        elif where == "before":
+            values = values + np.where((share > -0.61) & (share < -0.6), -reach, 0.0)
+        else:
+            values = values + np.where((share > 1.45) & (share < 1.46), reach, 0.0)
+        shock = Shock(values, step, 0.0, int(np.argmax(values)))
+        found = judge_shock(shock, PulseLimits(pulse, "quoted", band=band, band_status="quoted"))
+        [clause] = found.clauses
+        assert clause.verdict == ("pass" if passes else "fail"), (where, by, clause)
+        assert abs(clause.margin) < 0.0011 * amplitude * 1000.0 + 1e-6
+
+
+@SMOOTH
+@given(st.sampled_from(["peak", "width", "velocity"]), st.sampled_from([-1.0, 1.0]), st.floats(0.05, 0.3))
+def test_a_figure_passes_by_0_1_percent_inside_its_limit_and_fails_by_0_1_percent_outside(figure, side, tolerance):
+    pulse = IdealPulse("half-sine", 1000.0, 1e-3)
+    limit = 1.0 + side * tolerance
+    for by in (-0.001, 0.001):
+        factor = limit * (1.0 + side * by)
+        made = IdealPulse(
+            "half-sine", 1000.0 * (1.0 if figure == "width" else factor), 1e-3 * (factor if figure == "width" else 1.0)
+        )
+        moments = np.arange(8000) * 5e-7
+        values = made.at(moments - 1e-3)
+        asked = {
+            "peak": {"peak": Limits(1000.0 * (1 - tolerance), 1000.0 * (1 + tolerance), "quoted")},
+            "width": {
+                "width": Limits(pulse.width(0.1) * (1 - tolerance), pulse.width(0.1) * (1 + tolerance), "quoted")
+            },
+            "velocity": {
+                "velocity_change": Limits(
+                    pulse.velocity_change * (1 - tolerance), pulse.velocity_change * (1 + tolerance), "quoted"
+                )
+            },
+        }[figure]
+        shock = Shock(values, 5e-7, 0.0, int(np.argmax(values)))
+        [clause] = judge_shock(shock, PulseLimits(pulse, "quoted", **asked)).clauses
+        assert clause.verdict == ("pass" if by < 0.0 else "fail")
+
+
+def test_the_margin_does_not_depend_on_sampling_but_for_the_chords():
+    """Between samples a half-sine of n a duration bends by (pi / n)^2 / 8 of its peak."""
+    pulse = IdealPulse("half-sine", 1000.0, 1e-3)
+    band = PulseBand(pulse, 0.1, 0.2)
+    made = IdealPulse("half-sine", 1110.0, 1.02e-3)
+    margins = []
+    for count in (25, 100, 1000):
+        for phase in (0.0, 0.3, 0.7):
+            step = 1e-3 / count
+            moments = (np.arange(5 * count) + phase) * step
+            values = made.at(moments - 2e-3)
+            placed = band.placed(values, step, float(moments[0]), 2e-3)
+            margins.append((placed.margin, 1110.0 * (np.pi / count) ** 2 / 8.0))
+    exact = margins[-1][0]
+    for margin, chord in margins:
+        assert abs(margin - exact) <= chord + 0.01
+
+
+def test_a_record_that_ends_early_lacks_what_is_to_be_watched():
+    pulse = IdealPulse("half-sine", 1000.0, 1e-3)
+    limits = PulseLimits(pulse, "quoted", band=PulseBand(pulse, 0.1, 0.2), band_status="quoted")
+    values = pulse.at(np.arange(1700) * 1e-6 - 0.5e-3)  # 0.2 durations after the pulse
+    [clause] = judge_shock(Shock(values, 1e-6, 0.0, 1000), limits).clauses
+    assert (clause.verdict, clause.reason) == ("cannot-tell", "the record lacks 0.8 durations after the pulse")
