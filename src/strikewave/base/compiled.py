@@ -266,7 +266,7 @@ class _KeptParts(CompileResultCacheImpl):
 
 
 class _PartCache(_KernelCache):
-    _impl_class = _KeptParts
+    _impl_class: Any = _KeptParts
 
 
 def _part(function: F, options: dict[str, Any]) -> F:
