@@ -23,6 +23,7 @@ RESULT_FILES = (
     "pulses.csv",
     "motion.csv",
     "spectrum.csv",
+    "comparison.csv",
     "response.csv",
     "response.svg",
     "rolling.csv",

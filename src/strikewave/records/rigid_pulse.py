@@ -436,17 +436,18 @@ class Stretch(NamedTuple):
     noise: float
 
 
-def rigid_pulse(stretch: Stretch, last: RigidPulse | None = None) -> RigidPulse | None:
+def rigid_pulse(stretch: Stretch, frequency: float, last: RigidPulse | None = None) -> RigidPulse | None:
     """Return the pulse without its ringing; None where nothing rings, or no model of it fits.
 
     Parameters
     ----------
     stretch : Stretch
         The record around the blow.
+    frequency : float
+        At which it rings, Hz, as `ringing_of` says; NaN where it does not.
     last : RigidPulse, optional
         That of the blow before it in a train, whose ringing is alike.
     """
-    frequency = ringing_of(stretch)
     if not frequency > 0.0:
         return None
     values, step, width = stretch.values, stretch.step, stretch.width
@@ -469,7 +470,7 @@ def rigid_pulse(stretch: Stretch, last: RigidPulse | None = None) -> RigidPulse 
     models = MODELS if last is None else [model for model in MODELS if _name(model) == last.model]
     rigid = fit_rigid_pulse(part, factor * step, guess, frequency, stretch.noise / math.sqrt(factor), models)
     if rigid is None and last is not None:
-        return rigid_pulse(stretch)
+        return rigid_pulse(stretch, frequency)
     if rigid is None or (rigid.damping > QUICKLY and not swings_after(stretch)):
         return None
     better = rigid.misfit * rigid.peak < BETTER * math.sqrt(float(np.mean(alone**2)))
@@ -536,9 +537,14 @@ def strongest_frequency(values: Array, step: float, lowest: float) -> float:
     >>> round(strongest_frequency(np.exp(-time / 1e-3) * np.sin(2.0 * np.pi * 3000.0 * time), 1e-5, 500.0), -2)
     3000.0
     """
+    frequencies, height = spectrum_after(values, step)
+    above = np.flatnonzero(frequencies >= lowest)
+    return float(frequencies[above[np.argmax(height[above])]]) if above.size else math.nan
+
+
+def spectrum_after(values: Array, step: float) -> tuple[Array, Array]:
+    """Return frequencies, Hz, and amplitude spectrum of what dies out: faded to its end, not from its begin."""
     window = np.hanning(2 * values.size)[values.size :]
     padded = PADDED * values.size
-    power = np.abs(np.fft.rfft((values - np.mean(values)) * window, padded))
-    frequencies = np.fft.rfftfreq(padded, step)
-    above = np.flatnonzero(frequencies >= lowest)
-    return float(frequencies[above[np.argmax(power[above])]]) if above.size else math.nan
+    height = np.abs(np.fft.rfft((values - np.mean(values)) * window, padded))
+    return np.asarray(np.fft.rfftfreq(padded, step)), np.asarray(height)
