@@ -26,8 +26,8 @@ STRAYS = 0.06
 COMPARED = ("peak", "width", "velocity_change")
 """Figures that are compared with those of the pulse without ringing."""
 WIDTH_BY_LEVEL = 0.68
-"""Share by which the width of a half-sine at 10 % changes with a level under it, over its peak: 2 / pi / sqrt(1 - 0.1^2)
-over 0.936. The smooth pulse is no measure of it where it misses the feet."""
+"""Share by which the width of a half-sine at 10 % changes with a level under it, over its peak,
+2 / (pi sqrt(1 - 0.1^2)) over 0.936; the smooth pulse is no measure of it where it misses the feet."""
 HIGHER = 5.0
 """Standard deviations that a record goes higher outside the blows than in them: noise alone does not in any record."""
 
@@ -83,8 +83,8 @@ def _ringing_of(record: Examined, pulse: RecordedPulse) -> HealthNotice | None:
 def _doubt_of_smooth(pulse: RecordedPulse, frequency: float) -> dict[str, float]:
     """Return by how much of itself a swing that the smooth pulse misses may falsify each of its figures.
 
-    It has sqrt(2) of the misfit as amplitude A. It lifts or lowers the peak by that, the feet as any level does, and what
-    it adds to the area is half a swing at most, A / (pi f).
+    It has sqrt(2) of the misfit as amplitude A. It lifts or lowers the peak by that, the feet as any level does, and
+    what it adds to the area is half a swing at most, A / (pi f).
     """
     amplitude = math.sqrt(2.0) * pulse.smooth.misfit
     smooth = pulse.smooth
