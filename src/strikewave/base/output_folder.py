@@ -24,6 +24,7 @@ RESULT_FILES = (
     "motion.csv",
     "responses.csv",
     "spectrum.csv",
+    "comparison.csv",
     "response.csv",
     "response.svg",
     "rolling.csv",

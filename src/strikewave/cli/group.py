@@ -29,6 +29,7 @@ PANELS: dict[str, dict[str, tuple[str, str]]] = {
         "srs": ("strikewave.analyses.record.srs", "Compute shock response spectra."),
         "hopkinson": ("strikewave.analyses.hopkinson.command", "Reduce split-Hopkinson-bar records."),
         "identify": ("strikewave.analyses.impact.identify", "Identify a contact law from a pulse."),
+        "compare": ("strikewave.analyses.compare.command", "Compare two histories, measured or simulated."),
     },
     "Design": {
         "settings": ("strikewave.studies.settings.command", "Find machine settings for wanted blows."),

@@ -9,6 +9,7 @@ from strikewave.analyses.record import pictures as pictures
 from strikewave.analyses.record.motion_chapter import motion_section
 from strikewave.analyses.record.response_chapter import response_sections
 from strikewave.analyses.record.result import RecordResult
+from strikewave.analyses.record.rigid_chapter import rigid_sections
 from strikewave.analyses.record.tables import amount, between, called, percent, short_names, unit_of
 from strikewave.analyses.record.words import counted, record_words
 from strikewave.records.campaign import Campaign
@@ -37,6 +38,7 @@ def record_report(result: RecordResult) -> str:
         chapters.file_section(files, names),
         chapters.health_section(files, names),
         chapters.blow_section(files, names),
+        *rigid_sections(files, names),
         *(chapters.campaign_section(one, files, names, len(campaigns) > 1) for one in campaigns),
         shared.warnings(result.notices),
         *([motion_section(result.motions)] if result.motion else []),

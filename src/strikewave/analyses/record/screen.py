@@ -31,7 +31,9 @@ from strikewave.records import (
     Request,
     worst,
 )
+from strikewave.records.band_split import BandSplit
 from strikewave.records.campaign import SUMMED, WITHOUT_RINGING
+from strikewave.records.rigid_pulse import RigidPulse
 from strikewave.reporting import measured_files as measured
 from strikewave.reporting.layout import MORE, ScreenColumn, keys, numerals, texts
 from strikewave.reporting.numbers import listed, shown_unit, with_unit
@@ -157,27 +159,61 @@ def _print_rigid(readings: Sequence[FileReading], names: dict[str, str]) -> None
     rows = []
     for file in readings:
         for reading in file.channels:
-            pulses = [pulse for pulse in reading.pulses if pulse.rigid is not None]
-            if not any(pulse.differs_without_ringing for pulse in pulses):
+            pulses = [pulse for pulse in reading.pulses if pulse.rigid is not None or pulse.split is not None]
+            if not any(pulse.differs_without_ringing or pulse.differs_by_split for pulse in pulses):
                 continue
-            peak, width = _mean([p.rigid_peak for p in pulses]), _mean([p.rigid_width for p in pulses])
-            doubt = _mean([p.rigid.peak_uncertainty for p in pulses if p.rigid is not None])
-            raw = _mean([pulse.peak for pulse in pulses])
+            unit, raw = reading.channel.unit, _mean([pulse.peak for pulse in pulses])
+            joint = [pulse.rigid for pulse in pulses if pulse.rigid is not None]
+            split = [pulse.split for pulse in pulses if pulse.split is not None and pulse.split.separable]
+            best = _mean([one.peak for one in joint or split])
             rows.append(
                 [
                     names[file.path],
                     reading.channel.name,
-                    _value(peak, reading.channel.unit),
-                    f"{doubt / abs(peak):.1%}",
-                    f"{raw / peak - 1.0:+.1%}",
-                    number(width, "s", "us"),
-                    number(_mean([p.rigid.frequency for p in pulses if p.rigid is not None]), "Hz", "Hz"),
+                    *_peak_of(joint, unit),
+                    *(_peak_of(split, unit) if split else ("not separable", "-")),
+                    f"{raw / best - 1.0:+.1%}",
+                    number(_mean([one.width for one in joint or split]), "s", "us"),
+                    number(_mean([one.frequency for one in joint]), "Hz", "Hz"),
+                    number(_mean([one.cutoff for one in split]), "Hz", "Hz"),
+                    _times(_mean([pulse.methods_apart for pulse in pulses])),
                 ]
             )
     if rows:
-        columns = [*keys("file"), *texts("channel"), *numerals("peak", "uncertainty", "with ringing")]
-        columns += [*numerals("pulse width at 10 % (us)", "ringing (Hz)", priority=MORE)]
+        columns = [*keys("file"), *texts("channel"), *numerals("peak", "uncertainty", "by band split")]
+        columns += [*numerals("of that", priority=MORE), *numerals("with ringing")]
+        columns += numerals(
+            *("pulse width at 10 % (us)", "ringing (Hz)", "cutoff of the split (Hz)", "apart (uncertainties)"),
+            priority=MORE,
+        )
         _table("Without ringing", columns, rows)
+    _print_overlapping(readings, names)
+
+
+def _print_overlapping(readings: Sequence[FileReading], names: dict[str, str]) -> None:
+    """Say of how many blows the rigid part can be separated neither way, and why of the first."""
+    overlapping = [
+        (names[file.path], reading.channel.name, pulse.split.reason)
+        for file, reading in rows_of(readings)
+        for pulse in reading.pulses
+        if pulse.rigid is None and pulse.split is not None and not pulse.split.separable
+    ]
+    if overlapping:
+        name, channel, reason = overlapping[0]
+        several = len(overlapping) > 1
+        blows = f"{len(overlapping)} blows that ring" if several else "the blow that rings"
+        first = f" (the first: {name}, {channel})" if several else ""
+        tell(f"the rigid part of {blows} cannot be separated: {reason}{first}")
+
+
+def _peak_of(found: Sequence[RigidPulse | BandSplit], unit: str) -> tuple[str, str]:
+    """Return the mean peak without ringing, and its standard uncertainty over it."""
+    peak, doubt = _mean([one.peak for one in found]), _mean([one.peak_uncertainty for one in found])
+    return _value(peak, unit), "-" if math.isnan(peak) else f"{doubt / abs(peak):.1%}"
+
+
+def _times(value: float) -> str:
+    return "-" if math.isnan(value) else f"{value:.2g}"
 
 
 def _print_responses(readings: Sequence[FileReading], names: dict[str, str]) -> None:
