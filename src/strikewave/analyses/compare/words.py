@@ -6,11 +6,12 @@ import math
 
 import numpy as np
 
-from strikewave.analyses.compare.limits import CANNOT_TELL, FAIL, METRICS, PASS
+from strikewave.analyses.compare.limits import METRICS
 from strikewave.analyses.compare.result import INTEGRALS, NAMES, CompareResult, shift_words
 from strikewave.reporting.numbers import band_text, headed, percent, shown, with_unit
 from strikewave.reporting.parts import NONE, Cell, Table, Tag, written
 from strikewave.signal.iso18571 import RATE, SAMPLES
+from strikewave.specifications.decisions import CANNOT_TELL, FAIL, PASS
 
 VERDICTS = {PASS: Tag("PASS", "good"), FAIL: Tag("FAIL", "bad"), CANNOT_TELL: Tag("cannot tell", "warned")}
 """How a verdict is shown."""
