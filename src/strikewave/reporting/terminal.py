@@ -119,7 +119,8 @@ def _shows_only_ascii(stream: TextIO) -> bool:
 
 def _showable(text: str, stream: TextIO) -> str:
     """Return a text as the stream shows it: no command to the terminal, and ASCII where it knows nothing else."""
-    return plain(clean(text)) if _shows_only_ascii(stream) else clean(text)
+    text = clean(numbers.in_shown_units(text))
+    return plain(text) if _shows_only_ascii(stream) else text
 
 
 def _write(lines: Iterable[Line], stream: TextIO) -> None:
@@ -138,7 +139,9 @@ def _write(lines: Iterable[Line], stream: TextIO) -> None:
 
 def print_json(document: dict[str, Any], indent: int | None = 2) -> None:
     """Print one JSON document on stdout; without indentation where it holds long histories."""
-    sys.stdout.write(json.dumps(document, indent=indent, allow_nan=False, ensure_ascii=False) + "\n")
+    sys.stdout.write(
+        json.dumps(document, indent=indent, allow_nan=False, ensure_ascii=False).replace(numbers.NO_BREAK, " ") + "\n"
+    )
 
 
 def tell(text: str, indent: str = "") -> None:

@@ -62,7 +62,7 @@ def uncertain(record: Examined) -> list[HealthNotice]:
     peak = min(abs(pulse.peak) for pulse in record.pulses)
     if hum is not None and hum[1] > NOTED_HUM * peak:
         frequency, amplitude = hum
-        message = f"hum of {frequency:g} Hz, {amplitude / peak:.1%} of the peak"
+        message = f"hum of {frequency:g}\xa0Hz, {amplitude / peak:.1%} of the peak"
         return [by_effect("hum", message, amplitude, worst, signed=False)]
     if max(worst.values(), default=0.0) < NOTED_NOISE:
         return []
