@@ -37,8 +37,18 @@ from strikewave.specifications.reading import Specification
 
 DIRECTIONS = ("+x", "-x", "+y", "-y", "+z", "-z")
 """Directions of a shock: axes of the specimen, both senses."""
-JUDGED_AS_IT_IS = ("ringing", "rebound", "double-hit", "missing-blow", "outlier", "response", "no-foot")
-"""Findings on what the machine or the specimen does: a specification judges it, it is no fault of the record."""
+JUDGED_AS_IT_IS = (
+    "polarity",
+    "polarity-differs",
+    "ringing",
+    "rebound",
+    "double-hit",
+    "missing-blow",
+    "outlier",
+    "response",
+    "no-foot",
+)
+"""Findings on what machine, specimen or direction do: a specification judges it, it is no fault of the record."""
 FINEST_FILTERED = 1.0 / 200.0
 """Share of the duration between samples on which a filter is tried on the ideal pulse, where the record is coarser."""
 

@@ -12,7 +12,7 @@ from strikewave.analyses.record.verdicts.words import (
     value_words,
 )
 from strikewave.reporting.parts import NONE, Cell, Part, Picture, Section, Table
-from strikewave.specifications.decisions import FAIL, WORST_FIRST
+from strikewave.specifications.decisions import FAIL, NOT_JUDGED, WORST_FIRST
 from strikewave.specifications.judged_records import JudgedShock, RecordsVerdict
 
 MOST_DRAWN = 12
@@ -29,7 +29,7 @@ def verdict_section(found: RecordsVerdict, names: dict[str, str]) -> Section:
     rows: list[list[Cell]] = [
         [
             *clause_cells(clause),
-            *([name_of_shock(shock, names, several)] if many else []),
+            *([name_of_shock(shock if clause.verdict != NOT_JUDGED else None, names, several)] if many else []),
             clause.reason or NONE,
         ]
         for clause, shock in found.clauses

@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from strikewave.analyses.record.verdicts.figures import limits_figure, spectrum_limits_figure
-from strikewave.analyses.record.verdicts.specified import (
+from strikewave.analyses.record.verdicts.specification_result import (
     SpecificationResult,
     asked_words,
     specification_words,

@@ -13,6 +13,7 @@ from strikewave.reporting.options import share
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
+    from strikewave.analyses.record.verdicts.judged_spectra import SpectraJudge
     from strikewave.specifications.judged_records import Asked
     from strikewave.specifications.reading import Specification
 
@@ -70,6 +71,15 @@ class SpecificationOptions:
             self._nothing_else()
             return None
         return load_specification(self.spec)
+
+    def spectra_judge(self) -> SpectraJudge | None:
+        """Return what spectra are judged by, and how; None for nothing."""
+        from strikewave.analyses.record.verdicts.judged_spectra import SpectraJudge
+
+        specification = self.specification()
+        if specification is None:
+            return None
+        return SpectraJudge(specification, self.decision, self.strict, self.uncertainty or 0.0)
 
     def _nothing_else(self) -> None:
         """Refuse what makes no sense without a specification."""

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
 
 from strikewave.reporting.numbers import listed, shown, with_unit
 from strikewave.reporting.parts import NONE, Cell, Tag, written
@@ -134,12 +133,17 @@ def _first_upper(text: str) -> str:
 
 def _why(clause: Clause) -> str:
     """Say why a clause did not pass."""
-    if clause.reason and (clause.verdict == CANNOT_TELL or clause.unit == "1"):
+    if clause.reason and clause.verdict == CANNOT_TELL:
         return clause.reason
     where = f", {clause.reason}" if clause.reason else ""
     if clause.clause == "band":
         return f"{amount(clause, -clause.margin, 3)} outside{where}"
     return f"{value_words(clause)}; limit {limit_words(clause)}{where}"
+
+
+def clause_words(clause: Clause) -> str:
+    """Say what a clause that did not pass comes to."""
+    return f"{_first_upper(clause.clause)}: {_why(clause)}"
 
 
 def tag_of(verdict: str) -> Tag:
@@ -160,13 +164,4 @@ def clause_cells(clause: Clause) -> list[Cell]:
     ]
 
 
-CLAUSE_HEADS: Sequence[str] = (
-    "clause",
-    "limit",
-    "value",
-    "margin",
-    "of tolerance",
-    "verdict",
-    "status of the limit",
-    "why",
-)
+CLAUSE_HEADS = ("clause", "limit", "value", "margin", "of tolerance", "verdict", "limit is")
