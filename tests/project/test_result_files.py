@@ -10,6 +10,7 @@ from strikewave.base.output_folder import RESULT_FILES
 DOCS = Path(__file__).parents[2] / "docs"
 LINK = "reports.md#the-files-of-a-result"
 PAGES = (
+    "compare",
     "exchange",
     "fem",
     "hopkinson",
@@ -53,6 +54,7 @@ def test_a_command_writes_only_what_the_docs_list_for_it(strikewave):
         "hopkinson": ["shot.toml", "--xlsx"],
         "record": ["shot.csv", "--unit", "g", "--motion", "--xlsx"],
         "srs": ["shot.csv", "--unit", "g", "--rolling", "0.1 ms", "--response", "2 kHz", "--xlsx"],
+        "compare": ["shot.csv", "shot.csv", "--unit", "g", "--xlsx"],
         "laws": ["--xlsx"],
         "spec": ["show", "jesd22-b110:B"],
         "impact": [*impact, "--xlsx"],

@@ -48,7 +48,7 @@ class SampleStore:
     def __init__(self, in_memory: int = IN_MEMORY) -> None:
         self._left = in_memory
         self._file: IO[bytes] | None = None
-        self._map: mmap.mmap | bytes = b""
+        self._maps: list[mmap.mmap] = []
         self._used = 0
 
     def __enter__(self) -> SampleStore:
@@ -73,6 +73,11 @@ class SampleStore:
         ]
         return dataclasses.replace(file, channels=tuple(channels))
 
+    def forget(self) -> None:
+        """Take out of memory what was read back from disk; it is read again where it is looked at again."""
+        for one in self._maps if hasattr(mmap, "MADV_DONTNEED") else ():
+            one.madvise(mmap.MADV_DONTNEED)
+
     def _laid_down(self, values: Array) -> Array:
         """Write samples to disk, and return a view of them there; the samples themselves where the disk is full."""
         if not values.size:
@@ -84,17 +89,18 @@ class SampleStore:
             file.flush()
         except OSError:
             return values
-        view = np.frombuffer(self._map, np.float64, values.size, self._used)
+        view = np.frombuffer(self._maps[-1], np.float64, values.size, self._used)
         self._used += _BYTES * values.size
         return view
 
     def _file_for(self, size: int) -> IO[bytes]:
         """Return a file that has room for so many bytes; a new one, with holes, where there is too little."""
-        if self._file is not None and self._used + size <= len(self._map):
+        if self._file is not None and self._used + size <= len(self._maps[-1]):
             return self._file
         if self._file is not None:
             self._file.close()
         self._file = file = tempfile.TemporaryFile()  # noqa: SIM115  (closed by __exit__)
         file.truncate(max(PART, size))
-        self._map, self._used = mmap.mmap(file.fileno(), max(PART, size), access=mmap.ACCESS_READ), 0
+        self._maps.append(mmap.mmap(file.fileno(), max(PART, size), access=mmap.ACCESS_READ))
+        self._used = 0
         return file

@@ -210,6 +210,33 @@ def test_overlay_aligns_peaks_and_leaves_bad_records_out():
     assert nine.get_legend_handles_labels()[1] == ["median"]
 
 
+class OnDisk:
+    """Samples of which only parts can be had, as they lie on disk: each part is counted."""
+
+    def __init__(self, values):
+        self._values, self.size, self.read = values, values.size, 0
+
+    def __getitem__(self, part):
+        assert isinstance(part, slice)
+        self.read += self._values[part].size
+        return self._values[part]
+
+
+def test_overlay_of_a_campaign_reads_no_more_of_each_record_than_its_blow():
+    """Samples of long campaigns lie on disk: an overlay that looked at all would bring them all back into memory."""
+    reading = blows(1, gap=20e-3).channels[0]
+    named, disks = [], []
+    for k in range(3):
+        disks.append(OnDisk(reading.channel.values))
+        named.append(
+            (str(k), dataclasses.replace(reading, channel=dataclasses.replace(reading.channel, values=disks[k])))
+        )
+    assert len(records.overlay(named).axes[0].lines) == 4
+    span = (reading.pulses[0].end - reading.pulses[0].begin) / STEP
+    # drawn once and averaged once, from 1.2 lengths before the peak to 2 after it, and the sample at the end
+    assert max(disk.read for disk in disks) <= 2 * (3.2 * span + 2)
+
+
 def test_trend_shows_points_mean_and_how_many_are_left_out():
     files = [blows(2, peak, path=str(peak), noise=5.0) for peak in (4000.0, 4500.0, 5000.0)]
     files.insert(1, blows(2, limit=3000.0, path="clipped"))

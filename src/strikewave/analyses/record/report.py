@@ -7,7 +7,9 @@ from collections.abc import Sequence
 from strikewave.analyses.record import chapters as chapters
 from strikewave.analyses.record import pictures as pictures
 from strikewave.analyses.record.motion_chapter import motion_section
+from strikewave.analyses.record.response_chapter import response_sections
 from strikewave.analyses.record.result import RecordResult
+from strikewave.analyses.record.rigid_chapter import rigid_sections
 from strikewave.analyses.record.tables import amount, between, called, percent, short_names, unit_of
 from strikewave.analyses.record.verdicts.chapter import verdict_section
 from strikewave.analyses.record.verdicts.words import tag_of
@@ -33,11 +35,13 @@ def record_report(result: RecordResult) -> str:
     sections = [
         *([] if result.verdict is None else [verdict_section(result.verdict, names)]),
         *pictures.campaign_sections(campaigns, files, names),
+        *response_sections(files, names),
         pictures.picture_section(files, names),
         pictures.response_section(files, names),
         chapters.file_section(files, names),
         chapters.health_section(files, names),
         chapters.blow_section(files, names),
+        *rigid_sections(files, names),
         *(chapters.campaign_section(one, files, names, len(campaigns) > 1) for one in campaigns),
         shared.warnings(result.notices),
         *([motion_section(result.motions)] if result.motion else []),

@@ -21,6 +21,7 @@ from strikewave.analyses.record.spectrum import (
     rms_of,
     spectrum_of,
 )
+from strikewave.analyses.record.verdicts.options import SpecificationOptions
 from strikewave.base.errors import InputError, StrikewaveError
 from strikewave.base.result import FAILED, Notice, Source
 from strikewave.base.units import si_value
@@ -31,6 +32,7 @@ from strikewave.reporting.options import Typed, wrong_choice
 from strikewave.reporting.terminal import say
 from strikewave.signal.filters import Filter
 from strikewave.signal.srs import INITIAL, PARTS, SIDES, RollingSpectrum, Scope, octaves, resultant_srs, rolling_srs
+from strikewave.specifications.decisions import Rule
 
 HIGHEST = 100e3
 """Highest natural frequency by default, Hz. Chosen: ten times that of usual spectra of pyroshock (10 kHz in Irvine, An
@@ -80,6 +82,10 @@ def shock_spectra(
     initial: str = "rest",
     rms: bool = False,
     response: str | float | None = None,
+    spec: str | None = None,
+    decision: Rule = "simple",
+    uncertainty: str | float | None = None,
+    strict: bool = False,
     test: str | Path | None = None,
 ) -> SpectrumResult:
     """Compute the shock response spectra of measured files, their baselines taken off.
@@ -119,6 +125,8 @@ def shock_spectra(
         Whether root mean squares of the responses are given.
     response : str or float, optional
         Natural frequency of an oscillator whose response is given, with a unit or in Hz.
+    spec, decision, uncertainty, strict
+        As for `strikewave.record`; a specification states frequencies, quality factor and side.
 
     Raises
     ------
@@ -177,7 +185,11 @@ def shock_spectra(
         asked = FilesAsked(
             files, stated.calibration(), stated.reading(), filtered(Request(), filter, ac_coupling, high_pass)
         )
-        return spectra_of(asked, wanted, measured.source_in_python(name_of([Path(file) for file in files]), test))
+        origin = measured.source_in_python(name_of([Path(file) for file in files]), test)
+        judge = SpecificationOptions.in_python(spec, decision, uncertainty, strict).spectra_judge()
+        if judge is None:
+            return spectra_of(asked, wanted, origin)
+        return judge.judged(spectra_of(asked, judge.wanted(wanted), origin))
 
 
 def _typed(value: str | float, si: str, field: str) -> Typed:
@@ -218,8 +230,11 @@ def spectra_of(asked: FilesAsked, wanted: SpectrumRequest, origin: Source) -> Sp
     unread: list[Notice] = []
     with SampleStore() as store:
         readings = _readings(asked, store, unread)
-        found = _resultant(asked, wanted, readings) if wanted.options.resultant else _several(wanted, readings)
-    return dataclasses.replace(found, origin=origin, notices=(*found.notices, *unread))
+        axes = [reading for _, reading in readings] if wanted.options.resultant else []
+        _check_axes(asked, wanted, axes)
+        found = _several(wanted, readings, store)
+        sums = _sums(wanted, axes, found.spectra[0].frequency)
+    return dataclasses.replace(found, resultant=sums, origin=origin, notices=(*found.notices, *unread))
 
 
 def _one(asked: FilesAsked, wanted: SpectrumRequest, origin: Source) -> SpectrumResult:
@@ -272,7 +287,9 @@ def _readings(asked: FilesAsked, store: SampleStore, unread: list[Notice]) -> li
     return readings
 
 
-def _several(wanted: SpectrumRequest, readings: Sequence[tuple[str, ChannelReading]]) -> SpectrumResult:
+def _several(
+    wanted: SpectrumRequest, readings: Sequence[tuple[str, ChannelReading]], store: SampleStore
+) -> SpectrumResult:
     """Return the spectra of all channels and what they come to; one that is bad enters no envelope."""
     first = readings[0][1].channel
     for file, reading in readings:
@@ -291,6 +308,7 @@ def _several(wanted: SpectrumRequest, readings: Sequence[tuple[str, ChannelReadi
     for file, reading in readings:
         shock = _shock(file, reading, wanted, (frequencies, _scope(wanted, reading, file)), windows)
         shocks.append(shock)
+        store.forget()
         if shock.left_out:
             does = "is bad, and still in the resultant" if wanted.options.resultant else "enters no envelope"
             notices[shock.name] = Notice("left-out", f"{shock.name} {does}: {shock.left_out}")
@@ -337,16 +355,15 @@ def _shock(
     )
 
 
-def _resultant(
-    asked: FilesAsked, wanted: SpectrumRequest, readings: Sequence[tuple[str, ChannelReading]]
-) -> SpectrumResult:
-    """Return the spectra of the axes of a file, and that of their vector sum."""
+def _check_axes(asked: FilesAsked, wanted: SpectrumRequest, axes: Sequence[ChannelReading]) -> None:
+    """Refuse a resultant of what are no axes of one shock."""
+    if not wanted.options.resultant:
+        return
     if len(asked.files) > 1:
         raise InputError("--resultant", f"{len(asked.files)} files", "the channels of one file")
     if wanted.part != "total" or wanted.side != "maximax":
         option, got = ("--part", wanted.part) if wanted.part != "total" else ("--side", wanted.side)
         raise InputError(option, got, "the total maximax with --resultant: a length has no sign", "leave it out")
-    axes = [reading for _, reading in readings]
     if len(axes) not in (2, 3):
         got = f"{len(axes)} channel{'s' if len(axes) > 1 else ''}"
         raise InputError("--resultant", got, "2 or 3 perpendicular channels", "name each with --channel")
@@ -358,11 +375,13 @@ def _resultant(
         if other.unit != first.unit:
             got = f"{other.name} in {other.unit}"
             raise InputError("--resultant", got, f"channels in the unit of {first.name}, {first.unit or 'unknown'}")
-    found = _several(wanted, readings)
-    values = [reading.channel.values - reading.baseline for reading in axes]
-    frequencies, initial = found.spectra[0].frequency, wanted.options.initial
-    sums = {kind: resultant_srs(values, first.step, frequencies, wanted.q, kind, initial) for kind in wanted.kinds}
-    return dataclasses.replace(found, resultant=sums)
+
+
+def _sums(wanted: SpectrumRequest, axes: Sequence[ChannelReading], frequencies: Any) -> dict[str, Any]:
+    """Return the vector sums of axes by kind; nothing without axes."""
+    values, initial = [reading.channel.values - reading.baseline for reading in axes], wanted.options.initial
+    kinds = wanted.kinds if axes else ()
+    return {kind: resultant_srs(values, axes[0].channel.step, frequencies, wanted.q, kind, initial) for kind in kinds}
 
 
 def _rolling(

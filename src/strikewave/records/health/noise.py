@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 
 import numpy as np
 from numpy.typing import NDArray
@@ -106,20 +107,28 @@ def mains_hum(record: Examined) -> tuple[float, float] | None:
     >>> frequency, round(amplitude, 1)
     (50.0, 3.0)
     """
-    size = max(round(1.0 / (max(MAINS) * A_PERIOD * record.step)), 1)
-    count = min(record.values.size // size, MOST_MEANS)
-    if count * size * record.step < FEWEST_PERIODS / max(MAINS):
+    spans = [(pulse.begin, pulse.end) for pulse in record.pulses]
+    return hum_beside(record.values, record.step, record.start, spans)
+
+
+def hum_beside(
+    values: Array, step: float, start: float, spans: Sequence[tuple[float, float]]
+) -> tuple[float, float] | None:
+    """Return frequency and amplitude of the hum of the mains beside blows from begin to end; None for none."""
+    size = max(round(1.0 / (max(MAINS) * A_PERIOD * step)), 1)
+    count = min(values.size // size, MOST_MEANS)
+    if count * size * step < FEWEST_PERIODS / max(MAINS):
         return None
-    means = record.values[: count * size].reshape(count, size).mean(axis=1)
+    means = values[: count * size].reshape(count, size).mean(axis=1)
     middles = size * np.arange(count) + 0.5 * (size - 1)
-    time = np.asarray(record.start + record.step * middles, dtype=np.float64)
+    time = np.asarray(start + step * middles, dtype=np.float64)
     quiet, before = np.ones(count, dtype=bool), np.zeros(count, dtype=bool)
-    for pulse in record.pulses:
-        span = max(pulse.end - pulse.begin, record.step)
-        quiet &= (time < pulse.begin - AROUND_BLOW[0] * span) | (time > pulse.end + AROUND_BLOW[1] * span)
-    if record.pulses:
-        before = time < record.pulses[0].begin
-    if np.count_nonzero(quiet) * size * record.step < FEWEST_PERIODS / max(MAINS):
+    for begin, end in spans:
+        span = max(end - begin, step)
+        quiet &= (time < begin - AROUND_BLOW[0] * span) | (time > end + AROUND_BLOW[1] * span)
+    if spans:
+        before = time < spans[0][0]
+    if np.count_nonzero(quiet) * size * step < FEWEST_PERIODS / max(MAINS):
         return None
     best: tuple[float, float] | None = None
     for frequency in MAINS:

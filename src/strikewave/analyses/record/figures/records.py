@@ -34,8 +34,8 @@ MOST_LABELS = 16
 """Pulses that are all numbered; of more only those with room, or the numbers overlap."""
 MOST_NAMES = 8
 """Files that an overlay tells apart: as many as there are colours."""
-MOST_AVERAGED = 400
-"""Pulses of which a median is taken, evenly among all: more do not move it by what is seen."""
+MOST_AVERAGED = 100
+"""Pulses of which a median is taken, evenly among all: its error is then an eighth of their scatter, a line's width."""
 LARGEST_DRAWN = 1e200
 """Records with larger values are not drawn: the axes' squares and sums would be no numbers."""
 _HALO = {"facecolor": "white", "edgecolor": "none", "alpha": 0.75, "pad": 0.6}
@@ -225,7 +225,7 @@ def overlay(readings: Sequence[Named]) -> Figure:
 
 def draw_overlay(axes: Any, readings: Sequence[Named], names: bool = True) -> None:
     """Draw an overlay on axes."""
-    used = [(name, r) for name, r in readings if r.status != "bad" and r.pulses and drawable(r)]
+    used = [(name, r) for name, r in readings if r.status != "bad" and r.pulses and _drawable_pulses(r)]
     pulses = [(name, r, p) for name, r in used for p in r.pulses]
     if not pulses:
         bad = bool(readings) and all(reading.status == "bad" for _, reading in readings)
@@ -357,6 +357,11 @@ def clock(duration: float) -> tuple[float, str]:
     """Return factor and unit of a time axis."""
     size, unit = axis_unit("s", "us" if duration < 2e-3 else "ms" if duration < 10.0 else "s")
     return 1.0 / size, unit
+
+
+def _drawable_pulses(reading: ChannelReading) -> bool:
+    """Tell whether the pulses of a record can be drawn, without a look at its samples: they may lie on disk."""
+    return reading.channel.step > 0.0 and all(abs(pulse.peak) < LARGEST_DRAWN for pulse in reading.pulses)
 
 
 def drawable(reading: ChannelReading) -> bool:

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Annotated, ClassVar, Literal
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal, Self, get_args
 
 import typer
 
 from strikewave.base.errors import InputError
-from strikewave.reporting.options import share
+from strikewave.reporting.options import read_share, share, wrong_choice
+from strikewave.specifications.decisions import Rule
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -56,6 +57,24 @@ class SpecificationOptions:
         ),
     ] = None
     strict: Annotated[bool, typer.Option("--strict", help="State no verdict by limits that are from memory.")] = False
+
+    @classmethod
+    def in_python(
+        cls, spec: str | None, decision: Rule, uncertainty: str | float | None, strict: bool, **more: Any
+    ) -> Self:
+        """Return the options of a call in plain values.
+
+        Raises
+        ------
+        InputError
+            If one is none that it can be.
+        """
+        if decision not in get_args(Rule):
+            raise wrong_choice(decision, "decision", get_args(Rule))
+        share_of = None if uncertainty is None else read_share(str(uncertainty), "uncertainty")
+        several = {name: [more[name]] if isinstance(more[name], str | int) else more[name] for name in more}
+        lists = {name: [str(one) for one in values] or None for name, values in several.items()}
+        return cls(spec, decision, share_of, strict, **lists)
 
     def specification(self) -> Specification | None:
         """Return the specification that is asked for; None for none.

@@ -21,7 +21,7 @@ from strikewave.specifications.tables import SpecificationFile, numbers_of
 STATUS_LOOKS = {"normative": "good", QUOTED: "", "indicative": "warned"}
 
 
-class NumberRow(NamedTuple):
+class SpecificationNumber(NamedTuple):
     """A number of a specification: path in its file, as typed, in SI, status, source, note."""
 
     path: str
@@ -52,7 +52,7 @@ class SpecificationResult(measured.AskedResult):
         return self.specification.title
 
     @property
-    def numbers(self) -> list[NumberRow]:
+    def numbers(self) -> list[SpecificationNumber]:
         """Its numbers; of other conditions than the one asked for, none."""
         condition = self.specification.condition
         return number_rows(self.specification.file, None if condition is None else condition.name)
@@ -96,10 +96,10 @@ class SpecificationResult(measured.AskedResult):
         return {"spec.json": self.document_text(2), "specification.toml": self.specification.text}
 
 
-def number_rows(file: SpecificationFile, condition: str | None = None) -> list[NumberRow]:
+def number_rows(file: SpecificationFile, condition: str | None = None) -> list[SpecificationNumber]:
     """Return the numbers of a file, of one condition alone where that is named."""
     rows = [
-        NumberRow(path, str(number.typed), number.si, status, source, number.note)
+        SpecificationNumber(path, str(number.typed), number.si, status, source, number.note)
         for path, number, status, source in numbers_of(file)
     ]
     return [row for row in rows if condition is None or not _of_another(row.path, condition)]
