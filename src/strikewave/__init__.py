@@ -14,6 +14,8 @@ from typing import TYPE_CHECKING, Any
 from strikewave._version import __version__
 
 if TYPE_CHECKING:  # for type checkers and editors; at run time a name is imported when it is first used
+    from strikewave.analyses.compare.question import compare as compare
+    from strikewave.analyses.compare.result import CompareResult as CompareResult
     from strikewave.analyses.fem.result import FemSolution as FemSolution
     from strikewave.analyses.fem.run import run_fem as run_fem
     from strikewave.analyses.hopkinson.run import run_hopkinson as run_hopkinson
@@ -51,6 +53,7 @@ if TYPE_CHECKING:  # for type checkers and editors; at run time a name is import
 _HOMES = {
     "Band": "base.result",
     "Case": "cases.case",
+    "CompareResult": "analyses.compare.result",
     "Contact": "contact.law",
     "FemSolution": "analyses.fem.result",
     "InputError": "base.errors",
@@ -62,6 +65,7 @@ _HOMES = {
     "StrikewaveError": "base.errors",
     "WaveSolution": "analyses.wave.result",
     "buffer": "studies.buffer.question",
+    "compare": "analyses.compare.question",
     "dump_case": "cases.case",
     "find_pulses": "records.measuring",
     "identify": "contact.identification",

@@ -33,6 +33,7 @@ COMMANDS = [
     ("record", "pulse.csv"),
     ("srs", "pulse.csv", "--per-octave", "1"),
     ("identify", "pulse.csv", "--m1", "0.2", "--m2", "0.4"),
+    ("compare", "pulse.csv", "pulse.csv"),
     ("impact", "--m1", "0.2", "--m2", "0.4", "--speed", "3", "--stiffness", "4.7e9", "-n", "1.1", "-e", "0.5"),
     MAP,
     ("buffer", "li-ma-2019-fig5", "--sensor", "buffered", "--limit", "7000 g", *GASKETS),

@@ -47,8 +47,10 @@ CHEAP = {
     "laws": (),
     "record": ("pulse.csv",),
     "srs": ("pulse.csv", "--per-octave", "1"),
+    "spec": ("show", "jesd22-b110:B"),
     "hopkinson": ("shot.toml",),
     "identify": ("pulse.csv", "--m1", "0.2", "--m2", "0.4"),
+    "compare": ("pulse.csv", "pulse.csv", "--limit", "iso18571 > 0.8"),
     "map": ("li-ma-2019", "--points", "3x2", "--workers", "1", "--train", "0", *TWO),
     "buffer": ("li-ma-2019-fig5", "--sensor", "buffered", "--limit", "7000 g", *GASKETS),
     "deck": ("block.toml",),
@@ -157,7 +159,20 @@ def test_help_breaks_nothing(strikewave, monkeypatch, name):
         assert words_of(text) <= whole, (width, sorted(words_of(text) - whole))
 
 
-SHOWABLE = ("wave", "fem", "impact", "record", "srs", "hopkinson", "identify", "map", "buffer", "ls-dyna", "materials")
+SHOWABLE = (
+    "wave",
+    "fem",
+    "impact",
+    "record",
+    "srs",
+    "hopkinson",
+    "identify",
+    "compare",
+    "map",
+    "buffer",
+    "ls-dyna",
+    "materials",
+)
 USUAL = re.compile(r"[^\n]{0,40}(?:\d (?:g|µs|us|kN|µm|MPa)(?![\w/])|\((?:g|µs|us|kN|mm|µm|GPa|MPa)\)).{0,20}")
 """A number, or a head, in the usual unit of an acceleration, a time, a force, a length or a stress."""
 TYPED = "under a front of 5 us"

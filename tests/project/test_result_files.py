@@ -9,7 +9,20 @@ from strikewave.base.output_folder import RESULT_FILES
 
 DOCS = Path(__file__).parents[2] / "docs"
 LINK = "reports.md#the-files-of-a-result"
-PAGES = ("exchange", "fem", "hopkinson", "machines", "map", "records", "scatter", "sensors", "settings", "waves")
+PAGES = (
+    "compare",
+    "exchange",
+    "fem",
+    "hopkinson",
+    "machines",
+    "map",
+    "records",
+    "scatter",
+    "sensors",
+    "settings",
+    "specifications",
+    "waves",
+)
 """Pages of the commands that write folders."""
 
 
@@ -41,7 +54,9 @@ def test_a_command_writes_only_what_the_docs_list_for_it(strikewave):
         "hopkinson": ["shot.toml", "--xlsx"],
         "record": ["shot.csv", "--unit", "g", "--motion", "--xlsx"],
         "srs": ["shot.csv", "--unit", "g", "--rolling", "0.1 ms", "--response", "2 kHz", "--xlsx"],
+        "compare": ["shot.csv", "shot.csv", "--unit", "g", "--xlsx"],
         "laws": ["--xlsx"],
+        "spec": ["show", "jesd22-b110:B"],
         "impact": [*impact, "--xlsx"],
         "map": ["li-ma-2019", "--points", "3x3", "--x", "machine.speed", "--y", "object.spring", "--xlsx"],
         "scatter": ["li-ma-2019-equal-blows", "--runs", 16, "--xlsx"],

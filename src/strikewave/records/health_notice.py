@@ -12,6 +12,8 @@ STATUSES = ("good", "suspect", "bad")
 """From best to worst."""
 FIGURES = ("peak", "rise", "width", "velocity_change", "interval", "ringing_frequency", "spectrum")
 """What a notice can harm."""
+RESPONSE_FIGURES = ("peak", "ratio", "delay", "duration", "rms", "frequency", "damping")
+"""What a notice on a response channel can harm."""
 HARMED = 0.05
 """Estimated effect on a figure beyond which it is harmed: the usual uncertainty of a calibrated shock accelerometer."""
 NO_EFFECT = 0.0005
@@ -86,10 +88,12 @@ def by_effect(
     doubt: Mapping[str, float] | None = None,
     start: float = float("nan"),
     end: float = float("nan"),
+    figures: tuple[str, ...] = FIGURES,
 ) -> HealthNotice:
     """Return a notice that says what it does to each figure; those beyond `HARMED` are harmed, and it is suspect.
 
-    A rise time is harmed with the peak that it depends on. What is not known of an effect, its ``doubt``, counts too.
+    A rise time, and the ratio to a base, are harmed with the peak that they depend on. What is not known of an effect,
+    its ``doubt``, counts too.
 
     Examples
     --------
@@ -105,13 +109,15 @@ def by_effect(
     harms = [name for name, effect in effects.items() if abs(effect) + (doubt or {}).get(name, 0.0) > HARMED]
     if "peak" in harms or "width" in harms:
         harms.append("rise")
+    if "peak" in harms:
+        harms.append("ratio")
     message = f"{message}: {', '.join(parts)}" if parts else message
     return HealthNotice(
         code,
         message,
         value,
         severity="suspect" if harms else "good",
-        harms=tuple(name for name in FIGURES if name in harms),
+        harms=tuple(name for name in figures if name in harms),
         start=start,
         end=end,
         effects=tuple((name, float(effect)) for name, effect in effects.items()),

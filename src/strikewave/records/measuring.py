@@ -16,10 +16,11 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from strikewave.records.band_split import BandSplit, split_bands
 from strikewave.records.baseline import LocalBaseline, baseline_before
 from strikewave.records.health_notice import HARMED
 from strikewave.records.pulses import Box, find_boxes, robust_line, sample_noise
-from strikewave.records.rigid_pulse import RINGS_WITHIN, RigidPulse, Stretch, rigid_pulse
+from strikewave.records.rigid_pulse import RINGS_WITHIN, RigidPulse, Stretch, rigid_pulse, ringing_of
 from strikewave.records.smooth_pulse import PulseUncertainty, SmoothPulse, fit_smooth_pulse
 from strikewave.records.smoothing import smooth
 from strikewave.records.trains import Contacts, sort_contacts
@@ -116,6 +117,9 @@ class RecordedPulse:
         Smaller contacts that belong to the blow.
     rigid : RigidPulse or None
         The pulse without its ringing, fitted together with it; None where nothing rings, or no model of it fits.
+    split : BandSplit or None
+        The pulse without its ringing, by a low-pass between the two bands; None where nothing rings, or the low-pass
+        leaves no pulse.
     """
 
     time: float
@@ -134,6 +138,25 @@ class RecordedPulse:
     uncertainty: PulseUncertainty = NOT_KNOWN
     rebounds: tuple[Rebound, ...] = ()
     rigid: RigidPulse | None = None
+    split: BandSplit | None = None
+
+    @property
+    def split_peak(self) -> float:
+        """Peak of the rigid part by the band split; NaN where it cannot be separated."""
+        return self.split.peak if self.split is not None and self.split.separable else math.nan
+
+    @property
+    def split_width(self) -> float:
+        """Width of the rigid part by the band split, s; NaN where it cannot be separated."""
+        return self.split.width if self.split is not None and self.split.separable else math.nan
+
+    @property
+    def methods_apart(self) -> float:
+        """Peaks by joint fit and by band split apart, over the standard uncertainty of that; NaN without both."""
+        if self.rigid is None or self.split is None or not self.split.separable:
+            return math.nan
+        doubt = math.hypot(self.rigid.peak_uncertainty, self.split.peak_uncertainty)
+        return abs(self.rigid.peak - self.split.peak) / doubt
 
     @property
     def rigid_peak(self) -> float:
@@ -150,9 +173,17 @@ class RecordedPulse:
         """Whether peak, width or velocity change without ringing differ by more than `HARMED`."""
         rigid = self.rigid
         names = () if rigid is None else PulseUncertainty._fields
-        return any(
-            abs(getattr(self, name) - getattr(rigid, name)) > HARMED * abs(getattr(rigid, name)) for name in names
-        )
+        return _differ([(getattr(self, name), getattr(rigid, name)) for name in names])
+
+    @property
+    def differs_by_split(self) -> bool:
+        """Whether peak or width of the rigid part by the band split differ by more than `HARMED`."""
+        return _differ([(self.peak, self.split_peak), (self.width, self.split_width)])
+
+
+def _differ(pairs: Sequence[tuple[float, float]]) -> bool:
+    """Tell whether a figure differs from the other one of its pair."""
+    return any(abs(one - other) > HARMED * abs(other) for one, other in pairs)
 
 
 def find_pulses(values: Array, step: float, start: float = 0.0) -> list[RecordedPulse]:
@@ -222,11 +253,13 @@ def _with_rigid(values: Array, step: float, start: float, pulses: Sequence[Recor
         others = [rebound.time - pulse.smooth.length for rebound in one_sided(values, step, start, pulse)]
         others += [pulses[k + 1].begin] if k + 1 < len(pulses) else []
         stretch = stretch_of(values, step, start, pulse, min(others, default=math.inf))
-        rigid = rigid_pulse(stretch, last)
+        frequency, sign = ringing_of(stretch), math.copysign(1.0, pulse.peak)
+        split = split_bands(stretch, frequency) if frequency > 0.0 else None
+        rigid = rigid_pulse(stretch, frequency, last)
         if rigid is not None:
             last = rigid
-            rigid = rigid.moved(pulse.smooth.begin - stretch.smooth.begin, math.copysign(1.0, pulse.peak))
-        done.append(replace(pulse, rigid=rigid))
+            rigid = rigid.moved(pulse.smooth.begin - stretch.smooth.begin, sign)
+        done.append(replace(pulse, rigid=rigid, split=None if split is None else split.signed(sign)))
     return done
 
 

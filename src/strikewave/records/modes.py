@@ -31,6 +31,8 @@ SAMPLES_A_SWING = 8.0
 """Samples that thinning leaves of a swing of the strongest frequency."""
 SHARE_OF_LARGEST = 0.02
 """Singular values, over the largest, that count as signal."""
+TINY = 1e-9
+"""Growth a sample below which an exponential is gone at once."""
 WINDOWS = ((0.0, 1.0), (0.1, 1.0), (0.0, 0.8))
 """Begin and end of the windows, over the stretch."""
 ALIKE = 0.05
@@ -145,10 +147,10 @@ def _pencil(values: Array, step: float, late: float) -> list[tuple[complex, floa
     order = min(int(np.count_nonzero(large > SHARE_OF_LARGEST * large[0])), MOST_POLES)
     signal = right[:order].T
     grown = np.linalg.eigvals(np.linalg.pinv(signal[:-1]) @ signal[1:])
-    grown = grown[np.abs(grown) > 0.0]
+    grown = grown[np.isfinite(grown) & (np.abs(grown) > TINY)]
     columns = grown[None, :] ** np.arange(size)[:, None]
     amplitudes = np.linalg.lstsq(columns, values.astype(np.complex128), rcond=None)[0]
-    roots = np.log(grown) / step
+    roots = np.log(grown.astype(np.complex128)) / step  # of real ones too: those below 0 turn half a circle a sample
     return [
         (complex(root), float(2.0 * abs(a) * math.exp(-root.real * late)))
         for root, a in zip(roots, amplitudes, strict=True)

@@ -17,7 +17,8 @@ from strikewave.records.calibration import Calibration, calibrated, calibration_
 from strikewave.records.clock import even
 from strikewave.records.coupling import uncoupled
 from strikewave.records.health import Examined, examine, level_step
-from strikewave.records.health_notice import FIGURES, STATUSES, HealthNotice, worst, worst_first
+from strikewave.records.health.response import ExaminedResponse, examine_response
+from strikewave.records.health_notice import FIGURES, RESPONSE_FIGURES, STATUSES, HealthNotice, worst, worst_first
 from strikewave.records.measuring import FEWEST, RecordedPulse, contacts_of, find_pulses
 from strikewave.records.record import Array, Channel, Record
 from strikewave.records.response import BaseBlow, MeasuredResponse, measure_responses, swings
@@ -396,6 +397,7 @@ def _responding(
 ) -> ChannelReading:
     """Calibrate a response channel, resample it uniformly, and measure it against the blows of the base."""
     channel, findings = calibrated(channel, calibration, f"calibration of {channel.name}")
+    holes = _holes(channel)
     channel, mended = even(channel)
     found = [*findings, *mended]
     usable = channel.values.size >= 2 * FEWEST and bool(np.all(np.isfinite(channel.values)))
@@ -408,7 +410,34 @@ def _responding(
     same = channel.unit == base.channel.unit
     blows = [BaseBlow(pulse.begin, pulse.time, pulse.end, pulse.peak) for pulse in base.pulses]
     responses = measure_responses(channel.values, channel.step, channel.start, blows, same)
+    if responses:
+        examined = ExaminedResponse(channel.values, channel.step, channel.start, channel.unit, blows, responses)
+        found += [*examine_response(examined), *_missing(holes, responses), *_of_base(base)]
     return ChannelReading(channel, number, (), tuple(found), calibration, (), responses)
+
+
+def _missing(holes: Array, responses: Sequence[MeasuredResponse]) -> list[HealthNotice]:
+    """Find responses that lack samples: what bridges them is no measurement."""
+    for one in responses:
+        count = int(np.count_nonzero((holes >= one.begin) & (holes <= one.begin + one.duration)))
+        if count:
+            message = f"{count} samples of the response after {one.begin:.6g} s are no numbers: they are not measured"
+            return [
+                HealthNotice(
+                    "blow-incomplete", message, count, "bad", RESPONSE_FIGURES, one.begin, one.begin + one.duration
+                )
+            ]
+    return []
+
+
+def _of_base(base: ChannelReading) -> list[HealthNotice]:
+    """Tell what is harmed by what is wrong with the base: the ratio to its peak, and what counts from its time."""
+    found = worst_first(f for f in base.findings if f.severity == "bad" or "peak" in f.harms)
+    if not found:
+        return []
+    harms = ("ratio", "delay") if found[0].severity == "bad" else ("ratio",)
+    message = f"the base, {base.channel.name}, is {found[0].severity}: {found[0].message}"
+    return [HealthNotice("base", message, severity="suspect", harms=harms)]
 
 
 def _told(readings: Sequence[ChannelReading]) -> list[ChannelReading]:

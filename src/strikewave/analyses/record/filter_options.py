@@ -4,19 +4,18 @@ from __future__ import annotations
 
 import dataclasses
 import math
-import re
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Annotated, ClassVar
+from typing import TYPE_CHECKING, Annotated
 
 from strikewave.base.errors import InputError
-from strikewave.base.units import parse_quantity, si_value
-from strikewave.reporting.options import Typed, bare_number, parsed, quantity
+from strikewave.base.units import parse_quantity
+from strikewave.reporting.low_pass import LowPassOptions, cutoff_of, low_pass_of
+from strikewave.reporting.options import parsed, quantity
 
 if TYPE_CHECKING:
     from strikewave.records import Request
     from strikewave.signal.filters import Filter
 
-ALLOWED_FILTER = 'a cutoff above zero such as "10 kHz", a class such as "CFC 1000", or a filter'
 ALLOWED_HIGH_PASS = 'a cutoff above zero such as "5 Hz"'
 ALLOWED_COUPLING = 'auto, a time constant above zero such as "1.6 ms", or a cutoff such as "100 Hz"'
 
@@ -42,24 +41,9 @@ def _time_constant(word: str, field: str) -> str | float:
 
 
 @dataclass(frozen=True)
-class FilterOptions:
+class FilterOptions(LowPassOptions):
     """What is taken off a record, or smoothed, before it is measured."""
 
-    panel: ClassVar[str] = "Filters"
-
-    cutoff: Annotated[
-        float | None,
-        quantity("--filter", si="Hz", help="Zero-phase low-pass, -3 dB for both passes; none by default."),
-    ] = None
-    cfc: Annotated[
-        Typed | None,
-        bare_number(
-            "--cfc",
-            high=1e6,
-            allowed="a channel frequency class, such as 60, 180, 600 or 1000",
-            help="SAE J211 filter of this channel frequency class, such as 1000; none by default.",
-        ),
-    ] = None
     ac_coupling: Annotated[
         str | None,
         parsed(
@@ -87,16 +71,7 @@ class FilterOptions:
 
         high_pass = None if self.high_pass is None else HighPass(self.high_pass)
         coupling = "" if self.ac_coupling is None else self.ac_coupling
-        return dataclasses.replace(request, filter=self._low_pass(), ac_coupling=coupling, high_pass=high_pass)
-
-    def _low_pass(self) -> Filter | None:
-        from strikewave.signal.filters import Filter
-
-        if self.cutoff is not None and self.cfc is not None:
-            raise InputError("--cfc", self.cfc.word, "either --filter or --cfc", "leave one out")
-        if self.cutoff is not None:
-            return Filter(self.cutoff)
-        return None if self.cfc is None else Filter.sae_j211(self.cfc)
+        return dataclasses.replace(request, filter=self.low_pass(), ac_coupling=coupling, high_pass=high_pass)
 
 
 def filtered(
@@ -124,29 +99,7 @@ def filtered(
     word = "" if ac_coupling is None else ac_coupling if isinstance(ac_coupling, str) else f"{ac_coupling} s"
     return dataclasses.replace(
         request,
-        filter=_low_pass_of(filter),
+        filter=low_pass_of(filter),
         ac_coupling="" if ac_coupling is None else _time_constant(word, "ac_coupling"),
-        high_pass=None if high_pass is None else HighPass(_cutoff(high_pass, "high_pass", ALLOWED_HIGH_PASS)),
+        high_pass=None if high_pass is None else HighPass(cutoff_of(high_pass, "high_pass", ALLOWED_HIGH_PASS)),
     )
-
-
-def _cutoff(value: str | float, field: str, allowed: str) -> float:
-    """Return a cutoff, Hz."""
-    try:
-        cutoff = si_value(value, "Hz", field)
-    except (InputError, TypeError, ValueError) as error:
-        raise InputError(field, value, allowed) from error
-    if not 0.0 < cutoff < math.inf:
-        raise InputError(field, value, allowed)
-    return cutoff
-
-
-def _low_pass_of(value: str | float | Filter | None) -> Filter | None:
-    """Return the low-pass that a call names by its cutoff or its class."""
-    from strikewave.signal.filters import Filter
-
-    if value is None or isinstance(value, Filter):
-        return value
-    if isinstance(value, str) and (found := re.fullmatch(r"\s*CFC\s*(\d+\.?\d*)\s*", value, re.IGNORECASE)):
-        return Filter.sae_j211(_cutoff(float(found[1]), "filter", ALLOWED_FILTER))
-    return Filter(_cutoff(value, "filter", ALLOWED_FILTER))

@@ -7,13 +7,15 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, ClassVar
+from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 
 from strikewave.analyses.record.chosen import advised_filter, cutoff_for, sources_of
 from strikewave.analyses.record.moved import MOTION_UNITS, RecordMotion, all_moved, motion_columns
+from strikewave.analyses.record.responses import responding, response_columns, summaries
 from strikewave.base.result import FAILED, Notice
+from strikewave.records.band_split import BandSplit
 from strikewave.records.campaign import Campaign
 from strikewave.records.health_notice import STATUSES, HealthNotice
 from strikewave.records.measuring import RecordedPulse
@@ -25,6 +27,9 @@ from strikewave.reporting.numbers import shown_unit, with_unit
 from strikewave.reporting.shown_result import Curve, history_curve
 from strikewave.signal.filters import Filter, effect_on_half_sine
 from strikewave.signal.pulse import HALF_SINE_WIDTH
+
+if TYPE_CHECKING:
+    from strikewave.specifications.judged_records import RecordsVerdict
 
 INTEGRALS = {"m/s^2": "m/s", "m/s": "m", "N": "N s", "Pa": "Pa s", "V": "V s", "1": "s", "": ""}
 """Unit of the integral over time of each unit."""
@@ -50,6 +55,8 @@ class RecordResult(AskedResult):
         Status, ``suspect`` or ``bad``, that makes the command exit with 3 where a file has it, or a worse one.
     motion : bool
         Whether velocity and displacement are given.
+    verdict : RecordsVerdict or None
+        By a specification, where one was asked for.
     """
 
     command: ClassVar[str] = "record"
@@ -60,6 +67,7 @@ class RecordResult(AskedResult):
     calibrations: Sequence[tuple[str, str]] = ()
     fail_on: str = ""
     motion: bool = False
+    verdict: RecordsVerdict | None = None
 
     @functools.cached_property
     def motions(self) -> list[RecordMotion]:
@@ -92,6 +100,10 @@ class RecordResult(AskedResult):
         }
         if self.motion:
             content["motion"] = [{"file": one.file, "channel": one.channel, **one.document()} for one in self.motions]
+        if self.verdict is not None:
+            content["spec"] = self.verdict.document()
+        if responding(self.readings):
+            content["response_summary"] = [one.document() for one in summaries(self.readings)]
         if len(self.campaigns) > 1:
             content["campaigns"] = [_campaign(one) for one in self.campaigns]
         return content
@@ -134,6 +146,8 @@ class RecordResult(AskedResult):
     def tables(self) -> dict[str, str]:
         """Return all pulses as CSV text."""
         tables = {"pulses.csv": csv_table(self.columns())}
+        if responding(self.readings):
+            tables["responses.csv"] = csv_table(response_columns(self.readings))
         if self.motion:
             tables["motion.csv"] = csv_table(motion_columns(self.motions), HISTORY_DIGITS)
         return tables
@@ -191,6 +205,8 @@ def units_of(files: Sequence[FileReading]) -> dict[str, str]:
             ("ringing_frequency", "sampling_rate", "advised_cutoff", "frequency", "frequency_uncertainty", "cutoff"),
             "Hz",
         ),
+        "lowest_mode": "Hz",
+        **dict.fromkeys((*COSTS, "methods_apart"), "1"),
         **dict.fromkeys(("cv", "cv_low", "cv_high", "robust_cv", "cv_with", "ratio", "change", "smooth_misfit"), "1"),
     }
 
@@ -260,8 +276,15 @@ def pulse_row(pulse: RecordedPulse) -> dict[str, Any]:
         "smooth_misfit": pulse.smooth.misfit,
         **{f"{name}_uncertainty": value for name, value in pulse.uncertainty._asdict().items()},
         **{f"rigid_{name}": getattr(pulse.rigid, name, math.nan) for name in RIGID},
+        "split": None if pulse.split is None else split_row(pulse.split, pulse.methods_apart),
         "rebounds": [rebound._asdict() for rebound in pulse.rebounds],
     }
+
+
+def split_row(split: BandSplit, apart: float = math.nan) -> dict[str, Any]:
+    """Return a band split as a row: no figures where it cannot be separated, but its reason."""
+    without = {} if split.separable else dict.fromkeys(SPLIT, math.nan)
+    return {**split._asdict(), **without, "separable": split.separable, "reason": split.reason, "methods_apart": apart}
 
 
 def filter_effect(reading: ChannelReading, filter_: Filter) -> dict[str, Any]:
@@ -296,6 +319,10 @@ def _campaign(campaign: Campaign) -> dict[str, Any]:
 
 RIGID = ("peak", "width", "velocity_change", "peak_uncertainty", "width_uncertainty", "velocity_change_uncertainty")
 """Figures of the pulse without ringing."""
+SPLIT = ("peak", "width", "peak_uncertainty", "width_uncertainty")
+"""Figures of the rigid part by the band split."""
+COSTS = ("loss", "loss_uncertainty", "leak", "elastic", "widening", "wave_energy")
+"""What the band split costs, and the energy of the wave part, over the peak, the width and the energy."""
 DOUBTS = tuple(name for name in RIGID if name.endswith("_uncertainty"))
 IN_SECONDS = (
     "rise",
@@ -306,14 +333,19 @@ IN_SECONDS = (
     "width_uncertainty",
     "rigid_width",
     "rigid_width_uncertainty",
+    "split_width",
+    "split_width_uncertainty",
 )
 PULSE_UNITS = {
     **dict.fromkeys(("time", *IN_SECONDS), "s"),
-    **dict.fromkeys(("ringing_frequency",), "Hz"),
-    **dict.fromkeys(("smooth_misfit",), "1"),
+    **dict.fromkeys(("ringing_frequency", "split_cutoff"), "Hz"),
+    **dict.fromkeys(("smooth_misfit", "split_wave_energy"), "1"),
 }
 """SI unit of the figures of a pulse that do not depend on what the channel measures."""
-OF_CHANNEL = (*("peak", "offset", "noise", "smooth_peak", "peak_uncertainty", "rigid_peak", "rigid_peak_uncertainty"),)
+OF_CHANNEL = (
+    *("peak", "offset", "noise", "smooth_peak", "peak_uncertainty", "rigid_peak", "rigid_peak_uncertainty"),
+    *("split_peak", "split_peak_uncertainty"),
+)
 """Figures of a pulse in the unit of its channel."""
 OF_INTEGRAL = (
     *("velocity_change", "velocity_change_uncertainty", "rigid_velocity_change", "rigid_velocity_change_uncertainty"),
@@ -348,7 +380,11 @@ def pulse_columns(files: Sequence[FileReading]) -> list[Column]:
         *DOUBTS,
         *(f"rigid_{name}" for name in RIGID),
     )
-    for name in (*names, *more):
+    of_split = (*SPLIT, "cutoff", "wave_energy")
+    nothing = dict.fromkeys(of_split, math.nan)
+    for _, _, _, row in rows:
+        row |= {f"split_{name}": (row["split"] or nothing)[name] for name in of_split}
+    for name in (*names, *more, *(f"split_{name}" for name in of_split)):
         si = only if name in OF_CHANNEL else INTEGRALS.get(only, f"{only} s") if name in OF_INTEGRAL else ""
         columns.append(Column(name, [row[name] for _, _, _, row in rows], PULSE_UNITS.get(name, si)))
     return columns

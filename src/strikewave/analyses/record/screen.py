@@ -4,14 +4,16 @@ from __future__ import annotations
 
 import dataclasses
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, ClassVar
+from typing import TYPE_CHECKING, Any, ClassVar
 
 from strikewave.analyses.record.chosen import advised_filter
+from strikewave.analyses.record.figures.campaigns import figure_unit
 from strikewave.analyses.record.motion_chapter import motion_table
 from strikewave.analyses.record.question import examined
+from strikewave.analyses.record.responses import ResponseSummary, harmed, responding, summaries
 from strikewave.analyses.record.result import (
     INTEGRALS,
     RecordResult,
@@ -19,6 +21,8 @@ from strikewave.analyses.record.result import (
     name_of,
 )
 from strikewave.analyses.record.tables import rows_of, short_names
+from strikewave.analyses.record.verdicts.judged import with_verdict
+from strikewave.analyses.record.verdicts.screen import print_verdict
 from strikewave.analyses.record.words import record_words
 from strikewave.base.result import Source
 from strikewave.base.units import DIMENSIONS
@@ -29,19 +33,27 @@ from strikewave.records import (
     Request,
     worst,
 )
+from strikewave.records.band_split import BandSplit
 from strikewave.records.campaign import SUMMED, WITHOUT_RINGING
+from strikewave.records.rigid_pulse import RigidPulse
 from strikewave.reporting import measured_files as measured
 from strikewave.reporting.layout import MORE, ScreenColumn, keys, numerals, texts
-from strikewave.reporting.numbers import listed, with_unit
+from strikewave.reporting.numbers import listed, shown_unit, with_unit
 from strikewave.reporting.options import Output
 from strikewave.reporting.run_and_write import Command, run_and_write
 from strikewave.reporting.terminal import number, report_table, significant, table, tell
 from strikewave.signal.filters import Filter
 
+if TYPE_CHECKING:
+    from strikewave.specifications.judged_records import Asked
+    from strikewave.specifications.reading import Specification
+
 MOST_NAMED = 3
 """Files that a line names; the others are counted."""
 MOST_ROWS = 60
 """Files shown in the table on the screen."""
+DOUBTED = " ?"
+"""Stands behind a figure that a finding harms."""
 
 
 def examine_records(
@@ -52,6 +64,8 @@ def examine_records(
     in_columns: bool = False,
     fail_on: str = "",
     motion: bool = False,
+    specification: Specification | None = None,
+    asked: Callable[[Mapping[str, str]], Asked] | None = None,
 ) -> int:
     """Examine records, write and print what they say, and return the exit code.
 
@@ -69,6 +83,10 @@ def examine_records(
         Status that makes the exit code 3; empty for none.
     motion : bool
         Whether velocity and displacement are given.
+    specification : Specification or None
+        What the blows are judged by.
+    asked : callable or None
+        How they are, for what is stated of the test.
 
     Raises
     ------
@@ -79,8 +97,9 @@ def examine_records(
     paths = [Path(measured.shown(file)) for file in files]
     name = name_of(paths)
     usual = f"record-{name}"
-    origin = measured.source_of("records", name, paths if output.writes(usual) else [], output.stated_test())
-    command = RecordCommand(files, wanted, options, origin, in_columns, fail_on, motion)
+    origin = measured.source_of_records(name, paths, output, usual)
+    judged = None if specification is None or asked is None else (specification, asked(origin.test))
+    command = RecordCommand(files, wanted, options, origin, in_columns, fail_on, motion, judged)
     return run_and_write(command, output, usual, origin.text)
 
 
@@ -97,18 +116,22 @@ class RecordCommand(Command[RecordResult]):
     in_columns: bool = False
     fail_on: str = ""
     motion: bool = False
+    judged: tuple[Specification, Asked] | None = None
 
     def solve(self) -> RecordResult:
         """Return what the records say."""
         found = examined(self.files, self.wanted, self.options, self.origin, self.in_columns, self.fail_on)
-        return dataclasses.replace(found, motion=self.motion)
+        found = dataclasses.replace(found, motion=self.motion)
+        return found if self.judged is None else with_verdict(found, *self.judged)
 
     def summary(self, result: RecordResult) -> str:
         """Say what the records have in common, and which are bad."""
         return record_words(result)
 
     def show(self, result: RecordResult) -> None:
-        """Print files, campaigns, and what the filter did."""
+        """Print the verdict, files, campaigns, and what the filter did."""
+        if result.verdict is not None:
+            print_verdict(result.verdict, short_names([file.path for file in result.readings]))
         _print(result.readings, result.campaigns, result.filter)
         if result.motion:
             report_table(motion_table(result.motions))
@@ -153,57 +176,128 @@ def _print_rigid(readings: Sequence[FileReading], names: dict[str, str]) -> None
     rows = []
     for file in readings:
         for reading in file.channels:
-            pulses = [pulse for pulse in reading.pulses if pulse.rigid is not None]
-            if not any(pulse.differs_without_ringing for pulse in pulses):
+            pulses = [pulse for pulse in reading.pulses if pulse.rigid is not None or pulse.split is not None]
+            if not any(pulse.differs_without_ringing or pulse.differs_by_split for pulse in pulses):
                 continue
-            peak, width = _mean([p.rigid_peak for p in pulses]), _mean([p.rigid_width for p in pulses])
-            doubt = _mean([p.rigid.peak_uncertainty for p in pulses if p.rigid is not None])
-            raw = _mean([pulse.peak for pulse in pulses])
+            unit, raw = reading.channel.unit, _mean([pulse.peak for pulse in pulses])
+            joint = [pulse.rigid for pulse in pulses if pulse.rigid is not None]
+            split = [pulse.split for pulse in pulses if pulse.split is not None and pulse.split.separable]
+            best = _mean([one.peak for one in joint or split])
             rows.append(
                 [
                     names[file.path],
                     reading.channel.name,
-                    _value(peak, reading.channel.unit),
-                    f"{doubt / abs(peak):.1%}",
-                    f"{raw / peak - 1.0:+.1%}",
-                    number(width, "s", "us"),
-                    number(_mean([p.rigid.frequency for p in pulses if p.rigid is not None]), "Hz", "Hz"),
+                    *_peak_of(joint, unit),
+                    *(_peak_of(split, unit) if split else ("not separable", "-")),
+                    f"{raw / best - 1.0:+.1%}",
+                    number(_mean([one.width for one in joint or split]), "s", "us"),
+                    number(_mean([one.frequency for one in joint]), "Hz", "Hz"),
+                    number(_mean([one.cutoff for one in split]), "Hz", "Hz"),
+                    _times(_mean([pulse.methods_apart for pulse in pulses])),
                 ]
             )
     if rows:
-        columns = [*keys("file"), *texts("channel"), *numerals("peak", "uncertainty", "with ringing")]
-        columns += [*numerals("pulse width at 10 % (us)", "ringing (Hz)", priority=MORE)]
+        columns = [*keys("file"), *texts("channel"), *numerals("peak", "uncertainty", "by band split")]
+        columns += [*numerals("of that", priority=MORE), *numerals("with ringing")]
+        columns += numerals(
+            *("pulse width at 10 % (us)", "ringing (Hz)", "cutoff of the split (Hz)", "apart (uncertainties)"),
+            priority=MORE,
+        )
         _table("Without ringing", columns, rows)
+    _print_overlapping(readings, names)
+
+
+def _print_overlapping(readings: Sequence[FileReading], names: dict[str, str]) -> None:
+    """Say of how many blows the rigid part can be separated neither way, and why of the first."""
+    overlapping = [
+        (names[file.path], reading.channel.name, pulse.split.reason)
+        for file, reading in rows_of(readings)
+        for pulse in reading.pulses
+        if pulse.rigid is None and pulse.split is not None and not pulse.split.separable
+    ]
+    if overlapping:
+        name, channel, reason = overlapping[0]
+        several = len(overlapping) > 1
+        blows = f"{len(overlapping)} blows that ring" if several else "the blow that rings"
+        first = f" (the first: {name}, {channel})" if several else ""
+        tell(f"the rigid part of {blows} cannot be separated: {reason}{first}")
+
+
+def _peak_of(found: Sequence[RigidPulse | BandSplit], unit: str) -> tuple[str, str]:
+    """Return the mean peak without ringing, and its standard uncertainty over it."""
+    peak, doubt = _mean([one.peak for one in found]), _mean([one.peak_uncertainty for one in found])
+    return _value(peak, unit), "-" if math.isnan(peak) else f"{doubt / abs(peak):.1%}"
+
+
+def _times(value: float) -> str:
+    return "-" if math.isnan(value) else f"{value:.2g}"
 
 
 def _print_responses(readings: Sequence[FileReading], names: dict[str, str]) -> None:
-    """Print what response channels do after the blow of their base."""
+    """Print what response channels do after the blows of their base, and all blows together."""
+    channels = responding(readings)
+    if not channels:
+        return
+    keyed = {
+        "file": len({file.path for file, _ in channels}) > 1,
+        "channel": len({reading.channel.name for _, reading in channels}) > 1,
+        "blow": any(len(reading.responses) > 1 for _, reading in channels),
+    }
+    rows, doubted = [], False
+    for file, reading in channels:
+        wrong = harmed(file, reading)
+        doubted = doubted or bool(wrong)
+        unit = reading.channel.unit
+        for one in reading.responses:
+            places = {"file": names[file.path], "channel": reading.channel.name, "blow": str(one.blow)}
+            figures = {
+                "peak": _value(one.peak, unit),
+                "ratio": "-" if math.isnan(one.ratio) else f"{one.ratio:.3g}",
+                "delay": number(one.delay, "s", "ms"),
+                "rms": _value(one.rms, unit),
+                "duration": number(one.duration, "s", "ms"),
+                "frequency": ", ".join(f"{mode.frequency:.4g}" for mode in one.modes) or "-",
+                "damping": ", ".join(f"{1e2 * mode.damping:.3g}" for mode in one.modes) or "-",
+            }
+            rows.append(
+                [place for name, place in places.items() if keyed[name]]
+                + [text + DOUBTED * (name in wrong and text != "-") for name, text in figures.items()]
+            )
+    columns = [*(keys("file") if keyed["file"] else []), *(texts("channel") if keyed["channel"] else [])]
+    columns += [*(numerals("blow") if keyed["blow"] else []), *numerals("peak")]
+    columns += numerals("over base", priority=MORE)
+    columns += numerals("delay (ms)", "RMS", "effective duration (ms)")
+    columns += texts("frequencies (Hz)", "damping ratios (%)")
+    only = "" if keyed["channel"] else f": {channels[0][1].channel.name}"
+    _table(f"Response channels{only}", columns, rows)
+    if doubted:
+        tell(f"{DOUBTED.strip()} a figure that a finding harms: see the report")
+    for together in summaries(readings):
+        _print_summary(together)
+
+
+def _print_summary(one: ResponseSummary) -> None:
+    """Print mean and scatter of the responses of a channel that has more than one."""
+    writers: dict[str, Any] = {
+        **dict.fromkeys(("peak", "rms"), lambda v: _value(v, one.unit)),
+        "delay": lambda v: (
+            f"{number(v, 's', 'ms')} {shown_unit('s', 'ms')}"
+        ),  # of a peak before that of the base below 0
+        "duration": lambda v: with_unit(v, "s", "ms"),
+        "ratio": lambda v: significant(v, 4),
+        "frequency": lambda v: with_unit(v, "Hz", "Hz"),
+        "damping": lambda v: f"{v:.3%}",
+    }
     rows = []
-    several = any(len(reading.responses) > 1 for file in readings for reading in file.channels)
-    for file in readings:
-        for reading in file.channels:
-            for response in reading.responses:
-                modes = response.modes
-                rows.append(
-                    [
-                        names[file.path],
-                        reading.channel.name,
-                        *([str(response.blow)] if several else []),
-                        _value(response.peak, reading.channel.unit),
-                        "-" if math.isnan(response.ratio) else f"{response.ratio:.3g}",
-                        number(response.delay, "s", "ms"),
-                        _value(response.rms, reading.channel.unit),
-                        number(response.duration, "s", "ms"),
-                        ", ".join(f"{mode.frequency:.4g}" for mode in modes) or "-",
-                        ", ".join(f"{mode.damping:.2%}" for mode in modes) or "-",
-                    ]
-                )
+    for name, statistic in one.statistics.items():
+        if statistic.n > 1:
+            write = writers[name]
+            bounds = f"{write(statistic.low)} to {write(statistic.high)}"
+            called = figure_unit(name, one.unit)[1]
+            rows.append([called, write(statistic.mean), f"{statistic.cv:.2%}", bounds, str(statistic.n)])
     if rows:
-        columns = [*keys("file"), *texts("channel"), *(numerals("blow") if several else [])]
-        columns += numerals("peak", "over base", "delay (ms)")
-        columns += numerals("RMS", "effective duration (ms)", priority=MORE)
-        columns += [*texts("frequencies (Hz)", "damping ratios")]
-        _table("Response channels", columns, rows)
+        columns = [*keys("figure"), *numerals("mean", "scatter (CV)", "mean, 95 % bounds", "blows")]
+        table(f"All responses together: {one.channel}", columns, rows)
 
 
 def _print_rebounds(readings: Sequence[FileReading], names: dict[str, str]) -> None:

@@ -56,7 +56,7 @@ SAW_TOOTH = 0.2
 FEWEST_OF_FLANK = 6
 """Samples of a side whose bend is known: two more than a cubic has parameters."""
 FEWEST_AT_RAIL = 3
-"""Samples at the largest value, and times those beside it, that make a rail; see `_rail`."""
+"""Samples at the largest value, and times those beside it, that make a rail; see `rail`."""
 LEVELS_LOOKED_AT = 4096
 """Samples in which at least three different values stand, or the record is a switch or a count, and has no rail."""
 NEAR_TOP = 0.05
@@ -79,7 +79,7 @@ def clipped(record: Examined) -> list[HealthNotice]:
     pulse = record.largest
     zero = float(np.median(record.values)) if pulse is None else pulse.offset
     for sign in (1.0, -1.0):
-        at = _rail(sign * record.values, sign * zero)
+        at = rail(sign * record.values, sign * zero)
         if not at.size:
             continue
         level = float(record.values[at[0]])
@@ -234,7 +234,7 @@ def _above_zero(record: Examined, pulse: RecordedPulse) -> Array:
     return np.asarray(math.copysign(1.0, pulse.peak) * (part - pulse.offset))
 
 
-def _rail(values: Array, zero: float) -> NDArray[np.intp]:
+def rail(values: Array, zero: float) -> NDArray[np.intp]:
     """Return the samples at the largest value where a recorder stopped there; none where the record turned there.
 
     A round top at k steps of the converter has about 1 : 0.7 samples in its highest and the next two; a rail has

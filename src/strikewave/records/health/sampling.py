@@ -5,10 +5,13 @@ from __future__ import annotations
 import math
 
 import numpy as np
+from numpy.typing import NDArray
 
 from strikewave.records.health.examined import Examined
 from strikewave.records.health_notice import HealthNotice
 from strikewave.signal.pulse import HALF_SINE_WIDTH
+
+Array = NDArray[np.float64]
 
 FEW, TOO_FEW, NONE_LEFT = 20.0, 10.0, 5.0
 """Samples of a half-sine at which 0.3, 1.2 and 4.9 % of its peak may be missed, 1 - cos(pi / (2 n))."""
@@ -49,17 +52,32 @@ def aliased(record: Examined) -> list[HealthNotice]:
     reach = max(round(AROUND * pulse.width / record.step), FEWEST_AROUND)
     centre = record.place(pulse.time)
     part = record.values[max(centre - reach, 0) : centre + reach] - pulse.offset
-    spectrum = np.abs(np.fft.rfft(part * np.hanning(part.size)))
-    top = spectrum[int(TOP_OF_SPECTRUM * spectrum.size) :]
-    highest = float(np.max(spectrum))
-    if not highest > 0.0:
-        return []
-    level = math.sqrt(float(np.mean(top**2))) / highest
-    noise = pulse.noise * math.sqrt(0.375 * part.size) / highest  # a Hann window has the mean square 3/8
-    if level < FOLDED or level < NOISES_OF_SPECTRUM * noise:
+    level = folded_level(part, pulse.noise)
+    if level is None:
         return []
     message = (
         f"at half the sampling rate the spectrum still has {level:.1%} of its largest value: what lies above was "
         "folded into the record; sample faster or filter before"
     )
     return [HealthNotice("alias", message, level, severity="suspect", harms=("peak", "rise", "spectrum"))]
+
+
+def folded_level(part: Array, noise: float) -> float | None:
+    """Return what stands at half the sampling rate, over the largest value of a spectrum; None where it has fallen off.
+
+    Examples
+    --------
+    >>> t = np.arange(400.0)
+    >>> folded_level(np.exp(-t / 50.0) * np.sin(0.3 * t), 0.0) is None
+    True
+    >>> folded_level(np.exp(-t / 50.0) * np.sin(3.0 * t), 0.0) > 0.1
+    True
+    """
+    spectrum = np.abs(np.fft.rfft(part * np.hanning(part.size)))
+    top = spectrum[int(TOP_OF_SPECTRUM * spectrum.size) :]
+    highest = float(np.max(spectrum))
+    if not highest > 0.0:
+        return None
+    level = math.sqrt(float(np.mean(top**2))) / highest
+    heard = noise * math.sqrt(0.375 * part.size) / highest  # a Hann window has the mean square 3/8
+    return None if level < FOLDED or level < NOISES_OF_SPECTRUM * heard else level

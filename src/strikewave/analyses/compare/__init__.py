@@ -1,0 +1,1 @@
+"""Two histories held against one another: measured, simulated, or the corridor of a campaign."""

@@ -1,0 +1,72 @@
+"""``strikewave compare``: one history held against another."""
+
+from __future__ import annotations
+
+from typing import Annotated, Literal
+
+import typer
+
+from strikewave.analyses.compare.limits import ComparisonLimit, read_limit
+from strikewave.reporting import measured_files as measured
+from strikewave.reporting.low_pass import LowPassOptions
+from strikewave.reporting.options import Output, WithBand, bare_number, complete_case, parsed, quantity
+
+
+def command(
+    a: Annotated[
+        str,
+        typer.Argument(
+            metavar="A",
+            help="The reference: FILE#CHANNEL, a pattern or a folder of records, CASE:PART, or the folder of a result.",
+            show_default=False,
+            autocompletion=complete_case,
+        ),
+    ],
+    b: Annotated[
+        str,
+        typer.Argument(metavar="B", help="What is held against it.", show_default=False, autocompletion=complete_case),
+    ],
+    *,
+    align: Annotated[
+        Literal["correlation", "onset", "peak", "none"],
+        typer.Option("--align", help="What B is shifted by: cross-correlation, crossings of 10 % of the peak, peaks."),
+    ] = "correlation",
+    limits: Annotated[
+        list[ComparisonLimit] | None,
+        parsed(
+            "--limit",
+            read=read_limit,
+            metavar="METRIC",
+            help='Limit to keep, such as "iso18571 > 0.8" or "peak < 5 %"; else the exit code is 3; may be repeated.',
+        ),
+    ] = None,
+    deviations: Annotated[
+        float,
+        bare_number("--deviations", help="Half width of a campaign's corridor in standard deviations; 2 by default."),
+    ] = 2.0,
+    begin: Annotated[
+        float | None,
+        quantity("--from", si="s", signed=True, help="Begin of the interval that is judged; both pulses by default."),
+    ] = None,
+    end: Annotated[
+        float | None,
+        quantity("--to", si="s", signed=True, help="End of the interval that is judged, in the time of A."),
+    ] = None,
+    band: WithBand = True,
+    measurement: measured.MeasurementOptions,
+    filtering: LowPassOptions,
+    output: Output,
+) -> int:
+    """Compare two histories, measured or simulated.
+
+    B is aligned with A and both are judged: peak, width, velocity change, shock response spectra, RMS, ISO/TS 18571.
+    Names may end with @N for blow N. Several records are a corridor. With --json, no files are written unless --out is
+    given. The exit code is 3 where a --limit is not kept.
+    """
+    from strikewave.analyses.compare.question import CompareRequest
+    from strikewave.analyses.compare.screen import compare_sources
+    from strikewave.analyses.compare.sources import SourceOptions
+
+    reading = SourceOptions(measurement.calibration(), measurement.reading(), filtering.low_pass(), band)
+    request = CompareRequest(reading, align, deviations, (begin, end), tuple(limits or ()))
+    return compare_sources(a, b, request, output)

@@ -1,0 +1,192 @@
+"""A history that is compared, wherever it comes from: evenly sampled, in SI, its baseline taken off."""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+from strikewave.base.errors import InputError
+from strikewave.base.result import Band, Notice
+from strikewave.signal.alignment import EvenHistory
+from strikewave.signal.filters import Filter
+from strikewave.signal.pulse import Pulse, measure_pulse
+
+Array = NDArray[np.float64]
+
+FEWEST = 8
+"""Samples of a history, at least: fewer are no pulse."""
+FIGURES = {"peak": "peak", "width": "width", "integral": "area"}
+"""Figures of a pulse that are compared, and what `Pulse` calls them."""
+FOOT = 0.02
+"""Share of the peak at the feet of a pulse, as records have it."""
+QUANTITIES = {"m/s^2": "acceleration", "N": "force", "m/s": "velocity", "m": "displacement", "Pa": "stress"}
+"""What a unit is of."""
+SHOWN_IN = {"m/s^2": "g", "N": "kN", "m/s": "m/s", "m": "mm", "Pa": "MPa"}
+"""Unit in which each is shown as a rule."""
+
+
+@dataclass(frozen=True, eq=False)
+class ComparedCurve:
+    """A history, and what is known of it.
+
+    Attributes
+    ----------
+    name : str
+        What it is called on the screen.
+    kind : str
+        ``record``, ``campaign`` or ``simulation``.
+    history : EvenHistory
+        In SI; of a campaign the mean.
+    unit : str
+        SI; empty where a file does not say it.
+    deviation : ndarray or None
+        Standard deviation of a campaign at each sample.
+    count : int
+        Histories that it is the mean of.
+    band : mapping of str to Band
+        What a simulation says of its peak, width and velocity change when inputs move within what is known of them.
+    measured : Pulse or None
+        Its largest pulse as `strikewave record` measures it, noise taken into account; of a campaign the means. None
+        for what has no noise.
+    uncertainty : mapping of str to float
+        Standard uncertainty of its peak, width and velocity change (or impulse) from noise; of a campaign, that of the
+        mean from their scatter.
+    notices : tuple of Notice
+        What the user should know of it.
+    """
+
+    name: str
+    kind: str
+    history: EvenHistory
+    unit: str
+    deviation: Array | None = None
+    count: int = 1
+    band: Mapping[str, Band] = field(default_factory=dict)
+    measured: Pulse | None = None
+    uncertainty: Mapping[str, float] = field(default_factory=dict)
+    notices: tuple[Notice, ...] = ()
+
+    @property
+    def sign(self) -> float:
+        """Sign of the largest magnitude."""
+        values = self.history.values
+        return math.copysign(1.0, float(values[int(np.argmax(np.abs(values)))]))
+
+    @property
+    def pulse(self) -> Pulse:
+        """Its largest pulse, with its sign: the width at 10 % of the peak, the integral from foot to foot."""
+        if self.measured is not None:
+            return self.measured
+        upright, step, start = self.sign * self.history.values, self.history.step, self.history.start
+        found, feet = measure_pulse(upright, step, start), measure_pulse(upright, step, start, FOOT)
+        return found._replace(peak=self.sign * found.peak, area=self.sign * feet.area)
+
+    def filtered(self, low_pass: Filter | None) -> ComparedCurve:
+        """Return it through a low-pass.
+
+        Raises
+        ------
+        InputError
+            If the cutoff is not below half its sampling rate.
+        """
+        if low_pass is None:
+            return self
+        half = 0.5 / self.history.step
+        if not low_pass.half_power(self.history.step) < half or not low_pass.cutoff < half:
+            allowed = f"a cutoff below half the sampling rate of {self.name}, {half:g} Hz"
+            raise InputError("--filter", f"{low_pass.cutoff:g} Hz", allowed)
+        values = low_pass.apply(self.history.values, self.history.step)
+        return dataclasses.replace(self, history=self.history._replace(values=values))
+
+
+def checked_curve(option: str, curve: ComparedCurve) -> ComparedCurve:
+    """Return a curve that can be compared.
+
+    Raises
+    ------
+    InputError
+        If it has too few samples, one that is no number, or is zero throughout.
+    """
+    values = curve.history.values
+    if values.size < FEWEST:
+        raise InputError(option, f"{curve.name}, {values.size} samples", f"a history of {FEWEST} samples or more")
+    if not np.all(np.isfinite(values)):
+        missing = int(np.count_nonzero(~np.isfinite(values)))
+        raise InputError(option, f"{curve.name}, {missing} samples that are no numbers", "a history of numbers")
+    if not np.any(values):
+        raise InputError(option, f"{curve.name}, zero throughout", "a history with a pulse")
+    if not (curve.history.step > 0.0 and math.isfinite(curve.history.step)):
+        raise InputError(option, f"{curve.name}, without time", "a history with a time column, or --rate")
+    return curve
+
+
+def even_history(time: Array, values: Array, noise: float = 0.0) -> EvenHistory:
+    """Return samples at rising times as an evenly sampled history: lines between them where their times are not even.
+
+    Examples
+    --------
+    >>> even_history(np.array([0.0, 1.0, 2.1]), np.array([0.0, 1.0, 0.0])).step
+    1.05
+    """
+    known = np.isfinite(values) & np.isfinite(time)
+    time, values = time[known], values[known]
+    if time.size < 2:
+        return EvenHistory(values, math.nan, float(time[0]) if time.size else 0.0, noise)
+    step = float(time[-1] - time[0]) / (time.size - 1)
+    grid = time[0] + step * np.arange(time.size)
+    if np.max(np.abs(grid - time)) > EVEN * step:
+        values = np.interp(grid, time, values)
+    return EvenHistory(np.asarray(values, dtype=float), step, float(time[0]), noise)
+
+
+EVEN = 1e-3
+"""Steps by which times may differ from even ones and be taken as such: a thousandth of a sample shifts a pulse by far
+less than it can be aligned."""
+
+
+def mean_curve(option: str, name: str, curves: Sequence[ComparedCurve], shifts: Sequence[float]) -> ComparedCurve:
+    """Return the mean of curves that are shifted to lie on the first one, over the time that all have, and deviations.
+
+    Raises
+    ------
+    InputError
+        If they have no time in common.
+    """
+    from strikewave.signal.resampling import resampled
+
+    first = curves[0].history
+    begin = max(one.history.start + shift for one, shift in zip(curves, shifts, strict=True))
+    end = min(one.history.end + shift for one, shift in zip(curves, shifts, strict=True))
+    grid = first.time[(first.time >= begin) & (first.time <= end)]
+    if grid.size < FEWEST:
+        raise InputError(option, name, "records that overlap in time once they are aligned")
+    rows = []
+    for one, shift in zip(curves, shifts, strict=True):
+        history = one.history
+        rows.append(
+            resampled(
+                history.values, np.clip((grid - shift - history.start) / history.step, 0.0, history.values.size - 1.0)
+            )
+        )
+    values = np.mean(rows, axis=0)
+    pulses = np.array([one.pulse for one in curves])
+    moved = Pulse(*map(float, np.append(np.mean(pulses[:, 0] + np.asarray(shifts)), np.mean(pulses[:, 1:], axis=0))))
+    figures = [[getattr(one.pulse, name) for name in FIGURES.values()] for one in curves]
+    scatter = (np.std(figures, axis=0, ddof=1) / math.sqrt(len(curves))).tolist()
+    noise = math.sqrt(float(np.mean([one.history.noise**2 for one in curves])) / len(curves))
+    return ComparedCurve(
+        name,
+        "campaign",
+        EvenHistory(values, first.step, float(grid[0]), noise),
+        curves[0].unit,
+        np.std(rows, axis=0, ddof=1),
+        len(curves),
+        measured=moved,
+        uncertainty=dict(zip(FIGURES, scatter, strict=True)),
+        notices=tuple(dict.fromkeys(notice for one in curves for notice in one.notices)),
+    )

@@ -1,0 +1,239 @@
+"""Two histories compared: for the command, and in plain values for Python."""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+
+from strikewave.analyses.compare.agreement import LOST, RULES, CurveAgreement, agreement
+from strikewave.analyses.compare.curve import QUANTITIES, ComparedCurve, checked_curve
+from strikewave.analyses.compare.limits import ComparisonLimit, judge, limit_notices, read_limit
+from strikewave.analyses.compare.result import CompareResult
+from strikewave.analyses.compare.sources import SourceName, SourceOptions, is_simulated, parse_name, read_source
+from strikewave.base.errors import InputError
+from strikewave.base.result import INFO, Notice, Result, Source
+from strikewave.base.units import si_value
+from strikewave.records import Options
+from strikewave.reporting import measured_files as measured
+from strikewave.reporting.low_pass import low_pass_of
+from strikewave.reporting.numbers import listed, percent
+from strikewave.reporting.options import wrong_choice
+from strikewave.signal.filters import Filter
+
+ALIGNMENTS = (*RULES, "none")
+"""Rules by which B is shifted."""
+DEVIATIONS = 2.0
+"""Standard deviations of a campaign that its corridor is wide to either side, where none is stated: 95 % of normal
+records."""
+
+
+Compared = str | Path | Result | tuple[Result, str]
+"""What Python takes: a name, or a solution of run, wave or fem, alone or with the name of its part."""
+
+
+@dataclasses.dataclass(frozen=True)
+class CompareRequest:
+    """What is asked of a comparison, beside the names of the two."""
+
+    reading: SourceOptions = dataclasses.field(default_factory=SourceOptions)
+    align: str = "correlation"
+    factor: float = DEVIATIONS
+    between: tuple[float | None, float | None] = (None, None)
+    limits: tuple[ComparisonLimit, ...] = ()
+
+
+def compare(
+    a: Compared,
+    b: Compared,
+    *,
+    align: str = "correlation",
+    filter: str | float | Filter | None = None,
+    limits: Sequence[str] = (),
+    deviations: float = DEVIATIONS,
+    begin: str | float | None = None,
+    end: str | float | None = None,
+    unit: str | Mapping[str, str] | None = None,
+    sensitivity: str | Mapping[str, str] | None = None,
+    rate: str | float | None = None,
+    band: bool = True,
+) -> CompareResult:
+    """Hold one history against another: measured, simulated, or the corridor of a campaign.
+
+    It is what ``strikewave compare`` does; see docs/compare.md for what a name can stand for.
+
+    Parameters
+    ----------
+    a, b : str, Path, Result or (Result, str)
+        The reference, and what is held against it: ``FILE#CHANNEL``, a pattern or a folder of measured files,
+        ``CASE:PART``, or the folder of a result; ``@N`` behind it takes blow N. Or a solution of `run_case`, `run_wave`
+        or `run_fem`, alone or with a part: ``(solution, "sensor@2")``.
+    align : str, optional
+        ``correlation``, ``onset``, ``peak`` or ``none``.
+    filter : str, float or Filter, optional
+        Zero-phase low-pass that both go through: its cutoff, with a unit or in Hz, ``"CFC 1000"``, or a filter.
+    limits : sequence of str, optional
+        Such as ``"iso18571 > 0.8"`` or ``"peak < 5 %"``.
+    deviations : float, optional
+        Half width of the corridor of a campaign, in its standard deviations.
+    begin, end : str or float, optional
+        Interval in which they are judged, in the time of A: with a unit, or in s; both pulses by default.
+    unit, sensitivity : str or mapping, optional
+        Calibration of measured files.
+    rate : str or float, optional
+        Sampling rate of files without a time column.
+    band : bool, optional
+        Whether the bands of a case that is run are found.
+
+    Raises
+    ------
+    InputError, StrikewaveError
+        If one cannot be read, or the two cannot be compared.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> import numpy as np
+    >>> import strikewave
+    >>> time = np.arange(2000) * 1e-6
+    >>> def shot(at, size):
+    ...     return size * np.exp(-(((time - at) / 5e-5) ** 2))
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     for name, values in (("a.csv", shot(1e-3, 500.0)), ("b.csv", shot(1.02e-3, 510.0))):
+    ...         table = np.column_stack([time, values])
+    ...         np.savetxt(f"{folder}/{name}", table, delimiter=",", header="time (s),frame (g)", comments="")
+    ...     found = strikewave.compare(f"{folder}/a.csv", f"{folder}/b.csv", limits=["peak < 5 %"])
+    >>> found.verdict, round(found.figures["peak"].difference, 4), round(found.agreement.shift.shift * 1e6, 3)
+    ('pass', 0.02, -20.0)
+    """
+    if align not in ALIGNMENTS:
+        raise wrong_choice(align, "align", ALIGNMENTS)
+    stated = measured.MeasurementOptions(unit=_typed(unit), sensitivity=_typed(sensitivity)).calibration()
+    options = Options(rate=None if rate is None else si_value(rate, "Hz", "rate"))
+    between = tuple(None if one is None else si_value(one, "s", name) for one, name in ((begin, "begin"), (end, "end")))
+    request = CompareRequest(
+        SourceOptions(stated, options, low_pass_of(filter), band),
+        align,
+        deviations,
+        (between[0], between[1]),
+        tuple(read_limit(word, "limits") for word in limits),
+    )
+    origin = dataclasses.replace(measured.UNKNOWN, kind="comparison", name=f"{_called(a)} and {_called(b)}")
+    return compared(a, b, request, origin)
+
+
+def _called(one: Compared) -> str:
+    """Return what a side is called."""
+    if isinstance(one, tuple):
+        return f"{_called(one[0])}:{one[1]}"
+    return one.source.name if isinstance(one, Result) else str(one)
+
+
+def _typed(value: str | Mapping[str, str] | None) -> list[str] | None:
+    """Return a value of the calibration as the command line takes it."""
+    if value is None:
+        return None
+    return [f"{name}={one}" for name, one in value.items()] if isinstance(value, Mapping) else [value]
+
+
+def compared(a: Compared, b: Compared, request: CompareRequest, origin: Source) -> CompareResult:
+    """Read both and return how well they agree.
+
+    A measured history is read first, so that of a part of a simulation the same quantity is taken.
+
+    Raises
+    ------
+    InputError, StrikewaveError
+        If one cannot be read, or the two cannot be compared.
+    """
+    if _is_simulated(a) and not _is_simulated(b):
+        second = _side("B", b, request.reading)
+        first = _side("A", a, request.reading, second.unit)
+    else:
+        first = _side("A", a, request.reading)
+        second = _side("B", b, request.reading, first.unit)
+    _check_units(first, second)
+    return compared_curves(first, second, request, origin)
+
+
+def _is_simulated(one: Compared) -> bool:
+    return not isinstance(one, str | Path) or is_simulated(str(one))
+
+
+def _side(option: str, one: Compared, reading: SourceOptions, unit: str = "") -> ComparedCurve:
+    """Return the history that a side stands for."""
+    if isinstance(one, str | Path):
+        return read_source(option, str(one), reading, unit)
+    from strikewave.analyses.compare.simulated import solution_curve
+
+    solution, part = one if isinstance(one, tuple) else (one, "")
+    name = parse_name(f"solution:{part}") if part else SourceName("solution")
+    if not isinstance(solution, Result):
+        raise InputError(option, type(solution).__name__, "a name, or a solution of run, wave or fem")
+    curve = solution_curve(option, solution, name.part, name.blow, unit)
+    return checked_curve(option, curve).filtered(reading.low_pass)
+
+
+def compared_curves(
+    first: ComparedCurve, second: ComparedCurve, request: CompareRequest, origin: Source
+) -> CompareResult:
+    """Return how well two histories agree.
+
+    Raises
+    ------
+    InputError
+        If they cannot be compared.
+    """
+    begin, end = request.between
+    between = None
+    if begin is not None or end is not None:
+        between = (first.history.start if begin is None else begin, first.history.end if end is None else end)
+        if not between[0] < between[1]:
+            raise InputError("--to", f"{between[1]:g} s", f"a time after --from, {between[0]:g} s")
+    found = agreement(first, second, request.align, between)
+    result = CompareResult(
+        first,
+        second,
+        found,
+        request.align,
+        request.reading.low_pass,
+        request.factor,
+        origin=origin,
+        citations=("iso-18571", "smallwood-1981"),
+    )
+    judged = judge(request.limits, result.values)
+    notices = (*limit_notices(judged), *_notices(first, second, found, result), *first.notices, *second.notices)
+    return dataclasses.replace(result, judged=judged, notices=notices)
+
+
+def _check_units(a: ComparedCurve, b: ComparedCurve) -> None:
+    """Refuse two histories of different quantities, or one of an unknown unit beside one in SI."""
+    if a.unit == b.unit:
+        return
+    for one, other in ((a, b), (b, a)):
+        if not one.unit:
+            usual = "g" if other.unit == "m/s^2" else other.unit
+            hint = f"{other.name} is in {other.unit}: state --unit, such as {usual}"
+            raise InputError("--unit", f"{one.name}, in an unknown unit", "known units, or none of both", hint)
+    words = [f"{one.name} in {one.unit} ({QUANTITIES.get(one.unit, 'another quantity')})" for one in (a, b)]
+    raise InputError("B", words[1], f"the quantity of A, {words[0]}", "take another channel or part")
+
+
+def _notices(a: ComparedCurve, b: ComparedCurve, found: CurveAgreement, result: CompareResult) -> list[Notice]:
+    """Return what the user should know of the comparison itself."""
+    notices = []
+    if a.sign != b.sign:
+        message = "the largest values of A and B have opposite signs: --polarity -1 turns a measured one round"
+        notices.append(Notice("polarity", message))
+    if found.lost > LOST:
+        coarse = max(a.history.step, b.history.step)
+        message = (
+            f"{percent(found.lost)} of the RMS of the more finely sampled history lies above half the sampling rate of "
+            f"the other, {0.5 / coarse:.4g} Hz, which cannot hold it: --filter takes it off both"
+        )
+        notices.append(Notice("above-nyquist", message, found.lost, LOST))
+    out = [f"{name} of {owner}" for name, owner, _, _, inside in result.in_bands if not inside]
+    if out:
+        message = f"{listed(out)} outside the band of the simulation".replace("_", " ")
+        notices.append(Notice("outside-band", message, float(len(out)), 0.0, INFO))
+    return notices

@@ -1,0 +1,316 @@
+"""Histories of what was simulated: of a case that is run, or of a result that was kept.
+
+This module alone of the comparison knows other analyses: it runs them, and reads what they keep.
+"""
+
+from __future__ import annotations
+
+import functools
+import re
+from collections.abc import Iterator, Mapping, Sequence
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from strikewave.analyses.compare.curve import QUANTITIES, ComparedCurve, even_history
+from strikewave.base.errors import InputError, nearest
+from strikewave.base.result import Band, Notice, Result
+from strikewave.base.variables import LabelledArrays
+from strikewave.cases.case import load_case
+from strikewave.reporting.terminal import say
+
+Array = NDArray[np.float64]
+
+LARGEST_LOAD = 4_000_000_000
+"""A file of a result that would take more bytes than this is refused."""
+_READING = re.compile(r"(?:what sensor|reading of the sensor) (.*?)(?: reads)?", re.DOTALL)
+_AXIS = re.compile(r"\.[xyz]$")
+MOST_NAMED = 12
+"""Parts that a line names."""
+_FEM = {"mean_acceleration": "acceleration", "mean_force": "force"}
+"""Quantities that are means over intervals, and what they are of."""
+
+
+class SimulatedPart(NamedTuple):
+    """One history of what was simulated.
+
+    Attributes
+    ----------
+    part : str
+        Sensor, tap, body or contact; ``rigid`` for the struck object as one body.
+    quantity : str
+        What it is of, such as ``acceleration``.
+    unit : str
+        SI.
+    time, values : ndarray
+        s, SI.
+    blow : int
+        Its number; 0 where it is not of one blow.
+    band : mapping of str to Band
+        Of its peak, width and velocity change.
+    """
+
+    part: str
+    quantity: str
+    unit: str
+    time: Array
+    values: Array
+    blow: int = 0
+    band: Mapping[str, Band] = {}
+
+
+def simulated_curve(option: str, place: str, part: str, blow: int, unit: str, band: bool) -> ComparedCurve:
+    """Return a history of a case, which is run, or of the file of a result.
+
+    Parameters
+    ----------
+    option : str
+        ``A`` or ``B``, for errors.
+    place : str
+        Built-in case, case file, or NetCDF file of a result.
+    part : str
+        Which history: PART or PART.QUANTITY; empty for the usual one.
+    blow : int
+        Number of the blow; 0 for the first that struck.
+    unit : str
+        SI unit that is preferred; empty for an acceleration.
+    band : bool
+        Whether the bands of a run are found.
+
+    Raises
+    ------
+    InputError, InputErrors
+        If the case cannot be run, the file is none of a result, or the part is none of its.
+    """
+    if place.lower().endswith(".nc"):
+        name, parts, notices = _kept(place)
+    else:
+        name, parts, notices = _run(place, band)
+    return _curve(option, name, parts, notices, part, blow, unit)
+
+
+def solution_curve(option: str, solution: Result, part: str, blow: int, unit: str) -> ComparedCurve:
+    """Return a history of a solution of run, wave or fem; the arguments are those of `simulated_curve`.
+
+    Raises
+    ------
+    InputError
+        If it is none, or the part is none of its.
+    """
+    arrays = solution.arrays
+    if arrays is None or not {"pulse_acceleration", "tap_acceleration", "momentum"} & set(arrays.variables):
+        raise InputError(option, type(solution).__name__, "a solution of run, wave or fem, or a name")
+    name, notices = solution.source.name, [notice for notice in solution.notices if notice.broken]
+    return _curve(option, name, list(_parts(arrays, solution.band)), notices, part, blow, unit)
+
+
+def _parts(arrays: LabelledArrays, bands: Mapping[str, Band]) -> Iterator[SimulatedPart]:
+    """Yield the histories of a machine, a bar or elements."""
+    if "pulse_acceleration" in arrays:
+        return _machine_parts(arrays, bands)
+    return _wave_parts(arrays, bands) if "tap_acceleration" in arrays else _fem_parts(arrays)
+
+
+def _curve(
+    option: str,
+    name: str,
+    parts: Sequence[SimulatedPart],
+    notices: Sequence[Notice],
+    part: str,
+    blow: int,
+    unit: str,
+) -> ComparedCurve:
+    """Return one of some histories."""
+    chosen = _chosen(option, name, parts, part, blow, unit)
+    words = f"{name}:{chosen.part}" + (f".{chosen.quantity}" if chosen.quantity != "acceleration" else "")
+    words += f"@{chosen.blow}" if chosen.blow and len({one.blow for one in parts}) > 1 else ""
+    history = even_history(chosen.time, chosen.values)
+    return ComparedCurve(words, "simulation", history, chosen.unit, band=chosen.band, notices=tuple(notices))
+
+
+def _chosen(option: str, name: str, parts: Sequence[SimulatedPart], part: str, blow: int, unit: str) -> SimulatedPart:
+    """Return the history that is wanted; of several quantities the one in the preferred unit, or an acceleration."""
+    known = list(dict.fromkeys(one.part for one in parts))
+    if not known:
+        raise InputError(option, name, "a result with histories")
+    wanted, quantity = part or known[0], ""
+    if wanted not in known:
+        wanted, _, quantity = part.rpartition(".")
+        if wanted not in known:
+            raise InputError(option, f"{name}:{part}", "a part of the simulation", nearest(part, known))
+    elif not part and len(known) > 1:
+        others = [one for one in known[1:] if not _AXIS.search(one)]
+        say(f"{option} is {known[0]} of {name}; {name}:PART takes another: {', '.join(others[:MOST_NAMED])}")
+    found = [one for one in parts if one.part == wanted]
+    quantities = list(dict.fromkeys(one.quantity for one in found))
+    if quantity and quantity not in quantities:
+        raise InputError(option, f"{name}:{part}", f"a quantity of {wanted}", nearest(quantity, quantities))
+    blows = sorted({one.blow for one in found})
+    if blow and blow not in blows:
+        allowed = f"a blow that struck, {', '.join(map(str, blows))}" if any(blows) else "no blow: there is only one"
+        raise InputError(option, f"{name}@{blow}", allowed)
+    found = [one for one in found if one.blow == (blow or blows[0])]
+    for how in (lambda one: one.quantity == quantity, lambda one: one.unit == unit, lambda one: one.unit == "m/s^2"):
+        for one in found:
+            if how(one):
+                return one
+    return found[0]
+
+
+@functools.lru_cache(maxsize=2)
+def _run(place: str, band: bool) -> tuple[str, list[SimulatedPart], list[Notice]]:
+    """Run a case and return its name, its histories, and what was noticed."""
+    case = load_case(place)
+    solution: Any
+    say(f"running {case.name}")
+    if case.command == "fem":
+        from strikewave.analyses.fem.run import run_fem
+
+        solution = run_fem(case)
+    elif case.command == "wave":
+        from strikewave.analyses.wave.band import with_bands
+        from strikewave.analyses.wave.run import run_wave
+
+        solution = run_wave(case)
+        solution = with_bands(solution) if band else solution
+    else:
+        from strikewave.analyses.machine.run import run_case
+
+        solution = run_case(case, band=band)
+    broken = [notice for notice in solution.notices if notice.broken]
+    return case.name, list(_parts(solution.arrays, solution.band)), broken
+
+
+def is_solution(path: Path) -> bool:
+    """Tell whether a NetCDF file is one that run, wave or fem wrote."""
+    import h5py
+
+    try:
+        with h5py.File(path, "r") as file:
+            return "strikewave_schema" in file.attrs
+    except OSError:
+        return False
+
+
+def _kept(place: str) -> tuple[str, list[SimulatedPart], list[Notice]]:
+    """Return the histories of a result that was kept."""
+    path = Path(place)
+    name = path.parent.name or path.stem
+    if path.name == "solution.nc":
+        from strikewave.analyses.machine.result import load_solution
+
+        solution = load_solution(path)
+        return name, list(_parts(solution.arrays, solution.band)), []
+    return name, list(_parts(_arrays(path), {})), []
+
+
+def _arrays(path: Path) -> LabelledArrays:
+    """Return the arrays of a file of a result."""
+    import xarray
+
+    allowed = "the file of a result that `strikewave run`, `wave` or `fem` wrote"
+    try:
+        with xarray.open_dataset(path, engine="h5netcdf") as opened:
+            if opened.nbytes > LARGEST_LOAD:
+                raise InputError("solution", str(path), "a file of at most 4 GB in memory")
+            if "strikewave_schema" not in opened.attrs:
+                raise InputError("solution", str(path), allowed)
+            return LabelledArrays.of_xarray(opened.load())
+    except InputError:
+        raise
+    except Exception as error:  # whatever a damaged file makes the readers raise
+        raise InputError("solution", str(path), allowed, f"it cannot be read ({error})") from error
+
+
+def _machine_parts(arrays: LabelledArrays, bands: Mapping[str, Band]) -> Iterator[SimulatedPart]:
+    """Yield the object as one body, then sensors and taps, blow by blow as far as they struck, and the whole train."""
+    time, numbers = arrays["pulse_time"].values, [int(one) for one in arrays["blow"].values]
+    names = {"peak": "rigid_peak", "width": "width", "velocity_change": "velocity_change"}
+    first = True
+    for row, blow in enumerate(numbers):
+        if not np.any(np.isfinite(arrays["pulse_acceleration"].values[row])):
+            continue
+        of = {key: bands[f"first.{name}"] for key, name in names.items() if first and f"first.{name}" in bands}
+        for quantity, unit in (("acceleration", "m/s^2"), ("force", "N")):
+            values = arrays[f"pulse_{quantity}"].values[row]
+            known = of if quantity == "acceleration" else {}
+            yield SimulatedPart("rigid", quantity, unit, *_span(time, values), blow, known)
+        for variable, sensor in _sensors(arrays):
+            values, begin = variable.values[row], float(arrays[f"{sensor.key}_start"].values[row])
+            clock = begin + float(variable.attrs["step"]) * np.arange(values.size)
+            peak = _peak_band(bands if first else {}, f"sensor.{sensor.name}.peak")
+            if np.any(np.isfinite(values)):
+                yield SimulatedPart(sensor.name, "acceleration", "m/s^2", *_span(clock, values), blow, peak)
+        for k, tap in enumerate(arrays["tap"].values if "tap" in arrays else ()):
+            for quantity, unit in (("acceleration", "m/s^2"), ("force", "N"), ("velocity", "m/s")):
+                values = arrays[f"tap_{'speed' if quantity == 'velocity' else quantity}"].values[row, k]
+                if np.any(np.isfinite(values)):
+                    yield SimulatedPart(str(tap), quantity, unit, *_span(time, values), blow)
+        first = False
+
+
+def _peak_band(bands: Mapping[str, Band], name: str) -> dict[str, Band]:
+    """Return the band of a peak, where there is one."""
+    return {"peak": bands[name]} if name in bands else {}
+
+
+class _Sensor(NamedTuple):
+    key: str
+    name: str
+
+
+def _sensors(arrays: LabelledArrays) -> Iterator[tuple[Any, _Sensor]]:
+    """Yield the readings of sensors with the names of both."""
+    for key, variable in arrays.data_vars.items():
+        found = _READING.fullmatch(str(variable.attrs.get("long_name", "")))
+        if re.fullmatch(r"reading_\d+", key) and found:
+            yield variable, _Sensor(key, found[1])
+
+
+def _wave_parts(arrays: LabelledArrays, bands: Mapping[str, Band]) -> Iterator[SimulatedPart]:
+    """Yield sensors, then taps with all their quantities, the stack as one body, and the force on its face."""
+    time = arrays["time"].values
+    for variable, sensor in _sensors(arrays):
+        band = _peak_band(bands, f"sensor.{sensor.name}.peak")
+        clock = arrays[f"{sensor.key}_time"].values
+        yield SimulatedPart(sensor.name, "acceleration", "m/s^2", *_span(clock, variable.values), 0, band)
+    sensors = {sensor.name for _, sensor in _sensors(arrays)}
+    for k, tap in enumerate(map(str, arrays["tap"].values)):
+        for quantity, unit in (("acceleration", "m/s^2"), ("force", "N"), ("velocity", "m/s"), ("stress", "Pa")):
+            values = arrays[f"tap_{quantity}"].values[:, k]
+            band = _peak_band(bands, f"tap.{tap}.peak_{quantity}")
+            if np.any(np.isfinite(values)) and not (tap in sensors and quantity == "acceleration"):
+                yield SimulatedPart(tap, quantity, unit, *_span(time, values), 0, band)
+    yield SimulatedPart("rigid", "acceleration", "m/s^2", *_span(time, arrays["rigid_acceleration"].values))
+    yield SimulatedPart("face", "force", "N", *_span(time, arrays["face_force"].values))
+
+
+def _fem_parts(arrays: LabelledArrays) -> Iterator[SimulatedPart]:
+    """Yield bodies, groups, points, sections and contacts along the axis on which each moves most, and along each."""
+    kinds = ("part", "group", "point", "section", "contact")
+    found = {key: variable for key, variable in arrays.data_vars.items() if key.partition(".")[0] in kinds}
+    for key, variable in sorted(found.items(), key=lambda pair: kinds.index(pair[0].partition(".")[0])):
+        kind, _, rest = key.partition(".")
+        name, _, what = rest.rpartition(".")
+        quantity = _FEM.get(what, what)
+        body = kind in ("part", "group")
+        if not name or variable.dims[1:] != ("axis",) or quantity not in QUANTITIES.values():
+            continue
+        if (body and what == "acceleration") or (kind == "contact" and what == "force"):
+            continue  # the means over the intervals are the ones that do not depend on the step
+        time = arrays[variable.dims[0]].values
+        unit = str(variable.attrs["units"])
+        columns = np.asarray(variable.values, dtype=float)
+        most = int(np.argmax(np.nanmax(np.abs(columns), axis=0)))
+        yield SimulatedPart(name, quantity, unit, *_span(time, columns[:, most]))
+        for axis, values in zip("xyz", columns.T, strict=True):
+            yield SimulatedPart(f"{name}.{axis}", quantity, unit, *_span(time, values))
+
+
+def _span(time: Array, values: Array) -> tuple[Array, Array]:
+    """Return times and values from the first that is a number to the last."""
+    known = np.flatnonzero(np.isfinite(values))
+    kept = slice(int(known[0]), int(known[-1]) + 1) if known.size else slice(0, 0)
+    return time[kept], values[kept]

@@ -1,0 +1,257 @@
+"""What the names A and B of a comparison stand for: measured files, campaigns, cases, and results that were kept.
+
+A name is ``PLACE``, ``PLACE#CHANNEL`` for a measured file, or ``PLACE:PART`` for what is simulated, and may end with
+``@BLOW``, the number of a blow. A place is a measured file, a pattern or a folder of several (a campaign), a built-in
+case or a case file, which is run, or the folder (or the NetCDF file) of a result of run, wave or fem.
+"""
+
+from __future__ import annotations
+
+import math
+import os
+import re
+from collections.abc import Sequence
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from strikewave.analyses.compare.curve import ComparedCurve, checked_curve, mean_curve
+from strikewave.base.errors import InputError, StrikewaveError, nearest, show
+from strikewave.base.result import Notice
+from strikewave.cases.case import bundled_cases
+from strikewave.records import Options, Request
+from strikewave.records.reading import ChannelReading
+from strikewave.reporting import measured_files as measured
+from strikewave.reporting.terminal import say
+from strikewave.signal.alignment import EvenHistory, Shift
+from strikewave.signal.filters import Filter
+from strikewave.signal.pulse import Pulse
+
+KEPT = ("solution.nc", "waves.nc", "histories.nc")
+"""Files of results of run, wave and fem, one of which a folder holds."""
+BEFORE = 10
+"""Samples before a pulse from which its noise is taken, at least."""
+_BLOW = re.compile(r"(.*)@(\d{1,6})", re.DOTALL)
+
+
+class SourceName(NamedTuple):
+    """A name taken apart: place, channel or part, and blow (0 for none); ``measured`` where it says a channel."""
+
+    place: str
+    part: str = ""
+    blow: int = 0
+    measured: bool = False
+
+
+@dataclass(frozen=True)
+class SourceOptions:
+    """How sources are read: calibration and options of measured files, the low-pass, and whether bands are found."""
+
+    stated: dict[str, dict[str, Any]] = field(default_factory=dict)
+    options: Options = field(default_factory=Options)
+    low_pass: Filter | None = None
+    band: bool = True
+
+
+def parse_name(word: str) -> SourceName:
+    """Take a name apart; what exists under the whole of it is that.
+
+    Examples
+    --------
+    >>> parse_name("shot.csv#board@2")
+    SourceName(place='shot.csv', part='board', blow=2, measured=True)
+    >>> parse_name("li-ma-2019:frame"), parse_name("li-ma-2019@3").blow
+    (SourceName(place='li-ma-2019', part='frame', blow=0, measured=False), 3)
+    """
+    if _is_place(word):
+        return SourceName(word)
+    found = _BLOW.fullmatch(word)
+    rest, blow = (found[1], int(found[2])) if found else (word, 0)
+    if _is_place(rest):
+        return SourceName(rest, "", blow)
+    for mark in ("#", ":"):
+        place, said, part = rest.rpartition(mark)
+        if said and place and (mark == "#" or _is_place(place) or not os.path.dirname(part)):
+            return SourceName(place, part.strip(), blow, mark == "#")
+    return SourceName(rest, "", blow)
+
+
+def _is_place(name: str) -> bool:
+    return name in bundled_cases() or os.path.lexists(name)
+
+
+def paths_of(name: SourceName) -> list[Path]:
+    """Return the files that a name stands for; none of a built-in case."""
+    if name.place in bundled_cases() and not os.path.lexists(name.place):
+        return []
+    path = Path(name.place)
+    if path.is_dir():
+        kept = [path / one for one in (*KEPT, "case.toml") if (path / one).is_file()]
+        return kept[:1] or [one for one in sorted(path.iterdir()) if one.is_file() and not one.name.startswith(".")]
+    if not os.path.lexists(name.place) and any(mark in name.place for mark in "*?["):
+        return [Path(one) for one in measured.ordered([name.place]) if os.path.lexists(one)]
+    return [path] if path.is_file() else []
+
+
+def read_source(option: str, word: str, reading: SourceOptions, unit: str = "") -> ComparedCurve:
+    """Return the history that a name stands for.
+
+    Parameters
+    ----------
+    option : str
+        ``A`` or ``B``, for errors.
+    word : str
+        The name.
+    reading : SourceOptions
+        How it is read.
+    unit : str, optional
+        SI unit of the other history: of several quantities of a part that one is taken.
+
+    Raises
+    ------
+    InputError, StrikewaveError
+        If it stands for nothing, cannot be read, or is no history that can be compared.
+    """
+    name = parse_name(word)
+    built_in = name.place in bundled_cases() and not os.path.lexists(name.place)
+    paths = paths_of(name)
+    if not built_in and not paths:
+        raise _unknown(option, name)
+    if is_simulated(word):
+        from strikewave.analyses.compare.simulated import simulated_curve
+
+        if name.measured:
+            raise InputError(option, word, "PLACE:PART for what is simulated", f'write "{name.place}:{name.part}"')
+        place = name.place if built_in else str(paths[0])
+        curve = simulated_curve(option, place, name.part, name.blow, unit, reading.band)
+        return checked_curve(option, curve).filtered(reading.low_pass)
+    if name.part and not name.measured:
+        raise InputError(option, word, "FILE#CHANNEL for a measured file", f'write "{name.place}#{name.part}"')
+    if len(paths) == 1:
+        return _record(option, str(paths[0]), name, reading)
+    return _campaign(option, paths, name, reading)
+
+
+def _unknown(option: str, name: SourceName) -> InputError:
+    """Return the error of a name that stands for nothing."""
+    if any(mark in name.place for mark in "*?["):
+        return InputError(option, name.place, "a pattern that finds files")
+    folder = os.path.dirname(name.place)
+    beside = [os.path.join(folder, one) for one in _listed(folder or ".")]
+    near = nearest(name.place, [*bundled_cases(), *beside])
+    if os.path.isdir(name.place):
+        return InputError(option, name.place, "a folder that holds a result, or measured files", "it is empty")
+    allowed = "a measured file, several by a pattern or a folder, a case, or the folder of its result"
+    return InputError(option, name.place, allowed, near if near.startswith("did you mean") else "")
+
+
+def _listed(folder: str) -> list[str]:
+    try:
+        return [one for one in os.listdir(folder) if not one.startswith(".")]
+    except OSError:
+        return []
+
+
+def _record(
+    option: str, file: str, name: SourceName, reading: SourceOptions, of_campaign: bool = False
+) -> ComparedCurve:
+    """Return one channel of a measured file: its largest blow as far as half way to its neighbours, or all of it.
+
+    One that is bad is refused in a campaign.
+    """
+    options = reading.options._replace(channels=(name.part,) if name.part else reading.options.channels[:1])
+    record, found = measured.read_channels(file, reading.stated, options, Request(filter=reading.low_pass))
+    one = found.channels[0]
+    if not options.channels and len(record.channels) > 1 and not of_campaign:
+        say(f"{option} is {one.channel.name} of {Path(file).name}; {Path(file).name}#CHANNEL takes another")
+    if of_campaign and one.status == "bad":
+        raise StrikewaveError("it is bad: " + next(found.message for found in one.findings if found.severity == "bad"))
+    return _of_channel(option, f"{Path(file).name}#{one.channel.name}", one, name.blow)
+
+
+def _of_channel(option: str, name: str, one: ChannelReading, blow: int) -> ComparedCurve:
+    """Return a channel as a curve."""
+    channel = one.channel
+    offset = one.baseline if one.pulses else 0.0
+    if channel.values.size and not math.isfinite(channel.step):
+        raise InputError(option, name, "a file with a time column", "state --rate")
+    history = EvenHistory(channel.values - offset, channel.step, channel.start)
+    whole = checked_curve(option, ComparedCurve(name, "record", history, channel.unit))
+    notices = [
+        Notice(finding.code, f"{name}: {finding.message}", finding.value)
+        for finding in one.findings
+        if finding.severity != "good" and {"peak", "width", "velocity_change"} & set(finding.harms)
+    ]
+    if not one.pulses:
+        if blow > 1:
+            raise InputError(option, f"{name}@{blow}", "a blow that was found", "none was found")
+        notices.append(Notice("no-pulse", f"{name}: no blow was found, so no baseline is taken off"))
+        return replace(whole, notices=tuple(notices))
+    if blow > len(one.pulses):
+        raise InputError(option, f"{name}@{blow}", f"a blow from 1 to {len(one.pulses)}")
+    place = blow - 1 if blow else max(range(len(one.pulses)), key=lambda k: abs(one.pulses[k].peak))
+    pulse, values, time = one.pulses[place], whole.history.values, whole.history.time
+    begin = 0.5 * (one.pulses[place - 1].end + pulse.begin) if place else -math.inf
+    end = 0.5 * (pulse.end + one.pulses[place + 1].begin) if place + 1 < len(one.pulses) else math.inf
+    kept = (time >= begin) & (time <= end)
+    before = values[(time < pulse.begin - pulse.width) & kept]
+    noise = float(np.std(before)) if before.size >= BEFORE else float(pulse.noise)
+    if len(one.pulses) > 1:
+        if not blow:
+            say(f"{option} is the largest of {len(one.pulses)} blows of {name}, @{place + 1}; @N takes another")
+        name = f"{name}@{place + 1}"
+    shown = EvenHistory(values[kept], channel.step, float(time[kept][0]), noise)
+    figures = Pulse(pulse.time, pulse.peak, pulse.width, pulse.rise, pulse.velocity_change)
+    doubt = pulse.uncertainty
+    uncertainty = {"peak": doubt.peak, "width": doubt.width, "integral": doubt.velocity_change}
+    curve = ComparedCurve(
+        name, "record", shown, channel.unit, measured=figures, uncertainty=uncertainty, notices=tuple(notices)
+    )
+    return checked_curve(option, curve)
+
+
+def _campaign(option: str, paths: Sequence[Path], name: SourceName, reading: SourceOptions) -> ComparedCurve:
+    """Return the mean of several files, each aligned with that of median peak by correlation, and their deviations."""
+    from strikewave.signal.alignment import by_correlation
+
+    curves: list[ComparedCurve] = []
+    left: list[Notice] = []
+    for path in paths:
+        try:
+            curves.append(_record(option, str(path), name, reading, of_campaign=True))
+        except StrikewaveError as error:
+            left.append(Notice("left-out", f"{path.name} is left out: {error}"))
+    if len(curves) < 2:
+        if left:
+            raise InputError(option, name.place, "two measured files or more", left[0].message)
+        raise InputError(option, name.place, "two measured files or more for a campaign")
+    units = dict.fromkeys(curve.unit for curve in curves)
+    if len(units) > 1:
+        raise InputError(option, ", ".join(show(unit) for unit in units), "records in one unit")
+    curves.sort(key=lambda curve: abs(curve.pulse.peak))
+    middle = curves.pop(len(curves) // 2)
+    curves.insert(0, middle)
+    shifts = [Shift(0.0, 0.0, "")] + [by_correlation(middle.history, one.history) for one in curves[1:]]
+    mean = mean_curve(option, f"{len(curves)} records of {name.place}", curves, [one.shift for one in shifts])
+    return replace(mean, notices=(*mean.notices, *left))
+
+
+def is_simulated(word: str) -> bool:
+    """Tell whether a name stands for a case or for the result of one.
+
+    Examples
+    --------
+    >>> is_simulated("li-ma-2019:rigid@2"), is_simulated("shot.csv#board")
+    (True, False)
+    """
+    name = parse_name(word)
+    if name.place in bundled_cases() and not os.path.lexists(name.place):
+        return True
+    paths = paths_of(name)
+    if len(paths) == 1 and paths[0].suffix.lower() == ".nc" and paths[0].name not in KEPT:
+        from strikewave.analyses.compare.simulated import is_solution
+
+        return is_solution(paths[0])
+    return bool(paths) and (paths[0].name in KEPT or paths[0].suffix.lower() == ".toml")

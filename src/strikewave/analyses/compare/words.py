@@ -1,0 +1,141 @@
+"""A comparison in words and tables, for screen and report."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from strikewave.analyses.compare.agreement import PairOfFigures
+from strikewave.analyses.compare.limits import METRICS
+from strikewave.analyses.compare.result import INTEGRALS, NAMES, CompareResult, shift_words
+from strikewave.reporting.numbers import band_text, headed, percent, shown, with_unit
+from strikewave.reporting.parts import NONE, Cell, Table, Tag, written
+from strikewave.signal.iso18571 import RATE, SAMPLES
+from strikewave.specifications.decisions import CANNOT_TELL, FAIL, PASS
+
+LEAST_SHOWN = 5e-5
+"""Uncertainty of a difference from which on it is shown: 0.01 % rounded."""
+VERDICTS = {PASS: Tag("PASS", "good"), FAIL: Tag("FAIL", "bad"), CANNOT_TELL: Tag("cannot tell", "warned")}
+"""How a verdict is shown."""
+
+
+def compare_words(result: CompareResult) -> str:
+    """Say in words how well the two agree."""
+    found, rating = result.agreement, result.agreement.rating
+    peak, width = result.figures["peak"], result.figures["width"]
+    words = [
+        f"{result.b.name} agrees with {result.a.name} to {rating.overall:.2f} of 1 by ISO/TS 18571 ({rating.grade}):"
+    ]
+    parts = [f"peak {percent(peak.difference, 1, '+')}"]
+    if math.isfinite(width.difference):
+        parts.append(f"pulse width at 10 % {percent(width.difference, 1, '+')}")
+    parts.append(f"RMS difference {percent(found.rms)}")
+    words[0] += f" {', '.join(parts)}."
+    words.append("Not aligned." if result.align == "none" else f"B is shifted by {shift_words(result)}.")
+    if found.deviation is not None:
+        words.append(
+            f"{percent(found.inside(result.factor), 0)} of the interval lies within the corridor of "
+            f"± {result.factor:g} standard deviations."
+        )
+    if result.verdict is not None:
+        count = sum(one.verdict == PASS for one in result.judged)
+        words.insert(0, f"{VERDICTS[result.verdict].text}: {count} of {len(result.judged)} limits kept.")
+    return " ".join(words)
+
+
+def shown_units(result: CompareResult, name: str) -> tuple[str, str]:
+    """Return SI unit and usual unit of a figure."""
+    if name == "peak":
+        return result.unit, result.usual
+    return ("s", "us") if name == "width" else (INTEGRALS[result.unit], INTEGRALS[result.unit])
+
+
+def difference_words(pair: PairOfFigures) -> str:
+    """Return a difference with its standard uncertainty, where one is known."""
+    if not math.isfinite(pair.difference):
+        return NONE
+    doubt = f" ± {percent(pair.uncertainty, 2)}" if pair.uncertainty >= LEAST_SHOWN else ""
+    return percent(pair.difference, 2, "+") + doubt
+
+
+def figure_table(result: CompareResult) -> Table:
+    """Return peak, width and integral of both."""
+    rows: list[list[Cell]] = []
+    for name, pair in result.figures.items():
+        si, usual = shown_units(result, name)
+        cells = [NONE if math.isnan(v) else written(shown(v, si, usual) if si else v) for v in (pair.a, pair.b)]
+        rows.append([headed(NAMES[name], si, usual), *cells, difference_words(pair)])
+    return Table("Largest pulse", ["figure", "A", "B", "difference"], rows)
+
+
+def agreement_table(result: CompareResult) -> Table:
+    """Return what is measured of both together."""
+    found = result.agreement
+    begin, end = found.interval
+    rows: list[list[Cell]] = [
+        ["RMS of the difference over that of A", percent(found.rms, 2)],
+        ["correlation coefficient", f"{found.correlation:.5f}"],
+    ]
+    if found.ratio.size:
+        at = int(np.nanargmax(np.abs(found.ratio)))
+        where = with_unit(float(found.frequency[at]), "Hz", "kHz", 3)
+        rows.append(["largest ratio of shock response spectra", f"{found.ratio[at]:+.2f} dB at {where}"])
+    rows.append(["shift of B", shift_words(result)])
+    if found.deviation is not None:
+        inside = percent(found.inside(result.factor), 1)
+        rows.append([f"within the corridor, ± {result.factor:g} standard deviations", inside])
+    usual = "us" if end - begin < 2e-3 else "ms"
+    length = with_unit(end - begin, "s", usual)
+    since = f"{written(shown(begin, 's', usual), 6)} to {written(shown(end, 's', usual), 6)}"
+    rows.append([headed("interval in which they are judged", "s", usual), f"{since} ({length})"])
+    if result.low_pass is not None:
+        rows.append(["low-pass on both", str(result.low_pass)])
+    return Table("Agreement", ["of both together", "value"], rows)
+
+
+def score_table(result: CompareResult) -> Table:
+    """Return the scores of ISO/TS 18571."""
+    rating = result.agreement.rating
+    heads = ["corridor", "phase", "magnitude", "slope", "overall", "grade"]
+    row: list[Cell] = [f"{value:.3f}" for value in rating[:5]]
+    return Table("ISO/TS 18571", heads, [[*row, rating.grade]])
+
+
+def scaling_words(result: CompareResult) -> str:
+    """Say how time was scaled for ISO/TS 18571."""
+    begin, end = result.agreement.interval
+    return (
+        f"The standard is made for signals sampled at {RATE / 1e3:g} kHz: the interval of "
+        f"{with_unit(end - begin, 's', 'us')} is taken as {SAMPLES} such samples, time stretched "
+        f"{result.scaling['stretched']:.3g} times. Its phase score is what the alignment leaves."
+    )
+
+
+def limit_table(result: CompareResult) -> Table:
+    """Return the limits with what came out."""
+    rows: list[list[Cell]] = []
+    for one in result.judged:
+        unit = METRICS[one.limit.metric][0]
+
+        def cell(value: float, unit: str = unit) -> str:
+            if math.isnan(value):
+                return NONE
+            if unit == "s":
+                return f"{written(shown(value, 's', 'us'))} µs"
+            return f"{value:.4g} dB" if unit == "dB" else f"{value:.4g}"
+
+        words, verdict = METRICS[one.limit.metric][1], VERDICTS[one.verdict]
+        rows.append([one.limit.typed, verdict, cell(one.value), cell(one.margin), words])
+    return Table("Limits", ["limit", "verdict", "value", "margin", "of"], rows)
+
+
+def band_table(result: CompareResult) -> Table:
+    """Return the figures of one that the other has a band of."""
+    rows: list[list[Cell]] = []
+    for name, owner, value, band, inside in result.in_bands:
+        si, usual = shown_units(result, name)
+        cells = [with_unit(abs(value), si, usual), band_text(band, si, usual)]
+        verdict = Tag("inside", "good") if inside else Tag("outside", "warned")
+        rows.append([f"{NAMES[name]} of {owner}", *cells, verdict])
+    return Table("Band of the simulation", ["figure", "value", "band", "lies"], rows)

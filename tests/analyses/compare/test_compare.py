@@ -1,0 +1,246 @@
+"""`strikewave compare`: what is known of two histories comes out; what cannot be compared is refused in one line."""
+
+import json
+import os
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from strikewave import InputError, compare, load_solution
+from strikewave.analyses.compare.agreement import agreement
+from strikewave.analyses.compare.curve import ComparedCurve, checked_curve, even_history, mean_curve
+from strikewave.analyses.compare.simulated import _parts
+from strikewave.base.variables import LabelledArrays
+from strikewave.signal.alignment import EvenHistory
+from strikewave.signal.filters import Filter
+
+G = 9.80665
+
+
+def bell(time, at=1e-3, peak=500.0, width=5e-5):
+    return peak * np.exp(-(((time - at) / width) ** 2))
+
+
+def write(name, values, step=1e-6, head="time (s),frame (g)"):
+    table = np.column_stack([step * np.arange(len(values)), values])
+    np.savetxt(name, table, delimiter=",", header=head, comments="", fmt="%.9g")
+    return name
+
+
+def curve(values, step=1e-6, start=0.0, unit="m/s^2", name="one"):
+    return ComparedCurve(name, "record", EvenHistory(np.asarray(values), step, start), unit)
+
+
+TIME = 1e-6 * np.arange(2000)
+
+
+def test_a_history_agrees_with_itself_perfectly(strikewave, tmp_path):
+    write("a.csv", bell(TIME))
+    code, out, _ = strikewave("compare", "a.csv", "a.csv", "--json")
+    metrics = json.loads(out)["metrics"]
+    assert code == 0
+    assert [metrics[name]["difference"] for name in ("peak", "width", "velocity_change")] == [0.0, 0.0, 0.0]
+    assert (metrics["rms"], metrics["correlation"]) == (0.0, pytest.approx(1.0, abs=1e-12))
+    assert [metrics["iso18571"][name] for name in ("corridor", "phase", "magnitude", "slope", "overall")] == [1.0] * 5
+    assert metrics["srs"]["largest"]["ratio"] == 0.0
+    assert metrics["shift"]["value"] == pytest.approx(0.0, abs=1e-15)
+
+
+@settings(max_examples=20, deadline=None, derandomize=True)
+@given(
+    st.floats(-4e-4, 4e-4),
+    st.floats(0.3, 3.0),
+    st.floats(0.4e-6, 2.5e-6),
+    st.sampled_from(["correlation", "onset", "peak"]),
+)
+def test_a_known_shift_and_factor_come_back(shift, factor, step, align):
+    """Whatever the sampling of B: 1e-3 is the parabola of the peak of a bell of 20 samples or more."""
+    time = step * np.arange(int(3e-3 / step))
+    b = curve(factor * bell(time, 1.2e-3 - shift), step)
+    found = agreement(curve(bell(TIME, 1.2e-3)), b, align)
+    assert found.shift.shift == pytest.approx(shift, abs=0.01 * min(step, 1e-6))
+    assert found.pulse_b.peak / found.pulse_a.peak == pytest.approx(factor, rel=1e-3)
+    assert found.pulse_b.area / found.pulse_a.area == pytest.approx(factor, rel=2e-3)
+    assert found.rms == pytest.approx(abs(factor - 1.0), abs=2e-3)
+    assert np.allclose(found.ratio, 20.0 * np.log10(factor), atol=0.05)
+    assert found.rating.phase == 1.0
+
+
+def test_the_same_filter_on_both_leaves_the_same_difference():
+    """A factor passes through a linear filter."""
+    a, b = (curve(size * bell(TIME)).filtered(Filter(10e3)) for size in (1.0, 1.1))
+    assert a.pulse.peak < 0.98 * 500.0
+    assert agreement(a, b, "correlation").rms == pytest.approx(0.1, rel=1e-9)
+
+
+def test_without_alignment_the_phase_score_says_how_late_b_comes():
+    """The interval is that of both pulses with half of one on either side; 20 us of it over a fifth of it."""
+    found = agreement(curve(bell(TIME, 1e-3)), curve(bell(TIME, 1.02e-3)), "none")
+    length = found.interval[1] - found.interval[0]
+    assert found.rating.phase == pytest.approx(1.0 - 20e-6 / (0.2 * length), abs=0.01)  # a sample of a thousand
+    assert found.shift.shift == 0.0
+
+
+def test_a_campaign_is_the_mean_of_its_records_with_their_deviations():
+    """Three bells of 0.9, 1 and 1.1 at different times: deviation 0.1 of the mean at every sample."""
+    curves = [curve(bell(TIME, at, 500.0 * size)) for at, size in ((1e-3, 1.0), (1.1e-3, 0.9), (0.95e-3, 1.1))]
+    mean = mean_curve("A", "three", curves, [0.0, -1e-4, 5e-5])
+    assert mean.pulse.peak == pytest.approx(500.0, rel=1e-4)
+    assert np.allclose(mean.deviation, 0.1 * mean.history.values, atol=0.01)
+    assert agreement(mean, curve(bell(TIME, 1e-3, 590.0)), "correlation").inside(2.0) == 1.0
+    assert agreement(mean, curve(bell(TIME, 1e-3, 620.0)), "correlation").inside(2.0) == 0.0
+
+
+def test_a_campaign_of_files_leaves_out_what_cannot_be_read(strikewave):
+    os.mkdir("shots")
+    for k, size in enumerate((480.0, 500.0, 520.0)):
+        write(f"shots/{k}.csv", bell(TIME, 1e-3 + 1e-5 * k, size))
+    with open("shots/note.txt", "w") as file:
+        file.write("no record\n")
+    write("b.csv", bell(TIME, peak=505.0))
+    found = compare("shots", "b.csv", limits=["inside > 90 %"])
+    assert found.a.count == 3
+    assert found.verdict == "pass"
+    assert "left-out" in {notice.code for notice in found.notices}
+
+
+def test_a_case_is_run_and_its_band_held_against_the_record(strikewave):
+    """The record is the simulation itself, one per cent higher: it lies within the band of the peak.
+
+    Its zero is estimated from what lies before the blow, which begins gradually: 0.3 % of the peak.
+    """
+    kept = strikewave("run", "jesd22-b111-b", "--out", "kept")
+    assert kept[0] == 0
+    solution = load_solution("kept")
+    time, values = solution.arrays["pulse_time"].values, solution.arrays["pulse_acceleration"].values[0]
+    known = np.isfinite(values)
+    record = np.interp(np.arange(time[known][0] - 5e-4, time[known][-1], 2e-6), time[known], values[known])
+    write("record.csv", 1.01 * record / G, 2e-6)
+    found = compare("record.csv", "kept")
+    assert found.figures["peak"].difference == pytest.approx(1.0 / 1.01 - 1.0, abs=4e-3)
+    assert found.agreement.rating.overall > 0.98
+    assert {(name, inside) for name, _, _, _, inside in found.in_bands} >= {("peak", True), ("width", True)}
+    for again in ("jesd22-b111-b:rigid@1", solution, (solution, "rigid@1")):
+        assert compare("record.csv", again).agreement.rating == found.agreement.rating
+
+
+def test_a_part_of_a_kept_bar_is_taken_in_the_quantity_of_the_record(strikewave):
+    assert strikewave("wave", "li-ma-2019-fig13-bar", "--no-band", "--out", "bar")[0] == 0
+    assert compare("bar:sensor", "bar").quantity == "acceleration"
+    found = compare("bar:face", "bar:sensor", align="none")
+    assert (found.quantity, found.unit) == ("force", "N")
+
+
+def test_limits_decide_verdict_and_exit_code(strikewave):
+    write("a.csv", bell(TIME)), write("b.csv", bell(TIME, 1.1e-3, 520.0))
+    limits = ("--limit", "peak < 5 %", "--limit", "srs < 0.5 dB", "--limit", "shift < 120 us")
+    code, out, _ = strikewave("compare", "a.csv", "b.csv", *limits, "--out", "kept")
+    assert (code, "PASS: 3 of 3" in out) == (0, True)
+    assert sorted(os.listdir("kept")) == ["comparison.csv", "record.toml", "report.html", "spectrum.csv", "summary.svg"]
+    code, out, _err = strikewave(
+        "compare", "a.csv", "b.csv", "--limit", "peak <= 3 %", "--limit", "inside > 0.9", "--json"
+    )
+    document = json.loads(out)
+    assert (code, document["verdict"]) == (3, "fail")
+    assert [one["verdict"] for one in document["limits"]] == ["fail", "cannot-tell"]
+    assert {w["code"] for w in document["warnings"]} == {"limit-peak", "limit-inside"}
+    assert set(document["metrics"]) == {
+        "peak", "width", "velocity_change", "impulse", "rms", "correlation", "srs", "iso18571", "shift", "inside", "band"
+    }  # fmt: skip
+
+
+def test_what_the_coarser_history_cannot_hold_is_reported():
+    ripple = 50.0 * np.sin(2e5 * 2.0 * np.pi * TIME) * (np.abs(TIME - 1e-3) < 3e-4)
+    found = agreement(curve(bell(1e-5 * np.arange(200)), 1e-5), curve(bell(TIME) + ripple), "correlation")
+    assert found.lost > 0.1
+    assert agreement(curve(bell(TIME)), curve(bell(TIME) + ripple), "correlation").lost == 0.0
+
+
+def test_times_that_are_not_even_are_taken_on_lines_between_them():
+    time = np.array([0.0, 1.0, 2.0, 2.9, 4.0])
+    history = even_history(time, 3.0 * time)
+    assert history.step == 1.0
+    assert np.allclose(history.values, 3.0 * history.time)
+
+
+def test_elements_give_bodies_first_along_the_axis_on_which_they_move_most():
+    along = np.zeros((50, 3))
+    along[:, 2] = -bell(np.arange(50.0), 25.0, 9.0, 6.0)
+    time = ("interval", 1e-6 * np.arange(50.0))
+    names = ("contact.face.mean_force", "part.ball.mean_acceleration")
+    variables = {
+        name: (("interval", "axis"), along, {"units": unit}) for name, unit in zip(names, ("N", "m/s^2"), strict=True)
+    }
+    parts = list(_parts(LabelledArrays.of(variables, {"interval": time}, {}), {}))
+    assert [(one.part, one.quantity) for one in parts[::4]] == [("ball", "acceleration"), ("face", "force")]
+    assert np.array_equal(parts[0].values, along[:, 2])
+    assert [one.part for one in parts[1:4]] == ["ball.x", "ball.y", "ball.z"]
+
+
+def test_a_difference_has_the_uncertainty_that_noise_makes_it_scatter_by(strikewave):
+    """Ten records of noise of 1 % tell a deviation within a quarter; factor two is three of those."""
+    generator, found = np.random.default_rng(7), []
+    write("a.csv", bell(TIME))
+    for _ in range(10):
+        write("b.csv", bell(TIME) + 5.0 * generator.normal(size=TIME.size))
+        found.append(compare("a.csv", "b.csv").figures["velocity_change"])
+    scatter = np.std([one.difference for one in found], ddof=1)
+    assert 0.5 * scatter < np.mean([one.uncertainty for one in found]) < 2.0 * scatter
+
+
+@pytest.mark.parametrize("wrong", [3.0, ["a.csv"], (3.0, "sensor")])
+def test_what_is_neither_a_name_nor_a_solution_is_refused(wrong):
+    with pytest.raises(InputError, match=r"B: got .* a solution of run, wave or fem"):
+        compare("li-ma-2019", wrong, band=False)
+
+
+REFUSED = [
+    (("a.csv", "b.cvs"), "B: got", 'did you mean "b.csv"?'),
+    (("li-ma-2091", "a.csv"), "A: got", 'did you mean "li-ma-2019"?'),
+    (("none*.csv", "a.csv"), "A: got", "a pattern that finds files"),
+    (("a.csv", "empty"), "B: got", "it is empty"),
+    (("a.csv", "nothing.csv"), "nothing.csv", ""),
+    (("a.csv", "force.csv"), "B: got", "the quantity of A"),
+    (("a.csv", "bare.csv"), "--unit: got", "state --unit"),
+    (("a.csv", "zero.csv"), "B: got", "zero throughout"),
+    (("a.csv", "short.csv"), "B: got", "8 samples or more"),
+    (("a.csv", "a.csv#fram"), "--channel: got", 'did you mean "frame"?'),
+    (("a.csv", "a.csv@3"), "B: got", "a blow from 1 to 1"),
+    (("a.csv:frame", "a.csv"), "A: got", 'write "a.csv#frame"'),
+    (("li-ma-2019#rigid", "a.csv"), "A: got", 'write "li-ma-2019:rigid"'),
+    (("a.csv", "late.csv", "--align", "none"), "--align: got", "histories that overlap in time"),
+    (("a.csv", "b.csv", "--filter", "600 kHz"), "--filter: got", "half the sampling rate"),
+    (("a.csv", "b.csv", "--align", "fit"), "--align", "correlation"),
+    (("a.csv", "b.csv", "--limit", "iso1857 > 0.8"), "--limit: got", 'did you mean "iso18571"?'),
+    (("a.csv", "b.csv", "--limit", "iso18571"), "--limit: got", "one of < <= > >="),
+    (("a.csv", "b.csv", "--limit", "shift < 3"), "--limit: got", "a time with its unit"),
+    (("a.csv", "b.csv", "--limit", "peak < much"), "--limit: got", "a number, such as 0.8"),
+    (("a.csv", "b.csv", "--from", "5 s", "--to", "6 s"), "--from: got", "within the common time"),
+    (("a.csv", "b.csv", "--from", "2 ms", "--to", "1 ms"), "--to: got", "a time after --from"),
+    (("a.csv", "b.csv", "--deviations", "-1"), "--deviations: got", "above 0"),
+]
+
+
+def test_what_cannot_be_compared_is_refused_in_one_line(strikewave):
+    write("a.csv", bell(TIME)), write("b.csv", bell(TIME)), write("force.csv", bell(TIME), head="time (s),F (kN)")
+    write("bare.csv", bell(TIME), head="time,value"), write("zero.csv", 0.0 * TIME), write("short.csv", bell(TIME)[:5])
+    late = np.column_stack([TIME + 5.0, bell(TIME)])
+    np.savetxt("late.csv", late, delimiter=",", header="time (s),frame (g)", comments="", fmt="%.9g")
+    os.mkdir("empty")
+    open("nothing.csv", "w").close()
+    for words, begins, holds in REFUSED:
+        code, out, err = strikewave("compare", *words)
+        errors = [line for line in err.splitlines() if begins in line]
+        assert (code, out) == (2, ""), (words, err)
+        assert errors, (words, err)
+        assert holds in errors[0], (words, err)
+        assert not os.path.exists("out"), words
+
+
+def test_samples_that_are_no_numbers_are_refused():
+    values = bell(TIME)
+    values[900:1100] = np.nan
+    with pytest.raises(InputError, match="no numbers"):
+        checked_curve("A", curve(values))
