@@ -237,10 +237,10 @@ def _print_responses(readings: Sequence[FileReading], names: dict[str, str]) -> 
                 "peak": _value(one.peak, unit),
                 "ratio": "-" if math.isnan(one.ratio) else f"{one.ratio:.3g}",
                 "delay": number(one.delay, "s", "ms"),
-                "rms": _value(one.rms, unit),
                 "duration": number(one.duration, "s", "ms"),
-                "frequency": ", ".join(f"{mode.frequency:.4g}" for mode in one.modes) or "-",
-                "damping": ", ".join(f"{1e2 * mode.damping:.3g}" for mode in one.modes) or "-",
+                "rms": _value(one.rms, unit),
+                "frequency": next((number(mode.frequency, "Hz", "Hz") for mode in one.modes), "-"),
+                "damping": next((f"{1e2 * mode.damping:.3g}" for mode in one.modes), "-"),
             }
             rows.append(
                 [place for name, place in places.items() if keyed[name]]
@@ -249,8 +249,9 @@ def _print_responses(readings: Sequence[FileReading], names: dict[str, str]) -> 
     columns = [*(keys("file") if keyed["file"] else []), *(texts("channel") if keyed["channel"] else [])]
     columns += [*(numerals("blow") if keyed["blow"] else []), *numerals("peak")]
     columns += numerals("over base", priority=MORE)
-    columns += numerals("delay (ms)", "RMS", "effective duration (ms)")
-    columns += texts("frequencies (Hz)", "damping ratios (%)")
+    columns += numerals("delay (ms)", "effective duration (ms)")
+    columns += numerals("RMS", priority=MORE)
+    columns += numerals("strongest mode (Hz)", "damping ratio (%)")
     only = "" if keyed["channel"] else f": {channels[0][1].channel.name}"
     _table(f"Response channels{only}", columns, rows)
     if doubted:
