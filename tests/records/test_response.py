@@ -187,7 +187,8 @@ def test_a_channel_that_swings_through_most_of_its_record_is_told_too_and_not_as
         for k, (name, values) in enumerate((("frame", half_sine), ("board", long), ("quiet", 0.0 * long)))
     ]
     frame, board, quiet = read_file(Record("a.csv", "text", tuple(channels)), {}, Request()).channels
-    assert [finding.code for finding in board.findings if finding.severity != "good"] == ["response"]
+    assert "response" in [finding.code for finding in board.findings]
+    assert board.status == "suspect"
     assert frame.status == "good"
     assert "response" not in [finding.code for finding in quiet.findings]  # noise swings about zero too
 

@@ -270,6 +270,7 @@ def _readings(asked: FilesAsked, store: SampleStore, unread: list[Notice]) -> li
             unread.append(
                 Notice("unreadable", str(error) if file in str(error) else f"{file}: {error}", severity=FAILED)
             )
+            say(f"left out: {unread[-1].message}")
             continue
         files.append(dataclasses.replace(store.kept(found), path=measured.shown(file)))
     if not any(file.channels for file in files):
