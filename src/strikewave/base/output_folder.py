@@ -22,6 +22,7 @@ RESULT_FILES = (
     "blows.csv",
     "pulses.csv",
     "motion.csv",
+    "responses.csv",
     "spectrum.csv",
     "comparison.csv",
     "response.csv",

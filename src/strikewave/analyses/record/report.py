@@ -7,6 +7,7 @@ from collections.abc import Sequence
 from strikewave.analyses.record import chapters as chapters
 from strikewave.analyses.record import pictures as pictures
 from strikewave.analyses.record.motion_chapter import motion_section
+from strikewave.analyses.record.response_chapter import response_sections
 from strikewave.analyses.record.result import RecordResult
 from strikewave.analyses.record.rigid_chapter import rigid_sections
 from strikewave.analyses.record.tables import amount, between, called, percent, short_names, unit_of
@@ -31,6 +32,7 @@ def record_report(result: RecordResult) -> str:
     names = short_names([file.path for file in files])
     sections = [
         *pictures.campaign_sections(campaigns, files, names),
+        *response_sections(files, names),
         pictures.picture_section(files, names),
         pictures.response_section(files, names),
         chapters.file_section(files, names),

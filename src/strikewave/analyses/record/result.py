@@ -13,6 +13,7 @@ import numpy as np
 
 from strikewave.analyses.record.chosen import advised_filter, cutoff_for, sources_of
 from strikewave.analyses.record.moved import MOTION_UNITS, RecordMotion, all_moved, motion_columns
+from strikewave.analyses.record.responses import responding, response_columns, summaries
 from strikewave.base.result import FAILED, Notice
 from strikewave.records.band_split import BandSplit
 from strikewave.records.campaign import Campaign
@@ -93,6 +94,8 @@ class RecordResult(AskedResult):
         }
         if self.motion:
             content["motion"] = [{"file": one.file, "channel": one.channel, **one.document()} for one in self.motions]
+        if responding(self.readings):
+            content["response_summary"] = [one.document() for one in summaries(self.readings)]
         if len(self.campaigns) > 1:
             content["campaigns"] = [_campaign(one) for one in self.campaigns]
         return content
@@ -135,6 +138,8 @@ class RecordResult(AskedResult):
     def tables(self) -> dict[str, str]:
         """Return all pulses as CSV text."""
         tables = {"pulses.csv": csv_table(self.columns())}
+        if responding(self.readings):
+            tables["responses.csv"] = csv_table(response_columns(self.readings))
         if self.motion:
             tables["motion.csv"] = csv_table(motion_columns(self.motions), HISTORY_DIGITS)
         return tables
