@@ -13,6 +13,7 @@ from strikewave.records.health.examined import BLOW, with_unit
 from strikewave.records.health_notice import HealthNotice
 from strikewave.records.reading import ChannelReading, FileReading
 from strikewave.records.robust import FEWEST_FOR_OUTLIERS, outliers, spread_of
+from strikewave.records.trains import mains_period
 
 SUMMED = ("peak", "rise", "width", "velocity_change", "interval", "ringing_frequency")
 """The figures of a campaign."""
@@ -43,10 +44,6 @@ NO_BLOW = 20.0
 LOWER, OTHER_WIDTH = 3.0, 3.0
 """Times that the usual peak is an excursion of a file without a blow if it is also this much wider or narrower, or
 comes in the period of the mains."""
-MAINS = (20e-3, 10e-3, 1.0 / 60.0, 1.0 / 120.0)
-"""Periods of the mains and of their rectified form, s."""
-MAINS_SHARE = 0.01
-"""Share by which the median interval of blips of the mains differs from such a period."""
 SHORTER, MOST = 0.9, 0.6
 """A record that lasts less than this share of the usual one is shorter than its siblings, where most last as long.
 
@@ -123,8 +120,7 @@ def _without_blow(readings: list[tuple[int, ChannelReading]]) -> Iterator[tuple[
 
 def _of_mains(reading: ChannelReading) -> bool:
     """Tell whether blows come in the period of the mains."""
-    gaps = np.diff([pulse.time for pulse in reading.pulses])
-    return gaps.size > 1 and any(abs(float(np.median(gaps)) / period - 1.0) < MAINS_SHARE for period in MAINS)
+    return mains_period(np.array([pulse.time for pulse in reading.pulses])) > 0.0
 
 
 def _scaled(ratio: float, scatter: float) -> tuple[str, float] | None:

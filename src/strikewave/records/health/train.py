@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from strikewave.records.health.examined import Examined
+from strikewave.records.health.examined import BLOW, Examined
 from strikewave.records.health_notice import HealthNotice
-from strikewave.records.trains import missing_of
+from strikewave.records.trains import mains_period, missing_of
 
 LISTED = 3
 """Places that a message names; the others are counted."""
@@ -57,3 +57,16 @@ def missing_blow(record: Examined) -> list[HealthNotice]:
         "the gaps are left out of the interval"
     )
     return [HealthNotice("missing-blow", message, len(places), severity="suspect", start=places[0], end=places[-1])]
+
+
+def mains_blips(record: Examined) -> list[HealthNotice]:
+    """Find blows in step with the mains, 50 or 60 Hz: they may be blips of a supply, and no blows."""
+    period = mains_period(np.array([pulse.time for pulse in record.pulses]), locked=True)
+    if not period > 0.0:
+        return []
+    message = (
+        f"the {len(record.pulses)} blows come every {1e3 * period:.5g} ms, in step with the mains of "
+        f"{1.0 / period:.3g} Hz: they may be blips of a supply, and no blows; one record does not show which"
+    )
+    start, end = record.pulses[0].begin, record.pulses[-1].end
+    return [HealthNotice("mains", message, period, severity="suspect", harms=(*BLOW, "interval"), start=start, end=end)]
