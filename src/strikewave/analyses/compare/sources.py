@@ -199,12 +199,17 @@ def _of_channel(option: str, name: str, one: ChannelReading, blow: int) -> Compa
     before = values[(time < pulse.begin - pulse.width) & kept]
     noise = float(np.std(before)) if before.size >= BEFORE else float(pulse.noise)
     if len(one.pulses) > 1:
+        if not blow:
+            say(f"{option} is the largest of {len(one.pulses)} blows of {name}, @{place + 1}; @N takes another")
         name = f"{name}@{place + 1}"
     shown = EvenHistory(values[kept], channel.step, float(time[kept][0]), noise)
     figures = Pulse(pulse.time, pulse.peak, pulse.width, pulse.rise, pulse.velocity_change)
-    return checked_curve(
-        option, ComparedCurve(name, "record", shown, channel.unit, measured=figures, notices=tuple(notices))
+    doubt = pulse.uncertainty
+    uncertainty = {"peak": doubt.peak, "width": doubt.width, "integral": doubt.velocity_change}
+    curve = ComparedCurve(
+        name, "record", shown, channel.unit, measured=figures, uncertainty=uncertainty, notices=tuple(notices)
     )
+    return checked_curve(option, curve)
 
 
 def _campaign(option: str, paths: Sequence[Path], name: SourceName, reading: SourceOptions) -> ComparedCurve:

@@ -89,7 +89,8 @@ def clipped(record: Examined) -> list[HealthNotice]:
         struck = [p for p in record.pulses if np.any((at >= record.place(p.begin)) & (at <= record.place(p.end)))]
         where = f"in {len(struck)} of {len(record.pulses)} blows" if struck else "outside the blows"
         message = (
-            f"clipped at {record.text(level)} for {at.size * record.step * 1e6:.4g} us {where}: the true peak is larger"
+            f"clipped at {record.text(level)} for {at.size * record.step * 1e6:.4g}\xa0us {where}: the true peak "
+            "is larger"
         )
         severity, harms = ("bad", BLOW) if struck else ("suspect", ("ringing_frequency", "spectrum"))
         begin, end = record.time(int(at[0])), record.time(int(at[-1]))
@@ -140,7 +141,7 @@ def slew_limited(record: Examined) -> list[HealthNotice]:
             continue
         sides = "one side is" if own_slope else "its sides are"
         message = (
-            f"the blow at {pulse.time:.6g} s: {sides} straight over {OVER:.0%} of the peak, at "
+            f"the blow at {pulse.time:.6g}\xa0s: {sides} straight over {OVER:.0%} of the peak, at "
             f"{record.text(1e-6 * steep.slope)} a us, where a smooth pulse is curved: the amplifier may be too slow "
             "(slew rate), unless the pulse is meant to be straight; the true peak may be larger, the width smaller"
         )
