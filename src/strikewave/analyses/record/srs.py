@@ -14,6 +14,7 @@ from strikewave.reporting.options import Output, Typed, bare_number, one_of, par
 
 KINDS = ("absolute", "displacement", "relative-velocity", "pseudo-velocity", "equivalent-static")
 """Kinds of spectra."""
+ALLOWED_Q = "a quality factor above zero, such as 10 for 5 % of critical damping, or inf"
 
 
 def command(
@@ -23,7 +24,7 @@ def command(
         float,
         bare_number(
             "--q",
-            allowed="a quality factor above zero, or inf",
+            allowed=ALLOWED_Q,
             help="Quality factor 1 / (2 damping ratio), or inf; 10 by default.",
         ),
     ] = 10.0,
