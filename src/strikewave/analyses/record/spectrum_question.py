@@ -47,7 +47,9 @@ MOST_FREQUENCIES = 1e5
 MOST_WINDOWS = 20_000
 """Windows of rolling spectra, of all channels together, at most. Chosen: more than the pixels of any screen, and a few
 GB in JSON."""
-CITED = ("smallwood-1981", "iso-18431-4", "piersol-2009", "nist-handbook")
+CITED = ("smallwood-1981", "iso-18431-4")
+"""What a spectrum follows."""
+CITED_OF_SEVERAL = (*CITED, "piersol-2009", "nist-handbook")
 """What several spectra and their limit follow."""
 LEFT_OUT = ("gain-differs",)
 """Findings with which a record enters no envelope, as with one that is bad: its spectrum is wrong as a whole."""
@@ -260,6 +262,7 @@ def _one(asked: FilesAsked, wanted: SpectrumRequest, origin: Source) -> Spectrum
         rolling=shock.rolling,
         origin=origin,
         notices=_notices(reading),
+        citations=CITED,
     )
 
 
@@ -335,7 +338,7 @@ def _several(
         shocks=shocks,
         bounded_by="" if asked_for else f"{with_unit(rate, 'Hz', 'kHz')} of {Path(slowest[0]).name}",
         notices=tuple(notices),
-        citations=CITED,
+        citations=CITED_OF_SEVERAL,
     )
 
 
