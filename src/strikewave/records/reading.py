@@ -411,7 +411,11 @@ def _responding(
     blows = [BaseBlow(pulse.begin, pulse.time, pulse.end, pulse.peak) for pulse in base.pulses]
     responses = measure_responses(channel.values, channel.step, channel.start, blows, same)
     if responses:
-        examined = ExaminedResponse(channel.values, channel.step, channel.start, channel.unit, blows, responses)
+        beside = channel.step == base.channel.step and channel.start == base.channel.start
+        driving = base.channel.values if beside else None
+        examined = ExaminedResponse(
+            channel.values, channel.step, channel.start, channel.unit, blows, responses, driving
+        )
         found += [*examine_response(examined), *_missing(holes, responses), *_of_base(base)]
     return ChannelReading(channel, number, (), tuple(found), calibration, (), responses)
 

@@ -95,7 +95,7 @@ def examine_records(
     paths = [Path(measured.shown(file)) for file in files]
     name = name_of(paths)
     usual = f"record-{name}"
-    origin = measured.source_of("records", name, paths if output.writes(usual) else [], output.stated_test())
+    origin = measured.source_of_records(name, paths, output, usual)
     judged = None if specification is None or asked is None else (specification, asked(origin.test))
     command = RecordCommand(files, wanted, options, origin, in_columns, fail_on, motion, judged)
     return run_and_write(command, output, usual, origin.text)
@@ -255,10 +255,10 @@ def _print_responses(readings: Sequence[FileReading], names: dict[str, str]) -> 
                 "peak": _value(one.peak, unit),
                 "ratio": "-" if math.isnan(one.ratio) else f"{one.ratio:.3g}",
                 "delay": number(one.delay, "s", "ms"),
-                "rms": _value(one.rms, unit),
                 "duration": number(one.duration, "s", "ms"),
-                "frequency": ", ".join(f"{mode.frequency:.4g}" for mode in one.modes) or "-",
-                "damping": ", ".join(f"{1e2 * mode.damping:.3g}" for mode in one.modes) or "-",
+                "rms": _value(one.rms, unit),
+                "frequency": next((number(mode.frequency, "Hz", "Hz") for mode in one.modes), "-"),
+                "damping": next((f"{1e2 * mode.damping:.3g}" for mode in one.modes), "-"),
             }
             rows.append(
                 [place for name, place in places.items() if keyed[name]]
@@ -267,8 +267,9 @@ def _print_responses(readings: Sequence[FileReading], names: dict[str, str]) -> 
     columns = [*(keys("file") if keyed["file"] else []), *(texts("channel") if keyed["channel"] else [])]
     columns += [*(numerals("blow") if keyed["blow"] else []), *numerals("peak")]
     columns += numerals("over base", priority=MORE)
-    columns += numerals("delay (ms)", "RMS", "effective duration (ms)")
-    columns += texts("frequencies (Hz)", "damping ratios (%)")
+    columns += numerals("delay (ms)", "effective duration (ms)")
+    columns += numerals("RMS", priority=MORE)
+    columns += numerals("strongest mode (Hz)", "damping ratio (%)")
     only = "" if keyed["channel"] else f": {channels[0][1].channel.name}"
     _table(f"Response channels{only}", columns, rows)
     if doubted:
