@@ -10,7 +10,7 @@ from typing import Any, NamedTuple
 
 from strikewave.analyses.record.filter_options import filtered
 from strikewave.analyses.record.result import name_of
-from strikewave.analyses.record.rolling_window import Rolling, read_rolling
+from strikewave.analyses.record.rolling_window import ALLOWED_Q, Rolling, read_rolling
 from strikewave.analyses.record.spectrum import (
     KIND_UNITS,
     ShockSpectra,
@@ -21,7 +21,6 @@ from strikewave.analyses.record.spectrum import (
     rms_of,
     spectrum_of,
 )
-from strikewave.analyses.record.srs import ALLOWED_Q
 from strikewave.analyses.record.verdicts.options import SpecificationOptions
 from strikewave.analyses.record.words import named
 from strikewave.base.errors import InputError, StrikewaveError

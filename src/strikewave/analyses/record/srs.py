@@ -7,14 +7,13 @@ from typing import Annotated, Literal
 import typer
 
 from strikewave.analyses.record.filter_options import FilterOptions
-from strikewave.analyses.record.rolling_window import Rolling, read_rolling
+from strikewave.analyses.record.rolling_window import ALLOWED_Q, Rolling, read_rolling
 from strikewave.analyses.record.verdicts.options import SpecificationOptions
 from strikewave.reporting import measured_files as measured
 from strikewave.reporting.options import Output, Typed, bare_number, one_of, parsed, quantity
 
 KINDS = ("absolute", "displacement", "relative-velocity", "pseudo-velocity", "equivalent-static")
 """Kinds of spectra."""
-ALLOWED_Q = "a quality factor above zero, such as 10 for 5 % of critical damping, or inf"
 
 
 def command(
