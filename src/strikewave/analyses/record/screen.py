@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import dataclasses
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, ClassVar
+from typing import TYPE_CHECKING, Any, ClassVar
 
 from strikewave.analyses.record.chosen import advised_filter
 from strikewave.analyses.record.figures.campaigns import figure_unit
@@ -21,6 +21,8 @@ from strikewave.analyses.record.result import (
     name_of,
 )
 from strikewave.analyses.record.tables import rows_of, short_names
+from strikewave.analyses.record.verdicts.judged import with_verdict
+from strikewave.analyses.record.verdicts.screen import print_verdict
 from strikewave.analyses.record.words import record_words
 from strikewave.base.result import Source
 from strikewave.base.units import DIMENSIONS
@@ -42,6 +44,10 @@ from strikewave.reporting.run_and_write import Command, run_and_write
 from strikewave.reporting.terminal import number, report_table, significant, table, tell
 from strikewave.signal.filters import Filter
 
+if TYPE_CHECKING:
+    from strikewave.specifications.judged_records import Asked
+    from strikewave.specifications.reading import Specification
+
 MOST_NAMED = 3
 """Files that a line names; the others are counted."""
 MOST_ROWS = 60
@@ -58,6 +64,8 @@ def examine_records(
     in_columns: bool = False,
     fail_on: str = "",
     motion: bool = False,
+    specification: Specification | None = None,
+    asked: Callable[[Mapping[str, str]], Asked] | None = None,
 ) -> int:
     """Examine records, write and print what they say, and return the exit code.
 
@@ -75,6 +83,10 @@ def examine_records(
         Status that makes the exit code 3; empty for none.
     motion : bool
         Whether velocity and displacement are given.
+    specification : Specification or None
+        What the blows are judged by.
+    asked : callable or None
+        How they are, for what is stated of the test.
 
     Raises
     ------
@@ -86,7 +98,8 @@ def examine_records(
     name = name_of(paths)
     usual = f"record-{name}"
     origin = measured.source_of("records", name, paths if output.writes(usual) else [], output.stated_test())
-    command = RecordCommand(files, wanted, options, origin, in_columns, fail_on, motion)
+    judged = None if specification is None or asked is None else (specification, asked(origin.test))
+    command = RecordCommand(files, wanted, options, origin, in_columns, fail_on, motion, judged)
     return run_and_write(command, output, usual, origin.text)
 
 
@@ -103,18 +116,22 @@ class RecordCommand(Command[RecordResult]):
     in_columns: bool = False
     fail_on: str = ""
     motion: bool = False
+    judged: tuple[Specification, Asked] | None = None
 
     def solve(self) -> RecordResult:
         """Return what the records say."""
         found = examined(self.files, self.wanted, self.options, self.origin, self.in_columns, self.fail_on)
-        return dataclasses.replace(found, motion=self.motion)
+        found = dataclasses.replace(found, motion=self.motion)
+        return found if self.judged is None else with_verdict(found, *self.judged)
 
     def summary(self, result: RecordResult) -> str:
         """Say what the records have in common, and which are bad."""
         return record_words(result)
 
     def show(self, result: RecordResult) -> None:
-        """Print files, campaigns, and what the filter did."""
+        """Print the verdict, files, campaigns, and what the filter did."""
+        if result.verdict is not None:
+            print_verdict(result.verdict, short_names([file.path for file in result.readings]))
         _print(result.readings, result.campaigns, result.filter)
         if result.motion:
             report_table(motion_table(result.motions))

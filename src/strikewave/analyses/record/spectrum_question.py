@@ -21,6 +21,7 @@ from strikewave.analyses.record.spectrum import (
     rms_of,
     spectrum_of,
 )
+from strikewave.analyses.record.verdicts.options import SpecificationOptions
 from strikewave.base.errors import InputError, StrikewaveError
 from strikewave.base.result import FAILED, Notice, Source
 from strikewave.base.units import si_value
@@ -31,6 +32,7 @@ from strikewave.reporting.options import Typed, wrong_choice
 from strikewave.reporting.terminal import say
 from strikewave.signal.filters import Filter
 from strikewave.signal.srs import INITIAL, PARTS, SIDES, RollingSpectrum, Scope, octaves, resultant_srs, rolling_srs
+from strikewave.specifications.decisions import Rule
 
 HIGHEST = 100e3
 """Highest natural frequency by default, Hz. Chosen: ten times that of usual spectra of pyroshock (10 kHz in Irvine, An
@@ -80,6 +82,10 @@ def shock_spectra(
     initial: str = "rest",
     rms: bool = False,
     response: str | float | None = None,
+    spec: str | None = None,
+    decision: Rule = "simple",
+    uncertainty: str | float | None = None,
+    strict: bool = False,
     test: str | Path | None = None,
 ) -> SpectrumResult:
     """Compute the shock response spectra of measured files, their baselines taken off.
@@ -119,6 +125,8 @@ def shock_spectra(
         Whether root mean squares of the responses are given.
     response : str or float, optional
         Natural frequency of an oscillator whose response is given, with a unit or in Hz.
+    spec, decision, uncertainty, strict
+        As for `strikewave.record`; a specification states frequencies, quality factor and side.
 
     Raises
     ------
@@ -177,7 +185,11 @@ def shock_spectra(
         asked = FilesAsked(
             files, stated.calibration(), stated.reading(), filtered(Request(), filter, ac_coupling, high_pass)
         )
-        return spectra_of(asked, wanted, measured.source_in_python(name_of([Path(file) for file in files]), test))
+        origin = measured.source_in_python(name_of([Path(file) for file in files]), test)
+        judge = SpecificationOptions.in_python(spec, decision, uncertainty, strict).spectra_judge()
+        if judge is None:
+            return spectra_of(asked, wanted, origin)
+        return judge.judged(spectra_of(asked, judge.wanted(wanted), origin))
 
 
 def _typed(value: str | float, si: str, field: str) -> Typed:

@@ -8,6 +8,7 @@ from collections.abc import Sequence
 from strikewave.analyses.record.response_chapter import response_words
 from strikewave.analyses.record.result import RecordResult
 from strikewave.analyses.record.tables import amount, between, called, percent, rows_of, short_names, unit_of
+from strikewave.analyses.record.verdicts.words import sentence
 from strikewave.records.campaign import Campaign
 from strikewave.records.health_notice import STATUSES
 from strikewave.records.reading import FileReading
@@ -29,7 +30,8 @@ def record_words(result: RecordResult) -> str:
     names = short_names([file.path for file in files])
     if not files:
         return "No file was read."
-    words = [f"{len(files)} files: {listed(counted(files))}." if len(files) != 1 else f"One file, {files[0].status}."]
+    words = [] if result.verdict is None else [sentence(result.verdict, names)]
+    words += [f"{len(files)} files: {listed(counted(files))}." if len(files) != 1 else f"One file, {files[0].status}."]
     for campaign in campaigns:
         words.append(_campaign_words(campaign, unit_of(files, campaign), len(campaigns) > 1))
     answers = response_words(files)
