@@ -4,15 +4,17 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
 from strikewave.analyses.compare.curve import ComparedCurve
 from strikewave.base.result import FAILED, Notice
+from strikewave.reporting.clause_words import clause_words
 from strikewave.signal.alignment import EvenHistory
 from strikewave.signal.filters import Filter
 from strikewave.specifications.decisions import CANNOT_TELL, FAIL
-from strikewave.specifications.judged_records import filter_leaves, rests_on_indicative
+from strikewave.specifications.judged_records import clause_document, filter_leaves, rests_on_indicative
 from strikewave.specifications.judging import (
     Clause,
     MeasuredFigure,
@@ -58,6 +60,16 @@ class SpecificationVerdict:
     def by_indicative(self) -> bool:
         """Whether it rests on a limit that is from memory."""
         return rests_on_indicative(self.found.clauses, self.verdict)
+
+    def document(self) -> dict[str, Any]:
+        """Return the entry of the JSON document, in SI."""
+        return {
+            **self.specification.document(),
+            "verdict": self.verdict,
+            "by_indicative_limits": self.by_indicative,
+            "start": self.found.start,
+            "clauses": [clause_document(clause) for clause in self.found.clauses],
+        }
 
 
 def specified_curve(option: str, word: str) -> tuple[ComparedCurve, Specification]:
@@ -112,19 +124,15 @@ def judged_by(specification: Specification, curve: ComparedCurve, low_pass: Filt
 
 def verdict_notices(judged: SpecificationVerdict) -> tuple[Notice, ...]:
     """Return a failed check for each clause that is not kept, or of which nothing can be said."""
-    return tuple(
-        Notice(f"spec-{clause.clause.split(' ')[0]}", _why(clause), clause.value, _limit(clause), FAILED)
-        for clause in judged.found.clauses
-        if clause.verdict in (FAIL, CANNOT_TELL)
-    )
+    notices = []
+    for clause in judged.found.clauses:
+        if clause.verdict in (FAIL, CANNOT_TELL):
+            code = "spec-" + "-".join(clause.clause.split()[:2])
+            notices.append(Notice(code, clause_words(clause), clause.value, _limit(clause), FAILED))
+    return tuple(notices)
 
 
 def _limit(clause: Clause) -> float:
     """Return the limit that is nearest to the value."""
     ends = [end for end in (clause.low, clause.high) if math.isfinite(end)]
     return min(ends, key=lambda end: abs(end - clause.value), default=math.nan)
-
-
-def _why(clause: Clause) -> str:
-    what = "is not kept" if clause.verdict == FAIL else "cannot be stated"
-    return f"{clause.clause} {what}" + (f": {clause.reason}" if clause.reason else "")
