@@ -399,7 +399,7 @@ def test_hum_is_named_with_its_effect(frequency):
     values += 0.02 * PEAK * np.sin(2.0 * np.pi * frequency * np.arange(6000) * 2e-5 + 1.0)
     finding = found(values, "hum", step=2e-5)
     assert finding.value == pytest.approx(0.02 * PEAK, rel=0.1)
-    assert f"{frequency:g} Hz" in finding.message
+    assert f"{frequency:g}\xa0Hz" in finding.message
     assert {"peak", "velocity_change"} <= set(dict(finding.effects))
 
 

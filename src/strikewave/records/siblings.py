@@ -213,7 +213,7 @@ def _unlike_others(readings: list[tuple[int, ChannelReading]]) -> Iterator[tuple
                 HealthNotice("polarity-differs", message, sign, severity="suspect", harms=("peak", "velocity_change")),
             )
         if len(readings) > 2 and fixed and duration < SHORTER * usual:
-            message = f"it lasts {duration:.4g} s, the other files {usual:.4g} s: it may have been cut off"
+            message = f"it lasts {duration:.4g}\xa0s, the other files {usual:.4g}\xa0s: it may have been cut off"
             yield file, HealthNotice("truncated", message, duration, severity="suspect")
         if channel.unit != usual_unit:
             message = f"it is in {channel.unit or 'unknown units'}, the other files in {usual_unit or 'unknown units'}"
@@ -223,5 +223,5 @@ def _unlike_others(readings: list[tuple[int, ChannelReading]]) -> Iterator[tuple
             yield file, HealthNotice("name-differs", message, severity="suspect", harms=SUMMED)
         if abs(channel.step / usual_step - 1.0) > SAME_RATE:
             rate, usual_rate = 1.0 / channel.step, 1.0 / usual_step
-            message = f"sampled at {rate:.6g} Hz, the other files at {usual_rate:.6g} Hz"
+            message = f"sampled at {rate:.6g}\xa0Hz, the other files at {usual_rate:.6g}\xa0Hz"
             yield file, HealthNotice("rate-differs", message, rate, severity="good")

@@ -13,6 +13,7 @@ from strikewave.analyses.record.figures.spectra import srs_figure, tripartite
 from strikewave.analyses.record.spectrum import KIND_UNITS, SHOWN_UNITS, SpectrumResult
 from strikewave.analyses.record.tables import status_tag
 from strikewave.analyses.record.verdicts.judged_spectra import spectra_section, spectra_sentence
+from strikewave.analyses.record.words import named
 from strikewave.reporting import chapters
 from strikewave.reporting.clause_words import tag_of
 from strikewave.reporting.numbers import headed, percent, shown, spelled, with_unit
@@ -20,8 +21,6 @@ from strikewave.reporting.parts import NONE, Cell, Part, Picture, Section, Table
 from strikewave.signal.envelopes import FEWEST
 from strikewave.signal.srs import Spectrum
 
-MOST_NAMED = 3
-"""Records that a sentence names."""
 MOST_ROWS = 60
 """Frequencies in the table, evenly chosen: spectrum.csv has all."""
 
@@ -134,9 +133,10 @@ def several_words(result: SpectrumResult) -> str:
                 f"The {names[name]} of the {kind} response is largest, {_response(kind, float(values[at]), result)}, "
                 f"at {_hertz(first.frequency[at])}."
             )
-    left = [shock.name for shock in result.shocks if shock.left_out]
+    one_channel = len({shock.channel for shock in result.shocks}) == 1
+    left = [Path(shock.file).name if one_channel else shock.name for shock in result.shocks if shock.left_out]
     if left:
-        words.append(f"Left out as bad: {'; '.join(left[:MOST_NAMED])}{' and others' * (len(left) > MOST_NAMED)}.")
+        words.append(f"Left out: {named(left)}.")
     if not result.resultant and len(used) < FEWEST:
         words.append(f"P95/50 needs {FEWEST} spectra or more.")
     return " ".join(words)

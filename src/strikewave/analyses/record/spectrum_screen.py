@@ -41,7 +41,7 @@ def compute_spectra(
     paths = [Path(measured.shown(file)) for file in asked.files]
     name = name_of(paths)
     usual = f"srs-{name}"
-    origin = measured.source_of("records", name, paths if output.writes(usual) else [], output.stated_test())
+    origin = measured.source_of_records(name, paths, output, usual)
     return run_and_write(SrsCommand(asked, wanted, origin, judge), output, usual, origin.text)
 
 

@@ -15,7 +15,9 @@ from strikewave.records.reading import FileReading
 from strikewave.reporting.numbers import listed
 
 MOST_REASONS = 4
-"""Bad records whose reason the summary gives: more are counted, and stand in the table of findings."""
+"""Reasons of bad records that the summary gives: more are counted, and stand in the table of findings."""
+MOST_NAMED = 4
+"""Files that a line names; the others are counted."""
 
 
 def counted(files: Sequence[FileReading]) -> list[str]:
@@ -41,11 +43,27 @@ def record_words(result: RecordResult) -> str:
     for file, reading in rows_of(files):
         harmful = [f for f in reading.findings if f.severity == "bad"]
         bad += [(names[file.path] + (f", {reading.channel.name}," if several else ""), harmful[0])] if harmful else []
-    for name, finding in bad[:MOST_REASONS]:
-        words.append(f"{name} is bad: {finding.message}.")
-    if len(bad) > MOST_REASONS:
-        words.append(f"{len(bad) - MOST_REASONS} more records are bad, see below.")
+    reasons: dict[str, list[str]] = {}
+    for name, finding in bad:
+        reasons.setdefault(finding.message, []).append(name)
+    for message, where in list(reasons.items())[:MOST_REASONS]:
+        words.append(f"{named(where).rstrip(',')} {'are' if len(where) > 1 else 'is'} bad: {message}.")
+    more = sum(map(len, list(reasons.values())[MOST_REASONS:]))
+    if more:
+        words.append(f"{more} more record{'s are' if more > 1 else ' is'} bad, see below.")
     return " ".join(words)
+
+
+def named(files: Sequence[str]) -> str:
+    """Return names of files, or the first of many and how many more there are.
+
+    Examples
+    --------
+    >>> named(["a.csv", "b.csv"]), named([f"{k}.csv" for k in range(9)])
+    ('a.csv and b.csv', '0.csv, 1.csv, 2.csv, 3.csv and 5 more')
+    """
+    more = len(files) - MOST_NAMED
+    return listed(list(files)) if more < 2 else f"{', '.join(files[:MOST_NAMED])} and {more} more"
 
 
 def _of_blows(count: int) -> str:

@@ -66,7 +66,7 @@ def uncertain(record: Examined) -> list[HealthNotice]:
     if hum is not None and not hum[1] <= NOTED_HUM * peak:
         frequency, amplitude = hum
         share = f", {amplitude / peak:.1%} of the peak" if record.pulses else f" and {record.text(amplitude)}"
-        message = f"hum of {frequency:g} Hz{share}"
+        message = f"hum of {frequency:g}\xa0Hz{share}"
         return [by_effect("hum", message, amplitude, worst, signed=False)]
     if max(worst.values(), default=0.0) < NOTED_NOISE:
         return []
