@@ -42,7 +42,7 @@ def record_report(result: RecordResult) -> str:
         chapters.health_section(files, names),
         chapters.blow_section(files, names),
         *rigid_sections(files, names),
-        *(chapters.campaign_section(one, files, names, len(campaigns) > 1) for one in campaigns),
+        *(chapters.campaign_section(one, files, names, len(campaigns) > 1) for one in campaigns if one.sums_up),
         shared.warnings(result.notices),
         *([motion_section(result.motions)] if result.motion else []),
         chapters.filter_section(files, names, result.filter),
