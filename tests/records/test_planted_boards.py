@@ -50,7 +50,7 @@ TOLD = (
 """Classes of faults without a silent miss; the table in docs/benchmarks.md has the others."""
 
 
-@pytest.mark.parametrize("kind", ["board-clipped", "board-coarse", "board-dead", "board-spike", "board-drift"])
+@pytest.mark.parametrize("kind", ["board-clipped", "board-saturated", "board-dead", "board-drift", "board-shift"])
 def test_what_a_fault_does_to_a_response_is_told(kind):
     found = planted_boards.judged_class(kind, 4, FIRST)
     assert not silent(found)

@@ -411,7 +411,11 @@ def _responding(
     blows = [BaseBlow(pulse.begin, pulse.time, pulse.end, pulse.peak) for pulse in base.pulses]
     responses = measure_responses(channel.values, channel.step, channel.start, blows, same)
     if responses:
-        examined = ExaminedResponse(channel.values, channel.step, channel.start, channel.unit, blows, responses)
+        beside = channel.step == base.channel.step and channel.start == base.channel.start
+        driving = base.channel.values if beside else None
+        examined = ExaminedResponse(
+            channel.values, channel.step, channel.start, channel.unit, blows, responses, driving
+        )
         found += [*examine_response(examined), *_missing(holes, responses), *_of_base(base)]
     return ChannelReading(channel, number, (), tuple(found), calibration, (), responses)
 
@@ -450,26 +454,32 @@ def _told(readings: Sequence[ChannelReading]) -> list[ChannelReading]:
         base = next(
             (one for one in struck if one is not reading and one.pulses[0].begin <= begin + one.pulses[0].width), None
         )
-        if not swing or base is None:
+        if not swing or base is None or not _louder(reading, base.pulses[0].begin):
             told.append(reading)
             continue
         message = (
             f"no blow of its own: it swings about zero after the blow of {base.channel.name}; --base {base.number}"
         )
-        told.append(
-            reading.with_finding(HealthNotice("response", f"{message} measures it as a response", harms=FIGURES))
-        )
+        finding = HealthNotice("response", f"{message} measures it as a response", harms=FIGURES)
+        others = tuple(known for known in reading.findings if known.code != "no-pulse")  # which says less of the same
+        told.append(dataclasses.replace(reading, findings=others).with_finding(finding))
     return told
 
 
 def _swings(reading: ChannelReading) -> bool:
-    """Tell whether a channel swings about zero, by more than its noise."""
+    """Tell whether a channel swings about zero, as noise does too."""
     values = reading.channel.values
     if values.size < FEWEST or not np.all(np.isfinite(values)) or not np.ptp(values) > 0.0:
         return False
-    above = values - reading.baseline
-    scale = float(np.median(np.abs(above)))
-    return float(np.max(np.abs(above))) > SWINGS_OUT * scale and swings(above)
+    return swings(values - reading.baseline)
+
+
+def _louder(reading: ChannelReading, begin: float) -> bool:
+    """Tell whether a channel swings by more than its noise before a time; over all, where little lies before it."""
+    channel, above = reading.channel, np.abs(reading.channel.values - reading.baseline)
+    before = max(round((begin - channel.start) / channel.step), 0)
+    noise = float(np.median(above[:before] if before >= FEWEST else above))
+    return float(np.max(above)) > SWINGS_OUT * noise
 
 
 def repeats(file: FileReading) -> list[FileReading]:

@@ -13,6 +13,7 @@ from strikewave.records.health.examined import BLOW, with_unit
 from strikewave.records.health_notice import HealthNotice
 from strikewave.records.reading import ChannelReading, FileReading
 from strikewave.records.robust import FEWEST_FOR_OUTLIERS, outliers, spread_of
+from strikewave.records.trains import mains_period
 
 SUMMED = ("peak", "rise", "width", "velocity_change", "interval", "ringing_frequency")
 """The figures of a campaign."""
@@ -43,10 +44,6 @@ NO_BLOW = 20.0
 LOWER, OTHER_WIDTH = 3.0, 3.0
 """Times that the usual peak is an excursion of a file without a blow if it is also this much wider or narrower, or
 comes in the period of the mains."""
-MAINS = (20e-3, 10e-3, 1.0 / 60.0, 1.0 / 120.0)
-"""Periods of the mains and of their rectified form, s."""
-MAINS_SHARE = 0.01
-"""Share by which the median interval of blips of the mains differs from such a period."""
 SHORTER, MOST = 0.9, 0.6
 """A record that lasts less than this share of the usual one is shorter than its siblings, where most last as long.
 
@@ -123,8 +120,7 @@ def _without_blow(readings: list[tuple[int, ChannelReading]]) -> Iterator[tuple[
 
 def _of_mains(reading: ChannelReading) -> bool:
     """Tell whether blows come in the period of the mains."""
-    gaps = np.diff([pulse.time for pulse in reading.pulses])
-    return gaps.size > 1 and any(abs(float(np.median(gaps)) / period - 1.0) < MAINS_SHARE for period in MAINS)
+    return mains_period(np.array([pulse.time for pulse in reading.pulses])) > 0.0
 
 
 def _scaled(ratio: float, scatter: float) -> tuple[str, float] | None:
@@ -217,7 +213,7 @@ def _unlike_others(readings: list[tuple[int, ChannelReading]]) -> Iterator[tuple
                 HealthNotice("polarity-differs", message, sign, severity="suspect", harms=("peak", "velocity_change")),
             )
         if len(readings) > 2 and fixed and duration < SHORTER * usual:
-            message = f"it lasts {duration:.4g} s, the other files {usual:.4g} s: it may have been cut off"
+            message = f"it lasts {duration:.4g}\xa0s, the other files {usual:.4g}\xa0s: it may have been cut off"
             yield file, HealthNotice("truncated", message, duration, severity="suspect")
         if channel.unit != usual_unit:
             message = f"it is in {channel.unit or 'unknown units'}, the other files in {usual_unit or 'unknown units'}"
@@ -227,5 +223,5 @@ def _unlike_others(readings: list[tuple[int, ChannelReading]]) -> Iterator[tuple
             yield file, HealthNotice("name-differs", message, severity="suspect", harms=SUMMED)
         if abs(channel.step / usual_step - 1.0) > SAME_RATE:
             rate, usual_rate = 1.0 / channel.step, 1.0 / usual_step
-            message = f"sampled at {rate:.6g} Hz, the other files at {usual_rate:.6g} Hz"
+            message = f"sampled at {rate:.6g}\xa0Hz, the other files at {usual_rate:.6g}\xa0Hz"
             yield file, HealthNotice("rate-differs", message, rate, severity="good")

@@ -15,6 +15,7 @@ from strikewave.records.campaign import compare, summed
 from strikewave.records.health_notice import HealthNotice
 from strikewave.records.reading import FileReading, Request, read_file
 from strikewave.records.record import Channel, Record
+from strikewave.reporting.numbers import in_shown_units
 from strikewave.signal.filters import Filter
 
 STEP = 5e-6
@@ -142,7 +143,7 @@ def test_every_file_finding_and_blow_is_listed(files, page):
     words = Page(page).text
     for file in files:
         for finding in file.all_findings:
-            assert finding.message in words
+            assert in_shown_units(finding.message) in words
     blows = found["Blows"]
     assert len(blows) == 1 + sum(len(file.channels[0].pulses) for file in files)
     first = files[1].channels[0].pulses[0]

@@ -20,6 +20,10 @@ Array = NDArray[np.float64]
 
 FEWEST = 8
 """Samples of a history, at least: fewer are no pulse."""
+FIGURES = {"peak": "peak", "width": "width", "integral": "area"}
+"""Figures of a pulse that are compared, and what `Pulse` calls them."""
+FOOT = 0.02
+"""Share of the peak at the feet of a pulse, as records have it."""
 QUANTITIES = {"m/s^2": "acceleration", "N": "force", "m/s": "velocity", "m": "displacement", "Pa": "stress"}
 """What a unit is of."""
 SHOWN_IN = {"m/s^2": "g", "N": "kN", "m/s": "m/s", "m": "mm", "Pa": "MPa"}
@@ -46,6 +50,12 @@ class ComparedCurve:
         Histories that it is the mean of.
     band : mapping of str to Band
         What a simulation says of its peak, width and velocity change when inputs move within what is known of them.
+    measured : Pulse or None
+        Its largest pulse as `strikewave record` measures it, noise taken into account; of a campaign the means. None
+        for what has no noise.
+    uncertainty : mapping of str to float
+        Standard uncertainty of its peak, width and velocity change (or impulse) from noise; of a campaign, that of the
+        mean from their scatter.
     notices : tuple of Notice
         What the user should know of it.
     """
@@ -57,6 +67,8 @@ class ComparedCurve:
     deviation: Array | None = None
     count: int = 1
     band: Mapping[str, Band] = field(default_factory=dict)
+    measured: Pulse | None = None
+    uncertainty: Mapping[str, float] = field(default_factory=dict)
     notices: tuple[Notice, ...] = ()
 
     @property
@@ -67,9 +79,12 @@ class ComparedCurve:
 
     @property
     def pulse(self) -> Pulse:
-        """Its largest pulse, with the sign that it has."""
-        found = measure_pulse(self.sign * self.history.values, self.history.step, self.history.start)
-        return found._replace(peak=self.sign * found.peak, area=self.sign * found.area)
+        """Its largest pulse, with its sign: the width at 10 % of the peak, the integral from foot to foot."""
+        if self.measured is not None:
+            return self.measured
+        upright, step, start = self.sign * self.history.values, self.history.step, self.history.start
+        found, feet = measure_pulse(upright, step, start), measure_pulse(upright, step, start, FOOT)
+        return found._replace(peak=self.sign * found.peak, area=self.sign * feet.area)
 
     def filtered(self, low_pass: Filter | None) -> ComparedCurve:
         """Return it through a low-pass.
@@ -159,6 +174,10 @@ def mean_curve(option: str, name: str, curves: Sequence[ComparedCurve], shifts: 
             )
         )
     values = np.mean(rows, axis=0)
+    pulses = np.array([one.pulse for one in curves])
+    moved = Pulse(*map(float, np.append(np.mean(pulses[:, 0] + np.asarray(shifts)), np.mean(pulses[:, 1:], axis=0))))
+    figures = [[getattr(one.pulse, name) for name in FIGURES.values()] for one in curves]
+    scatter = (np.std(figures, axis=0, ddof=1) / math.sqrt(len(curves))).tolist()
     noise = math.sqrt(float(np.mean([one.history.noise**2 for one in curves])) / len(curves))
     return ComparedCurve(
         name,
@@ -167,5 +186,7 @@ def mean_curve(option: str, name: str, curves: Sequence[ComparedCurve], shifts: 
         curves[0].unit,
         np.std(rows, axis=0, ddof=1),
         len(curves),
+        measured=moved,
+        uncertainty=dict(zip(FIGURES, scatter, strict=True)),
         notices=tuple(dict.fromkeys(notice for one in curves for notice in one.notices)),
     )

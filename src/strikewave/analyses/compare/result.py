@@ -11,7 +11,7 @@ from typing import Any, ClassVar
 import numpy as np
 
 from strikewave.analyses.compare.agreement import CurveAgreement, PairOfFigures
-from strikewave.analyses.compare.curve import QUANTITIES, SHOWN_IN, ComparedCurve
+from strikewave.analyses.compare.curve import FIGURES, QUANTITIES, SHOWN_IN, ComparedCurve
 from strikewave.analyses.compare.limits import Judged, verdict_of
 from strikewave.base.result import Band
 from strikewave.reporting.columns import HISTORY_DIGITS, Column, csv_table
@@ -89,10 +89,18 @@ class CompareResult(AskedResult):
     @functools.cached_property
     def figures(self) -> dict[str, PairOfFigures]:
         """Peak, width, and velocity change or impulse, of both."""
-        one, other = self.agreement.pulse_a, self.agreement.pulse_b
-        figures = {"peak": PairOfFigures(one.peak, other.peak), "width": PairOfFigures(one.width, other.width)}
         integral = {"m/s^2": "velocity_change", "N": "impulse"}.get(self.unit)
-        return figures | ({integral: PairOfFigures(one.area, other.area)} if integral else {})
+        names = {"peak": "peak", "width": "width", **({integral: "integral"} if integral else {})}
+        one, other = self.agreement.pulse_a, self.agreement.pulse_b
+        return {
+            name: PairOfFigures(
+                getattr(one, FIGURES[key]),
+                getattr(other, FIGURES[key]),
+                self.a.uncertainty.get(key, 0.0),
+                self.b.uncertainty.get(key, 0.0),
+            )
+            for name, key in names.items()
+        }
 
     @functools.cached_property
     def values(self) -> dict[str, float]:
@@ -130,6 +138,8 @@ class CompareResult(AskedResult):
             "velocity_change": integral,
             "impulse": integral,
             "difference": "1",
+            "difference_uncertainty": "1",
+            "uncertainty": "s",
             "shift": "s",
             "interval": "s",
             "time": "s",
@@ -146,7 +156,11 @@ class CompareResult(AskedResult):
         found = self.agreement
         figures: dict[str, Any] = dict.fromkeys(("peak", "width", "velocity_change", "impulse"))
         for name, pair in self.figures.items():
-            figures[name] = {"a": pair.a, "b": pair.b, "difference": pair.difference}
+            figures[name] = {
+                **pair._asdict(),
+                "difference": pair.difference,
+                "difference_uncertainty": pair.uncertainty,
+            }
         rating = found.rating._asdict()
         step = (found.interval[1] - found.interval[0]) / (SAMPLES - 1)
         return {

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from strikewave.analyses.compare.curve import QUANTITIES, ComparedCurve, even_history
 from strikewave.base.errors import InputError, nearest
-from strikewave.base.result import Band, Notice
+from strikewave.base.result import Band, Notice, Result
 from strikewave.base.variables import LabelledArrays
 from strikewave.cases.case import load_case
 from strikewave.reporting.terminal import say
@@ -26,6 +26,9 @@ Array = NDArray[np.float64]
 LARGEST_LOAD = 4_000_000_000
 """A file of a result that would take more bytes than this is refused."""
 _READING = re.compile(r"(?:what sensor|reading of the sensor) (.*?)(?: reads)?", re.DOTALL)
+_AXIS = re.compile(r"\.[xyz]$")
+MOST_NAMED = 12
+"""Parts that a line names."""
 _FEM = {"mean_acceleration": "acceleration", "mean_force": "force"}
 """Quantities that are means over intervals, and what they are of."""
 
@@ -85,6 +88,41 @@ def simulated_curve(option: str, place: str, part: str, blow: int, unit: str, ba
         name, parts, notices = _kept(place)
     else:
         name, parts, notices = _run(place, band)
+    return _curve(option, name, parts, notices, part, blow, unit)
+
+
+def solution_curve(option: str, solution: Result, part: str, blow: int, unit: str) -> ComparedCurve:
+    """Return a history of a solution of run, wave or fem; the arguments are those of `simulated_curve`.
+
+    Raises
+    ------
+    InputError
+        If it is none, or the part is none of its.
+    """
+    arrays = solution.arrays
+    if arrays is None or not {"pulse_acceleration", "tap_acceleration", "momentum"} & set(arrays.variables):
+        raise InputError(option, type(solution).__name__, "a solution of run, wave or fem, or a name")
+    name, notices = solution.source.name, [notice for notice in solution.notices if notice.broken]
+    return _curve(option, name, list(_parts(arrays, solution.band)), notices, part, blow, unit)
+
+
+def _parts(arrays: LabelledArrays, bands: Mapping[str, Band]) -> Iterator[SimulatedPart]:
+    """Yield the histories of a machine, a bar or elements."""
+    if "pulse_acceleration" in arrays:
+        return _machine_parts(arrays, bands)
+    return _wave_parts(arrays, bands) if "tap_acceleration" in arrays else _fem_parts(arrays)
+
+
+def _curve(
+    option: str,
+    name: str,
+    parts: Sequence[SimulatedPart],
+    notices: Sequence[Notice],
+    part: str,
+    blow: int,
+    unit: str,
+) -> ComparedCurve:
+    """Return one of some histories."""
     chosen = _chosen(option, name, parts, part, blow, unit)
     words = f"{name}:{chosen.part}" + (f".{chosen.quantity}" if chosen.quantity != "acceleration" else "")
     words += f"@{chosen.blow}" if chosen.blow and len({one.blow for one in parts}) > 1 else ""
@@ -103,7 +141,8 @@ def _chosen(option: str, name: str, parts: Sequence[SimulatedPart], part: str, b
         if wanted not in known:
             raise InputError(option, f"{name}:{part}", "a part of the simulation", nearest(part, known))
     elif not part and len(known) > 1:
-        say(f"{option} is {known[0]} of {name}; {name}:PART takes another: {', '.join(known[1:12])}")
+        others = [one for one in known[1:] if not _AXIS.search(one)]
+        say(f"{option} is {known[0]} of {name}; {name}:PART takes another: {', '.join(others[:MOST_NAMED])}")
     found = [one for one in parts if one.part == wanted]
     quantities = list(dict.fromkeys(one.quantity for one in found))
     if quantity and quantity not in quantities:
@@ -130,20 +169,18 @@ def _run(place: str, band: bool) -> tuple[str, list[SimulatedPart], list[Notice]
         from strikewave.analyses.fem.run import run_fem
 
         solution = run_fem(case)
-        parts = list(_fem_parts(solution.arrays))
     elif case.command == "wave":
         from strikewave.analyses.wave.band import with_bands
         from strikewave.analyses.wave.run import run_wave
 
         solution = run_wave(case)
         solution = with_bands(solution) if band else solution
-        parts = list(_wave_parts(solution.arrays, solution.band))
     else:
         from strikewave.analyses.machine.run import run_case
 
         solution = run_case(case, band=band)
-        parts = list(_machine_parts(solution.arrays, solution.band))
-    return case.name, parts, [notice for notice in solution.notices if notice.broken]
+    broken = [notice for notice in solution.notices if notice.broken]
+    return case.name, list(_parts(solution.arrays, solution.band)), broken
 
 
 def is_solution(path: Path) -> bool:
@@ -165,9 +202,8 @@ def _kept(place: str) -> tuple[str, list[SimulatedPart], list[Notice]]:
         from strikewave.analyses.machine.result import load_solution
 
         solution = load_solution(path)
-        return name, list(_machine_parts(solution.arrays, solution.band)), []
-    arrays = _arrays(path)
-    return name, list(_wave_parts(arrays, {}) if "tap_acceleration" in arrays else _fem_parts(arrays)), []
+        return name, list(_parts(solution.arrays, solution.band)), []
+    return name, list(_parts(_arrays(path), {})), []
 
 
 def _arrays(path: Path) -> LabelledArrays:
@@ -253,7 +289,9 @@ def _wave_parts(arrays: LabelledArrays, bands: Mapping[str, Band]) -> Iterator[S
 
 def _fem_parts(arrays: LabelledArrays) -> Iterator[SimulatedPart]:
     """Yield bodies, groups, points, sections and contacts along the axis on which each moves most, and along each."""
-    for key, variable in arrays.data_vars.items():
+    kinds = ("part", "group", "point", "section", "contact")
+    found = {key: variable for key, variable in arrays.data_vars.items() if key.partition(".")[0] in kinds}
+    for key, variable in sorted(found.items(), key=lambda pair: kinds.index(pair[0].partition(".")[0])):
         kind, _, rest = key.partition(".")
         name, _, what = rest.rpartition(".")
         quantity = _FEM.get(what, what)

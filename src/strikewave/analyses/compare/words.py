@@ -6,12 +6,16 @@ import math
 
 import numpy as np
 
-from strikewave.analyses.compare.limits import CANNOT_TELL, FAIL, METRICS, PASS
+from strikewave.analyses.compare.agreement import PairOfFigures
+from strikewave.analyses.compare.limits import METRICS
 from strikewave.analyses.compare.result import INTEGRALS, NAMES, CompareResult, shift_words
 from strikewave.reporting.numbers import band_text, headed, percent, shown, with_unit
 from strikewave.reporting.parts import NONE, Cell, Table, Tag, written
 from strikewave.signal.iso18571 import RATE, SAMPLES
+from strikewave.specifications.decisions import CANNOT_TELL, FAIL, PASS
 
+LEAST_SHOWN = 5e-5
+"""Uncertainty of a difference from which on it is shown: 0.01 % rounded."""
 VERDICTS = {PASS: Tag("PASS", "good"), FAIL: Tag("FAIL", "bad"), CANNOT_TELL: Tag("cannot tell", "warned")}
 """How a verdict is shown."""
 
@@ -47,14 +51,21 @@ def shown_units(result: CompareResult, name: str) -> tuple[str, str]:
     return ("s", "us") if name == "width" else (INTEGRALS[result.unit], INTEGRALS[result.unit])
 
 
+def difference_words(pair: PairOfFigures) -> str:
+    """Return a difference with its standard uncertainty, where one is known."""
+    if not math.isfinite(pair.difference):
+        return NONE
+    doubt = f" ± {percent(pair.uncertainty, 2)}" if pair.uncertainty >= LEAST_SHOWN else ""
+    return percent(pair.difference, 2, "+") + doubt
+
+
 def figure_table(result: CompareResult) -> Table:
     """Return peak, width and integral of both."""
     rows: list[list[Cell]] = []
     for name, pair in result.figures.items():
         si, usual = shown_units(result, name)
-        cells = [NONE if math.isnan(v) else written(shown(v, si, usual) if si else v) for v in pair]
-        known = math.isfinite(pair.difference)
-        rows.append([headed(NAMES[name], si, usual), *cells, percent(pair.difference, 2, "+") if known else NONE])
+        cells = [NONE if math.isnan(v) else written(shown(v, si, usual) if si else v) for v in (pair.a, pair.b)]
+        rows.append([headed(NAMES[name], si, usual), *cells, difference_words(pair)])
     return Table("Largest pulse", ["figure", "A", "B", "difference"], rows)
 
 
@@ -115,8 +126,8 @@ def limit_table(result: CompareResult) -> Table:
             return f"{value:.4g} dB" if unit == "dB" else f"{value:.4g}"
 
         words, verdict = METRICS[one.limit.metric][1], VERDICTS[one.verdict]
-        rows.append([one.limit.typed, words, cell(one.value), cell(one.margin), verdict])
-    return Table("Limits", ["limit", "of", "value", "margin", "verdict"], rows)
+        rows.append([one.limit.typed, verdict, cell(one.value), cell(one.margin), words])
+    return Table("Limits", ["limit", "verdict", "value", "margin", "of"], rows)
 
 
 def band_table(result: CompareResult) -> Table:

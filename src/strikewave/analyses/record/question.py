@@ -9,6 +9,8 @@ from pathlib import Path
 
 from strikewave.analyses.record.filter_options import filtered
 from strikewave.analyses.record.result import RecordResult, name_of, record_result
+from strikewave.analyses.record.verdicts.judged import with_verdict
+from strikewave.analyses.record.verdicts.options import RecordSpecificationOptions
 from strikewave.base.errors import InputError, StrikewaveError
 from strikewave.base.result import Source
 from strikewave.base.units import si_value
@@ -27,6 +29,7 @@ from strikewave.records import (
 from strikewave.reporting import measured_files as measured
 from strikewave.reporting.terminal import say
 from strikewave.signal.filters import Filter
+from strikewave.specifications.decisions import Rule
 
 
 def record(
@@ -50,6 +53,12 @@ def record(
     motion: bool = False,
     repeats_in_columns: bool = False,
     base: str | int = "",
+    spec: str | None = None,
+    decision: Rule = "simple",
+    uncertainty: str | float | None = None,
+    strict: bool = False,
+    direction: str | Sequence[str] = (),
+    cross_axis: Sequence[str | int] = (),
     test: str | Path | None = None,
 ) -> RecordResult:
     """Read measured files and judge them: status, health and pulses of each, and the statistics of all together.
@@ -86,6 +95,19 @@ def record(
         Whether the columns of a file are repeats of one test, not channels.
     base : str or int, optional
         Name or number of the driving channel: the others are measured as responses to its blow.
+    spec : str, optional
+        Specification to judge the blows by: a built-in one, such as ``"jesd22-b110:B"``, or a file that ends in
+        ``.toml``; the verdict is ``.verdict`` of the result.
+    decision : str, optional
+        ``simple``, or ``guarded`` by the expanded uncertainty.
+    uncertainty : str or float, optional
+        Expanded uncertainty (k = 2) of the acceleration, such as ``"5 %"``; only that of noise by default.
+    strict : bool, optional
+        Whether no verdict is stated by limits that are from memory.
+    direction : str or sequence of str, optional
+        Direction of the shocks, such as ``"+x"`` or ``"up*.csv=-z"``.
+    cross_axis : sequence of str or int, optional
+        Names or numbers of channels that measure across the shock.
     test : str or Path, optional
         TOML file that says what was tested, by whom and when, for the head of the report.
 
@@ -128,9 +150,16 @@ def record(
         height = math.nan if drop_height is None else si_value(drop_height, "m", "drop_height")
         wanted = Request(tuple(stated.channel or ()), stated.calibration(), height, base=str(base))
         wanted = filtered(wanted, filter, ac_coupling, high_pass)
+        judging = RecordSpecificationOptions.in_python(
+            spec, decision, uncertainty, strict, direction=direction, cross_axis=cross_axis
+        )
+        specification = judging.specification()
         origin = measured.source_in_python(name_of([Path(file) for file in files]), test)
         found = examined(files, wanted, stated.reading(), origin, repeats_in_columns)
-    return dataclasses.replace(found, motion=motion)
+        found = dataclasses.replace(found, motion=motion)
+        if specification is None:
+            return found
+        return with_verdict(found, specification, judging.asked(origin.test))
 
 
 def examined(

@@ -7,9 +7,12 @@ from collections.abc import Sequence
 from strikewave.analyses.record import chapters as chapters
 from strikewave.analyses.record import pictures as pictures
 from strikewave.analyses.record.motion_chapter import motion_section
+from strikewave.analyses.record.response_chapter import response_sections
 from strikewave.analyses.record.result import RecordResult
 from strikewave.analyses.record.rigid_chapter import rigid_sections
 from strikewave.analyses.record.tables import amount, between, called, percent, short_names, unit_of
+from strikewave.analyses.record.verdicts.chapter import verdict_section
+from strikewave.analyses.record.verdicts.words import tag_of
 from strikewave.analyses.record.words import counted, record_words
 from strikewave.records.campaign import Campaign
 from strikewave.records.reading import FileReading
@@ -30,7 +33,9 @@ def record_report(result: RecordResult) -> str:
     files, campaigns = result.readings, result.campaigns
     names = short_names([file.path for file in files])
     sections = [
+        *([] if result.verdict is None else [verdict_section(result.verdict, names)]),
         *pictures.campaign_sections(campaigns, files, names),
+        *response_sections(files, names),
         pictures.picture_section(files, names),
         pictures.response_section(files, names),
         chapters.file_section(files, names),
@@ -43,9 +48,9 @@ def record_report(result: RecordResult) -> str:
         chapters.filter_section(files, names, result.filter),
         chapters.calibration_section(files, names, result.calibrations),
     ]
-    summary = shared.Summary(
-        "Report of measured records", record_words(result), _key_numbers(files, campaigns), _status(files)
-    )
+    tag = _status(files) if result.verdict is None else tag_of(result.verdict.verdict)
+    numbers = _key_numbers(files, campaigns)
+    summary = shared.Summary("Report of measured records", record_words(result), numbers, tag)
     return shared.result_page(result, summary, sections)
 
 

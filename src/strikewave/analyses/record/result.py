@@ -7,12 +7,13 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, ClassVar
+from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 
 from strikewave.analyses.record.chosen import advised_filter, cutoff_for, sources_of
 from strikewave.analyses.record.moved import MOTION_UNITS, RecordMotion, all_moved, motion_columns
+from strikewave.analyses.record.responses import responding, response_columns, summaries
 from strikewave.base.result import FAILED, Notice
 from strikewave.records.band_split import BandSplit
 from strikewave.records.campaign import Campaign
@@ -26,6 +27,9 @@ from strikewave.reporting.numbers import shown_unit, with_unit
 from strikewave.reporting.shown_result import Curve, history_curve
 from strikewave.signal.filters import Filter, effect_on_half_sine
 from strikewave.signal.pulse import HALF_SINE_WIDTH
+
+if TYPE_CHECKING:
+    from strikewave.specifications.judged_records import RecordsVerdict
 
 INTEGRALS = {"m/s^2": "m/s", "m/s": "m", "N": "N s", "Pa": "Pa s", "V": "V s", "1": "s", "": ""}
 """Unit of the integral over time of each unit."""
@@ -51,6 +55,8 @@ class RecordResult(AskedResult):
         Status, ``suspect`` or ``bad``, that makes the command exit with 3 where a file has it, or a worse one.
     motion : bool
         Whether velocity and displacement are given.
+    verdict : RecordsVerdict or None
+        By a specification, where one was asked for.
     """
 
     command: ClassVar[str] = "record"
@@ -61,6 +67,7 @@ class RecordResult(AskedResult):
     calibrations: Sequence[tuple[str, str]] = ()
     fail_on: str = ""
     motion: bool = False
+    verdict: RecordsVerdict | None = None
 
     @functools.cached_property
     def motions(self) -> list[RecordMotion]:
@@ -93,6 +100,10 @@ class RecordResult(AskedResult):
         }
         if self.motion:
             content["motion"] = [{"file": one.file, "channel": one.channel, **one.document()} for one in self.motions]
+        if self.verdict is not None:
+            content["spec"] = self.verdict.document()
+        if responding(self.readings):
+            content["response_summary"] = [one.document() for one in summaries(self.readings)]
         if len(self.campaigns) > 1:
             content["campaigns"] = [_campaign(one) for one in self.campaigns]
         return content
@@ -135,6 +146,8 @@ class RecordResult(AskedResult):
     def tables(self) -> dict[str, str]:
         """Return all pulses as CSV text."""
         tables = {"pulses.csv": csv_table(self.columns())}
+        if responding(self.readings):
+            tables["responses.csv"] = csv_table(response_columns(self.readings))
         if self.motion:
             tables["motion.csv"] = csv_table(motion_columns(self.motions), HISTORY_DIGITS)
         return tables

@@ -4,14 +4,16 @@ from __future__ import annotations
 
 import dataclasses
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, ClassVar
+from typing import TYPE_CHECKING, Any, ClassVar
 
 from strikewave.analyses.record.chosen import advised_filter
+from strikewave.analyses.record.figures.campaigns import figure_unit
 from strikewave.analyses.record.motion_chapter import motion_table
 from strikewave.analyses.record.question import examined
+from strikewave.analyses.record.responses import ResponseSummary, harmed, responding, summaries
 from strikewave.analyses.record.result import (
     INTEGRALS,
     RecordResult,
@@ -19,7 +21,9 @@ from strikewave.analyses.record.result import (
     name_of,
 )
 from strikewave.analyses.record.tables import rows_of, short_names
-from strikewave.analyses.record.words import record_words
+from strikewave.analyses.record.verdicts.judged import with_verdict
+from strikewave.analyses.record.verdicts.screen import print_verdict
+from strikewave.analyses.record.words import named, record_words
 from strikewave.base.result import Source
 from strikewave.base.units import DIMENSIONS
 from strikewave.records import (
@@ -34,16 +38,20 @@ from strikewave.records.campaign import SUMMED, WITHOUT_RINGING
 from strikewave.records.rigid_pulse import RigidPulse
 from strikewave.reporting import measured_files as measured
 from strikewave.reporting.layout import MORE, ScreenColumn, keys, numerals, texts
-from strikewave.reporting.numbers import listed, with_unit
+from strikewave.reporting.numbers import percent, shown_unit, with_unit
 from strikewave.reporting.options import Output
 from strikewave.reporting.run_and_write import Command, run_and_write
 from strikewave.reporting.terminal import number, report_table, significant, table, tell
 from strikewave.signal.filters import Filter
 
-MOST_NAMED = 3
-"""Files that a line names; the others are counted."""
+if TYPE_CHECKING:
+    from strikewave.specifications.judged_records import Asked
+    from strikewave.specifications.reading import Specification
+
 MOST_ROWS = 60
 """Files shown in the table on the screen."""
+DOUBTED = " ?"
+"""Stands behind a figure that a finding harms."""
 
 
 def examine_records(
@@ -54,6 +62,8 @@ def examine_records(
     in_columns: bool = False,
     fail_on: str = "",
     motion: bool = False,
+    specification: Specification | None = None,
+    asked: Callable[[Mapping[str, str]], Asked] | None = None,
 ) -> int:
     """Examine records, write and print what they say, and return the exit code.
 
@@ -71,6 +81,10 @@ def examine_records(
         Status that makes the exit code 3; empty for none.
     motion : bool
         Whether velocity and displacement are given.
+    specification : Specification or None
+        What the blows are judged by.
+    asked : callable or None
+        How they are, for what is stated of the test.
 
     Raises
     ------
@@ -81,8 +95,9 @@ def examine_records(
     paths = [Path(measured.shown(file)) for file in files]
     name = name_of(paths)
     usual = f"record-{name}"
-    origin = measured.source_of("records", name, paths if output.writes(usual) else [], output.stated_test())
-    command = RecordCommand(files, wanted, options, origin, in_columns, fail_on, motion)
+    origin = measured.source_of_records(name, paths, output, usual)
+    judged = None if specification is None or asked is None else (specification, asked(origin.test))
+    command = RecordCommand(files, wanted, options, origin, in_columns, fail_on, motion, judged)
     return run_and_write(command, output, usual, origin.text)
 
 
@@ -99,18 +114,22 @@ class RecordCommand(Command[RecordResult]):
     in_columns: bool = False
     fail_on: str = ""
     motion: bool = False
+    judged: tuple[Specification, Asked] | None = None
 
     def solve(self) -> RecordResult:
         """Return what the records say."""
         found = examined(self.files, self.wanted, self.options, self.origin, self.in_columns, self.fail_on)
-        return dataclasses.replace(found, motion=self.motion)
+        found = dataclasses.replace(found, motion=self.motion)
+        return found if self.judged is None else with_verdict(found, *self.judged)
 
     def summary(self, result: RecordResult) -> str:
         """Say what the records have in common, and which are bad."""
         return record_words(result)
 
     def show(self, result: RecordResult) -> None:
-        """Print files, campaigns, and what the filter did."""
+        """Print the verdict, files, campaigns, and what the filter did."""
+        if result.verdict is not None:
+            print_verdict(result.verdict, short_names([file.path for file in result.readings]))
         _print(result.readings, result.campaigns, result.filter)
         if result.motion:
             report_table(motion_table(result.motions))
@@ -132,9 +151,12 @@ def _print(readings: Sequence[FileReading], campaigns: Sequence[Campaign], filte
         *numerals("velocity change", priority=MORE),
     ]
     _table(f"{len(readings)} records" if len(readings) > 1 else readings[0].path, columns, rows)
+    alike: dict[tuple[str, str], list[str]] = {}
     for file in readings:
         if file.status != "good":
-            tell(f"{names[file.path]}, {file.status}: {'; '.join(file.reasons)}", "  ")
+            alike.setdefault((file.status, "; ".join(file.reasons)), []).append(names[file.path])
+    for (status, reasons), where in alike.items():
+        tell(f"{named(where)}, {status}: {reasons}", "  ")
     _print_rigid(readings, names)
     _print_responses(readings, names)
     _print_rebounds(readings, names)
@@ -168,7 +190,7 @@ def _print_rigid(readings: Sequence[FileReading], names: dict[str, str]) -> None
                     reading.channel.name,
                     *_peak_of(joint, unit),
                     *(_peak_of(split, unit) if split else ("not separable", "-")),
-                    f"{raw / best - 1.0:+.1%}",
+                    percent(raw / best - 1.0, 1, "+"),
                     number(_mean([one.width for one in joint or split]), "s", "us"),
                     number(_mean([one.frequency for one in joint]), "Hz", "Hz"),
                     number(_mean([one.cutoff for one in split]), "Hz", "Hz"),
@@ -205,7 +227,7 @@ def _print_overlapping(readings: Sequence[FileReading], names: dict[str, str]) -
 def _peak_of(found: Sequence[RigidPulse | BandSplit], unit: str) -> tuple[str, str]:
     """Return the mean peak without ringing, and its standard uncertainty over it."""
     peak, doubt = _mean([one.peak for one in found]), _mean([one.peak_uncertainty for one in found])
-    return _value(peak, unit), "-" if math.isnan(peak) else f"{doubt / abs(peak):.1%}"
+    return _value(peak, unit), "-" if math.isnan(peak) else percent(doubt / abs(peak))
 
 
 def _times(value: float) -> str:
@@ -213,33 +235,71 @@ def _times(value: float) -> str:
 
 
 def _print_responses(readings: Sequence[FileReading], names: dict[str, str]) -> None:
-    """Print what response channels do after the blow of their base."""
+    """Print what response channels do after the blows of their base, and all blows together."""
+    channels = responding(readings)
+    if not channels:
+        return
+    keyed = {
+        "file": len({file.path for file, _ in channels}) > 1,
+        "channel": len({reading.channel.name for _, reading in channels}) > 1,
+        "blow": any(len(reading.responses) > 1 for _, reading in channels),
+    }
+    rows, doubted = [], False
+    for file, reading in channels:
+        wrong = harmed(file, reading)
+        doubted = doubted or bool(wrong)
+        unit = reading.channel.unit
+        for one in reading.responses:
+            places = {"file": names[file.path], "channel": reading.channel.name, "blow": str(one.blow)}
+            figures = {
+                "peak": _value(one.peak, unit),
+                "ratio": "-" if math.isnan(one.ratio) else f"{one.ratio:.3g}",
+                "delay": number(one.delay, "s", "ms"),
+                "duration": number(one.duration, "s", "ms"),
+                "rms": _value(one.rms, unit),
+                "frequency": next((number(mode.frequency, "Hz", "Hz") for mode in one.modes), "-"),
+                "damping": next((f"{1e2 * mode.damping:.3g}" for mode in one.modes), "-"),
+            }
+            rows.append(
+                [place for name, place in places.items() if keyed[name]]
+                + [text + DOUBTED * (name in wrong and text != "-") for name, text in figures.items()]
+            )
+    columns = [*(keys("file") if keyed["file"] else []), *(texts("channel") if keyed["channel"] else [])]
+    columns += [*(numerals("blow") if keyed["blow"] else []), *numerals("peak")]
+    columns += numerals("over base", priority=MORE)
+    columns += numerals("delay (ms)", "effective duration (ms)")
+    columns += numerals("RMS", priority=MORE)
+    columns += numerals("strongest mode (Hz)", "damping ratio (%)")
+    only = "" if keyed["channel"] else f": {channels[0][1].channel.name}"
+    _table(f"Response channels{only}", columns, rows)
+    if doubted:
+        tell(f"{DOUBTED.strip()} a figure that a finding harms: see the report")
+    for together in summaries(readings):
+        _print_summary(together)
+
+
+def _print_summary(one: ResponseSummary) -> None:
+    """Print mean and scatter of the responses of a channel that has more than one."""
+    writers: dict[str, Any] = {
+        **dict.fromkeys(("peak", "rms"), lambda v: _value(v, one.unit)),
+        "delay": lambda v: (
+            f"{number(v, 's', 'ms')} {shown_unit('s', 'ms')}"
+        ),  # of a peak before that of the base below 0
+        "duration": lambda v: with_unit(v, "s", "ms"),
+        "ratio": lambda v: significant(v, 4),
+        "frequency": lambda v: with_unit(v, "Hz", "Hz"),
+        "damping": lambda v: percent(v, 3),
+    }
     rows = []
-    several = any(len(reading.responses) > 1 for file in readings for reading in file.channels)
-    for file in readings:
-        for reading in file.channels:
-            for response in reading.responses:
-                modes = response.modes
-                rows.append(
-                    [
-                        names[file.path],
-                        reading.channel.name,
-                        *([str(response.blow)] if several else []),
-                        _value(response.peak, reading.channel.unit),
-                        "-" if math.isnan(response.ratio) else f"{response.ratio:.3g}",
-                        number(response.delay, "s", "ms"),
-                        _value(response.rms, reading.channel.unit),
-                        number(response.duration, "s", "ms"),
-                        ", ".join(f"{mode.frequency:.4g}" for mode in modes) or "-",
-                        ", ".join(f"{mode.damping:.2%}" for mode in modes) or "-",
-                    ]
-                )
+    for name, statistic in one.statistics.items():
+        if statistic.n > 1:
+            write = writers[name]
+            bounds = f"{write(statistic.low)} to {write(statistic.high)}"
+            called = figure_unit(name, one.unit)[1]
+            rows.append([called, write(statistic.mean), percent(statistic.cv, 2), bounds, str(statistic.n)])
     if rows:
-        columns = [*keys("file"), *texts("channel"), *(numerals("blow") if several else [])]
-        columns += numerals("peak", "over base", "delay (ms)")
-        columns += numerals("RMS", "effective duration (ms)", priority=MORE)
-        columns += [*texts("frequencies (Hz)", "damping ratios")]
-        _table("Response channels", columns, rows)
+        columns = [*keys("figure"), *numerals("mean", "scatter (CV)", "mean, 95 % bounds", "blows")]
+        table(f"All responses together: {one.channel}", columns, rows)
 
 
 def _print_rebounds(readings: Sequence[FileReading], names: dict[str, str]) -> None:
@@ -257,11 +317,16 @@ def _print_rebounds(readings: Sequence[FileReading], names: dict[str, str]) -> N
     lags = [abs(rebound.time - pulse.time) for _, pulse in owners for rebound in pulse.rebounds]
     where = list(dict.fromkeys(name for name, _ in owners))
     tell(
-        f"{len(shares)} rebounds, counted with their blows, in {listed(where[:MOST_NAMED])}"
-        + (f" and {len(where) - MOST_NAMED} more files" if len(where) > MOST_NAMED else "")
-        + f": {min(shares):.0%} to {max(shares):.0%} of the peak, {number(min(lags), 's', 'ms', 3)} to "
-        f"{with_unit(max(lags), 's', 'ms', 3)} from it"
+        f"{len(shares)} rebound{'s' if len(shares) > 1 else ''}, counted with their blows, in {named(where)}: "
+        f"{_span(min(shares), max(shares), percent, 0)} of the peak, "
+        f"{_span(min(lags), max(lags), lambda lag, digits: with_unit(lag, 's', 'ms', digits), 3)} after it"
     )
+
+
+def _span(low: float, high: float, write: Callable[[float, int], str], digits: int) -> str:
+    """Write two bounds, or one where both read the same."""
+    ends = list(dict.fromkeys([write(low, digits), write(high, digits)]))
+    return " to ".join(ends)
 
 
 def _rows(file: FileReading, name: str) -> list[list[str]]:
@@ -325,31 +390,37 @@ def _print_campaign(campaign: Campaign, readings: Sequence[FileReading], names: 
     for name, statistic in campaign.statistics.items():
         write = writers[name]
         line = campaign.trends.get(name)
-        trend = "-" if line is None else f"{line.change:+.1%}" + (" *" if line.significant else "")
+        trend = "-" if line is None else percent(line.change, 1, "+") + (" *" if line.significant else "")
         bounds = "-" if statistic.n < 2 else f"{write(statistic.low)} to {write(statistic.high)}"
-        cv = "-" if statistic.n < 2 else f"{statistic.cv:.2%}"
-        robust = ["-", "-"] if statistic.n < 2 else [write(statistic.median), f"{statistic.robust_cv:.2%}"]
+        cv = "-" if statistic.n < 2 else percent(statistic.cv, 2)
+        robust = ["-", "-"] if statistic.n < 2 else [write(statistic.median), percent(statistic.robust_cv, 2)]
         called = f"{name.removeprefix('rigid_')} without ringing" if name in WITHOUT_RINGING else name.replace("_", " ")
         rows.append([called, write(statistic.mean), cv, bounds, str(statistic.n), *robust, trend])
     if not rows:
-        tell(f"{campaign.channel}: nothing is left to sum up")
+        if len(readings) > 1:
+            tell(f"{campaign.channel}: nothing is left to sum up")
         return
+    if all(statistic.n < 2 for statistic in campaign.statistics.values()) and len(readings) == 1:
+        return  # one blow: the table of files has it
     columns = [*keys("figure"), *numerals("mean", "scatter (CV)"), *numerals("mean, 95 % bounds")]
     columns += numerals("blows", "median", "robust scatter", "trend over the files", priority=MORE)
     table(f"All blows together: {campaign.channel}", columns, rows)
     if any(" *" in row[-1] for row in rows):
         tell("* a trend that scatter alone gives in less than 5 % of campaigns")
+    gone: dict[str, list[str]] = {}
     for path, figures, _ in campaign.left_out:
         what = "all figures" if len(figures) == len(SUMMED) else ", ".join(figures).replace("_", " ")
-        tell(f"left out: {what} of {names[path]}")
+        gone.setdefault(what, []).append(names[path])
+    for what, where in gone.items():
+        tell(f"left out: {what} of {named(where)}")
     for one in campaign.outliers:
         if one.figure in ("peak", "width", "interval"):  # the velocity change goes with the peak
             write = writers[one.figure]
             statistic = campaign.statistics[one.figure]
-            with_it = f"{write(one.mean_with)}, scatter {one.cv_with:.2%}"
+            with_it = f"{write(one.mean_with)}, scatter {percent(one.cv_with, 2)}"
             tell(
                 f"with the {one.figure} of {names[one.path]}, {write(one.value)}, the mean would be {with_it}, instead "
-                f"of {write(statistic.mean)}, {statistic.cv:.2%}"
+                f"of {write(statistic.mean)}, {percent(statistic.cv, 2)}"
             )
 
 
@@ -370,7 +441,7 @@ def _print_filter(files: Sequence[FileReading], filter_: Filter | None) -> None:
         sentence = f"{reading.channel.name}: {effect['name']}"
         if effect["peak_left"]:
             peak, width = _mean(effect["peak_left"]), _mean(effect["width_left"])
-            sentence += f" leaves {peak:.1%} of the peak, {width:.1%} of the width"
+            sentence += f" leaves {percent(peak)} of the peak, {percent(width)} of the width"
         if effect["half_sine_peak_left"] is not None:
-            sentence += f" (of a half-sine as wide {effect['half_sine_peak_left']:.1%})"
+            sentence += f" (of a half-sine as wide {percent(effect['half_sine_peak_left'])})"
         tell(sentence)

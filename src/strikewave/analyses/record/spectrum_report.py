@@ -12,14 +12,15 @@ from strikewave.analyses.record.figures.many_spectra import response_figure, rol
 from strikewave.analyses.record.figures.spectra import srs_figure, tripartite
 from strikewave.analyses.record.spectrum import KIND_UNITS, SHOWN_UNITS, SpectrumResult
 from strikewave.analyses.record.tables import status_tag
+from strikewave.analyses.record.verdicts.judged_spectra import spectra_section, spectra_sentence
+from strikewave.analyses.record.verdicts.words import tag_of
+from strikewave.analyses.record.words import named
 from strikewave.reporting import chapters
 from strikewave.reporting.numbers import headed, percent, shown, spelled, with_unit
 from strikewave.reporting.parts import NONE, Cell, Part, Picture, Section, Table, Tag, written
 from strikewave.signal.envelopes import FEWEST
 from strikewave.signal.srs import Spectrum
 
-MOST_NAMED = 3
-"""Records that a sentence names."""
 MOST_ROWS = 60
 """Frequencies in the table, evenly chosen: spectrum.csv has all."""
 
@@ -45,6 +46,7 @@ def spectrum_report(result: SpectrumResult) -> str:
         )
     )
     sections = [
+        *_verdict(result),
         Section("Spectra", "", parts),
         *_over_time(result),
         _record_section(result),
@@ -53,9 +55,14 @@ def spectrum_report(result: SpectrumResult) -> str:
         _calibration_section(result),
     ]
     status = result.reading.status
-    tag = status_tag(status, f"record {status}")
+    tag = status_tag(status, f"record {status}") if result.verdict is None else tag_of(result.verdict.verdict)
     summary = chapters.Summary("Report of a shock response spectrum", spectrum_words(result), _key_numbers(result), tag)
     return chapters.result_page(result, summary, sections)
+
+
+def _verdict(result: SpectrumResult) -> list[Section]:
+    """Return the chapter with the verdict, where one was asked for."""
+    return [] if result.verdict is None else [spectra_section(result.verdict)]
 
 
 def _over_time(result: SpectrumResult) -> list[Section]:
@@ -94,6 +101,7 @@ def _report_of_several(result: SpectrumResult) -> str:
     kinds = ", ".join(one.kind for one in result.spectra)
     table = Table("Spectra", ["file", "channel", "status", f"largest {kinds}", "what all come to"], rows)
     sections = [
+        *_verdict(result),
         Section("Spectra", "", parts),
         *_over_time(result),
         Section("Records", "", [table]),
@@ -102,7 +110,8 @@ def _report_of_several(result: SpectrumResult) -> str:
     ]
     pairs = [("spectra", str(len(result.shocks))), *result.highlights()]
     tag = Tag(f"{count} of {len(result.shocks)} used", "good" if count == len(result.shocks) else "warned")
-    summary = chapters.Summary("Report of shock response spectra", several_words(result), pairs, tag)
+    tag = tag if result.verdict is None else tag_of(result.verdict.verdict)
+    summary = chapters.Summary("Report of shock response spectra", spectrum_words(result), pairs, tag)
     return chapters.result_page(result, summary, sections)
 
 
@@ -124,9 +133,10 @@ def several_words(result: SpectrumResult) -> str:
                 f"The {names[name]} of the {kind} response is largest, {_response(kind, float(values[at]), result)}, "
                 f"at {_hertz(first.frequency[at])}."
             )
-    left = [shock.name for shock in result.shocks if shock.left_out]
+    one_channel = len({shock.channel for shock in result.shocks}) == 1
+    left = [Path(shock.file).name if one_channel else shock.name for shock in result.shocks if shock.left_out]
     if left:
-        words.append(f"Left out as bad: {'; '.join(left[:MOST_NAMED])}{' and others' * (len(left) > MOST_NAMED)}.")
+        words.append(f"Left out: {named(left)}.")
     if not result.resultant and len(used) < FEWEST:
         words.append(f"P95/50 needs {FEWEST} spectra or more.")
     return " ".join(words)
@@ -134,8 +144,9 @@ def several_words(result: SpectrumResult) -> str:
 
 def spectrum_words(result: SpectrumResult) -> str:
     """Say in words what the spectra are of."""
+    judged = "" if result.verdict is None else f"{spectra_sentence(result.verdict)} "
     if result.shocks:
-        return several_words(result)
+        return judged + several_words(result)
     first, reading = result.spectra[0], result.reading
     q = "undamped" if math.isinf(first.q) else f"Q = {first.q:g} ({percent(0.5 / first.q)} of critical damping)"
     part = "" if first.part == "total" else f", the {first.part} part"
@@ -150,7 +161,7 @@ def spectrum_words(result: SpectrumResult) -> str:
         for one, k in ((one, _largest(one, result.side)) for one in result.spectra)
     ]
     words.append(f"The record is {reading.status}.")
-    return " ".join(words)
+    return judged + " ".join(words)
 
 
 def _key_numbers(result: SpectrumResult) -> list[tuple[str, str]]:

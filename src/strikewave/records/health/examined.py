@@ -56,7 +56,7 @@ def with_unit(value: float, unit: str) -> str:
     ('1000 g', '3')
     """
     if unit == "m/s^2":
-        return f"{in_unit(value, 'm/s^2', 'g'):.5g} g"
+        return f"{in_unit(value, 'm/s^2', 'g'):.5g}\xa0g"
     if unit == "1":
         return f"{1e6 * value:.5g} ustrain"
     return f"{value:.5g} {unit}".strip()
