@@ -108,6 +108,19 @@ def test_a_campaign_of_files_leaves_out_what_cannot_be_read(strikewave):
     assert "left-out" in {notice.code for notice in found.notices}
 
 
+def test_all_blows_of_a_record_are_a_campaign(strikewave):
+    """Four bells of 480 to 540 g: their mean, and the deviation of their peaks."""
+    time, sizes = 1e-6 * np.arange(20_000), [480.0, 500.0, 520.0, 540.0]
+    write("train.csv", sum(bell(time, 2e-3 + 5e-3 * k, size) for k, size in enumerate(sizes)))
+    write("b.csv", bell(TIME, peak=510.0))
+    found = compare("train.csv@all", "b.csv")
+    assert (found.a.count, found.a.kind, found.a.name) == (4, "campaign", "4 blows of train.csv")
+    assert found.figures["peak"].a == pytest.approx(510.0 * G, rel=1e-3)
+    assert found.agreement.deviation.max() == pytest.approx(np.std(sizes, ddof=1) * G, rel=1e-2)
+    assert found.agreement.inside(2.0) == 1.0
+    assert compare("train.csv@3", "b.csv").figures["peak"].a == pytest.approx(520.0 * G, rel=1e-3)
+
+
 def test_a_case_is_run_and_its_band_held_against_the_record(strikewave):
     """The record is the simulation itself, one per cent higher: it lies within the band of the peak.
 
@@ -248,6 +261,8 @@ REFUSED = [
     (("a.csv", "a.csv@3"), "B: got", "a blow from 1 to 1"),
     (("a.csv", "a.csv@0"), "B: got", 'did you mean "a.csv"?'),
     (("a.csv", "@2"), "B: got", "a measured file"),
+    (("a.csv", "a.csv@all"), "B: got", "two blows or more"),
+    (("a.csv", "li-ma-2019@all"), "B: got", "@all for a record alone"),
     (("a.csv", "a" * 5000), "B: got", "a measured file"),
     (("a.csv", "result"), "B: got", "names the files that it is of"),
     (("a.csv:frame", "a.csv"), "A: got", 'write "a.csv#frame"'),
