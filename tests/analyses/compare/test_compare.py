@@ -99,11 +99,26 @@ def test_a_campaign_of_files_leaves_out_what_cannot_be_read(strikewave):
         write(f"shots/{k}.csv", bell(TIME, 1e-3 + 1e-5 * k, size))
     with open("shots/note.txt", "w") as file:
         file.write("no record\n")
+    with open("shots/calibration.toml", "w") as file:  # no record either
+        file.write('[all]\nunit = "g"\n')
     write("b.csv", bell(TIME, peak=505.0))
     found = compare("shots", "b.csv", limits=["inside > 90 %"])
     assert found.a.count == 3
     assert found.verdict == "pass"
     assert "left-out" in {notice.code for notice in found.notices}
+
+
+def test_all_blows_of_a_record_are_a_campaign(strikewave):
+    """Four bells of 480 to 540 g: their mean, and the deviation of their peaks."""
+    time, sizes = 1e-6 * np.arange(20_000), [480.0, 500.0, 520.0, 540.0]
+    write("train.csv", sum(bell(time, 2e-3 + 5e-3 * k, size) for k, size in enumerate(sizes)))
+    write("b.csv", bell(TIME, peak=510.0))
+    found = compare("train.csv@all", "b.csv")
+    assert (found.a.count, found.a.kind, found.a.name) == (4, "campaign", "4 blows of train.csv")
+    assert found.figures["peak"].a == pytest.approx(510.0 * G, rel=1e-3)
+    assert found.agreement.deviation.max() == pytest.approx(np.std(sizes, ddof=1) * G, rel=1e-2)
+    assert found.agreement.inside(2.0) == 1.0
+    assert compare("train.csv@3", "b.csv").figures["peak"].a == pytest.approx(520.0 * G, rel=1e-3)
 
 
 def test_a_case_is_run_and_its_band_held_against_the_record(strikewave):
@@ -149,6 +164,12 @@ def test_limits_decide_verdict_and_exit_code(strikewave):
     assert set(document["metrics"]) == {
         "peak", "width", "velocity_change", "impulse", "rms", "correlation", "srs", "iso18571", "shift", "inside", "band"
     }  # fmt: skip
+
+
+def test_opposite_signs_are_reported(strikewave):
+    write("a.csv", bell(TIME)), write("b.csv", -bell(TIME))
+    assert "polarity" in {notice.code for notice in compare("a.csv", "b.csv", align="peak").notices}
+    assert "polarity" not in {notice.code for notice in compare("a.csv", "a.csv").notices}
 
 
 def test_what_the_coarser_history_cannot_hold_is_reported():
@@ -238,6 +259,12 @@ REFUSED = [
     (("a.csv", "short.csv"), "B: got", "8 samples or more"),
     (("a.csv", "a.csv#fram"), "--channel: got", 'did you mean "frame"?'),
     (("a.csv", "a.csv@3"), "B: got", "a blow from 1 to 1"),
+    (("a.csv", "a.csv@0"), "B: got", 'did you mean "a.csv"?'),
+    (("a.csv", "@2"), "B: got", "a measured file"),
+    (("a.csv", "a.csv@all"), "B: got", "two blows or more"),
+    (("a.csv", "li-ma-2019@all"), "B: got", "@all for a record alone"),
+    (("a.csv", "a" * 5000), "B: got", "a measured file"),
+    (("a.csv", "result"), "B: got", "names the files that it is of"),
     (("a.csv:frame", "a.csv"), "A: got", 'write "a.csv#frame"'),
     (("li-ma-2019#rigid", "a.csv"), "A: got", 'write "li-ma-2019:rigid"'),
     (("a.csv", "late.csv", "--align", "none"), "--align: got", "histories that overlap in time"),
@@ -264,6 +291,9 @@ def test_what_cannot_be_compared_is_refused_in_one_line(strikewave):
     np.savetxt("late.csv", late, delimiter=",", header="time (s),frame (g)", comments="", fmt="%.9g")
     os.mkdir("empty")
     open("nothing.csv", "w").close()
+    os.mkdir("result")
+    for name in ("record.toml", "report.html"):
+        open(f"result/{name}", "w").close()
     for words, begins, holds in REFUSED:
         code, out, err = strikewave("compare", *words)
         errors = [line for line in err.splitlines() if begins in line]
