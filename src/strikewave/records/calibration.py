@@ -266,7 +266,7 @@ def _volts(unit: str, field: str) -> float:
     """Return the volts that one of the file's numbers stands for; volts where the file has no unit."""
     known = known_unit(unit) if unit else ("V", 1.0)
     if known is None or known[0] != "V":
-        hint = "a sensitivity is for a file in volts; for counts give count"
+        hint = "a sensitivity is for a file in volts: leave out one of both; for counts give count"
         raise InputError(f"{field}.unit", unit, "V or mV", hint)
     return known[1]
 

@@ -12,11 +12,11 @@ from strikewave.analyses.record.result import RecordResult
 from strikewave.analyses.record.rigid_chapter import rigid_sections
 from strikewave.analyses.record.tables import amount, between, called, percent, short_names, unit_of
 from strikewave.analyses.record.verdicts.chapter import verdict_section
-from strikewave.analyses.record.verdicts.words import tag_of
 from strikewave.analyses.record.words import counted, record_words
 from strikewave.records.campaign import Campaign
 from strikewave.records.reading import FileReading
 from strikewave.reporting import chapters as shared
+from strikewave.reporting.clause_words import tag_of
 from strikewave.reporting.numbers import listed
 from strikewave.reporting.parts import Tag
 
@@ -42,7 +42,7 @@ def record_report(result: RecordResult) -> str:
         chapters.health_section(files, names),
         chapters.blow_section(files, names),
         *rigid_sections(files, names),
-        *(chapters.campaign_section(one, files, names, len(campaigns) > 1) for one in campaigns),
+        *(chapters.campaign_section(one, files, names, len(campaigns) > 1) for one in campaigns if one.sums_up),
         shared.warnings(result.notices),
         *([motion_section(result.motions)] if result.motion else []),
         chapters.filter_section(files, names, result.filter),

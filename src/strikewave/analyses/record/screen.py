@@ -400,8 +400,8 @@ def _print_campaign(campaign: Campaign, readings: Sequence[FileReading], names: 
         if len(readings) > 1:
             tell(f"{campaign.channel}: nothing is left to sum up")
         return
-    if all(statistic.n < 2 for statistic in campaign.statistics.values()) and len(readings) == 1:
-        return  # one blow: the table of files has it
+    if not campaign.sums_up:
+        return
     columns = [*keys("figure"), *numerals("mean", "scatter (CV)"), *numerals("mean, 95 % bounds")]
     columns += numerals("blows", "median", "robust scatter", "trend over the files", priority=MORE)
     table(f"All blows together: {campaign.channel}", columns, rows)

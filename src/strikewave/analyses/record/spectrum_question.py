@@ -10,7 +10,7 @@ from typing import Any, NamedTuple
 
 from strikewave.analyses.record.filter_options import filtered
 from strikewave.analyses.record.result import name_of
-from strikewave.analyses.record.rolling_window import Rolling, read_rolling
+from strikewave.analyses.record.rolling_window import ALLOWED_Q, Rolling, read_rolling
 from strikewave.analyses.record.spectrum import (
     KIND_UNITS,
     ShockSpectra,
@@ -46,7 +46,9 @@ MOST_FREQUENCIES = 1e5
 MOST_WINDOWS = 20_000
 """Windows of rolling spectra, of all channels together, at most. Chosen: more than the pixels of any screen, and a few
 GB in JSON."""
-CITED = ("smallwood-1981", "iso-18431-4", "piersol-2009", "nist-handbook")
+CITED = ("smallwood-1981", "iso-18431-4")
+"""What a spectrum follows."""
+CITED_OF_SEVERAL = (*CITED, "piersol-2009", "nist-handbook")
 """What several spectra and their limit follow."""
 LEFT_OUT = ("gain-differs",)
 """Findings with which a record enters no envelope, as with one that is bad: its spectrum is wrong as a whole."""
@@ -169,7 +171,7 @@ def shock_spectra(
             if word not in choices:
                 raise wrong_choice(word, field, choices)
         for field, number, allowed in (
-            ("q", q, "a quality factor above zero, or inf"),
+            ("q", q, ALLOWED_Q),
             ("per_octave", per_octave, "a number of frequencies above zero, at most 100 000"),
         ):
             if not number > 0.0:
@@ -259,6 +261,7 @@ def _one(asked: FilesAsked, wanted: SpectrumRequest, origin: Source) -> Spectrum
         rolling=shock.rolling,
         origin=origin,
         notices=_notices(reading),
+        citations=CITED,
     )
 
 
@@ -297,8 +300,10 @@ def _several(
     first = readings[0][1].channel
     for file, reading in readings:
         if reading.channel.unit != first.unit:
-            allowed = f"channels in the unit of the first, {first.unit or 'unknown'}"
-            raise InputError("FILE", f"{reading.channel.name} of {file}, in {reading.channel.unit}", allowed)
+            got = f"{reading.channel.name} of {file}, in {reading.channel.unit or 'no unit that is known'}"
+            allowed = f"channels in the unit of the first, {first.unit or 'which is not known'}"
+            hint = "" if reading.channel.unit and first.unit else "state it, such as --unit g"
+            raise InputError("FILE", got, allowed, hint)
     slowest, fastest = (end(readings, key=lambda pair: pair[1].channel.sampling_rate) for end in (min, max))
     rate = slowest[1].channel.sampling_rate
     frequencies = _frequencies(wanted, rate, f" of {slowest[0]}")
@@ -332,7 +337,7 @@ def _several(
         shocks=shocks,
         bounded_by="" if asked_for else f"{with_unit(rate, 'Hz', 'kHz')} of {Path(slowest[0]).name}",
         notices=tuple(notices),
-        citations=CITED,
+        citations=CITED_OF_SEVERAL,
     )
 
 
@@ -427,9 +432,11 @@ def _frequencies(wanted: SpectrumRequest, rate: float, of: str = "") -> Any:
         return [_below(frequency, "--frequency", rate, of) for frequency in wanted.frequencies]
     low, asked, per_octave = wanted.grid
     high = min(HIGHEST, OF_SAMPLING * rate) if asked is None else _below(asked, "--to", rate, of)
-    if not low < high:
-        got = f"{high:g} Hz" if asked is None else asked.word
-        raise InputError("--to", got, f"a frequency above --from, {low:g} Hz")
+    if not low < high and asked is None:
+        allowed = f"a frequency below the highest, {high:g} Hz (100 kHz, or 2/5 of the sampling rate{of})"
+        raise InputError("--from", getattr(low, "word", low), allowed, "a higher one is stated by --to")
+    if asked is not None and not low < asked:
+        raise InputError("--to", asked.word, f"a frequency above --from, {low:g} Hz")
     if per_octave * math.log2(high / low) > MOST_FREQUENCIES:
         raise InputError("--per-octave", per_octave, "at most 100 000 frequencies")
     return octaves(low, high, per_octave)

@@ -8,14 +8,14 @@ from pathlib import Path
 import numpy as np
 
 from strikewave.analyses.record.figures import records
-from strikewave.analyses.record.figures.many_spectra import response_figure, rolling_figure, several_figure
+from strikewave.analyses.record.figures.many_spectra import MOST_NAMES, response_figure, rolling_figure, several_figure
 from strikewave.analyses.record.figures.spectra import srs_figure, tripartite
 from strikewave.analyses.record.spectrum import KIND_UNITS, SHOWN_UNITS, SpectrumResult
 from strikewave.analyses.record.tables import status_tag
 from strikewave.analyses.record.verdicts.judged_spectra import spectra_section, spectra_sentence
-from strikewave.analyses.record.verdicts.words import tag_of
 from strikewave.analyses.record.words import named
 from strikewave.reporting import chapters
+from strikewave.reporting.clause_words import tag_of
 from strikewave.reporting.numbers import headed, percent, shown, spelled, with_unit
 from strikewave.reporting.parts import NONE, Cell, Part, Picture, Section, Table, Tag, written
 from strikewave.signal.envelopes import FEWEST
@@ -68,7 +68,8 @@ def _verdict(result: SpectrumResult) -> list[Section]:
 def _over_time(result: SpectrumResult) -> list[Section]:
     """Draw the response of an oscillator and the rolling spectrum, where they were asked for."""
     parts = list[Part]()
-    of = "each of the first records" if result.shocks else "the record"
+    most = max(len(result.responses), len(result.rollings))
+    of = "the record" if not result.shocks else "each record" if most <= MOST_NAMES else f"{MOST_NAMES} records"
     if result.responses:
         natural = _hertz(result.responses[0][1].frequency)
         parts.append(Picture(response_figure(result), f"What an oscillator of {natural} does while {of} lasts."))
@@ -185,7 +186,12 @@ def _key_numbers(result: SpectrumResult) -> list[tuple[str, str]]:
     pairs.append(("quality factor", "undamped" if math.isinf(first.q) else f"{first.q:g}"))
     peaks = [abs(pulse.peak) for pulse in result.reading.pulses]
     if peaks and _in_si(result):
-        pairs.append((f"largest peak of the record, {len(peaks)} blow(s)", with_unit(max(peaks), "m/s^2", "g")))
+        pairs.append(
+            (
+                f"largest peak of the record, {len(peaks)} blow{'s' * (len(peaks) > 1)}",
+                with_unit(max(peaks), "m/s^2", "g"),
+            )
+        )
     return pairs
 
 
@@ -220,14 +226,16 @@ def _table_section(result: SpectrumResult) -> Section:
     """List the spectra at some of their frequencies."""
     frequency = result.spectra[0].frequency
     step = max(math.ceil(len(frequency) / MOST_ROWS), 1)
+    shown_values = [(one.kind, one.kind, one.side(result.side)) for one in result.spectra]
+    shown_values += [(f"RMS of {kind}", kind, values) for kind, values in result.rms.items()]
     heads = [headed("natural frequency", "Hz", "Hz")]
     heads += [
-        headed(one.kind, KIND_UNITS[one.kind], SHOWN_UNITS[one.kind]) if _in_si(result) else f"{one.kind} (file's own)"
-        for one in result.spectra
+        headed(name, KIND_UNITS[kind], SHOWN_UNITS[kind]) if _in_si(result) else f"{name} (file's own)"
+        for name, kind, _ in shown_values
     ]
     rows: list[list[Cell]] = []
     for k in range(0, len(frequency), step):
-        values = [(one.kind, float(one.side(result.side)[k])) for one in result.spectra]
+        values = [(kind, float(column[k])) for _, kind, column in shown_values]
         cells = [
             written(shown(value, KIND_UNITS[kind], SHOWN_UNITS[kind]) if _in_si(result) else value)
             for kind, value in values

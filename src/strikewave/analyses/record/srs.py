@@ -7,7 +7,7 @@ from typing import Annotated, Literal
 import typer
 
 from strikewave.analyses.record.filter_options import FilterOptions
-from strikewave.analyses.record.rolling_window import Rolling, read_rolling
+from strikewave.analyses.record.rolling_window import ALLOWED_Q, Rolling, read_rolling
 from strikewave.analyses.record.verdicts.options import SpecificationOptions
 from strikewave.reporting import measured_files as measured
 from strikewave.reporting.options import Output, Typed, bare_number, one_of, parsed, quantity
@@ -23,7 +23,7 @@ def command(
         float,
         bare_number(
             "--q",
-            allowed="a quality factor above zero, or inf",
+            allowed=ALLOWED_Q,
             help="Quality factor 1 / (2 damping ratio), or inf; 10 by default.",
         ),
     ] = 10.0,
