@@ -236,6 +236,10 @@ def test_a_simulation_is_judged_by_the_specification_that_it_was_made_for(strike
     page = open("kept/report.html", encoding="utf-8").read()
     assert "Verdict by the specification" in page
     found = compare("iec-60068-2-27-rubber", "spec:iec-60068-2-27:100g-6ms", band=False)
+    assert (found.verdict, found.broken) == (
+        "cannot-tell",
+        False,
+    )  # the run ends before the window of the velocity change
     assert found.agreement.rating.overall > 0.8
     assert found.a.history.start < -0.01
     assert {c.verdict for c in found.specified.found.clauses if c.clause == "peak"} == {"pass"}
