@@ -244,7 +244,7 @@ def judge_records(
     for file, reading in usable:
         if not reading.pulses:
             empty.append(file.path)
-        troubles = _troubles([*file.findings, *reading.findings])
+        troubles = troubles_of([*file.findings, *reading.findings])
         beside = [one for one in file.channels if across & _keys(one)]
         for number, pulse in enumerate(reading.pulses, start=1):
             shock = shock_of(reading, pulse, limits, beside, filter_, troubles, asked.uncertainty)
@@ -261,7 +261,7 @@ def _keys(reading: ChannelReading) -> set[str]:
     return {reading.channel.name, str(reading.number)}
 
 
-def _troubles(findings: Sequence[HealthNotice]) -> dict[str, str]:
+def troubles_of(findings: Sequence[HealthNotice]) -> dict[str, str]:
     """Return why figures are not to be trusted, the worst finding of each."""
     found: dict[str, str] = {}
     for severity in ("bad", "suspect"):

@@ -190,6 +190,36 @@ def test_a_difference_has_the_uncertainty_that_noise_makes_it_scatter_by(strikew
     assert 0.5 * scatter < np.mean([one.uncertainty for one in found]) < 2.0 * scatter
 
 
+@pytest.mark.parametrize(
+    ("peak", "duration", "verdict"), [(1.0, 1.0, "pass"), (1.19, 1.0, "pass"), (1.21, 1.0, "fail"), (1.0, 1.4, "fail")]
+)
+def test_a_pulse_is_judged_by_a_specification_as_b(strikewave, peak, duration, verdict):
+    """JESD22-B110 condition B: 1500 g +- 20 % and 0.5 ms +- 30 %, at 10 % of the peak."""
+    time = 1e-6 * np.arange(6000)
+    share = (time - 2e-3) / (duration * 0.5e-3)
+    write("a.csv", 1500.0 * peak * np.where((share > 0.0) & (share < 1.0), np.sin(np.pi * share), 0.0))
+    code, out, _ = strikewave("compare", "a.csv", "spec:jesd22-b110:B", "--json")
+    document = json.loads(out)
+    assert (code, document["verdict"], document["spec"]["verdict"]) == (0 if verdict == "pass" else 3, verdict, verdict)
+    assert {clause["clause"] for clause in document["spec"]["clauses"]} >= {"peak", "pulse width at 10 %"}
+    assert document["metrics"]["peak"]["difference"] == pytest.approx(1.0 / peak - 1.0, abs=3e-3)
+    if peak == duration == 1.0:
+        assert document["metrics"]["iso18571"]["overall"] > 0.99
+
+
+def test_a_simulation_is_judged_by_the_specification_that_it_was_made_for(strikewave):
+    """Its pulse lasts longer than the window of a blow: it is taken out of the whole run, and known to begin at rest."""
+    code, out, _ = strikewave("compare", "jesd22-b111-b", "spec:jesd22-b111", "--out", "kept")
+    assert code == 0
+    assert out.startswith("PASS (by indicative limits) by JESD22-B111A")
+    page = open("kept/report.html", encoding="utf-8").read()
+    assert "Verdict by the specification" in page
+    found = compare("iec-60068-2-27-rubber", "spec:iec-60068-2-27:100g-6ms", band=False)
+    assert found.agreement.rating.overall > 0.8
+    assert found.a.history.start < -0.01
+    assert {c.verdict for c in found.specified.found.clauses if c.clause == "peak"} == {"pass"}
+
+
 @pytest.mark.parametrize("wrong", [3.0, ["a.csv"], (3.0, "sensor")])
 def test_what_is_neither_a_name_nor_a_solution_is_refused(wrong):
     with pytest.raises(InputError, match=r"B: got .* a solution of run, wave or fem"):
@@ -219,6 +249,10 @@ REFUSED = [
     (("a.csv", "b.csv", "--limit", "peak < much"), "--limit: got", "a number, such as 0.8"),
     (("a.csv", "b.csv", "--from", "5 s", "--to", "6 s"), "--from: got", "within the common time"),
     (("a.csv", "b.csv", "--from", "2 ms", "--to", "1 ms"), "--to: got", "a time after --from"),
+    (("spec:jesd22-b110:B", "a.csv"), "A: got", "name the specification second"),
+    (("a.csv", "spec:jesd22-b11:B"), "B: got", 'did you mean "jesd22-b111"?'),
+    (("a.csv", "spec:nasa-gevs"), "--spec: got", "a specification of a pulse"),
+    (("force.csv", "spec:jesd22-b110:B"), "B: got", "the quantity of A"),
     (("a.csv", "b.csv", "--deviations", "-1"), "--deviations: got", "above 0"),
 ]
 

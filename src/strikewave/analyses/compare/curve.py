@@ -39,7 +39,7 @@ class ComparedCurve:
     name : str
         What it is called on the screen.
     kind : str
-        ``record``, ``campaign`` or ``simulation``.
+        ``record``, ``campaign``, ``simulation`` or ``specification``.
     history : EvenHistory
         In SI; of a campaign the mean.
     unit : str
@@ -56,6 +56,8 @@ class ComparedCurve:
     uncertainty : mapping of str to float
         Standard uncertainty of its peak, width and velocity change (or impulse) from noise; of a campaign, that of the
         mean from their scatter.
+    troubles : mapping of str to str
+        Why a figure is not to be trusted: by peak, width and velocity_change.
     notices : tuple of Notice
         What the user should know of it.
     """
@@ -69,6 +71,7 @@ class ComparedCurve:
     band: Mapping[str, Band] = field(default_factory=dict)
     measured: Pulse | None = None
     uncertainty: Mapping[str, float] = field(default_factory=dict)
+    troubles: Mapping[str, str] = field(default_factory=dict)
     notices: tuple[Notice, ...] = ()
 
     @property

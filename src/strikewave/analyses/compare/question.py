@@ -11,6 +11,13 @@ from strikewave.analyses.compare.curve import QUANTITIES, ComparedCurve, checked
 from strikewave.analyses.compare.limits import ComparisonLimit, judge, limit_notices, read_limit
 from strikewave.analyses.compare.result import CompareResult
 from strikewave.analyses.compare.sources import SourceName, SourceOptions, is_simulated, parse_name, read_source
+from strikewave.analyses.compare.specified import (
+    PREFIX,
+    SpecificationVerdict,
+    judged_by,
+    specified_curve,
+    verdict_notices,
+)
 from strikewave.base.errors import InputError
 from strikewave.base.result import INFO, Notice, Result, Source
 from strikewave.base.units import si_value
@@ -146,14 +153,22 @@ def compared(a: Compared, b: Compared, request: CompareRequest, origin: Source) 
     InputError, StrikewaveError
         If one cannot be read, or the two cannot be compared.
     """
-    if _is_simulated(a) and not _is_simulated(b):
+    if str(a).startswith(PREFIX):
+        raise InputError("A", str(a), "a history", "name the specification second: it is what A is held against")
+    specification = None
+    if str(b).startswith(PREFIX):
+        second, specification = specified_curve("B", str(b))
+        second = second.filtered(request.reading.low_pass)
+        first = _side("A", a, request.reading, second.unit)
+    elif _is_simulated(a) and not _is_simulated(b):
         second = _side("B", b, request.reading)
         first = _side("A", a, request.reading, second.unit)
     else:
         first = _side("A", a, request.reading)
         second = _side("B", b, request.reading, first.unit)
     _check_units(first, second)
-    return compared_curves(first, second, request, origin)
+    judged = None if specification is None else judged_by(specification, first, request.reading.low_pass)
+    return compared_curves(first, second, request, origin, judged)
 
 
 def _is_simulated(one: Compared) -> bool:
@@ -175,7 +190,11 @@ def _side(option: str, one: Compared, reading: SourceOptions, unit: str = "") ->
 
 
 def compared_curves(
-    first: ComparedCurve, second: ComparedCurve, request: CompareRequest, origin: Source
+    first: ComparedCurve,
+    second: ComparedCurve,
+    request: CompareRequest,
+    origin: Source,
+    specified: SpecificationVerdict | None = None,
 ) -> CompareResult:
     """Return how well two histories agree.
 
@@ -198,11 +217,19 @@ def compared_curves(
         request.align,
         request.reading.low_pass,
         request.factor,
+        specified=specified,
         origin=origin,
         citations=("iso-18571", "smallwood-1981"),
     )
     judged = judge(request.limits, result.values)
-    notices = (*limit_notices(judged), *_notices(first, second, found, result), *first.notices, *second.notices)
+    failed = () if specified is None else verdict_notices(specified)
+    notices = (
+        *failed,
+        *limit_notices(judged),
+        *_notices(first, second, found, result),
+        *first.notices,
+        *second.notices,
+    )
     return dataclasses.replace(result, judged=judged, notices=notices)
 
 

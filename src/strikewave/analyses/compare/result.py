@@ -13,6 +13,7 @@ import numpy as np
 from strikewave.analyses.compare.agreement import CurveAgreement, PairOfFigures
 from strikewave.analyses.compare.curve import FIGURES, QUANTITIES, SHOWN_IN, ComparedCurve
 from strikewave.analyses.compare.limits import Judged, verdict_of
+from strikewave.analyses.compare.specified import SpecificationVerdict
 from strikewave.base.result import Band
 from strikewave.reporting.columns import HISTORY_DIGITS, Column, csv_table
 from strikewave.reporting.measured_files import AskedResult
@@ -20,6 +21,7 @@ from strikewave.reporting.numbers import axis_unit, percent, rounded
 from strikewave.reporting.shown_result import Curve, history_curve
 from strikewave.signal.filters import Filter
 from strikewave.signal.iso18571 import RATE, SAMPLES
+from strikewave.specifications.decisions import together
 
 INTEGRALS = {"m/s^2": "m/s", "N": "N s"}
 """Unit of the integral over time of what has a name for it: the velocity change, and the impulse."""
@@ -48,6 +50,8 @@ class CompareResult(AskedResult):
         Standard deviations of a campaign that its corridor is wide to either side.
     judged : sequence of Judged
         The limits, and whether they are kept.
+    specified : SpecificationVerdict or None
+        What a specification comes to, where B is one.
     """
 
     command: ClassVar[str] = "compare"
@@ -60,6 +64,7 @@ class CompareResult(AskedResult):
     low_pass: Filter | None = None
     factor: float = 2.0
     judged: Sequence[Judged] = ()
+    specified: SpecificationVerdict | None = None
 
     @property
     def title(self) -> str:
@@ -83,8 +88,9 @@ class CompareResult(AskedResult):
 
     @property
     def verdict(self) -> str | None:
-        """The worst verdict on the limits; None without any."""
-        return verdict_of(self.judged)
+        """The worst verdict, of the specification and of the limits; None without any."""
+        verdicts = [one for one in (verdict_of(self.judged), self.specified and self.specified.verdict) if one]
+        return together(verdicts) if verdicts else None
 
     @functools.cached_property
     def figures(self) -> dict[str, PairOfFigures]:
@@ -200,6 +206,7 @@ class CompareResult(AskedResult):
                 }
                 for one in self.judged
             ],
+            "spec": None if self.specified is None else self.specified.document(),
             "verdict": self.verdict,
             "history": {"time": found.time, "a": found.a, "b": found.b, "deviation": found.deviation},
         }

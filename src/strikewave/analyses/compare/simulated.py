@@ -14,18 +14,21 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from strikewave.analyses.compare.curve import QUANTITIES, ComparedCurve, even_history
+from strikewave.analyses.compare.curve import FOOT, QUANTITIES, ComparedCurve, even_history
 from strikewave.base.errors import InputError, nearest
 from strikewave.base.result import Band, Notice, Result
 from strikewave.base.variables import LabelledArrays
 from strikewave.cases.case import load_case
 from strikewave.reporting.terminal import say
+from strikewave.signal.alignment import EvenHistory
 
 Array = NDArray[np.float64]
 
 LARGEST_LOAD = 4_000_000_000
 """A file of a result that would take more bytes than this is refused."""
 _READING = re.compile(r"(?:what sensor|reading of the sensor) (.*?)(?: reads)?", re.DOTALL)
+HELD = 0.5
+"""Share of the window of a blow that its pulse may last: of a longer one the window does not hold what follows."""
 _AXIS = re.compile(r"\.[xyz]$")
 MOST_NAMED = 12
 """Parts that a line names."""
@@ -126,8 +129,17 @@ def _curve(
     chosen = _chosen(option, name, parts, part, blow, unit)
     words = f"{name}:{chosen.part}" + (f".{chosen.quantity}" if chosen.quantity != "acceleration" else "")
     words += f"@{chosen.blow}" if chosen.blow and len({one.blow for one in parts}) > 1 else ""
-    history = even_history(chosen.time, chosen.values)
+    history = _from_rest(even_history(chosen.time, chosen.values))
     return ComparedCurve(words, "simulation", history, chosen.unit, band=chosen.band, notices=tuple(notices))
+
+
+def _from_rest(history: EvenHistory) -> EvenHistory:
+    """Return a history that begins below the feet of its pulse with as much of that rest before it as it lasts."""
+    values, count = history.values, history.values.size
+    if count == 0 or not abs(values[0]) <= FOOT * np.max(np.abs(values)):
+        return history
+    held = np.concatenate([np.full(count, values[0]), values])
+    return history._replace(values=held, start=history.start - count * history.step)
 
 
 def _chosen(option: str, name: str, parts: Sequence[SimulatedPart], part: str, blow: int, unit: str) -> SimulatedPart:
@@ -234,9 +246,11 @@ def _machine_parts(arrays: LabelledArrays, bands: Mapping[str, Band]) -> Iterato
             continue
         of = {key: bands[f"first.{name}"] for key, name in names.items() if first and f"first.{name}" in bands}
         for quantity, unit in (("acceleration", "m/s^2"), ("force", "N")):
-            values = arrays[f"pulse_{quantity}"].values[row]
+            clock, values = time, arrays[f"pulse_{quantity}"].values[row]
+            if not arrays["blow_width"].values[row] < HELD * time[-1]:  # the window does not hold the pulse
+                clock, values = _of_train(arrays, row, quantity)
             known = of if quantity == "acceleration" else {}
-            yield SimulatedPart("rigid", quantity, unit, *_span(time, values), blow, known)
+            yield SimulatedPart("rigid", quantity, unit, *_span(clock, values), blow, known)
         for variable, sensor in _sensors(arrays):
             values, begin = variable.values[row], float(arrays[f"{sensor.key}_start"].values[row])
             clock = begin + float(variable.attrs["step"]) * np.arange(values.size)
@@ -254,6 +268,16 @@ def _machine_parts(arrays: LabelledArrays, bands: Mapping[str, Band]) -> Iterato
 def _peak_band(bands: Mapping[str, Band], name: str) -> dict[str, Band]:
     """Return the band of a peak, where there is one."""
     return {"peak": bands[name]} if name in bands else {}
+
+
+def _of_train(arrays: LabelledArrays, row: int, quantity: str) -> tuple[Array, Array]:
+    """Return a blow out of the whole train, as far as half way to its neighbours, from its first touch."""
+    time, touches = arrays["time"].values, arrays["blow_time"].values
+    values = arrays["rigid_acceleration" if quantity == "acceleration" else "contact_force"].values
+    begin = 0.5 * (touches[row - 1] + touches[row]) if row else -np.inf
+    end = 0.5 * (touches[row] + touches[row + 1]) if row + 1 < touches.size else np.inf
+    kept = (time >= begin) & (time <= end)
+    return time[kept] - touches[row], values[kept]
 
 
 class _Sensor(NamedTuple):

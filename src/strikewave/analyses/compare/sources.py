@@ -28,6 +28,7 @@ from strikewave.reporting.terminal import say
 from strikewave.signal.alignment import EvenHistory, Shift
 from strikewave.signal.filters import Filter
 from strikewave.signal.pulse import Pulse
+from strikewave.specifications.judged_records import troubles_of
 
 KEPT = ("solution.nc", "waves.nc", "histories.nc")
 """Files of results of run, wave and fem, one of which a folder holds."""
@@ -207,7 +208,14 @@ def _of_channel(option: str, name: str, one: ChannelReading, blow: int) -> Compa
     doubt = pulse.uncertainty
     uncertainty = {"peak": doubt.peak, "width": doubt.width, "integral": doubt.velocity_change}
     curve = ComparedCurve(
-        name, "record", shown, channel.unit, measured=figures, uncertainty=uncertainty, notices=tuple(notices)
+        name,
+        "record",
+        shown,
+        channel.unit,
+        measured=figures,
+        uncertainty=uncertainty,
+        troubles=troubles_of(one.findings),
+        notices=tuple(notices),
     )
     return checked_curve(option, curve)
 

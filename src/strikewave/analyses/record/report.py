@@ -12,11 +12,11 @@ from strikewave.analyses.record.result import RecordResult
 from strikewave.analyses.record.rigid_chapter import rigid_sections
 from strikewave.analyses.record.tables import amount, between, called, percent, short_names, unit_of
 from strikewave.analyses.record.verdicts.chapter import verdict_section
-from strikewave.analyses.record.verdicts.words import tag_of
 from strikewave.analyses.record.words import counted, record_words
 from strikewave.records.campaign import Campaign
 from strikewave.records.reading import FileReading
 from strikewave.reporting import chapters as shared
+from strikewave.reporting.clause_words import tag_of
 from strikewave.reporting.numbers import listed
 from strikewave.reporting.parts import Tag
 

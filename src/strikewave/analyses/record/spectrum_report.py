@@ -13,9 +13,9 @@ from strikewave.analyses.record.figures.spectra import srs_figure, tripartite
 from strikewave.analyses.record.spectrum import KIND_UNITS, SHOWN_UNITS, SpectrumResult
 from strikewave.analyses.record.tables import status_tag
 from strikewave.analyses.record.verdicts.judged_spectra import spectra_section, spectra_sentence
-from strikewave.analyses.record.verdicts.words import tag_of
 from strikewave.analyses.record.words import named
 from strikewave.reporting import chapters
+from strikewave.reporting.clause_words import tag_of
 from strikewave.reporting.numbers import headed, percent, shown, spelled, with_unit
 from strikewave.reporting.parts import NONE, Cell, Part, Picture, Section, Table, Tag, written
 from strikewave.signal.envelopes import FEWEST

@@ -23,9 +23,9 @@ class RankedStack(NamedTuple):
         return self.candidate.leading if self.candidate.stack else None
 
 
-def _cut(row: RankedStack) -> str | None:
+def _cut(row: RankedStack) -> str:
     """Mark a reading that is cut off: what is shown is that of the element."""
-    return "cut off" if row.candidate.clipped else None
+    return "cut off" if row.candidate.clipped else ""
 
 
 def _hertz(name: str, field: str, priority: int = MORE) -> TableColumn[RankedStack]:

@@ -92,7 +92,7 @@ def _ranking_section(study: BufferStudy) -> Section:
     listing += [one for one in (study.robust, study.direct) if one is not None and one not in listing]
     places = {candidate: place for place, candidate in enumerate(study.candidates, 1)}
     rows = [RankedStack(str(places[one]), one) for one in sorted(listing, key=places.__getitem__)]
-    rows += [] if study.present is None else [RankedStack("now", study.present)]
+    rows += [] if study.present is None else [RankedStack("", study.present)]
     text = (
         f"Stacks with reading and bandwidth of one above within {percent(ALIKE, 0)} are left out; buffers.csv has all. "
         "Where a reading is cut off, the value is that of the element. Robust stacks keep the limit "

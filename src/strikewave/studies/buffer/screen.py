@@ -223,7 +223,7 @@ def _print(study: BufferStudy) -> None:
     rows = [
         RankedStack(f"{places[one]}{'*' if one.pareto else ''}", one) for one in sorted(shown, key=places.__getitem__)
     ]
-    rows += [] if study.present is None else [RankedStack("now", study.present)]
+    rows += [] if study.present is None else [RankedStack("", study.present)]
     within_limit = sum(candidate.keeps for candidate in study.candidates)
     title = (
         f"{within_limit} of {len(study.candidates)} stacks keep {with_unit(study.goal.limit, 'm/s^2', 'g', 5)}; "

@@ -3,14 +3,8 @@
 from __future__ import annotations
 
 from strikewave.analyses.record.verdicts.figures import shock_figure
-from strikewave.analyses.record.verdicts.words import (
-    CLAUSE_HEADS,
-    SHOWN,
-    clause_cells,
-    name_of_shock,
-    tag_of,
-    value_words,
-)
+from strikewave.analyses.record.verdicts.words import name_of_shock
+from strikewave.reporting.clause_words import CLAUSE_HEADS, SHOWN, clause_cells, tag_of, value_words
 from strikewave.reporting.parts import NONE, Cell, Part, Picture, Section, Table
 from strikewave.specifications.decisions import FAIL, NOT_JUDGED, WORST_FIRST
 from strikewave.specifications.judged_records import JudgedShock, RecordsVerdict

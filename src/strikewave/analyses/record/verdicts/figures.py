@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from strikewave.analyses.record.verdicts.words import SHOWN
+from strikewave.reporting.clause_words import SHOWN
 from strikewave.reporting.curves import thin
 from strikewave.reporting.numbers import axis_unit, time_unit
 from strikewave.reporting.style import (

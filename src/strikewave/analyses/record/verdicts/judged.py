@@ -5,8 +5,8 @@ from __future__ import annotations
 import dataclasses
 
 from strikewave.analyses.record.result import RecordResult
-from strikewave.analyses.record.verdicts.words import verdict_words
 from strikewave.base.result import FAILED, WARNING, Notice
+from strikewave.reporting.clause_words import verdict_words
 from strikewave.reporting.numbers import listed
 from strikewave.specifications.decisions import CANNOT_TELL, FAIL
 from strikewave.specifications.judged_records import Asked, judge_records

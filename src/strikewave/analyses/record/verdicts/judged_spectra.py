@@ -11,8 +11,8 @@ from numpy.typing import NDArray
 
 from strikewave.analyses.record.spectrum import SpectrumRequest, SpectrumResult
 from strikewave.analyses.record.verdicts.judged import verdict_notices
-from strikewave.analyses.record.verdicts.words import SHOWN, clause_words, tag_of, verdict_words
 from strikewave.base.errors import InputError
+from strikewave.reporting.clause_words import SHOWN, clause_words, tag_of, verdict_words
 from strikewave.reporting.layout import MORE, keys, numerals, texts
 from strikewave.reporting.numbers import listed
 from strikewave.reporting.options import Typed

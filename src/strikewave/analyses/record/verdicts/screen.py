@@ -2,14 +2,8 @@
 
 from __future__ import annotations
 
-from strikewave.analyses.record.verdicts.words import (
-    SHOWN,
-    limit_words,
-    margin_words,
-    name_of_shock,
-    share_words,
-    value_words,
-)
+from strikewave.analyses.record.verdicts.words import name_of_shock
+from strikewave.reporting.clause_words import SHOWN, limit_words, margin_words, share_words, value_words
 from strikewave.reporting.layout import MORE, keys, numerals, texts
 from strikewave.reporting.parts import NONE
 from strikewave.reporting.terminal import table, tell

@@ -6,8 +6,8 @@ from collections import Counter
 from dataclasses import dataclass
 from typing import Any, ClassVar, NamedTuple
 
-from strikewave.analyses.record.verdicts.words import limit_words
 from strikewave.reporting import measured_files as measured
+from strikewave.reporting.clause_words import limit_words
 from strikewave.reporting.columns import Column
 from strikewave.reporting.numbers import listed, with_unit
 from strikewave.reporting.parts import Tag
