@@ -76,7 +76,7 @@ def test_a_run_has_one_line_however_often_it_reports(capsys):
     with progress() as report:
         for share, words in ((0.0, "a"), (0.1, "b: 3 s left"), (0.2, "b: 2 s left"), (0.6, "c"), (1.0, "")):
             report(share, words)
-    assert capsys.readouterr() == ("", "  0%  a\n 10%  b\n 60%  c\n")
+    assert capsys.readouterr() == ("", "  0 %  a\n 10 %  b\n 60 %  c\n")
 
 
 def test_pictures_of_the_paper_are_files_of_the_result_and_others_are_not(tmp_path):
