@@ -122,14 +122,17 @@ class ChannelReading:
     def figures(self, name: str) -> list[float]:
         """Return a figure of all blows, those that a finding harms left out.
 
-        A figure without ringing is not harmed by ringing; where a record does not ring, it is the figure itself.
+        A figure without ringing is not harmed by ringing; where a record does not ring, it is the figure itself. Of a
+        response channel they are those of `MeasuredResponse.figure`.
         """
         plain = name.removeprefix(RIGID)
         rings = [finding for finding in self.findings if finding.code == "ringing"]
         findings = self.findings if plain == name else [finding for finding in self.findings if finding not in rings]
         if any(plain in finding.harms or finding.severity == "bad" for finding in findings):
             return []
-        if name == "interval":
+        if self.responses:
+            values = [response.figure(name) for response in self.responses if name in RESPONSE_FIGURES]
+        elif name == "interval":
             values = self.intervals
         else:
             values = [
@@ -208,7 +211,7 @@ def read_channel(channel: Channel, number: int, calibration: Calibration, reques
         unfiltered = pulses
         channel = _filtered(channel, request)
         pulses = _blows(channel)
-        findings += _changed(unfiltered, pulses)
+        findings += _changed([pulse.peak for pulse in unfiltered], [pulse.peak for pulse in pulses])
         if request.high_pass is not None:
             findings += _lightened(request.high_pass, unfiltered, channel)
         if len(pulses) == len(unfiltered):  # what a filter leaves beside a blow is no ringing
@@ -302,12 +305,12 @@ def _in_blows(holes: Array, pulses: Sequence[RecordedPulse]) -> list[HealthNotic
     return []
 
 
-def _changed(before: Sequence[RecordedPulse], after: Sequence[RecordedPulse]) -> list[HealthNotice]:
-    """Find a filter that takes much off the blows, or takes some away."""
+def _changed(before: Sequence[float], after: Sequence[float]) -> list[HealthNotice]:
+    """Find a filter that takes much off the peaks of blows, or of responses, or takes some away."""
     if len(before) != len(after):
         message = f"the filter leaves {len(after)} of {len(before)} blows: take a higher cutoff"
         return [HealthNotice("filter-changes", message, len(after) - len(before), severity="suspect")]
-    left = min((new.peak / old.peak for old, new in zip(before, after, strict=True)), default=1.0)
+    left = min((abs(new / old) for old, new in zip(before, after, strict=True) if old), default=1.0)
     if left > MUCH:
         return []
     message = f"the filter leaves {percent(left, 0)} of a peak: quote it with the filter, or take a higher cutoff"
@@ -407,11 +410,15 @@ def _responding(
         why = "the channel has too few samples" if not usable else f"the base, {base.channel.name}, has no blow"
         found.append(HealthNotice("no-response", f"{why}: no response is measured", severity="bad", harms=FIGURES))
         return ChannelReading(channel, number, (), tuple(found), calibration)
-    if request.filter is not None or request.high_pass is not None:
-        channel = _filtered(channel, request)
     same = channel.unit == base.channel.unit
     blows = [BaseBlow(pulse.begin, pulse.time, pulse.end, pulse.peak) for pulse in base.pulses]
-    responses = measure_responses(channel.values, channel.step, channel.start, blows, same)
+    if request.filter is not None or request.high_pass is not None:
+        before = measure_responses(channel.values, channel.step, channel.start, blows, same)
+        channel = _filtered(channel, request)
+        responses = measure_responses(channel.values, channel.step, channel.start, blows, same)
+        found += _changed([one.peak for one in before], [one.peak for one in responses])
+    else:
+        responses = measure_responses(channel.values, channel.step, channel.start, blows, same)
     if responses:
         beside = channel.step == base.channel.step and channel.start == base.channel.start
         driving = base.channel.values if beside else None

@@ -99,6 +99,8 @@ def test_a_campaign_of_files_leaves_out_what_cannot_be_read(strikewave):
         write(f"shots/{k}.csv", bell(TIME, 1e-3 + 1e-5 * k, size))
     with open("shots/note.txt", "w") as file:
         file.write("no record\n")
+    with open("shots/calibration.toml", "w") as file:  # no record either
+        file.write('[all]\nunit = "g"\n')
     write("b.csv", bell(TIME, peak=505.0))
     found = compare("shots", "b.csv", limits=["inside > 90 %"])
     assert found.a.count == 3
@@ -149,6 +151,12 @@ def test_limits_decide_verdict_and_exit_code(strikewave):
     assert set(document["metrics"]) == {
         "peak", "width", "velocity_change", "impulse", "rms", "correlation", "srs", "iso18571", "shift", "inside", "band"
     }  # fmt: skip
+
+
+def test_opposite_signs_are_reported(strikewave):
+    write("a.csv", bell(TIME)), write("b.csv", -bell(TIME))
+    assert "polarity" in {notice.code for notice in compare("a.csv", "b.csv", align="peak").notices}
+    assert "polarity" not in {notice.code for notice in compare("a.csv", "a.csv").notices}
 
 
 def test_what_the_coarser_history_cannot_hold_is_reported():
@@ -238,6 +246,10 @@ REFUSED = [
     (("a.csv", "short.csv"), "B: got", "8 samples or more"),
     (("a.csv", "a.csv#fram"), "--channel: got", 'did you mean "frame"?'),
     (("a.csv", "a.csv@3"), "B: got", "a blow from 1 to 1"),
+    (("a.csv", "a.csv@0"), "B: got", 'did you mean "a.csv"?'),
+    (("a.csv", "@2"), "B: got", "a measured file"),
+    (("a.csv", "a" * 5000), "B: got", "a measured file"),
+    (("a.csv", "result"), "B: got", "names the files that it is of"),
     (("a.csv:frame", "a.csv"), "A: got", 'write "a.csv#frame"'),
     (("li-ma-2019#rigid", "a.csv"), "A: got", 'write "li-ma-2019:rigid"'),
     (("a.csv", "late.csv", "--align", "none"), "--align: got", "histories that overlap in time"),
@@ -264,6 +276,9 @@ def test_what_cannot_be_compared_is_refused_in_one_line(strikewave):
     np.savetxt("late.csv", late, delimiter=",", header="time (s),frame (g)", comments="", fmt="%.9g")
     os.mkdir("empty")
     open("nothing.csv", "w").close()
+    os.mkdir("result")
+    for name in ("record.toml", "report.html"):
+        open(f"result/{name}", "w").close()
     for words, begins, holds in REFUSED:
         code, out, err = strikewave("compare", *words)
         errors = [line for line in err.splitlines() if begins in line]

@@ -34,7 +34,7 @@ KEPT = ("solution.nc", "waves.nc", "histories.nc")
 """Files of results of run, wave and fem, one of which a folder holds."""
 BEFORE = 10
 """Samples before a pulse from which its noise is taken, at least."""
-_BLOW = re.compile(r"(.*)@(\d{1,6})", re.DOTALL)
+_BLOW = re.compile(r"(.*)@([1-9]\d{0,5})", re.DOTALL)
 
 
 class SourceName(NamedTuple):
@@ -88,12 +88,15 @@ def paths_of(name: SourceName) -> list[Path]:
     if name.place in bundled_cases() and not os.path.lexists(name.place):
         return []
     path = Path(name.place)
-    if path.is_dir():
+    if not name.place:
+        return []
+    if os.path.isdir(path):
         kept = [path / one for one in (*KEPT, "case.toml") if (path / one).is_file()]
-        return kept[:1] or [one for one in sorted(path.iterdir()) if one.is_file() and not one.name.startswith(".")]
+        listed = [one for one in sorted(_listed(path)) if not one.endswith(".toml")]  # calibrations beside the files
+        return kept[:1] or [path / one for one in listed if (path / one).is_file()]
     if not os.path.lexists(name.place) and any(mark in name.place for mark in "*?["):
         return [Path(one) for one in measured.ordered([name.place]) if os.path.lexists(one)]
-    return [path] if path.is_file() else []
+    return [path] if os.path.isfile(path) else []
 
 
 def read_source(option: str, word: str, reading: SourceOptions, unit: str = "") -> ComparedCurve:
@@ -118,6 +121,10 @@ def read_source(option: str, word: str, reading: SourceOptions, unit: str = "") 
     name = parse_name(word)
     built_in = name.place in bundled_cases() and not os.path.lexists(name.place)
     paths = paths_of(name)
+    mark = Path(name.place) / "record.toml"
+    if os.path.isfile(mark):
+        hint = f"{mark} names the files that it is of: name one of those"
+        raise InputError(option, name.place, "a folder of measured files, or of a result of run, wave or fem", hint)
     if not built_in and not paths:
         raise _unknown(option, name)
     if is_simulated(word):
@@ -148,7 +155,7 @@ def _unknown(option: str, name: SourceName) -> InputError:
     return InputError(option, name.place, allowed, near if near.startswith("did you mean") else "")
 
 
-def _listed(folder: str) -> list[str]:
+def _listed(folder: str | Path) -> list[str]:
     try:
         return [one for one in os.listdir(folder) if not one.startswith(".")]
     except OSError:

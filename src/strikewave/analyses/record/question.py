@@ -212,8 +212,9 @@ def examined(
     if repeats_in_columns:
         read = [one for file in read for one in repeats(file) or [file]]
     readings = compare(read)
-    driven = [reading for file in readings for reading in file.channels if not reading.responses]
-    numbers = dict.fromkeys(reading.number for reading in driven)
+    read_channels = [reading for file in readings for reading in file.channels]
+    answering = {reading.number for reading in read_channels if reading.responses}
+    numbers = dict.fromkeys(reading.number for reading in read_channels if reading.number not in answering)
     campaigns = [one for one in (summed(readings, k) for k in numbers) if one is not None]
     calibrations = _calibrations("command line" if origin.asked else "the call", wanted, [Path(file) for file in files])
     return record_result(readings, campaigns, wanted.filter, fail_on, calibrations=calibrations, origin=origin)

@@ -522,7 +522,8 @@ def few_samples(record: ExaminedResponse) -> list[HealthNotice]:
     if count >= FEW:
         return []
     message = f"a swing of {1.0 / (count * record.step):.4g} Hz has {count:.1f} samples; sample faster"
-    return [_finding("few-samples", message, count, {"peak": -_missed(count)})]
+    effects = {**record.moved_by(_missed(count) * record.peak), "peak": -_missed(count)}
+    return [_finding("few-samples", message, count, effects)]
 
 
 def _missed(count: float) -> float:

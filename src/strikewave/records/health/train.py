@@ -66,8 +66,8 @@ def mains_blips(record: Examined) -> list[HealthNotice]:
     if not period > 0.0:
         return []
     message = (
-        f"the {len(record.pulses)} blows come every {1e3 * period:.5g} ms, in step with the mains of "
-        f"{1.0 / period:.3g} Hz: they may be blips of a supply, and no blows; one record does not show which"
+        f"the {len(record.pulses)} blows come every {1e3 * period:.5g}\xa0ms, in step with the mains of "
+        f"{1.0 / period:.3g}\xa0Hz: they may be blips of a supply, and no blows; one record does not show which"
     )
     start, end = record.pulses[0].begin, record.pulses[-1].end
     return [HealthNotice("mains", message, period, severity="suspect", harms=(*BLOW, "interval"), start=start, end=end)]

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from typing import NamedTuple
 
 from strikewave.reporting.layout import KEY, MAIN, MORE
@@ -57,9 +58,10 @@ _NAMED: tuple[TableColumn[RankedStack], ...] = (
     TableColumn("#", lambda row: row.place, priority=KEY),
     TableColumn("stack, from the surface up", lambda row: row.candidate.name, words=True),
 )
+_CUT: TableColumn[RankedStack] = TableColumn("", _cut, words=True)
 _READ: tuple[TableColumn[RankedStack], ...] = (
     TableColumn("reading", lambda row: row.candidate.true_peak, "m/s^2", "g", 5),
-    TableColumn("", _cut, words=True),
+    _CUT,
     TableColumn("of the limit (%)", lambda row: 100.0 * (1.0 - row.candidate.margin), digits=3),
 )
 _WITHIN_10 = _hertz("within 10 % up to", "within_10", MAIN)
@@ -91,3 +93,9 @@ RANK_COLUMNS: tuple[TableColumn[RankedStack], ...] = (
 """Of the ranking on the page."""
 MODULI_COLUMNS: tuple[TableColumn[RankedStack], ...] = (*_NAMED, *_OTHER_MODULI)
 """Of the readings with other moduli on the page."""
+
+
+def needed(columns: Sequence[TableColumn[RankedStack]], rows: Sequence[RankedStack]) -> list[TableColumn[RankedStack]]:
+    """Return the columns that say something of these stacks: which readings are cut off, only where one is."""
+    cut = any(row.candidate.clipped for row in rows)
+    return [column for column in columns if cut or column is not _CUT]

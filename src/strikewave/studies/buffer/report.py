@@ -11,7 +11,7 @@ from strikewave.reporting.numbers import headed, percent, shown, with_unit
 from strikewave.reporting.parts import NONE, Cell, Part, Picture, Section, Table, Tag, written
 from strikewave.reporting.table_columns import page_table
 from strikewave.studies.buffer.candidate import ALIKE, BufferCandidate, distinct
-from strikewave.studies.buffer.columns import MODULI_COLUMNS, RANK_COLUMNS, RankedStack
+from strikewave.studies.buffer.columns import MODULI_COLUMNS, RANK_COLUMNS, RankedStack, needed
 from strikewave.studies.buffer.figures import buffer_histories, buffer_transmissibility, peak_bandwidth
 from strikewave.studies.buffer.moduli import spread
 from strikewave.studies.buffer.result import BufferStudy
@@ -31,7 +31,8 @@ def buffer_report(study: BufferStudy) -> str:
         ),
         Picture(
             peak_bandwidth(study),
-            "Each stack by the largest reading and the frequency up to which it passes amplitudes within 10 %.",
+            "Each stack by the largest reading (of the element where cut off) and the frequency up to which it passes "
+            "amplitudes within 10 %.",
         ),
         Picture(buffer_transmissibility(study), "What the first stacks pass: acceleration of the sensor over surface."),
     ]
@@ -103,7 +104,7 @@ def _ranking_section(study: BufferStudy) -> Section:
         "held so that they cannot slip"
     )
     tables = [
-        page_table("Stacks by rank", RANK_COLUMNS, rows),
+        page_table("Stacks by rank", needed(RANK_COLUMNS, rows), rows),
         page_table(moduli, MODULI_COLUMNS, [row for row in rows if row.leading is not None]),
     ]
     return Section("Stacks", text, tables)

@@ -29,7 +29,7 @@ from strikewave.reporting.run_and_write import Command, run_and_write
 from strikewave.reporting.terminal import print_rows, progress_bar, tell
 from strikewave.studies.buffer.candidate import ALIKE, RINGING, BufferGoal, distinct
 from strikewave.studies.buffer.choice import StackChoices
-from strikewave.studies.buffer.columns import SCREEN_COLUMNS, RankedStack
+from strikewave.studies.buffer.columns import SCREEN_COLUMNS, RankedStack, needed
 from strikewave.studies.buffer.mounting_site import (
     BaseMotion,
     Blows,
@@ -230,7 +230,7 @@ def _print(study: BufferStudy) -> None:
         f"{within_limit} of {len(study.candidates)} stacks keep {with_unit(study.goal.limit, 'm/s^2', 'g', 5)}; "
         f"{study.order} (*: Pareto-optimal in peak and bandwidth)"
     )
-    print_rows(title, SCREEN_COLUMNS, rows)
+    print_rows(title, needed(SCREEN_COLUMNS, rows), rows)
     if len(study.candidates) > len(shown):
         tell(
             f"stacks with peak and bandwidth of one above within {percent(ALIKE, 0)} are left out here; --json "
