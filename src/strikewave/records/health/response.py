@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 
 from strikewave.base.percents import percent
 from strikewave.records.correlation import alike_as_one
-from strikewave.records.health.examined import with_unit
+from strikewave.records.health.examined import SampledRecord
 from strikewave.records.health.noise import COVERAGE, NOTED_HUM, NOTED_NOISE, hum_beside
 from strikewave.records.health.range import rail
 from strikewave.records.health.sampling import folded_level
@@ -76,31 +76,21 @@ SPIKE = 0.4
 
 
 @dataclass(frozen=True, eq=False)
-class ExaminedResponse:
-    """A uniformly sampled response channel, with what was measured of it.
+class ExaminedResponse(SampledRecord):
+    """A response channel with what was measured of it; see `SampledRecord`.
 
     Attributes
     ----------
-    values : ndarray
-        Finite samples.
-    step, start : float
-        Time between samples, and of the first, s.
-    unit : str
-        SI unit of the values; empty where it is not known.
     blows : sequence of BaseBlow
         Of the base.
     responses : sequence of MeasuredResponse
-        As `measure_responses` gives them.
+        As `measure_responses` gives them: at least one.
     base : ndarray or None
         Samples of the base, at the same times; None where they are not.
     """
 
-    values: Array
-    step: float
-    start: float
-    unit: str
-    blows: Sequence[BaseBlow]
-    responses: Sequence[MeasuredResponse]
+    blows: Sequence[BaseBlow] = ()
+    responses: Sequence[MeasuredResponse] = ()
     base: Array | None = None
 
     @cached_property
@@ -141,19 +131,11 @@ class ExaminedResponse:
         crossings = int(np.count_nonzero(np.diff(np.signbit(part))))
         return 2.0 * max(one.duration, self.step) / max(crossings, 1)
 
-    def place(self, time: float) -> int:
-        """Return the sample nearest to a time, inside the record."""
-        return min(max(round((time - self.start) / self.step), 0), self.values.size - 1)
-
     def span(self, one: MeasuredResponse) -> tuple[int, int]:
         """Return first sample of what follows a blow, and the one after the last."""
         begin = self.place(self.blows[one.blow - 1].begin)
         later = [self.place(blow.begin) for blow in self.blows if blow.begin > self.blows[one.blow - 1].begin]
         return begin, min(later, default=self.values.size)
-
-    def text(self, value: float) -> str:
-        """Write a value with its unit: accelerations in g."""
-        return with_unit(value, self.unit)
 
     def driven(self, end: int) -> Array | None:
         """Return the base up to a sample, and what it makes of each mode there; None where there is no base beside it.
@@ -252,7 +234,7 @@ def clipped(record: ExaminedResponse) -> list[HealthNotice]:
             level = float(record.values[at[0]])
             lasts = at.size * record.step * 1e6
             message = f"clipped at {record.text(level)} for {lasts:.4g} us: the true peak is larger"
-            begin, end = (record.start + record.step * int(k) for k in (at[0], at[-1]))
+            begin, end = (record.time(int(k)) for k in (at[0], at[-1]))
             findings.append(
                 HealthNotice("clipped", message, level, severity="bad", harms=RESPONSE_FIGURES, start=begin, end=end)
             )
