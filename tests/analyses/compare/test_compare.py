@@ -166,6 +166,14 @@ def test_limits_decide_verdict_and_exit_code(strikewave):
     }  # fmt: skip
 
 
+def test_units_shown_reach_the_limits(strikewave):
+    write("a.csv", bell(TIME)), write("b.csv", bell(TIME, 1.1e-3))
+    _, out, _ = strikewave("compare", "a.csv", "b.csv", "--limit", "shift < 120 us", "--show", "ms,m/s2", "--out", "x")
+    assert "0.1 ms" in out
+    assert "us" not in out.split("Limits")[1].replace("120 us", "")
+    assert "4903" in out  # 500 g in m/s^2
+
+
 def test_opposite_signs_are_reported(strikewave):
     write("a.csv", bell(TIME)), write("b.csv", -bell(TIME))
     assert "polarity" in {notice.code for notice in compare("a.csv", "b.csv", align="peak").notices}

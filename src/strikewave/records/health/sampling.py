@@ -7,6 +7,7 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
+from strikewave.base.percents import percent
 from strikewave.records.health.examined import Examined
 from strikewave.records.health_notice import FIGURES, HARMED, HealthNotice
 from strikewave.signal.pulse import HALF_SINE_WIDTH
@@ -39,7 +40,7 @@ def few_samples(record: Examined) -> list[HealthNotice]:
         return []
     loss = 1.0 - math.cos(math.pi / (2.0 * max(count, 1.0)))
     severity = "bad" if count < NONE_LEFT else "suspect" if count < TOO_FEW else "good"
-    message = f"a blow has {count:.1f} samples: its peak may be missed by {loss:.1%}; sample faster"
+    message = f"a blow has {count:.1f} samples: its peak may be missed by {percent(loss)}; sample faster"
     return [
         HealthNotice(
             "few-samples", message, count, severity=severity, harms=("peak", "rise", "width") if count < TOO_FEW else ()
@@ -59,7 +60,7 @@ def aliased(record: Examined) -> list[HealthNotice]:
     if level is None:
         return []
     message = (
-        f"at half the sampling rate the spectrum still has {level:.1%} of its largest value: what lies above was "
+        f"at half the sampling rate the spectrum still has {percent(level)} of its largest value: what lies above was "
         "folded into the record, anywhere, also into the blow; sample faster or filter before"
     )
     area = ("width", "velocity_change") if OF_AREA * level > HARMED else ()
