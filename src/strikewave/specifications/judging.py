@@ -14,6 +14,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from strikewave.base.percents import percent
 from strikewave.signal.pulse import FEWEST_INTERVALS, crossing, refine_peak
 from strikewave.specifications.decisions import CANNOT_TELL, COVERAGE, FAIL, NOT_JUDGED, PASS, Rule, decide, together
 from strikewave.specifications.ideal_pulses import IdealPulse
@@ -330,7 +331,7 @@ def _too_few(shock: Shock, pulse: IdealPulse) -> str:
 def _filtered_away(shock: Shock) -> str:
     """Return why a filter leaves nothing to be stated of a pulse width, where it takes more than a tenth of a peak."""
     left = shock.filter_left
-    return "" if left >= 0.9 else f"the filter leaves {left:.0%} of the peak of the ideal pulse"
+    return "" if left >= 0.9 else f"the filter leaves {percent(left, 0)} of the peak of the ideal pulse"
 
 
 def _relative(shock: Shock, figure: MeasuredFigure) -> float:
@@ -345,7 +346,7 @@ def _through_filter(shock: Shock, name: str, figure: MeasuredFigure, limits: Lim
     whole = figure.value / shock.filter_left if shock.filter_left > 0.0 else math.inf
     unfiltered = judged(name, whole, limits, "m/s^2", _relative(shock, figure), rule, reason)
     if not reason and unfiltered.verdict != clause.verdict:
-        words = f"the filter leaves {shock.filter_left:.1%} of the peak of the ideal pulse"
+        words = f"the filter leaves {percent(shock.filter_left)} of the peak of the ideal pulse"
         return replace(clause, verdict=CANNOT_TELL, reason=words)
     return clause
 
@@ -387,7 +388,7 @@ def _band_clause(
         return clause
     taken = (1.0 / shock.filter_left - 1.0) * peak.value if shock.filter_left > 0.0 else math.inf
     if clause.verdict == PASS and taken > placement.margin:
-        words = f"the filter leaves {shock.filter_left:.1%} of the peak of the ideal pulse"
+        words = f"the filter leaves {percent(shock.filter_left)} of the peak of the ideal pulse"
         return replace(clause, verdict=CANNOT_TELL, reason=words)
     lacks = [
         f"{lack:.2g} durations {side} the pulse"
