@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 
 from strikewave.base.errors import InputError, nearest, show
+from strikewave.base.percents import percent
 from strikewave.records.calibration import Calibration, calibrated, calibration_of, laid_over
 from strikewave.records.clock import even
 from strikewave.records.coupling import resting, uncoupled
@@ -258,7 +259,8 @@ def _lightened(high_pass: HighPass, blows: Sequence[RecordedPulse], filtered: Ch
         for blow, begin, end in zip(blows, begins, ends, strict=True)
     )
     message = (
-        f"the high-pass at {high_pass.cutoff:g} Hz leaves {left:.1%} of a velocity change (the integral over the blow, "
+        f"the high-pass at {high_pass.cutoff:g} Hz leaves {percent(left)} of a velocity change (the integral over "
+        "the blow, "
         "from zero), and nothing of that of the whole record"
     )
     return [HealthNotice("high-pass", message, left, severity="suspect" if left < HALF else "good")]
@@ -312,7 +314,7 @@ def _changed(before: Sequence[float], after: Sequence[float]) -> list[HealthNoti
     left = min((abs(new / old) for old, new in zip(before, after, strict=True) if old), default=1.0)
     if left > MUCH:
         return []
-    message = f"the filter leaves {left:.0%} of a peak: quote it with the filter, or take a higher cutoff"
+    message = f"the filter leaves {percent(left, 0)} of a peak: quote it with the filter, or take a higher cutoff"
     return [HealthNotice("filter-changes", message, left, severity="suspect" if left < HALF else "good")]
 
 

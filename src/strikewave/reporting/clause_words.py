@@ -40,7 +40,8 @@ def amount(clause: Clause, value: float, digits: int = 4) -> str:
     if not math.isfinite(value):
         return NONE
     if clause.unit == "1":
-        return f"{written(100.0 * value, 3)} %" if clause.clause.startswith("share") else written(value)
+        text = f"{written(100.0 * value, 3)} %" if clause.clause.startswith("share") else written(value)
+        return text.replace("-", "−")
     return with_unit(abs(value), clause.unit, usual_unit(clause), digits) if value >= 0.0 else _below(clause, value)
 
 

@@ -108,6 +108,19 @@ def test_a_campaign_of_files_leaves_out_what_cannot_be_read(strikewave):
     assert "left-out" in {notice.code for notice in found.notices}
 
 
+def test_all_blows_of_a_record_are_a_campaign(strikewave):
+    """Four bells of 480 to 540 g: their mean, and the deviation of their peaks."""
+    time, sizes = 1e-6 * np.arange(20_000), [480.0, 500.0, 520.0, 540.0]
+    write("train.csv", sum(bell(time, 2e-3 + 5e-3 * k, size) for k, size in enumerate(sizes)))
+    write("b.csv", bell(TIME, peak=510.0))
+    found = compare("train.csv@all", "b.csv")
+    assert (found.a.count, found.a.kind, found.a.name) == (4, "campaign", "4 blows of train.csv")
+    assert found.figures["peak"].a == pytest.approx(510.0 * G, rel=1e-3)
+    assert found.agreement.deviation.max() == pytest.approx(np.std(sizes, ddof=1) * G, rel=1e-2)
+    assert found.agreement.inside(2.0) == 1.0
+    assert compare("train.csv@3", "b.csv").figures["peak"].a == pytest.approx(520.0 * G, rel=1e-3)
+
+
 def test_a_case_is_run_and_its_band_held_against_the_record(strikewave):
     """The record is the simulation itself, one per cent higher: it lies within the band of the peak.
 
@@ -151,6 +164,14 @@ def test_limits_decide_verdict_and_exit_code(strikewave):
     assert set(document["metrics"]) == {
         "peak", "width", "velocity_change", "impulse", "rms", "correlation", "srs", "iso18571", "shift", "inside", "band"
     }  # fmt: skip
+
+
+def test_units_shown_reach_the_limits(strikewave):
+    write("a.csv", bell(TIME)), write("b.csv", bell(TIME, 1.1e-3))
+    _, out, _ = strikewave("compare", "a.csv", "b.csv", "--limit", "shift < 120 us", "--show", "ms,m/s2", "--out", "x")
+    assert "0.1 ms" in out
+    assert "us" not in out.split("Limits")[1].replace("120 us", "")
+    assert "4903" in out  # 500 g in m/s^2
 
 
 def test_opposite_signs_are_reported(strikewave):
@@ -223,6 +244,10 @@ def test_a_simulation_is_judged_by_the_specification_that_it_was_made_for(strike
     page = open("kept/report.html", encoding="utf-8").read()
     assert "Verdict by the specification" in page
     found = compare("iec-60068-2-27-rubber", "spec:iec-60068-2-27:100g-6ms", band=False)
+    assert (found.verdict, found.broken) == (
+        "cannot-tell",
+        False,
+    )  # the run ends before the window of the velocity change
     assert found.agreement.rating.overall > 0.8
     assert found.a.history.start < -0.01
     assert {c.verdict for c in found.specified.found.clauses if c.clause == "peak"} == {"pass"}
@@ -248,6 +273,8 @@ REFUSED = [
     (("a.csv", "a.csv@3"), "B: got", "a blow from 1 to 1"),
     (("a.csv", "a.csv@0"), "B: got", 'did you mean "a.csv"?'),
     (("a.csv", "@2"), "B: got", "a measured file"),
+    (("a.csv", "a.csv@all"), "B: got", "two blows or more"),
+    (("a.csv", "li-ma-2019@all"), "B: got", "@all for a record alone"),
     (("a.csv", "a" * 5000), "B: got", "a measured file"),
     (("a.csv", "result"), "B: got", "names the files that it is of"),
     (("a.csv:frame", "a.csv"), "A: got", 'write "a.csv#frame"'),

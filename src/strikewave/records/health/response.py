@@ -17,6 +17,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from strikewave.base.percents import percent
 from strikewave.records.correlation import alike_as_one
 from strikewave.records.health.examined import SampledRecord
 from strikewave.records.health.noise import COVERAGE, NOTED_HUM, NOTED_NOISE, hum_beside
@@ -248,7 +249,8 @@ def saturated(record: ExaminedResponse) -> list[HealthNotice]:
     if flat is None:
         return []
     message = (
-        f"the highest top is flat for {flat[0]:.0%} of its half swing (a sine's for {flat[1]:.0%}): the sensor or an "
+        f"the highest top is flat for {percent(flat[0], 0)} of its half swing (a sine's for "
+        f"{percent(flat[1], 0)}): the sensor or an "
         "amplifier may have saturated; the true peak is larger"
     )
     return [HealthNotice("flat-top", message, flat[0], harms=RESPONSE_FIGURES, start=record.largest.time)]
@@ -299,7 +301,8 @@ def slew_limited(record: ExaminedResponse) -> list[HealthNotice]:
     if flat is None:
         return []
     message = (
-        f"the steepest slope stays the same for {flat[0]:.0%} of its half swing (a sine's for {flat[1]:.0%}): the "
+        f"the steepest slope stays the same for {percent(flat[0], 0)} of its half swing (a sine's for "
+        f"{percent(flat[1], 0)}): the "
         "amplifier was too slow (slew rate); the true peak is larger"
     )
     return [HealthNotice("slew-rate", message, flat[0], harms=RESPONSE_FIGURES, start=record.largest.begin)]
@@ -332,7 +335,9 @@ def coarse(record: ExaminedResponse) -> list[HealthNotice]:
     reach = 0.5 * resolution
     if reach < COARSE * record.peak:
         return []
-    message = f"the steps of the converter are {record.text(resolution)}, {resolution / record.peak:.1%} of the peak"
+    message = (
+        f"the steps of the converter are {record.text(resolution)}, {percent(resolution / record.peak)} of the peak"
+    )
     return [_finding("coarse", message, resolution, record.moved_by(reach), signed=False)]
 
 
@@ -350,7 +355,7 @@ def offset(record: ExaminedResponse) -> list[HealthNotice]:
     share = abs(zero) / record.peak
     if share < NOTED_ZERO:
         return []
-    message = f"the zero stands at {record.text(zero)}, {share:.1%} of the peak; it is taken off"
+    message = f"the zero stands at {record.text(zero)}, {percent(share)} of the peak; it is taken off"
     return [HealthNotice("not-settled", message, zero, severity="suspect" if share > LARGE_ZERO else "good")]
 
 
@@ -368,7 +373,7 @@ def shifted(record: ExaminedResponse) -> list[HealthNotice]:
         straight = record.above - line[1] * (places - 0.5 * (record.first - 1))
         message = (
             f"before the blow the zero drifts, by {record.text(drift)} over a length of the record, "
-            f"{abs(drift) / record.peak:.1%} of the peak"
+            f"{percent(abs(drift) / record.peak)} of the peak"
         )
         end = record.place(record.largest.begin + record.largest.duration)
         effects = _larger(record.against(straight), record.moved_by(abs(line[1]) * (end - 0.5 * record.first)))
@@ -404,7 +409,7 @@ def _shifted_after(
         effects = _larger(effects, record.moved_by(size))
         return [_finding("ac-coupling", message, constant, effects, start=start)]
     ramp = np.clip((places - record.span(record.responses[-1])[0]) / max(begin - record.first, 1), 0.0, 1.0)
-    message = f"after the blow the zero has shifted by {record.text(level + decay)}, {share:.1%} of the peak"
+    message = f"after the blow the zero has shifted by {record.text(level + decay)}, {percent(share)} of the peak"
     if decay:
         message += f", and comes back with a time constant of {1e3 * constant:.3g} ms"
     effects = {name: abs(effect) for name, effect in record.against(above - ramp * curve).items()}
@@ -507,7 +512,7 @@ def hum(record: ExaminedResponse) -> list[HealthNotice]:
     if found is None or found[1] < NOTED_HUM * record.peak:
         return []
     frequency, amplitude = found
-    message = f"hum of {frequency:g} Hz, {amplitude / record.peak:.1%} of the peak"
+    message = f"hum of {frequency:g} Hz, {percent(amplitude / record.peak)} of the peak"
     return [_finding("hum", message, amplitude, record.moved_by(amplitude), signed=False)]
 
 
@@ -558,7 +563,7 @@ def aliased(record: ExaminedResponse) -> list[HealthNotice]:
     if level is None:
         return []
     message = (
-        f"at half the sampling rate the spectrum still has {level:.1%} of its largest value: what lies above was "
+        f"at half the sampling rate the spectrum still has {percent(level)} of its largest value: what lies above was "
         "folded into the record; sample faster or filter before"
     )
     return [HealthNotice("alias", message, level, harms=RESPONSE_FIGURES)]

@@ -19,15 +19,12 @@ def verdict_section(found: RecordsVerdict, names: dict[str, str]) -> Section:
     """Return the chapter of a verdict."""
     several = len({shock.reading.channel.name for shock in found.shocks}) > 1
     many = len(found.shocks) > 1
-    heads = [*CLAUSE_HEADS, *(["worst shock"] if many else []), "why"]
-    rows: list[list[Cell]] = [
-        [
-            *clause_cells(clause),
-            *([name_of_shock(shock if clause.verdict != NOT_JUDGED else None, names, several)] if many else []),
-            clause.reason or NONE,
-        ]
-        for clause, shock in found.clauses
-    ]
+    heads = [*CLAUSE_HEADS, "where and why" if many else "why"]
+    rows: list[list[Cell]] = []
+    for clause, shock in found.clauses:
+        named = many and shock is not None and clause.verdict != NOT_JUDGED
+        where = [name_of_shock(shock, names, several)] if named else []
+        rows.append([*clause_cells(clause), ": ".join([*where, *([clause.reason] if clause.reason else [])]) or NONE])
     parts: list[Part] = [Table("Clauses" + (", each where it came out worst" if many else ""), heads, rows)]
     if many:
         parts.append(_shock_table(found, names, several))

@@ -25,8 +25,9 @@ def name_of_shock(shock: JudgedShock | None, names: dict[str, str], several: boo
 def sentence(found: RecordsVerdict, names: dict[str, str]) -> str:
     """Say what the verdict is, by what, and why."""
     count = len(found.shocks)
+    many = {0: "no shock", 1: "one shock"}.get(count, f"{count} shocks")
     words = [
-        f"{verdict_words(found.verdict, found.by_indicative)}: {'one shock' if count == 1 else f'{count} shocks'} by "
+        f"{verdict_words(found.verdict, found.by_indicative)}: {many} by "
         f"{found.specification.title} ({found.specification.file.edition})."
     ]
     several = len({shock.reading.channel.name for shock in found.shocks}) > 1
