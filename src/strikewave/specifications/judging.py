@@ -280,7 +280,7 @@ def judge_shock(shock: Shock, limits: PulseLimits, rule: Rule = "simple", strict
         reason = shock.troubles.get("width", "") or coarse or _filtered_away(shock)
         clauses.append(judged(name, width.value, limits.width, "s", COVERAGE * width.uncertainty, rule, reason))
     if limits.velocity_change is not None:
-        clauses.append(_velocity_clause(shock, limits, start, rule))
+        clauses.append(_velocity_clause(shock, limits, start, rule, coarse))
     if limits.band is not None and placement is not None:
         clauses.append(_band_clause(shock, limits, placement, peak, rule, coarse))
     if limits.cross_axis is not None:
@@ -351,12 +351,12 @@ def _through_filter(shock: Shock, name: str, figure: MeasuredFigure, limits: Lim
     return clause
 
 
-def _velocity_clause(shock: Shock, limits: PulseLimits, start: float, rule: Rule) -> Clause:
+def _velocity_clause(shock: Shock, limits: PulseLimits, start: float, rule: Rule, coarse: str) -> Clause:
     """Return the clause of the velocity change: the integral over the ideal pulse and a little more."""
     pulse, (before, after) = limits.pulse, limits.window
     first, last = start - before * pulse.duration, start + (1.0 + after) * pulse.duration
     value = area_between(shock, first, last)
-    reason = shock.troubles.get("velocity_change", "")
+    reason = shock.troubles.get("velocity_change", "") or coarse
     if not reason and math.isnan(value):
         reason = "the record does not hold all of it"
     doubt = shock.figures.get("velocity_change", MeasuredFigure(value)).uncertainty
