@@ -8,6 +8,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from strikewave.analyses.record.filter_options import filtered
+from strikewave.analyses.record.paired import read_pair
 from strikewave.analyses.record.result import RecordResult, name_of, record_result
 from strikewave.base.errors import InputError, StrikewaveError
 from strikewave.base.result import Source
@@ -50,6 +51,7 @@ def record(
     motion: bool = False,
     repeats_in_columns: bool = False,
     base: str | int = "",
+    pair: Sequence[str | int] = (),
     test: str | Path | None = None,
 ) -> RecordResult:
     """Read measured files and judge them: status, health and pulses of each, and the statistics of all together.
@@ -86,6 +88,8 @@ def record(
         Whether the columns of a file are repeats of one test, not channels.
     base : str or int, optional
         Name or number of the driving channel: the others are measured as responses to its blow.
+    pair : sequence of str or int, optional
+        Names or numbers of two channels that are compared as sensors on one object: ``.pairs`` of the result.
     test : str or Path, optional
         TOML file that says what was tested, by whom and when, for the head of the report.
 
@@ -125,12 +129,15 @@ def record(
         stated = measured.MeasurementOptions.in_python(channels, calibration, rate, time, time_unit)
         if base != "" and repeats_in_columns:
             raise InputError("base", base, "a channel of files whose columns are channels", "not repeats_in_columns")
+        two = read_pair(",".join(map(str, pair)), "pair") if pair else ()
         height = math.nan if drop_height is None else si_value(drop_height, "m", "drop_height")
         wanted = Request(tuple(stated.channel or ()), stated.calibration(), height, base=str(base))
         wanted = filtered(wanted, filter, ac_coupling, high_pass)
         origin = measured.source_in_python(name_of([Path(file) for file in files]), test)
         found = examined(files, wanted, stated.reading(), origin, repeats_in_columns)
-    return dataclasses.replace(found, motion=motion)
+        found = dataclasses.replace(found, motion=motion, pair=two)
+        found.pairs  # noqa: B018 a wrong pair is refused here
+    return found
 
 
 def examined(

@@ -13,6 +13,8 @@ import numpy as np
 
 from strikewave.analyses.record.chosen import advised_filter, cutoff_for, sources_of
 from strikewave.analyses.record.moved import MOTION_UNITS, RecordMotion, all_moved, motion_columns
+from strikewave.analyses.record.paired import OF_CHANNEL as PAIR_OF_CHANNEL
+from strikewave.analyses.record.paired import PAIR_UNITS, RecordPair, all_pairs, pair_columns, transfer_columns
 from strikewave.base.result import FAILED, Notice
 from strikewave.records.band_split import BandSplit
 from strikewave.records.campaign import Campaign
@@ -51,6 +53,8 @@ class RecordResult(AskedResult):
         Status, ``suspect`` or ``bad``, that makes the command exit with 3 where a file has it, or a worse one.
     motion : bool
         Whether velocity and displacement are given.
+    pair : tuple of str
+        Two channels that are compared as sensors on one object; empty for none.
     """
 
     command: ClassVar[str] = "record"
@@ -61,6 +65,12 @@ class RecordResult(AskedResult):
     calibrations: Sequence[tuple[str, str]] = ()
     fail_on: str = ""
     motion: bool = False
+    pair: tuple[str, str] | tuple[()] = ()
+
+    @functools.cached_property
+    def pairs(self) -> list[RecordPair]:
+        """What two channels of each file do together, where asked for."""
+        return all_pairs(self.readings, self.pair) if self.pair else []
 
     @functools.cached_property
     def motions(self) -> list[RecordMotion]:
@@ -81,8 +91,10 @@ class RecordResult(AskedResult):
 
     def units(self) -> dict[str, str]:
         """Return the unit of each key of the JSON document."""
+        units = units_of(self.readings)
         more = {**MOTION_UNITS, "lost": "s"} if self.motion else {}
-        return {**units_of(self.readings), **more}
+        more |= {**PAIR_UNITS, **dict.fromkeys(PAIR_OF_CHANNEL, units["peak"])} if self.pair else {}
+        return {**units, **more}
 
     def content(self) -> dict[str, Any]:
         """Return what the JSON document holds beside its head."""
@@ -93,6 +105,8 @@ class RecordResult(AskedResult):
         }
         if self.motion:
             content["motion"] = [{"file": one.file, "channel": one.channel, **one.document()} for one in self.motions]
+        if self.pair:
+            content["pairs"] = [one.document() for one in self.pairs]
         if len(self.campaigns) > 1:
             content["campaigns"] = [_campaign(one) for one in self.campaigns]
         return content
@@ -137,6 +151,9 @@ class RecordResult(AskedResult):
         tables = {"pulses.csv": csv_table(self.columns())}
         if self.motion:
             tables["motion.csv"] = csv_table(motion_columns(self.motions), HISTORY_DIGITS)
+        if self.pair:
+            tables["pairs.csv"] = csv_table(pair_columns(self.pairs))
+            tables["transfer.csv"] = csv_table(transfer_columns(self.pairs), HISTORY_DIGITS)
         return tables
 
 

@@ -11,6 +11,7 @@ from typing import Any, ClassVar
 
 from strikewave.analyses.record.chosen import advised_filter
 from strikewave.analyses.record.motion_chapter import motion_table
+from strikewave.analyses.record.pair_chapter import LEFT_OUT_FIRST, pair_table, reasons
 from strikewave.analyses.record.question import examined
 from strikewave.analyses.record.result import (
     INTEGRALS,
@@ -54,6 +55,7 @@ def examine_records(
     in_columns: bool = False,
     fail_on: str = "",
     motion: bool = False,
+    pair: tuple[str, str] | tuple[()] = (),
 ) -> int:
     """Examine records, write and print what they say, and return the exit code.
 
@@ -71,6 +73,8 @@ def examine_records(
         Status that makes the exit code 3; empty for none.
     motion : bool
         Whether velocity and displacement are given.
+    pair : tuple of str
+        Two channels that are compared as sensors on one object; empty for none.
 
     Raises
     ------
@@ -82,7 +86,7 @@ def examine_records(
     name = name_of(paths)
     usual = f"record-{name}"
     origin = measured.source_of("records", name, paths if output.writes(usual) else [], output.stated_test())
-    command = RecordCommand(files, wanted, options, origin, in_columns, fail_on, motion)
+    command = RecordCommand(files, wanted, options, origin, in_columns, fail_on, motion, pair)
     return run_and_write(command, output, usual, origin.text)
 
 
@@ -99,11 +103,14 @@ class RecordCommand(Command[RecordResult]):
     in_columns: bool = False
     fail_on: str = ""
     motion: bool = False
+    pair: tuple[str, str] | tuple[()] = ()
 
     def solve(self) -> RecordResult:
         """Return what the records say."""
         found = examined(self.files, self.wanted, self.options, self.origin, self.in_columns, self.fail_on)
-        return dataclasses.replace(found, motion=self.motion)
+        asked = dataclasses.replace(found, motion=self.motion, pair=self.pair)
+        asked.pairs  # noqa: B018 a wrong pair is refused before anything is printed
+        return asked
 
     def summary(self, result: RecordResult) -> str:
         """Say what the records have in common, and which are bad."""
@@ -114,6 +121,13 @@ class RecordCommand(Command[RecordResult]):
         _print(result.readings, result.campaigns, result.filter)
         if result.motion:
             report_table(motion_table(result.motions))
+        if result.pair:
+            report_table(pair_table(result.pairs), more=LEFT_OUT_FIRST)
+            lines = reasons(result.pairs)
+            for line in lines[:MOST_NAMED]:
+                tell(line, "  ")
+            if len(lines) > MOST_NAMED:
+                tell(f"{len(lines) - MOST_NAMED} more files have reasons of their own: see report and JSON", "  ")
 
     def draw(self, result: RecordResult, folder: Path) -> list[str]:
         """Write page and summary."""
