@@ -47,6 +47,40 @@ def test_a_package_that_lies_elsewhere_takes_the_same_compiled_kernels(tmp_path,
     assert compiled_again == 0
 
 
+def test_a_part_called_by_python_gives_what_it_gives_within_a_kernel():
+    """Python has no entry to what was compiled as a part: it is compiled once more, and never called at address 0."""
+    squared, cubed = compiled.leaf_kernel(_squared), compiled.inner_kernel(_cubed)
+    both = compiled.kernel(lambda x: (squared(x), cubed(x)))
+    assert both(3.0) == (9.0, 27.0)
+    assert (squared(3.0), cubed(3.0)) == (9.0, 27.0)
+
+
+def test_parts_are_kept_for_the_kernels_of_another_process(tmp_path, environment):
+    """As bitcode alone, in files of their own: those of the same kernels as a whole hold machine code."""
+    program = (
+        "from strikewave.contact import _integrator\n"
+        "from numba import float64\n"
+        "part = _integrator.evaluate\n"
+        "part.compile((float64[:, ::1], float64, float64[::1]))\n"
+        "print(sum(part.stats.cache_hits.values()), sum(part.stats.cache_misses.values()))\n"
+    )
+    own = {**environment, "NUMBA_CACHE_DIR": str(tmp_path)}
+    counts = [
+        subprocess.run([sys.executable, "-c", program], env=own, capture_output=True, text=True, check=True).stdout
+        for _ in range(2)
+    ]
+    assert [one.split() for one in counts] == [["0", "1"], ["1", "0"]]
+    assert [".part." in path.name for path in tmp_path.rglob("*evaluate*.nbc")] == [True]
+
+
+def _squared(x):
+    return x * x
+
+
+def _cubed(x):
+    return x * x * x
+
+
 def test_all_that_is_compiled_stands_in_files_whose_text_is_the_key_of_the_cache():
     """What a kernel is made of stands in ``_*.py`` or here: a change elsewhere would be answered from an old cache."""
     own = {path.relative_to(compiled.PACKAGE.parent) for path in compiled.PACKAGE.rglob("_[a-z]*.py")}

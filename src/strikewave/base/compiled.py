@@ -17,9 +17,12 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any, TypeVar, cast
 
+import llvmlite.binding as llvm
 import numba
 import platformdirs
-from numba.core.caching import FunctionCache, UserProvidedCacheLocator
+from numba.core.caching import CompileResultCacheImpl, FunctionCache, UserProvidedCacheLocator
+from numba.core.codegen import JITCodeLibrary
+from numba.core.compiler import Compiler, compile_result
 from numba.core.registry import CPUDispatcher
 from numba.core.runtime import rtsys
 
@@ -35,13 +38,8 @@ FULL: Any = {"forceinline": False, "no_cfunc_wrapper": True}
 kernel that first calls it down to it, and copies large ones wherever they are called. Nothing calls kernels by pointers
 of C, so that such an entry, one more copy of what is inlined, is left out. Both make compiling shorter, not results
 different."""
-LEAF: Any = {**FULL, "_nrt": False, "forceinline": True}
-"""Of a small kernel that makes no array: in small loops counting references and calling cost half the time."""
 CALLED: Any = {**FULL, "_nrt": False}
 """Numba's options of a large kernel that makes no array."""
-INNER: Any = {**CALLED, "no_cpython_wrapper": True}
-"""Numba's options of a kernel that Python never calls: an entry for Python takes apart each array of its arguments, and
-is more to compile than many a kernel."""
 LOCATORS = ("UserWideCacheLocator", "IPythonCacheLocator", "ZipCacheLocator")
 """Numba's own, for kernels that come from no plain file: a frozen program, a notebook, a zipped package."""
 
@@ -100,11 +98,11 @@ def kernel(function: F) -> F:
 
 
 def leaf_kernel(function: F) -> F:
-    """Compile a kernel that makes no array, inlined and without counting references.
+    """Compile a kernel that makes no array as a part of those that call it, inlined and without counting references.
 
     In small loops either halves the time.
     """
-    return _compiled(function, LEAF)
+    return _part(function, LEAF)
 
 
 def called_kernel(function: F) -> F:
@@ -116,10 +114,8 @@ def called_kernel(function: F) -> F:
 
 
 def inner_kernel(function: F) -> F:
-    """Compile a `called_kernel` that only kernels call, without an entry for Python: for arguments of many arrays."""
-    compiled: Any = _compiled(function, INNER)
-    compiled.__class__ = _InnerKernel
-    return compiled
+    """Compile a `called_kernel` as a part of the kernels that call it: for what Python hardly ever calls."""
+    return _part(function, INNER)
 
 
 def fused_kernel(function: F) -> F:
@@ -129,7 +125,7 @@ def fused_kernel(function: F) -> F:
 
 def fused_leaf_kernel(function: F) -> F:
     """Compile a `leaf_kernel` whose products and sums may be rounded once together."""
-    return _compiled(function, {**LEAF, "fastmath": {"contract"}})
+    return _compiled(function, {**CALLED, "forceinline": True, "fastmath": {"contract"}})
 
 
 def fused_called_kernel(function: F) -> F:
@@ -137,11 +133,74 @@ def fused_called_kernel(function: F) -> F:
     return _compiled(function, {**CALLED, "fastmath": {"contract"}})
 
 
-class _InnerKernel(CPUDispatcher):
-    """What refuses to be called from Python, where there is nothing to call."""
+class _PartLibrary(JITCodeLibrary):
+    """Code of a part, as numba wrote it: neither optimized nor made into machine code.
 
-    def __call__(self, *_: Any) -> Any:
-        raise TypeError(f"{self} is called by kernels alone (inner_kernel)")
+    LLVM does both for the kernel that Python calls, with all of its parts. Numba does them for each kernel, and for all
+    that it calls, again: most of the time of compiling, for machine code that nothing runs.
+    """
+
+    @classmethod
+    def kept(cls, codegen: Any, name: str, bitcode: bytes) -> _PartLibrary:
+        """Return the library that was kept as bitcode."""
+        library = cls(codegen, name)
+        library._final_module = llvm.parse_bitcode(bitcode)
+        library._finalized = True
+        return library
+
+    def bitcode(self) -> bytes:
+        """Return the code for linking."""
+        return bytes(self._get_module_for_linking().as_bitcode())
+
+    def get_pointer_to_function(self, name: str) -> int:
+        """Return 0: there is no machine code."""
+        self._ensure_finalized()
+        return 0
+
+    @property
+    def codegen(self) -> _PartLibrary:
+        """Return what numba then tells the function's environment."""
+        return self
+
+    def set_env(self, name: str, environment: Any) -> None:
+        """Do nothing: the environment would be written into the machine code."""
+
+    def _optimize_final_module(self) -> None:
+        pass
+
+    def _finalize_final_module(self) -> None:
+        self._finalize_dynamic_globals()
+        self._verify_declare_only_symbols()
+        self._finalized = True
+
+
+class _PartCompiler(Compiler):
+    """Numba's compiler, into a `_PartLibrary`."""
+
+    def compile_extra(self, func: Any) -> Any:
+        self.state.library = _PartLibrary(self.state.targetctx.codegen(), func.__qualname__)
+        return super().compile_extra(func)
+
+
+class _Part(CPUDispatcher):
+    """A kernel that is a part of others. Where Python calls it after all, it is compiled once more, as a whole."""
+
+    def __call__(self, *arguments: Any) -> Any:
+        return self._whole(*arguments)
+
+    @functools.cached_property
+    def _whole(self) -> Any:
+        return _compiled(self.py_func, CALLED)
+
+    def add_overload(self, result: Any) -> None:
+        """Note what was compiled for kernels, and not for Python, which would call it at address 0."""
+        self.overloads[tuple(result.signature.args)] = result
+
+
+LEAF: Any = {**CALLED, "forceinline": True, "no_cpython_wrapper": True, "pipeline_class": _PartCompiler}
+"""Numba's options of a `leaf_kernel`: in small loops counting references and calling cost half the time."""
+INNER: Any = {**LEAF, "forceinline": False}
+"""Numba's options of an `inner_kernel`."""
 
 
 class KernelLocator(UserProvidedCacheLocator):
@@ -179,7 +238,44 @@ class _KernelCache(FunctionCache):
             return self._load_overload(sig, target_context)
 
 
-def _compiled(function: F, options: dict[str, Any]) -> F:
+class _KeptParts(CompileResultCacheImpl):
+    """How a part is kept: as bitcode, in a file of its own beside that of the same kernel as a whole."""
+
+    def get_filename_base(self, fullname: str, abiflags: str) -> str:
+        return f"{super().get_filename_base(fullname, abiflags)}.part"
+
+    def reduce(self, result: Any) -> Any:
+        result.fndesc.typemap = result.fndesc.calltypes = None  # as numba does: they cannot be pickled
+        return result.library.name, result.library.bitcode(), result.fndesc, result.environment, result.signature
+
+    def rebuild(self, target_context: Any, payload: Any) -> Any:
+        name, bitcode, fndesc, environment, signature = payload
+        library = _PartLibrary.kept(target_context.codegen(), name, bitcode)
+        return compile_result(
+            target_context=target_context,
+            typing_context=target_context.typing_context,
+            library=library,
+            environment=environment,
+            entry_point=target_context.get_executable(library, fndesc, environment),
+            fndesc=fndesc,
+            signature=signature,
+            objectmode=False,
+            lifted=(),
+            reload_init=[],
+        )
+
+
+class _PartCache(_KernelCache):
+    _impl_class: Any = _KeptParts
+
+
+def _part(function: F, options: dict[str, Any]) -> F:
+    compiled: Any = _compiled(function, options, _PartCache)
+    compiled.__class__ = _Part
+    return cast(F, compiled)
+
+
+def _compiled(function: F, options: dict[str, Any], cache: type[_KernelCache] = _KernelCache) -> F:
     folder = cache_folder()
     settings: Any = numba.config
     before = settings.CACHE_DIR, settings.CACHE_LOCATOR_CLASSES
@@ -193,7 +289,7 @@ def _compiled(function: F, options: dict[str, Any]) -> F:
         compiled = numba.njit(error_model="numpy", nogil=True, **options)(function)
         if folder is not None:
             with contextlib.suppress(RuntimeError):  # a function without a source file (typed into a console) has none
-                compiled._cache = _KernelCache(function)
+                compiled._cache = cache(function)
     finally:
         settings.CACHE_DIR, settings.CACHE_LOCATOR_CLASSES = before
     return cast(F, compiled)

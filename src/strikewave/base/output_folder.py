@@ -24,6 +24,7 @@ RESULT_FILES = (
     "motion.csv",
     "pairs.csv",
     "transfer.csv",
+    "responses.csv",
     "spectrum.csv",
     "comparison.csv",
     "response.csv",

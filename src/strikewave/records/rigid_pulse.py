@@ -80,8 +80,9 @@ ROUNDS, CONVERGED = 30, 1e-5
 """Evaluations of a fit at most, and the relative change below which it ends."""
 AS_GOOD = 1.5
 """A simpler model is taken where it misses less than this times what the best one misses."""
-ENOUGH = 0.01
-"""Misfit within which the simplest model is good enough: shapes that no family has are missed by as much."""
+ENOUGH = 0.03
+"""Misfit within which the simplest model is good enough: by as much the smooth pulse misses sound pulses that are none
+of its family, saw-teeth, flat tops and long tails. What a richer model gains below it, it may have from the shape."""
 POOR = 0.12
 """Misfit above which no rigid pulse is reported."""
 BETTER = 0.5
@@ -93,6 +94,9 @@ A_LOBE = 0.75
 NEAR = np.exp(np.linspace(-0.9, 0.9, 61))
 DECAYS = np.exp(np.linspace(-7.0, -0.3, 12))
 """Frequencies over their guess, and decays over it, of the swings that are tried before a fit: its bounds."""
+TIP = 0.1
+"""Share of the length of a pulse that is its tip: what is left of a record is looked at over twice that to either
+side."""
 OVERDAMPED = 0.7
 """Decay over frequency above which a mode does not swing: it has gone to its bound to make up for something else."""
 WIDER, LOWER = 4.0, 0.25
@@ -101,7 +105,8 @@ SHAPES = np.array([0.025, 0.04, 0.015])
 """Standard uncertainties of peak, width and velocity change, over themselves, by shapes that the family has not: flat
 tops, saw-teeth and long tails, planted and fitted."""
 ALIKE = np.array([0.2, 0.25, 0.15])
-"""The same of a mode that is struck and swings less than `SEPARATE` times in a width: swing and pulse are alike."""
+"""The same of a mode that has an amplitude of its own and swings less than `SEPARATE` times in a width: swing and pulse
+are alike, and what is missed beyond `ENOUGH` may be of either, by as many times more."""
 RIDGE = 1e-10
 """Share of the squares of the columns added to them: a mode and a pulse that look alike share their amplitude."""
 TINY = 1e-300
@@ -226,10 +231,13 @@ def fit_rigid_pulse(
         return None
     alike = [fit for fit in fits if fit.misfit <= max(AS_GOOD * least, ENOUGH, noise / fit.pulse.peak)]
     best = alike[0]
-    figures = np.array([_figures(fit.pulse) for fit in fits if fit.misfit <= AS_GOOD * least or fit is best])
+    figures = np.array(
+        [_figures(fit.pulse) for fit in fits if fit.misfit <= max(AS_GOOD * least, ENOUGH) or fit is best]
+    )
     own = np.array(_figures(best.pulse))
     models_apart = np.max(np.abs(figures - own), axis=0) / math.sqrt(3.0)
-    floor = np.hypot(SHAPES if best.model != "struck" or _swings(best) > SEPARATE else ALIKE, 0.5 * best.misfit) * own
+    shapes = SHAPES if best.model == "mount" or _swings(best) > SEPARATE else ALIKE * max(best.misfit / ENOUGH, 1.0)
+    floor = np.hypot(shapes, 0.5 * best.misfit) * own
     doubt = np.sqrt(best.doubt**2 + models_apart**2 + floor**2)
     return RigidPulse(
         best.pulse.peak,
@@ -379,9 +387,25 @@ def _fit(values: Array, step: float, guess: SmoothPulse, frequency: float, model
     covariance = variance * np.linalg.pinv(best.jac.T @ best.jac)
     doubt = np.sqrt(np.maximum(np.einsum("ki,kl,li->i", slopes, covariance, slopes), 0.0))
     own = math.sqrt(variance / (0.5 * max(pulse.length / step, 1.0)))
-    doubt = np.array([math.hypot(doubt[0], own), doubt[1], doubt[2]]) * np.array([scale, 1.0, scale])
+    doubt = np.array([math.hypot(doubt[0], own, _left_at_tip(rest, pulse, step)), doubt[1], doubt[2]]) * np.array(
+        [scale, 1.0, scale]
+    )
     misfit = math.sqrt(float(np.mean(rest**2))) / peak
     return Fit(pulse._replace(peak=peak * scale), omega, decay, misfit, doubt, _name(model))
+
+
+def _left_at_tip(rest: Array, pulse: SmoothPulse, step: float) -> float:
+    """Return the standard uncertainty of a peak by what is left of the record around it: a tip that is no family's.
+
+    It may be of the pulse or of what swings: as likely anything between.
+    """
+    reach = pulse.length * TIP
+    near = rest[max(round((pulse.time - 2.0 * reach) / step), 0) : round((pulse.time + 2.0 * reach) / step) + 1]
+    count = max(round(reach / step), 1)
+    if near.size < count:
+        return 0.0
+    means = np.convolve(near, np.full(count, 1.0 / count), "valid")
+    return float(np.max(np.abs(means))) / math.sqrt(3.0)
 
 
 class Stretch(NamedTuple):

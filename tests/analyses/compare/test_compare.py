@@ -105,16 +105,19 @@ def test_a_campaign_of_files_leaves_out_what_cannot_be_read(strikewave):
 
 
 def test_a_case_is_run_and_its_band_held_against_the_record(strikewave):
-    """The record is the simulation itself, one per cent higher: it lies within the band of the peak."""
+    """The record is the simulation itself, one per cent higher: it lies within the band of the peak.
+
+    Its zero is estimated from what lies before the blow, which begins gradually: 0.3 % of the peak.
+    """
     kept = strikewave("run", "jesd22-b111-b", "--out", "kept")
     assert kept[0] == 0
     solution = load_solution("kept")
     time, values = solution.arrays["pulse_time"].values, solution.arrays["pulse_acceleration"].values[0]
     known = np.isfinite(values)
-    record = np.interp(np.arange(time[known][0] - 5e-4, time[known][-1], 2e-6), time[known], values[known], left=0.0)
+    record = np.interp(np.arange(time[known][0] - 5e-4, time[known][-1], 2e-6), time[known], values[known])
     write("record.csv", 1.01 * record / G, 2e-6)
     found = compare("record.csv", "kept")
-    assert found.figures["peak"].difference == pytest.approx(1.0 / 1.01 - 1.0, abs=2e-3)
+    assert found.figures["peak"].difference == pytest.approx(1.0 / 1.01 - 1.0, abs=4e-3)
     assert found.agreement.rating.overall > 0.98
     assert {(name, inside) for name, _, _, _, inside in found.in_bands} >= {("peak", True), ("width", True)}
     again = compare("record.csv", "jesd22-b111-b:rigid@1")

@@ -20,6 +20,8 @@ Array = NDArray[np.float64]
 
 FEWEST = 8
 """Samples of a history, at least: fewer are no pulse."""
+FOOT = 0.02
+"""Share of the peak at the feet of a pulse, as records have it."""
 QUANTITIES = {"m/s^2": "acceleration", "N": "force", "m/s": "velocity", "m": "displacement", "Pa": "stress"}
 """What a unit is of."""
 SHOWN_IN = {"m/s^2": "g", "N": "kN", "m/s": "m/s", "m": "mm", "Pa": "MPa"}
@@ -46,6 +48,9 @@ class ComparedCurve:
         Histories that it is the mean of.
     band : mapping of str to Band
         What a simulation says of its peak, width and velocity change when inputs move within what is known of them.
+    measured : Pulse or None
+        Its largest pulse as `strikewave record` measures it, noise taken into account; of a campaign the means. None
+        for what has no noise.
     notices : tuple of Notice
         What the user should know of it.
     """
@@ -57,6 +62,7 @@ class ComparedCurve:
     deviation: Array | None = None
     count: int = 1
     band: Mapping[str, Band] = field(default_factory=dict)
+    measured: Pulse | None = None
     notices: tuple[Notice, ...] = ()
 
     @property
@@ -67,9 +73,12 @@ class ComparedCurve:
 
     @property
     def pulse(self) -> Pulse:
-        """Its largest pulse, with the sign that it has."""
-        found = measure_pulse(self.sign * self.history.values, self.history.step, self.history.start)
-        return found._replace(peak=self.sign * found.peak, area=self.sign * found.area)
+        """Its largest pulse, with its sign: the width at 10 % of the peak, the integral from foot to foot."""
+        if self.measured is not None:
+            return self.measured
+        upright, step, start = self.sign * self.history.values, self.history.step, self.history.start
+        found, feet = measure_pulse(upright, step, start), measure_pulse(upright, step, start, FOOT)
+        return found._replace(peak=self.sign * found.peak, area=self.sign * feet.area)
 
     def filtered(self, low_pass: Filter | None) -> ComparedCurve:
         """Return it through a low-pass.
@@ -159,6 +168,8 @@ def mean_curve(option: str, name: str, curves: Sequence[ComparedCurve], shifts: 
             )
         )
     values = np.mean(rows, axis=0)
+    pulses = np.array([one.pulse for one in curves])
+    moved = Pulse(*map(float, np.append(np.mean(pulses[:, 0] + np.asarray(shifts)), np.mean(pulses[:, 1:], axis=0))))
     noise = math.sqrt(float(np.mean([one.history.noise**2 for one in curves])) / len(curves))
     return ComparedCurve(
         name,
@@ -167,5 +178,6 @@ def mean_curve(option: str, name: str, curves: Sequence[ComparedCurve], shifts: 
         curves[0].unit,
         np.std(rows, axis=0, ddof=1),
         len(curves),
+        measured=moved,
         notices=tuple(dict.fromkeys(notice for one in curves for notice in one.notices)),
     )

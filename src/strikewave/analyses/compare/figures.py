@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from strikewave.analyses.compare.result import CompareResult
-from strikewave.reporting.curves import put_legend, thin
+from strikewave.reporting.curves import thin
 from strikewave.reporting.numbers import axis_unit, headed, time_unit
 from strikewave.reporting.style import (
     BLUE,
@@ -68,17 +68,16 @@ def draw_overlay(axes: Any, result: CompareResult) -> None:
     for name, values, colour, dash in (("A", a, BLUE, "-"), ("B", b, RED, "--")):
         curve = result.a if name == "A" else result.b
         axes.plot(*thin(time, values), dash, color=colour, linewidth=1.4, label=f"{name}: {plain(curve.name, LONGEST)}")
-    for curve, colour in ((result.a, BLUE), (result.b, RED)):
+    second = time_unit(float(np.ptp(found.time[kept])))[0]
+    for name, curve, pulse, colour in (("A", result.a, found.pulse_a, BLUE), ("B", result.b, found.pulse_b, RED)):
         band = curve.band.get("peak")
         if band is not None and np.isfinite(band.low + band.high):
-            words = f"band of the peak of {'A' if curve is result.a else 'B'}"
-            ends = sorted((curve.sign * band.low / size, curve.sign * band.high / size))
-            axes.axhspan(*ends, facecolor="none", edgecolor=colour, hatch="///", linewidth=0.0, alpha=0.25, label=words)
-    begin, end = found.interval
-    step = float(found.time[kept][0]) / time[0] if time[0] else 1.0
-    for place in (begin / step, end / step):
-        if time[0] < place < time[-1]:
-            axes.axvline(place, color=GREY, linewidth=0.8, linestyle=":")
+            ends = np.array([band.low, band.high]) * curve.sign / size
+            where, words = np.full(2, pulse.time / second), f"band of the peak of {name}"
+            axes.plot(where, ends, "_-", color=colour, linewidth=1.0, markersize=12, label=words)
+    for edge in found.interval:
+        if time[0] < edge / second < time[-1]:
+            axes.axvline(edge / second, color=GREY, linewidth=0.8, linestyle=":")
     quiet(axes, "B on A, shifted by " + ("nothing" if result.align == "none" else result.align), label, _axis(result))
 
 
@@ -98,6 +97,7 @@ def draw_difference(axes: Any, result: CompareResult) -> None:
     axes.axhline(0.0, color=GREY, linewidth=0.8)
     axes.plot(*thin(time, difference), color=GREEN, linewidth=1.2)
     quiet(axes, "Difference, B minus A", label, _axis(result))
+    axes.locator_params(axis="x", nbins=5)
 
 
 def draw_ratio(axes: Any, result: CompareResult) -> None:
@@ -106,15 +106,14 @@ def draw_ratio(axes: Any, result: CompareResult) -> None:
 
     found = result.agreement
     size, _ = axis_unit("Hz", "kHz")
-    axes.axhspan(-3.0, 3.0, color=SHADES[0], linewidth=0.0, label="± 3 dB")
+    axes.axhspan(-3.0, 3.0, color=SHADES[0], linewidth=0.0)
     axes.semilogx(found.frequency / size, found.ratio, color=BLUE, linewidth=1.3)
     axes.axhline(0.0, color=GREY, linewidth=0.8)
     axes.xaxis.set_major_formatter(FuncFormatter(lambda value, place: f"{value:g}"))
     axes.xaxis.set_minor_formatter(NullFormatter())
-    quiet(axes, "Shock response spectra, B over A (Q = 10)", headed("natural frequency", "Hz", "kHz"), "ratio (dB)")
+    quiet(axes, "Shock response spectra, B over A", headed("natural frequency", "Hz", "kHz"), "ratio (dB)")
     largest = float(np.nanmax(np.abs(found.ratio)))
     axes.set_ylim(-max(1.15 * largest, 4.0), max(1.15 * largest, 4.0))
-    put_legend(axes)
 
 
 def draw_scores(axes: Any, result: CompareResult) -> None:
@@ -151,7 +150,7 @@ def half_figures(result: CompareResult) -> list[tuple[Figure, str]]:
     """Return difference, ratio of spectra and scores, each with its caption."""
     found = [(one_diagram(lambda axes: draw_difference(axes, result), HALF), "What B has more than A.")]
     if result.agreement.frequency.size:
-        words = "Largest responses of oscillators of 5 % damping to B, over those to A; 6 dB are a factor of two."
+        words = "Largest responses of oscillators of 5 % damping (Q = 10) to B, over those to A; shaded: ± 3 dB."
         found.append((one_diagram(lambda axes: draw_ratio(axes, result), HALF), words))
     words = "Scores of ISO/TS 18571 over the interval between the dotted lines, with their weights."
     found.append((one_diagram(lambda axes: draw_scores(axes, result), HALF), words))
@@ -159,12 +158,10 @@ def half_figures(result: CompareResult) -> list[tuple[Figure, str]]:
 
 
 def summary_figure(result: CompareResult) -> Figure:
-    """Return all diagrams on one sheet."""
+    """Return the diagrams on one sheet; the scores where there is no ratio of spectra."""
     figure = new_figure((WHOLE[0], 7.4))
-    grid = figure.add_gridspec(2, 3, height_ratios=(1.25, 1.0))
+    grid = figure.add_gridspec(2, 2, height_ratios=(1.25, 1.0))
     draw_overlay(figure.add_subplot(grid[0, :]), result)
     draw_difference(figure.add_subplot(grid[1, 0]), result)
-    if result.agreement.frequency.size:
-        draw_ratio(figure.add_subplot(grid[1, 1]), result)
-    draw_scores(figure.add_subplot(grid[1, 2]), result)
+    (draw_ratio if result.agreement.frequency.size else draw_scores)(figure.add_subplot(grid[1, 1]), result)
     return titled(legend_below(figure), result.title)

@@ -26,6 +26,9 @@ Array = NDArray[np.float64]
 LARGEST_LOAD = 4_000_000_000
 """A file of a result that would take more bytes than this is refused."""
 _READING = re.compile(r"(?:what sensor|reading of the sensor) (.*?)(?: reads)?", re.DOTALL)
+_AXIS = re.compile(r"\.[xyz]$")
+MOST_NAMED = 12
+"""Parts that a line names."""
 _FEM = {"mean_acceleration": "acceleration", "mean_force": "force"}
 """Quantities that are means over intervals, and what they are of."""
 
@@ -103,7 +106,8 @@ def _chosen(option: str, name: str, parts: Sequence[SimulatedPart], part: str, b
         if wanted not in known:
             raise InputError(option, f"{name}:{part}", "a part of the simulation", nearest(part, known))
     elif not part and len(known) > 1:
-        say(f"{option} is {known[0]} of {name}; {name}:PART takes another: {', '.join(known[1:12])}")
+        others = [one for one in known[1:] if not _AXIS.search(one)]
+        say(f"{option} is {known[0]} of {name}; {name}:PART takes another: {', '.join(others[:MOST_NAMED])}")
     found = [one for one in parts if one.part == wanted]
     quantities = list(dict.fromkeys(one.quantity for one in found))
     if quantity and quantity not in quantities:
@@ -253,7 +257,9 @@ def _wave_parts(arrays: LabelledArrays, bands: Mapping[str, Band]) -> Iterator[S
 
 def _fem_parts(arrays: LabelledArrays) -> Iterator[SimulatedPart]:
     """Yield bodies, groups, points, sections and contacts along the axis on which each moves most, and along each."""
-    for key, variable in arrays.data_vars.items():
+    kinds = ("part", "group", "point", "section", "contact")
+    found = {key: variable for key, variable in arrays.data_vars.items() if key.partition(".")[0] in kinds}
+    for key, variable in sorted(found.items(), key=lambda pair: kinds.index(pair[0].partition(".")[0])):
         kind, _, rest = key.partition(".")
         name, _, what = rest.rpartition(".")
         quantity = _FEM.get(what, what)

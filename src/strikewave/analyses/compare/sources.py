@@ -21,12 +21,13 @@ from strikewave.analyses.compare.curve import ComparedCurve, checked_curve, mean
 from strikewave.base.errors import InputError, StrikewaveError, nearest, show
 from strikewave.base.result import Notice
 from strikewave.cases.case import bundled_cases
-from strikewave.records import Options
+from strikewave.records import Options, Request
 from strikewave.records.reading import ChannelReading
 from strikewave.reporting import measured_files as measured
 from strikewave.reporting.terminal import say
 from strikewave.signal.alignment import EvenHistory, Shift
 from strikewave.signal.filters import Filter
+from strikewave.signal.pulse import Pulse
 
 KEPT = ("solution.nc", "waves.nc", "histories.nc")
 """Files of results of run, wave and fem, one of which a folder holds."""
@@ -161,23 +162,23 @@ def _record(
     One that is bad is refused in a campaign.
     """
     options = reading.options._replace(channels=(name.part,) if name.part else reading.options.channels[:1])
-    record, found = measured.read_channels(file, reading.stated, options)
+    record, found = measured.read_channels(file, reading.stated, options, Request(filter=reading.low_pass))
     one = found.channels[0]
     if not options.channels and len(record.channels) > 1 and not of_campaign:
         say(f"{option} is {one.channel.name} of {Path(file).name}; {Path(file).name}#CHANNEL takes another")
     if of_campaign and one.status == "bad":
         raise StrikewaveError("it is bad: " + next(found.message for found in one.findings if found.severity == "bad"))
-    return _of_channel(option, f"{Path(file).name}#{one.channel.name}", one, name.blow, reading.low_pass)
+    return _of_channel(option, f"{Path(file).name}#{one.channel.name}", one, name.blow)
 
 
-def _of_channel(option: str, name: str, one: ChannelReading, blow: int, low_pass: Filter | None) -> ComparedCurve:
+def _of_channel(option: str, name: str, one: ChannelReading, blow: int) -> ComparedCurve:
     """Return a channel as a curve."""
     channel = one.channel
     offset = one.baseline if one.pulses else 0.0
     if channel.values.size and not math.isfinite(channel.step):
         raise InputError(option, name, "a file with a time column", "state --rate")
     history = EvenHistory(channel.values - offset, channel.step, channel.start)
-    whole = checked_curve(option, ComparedCurve(name, "record", history, channel.unit)).filtered(low_pass)
+    whole = checked_curve(option, ComparedCurve(name, "record", history, channel.unit))
     notices = [
         Notice(finding.code, f"{name}: {finding.message}", finding.value)
         for finding in one.findings
@@ -200,7 +201,10 @@ def _of_channel(option: str, name: str, one: ChannelReading, blow: int, low_pass
     if len(one.pulses) > 1:
         name = f"{name}@{place + 1}"
     shown = EvenHistory(values[kept], channel.step, float(time[kept][0]), noise)
-    return checked_curve(option, ComparedCurve(name, "record", shown, channel.unit, notices=tuple(notices)))
+    figures = Pulse(pulse.time, pulse.peak, pulse.width, pulse.rise, pulse.velocity_change)
+    return checked_curve(
+        option, ComparedCurve(name, "record", shown, channel.unit, measured=figures, notices=tuple(notices))
+    )
 
 
 def _campaign(option: str, paths: Sequence[Path], name: SourceName, reading: SourceOptions) -> ComparedCurve:

@@ -115,8 +115,8 @@ def limit_table(result: CompareResult) -> Table:
             return f"{value:.4g} dB" if unit == "dB" else f"{value:.4g}"
 
         words, verdict = METRICS[one.limit.metric][1], VERDICTS[one.verdict]
-        rows.append([one.limit.typed, words, cell(one.value), cell(one.margin), verdict])
-    return Table("Limits", ["limit", "of", "value", "margin", "verdict"], rows)
+        rows.append([one.limit.typed, verdict, cell(one.value), cell(one.margin), words])
+    return Table("Limits", ["limit", "verdict", "value", "margin", "of"], rows)
 
 
 def band_table(result: CompareResult) -> Table:

@@ -46,6 +46,8 @@ def picture_section(files: Sequence[FileReading], names: Names) -> Section:
     words = []
     for file in chosen:
         for reading in file.channels[:each]:
+            if reading.responses:
+                continue  # a chapter of its own draws it
             if records.drawable(reading):
                 parts += _pictures(names[file.path], reading, None if advised is None else advised.cutoff)
             else:

@@ -8,6 +8,7 @@ from strikewave.analyses.record import chapters as chapters
 from strikewave.analyses.record import pictures as pictures
 from strikewave.analyses.record.motion_chapter import motion_section
 from strikewave.analyses.record.pair_chapter import pair_section
+from strikewave.analyses.record.response_chapter import response_sections
 from strikewave.analyses.record.result import RecordResult
 from strikewave.analyses.record.rigid_chapter import rigid_sections
 from strikewave.analyses.record.tables import amount, between, called, percent, short_names, unit_of
@@ -32,6 +33,7 @@ def record_report(result: RecordResult) -> str:
     names = short_names([file.path for file in files])
     sections = [
         *pictures.campaign_sections(campaigns, files, names),
+        *response_sections(files, names),
         pictures.picture_section(files, names),
         pictures.response_section(files, names),
         chapters.file_section(files, names),

@@ -15,6 +15,7 @@ from strikewave.analyses.record.chosen import advised_filter, cutoff_for, source
 from strikewave.analyses.record.moved import MOTION_UNITS, RecordMotion, all_moved, motion_columns
 from strikewave.analyses.record.paired import OF_CHANNEL as PAIR_OF_CHANNEL
 from strikewave.analyses.record.paired import PAIR_UNITS, RecordPair, all_pairs, pair_columns, transfer_columns
+from strikewave.analyses.record.responses import responding, response_columns, summaries
 from strikewave.base.result import FAILED, Notice
 from strikewave.records.band_split import BandSplit
 from strikewave.records.campaign import Campaign
@@ -107,6 +108,8 @@ class RecordResult(AskedResult):
             content["motion"] = [{"file": one.file, "channel": one.channel, **one.document()} for one in self.motions]
         if self.pair:
             content["pairs"] = [one.document() for one in self.pairs]
+        if responding(self.readings):
+            content["response_summary"] = [one.document() for one in summaries(self.readings)]
         if len(self.campaigns) > 1:
             content["campaigns"] = [_campaign(one) for one in self.campaigns]
         return content
@@ -149,6 +152,8 @@ class RecordResult(AskedResult):
     def tables(self) -> dict[str, str]:
         """Return all pulses as CSV text."""
         tables = {"pulses.csv": csv_table(self.columns())}
+        if responding(self.readings):
+            tables["responses.csv"] = csv_table(response_columns(self.readings))
         if self.motion:
             tables["motion.csv"] = csv_table(motion_columns(self.motions), HISTORY_DIGITS)
         if self.pair:

@@ -30,7 +30,7 @@ def rigid_sections(files: Sequence[FileReading], names: Names) -> list[Section]:
         "takes a low-pass between the band of the pulse and the lowest mode, where its costs are least, and corrects "
         "the peak by what it takes off ideal pulses as wide. Costs are over the peak: how differently these pulses "
         "come out, what is left of the wave part, and what the lowest mode does in the pulse's own band. Apart is the "
-        "difference of both peaks over its standard uncertainty: beyond 2 one of them is wrong. Where the costs come to "
+        "difference of both peaks over its standard uncertainty: beyond 2 one of them is wrong. Where costs come to "
         "more than 10 % of the peak, the bands of pulse and wave part overlap, and they cannot be separated this way."
     )
     if len(cells) > MOST_ROWS:

@@ -10,9 +10,11 @@ from pathlib import Path
 from typing import Any, ClassVar
 
 from strikewave.analyses.record.chosen import advised_filter
+from strikewave.analyses.record.figures.campaigns import figure_unit
 from strikewave.analyses.record.motion_chapter import motion_table
 from strikewave.analyses.record.pair_chapter import LEFT_OUT_FIRST, pair_table, reasons
 from strikewave.analyses.record.question import examined
+from strikewave.analyses.record.responses import ResponseSummary, harmed, responding, summaries
 from strikewave.analyses.record.result import (
     INTEGRALS,
     RecordResult,
@@ -35,7 +37,7 @@ from strikewave.records.campaign import SUMMED, WITHOUT_RINGING
 from strikewave.records.rigid_pulse import RigidPulse
 from strikewave.reporting import measured_files as measured
 from strikewave.reporting.layout import MORE, ScreenColumn, keys, numerals, texts
-from strikewave.reporting.numbers import listed, with_unit
+from strikewave.reporting.numbers import listed, shown_unit, with_unit
 from strikewave.reporting.options import Output
 from strikewave.reporting.run_and_write import Command, run_and_write
 from strikewave.reporting.terminal import number, report_table, significant, table, tell
@@ -45,6 +47,8 @@ MOST_NAMED = 3
 """Files that a line names; the others are counted."""
 MOST_ROWS = 60
 """Files shown in the table on the screen."""
+DOUBTED = " ?"
+"""Stands behind a figure that a finding harms."""
 
 
 def examine_records(
@@ -227,33 +231,70 @@ def _times(value: float) -> str:
 
 
 def _print_responses(readings: Sequence[FileReading], names: dict[str, str]) -> None:
-    """Print what response channels do after the blow of their base."""
+    """Print what response channels do after the blows of their base, and all blows together."""
+    channels = responding(readings)
+    if not channels:
+        return
+    keyed = {
+        "file": len({file.path for file, _ in channels}) > 1,
+        "channel": len({reading.channel.name for _, reading in channels}) > 1,
+        "blow": any(len(reading.responses) > 1 for _, reading in channels),
+    }
+    rows, doubted = [], False
+    for file, reading in channels:
+        wrong = harmed(file, reading)
+        doubted = doubted or bool(wrong)
+        unit = reading.channel.unit
+        for one in reading.responses:
+            places = {"file": names[file.path], "channel": reading.channel.name, "blow": str(one.blow)}
+            figures = {
+                "peak": _value(one.peak, unit),
+                "ratio": "-" if math.isnan(one.ratio) else f"{one.ratio:.3g}",
+                "delay": number(one.delay, "s", "ms"),
+                "rms": _value(one.rms, unit),
+                "duration": number(one.duration, "s", "ms"),
+                "frequency": ", ".join(f"{mode.frequency:.4g}" for mode in one.modes) or "-",
+                "damping": ", ".join(f"{1e2 * mode.damping:.3g}" for mode in one.modes) or "-",
+            }
+            rows.append(
+                [place for name, place in places.items() if keyed[name]]
+                + [text + DOUBTED * (name in wrong and text != "-") for name, text in figures.items()]
+            )
+    columns = [*(keys("file") if keyed["file"] else []), *(texts("channel") if keyed["channel"] else [])]
+    columns += [*(numerals("blow") if keyed["blow"] else []), *numerals("peak")]
+    columns += numerals("over base", priority=MORE)
+    columns += numerals("delay (ms)", "RMS", "effective duration (ms)")
+    columns += texts("frequencies (Hz)", "damping ratios (%)")
+    only = "" if keyed["channel"] else f": {channels[0][1].channel.name}"
+    _table(f"Response channels{only}", columns, rows)
+    if doubted:
+        tell(f"{DOUBTED.strip()} a figure that a finding harms: see the report")
+    for together in summaries(readings):
+        _print_summary(together)
+
+
+def _print_summary(one: ResponseSummary) -> None:
+    """Print mean and scatter of the responses of a channel that has more than one."""
+    writers: dict[str, Any] = {
+        **dict.fromkeys(("peak", "rms"), lambda v: _value(v, one.unit)),
+        "delay": lambda v: (
+            f"{number(v, 's', 'ms')} {shown_unit('s', 'ms')}"
+        ),  # of a peak before that of the base below 0
+        "duration": lambda v: with_unit(v, "s", "ms"),
+        "ratio": lambda v: significant(v, 4),
+        "frequency": lambda v: with_unit(v, "Hz", "Hz"),
+        "damping": lambda v: f"{v:.3%}",
+    }
     rows = []
-    several = any(len(reading.responses) > 1 for file in readings for reading in file.channels)
-    for file in readings:
-        for reading in file.channels:
-            for response in reading.responses:
-                modes = response.modes
-                rows.append(
-                    [
-                        names[file.path],
-                        reading.channel.name,
-                        *([str(response.blow)] if several else []),
-                        _value(response.peak, reading.channel.unit),
-                        "-" if math.isnan(response.ratio) else f"{response.ratio:.3g}",
-                        number(response.delay, "s", "ms"),
-                        _value(response.rms, reading.channel.unit),
-                        number(response.duration, "s", "ms"),
-                        ", ".join(f"{mode.frequency:.4g}" for mode in modes) or "-",
-                        ", ".join(f"{mode.damping:.2%}" for mode in modes) or "-",
-                    ]
-                )
+    for name, statistic in one.statistics.items():
+        if statistic.n > 1:
+            write = writers[name]
+            bounds = f"{write(statistic.low)} to {write(statistic.high)}"
+            called = figure_unit(name, one.unit)[1]
+            rows.append([called, write(statistic.mean), f"{statistic.cv:.2%}", bounds, str(statistic.n)])
     if rows:
-        columns = [*keys("file"), *texts("channel"), *(numerals("blow") if several else [])]
-        columns += numerals("peak", "over base", "delay (ms)")
-        columns += numerals("RMS", "effective duration (ms)", priority=MORE)
-        columns += [*texts("frequencies (Hz)", "damping ratios")]
-        _table("Response channels", columns, rows)
+        columns = [*keys("figure"), *numerals("mean", "scatter (CV)", "mean, 95 % bounds", "blows")]
+        table(f"All responses together: {one.channel}", columns, rows)
 
 
 def _print_rebounds(readings: Sequence[FileReading], names: dict[str, str]) -> None:

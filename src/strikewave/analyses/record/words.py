@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 
+from strikewave.analyses.record.response_chapter import response_words
 from strikewave.analyses.record.result import RecordResult
 from strikewave.analyses.record.tables import amount, between, called, percent, rows_of, short_names, unit_of
 from strikewave.records.campaign import Campaign
@@ -31,6 +32,8 @@ def record_words(result: RecordResult) -> str:
     words = [f"{len(files)} files: {listed(counted(files))}." if len(files) != 1 else f"One file, {files[0].status}."]
     for campaign in campaigns:
         words.append(_campaign_words(campaign, unit_of(files, campaign), len(campaigns) > 1))
+    answers = response_words(files)
+    words += [answers] if answers else []
     bad = [(names[file.path], f) for file in files for f in file.findings if f.severity == "bad"]
     several = len(campaigns) > 1
     for file, reading in rows_of(files):

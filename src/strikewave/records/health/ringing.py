@@ -9,7 +9,7 @@ import numpy as np
 from strikewave.records.health.examined import BLOW, FEWEST_OF_PART, Examined
 from strikewave.records.health_notice import HealthNotice, by_effect
 from strikewave.records.measuring import RecordedPulse, one_sided, stretch_of
-from strikewave.records.rigid_pulse import RINGS_WITHIN, ringing_of
+from strikewave.records.rigid_pulse import POOR, RINGS_WITHIN, ringing_of
 
 AFTER_BLOW = 0.25
 """Widths after the feet of a blow from which on its ringing is taken, up to `RINGS_WITHIN`: beside the foot, before it
@@ -25,6 +25,9 @@ STRAYS = 0.06
 """Misfit of the smooth pulse that is no usual shape: then the blow itself rings, though it has died out after it."""
 COMPARED = ("peak", "width", "velocity_change")
 """Figures that are compared with those of the pulse without ringing."""
+WIDTH_BY_LEVEL = 0.68
+"""Share by which the width of a half-sine at 10 % changes with a level under it, over its peak,
+2 / (pi sqrt(1 - 0.1^2)) over 0.936; the smooth pulse is no measure of it where it misses the feet."""
 HIGHER = 5.0
 """Standard deviations that a record goes higher outside the blows than in them: noise alone does not in any record."""
 
@@ -62,9 +65,11 @@ def _ringing_of(record: Examined, pulse: RecordedPulse) -> HealthNotice | None:
     if not frequency * pulse.smooth.width() > SEPARATE:
         message = (
             f"after the blow the record swings by {share:.0%} of the peak, about as slowly as the blow itself, and no "
-            "single mode explains it: peak, rise and width may hold such ringing too"
+            "single mode explains it: peak, rise and width may hold such ringing too; a smooth pulse misses the blow "
+            f"by {pulse.smooth.misfit:.0%}"
         )
-        severity, harms = ("suspect", ("peak", "rise", "width")) if share > STRONG_RINGING else ("good", ())
+        strong = share > STRONG_RINGING or (within and pulse.smooth.misfit > POOR)
+        severity, harms = ("suspect", ("peak", "rise", "width")) if strong else ("good", ())
         return HealthNotice("ringing", message, share, severity=severity, harms=harms, start=pulse.end)
     smooth = {"peak": pulse.smooth.peak, "width": pulse.smooth.width(), "velocity_change": pulse.smooth.area()}
     effects = {name: getattr(pulse, name) / value - 1.0 for name, value in smooth.items() if value}
@@ -72,7 +77,19 @@ def _ringing_of(record: Examined, pulse: RecordedPulse) -> HealthNotice | None:
         f"the blow rings at about {frequency:.3g} Hz, by {max(share, pulse.smooth.misfit):.0%} of the peak, and no "
         "single mode explains it; against the smooth pulse"
     )
-    return by_effect("ringing", message, share, effects, start=pulse.end)
+    return by_effect("ringing", message, share, effects, doubt=_doubt_of_smooth(pulse, frequency), start=pulse.end)
+
+
+def _doubt_of_smooth(pulse: RecordedPulse, frequency: float) -> dict[str, float]:
+    """Return by how much of itself a swing that the smooth pulse misses may falsify each of its figures.
+
+    It has sqrt(2) of the misfit as amplitude A. It lifts or lowers the peak by that, the feet as any level does, and
+    what it adds to the area is half a swing at most, A / (pi f).
+    """
+    amplitude = math.sqrt(2.0) * pulse.smooth.misfit
+    smooth = pulse.smooth
+    area = amplitude * abs(smooth.peak) / (math.pi * frequency) / abs(smooth.area())
+    return {"peak": amplitude, "width": amplitude * WIDTH_BY_LEVEL, "velocity_change": area}
 
 
 def _swing_after(record: Examined, pulse: RecordedPulse) -> float:

@@ -16,6 +16,15 @@ if TYPE_CHECKING:
 
 TRENDS = ("peak", "width", "velocity_change", "interval")
 """Figures whose trend is drawn."""
+OF_CHANNEL = {
+    "peak": "peak",
+    "rigid_peak": "peak without ringing",
+    "rms": "RMS",
+    "amplitude": "amplitude",
+}
+"""What figures in the unit of their channel are called."""
+PURE = {"ratio": (1.0, "peak over base", ""), "damping": (0.01, "damping ratio", "%")}
+"""How figures without a unit are shown: size, name and unit."""
 
 
 def trend(campaign: Campaign, unit: str = "m/s^2", count: int = 0) -> Figure:
@@ -86,8 +95,10 @@ def figure_unit(name: str, unit: str) -> tuple[float, str, str]:
     ((1e-06, 'pulse width at 10 %', 'µs'), (1.0, 'impulse change', 'N s'))
     """
     how = shown(unit)
-    if name in ("peak", "rigid_peak"):
-        return how.scale, "peak" + (" without ringing" if name != "peak" else ""), how.unit or how.name
+    if name in OF_CHANNEL:
+        return how.scale, OF_CHANNEL[name], how.unit or how.name
+    if name in PURE:
+        return PURE[name]
     if name == "velocity_change":
         return how.integral_scale, f"{how.integral} change", how.integral_unit
     si, usual, called = {
@@ -96,6 +107,10 @@ def figure_unit(name: str, unit: str) -> tuple[float, str, str]:
         "rise": ("s", "us", "rise time 10-90 %"),
         "width": ("s", "us", "pulse width at 10 %"),
         "rigid_width": ("s", "us", "pulse width at 10 % without ringing"),
+        "delay": ("s", "ms", name),
+        "duration": ("s", "ms", "effective duration"),
+        "decay_time": ("s", "ms", "decay time (to 1/e)"),
+        "frequency": ("Hz", "Hz", name),
     }[name]
     size, shown_as = axis_unit(si, usual)
     return size, called, shown_as

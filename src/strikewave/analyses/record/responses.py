@@ -1,0 +1,111 @@
+"""Response channels of records together: their figures as rows and columns, and summed up over blows and files."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from typing import Any, NamedTuple
+
+from strikewave.records.campaign import Statistic, statistic
+from strikewave.records.health_notice import RESPONSE_FIGURES
+from strikewave.records.modes import MOST_MODES
+from strikewave.records.reading import ChannelReading, FileReading
+from strikewave.records.response import MeasuredResponse
+from strikewave.reporting.columns import Column
+from strikewave.reporting.numbers import shown_unit
+
+
+class ResponseSummary(NamedTuple):
+    """Figures of one response channel over all blows of all files.
+
+    Attributes
+    ----------
+    channel : str
+        Its name in the first file.
+    unit : str
+        Its SI unit.
+    statistics : dict
+        A `Statistic` for each figure that has a value; the peak by its magnitude, modes by the strongest.
+    """
+
+    channel: str
+    unit: str
+    statistics: dict[str, Statistic]
+
+    def document(self) -> dict[str, Any]:
+        """Return the row of the JSON document."""
+        return {"channel": self.channel, **{name: value._asdict() for name, value in self.statistics.items()}}
+
+
+def responding(files: Sequence[FileReading]) -> list[tuple[FileReading, ChannelReading]]:
+    """Return the channels that answer the blows of a base, with their files."""
+    return [(file, reading) for file in files for reading in file.channels if reading.responses]
+
+
+def base_of(file: FileReading) -> ChannelReading | None:
+    """Return the driving channel of a file; None where it has none."""
+    driven = any(reading.responses for reading in file.channels)
+    return next((reading for reading in file.channels if driven and reading.pulses), None)
+
+
+def harmed(file: FileReading, reading: ChannelReading) -> tuple[str, ...]:
+    """Return the figures of a response channel that are not to be trusted."""
+    findings = [*file.findings, *reading.findings]
+    spoilt = any(finding.severity == "bad" for finding in findings)
+    return tuple(name for name in RESPONSE_FIGURES if spoilt or any(name in finding.harms for finding in findings))
+
+
+def figure_of(response: MeasuredResponse, name: str) -> float:
+    """Return a figure of a response: the peak by its magnitude, frequency and damping of the strongest mode."""
+    if name in ("frequency", "damping"):
+        return float(getattr(response.modes[0], name)) if response.modes else math.nan
+    value = float(getattr(response, name))
+    return abs(value) if name == "peak" else value
+
+
+def summaries(files: Sequence[FileReading]) -> list[ResponseSummary]:
+    """Sum up each response channel over its blows in all files; figures that a finding harms are left out."""
+    rows = responding(files)
+    found = []
+    for number in dict.fromkeys(reading.number for _, reading in rows):
+        own = [(file, reading) for file, reading in rows if reading.number == number]
+        unit = own[0][1].channel.unit
+        statistics = {}
+        for name in RESPONSE_FIGURES:
+            pairs = [
+                (k, value)
+                for k, (file, reading) in enumerate(own)
+                if name not in harmed(file, reading) and reading.channel.unit == unit
+                for value in (figure_of(response, name) for response in reading.responses)
+                if math.isfinite(value)
+            ]
+            if pairs:
+                statistics[name] = statistic([value for _, value in pairs], [k for k, _ in pairs])
+        found.append(ResponseSummary(own[0][1].channel.name, unit, statistics))
+    return found
+
+
+def response_columns(files: Sequence[FileReading]) -> list[Column]:
+    """Return all responses, one line a blow; where channels differ in unit, ``unit`` is that of each line."""
+    rows = [(file, reading, one) for file, reading in responding(files) for one in reading.responses]
+    units = [reading.channel.unit for _, reading, _ in rows]
+    only = units[0] if len(set(units)) == 1 else ""
+    columns = [
+        Column("file", [file.path for file, _, _ in rows]),
+        Column("channel", [reading.channel.name for _, reading, _ in rows]),
+        Column("unit", [shown_unit(unit, unit) if only else unit for unit in units]),
+        Column("status", [reading.status for _, reading, _ in rows]),
+        Column("harmed", [" ".join(harmed(file, reading)) for file, reading, _ in rows]),
+        Column("blow", [one.blow for _, _, one in rows]),
+    ]
+    for name, si in (("time", "s"), ("peak", only), ("ratio", ""), ("delay", "s"), ("duration", "s"), ("rms", only)):
+        columns.append(Column(name, [getattr(one, name) for _, _, one in rows], si))
+    for k in range(MOST_MODES):
+        modes = [one.modes[k] if k < len(one.modes) else None for _, _, one in rows]
+        for name, si in (
+            *(("frequency", "Hz"), ("frequency_uncertainty", "Hz"), ("damping", ""), ("damping_uncertainty", "")),
+            *(("decay_time", "s"), ("amplitude", only)),
+        ):
+            values = [None if mode is None else getattr(mode, name) for mode in modes]
+            columns.append(Column(f"mode_{k + 1}_{name}", values, si))
+    return columns
