@@ -15,7 +15,7 @@ MOST_ROWS = 60
 """Files of the table; pairs.csv has all."""
 LEFT_OUT_FIRST = ("leads", "common peak", "differential peak", "alike up to")
 """Columns that a narrow screen leaves out."""
-ANSWERS = {"yes": "yes", "no": "no", "cannot-tell": "cannot be told"}
+ANSWERS = {"yes": "yes", "no": "no", "cannot-tell": "undetermined"}
 """Whether two sensors move as one rigid body, in words."""
 
 
@@ -62,7 +62,7 @@ def reasons(pairs: Sequence[RecordPair]) -> list[str]:
     groups: dict[tuple[str, str], list[str]] = {}
     for one in pairs:
         groups.setdefault((one.one_body, one.why), []).append(Path(one.file).name)
-    words = {"yes": "one rigid body", "no": "not one rigid body", "cannot-tell": "cannot be told"}
+    words = {"yes": "one rigid body", "no": "not one rigid body", "cannot-tell": "undetermined"}
     return [
         f"{files[0]}{f' and {len(files) - 1} more' if len(files) > 1 else ''}: {words[answer]}: {why}"
         for (answer, why), files in groups.items()

@@ -52,7 +52,7 @@ class RecordPair(NamedTuple):
 
     @property
     def why(self) -> str:
-        """Why they are one body, or are not, or that cannot be told."""
+        """Why they are one body, or are not, or why it is undetermined."""
         return self.reason if self.found is None else self.found.reason
 
     @property
