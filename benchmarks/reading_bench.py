@@ -16,6 +16,25 @@ ROWS = 4_000_000
 CAMPAIGNS, SAMPLES = (16, 50, 500), 20_000
 """Files of a campaign, and samples of each."""
 
+LARGE_ROWS = 40_000_000
+"""Lines of the long text, some 1 GB."""
+LARGE = {
+    "strikewave": "from strikewave.records import read_record; read = lambda path: read_record(path)",
+    "numpy.loadtxt": "import numpy; read = lambda path: numpy.loadtxt(path, delimiter=',', skiprows=1)",
+    "pandas.read_csv": "import pandas; read = lambda path: pandas.read_csv(path)",
+    "pyarrow.csv.read_csv": "import pyarrow.csv; read = lambda path: pyarrow.csv.read_csv(path)",
+}
+"""How the long text is read, each in a process of its own."""
+
+LARGE_CHILD = """
+import sys, time
+exec(sys.argv[2])
+begun, spent = time.perf_counter(), time.process_time()
+record = read(sys.argv[1])
+peak = [line for line in open("/proc/self/status") if line.startswith("VmHWM")]
+print(time.perf_counter() - begun, time.process_time() - spent, 1024 * int(peak[0].split()[1]))
+"""
+
 CHILD = """
 import sys, time
 from strikewave.records import read_record
@@ -80,10 +99,45 @@ and the arrays.
 
 {table(("file", "size", "time", "speed", "memory beyond the arrays"), rows)}
 
+A text of {LARGE_ROWS:,} lines of time and two channels ({3 * 8 * LARGE_ROWS / 2**20:.0f} MiB as arrays of float64), the whole
+process; the peers take the columns as numbers, and do not look for head, units, decimal mark, time column or faults:
+
+{table(("reader", "size", "time", "CPU time", "speed", "peak memory"), large())}
+
 Campaigns of text files, {SAMPLES:,} samples each, one blow in each, through `strikewave record`, the whole process:
 
 {table(("campaign", "output", "time", "CPU time", "peak memory"), campaigns())}
 """
+
+
+def large():
+    """Return rows of a long text, which is gone afterwards, as it is read here and by the peers."""
+    rows = []
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder) / "long.csv"
+        _write_long(path)
+        size = path.stat().st_size
+        for name, how in LARGE.items():
+            command = [sys.executable, "-c", LARGE_CHILD, str(path), how]
+            result = subprocess.run(command, check=True, capture_output=True, text=True)
+            took, spent, peak = (float(word) for word in result.stdout.split())
+            cells = f"{size / 1e9:.2f} GB", f"{took:.1f} s", f"{spent:.1f} s", f"{size / took / 1e6:.0f} MB/s"
+            rows.append((name, *cells, f"{peak / 2**20:.0f} MiB"))
+    return rows
+
+
+def _write_long(path, part=1_000_000):
+    """Write time and two channels part by part, so that no more than a part is in memory."""
+    import pyarrow as pa
+    import pyarrow.csv
+
+    rng = np.random.default_rng(2)
+    with path.open("wb") as file:
+        file.write(b"time [s],a [g],b [g]\n")
+        for first in range(0, LARGE_ROWS, part):
+            time_, channels = np.arange(first, first + part) * 1e-6, rng.normal(size=(part, 2)).round(5)
+            columns = {"t": time_.round(7), "a": channels[:, 0], "b": channels[:, 1]}
+            pa.csv.write_csv(pa.table(columns), file, pa.csv.WriteOptions(include_header=False))
 
 
 def campaigns():

@@ -88,10 +88,10 @@ def drawn(
     frequencies = slowest * np.cumprod(apart)
     dampings = np.array([log_uniform(rng, 0.005, 0.06) for _ in frequencies])
     shares = np.array([1.0, *(rng.choice([-1, 1]) * rng.uniform(0.15, 0.8) for _ in range(number - 1))])
-    step = min(1.0 / frequencies[-1] / rng.uniform(*per_swing), width / 12.0)
+    step = min(1.0 / frequencies[-1] / rng.uniform(*per_swing), width / 12.0 if per_swing[0] > 10.0 else width / 4.0)
     decay = 3.0 / np.min(2.0 * np.pi * frequencies * dampings)
     step = max(step, count * decay * lasts[1] / MOST)
-    if step > min(1.0 / frequencies[-1] / per_swing[0], width / 10.0):
+    if step > min(1.0 / frequencies[-1] / per_swing[0], width / (10.0 if per_swing[0] > 10.0 else 4.0)):
         return drawn(rng, kind, seed, count, per_swing, before, lasts, ratios)
     how = Setting(shape, width, peak, step, 0.0)
     lead = rng.uniform(5.0, 40.0) * length if before is None else before
@@ -226,7 +226,7 @@ CLASSES = {
     "board-hum": with_fault(lambda rng, d: faults.hum(rng, d, rng.uniform(0.02, 0.3))),
     "board-noise": with_fault(lambda rng, d: None, decibels=(6.0, 35.0), colour=COLOURS),
     "board-dead": with_fault(dead),
-    "board-few-samples": with_fault(lambda rng, d: None, per_swing=(2.5, 8.0)),
+    "board-few-samples": with_fault(lambda rng, d: None, per_swing=(2.5, 8.0), ratios=(1.0, 4.0)),
     "board-cut": with_fault(lambda rng, d: None, lasts=(0.02, 0.25)),
     "board-cut-train": with_fault(lambda rng, d: None, lasts=(0.02, 0.25), count=4),
     "board-short": with_fault(lambda rng, d: faults.offset(rng, d, 0.1), before=0.0),

@@ -204,10 +204,10 @@ def hum_only(rng, draft):
     faults.hum(rng, draft, 10 ** rng.uniform(-3.5, -1.0))
 
 
-def mains_blips(rng, draft):
+def mains_blips(rng, draft, period=None):
     """Leave nothing but a short blip of the mains each period."""
     emptied(draft)
-    period = 1.0 / float(rng.choice([50.0, 60.0]))
+    period = 1.0 / float(rng.choice([50.0, 60.0])) if period is None else period
     height = 10 ** rng.uniform(-4.0, -1.5) * draft.setting.peak
     width = rng.uniform(0.03, 0.2) * period
     at = rng.uniform(0, 1) * min(period, draft.time[-1])
@@ -215,6 +215,19 @@ def mains_blips(rng, draft):
         draft.values += height * np.exp(-0.5 * ((draft.time - at) / (0.25 * width)) ** 2)
         at += period
     draft.faults["blips"] = height
+
+
+def blips(rng):
+    """Return a record of nothing but blips of the mains, three and more."""
+    period = 1.0 / float(rng.choice([50.0, 60.0]))
+    step = period / log_uniform(rng, 200, 4000)
+    draft = train(rng, Setting(draw_shape(rng), 40 * step, log_uniform(rng, 50.0, 50_000.0), step, 0.0))
+    size = int(rng.uniform(3.1, 10.0) * period / step)
+    draft.values, draft.zero = np.zeros(size), np.zeros(size)
+    mains_blips(rng, draft, period)
+    height = draft.faults["blips"]
+    draft.setting = Setting(draft.setting.shape, draft.setting.width, height, step, 0.0)
+    return [recorded(rng, draft, rng.uniform(20.0, 60.0), clean=False)], {0}
 
 
 def missing(rng, draft):
@@ -374,6 +387,7 @@ CLASSES = {
     "few-samples": single_with(lambda rng, d: None, how=lambda rng: setting(rng, (2.5, 12.0), filtered=rng.random() < 0.5)),
     "response-channel": response_channel,
     "nothing": nothing,
+    "mains-blips": blips,
 }  # fmt: skip
 """Each class with how it is drawn."""
 

@@ -4,12 +4,14 @@ For a rotary machine as published, the same under settings it was not fitted to,
 a smaller turntable, a machine that strikes once, and the first blow of a machine with a stack and a sensor: the band as
 `strikewave run` finds it, then full runs, none of which uses the fast engine, the Latin hypercube or the fit; those of
 the stack have its waves.
-Writes out/validate/bands.csv. ``--runs`` makes fewer of them, ``--only`` one machine, ``--processes`` leaves processors
-to others. docs/band.md has the numbers.
+Writes out/validate/bands.csv. ``--seeds`` tells instead what bands of other seeds hold, by the fast engine: the ends of
+a band are chance too. ``--runs`` makes fewer of them, ``--only`` one machine, ``--processes`` leaves processors to
+others. docs/band.md has the numbers.
 """
 
 import argparse
 import csv
+import dataclasses
 import functools
 import os
 import time
@@ -18,7 +20,8 @@ from pathlib import Path
 import numpy as np
 
 from strikewave import load_case, run_case
-from strikewave.analyses.machine.band import FULL_TOLERANCE
+from strikewave.analyses.machine.band import FULL_TOLERANCE, MOST_BLOWS, TOLERANCE
+from strikewave.analyses.machine.band import RUNS as BAND_RUNS
 from strikewave.analyses.machine.build import build_machine
 from strikewave.analyses.machine.figures_of import figures_of, sensor_figures
 from strikewave.analyses.machine.observe import observe
@@ -26,7 +29,9 @@ from strikewave.analyses.machine.run import with_bands
 from strikewave.base.errors import StrikewaveError
 from strikewave.base.quantities import Value
 from strikewave.machines import blows, run_machine
+from strikewave.machines.fast_train import fast_train
 from strikewave.studies.workers import Workers
+from strikewave.uncertainty.bands import Sample, find_band, latin_hypercube
 from strikewave.uncertainty.draws import FELT, drawn, drawn_case
 from strikewave.uncertainty.known import known_inputs
 
@@ -44,6 +49,15 @@ SEED = 20190321
 """Of the draws: any but that of the bands."""
 RUNS = 2000
 """The standard deviation of a share of 95 % is then 0.5 points."""
+RESULTS = (
+    "first.rigid_peak",
+    "first.width",
+    "first.velocity_change",
+    "typical.rigid_peak",
+    "typical.width",
+    "typical.velocity_change",
+    "interval",
+)
 COLUMNS = ("machine", "result", "low", "high", "runs", "within", "band_time", "run_time")
 
 
@@ -63,6 +77,42 @@ def full_run(item):
     except (StrikewaveError, ValueError, ArithmeticError):
         figures = {}
     return figures, time.process_time() - begin
+
+
+def fast_run(item):
+    """Return the results of a run by the fast engine at one row of quantiles; none where it could not be followed."""
+    source, changes, point = item
+    case, inputs = read(source, changes)
+    try:
+        machine = build_machine(drawn_case(case, inputs, drawn(inputs, point[None])[0].tolist()))
+        bodies = dataclasses.replace(machine, layered=None)
+        return figures_of(fast_train(bodies, min(bodies.drive.feed.blows, MOST_BLOWS), tolerance=TOLERANCE).blows)
+    except (StrikewaveError, ValueError, ArithmeticError):
+        return {}
+
+
+def over_seeds(name, runs, seeds, workers):
+    """Print the share of random draws within bands of other seeds, each of as many runs as a band has."""
+    source, changes = MACHINES[name]
+    inputs = read(source, changes)[1]
+    count = sum(one.count for one in inputs)
+
+    def results(points):
+        found = list(workers.in_order(fast_run, [(source, changes, point) for point in points]))
+        return lambda result: np.array([figures.get(result, np.nan) for figures in found])
+
+    others = results(np.random.default_rng(SEED).random((runs, count)))
+    samples = [Sample(inputs, latin_hypercube(count, BAND_RUNS, seed), seed) for seed in range(seeds)]
+    found = [results(sample.points) for sample in samples]
+    for result in RESULTS:
+        values = others(result)
+        values = values[np.isfinite(values)]
+        bands = [one.band for sample, at in zip(samples, found, strict=True) if (one := find_band(sample, at(result)))]
+        within = 100 * np.array([np.mean((values >= band.low) & (values <= band.high)) for band in bands])
+        print(f"{name}: {result}: {within.mean():.1f} % on the mean of {len(bands)} seeds, ", end="")
+        print(
+            f"standard deviation {within.std():.1f} points, {np.mean(abs(within - 95) <= 3):.0%} within 3", flush=True
+        )
 
 
 @functools.cache
@@ -102,11 +152,16 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--runs", type=int, default=RUNS)
     parser.add_argument("--only", choices=MACHINES)
+    parser.add_argument("--seeds", type=int, default=0)
     parser.add_argument("--processes", type=int, default=os.cpu_count() or 1)
     words = parser.parse_args()
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # for the processes: matrices are small
     with Workers(words.processes) as workers:
         names = [words.only] if words.only else MACHINES
+        if words.seeds:
+            for name in (name for name in names if name.startswith(("li-ma-2019", "six"))):
+                over_seeds(name, words.runs, words.seeds, workers)
+            return
         rows = [row for name in names for row in judged(name, words.runs, workers)]
     place = Path("out/validate")
     place.mkdir(parents=True, exist_ok=True)

@@ -14,7 +14,7 @@ from strikewave.reporting.chapters import Summary, result_page
 
 STATED = {
     "item": "board <b>7</b> & co", "serial_number": "0042", "operator": "A. Person", "laboratory": "hall 3",
-    "order": "2026-117", "date": "2026-03-02", "notes": "first line\nsecond line",
+    "order": "2026-117", "date": "2026-03-02", "direction": "+x", "notes": "first line\nsecond line",
 }  # fmt: skip
 
 

@@ -47,6 +47,7 @@ CHEAP = {
     "laws": (),
     "record": ("pulse.csv",),
     "srs": ("pulse.csv", "--per-octave", "1"),
+    "spec": ("show", "jesd22-b110:B"),
     "hopkinson": ("shot.toml",),
     "identify": ("pulse.csv", "--m1", "0.2", "--m2", "0.4"),
     "compare": ("pulse.csv", "pulse.csv", "--limit", "iso18571 > 0.8"),

@@ -20,6 +20,7 @@ PAGES = (
     "scatter",
     "sensors",
     "settings",
+    "specifications",
     "waves",
 )
 """Pages of the commands that write folders."""
@@ -55,6 +56,7 @@ def test_a_command_writes_only_what_the_docs_list_for_it(strikewave):
         "srs": ["shot.csv", "--unit", "g", "--rolling", "0.1 ms", "--response", "2 kHz", "--xlsx"],
         "compare": ["shot.csv", "shot.csv", "--unit", "g", "--xlsx"],
         "laws": ["--xlsx"],
+        "spec": ["show", "jesd22-b110:B"],
         "impact": [*impact, "--xlsx"],
         "map": ["li-ma-2019", "--points", "3x3", "--x", "machine.speed", "--y", "object.spring", "--xlsx"],
         "scatter": ["li-ma-2019-equal-blows", "--runs", 16, "--xlsx"],

@@ -399,7 +399,7 @@ def test_hum_is_named_with_its_effect(frequency):
     values += 0.02 * PEAK * np.sin(2.0 * np.pi * frequency * np.arange(6000) * 2e-5 + 1.0)
     finding = found(values, "hum", step=2e-5)
     assert finding.value == pytest.approx(0.02 * PEAK, rel=0.1)
-    assert f"{frequency:g} Hz" in finding.message
+    assert f"{frequency:g}\xa0Hz" in finding.message
     assert {"peak", "velocity_change"} <= set(dict(finding.effects))
 
 
@@ -522,3 +522,28 @@ def test_a_soft_limit_is_seen_from_what_it_takes_off_a_pulse(power, taken):
     noise = np.random.default_rng(1).normal(size=SIZE)
     assert found(bent + noise, "flat-top").harms == BLOW
     assert "flat-top" not in dict(codes(clean + noise))
+
+
+@pytest.mark.parametrize("periods", [1.4, 1.9, 8.0])
+def test_hum_is_named_where_few_periods_are_recorded(periods):
+    """A blow of 100 samples in quiet of so many periods of 60 Hz, the phase so that it begins on a slope."""
+    step = periods / 60.0 / SIZE
+    swing = 0.05 * PEAK * np.sin(2.0 * np.pi * 60.0 * step * np.arange(SIZE) + 1.0)
+    assert found(blow() + swing, "hum", step=step).value == pytest.approx(0.05 * PEAK, rel=0.1)
+
+
+def test_less_than_a_period_of_hum_is_a_drift():
+    values = blow() + 0.05 * PEAK * np.sin(np.linspace(0.0, 2.0, SIZE))
+    assert "hum" not in dict(codes(values, step=2.0 / (2.0 * np.pi * 50.0) / SIZE))
+
+
+def test_blips_in_step_with_the_mains_are_suspect_and_blows_of_a_machine_are_not(rng):
+    def record(jitter):
+        time = np.arange(20_000) * 5e-6
+        begins = 4e-3 + 1.0 / 60.0 * (np.arange(6) + jitter * rng.normal(size=6))
+        return sum(np.exp(-0.5 * ((time - t) / 0.2e-3) ** 2) for t in begins) + 1e-3 * rng.normal(size=time.size)
+
+    finding = found(record(0.0), "mains", step=5e-6)
+    assert (finding.severity, finding.harms) == ("suspect", (*BLOW, "interval"))
+    assert finding.value == pytest.approx(1.0 / 60.0)
+    assert "mains" not in dict(codes(record(0.03), step=5e-6))

@@ -9,6 +9,9 @@ import planted_boards
 import pytest
 from planted import boards
 
+from strikewave.records.reading import FileReading
+from strikewave.records.siblings import compare
+
 FIRST = 50_000
 ALARMS = 0.02
 """Of clean channels."""
@@ -50,7 +53,7 @@ TOLD = (
 """Classes of faults without a silent miss; the table in docs/benchmarks.md has the others."""
 
 
-@pytest.mark.parametrize("kind", ["board-clipped", "board-coarse", "board-dead", "board-spike", "board-drift"])
+@pytest.mark.parametrize("kind", ["board-clipped", "board-saturated", "board-dead", "board-drift", "board-shift"])
 def test_what_a_fault_does_to_a_response_is_told(kind):
     found = planted_boards.judged_class(kind, 4, FIRST)
     assert not silent(found)
@@ -77,3 +80,35 @@ def test_planted_oscillators_have_the_residual_response_of_the_closed_form(ratio
     swing = abs(2.0 * ratio * np.cos(0.5 * np.pi * ratio) / (1.0 - ratio**2))
     # straight lines between samples of a half-sine of 1000: 1e-6; the largest sample of a swing of 700 and more: 1e-5
     assert np.max(np.abs(after)) == pytest.approx(swing, rel=1e-4)
+
+
+def campaign_of(kind, seed, count, gains):
+    """The files of one board, struck again with noise of its own each time, each at a gain of its own."""
+    board = boards.draw(kind, seed)
+    base, plain = board.base.copy(), board.draft.values.copy()
+    files = []
+    for k in range(count):
+        rng = np.random.default_rng([seed, k])
+        size = 1.0 + 0.03 * rng.normal()
+        board.base = size * base + 1e-3 * np.max(np.abs(base)) * rng.normal(size=base.size)
+        board.draft.values = gains.get(k, 1.0) * size * plain + 1e-3 * np.max(np.abs(plain)) * rng.normal(
+            size=base.size
+        )
+        files.append(FileReading(f"{k}.csv", "text", tuple(planted_boards.read(board))))
+    return compare(files)
+
+
+def test_a_response_at_half_the_gain_of_its_siblings_is_named():
+    files = campaign_of("clean-board", FIRST, 7, {3: 0.5})
+    found = [[f.code for f in file.channels[1].findings if f.severity != "good"] for file in files]
+    assert found[3] == ["gain-differs"]
+    assert not [codes for k, codes in enumerate(found) if k != 3 and codes]
+    assert files[3].channels[1].figures("peak") == []
+    assert files[3].channels[1].figures("frequency") != []
+
+
+def test_responses_that_agree_have_no_outlier():
+    """Ten campaigns of eight at a false alarm of 1 % each: two would have a chance of 0.4 %."""
+    found = [campaign_of("clean-board", FIRST + k, 8, {}) for k in range(10)]
+    odd = [f.code for files in found for file in files for f in file.channels[1].findings if f.code == "outlier"]
+    assert len(odd) < 2

@@ -176,6 +176,23 @@ def test_without_a_base_a_swinging_channel_is_told_and_not_good():
     assert board.figures("peak") == []
 
 
+def test_a_channel_that_swings_through_most_of_its_record_is_told_too_and_not_as_one_without_a_blow():
+    after = np.maximum(TIME - 6e-3, 0.0)
+    long = 550.0 * np.exp(-0.03 * 2 * np.pi * 800.0 * after) * np.sin(2 * np.pi * 800.0 * after)
+    half_sine = np.where(abs(TIME - 6.5e-3) < 0.5e-3, 1000.0 * np.cos(np.pi * (TIME - 6.5e-3) / 1e-3), 0.0)
+    noise = np.random.default_rng(5).normal(size=(3, TIME.size))
+    end = round(20e-3 / STEP)
+    channels = [
+        Channel(name, (values + noise[k])[:end], STEP, unit="g")
+        for k, (name, values) in enumerate((("frame", half_sine), ("board", long), ("quiet", 0.0 * long)))
+    ]
+    frame, board, quiet = read_file(Record("a.csv", "text", tuple(channels)), {}, Request()).channels
+    assert "response" in [finding.code for finding in board.findings]
+    assert board.status == "suspect"
+    assert frame.status == "good"
+    assert "response" not in [finding.code for finding in quiet.findings]  # noise swings about zero too
+
+
 def test_a_base_that_the_file_lacks_is_refused():
     with pytest.raises(InputError, match="--base"):
         file_of(Request(base="wall"))

@@ -9,7 +9,17 @@ from hypothesis import strategies as st
 
 from strikewave.base.errors import InputError
 from strikewave.base.units import parse_quantity
-from strikewave.reporting.numbers import OFFERED, ShownUnits, axis_unit, fixed, headed, showing, spelled, with_unit
+from strikewave.reporting.numbers import (
+    OFFERED,
+    ShownUnits,
+    axis_unit,
+    fixed,
+    headed,
+    in_shown_units,
+    showing,
+    spelled,
+    with_unit,
+)
 
 PAIRS = [(si, usual, unit) for si, offered in OFFERED.items() for usual in offered for unit in offered]
 
@@ -77,3 +87,30 @@ def test_unit_that_is_unknown_or_twice_is_refused_with_what_is_allowed(words, na
         ShownUnits.read(words)
     assert str(caught.value).startswith("--show: ")
     assert "\n" not in str(caught.value)
+
+
+@given(st.sampled_from(PAIRS), st.floats(1e-9, 1e9))
+def test_quantity_of_a_message_is_the_same_in_a_chosen_unit_and_the_rest_of_it_stays(pair, value):
+    si, usual, unit = pair
+    number = f"{value:.4g}"
+    with showing(ShownUnits.read(unit)):
+        shown = in_shown_units(f"blow 3 has {number}\xa0{usual}, above 3 {usual} ({unit})")
+    before, _, rest = shown.partition(" has ")
+    assert (before, rest.partition(", ")[2]) == ("blow 3", f"above 3 {usual} ({unit})")
+    said, _, name = rest.partition(", ")[0].partition(" ")
+    assert name in (spelled(unit), unit)
+    # half a unit of the fourth digit, 5e-4 of a number that begins with 1
+    assert parse_quantity(f"{said} {unit}", si, "") == pytest.approx(
+        parse_quantity(f"{number} {usual}", si, ""), rel=5.01e-4
+    )
+
+
+def test_warnings_follow_the_units_shown_on_screen_and_page_but_not_in_json(strikewave, tmp_path):
+    run = ["run", "li-ma-2019", "--no-band", "--set", "feed.blows=1", "--out", "o", "--force", "--show", "N"]
+    code, _, err = strikewave(*run, "-v")
+    assert code == 0
+    assert re.search(r"passes first yield \(\d+ N\)", err)
+    page = (tmp_path / "o" / "report.html").read_text("utf-8")
+    assert re.search(r"passes first yield \(\d+ N\)", page)
+    _, out, _ = strikewave(*run, "--json")
+    assert re.search(r"passes first yield \([\d.]+ kN\)", out)

@@ -14,6 +14,10 @@ def bell(time, width):
     return np.exp(-((time / width) ** 2))
 
 
+def history_of(time, width, step):
+    return EvenHistory(bell(time, width), step, 0.0)
+
+
 @settings(max_examples=15, deadline=None, derandomize=True)
 @given(
     st.floats(0.3e-6, 2e-6),
@@ -29,6 +33,13 @@ def test_band_limited_pulses_are_aligned_within_a_hundredth_of_a_sample(first, s
     b = EvenHistory(bell((np.arange(700) - 350) * second, width), second, 1.0 - 350 * second)
     for rule in RULES if sign > 0 else RULES[1:]:
         assert rule(a, b).shift + 1.0 == pytest.approx(shift, abs=0.01 * min(first, second)), rule.__name__
+
+
+def test_a_long_coarse_record_is_aligned_with_a_short_fine_one_without_being_made_as_fine():
+    """Steps of 5 us and 5 ns: 2 s of record at the finer one would be 4e8 samples."""
+    coarse = history_of(np.arange(400_000) * 5e-6 - 1.0123456789, 5e-5, 5e-6)
+    fine = history_of(np.arange(100_000) * 5e-9 - 2.5e-4, 5e-5, 5e-9)
+    assert by_correlation(coarse, fine).shift == pytest.approx(1.0123456789 - 2.5e-4, abs=5e-9)
 
 
 def test_a_history_is_aligned_with_itself_by_nothing():

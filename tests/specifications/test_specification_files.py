@@ -15,6 +15,8 @@ from strikewave.specifications.reading import (
 )
 from strikewave.specifications.tables import numbers_of
 
+from .specification_table import PAGE, page_with_tables
+
 HEAD = 'schema = 1\ntitle = "t"\nedition = "e"\nstatus = "normative"\nsource = "s"\n'
 PULSE = '[pulse]\nshape = "half-sine"\npeak = "50 g"\nduration = "11 ms"\n'
 SRS = '[srs]\npoints = [["10 Hz", "1 g"], ["100 Hz", "10 g"]]\n[[srs.tolerance]]\nfrom = "10 Hz"\nto = "100 Hz"\nlow = "-6 dB"\nhigh = "6 dB"\n'
@@ -143,3 +145,9 @@ def test_the_ideal_pulse_of_a_built_in_specification_passes_it(name):
         found = judge_shock(Shock(values, step, 0.0, int(values.argmax())), limits)
         assert found.verdict == "pass", found
         assert math.isfinite(found.start)
+
+
+def test_the_page_of_the_docs_has_every_number_of_the_built_in_files():
+    """`python tests/specifications/specification_table.py` writes it anew."""
+    text = PAGE.read_text("utf-8")
+    assert text == page_with_tables(text)

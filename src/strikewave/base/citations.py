@@ -167,6 +167,13 @@ SOURCES: dict[str, str] = {
         "P. K. Sen, Estimates of the regression coefficient based on Kendall's tau, Journal of the American "
         "Statistical Association 63 (1968) 1379-1389"
     ),
+    "jcgm-106": (
+        "JCGM 106:2012, Evaluation of measurement data - The role of measurement uncertainty in conformity assessment"
+    ),
+    "iso-14253-1": (
+        "ISO 14253-1:2017, Inspection by measurement of workpieces and measuring equipment - Part 1: Decision rules "
+        "for verifying conformity or nonconformity with specifications"
+    ),
     "vangel-1996": (
         "M. G. Vangel, Confidence intervals for a normal coefficient of variation, The American Statistician "
         "50 (1996) 21-26"

@@ -63,6 +63,8 @@ RESULT_FILES = (
     "equal-blows.toml",
     "settings.json",
     "settings.svg",
+    "spec.json",
+    "specification.toml",
     "laws.json",
     "asked-given.svg",
     "asked-given.png",

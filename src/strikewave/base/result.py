@@ -33,14 +33,15 @@ BALANCE_LIMIT = 1e-6
 
 @dataclass(frozen=True)
 class Notice:
-    """Something the user should know.
+    r"""Something the user should know.
 
     Attributes
     ----------
     code : str
         Short name, such as ``contact-yield``.
     message : str
-        What, where and how much, and what to do.
+        What, where and how much, and what to do. A number is joined to its unit by a no-break space where readers may
+        choose the unit (``5.2\xa0kN``).
     value : float
         The number that raised it, SI; NaN where there is none.
     limit : float
@@ -372,7 +373,8 @@ class Result(ABC):
 
     def document_text(self, indent: int | None = None) -> str:
         """Return the JSON document as the text of a file."""
-        return json.dumps(self.document(), indent=indent, allow_nan=False, ensure_ascii=False) + "\n"
+        text = json.dumps(self.document(), indent=indent, allow_nan=False, ensure_ascii=False) + "\n"
+        return text.replace("\N{NO-BREAK SPACE}", " ")
 
 
 def comparison_document(comparison: Comparison, *left_out: str) -> dict[str, Any]:

@@ -88,7 +88,7 @@ def low_pressure_notices(striker: AnyStriker, contact: ContactTable, face: str) 
     first, cap = first_yield_of(striker, contact, face), contact.yield_pressure
     if first is not None and isinstance(cap, Value) and cap.si < first.pressure:
         message = (
-            f"contact.yield_pressure, {cap.typed}, is below the {first.pressure / 1e6:.4g} MPa at which the "
+            f"contact.yield_pressure, {cap.typed}, is below the {first.pressure / 1e6:.4g}\xa0MPa at which the "
             "weaker material first yields inside: the contact is taken as softer than it is"
         )
         yield Notice("yield-pressure-low", message, cap.si, first.pressure)
@@ -145,11 +145,11 @@ def cushion_notices(case: Case, pressed: Sequence[PressedBlow]) -> Iterator[Noti
     most = max(pressed, key=lambda blow: blow.indentation)
     strain = most.indentation / thickness
     message = (
-        f"the cushion ({cushion.law}) is pressed to {strain:.1%} of its {thickness * 1e3:.3g} mm, with up to "
-        f"{most.peak_force / area / 1e6:.3g} MPa; it gives back {most.restitution**2:.1%} of the work of that blow"
+        f"the cushion ({cushion.law}) is pressed to {strain:.1%} of its {thickness * 1e3:.3g}\xa0mm, with up to "
+        f"{most.peak_force / area / 1e6:.3g}\xa0MPa; it gives back {most.restitution**2:.1%} of the work of that blow"
     )
     if law.cap is not None:
-        message += f", and {pressed[-1].residual_indentation * 1e3:.3g} mm stay after the last one"
+        message += f", and {pressed[-1].residual_indentation * 1e3:.3g}\xa0mm stay after the last one"
     yield Notice("cushion", message, strain, LARGEST_STRAIN, severity=INFO)
     if strain >= LARGEST_STRAIN:
         message = f"the cushion would be pressed to {strain:.0%} of its thickness, which no pad bears: it is too thin"
@@ -165,4 +165,4 @@ def cushion_notices(case: Case, pressed: Sequence[PressedBlow]) -> Iterator[Noti
 
 def force_words(newtons: float) -> str:
     """Return a force in words, N or kN."""
-    return f"{newtons:.3g} N" if newtons < KILO else f"{newtons / KILO:.3g} kN"
+    return f"{newtons:.3g}\xa0N" if newtons < KILO else f"{newtons / KILO:.3g}\xa0kN"

@@ -98,7 +98,8 @@ def speed_notices(names: Iterable[str], speed: float) -> Iterator[Notice]:
     limit, name = min((math.sqrt(2.0 * strength / row.density), row.name) for row, strength in known)
     if speed > limit:
         message = (
-            f"the approach at {speed:.4g} m/s is beyond {limit:.3g} m/s, where the inertia of yielding {name} exceeds "
+            f"the approach at {speed:.4g}\xa0m/s is beyond {limit:.3g}\xa0m/s, where the inertia of yielding {name} "
+            "exceeds "
             "its strength (rho v^2/2 > Y): contact laws are those of slow pressing; do not trust force or pulse"
         )
         yield Notice("approach-fast", message, speed, limit)
@@ -123,8 +124,8 @@ def duration_notices(bodies: Iterable[tuple[str, float]], duration: float) -> It
     if slowest is not None and duration < slowest[0]:
         back, mass, name = slowest
         message = (
-            f"the contact lasts {duration * 1e6:.3g} us, and a wave takes {back * 1e6:.3g} us through a cube of "
-            f"{mass:.3g} kg of {name} and back: the body does not move as one; follow it as layers (strikewave wave)"
+            f"the contact lasts {duration * 1e6:.3g}\xa0us, and a wave takes {back * 1e6:.3g}\xa0us through a cube of "
+            f"{mass:.3g}\xa0kg of {name} and back: the body does not move as one; follow it as layers (strikewave wave)"
         )
         yield Notice("contact-short", message, duration, back)
 
@@ -137,7 +138,8 @@ def damping_speed_notices(contact: ContactTable, approaches: Iterable[float]) ->
         return
     message = (
         f"contact.slowest_approach, {contact.slowest_approach.typed}, is above the approach speed of {len(slow)} of "
-        f"{len(every)} blows (from {min(slow):.3g} m/s): their damping is that of a blow at this speed, and they give "
+        f"{len(every)} blows (from {min(slow):.3g}\xa0m/s): their damping is that of a blow at this speed, and they "
+        "give "
         f"back more than the restitution asked for ({contact.restitution.si:g}); take a tenth of the approach speed"
     )
     yield Notice("slowest-approach", message, min(slow), contact.slowest_approach.si)
@@ -171,7 +173,7 @@ def _longer_than_face(path: str, length: Value, width: float, field: str, typed:
     if length.si > width:
         message = (
             f"the line of contact, {length.typed} ({path}), is longer than the struck face is wide, "
-            f"{width * 1e3:.4g} mm ({field} = {typed}): the contact is too stiff; give the length that touches, "
+            f"{width * 1e3:.4g}\xa0mm ({field} = {typed}): the contact is too stiff; give the length that touches, "
             "at most the width"
         )
         yield Notice("contact-longer-than-face", message, length.si, width)
@@ -188,8 +190,8 @@ def _slender_nose(case: Case, path: str, length: Value) -> Iterator[Notice]:
         longest = (SLENDER * math.sqrt(volume)) ** (2.0 / 3.0)
         message = (
             f"a struck nose of {nose.typed} (object.nose_mass) of {row.name} that is {length.typed} long ({path}) "
-            f"would be {thickness * 1e3:.3g} mm thick: it bends, and the line is not loaded evenly; give the length of "
-            f"the face (up to {longest * 1e3:.3g} mm for this mass), or the mass of the nose"
+            f"would be {thickness * 1e3:.3g}\xa0mm thick: it bends, and the line is not loaded evenly; give the length "
+            f"of the face (up to {longest * 1e3:.3g}\xa0mm for this mass), or the mass of the nose"
         )
         yield Notice("contact-longer-than-face", message, length.si, longest)
 
@@ -204,7 +206,7 @@ def _heavy_nose(case: Case, path: str, length: Value) -> Iterator[Notice]:
     if nose > striker.mass.si:
         message = (
             f"a semi-cylinder of {striker.nose_radius.typed} (striker.nose_radius) and {length.typed} ({path}) of "
-            f"{row.name} has {nose:.3g} kg, more than the striker ({striker.mass.typed}): one of the three is wrong"
+            f"{row.name} has {nose:.3g}\xa0kg, more than the striker ({striker.mass.typed}): one of the three is wrong"
         )
         yield Notice("nose-heavy", message, nose, striker.mass.si)
 
@@ -226,8 +228,8 @@ def _spot_notices(case: Case, face: _Face | None, peak: float, indentation: floa
     if face is not None and 2.0 * spot > face.width:
         whose = "the struck face" if face.own else "a cube of the nose's mass"
         message = (
-            f"the spot of contact is {2e3 * spot:.3g} mm wide at the largest force, and {whose} "
-            f"{face.width * 1e3:.3g} mm ({face.field} = {face.typed}): the law takes the face as endless; give a "
+            f"the spot of contact is {2e3 * spot:.3g}\xa0mm wide at the largest force, and {whose} "
+            f"{face.width * 1e3:.3g}\xa0mm ({face.field} = {face.typed}): the law takes the face as endless; give a "
             "smaller striker.nose_radius, or a larger face"
         )
         yield Notice("spot-wider-than-face", message, 2.0 * spot, face.width)

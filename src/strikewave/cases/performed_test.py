@@ -72,6 +72,7 @@ class PerformedTest(CaseTable):
     laboratory: Line = ""
     order: Line = ""
     date: Annotated[str, BeforeValidator(_date)] = ""
+    direction: Line = ""
     notes: Annotated[str, BeforeValidator(notes_text)] = ""
 
     def stated(self) -> dict[str, str]:

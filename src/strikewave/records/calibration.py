@@ -206,17 +206,21 @@ def _is_number(text: str) -> bool:
 
 
 def ambiguous(unit: str) -> str:
-    """Return what to write instead of a unit that is a mass, and that some write for a multiple of gravity.
+    """Return what to write instead of a unit that some write for a multiple of gravity, such as one of mass.
 
     Examples
     --------
     >>> ambiguous("kg"), ambiguous("g")
-    ('kg is a mass: for thousands of g, if these are meant, --unit "1000 g"', '')
+    ('kg is a mass; for thousands of g: --unit "1000 g"', '')
+    >>> ambiguous("kilo-g")
+    'thousands of g are --unit "1000 g"'
     """
     plain = unit.strip().strip("[]()").strip()
+    if re.fullmatch(r"k(ilo)?[- ]?(g|gee|gn)'?s?", plain.lower()) and plain.lower() != "kg":
+        return 'thousands of g are --unit "1000 g"'
     meant = _AMBIGUOUS.get(plain, _AMBIGUOUS.get(plain.lower(), ""))
     of = {"1000 g": "thousands", "0.001 g": "thousandths"}.get(meant, "millionths")
-    return f'{plain} is a mass: for {of} of g, if these are meant, --unit "{meant}"' if meant else ""
+    return f'{plain} is a mass; for {of} of g: --unit "{meant}"' if meant else ""
 
 
 def calibrated(
@@ -239,12 +243,12 @@ def calibrated(
     scale = calibration.scale(channel.unit, field)
     findings = []
     if not scale.unit:
-        reason = f'its unit "{channel.unit}" is not known' if channel.unit else "the file names no unit"
-        stated = ambiguous(channel.unit) or "state the unit, such as --unit g"
-        message = f"{reason}: figures are in the file's own numbers; {stated}"
+        reason = f"{channel.unit} is no unit known here" if channel.unit else "the file names no unit"
+        stated = ambiguous(channel.unit) or f"{reason}; state it, such as --unit g"
+        message = f"{stated}; figures are in the file's own numbers"
         findings.append(HealthNotice("unit-unknown", message, severity="good"))
     elif scale.unit == "V":
-        message = 'the file holds volts: figures are in V; state the sensitivity, such as --sensitivity "1.2 mV/g"'
+        message = 'volts; state the sensor, such as --sensitivity "1.2 mV/g"; figures are in V'
         findings.append(HealthNotice("not-calibrated", message, severity="good"))
     with np.errstate(over="ignore"):
         values = channel.values if scale.factor == 1.0 else channel.values * scale.factor
@@ -262,7 +266,7 @@ def _volts(unit: str, field: str) -> float:
     """Return the volts that one of the file's numbers stands for; volts where the file has no unit."""
     known = known_unit(unit) if unit else ("V", 1.0)
     if known is None or known[0] != "V":
-        hint = "a sensitivity is for a file in volts; for counts give count"
+        hint = "a sensitivity is for a file in volts: leave out one of both; for counts give count"
         raise InputError(f"{field}.unit", unit, "V or mV", hint)
     return known[1]
 

@@ -135,6 +135,11 @@ class Campaign:
     points: dict[str, tuple[tuple[int, float], ...]]
     outliers: tuple[Outlier, ...] = ()
 
+    @property
+    def sums_up(self) -> bool:
+        """Whether it says more than the one blow that it is of."""
+        return any(statistic.n > 1 for statistic in self.statistics.values()) or bool(self.left_out)
+
 
 def statistic(values: ArrayLike, files: ArrayLike | None = None) -> Statistic:
     """Return mean, scatter and their bounds at 95 %.

@@ -88,7 +88,9 @@ def _resampled(channel: Channel, stamps: Array) -> tuple[Channel, list[HealthNot
     same = int(np.count_nonzero(steps == 0.0))
     if back:
         where = float(stamps[int(np.argmax(steps < 0.0))])
-        message = f"time runs backwards {_times(back)}, first after {where:g} s: are these several records in one file?"
+        message = (
+            f"time runs backwards {_times(back)}, first after {where:g}\xa0s: are these several records in one file?"
+        )
         findings.append(HealthNotice("time-backwards", message, back, severity="bad", harms=FIGURES, start=where))
     if back or same:
         order = np.argsort(stamps, kind="stable")
@@ -173,7 +175,7 @@ def _gaps(stamps: Array, steps: Array, clock: tuple[float, float], bridged: bool
     longest = int(wide[np.argmax(steps[wide])])
     message = (
         f"{wide.size} gap{'s' if wide.size > 1 else ''} in time, {share:.2%} of the record, the longest "
-        f"{steps[longest]:.3g} s after {stamps[longest]:g} s; "
+        f"{steps[longest]:.3g}\xa0s after {stamps[longest]:g}\xa0s; "
         + ("bridged by straight lines" if bridged else "too long to be bridged")
     )
     severity, harms = ("bad", FIGURES) if share > MOST_LOST else ("suspect", ("spectrum",))
@@ -205,7 +207,7 @@ def _filled(channel: Channel) -> tuple[Channel, list[HealthNotice]]:
     filled[missing] = np.interp(places[missing], places[~missing], values[~missing])
     share = count / values.size
     message = (
-        f"{count} samples ({share:.2%}) are no finite numbers, the first at {first:g} s; bridged by straight lines"
+        f"{count} samples ({share:.2%}) are no finite numbers, the first at {first:g}\xa0s; bridged by straight lines"
     )
     severity, harms = ("bad", FIGURES) if share > MOST_LOST else ("suspect", ("spectrum",))
     finding = HealthNotice("not-a-number", message, count, severity=severity, harms=harms, start=first)

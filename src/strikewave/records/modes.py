@@ -43,6 +43,8 @@ STEPS, HALVINGS, ENOUGH = 40, 8, 1e-9
 """Steps of least squares, halvings of one that makes it worse, and the share of the squares that ends it."""
 CERTAIN = 4.0
 """Standard uncertainties that the amplitude of a mode must have: noise alone gives one in 3000."""
+LOSES = 0.1
+"""Share of itself that a swing loses over the stretch, or it does not decay: hum, or what drives the structure on."""
 MOST_UNCERTAIN = 0.1
 """Standard uncertainty of a frequency, over itself, beyond which it is none."""
 MEMORY = 20
@@ -161,28 +163,12 @@ def _pencil(values: Array, step: float, late: float) -> list[tuple[complex, floa
 def _fitted(values: Array, step: float, roots: NDArray[np.complex128]) -> tuple[list[Mode], NDArray[np.bool_]] | None:
     """Fit modes that begin at these roots, with a constant; return them and which are certain, None where none fit."""
     time = np.asarray(step * np.arange(values.size), dtype=np.float64)
-    rates = np.concatenate([-roots.real, roots.imag])
-    columns, linear, rest = _beside(values, time, rates)
-    for _ in range(STEPS):
-        slopes = _slopes(columns, linear, time)
-        change = np.linalg.lstsq(np.hstack([slopes, columns]), rest, rcond=None)[0][: rates.size]
-        squares = float(rest @ rest)
-        for halving in range(HALVINGS):
-            tried = rates + 0.5**halving * change
-            if np.all(tried > 0.0):
-                seen = _beside(values, time, tried)
-                if float(seen[2] @ seen[2]) <= squares:
-                    break
-        else:
-            break
-        rates, (columns, linear, rest) = tried, seen
-        if squares - float(rest @ rest) <= ENOUGH * squares:
-            break
+    rates, columns, linear, rest = _refined(values, time, np.concatenate([-roots.real, roots.imag]))
     count = roots.size
     decays, omegas = rates[:count], rates[count:]
     if np.any(decays >= omegas) or np.any(omegas >= np.pi / step):
         return None
-    covariance = _covariance(np.hstack([_slopes(columns, linear, time), columns]), rest)
+    covariance = covariance_of(np.hstack([_slopes(columns, linear, time), columns]), rest)
     if covariance is None:
         return None
     modes, certain = [], []
@@ -198,8 +184,32 @@ def _fitted(values: Array, step: float, roots: NDArray[np.complex128]) -> tuple[
         damping_uncertainty = math.sqrt(max(float(toward @ pair @ toward), 0.0))
         numbers = (omega / (2.0 * math.pi), decay / size, amplitude, uncertain, damping_uncertainty)
         modes.append(Mode(*map(float, numbers)))
-        certain.append(amplitude > CERTAIN * doubt and 2.0 * math.pi * uncertain < MOST_UNCERTAIN * omega)
+        decays_away = decay * float(time[-1]) > LOSES
+        certain.append(
+            decays_away and amplitude > CERTAIN * doubt and 2.0 * math.pi * uncertain < MOST_UNCERTAIN * omega
+        )
     return modes, np.array(certain)
+
+
+def _refined(values: Array, time: Array, rates: Array) -> tuple[Array, Array, Array, Array]:
+    """Return decays and angular frequencies of least squares, their columns, amplitudes, and what is left."""
+    columns, linear, rest = _beside(values, time, rates)
+    for _ in range(STEPS):
+        slopes = _slopes(columns, linear, time)
+        change = np.linalg.lstsq(np.hstack([slopes, columns]), rest, rcond=None)[0][: rates.size]
+        squares = float(rest @ rest)
+        for halving in range(HALVINGS):
+            tried = np.asarray(rates + 0.5**halving * change, dtype=np.float64)
+            if np.all(tried > 0.0):
+                seen = _beside(values, time, tried)
+                if float(seen[2] @ seen[2]) <= squares:
+                    break
+        else:
+            break
+        rates, (columns, linear, rest) = tried, seen
+        if squares - float(rest @ rest) <= ENOUGH * squares:
+            break
+    return rates, columns, linear, rest
 
 
 def _beside(values: Array, time: Array, rates: Array) -> tuple[Array, Array, Array]:
@@ -218,7 +228,7 @@ def _slopes(columns: Array, linear: Array, time: Array) -> Array:
     return np.hstack([-time[:, None] * (a * cosines + b * sines), time[:, None] * (b * cosines - a * sines)])
 
 
-def _covariance(columns: Array, rest: Array) -> Array | None:
+def covariance_of(columns: Array, rest: Array) -> Array | None:
     """Return the covariance of least squares in the noise that is left, of whatever colour; None where it has none.
 
     The autocovariance is tapered by a triangle (Bartlett), so that what comes out is no less than 0. What the fit has

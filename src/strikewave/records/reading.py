@@ -121,14 +121,17 @@ class ChannelReading:
     def figures(self, name: str) -> list[float]:
         """Return a figure of all blows, those that a finding harms left out.
 
-        A figure without ringing is not harmed by ringing; where a record does not ring, it is the figure itself.
+        A figure without ringing is not harmed by ringing; where a record does not ring, it is the figure itself. Of a
+        response channel they are those of `MeasuredResponse.figure`.
         """
         plain = name.removeprefix(RIGID)
         rings = [finding for finding in self.findings if finding.code == "ringing"]
         findings = self.findings if plain == name else [finding for finding in self.findings if finding not in rings]
         if any(plain in finding.harms or finding.severity == "bad" for finding in findings):
             return []
-        if name == "interval":
+        if self.responses:
+            values = [response.figure(name) for response in self.responses if name in RESPONSE_FIGURES]
+        elif name == "interval":
             values = self.intervals
         else:
             values = [
@@ -207,7 +210,7 @@ def read_channel(channel: Channel, number: int, calibration: Calibration, reques
         unfiltered = pulses
         channel = _filtered(channel, request)
         pulses = _blows(channel)
-        findings += _changed(unfiltered, pulses)
+        findings += _changed([pulse.peak for pulse in unfiltered], [pulse.peak for pulse in pulses])
         if request.high_pass is not None:
             findings += _lightened(request.high_pass, unfiltered, channel)
         if len(pulses) == len(unfiltered):  # what a filter leaves beside a blow is no ringing
@@ -300,12 +303,12 @@ def _in_blows(holes: Array, pulses: Sequence[RecordedPulse]) -> list[HealthNotic
     return []
 
 
-def _changed(before: Sequence[RecordedPulse], after: Sequence[RecordedPulse]) -> list[HealthNotice]:
-    """Find a filter that takes much off the blows, or takes some away."""
+def _changed(before: Sequence[float], after: Sequence[float]) -> list[HealthNotice]:
+    """Find a filter that takes much off the peaks of blows, or of responses, or takes some away."""
     if len(before) != len(after):
         message = f"the filter leaves {len(after)} of {len(before)} blows: take a higher cutoff"
         return [HealthNotice("filter-changes", message, len(after) - len(before), severity="suspect")]
-    left = min((new.peak / old.peak for old, new in zip(before, after, strict=True)), default=1.0)
+    left = min((abs(new / old) for old, new in zip(before, after, strict=True) if old), default=1.0)
     if left > MUCH:
         return []
     message = f"the filter leaves {left:.0%} of a peak: quote it with the filter, or take a higher cutoff"
@@ -405,13 +408,21 @@ def _responding(
         why = "the channel has too few samples" if not usable else f"the base, {base.channel.name}, has no blow"
         found.append(HealthNotice("no-response", f"{why}: no response is measured", severity="bad", harms=FIGURES))
         return ChannelReading(channel, number, (), tuple(found), calibration)
-    if request.filter is not None or request.high_pass is not None:
-        channel = _filtered(channel, request)
     same = channel.unit == base.channel.unit
     blows = [BaseBlow(pulse.begin, pulse.time, pulse.end, pulse.peak) for pulse in base.pulses]
-    responses = measure_responses(channel.values, channel.step, channel.start, blows, same)
+    if request.filter is not None or request.high_pass is not None:
+        before = measure_responses(channel.values, channel.step, channel.start, blows, same)
+        channel = _filtered(channel, request)
+        responses = measure_responses(channel.values, channel.step, channel.start, blows, same)
+        found += _changed([one.peak for one in before], [one.peak for one in responses])
+    else:
+        responses = measure_responses(channel.values, channel.step, channel.start, blows, same)
     if responses:
-        examined = ExaminedResponse(channel.values, channel.step, channel.start, channel.unit, blows, responses)
+        beside = channel.step == base.channel.step and channel.start == base.channel.start
+        driving = base.channel.values if beside else None
+        examined = ExaminedResponse(
+            channel.values, channel.step, channel.start, channel.unit, blows, responses, driving
+        )
         found += [*examine_response(examined), *_missing(holes, responses), *_of_base(base)]
     return ChannelReading(channel, number, (), tuple(found), calibration, (), responses)
 
@@ -450,26 +461,32 @@ def _told(readings: Sequence[ChannelReading]) -> list[ChannelReading]:
         base = next(
             (one for one in struck if one is not reading and one.pulses[0].begin <= begin + one.pulses[0].width), None
         )
-        if not swing or base is None:
+        if not swing or base is None or not _louder(reading, base.pulses[0].begin):
             told.append(reading)
             continue
         message = (
             f"no blow of its own: it swings about zero after the blow of {base.channel.name}; --base {base.number}"
         )
-        told.append(
-            reading.with_finding(HealthNotice("response", f"{message} measures it as a response", harms=FIGURES))
-        )
+        finding = HealthNotice("response", f"{message} measures it as a response", harms=FIGURES)
+        others = tuple(known for known in reading.findings if known.code != "no-pulse")  # which says less of the same
+        told.append(dataclasses.replace(reading, findings=others).with_finding(finding))
     return told
 
 
 def _swings(reading: ChannelReading) -> bool:
-    """Tell whether a channel swings about zero, by more than its noise."""
+    """Tell whether a channel swings about zero, as noise does too."""
     values = reading.channel.values
     if values.size < FEWEST or not np.all(np.isfinite(values)) or not np.ptp(values) > 0.0:
         return False
-    above = values - reading.baseline
-    scale = float(np.median(np.abs(above)))
-    return float(np.max(np.abs(above))) > SWINGS_OUT * scale and swings(above)
+    return swings(values - reading.baseline)
+
+
+def _louder(reading: ChannelReading, begin: float) -> bool:
+    """Tell whether a channel swings by more than its noise before a time; over all, where little lies before it."""
+    channel, above = reading.channel, np.abs(reading.channel.values - reading.baseline)
+    before = max(round((begin - channel.start) / channel.step), 0)
+    noise = float(np.median(above[:before] if before >= FEWEST else above))
+    return float(np.max(above)) > SWINGS_OUT * noise
 
 
 def repeats(file: FileReading) -> list[FileReading]:

@@ -79,6 +79,13 @@ class MeasuredResponse(NamedTuple):
     zero: float
     decay: tuple[float, float]
 
+    def figure(self, name: str) -> float:
+        """Return a figure: the peak by its magnitude, frequency and damping of the strongest mode; NaN for none."""
+        if name in ("frequency", "damping"):
+            return float(getattr(self.modes[0], name)) if self.modes else math.nan
+        value = float(getattr(self, name))
+        return abs(value) if name == "peak" else value
+
 
 def effective_span(values: Array, share: float = EFFECTIVE) -> tuple[float, float]:
     """Return the places of the first and last crossing of a share of the peak magnitude, between samples.

@@ -94,9 +94,8 @@ A_LOBE = 0.75
 NEAR = np.exp(np.linspace(-0.9, 0.9, 61))
 DECAYS = np.exp(np.linspace(-7.0, -0.3, 12))
 """Frequencies over their guess, and decays over it, of the swings that are tried before a fit: its bounds."""
-TIP = 0.1
-"""Share of the length of a pulse that is its tip: what is left of a record is looked at over twice that to either
-side."""
+TIP = 0.04
+"""Share of the length of a pulse over which its tip is averaged: a straight one loses 2 % of its peak by it."""
 OVERDAMPED = 0.7
 """Decay over frequency above which a mode does not swing: it has gone to its bound to make up for something else."""
 WIDER, LOWER = 4.0, 0.25
@@ -387,25 +386,26 @@ def _fit(values: Array, step: float, guess: SmoothPulse, frequency: float, model
     covariance = variance * np.linalg.pinv(best.jac.T @ best.jac)
     doubt = np.sqrt(np.maximum(np.einsum("ki,kl,li->i", slopes, covariance, slopes), 0.0))
     own = math.sqrt(variance / (0.5 * max(pulse.length / step, 1.0)))
-    doubt = np.array([math.hypot(doubt[0], own, _left_at_tip(rest, pulse, step)), doubt[1], doubt[2]]) * np.array(
-        [scale, 1.0, scale]
-    )
+    doubt = np.array(
+        [math.hypot(doubt[0], own, _missed_at_tip(rest, pulse._replace(peak=peak), step)), doubt[1], doubt[2]]
+    ) * np.array([scale, 1.0, scale])
     misfit = math.sqrt(float(np.mean(rest**2))) / peak
     return Fit(pulse._replace(peak=peak * scale), omega, decay, misfit, doubt, _name(model))
 
 
-def _left_at_tip(rest: Array, pulse: SmoothPulse, step: float) -> float:
-    """Return the standard uncertainty of a peak by what is left of the record around it: a tip that is no family's.
+def _missed_at_tip(rest: Array, pulse: SmoothPulse, step: float) -> float:
+    """Return the standard uncertainty of a peak by what is left of the record near it: a tip that is no family's.
 
-    It may be of the pulse or of what swings: as likely anything between.
+    What is left may be of the pulse or of what swings. The peak lies between that of the fit and that of the record
+    without the swing, anywhere as likely.
     """
-    reach = pulse.length * TIP
-    near = rest[max(round((pulse.time - 2.0 * reach) / step), 0) : round((pulse.time + 2.0 * reach) / step) + 1]
-    count = max(round(reach / step), 1)
-    if near.size < count:
+    time: Array = step * np.arange(rest.size, dtype=np.float64)
+    count = max(round(TIP * pulse.length / step), 1)
+    inside = np.abs(time - pulse.time) < 0.25 * pulse.length
+    if np.count_nonzero(inside) < count:
         return 0.0
-    means = np.convolve(near, np.full(count, 1.0 / count), "valid")
-    return float(np.max(np.abs(means))) / math.sqrt(3.0)
+    means = np.convolve((pulse.at(time) + rest)[inside], np.full(count, 1.0 / count), "valid")
+    return abs(float(np.max(means)) - pulse.peak) / math.sqrt(3.0)
 
 
 class Stretch(NamedTuple):

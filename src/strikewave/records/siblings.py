@@ -13,11 +13,14 @@ from strikewave.records.health.examined import BLOW, with_unit
 from strikewave.records.health_notice import HealthNotice
 from strikewave.records.reading import ChannelReading, FileReading
 from strikewave.records.robust import FEWEST_FOR_OUTLIERS, outliers, spread_of
+from strikewave.records.trains import mains_period
 
 SUMMED = ("peak", "rise", "width", "velocity_change", "interval", "ringing_frequency")
 """The figures of a campaign."""
 COMPARED = ("peak", "width", "velocity_change", "interval")
 """Figures in which outliers are sought: rise times of few samples and the highest of several modes jump as they are."""
+OF_SIZE = ("peak", "ratio", "rms")
+"""Figures of a response that grow with it."""
 ODD = ("gain-differs", "outlier", "polarity-differs")
 """Codes of findings whose figures are left out because the other files disagree."""
 FALSE_ALARM = 0.01
@@ -43,10 +46,6 @@ NO_BLOW = 20.0
 LOWER, OTHER_WIDTH = 3.0, 3.0
 """Times that the usual peak is an excursion of a file without a blow if it is also this much wider or narrower, or
 comes in the period of the mains."""
-MAINS = (20e-3, 10e-3, 1.0 / 60.0, 1.0 / 120.0)
-"""Periods of the mains and of their rectified form, s."""
-MAINS_SHARE = 0.01
-"""Share by which the median interval of blips of the mains differs from such a period."""
 SHORTER, MOST = 0.9, 0.6
 """A record that lasts less than this share of the usual one is shorter than its siblings, where most last as long.
 
@@ -123,8 +122,7 @@ def _without_blow(readings: list[tuple[int, ChannelReading]]) -> Iterator[tuple[
 
 def _of_mains(reading: ChannelReading) -> bool:
     """Tell whether blows come in the period of the mains."""
-    gaps = np.diff([pulse.time for pulse in reading.pulses])
-    return gaps.size > 1 and any(abs(float(np.median(gaps)) / period - 1.0) < MAINS_SHARE for period in MAINS)
+    return mains_period(np.array([pulse.time for pulse in reading.pulses])) > 0.0
 
 
 def _scaled(ratio: float, scatter: float) -> tuple[str, float] | None:
@@ -142,12 +140,28 @@ def _values(readings: list[tuple[int, ChannelReading]], name: str) -> tuple[list
     return [place for place, _ in stated], [value for _, value in stated]
 
 
+def _size_name(readings: list[tuple[int, ChannelReading]]) -> str:
+    """Return the figure that a gain changes: the peak, and of responses to bases in their unit the ratio to it."""
+    ratios = [response.ratio for _, reading in readings for response in reading.responses]
+    return "ratio" if ratios and all(map(math.isfinite, ratios)) else "peak"
+
+
+def _lasting(reading: ChannelReading) -> float:
+    """Return what a gain does not change: the width of the blows, or a swing of the strongest mode, s."""
+    if reading.responses:
+        times = [1.0 / frequency for frequency in reading.figures("frequency")]
+    else:
+        times = [pulse.width for pulse in reading.pulses]
+    return float(np.mean(times)) if times else math.nan
+
+
 def _other_gain(readings: list[tuple[int, ChannelReading]]) -> Iterator[tuple[int, HealthNotice]]:
-    """Yield a finding for each file whose peak is that of the others times a factor, and whose width is theirs."""
-    places, peaks = _values(readings, "peak")
+    """Yield a finding for each file whose peak is that of the others times a factor, and that lasts as long as they."""
+    name = _size_name(readings)
+    places, peaks = _values(readings, name)
     if len(places) < 3:
         return
-    usual_width = float(np.median([readings[place][1].pulses[0].width for place in places]))
+    usual_width = float(np.median([_lasting(readings[place][1]) for place in places]))
     for place, peak in zip(places, peaks, strict=True):
         file, reading = readings[place]
         others = [value for other, value in zip(places, peaks, strict=True) if other != place]
@@ -157,21 +171,25 @@ def _other_gain(readings: list[tuple[int, ChannelReading]]) -> Iterator[tuple[in
         same = _scaled(ratio, scatter) if ratio > 0.0 else None
         if same is None or scatter > AGREE or abs(ratio - 1.0) < CLEAR * scatter:
             continue
-        if abs(float(np.mean([pulse.width for pulse in reading.pulses])) / usual_width - 1.0) > SAME_WIDTH:
+        if abs(_lasting(reading) / usual_width - 1.0) > SAME_WIDTH:
             continue
         what, factor = same
-        unit = reading.channel.unit
+        unit = "" if name == "ratio" else reading.channel.unit
         times = f"{factor:.5g} times" if factor > 1.0 else f"1/{1.0 / factor:.5g} of"
+        called = "peak over that of the base" if name == "ratio" else "peak"
+        as_long = "its swings last as long as theirs" if reading.responses else "its width is theirs"
         message = (
-            f"its peak, {with_unit(peak, unit)}, is about {times} the median {with_unit(usual, unit)} of the other "
-            f"files, and its width is theirs: {what}"
+            f"its {called}, {with_unit(peak, unit)}, is about {times} the median {with_unit(usual, unit)} of the other "
+            f"files, and {as_long}: {what}"
         )
-        yield file, HealthNotice("gain-differs", message, ratio, harms=("peak", "velocity_change"))
+        harms = OF_SIZE if reading.responses else ("peak", "velocity_change")
+        yield file, HealthNotice("gain-differs", message, ratio, harms=harms)
 
 
 def _outlying(readings: list[tuple[int, ChannelReading]]) -> Iterator[tuple[int, HealthNotice]]:
     """Yield a finding for each figure of a file that is an outlier among those of the others."""
-    for name in COMPARED:
+    answers = any(reading.responses for _, reading in readings)
+    for name in (_size_name(readings), "frequency") if answers else COMPARED:
         places, values = _values(readings, name)
         if len(values) < FEWEST_FOR_OUTLIERS:
             continue
@@ -182,13 +200,15 @@ def _outlying(readings: list[tuple[int, ChannelReading]]) -> Iterator[tuple[int,
             if abs(values[k] / usual - 1.0) < LEAST_OUTLIER:
                 continue
             file, reading = readings[places[k]]
-            unit = {"peak": reading.channel.unit, "velocity_change": ""}.get(name, "s")
+            unit = {"peak": reading.channel.unit, **dict.fromkeys(("velocity_change", "ratio"), ""), "frequency": "Hz"}
             off, side = abs(values[k] - usual) / spread, "above" if values[k] > usual else "below"
+            called = "peak over that of the base" if name == "ratio" else name.replace("_", " ")
             message = (
-                f"its {name.replace('_', ' ')}, {with_unit(values[k], unit)}, is an outlier: {off:.3g} standard "
-                f"deviations {side} the median {with_unit(usual, unit)} of the other files"
+                f"its {called}, {with_unit(values[k], unit.get(name, 's'))}, is an outlier: {off:.3g} "
+                f"standard deviations {side} the median {with_unit(usual, unit.get(name, 's'))} of the other files"
             )
-            yield file, HealthNotice("outlier", message, values[k] / usual, harms=(name,))
+            harms = OF_SIZE if answers and name != "frequency" else (name,)
+            yield file, HealthNotice("outlier", message, values[k] / usual, harms=harms)
 
 
 def _unlike_others(readings: list[tuple[int, ChannelReading]]) -> Iterator[tuple[int, HealthNotice]]:
@@ -217,7 +237,7 @@ def _unlike_others(readings: list[tuple[int, ChannelReading]]) -> Iterator[tuple
                 HealthNotice("polarity-differs", message, sign, severity="suspect", harms=("peak", "velocity_change")),
             )
         if len(readings) > 2 and fixed and duration < SHORTER * usual:
-            message = f"it lasts {duration:.4g} s, the other files {usual:.4g} s: it may have been cut off"
+            message = f"it lasts {duration:.4g}\xa0s, the other files {usual:.4g}\xa0s: it may have been cut off"
             yield file, HealthNotice("truncated", message, duration, severity="suspect")
         if channel.unit != usual_unit:
             message = f"it is in {channel.unit or 'unknown units'}, the other files in {usual_unit or 'unknown units'}"
@@ -227,5 +247,5 @@ def _unlike_others(readings: list[tuple[int, ChannelReading]]) -> Iterator[tuple
             yield file, HealthNotice("name-differs", message, severity="suspect", harms=SUMMED)
         if abs(channel.step / usual_step - 1.0) > SAME_RATE:
             rate, usual_rate = 1.0 / channel.step, 1.0 / usual_step
-            message = f"sampled at {rate:.6g} Hz, the other files at {usual_rate:.6g} Hz"
+            message = f"sampled at {rate:.6g}\xa0Hz, the other files at {usual_rate:.6g}\xa0Hz"
             yield file, HealthNotice("rate-differs", message, rate, severity="good")

@@ -38,8 +38,9 @@ WINDOW = 5.0
 """Time constants over which a decay is looked at: it has died out by then."""
 LEAST_DECAY = 0.5
 """Time constants that a tail must last for its decay to be distinct from a shift."""
-SURE = 6.0
-"""Standard errors that a rate of decay must have."""
+SURE, SEEN_WHOLE, SURE_WHOLE = 6.0, 3.0, 2.5
+"""Standard errors that a rate of decay must have; time constants over which a decay is seen whole, to 5 % of it, and
+the errors that are enough then, because its amplitude must agree as well."""
 EXPLAINED = 0.8
 """Share of the squares of a tail that AC coupling must explain."""
 TIED = (0.7, 1.4)
@@ -209,7 +210,8 @@ def _coupled(tail: Tail) -> TailModel | None:
     total = float(np.sum(level**2))
     error = math.sqrt(squares / max(n - 1, 1) / float(np.sum(velocity**2)) * alike_as_one(rest))
     share = 1.0 - squares / total if total > 0.0 else 0.0
-    if share < EXPLAINED or rate < SURE * error or time[-1] * rate < LEAST_DECAY:
+    whole, sure = time[-1] * rate > SEEN_WHOLE, rate > SURE * error
+    if share < EXPLAINED or time[-1] * rate < LEAST_DECAY or not (sure or (whole and rate > SURE_WHOLE * error)):
         return None
     for other in (np.ones(n), time):
         left = float(np.sum((level - _on(level, other)) ** 2))
@@ -218,7 +220,7 @@ def _coupled(tail: Tail) -> TailModel | None:
     free, constant = _decay(time, level)
     demanded = -float(velocity[0]) / constant
     amplitude = float(free[0]) / demanded if demanded else math.nan
-    if not TIED[0] < amplitude < TIED[1]:
+    if not (TIED[0] < amplitude < TIED[1] or (whole and sure)):
         return None
     return TailModel("ac-coupling", -rate * float(velocity[0]), math.nan, 1.0 / rate, error / rate**2, share)
 

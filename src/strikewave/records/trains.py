@@ -54,6 +54,41 @@ BIN = 0.05
 """Share by which periods that are tried differ: well within `JITTER`."""
 
 
+MAINS = (20e-3, 10e-3, 1.0 / 60.0, 1.0 / 120.0)
+"""Periods of the mains and of their rectified form, s."""
+MAINS_SHARE = 0.01
+"""Share by which the median gap of blips of the mains differs from such a period."""
+LOCKED = 0.005
+"""The same of the mean gap, and of most gaps around it, where nothing else shows that they are blips: grids keep their
+frequency to 0.4 %, what is struck does not keep to it."""
+
+
+def mains_period(times: Array, locked: bool = False) -> float:
+    """Return the period of the mains in which contacts come, s; NaN where they do not, or fewer than three do.
+
+    Parameters
+    ----------
+    times : ndarray
+        Of the contacts, s.
+    locked : bool, optional
+        They come in it more regularly than a machine strikes.
+
+    Examples
+    --------
+    >>> mains_period(np.array([3e-3, 23e-3, 43.01e-3, 63e-3]), locked=True), mains_period(np.array([0.0, 0.02, 0.05]))
+    (0.02, nan)
+    """
+    gaps = np.diff(times)
+    if gaps.size < FEWEST_GAPS:
+        return math.nan
+    middle = float(np.median(gaps))
+    period = min(MAINS, key=lambda one: abs(middle / one - 1.0))
+    if not locked:
+        return period if abs(middle / period - 1.0) < MAINS_SHARE else math.nan
+    off = gaps / period - 1.0
+    return period if max(abs(float(np.mean(off))), float(np.median(np.abs(off)))) < LOCKED else math.nan
+
+
 class BlowTrain(NamedTuple):
     """Blows one period apart.
 

@@ -21,7 +21,7 @@ import typer
 from strikewave.base.errors import InputError, StrikewaveError, nearest
 from strikewave.base.result import Source
 from strikewave.base.units import parse_quantity, si_value
-from strikewave.reporting.options import parsed, quantity
+from strikewave.reporting.options import Output, parsed, quantity
 from strikewave.reporting.shown_result import ShownResult
 from strikewave.reporting.terminal import progress_bar, say
 
@@ -442,6 +442,14 @@ def source_of(kind: str, name: str, paths: Sequence[Path] = (), test: Mapping[st
     """
     digests, command, stated = digests_of(paths), asked(), dict(test or {})
     return Source(kind, name, identity(command, digests, stated), "record.toml", digests, command, stated)
+
+
+def source_of_records(name: str, paths: Sequence[Path], output: Output, usual: str | None) -> Source:
+    """Return the source of a result of measured files as ``output`` has it; they are hashed only where it is written.
+
+    ``usual`` is the name of its folder where none is asked for; see `strikewave.reporting.options.Output.place`.
+    """
+    return source_of("records", name, paths if output.writes(usual) else [], output.stated_test())
 
 
 def source_in_python(name: str, test: str | Path | None = None) -> Source:

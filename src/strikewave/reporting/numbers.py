@@ -51,6 +51,16 @@ OFFERED = {
 """Kinds of quantities whose unit may be chosen, by SI unit, and units that are offered; others that convert are taken
 too, by the first kind that they fit."""
 
+FEWEST_DIGITS = 4
+"""Significant digits, at least, of a number of a message in another unit: "5 kN" is 1124 lbf, not 1000."""
+NO_BREAK = "\N{NO-BREAK SPACE}"
+_SI_OF = {unit: si for si, offered in reversed(OFFERED.items()) for unit in offered}
+_JOINED = re.compile(
+    rf"([+-]?\d+(?:\.\d+)?(?:[eE][+-]?\d+)?){NO_BREAK}"
+    rf"({'|'.join(map(re.escape, sorted(_SI_OF, key=len, reverse=True)))})(?![\w/^²³])"
+)
+"""A number and a unit of which there is a choice, joined by a no-break space."""
+
 
 @dataclass(frozen=True)
 class ShownUnits:
@@ -358,6 +368,38 @@ def with_unit(value: float | None, si: str, usual: str, digits: int = 4) -> str:
     if value is None or math.isnan(value) or (si == "s" and value <= 0.0):
         return NONE
     return f"{written(shown(value, si, usual), digits)} {spelled(shown_unit(si, usual))}"
+
+
+def in_shown_units(text: str) -> str:
+    r"""Return a message with its quantities in the units that were chosen.
+
+    A message that a room words without knowing who reads it joins a number and its unit by a no-break space. The digits
+    written are kept in number; all else of the text stays as it is, and no such space is left.
+
+    Examples
+    --------
+    >>> in_shown_units("the peak of 5.2\xa0kN is above 5 kN")
+    'the peak of 5.2 kN is above 5 kN'
+    >>> with showing(ShownUnits.read("N,m/s2")):
+    ...     in_shown_units("the peak of 5.2\xa0kN gives 1200\xa0g within 3\xa0ms")
+    'the peak of 5200 N gives 11768 m/s² within 3 ms'
+    """
+    if NO_BREAK not in text:
+        return text
+    if _chosen.get() is not None:
+        text = _JOINED.sub(_in_shown_unit, text)
+    return text.replace(NO_BREAK, " ")
+
+
+def _in_shown_unit(found: re.Match[str]) -> str:
+    """Return a number and its unit as they are shown."""
+    number, unit = found.groups()
+    si = _SI_OF[unit]
+    if shown_unit(si, unit) == unit:
+        return found[0]
+    digits = len(re.sub(r"[eE].*|\D", "", number).lstrip("0"))
+    value = shown(parse_quantity(f"{number} {unit}", si, unit), si, unit)
+    return f"{written(value, max(digits, FEWEST_DIGITS))} {spelled(shown_unit(si, unit))}"
 
 
 def decimals_within(low: float, high: float) -> int:

@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING, Any
 from xml.etree import ElementTree
 
 from strikewave._version import __version__
+from strikewave.reporting.numbers import in_shown_units
 from strikewave.reporting.parts import Formula, Picture, Section, Tag
 
 if TYPE_CHECKING:
@@ -80,10 +81,16 @@ def _template() -> Template:
         undefined=StrictUndefined,
         trim_blocks=True,
         lstrip_blocks=True,
+        finalize=_finalized,
         loader=FunctionLoader(lambda name: (folder / name).read_text("utf-8")),
     )
     environment.filters["mathml"] = _mathml
     return environment.get_template("template.html")
+
+
+def _finalized(value: Any) -> Any:
+    """Return what an expression of the template gives, a text with its quantities in the units that are shown."""
+    return in_shown_units(value) if type(value) is str else value  # markup is finished
 
 
 def _mathml(formula: Formula) -> Any:

@@ -78,12 +78,12 @@ class Table:
 
         Examples
         --------
-        >>> Table("", ["a", "b"], [["x", "1.5"], ["2", "-3 %"]]).numeric()
+        >>> Table("", ["a", "b"], [["x", "1.5"], ["2", "-3 %"], ["3", ""]]).numeric()
         [False, True]
         """
         columns = []
         for place in range(len(self.columns)):
-            filled = [row[place] for row in self.cells() if row[place] != NONE]
+            filled = [row[place] for row in self.cells() if row[place] not in ("", NONE)]
             columns.append(bool(filled) and all(isinstance(w, str) and bool(_NUMBER.fullmatch(w)) for w in filled))
         return columns
 

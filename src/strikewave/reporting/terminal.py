@@ -16,7 +16,7 @@ import sys
 import time
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextvars import ContextVar
-from typing import TYPE_CHECKING, Any, NamedTuple, TextIO
+from typing import TYPE_CHECKING, Any, NamedTuple, TextIO, TypeVar
 
 from strikewave.base.compile_progress import WORDS, compiling_shown
 from strikewave.base.result import FAILED, INFO, WARNING
@@ -43,7 +43,10 @@ if TYPE_CHECKING:
     from strikewave.base.result import Band, Comparison, Notice, Result
     from strikewave.cases.losses_of_case import FittedLoss
     from strikewave.reporting.parts import Table
+    from strikewave.reporting.table_columns import TableColumn
     from strikewave.sensors.channel import SensorChannel
+
+Row = TypeVar("Row")
 
 STARTED = time.perf_counter()
 """When the program started, but for what is imported before this module."""
@@ -119,7 +122,8 @@ def _shows_only_ascii(stream: TextIO) -> bool:
 
 def _showable(text: str, stream: TextIO) -> str:
     """Return a text as the stream shows it: no command to the terminal, and ASCII where it knows nothing else."""
-    return plain(clean(text)) if _shows_only_ascii(stream) else clean(text)
+    text = clean(numbers.in_shown_units(text))
+    return plain(text) if _shows_only_ascii(stream) else text
 
 
 def _write(lines: Iterable[Line], stream: TextIO) -> None:
@@ -138,7 +142,9 @@ def _write(lines: Iterable[Line], stream: TextIO) -> None:
 
 def print_json(document: dict[str, Any], indent: int | None = 2) -> None:
     """Print one JSON document on stdout; without indentation where it holds long histories."""
-    sys.stdout.write(json.dumps(document, indent=indent, allow_nan=False, ensure_ascii=False) + "\n")
+    sys.stdout.write(
+        json.dumps(document, indent=indent, allow_nan=False, ensure_ascii=False).replace(numbers.NO_BREAK, " ") + "\n"
+    )
 
 
 def tell(text: str, indent: str = "") -> None:
@@ -302,6 +308,12 @@ def table(title: str, columns: Sequence[ScreenColumn], rows: Iterable[Sequence[s
     `number` or `fixed`. A detail is only named, unless all is wanted.
     """
     _table(title, shown_columns(columns), rows, detail)
+
+
+def print_rows(title: str, columns: Sequence[TableColumn[Row]], rows: Iterable[Row], detail: bool = False) -> None:
+    """Print a table of things of one kind on stdout, as `table` does."""
+    cells = [[column.text(row) for column in columns] for row in rows]
+    _table(title, [column.on_screen for column in columns], cells, detail)
 
 
 def _table(title: str, columns: Sequence[ScreenColumn], rows: Iterable[Sequence[str]], detail: bool = False) -> None:

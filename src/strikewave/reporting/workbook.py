@@ -24,7 +24,7 @@ from strikewave.cases.paths import Form
 from strikewave.reporting.chapters import input_groups
 from strikewave.reporting.columns import Column
 from strikewave.reporting.histories import history_tables
-from strikewave.reporting.numbers import shown_unit
+from strikewave.reporting.numbers import in_shown_units, shown_unit
 from strikewave.reporting.terminal import say
 
 if TYPE_CHECKING:
@@ -183,7 +183,7 @@ def _comparisons(result: Result) -> Rows:
 
 def _notices(result: Result) -> Rows:
     for one in result.notices:
-        yield one.code, one.severity, one.message, one.value, one.limit, one.case
+        yield one.code, one.severity, in_shown_units(one.message), one.value, one.limit, one.case
 
 
 def _inputs(result: Result) -> Rows:

@@ -21,6 +21,8 @@ AROUND = 3
 """Samples on either side of a peak between which it is sought again, band-limited."""
 TOP = 0.8
 """Share of a peak at which its width gives its curvature: wide enough that noise does not."""
+SAME_STEP = 1e-9
+"""Share by which steps may differ and be the same: rounding."""
 ROUNDS, CLOSE = 30, 1e-9
 """Newton steps at most for the largest correlation, and the samples within which it has ended."""
 
@@ -65,11 +67,12 @@ class Shift(NamedTuple):
 def by_correlation(first: EvenHistory, second: EvenHistory) -> Shift:
     """Return the shift with the largest sum of products of two histories; both are taken as zero outside.
 
-    The second is brought to the step of the more finely sampled one. The best shift in whole steps is sought among all,
-    then between them: R(s) = sum |...| over frequencies of conj(B) A exp(2 pi i f s) is known at any s, and its slope
-    is brought to zero by Newton steps. With r the difference that is left, and b' the slope of the shifted history, the
-    shift has the variance sum |B'|^2 |R|^2 / (sum |B'|^2)^2 over frequencies: that of a least-squares shift under noise
-    of the spectrum of r.
+    Both are brought to the finer of their steps, or to half the coarser one where that is longer: what the finer one
+    holds beyond has no product with the other. The best shift in whole steps is sought among all, then between them:
+    R(s) = Re sum A conj(B) exp(2 pi i f s) over frequencies is known at any s, and its slope is brought to zero by
+    Newton steps. With r the difference that is left, and b' the slope of the shifted history, the shift has the
+    variance sum |B'|^2 |R|^2 / (sum |B'|^2)^2 over frequencies: that of a least-squares shift under noise of the
+    spectrum of r.
 
     Raises
     ------
@@ -86,7 +89,7 @@ def by_correlation(first: EvenHistory, second: EvenHistory) -> Shift:
     """
     from scipy.fft import irfft, next_fast_len, rfft
 
-    step = min(first.step, second.step)
+    step = max(min(first.step, second.step), 0.5 * max(first.step, second.step))
     a, b = _at_step(first, step), _at_step(second, step)
     if not (np.any(a) and np.any(b)):
         raise ValueError("a history that is zero throughout has no shift")
@@ -231,9 +234,10 @@ def _onset(one: EvenHistory, share: float) -> tuple[float, float]:
 
 
 def _at_step(one: EvenHistory, step: float) -> Array:
-    """Return a history at a step no longer than its own."""
+    """Return a history at another step."""
     ratio = one.step / step
-    if ratio < 1.0 + 1e-9:
+    if abs(ratio - 1.0) < SAME_STEP:
         return one.values
-    count = math.floor((one.values.size - 1) * ratio * (1.0 + 1e-12)) + 1
-    return resampled(one.values, np.minimum(np.arange(count) / ratio, one.values.size - 1.0))
+    count = math.floor((one.values.size - 1) * ratio * (1.0 + SAME_STEP)) + 1
+    places = np.minimum(np.arange(count) / ratio, one.values.size - 1.0)
+    return resampled(one.values, places, max(1.0, 1.0 / ratio))

@@ -17,8 +17,8 @@ FLAT, ERROR = 0.42, 1e-6
 test); at 0.45 it errs by 1e-3."""
 SAME_PLACE = 1e-9
 """Samples within which a place is that of a sample, whose value is then taken as it is: rounding of times."""
-CHUNK = 1 << 15
-"""Places whose weights are held together: 16 MB."""
+HELD = 1 << 21
+"""Weights that are held together: 16 MB."""
 
 
 def resampled(values: ArrayLike, places: ArrayLike, factor: float = 1.0) -> Array:
@@ -59,8 +59,9 @@ def resampled(values: ArrayLike, places: ArrayLike, factor: float = 1.0) -> Arra
     found = np.full(where.shape, np.nan)
     inside = np.flatnonzero((where >= -SAME_PLACE) & (where <= history.size - 1 + SAME_PLACE))
     offsets = np.arange(1 - reach, reach + 1)
-    for begin in range(0, inside.size, CHUNK):
-        rows = inside[begin : begin + CHUNK]
+    chunk = max(HELD // offsets.size, 1)
+    for begin in range(0, inside.size, chunk):
+        rows = inside[begin : begin + chunk]
         at = np.clip(where[rows], 0.0, history.size - 1.0)
         near = np.rint(at).astype(np.int64)
         is_sample = (np.abs(at - near) <= SAME_PLACE) & (wide == 1.0)

@@ -291,6 +291,21 @@ def specification_names() -> list[str]:
     return sorted(entry.name.removesuffix(".toml") for entry in folder.iterdir() if entry.name.endswith(".toml"))
 
 
+def asked_names() -> list[str]:
+    """Return what can be asked for of the built-in specifications: names, with their conditions where they have some.
+
+    Examples
+    --------
+    >>> "un-38-3-t4:cell" in asked_names()
+    True
+    """
+    return [
+        f"{name}:{condition.name}" if condition else name
+        for name in specification_names()
+        for condition in read_built_in(name)[0].condition or (None,)
+    ]
+
+
 @cache
 def read_built_in(name: str) -> tuple[SpecificationFile, str]:
     """Return a built-in specification and its text."""

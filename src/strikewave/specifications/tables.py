@@ -382,7 +382,9 @@ def numbers_of(file: SpecificationFile) -> Iterator[tuple[str, StatedNumber, str
     Defaults are not stated, and left out.
     """
     for path, table in tables_of(file):
-        for key in table.model_fields_set:
+        for key in type(table).model_fields:
+            if key not in table.model_fields_set:
+                continue
             name = f"{path}.{type(table).model_fields[key].alias or key}".lstrip(".")
             for place, number in enumerate(_numbers(getattr(table, key))):
                 status, source = standing(number, table, file)
@@ -417,5 +419,7 @@ def _numbers(entry: Any) -> Iterator[StatedNumber]:
     if isinstance(entry, StatedNumber):
         yield entry
     elif isinstance(entry, tuple):
-        for one in entry:
+        both = len(entry) == 2 and all(isinstance(one, StatedNumber) for one in entry)
+        same = both and entry[0].typed == entry[1].typed  # one tolerance, as much down as up
+        for one in entry[1:] if same else entry:
             yield from _numbers(one)

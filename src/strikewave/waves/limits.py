@@ -79,10 +79,10 @@ def rise_notices(stack: Stack, rise: float, bandwidth: float, peak: float | None
     ratio, layer = rise_in_diameters(stack, rise, bandwidth)
     refused, warned = rise_limits(stack)
     theory = "one-dimensional theory" if refused == REFUSED else "the first mode"
-    at = "" if math.isinf(bandwidth) else f" at {bandwidth / 1e3:.3g} kHz"
+    at = "" if math.isinf(bandwidth) else f" at {bandwidth / 1e3:.3g}\xa0kHz"
     what = f"a rise of {rise * 1e6:.3g} us{at} is {ratio:.2g} diameters of travel in {layer.name}"
     if ratio < refused:
-        shown = "" if peak is None else f" ({theory} would say {peak / STANDARD_GRAVITY:.4g} g)"
+        shown = "" if peak is None else f" ({theory} would say {peak / STANDARD_GRAVITY:.4g}\xa0g)"
         message = (
             f"{what}: no peak acceleration is quoted below {refused:g}{shown}, and sensor readings are no better "
             f'founded; state it at a lower bandwidth: --set solver.bandwidth="{_quotable(layer, rise, refused)} kHz"'
@@ -121,8 +121,8 @@ def layer_notices(stack: Stack, largest_force: Array) -> Iterator[Notice]:
         if strength is not None and stress > strength:
             speed = strength * layer.area / layer.impedance
             message = (
-                f"the stress in {layer.name} reaches {stress / 1e6:.4g} MPa, beyond its yield strength of "
-                f"{strength / 1e6:.4g} MPa (a wave of {speed:.3g} m/s): elastic waves no longer hold"
+                f"the stress in {layer.name} reaches {stress / 1e6:.4g}\xa0MPa, beyond its yield strength of "
+                f"{strength / 1e6:.4g}\xa0MPa (a wave of {speed:.3g}\xa0m/s): elastic waves no longer hold"
             )
             yield Notice("stress-yield", message, stress, strength)
 
@@ -145,21 +145,21 @@ def joint_notices(stack: Stack, least_force: Array, greatest_force: Array, load_
         least, greatest = float(least_force[k]), float(greatest_force[k])
         if max(-least, greatest) > joint.yield_force:
             message = (
-                f"the gasket {where} is loaded with {max(-least, greatest) / 1e3:.3g} kN, beyond its yield at "
-                f"{joint.yield_force / 1e3:.3g} kN: its linear spring no longer holds"
+                f"the gasket {where} is loaded with {max(-least, greatest) / 1e3:.3g}\xa0kN, beyond its yield at "
+                f"{joint.yield_force / 1e3:.3g}\xa0kN: its linear spring no longer holds"
             )
             yield Notice("gasket-yield", message, max(-least, greatest), joint.yield_force)
         if joint.unilateral and joint.gap > 0.0:
             outcome = "closes" if greatest > 0.0 else "stays open and transmits nothing"
-            message = f"the gap of {joint.gap * 1e6:.3g} um {where} {outcome}"
+            message = f"the gap of {joint.gap * 1e6:.3g}\xa0um {where} {outcome}"
             yield Notice("joint-gap", message, greatest, 0.0)
         elif joint.unilateral and joint.preload > 0.0 and least <= -joint.preload * (1.0 - _ROUNDING):
-            message = f"the joint {where} opens: tension reaches its preload of {joint.preload:.4g} N"
+            message = f"the joint {where} opens: tension reaches its preload of {joint.preload:.4g}\xa0N"
             yield Notice("joint-opened", message, least, -joint.preload)
         elif not joint.unilateral and least < -TENSION_SHARE * most:
             pulled.append((least, where))
     if pulled:
-        places = _some([f"{where} ({-least / 1e3:.3g} kN)" for least, where in pulled])
+        places = _some([f"{where} ({-least / 1e3:.3g}\xa0kN)" for least, where in pulled])
         message = (
             f"tension in the joint {places}: true only if it is glued, welded or bolted hard enough (a gasket counts "
             "as glued on both sides); else make it unilateral, with the preload of its bolt"
@@ -172,8 +172,8 @@ def loss_notices(losses: Sequence[tuple[str, float, float, float, float]]) -> It
     for where, loss_factor, error, low, high in losses:
         if error > LOSS_HELD:
             message = (
-                f"the loss factor {loss_factor:g} of {where} is held to {error:.1%} only from {low / 1e3:g} to "
-                f"{high / 1e3:g} kHz: narrow the band"
+                f"the loss factor {loss_factor:g} of {where} is held to {error:.1%} only from {low / 1e3:g}\xa0kHz to "
+                f"{high / 1e3:g}\xa0kHz: narrow the band"
             )
             yield Notice("loss-fit", message, error, LOSS_HELD)
 
@@ -184,7 +184,7 @@ def end_notices(stack: Stack, duration: float) -> Iterator[Notice]:
     if stack.end.kind == "matched" and echo < duration:
         message = (
             f"the end is matched, as if {stack.layers[-1].name} were endless; at its length the echo would be back "
-            f"after {echo * 1e6:.3g} us, within the load of {duration * 1e6:.3g} us"
+            f"after {echo * 1e6:.3g}\xa0us, within the load of {duration * 1e6:.3g}\xa0us"
         )
         yield Notice("matched-end", message, echo, duration)
 

@@ -11,6 +11,8 @@ from hypothesis import strategies as st
 from strikewave import InputError, compare, load_solution
 from strikewave.analyses.compare.agreement import agreement
 from strikewave.analyses.compare.curve import ComparedCurve, checked_curve, even_history, mean_curve
+from strikewave.analyses.compare.simulated import _parts
+from strikewave.base.variables import LabelledArrays
 from strikewave.signal.alignment import EvenHistory
 from strikewave.signal.filters import Filter
 
@@ -97,11 +99,26 @@ def test_a_campaign_of_files_leaves_out_what_cannot_be_read(strikewave):
         write(f"shots/{k}.csv", bell(TIME, 1e-3 + 1e-5 * k, size))
     with open("shots/note.txt", "w") as file:
         file.write("no record\n")
+    with open("shots/calibration.toml", "w") as file:  # no record either
+        file.write('[all]\nunit = "g"\n')
     write("b.csv", bell(TIME, peak=505.0))
     found = compare("shots", "b.csv", limits=["inside > 90 %"])
     assert found.a.count == 3
     assert found.verdict == "pass"
     assert "left-out" in {notice.code for notice in found.notices}
+
+
+def test_all_blows_of_a_record_are_a_campaign(strikewave):
+    """Four bells of 480 to 540 g: their mean, and the deviation of their peaks."""
+    time, sizes = 1e-6 * np.arange(20_000), [480.0, 500.0, 520.0, 540.0]
+    write("train.csv", sum(bell(time, 2e-3 + 5e-3 * k, size) for k, size in enumerate(sizes)))
+    write("b.csv", bell(TIME, peak=510.0))
+    found = compare("train.csv@all", "b.csv")
+    assert (found.a.count, found.a.kind, found.a.name) == (4, "campaign", "4 blows of train.csv")
+    assert found.figures["peak"].a == pytest.approx(510.0 * G, rel=1e-3)
+    assert found.agreement.deviation.max() == pytest.approx(np.std(sizes, ddof=1) * G, rel=1e-2)
+    assert found.agreement.inside(2.0) == 1.0
+    assert compare("train.csv@3", "b.csv").figures["peak"].a == pytest.approx(520.0 * G, rel=1e-3)
 
 
 def test_a_case_is_run_and_its_band_held_against_the_record(strikewave):
@@ -120,8 +137,8 @@ def test_a_case_is_run_and_its_band_held_against_the_record(strikewave):
     assert found.figures["peak"].difference == pytest.approx(1.0 / 1.01 - 1.0, abs=4e-3)
     assert found.agreement.rating.overall > 0.98
     assert {(name, inside) for name, _, _, _, inside in found.in_bands} >= {("peak", True), ("width", True)}
-    again = compare("record.csv", "jesd22-b111-b:rigid@1")
-    assert again.agreement.rating == found.agreement.rating
+    for again in ("jesd22-b111-b:rigid@1", solution, (solution, "rigid@1")):
+        assert compare("record.csv", again).agreement.rating == found.agreement.rating
 
 
 def test_a_part_of_a_kept_bar_is_taken_in_the_quantity_of_the_record(strikewave):
@@ -149,6 +166,12 @@ def test_limits_decide_verdict_and_exit_code(strikewave):
     }  # fmt: skip
 
 
+def test_opposite_signs_are_reported(strikewave):
+    write("a.csv", bell(TIME)), write("b.csv", -bell(TIME))
+    assert "polarity" in {notice.code for notice in compare("a.csv", "b.csv", align="peak").notices}
+    assert "polarity" not in {notice.code for notice in compare("a.csv", "a.csv").notices}
+
+
 def test_what_the_coarser_history_cannot_hold_is_reported():
     ripple = 50.0 * np.sin(2e5 * 2.0 * np.pi * TIME) * (np.abs(TIME - 1e-3) < 3e-4)
     found = agreement(curve(bell(1e-5 * np.arange(200)), 1e-5), curve(bell(TIME) + ripple), "correlation")
@@ -163,6 +186,67 @@ def test_times_that_are_not_even_are_taken_on_lines_between_them():
     assert np.allclose(history.values, 3.0 * history.time)
 
 
+def test_elements_give_bodies_first_along_the_axis_on_which_they_move_most():
+    along = np.zeros((50, 3))
+    along[:, 2] = -bell(np.arange(50.0), 25.0, 9.0, 6.0)
+    time = ("interval", 1e-6 * np.arange(50.0))
+    names = ("contact.face.mean_force", "part.ball.mean_acceleration")
+    variables = {
+        name: (("interval", "axis"), along, {"units": unit}) for name, unit in zip(names, ("N", "m/s^2"), strict=True)
+    }
+    parts = list(_parts(LabelledArrays.of(variables, {"interval": time}, {}), {}))
+    assert [(one.part, one.quantity) for one in parts[::4]] == [("ball", "acceleration"), ("face", "force")]
+    assert np.array_equal(parts[0].values, along[:, 2])
+    assert [one.part for one in parts[1:4]] == ["ball.x", "ball.y", "ball.z"]
+
+
+def test_a_difference_has_the_uncertainty_that_noise_makes_it_scatter_by(strikewave):
+    """Ten records of noise of 1 % tell a deviation within a quarter; factor two is three of those."""
+    generator, found = np.random.default_rng(7), []
+    write("a.csv", bell(TIME))
+    for _ in range(10):
+        write("b.csv", bell(TIME) + 5.0 * generator.normal(size=TIME.size))
+        found.append(compare("a.csv", "b.csv").figures["velocity_change"])
+    scatter = np.std([one.difference for one in found], ddof=1)
+    assert 0.5 * scatter < np.mean([one.uncertainty for one in found]) < 2.0 * scatter
+
+
+@pytest.mark.parametrize(
+    ("peak", "duration", "verdict"), [(1.0, 1.0, "pass"), (1.19, 1.0, "pass"), (1.21, 1.0, "fail"), (1.0, 1.4, "fail")]
+)
+def test_a_pulse_is_judged_by_a_specification_as_b(strikewave, peak, duration, verdict):
+    """JESD22-B110 condition B: 1500 g +- 20 % and 0.5 ms +- 30 %, at 10 % of the peak."""
+    time = 1e-6 * np.arange(6000)
+    share = (time - 2e-3) / (duration * 0.5e-3)
+    write("a.csv", 1500.0 * peak * np.where((share > 0.0) & (share < 1.0), np.sin(np.pi * share), 0.0))
+    code, out, _ = strikewave("compare", "a.csv", "spec:jesd22-b110:B", "--json")
+    document = json.loads(out)
+    assert (code, document["verdict"], document["spec"]["verdict"]) == (0 if verdict == "pass" else 3, verdict, verdict)
+    assert {clause["clause"] for clause in document["spec"]["clauses"]} >= {"peak", "pulse width at 10 %"}
+    assert document["metrics"]["peak"]["difference"] == pytest.approx(1.0 / peak - 1.0, abs=3e-3)
+    if peak == duration == 1.0:
+        assert document["metrics"]["iso18571"]["overall"] > 0.99
+
+
+def test_a_simulation_is_judged_by_the_specification_that_it_was_made_for(strikewave):
+    """Its pulse lasts longer than the window of a blow: it is taken out of the whole run, and known to begin at rest."""
+    code, out, _ = strikewave("compare", "jesd22-b111-b", "spec:jesd22-b111", "--out", "kept")
+    assert code == 0
+    assert out.startswith("PASS (by indicative limits) by JESD22-B111A")
+    page = open("kept/report.html", encoding="utf-8").read()
+    assert "Verdict by the specification" in page
+    found = compare("iec-60068-2-27-rubber", "spec:iec-60068-2-27:100g-6ms", band=False)
+    assert found.agreement.rating.overall > 0.8
+    assert found.a.history.start < -0.01
+    assert {c.verdict for c in found.specified.found.clauses if c.clause == "peak"} == {"pass"}
+
+
+@pytest.mark.parametrize("wrong", [3.0, ["a.csv"], (3.0, "sensor")])
+def test_what_is_neither_a_name_nor_a_solution_is_refused(wrong):
+    with pytest.raises(InputError, match=r"B: got .* a solution of run, wave or fem"):
+        compare("li-ma-2019", wrong, band=False)
+
+
 REFUSED = [
     (("a.csv", "b.cvs"), "B: got", 'did you mean "b.csv"?'),
     (("li-ma-2091", "a.csv"), "A: got", 'did you mean "li-ma-2019"?'),
@@ -175,6 +259,12 @@ REFUSED = [
     (("a.csv", "short.csv"), "B: got", "8 samples or more"),
     (("a.csv", "a.csv#fram"), "--channel: got", 'did you mean "frame"?'),
     (("a.csv", "a.csv@3"), "B: got", "a blow from 1 to 1"),
+    (("a.csv", "a.csv@0"), "B: got", 'did you mean "a.csv"?'),
+    (("a.csv", "@2"), "B: got", "a measured file"),
+    (("a.csv", "a.csv@all"), "B: got", "two blows or more"),
+    (("a.csv", "li-ma-2019@all"), "B: got", "@all for a record alone"),
+    (("a.csv", "a" * 5000), "B: got", "a measured file"),
+    (("a.csv", "result"), "B: got", "names the files that it is of"),
     (("a.csv:frame", "a.csv"), "A: got", 'write "a.csv#frame"'),
     (("li-ma-2019#rigid", "a.csv"), "A: got", 'write "li-ma-2019:rigid"'),
     (("a.csv", "late.csv", "--align", "none"), "--align: got", "histories that overlap in time"),
@@ -186,6 +276,10 @@ REFUSED = [
     (("a.csv", "b.csv", "--limit", "peak < much"), "--limit: got", "a number, such as 0.8"),
     (("a.csv", "b.csv", "--from", "5 s", "--to", "6 s"), "--from: got", "within the common time"),
     (("a.csv", "b.csv", "--from", "2 ms", "--to", "1 ms"), "--to: got", "a time after --from"),
+    (("spec:jesd22-b110:B", "a.csv"), "A: got", "name the specification second"),
+    (("a.csv", "spec:jesd22-b11:B"), "B: got", 'did you mean "jesd22-b111"?'),
+    (("a.csv", "spec:nasa-gevs"), "--spec: got", "a specification of a pulse"),
+    (("force.csv", "spec:jesd22-b110:B"), "B: got", "the quantity of A"),
     (("a.csv", "b.csv", "--deviations", "-1"), "--deviations: got", "above 0"),
 ]
 
@@ -197,6 +291,9 @@ def test_what_cannot_be_compared_is_refused_in_one_line(strikewave):
     np.savetxt("late.csv", late, delimiter=",", header="time (s),frame (g)", comments="", fmt="%.9g")
     os.mkdir("empty")
     open("nothing.csv", "w").close()
+    os.mkdir("result")
+    for name in ("record.toml", "report.html"):
+        open(f"result/{name}", "w").close()
     for words, begins, holds in REFUSED:
         code, out, err = strikewave("compare", *words)
         errors = [line for line in err.splitlines() if begins in line]

@@ -24,6 +24,7 @@ from strikewave.base.units import in_unit
 from strikewave.cases.case import dump_case, parse_case
 from strikewave.reporting.curves import MOST_PULSES, thin
 from strikewave.reporting.inline import inline_svg
+from strikewave.reporting.numbers import in_shown_units
 from strikewave.reporting.parts import Code, Flow, Picture, Section, Table, Tag
 
 VOID = {"meta", "br", "hr", "img", "input", "link", "wbr"}
@@ -190,7 +191,7 @@ def test_warnings_balances_masses_phases_and_sources_are_listed(solution, page):
     for notice in solution.warnings:
         row = next(r for r in found["Warnings; value and limit in SI units"] if r[0] == notice.code)
         assert row[2:4] == [f"{notice.value:.6g}", f"{notice.limit:.6g}"]
-        assert notice.message in read.text
+        assert in_shown_units(notice.message) in read.text
     assert [row[0] for row in found["Masses"][1:]] == list(solution.masses)
     assert [row[0] for row in found["Phases, from the valve signal"][1:]] == [name for name, _ in solution.phases]
     assert [row[3] for row in found["Balances"][1:]] == ["holds", "holds"]

@@ -157,10 +157,10 @@ def test_what_harms_a_spectrum_is_warned_of(strikewave, shot):
 @pytest.mark.parametrize(
     ("words", "field", "came", "allowed"),
     [
-        (("--q", "0"), "--q", '"0"', "above zero, or inf"),
-        (("--q", "-3"), "--q", '"-3"', "above zero, or inf"),
-        (("--q", "nan"), "--q", '"nan"', "above zero, or inf"),
-        (("--q", "ten"), "--q", '"ten"', "above zero, or inf"),
+        (("--q", "0"), "--q", '"0"', "a quality factor above zero"),
+        (("--q", "-3"), "--q", '"-3"', "a quality factor above zero"),
+        (("--q", "nan"), "--q", '"nan"', "a quality factor above zero"),
+        (("--q", "ten"), "--q", '"ten"', "a quality factor above zero"),
         (("--kind", "velocity"), "--kind", '"velocity"', "absolute, displacement, relative-velocity, pseudo-velocity"),
         (("--side", "up"), "--side", '"up"', "maximax, positive, negative"),
         (("--part", "all"), "--part", '"all"', "total, primary, residual"),

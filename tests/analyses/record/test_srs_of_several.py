@@ -71,7 +71,26 @@ def test_a_record_without_a_blow_enters_no_envelope_and_is_named(strikewave, fou
     assert document["envelope"] == found(*shots)["envelope"]
     _, out, err = strikewave("srs", *shots, quiet, *WORDS)
     assert "quiet.csv, x enters no envelope" in err
-    assert "Left out as bad: quiet.csv, x" in " ".join(out.split())
+    assert "Left out: quiet.csv." in " ".join(out.split())
+
+
+def test_a_record_of_half_the_gain_of_its_siblings_enters_no_envelope(found):
+    noise = np.random.default_rng(4)
+    peaks = (1000.0, 985.0, 505.0, 1010.0, 1005.0, 990.0)
+    files = [write(f"b{k}.csv", x=half_sine(peak) + noise.normal(size=5000)) for k, peak in enumerate(peaks)]
+    document = found(*files)
+    assert [one["left_out"] is None for one in document["spectra"]] == [True, True, False, True, True, True]
+    assert "is the gain set otherwise?" in document["spectra"][2]["left_out"]
+    del files[2]
+    assert document["p95_50"] == found(*files)["p95_50"]
+
+
+def test_what_harms_some_spectra_names_their_files(found, shots):
+    t = np.arange(5000) * STEP
+    drifting = write("drifting.csv", x=half_sine(1000.0) + 4e3 * t)
+    warnings = found(*shots, drifting)["warnings"]
+    assert warnings
+    assert all(warning["message"].startswith("drifting.csv, x: ") for warning in warnings)
 
 
 def test_a_file_that_cannot_be_read_is_named_and_fails(strikewave, shots):

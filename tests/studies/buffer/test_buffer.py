@@ -348,7 +348,7 @@ def test_where_none_keeps_the_limit_the_lowest_peak_is_first_and_named():
     assert abs(study.candidates[0].peak) == min(abs(c.peak) for c in study.candidates)
     (notice,) = [n for n in study.warnings if n.code == "limit-not-kept"]
     assert notice.broken
-    assert "rigid-body pulse itself has 10000 g" in notice.message
+    assert "rigid-body pulse itself has 10000\xa0g" in notice.message
 
 
 def test_a_heavy_sensor_makes_its_gasket_yield():
@@ -372,7 +372,7 @@ def test_a_soft_gasket_that_is_pressed_far_is_set_beside_a_pad_that_hardens():
     pad = retarded(pad, retardation_of(row.loss_factor, study.candidates[0].band.resonance))
     mass = 20e-3 + 0.5 * row.density * study.site.area * 2e-3
     peak = carried(pad, mass, study.motion.acceleration, study.motion.step).acceleration.max()
-    assert f"the sensor's mass would reach {peak / G:.0f} g" in notice.message
+    assert f"the sensor's mass would reach {peak / G:.0f}\xa0g" in notice.message
 
 
 @pytest.mark.parametrize(

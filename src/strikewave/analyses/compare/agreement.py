@@ -36,15 +36,25 @@ LOST = 0.01
 
 
 class PairOfFigures(NamedTuple):
-    """A figure of both histories, and by how much the second differs, as a share of the first."""
+    """A figure of both histories with standard uncertainties, and by how much the second differs, as a share."""
 
     a: float
     b: float
+    a_uncertainty: float = 0.0
+    b_uncertainty: float = 0.0
 
     @property
     def difference(self) -> float:
         """B / a - 1; NaN where there is none."""
         return self.b / self.a - 1.0 if self.a else math.nan
+
+    @property
+    def uncertainty(self) -> float:
+        """Standard uncertainty of the difference, from those of both that are known."""
+        if not (self.a and self.b):
+            return math.nan
+        shares = [u / v for u, v in ((self.a_uncertainty, self.a), (self.b_uncertainty, self.b)) if math.isfinite(u)]
+        return abs(self.b / self.a) * math.hypot(*shares)
 
 
 @dataclass(frozen=True, eq=False)

@@ -60,8 +60,9 @@ def command(
     """Compare two histories, measured or simulated.
 
     B is aligned with A and both are judged: peak, width, velocity change, shock response spectra, RMS, ISO/TS 18571.
-    Names may end with @N for blow N. Several records are a corridor. With --json, no files are written unless --out is
-    given. The exit code is 3 where a --limit is not kept.
+    Several records, or all blows of one (FILE@all), are a corridor; @N takes blow N. With spec:NAME as B, A is judged
+    by a specification. With --json, no files are written unless --out is given. The exit code is 3 where a --limit or
+    a specification is not kept.
     """
     from strikewave.analyses.compare.question import CompareRequest
     from strikewave.analyses.compare.screen import compare_sources

@@ -20,6 +20,8 @@ Array = NDArray[np.float64]
 
 FEWEST = 8
 """Samples of a history, at least: fewer are no pulse."""
+FIGURES = {"peak": "peak", "width": "width", "integral": "area"}
+"""Figures of a pulse that are compared, and what `Pulse` calls them."""
 FOOT = 0.02
 """Share of the peak at the feet of a pulse, as records have it."""
 QUANTITIES = {"m/s^2": "acceleration", "N": "force", "m/s": "velocity", "m": "displacement", "Pa": "stress"}
@@ -37,7 +39,7 @@ class ComparedCurve:
     name : str
         What it is called on the screen.
     kind : str
-        ``record``, ``campaign`` or ``simulation``.
+        ``record``, ``campaign``, ``simulation`` or ``specification``.
     history : EvenHistory
         In SI; of a campaign the mean.
     unit : str
@@ -51,6 +53,11 @@ class ComparedCurve:
     measured : Pulse or None
         Its largest pulse as `strikewave record` measures it, noise taken into account; of a campaign the means. None
         for what has no noise.
+    uncertainty : mapping of str to float
+        Standard uncertainty of its peak, width and velocity change (or impulse) from noise; of a campaign, that of the
+        mean from their scatter.
+    troubles : mapping of str to str
+        Why a figure is not to be trusted: by peak, width and velocity_change.
     notices : tuple of Notice
         What the user should know of it.
     """
@@ -63,6 +70,8 @@ class ComparedCurve:
     count: int = 1
     band: Mapping[str, Band] = field(default_factory=dict)
     measured: Pulse | None = None
+    uncertainty: Mapping[str, float] = field(default_factory=dict)
+    troubles: Mapping[str, str] = field(default_factory=dict)
     notices: tuple[Notice, ...] = ()
 
     @property
@@ -170,6 +179,8 @@ def mean_curve(option: str, name: str, curves: Sequence[ComparedCurve], shifts: 
     values = np.mean(rows, axis=0)
     pulses = np.array([one.pulse for one in curves])
     moved = Pulse(*map(float, np.append(np.mean(pulses[:, 0] + np.asarray(shifts)), np.mean(pulses[:, 1:], axis=0))))
+    figures = [[getattr(one.pulse, name) for name in FIGURES.values()] for one in curves]
+    scatter = (np.std(figures, axis=0, ddof=1) / math.sqrt(len(curves))).tolist()
     noise = math.sqrt(float(np.mean([one.history.noise**2 for one in curves])) / len(curves))
     return ComparedCurve(
         name,
@@ -179,5 +190,6 @@ def mean_curve(option: str, name: str, curves: Sequence[ComparedCurve], shifts: 
         np.std(rows, axis=0, ddof=1),
         len(curves),
         measured=moved,
+        uncertainty=dict(zip(FIGURES, scatter, strict=True)),
         notices=tuple(dict.fromkeys(notice for one in curves for notice in one.notices)),
     )

@@ -55,7 +55,12 @@ def draw_overlay(axes: Any, result: CompareResult) -> None:
     kept, time, label = _shown(result)
     size, _ = axis_unit(result.unit, result.usual)
     a, b = found.a[kept] / size, found.b[kept] / size
-    if found.deviation is not None:
+    judged = result.specified
+    if judged is not None and judged.limits.band is not None:
+        low, high = judged.limits.band.curves(found.time[kept] - judged.found.start)
+        sign, words = result.a.sign / size, f"band of {judged.specification.asked}"
+        axes.fill_between(time, sign * low, sign * high, color=SHADES[1], linewidth=0.0, label=words)
+    elif found.deviation is not None:
         of_a = result.a.deviation is not None
         mean, half = (a if of_a else b), result.factor * found.deviation[kept] / size
         words = f"mean of {(result.a if of_a else result.b).count} records ± {result.factor:g} standard deviations"

@@ -11,6 +11,7 @@ from typing import NamedTuple
 from strikewave.base.errors import InputError, nearest
 from strikewave.base.result import FAILED, Notice
 from strikewave.base.units import parse_quantity
+from strikewave.specifications.decisions import CANNOT_TELL, FAIL, PASS, together
 
 RELATIONS = {"<": operator.lt, "<=": operator.le, ">": operator.gt, ">=": operator.ge}
 METRICS = {
@@ -31,7 +32,6 @@ METRICS = {
 }
 """What a limit can be of: its unit, and what it is. Differences count either way, as sizes."""
 _LIMIT = re.compile(r"\s*([\w.\-]+)\s*(<=|>=|<|>)\s*(\S.*?)\s*")
-PASS, FAIL, CANNOT_TELL = "pass", "fail", "cannot-tell"
 
 
 class ComparisonLimit(NamedTuple):
@@ -123,8 +123,7 @@ def verdict_of(judged: Sequence[Judged]) -> str | None:
     >>> verdict_of(judge([read_limit("rms < 10 %")], {"rms": 0.2})), verdict_of([])
     ('fail', None)
     """
-    found = {one.verdict for one in judged}
-    return next((verdict for verdict in (FAIL, CANNOT_TELL, PASS) if verdict in found), None)
+    return together(one.verdict for one in judged) if judged else None
 
 
 def limit_notices(judged: Sequence[Judged]) -> tuple[Notice, ...]:

@@ -7,12 +7,19 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 from strikewave.analyses.compare.agreement import LOST, RULES, CurveAgreement, agreement
-from strikewave.analyses.compare.curve import QUANTITIES, ComparedCurve
+from strikewave.analyses.compare.curve import QUANTITIES, ComparedCurve, checked_curve
 from strikewave.analyses.compare.limits import ComparisonLimit, judge, limit_notices, read_limit
 from strikewave.analyses.compare.result import CompareResult
-from strikewave.analyses.compare.sources import SourceOptions, read_source
+from strikewave.analyses.compare.sources import SourceName, SourceOptions, is_simulated, parse_name, read_source
+from strikewave.analyses.compare.specified import (
+    PREFIX,
+    SpecificationVerdict,
+    judged_by,
+    specified_curve,
+    verdict_notices,
+)
 from strikewave.base.errors import InputError
-from strikewave.base.result import INFO, Notice, Source
+from strikewave.base.result import INFO, Notice, Result, Source
 from strikewave.base.units import si_value
 from strikewave.records import Options
 from strikewave.reporting import measured_files as measured
@@ -28,6 +35,10 @@ DEVIATIONS = 2.0
 records."""
 
 
+Compared = str | Path | Result | tuple[Result, str]
+"""What Python takes: a name, or a solution of run, wave or fem, alone or with the name of its part."""
+
+
 @dataclasses.dataclass(frozen=True)
 class CompareRequest:
     """What is asked of a comparison, beside the names of the two."""
@@ -40,8 +51,8 @@ class CompareRequest:
 
 
 def compare(
-    a: str | Path,
-    b: str | Path,
+    a: Compared,
+    b: Compared,
     *,
     align: str = "correlation",
     filter: str | float | Filter | None = None,
@@ -60,9 +71,10 @@ def compare(
 
     Parameters
     ----------
-    a, b : str or Path
+    a, b : str, Path, Result or (Result, str)
         The reference, and what is held against it: ``FILE#CHANNEL``, a pattern or a folder of measured files,
-        ``CASE:PART``, or the folder of a result; ``@N`` behind it takes blow N.
+        ``CASE:PART``, or the folder of a result; ``@N`` behind it takes blow N. Or a solution of `run_case`, `run_wave`
+        or `run_fem`, alone or with a part: ``(solution, "sensor@2")``.
     align : str, optional
         ``correlation``, ``onset``, ``peak`` or ``none``.
     filter : str, float or Filter, optional
@@ -113,8 +125,15 @@ def compare(
         (between[0], between[1]),
         tuple(read_limit(word, "limits") for word in limits),
     )
-    origin = dataclasses.replace(measured.UNKNOWN, kind="comparison", name=f"{a} and {b}")
-    return compared(str(a), str(b), request, origin)
+    origin = dataclasses.replace(measured.UNKNOWN, kind="comparison", name=f"{_called(a)} and {_called(b)}")
+    return compared(a, b, request, origin)
+
+
+def _called(one: Compared) -> str:
+    """Return what a side is called."""
+    if isinstance(one, tuple):
+        return f"{_called(one[0])}:{one[1]}"
+    return one.source.name if isinstance(one, Result) else str(one)
 
 
 def _typed(value: str | Mapping[str, str] | None) -> list[str] | None:
@@ -124,7 +143,7 @@ def _typed(value: str | Mapping[str, str] | None) -> list[str] | None:
     return [f"{name}={one}" for name, one in value.items()] if isinstance(value, Mapping) else [value]
 
 
-def compared(a: str, b: str, request: CompareRequest, origin: Source) -> CompareResult:
+def compared(a: Compared, b: Compared, request: CompareRequest, origin: Source) -> CompareResult:
     """Read both and return how well they agree.
 
     A measured history is read first, so that of a part of a simulation the same quantity is taken.
@@ -134,20 +153,48 @@ def compared(a: str, b: str, request: CompareRequest, origin: Source) -> Compare
     InputError, StrikewaveError
         If one cannot be read, or the two cannot be compared.
     """
-    from strikewave.analyses.compare.sources import is_simulated
-
-    if is_simulated(a) and not is_simulated(b):
-        second = read_source("B", b, request.reading)
-        first = read_source("A", a, request.reading, second.unit)
+    if str(a).startswith(PREFIX):
+        raise InputError("A", str(a), "a history", "name the specification second: it is what A is held against")
+    specification = None
+    if str(b).startswith(PREFIX):
+        second, specification = specified_curve("B", str(b))
+        second = second.filtered(request.reading.low_pass)
+        first = _side("A", a, request.reading, second.unit)
+    elif _is_simulated(a) and not _is_simulated(b):
+        second = _side("B", b, request.reading)
+        first = _side("A", a, request.reading, second.unit)
     else:
-        first = read_source("A", a, request.reading)
-        second = read_source("B", b, request.reading, first.unit)
+        first = _side("A", a, request.reading)
+        second = _side("B", b, request.reading, first.unit)
     _check_units(first, second)
-    return compared_curves(first, second, request, origin)
+    judged = None if specification is None else judged_by(specification, first, request.reading.low_pass)
+    return compared_curves(first, second, request, origin, judged)
+
+
+def _is_simulated(one: Compared) -> bool:
+    return not isinstance(one, str | Path) or is_simulated(str(one))
+
+
+def _side(option: str, one: Compared, reading: SourceOptions, unit: str = "") -> ComparedCurve:
+    """Return the history that a side stands for."""
+    if isinstance(one, str | Path):
+        return read_source(option, str(one), reading, unit)
+    from strikewave.analyses.compare.simulated import solution_curve
+
+    solution, part = one if isinstance(one, tuple) else (one, "")
+    name = parse_name(f"solution:{part}") if part else SourceName("solution")
+    if not isinstance(solution, Result):
+        raise InputError(option, type(solution).__name__, "a name, or a solution of run, wave or fem")
+    curve = solution_curve(option, solution, name.part, name.blow, unit)
+    return checked_curve(option, curve).filtered(reading.low_pass)
 
 
 def compared_curves(
-    first: ComparedCurve, second: ComparedCurve, request: CompareRequest, origin: Source
+    first: ComparedCurve,
+    second: ComparedCurve,
+    request: CompareRequest,
+    origin: Source,
+    specified: SpecificationVerdict | None = None,
 ) -> CompareResult:
     """Return how well two histories agree.
 
@@ -170,11 +217,19 @@ def compared_curves(
         request.align,
         request.reading.low_pass,
         request.factor,
+        specified=specified,
         origin=origin,
         citations=("iso-18571", "smallwood-1981"),
     )
     judged = judge(request.limits, result.values)
-    notices = (*limit_notices(judged), *_notices(first, second, found, result), *first.notices, *second.notices)
+    failed = () if specified is None else verdict_notices(specified)
+    notices = (
+        *failed,
+        *limit_notices(judged),
+        *_notices(first, second, found, result),
+        *first.notices,
+        *second.notices,
+    )
     return dataclasses.replace(result, judged=judged, notices=notices)
 
 

@@ -4,10 +4,11 @@ from __future__ import annotations
 
 from strikewave.analyses.compare.figures import half_figures, overlay
 from strikewave.analyses.compare.result import CompareResult
+from strikewave.analyses.compare.specified import SpecificationVerdict
 from strikewave.analyses.compare.words import (
-    VERDICTS,
     agreement_table,
     band_table,
+    clause_table,
     compare_words,
     figure_table,
     limit_table,
@@ -15,8 +16,9 @@ from strikewave.analyses.compare.words import (
     score_table,
 )
 from strikewave.reporting import chapters
+from strikewave.reporting.clause_words import LOOKS, verdict_words
 from strikewave.reporting.numbers import with_unit
-from strikewave.reporting.parts import Cell, Part, Picture, Section, Table
+from strikewave.reporting.parts import Cell, Part, Picture, Section, Table, Tag
 
 
 def compare_report(result: CompareResult) -> str:
@@ -30,6 +32,7 @@ def compare_report(result: CompareResult) -> str:
     pictures += [Picture(figure, words) for figure, words in half_figures(result)]
     tables: list[Part] = [figure_table(result), agreement_table(result)]
     sections = [
+        *([_specification(result.specified)] if result.specified is not None else []),
         *([Section("Limits", "", [limit_table(result)])] if result.judged else []),
         Section("Comparison", "", pictures),
         Section("Figures", "", tables),
@@ -38,9 +41,24 @@ def compare_report(result: CompareResult) -> str:
         _sources(result),
         chapters.warnings(result.notices),
     ]
-    tag = None if result.verdict is None else VERDICTS[result.verdict]
+    by_indicative = result.specified is not None and result.specified.by_indicative
+    tag = None
+    if result.verdict is not None:
+        tag = Tag(verdict_words(result.verdict, by_indicative), LOOKS[result.verdict])
     summary = chapters.Summary("Report of a comparison", compare_words(result), result.highlights(), tag)
     return chapters.result_page(result, summary, sections)
+
+
+def _specification(judged: SpecificationVerdict) -> Section:
+    """Show what a specification comes to."""
+    words = (
+        "A is judged by the values alone (simple acceptance). The status of a limit is normative (read in the "
+        "standard), quoted (second-hand) or indicative (from memory)."
+    )
+    if judged.limits.band is not None:
+        words += " The band lies where the smallest distance of A to it is largest."
+    words += f" Source: {judged.specification.file.source}."
+    return Section("Verdict by the specification", words, [clause_table(judged)])
 
 
 def _sources(result: CompareResult) -> Section:

@@ -11,8 +11,9 @@ from typing import Any, ClassVar
 import numpy as np
 
 from strikewave.analyses.compare.agreement import CurveAgreement, PairOfFigures
-from strikewave.analyses.compare.curve import QUANTITIES, SHOWN_IN, ComparedCurve
+from strikewave.analyses.compare.curve import FIGURES, QUANTITIES, SHOWN_IN, ComparedCurve
 from strikewave.analyses.compare.limits import Judged, verdict_of
+from strikewave.analyses.compare.specified import SpecificationVerdict
 from strikewave.base.result import Band
 from strikewave.reporting.columns import HISTORY_DIGITS, Column, csv_table
 from strikewave.reporting.measured_files import AskedResult
@@ -20,6 +21,7 @@ from strikewave.reporting.numbers import axis_unit, percent, rounded
 from strikewave.reporting.shown_result import Curve, history_curve
 from strikewave.signal.filters import Filter
 from strikewave.signal.iso18571 import RATE, SAMPLES
+from strikewave.specifications.decisions import together
 
 INTEGRALS = {"m/s^2": "m/s", "N": "N s"}
 """Unit of the integral over time of what has a name for it: the velocity change, and the impulse."""
@@ -48,6 +50,8 @@ class CompareResult(AskedResult):
         Standard deviations of a campaign that its corridor is wide to either side.
     judged : sequence of Judged
         The limits, and whether they are kept.
+    specified : SpecificationVerdict or None
+        What a specification comes to, where B is one.
     """
 
     command: ClassVar[str] = "compare"
@@ -60,6 +64,7 @@ class CompareResult(AskedResult):
     low_pass: Filter | None = None
     factor: float = 2.0
     judged: Sequence[Judged] = ()
+    specified: SpecificationVerdict | None = None
 
     @property
     def title(self) -> str:
@@ -83,16 +88,25 @@ class CompareResult(AskedResult):
 
     @property
     def verdict(self) -> str | None:
-        """The worst verdict on the limits; None without any."""
-        return verdict_of(self.judged)
+        """The worst verdict, of the specification and of the limits; None without any."""
+        verdicts = [one for one in (verdict_of(self.judged), self.specified and self.specified.verdict) if one]
+        return together(verdicts) if verdicts else None
 
     @functools.cached_property
     def figures(self) -> dict[str, PairOfFigures]:
         """Peak, width, and velocity change or impulse, of both."""
-        one, other = self.agreement.pulse_a, self.agreement.pulse_b
-        figures = {"peak": PairOfFigures(one.peak, other.peak), "width": PairOfFigures(one.width, other.width)}
         integral = {"m/s^2": "velocity_change", "N": "impulse"}.get(self.unit)
-        return figures | ({integral: PairOfFigures(one.area, other.area)} if integral else {})
+        names = {"peak": "peak", "width": "width", **({integral: "integral"} if integral else {})}
+        one, other = self.agreement.pulse_a, self.agreement.pulse_b
+        return {
+            name: PairOfFigures(
+                getattr(one, FIGURES[key]),
+                getattr(other, FIGURES[key]),
+                self.a.uncertainty.get(key, 0.0),
+                self.b.uncertainty.get(key, 0.0),
+            )
+            for name, key in names.items()
+        }
 
     @functools.cached_property
     def values(self) -> dict[str, float]:
@@ -130,6 +144,8 @@ class CompareResult(AskedResult):
             "velocity_change": integral,
             "impulse": integral,
             "difference": "1",
+            "difference_uncertainty": "1",
+            "uncertainty": "s",
             "shift": "s",
             "interval": "s",
             "time": "s",
@@ -146,7 +162,11 @@ class CompareResult(AskedResult):
         found = self.agreement
         figures: dict[str, Any] = dict.fromkeys(("peak", "width", "velocity_change", "impulse"))
         for name, pair in self.figures.items():
-            figures[name] = {"a": pair.a, "b": pair.b, "difference": pair.difference}
+            figures[name] = {
+                **pair._asdict(),
+                "difference": pair.difference,
+                "difference_uncertainty": pair.uncertainty,
+            }
         rating = found.rating._asdict()
         step = (found.interval[1] - found.interval[0]) / (SAMPLES - 1)
         return {
@@ -186,6 +206,7 @@ class CompareResult(AskedResult):
                 }
                 for one in self.judged
             ],
+            "spec": None if self.specified is None else self.specified.document(),
             "verdict": self.verdict,
             "history": {"time": found.time, "a": found.a, "b": found.b, "deviation": found.deviation},
         }

@@ -13,6 +13,7 @@ from strikewave.analyses.compare.sources import parse_name, paths_of
 from strikewave.analyses.compare.words import (
     agreement_table,
     band_table,
+    clause_table,
     compare_words,
     figure_table,
     limit_table,
@@ -68,6 +69,8 @@ class CompareCommand(Command[CompareResult]):
         """Print the tables of a comparison."""
         tell(f"A: {result.a.name}")
         tell(f"B: {result.b.name}")
+        if result.specified is not None:
+            report_table(clause_table(result.specified), more=("of tolerance", "limit is", "why"))
         report_table(figure_table(result))
         report_table(agreement_table(result))
         report_table(score_table(result))

@@ -14,18 +14,21 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from strikewave.analyses.compare.curve import QUANTITIES, ComparedCurve, even_history
+from strikewave.analyses.compare.curve import FOOT, QUANTITIES, ComparedCurve, even_history
 from strikewave.base.errors import InputError, nearest
-from strikewave.base.result import Band, Notice
+from strikewave.base.result import Band, Notice, Result
 from strikewave.base.variables import LabelledArrays
 from strikewave.cases.case import load_case
 from strikewave.reporting.terminal import say
+from strikewave.signal.alignment import EvenHistory
 
 Array = NDArray[np.float64]
 
 LARGEST_LOAD = 4_000_000_000
 """A file of a result that would take more bytes than this is refused."""
 _READING = re.compile(r"(?:what sensor|reading of the sensor) (.*?)(?: reads)?", re.DOTALL)
+HELD = 0.5
+"""Share of the window of a blow that its pulse may last: of a longer one the window does not hold what follows."""
 _AXIS = re.compile(r"\.[xyz]$")
 MOST_NAMED = 12
 """Parts that a line names."""
@@ -88,11 +91,55 @@ def simulated_curve(option: str, place: str, part: str, blow: int, unit: str, ba
         name, parts, notices = _kept(place)
     else:
         name, parts, notices = _run(place, band)
+    return _curve(option, name, parts, notices, part, blow, unit)
+
+
+def solution_curve(option: str, solution: Result, part: str, blow: int, unit: str) -> ComparedCurve:
+    """Return a history of a solution of run, wave or fem; the arguments are those of `simulated_curve`.
+
+    Raises
+    ------
+    InputError
+        If it is none, or the part is none of its.
+    """
+    arrays = solution.arrays
+    if arrays is None or not {"pulse_acceleration", "tap_acceleration", "momentum"} & set(arrays.variables):
+        raise InputError(option, type(solution).__name__, "a solution of run, wave or fem, or a name")
+    name, notices = solution.source.name, [notice for notice in solution.notices if notice.broken]
+    return _curve(option, name, list(_parts(arrays, solution.band)), notices, part, blow, unit)
+
+
+def _parts(arrays: LabelledArrays, bands: Mapping[str, Band]) -> Iterator[SimulatedPart]:
+    """Yield the histories of a machine, a bar or elements."""
+    if "pulse_acceleration" in arrays:
+        return _machine_parts(arrays, bands)
+    return _wave_parts(arrays, bands) if "tap_acceleration" in arrays else _fem_parts(arrays)
+
+
+def _curve(
+    option: str,
+    name: str,
+    parts: Sequence[SimulatedPart],
+    notices: Sequence[Notice],
+    part: str,
+    blow: int,
+    unit: str,
+) -> ComparedCurve:
+    """Return one of some histories."""
     chosen = _chosen(option, name, parts, part, blow, unit)
     words = f"{name}:{chosen.part}" + (f".{chosen.quantity}" if chosen.quantity != "acceleration" else "")
     words += f"@{chosen.blow}" if chosen.blow and len({one.blow for one in parts}) > 1 else ""
-    history = even_history(chosen.time, chosen.values)
+    history = _from_rest(even_history(chosen.time, chosen.values))
     return ComparedCurve(words, "simulation", history, chosen.unit, band=chosen.band, notices=tuple(notices))
+
+
+def _from_rest(history: EvenHistory) -> EvenHistory:
+    """Return a history that begins below the feet of its pulse with as much of that rest before it as it lasts."""
+    values, count = history.values, history.values.size
+    if count == 0 or not abs(values[0]) <= FOOT * np.max(np.abs(values)):
+        return history
+    held = np.concatenate([np.full(count, values[0]), values])
+    return history._replace(values=held, start=history.start - count * history.step)
 
 
 def _chosen(option: str, name: str, parts: Sequence[SimulatedPart], part: str, blow: int, unit: str) -> SimulatedPart:
@@ -134,20 +181,18 @@ def _run(place: str, band: bool) -> tuple[str, list[SimulatedPart], list[Notice]
         from strikewave.analyses.fem.run import run_fem
 
         solution = run_fem(case)
-        parts = list(_fem_parts(solution.arrays))
     elif case.command == "wave":
         from strikewave.analyses.wave.band import with_bands
         from strikewave.analyses.wave.run import run_wave
 
         solution = run_wave(case)
         solution = with_bands(solution) if band else solution
-        parts = list(_wave_parts(solution.arrays, solution.band))
     else:
         from strikewave.analyses.machine.run import run_case
 
         solution = run_case(case, band=band)
-        parts = list(_machine_parts(solution.arrays, solution.band))
-    return case.name, parts, [notice for notice in solution.notices if notice.broken]
+    broken = [notice for notice in solution.notices if notice.broken]
+    return case.name, list(_parts(solution.arrays, solution.band)), broken
 
 
 def is_solution(path: Path) -> bool:
@@ -169,9 +214,8 @@ def _kept(place: str) -> tuple[str, list[SimulatedPart], list[Notice]]:
         from strikewave.analyses.machine.result import load_solution
 
         solution = load_solution(path)
-        return name, list(_machine_parts(solution.arrays, solution.band)), []
-    arrays = _arrays(path)
-    return name, list(_wave_parts(arrays, {}) if "tap_acceleration" in arrays else _fem_parts(arrays)), []
+        return name, list(_parts(solution.arrays, solution.band)), []
+    return name, list(_parts(_arrays(path), {})), []
 
 
 def _arrays(path: Path) -> LabelledArrays:
@@ -202,9 +246,11 @@ def _machine_parts(arrays: LabelledArrays, bands: Mapping[str, Band]) -> Iterato
             continue
         of = {key: bands[f"first.{name}"] for key, name in names.items() if first and f"first.{name}" in bands}
         for quantity, unit in (("acceleration", "m/s^2"), ("force", "N")):
-            values = arrays[f"pulse_{quantity}"].values[row]
+            clock, values = time, arrays[f"pulse_{quantity}"].values[row]
+            if not arrays["blow_width"].values[row] < HELD * time[-1]:  # the window does not hold the pulse
+                clock, values = _of_train(arrays, row, quantity)
             known = of if quantity == "acceleration" else {}
-            yield SimulatedPart("rigid", quantity, unit, *_span(time, values), blow, known)
+            yield SimulatedPart("rigid", quantity, unit, *_span(clock, values), blow, known)
         for variable, sensor in _sensors(arrays):
             values, begin = variable.values[row], float(arrays[f"{sensor.key}_start"].values[row])
             clock = begin + float(variable.attrs["step"]) * np.arange(values.size)
@@ -222,6 +268,16 @@ def _machine_parts(arrays: LabelledArrays, bands: Mapping[str, Band]) -> Iterato
 def _peak_band(bands: Mapping[str, Band], name: str) -> dict[str, Band]:
     """Return the band of a peak, where there is one."""
     return {"peak": bands[name]} if name in bands else {}
+
+
+def _of_train(arrays: LabelledArrays, row: int, quantity: str) -> tuple[Array, Array]:
+    """Return a blow out of the whole train, as far as half way to its neighbours, from its first touch."""
+    time, touches = arrays["time"].values, arrays["blow_time"].values
+    values = arrays["rigid_acceleration" if quantity == "acceleration" else "contact_force"].values
+    begin = 0.5 * (touches[row - 1] + touches[row]) if row else -np.inf
+    end = 0.5 * (touches[row] + touches[row + 1]) if row + 1 < touches.size else np.inf
+    kept = (time >= begin) & (time <= end)
+    return time[kept] - touches[row], values[kept]
 
 
 class _Sensor(NamedTuple):

@@ -1,8 +1,9 @@
 """What the names A and B of a comparison stand for: measured files, campaigns, cases, and results that were kept.
 
 A name is ``PLACE``, ``PLACE#CHANNEL`` for a measured file, or ``PLACE:PART`` for what is simulated, and may end with
-``@BLOW``, the number of a blow. A place is a measured file, a pattern or a folder of several (a campaign), a built-in
-case or a case file, which is run, or the folder (or the NetCDF file) of a result of run, wave or fem.
+``@BLOW``, the number of a blow, or ``@all`` for all of a record, which make a campaign. A place is a measured file, a
+pattern or a folder of several (a campaign), a built-in case or a case file, which is run, or the folder (or the NetCDF
+file) of a result of run, wave or fem.
 """
 
 from __future__ import annotations
@@ -28,16 +29,19 @@ from strikewave.reporting.terminal import say
 from strikewave.signal.alignment import EvenHistory, Shift
 from strikewave.signal.filters import Filter
 from strikewave.signal.pulse import Pulse
+from strikewave.specifications.judged_records import troubles_of
 
 KEPT = ("solution.nc", "waves.nc", "histories.nc")
 """Files of results of run, wave and fem, one of which a folder holds."""
+ALL = -1
+"""Stands for all blows of a record."""
 BEFORE = 10
 """Samples before a pulse from which its noise is taken, at least."""
-_BLOW = re.compile(r"(.*)@(\d{1,6})", re.DOTALL)
+_BLOW = re.compile(r"(.*)@([1-9]\d{0,5}|all)", re.DOTALL)
 
 
 class SourceName(NamedTuple):
-    """A name taken apart: place, channel or part, and blow (0 for none); ``measured`` where it says a channel."""
+    """A name taken apart: place, channel or part, blow (0 for none, or `ALL`); ``measured`` where it says a channel."""
 
     place: str
     part: str = ""
@@ -68,7 +72,7 @@ def parse_name(word: str) -> SourceName:
     if _is_place(word):
         return SourceName(word)
     found = _BLOW.fullmatch(word)
-    rest, blow = (found[1], int(found[2])) if found else (word, 0)
+    rest, blow = (found[1], ALL if found[2] == "all" else int(found[2])) if found else (word, 0)
     if _is_place(rest):
         return SourceName(rest, "", blow)
     for mark in ("#", ":"):
@@ -87,12 +91,15 @@ def paths_of(name: SourceName) -> list[Path]:
     if name.place in bundled_cases() and not os.path.lexists(name.place):
         return []
     path = Path(name.place)
-    if path.is_dir():
+    if not name.place:
+        return []
+    if os.path.isdir(path):
         kept = [path / one for one in (*KEPT, "case.toml") if (path / one).is_file()]
-        return kept[:1] or [one for one in sorted(path.iterdir()) if one.is_file() and not one.name.startswith(".")]
+        listed = [one for one in sorted(_listed(path)) if not one.endswith(".toml")]  # calibrations beside the files
+        return kept[:1] or [path / one for one in listed if (path / one).is_file()]
     if not os.path.lexists(name.place) and any(mark in name.place for mark in "*?["):
         return [Path(one) for one in measured.ordered([name.place]) if os.path.lexists(one)]
-    return [path] if path.is_file() else []
+    return [path] if os.path.isfile(path) else []
 
 
 def read_source(option: str, word: str, reading: SourceOptions, unit: str = "") -> ComparedCurve:
@@ -117,6 +124,10 @@ def read_source(option: str, word: str, reading: SourceOptions, unit: str = "") 
     name = parse_name(word)
     built_in = name.place in bundled_cases() and not os.path.lexists(name.place)
     paths = paths_of(name)
+    mark = Path(name.place) / "record.toml"
+    if os.path.isfile(mark):
+        hint = f"{mark} names the files that it is of: name one of those"
+        raise InputError(option, name.place, "a folder of measured files, or of a result of run, wave or fem", hint)
     if not built_in and not paths:
         raise _unknown(option, name)
     if is_simulated(word):
@@ -124,13 +135,15 @@ def read_source(option: str, word: str, reading: SourceOptions, unit: str = "") 
 
         if name.measured:
             raise InputError(option, word, "PLACE:PART for what is simulated", f'write "{name.place}:{name.part}"')
+        if name.blow == ALL:
+            raise InputError(option, word, "@all for a record alone", "name one blow of the simulation, such as @1")
         place = name.place if built_in else str(paths[0])
         curve = simulated_curve(option, place, name.part, name.blow, unit, reading.band)
         return checked_curve(option, curve).filtered(reading.low_pass)
     if name.part and not name.measured:
         raise InputError(option, word, "FILE#CHANNEL for a measured file", f'write "{name.place}#{name.part}"')
-    if len(paths) == 1:
-        return _record(option, str(paths[0]), name, reading)
+    if len(paths) == 1 and name.blow != ALL:
+        return _record(option, str(paths[0]), name, reading)[0]
     return _campaign(option, paths, name, reading)
 
 
@@ -147,7 +160,7 @@ def _unknown(option: str, name: SourceName) -> InputError:
     return InputError(option, name.place, allowed, near if near.startswith("did you mean") else "")
 
 
-def _listed(folder: str) -> list[str]:
+def _listed(folder: str | Path) -> list[str]:
     try:
         return [one for one in os.listdir(folder) if not one.startswith(".")]
     except OSError:
@@ -156,11 +169,8 @@ def _listed(folder: str) -> list[str]:
 
 def _record(
     option: str, file: str, name: SourceName, reading: SourceOptions, of_campaign: bool = False
-) -> ComparedCurve:
-    """Return one channel of a measured file: its largest blow as far as half way to its neighbours, or all of it.
-
-    One that is bad is refused in a campaign.
-    """
+) -> list[ComparedCurve]:
+    """Return one channel of a measured file: one of its blows, or all; one that is bad is refused in a campaign."""
     options = reading.options._replace(channels=(name.part,) if name.part else reading.options.channels[:1])
     record, found = measured.read_channels(file, reading.stated, options, Request(filter=reading.low_pass))
     one = found.channels[0]
@@ -168,7 +178,9 @@ def _record(
         say(f"{option} is {one.channel.name} of {Path(file).name}; {Path(file).name}#CHANNEL takes another")
     if of_campaign and one.status == "bad":
         raise StrikewaveError("it is bad: " + next(found.message for found in one.findings if found.severity == "bad"))
-    return _of_channel(option, f"{Path(file).name}#{one.channel.name}", one, name.blow)
+    blows = range(1, len(one.pulses) + 1) if name.blow == ALL else [name.blow]
+    called = f"{Path(file).name}#{one.channel.name}"
+    return [_of_channel(option, called, one, blow) for blow in blows or [0]]
 
 
 def _of_channel(option: str, name: str, one: ChannelReading, blow: int) -> ComparedCurve:
@@ -199,12 +211,24 @@ def _of_channel(option: str, name: str, one: ChannelReading, blow: int) -> Compa
     before = values[(time < pulse.begin - pulse.width) & kept]
     noise = float(np.std(before)) if before.size >= BEFORE else float(pulse.noise)
     if len(one.pulses) > 1:
+        if not blow:
+            say(f"{option} is the largest of {len(one.pulses)} blows of {name}, @{place + 1}; @N takes another")
         name = f"{name}@{place + 1}"
     shown = EvenHistory(values[kept], channel.step, float(time[kept][0]), noise)
     figures = Pulse(pulse.time, pulse.peak, pulse.width, pulse.rise, pulse.velocity_change)
-    return checked_curve(
-        option, ComparedCurve(name, "record", shown, channel.unit, measured=figures, notices=tuple(notices))
+    doubt = pulse.uncertainty
+    uncertainty = {"peak": doubt.peak, "width": doubt.width, "integral": doubt.velocity_change}
+    curve = ComparedCurve(
+        name,
+        "record",
+        shown,
+        channel.unit,
+        measured=figures,
+        uncertainty=uncertainty,
+        troubles=troubles_of(one.findings),
+        notices=tuple(notices),
     )
+    return checked_curve(option, curve)
 
 
 def _campaign(option: str, paths: Sequence[Path], name: SourceName, reading: SourceOptions) -> ComparedCurve:
@@ -215,13 +239,12 @@ def _campaign(option: str, paths: Sequence[Path], name: SourceName, reading: Sou
     left: list[Notice] = []
     for path in paths:
         try:
-            curves.append(_record(option, str(path), name, reading, of_campaign=True))
+            curves += _record(option, str(path), name, reading, of_campaign=True)
         except StrikewaveError as error:
             left.append(Notice("left-out", f"{path.name} is left out: {error}"))
+    several = "two blows or more" if name.blow == ALL else "two measured files or more"
     if len(curves) < 2:
-        if left:
-            raise InputError(option, name.place, "two measured files or more", left[0].message)
-        raise InputError(option, name.place, "two measured files or more for a campaign")
+        raise InputError(option, name.place, f"{several} for a campaign", left[0].message if left else "")
     units = dict.fromkeys(curve.unit for curve in curves)
     if len(units) > 1:
         raise InputError(option, ", ".join(show(unit) for unit in units), "records in one unit")
@@ -229,7 +252,8 @@ def _campaign(option: str, paths: Sequence[Path], name: SourceName, reading: Sou
     middle = curves.pop(len(curves) // 2)
     curves.insert(0, middle)
     shifts = [Shift(0.0, 0.0, "")] + [by_correlation(middle.history, one.history) for one in curves[1:]]
-    mean = mean_curve(option, f"{len(curves)} records of {name.place}", curves, [one.shift for one in shifts])
+    what = "blows" if name.blow == ALL else "records"
+    mean = mean_curve(option, f"{len(curves)} {what} of {name.place}", curves, [one.shift for one in shifts])
     return replace(mean, notices=(*mean.notices, *left))
 
 

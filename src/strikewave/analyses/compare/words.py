@@ -6,14 +6,18 @@ import math
 
 import numpy as np
 
-from strikewave.analyses.compare.limits import CANNOT_TELL, FAIL, METRICS, PASS
+from strikewave.analyses.compare.agreement import PairOfFigures
+from strikewave.analyses.compare.limits import METRICS, verdict_of
 from strikewave.analyses.compare.result import INTEGRALS, NAMES, CompareResult, shift_words
+from strikewave.analyses.compare.specified import SpecificationVerdict
+from strikewave.reporting.clause_words import CLAUSE_HEADS, SHOWN, clause_cells, clause_words, tag_of, verdict_words
 from strikewave.reporting.numbers import band_text, headed, percent, shown, with_unit
 from strikewave.reporting.parts import NONE, Cell, Table, Tag, written
 from strikewave.signal.iso18571 import RATE, SAMPLES
+from strikewave.specifications.decisions import CANNOT_TELL, FAIL, PASS
 
-VERDICTS = {PASS: Tag("PASS", "good"), FAIL: Tag("FAIL", "bad"), CANNOT_TELL: Tag("cannot tell", "warned")}
-"""How a verdict is shown."""
+LEAST_SHOWN = 5e-5
+"""Uncertainty of a difference from which on it is shown: 0.01 % rounded."""
 
 
 def compare_words(result: CompareResult) -> str:
@@ -34,10 +38,26 @@ def compare_words(result: CompareResult) -> str:
             f"{percent(found.inside(result.factor), 0)} of the interval lies within the corridor of "
             f"± {result.factor:g} standard deviations."
         )
-    if result.verdict is not None:
+    if result.judged:
         count = sum(one.verdict == PASS for one in result.judged)
-        words.insert(0, f"{VERDICTS[result.verdict].text}: {count} of {len(result.judged)} limits kept.")
+        words.insert(0, f"{SHOWN[verdict_of(result.judged) or PASS]}: {count} of {len(result.judged)} limits kept.")
+    if result.specified is not None:
+        words.insert(0, specification_words(result.specified))
     return " ".join(words)
+
+
+def specification_words(judged: SpecificationVerdict) -> str:
+    """Say what a specification comes to, and why."""
+    verdict = verdict_words(judged.verdict, judged.by_indicative)
+    words = [f"{verdict} by {judged.specification.title} ({judged.specification.file.edition})."]
+    words += [f"{clause_words(clause)}." for clause in judged.found.clauses if clause.verdict in (FAIL, CANNOT_TELL)]
+    return " ".join(words)
+
+
+def clause_table(judged: SpecificationVerdict) -> Table:
+    """Return the clauses of a specification with what came out."""
+    rows: list[list[Cell]] = [[*clause_cells(clause), clause.reason or NONE] for clause in judged.found.clauses]
+    return Table(f"By {judged.specification.title}", [*CLAUSE_HEADS, "why"], rows)
 
 
 def shown_units(result: CompareResult, name: str) -> tuple[str, str]:
@@ -47,14 +67,21 @@ def shown_units(result: CompareResult, name: str) -> tuple[str, str]:
     return ("s", "us") if name == "width" else (INTEGRALS[result.unit], INTEGRALS[result.unit])
 
 
+def difference_words(pair: PairOfFigures) -> str:
+    """Return a difference with its standard uncertainty, where one is known."""
+    if not math.isfinite(pair.difference):
+        return NONE
+    doubt = f" ± {percent(pair.uncertainty, 2)}" if pair.uncertainty >= LEAST_SHOWN else ""
+    return percent(pair.difference, 2, "+") + doubt
+
+
 def figure_table(result: CompareResult) -> Table:
     """Return peak, width and integral of both."""
     rows: list[list[Cell]] = []
     for name, pair in result.figures.items():
         si, usual = shown_units(result, name)
-        cells = [NONE if math.isnan(v) else written(shown(v, si, usual) if si else v) for v in pair]
-        known = math.isfinite(pair.difference)
-        rows.append([headed(NAMES[name], si, usual), *cells, percent(pair.difference, 2, "+") if known else NONE])
+        cells = [NONE if math.isnan(v) else written(shown(v, si, usual) if si else v) for v in (pair.a, pair.b)]
+        rows.append([headed(NAMES[name], si, usual), *cells, difference_words(pair)])
     return Table("Largest pulse", ["figure", "A", "B", "difference"], rows)
 
 
@@ -114,7 +141,7 @@ def limit_table(result: CompareResult) -> Table:
                 return f"{written(shown(value, 's', 'us'))} µs"
             return f"{value:.4g} dB" if unit == "dB" else f"{value:.4g}"
 
-        words, verdict = METRICS[one.limit.metric][1], VERDICTS[one.verdict]
+        words, verdict = METRICS[one.limit.metric][1], tag_of(one.verdict)
         rows.append([one.limit.typed, verdict, cell(one.value), cell(one.margin), words])
     return Table("Limits", ["limit", "verdict", "value", "margin", "of"], rows)
 

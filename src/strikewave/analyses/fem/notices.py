@@ -54,7 +54,7 @@ def notices(case: Case, model: Model, run: FemRun) -> Iterator[Notice]:
     yield from model_notices(case, model)
     if run.added_mass > 0.0:
         share = run.added_mass / sum(part.mass for part in run.parts.values())
-        message = f"fem.least_step added {run.added_mass:.3g} kg to small elements, {share:.2%} of all mass"
+        message = f"fem.least_step added {run.added_mass:.3g}\xa0kg to small elements, {share:.2%} of all mass"
         yield Notice("added-mass", message, share, 0.0)
     yield from _overlaps(model, run)
     yield from _contacts(run)
@@ -82,7 +82,7 @@ def blow_notices(case: Case, model: Model, run: FemRun) -> Iterator[Notice]:
     yielded = rest.plastic_energy / max(run.initial_energy, TINY) if rest is not None else 0.0
     if rest is not None and yielded > REST_YIELD:
         message = (
-            f"on the way to rest before it the bodies yield with {rest.plastic_energy:.3g} J, {yielded:.1e} of its"
+            f"on the way to rest before it the bodies yield with {rest.plastic_energy:.3g}\xa0J, {yielded:.1e} of its"
         )
         yield _named(run, Notice("blow-yield", f"{message} energy", yielded, REST_YIELD))
     if run.stopped:
@@ -133,7 +133,7 @@ def _overlaps(model: Model, run: FemRun) -> Iterator[Notice]:
             place = ", ".join(f"{x * 1e3:.4g}" for x in overlap.place)
             message = (
                 f"{overlap.nodes} nodes of the contact {overlap.contact} stand inside the other side before the blow, "
-                f"the deepest by {overlap.deepest * 1e6:.3g} um at ({place}) mm: they are let out without a force; "
+                f"the deepest by {overlap.deepest * 1e6:.3g}\xa0um at ({place}) mm: they are let out without a force; "
                 "move the parts apart, or match their meshes, where that matters"
             )
             yield Notice("initial-overlap", message, overlap.deepest, least)
@@ -151,7 +151,7 @@ def _contacts(run: FemRun) -> Iterator[Notice]:
             yield Notice("no-contact", message, 0.0, 0.0)
         elif measure.duration < FEWEST_INTERVALS * interval:
             message = (
-                f"the contact {name} lasts {measure.duration * 1e6:.3g} us, {measure.duration / interval:.1f} "
+                f"the contact {name} lasts {measure.duration * 1e6:.3g}\xa0us, {measure.duration / interval:.1f} "
                 "intervals of the histories: take a shorter fem.interval"
             )
             yield Notice("fem-interval", message, measure.duration / interval, FEWEST_INTERVALS)
@@ -181,7 +181,7 @@ def _strength(case: Case, model: Model, run: FemRun) -> Iterator[Notice]:
         yields = isinstance(model.solids[part.name], Bilinear | HeatedSolid)
         if strength is not None and stress > strength and not yields:
             message = (
-                f"the elastic part {part.name} is loaded with {stress / 1e6:.4g} MPa (von Mises), beyond the "
-                f"{strength / 1e6:.4g} MPa at which {part.material} yields: give it a solid with a yield strength"
+                f"the elastic part {part.name} is loaded with {stress / 1e6:.4g}\xa0MPa (von Mises), beyond the "
+                f"{strength / 1e6:.4g}\xa0MPa at which {part.material} yields: give it a solid with a yield strength"
             )
             yield Notice("fem-yield", message, stress, strength)

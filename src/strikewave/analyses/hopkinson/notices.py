@@ -55,7 +55,7 @@ def constant_notices(constants: dict[str, BarMaterial]) -> Iterator[Notice]:
         if abs(elastic.mismatch) > MISMATCH:
             message = (
                 f"the modulus stated for the {name} bar differs by {elastic.mismatch:+.1%} from rho c^2 = "
-                f"{elastic.modulus / 1e9:.4g} GPa of its density and speed, which is used"
+                f"{elastic.modulus / 1e9:.4g}\xa0GPa of its density and speed, which is used"
             )
             yield Notice("constants-disagree", message, elastic.mismatch, MISMATCH)
 

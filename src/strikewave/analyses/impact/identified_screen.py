@@ -30,9 +30,7 @@ def identify_contact(
     InputError
         If the file, or what is known of the bodies, cannot be used.
     """
-    origin = measured.source_of(
-        "records", Path(file).stem, [Path(file)] if output.writes(None) else [], output.stated_test()
-    )
+    origin = measured.source_of_records(Path(file).stem, [Path(file)], output, None)
     return run_and_write(IdentifyCommand(file, given, stated, options, origin), output, None, origin.text)
 
 

@@ -108,7 +108,7 @@ def _odd_blows(case: Case, blows: Sequence[Blow]) -> Iterator[Notice]:
     if away:
         farthest = max(blow.largest_displacement for blow in away)
         message = (
-            f"the object was still away, by up to {farthest * 1e3:.3g} mm, when the strikers of blow "
+            f"the object was still away, by up to {farthest * 1e3:.3g}\xa0mm, when the strikers of blow "
             f"{', '.join(str(blow.index) for blow in away)} passed: it needs a stiffer spring, more preload, less "
             "friction or a longer interval"
         )
@@ -201,13 +201,13 @@ def _recorder(case: Case, struck: Sequence[Blow]) -> Iterator[Notice]:
         )
         yield Notice("recorder-memory", message, end, last)
     if begin > struck[0].time:
-        message = f"the recorder starts at {begin * 1e3:.4g} ms, after the first blow: shorten recorder.delay"
+        message = f"the recorder starts at {begin * 1e3:.4g}\xa0ms, after the first blow: shorten recorder.delay"
         yield Notice("recorder-delay", message, begin, struck[0].time)
     intervals = struck[0].width * recorder.sampling_rate.si
     if intervals < FEWEST_INTERVALS:
         least = FEWEST_INTERVALS / struck[0].width
         message = f"{intervals:.1f} sampling intervals a pulse: {_peak_lost(intervals)}"
-        message += f"; give recorder.sampling_rate at least {least / 1e3:.3g} kHz"
+        message += f"; give recorder.sampling_rate at least {least / 1e3:.3g}\xa0kHz"
         yield Notice("recorder-rate", message, intervals, FEWEST_INTERVALS)
 
 
@@ -282,9 +282,9 @@ def _light_anvil(seen: Observed, start: Release) -> Iterator[Notice]:
         return
     if anvil.mass < HEAVY_ANVIL * mass:
         message = (
-            f"the anvil ([striker], {anvil.mass:.4g} kg) is free and not heavy beside the {mass:.4g} kg that meet it: "
-            f"it is thrown away, and the velocity change is {percent(anvil.mass / (anvil.mass + mass), 0)} of that on "
-            "a fixed one; give its whole mass, or striker.mount_stiffness to the ground"
+            f"the anvil ([striker], {anvil.mass:.4g}\xa0kg) is free and not heavy beside the {mass:.4g}\xa0kg that "
+            f"meet it: it is thrown away, and the velocity change is {percent(anvil.mass / (anvil.mass + mass), 0)} of "
+            "that on a fixed one; give its whole mass, or striker.mount_stiffness to the ground"
         )
         yield Notice("anvil-light", message, anvil.mass, HEAVY_ANVIL * mass)
 
@@ -293,13 +293,14 @@ def _rebound_notice(seen: Observed) -> Notice:
     """Report how following over rebounds ended."""
     run, count = seen.run, len(seen.blows)
     if run.ended == "brake":
-        message = f"a brake catches it at the top of its rebound after {count} blows and takes {run.braked:.3g} J"
+        message = f"a brake catches it at the top of its rebound after {count} blows and takes {run.braked:.3g}\xa0J"
         return Notice("brake", message, run.braked, 0.0, severity=INFO)
     if run.ended == "rest":
         limit = REST_SHARE * float(run.contacts()[0, 2])
         message = (
-            f"it rests after {count} blows: it comes again with less than {limit:.3g} m/s, {REST_SHARE:g} of the first"
+            f"it rests after {count} blows: it comes again with less than {limit:.3g}\xa0m/s, {REST_SHARE:g} of "
+            "the first"
         )
         return Notice("rest", message, run.end, limit, severity=INFO)
-    message = f"followed for {run.end:.4g} s and {count} blows: it neither rests nor is it caught by then"
+    message = f"followed for {run.end:.4g}\xa0s and {count} blows: it neither rests nor is it caught by then"
     return Notice("follow-ended", f"{message}; raise machine.longest, or take a time (machine.until)", run.end, run.end)

@@ -158,7 +158,8 @@ def blow_section(files: Sequence[FileReading], names: Names) -> Section:
 def _rebounds(pulse: RecordedPulse) -> str:
     """Write the rebounds of a blow."""
     words = [
-        f"{rebound.peak / pulse.peak:.0%}, {1e3 * (rebound.time - pulse.time):.3g} ms" for rebound in pulse.rebounds
+        f"{percent(rebound.peak / pulse.peak, 2)}, {1e3 * (rebound.time - pulse.time):.3g} ms"
+        for rebound in pulse.rebounds
     ]
     return "; ".join(words) or NONE
 

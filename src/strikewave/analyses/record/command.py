@@ -8,6 +8,7 @@ from typing import Annotated, Literal
 import typer
 
 from strikewave.analyses.record.filter_options import FilterOptions
+from strikewave.analyses.record.verdicts.options import RecordSpecificationOptions
 from strikewave.reporting import measured_files as measured
 from strikewave.reporting.options import Output, quantity
 
@@ -48,6 +49,7 @@ def command(
             "transfer function; none by default.",
         ),
     ] = None,
+    judging: RecordSpecificationOptions,
     filtering: FilterOptions,
     output: Output,
 ) -> int:
@@ -55,7 +57,8 @@ def command(
 
     Gives status, health and pulses of each file, and the statistics of all together. With --json, no files are
     written unless --out is given. Files that come as a shell lists them are taken in the natural order of their
-    names, a2 before a10. The exit code is 3 where a file could not be read, or has a status of --fail-on.
+    names, a2 before a10. --spec judges each blow by a specification. The exit code is 3 where a file could not be read,
+    has a status of --fail-on, or where the verdict is FAIL.
     """
     from strikewave.analyses.record.paired import read_pair
     from strikewave.analyses.record.screen import examine_records
@@ -71,6 +74,6 @@ def command(
     height = math.nan if drop_height is None else drop_height
     channels = tuple(measurement.channel or ())
     wanted = filtering.on(Request(channels, measurement.calibration(), height, base=base or ""))
-    return examine_records(
-        files, wanted, measurement.reading(), output, columns == "repeats", fail_on or "", motion, two
-    )
+    specification = judging.specification()
+    shown = (columns == "repeats", fail_on or "", motion)
+    return examine_records(files, wanted, measurement.reading(), output, *shown, specification, judging.asked, two)

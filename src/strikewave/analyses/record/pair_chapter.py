@@ -57,7 +57,7 @@ def _name(pair: RecordPair, place: int) -> str:
     return "" if reading is None else reading.channel.name
 
 
-def reasons(pairs: Sequence[RecordPair]) -> list[str]:
+def pair_reasons(pairs: Sequence[RecordPair]) -> list[str]:
     """Return why, a line a file; files with the same answer and reason together."""
     groups: dict[tuple[str, str], list[str]] = {}
     for one in pairs:

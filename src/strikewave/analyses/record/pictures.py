@@ -27,7 +27,8 @@ def campaign_sections(campaigns: Sequence[Campaign], files: Sequence[FileReading
         parts: list[Part] = []
         named = [(names[path], reading) for path, reading in same_channel(files, campaign)]
         if any(reading.pulses and reading.status != "bad" for _, reading in named):
-            words = "Blows of the files over each other; bad records are left out."
+            several = sum(len(reading.pulses) for _, reading in named) > 1
+            words = "Blows of the files over each other; bad records are left out." if several else "The only blow."
             parts.append(Picture(records.overlay(named), words))
         if len({k for pairs in campaign.points.values() for k, _ in pairs}) > 1:
             words = "Figures over the files, in the order in which they were given. What was left out is not drawn."

@@ -10,6 +10,8 @@ from pathlib import Path
 from strikewave.analyses.record.filter_options import filtered
 from strikewave.analyses.record.paired import read_pair
 from strikewave.analyses.record.result import RecordResult, name_of, record_result
+from strikewave.analyses.record.verdicts.judged import with_verdict
+from strikewave.analyses.record.verdicts.options import RecordSpecificationOptions
 from strikewave.base.errors import InputError, StrikewaveError
 from strikewave.base.result import Source
 from strikewave.base.units import si_value
@@ -28,6 +30,7 @@ from strikewave.records import (
 from strikewave.reporting import measured_files as measured
 from strikewave.reporting.terminal import say
 from strikewave.signal.filters import Filter
+from strikewave.specifications.decisions import Rule
 
 
 def record(
@@ -52,6 +55,12 @@ def record(
     repeats_in_columns: bool = False,
     base: str | int = "",
     pair: Sequence[str | int] = (),
+    spec: str | None = None,
+    decision: Rule = "simple",
+    uncertainty: str | float | None = None,
+    strict: bool = False,
+    direction: str | Sequence[str] = (),
+    cross_axis: Sequence[str | int] = (),
     test: str | Path | None = None,
 ) -> RecordResult:
     """Read measured files and judge them: status, health and pulses of each, and the statistics of all together.
@@ -90,6 +99,19 @@ def record(
         Name or number of the driving channel: the others are measured as responses to its blow.
     pair : sequence of str or int, optional
         Names or numbers of two channels that are compared as sensors on one object: ``.pairs`` of the result.
+    spec : str, optional
+        Specification to judge the blows by: a built-in one, such as ``"jesd22-b110:B"``, or a file that ends in
+        ``.toml``; the verdict is ``.verdict`` of the result.
+    decision : str, optional
+        ``simple``, or ``guarded`` by the expanded uncertainty.
+    uncertainty : str or float, optional
+        Expanded uncertainty (k = 2) of the acceleration, such as ``"5 %"``; only that of noise by default.
+    strict : bool, optional
+        Whether no verdict is stated by limits that are from memory.
+    direction : str or sequence of str, optional
+        Direction of the shocks, such as ``"+x"`` or ``"up*.csv=-z"``.
+    cross_axis : sequence of str or int, optional
+        Names or numbers of channels that measure across the shock.
     test : str or Path, optional
         TOML file that says what was tested, by whom and when, for the head of the report.
 
@@ -133,9 +155,15 @@ def record(
         height = math.nan if drop_height is None else si_value(drop_height, "m", "drop_height")
         wanted = Request(tuple(stated.channel or ()), stated.calibration(), height, base=str(base))
         wanted = filtered(wanted, filter, ac_coupling, high_pass)
+        judging = RecordSpecificationOptions.in_python(
+            spec, decision, uncertainty, strict, direction=direction, cross_axis=cross_axis
+        )
+        specification = judging.specification()
         origin = measured.source_in_python(name_of([Path(file) for file in files]), test)
         found = examined(files, wanted, stated.reading(), origin, repeats_in_columns)
         found = dataclasses.replace(found, motion=motion, pair=two)
+        if specification is not None:
+            found = with_verdict(found, specification, judging.asked(origin.test))
         found.pairs  # noqa: B018 a wrong pair is refused here
     return found
 
@@ -190,8 +218,9 @@ def examined(
     if repeats_in_columns:
         read = [one for file in read for one in repeats(file) or [file]]
     readings = compare(read)
-    driven = [reading for file in readings for reading in file.channels if not reading.responses]
-    numbers = dict.fromkeys(reading.number for reading in driven)
+    read_channels = [reading for file in readings for reading in file.channels]
+    answering = {reading.number for reading in read_channels if reading.responses}
+    numbers = dict.fromkeys(reading.number for reading in read_channels if reading.number not in answering)
     campaigns = [one for one in (summed(readings, k) for k in numbers) if one is not None]
     calibrations = _calibrations("command line" if origin.asked else "the call", wanted, [Path(file) for file in files])
     return record_result(readings, campaigns, wanted.filter, fail_on, calibrations=calibrations, origin=origin)

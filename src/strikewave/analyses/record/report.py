@@ -12,10 +12,12 @@ from strikewave.analyses.record.response_chapter import response_sections
 from strikewave.analyses.record.result import RecordResult
 from strikewave.analyses.record.rigid_chapter import rigid_sections
 from strikewave.analyses.record.tables import amount, between, called, percent, short_names, unit_of
+from strikewave.analyses.record.verdicts.chapter import verdict_section
 from strikewave.analyses.record.words import counted, record_words
 from strikewave.records.campaign import Campaign
 from strikewave.records.reading import FileReading
 from strikewave.reporting import chapters as shared
+from strikewave.reporting.clause_words import tag_of
 from strikewave.reporting.numbers import listed
 from strikewave.reporting.parts import Tag
 
@@ -32,6 +34,7 @@ def record_report(result: RecordResult) -> str:
     files, campaigns = result.readings, result.campaigns
     names = short_names([file.path for file in files])
     sections = [
+        *([] if result.verdict is None else [verdict_section(result.verdict, names)]),
         *pictures.campaign_sections(campaigns, files, names),
         *response_sections(files, names),
         pictures.picture_section(files, names),
@@ -40,16 +43,16 @@ def record_report(result: RecordResult) -> str:
         chapters.health_section(files, names),
         chapters.blow_section(files, names),
         *rigid_sections(files, names),
-        *(chapters.campaign_section(one, files, names, len(campaigns) > 1) for one in campaigns),
+        *(chapters.campaign_section(one, files, names, len(campaigns) > 1) for one in campaigns if one.sums_up),
         shared.warnings(result.notices),
         *([pair_section(result.pairs)] if result.pair else []),
         *([motion_section(result.motions)] if result.motion else []),
         chapters.filter_section(files, names, result.filter),
         chapters.calibration_section(files, names, result.calibrations),
     ]
-    summary = shared.Summary(
-        "Report of measured records", record_words(result), _key_numbers(files, campaigns), _status(files)
-    )
+    tag = _status(files) if result.verdict is None else tag_of(result.verdict.verdict)
+    numbers = _key_numbers(files, campaigns)
+    summary = shared.Summary("Report of measured records", record_words(result), numbers, tag)
     return shared.result_page(result, summary, sections)
 
 

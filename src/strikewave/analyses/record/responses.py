@@ -10,7 +10,6 @@ from strikewave.records.campaign import Statistic, statistic
 from strikewave.records.health_notice import RESPONSE_FIGURES
 from strikewave.records.modes import MOST_MODES
 from strikewave.records.reading import ChannelReading, FileReading
-from strikewave.records.response import MeasuredResponse
 from strikewave.reporting.columns import Column
 from strikewave.reporting.numbers import shown_unit
 
@@ -55,14 +54,6 @@ def harmed(file: FileReading, reading: ChannelReading) -> tuple[str, ...]:
     return tuple(name for name in RESPONSE_FIGURES if spoilt or any(name in finding.harms for finding in findings))
 
 
-def figure_of(response: MeasuredResponse, name: str) -> float:
-    """Return a figure of a response: the peak by its magnitude, frequency and damping of the strongest mode."""
-    if name in ("frequency", "damping"):
-        return float(getattr(response.modes[0], name)) if response.modes else math.nan
-    value = float(getattr(response, name))
-    return abs(value) if name == "peak" else value
-
-
 def summaries(files: Sequence[FileReading]) -> list[ResponseSummary]:
     """Sum up each response channel over its blows in all files; figures that a finding harms are left out."""
     rows = responding(files)
@@ -76,7 +67,7 @@ def summaries(files: Sequence[FileReading]) -> list[ResponseSummary]:
                 (k, value)
                 for k, (file, reading) in enumerate(own)
                 if name not in harmed(file, reading) and reading.channel.unit == unit
-                for value in (figure_of(response, name) for response in reading.responses)
+                for value in (response.figure(name) for response in reading.responses)
                 if math.isfinite(value)
             ]
             if pairs:

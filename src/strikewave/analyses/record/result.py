@@ -7,7 +7,7 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, ClassVar
+from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 
@@ -29,6 +29,9 @@ from strikewave.reporting.numbers import shown_unit, with_unit
 from strikewave.reporting.shown_result import Curve, history_curve
 from strikewave.signal.filters import Filter, effect_on_half_sine
 from strikewave.signal.pulse import HALF_SINE_WIDTH
+
+if TYPE_CHECKING:
+    from strikewave.specifications.judged_records import RecordsVerdict
 
 INTEGRALS = {"m/s^2": "m/s", "m/s": "m", "N": "N s", "Pa": "Pa s", "V": "V s", "1": "s", "": ""}
 """Unit of the integral over time of each unit."""
@@ -54,6 +57,8 @@ class RecordResult(AskedResult):
         Status, ``suspect`` or ``bad``, that makes the command exit with 3 where a file has it, or a worse one.
     motion : bool
         Whether velocity and displacement are given.
+    verdict : RecordsVerdict or None
+        By a specification, where one was asked for.
     pair : tuple of str
         Two channels that are compared as sensors on one object; empty for none.
     """
@@ -66,6 +71,7 @@ class RecordResult(AskedResult):
     calibrations: Sequence[tuple[str, str]] = ()
     fail_on: str = ""
     motion: bool = False
+    verdict: RecordsVerdict | None = None
     pair: tuple[str, str] | tuple[()] = ()
 
     @functools.cached_property
@@ -108,6 +114,8 @@ class RecordResult(AskedResult):
             content["motion"] = [{"file": one.file, "channel": one.channel, **one.document()} for one in self.motions]
         if self.pair:
             content["pairs"] = [one.document() for one in self.pairs]
+        if self.verdict is not None:
+            content["spec"] = self.verdict.document()
         if responding(self.readings):
             content["response_summary"] = [one.document() for one in summaries(self.readings)]
         if len(self.campaigns) > 1:

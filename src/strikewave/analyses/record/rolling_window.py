@@ -1,4 +1,4 @@
-"""The window of a rolling spectrum, as it is typed."""
+"""What a spectrum is asked for by: its quality factor, and the window of a rolling one, as they are typed."""
 
 from __future__ import annotations
 
@@ -8,6 +8,7 @@ from typing import NamedTuple
 from strikewave.base.errors import InputError
 from strikewave.base.units import parse_quantity
 
+ALLOWED_Q = "a quality factor above zero, such as 10 for 5 % of critical damping, or inf"
 HOP = 0.25
 """Hop of a rolling spectrum over its window, unless said: a blow then lies well inside of one of four windows."""
 

@@ -4,15 +4,15 @@ from __future__ import annotations
 
 import dataclasses
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, ClassVar
+from typing import TYPE_CHECKING, Any, ClassVar
 
 from strikewave.analyses.record.chosen import advised_filter
 from strikewave.analyses.record.figures.campaigns import figure_unit
 from strikewave.analyses.record.motion_chapter import motion_table
-from strikewave.analyses.record.pair_chapter import LEFT_OUT_FIRST, pair_table, reasons
+from strikewave.analyses.record.pair_chapter import LEFT_OUT_FIRST, pair_reasons, pair_table
 from strikewave.analyses.record.question import examined
 from strikewave.analyses.record.responses import ResponseSummary, harmed, responding, summaries
 from strikewave.analyses.record.result import (
@@ -22,7 +22,9 @@ from strikewave.analyses.record.result import (
     name_of,
 )
 from strikewave.analyses.record.tables import rows_of, short_names
-from strikewave.analyses.record.words import record_words
+from strikewave.analyses.record.verdicts.judged import with_verdict
+from strikewave.analyses.record.verdicts.screen import print_verdict
+from strikewave.analyses.record.words import named, record_words
 from strikewave.base.result import Source
 from strikewave.base.units import DIMENSIONS
 from strikewave.records import (
@@ -37,14 +39,18 @@ from strikewave.records.campaign import SUMMED, WITHOUT_RINGING
 from strikewave.records.rigid_pulse import RigidPulse
 from strikewave.reporting import measured_files as measured
 from strikewave.reporting.layout import MORE, ScreenColumn, keys, numerals, texts
-from strikewave.reporting.numbers import listed, shown_unit, with_unit
+from strikewave.reporting.numbers import percent, shown_unit, with_unit
 from strikewave.reporting.options import Output
 from strikewave.reporting.run_and_write import Command, run_and_write
 from strikewave.reporting.terminal import number, report_table, significant, table, tell
 from strikewave.signal.filters import Filter
 
-MOST_NAMED = 3
-"""Files that a line names; the others are counted."""
+if TYPE_CHECKING:
+    from strikewave.specifications.judged_records import Asked
+    from strikewave.specifications.reading import Specification
+
+MOST_REASONS = 3
+"""Reasons of pairs that are listed; the others are counted."""
 MOST_ROWS = 60
 """Files shown in the table on the screen."""
 DOUBTED = " ?"
@@ -59,6 +65,8 @@ def examine_records(
     in_columns: bool = False,
     fail_on: str = "",
     motion: bool = False,
+    specification: Specification | None = None,
+    asked: Callable[[Mapping[str, str]], Asked] | None = None,
     pair: tuple[str, str] | tuple[()] = (),
 ) -> int:
     """Examine records, write and print what they say, and return the exit code.
@@ -77,6 +85,10 @@ def examine_records(
         Status that makes the exit code 3; empty for none.
     motion : bool
         Whether velocity and displacement are given.
+    specification : Specification or None
+        What the blows are judged by.
+    asked : callable or None
+        How they are, for what is stated of the test.
     pair : tuple of str
         Two channels that are compared as sensors on one object; empty for none.
 
@@ -89,8 +101,9 @@ def examine_records(
     paths = [Path(measured.shown(file)) for file in files]
     name = name_of(paths)
     usual = f"record-{name}"
-    origin = measured.source_of("records", name, paths if output.writes(usual) else [], output.stated_test())
-    command = RecordCommand(files, wanted, options, origin, in_columns, fail_on, motion, pair)
+    origin = measured.source_of_records(name, paths, output, usual)
+    judged = None if specification is None or asked is None else (specification, asked(origin.test))
+    command = RecordCommand(files, wanted, options, origin, in_columns, fail_on, motion, judged, pair)
     return run_and_write(command, output, usual, origin.text)
 
 
@@ -107,31 +120,35 @@ class RecordCommand(Command[RecordResult]):
     in_columns: bool = False
     fail_on: str = ""
     motion: bool = False
+    judged: tuple[Specification, Asked] | None = None
     pair: tuple[str, str] | tuple[()] = ()
 
     def solve(self) -> RecordResult:
         """Return what the records say."""
         found = examined(self.files, self.wanted, self.options, self.origin, self.in_columns, self.fail_on)
-        asked = dataclasses.replace(found, motion=self.motion, pair=self.pair)
-        asked.pairs  # noqa: B018 a wrong pair is refused before anything is printed
-        return asked
+        found = dataclasses.replace(found, motion=self.motion, pair=self.pair)
+        found = found if self.judged is None else with_verdict(found, *self.judged)
+        found.pairs  # noqa: B018 a wrong pair is refused before anything is printed
+        return found
 
     def summary(self, result: RecordResult) -> str:
         """Say what the records have in common, and which are bad."""
         return record_words(result)
 
     def show(self, result: RecordResult) -> None:
-        """Print files, campaigns, and what the filter did."""
+        """Print the verdict, files, campaigns, and what the filter did."""
+        if result.verdict is not None:
+            print_verdict(result.verdict, short_names([file.path for file in result.readings]))
         _print(result.readings, result.campaigns, result.filter)
         if result.motion:
             report_table(motion_table(result.motions))
         if result.pair:
             report_table(pair_table(result.pairs), more=LEFT_OUT_FIRST)
-            lines = reasons(result.pairs)
-            for line in lines[:MOST_NAMED]:
+            lines = pair_reasons(result.pairs)
+            for line in lines[:MOST_REASONS]:
                 tell(line, "  ")
-            if len(lines) > MOST_NAMED:
-                tell(f"{len(lines) - MOST_NAMED} more files have reasons of their own: see report and JSON", "  ")
+            if len(lines) > MOST_REASONS:
+                tell(f"{len(lines) - MOST_REASONS} more files have reasons of their own: see report and JSON", "  ")
 
     def draw(self, result: RecordResult, folder: Path) -> list[str]:
         """Write page and summary."""
@@ -150,9 +167,12 @@ def _print(readings: Sequence[FileReading], campaigns: Sequence[Campaign], filte
         *numerals("velocity change", priority=MORE),
     ]
     _table(f"{len(readings)} records" if len(readings) > 1 else readings[0].path, columns, rows)
+    alike: dict[tuple[str, str], list[str]] = {}
     for file in readings:
         if file.status != "good":
-            tell(f"{names[file.path]}, {file.status}: {'; '.join(file.reasons)}", "  ")
+            alike.setdefault((file.status, "; ".join(file.reasons)), []).append(names[file.path])
+    for (status, reasons), where in alike.items():
+        tell(f"{named(where)}, {status}: {reasons}", "  ")
     _print_rigid(readings, names)
     _print_responses(readings, names)
     _print_rebounds(readings, names)
@@ -186,7 +206,7 @@ def _print_rigid(readings: Sequence[FileReading], names: dict[str, str]) -> None
                     reading.channel.name,
                     *_peak_of(joint, unit),
                     *(_peak_of(split, unit) if split else ("not separable", "-")),
-                    f"{raw / best - 1.0:+.1%}",
+                    percent(raw / best - 1.0, 1, "+"),
                     number(_mean([one.width for one in joint or split]), "s", "us"),
                     number(_mean([one.frequency for one in joint]), "Hz", "Hz"),
                     number(_mean([one.cutoff for one in split]), "Hz", "Hz"),
@@ -223,7 +243,7 @@ def _print_overlapping(readings: Sequence[FileReading], names: dict[str, str]) -
 def _peak_of(found: Sequence[RigidPulse | BandSplit], unit: str) -> tuple[str, str]:
     """Return the mean peak without ringing, and its standard uncertainty over it."""
     peak, doubt = _mean([one.peak for one in found]), _mean([one.peak_uncertainty for one in found])
-    return _value(peak, unit), "-" if math.isnan(peak) else f"{doubt / abs(peak):.1%}"
+    return _value(peak, unit), "-" if math.isnan(peak) else percent(doubt / abs(peak))
 
 
 def _times(value: float) -> str:
@@ -251,10 +271,10 @@ def _print_responses(readings: Sequence[FileReading], names: dict[str, str]) -> 
                 "peak": _value(one.peak, unit),
                 "ratio": "-" if math.isnan(one.ratio) else f"{one.ratio:.3g}",
                 "delay": number(one.delay, "s", "ms"),
-                "rms": _value(one.rms, unit),
                 "duration": number(one.duration, "s", "ms"),
-                "frequency": ", ".join(f"{mode.frequency:.4g}" for mode in one.modes) or "-",
-                "damping": ", ".join(f"{1e2 * mode.damping:.3g}" for mode in one.modes) or "-",
+                "rms": _value(one.rms, unit),
+                "frequency": next((number(mode.frequency, "Hz", "Hz") for mode in one.modes), "-"),
+                "damping": next((f"{1e2 * mode.damping:.3g}" for mode in one.modes), "-"),
             }
             rows.append(
                 [place for name, place in places.items() if keyed[name]]
@@ -263,8 +283,9 @@ def _print_responses(readings: Sequence[FileReading], names: dict[str, str]) -> 
     columns = [*(keys("file") if keyed["file"] else []), *(texts("channel") if keyed["channel"] else [])]
     columns += [*(numerals("blow") if keyed["blow"] else []), *numerals("peak")]
     columns += numerals("over base", priority=MORE)
-    columns += numerals("delay (ms)", "RMS", "effective duration (ms)")
-    columns += texts("frequencies (Hz)", "damping ratios (%)")
+    columns += numerals("delay (ms)", "effective duration (ms)")
+    columns += numerals("RMS", priority=MORE)
+    columns += numerals("strongest mode (Hz)", "damping ratio (%)")
     only = "" if keyed["channel"] else f": {channels[0][1].channel.name}"
     _table(f"Response channels{only}", columns, rows)
     if doubted:
@@ -283,7 +304,7 @@ def _print_summary(one: ResponseSummary) -> None:
         "duration": lambda v: with_unit(v, "s", "ms"),
         "ratio": lambda v: significant(v, 4),
         "frequency": lambda v: with_unit(v, "Hz", "Hz"),
-        "damping": lambda v: f"{v:.3%}",
+        "damping": lambda v: percent(v, 3),
     }
     rows = []
     for name, statistic in one.statistics.items():
@@ -291,7 +312,7 @@ def _print_summary(one: ResponseSummary) -> None:
             write = writers[name]
             bounds = f"{write(statistic.low)} to {write(statistic.high)}"
             called = figure_unit(name, one.unit)[1]
-            rows.append([called, write(statistic.mean), f"{statistic.cv:.2%}", bounds, str(statistic.n)])
+            rows.append([called, write(statistic.mean), percent(statistic.cv, 2), bounds, str(statistic.n)])
     if rows:
         columns = [*keys("figure"), *numerals("mean", "scatter (CV)", "mean, 95 % bounds", "blows")]
         table(f"All responses together: {one.channel}", columns, rows)
@@ -312,11 +333,16 @@ def _print_rebounds(readings: Sequence[FileReading], names: dict[str, str]) -> N
     lags = [abs(rebound.time - pulse.time) for _, pulse in owners for rebound in pulse.rebounds]
     where = list(dict.fromkeys(name for name, _ in owners))
     tell(
-        f"{len(shares)} rebounds, counted with their blows, in {listed(where[:MOST_NAMED])}"
-        + (f" and {len(where) - MOST_NAMED} more files" if len(where) > MOST_NAMED else "")
-        + f": {min(shares):.0%} to {max(shares):.0%} of the peak, {number(min(lags), 's', 'ms', 3)} to "
-        f"{with_unit(max(lags), 's', 'ms', 3)} from it"
+        f"{len(shares)} rebound{'s' if len(shares) > 1 else ''}, counted with their blows, in {named(where)}: "
+        f"{_span(min(shares), max(shares), percent, 0)} of the peak, "
+        f"{_span(min(lags), max(lags), lambda lag, digits: with_unit(lag, 's', 'ms', digits), 3)} after it"
     )
+
+
+def _span(low: float, high: float, write: Callable[[float, int], str], digits: int) -> str:
+    """Write two bounds, or one where both read the same."""
+    ends = list(dict.fromkeys([write(low, digits), write(high, digits)]))
+    return " to ".join(ends)
 
 
 def _rows(file: FileReading, name: str) -> list[list[str]]:
@@ -380,31 +406,37 @@ def _print_campaign(campaign: Campaign, readings: Sequence[FileReading], names: 
     for name, statistic in campaign.statistics.items():
         write = writers[name]
         line = campaign.trends.get(name)
-        trend = "-" if line is None else f"{line.change:+.1%}" + (" *" if line.significant else "")
+        trend = "-" if line is None else percent(line.change, 1, "+") + (" *" if line.significant else "")
         bounds = "-" if statistic.n < 2 else f"{write(statistic.low)} to {write(statistic.high)}"
-        cv = "-" if statistic.n < 2 else f"{statistic.cv:.2%}"
-        robust = ["-", "-"] if statistic.n < 2 else [write(statistic.median), f"{statistic.robust_cv:.2%}"]
+        cv = "-" if statistic.n < 2 else percent(statistic.cv, 2)
+        robust = ["-", "-"] if statistic.n < 2 else [write(statistic.median), percent(statistic.robust_cv, 2)]
         called = f"{name.removeprefix('rigid_')} without ringing" if name in WITHOUT_RINGING else name.replace("_", " ")
         rows.append([called, write(statistic.mean), cv, bounds, str(statistic.n), *robust, trend])
     if not rows:
-        tell(f"{campaign.channel}: nothing is left to sum up")
+        if len(readings) > 1:
+            tell(f"{campaign.channel}: nothing is left to sum up")
+        return
+    if not campaign.sums_up:
         return
     columns = [*keys("figure"), *numerals("mean", "scatter (CV)"), *numerals("mean, 95 % bounds")]
     columns += numerals("blows", "median", "robust scatter", "trend over the files", priority=MORE)
     table(f"All blows together: {campaign.channel}", columns, rows)
     if any(" *" in row[-1] for row in rows):
         tell("* a trend that scatter alone gives in less than 5 % of campaigns")
+    gone: dict[str, list[str]] = {}
     for path, figures, _ in campaign.left_out:
         what = "all figures" if len(figures) == len(SUMMED) else ", ".join(figures).replace("_", " ")
-        tell(f"left out: {what} of {names[path]}")
+        gone.setdefault(what, []).append(names[path])
+    for what, where in gone.items():
+        tell(f"left out: {what} of {named(where)}")
     for one in campaign.outliers:
         if one.figure in ("peak", "width", "interval"):  # the velocity change goes with the peak
             write = writers[one.figure]
             statistic = campaign.statistics[one.figure]
-            with_it = f"{write(one.mean_with)}, scatter {one.cv_with:.2%}"
+            with_it = f"{write(one.mean_with)}, scatter {percent(one.cv_with, 2)}"
             tell(
                 f"with the {one.figure} of {names[one.path]}, {write(one.value)}, the mean would be {with_it}, instead "
-                f"of {write(statistic.mean)}, {statistic.cv:.2%}"
+                f"of {write(statistic.mean)}, {percent(statistic.cv, 2)}"
             )
 
 
@@ -425,7 +457,7 @@ def _print_filter(files: Sequence[FileReading], filter_: Filter | None) -> None:
         sentence = f"{reading.channel.name}: {effect['name']}"
         if effect["peak_left"]:
             peak, width = _mean(effect["peak_left"]), _mean(effect["width_left"])
-            sentence += f" leaves {peak:.1%} of the peak, {width:.1%} of the width"
+            sentence += f" leaves {percent(peak)} of the peak, {percent(width)} of the width"
         if effect["half_sine_peak_left"] is not None:
-            sentence += f" (of a half-sine as wide {effect['half_sine_peak_left']:.1%})"
+            sentence += f" (of a half-sine as wide {percent(effect['half_sine_peak_left'])})"
         tell(sentence)

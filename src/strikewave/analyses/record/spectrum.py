@@ -7,7 +7,7 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any, ClassVar, NamedTuple
+from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -21,6 +21,9 @@ from strikewave.reporting.options import Typed
 from strikewave.reporting.shown_result import Curve
 from strikewave.signal.envelopes import FEWEST, envelope, tolerance_limit
 from strikewave.signal.srs import RollingSpectrum, Scope, Spectrum, response_history, rms_spectrum, srs
+
+if TYPE_CHECKING:
+    from strikewave.specifications.judged_spectra import SpectraVerdict
 
 Array = NDArray[np.float64]
 
@@ -132,6 +135,8 @@ class SpectrumResult(measured.AskedResult):
         Of windows that slide over the record, of the first kind, where asked for of one channel.
     bounded_by : str
         Which sampling rate bounds the frequencies that several channels have in common, where they differ in it.
+    verdict : SpectraVerdict or None
+        By a specification, where one was asked for.
     """
 
     command: ClassVar[str] = "srs"
@@ -147,6 +152,7 @@ class SpectrumResult(measured.AskedResult):
     response: OscillatorResponse | None = None
     rolling: RollingSpectrum | None = None
     bounded_by: str = ""
+    verdict: SpectraVerdict | None = None
 
     @property
     def title(self) -> str:
@@ -210,8 +216,9 @@ class SpectrumResult(measured.AskedResult):
     def content(self) -> dict[str, Any]:
         """Return what the JSON document holds beside its head."""
         first, reading = self.spectra[0], self.reading
+        judged = {} if self.verdict is None else {"spec": self.verdict.document()}
         if self.shocks:
-            return self._several()
+            return {**self._several(), **judged}
         return {
             "file": self.file,
             "channel": reading.channel.name,
@@ -227,6 +234,7 @@ class SpectrumResult(measured.AskedResult):
             **{spectrum.kind: spectrum.side(self.side) for spectrum in self.spectra},
             **({"rms": dict(self.rms)} if self.rms else {}),
             **self._over_time(self.response, self.rolling),
+            **judged,
         }
 
     def _several(self) -> dict[str, Any]:

@@ -10,7 +10,7 @@ from typing import Any, NamedTuple
 
 from strikewave.analyses.record.filter_options import filtered
 from strikewave.analyses.record.result import name_of
-from strikewave.analyses.record.rolling_window import Rolling, read_rolling
+from strikewave.analyses.record.rolling_window import ALLOWED_Q, Rolling, read_rolling
 from strikewave.analyses.record.spectrum import (
     KIND_UNITS,
     ShockSpectra,
@@ -21,16 +21,19 @@ from strikewave.analyses.record.spectrum import (
     rms_of,
     spectrum_of,
 )
+from strikewave.analyses.record.verdicts.options import SpecificationOptions
+from strikewave.analyses.record.words import named
 from strikewave.base.errors import InputError, StrikewaveError
 from strikewave.base.result import FAILED, Notice, Source
 from strikewave.base.units import si_value
-from strikewave.records import ChannelReading, Options, Request, SampleStore
+from strikewave.records import ChannelReading, FileReading, Options, Request, SampleStore, compare
 from strikewave.reporting import measured_files as measured
 from strikewave.reporting.numbers import with_unit
 from strikewave.reporting.options import Typed, wrong_choice
 from strikewave.reporting.terminal import say
 from strikewave.signal.filters import Filter
 from strikewave.signal.srs import INITIAL, PARTS, SIDES, RollingSpectrum, Scope, octaves, resultant_srs, rolling_srs
+from strikewave.specifications.decisions import Rule
 
 HIGHEST = 100e3
 """Highest natural frequency by default, Hz. Chosen: ten times that of usual spectra of pyroshock (10 kHz in Irvine, An
@@ -43,8 +46,12 @@ MOST_FREQUENCIES = 1e5
 MOST_WINDOWS = 20_000
 """Windows of rolling spectra, of all channels together, at most. Chosen: more than the pixels of any screen, and a few
 GB in JSON."""
-CITED = ("smallwood-1981", "iso-18431-4", "piersol-2009", "nist-handbook")
+CITED = ("smallwood-1981", "iso-18431-4")
+"""What a spectrum follows."""
+CITED_OF_SEVERAL = (*CITED, "piersol-2009", "nist-handbook")
 """What several spectra and their limit follow."""
+LEFT_OUT = ("gain-differs",)
+"""Findings with which a record enters no envelope, as with one that is bad: its spectrum is wrong as a whole."""
 SAME_STEP = 1e-9
 """Relative difference of steps that are one."""
 
@@ -80,6 +87,10 @@ def shock_spectra(
     initial: str = "rest",
     rms: bool = False,
     response: str | float | None = None,
+    spec: str | None = None,
+    decision: Rule = "simple",
+    uncertainty: str | float | None = None,
+    strict: bool = False,
     test: str | Path | None = None,
 ) -> SpectrumResult:
     """Compute the shock response spectra of measured files, their baselines taken off.
@@ -119,6 +130,8 @@ def shock_spectra(
         Whether root mean squares of the responses are given.
     response : str or float, optional
         Natural frequency of an oscillator whose response is given, with a unit or in Hz.
+    spec, decision, uncertainty, strict
+        As for `strikewave.record`; a specification states frequencies, quality factor and side.
 
     Raises
     ------
@@ -158,7 +171,7 @@ def shock_spectra(
             if word not in choices:
                 raise wrong_choice(word, field, choices)
         for field, number, allowed in (
-            ("q", q, "a quality factor above zero, or inf"),
+            ("q", q, ALLOWED_Q),
             ("per_octave", per_octave, "a number of frequencies above zero, at most 100 000"),
         ):
             if not number > 0.0:
@@ -177,7 +190,11 @@ def shock_spectra(
         asked = FilesAsked(
             files, stated.calibration(), stated.reading(), filtered(Request(), filter, ac_coupling, high_pass)
         )
-        return spectra_of(asked, wanted, measured.source_in_python(name_of([Path(file) for file in files]), test))
+        origin = measured.source_in_python(name_of([Path(file) for file in files]), test)
+        judge = SpecificationOptions.in_python(spec, decision, uncertainty, strict).spectra_judge()
+        if judge is None:
+            return spectra_of(asked, wanted, origin)
+        return judge.judged(spectra_of(asked, judge.wanted(wanted), origin))
 
 
 def _typed(value: str | float, si: str, field: str) -> Typed:
@@ -244,6 +261,7 @@ def _one(asked: FilesAsked, wanted: SpectrumRequest, origin: Source) -> Spectrum
         rolling=shock.rolling,
         origin=origin,
         notices=_notices(reading),
+        citations=CITED,
     )
 
 
@@ -256,7 +274,7 @@ def _readings(asked: FilesAsked, store: SampleStore, unread: list[Notice]) -> li
         If none can be read.
     """
     failed: StrikewaveError | None = None
-    readings: list[tuple[str, ChannelReading]] = []
+    files: list[FileReading] = []
     for file in asked.files:
         try:
             _, found = measured.read_channels(file, asked.stated, asked.options, asked.filters)
@@ -269,10 +287,10 @@ def _readings(asked: FilesAsked, store: SampleStore, unread: list[Notice]) -> li
             )
             say(f"left out: {unread[-1].message}")
             continue
-        readings += [(measured.shown(file), reading) for reading in store.kept(found).channels]
-    if not readings:
+        files.append(dataclasses.replace(store.kept(found), path=measured.shown(file)))
+    if not any(file.channels for file in files):
         raise failed or InputError("FILE", "none", "a file with a channel")
-    return readings
+    return [(file.path, reading) for file in compare(files) for reading in file.channels]
 
 
 def _several(
@@ -282,27 +300,32 @@ def _several(
     first = readings[0][1].channel
     for file, reading in readings:
         if reading.channel.unit != first.unit:
-            allowed = f"channels in the unit of the first, {first.unit or 'unknown'}"
-            raise InputError("FILE", f"{reading.channel.name} of {file}, in {reading.channel.unit}", allowed)
+            got = f"{reading.channel.name} of {file}, in {reading.channel.unit or 'no unit that is known'}"
+            allowed = f"channels in the unit of the first, {first.unit or 'which is not known'}"
+            hint = "" if reading.channel.unit and first.unit else "state it, such as --unit g"
+            raise InputError("FILE", got, allowed, hint)
     slowest, fastest = (end(readings, key=lambda pair: pair[1].channel.sampling_rate) for end in (min, max))
     rate = slowest[1].channel.sampling_rate
     frequencies = _frequencies(wanted, rate, f" of {slowest[0]}")
     asked_for = wanted.frequencies or wanted.grid[1] is not None or rate == fastest[1].channel.sampling_rate
     if wanted.part != "total" and wanted.end is None:
         say("each shock is taken to end with its last blow (--end)")
-    shocks = []
-    notices: dict[str, Notice] = {}
+    shocks, notices = [], []
+    found: dict[tuple[str, str], tuple[Notice, list[str]]] = {}
     windows = MOST_WINDOWS // len(readings)
     for file, reading in readings:
         shock = _shock(file, reading, wanted, (frequencies, _scope(wanted, reading, file)), windows)
         shocks.append(shock)
         store.forget()
+        does = "is bad, and still in the resultant" if wanted.options.resultant else "enters no envelope"
         if shock.left_out:
-            does = "is bad, and still in the resultant" if wanted.options.resultant else "enters no envelope"
-            notices[shock.name] = Notice("left-out", f"{shock.name} {does}: {shock.left_out}")
-            say(notices[shock.name].message)
-        else:
-            notices |= {one.code: one for one in _notices(reading)}
+            notices.append(Notice("left-out", f"{shock.name} {does}: {shock.left_out}"))
+            continue
+        for one in _notices(reading):
+            found.setdefault((one.code, one.message), (one, []))[1].append(shock.name)
+    for one, where in found.values():
+        of = "" if len(where) == len(shocks) - len(notices) else f"{named(where)}: "
+        notices.append(dataclasses.replace(one, message=f"{of}{one.message}"))
     place = next((k for k, shock in enumerate(shocks) if not shock.left_out), 0)
     file, reading = readings[place]
     return SpectrumResult(
@@ -313,8 +336,8 @@ def _several(
         _scope(wanted, reading),
         shocks=shocks,
         bounded_by="" if asked_for else f"{with_unit(rate, 'Hz', 'kHz')} of {Path(slowest[0]).name}",
-        notices=tuple(notices.values()),
-        citations=CITED,
+        notices=tuple(notices),
+        citations=CITED_OF_SEVERAL,
     )
 
 
@@ -337,7 +360,7 @@ def _shock(
         reading.baseline,
         [spectrum_of(reading, kind, frequencies, wanted.q, scope) for kind in kinds],
         {kind: rms_of(reading, kind, frequencies, wanted.q, more.initial) for kind in kinds if more.rms},
-        "" if reading.status != "bad" else next(f.message for f in reading.findings if f.severity == "bad"),
+        next((f.message for f in reading.findings if f.severity == "bad" or f.code in LEFT_OUT), ""),
         response,
         rolling,
     )
@@ -398,9 +421,9 @@ def _rolling(
 
 
 def _notices(reading: ChannelReading) -> tuple[Notice, ...]:
-    """Return what harms the spectrum, or leaves its unit open."""
-    unit = ("unit-unknown", "not-calibrated")
-    return tuple(found.notice for found in reading.findings if "spectrum" in found.harms or found.code in unit)
+    """Return what harms the spectrum, leaves its unit open, or tells it from the others."""
+    always = ("unit-unknown", "not-calibrated", "outlier")
+    return tuple(found.notice for found in reading.findings if "spectrum" in found.harms or found.code in always)
 
 
 def _frequencies(wanted: SpectrumRequest, rate: float, of: str = "") -> Any:
@@ -409,9 +432,11 @@ def _frequencies(wanted: SpectrumRequest, rate: float, of: str = "") -> Any:
         return [_below(frequency, "--frequency", rate, of) for frequency in wanted.frequencies]
     low, asked, per_octave = wanted.grid
     high = min(HIGHEST, OF_SAMPLING * rate) if asked is None else _below(asked, "--to", rate, of)
-    if not low < high:
-        got = f"{high:g} Hz" if asked is None else asked.word
-        raise InputError("--to", got, f"a frequency above --from, {low:g} Hz")
+    if not low < high and asked is None:
+        allowed = f"a frequency below the highest, {high:g} Hz (100 kHz, or 2/5 of the sampling rate{of})"
+        raise InputError("--from", getattr(low, "word", low), allowed, "a higher one is stated by --to")
+    if asked is not None and not low < asked:
+        raise InputError("--to", asked.word, f"a frequency above --from, {low:g} Hz")
     if per_octave * math.log2(high / low) > MOST_FREQUENCIES:
         raise InputError("--per-octave", per_octave, "at most 100 000 frequencies")
     return octaves(low, high, per_octave)

@@ -8,18 +8,19 @@ from pathlib import Path
 import numpy as np
 
 from strikewave.analyses.record.figures import records
-from strikewave.analyses.record.figures.many_spectra import response_figure, rolling_figure, several_figure
+from strikewave.analyses.record.figures.many_spectra import MOST_NAMES, response_figure, rolling_figure, several_figure
 from strikewave.analyses.record.figures.spectra import srs_figure, tripartite
 from strikewave.analyses.record.spectrum import KIND_UNITS, SHOWN_UNITS, SpectrumResult
 from strikewave.analyses.record.tables import status_tag
+from strikewave.analyses.record.verdicts.judged_spectra import spectra_section, spectra_sentence
+from strikewave.analyses.record.words import named
 from strikewave.reporting import chapters
+from strikewave.reporting.clause_words import tag_of
 from strikewave.reporting.numbers import headed, percent, shown, spelled, with_unit
 from strikewave.reporting.parts import NONE, Cell, Part, Picture, Section, Table, Tag, written
 from strikewave.signal.envelopes import FEWEST
 from strikewave.signal.srs import Spectrum
 
-MOST_NAMED = 3
-"""Records that a sentence names."""
 MOST_ROWS = 60
 """Frequencies in the table, evenly chosen: spectrum.csv has all."""
 
@@ -45,6 +46,7 @@ def spectrum_report(result: SpectrumResult) -> str:
         )
     )
     sections = [
+        *_verdict(result),
         Section("Spectra", "", parts),
         *_over_time(result),
         _record_section(result),
@@ -53,15 +55,21 @@ def spectrum_report(result: SpectrumResult) -> str:
         _calibration_section(result),
     ]
     status = result.reading.status
-    tag = status_tag(status, f"record {status}")
+    tag = status_tag(status, f"record {status}") if result.verdict is None else tag_of(result.verdict.verdict)
     summary = chapters.Summary("Report of a shock response spectrum", spectrum_words(result), _key_numbers(result), tag)
     return chapters.result_page(result, summary, sections)
+
+
+def _verdict(result: SpectrumResult) -> list[Section]:
+    """Return the chapter with the verdict, where one was asked for."""
+    return [] if result.verdict is None else [spectra_section(result.verdict)]
 
 
 def _over_time(result: SpectrumResult) -> list[Section]:
     """Draw the response of an oscillator and the rolling spectrum, where they were asked for."""
     parts = list[Part]()
-    of = "each of the first records" if result.shocks else "the record"
+    most = max(len(result.responses), len(result.rollings))
+    of = "the record" if not result.shocks else "each record" if most <= MOST_NAMES else f"{MOST_NAMES} records"
     if result.responses:
         natural = _hertz(result.responses[0][1].frequency)
         parts.append(Picture(response_figure(result), f"What an oscillator of {natural} does while {of} lasts."))
@@ -94,6 +102,7 @@ def _report_of_several(result: SpectrumResult) -> str:
     kinds = ", ".join(one.kind for one in result.spectra)
     table = Table("Spectra", ["file", "channel", "status", f"largest {kinds}", "what all come to"], rows)
     sections = [
+        *_verdict(result),
         Section("Spectra", "", parts),
         *_over_time(result),
         Section("Records", "", [table]),
@@ -102,7 +111,8 @@ def _report_of_several(result: SpectrumResult) -> str:
     ]
     pairs = [("spectra", str(len(result.shocks))), *result.highlights()]
     tag = Tag(f"{count} of {len(result.shocks)} used", "good" if count == len(result.shocks) else "warned")
-    summary = chapters.Summary("Report of shock response spectra", several_words(result), pairs, tag)
+    tag = tag if result.verdict is None else tag_of(result.verdict.verdict)
+    summary = chapters.Summary("Report of shock response spectra", spectrum_words(result), pairs, tag)
     return chapters.result_page(result, summary, sections)
 
 
@@ -124,9 +134,10 @@ def several_words(result: SpectrumResult) -> str:
                 f"The {names[name]} of the {kind} response is largest, {_response(kind, float(values[at]), result)}, "
                 f"at {_hertz(first.frequency[at])}."
             )
-    left = [shock.name for shock in result.shocks if shock.left_out]
+    one_channel = len({shock.channel for shock in result.shocks}) == 1
+    left = [Path(shock.file).name if one_channel else shock.name for shock in result.shocks if shock.left_out]
     if left:
-        words.append(f"Left out as bad: {'; '.join(left[:MOST_NAMED])}{' and others' * (len(left) > MOST_NAMED)}.")
+        words.append(f"Left out: {named(left)}.")
     if not result.resultant and len(used) < FEWEST:
         words.append(f"P95/50 needs {FEWEST} spectra or more.")
     return " ".join(words)
@@ -134,8 +145,9 @@ def several_words(result: SpectrumResult) -> str:
 
 def spectrum_words(result: SpectrumResult) -> str:
     """Say in words what the spectra are of."""
+    judged = "" if result.verdict is None else f"{spectra_sentence(result.verdict)} "
     if result.shocks:
-        return several_words(result)
+        return judged + several_words(result)
     first, reading = result.spectra[0], result.reading
     q = "undamped" if math.isinf(first.q) else f"Q = {first.q:g} ({percent(0.5 / first.q)} of critical damping)"
     part = "" if first.part == "total" else f", the {first.part} part"
@@ -150,7 +162,7 @@ def spectrum_words(result: SpectrumResult) -> str:
         for one, k in ((one, _largest(one, result.side)) for one in result.spectra)
     ]
     words.append(f"The record is {reading.status}.")
-    return " ".join(words)
+    return judged + " ".join(words)
 
 
 def _key_numbers(result: SpectrumResult) -> list[tuple[str, str]]:
@@ -174,7 +186,12 @@ def _key_numbers(result: SpectrumResult) -> list[tuple[str, str]]:
     pairs.append(("quality factor", "undamped" if math.isinf(first.q) else f"{first.q:g}"))
     peaks = [abs(pulse.peak) for pulse in result.reading.pulses]
     if peaks and _in_si(result):
-        pairs.append((f"largest peak of the record, {len(peaks)} blow(s)", with_unit(max(peaks), "m/s^2", "g")))
+        pairs.append(
+            (
+                f"largest peak of the record, {len(peaks)} blow{'s' * (len(peaks) > 1)}",
+                with_unit(max(peaks), "m/s^2", "g"),
+            )
+        )
     return pairs
 
 
@@ -209,14 +226,16 @@ def _table_section(result: SpectrumResult) -> Section:
     """List the spectra at some of their frequencies."""
     frequency = result.spectra[0].frequency
     step = max(math.ceil(len(frequency) / MOST_ROWS), 1)
+    shown_values = [(one.kind, one.kind, one.side(result.side)) for one in result.spectra]
+    shown_values += [(f"RMS of {kind}", kind, values) for kind, values in result.rms.items()]
     heads = [headed("natural frequency", "Hz", "Hz")]
     heads += [
-        headed(one.kind, KIND_UNITS[one.kind], SHOWN_UNITS[one.kind]) if _in_si(result) else f"{one.kind} (file's own)"
-        for one in result.spectra
+        headed(name, KIND_UNITS[kind], SHOWN_UNITS[kind]) if _in_si(result) else f"{name} (file's own)"
+        for name, kind, _ in shown_values
     ]
     rows: list[list[Cell]] = []
     for k in range(0, len(frequency), step):
-        values = [(one.kind, float(one.side(result.side)[k])) for one in result.spectra]
+        values = [(kind, float(column[k])) for _, kind, column in shown_values]
         cells = [
             written(shown(value, KIND_UNITS[kind], SHOWN_UNITS[kind]) if _in_si(result) else value)
             for kind, value in values

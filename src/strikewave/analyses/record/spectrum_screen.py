@@ -10,6 +10,7 @@ from typing import Any, ClassVar
 from strikewave.analyses.record.result import name_of
 from strikewave.analyses.record.spectrum import KIND_UNITS, SHOWN_UNITS, SpectrumRequest, SpectrumResult
 from strikewave.analyses.record.spectrum_question import FilesAsked, spectra_of
+from strikewave.analyses.record.verdicts.judged_spectra import SpectraJudge, print_spectra_verdict
 from strikewave.base.result import Source
 from strikewave.reporting import measured_files as measured
 from strikewave.reporting.layout import KEY, MAIN, MORE, numerals
@@ -26,7 +27,9 @@ SHOWN_ROWS = 24
 """Rows of the table on the screen, which it shows at once; the files have all."""
 
 
-def compute_spectra(asked: FilesAsked, wanted: SpectrumRequest, output: Output) -> int:
+def compute_spectra(
+    asked: FilesAsked, wanted: SpectrumRequest, output: Output, judge: SpectraJudge | None = None
+) -> int:
     """Compute the spectra of files, write and print them, and return the exit code.
 
     Raises
@@ -38,8 +41,8 @@ def compute_spectra(asked: FilesAsked, wanted: SpectrumRequest, output: Output) 
     paths = [Path(measured.shown(file)) for file in asked.files]
     name = name_of(paths)
     usual = f"srs-{name}"
-    origin = measured.source_of("records", name, paths if output.writes(usual) else [], output.stated_test())
-    return run_and_write(SrsCommand(asked, wanted, origin), output, usual, origin.text)
+    origin = measured.source_of_records(name, paths, output, usual)
+    return run_and_write(SrsCommand(asked, wanted, origin, judge), output, usual, origin.text)
 
 
 @dataclass(frozen=True)
@@ -51,10 +54,13 @@ class SrsCommand(Command[SpectrumResult]):
     asked: FilesAsked
     wanted: SpectrumRequest
     origin: Source
+    judge: SpectraJudge | None = None
 
     def solve(self) -> SpectrumResult:
         """Return the spectra, the baselines of the records taken off."""
-        return spectra_of(self.asked, self.wanted, self.origin)
+        if self.judge is None:
+            return spectra_of(self.asked, self.wanted, self.origin)
+        return self.judge.judged(spectra_of(self.asked, self.judge.wanted(self.wanted), self.origin))
 
     def summary(self, result: SpectrumResult) -> str:
         """Say where the spectrum is largest."""
@@ -63,7 +69,9 @@ class SrsCommand(Command[SpectrumResult]):
         return spectrum_words(result)
 
     def show(self, result: SpectrumResult) -> None:
-        """Print every so many of the frequencies."""
+        """Print the verdict, and every so many of the frequencies."""
+        if result.verdict is not None:
+            print_spectra_verdict(result.verdict)
         _print(result)
 
     def draw(self, result: SpectrumResult, folder: Path) -> list[str]:

@@ -7,7 +7,8 @@ from typing import Annotated, Literal
 import typer
 
 from strikewave.analyses.record.filter_options import FilterOptions
-from strikewave.analyses.record.rolling_window import Rolling, read_rolling
+from strikewave.analyses.record.rolling_window import ALLOWED_Q, Rolling, read_rolling
+from strikewave.analyses.record.verdicts.options import SpecificationOptions
 from strikewave.reporting import measured_files as measured
 from strikewave.reporting.options import Output, Typed, bare_number, one_of, parsed, quantity
 
@@ -22,7 +23,7 @@ def command(
         float,
         bare_number(
             "--q",
-            allowed="a quality factor above zero, or inf",
+            allowed=ALLOWED_Q,
             help="Quality factor 1 / (2 damping ratio), or inf; 10 by default.",
         ),
     ] = 10.0,
@@ -94,13 +95,15 @@ def command(
         quantity("--response", si="Hz", help="Natural frequency of an oscillator whose response is written too."),
     ] = None,
     measurement: measured.MeasurementOptions,
+    judging: SpecificationOptions,
     filtering: FilterOptions,
     output: Output,
 ) -> int:
     """Compute shock response spectra.
 
     They are those of a record, its baseline taken off. Of several files, or channels, their envelope is given, and from
-    three on the limit P95/50. With --json, no files are written unless --out is given.
+    three on the limit P95/50. --spec judges each by a specification, which then states frequencies, Q and side. With
+    --json, no files are written unless --out is given. The exit code is 3 where the verdict is FAIL.
     """
     from strikewave.analyses.record.spectrum import SpectrumOptions, SpectrumRequest
     from strikewave.analyses.record.spectrum_question import FilesAsked
@@ -111,4 +114,4 @@ def command(
     options = SpectrumOptions(initial, rms, resultant, response, rolling)
     wanted = SpectrumRequest(q, frequency, (low, high, per_octave), kinds, side, part, end, options)
     asked = FilesAsked(files, measurement.calibration(), measurement.reading(), filtering.on(Request()))
-    return compute_spectra(asked, wanted, output)
+    return compute_spectra(asked, wanted, output, judging.spectra_judge())

@@ -8,13 +8,16 @@ from collections.abc import Sequence
 from strikewave.analyses.record.response_chapter import response_words
 from strikewave.analyses.record.result import RecordResult
 from strikewave.analyses.record.tables import amount, between, called, percent, rows_of, short_names, unit_of
+from strikewave.analyses.record.verdicts.words import sentence
 from strikewave.records.campaign import Campaign
 from strikewave.records.health_notice import STATUSES
 from strikewave.records.reading import FileReading
 from strikewave.reporting.numbers import listed
 
 MOST_REASONS = 4
-"""Bad records whose reason the summary gives: more are counted, and stand in the table of findings."""
+"""Reasons of bad records that the summary gives: more are counted, and stand in the table of findings."""
+MOST_NAMED = 4
+"""Files that a line names; the others are counted."""
 
 
 def counted(files: Sequence[FileReading]) -> list[str]:
@@ -29,7 +32,8 @@ def record_words(result: RecordResult) -> str:
     names = short_names([file.path for file in files])
     if not files:
         return "No file was read."
-    words = [f"{len(files)} files: {listed(counted(files))}." if len(files) != 1 else f"One file, {files[0].status}."]
+    words = [] if result.verdict is None else [sentence(result.verdict, names)]
+    words += [f"{len(files)} files: {listed(counted(files))}." if len(files) != 1 else f"One file, {files[0].status}."]
     for campaign in campaigns:
         words.append(_campaign_words(campaign, unit_of(files, campaign), len(campaigns) > 1))
     answers = response_words(files)
@@ -39,11 +43,27 @@ def record_words(result: RecordResult) -> str:
     for file, reading in rows_of(files):
         harmful = [f for f in reading.findings if f.severity == "bad"]
         bad += [(names[file.path] + (f", {reading.channel.name}," if several else ""), harmful[0])] if harmful else []
-    for name, finding in bad[:MOST_REASONS]:
-        words.append(f"{name} is bad: {finding.message}.")
-    if len(bad) > MOST_REASONS:
-        words.append(f"{len(bad) - MOST_REASONS} more records are bad, see below.")
+    reasons: dict[str, list[str]] = {}
+    for name, finding in bad:
+        reasons.setdefault(finding.message, []).append(name)
+    for message, where in list(reasons.items())[:MOST_REASONS]:
+        words.append(f"{named(where).rstrip(',')} {'are' if len(where) > 1 else 'is'} bad: {message}.")
+    more = sum(map(len, list(reasons.values())[MOST_REASONS:]))
+    if more:
+        words.append(f"{more} more record{'s are' if more > 1 else ' is'} bad, see below.")
     return " ".join(words)
+
+
+def named(files: Sequence[str]) -> str:
+    """Return names of files, or the first of many and how many more there are.
+
+    Examples
+    --------
+    >>> named(["a.csv", "b.csv"]), named([f"{k}.csv" for k in range(9)])
+    ('a.csv and b.csv', '0.csv, 1.csv, 2.csv, 3.csv and 5 more')
+    """
+    more = len(files) - MOST_NAMED
+    return listed(list(files)) if more < 2 else f"{', '.join(files[:MOST_NAMED])} and {more} more"
 
 
 def _of_blows(count: int) -> str:

@@ -97,16 +97,18 @@ def _file_notices(run: BarRun) -> list[Notice]:
         return []
     notices = []
     if not load.told:
-        message = f"the load file names no unit: taken as N and s, {load.largest:.4g} N over {load.duration:.4g} s"
+        message = (
+            f"the load file names no unit: taken as N and s, {load.largest:.4g}\xa0N over {load.duration:.4g}\xa0s"
+        )
         notices.append(Notice("load-unit", message, load.largest, 0.0))
     if load.duration > LONGER * run.duration:
-        message = f"the load lasts {load.duration:.4g} s, the run {run.duration:.4g} s: most of it is ignored"
+        message = f"the load lasts {load.duration:.4g}\xa0s, the run {run.duration:.4g}\xa0s: most of it is ignored"
         notices.append(Notice("load-long", message, load.duration, run.duration))
     begins = abs(float(load.values[0]))
     if load.kind != "speed" and begins > LOAD_OFFSET * load.largest:
         message = (
-            f"the load begins with {begins:.4g} N, {percent(begins / load.largest, 1)} of its largest: it jumps there; "
-            "subtract the baseline, and cut the record at the onset of the blow"
+            f"the load begins with {begins:.4g}\xa0N, {percent(begins / load.largest, 1)} of its largest: it jumps "
+            "there; subtract the baseline, and cut the record at the onset of the blow"
         )
         notices.append(Notice("load-offset", message, begins, LOAD_OFFSET * load.largest))
     return notices
@@ -117,13 +119,13 @@ def _longer_load(run: BarRun) -> Iterator[Notice]:
     load = run.load
     if isinstance(load, LoadPulse) and load.duration > run.duration:
         message = (
-            f"the load lasts {load.duration * 1e6:.4g} us and the run {run.duration * 1e6:.4g} us: what is shown is "
-            "the begin of the blow; raise solver.duration, or shorten load.duration"
+            f"the load lasts {load.duration * 1e6:.4g}\xa0us and the run {run.duration * 1e6:.4g}\xa0us: what is shown "
+            "is the begin of the blow; raise solver.duration, or shorten load.duration"
         )
         yield Notice("load-long", message, load.duration, run.duration)
     if isinstance(load, Impactor) and run.touches.size and run.touches[-1, 1] >= run.duration:
         message = (
-            f"the striker still touches at the end of the run, {run.duration * 1e6:.4g} us: its impulse and rebound "
+            f"the striker still touches at the end of the run, {run.duration * 1e6:.4g}\xa0us: its impulse and rebound "
             "are not those of the whole blow; raise solver.duration"
         )
         yield Notice("contact-not-over", message, float(run.touches[-1, 1]), run.duration)
@@ -135,7 +137,8 @@ def _unresolved(channels: Sequence[SensorChannel], step: float) -> Iterator[Noti
         period = shortest_period([channel])
         if period < FEWEST_SAMPLES * step:
             message = (
-                f"sensor {channel.sensor.name} answers up to {1e-3 / period:.4g} kHz, but what it feels is kept every "
+                f"sensor {channel.sensor.name} answers up to {1e-3 / period:.4g}\xa0kHz, but what it feels is kept "
+                "every "
                 f"{step * 1e9:.4g} ns: its reading of steep fronts is low; leave solver.step out, or take one below "
                 f"{period / FEWEST_SAMPLES * 1e9:.3g} ns and a shorter solver.duration"
             )
@@ -158,8 +161,8 @@ def _not_reached(run: BarRun, taps: Sequence[tuple[str, Tap]], accuracy: tuple[f
     late = [(name, time) for name, time in late if time > run.duration]
     if not late:
         return []
-    names = ", ".join(f"{name} ({time * 1e6:.4g} us)" for name, time in late)
-    message = f"the run of {run.duration * 1e6:.4g} us ends before the wave arrives at {names}"
+    names = ", ".join(f"{name} ({time * 1e6:.4g}\xa0us)" for name, time in late)
+    message = f"the run of {run.duration * 1e6:.4g}\xa0us ends before the wave arrives at {names}"
     return [Notice("not-reached", message, run.duration, max(time for _, time in late))]
 
 

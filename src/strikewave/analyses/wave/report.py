@@ -4,15 +4,15 @@ from __future__ import annotations
 
 import dataclasses
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, NamedTuple
 
 from strikewave.analyses.wave.field import field_of_solution
 from strikewave.reporting import chapters
 from strikewave.reporting.bands import band_sections, bands_of
 from strikewave.reporting.curves import Trace, traces
+from strikewave.reporting.layout import KEY, MORE
 from strikewave.reporting.numbers import (
-    fixed,
     fixed_within,
     headed,
     listed,
@@ -23,7 +23,7 @@ from strikewave.reporting.numbers import (
     with_band,
     with_unit,
 )
-from strikewave.reporting.parts import NONE, Cell, Flow, Part, Picture, Section, Table, Tag, written
+from strikewave.reporting.parts import NONE, Flow, Part, Picture, Section, Table, Tag, written
 from strikewave.reporting.stack_chapters import (
     MOST_LAYERS,
     field_pictures,
@@ -32,6 +32,7 @@ from strikewave.reporting.stack_chapters import (
     route_section,
     sensor_part,
 )
+from strikewave.reporting.table_columns import TableColumn, page_table
 from strikewave.reporting.wave_curves import staircase_diagram
 from strikewave.reporting.wave_field import WaveField, sandwiched
 
@@ -39,6 +40,7 @@ if TYPE_CHECKING:
     from strikewave.analyses.wave.result import WaveSolution
     from strikewave.base.result import Band
     from strikewave.cases.case import Case
+    from strikewave.sensors.channel import SensorPulse
 
 
 _SINCE_LOAD = "time after the start of the load"
@@ -50,8 +52,6 @@ _TAP_UNITS: Sequence[tuple[str, str, str, int]] = (
     ("acceleration", "m/s^2", "g", 0),
 )
 """What a tap shows, its SI unit, the unit shown as a rule, and decimals."""
-TAP_HEADS = ("tap", "route", "layer", "position", *(f"{what} ({usual})" for what, _, usual, _ in _TAP_UNITS))
-"""With usual units, as `shown_heads` takes them."""
 MOST_OPENINGS = 5
 """Openings, and closings, of a joint that a table lists (chosen: a row stays one line; the JSON has them all)."""
 MOST_CURVES = 4
@@ -86,18 +86,51 @@ def tap_peaks(solution: WaveSolution, k: int) -> list[TapPeak]:
     return [TapPeak(one[0], values[one[0]], bands[one[0]], *one[1:]) for one in _TAP_UNITS]
 
 
-def tap_rows(solution: WaveSolution) -> list[list[str]]:
-    """Return a row a tap with its largest values, for the route of the case."""
+class TapRow(NamedTuple):
+    """A tap: its name, the route, its layer and place in it, and what it shows at most."""
+
+    name: str
+    route: str
+    layer: str
+    position: float
+    peaks: Mapping[str, TapPeak]
+
+
+def tap_rows(solution: WaveSolution) -> list[TapRow]:
+    """Return a row a tap, for the route of the case."""
+    layers = solution.run.stack.layers
     return [
-        [
-            name,
-            solution.route,
-            solution.run.stack.layers[tap.layer].name,
-            f"{tap.position:g}",
-            *(peak.shown() for peak in tap_peaks(solution, k)),
-        ]
+        TapRow(name, solution.route, layers[tap.layer].name, tap.position, {p.what: p for p in tap_peaks(solution, k)})
         for k, (name, tap) in enumerate(solution.taps)
     ]
+
+
+def _peak_column(what: str, si: str, usual: str) -> TableColumn[TapRow]:
+    return TableColumn(what, lambda row: row.peaks[what].shown(), si, usual)
+
+
+TAP_COLUMNS: tuple[TableColumn[TapRow], ...] = (
+    TableColumn("tap", lambda row: row.name, priority=KEY, words=True),
+    TableColumn("route", lambda row: row.route, priority=MORE + 1, words=True),
+    TableColumn("layer", lambda row: row.layer, priority=MORE, words=True),
+    TableColumn("position", lambda row: f"{row.position:g}", priority=MORE),
+    *(_peak_column(what, si, usual) for what, si, usual, _ in _TAP_UNITS),
+)
+"""Of the largest values at the taps, for screen and page."""
+
+
+def sensor_columns(band: Mapping[str, Band]) -> tuple[TableColumn[tuple[str, SensorPulse]], ...]:
+    """Return the columns of what sensors, by name, read; with the digits that their bands leave."""
+
+    def peak(row: tuple[str, SensorPulse]) -> str:
+        return fixed_within(row[1].peak, bands_of(band, f"{row[0]} peak"), "m/s^2", "g", 0)
+
+    return (
+        TableColumn("sensor", lambda row: row[0], priority=KEY, words=True),
+        TableColumn("peak", peak, "m/s^2", "g"),
+        TableColumn("pulse width at 10 %", lambda row: row[1].width, "s", "us", decimals=1),
+        TableColumn("clipped", lambda row: Tag("clipped", "bad") if row[1].clipped else Tag("no"), words=True),
+    )
 
 
 def wave_words(solution: WaveSolution) -> str:
@@ -244,19 +277,8 @@ def wave_sections(solution: WaveSolution, quantity: str = "stress") -> list[Sect
             Trace(channel.sensor.name, reading.time, reading.values)
             for channel, reading in zip(solution.channels, solution.readings, strict=True)
         ]
-        pulses: list[list[Cell]] = [
-            [
-                name,
-                fixed_within(pulse.peak, bands_of(solution.band, f"{name} peak"), "m/s^2", "g", 0),
-                fixed(pulse.width, "s", "us", 1),
-                Tag("clipped", "bad") if pulse.clipped else Tag("no"),
-            ]
-            for name, pulse in solution.sensors.items()
-        ]
         picture = traces("Sensor readings", readings, "g", _SINCE_LOAD)
-        table = Table(
-            "Sensor readings", shown_heads("sensor", "peak (g)", "pulse width at 10 % (us)", "clipped"), pulses
-        )
+        table = page_table("Sensor readings", sensor_columns(solution.band), solution.sensors.items())
         sections.append(sensor_part(solution.channels, picture, table))
     tap = next((k for k, (name, _) in enumerate(solution.taps) if (name, "corrected") in solution.routes), None)
     if tap is not None:
@@ -270,10 +292,9 @@ def wave_sections(solution: WaveSolution, quantity: str = "stress") -> list[Sect
 
 def _peak_section(solution: WaveSolution) -> Section:
     """List the peak values at the taps, of contact, masses, joints and layers."""
-    tables = [("Peak values at the taps", shown_heads(*TAP_HEADS), tap_rows(solution)), *wave_tables(solution)]
-    return Section(
-        "Peak values", "", [Table(caption, columns, [list(row) for row in rows]) for caption, columns, rows in tables]
-    )
+    taps = page_table("Peak values at the taps", TAP_COLUMNS, tap_rows(solution))
+    others = [Table(caption, heads, [list(row) for row in rows]) for caption, heads, rows in wave_tables(solution)]
+    return Section("Peak values", "", [taps, *others])
 
 
 def _accuracy_section(solution: WaveSolution) -> Section:

@@ -9,13 +9,12 @@ from pathlib import Path
 from typing import ClassVar
 
 from strikewave.analyses.wave.band import with_bands
-from strikewave.analyses.wave.report import TAP_HEADS, error_words, tap_rows, wave_tables, wave_words
+from strikewave.analyses.wave.report import TAP_COLUMNS, error_words, sensor_columns, tap_rows, wave_tables, wave_words
 from strikewave.analyses.wave.run import WaveSolution, run_wave
 from strikewave.base.compile_progress import compiling_shown
 from strikewave.base.errors import MISSING, InputError
 from strikewave.cases.case import Case, dump_case
-from strikewave.reporting.bands import bands_of
-from strikewave.reporting.layout import MORE, keys, numerals, texts
+from strikewave.reporting.layout import keys, numerals
 from strikewave.reporting.numbers import with_unit
 from strikewave.reporting.options import Output
 from strikewave.reporting.parts import Table
@@ -26,6 +25,7 @@ from strikewave.reporting.terminal import (
     print_bands,
     print_fits,
     print_losses,
+    print_rows,
     progress_bar,
     report_table,
     say_compiling,
@@ -100,11 +100,7 @@ def show(solution: WaveSolution) -> None:
     stack = solution.run.stack
     name, transit = solution.case.name, with_unit(stack.transit, "s", "us")
     tell(f"{name}: {len(stack.layers)} layers, {stack.mass:.4g} kg, transit {transit}", "  ")
-    tap, route, layer, position, *others = TAP_HEADS
-    columns = [*keys(tap), *texts(route, priority=MORE + 1), *texts(layer, priority=MORE)]
-    columns += [*numerals(position, priority=MORE), *numerals(*others)]
-    rows = [[str(cell) for cell in row] for row in tap_rows(solution)]
-    table(f"{solution.title}: largest values at the taps", columns, rows)
+    print_rows(f"{solution.title}: largest values at the taps", TAP_COLUMNS, tap_rows(solution))
     used = [
         [
             layer.name,
@@ -123,17 +119,7 @@ def show(solution: WaveSolution) -> None:
     for caption, heads, listing in wave_tables(solution):
         report_table(Table(caption, heads, listing))
     if solution.channels:
-        read = [
-            [
-                name,
-                number(pulse.peak, "m/s^2", "g", 5, bands_of(solution.band, f"{name} peak")),
-                number(pulse.width, "s", "us", 4),
-                "yes" if pulse.clipped else "no",
-            ]
-            for name, pulse in solution.sensors.items()
-        ]
-        columns = [*keys("sensor"), *numerals("peak (g)", "pulse width at 10 % (us)"), *texts("clipped")]
-        table("What the sensors read", columns, read)
+        print_rows("What the sensors read", sensor_columns(solution.band), solution.sensors.items())
         print_losses(solution.channels)
     print_bands(solution, solution.figures)
     tell(error_words(solution))

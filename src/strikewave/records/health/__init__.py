@@ -14,7 +14,7 @@ from strikewave.records.health.noise import noisy, short_before, uncertain
 from strikewave.records.health.range import clipped, saturated, slew_limited
 from strikewave.records.health.ringing import larger_elsewhere, ringing
 from strikewave.records.health.sampling import aliased, few_samples
-from strikewave.records.health.train import double_hit, missing_blow, rebounds
+from strikewave.records.health.train import double_hit, mains_blips, missing_blow, rebounds
 from strikewave.records.health.zero import ac_coupling, level_step, no_foot, not_settled, velocity_drift, zero_shift
 from strikewave.records.health_notice import FIGURES, HealthNotice, worst_first
 
@@ -43,6 +43,7 @@ CHECKS = (
     rebounds,
     double_hit,
     missing_blow,
+    mains_blips,
 )
 """Every check, in the order of their findings."""
 

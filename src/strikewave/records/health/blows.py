@@ -47,7 +47,7 @@ def cut(record: Examined) -> list[HealthNotice]:
         at_end = record.place(pulse.end) >= record.values.size - 2
         if at_end or math.isnan(pulse.width):
             where = "end" if at_end else "begin"
-            message = f"the blow at {pulse.time:.6g} s is cut by the {where} of the record"
+            message = f"the blow at {pulse.time:.6g}\xa0s is cut by the {where} of the record"
             findings.append(
                 HealthNotice(
                     "cut", message, pulse.time, severity="suspect", harms=BLOW, start=pulse.begin, end=pulse.end
@@ -85,12 +85,14 @@ def beyond_drop_height(record: Examined) -> list[HealthNotice]:
     speed = math.sqrt(2.0 * STANDARD_GRAVITY * record.drop_height)
     change = max(abs(p.velocity_change) for p in record.pulses)
     if change > 2.0 * speed:
-        message = f"the velocity change, {change:.3g} m/s, is above twice the speed of the fall, {2.0 * speed:.3g} m/s"
+        message = (
+            f"the velocity change, {change:.3g}\xa0m/s, is above twice the speed of the fall, {2.0 * speed:.3g}\xa0m/s"
+        )
         return [
             HealthNotice("drop-height", message, change, severity="bad", harms=("peak", "velocity_change", "spectrum"))
         ]
     if change < MISSED_FALL * speed:
-        message = f"the velocity change, {change:.3g} m/s, is below the speed of the fall, {speed:.3g} m/s"
+        message = f"the velocity change, {change:.3g}\xa0m/s, is below the speed of the fall, {speed:.3g}\xa0m/s"
         return [
             HealthNotice(
                 "drop-height", message, change, severity="suspect", harms=("peak", "velocity_change", "spectrum")

@@ -56,15 +56,15 @@ def with_unit(value: float, unit: str) -> str:
     ('1000 g', '3')
     """
     if unit == "m/s^2":
-        return f"{in_unit(value, 'm/s^2', 'g'):.5g} g"
+        return f"{in_unit(value, 'm/s^2', 'g'):.5g}\xa0g"
     if unit == "1":
         return f"{1e6 * value:.5g} ustrain"
     return f"{value:.5g} {unit}".strip()
 
 
 @dataclass(frozen=True, eq=False)
-class Examined:
-    """A uniformly sampled record, with the blows found in it.
+class SampledRecord:
+    """A uniformly sampled record.
 
     Attributes
     ----------
@@ -74,16 +74,38 @@ class Examined:
         Time between samples, and of the first, s.
     unit : str
         SI unit of the values; empty where it is not known.
-    pulses : sequence of RecordedPulse
-        As `find_pulses` gives them.
-    drop_height : float
-        What the fall before the blow was stated to be, m; NaN where it was not.
     """
 
     values: Array
     step: float
     start: float = 0.0
     unit: str = ""
+
+    def text(self, value: float) -> str:
+        """Write a value with its unit: accelerations in g."""
+        return with_unit(value, self.unit)
+
+    def time(self, place: float) -> float:
+        """Return the time of a sample, s."""
+        return self.start + self.step * place
+
+    def place(self, time: float) -> int:
+        """Return the sample nearest to a time, inside the record."""
+        return min(max(round((time - self.start) / self.step), 0), self.values.size - 1)
+
+
+@dataclass(frozen=True, eq=False)
+class Examined(SampledRecord):
+    """A record with the blows found in it; see `SampledRecord`.
+
+    Attributes
+    ----------
+    pulses : sequence of RecordedPulse
+        As `find_pulses` gives them.
+    drop_height : float
+        What the fall before the blow was stated to be, m; NaN where it was not.
+    """
+
     pulses: tuple[RecordedPulse, ...] = ()
     drop_height: float = math.nan
 
@@ -144,15 +166,3 @@ class Examined:
     def noise(self) -> float:
         """Standard deviation of the white noise of a sample."""
         return sample_noise(self.values)
-
-    def text(self, value: float) -> str:
-        """Write a value with its unit: accelerations in g."""
-        return with_unit(value, self.unit)
-
-    def time(self, place: float) -> float:
-        """Return the time of a sample, s."""
-        return self.start + self.step * place
-
-    def place(self, time: float) -> int:
-        """Return the sample nearest to a time, inside the record."""
-        return min(max(round((time - self.start) / self.step), 0), self.values.size - 1)

@@ -26,15 +26,19 @@ HARMONICS = 3
 """Of the mains that are looked for: what rectifiers make besides is small."""
 BESIDE_MAINS = (0.62, 0.8, 1.25, 1.6)
 """Of the frequency of the mains, others at which the record must swing less: hum is a line."""
-FEWEST_PERIODS = 2.5
-"""Of the mains that the quiet parts must span: below, its line is not distinct from a slow motion."""
+FEWEST_PERIODS, CLEAR_PERIODS = 1.2, 2.5
+"""Of the mains that the quiet parts must span: below, a swing is not distinct from a drift; below the second, no line
+is from its neighbours, and the swing must be `SWINGS` from a cubic."""
+SWINGS = 0.1
+"""Share of what a cubic leaves of the quiet parts that the swing leaves of them: both have four parameters or more."""
 A_PERIOD = 30
 """Means of the record a period of the mains: ten a period of its third harmonic."""
 MOST_MEANS = 6000
 """Means that are looked at: two hundred periods tell enough."""
-AROUND_BLOW = 1.0, 20.0
-"""Widths before a blow, and after it, that are not quiet."""
-EXPLAINED = 0.6
+BEFORE_BLOW, AFTER_BLOW = 1.0, (20.0, 3.0)
+"""Widths before a blow, and after it, that are not quiet: what rings dies out within the first, and where too little is
+left, within the second if hum explains more."""
+EXPLAINED = (0.6, 0.9)
 """Share of the swing of the quiet parts, before the first blow and after it, that hum must explain."""
 NOTED_HUM = 0.01
 """Amplitude of hum over the peak from which on it is worth a word."""
@@ -53,17 +57,16 @@ def noisy(record: Examined) -> list[HealthNotice]:
 
 def uncertain(record: Examined) -> list[HealthNotice]:
     """Find noise of any colour, or hum, that moves the figures of a blow, from what it does before the blow."""
-    if not record.pulses:
-        return []
     worst: dict[str, float] = {}
     for pulse in record.pulses:
         for name, effect in _effects(record, pulse).items():
             worst[name] = max(worst.get(name, 0.0), effect)
     hum = mains_hum(record)
-    peak = min(abs(pulse.peak) for pulse in record.pulses)
-    if hum is not None and hum[1] > NOTED_HUM * peak:
+    peak = min((abs(pulse.peak) for pulse in record.pulses), default=math.nan)
+    if hum is not None and not hum[1] <= NOTED_HUM * peak:
         frequency, amplitude = hum
-        message = f"hum of {frequency:g} Hz, {amplitude / peak:.1%} of the peak"
+        share = f", {amplitude / peak:.1%} of the peak" if record.pulses else f" and {record.text(amplitude)}"
+        message = f"hum of {frequency:g}\xa0Hz{share}"
         return [by_effect("hum", message, amplitude, worst, signed=False)]
     if max(worst.values(), default=0.0) < NOTED_NOISE:
         return []
@@ -117,37 +120,61 @@ def hum_beside(
     """Return frequency and amplitude of the hum of the mains beside blows from begin to end; None for none."""
     size = max(round(1.0 / (max(MAINS) * A_PERIOD * step)), 1)
     count = min(values.size // size, MOST_MEANS)
-    if count * size * step < FEWEST_PERIODS / max(MAINS):
-        return None
     means = values[: count * size].reshape(count, size).mean(axis=1)
     middles = size * np.arange(count) + 0.5 * (size - 1)
     time = np.asarray(start + step * middles, dtype=np.float64)
-    quiet, before = np.ones(count, dtype=bool), np.zeros(count, dtype=bool)
-    for begin, end in spans:
-        span = max(end - begin, step)
-        quiet &= (time < begin - AROUND_BLOW[0] * span) | (time > end + AROUND_BLOW[1] * span)
-    if spans:
-        before = time < spans[0][0]
-    if np.count_nonzero(quiet) * size * step < FEWEST_PERIODS / max(MAINS):
-        return None
+    first = min((begin for begin, _ in spans), default=-math.inf)
+    for after, explained in zip(AFTER_BLOW, EXPLAINED, strict=True):
+        quiet = np.ones(count, dtype=bool)
+        for begin, end in spans:
+            span = max(end - begin, step)
+            quiet &= (time < begin - BEFORE_BLOW * span) | (time > end + after * span)
+        periods = np.count_nonzero(quiet) * size * step * max(MAINS)
+        if periods >= CLEAR_PERIODS:
+            return _line_of_mains(first, time, means, quiet, explained)
+    return _swing_of_mains(first, time, means, quiet) if periods >= FEWEST_PERIODS else None
+
+
+def _line_of_mains(
+    first: float, time: Array, means: Array, quiet: NDArray[np.bool_], least: float
+) -> tuple[float, float] | None:
+    """Return frequency and amplitude of the line of the mains that the quiet parts swing in most; None without one."""
     best: tuple[float, float] | None = None
     for frequency in MAINS:
         fitted, amplitude = _swing(time, means, quiet, frequency)
         others = [_swing(time, means, quiet, frequency * share)[1] for share in BESIDE_MAINS]
-        parts = [part for part in (quiet & before, quiet & ~before) if np.count_nonzero(part) >= A_PERIOD // 2]
-        explained = [_explained(means[part], fitted[part]) for part in parts]
-        if (
-            amplitude > max(others)
-            and min(explained, default=0.0) > EXPLAINED
-            and (best is None or amplitude > best[1])
-        ):
+        explained = _explained_of_parts(first, time, means, quiet, fitted)
+        if amplitude > max(others) and explained > least and (best is None or amplitude > best[1]):
             best = frequency, amplitude
     return best
 
 
-def _swing(time: Array, means: Array, chosen: NDArray[np.bool_], frequency: float) -> tuple[Array, float]:
+def _swing_of_mains(first: float, time: Array, means: Array, quiet: NDArray[np.bool_]) -> tuple[float, float] | None:
+    """Return the one of the mains that explains a few quiet parts; None where a cubic does about as well."""
+    scaled = (time - time[0]) / (time[-1] - time[0])
+    cubic = np.polynomial.polynomial.polyfit(scaled[quiet], means[quiet], 3)
+    bent = float(np.sum((means - np.polynomial.polynomial.polyval(scaled, cubic))[quiet] ** 2))
+    best: tuple[float, float] | None = None
+    for frequency in MAINS:
+        fitted, amplitude = _swing(time, means, quiet, frequency, 1)
+        left = float(np.sum((means - fitted)[quiet] ** 2))
+        if left < SWINGS * bent and _explained_of_parts(first, time, means, quiet, fitted) > max(EXPLAINED):
+            best, bent = (frequency, amplitude), left / SWINGS
+    return best
+
+
+def _explained_of_parts(first: float, time: Array, means: Array, quiet: NDArray[np.bool_], fitted: Array) -> float:
+    """Return the share that a swing explains of the quiet parts before the first blow and after it, the smaller."""
+    before = time < first
+    parts = [part for part in (quiet & before, quiet & ~before) if np.count_nonzero(part) >= A_PERIOD // 2]
+    return min((_explained(means[part], fitted[part]) for part in parts), default=0.0)
+
+
+def _swing(
+    time: Array, means: Array, chosen: NDArray[np.bool_], frequency: float, harmonics: int = HARMONICS
+) -> tuple[Array, float]:
     """Return the best swing of a frequency with its harmonics about a constant, and its amplitude."""
-    angles = 2.0 * np.pi * frequency * np.outer(np.arange(1, HARMONICS + 1), time)
+    angles = 2.0 * np.pi * frequency * np.outer(np.arange(1, harmonics + 1), time)
     columns = np.vstack([np.ones(time.size), np.cos(angles), np.sin(angles)]).T
     solution = np.linalg.lstsq(columns[chosen], means[chosen], rcond=None)[0]
     swings = columns[:, 1:] @ solution[1:]

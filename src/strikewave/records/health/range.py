@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from strikewave.records.health.examined import BLOW, Examined
 from strikewave.records.health_notice import HealthNotice
 from strikewave.records.measuring import RecordedPulse
+from strikewave.signal.pulse import crossing
 
 Array = NDArray[np.float64]
 
@@ -26,9 +27,11 @@ ROUNDEST = (0.5 * math.pi - math.asin(TIP)) / (0.5 * math.pi - math.asin(UPPER))
 
 A linear spring makes a half-sine. Contacts, felt and foam stiffen as they are pressed, and make more pointed pulses;
 only what yields, is made to be flat, or is compressed by an amplifier has a flatter top."""
+MOST_POINTED = 4.0
+"""Power of a sine beyond which pulses that have such flanks have no more pointed tips."""
 FLATTER = 0.02
 """By how much a top is flatter before it is suspect: the tip of a sin^0.7 is by as much; a limit that takes 5 % off a
-half-sine makes 0.06."""
+half-sine, a haversine or a pulse of Hertz makes 0.05 to 0.06."""
 TIP_BY_PEAK = 1.8
 """Change of that ratio with the share by which the peak is off: of sin^0.7 to sin^3, 1.81 to 1.62."""
 SURE = 3.0
@@ -86,7 +89,8 @@ def clipped(record: Examined) -> list[HealthNotice]:
         struck = [p for p in record.pulses if np.any((at >= record.place(p.begin)) & (at <= record.place(p.end)))]
         where = f"in {len(struck)} of {len(record.pulses)} blows" if struck else "outside the blows"
         message = (
-            f"clipped at {record.text(level)} for {at.size * record.step * 1e6:.4g} us {where}: the true peak is larger"
+            f"clipped at {record.text(level)} for {at.size * record.step * 1e6:.4g}\xa0us {where}: the true peak "
+            "is larger"
         )
         severity, harms = ("bad", BLOW) if struck else ("suspect", ("ringing_frequency", "spectrum"))
         begin, end = record.time(int(at[0])), record.time(int(at[-1]))
@@ -106,12 +110,13 @@ def saturated(record: Examined) -> list[HealthNotice]:
         white = pulse.noise * math.sqrt((BENDS + 1.0) * record.step / pulse.width)
         ripple = 0.0 if math.isnan(pulse.baseline.ripple) else pulse.baseline.ripple
         doubt = TIP_BY_PEAK * (SURE * max(white, ripple) + _swing_to_both_sides(record, pulse)) / abs(pulse.peak)
-        if not sharpness > ROUNDEST + FLATTER + doubt:
+        usual = usual_tip(record, pulse)
+        if not sharpness > usual + FLATTER + doubt:
             continue
         message = (
-            f"the top is flat: {sharpness:.0%} as wide at {TIP:.0%} of the peak as at {UPPER:.0%} (a half-sine's "
-            f"{ROUNDEST:.0%}), so that sensor or amplifier may be near its limit; a pulse that is meant to be flat, or "
-            "made by yielding, cannot be told from it"
+            f"the top is flat: {sharpness:.0%} as wide at {TIP:.0%} of the peak as at {UPPER:.0%} (an elastic pulse's "
+            f"{usual:.0%}): sensor or amplifier may be near its limit; a pulse that is meant to be flat, or made by "
+            "yielding, cannot be told from it"
         )
         higher = _half_sine_of_flanks(record, pulse) - 1.0
         if higher > WRONG:
@@ -136,7 +141,7 @@ def slew_limited(record: Examined) -> list[HealthNotice]:
             continue
         sides = "one side is" if own_slope else "its sides are"
         message = (
-            f"the blow at {pulse.time:.6g} s: {sides} straight over {OVER:.0%} of the peak, at "
+            f"the blow at {pulse.time:.6g}\xa0s: {sides} straight over {OVER:.0%} of the peak, at "
             f"{record.text(1e-6 * steep.slope)} a us, where a smooth pulse is curved: the amplifier may be too slow "
             "(slew rate), unless the pulse is meant to be straight; the true peak may be larger, the width smaller"
         )
@@ -209,6 +214,31 @@ def tip_of(record: Examined, pulse: RecordedPulse) -> float:
     highest = float(np.max(bent))
     tip, upper = (int(np.count_nonzero(bent >= share * highest)) for share in (TIP, UPPER))
     return tip / upper
+
+
+def usual_tip(record: Examined, pulse: RecordedPulse) -> float:
+    """Return the width of the tip over that of the upper half that a power of a sine has with the flanks of a pulse.
+
+    At least a half-sine: from it on, the longer the feet, the more pointed the tip.
+
+    Examples
+    --------
+    >>> from strikewave.records.measuring import find_pulses
+    >>> values = np.sin(np.pi * np.clip(np.arange(900.0) / 80.0 - 5.0, 0.0, 1.0)) ** 2
+    >>> [pulse] = find_pulses(values, 1e-6)
+    >>> round(tip_of(Examined(values, 1e-6), pulse), 2), round(usual_tip(Examined(values, 1e-6), pulse), 2)
+    (0.41, 0.41)
+    """
+    heights = _above_zero(record, pulse) / abs(pulse.peak)
+    top = record.place(pulse.time) - record.place(pulse.begin)
+    ends = [[crossing(heights, top, share, side) for side in (-1, 1)] for share in (LOW, UPPER)]
+    low, upper = (right - left for left, right in ends)
+    powers = np.linspace(1.0, MOST_POINTED, FINE)
+    tips, uppers, lows = (np.arccos(share ** (1.0 / powers)) for share in (TIP, UPPER, LOW))
+    share = upper / low if low > 0.0 else math.nan
+    if math.isnan(share):
+        return ROUNDEST
+    return float(np.interp(-share, -uppers / lows, tips / uppers))
 
 
 def _half_sine_of_flanks(record: Examined, pulse: RecordedPulse) -> float:

@@ -17,15 +17,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from strikewave.records.correlation import alike_as_one
-from strikewave.records.health.examined import with_unit
+from strikewave.records.health.examined import SampledRecord
 from strikewave.records.health.noise import COVERAGE, NOTED_HUM, NOTED_NOISE, hum_beside
 from strikewave.records.health.range import rail
 from strikewave.records.health.sampling import folded_level
 from strikewave.records.health_notice import HARMED, RESPONSE_FIGURES, HealthNotice, by_effect, worst_first
 from strikewave.records.modes import FEWEST
 from strikewave.records.pulses import MAD_TO_SIGMA, sample_noise
-from strikewave.records.response import EFFECTIVE, ROUND, BaseBlow, MeasuredResponse, measure_responses
+from strikewave.records.response import EFFECTIVE, ROUND, BaseBlow, MeasuredResponse, measure_responses, zero_before
 from strikewave.signal.coupling import ac_uncoupled
+from strikewave.signal.oscillators import acceleration, recursion
 
 Array = NDArray[np.float64]
 
@@ -37,8 +38,8 @@ JUMPING = ("delay", "duration", "rms")
 """Figures that jump by half a swing, or by what it holds, where two tops, or a top and the level, differ by less than
 the noise: they are then withheld, and the channel is not suspect for it."""
 FLATTER, FLAT_ALONE, SAME_LEVEL = 0.12, 0.3, 0.02
-"""Shares of a half swing by which its top is flatter than that of a sine: where the next highest is so too, within this
-share of its height; and where it stands alone. Modes together make a flat top now and then, but not two alike."""
+"""Shares of a half swing by which the highest tops are flatter than that of a sine: half of those within this share of
+the height, and one that stands alone. Modes together make a flat top now and then, but not several alike."""
 TOP, NOISES_OF_TOP, DEEPEST_TOP = 0.02, 4.0, 0.5
 """What counts as top: 2 % of it below it and four standard deviations of noise, at most half of it."""
 HIGH_TOPS = 0.5
@@ -49,9 +50,8 @@ COARSE = 0.02
 """Half a step of the converter over the peak from which on it is worth a word."""
 UNIQUE = 1e-9
 """Share of the span below which two values are one: the rounding of a calibration."""
-SLOPED, SHIFTED = 5.0, 25.0
-"""Standard errors of a slope before the blow; and times its own variance that a shift after it must explain: five
-standard errors."""
+SLOPED, SHIFTED = 5.0, 5.0
+"""Standard errors of a slope before the blow, and of a shift after it, that are some."""
 NOTED_ZERO, LARGE_ZERO = 0.05, 0.5
 """Shares of the peak at which an offset that is taken off is noted, and at which the range was ill used."""
 NOTED_SHIFT = 0.01
@@ -66,34 +66,31 @@ FEW, TOO_FEW = 8.0, 6.0
 """Samples of a swing at which a parabola through three may miss 0.9 and 2.6 % of a top; below six none is round."""
 COUNTS = 0.2
 """Share of the peak that a mode must have for its samples to count."""
+LOWER, FEWEST_OF_TOPS = 0.6, 4
+"""Share of the peak below which a limit that takes 5 % off it leaves the samples as they are, and samples above it."""
+MISSES = 3.0
+"""Times what the modes miss of the lower samples that the tops must lack."""
 SPIKE = 0.4
 """Share of itself by which a top stands off the cubic through its neighbours: a sine of five samples has 0.32."""
 
 
 @dataclass(frozen=True, eq=False)
-class ExaminedResponse:
-    """A uniformly sampled response channel, with what was measured of it.
+class ExaminedResponse(SampledRecord):
+    """A response channel with what was measured of it; see `SampledRecord`.
 
     Attributes
     ----------
-    values : ndarray
-        Finite samples.
-    step, start : float
-        Time between samples, and of the first, s.
-    unit : str
-        SI unit of the values; empty where it is not known.
     blows : sequence of BaseBlow
         Of the base.
     responses : sequence of MeasuredResponse
-        As `measure_responses` gives them.
+        As `measure_responses` gives them: at least one.
+    base : ndarray or None
+        Samples of the base, at the same times; None where they are not.
     """
 
-    values: Array
-    step: float
-    start: float
-    unit: str
-    blows: Sequence[BaseBlow]
-    responses: Sequence[MeasuredResponse]
+    blows: Sequence[BaseBlow] = ()
+    responses: Sequence[MeasuredResponse] = ()
+    base: Array | None = None
 
     @cached_property
     def largest(self) -> MeasuredResponse:
@@ -120,8 +117,8 @@ class ExaminedResponse:
         """Standard deviation of what lies before the first blow, of any colour; where little does, of white noise."""
         if self.first < FEWEST:
             return sample_noise(self.values)
-        before = self.above[: self.first]
-        return max(MAD_TO_SIGMA * float(np.median(np.abs(before))), sample_noise(self.values))
+        rounding = _resolution(self.values) / math.sqrt(12.0)
+        return max(MAD_TO_SIGMA * float(np.median(np.abs(self.above[: self.first]))), rounding)
 
     @cached_property
     def period(self) -> float:
@@ -133,19 +130,30 @@ class ExaminedResponse:
         crossings = int(np.count_nonzero(np.diff(np.signbit(part))))
         return 2.0 * max(one.duration, self.step) / max(crossings, 1)
 
-    def place(self, time: float) -> int:
-        """Return the sample nearest to a time, inside the record."""
-        return min(max(round((time - self.start) / self.step), 0), self.values.size - 1)
-
     def span(self, one: MeasuredResponse) -> tuple[int, int]:
         """Return first sample of what follows a blow, and the one after the last."""
         begin = self.place(self.blows[one.blow - 1].begin)
         later = [self.place(blow.begin) for blow in self.blows if blow.begin > self.blows[one.blow - 1].begin]
         return begin, min(later, default=self.values.size)
 
-    def text(self, value: float) -> str:
-        """Write a value with its unit: accelerations in g."""
-        return with_unit(value, self.unit)
+    def driven(self, end: int) -> Array | None:
+        """Return the base up to a sample, and what it makes of each mode there; None where there is no base beside it.
+
+        Ramp-invariant, as shock response spectra are.
+        """
+        from scipy.signal import lfilter
+
+        if self.base is None or self.base.size != self.values.size or not self.largest.modes:
+            return None
+        base = self.base[:end] - zero_before(self.base, self.first)
+        columns = [base]
+        for mode in self.largest.modes:
+            natural = 2.0 * math.pi * mode.frequency / math.sqrt(1.0 - mode.damping**2)
+            w = np.array([natural * self.step])
+            decay, stiffness, *weights = recursion(w, mode.damping, acceleration(w, mode.damping))
+            poles = [1.0, float(stiffness[0] - 1.0 - decay[0]), float(decay[0])]
+            columns.append(lfilter([float(weight[0]) for weight in weights], poles, base))
+        return np.stack(columns, axis=1)
 
     def against(self, values: Array) -> dict[str, float]:
         """Return what the figures are off against those of other values, the largest of all blows."""
@@ -225,7 +233,7 @@ def clipped(record: ExaminedResponse) -> list[HealthNotice]:
             level = float(record.values[at[0]])
             lasts = at.size * record.step * 1e6
             message = f"clipped at {record.text(level)} for {lasts:.4g} us: the true peak is larger"
-            begin, end = (record.start + record.step * int(k) for k in (at[0], at[-1]))
+            begin, end = (record.time(int(k)) for k in (at[0], at[-1]))
             findings.append(
                 HealthNotice("clipped", message, level, severity="bad", harms=RESPONSE_FIGURES, start=begin, end=end)
             )
@@ -243,6 +251,39 @@ def saturated(record: ExaminedResponse) -> list[HealthNotice]:
         "amplifier may have saturated; the true peak is larger"
     )
     return [HealthNotice("flat-top", message, flat[0], harms=RESPONSE_FIGURES, start=record.largest.time)]
+
+
+def compressed(record: ExaminedResponse) -> list[HealthNotice]:
+    """Find tops that are lower than the modes, driven by the base, would make them: a limit that is soft.
+
+    Fitted are the base and the absolute accelerations of the modes on it to the samples below `LOWER` of the peak, so
+    that only the level is carried on. What they miss of these is the doubt.
+    """
+    one = record.largest
+    begin, end = record.span(one)
+    end = min(end, record.place(one.decay[1]) + 1)
+    through = record.driven(end)
+    if through is None:
+        return []
+    values = record.above[begin:end]
+    low = np.abs(values) < LOWER * abs(one.peak)
+    if np.count_nonzero(~low) < FEWEST_OF_TOPS or np.count_nonzero(low) < FEWEST:
+        return []
+    columns = through[begin:end]
+    shares = np.linalg.lstsq(columns[low], values[low], rcond=None)[0]
+    model = columns @ shares
+    missed = math.sqrt(float(np.mean((model - values)[low] ** 2))) / abs(one.peak)
+    lost = 1.0 - abs(one.peak) / float(np.max(np.abs(model)))
+    short = float(np.mean(((model - values) * np.sign(values))[~low])) / abs(one.peak)
+    if not (lost > max(NOTED_NOISE, MISSES * missed) and short > missed):
+        return []
+    message = (
+        "the highest tops are lower than what the base makes of the modes that fit the lower samples: the sensor or an "
+        "amplifier may have saturated"
+    )
+    effects = {**record.moved_by(lost * abs(one.peak)), "peak": -lost}
+    found = _finding("flat-top", message, lost, effects, start=one.time)
+    return [dataclasses.replace(found, harms=RESPONSE_FIGURES) if found.severity != "good" else found]
 
 
 def slew_limited(record: ExaminedResponse) -> list[HealthNotice]:
@@ -264,7 +305,7 @@ def slew_limited(record: ExaminedResponse) -> list[HealthNotice]:
 
 
 def _flat(values: Array, noise: float) -> tuple[float, float] | None:
-    """Return for how much of its half swing the highest top is flat, and a sine's is; None where it is not flatter."""
+    """Return for how much of a half swing the highest tops are flat, and a sine's; None if no flatter."""
     edges = np.flatnonzero(np.diff(np.signbit(values))) + 1
     tops = []
     for part in np.split(np.abs(values), edges):
@@ -278,10 +319,10 @@ def _flat(values: Array, noise: float) -> tuple[float, float] | None:
     tops = sorted((top for top in tops if top[0] > HIGH_TOPS * max(tops)[0]), reverse=True)
     if not tops:
         return None
-    height, share, usual = tops[0]
-    alike = [top for top in tops[1:2] if height - top[0] < SAME_LEVEL * height + NOISES_OF_TOP * noise]
-    two = share - usual > FLATTER and any(top[1] - top[2] > FLATTER for top in alike)
-    return (share, usual) if two or share - usual > FLAT_ALONE else None
+    near = SAME_LEVEL * tops[0][0] + NOISES_OF_TOP * noise
+    alike = [top for top in tops if tops[0][0] - top[0] < near]
+    share, usual = (float(np.median([top[k] for top in alike])) for k in (1, 2))
+    return (share, usual) if share - usual > (FLATTER if len(alike) > 1 else FLAT_ALONE) else None
 
 
 def coarse(record: ExaminedResponse) -> list[HealthNotice]:
@@ -313,22 +354,38 @@ def offset(record: ExaminedResponse) -> list[HealthNotice]:
 
 
 def shifted(record: ExaminedResponse) -> list[HealthNotice]:
-    """Find a zero that drifts, shifts with the blow, or decays as AC coupling makes it; measure again without that."""
+    """Find a zero that drifts, shifts with the blow, or decays as AC coupling makes it; measure again without that.
+
+    A slope before the blow that noise made, carried on, makes a shift: one must be there without it, too.
+    """
     places = np.arange(record.values.size)
     line = _line_before(record)
+    findings = []
+    straight = record.above
     if line is not None:
         drift = line[1] * (record.values.size - 1)
-        straight = record.values - line[1] * (places - 0.5 * (record.first - 1))
+        straight = record.above - line[1] * (places - 0.5 * (record.first - 1))
         message = (
             f"before the blow the zero drifts, by {record.text(drift)} over a length of the record, "
             f"{abs(drift) / record.peak:.1%} of the peak"
         )
         end = record.place(record.largest.begin + record.largest.duration)
         effects = _larger(record.against(straight), record.moved_by(abs(line[1]) * (end - 0.5 * record.first)))
-        return [_finding("drift", message, drift, effects)] if abs(drift) > NOTED_SHIFT * record.peak else []
-    after = _zero_after(record)
-    if after is None:
-        return []
+        findings = [_finding("drift", message, drift, effects)] if abs(drift) > NOTED_SHIFT * record.peak else []
+    afters = [
+        (above, _zero_after(record, above)) for above in ((record.above, straight) if findings else (record.above,))
+    ]
+    found = [(above, after) for above, after in afters if after is not None]
+    if len(found) < len(afters):
+        return findings
+    return findings + _shifted_after(record, *min(found, key=lambda pair: abs(pair[1][1] + pair[1][2])))
+
+
+def _shifted_after(
+    record: ExaminedResponse, above: Array, after: tuple[int, float, float, float]
+) -> list[HealthNotice]:
+    """Tell a zero that has shifted with the last blow from one that decays after it, and what that does."""
+    places = np.arange(above.size)
     begin, level, decay, constant = after
     since = np.maximum((places - begin) * record.step, 0.0)
     curve = level + decay * np.exp(-since / constant)
@@ -337,21 +394,21 @@ def shifted(record: ExaminedResponse) -> list[HealthNotice]:
     if share < NOTED_SHIFT:
         return []
     start = record.blows[-1].end
-    body = record.above[record.span(record.responses[-1])[0] : begin]
+    body = above[record.span(record.responses[-1])[0] : begin]
     area = record.step * float(np.sum(body))
     if decay and abs(level) < OWN_SIZE * abs(decay) and abs(-area / constant / decay - 1.0) < OWN_SIZE:
         message = (
             f"after the blow the zero decays from {record.text(decay)} as a high-pass of "
             f"{1.0 / (2.0 * math.pi * constant):.4g} Hz makes it (AC coupling)"
         )
-        effects = record.against(ac_uncoupled(record.above, record.step, constant))
+        effects = record.against(ac_uncoupled(above, record.step, constant))
         effects = _larger(effects, record.moved_by(size))
         return [_finding("ac-coupling", message, constant, effects, start=start)]
     ramp = np.clip((places - record.span(record.responses[-1])[0]) / max(begin - record.first, 1), 0.0, 1.0)
     message = f"after the blow the zero has shifted by {record.text(level + decay)}, {share:.1%} of the peak"
     if decay:
         message += f", and comes back with a time constant of {1e3 * constant:.3g} ms"
-    effects = {name: abs(effect) for name, effect in record.against(record.values - ramp * curve).items()}
+    effects = {name: abs(effect) for name, effect in record.against(above - ramp * curve).items()}
     effects = _larger({**effects, "peak": max(effects.get("peak", 0.0), share)}, record.moved_by(size))
     return [_finding("zero-shift", message, level + decay, effects, signed=False, start=start)]
 
@@ -369,7 +426,7 @@ def _line_before(record: ExaminedResponse) -> tuple[float, float] | None:
     return (float(np.mean(before)), slope) if abs(slope) > SLOPED * error else None
 
 
-def _zero_after(record: ExaminedResponse) -> tuple[int, float, float, float] | None:
+def _zero_after(record: ExaminedResponse, above: Array) -> tuple[int, float, float, float] | None:
     """Return where the last free decay begins, and level, decay and its time constant of the zero from there on.
 
     Fitted beside the modes: a constant, or a constant and a decay that explains more. None where neither stands out.
@@ -379,7 +436,7 @@ def _zero_after(record: ExaminedResponse) -> tuple[int, float, float, float] | N
     if end - begin < 2 * FEWEST:
         return None
     every = max((end - begin) // MOST_LOOKED_AT, 1)
-    values = record.above[begin:end:every]
+    values = above[begin:end:every]
     since = np.asarray(record.step * every * np.arange(values.size), dtype=np.float64)
     waves = [np.empty((values.size, 0))]
     for mode in one.modes:
@@ -390,26 +447,26 @@ def _zero_after(record: ExaminedResponse) -> tuple[int, float, float, float] | N
 
     def beside(*more: Array) -> tuple[float, Array, Array]:
         columns = np.hstack([swinging, *(column[:, None] for column in more)])
-        found = np.linalg.lstsq(columns, values, rcond=None)[0]
-        rest = values - columns @ found
-        return float(rest @ rest), np.asarray(found, dtype=np.float64), np.asarray(rest, dtype=np.float64)
+        found = np.asarray(np.linalg.lstsq(columns, values, rcond=None)[0], dtype=np.float64)
+        rest = np.asarray(values - columns @ found, dtype=np.float64)
+        return float(rest @ rest), found, rest
 
-    constant_one = np.ones(values.size)
-    plain, level = beside(), beside(constant_one)
+    level = np.ones(values.size)
+    plain, only = beside(), beside(level)
     lasts = float(since[-1])
     constants = np.geomspace(FASTEST * record.period, 0.5 * lasts, TIME_CONSTANTS if lasts > 4.0 * record.period else 0)
-    tried = [(beside(constant_one, np.exp(-since / constant)), float(constant)) for constant in constants]
+    tried = [(beside(level, np.exp(-since / constant)), float(constant)) for constant in constants]
     decayed = min(tried, key=lambda pair: pair[0][0], default=None)
-    if decayed is not None and _explains(level[0], decayed[0]):
+    if decayed is not None and _explains(only, decayed[0]):
         found = decayed[0][1]
         return begin, float(found[-2]), float(found[-1]), decayed[1]
-    return (begin, float(level[1][-1]), 0.0, math.inf) if _explains(plain[0], level) else None
+    return (begin, float(only[1][-1]), 0.0, math.inf) if _explains(plain, only) else None
 
 
-def _explains(before: float, fit: tuple[float, Array, Array]) -> bool:
-    """Tell whether a fit leaves so much less than there was before that chance does not."""
+def _explains(before: tuple[float, Array, Array], fit: tuple[float, Array, Array]) -> bool:
+    """Tell whether a fit leaves so much less than the one before that it is no chance, whatever the colour."""
     squares, _, rest = fit
-    return before - squares > SHIFTED * squares / rest.size * alike_as_one(rest, 0.99)
+    return before[0] - squares > SHIFTED**2 * squares / rest.size * alike_as_one(rest, 0.99)
 
 
 def hum(record: ExaminedResponse) -> list[HealthNotice]:
@@ -442,7 +499,8 @@ def few_samples(record: ExaminedResponse) -> list[HealthNotice]:
     if count >= FEW:
         return []
     message = f"a swing of {1.0 / (count * record.step):.4g} Hz has {count:.1f} samples; sample faster"
-    return [_finding("few-samples", message, count, {"peak": -_missed(count)})]
+    effects = {**record.moved_by(_missed(count) * record.peak), "peak": -_missed(count)}
+    return [_finding("few-samples", message, count, effects)]
 
 
 def _missed(count: float) -> float:
@@ -523,6 +581,7 @@ def short_before(record: ExaminedResponse) -> list[HealthNotice]:
 RESPONSE_CHECKS: tuple[Callable[[ExaminedResponse], list[HealthNotice]], ...] = (
     clipped,
     saturated,
+    compressed,
     slew_limited,
     spike,
     coarse,

@@ -116,7 +116,7 @@ def zero_shift(record: Examined) -> list[HealthNotice]:
         place, shift = step
         code = "zero-shift" if _near_a_blow(record, record.time(place)) else "zero-step"
         message = (
-            f"at {record.time(place):.6g} s the zero shifts by {record.text(shift)} and stays there: the sensor was "
+            f"at {record.time(place):.6g}\xa0s the zero shifts by {record.text(shift)} and stays there: the sensor was "
             "overloaded or came loose"
         )
         return [HealthNotice(code, message, shift, severity="bad", harms=FIGURES, start=record.time(place))]
@@ -136,7 +136,7 @@ def zero_shift(record: Examined) -> list[HealthNotice]:
     effects = {name: abs(e) for name, e in effects_of_level(last, model.level, after_peak=True).items()}
     message = f"after the blows the zero has shifted by {record.text(model.level)}, {share:.1%} of the peak"
     if model.kind == "decay":
-        message += f", and comes back with a time constant of {1e3 * model.constant:.3g} ms"
+        message += f", and comes back with a time constant of {1e3 * model.constant:.3g}\xa0ms"
     found = by_effect(
         "zero-shift",
         f"{message}: velocities drift, and if it did so in the blow",
@@ -169,8 +169,8 @@ def ac_coupling(record: Examined) -> list[HealthNotice]:
         effects = {name: -min(0.5 * length / model.constant, 1.0) for name in ("peak", "width", "velocity_change")}
     message = (
         f"after the blows the record decays from {record.text(model.level)} as a high-pass of "
-        f"{1.0 / (2.0 * math.pi * model.constant):.4g} Hz makes it (AC coupling, tau = {1e3 * model.constant:.4g} +- "
-        f"{2e3 * model.constant_error:.2g} ms; --ac-coupling auto takes it off)"
+        f"{1.0 / (2.0 * math.pi * model.constant):.4g}\xa0Hz makes it (AC coupling, tau = "
+        f"{1e3 * model.constant:.4g}\xa0ms +- {2e3 * model.constant_error:.2g}\xa0ms; --ac-coupling auto takes it off)"
     )
     found = by_effect("ac-coupling", message, model.constant, effects, start=record.pulses[0].begin)
     return [dataclasses.replace(found, harms=(*found.harms, "spectrum"))]
@@ -214,7 +214,7 @@ def no_foot(record: Examined) -> list[HealthNotice]:
         effect = pulse.velocity_change / area - 1.0 if area * pulse.peak > 0.0 else math.inf
         worst = max(worst, effect, key=abs)
     message = (
-        f"the record does not come back to 2 % of the peak beside the blow at {open_[0].time:.6g} s: the velocity "
+        f"the record does not come back to 2 % of the peak beside the blow at {open_[0].time:.6g}\xa0s: the velocity "
         "change is that of the smooth pulse; against the record over its length"
     )
     effects = {"velocity_change": worst}

@@ -73,7 +73,7 @@ def peak_bandwidth(study: BufferStudy) -> Figure:
         axes,
         _short(title),
         headed("amplitude within 10 % up to", "Hz", "Hz"),
-        headed("largest reading (of the element where cut off)", "m/s^2", "g"),
+        headed("largest reading", "m/s^2", "g"),
     )
     axes.margins(x=0.05, y=0.08)
     _legend(axes)

@@ -34,7 +34,7 @@ by up to 1 %."""
 
 def _g(acceleration: float) -> str:
     """Write an acceleration in g."""
-    return f"{acceleration / STANDARD_GRAVITY:.0f} g"
+    return f"{acceleration / STANDARD_GRAVITY:.0f}\xa0g"
 
 
 def study_notices(study: BufferStudy, skipped: int) -> Iterator[Notice]:
@@ -55,8 +55,9 @@ def study_notices(study: BufferStudy, skipped: int) -> Iterator[Notice]:
     yield from memory_notices(study.site.table)
     if not first.whole:
         message = (
-            f"the history ends {study.motion.after_peak * 1e6:.4g} us after the surface's largest value, before "
-            f"{first.name} has swung to one side at {first.band.resonance:.4g} Hz: its largest reading may come later"
+            f"the history ends {study.motion.after_peak * 1e6:.4g}\xa0us after the surface's largest value, before "
+            f"{first.name} has swung to one side at {first.band.resonance:.4g}\xa0Hz: its largest reading may come "
+            "later"
         )
         yield Notice("short-history", message, study.motion.after_peak, SHOWN_PERIODS / first.band.resonance)
     if reading.quantum > COARSE * limit:
@@ -70,9 +71,10 @@ def _pulse_lost(study: BufferStudy, first: BufferCandidate) -> Iterator[Notice]:
     width, passed = study.motion.width, first.band.within_10
     if not carries(first, width):
         message = (
-            f"{first.name} passes within 10 % only up to {passed:.3g} Hz, and a pulse of {width * 1e6:.4g} us needs "
-            f"about {1.0 / width:.4g} Hz, one over its width: the reading is the buffer's own swing; it tells that the "
-            "sensor survives, not what the pulse was"
+            f"{first.name} passes within 10 % only up to {passed:.3g}\xa0Hz, and a pulse of {width * 1e6:.4g}\xa0us "
+            "needs "
+            f"about {1.0 / width:.4g}\xa0Hz, one over its width: the reading is the buffer's own swing; it tells that "
+            "the sensor survives, not what the pulse was"
         )
         yield Notice("pulse-lost", message, passed, 1.0 / width)
 
@@ -96,7 +98,7 @@ def _not_robust(study: BufferStudy, first: BufferCandidate) -> Iterator[Notice]:
         slowest = slowest_shown(first.stack, study.motion)
         message += (
             "measure the gaskets, or try thicker ones; no stack is known to be robust, which takes a history of half a "
-            f"period of the softest: this one is long enough for stacks like this that ring above {slowest:.3g} Hz"
+            f"period of the softest: this one is long enough for stacks like this that ring above {slowest:.3g}\xa0Hz"
         )
     else:
         message += "measure the gaskets, or look for a robust stack with --rank robust"
@@ -128,7 +130,9 @@ def _gasket_notices(study: BufferStudy, first: BufferCandidate) -> Iterator[Noti
     for layer, stress, strain in zip(first.stack, first.leading.stress, first.leading.strain, strict=True):
         strength = material(layer.material).yield_strength
         if strength is not None and stress > strength:
-            message = f"{layer} carries {stress / 1e6:.3g} MPa, beyond its yield strength of {strength / 1e6:.3g} MPa"
+            message = (
+                f"{layer} carries {stress / 1e6:.3g}\xa0MPa, beyond its yield strength of {strength / 1e6:.3g}\xa0MPa"
+            )
             yield Notice("gasket-yield", message, stress, strength)
         if strain > LARGE_STRAIN:
             message = f"{layer} is compressed by {strain:.0%}: its modulus is that of small strain; it stiffens"

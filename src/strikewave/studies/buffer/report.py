@@ -9,7 +9,9 @@ from strikewave.base.materials import material
 from strikewave.reporting import chapters
 from strikewave.reporting.numbers import headed, percent, shown, with_unit
 from strikewave.reporting.parts import NONE, Cell, Part, Picture, Section, Table, Tag, written
+from strikewave.reporting.table_columns import page_table
 from strikewave.studies.buffer.candidate import ALIKE, BufferCandidate, distinct
+from strikewave.studies.buffer.columns import MODULI_COLUMNS, RANK_COLUMNS, RankedStack, needed
 from strikewave.studies.buffer.figures import buffer_histories, buffer_transmissibility, peak_bandwidth
 from strikewave.studies.buffer.moduli import spread
 from strikewave.studies.buffer.result import BufferStudy
@@ -29,7 +31,8 @@ def buffer_report(study: BufferStudy) -> str:
         ),
         Picture(
             peak_bandwidth(study),
-            "Each stack by the largest reading and the frequency up to which it passes amplitudes within 10 %.",
+            "Each stack by the largest reading (of the element where cut off) and the frequency up to which it passes "
+            "amplitudes within 10 %.",
         ),
         Picture(buffer_transmissibility(study), "What the first stacks pass: acceleration of the sensor over surface."),
     ]
@@ -89,19 +92,11 @@ def _ranking_section(study: BufferStudy) -> Section:
     listing = distinct(study.candidates, MOST_ROWS)
     listing += [one for one in (study.robust, study.direct) if one is not None and one not in listing]
     places = {candidate: place for place, candidate in enumerate(study.candidates, 1)}
-    shown_ones = [(str(places[one]), one) for one in sorted(listing, key=places.__getitem__)]
-    shown_ones += [] if study.present is None else [("now", study.present)]
-    heads = ["#", "stack, from the surface up", headed("reading", "m/s^2", "g"), "of the limit (%)"]
-    heads += [headed("within 10 % up to", "Hz", "kHz"), headed("resonance", "Hz", "kHz"), "velocity change off by (%)"]
-    heads += ["Pareto-optimal", "robust"]
-    others = [
-        "#",
-        "stack, from the surface up",
-        *(headed(name, "m/s^2", "g") for name in ("softer", "stiffer", "no slip")),
-    ]
+    rows = [RankedStack(str(places[one]), one) for one in sorted(listing, key=places.__getitem__)]
+    rows += [] if study.present is None else [RankedStack("", study.present)]
     text = (
         f"Stacks with reading and bandwidth of one above within {percent(ALIKE, 0)} are left out; buffers.csv has all. "
-        "An asterisk marks a reading that is cut off; the value is that of the element. Robust stacks keep the limit "
+        "Where a reading is cut off, the value is that of the element. Robust stacks keep the limit "
         "whatever the moduli of their gaskets."
     )
     moduli = (
@@ -109,36 +104,10 @@ def _ranking_section(study: BufferStudy) -> Section:
         "held so that they cannot slip"
     )
     tables = [
-        Table("Stacks by rank", heads, [_cells(place, one) for place, one in shown_ones]),
-        Table(moduli, others, [_other_cells(place, one) for place, one in shown_ones if one.stack and one.leading]),
+        page_table("Stacks by rank", needed(RANK_COLUMNS, rows), rows),
+        page_table(moduli, MODULI_COLUMNS, [row for row in rows if row.leading is not None]),
     ]
     return Section("Stacks", text, tables)
-
-
-def _cells(place: str, one: BufferCandidate) -> list[Cell]:
-    leading = one.leading if one.stack else None
-    robust: Cell = NONE if leading is None or not one.keeps else Tag("yes", "good") if leading.robust else Tag("no")
-    return [
-        place,
-        one.name,
-        written(shown(one.true_peak, "m/s^2", "g")) + ("*" if one.clipped else ""),
-        NONE if math.isnan(one.margin) else written(100.0 * (1.0 - one.margin), 3),
-        *(_bare_hertz(frequency) for frequency in (one.band.within_10, one.band.resonance)),
-        written(100.0 * one.velocity_error, 2),
-        Tag("yes", "good") if one.pareto else NONE,
-        robust,
-    ]
-
-
-def _bare_hertz(value: float) -> str:
-    return written(shown(value, "Hz", "kHz"), 3) if math.isfinite(value) else NONE
-
-
-def _other_cells(place: str, one: BufferCandidate) -> list[Cell]:
-    leading = one.leading
-    assert leading is not None
-    peaks = (leading.softer, leading.stiffer, leading.confined)
-    return [place, one.name, *(NONE if peak is None else written(shown(peak, "m/s^2", "g")) for peak in peaks)]
 
 
 def _gasket_section(study: BufferStudy, first: BufferCandidate) -> Section:

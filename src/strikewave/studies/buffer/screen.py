@@ -22,13 +22,13 @@ from strikewave.records import (
     Options,
 )
 from strikewave.reporting import measured_files as measured
-from strikewave.reporting.layout import KEY, MORE, numerals, texts
 from strikewave.reporting.numbers import with_unit
 from strikewave.reporting.options import Output
 from strikewave.reporting.run_and_write import Command, run_and_write
-from strikewave.reporting.terminal import number, progress_bar, significant, table, tell
-from strikewave.studies.buffer.candidate import ALIKE, RINGING, BufferCandidate, BufferGoal, distinct
+from strikewave.reporting.terminal import print_rows, progress_bar, tell
+from strikewave.studies.buffer.candidate import ALIKE, RINGING, BufferGoal, distinct
 from strikewave.studies.buffer.choice import StackChoices
+from strikewave.studies.buffer.columns import SCREEN_COLUMNS, RankedStack, needed
 from strikewave.studies.buffer.mounting_site import (
     BaseMotion,
     Blows,
@@ -43,18 +43,6 @@ from strikewave.studies.buffer.study import LEADING, design_buffer
 LONGEST = 200_000
 """Samples of a record that are kept about its largest value, a quarter of them before it: at 1 MHz 0.2 s, longer than
 any blow and its ringing, and few enough for a run of each stack."""
-
-COLUMNS = (
-    *(*numerals("#", priority=KEY), *texts("stack, from the surface up"), *numerals("peak (g)", "of limit")),
-    *(
-        *numerals("5 % (Hz)", priority=MORE),
-        *numerals("10 % (Hz)"),
-        *numerals("-3 dB (Hz)", priority=MORE),
-    ),
-    *numerals("resonance (Hz)", "Q", "softer (g)", priority=MORE),
-    *(*numerals("stiffer (g)"), *numerals("no slip (g)", priority=MORE), *texts("robust")),
-)
-"""Of the ranking: what no ranking depends on is left out first."""
 
 
 class BlowSource(NamedTuple):
@@ -232,14 +220,16 @@ def _print(study: BufferStudy) -> None:
     shown = distinct(study.candidates, LEADING)
     shown += [c for c in (study.robust, study.direct) if c is not None and c not in shown]
     places = {candidate: place for place, candidate in enumerate(study.candidates, 1)}
-    rows = [_cells(str(places[candidate]), candidate) for candidate in sorted(shown, key=places.__getitem__)]
-    rows += [] if study.present is None else [_cells("", study.present)]
+    rows = [
+        RankedStack(f"{places[one]}{'*' if one.pareto else ''}", one) for one in sorted(shown, key=places.__getitem__)
+    ]
+    rows += [] if study.present is None else [RankedStack("", study.present)]
     within_limit = sum(candidate.keeps for candidate in study.candidates)
     title = (
         f"{within_limit} of {len(study.candidates)} stacks keep {with_unit(study.goal.limit, 'm/s^2', 'g', 5)}; "
         f"{study.order} (*: Pareto-optimal in peak and bandwidth)"
     )
-    table(title, COLUMNS, rows)
+    print_rows(title, needed(SCREEN_COLUMNS, rows), rows)
     if len(study.candidates) > len(shown):
         tell(
             f"stacks with peak and bandwidth of one above within {ALIKE:.0%} are left out here; --json and the files "
@@ -256,23 +246,3 @@ def _print(study: BufferStudy) -> None:
         f"loss factors held to {first.loss_error:.1%} from 1 to 100 kHz",
     ]
     tell(f"{first.name}: {', '.join(parts)}")
-
-
-def _cells(place: str, candidate: BufferCandidate) -> list[str]:
-    """Return a row of the table on the screen."""
-    band, leading = candidate.band, candidate.leading if candidate.stack else None
-    passed = [
-        "-" if not math.isfinite(f) else significant(f, 3)
-        for f in (band.within_5, band.within_10, band.half_power, band.resonance)
-    ]
-    spread = (leading.softer, leading.stiffer, leading.confined) if leading else (None,) * 3
-    return [
-        f"{place}{'*' if candidate.pareto else ''}",
-        candidate.name,
-        number(candidate.true_peak, "m/s^2", "g", 5) + (" cut" if candidate.clipped else ""),
-        "-" if math.isnan(candidate.margin) else f"{1.0 - candidate.margin:.3g}",
-        *passed,
-        "-" if math.isnan(band.quality) else significant(band.quality, 3),
-        *(number(peak, "m/s^2", "g", 4) for peak in spread),
-        "-" if leading is None or not candidate.keeps else "yes" if leading.robust else "no",
-    ]

@@ -3,23 +3,13 @@
 from __future__ import annotations
 
 from strikewave.reporting import chapters
-from strikewave.reporting.numbers import headed, percent, shown, with_unit
-from strikewave.reporting.parts import Cell, Link, Part, Picture, Section, Table, Tag, written
-from strikewave.studies.axes import Axis
+from strikewave.reporting.numbers import percent, with_unit
+from strikewave.reporting.parts import Cell, Link, Part, Picture, Section, Table, Tag
+from strikewave.reporting.table_columns import page_table
 from strikewave.studies.map.cells import FIELDS
+from strikewave.studies.map.columns import at_words, setting_columns, setting_rows, shown_value
 from strikewave.studies.map.figures import COLOURS, map_figure
 from strikewave.studies.map.study import MapStudy
-
-SHOWN = (
-    ("CV of the peaks", "cv", "1", "%"),
-    ("CV from the second blow", "cv_later", "1", "%"),
-    ("mean rigid peak", "peak", "m/s^2", "g"),
-    ("missed blows", "missed", "1", "1"),
-    ("largest displacement (rearward)", "largest_displacement", "m", "mm"),
-    ("largest force of the stop", "stop_force", "N", "kN"),
-    ("first to last blow", "train_time", "s", "ms"),
-)
-"""What is shown of a setting: words, name of the field, SI unit and usual unit."""
 
 
 def map_report(study: MapStudy, colour: str = "cv") -> str:
@@ -71,7 +61,7 @@ def map_words(study: MapStudy) -> str:
 def _key_numbers(study: MapStudy) -> list[tuple[str, str]]:
     here = study.present
     pairs = [
-        ("CV of the peaks of the case", _value(here["cv"], "1", "%")),
+        ("CV of the peaks of the case", shown_value(here["cv"], "1", "%")),
         ("mean peak of the case", with_unit(here["peak"], "m/s^2", "g")),
     ]
     setting = study.setting
@@ -79,7 +69,7 @@ def _key_numbers(study: MapStudy) -> list[tuple[str, str]]:
         return [*pairs, ("settings with equal blows that a full run confirms", "none")]
     pairs += [(f"{path}, nearest with equal blows", text) for path, text in _nearest(study, setting.values)]
     pairs += [
-        ("CV there, by a full run", _value(setting.cv, "1", "%")),
+        ("CV there, by a full run", shown_value(setting.cv, "1", "%")),
         ("mean peak there", with_unit(setting.peak, "m/s^2", "g")),
     ]
     return pairs
@@ -90,31 +80,10 @@ def _nearest(study: MapStudy, values: tuple[float, ...]) -> list[tuple[str, str]
     return [(axis.path, f"{axis.shown(value):.5g} {axis.unit}".strip()) for axis, value in pairs]
 
 
-def _value(value: float, si: str, usual: str) -> str:
-    """Write a value of a cell; a share in per cent."""
-    if usual == "%":
-        return f"{written(100.0 * value, 3)} %" if value == value else written(value)
-    return written(shown(value, si, usual), 5)
-
-
 def _nearest_section(study: MapStudy) -> Section:
     """List the case beside the nearest setting with equal blows, and those that full runs refuted."""
-    columns = [("case", study.here, study.present)]
-    if study.setting is not None:
-        columns.append((f"nearest within {percent(study.wanted)}", study.setting.values, study.setting.cell))
-    rows: list[list[Cell]] = [
-        [f"{axis.path} ({axis.unit or '1'})", *(f"{axis.shown(values[k]):.5g}" for _, values, _ in columns)]
-        for k, axis in enumerate(study.plan.axes)
-    ]
-    rows += [
-        [
-            f"{called} (%)" if usual == "%" else headed(called, si, usual),
-            *(_value(cell[name], si, usual).removesuffix(" %") for _, _, cell in columns),
-        ]
-        for called, name, si, usual in SHOWN
-    ]
-    parts: list[Part] = [Table("The case, and the nearest setting", ["", *(head for head, *_ in columns)], rows)]
-    refused: list[list[Cell]] = [[_at(study.plan.axes, one.values), one.reason] for one in study.refused]
+    parts: list[Part] = [page_table("The case, and the nearest setting", setting_columns(study), setting_rows(study))]
+    refused: list[list[Cell]] = [[at_words(study.plan.axes, one.values), one.reason] for one in study.refused]
     if refused:
         parts.append(Table("Even by the fast run, but not in full", ["setting", "why"], refused))
     if study.setting is not None:
@@ -123,10 +92,6 @@ def _nearest_section(study: MapStudy) -> Section:
         f"; the nearest is {study.setting.distance:.3g} away." if study.setting is not None else "."
     )
     return Section("The nearest setting with equal blows", text, parts)
-
-
-def _at(axes: tuple[Axis, ...], values: tuple[float, ...]) -> str:
-    return ", ".join(f"{axis.path} = {axis.typed(value)}" for axis, value in zip(axes, values, strict=True))
 
 
 def _regime_section(study: MapStudy) -> Section:

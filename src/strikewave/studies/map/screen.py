@@ -11,25 +11,13 @@ from typing import ClassVar
 
 from strikewave.reporting.layout import keys, numerals
 from strikewave.reporting.measured_files import asked
-from strikewave.reporting.numbers import shown_heads
 from strikewave.reporting.options import Output
 from strikewave.reporting.run_and_write import Command, case_folder, run_and_write
-from strikewave.reporting.terminal import INTERRUPTED, number, progress_bar, say, table, tell
-from strikewave.studies.map.cells import Axis, MapPlan
+from strikewave.reporting.terminal import INTERRUPTED, print_rows, progress_bar, say, table, tell
+from strikewave.studies.map.cells import MapPlan
+from strikewave.studies.map.columns import at_words, setting_columns, setting_rows
 from strikewave.studies.map.store import Store, rows_beside
 from strikewave.studies.map.study import MapStudy, make_map, marked_text
-
-_PEAK = ("m/s^2", "g")
-SHOWN = (
-    ("CV (%)", "cv", "1", "%"),
-    ("CV from 2nd blow (%)", "cv_later", "1", "%"),
-    ("mean peak (g)", "peak", *_PEAK),
-    ("missed (1)", "missed", "1", "1"),
-    ("largest displacement (mm)", "largest_displacement", "m", "mm"),
-    ("stop force (kN)", "stop_force", "N", "kN"),
-    ("train (ms)", "train_time", "s", "ms"),
-)
-"""What is printed of a setting: words, name of the field, SI unit and unit."""
 
 
 def run_map(plan: MapPlan, name: str, changes: Sequence[str], command: MapCommand, output: Output) -> int:
@@ -135,23 +123,6 @@ def _print(study: MapStudy) -> None:
     table("Regimes", [*keys("regime"), *numerals("cells (%)")], rows)
     for text, count in study.failures.items():
         tell(f"no result, or no regime, in {count} cells: {text}")
-    nearest = study.setting
-    columns = [*keys(""), *numerals("case")]
-    columns += [] if nearest is None else numerals(f"nearest within {100.0 * study.wanted:g} %")
-    shown = [_column(study, study.here, study.present)]
-    if nearest is not None:
-        shown.append(_column(study, nearest.values, nearest.cell))
-    heads = [f"{a.path} ({a.unit or '1'})" for a in study.plan.axes] + shown_heads(*(head for head, *_ in SHOWN))
-    table(f"{study.case.name}: {study.plan.blows} blows", columns, list(zip(heads, *shown, strict=True)))
+    print_rows(f"{study.case.name}: {study.plan.blows} blows", setting_columns(study), setting_rows(study))
     for values, reason in study.refused:
-        tell(f"even by the fast run, but not in full: {_at(study.plan.axes, values)}: {reason}")
-
-
-def _at(axes: tuple[Axis, ...], values: tuple[float, ...]) -> str:
-    return ", ".join(f"{axis.path} = {axis.typed(value)}" for axis, value in zip(axes, values, strict=True))
-
-
-def _column(study: MapStudy, values: tuple[float, ...], cell: dict[str, float]) -> list[str]:
-    """Return a column of the table of settings."""
-    shown = [f"{axis.shown(value):.5g}" for axis, value in zip(study.plan.axes, values, strict=True)]
-    return shown + [number(cell[key], si, unit, 3 if unit == "%" else 5) for _, key, si, unit in SHOWN]
+        tell(f"even by the fast run, but not in full: {at_words(study.plan.axes, values)}: {reason}")

@@ -1,0 +1,138 @@
+"""A specification as one side of a comparison: its ideal pulse as a history, and the verdict on the other side."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from strikewave.analyses.compare.curve import ComparedCurve
+from strikewave.base.result import FAILED, Notice
+from strikewave.reporting.clause_words import clause_words
+from strikewave.signal.alignment import EvenHistory
+from strikewave.signal.filters import Filter
+from strikewave.specifications.decisions import CANNOT_TELL, FAIL
+from strikewave.specifications.judged_records import clause_document, filter_leaves, rests_on_indicative
+from strikewave.specifications.judging import (
+    Clause,
+    MeasuredFigure,
+    PulseLimits,
+    Shock,
+    ShockVerdict,
+    judge_shock,
+)
+from strikewave.specifications.reading import Specification, load_specification
+
+PREFIX = "spec:"
+"""Begin of the name of a specification."""
+SAMPLES = 1000
+"""Samples of the duration of an ideal pulse."""
+BESIDE = (0.5, 1.0)
+"""Durations before and after an ideal pulse without a band over which it is compared."""
+
+
+@dataclass(frozen=True)
+class SpecificationVerdict:
+    """The verdict of a specification on a history.
+
+    Attributes
+    ----------
+    specification : Specification
+        What it is judged by.
+    limits : PulseLimits
+        What that asks of a shock.
+    found : ShockVerdict
+        Clauses and place of the band.
+    """
+
+    specification: Specification
+    limits: PulseLimits
+    found: ShockVerdict
+
+    @property
+    def verdict(self) -> str:
+        """Of all clauses together."""
+        return self.found.verdict
+
+    @property
+    def by_indicative(self) -> bool:
+        """Whether it rests on a limit that is from memory."""
+        return rests_on_indicative(self.found.clauses, self.verdict)
+
+    def document(self) -> dict[str, Any]:
+        """Return the entry of the JSON document, in SI."""
+        return {
+            **self.specification.document(),
+            "verdict": self.verdict,
+            "by_indicative_limits": self.by_indicative,
+            "start": self.found.start,
+            "clauses": [clause_document(clause) for clause in self.found.clauses],
+        }
+
+
+def specified_curve(option: str, word: str) -> tuple[ComparedCurve, Specification]:
+    """Return the ideal pulse of a specification as a history, time 0 where it begins.
+
+    Raises
+    ------
+    InputError, InputErrors
+        If there is no such specification, or it is one of a spectrum.
+
+    Examples
+    --------
+    >>> curve, specification = specified_curve("B", "spec:jesd22-b110:B")
+    >>> curve.name, round(curve.pulse.peak / 9.80665), specification.asked
+    ('spec:jesd22-b110:B', 1500, 'jesd22-b110:B')
+    """
+    specification = load_specification(word.removeprefix(PREFIX), option)
+    limits = specification.pulse_limits()
+    pulse, band = limits.pulse, limits.band
+    before, after = BESIDE if band is None else (band.before, band.after)
+    step = pulse.duration / SAMPLES
+    first, last = -math.ceil(before * SAMPLES), math.ceil((1.0 + after) * SAMPLES)
+    values = pulse.at(step * np.arange(first, last + 1))
+    history = EvenHistory(np.asarray(values, dtype=float), step, first * step)
+    return ComparedCurve(f"{PREFIX}{specification.asked}", "specification", history, "m/s^2"), specification
+
+
+def judged_by(specification: Specification, curve: ComparedCurve, low_pass: Filter | None) -> SpecificationVerdict:
+    """Judge a history by a specification, as `strikewave record` judges a blow."""
+    limits, history, pulse = specification.pulse_limits(), curve.history, curve.pulse
+    doubt = curve.uncertainty
+    figures = {}
+    if curve.measured is not None:
+        figures = {
+            "peak": MeasuredFigure(abs(pulse.peak), doubt.get("peak", 0.0)),
+            "velocity_change": MeasuredFigure(abs(pulse.area), doubt.get("integral", 0.0)),
+        }
+        if pulse.width > 0.0:
+            figures["width"] = MeasuredFigure(pulse.width, doubt.get("width", 0.0))
+    shock = Shock(
+        curve.sign * history.values,
+        history.step,
+        history.start,
+        min(max(round((pulse.time - history.start) / history.step), 0), history.values.size - 1),
+        figures,
+        1.0 if low_pass is None else filter_leaves(low_pass, limits.pulse, history.step),
+        math.nan if low_pass is None else low_pass.half_power(history.step),
+        dict(curve.troubles),
+    )
+    return SpecificationVerdict(specification, limits, judge_shock(shock, limits))
+
+
+def verdict_notices(judged: SpecificationVerdict) -> tuple[Notice, ...]:
+    """Return a failed check for each clause that is not kept, or of which nothing can be said."""
+    notices = []
+    for clause in judged.found.clauses:
+        if clause.verdict in (FAIL, CANNOT_TELL):
+            code = "spec-" + "-".join(clause.clause.split()[:2])
+            notices.append(Notice(code, clause_words(clause), clause.value, _limit(clause), FAILED))
+    return tuple(notices)
+
+
+def _limit(clause: Clause) -> float:
+    """Return the limit that is nearest to the value."""
+    ends = [end for end in (clause.low, clause.high) if math.isfinite(end)]
+    return min(ends, key=lambda end: abs(end - clause.value), default=math.nan)

@@ -1,0 +1,1 @@
+"""Verdicts on records by a specification: options, screen, chapter of the report, pictures."""

@@ -1,0 +1,89 @@
+"""The chapter of a report with the verdict: clauses, shocks by direction, and the band over each shock."""
+
+from __future__ import annotations
+
+from strikewave.analyses.record.verdicts.figures import shock_figure
+from strikewave.analyses.record.verdicts.words import name_of_shock
+from strikewave.reporting.clause_words import CLAUSE_HEADS, SHOWN, clause_cells, tag_of, value_words
+from strikewave.reporting.parts import NONE, Cell, Part, Picture, Section, Table
+from strikewave.specifications.decisions import FAIL, NOT_JUDGED, WORST_FIRST
+from strikewave.specifications.judged_records import JudgedShock, RecordsVerdict
+
+MOST_DRAWN = 12
+"""Shocks that are drawn, the failed ones first: each adds some 40 kB to a page that must open at once."""
+MOST_ROWS = 200
+"""Shocks that the table lists; JSON has all."""
+
+
+def verdict_section(found: RecordsVerdict, names: dict[str, str]) -> Section:
+    """Return the chapter of a verdict."""
+    several = len({shock.reading.channel.name for shock in found.shocks}) > 1
+    many = len(found.shocks) > 1
+    heads = [*CLAUSE_HEADS, "where and why" if many else "why"]
+    rows: list[list[Cell]] = []
+    for clause, shock in found.clauses:
+        named = many and shock is not None and clause.verdict != NOT_JUDGED
+        where = [name_of_shock(shock, names, several)] if named else []
+        rows.append([*clause_cells(clause), ": ".join([*where, *([clause.reason] if clause.reason else [])]) or NONE])
+    parts: list[Part] = [Table("Clauses" + (", each where it came out worst" if many else ""), heads, rows)]
+    if many:
+        parts.append(_shock_table(found, names, several))
+    worst = sorted(found.shocks, key=lambda shock: WORST_FIRST.index(shock.found.verdict))[:MOST_DRAWN]
+    drawn = [shock for shock in found.shocks if shock in worst] if len(found.shocks) <= MOST_DRAWN else worst
+    parts += [_picture(shock, found, names, several) for shock in drawn]
+    text = _how(found)
+    if len(found.shocks) > len(drawn):
+        text += f" {len(drawn)} of {len(found.shocks)} shocks are drawn, those that fail first."
+    return Section("Verdict by the specification", text, parts)
+
+
+def _how(found: RecordsVerdict) -> str:
+    """Say how it was judged."""
+    file, asked = found.specification.file, found.asked
+    rule = (
+        "by the values alone (simple acceptance)"
+        if asked.rule == "simple"
+        else "with a guard band of the expanded uncertainty, k = 2, on both sides of each limit (ISO 14253-1, JCGM 106)"
+    )
+    chain = f", {100.0 * asked.uncertainty:g} % of the acceleration and that of noise" if asked.uncertainty else ""
+    words = f"Judged {rule}{chain}."
+    if found.limits.band is not None:
+        words += (
+            " The band lies where the smallest distance of the record to it is largest; the velocity change is "
+            "integrated about that place."
+        )
+    words += (
+        " The status of a limit is normative (read in the standard), quoted (second-hand) or indicative (from memory); "
+        "that of its weakest number counts."
+    )
+    note = f" {' '.join(file.note.split())}" if file.note else ""
+    demands = "".join(f" {one.text.rstrip('.')} (not judged here)." for one in file.demand)
+    return f"{words}\n\nSource: {file.source}.{note}{demands}"
+
+
+def _shock_table(found: RecordsVerdict, names: dict[str, str], several: bool) -> Table:
+    by_name = list(dict.fromkeys(clause.clause for shock in found.shocks for clause in shock.found.clauses))
+    directed = any(shock.direction for shock in found.shocks)
+    rows: list[list[Cell]] = []
+    for shock in found.shocks[:MOST_ROWS]:
+        clauses = {clause.clause: clause for clause in shock.found.clauses}
+        failed = [clause.clause for clause in shock.found.clauses if clause.verdict == FAIL]
+        rows.append(
+            [
+                name_of_shock(shock, names, several),
+                *([shock.direction or NONE] if directed else []),
+                *[value_words(clauses[name]) if name in clauses else NONE for name in by_name],
+                tag_of(shock.found.verdict),
+                ", ".join(failed) or NONE,
+            ]
+        )
+    heads = ["shock", *(["direction"] if directed else []), *by_name, "verdict", "fails"]
+    left = f", the first {MOST_ROWS} of {len(found.shocks)}" if len(found.shocks) > MOST_ROWS else ""
+    return Table(f"Shocks{left}", heads, rows)
+
+
+def _picture(shock: JudgedShock, found: RecordsVerdict, names: dict[str, str], several: bool) -> Picture:
+    name = name_of_shock(shock, names, several)
+    verdict = SHOWN[shock.found.verdict]
+    place = "within the band" if found.limits.band is not None else "about the ideal pulse"
+    return Picture(shock_figure(shock, found.limits, name), f"{name}: {verdict}.", f"Shock {name} {place}: {verdict}.")

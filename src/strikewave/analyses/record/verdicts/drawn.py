@@ -1,0 +1,67 @@
+"""Page and picture of a specification; a module of its own, for drawing takes long to import."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from strikewave.analyses.record.verdicts.figures import limits_figure, spectrum_limits_figure
+from strikewave.analyses.record.verdicts.specification_result import (
+    SpecificationResult,
+    asked_words,
+    specification_words,
+    status_cell,
+)
+from strikewave.reporting import chapters
+from strikewave.reporting.parts import NONE, Cell, Part, Picture, Section, Table, Tag
+from strikewave.reporting.style import save
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+
+def picture(result: SpecificationResult) -> Figure | None:
+    """Return the band, or the ideal pulse, or the tolerance of a spectrum; nothing where there are no breakpoints."""
+    specification = result.specification
+    if specification.file.pulse is not None:
+        return limits_figure(specification.pulse_limits(), result.title)
+    table = specification.file.srs
+    if table is None or not table.points:
+        return None
+    return spectrum_limits_figure(specification.spectrum_limits(), [], result.title)
+
+
+def page(result: SpecificationResult) -> str:
+    """Return the page of a specification: its picture, what it asks, its numbers with status and source."""
+    file = result.specification.file
+    figure = picture(result)
+    parts: list[Part] = []
+    if figure is not None:
+        words = "The ideal pulse and the band about it." if file.band is not None else "What it asks."
+        parts.append(Picture(figure, words))
+    asked: list[list[Cell]] = [[one.clause, asked_words(one), status_cell(one.status)] for one in result.clauses]
+    if asked:
+        parts.append(Table("What it asks of a shock", ["clause", "limit", "status"], asked))
+    demands: list[list[Cell]] = [[one.text, status_cell(one.status or file.status)] for one in file.demand]
+    if demands:
+        parts.append(Table("Asked too, and not judged by a record", ["what", "status"], demands))
+    rows: list[list[Cell]] = [
+        [row.path, row.typed, status_cell(row.status), row.source, row.note or NONE] for row in result.numbers
+    ]
+    heads = ["number", "value", "status", "source", "note"]
+    sections = [Section("Specification", "", parts), Section("Numbers", "", [Table("All numbers", heads, rows)])]
+    worst = "indicative" if any(row.status == "indicative" for row in result.numbers) else file.status
+    tag = Tag(f"{worst} numbers" if worst == "indicative" else worst, status_cell(worst).look)
+    summary = chapters.Summary("Specification", specification_words(result), result.highlights(), tag)
+    return chapters.result_page(result, summary, sections)
+
+
+def draw_specification(result: SpecificationResult, folder: Path) -> list[str]:
+    """Write page and picture of a specification into a folder, and return their names."""
+    names = ["report.html"]
+    (folder / "report.html").write_text(page(result), "utf-8", newline="\n")
+    figure = picture(result)
+    if figure is not None:
+        save(figure, folder / "summary.svg")
+        names.append("summary.svg")
+    return names

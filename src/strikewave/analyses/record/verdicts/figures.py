@@ -1,0 +1,148 @@
+"""Pictures of verdicts: the band, or the ideal pulse, over each shock; a specification alone."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from strikewave.reporting.clause_words import SHOWN
+from strikewave.reporting.curves import thin
+from strikewave.reporting.numbers import axis_unit, time_unit
+from strikewave.reporting.style import (
+    BLUE,
+    GREEN,
+    GREY,
+    HALF,
+    ORANGE,
+    RED,
+    WHOLE,
+    legend_below,
+    new_figure,
+    plain,
+    quiet,
+)
+from strikewave.specifications.decisions import FAIL, PASS
+from strikewave.specifications.judged_records import JudgedShock
+from strikewave.specifications.judging import PulseLimits
+from strikewave.specifications.spectrum_limits import SpectrumLimits
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+POINTS = 400
+"""Points of a record in a picture; of a curve of a band twice as many at most."""
+
+
+def shock_figure(shock: JudgedShock, limits: PulseLimits, name: str) -> Figure:
+    """Draw a shock within the band, or about the ideal pulse with the limits of its peak."""
+    figure = new_figure(HALF)
+    axes = figure.add_subplot()
+    size, unit = axis_unit("m/s^2", "g")
+    second, clock = time_unit(limits.pulse.duration)
+    _draw_limits(axes, limits, size, second)
+    record, found = shock.shock, shock.found
+    before, after = _window(limits)
+    time = record.time - found.start
+    inside = (time >= -before) & (time <= limits.pulse.duration + after)
+    x, y = thin(time[inside], record.values[inside], POINTS // 2)
+    colour = {PASS: BLUE, FAIL: RED}.get(found.verdict, ORANGE)
+    marker = "." if x.size <= 60 else ""
+    axes.plot(x / second, y / size, color=colour, linewidth=1.3, marker=marker, markersize=4, label="record")
+    place = found.placement
+    if place is not None and place.margin < 0.0:
+        value = float(np.interp(place.time, record.time, record.values)) / size
+        axes.plot([(place.time - found.start) / second], [value], "o", color=RED, markersize=6, fillstyle="none")
+    quiet(
+        axes,
+        f"{plain(name, 34)}: {SHOWN[found.verdict]}",
+        f"time from the begin of the ideal pulse ({clock})",
+        f"acceleration ({unit})",
+    )
+    axes.margins(x=0.0, y=0.08)
+    return legend_below(figure)
+
+
+def _window(limits: PulseLimits) -> tuple[float, float]:
+    """Return how long before and after the pulse is shown, s."""
+    band = limits.band
+    shares = (0.5, 1.0) if band is None else (band.before, band.after)
+    return shares[0] * limits.pulse.duration, shares[1] * limits.pulse.duration
+
+
+def _draw_limits(axes: Any, limits: PulseLimits, size: float, second: float) -> None:
+    """Draw what a shock is held against, over time from the begin of the ideal pulse."""
+    pulse, band = limits.pulse, limits.band
+    before, after = _window(limits)
+    if band is not None:
+        time = band.grid()[::2]
+        time = np.unique(np.concatenate([time, band.grid()[:1], band.grid()[-1:]]))
+        low, high = band.curves(time)
+        axes.fill_between(time / second, low / size, high / size, color=GREEN, alpha=0.14, linewidth=0, label="band")
+        for curve in (low, high):
+            axes.plot(time / second, curve / size, color=GREEN, linewidth=1.0)
+    elif limits.peak is not None:
+        for level in (limits.peak.low, limits.peak.high):
+            axes.axhline(level / size, color=GREEN, linewidth=1.0, linestyle=":")
+        axes.plot([], [], color=GREEN, linestyle=":", label="limits of the peak")
+    fine = np.linspace(-before, pulse.duration + after, POINTS)
+    fine = np.unique(np.concatenate([fine, [0.0, *pulse.top, pulse.duration, pulse.duration * (1.0 + 1e-9)]]))
+    axes.plot(fine / second, pulse.at(fine) / size, "--", color=GREY, linewidth=1.0, label="ideal pulse")
+
+
+def limits_figure(limits: PulseLimits, title: str) -> Figure:
+    """Draw a specification of a pulse alone."""
+    figure = new_figure(WHOLE)
+    axes = figure.add_subplot()
+    size, unit = axis_unit("m/s^2", "g")
+    second, clock = time_unit(limits.pulse.duration)
+    _draw_limits(axes, limits, size, second)
+    if limits.width is not None:
+        level = limits.level * limits.pulse.peak
+        first, last = _crossings(limits)
+        axes.annotate(
+            "",
+            (first / second, level / size),
+            (last / second, level / size),
+            arrowprops={"arrowstyle": "<->", "color": GREY},
+        )
+    quiet(axes, plain(title, 90), f"time from the begin of the ideal pulse ({clock})", f"acceleration ({unit})")
+    axes.margins(x=0.0, y=0.1)
+    return legend_below(figure)
+
+
+def _crossings(limits: PulseLimits) -> tuple[float, float]:
+    """Return when the ideal pulse crosses the level of the pulse width, s."""
+    pulse = limits.pulse
+    width = pulse.width(limits.level)
+    low, high = pulse.top
+    outside = pulse.duration - width
+    rest = low + pulse.duration - high
+    first = outside * (low / rest if rest > 0.0 else 0.5)
+    return first, first + width
+
+
+def spectrum_limits_figure(
+    limits: SpectrumLimits, spectra: list[tuple[str, np.ndarray, np.ndarray, str]], title: str
+) -> Figure:
+    """Draw a specification of a spectrum, with spectra (name, frequency, values, verdict) over it."""
+    figure = new_figure(WHOLE)
+    axes = figure.add_subplot()
+    size, unit = axis_unit("m/s^2", "g")
+    frequency = np.unique(
+        np.concatenate([np.geomspace(limits.frequency[0], limits.frequency[-1], POINTS), limits.frequency])
+    )
+    low, high = limits.curves(frequency)
+    axes.fill_between(frequency, low / size, high / size, color=GREEN, alpha=0.14, linewidth=0, label="tolerance")
+    axes.plot(frequency, limits.nominal(frequency) / size, "--", color=GREY, linewidth=1.0, label="nominal")
+    for name, f, values, verdict in spectra[:MOST_SPECTRA]:
+        colour = {PASS: BLUE, FAIL: RED}.get(verdict, ORANGE)
+        axes.plot(f, values / size, color=colour, linewidth=1.3, label=f"{plain(name, 30)}: {SHOWN[verdict]}")
+    axes.set_xscale("log")
+    axes.set_yscale("log")
+    quiet(axes, plain(title, 90), "natural frequency (Hz)", f"{limits.side} acceleration ({unit}), Q = {limits.q:g}")
+    return legend_below(figure)
+
+
+MOST_SPECTRA = 8
+"""Spectra that are drawn over a tolerance: as many as can be told apart."""

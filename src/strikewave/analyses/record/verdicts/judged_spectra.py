@@ -1,0 +1,141 @@
+"""Spectra of records against a specification: each by itself."""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from strikewave.analyses.record.spectrum import SpectrumRequest, SpectrumResult
+from strikewave.analyses.record.verdicts.judged import verdict_notices
+from strikewave.base.errors import InputError
+from strikewave.reporting.clause_words import SHOWN, clause_words, tag_of, verdict_words
+from strikewave.reporting.layout import MORE, keys, numerals, texts
+from strikewave.reporting.numbers import listed
+from strikewave.reporting.options import Typed
+from strikewave.reporting.parts import NONE, Cell, Picture, Section, Table
+from strikewave.reporting.terminal import table, tell
+from strikewave.specifications.decisions import CANNOT_TELL, FAIL, PASS, Rule
+from strikewave.specifications.judged_spectra import JudgedSpectrum, SpectraVerdict
+from strikewave.specifications.judging import Clause
+from strikewave.specifications.reading import Specification
+from strikewave.specifications.spectrum_limits import judge_spectrum
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class SpectraJudge:
+    """What spectra are judged by, and how."""
+
+    specification: Specification
+    rule: Rule
+    strict: bool
+    uncertainty: float
+
+    def wanted(self, request: SpectrumRequest) -> SpectrumRequest:
+        """Return what spectra are computed: those that the specification means, as far as sampling carries them.
+
+        Raises
+        ------
+        InputError
+            If it states no spectrum, or another part, kind or set of frequencies was asked for.
+        """
+        limits = self.specification.spectrum_limits()
+        if request.frequencies:
+            raise InputError(
+                "--frequency", request.frequencies[0].word, "none with --spec", "it states the frequencies"
+            )
+        if request.kinds != (limits.kind,):
+            raise InputError("--kind", ", ".join(request.kinds), f"{limits.kind} with this --spec", "leave it out")
+        low = Typed(limits.frequency[0], f"{limits.frequency[0]:g} Hz")
+        return request._replace(q=limits.q, grid=(low, None, limits.per_octave), side=limits.side)
+
+    def judged(self, result: SpectrumResult) -> SpectrumResult:
+        """Return a result with its verdict; a fail is a failed check.
+
+        Raises
+        ------
+        InputError
+            If the records hold no acceleration.
+        """
+        if result.reading.channel.unit != "m/s^2":
+            unit = result.reading.channel.unit or "no known unit"
+            raise InputError("--spec", unit, "records of an acceleration", "state the unit, such as --unit g")
+        limits, side = self.specification.spectrum_limits(), result.side
+        first, reading = result.spectra[0], result.reading
+        harmed = next((f.message for f in reading.findings if f.severity == "bad" or "spectrum" in f.harms), "")
+        rows = [(one.name, one.file, one.channel, one.spectra[0].side(side), one.left_out) for one in result.shocks]
+        rows = rows or [(result.title, result.file, reading.channel.name, first.side(side), harmed)]
+        frequency = np.asarray(first.frequency, dtype=np.float64)
+        inside = frequency <= limits.frequency[-1] * (1.0 + 1e-9)
+        short = frequency[-1] < limits.frequency[-1] * 2.0 ** (-1.0 / limits.per_octave)
+        lacks = f"the sampling rate carries natural frequencies up to {frequency[-1]:.4g} Hz" if short else ""
+        spectra = []
+        for name, file, channel, values, left_out in rows:
+            found = judge_spectrum(
+                frequency[inside], values[inside], limits, self.uncertainty, self.rule, self.strict, left_out or lacks
+            )
+            spectra.append(JudgedSpectrum(name, file, channel, frequency[inside], values[inside], found))
+        verdict = SpectraVerdict(self.specification, limits, self.rule, self.strict, self.uncertainty, tuple(spectra))
+        notices = verdict_notices(self.specification.title, verdict.verdict, verdict.by_indicative, verdict.clauses)
+        return dataclasses.replace(result, verdict=verdict, notices=(*result.notices, *notices))
+
+
+def spectra_sentence(found: SpectraVerdict) -> str:
+    """Say what the verdict is, by what, and why."""
+    count = len(found.spectra)
+    many = "one spectrum" if count == 1 else f"{count} spectra"
+    title = f"{found.specification.title} ({found.specification.file.edition})"
+    words = [f"{verdict_words(found.verdict, found.by_indicative)}: {many} by {title}."]
+    wrong = [(one, clause) for one in found.spectra for clause in one.clauses if clause.verdict in (FAIL, CANNOT_TELL)]
+    for one, clause in [pair for pair in wrong if pair[1].verdict == found.verdict][:3]:
+        where = f"{one.name}: " if count > 1 else ""
+        words.append(f"{where}{clause_words(clause)}.")
+    left = [one.name for one in found.spectra if one.verdict == PASS]
+    if count > 1 and left:
+        words.append(f"{listed(left[:3])}{' and others' * (len(left) > 3)} pass.")
+    return " ".join(words)
+
+
+def print_spectra_verdict(found: SpectraVerdict) -> None:
+    """Print the clauses of each spectrum."""
+    rows = [
+        [one.name, clause.clause, *_figures(clause), SHOWN[clause.verdict], clause.status]
+        for one in found.spectra
+        for clause in one.clauses
+    ]
+    columns = [*keys("spectrum"), *texts("clause"), *numerals("limit", "value"), *texts("verdict")]
+    table(f"By {found.specification.title}", [*columns, *texts("status", priority=MORE)], rows)
+    for one in found.spectra:
+        for clause in one.clauses:
+            if clause.reason:
+                tell(f"{one.name}, {clause.clause}: {clause.reason}", "  ")
+
+
+def _figures(clause: Clause) -> list[str]:
+    value = f"{100.0 * clause.value:.1f} %" if math.isfinite(clause.value) else NONE
+    return [f"at least {100.0 * clause.low:g} %", value]
+
+
+def spectra_section(found: SpectraVerdict) -> Section:
+    """Return the chapter of a verdict on spectra: the tolerance with the spectra over it, and the clauses."""
+    from strikewave.analyses.record.verdicts.figures import spectrum_limits_figure
+
+    drawn = [(one.name, one.frequency, one.values, one.verdict) for one in found.spectra]
+    rows: list[list[Cell]] = [
+        [one.name, clause.clause, *_figures(clause), tag_of(clause.verdict), clause.status, clause.reason or NONE]
+        for one in found.spectra
+        for clause in one.clauses
+    ]
+    file = found.specification.file
+    text = (
+        f"Q = {found.limits.q:g}, {found.limits.side}, {found.limits.per_octave:g} natural frequencies an octave. "
+        f"Source: {file.source}." + (f" {' '.join(file.note.split())}" if file.note else "")
+    )
+    heads = ["spectrum", "clause", "limit", "value", "verdict", "limit is", "why"]
+    picture = Picture(spectrum_limits_figure(found.limits, drawn, found.specification.title), "Spectra and tolerance.")
+    return Section("Verdict by the specification", text, [picture, Table("Clauses", heads, rows)])

@@ -1,0 +1,64 @@
+"""A verdict on the screen: clauses where they came out worst, and every shock of several."""
+
+from __future__ import annotations
+
+from strikewave.analyses.record.verdicts.words import name_of_shock
+from strikewave.reporting.clause_words import SHOWN, limit_words, margin_words, share_words, value_words
+from strikewave.reporting.layout import MORE, keys, numerals, texts
+from strikewave.reporting.parts import NONE
+from strikewave.reporting.terminal import table, tell
+from strikewave.specifications.decisions import FAIL, WORST_FIRST
+from strikewave.specifications.judged_records import RecordsVerdict
+from strikewave.specifications.judging import Clause
+
+MOST_SHOCKS = 20
+"""Shocks of the table on the screen, the failed ones first; report and JSON have all."""
+
+
+def print_verdict(found: RecordsVerdict, names: dict[str, str]) -> None:
+    """Print the clauses, and the shocks where there are several."""
+    several = len({shock.reading.channel.name for shock in found.shocks}) > 1
+    many = len(found.shocks) > 1
+    rows = [
+        [*clause_row(clause), *([name_of_shock(shock, names, several)] if many else [])]
+        for clause, shock in found.clauses
+    ]
+    columns = [*keys("clause"), *numerals("limit", "value", "margin"), *texts("verdict")]
+    columns += [*numerals("of tolerance", priority=MORE), *texts("status", priority=MORE)]
+    columns += texts("worst", priority=MORE) if many else []
+    table(f"By {found.specification.title}", columns, rows)
+    for clause, _ in found.clauses:
+        if clause.reason:
+            tell(f"{clause.clause}: {clause.reason}", "  ")
+    if many:
+        _print_shocks(found, names, several)
+
+
+def clause_row(clause: Clause) -> list[str]:
+    """Return clause, limit, value, margin, verdict and status."""
+    values = [limit_words(clause), value_words(clause), margin_words(clause)]
+    return [clause.clause, *values, SHOWN[clause.verdict], share_words(clause), clause.status]
+
+
+def _print_shocks(found: RecordsVerdict, names: dict[str, str], several: bool) -> None:
+    shocks = sorted(found.shocks, key=lambda shock: WORST_FIRST.index(shock.found.verdict))
+    by_name = list(dict.fromkeys(clause.clause for shock in shocks for clause in shock.found.clauses))
+    figures = [name for name in by_name if name in ("peak", "velocity change") or name.startswith("pulse width")]
+    directed = any(shock.direction for shock in shocks)
+    rows = []
+    for shock in shocks[:MOST_SHOCKS]:
+        clauses = {clause.clause: clause for clause in shock.found.clauses}
+        failed = [clause.clause for clause in shock.found.clauses if clause.verdict == FAIL]
+        rows.append(
+            [
+                name_of_shock(shock, names, several),
+                *([shock.direction or NONE] if directed else []),
+                *[value_words(clauses[name]) if name in clauses else NONE for name in figures],
+                SHOWN[shock.found.verdict],
+                ", ".join(failed) or NONE,
+            ]
+        )
+    columns = [*keys("shock"), *(texts("direction") if directed else []), *numerals(*figures)]
+    columns += [*texts("verdict"), *texts("fails", priority=MORE)]
+    left = f", the first {MOST_SHOCKS} of {len(shocks)}" if len(shocks) > MOST_SHOCKS else ""
+    table(f"Shocks, those that fail first{left}", columns, rows)

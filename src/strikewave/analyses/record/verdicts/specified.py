@@ -1,0 +1,154 @@
+"""Specifications as a command: list them, show one, begin a file of one's own."""
+
+from __future__ import annotations
+
+from collections import Counter
+from dataclasses import dataclass
+from pathlib import Path
+from typing import ClassVar
+
+from strikewave.analyses.record.verdicts.specification_result import (
+    SpecificationResult,
+    asked_words,
+    specification_words,
+)
+from strikewave.base.errors import InputError
+from strikewave.base.json_document import head
+from strikewave.base.output_folder import write_atomically
+from strikewave.base.result import Source
+from strikewave.reporting import measured_files as measured
+from strikewave.reporting.layout import MORE, keys, numerals, texts
+from strikewave.reporting.options import Output
+from strikewave.reporting.parts import NONE
+from strikewave.reporting.run_and_write import Command, run_and_write
+from strikewave.reporting.terminal import print_json, say, table, tell
+from strikewave.specifications.judging import STATUSES
+from strikewave.specifications.reading import (
+    Specification,
+    load_specification,
+    read_built_in,
+    read_specification_file,
+    specification_names,
+)
+from strikewave.specifications.tables import numbers_of
+
+HEADER = """\
+# A specification of your own, begun from {origin}. Type the numbers of your document, and say at the head what they
+# are: status = "normative" where you read them in the standard itself, "quoted" where another text has them,
+# "indicative" from memory. A number may say it for itself:
+# peak = {{ value = "50 g", status = "normative", source = "clause 4.1" }}.
+# strikewave spec show {name} draws it; strikewave record FILES --spec {name} judges by it.
+
+"""
+"""Begin of a new file."""
+
+
+def list_specifications(output: Output) -> int:
+    """Print the built-in specifications, and return the exit code."""
+    rows, entries = [], []
+    for name in specification_names():
+        file, _ = read_built_in(name)
+        counts = Counter(status for _, _, status, _ in numbers_of(file))
+        conditions = [one.name for one in file.condition]
+        kind = NONE if file.pulse is None else file.pulse.shape
+        kind = "spectrum" if file.srs is not None else kind
+        statuses = {status: counts[status] for status in STATUSES if counts[status]}
+        entries.append(
+            {
+                "name": name,
+                "title": file.title,
+                "edition": file.edition,
+                "kind": kind,
+                "conditions": conditions,
+                "numbers": statuses,
+            }
+        )
+        many = ", ".join(f"{number} {status}" for status, number in statuses.items())
+        rows.append([name, kind, ", ".join(conditions) or NONE, many, file.title])
+    if output.json:
+        print_json({**head({}), "specifications": entries})
+        return 0
+    tell(f"{len(rows)} built-in specifications; NAME:CONDITION asks for one condition.")
+    columns = [*keys("name"), *texts("kind"), *texts("conditions"), *texts("numbers"), *texts("title", priority=MORE)]
+    table("Built-in specifications", columns, rows)
+    return 0
+
+
+def show_specification(name: str, output: Output) -> int:
+    """Show a specification, draw it, and return the exit code.
+
+    Raises
+    ------
+    InputError, InputErrors
+        If it cannot be read.
+    """
+    asked = _first_condition(name)
+    specification = load_specification(asked, "NAME")
+    usual = "spec-" + specification.asked.replace(":", "-").lower()
+    origin = measured.source_of("command", usual)
+    return run_and_write(SpecificationCommand(specification, origin), output, usual, origin.text)
+
+
+def _first_condition(name: str) -> str:
+    """Return a name with the first of its conditions, where it has several and none is asked for."""
+    (_, file, _), condition = read_specification_file(name, "NAME")
+    return name if condition or len(file.condition) < 2 else f"{name.rstrip(':')}:{file.condition[0].name}"
+
+
+@dataclass(frozen=True)
+class SpecificationCommand(Command[SpecificationResult]):
+    """A specification that is shown."""
+
+    of_test: ClassVar[bool] = False
+
+    specification: Specification
+    origin: Source
+
+    def solve(self) -> SpecificationResult:
+        """Return it."""
+        return SpecificationResult(self.specification, origin=self.origin)
+
+    def summary(self, result: SpecificationResult) -> str:
+        """Say what it is, and how well its numbers are known."""
+        return specification_words(result)
+
+    def show(self, result: SpecificationResult) -> None:
+        """Print what it asks, and its numbers."""
+        rows = [[clause.clause, asked_words(clause), clause.status] for clause in result.clauses]
+        if rows:
+            table("What it asks of a shock", [*keys("clause"), *numerals("limit"), *texts("status")], rows)
+        numbers = [[row.path, row.typed, row.status, row.source] for row in result.numbers]
+        columns = [*keys("number"), *numerals("value"), *texts("status"), *texts("source", priority=MORE)]
+        table("Numbers", columns, numbers)
+        for one in result.specification.file.demand:
+            tell(f"asked too, and not judged: {one.text}")
+
+    def draw(self, result: SpecificationResult, folder: Path) -> list[str]:
+        """Write page and picture."""
+        from strikewave.analyses.record.verdicts.drawn import draw_specification
+
+        return draw_specification(result, folder)
+
+
+def new_specification(file: Path, origin: str, output: Output) -> int:
+    """Write a file that begins from a specification, and return the exit code.
+
+    Raises
+    ------
+    InputError
+        If the name is no free one of a file, or there is nothing to begin from.
+    """
+    if not file.name or file.suffix not in ("", ".toml"):
+        raise InputError("FILE", str(file), "the name of a specification, such as my-shock.toml")
+    path = file.with_name(file.stem + ".toml")
+    if path.exists() and not output.force:
+        raise InputError("FILE", str(path), "a name that is not taken", "add --force to replace it")
+    if not path.absolute().parent.is_dir():
+        raise InputError("FILE", str(path), "a file in a folder that exists")
+    (_, _, text), _ = read_specification_file(origin, "--from")
+    write_atomically(path, HEADER.format(origin=origin.partition(":")[0], name=path) + text)
+    if output.json:
+        print_json({**head({}), "written": [str(path)]})
+    else:
+        say(f"written: {path}; change a number and its status, then: strikewave spec show {path}")
+    return 0

@@ -1,0 +1,50 @@
+"""A verdict on records in words: for the screen and the report."""
+
+from __future__ import annotations
+
+import math
+
+from strikewave.reporting.clause_words import first_upper, share_words, verdict_words, why_words
+from strikewave.reporting.numbers import listed
+from strikewave.reporting.parts import NONE
+from strikewave.specifications.decisions import CANNOT_TELL, FAIL, NOT_JUDGED, PASS
+from strikewave.specifications.judged_records import JudgedShock, RecordsVerdict
+
+MOST_NAMED = 3
+"""Shocks that a sentence names."""
+
+
+def name_of_shock(shock: JudgedShock | None, names: dict[str, str], several: bool) -> str:
+    """Return how a shock is called: file, channel where there are several, number of its blow."""
+    if shock is None:
+        return NONE
+    channel = f", {shock.reading.channel.name}" if several else ""
+    return f"{names[shock.file]}{channel}, blow {shock.number}"
+
+
+def sentence(found: RecordsVerdict, names: dict[str, str]) -> str:
+    """Say what the verdict is, by what, and why."""
+    count = len(found.shocks)
+    many = {0: "no shock", 1: "one shock"}.get(count, f"{count} shocks")
+    words = [
+        f"{verdict_words(found.verdict, found.by_indicative)}: {many} by "
+        f"{found.specification.title} ({found.specification.file.edition})."
+    ]
+    several = len({shock.reading.channel.name for shock in found.shocks}) > 1
+    wrong = [(c, s) for c, s in found.clauses if c.verdict == found.verdict and c.verdict in (FAIL, CANNOT_TELL)]
+    for clause, shock in wrong[:MOST_NAMED]:
+        where = f" of {name_of_shock(shock, names, several)}" if shock is not None and count > 1 else ""
+        words.append(f"{first_upper(clause.clause)}{where}: {why_words(clause)}.")
+    if found.verdict == PASS:
+        tight = [(c, s) for c, s in found.clauses if c.verdict == PASS and math.isfinite(c.share)]
+        if tight:
+            clause, shock = min(tight, key=lambda one: one[0].share)
+            where = f", {name_of_shock(shock, names, several)}" if shock is not None and count > 1 else ""
+            words.append(f"Least margin: {clause.clause}{where}, {share_words(clause)} of the tolerance.")
+    failed = sum(shock.found.verdict == FAIL for shock in found.shocks)
+    if count > 1 and failed:
+        words.append(f"{failed} of {count} shocks fail.")
+    skipped = list(dict.fromkeys(clause.clause for clause, _ in found.clauses if clause.verdict == NOT_JUDGED))
+    if skipped:
+        words.append(f"Not judged: {listed(skipped)}.")
+    return " ".join(words)

@@ -1,0 +1,137 @@
+"""Clauses of a specification in words: limits, values, margins and verdicts, for screens and reports."""
+
+from __future__ import annotations
+
+import math
+
+from strikewave.reporting.numbers import shown, with_unit
+from strikewave.reporting.parts import NONE, Cell, Tag, written
+from strikewave.specifications.decisions import CANNOT_TELL, FAIL, NOT_JUDGED, PASS
+from strikewave.specifications.judging import Clause
+
+SHOWN = {PASS: "PASS", FAIL: "FAIL", CANNOT_TELL: "CANNOT TELL", NOT_JUDGED: "not judged"}
+"""Verdicts as they are written."""
+LOOKS = {PASS: "good", FAIL: "bad", CANNOT_TELL: "warned", NOT_JUDGED: ""}
+"""How they look on a page."""
+INDICATIVE_WORDS = " (by indicative limits)"
+
+
+def verdict_words(verdict: str, by_indicative: bool) -> str:
+    """Return a verdict as it is written, with what it rests on.
+
+    Examples
+    --------
+    >>> verdict_words("pass", True), verdict_words("cannot-tell", False)
+    ('PASS (by indicative limits)', 'CANNOT TELL')
+    """
+    return SHOWN[verdict] + (INDICATIVE_WORDS if by_indicative else "")
+
+
+def usual_unit(clause: Clause) -> str:
+    """Return the unit in which a clause is shown as a rule."""
+    if clause.unit == "s":
+        largest = max((abs(one) for one in (clause.low, clause.high) if math.isfinite(one)), default=0.0)
+        return "ms" if largest >= 1e-3 else "us"
+    return {"m/s^2": "g"}.get(clause.unit, clause.unit)
+
+
+def amount(clause: Clause, value: float, digits: int = 4) -> str:
+    """Write a value of a clause with its unit; a share in percent, a count alone."""
+    if not math.isfinite(value):
+        return NONE
+    if clause.unit == "1":
+        text = f"{written(100.0 * value, 3)} %" if clause.clause.startswith("share") else written(value)
+        return text.replace("-", "−")
+    return with_unit(abs(value), clause.unit, usual_unit(clause), digits) if value >= 0.0 else _below(clause, value)
+
+
+def _below(clause: Clause, value: float) -> str:
+    return f"−{with_unit(-value, clause.unit, usual_unit(clause), 3)}"
+
+
+def limit_words(clause: Clause) -> str:
+    """Write the limits of a clause.
+
+    Examples
+    --------
+    >>> from strikewave.specifications.judging import Limits, judged
+    >>> limit_words(judged("peak", 1.0, Limits(392.266, 588.399, "quoted"), "m/s^2"))
+    '40 to 60 g'
+    """
+    low, high = (math.isfinite(one) for one in (clause.low, clause.high))
+    if clause.clause == "band":
+        return "inside"
+    if low and high and clause.low == clause.high:
+        return amount(clause, clause.low)
+    if low and high:
+        unit = usual_unit(clause)
+        first = written(shown(clause.low, clause.unit, unit)) if clause.unit != "1" else amount(clause, clause.low)
+        return f"{first} to {amount(clause, clause.high)}"
+    if low:
+        return f"at least {amount(clause, clause.low)}"
+    return f"at most {amount(clause, clause.high)}" if high else NONE
+
+
+def value_words(clause: Clause) -> str:
+    """Write the value of a clause; of a band, which side of it the record is on."""
+    if clause.clause == "band" and math.isfinite(clause.value):
+        return "inside" if clause.value >= 0.0 else "outside"
+    return amount(clause, clause.value)
+
+
+def margin_words(clause: Clause) -> str:
+    """Write the margin of a clause, below zero outside."""
+    return amount(clause, clause.margin, 3)
+
+
+def share_words(clause: Clause) -> str:
+    """Write the margin as a share of half the tolerance, where that means something."""
+    shared = clause.clause != "band" and clause.unit not in ("1", "Hz") and math.isfinite(clause.share)
+    return f"{100.0 * clause.share:.0f} %".replace("-", "−") if shared else NONE
+
+
+def first_upper(text: str) -> str:
+    """Return a text that begins with a capital.
+
+    Examples
+    --------
+    >>> first_upper("pulse width")
+    'Pulse width'
+    """
+    return text[:1].upper() + text[1:]
+
+
+def why_words(clause: Clause) -> str:
+    """Say why a clause did not pass."""
+    if clause.reason and clause.verdict == CANNOT_TELL:
+        return clause.reason
+    where = f", {clause.reason}" if clause.reason else ""
+    if clause.clause == "band":
+        return f"{amount(clause, -clause.margin, 3)} outside{where}"
+    return f"{value_words(clause)}; limit {limit_words(clause)}{where}"
+
+
+def clause_words(clause: Clause) -> str:
+    """Say what a clause that did not pass comes to."""
+    return f"{first_upper(clause.clause)}: {why_words(clause)}"
+
+
+def tag_of(verdict: str) -> Tag:
+    """Return a verdict as a tag."""
+    return Tag(SHOWN[verdict], LOOKS[verdict])
+
+
+def clause_cells(clause: Clause) -> list[Cell]:
+    """Return the cells of a row of a table, see `CLAUSE_HEADS`."""
+    return [
+        clause.clause,
+        limit_words(clause),
+        value_words(clause),
+        margin_words(clause),
+        share_words(clause),
+        tag_of(clause.verdict),
+        clause.status,
+    ]
+
+
+CLAUSE_HEADS = ("clause", "limit", "value", "margin", "of tolerance", "verdict", "limit is")

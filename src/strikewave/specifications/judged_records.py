@@ -1,0 +1,399 @@
+"""Measured records against a specification: each blow of each file, then shocks by direction and their rate."""
+
+from __future__ import annotations
+
+import fnmatch
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from strikewave.base.errors import InputError, nearest
+from strikewave.records.health_notice import HealthNotice
+from strikewave.records.measuring import RecordedPulse
+from strikewave.records.reading import ChannelReading, FileReading
+from strikewave.signal.filters import Filter
+from strikewave.specifications.decisions import CANNOT_TELL, FAIL, PASS, Rule, together
+from strikewave.specifications.ideal_pulses import IdealPulse
+from strikewave.specifications.judging import (
+    INDICATIVE,
+    Clause,
+    Limits,
+    MeasuredFigure,
+    PulseLimits,
+    Shock,
+    ShockVerdict,
+    judge_shock,
+    judged,
+    not_judged,
+    refused,
+    worst_clauses,
+)
+from strikewave.specifications.pulse_bands import REACH
+from strikewave.specifications.reading import Specification
+
+DIRECTIONS = ("+x", "-x", "+y", "-y", "+z", "-z")
+"""Directions of a shock: axes of the specimen, both senses."""
+JUDGED_AS_IT_IS = (
+    "polarity",
+    "polarity-differs",
+    "ringing",
+    "rebound",
+    "double-hit",
+    "missing-blow",
+    "outlier",
+    "response",
+    "no-foot",
+)
+"""Findings on what machine, specimen or direction do: a specification judges it, it is no fault of the record."""
+FINEST_FILTERED = 1.0 / 200.0
+"""Share of the duration between samples on which a filter is tried on the ideal pulse, where the record is coarser."""
+
+
+@dataclass(frozen=True)
+class Asked:
+    """How records are judged.
+
+    Attributes
+    ----------
+    rule : str
+        How uncertainty enters: ``simple`` or ``guarded``.
+    strict : bool
+        Whether indicative limits are refused.
+    uncertainty : float
+        Expanded uncertainty, k = 2, of the measured acceleration, as a share.
+    directions : sequence of (str, str)
+        Pattern of file names, and the direction of their shocks.
+    cross_axis : sequence of str
+        Names or numbers of channels that measure across.
+    """
+
+    rule: Rule = "simple"
+    strict: bool = False
+    uncertainty: float = 0.0
+    directions: Sequence[tuple[str, str]] = ()
+    cross_axis: Sequence[str] = ()
+
+    def direction_of(self, path: str) -> str:
+        """Return the direction of the shocks of a file; empty where none is stated. The last that fits counts.
+
+        Examples
+        --------
+        >>> Asked(directions=[("*", "+x"), ("b*", "-x")]).direction_of("tests/b1.csv")
+        '-x'
+        """
+        name = Path(path).name
+        fitting = [d for pattern, d in self.directions if fnmatch.fnmatch(name, pattern) or pattern == path]
+        return fitting[-1] if fitting else ""
+
+
+class JudgedShock(NamedTuple):
+    """One blow with its verdict."""
+
+    file: str
+    reading: ChannelReading
+    number: int
+    pulse: RecordedPulse
+    direction: str
+    shock: Shock
+    found: ShockVerdict
+
+
+@dataclass(frozen=True)
+class RecordsVerdict:
+    """The verdict on records.
+
+    Attributes
+    ----------
+    specification : Specification
+        What they are judged by.
+    limits : PulseLimits
+        What it asks of a shock.
+    asked : Asked
+        How.
+    shocks : tuple of JudgedShock
+        In the order of the files.
+    campaign : tuple of Clause
+        Shocks by direction, their rate, files without a shock.
+    """
+
+    specification: Specification
+    limits: PulseLimits
+    asked: Asked
+    shocks: tuple[JudgedShock, ...]
+    campaign: tuple[Clause, ...] = ()
+
+    @property
+    def verdict(self) -> str:
+        """Of all shocks and clauses together."""
+        return together([*(one.found.verdict for one in self.shocks), *(clause.verdict for clause in self.campaign)])
+
+    @property
+    def clauses(self) -> list[tuple[Clause, JudgedShock | None]]:
+        """Each clause where it came out worst, with its shock; those of the campaign last."""
+        worst = worst_clauses([one.found for one in self.shocks])
+        return [(clause, self.shocks[place]) for clause, place in worst] + [(clause, None) for clause in self.campaign]
+
+    @property
+    def by_indicative(self) -> bool:
+        """Whether the verdict rests on a limit that is from memory."""
+        return rests_on_indicative([clause for clause, _ in self.clauses], self.verdict)
+
+    def document(self) -> dict[str, Any]:
+        """Return the entry of the JSON document, in SI."""
+        return {
+            **self.specification.document(),
+            "decision": self.asked.rule,
+            "strict": self.asked.strict,
+            "uncertainty": self.asked.uncertainty,
+            "verdict": self.verdict,
+            "by_indicative_limits": self.by_indicative,
+            "clauses": [{**clause_document(clause), **_place(shock)} for clause, shock in self.clauses],
+            "shocks": [
+                {
+                    **_place(one),
+                    "direction": one.direction or None,
+                    "start": one.found.start,
+                    "verdict": one.found.verdict,
+                    "clauses": [clause_document(clause) for clause in one.found.clauses],
+                }
+                for one in self.shocks
+            ],
+        }
+
+
+def rests_on_indicative(clauses: Sequence[Clause], verdict: str) -> bool:
+    """Tell whether a verdict rests on an indicative limit: a pass on any of them, a fail where all that fail are.
+
+    Examples
+    --------
+    >>> from strikewave.specifications.judging import judged
+    >>> sure, unsure = judged("a", 2.0, Limits(0, 1, "quoted"), "1"), judged("b", 2.0, Limits(0, 1, "indicative"), "1")
+    >>> rests_on_indicative([sure, unsure], "fail"), rests_on_indicative([unsure], "fail")
+    (False, True)
+    """
+    used = [clause for clause in clauses if clause.verdict == verdict]
+    if verdict == PASS:
+        return any(clause.status == INDICATIVE for clause in used)
+    return verdict == FAIL and bool(used) and all(clause.status == INDICATIVE for clause in used)
+
+
+def clause_document(clause: Clause) -> dict[str, Any]:
+    """Return the row of a clause; a limit that there is none of is null."""
+    ends = [end if math.isfinite(end) else None for end in (clause.low, clause.high)]
+    return {
+        "clause": clause.clause,
+        "status": clause.status,
+        "unit": clause.unit,
+        "value": clause.value,
+        "limit": ends,
+        "margin": clause.margin,
+        "uncertainty": clause.uncertainty,
+        "verdict": clause.verdict,
+        "reason": clause.reason,
+    }
+
+
+def _place(shock: JudgedShock | None) -> dict[str, Any]:
+    if shock is None:
+        return {}
+    return {"file": shock.file, "channel": shock.reading.channel.name, "blow": shock.number}
+
+
+def judge_records(
+    files: Sequence[FileReading], specification: Specification, asked: Asked, filter_: Filter | None = None
+) -> RecordsVerdict:
+    """Judge the blows of records.
+
+    Parameters
+    ----------
+    files : sequence of FileReading
+        Read and examined.
+    specification : Specification
+        Of a pulse.
+    asked : Asked
+        How they are judged.
+    filter_ : Filter or None, optional
+        The low-pass that was taken.
+
+    Raises
+    ------
+    InputError
+        If no channel holds an acceleration, or a cross-axis channel is not there.
+    """
+    limits = specification.pulse_limits()
+    across = set(asked.cross_axis)
+    named = {key for file in files for reading in file.channels for key in _keys(reading)}
+    for name in across - named:
+        raise InputError("--cross-axis", name, "name or number of a channel", nearest(name, named))
+    channels = [
+        (file, reading)
+        for file in files
+        for reading in file.channels
+        if reading.response is None and not across & _keys(reading)
+    ]
+    usable = [(file, reading) for file, reading in channels if reading.channel.unit == "m/s^2"]
+    if not usable:
+        units = sorted({reading.channel.unit or "no known unit" for _, reading in channels}) or ["no channel"]
+        raise InputError("--spec", ", ".join(units), "records of an acceleration", "state the unit, such as --unit g")
+    shocks: list[JudgedShock] = []
+    empty: list[str] = []
+    for file, reading in usable:
+        if not reading.pulses:
+            empty.append(file.path)
+        troubles = troubles_of([*file.findings, *reading.findings])
+        beside = [one for one in file.channels if across & _keys(one)]
+        for number, pulse in enumerate(reading.pulses, start=1):
+            shock = shock_of(reading, pulse, limits, beside, filter_, troubles, asked.uncertainty)
+            found = judge_shock(shock, limits, asked.rule, asked.strict)
+            shocks.append(JudgedShock(file.path, reading, number, pulse, asked.direction_of(file.path), shock, found))
+    empty += [file.path for file in files if not file.channels]
+    campaign = [*_without_shock(empty, limits), *_counts(shocks, specification, asked), *_rate(usable, specification)]
+    if asked.strict:
+        campaign = [refused(clause) for clause in campaign]
+    return RecordsVerdict(specification, limits, asked, tuple(shocks), tuple(campaign))
+
+
+def _keys(reading: ChannelReading) -> set[str]:
+    return {reading.channel.name, str(reading.number)}
+
+
+def troubles_of(findings: Sequence[HealthNotice]) -> dict[str, str]:
+    """Return why figures are not to be trusted, the worst finding of each."""
+    found: dict[str, str] = {}
+    for severity in ("bad", "suspect"):
+        for finding in findings:
+            if finding.severity != severity or finding.code in JUDGED_AS_IT_IS:
+                continue
+            for figure in ("peak", "width", "velocity_change"):
+                if severity == "bad" or figure in finding.harms:
+                    found.setdefault(figure, f"{finding.code}: {finding.message}")
+    return found
+
+
+def shock_of(
+    reading: ChannelReading,
+    pulse: RecordedPulse,
+    limits: PulseLimits,
+    across: Sequence[ChannelReading] = (),
+    filter_: Filter | None = None,
+    troubles: Mapping[str, str] | None = None,
+    uncertainty: float = 0.0,
+) -> Shock:
+    """Return a blow as a shock to judge: the stretch of record about it, baseline taken off, pulse upwards."""
+    channel, duration = reading.channel, limits.pulse.duration
+    before, after = (1.0, 2.0) if limits.band is None else (limits.band.before, 1.0 + limits.band.after)
+    room = (REACH + 1.0) * duration
+    first, last = (
+        round((time - channel.start) / channel.step)
+        for time in (pulse.begin - before * duration - room, pulse.end + after * duration + room)
+    )
+    low, high = max(first, 0), min(last + 1, channel.values.size)
+    sign = math.copysign(1.0, pulse.peak)
+    begin = channel.start + low * channel.step
+    time = begin + channel.step * np.arange(high - low)
+    beside = {one.channel.name: np.interp(time, one.channel.time, one.channel.values) - one.baseline for one in across}
+    doubt = pulse.uncertainty
+    figures = {
+        "peak": MeasuredFigure(abs(pulse.peak), doubt.peak),
+        "velocity_change": MeasuredFigure(abs(pulse.velocity_change), doubt.velocity_change),
+    }
+    if pulse.width > 0.0:
+        figures["width"] = MeasuredFigure(pulse.width, doubt.width)
+    return Shock(
+        np.asarray(sign * (channel.values[low:high] - pulse.offset), dtype=np.float64),
+        channel.step,
+        begin,
+        min(max(round((pulse.time - begin) / channel.step), 0), high - low - 1),
+        figures,
+        1.0 if filter_ is None else filter_leaves(filter_, limits.pulse, channel.step),
+        math.nan if filter_ is None else filter_.half_power(channel.step),
+        troubles or {},
+        beside,
+        uncertainty,
+    )
+
+
+def filter_leaves(filter_: Filter, pulse: IdealPulse, step: float) -> float:
+    """Return the share of the peak of an ideal pulse that a filter leaves.
+
+    Examples
+    --------
+    >>> round(filter_leaves(Filter(10e3), IdealPulse("half-sine", 1.0, 100e-6), 1e-6), 3)
+    0.968
+    """
+    fine = min(step, FINEST_FILTERED * pulse.duration)
+    time = np.arange(-round(pulse.duration / fine), round(2.0 * pulse.duration / fine)) * fine
+    return float(np.max(filter_.apply(pulse.at(time), fine))) / pulse.peak
+
+
+def _without_shock(paths: Sequence[str], limits: PulseLimits) -> list[Clause]:
+    """Return the clause of files in which no blow was found."""
+    if not paths:
+        return []
+    names = ", ".join(Path(path).name for path in paths[:3]) + (f" and {len(paths) - 3} more" if len(paths) > 3 else "")
+    clause = judged("files without a shock", float(len(paths)), Limits(0.0, 0.0, limits.status), "1")
+    return [replace(clause, verdict=CANNOT_TELL, reason=f"no shock was found in {names}")]
+
+
+def _counts(shocks: Sequence[JudgedShock], specification: Specification, asked: Asked) -> list[Clause]:
+    """Return the clauses of the shocks in each direction; those that pass count."""
+    count = specification.count()
+    if count is None:
+        return []
+    limits = Limits(count.low, count.high, count.status)
+    if not asked.directions:
+        return [not_judged("shocks by direction", limits, "1", "no direction is stated (--direction)")]
+    found: list[Clause] = []
+    stated = [one for one in DIRECTIONS if any(direction == one for _, direction in asked.directions)]
+    for direction in stated:
+        here = [one for one in shocks if one.direction == direction]
+        passed = sum(one.found.verdict == PASS for one in here)
+        clause = judged(f"shocks in {direction}", float(passed), limits, "1")
+        if clause.verdict == FAIL:
+            clause = replace(clause, verdict=FAIL, reason=f"{passed} of {len(here)} shocks pass; {_asked_for(limits)}")
+        found.append(clause)
+    directions = judged("directions", float(len(stated)), Limits(count.directions, math.inf, count.status), "1")
+    if directions.verdict == FAIL:
+        lacking = [one for one in DIRECTIONS if one not in stated]
+        directions = replace(directions, verdict=FAIL, reason=f"not stated: {', '.join(lacking)}")
+    return [*found, directions]
+
+
+def _asked_for(limits: Limits) -> str:
+    return f"{limits.low:g} are asked for" if math.isinf(limits.high) else f"{limits.low:g} to {limits.high:g} are"
+
+
+def _rate(usable: Sequence[tuple[FileReading, ChannelReading]], specification: Specification) -> list[Clause]:
+    """Return the clause of the shocks a second: by the median interval within the records."""
+    limits = specification.repetition()
+    if limits is None:
+        return []
+    intervals = [gap for _, reading in usable for gap in reading.intervals]
+    if not intervals:
+        return [not_judged("shocks a second", limits, "Hz", "no record holds two shocks")]
+    return [judged("shocks a second", 1.0 / float(np.median(intervals)), limits, "Hz")]
+
+
+def read_direction(word: str, field: str = "--direction") -> tuple[str, str]:
+    """Return pattern and direction of ``[FILES=]DIRECTION``.
+
+    Raises
+    ------
+    InputError
+        If it is no direction.
+
+    Examples
+    --------
+    >>> read_direction("+x"), read_direction("up*.csv=-Z")
+    (('*', '+x'), ('up*.csv', '-z'))
+    """
+    pattern, equals, direction = word.rpartition("=")
+    direction = direction.strip().lower()
+    if direction not in DIRECTIONS or (equals and not pattern.strip()):
+        hint = nearest(direction, DIRECTIONS)
+        raise InputError(field, word, "a direction of " + ", ".join(DIRECTIONS) + ", or FILES=DIRECTION", hint)
+    return pattern.strip() or "*", direction

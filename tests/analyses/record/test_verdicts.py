@@ -1,0 +1,228 @@
+"""`record --spec`, `srs --spec` and `spec`: verdicts, exit codes, JSON, report, directions, files of one's own."""
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from strikewave.signal.filters import Filter, effect_on_half_sine
+from strikewave.specifications.ideal_pulses import IdealPulse
+from strikewave.specifications.judged_records import filter_leaves
+
+GRAVITY = 9.80665
+
+
+def write_shot(
+    name, peak=50.0, duration=11e-3, sign=1.0, step=2e-5, across=None, noise=0.05, blows=1, interval=0.5, clip=None
+):
+    """Half-sines of 50 g 11 ms, or so: what the severity iec-60068-2-27:50g-11ms asks for."""
+    time = np.arange(round((0.1 + interval * (blows - 1)) / step)) * step
+    values = noise * np.random.default_rng(3).normal(size=time.size)
+    for blow in range(blows):
+        start = 0.03 + blow * interval
+        values += sign * IdealPulse("half-sine", peak, duration).at(time - start)
+    if clip is not None:
+        values = np.minimum(values, clip)
+    columns, heads = [time, values], ["time (s)", "table (g)"]
+    if across is not None:
+        columns.append(across * values)
+        heads.append("y (g)")
+    np.savetxt(name, np.column_stack(columns), delimiter=",", header=",".join(heads), comments="", fmt="%.9g")
+
+
+@pytest.fixture
+def judged(strikewave):
+    """Return exit code and the entry `spec` of the document."""
+
+    def call(*words):
+        code, out, err = strikewave(*words, "--json")
+        assert code in (0, 3), err
+        return code, json.loads(out)["spec"]
+
+    return call
+
+
+IEC = ("--spec", "iec-60068-2-27:50g-11ms")
+
+
+def clauses_of(spec):
+    return {clause["clause"]: clause for clause in spec["clauses"]}
+
+
+def test_a_shock_as_asked_for_passes_by_indicative_limits_and_one_too_high_fails_with_exit_3(judged):
+    write_shot("good.csv")
+    code, spec = judged("record", "good.csv", *IEC)
+    assert (code, spec["verdict"], spec["by_indicative_limits"]) == (0, "pass", True)
+    clauses = clauses_of(spec)
+    assert clauses["peak"]["limit"] == pytest.approx([40 * GRAVITY, 60 * GRAVITY])
+    assert clauses["peak"]["margin"] == pytest.approx(10 * GRAVITY, rel=0.02)  # noise of 0.05 g on a peak of 50 g
+    assert clauses["velocity change"]["value"] == pytest.approx(2 * 50 * GRAVITY * 11e-3 / np.pi, rel=0.005)
+    assert clauses["cross-axis"]["verdict"] == clauses["shocks by direction"]["verdict"] == "not-judged"
+    write_shot("high.csv", peak=65.0)
+    code, spec = judged("record", "good.csv", "high.csv", *IEC)
+    assert (code, spec["verdict"]) == (3, "fail")
+    assert [shock["verdict"] for shock in spec["shocks"]] == ["pass", "fail"]
+    worst = clauses_of(spec)["peak"]
+    assert (worst["file"], worst["verdict"]) == ("high.csv", "fail")
+    assert worst["margin"] == pytest.approx(-5 * GRAVITY, rel=0.05)
+
+
+def test_a_shock_downwards_is_judged_by_its_size(judged):
+    write_shot("down.csv", sign=-1.0)
+    assert judged("record", "down.csv", *IEC)[1]["verdict"] == "pass"
+
+
+def test_strict_refuses_indicative_limits_and_guarded_leaves_the_uncertainty(judged):
+    write_shot("good.csv")
+    code, spec = judged("record", "good.csv", *IEC, "--strict")
+    assert (code, spec["verdict"]) == (0, "cannot-tell")
+    write_shot("near.csv", peak=58.0, duration=10.5e-3)
+    assert judged("record", "near.csv", *IEC)[1]["verdict"] == "pass"
+    code, spec = judged("record", "near.csv", *IEC, "--decision", "guarded", "--uncertainty", "5 %")
+    assert clauses_of(spec)["peak"]["uncertainty"] == pytest.approx(0.05 * 58 * GRAVITY, rel=0.02)
+    assert (code, clauses_of(spec)["peak"]["verdict"]) == (0, "cannot-tell")
+
+
+def test_a_clipped_record_and_one_sampled_too_slowly_cannot_be_told(judged):
+    write_shot("clipped.csv", peak=70.0, clip=55.0, noise=0.0)
+    clause = clauses_of(judged("record", "clipped.csv", *IEC)[1])["peak"]
+    assert clause["verdict"] == "cannot-tell"
+    assert "clipped" in clause["reason"] or "flat-top" in clause["reason"]
+    write_shot("slow.csv", peak=31.4)
+    spec = judged("record", "slow.csv", "--spec", "mil-std-810h:ground")[1]
+    rate = clauses_of(spec)["sampling rate"]
+    assert (rate["value"], rate["limit"], rate["verdict"]) == (pytest.approx(5e4), [1e5, None], "cannot-tell")
+    assert spec["verdict"] == "cannot-tell"
+
+
+def test_cross_axis_channels_are_judged_and_are_no_shocks(judged):
+    write_shot("two.csv", across=0.4)
+    spec = judged("record", "two.csv", *IEC, "--cross-axis", "y")[1]
+    assert len(spec["shocks"]) == 1
+    cross = clauses_of(spec)["cross-axis"]
+    assert (cross["verdict"], cross["value"]) == ("fail", pytest.approx(0.4 * 50 * GRAVITY, rel=0.02))
+
+
+def test_shocks_are_counted_by_direction_from_options_or_the_test(judged):
+    for k in range(3):
+        write_shot(f"up{k}.csv")
+    write_shot("down0.csv", sign=-1.0)
+    files = ["up0.csv", "up1.csv", "up2.csv", "down0.csv"]
+    code, spec = judged("record", *files, *IEC, "--direction", "up*=+x", "--direction", "down*=-x")
+    clauses = clauses_of(spec)
+    assert (clauses["shocks in +x"]["value"], clauses["shocks in +x"]["verdict"]) == (3, "pass")
+    assert (clauses["shocks in -x"]["value"], clauses["shocks in -x"]["verdict"]) == (1, "fail")
+    assert clauses["directions"]["verdict"] == "fail"
+    assert code == 3
+    Path("test.toml").write_text('[test]\nitem = "board"\ndirection = "+z"\n')
+    assert "shocks in +z" in clauses_of(judged("record", "up0.csv", *IEC, "--test", "test.toml")[1])
+
+
+def test_bumps_have_a_rate(judged):
+    write_shot("bumps.csv", peak=40.0, duration=6e-3, blows=4, interval=0.5)
+    clauses = clauses_of(judged("record", "bumps.csv", "--spec", "iec-60068-2-27-bump:40g-6ms")[1])
+    assert clauses["shocks a second"]["value"] == pytest.approx(2.0, rel=1e-3)
+    assert clauses["shocks a second"]["verdict"] == "pass"
+
+
+def test_what_a_filter_leaves_of_the_ideal_pulse_is_that_of_a_half_sine():
+    """`effect_on_half_sine` was written apart, on a grid of its own: both are good to 1e-5."""
+    low_pass = Filter(300.0)
+    expected = effect_on_half_sine(low_pass, 11e-3).peak
+    assert filter_leaves(low_pass, IdealPulse("half-sine", 5.0, 11e-3), 1e-5) == pytest.approx(expected, abs=2e-5)
+
+
+def test_report_and_screen_have_the_verdict_and_draw_the_band(strikewave):
+    write_shot("good.csv")
+    write_shot("high.csv", peak=65.0)
+    code, out, err = strikewave("record", "good.csv", "high.csv", *IEC, "--out", "judged")
+    assert code == 3
+    assert out.startswith("FAIL (by indicative limits): 2 shocks by IEC 60068-2-27")
+    assert "exit code 3: check failed: specification" in err
+    page = Path("judged/report.html").read_text("utf-8")
+    assert "Verdict by the specification" in page
+    assert page.count("time from the begin of the ideal pulse") == 2
+
+
+def test_own_file_and_errors_of_the_options(strikewave, judged):
+    write_shot("good.csv")
+    assert strikewave("spec", "new", "own", "--from", "iec-60068-2-27")[0] == 0
+    text = (
+        Path("own.toml")
+        .read_text()
+        .replace('status = "indicative"\nsource = "from memory"', 'status = "normative"\nsource = "our copy"', 1)
+    )
+    Path("own.toml").write_text(text)
+    spec = judged("record", "good.csv", "--spec", "own.toml:15g-11ms")[1]
+    assert (spec["name"], spec["condition"], spec["verdict"], spec["by_indicative_limits"]) == (
+        "own",
+        "15g-11ms",
+        "fail",
+        False,
+    )
+    wrong = {
+        ("--spec", "iec-60068-2-27"): "choose from: 50g-11ms",
+        ("--spec", "iec-60068-2-28:A"): 'did you mean "iec-60068-2-27"?',
+        ("--spec", "none.toml"): "no such file: none.toml",
+        ("--spec", "nasa-gevs"): "srs --spec",
+        (*IEC, "--direction", "up"): '--direction: got "up"',
+        (*IEC, "--cross-axis", "z"): '--cross-axis: got "z"',
+        (*IEC, "--uncertainty", "2"): "--uncertainty",
+        ("--strict",): "add --spec NAME",
+        ("--direction", "+x"): "add --spec NAME",
+    }
+    for words, message in wrong.items():
+        code, _, err = strikewave("record", "good.csv", *words)
+        assert (code, message in err) == (2, True), err
+    code, _, err = strikewave("spec", "new", "own")
+    assert (code, "add --force" in err) == (2, True)
+
+
+def test_records_of_a_force_or_of_nothing_cannot_be_judged(strikewave):
+    write_shot("good.csv")
+    Path("force.csv").write_text(Path("good.csv").read_text().replace("(g)", "(N)"))
+    code, _, err = strikewave("record", "force.csv", *IEC)
+    assert (code, "records of an acceleration" in err) == (2, True)
+    flat = np.column_stack([np.arange(2000) * 1e-4, np.random.default_rng(1).normal(size=2000)])
+    np.savetxt("flat.csv", flat, delimiter=",", header="time (s),table (g)", comments="")
+    code, out, _ = strikewave("record", "flat.csv", *IEC)
+    assert code == 0
+    assert out.startswith("CANNOT TELL")
+
+
+def test_spectrum_of_a_record_is_judged_and_one_sampled_too_slowly_cannot_be(judged, strikewave):
+    Path("own.toml").write_text(
+        'schema = 1\ntitle = "t"\nedition = "e"\nstatus = "normative"\nsource = "s"\n[srs]\n'
+        'points = [["200 Hz", "60 g"], ["2 kHz", "60 g"]]\nper_octave = 6\nshare_above = "50 %"\n'
+        '[[srs.tolerance]]\nfrom = "200 Hz"\nto = "2 kHz"\nlow = "-3 dB"\nhigh = "3 dB"\n'
+    )
+    write_shot("good.csv")  # far above 1 / 11 ms the spectrum of a half-sine is its peak
+    code, spec = judged("srs", "good.csv", "--spec", "own.toml")
+    assert code == 3
+    within, above = spec["clauses"]
+    assert (within["value"], within["verdict"], above["value"], above["verdict"]) == (1.0, "pass", 0.0, "fail")
+    write_shot("slow.csv", step=4e-4)
+    assert judged("srs", "slow.csv", "--spec", "own.toml")[1]["verdict"] == "cannot-tell"
+    strikewave("srs", "good.csv", "slow.csv", "--spec", "own.toml", "--out", "spectra")
+    assert "Verdict by the specification" in Path("spectra/report.html").read_text("utf-8")
+    code, _, err = strikewave("srs", "good.csv", "--spec", "own.toml", "--kind", "pseudo-velocity")
+    assert (code, "--kind" in err) == (2, True)
+
+
+def test_spec_lists_and_shows_with_status_and_source_of_every_number(strikewave):
+    code, out, _ = strikewave("spec", "--json")
+    assert code == 0
+    names = [one["name"] for one in json.loads(out)["specifications"]]
+    assert {"iec-60068-2-27", "mil-std-810h", "jesd22-b110", "un-38-3-t4"} <= set(names)
+    code, out, _ = strikewave("spec", "show", "jesd22-b110:B", "--json")
+    document = json.loads(out)
+    rows = {row["path"]: row for row in document["numbers"]}
+    assert (document["condition"], rows["condition.B.peak"]["typed"]) == ("B", "1500 g")
+    assert "condition.H.peak" not in rows
+    assert all(row["status"] and row["source"] for row in rows.values())
+    assert strikewave("spec", "show", "jesd22-b110:B", "--out", "shown")[0] == 0
+    assert {"report.html", "summary.svg", "specification.toml"} <= {path.name for path in Path("shown").iterdir()}
+    assert [strikewave("spec", "show", "jesd22-b111")[0] for _ in range(2)] == [0, 0]  # the second replaces the first
+    code, _, err = strikewave("spec", "show", "jesd22-b111:A")
+    assert (code, "one severity" in err) == (2, True)
