@@ -75,7 +75,7 @@ def cache_folder() -> str | None:
     except OSError as error:
         warnings.warn(
             f"compiled kernels cannot be kept in {folder} ({error.strerror}); each run compiles them anew "
-            "(about 20 s). Set NUMBA_CACHE_DIR to a folder that can be written.",
+            "(about 10 s). Set NUMBA_CACHE_DIR to a folder that can be written.",
             StrikewaveWarning,
             stacklevel=2,
         )

@@ -20,7 +20,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from strikewave.base.compiled import inner_kernel, kernel, leaf_kernel
+from strikewave.base.compiled import called_kernel, inner_kernel, kernel, leaf_kernel
 from strikewave.contact._dop853 import E3, E5, STAGES, A, B, C, D
 
 CONTINUE, RESTART, STOP = 0, 1, 2
@@ -359,7 +359,7 @@ def advance(system, control, t, h, y, mode, memory, record, count):
     return END, t, h, steps, events
 
 
-@kernel
+@called_kernel
 def sample(system, record, times, states, out):
     """Fill ``states`` (N, n) and ``out`` (N, links) with the motion and link forces at sorted times."""
     row = 0

@@ -10,7 +10,7 @@ import numpy as np
 from strikewave.base.compile_beside import await_kernel, compiled_beside
 from strikewave.contact._chain_kernels import ChainTables
 from strikewave.contact._integrator import Control, empty_record
-from strikewave.machines import _pass_kernels, _train_kernels
+from strikewave.machines import _kernels, _pass_kernels, _train_kernels
 from strikewave.machines._kernels import MachineSystem
 from strikewave.machines._train_kernels import MountedStrikers, Part, Train, TrainTables
 from strikewave.machines.fast_train import empty_passes
@@ -22,7 +22,9 @@ def fast_run_beside() -> AbstractContextManager[None]:
 
 
 def compile_fast_run() -> None:
-    """Compile the fast run: first what is its own, then, once the full run has compiled the integrator, the whole.
+    """Compile the fast run: first the switches, which the full run needs later, then its own kernels, then the whole.
+
+    The whole waits until the full run has compiled the integrator.
 
     Types are those of the smallest tables; no machine is built. Were one wrong, the kernel would be compiled when it
     is called; a test holds them against those of the fast run.
@@ -33,6 +35,8 @@ def compile_fast_run() -> None:
     mounted, train = MountedStrikers(table, table, table, line, line, line), Train(0.0, 0.0, 0, 0.0, 0)
     control = Control(0.0, line, 0.0, 0.0, 0.0)
     own = (
+        (_kernels.machine_switches, (system, 0.0, line, count, line, line)),
+        (_kernels.machine_switch, (system, 0, 0.0, line, count, line)),
         (_train_kernels.rigid_energy, (system, 0.0, part)),
         (_train_kernels.begin_blow, (system, system, mounted, part, part, 0.0)),
         (_train_kernels.end_blow, (system, system, mounted, part, part, 0.0)),

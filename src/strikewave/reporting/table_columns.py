@@ -82,14 +82,15 @@ class TableColumn(Generic[Row]):
         return cell.text if isinstance(cell, Tag) else cell
 
 
-def page_table(caption: str, columns: Sequence[TableColumn[Row]], rows: Iterable[Row]) -> Table:
-    """Return a table of a page.
+def page_table(
+    caption: str, columns: Sequence[TableColumn[Row]], rows: Iterable[Row], empty: str = Table.empty
+) -> Table:
+    """Return a table of a page; ``empty`` are words that stand for one without rows.
 
     Examples
     --------
     >>> page_table("Machines", [TableColumn[float]("speed", float, "rad/s", "rpm")], [76.445]).cells()
     [['730']]
     """
-    return Table(
-        caption, [column.head for column in columns], [[column.cell(row) for column in columns] for row in rows]
-    )
+    cells = [[column.cell(row) for column in columns] for row in rows]
+    return Table(caption, [column.head for column in columns], cells, empty)

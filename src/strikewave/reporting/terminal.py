@@ -201,7 +201,7 @@ def case_hash(text: str, changes: Sequence[str] | None) -> str:
 def say_compiling(count: int, done: bool) -> None:
     """Say in one plain line, for logs, that kernels are compiled; see `compiling_shown`."""
     if count == 0 and not done:
-        say(f"{WORDS}: about 20 s")
+        say(f"{WORDS}: about 10 s")
 
 
 def most_memory() -> str:

@@ -18,7 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from strikewave.base.result import Band, BandMethod, InputShare, MovedInput
-from strikewave.uncertainty.draws import UncertainInput
+from strikewave.uncertainty.draws import UncertainInput, normal_quantile
 from strikewave.uncertainty.expansion import Expansion, fit_expansion, polynomials_at
 
 Array = NDArray[np.float64]
@@ -153,11 +153,9 @@ def _quantiles(values: Array, level: float) -> tuple[float, float]:
 
 def _normal_scores(results: Array) -> Array:
     """Return the normal quantile of the rank of each result."""
-    from scipy.special import ndtri
-
     ranks = np.empty(len(results))
     ranks[np.argsort(results, kind="stable")] = np.arange(len(results))
-    return np.asarray(ndtri((ranks + 0.5) / len(results)))
+    return normal_quantile((ranks + 0.5) / len(results))
 
 
 def find_bands(sample: Sample, results: Mapping[str, Array], method: BandMethod) -> tuple[dict[str, Band], BandMethod]:

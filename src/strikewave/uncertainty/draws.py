@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
+from statistics import NormalDist
 from typing import Any, Literal
 
 import numpy as np
@@ -21,6 +22,8 @@ from strikewave.cases.tables import OwnStriker, RotaryTable
 Array = NDArray[np.float64]
 Shape = Literal["normal", "uniform", "log-uniform"]
 
+NORMAL = NormalDist()
+"""That of the standard library: to import scipy's takes longer than all draws of a band."""
 STATED = "stated tolerance"
 """Basis of an input that is drawn within the tolerance that its case states."""
 
@@ -33,6 +36,17 @@ FELT = ("machine", "striker", "feed", "object", "contact", "stack")
 """Tables that a blow feels: a tolerance anywhere else changes no run."""
 EXAMPLE = 'mass = { value = "1 kg", tolerance = "2 %" } in [striker], or --set striker.mass.tolerance="2 %"'
 """A tolerance, for the error line where a case has none."""
+
+
+def normal_quantile(probability: Array) -> Array:
+    """Return what a standard normal variable stays below with a probability, between 0 and 1.
+
+    Examples
+    --------
+    >>> normal_quantile(np.array([0.025, 0.5])).round(6).tolist()
+    [-1.959964, 0.0]
+    """
+    return np.array([NORMAL.inv_cdf(p) for p in probability.ravel().tolist()]).reshape(probability.shape)
 
 
 @dataclass(frozen=True)
@@ -96,16 +110,14 @@ class UncertainInput:
         >>> UncertainInput("x", value, Range("", 0.0, 1.0), 0.2, 0.8).at([0.0, 0.5, 1.0]).round(12).tolist()
         [0.2, 0.5, 0.8]
         """
-        from scipy.special import ndtr, ndtri
-
         u, low, high = np.asarray(quantile, dtype=float), self.low, self.high
         if self.shape == "log-uniform":
             return np.clip(low * (high / low) ** u, low, high)
         if self.shape == "uniform":
             return np.clip(low + u * (high - low), low, high)
         middle, deviation = self.value.si, self.deviation
-        below, above = ndtr((low - middle) / deviation), ndtr((high - middle) / deviation)
-        return np.clip(middle + deviation * ndtri(below + u * (above - below)), low, high)
+        below, above = NORMAL.cdf((low - middle) / deviation), NORMAL.cdf((high - middle) / deviation)
+        return np.clip(middle + deviation * normal_quantile(below + u * (above - below)), low, high)
 
     @property
     def width(self) -> float:

@@ -10,7 +10,7 @@ import pytest
 from strikewave import load_case, run_case, run_wave
 from strikewave.analyses.machine.chapters import blow_table
 from strikewave.analyses.machine.screen import show
-from strikewave.analyses.machine.words import answer_rows
+from strikewave.analyses.machine.words import answer_columns
 from strikewave.base.constants import STANDARD_GRAVITY
 from strikewave.base.errors import InputError
 from strikewave.base.materials import material
@@ -113,7 +113,7 @@ def test_answers_that_differ_are_on_screen_and_page_and_others_are_not(capsys):
     show(yielding)
     said = capsys.readouterr()
     assert title in said.out
-    assert [row[0] for row in answer_rows(yielding.contact)][2] == "yielding (this run)"
+    assert answer_columns(yielding.contact)[0].cell(yielding.contact.rows[2]) == "yielding (this run)"
     assert "0.7 asked of the damping" in said.out
     assert [part.caption for part in blow_table(yielding).parts][-1].startswith(title)
     # a nose so wide that first yield is passed by a third, but the lowest pressure never reached

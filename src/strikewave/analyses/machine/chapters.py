@@ -6,27 +6,26 @@ import math
 from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING
 
-from strikewave.analyses.machine.columns import headings, shown_in
+from strikewave.analyses.machine.columns import blow_columns
 from strikewave.analyses.machine.kind import kind_of
 from strikewave.analyses.machine.words import (
     ANSWERS_CALLED,
     MACHINES,
-    answer_heads,
-    answer_rows,
+    answer_columns,
     launch_tables,
     reference_law,
     restitution_words,
 )
 from strikewave.reporting.chapters import balance_table, layer_steps
-from strikewave.reporting.numbers import fixed, listed, with_band, with_unit
+from strikewave.reporting.numbers import listed, with_band, with_unit
 from strikewave.reporting.parts import NONE, Cell, Flow, Link, Part, Picture, Section, Table, Tag, written
+from strikewave.reporting.table_columns import page_table
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
     from strikewave.analyses.machine.result import Solution
     from strikewave.cases.case import Case
-    from strikewave.machines import Blow
 
 
 _DATA_FLOW = (
@@ -94,18 +93,8 @@ def _drawing(case: Case) -> list[Part]:
 
 def blow_table(solution: Solution) -> Section:
     """List the blows, in the units and columns of the command line."""
-    named = ["#", "kind", *headings("blows"), "contacts"]
-    columns = shown_in("blows", solution.band)
-    rows: list[list[Cell]] = [
-        [
-            str(blow.index),
-            Tag(blow.kind, blow.kind),
-            *(fixed(getattr(blow, name), si, unit, decimals) for name, si, unit, decimals in columns),
-            str(blow.contacts),
-        ]
-        for blow in solution.blows
-    ]
-    table = Table("Blows", named, rows, empty="No blow: no striker passed the object.")
+    columns = blow_columns("blows", solution.band)
+    table = page_table("Blows", columns, solution.blows, empty="No blow: no striker passed the object.")
     reference = solution.reference
     beside = (
         f"\n\nFor comparison, {reference_law(solution.case)} on a rigid object, at the nominal "
@@ -113,7 +102,7 @@ def blow_table(solution: Solution) -> Section:
         f"{with_unit(reference.duration, 's', 'us', 3)}, {with_unit(reference.peak_force, 'N', 'kN', 3)}, "
         f"{with_unit(reference.peak_acceleration, 'm/s^2', 'g', 3)}."
     )
-    words = _WORDS.format(begun=solution.case.time_zero) if rows else ""
+    words = _WORDS.format(begun=solution.case.time_zero) if solution.blows else ""
     return Section("Blows", words + beside, [table, *_contacts(solution), *_answers(solution)])
 
 
@@ -132,16 +121,7 @@ def _contacts(solution: Solution) -> list[Table]:
     )
     struck = [blow for blow in solution.blows if blow.kind != "missed"]
     shown = {"contact": contact, "sliding": sliding} if solution.slides else {"contact": contact}
-    return [_of_struck(struck, which, caption) for which, caption in shown.items() if struck]
-
-
-def _of_struck(struck: Sequence[Blow], which: str, caption: str) -> Table:
-    """Return a table of the blows that struck."""
-    columns = shown_in(which)
-    rows: list[list[Cell]] = [
-        [str(b.index), *(fixed(getattr(b, name), si, unit, d) for name, si, unit, d in columns)] for b in struck
-    ]
-    return Table(caption, ["#", *headings(which)], rows)
+    return [page_table(caption, blow_columns(which), struck) for which, caption in shown.items() if struck]
 
 
 def _answers(solution: Solution) -> list[Table]:
@@ -149,14 +129,13 @@ def _answers(solution: Solution) -> list[Table]:
     answers = solution.contact
     if answers is None or not answers.differ:
         return []
-    rows: list[list[Cell]] = [list(row) for row in answer_rows(answers, solution.band)]
     asked = restitution_words(answers)
     passed = "" if answers.first_yield is None else with_unit(answers.first_yield, "N", "N", 3)
     caption = (
         f"{ANSWERS_CALLED}. The weaker material first yields inside at {passed}. Low and high are the ends of what is "
         f"known of the pressure that the contact bears. {asked[0].upper()}{asked[1:]}."
     )
-    return [Table(caption, answer_heads(), rows)]
+    return [page_table(caption, answer_columns(answers, solution.band), answers.rows)]
 
 
 def pulse_pictures(solution: Solution, moving: str = "") -> Section:

@@ -5,13 +5,17 @@ A new column is a field of `strikewave.machines.Blow` and a line here.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from typing import NamedTuple
+from collections.abc import Iterable, Mapping, Sequence
+from operator import attrgetter
+from typing import Any, NamedTuple
 
 from strikewave.base.result import Band
+from strikewave.machines.blows import Blow
 from strikewave.reporting.bands import bands_of
-from strikewave.reporting.layout import KEY, MAIN, MORE, ScreenColumn, numerals, texts
-from strikewave.reporting.numbers import heads, table_decimals
+from strikewave.reporting.layout import KEY, MAIN, MORE
+from strikewave.reporting.numbers import table_decimals
+from strikewave.reporting.parts import Tag
+from strikewave.reporting.table_columns import TableColumn
 
 
 class BlowColumn(NamedTuple):
@@ -107,27 +111,28 @@ def with_banded_decimals(
     ]
 
 
-def headings(table: str) -> list[str]:
-    """Return the heads of the columns of a table, ``blows``, ``contact`` or ``sliding``, with their units.
+def blow_columns(table: str, bands: Mapping[str, Band] | None = None) -> tuple[TableColumn[Blow], ...]:
+    """Return the columns of a table, for screen and page, with the number of the blow; in ``blows`` kind and contacts.
 
     Examples
     --------
-    >>> headings("contact")[1:3]
-    ['rebound speed (m/s)', 'coefficient of restitution']
-    """
-    return heads([(CALLED.get(name, name), si, unit, decimals) for name, si, unit, decimals in shown_in(table)])
-
-
-def screen_columns(table: str) -> list[ScreenColumn]:
-    """Return the columns of a table on the screen, with the number of the blow, and in ``blows`` its kind and contacts.
-
-    Examples
-    --------
-    >>> [column.head for column in screen_columns("contact")][:3]
-    ['#', 'approach speed (m/s)', 'rebound speed (m/s)']
+    >>> [column.head for column in blow_columns("contact")][:4]
+    ['#', 'approach speed (m/s)', 'rebound speed (m/s)', 'coefficient of restitution']
     """
     priorities = [column.priority for column in COLUMNS if table in column.tables]
-    shown = [ScreenColumn(head, priority) for head, priority in zip(headings(table), priorities, strict=True)]
+    number: TableColumn[Blow] = TableColumn("#", lambda blow: str(blow.index), priority=KEY)
+    shown = quantity_columns(shown_in(table, bands), priorities)
     if table != "blows":
-        return [*numerals("#", priority=KEY), *shown]
-    return [*numerals("#", priority=KEY), *texts("kind"), *shown, *numerals("contacts", priority=MORE + 2)]
+        return (number, *shown)
+    kind: TableColumn[Blow] = TableColumn("kind", lambda blow: Tag(blow.kind, blow.kind), words=True)
+    return (number, kind, *shown, TableColumn("contacts", lambda blow: str(blow.contacts), priority=MORE + 2))
+
+
+def quantity_columns(columns: Iterable[tuple[str, str, str, int]], priorities: Iterable[int]) -> list[TableColumn[Any]]:
+    """Return the columns of quantities, each a field of the row: name, SI unit, usual unit, decimals."""
+    return [
+        TableColumn(
+            CALLED.get(name, name).replace("_", " "), attrgetter(name), si, usual, decimals=decimals, priority=priority
+        )
+        for (name, si, usual, decimals), priority in zip(columns, priorities, strict=True)
+    ]

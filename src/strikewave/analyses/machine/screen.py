@@ -7,15 +7,13 @@ from contextlib import nullcontext
 from dataclasses import dataclass
 from pathlib import Path
 
-from strikewave.analyses.machine.columns import screen_columns, shown_in
+from strikewave.analyses.machine.columns import blow_columns
 from strikewave.analyses.machine.result import Solution
 from strikewave.analyses.machine.run import band_compiled_beside, run_case, with_bands
 from strikewave.analyses.machine.words import (
     ANSWERS_CALLED,
-    answer_heads,
-    answer_rows,
-    collision_heads,
-    collision_rows,
+    COLLISION_COLUMNS,
+    answer_columns,
     reference_law,
     restitution_words,
     settings,
@@ -26,17 +24,17 @@ from strikewave.cases.case import Case, dump_case
 from strikewave.cases.losses_of_case import fitted_losses
 from strikewave.cases.sensors_of_case import build_channels
 from strikewave.reporting.bands import bands_of
-from strikewave.reporting.layout import KEY, MORE, keys, numerals
+from strikewave.reporting.layout import KEY, numerals
 from strikewave.reporting.numbers import headed, with_unit
 from strikewave.reporting.options import Output
 from strikewave.reporting.run_and_write import Command, case_folder, run_and_write
 from strikewave.reporting.terminal import (
-    fixed,
     number,
     print_bands,
     print_fits,
     print_losses,
     print_published,
+    print_rows,
     progress_bar,
     table,
     tell,
@@ -95,12 +93,7 @@ class MachineCommand(Command[Solution]):
 def show(solution: Solution) -> None:
     """Print the settings, the blows, the waves, the contact, published numbers and the balance of a run."""
     tell(f"{solution.case.name}: {', '.join(settings(solution))}", "  ")
-    columns = shown_in("blows", solution.band)
-    rows = [
-        [str(b.index), b.kind, *(fixed(getattr(b, n), si, unit, d) for n, si, unit, d in columns), str(b.contacts)]
-        for b in solution.blows
-    ]
-    table(solution.title, screen_columns("blows"), rows)
+    print_rows(solution.title, blow_columns("blows", solution.band), solution.blows)
     print_bands(solution, solution.figures)
     _print_waves(solution)
     _print_struck(solution, "contact", "Contact, blow by blow")
@@ -139,25 +132,13 @@ def _print_answers(solution: Solution) -> None:
     if answers is None:
         return
     if answers.differ:
-        named, pressure, *others, back = answer_heads()
-        columns = [
-            *keys(named),
-            *numerals(pressure, priority=MORE),
-            *numerals(*others),
-            *numerals(back, priority=MORE),
-        ]
-        table(ANSWERS_CALLED, columns, answer_rows(answers, bands))
+        print_rows(ANSWERS_CALLED, answer_columns(answers, bands), answers.rows)
     tell(restitution_words(answers))
 
 
 def _print_struck(solution: Solution, which: str, title: str) -> None:
     """Print a table of the blows that struck."""
-    columns = shown_in(which)
-    rows = [
-        [str(b.index), *(fixed(getattr(b, n), si, unit, d) for n, si, unit, d in columns)]
-        for b in struck_blows(solution)
-    ]
-    table(title, screen_columns(which), rows, detail=True)
+    print_rows(title, blow_columns(which), struck_blows(solution), detail=True)
 
 
 def _print_waves(solution: Solution) -> None:
@@ -195,6 +176,4 @@ def _print_waves(solution: Solution) -> None:
 def _print_collisions(solution: Solution) -> None:
     """Print the collisions of the bodies of an amplifier."""
     if solution.collisions:
-        time, lower, upper, *others = collision_heads()
-        columns = [*numerals(time, priority=KEY), *keys(lower), *keys(upper), *numerals(*others)]
-        table("Collisions in the line, by restitution alone", columns, collision_rows(solution))
+        print_rows("Collisions in the line, by restitution alone", COLLISION_COLUMNS, solution.collisions)

@@ -4,17 +4,20 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from itertools import pairwise
+from operator import attrgetter
 from statistics import median
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
-from strikewave.analyses.machine.columns import CALLED, with_banded_decimals
-from strikewave.analyses.machine.contact_answers import ContactAnswers
+from strikewave.analyses.machine.columns import quantity_columns, with_banded_decimals
+from strikewave.analyses.machine.contact_answers import ContactAnswer, ContactAnswers
 from strikewave.analyses.machine.kind import MachineKind, kind_of
 from strikewave.base.result import Band
 from strikewave.cases.machine_tables import KINDS
 from strikewave.cases.yield_pressure import YIELDING
-from strikewave.reporting.numbers import fixed, headed, heads, listed, shown, with_band, with_unit
-from strikewave.reporting.parts import NONE, Cell, Table, written
+from strikewave.reporting.layout import KEY, MAIN, MORE
+from strikewave.reporting.numbers import listed, with_band, with_unit
+from strikewave.reporting.parts import NONE, Cell, Table
+from strikewave.reporting.table_columns import TableColumn, page_table
 
 if TYPE_CHECKING:
     from strikewave.analyses.machine.result import Solution
@@ -30,7 +33,7 @@ _OF_LAUNCH = {
     "gain": ("gain of the line: fastest speed of the object over that at the floor", "", ""),
 }
 
-ANSWER_COLUMNS = (
+_ANSWER_COLUMNS = (
     ("yield_pressure", "Pa", "GPa", 3),
     ("rigid_peak", "m/s^2", "g", 0),
     ("peak_force", "N", "kN", 2),
@@ -39,14 +42,18 @@ ANSWER_COLUMNS = (
 )
 ANSWERS_CALLED = "First blow with its contact elastic and yielding"
 
-_COLLISION_COLUMNS = (
-    ("lower_before", "m/s", "m/s"),
-    ("upper_before", "m/s", "m/s"),
-    ("lower_after", "m/s", "m/s"),
-    ("upper_after", "m/s", "m/s"),
-    ("impulse", "N s", "N s"),
-    ("energy_lost", "J", "J"),
+COLLISION_COLUMNS: tuple[TableColumn[Any], ...] = (
+    TableColumn("time", attrgetter("time"), "s", "ms", decimals=4, priority=KEY),
+    TableColumn("lower", attrgetter("lower"), priority=KEY, words=True),
+    TableColumn("upper", attrgetter("upper"), priority=KEY, words=True),
+    TableColumn("lower before", attrgetter("lower_before"), "m/s", "m/s", decimals=4),
+    TableColumn("upper before", attrgetter("upper_before"), "m/s", "m/s", decimals=4),
+    TableColumn("lower after", attrgetter("lower_after"), "m/s", "m/s", decimals=4),
+    TableColumn("upper after", attrgetter("upper_after"), "m/s", "m/s", decimals=4),
+    TableColumn("impulse", attrgetter("impulse"), "N s", "N s", 5),
+    TableColumn("energy lost", attrgetter("energy_lost"), "J", "J", 5),
 )
+"""Of the collisions of a line of bodies."""
 
 
 def settings(solution: Solution) -> list[str]:
@@ -68,21 +75,17 @@ def reference_law(case: Case) -> str:
     return kind_of(case).reference_law
 
 
-def answer_heads() -> list[str]:
-    """Return the heads of the answers of a contact, in the units shown."""
-    return ["contact", *heads([(CALLED.get(column[0], column[0]), *column[1:]) for column in ANSWER_COLUMNS])]
+def answer_columns(
+    answers: ContactAnswers, bands: Mapping[str, Band] | None = None
+) -> tuple[TableColumn[ContactAnswer], ...]:
+    """Return the columns of the answers of a contact, with the digits that the bands leave."""
 
+    def named(row: ContactAnswer) -> str:
+        return row.name + (" (this run)" if row.name == answers.taken else "")
 
-def answer_rows(answers: ContactAnswers, bands: Mapping[str, Band] | None = None) -> list[list[str]]:
-    """Return the answers of a contact as the rows of a table, in the digits of its bands; see `answer_heads`."""
-    columns = with_banded_decimals(ANSWER_COLUMNS, bands)
-    return [
-        [
-            row.name + (" (this run)" if row.name == answers.taken else ""),
-            *(fixed(getattr(row, name), si, unit, decimals) for name, si, unit, decimals in columns),
-        ]
-        for row in answers.rows
-    ]
+    name: TableColumn[ContactAnswer] = TableColumn("contact", named, priority=KEY, words=True)
+    columns = with_banded_decimals(_ANSWER_COLUMNS, bands)
+    return (name, *quantity_columns(columns, (MORE, MAIN, MAIN, MAIN, MORE)))
 
 
 def restitution_words(answers: ContactAnswers) -> str:
@@ -102,37 +105,10 @@ def launch_tables(solution: Solution) -> list[Table]:
         name, si, unit = _OF_LAUNCH[key]
         rows.append([name, with_unit(value, si, unit, 6) if si else f"{value:.4g}"])
     tables = [Table("Up to first touch", ["quantity", "value"], rows)]
-    collisions: list[list[Cell]] = [list(row) for row in collision_rows(solution)]
-    if collisions:
+    if solution.collisions:
         caption = "Collisions in the line, by restitution alone; speeds upwards, time after the lowest met the floor"
-        tables.append(Table(caption, collision_heads(), collisions))
+        tables.append(page_table(caption, COLLISION_COLUMNS, solution.collisions))
     return tables
-
-
-def collision_heads() -> list[str]:
-    """Return the heads of the collisions of a line of bodies, in the units shown.
-
-    Examples
-    --------
-    >>> collision_heads()[:4]
-    ['time (ms)', 'lower', 'upper', 'lower before (m/s)']
-    """
-    numbers = heads([(*column, 0) for column in _COLLISION_COLUMNS])
-    return [headed("time", "s", "ms"), "lower", "upper", *numbers]
-
-
-def collision_rows(solution: Solution) -> list[list[str]]:
-    """Return the collisions of a line of bodies as the rows of a table; see `collision_heads`."""
-    return [
-        [
-            fixed(c.time, "s", "ms", 4),
-            c.lower,
-            c.upper,
-            *(fixed(getattr(c, name), si, unit, 4) for name, si, unit in _COLLISION_COLUMNS[:4]),
-            *(written(shown(getattr(c, name), si, unit), 5) for name, si, unit in _COLLISION_COLUMNS[4:]),
-        ]
-        for c in solution.collisions
-    ]
 
 
 def summary_words(solution: Solution) -> str:

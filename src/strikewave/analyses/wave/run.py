@@ -33,6 +33,7 @@ from strikewave.waves.routes import EXACT, RouteHistory, route_history, specimen
 from strikewave.waves.setup import wave_setup
 
 Array = NDArray[np.float64]
+Noticed = tuple[Front, tuple[Array, Array, Array], float]
 
 REST_PERIODS = 2.0
 """Periods of the bandwidth for which nothing moves before the load: the filter runs both ways, and two periods before a
@@ -64,6 +65,17 @@ def run_wave(case: Case, period: float = math.inf) -> WaveSolution:
     >>> solution.run.momentum_error < 1e-9
     True
     """
+    solution, noticed = _follow(case, period, ROUTES)
+    return dataclasses.replace(solution, notices=tuple(layered_bar_notices(solution, *noticed)))
+
+
+def bar_figures(case: Case) -> dict[str, float]:
+    """Return `WaveSolution.figures` of a case, without what they do not depend on: other routes and notices."""
+    return _follow(case, math.inf, (case.solver.route,))[0].figures
+
+
+def _follow(case: Case, period: float, wanted_routes: Sequence[str]) -> tuple[WaveSolution, Noticed]:
+    """Return a solution without its notices, and what these need: front, extremes, and how long the load lasts, s."""
     stack, taps, channels = build_stack(case), build_taps(case), build_channels(case)
     load = build_load(case, stack)
     check_route(case, taps, channels)
@@ -75,7 +87,7 @@ def run_wave(case: Case, period: float = math.inf) -> WaveSolution:
     if not math.isinf(bandwidth) and not 1.0 / duration <= bandwidth < 0.5 / step:
         allowed = f"{1.0 / duration:.3g} to {0.5 / step:.3g} Hz: one over the duration, half the sampling rate"
         raise InputError("solver.bandwidth", f"{bandwidth:g} Hz", allowed)
-    routes = _routes(stack, taps, run) if _of_the_paper(case) else {}
+    routes = _routes(stack, taps, run, wanted_routes) if _of_the_paper(case) else {}
     carried = stack.end.value if stack.end.kind in ("mass", "oscillator") else 0.0
     rigid = run.mean_push / (stack.mass - carried)
     accuracy, felt = run.relative_bound, _felt(case.solver.route, taps, run, routes)
@@ -107,9 +119,7 @@ def run_wave(case: Case, period: float = math.inf) -> WaveSolution:
         quoted=rise > 0.0 and rise_in_diameters(stack, rise, bandwidth)[0] >= rise_limits(stack)[0],
         citations=_citations(case, stack, channels),
     )
-    return dataclasses.replace(
-        solution, notices=tuple(layered_bar_notices(solution, Front(rise, peak, bandwidth), extremes, lasting))
-    )
+    return solution, (Front(rise, peak, bandwidth), extremes, lasting)
 
 
 def _reading(sensor: Sensor, recorder: Recorder, felt: Array, step: float) -> Reading:
@@ -139,14 +149,17 @@ def _incident_force(run: BarRun) -> Array:
     return np.asarray(scale * load.at(run.time))
 
 
-def _routes(stack: Stack, taps: Sequence[tuple[str, Tap]], run: BarRun) -> dict[tuple[str, str], RouteHistory]:
-    """Return what the paper's routes say of each tap in a layer between two others."""
+def _routes(
+    stack: Stack, taps: Sequence[tuple[str, Tap]], run: BarRun, wanted_routes: Sequence[str]
+) -> dict[tuple[str, str], RouteHistory]:
+    """Return what those of the paper's routes that are wanted say of each tap in a layer between two others."""
     incident = _incident_force(run)
     return {
         (name, route): route_history(stack, tap.layer, tap.position, run.time, incident, route)
         for name, tap in taps
         if specimen_of(stack, tap.layer) is not None
         for route in ROUTES
+        if route in wanted_routes
     }
 
 
