@@ -48,6 +48,7 @@ RESULT_FILES = (
     "echoes.nc",
     "buffer.json",
     "buffers.csv",
+    "sensor.csv",
     "sensor.toml",
     "peak-bandwidth.svg",
     "histories.svg",

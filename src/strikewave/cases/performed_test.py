@@ -3,21 +3,19 @@
 from __future__ import annotations
 
 import datetime
-import tomllib
 import unicodedata
 from pathlib import Path
 from typing import Annotated, Any
 
 from pydantic import BeforeValidator, ValidationError
 
-from strikewave.base.errors import EXISTING_FILE, InputError, InputErrors, show
+from strikewave.base.errors import InputError, InputErrors
 from strikewave.cases.paths import Form
+from strikewave.cases.small_file import read_small_file
 from strikewave.cases.tables import CaseTable
 
 LONGEST_LINE, LONGEST_NOTES = 200, 2000
 """Characters of a field, so that it stays a line or two of the head, and of the notes: a third of a page."""
-LARGEST_FILE = 100_000
-"""A file of a test above this many bytes is refused: no table of such fields comes near."""
 TURNS = "\u202a\u202b\u202c\u202d\u202e\u2066\u2067\u2068\u2069"
 """Characters that turn the direction of what follows: they could make a page read other than it is."""
 
@@ -103,19 +101,7 @@ def load_test(file: Path, field: str = "--test") -> PerformedTest:
     InputError, InputErrors
         With one line for each thing that is wrong, after ``field``.
     """
-    try:
-        with file.open("rb") as opened:
-            data = opened.read(LARGEST_FILE + 1)
-        document = tomllib.loads(data.decode("utf-8"))
-    except FileNotFoundError:
-        raise InputError(field, str(file), EXISTING_FILE) from None
-    except OSError as error:
-        raise InputError(field, str(file), "a file that can be read", error.strerror or "") from None
-    except (ValueError, RecursionError) as error:
-        allowed = 'a TOML file with [test], such as item = "board 7"'
-        raise InputError(field, str(file), allowed, show(str(error), 120).strip('"')) from None
-    if len(data) > LARGEST_FILE:
-        raise InputError(field, str(file), f"a file of at most {LARGEST_FILE // 1000} kB")
+    document = read_small_file(file, field, 'a TOML file with [test], such as item = "board 7"')
     table = document.pop("test", {})
     if not isinstance(table, dict):
         raise InputError(field, table, "a table [test]")

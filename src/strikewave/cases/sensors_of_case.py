@@ -41,14 +41,28 @@ def _channel(case: Case, table: SensorTable) -> SensorChannel:
     if table.tap and table.tap not in taps:
         hint = nearest(table.tap, taps) if taps else "the case has no stack; leave tap out for the rigid assembly"
         raise InputError(f"{path}.tap", table.tap, "the name of a tap", hint)
+    rate = case.recorder.sampling_rate.si if case.recorder else None
+    sensor, recorder = chain_of(table, rate)
+    return SensorChannel(sensor, taps.index(table.tap) if table.tap else None, recorder)
+
+
+def chain_of(table: SensorTable, rate: float | None = None) -> tuple[Sensor, Recorder]:
+    """Return the sensor of a table on its mounting, and its recorder; ``rate`` is the sampling rate of [recorder], Hz.
+
+    Raises
+    ------
+    InputError, InputErrors
+        If it names no known accelerometer, or has values that do not fit together.
+    """
+    path = f"sensor.{table.name}"
     known = accelerometer(table.model, f"{path}.model") if table.model else None
     sensor = known.mounted() if known else Sensor()
     changes: dict[str, Any] = {"name": table.name, "mounting": _mounting(table, path), **_given(table, _SENSOR_FIELDS)}
     sensor = checked(path, lambda: dataclasses.replace(sensor, **changes))
-    recorder = checked(path, lambda: dataclasses.replace(_recorder(case, table), **_given(table, _RECORDER_FIELDS)))
+    recorder = checked(path, lambda: dataclasses.replace(_recorder(table, rate), **_given(table, _RECORDER_FIELDS)))
     if recorder.bits and math.isinf(sensor.range):
         raise InputError(f"{path}.range", MISSING, "a range for a recorder with bits", 'add range = "20000 g"')
-    return SensorChannel(sensor, taps.index(table.tap) if table.tap else None, recorder)
+    return sensor, recorder
 
 
 def sensor_notices(case: Case) -> Iterator[Notice]:
@@ -85,12 +99,11 @@ def _given(table: SensorTable, fields: dict[str, Any]) -> dict[str, Any]:
     return {key: kind(value.si) for key, (value, kind) in given.items() if isinstance(value, Value)}
 
 
-def _recorder(case: Case, table: SensorTable) -> Recorder:
+def _recorder(table: SensorTable, rate: float | None) -> Recorder:
     if table.recorder == "ideal":
         return Recorder()
     if table.recorder == "oscilloscope":
         return oscilloscope()
-    rate = case.recorder.sampling_rate.si if case.recorder else None
     stored = storage_recorder()
     return stored if rate is None else dataclasses.replace(stored, sampling_rate=rate, cutoff=rate / RATE_OVER_CUTOFF)
 

@@ -49,6 +49,15 @@ def command(
             "transfer function; none by default.",
         ),
     ] = None,
+    sensor: Annotated[
+        str | None,
+        typer.Option(
+            "--sensor",
+            metavar="MODEL|FILE",
+            help="Sensor on which the blows are tried: a known accelerometer, or a .toml file with [[sensor]].",
+            show_default=False,
+        ),
+    ] = None,
     judging: RecordSpecificationOptions,
     filtering: FilterOptions,
     output: Output,
@@ -57,12 +66,14 @@ def command(
 
     Gives status, health and pulses of each file, and the statistics of all together. With --json, no files are
     written unless --out is given. Files that come as a shell lists them are taken in the natural order of their
-    names, a2 before a10. --spec judges each blow by a specification. The exit code is 3 where a file could not be read,
-    has a status of --fail-on, or where the verdict is FAIL.
+    names, a2 before a10. --spec judges each blow by a specification; --sensor says whether a sensor could take it, and
+    what is left of it. The exit code is 3 where a file could not be read, has a status of --fail-on, or where the
+    verdict by a specification is FAIL.
     """
     from strikewave.analyses.record.paired import read_pair
     from strikewave.analyses.record.screen import examine_records
     from strikewave.base.errors import InputError
+    from strikewave.cases.sensor_file import stated_sensor
     from strikewave.records import Request
 
     if base and columns == "repeats":
@@ -75,5 +86,7 @@ def command(
     channels = tuple(measurement.channel or ())
     wanted = filtering.on(Request(channels, measurement.calibration(), height, base=base or ""))
     specification = judging.specification()
+    tried = None if sensor is None else stated_sensor(sensor, "--sensor")
     shown = (columns == "repeats", fail_on or "", motion)
-    return examine_records(files, wanted, measurement.reading(), output, *shown, specification, judging.asked, two)
+    judge = (specification, judging.asked)
+    return examine_records(files, wanted, measurement.reading(), output, *shown, *judge, two, tried)

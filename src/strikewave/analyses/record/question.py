@@ -15,6 +15,7 @@ from strikewave.analyses.record.verdicts.options import RecordSpecificationOptio
 from strikewave.base.errors import InputError, StrikewaveError
 from strikewave.base.result import Source
 from strikewave.base.units import si_value
+from strikewave.cases.sensor_file import stated_sensor
 from strikewave.records import (
     FileReading,
     Options,
@@ -55,6 +56,7 @@ def record(
     repeats_in_columns: bool = False,
     base: str | int = "",
     pair: Sequence[str | int] = (),
+    sensor: str | Path | None = None,
     spec: str | None = None,
     decision: Rule = "simple",
     uncertainty: str | float | None = None,
@@ -99,6 +101,9 @@ def record(
         Name or number of the driving channel: the others are measured as responses to its blow.
     pair : sequence of str or int, optional
         Names or numbers of two channels that are compared as sensors on one object: ``.pairs`` of the result.
+    sensor : str or Path, optional
+        Sensor on which the blows are tried: an accelerometer of the table, such as ``"Endevco 7270A-20K"``, or a file
+        with ``[[sensor]]`` that ends in ``.toml``; what it leaves of them is ``.sensor`` of the result.
     spec : str, optional
         Specification to judge the blows by: a built-in one, such as ``"jesd22-b110:B"``, or a file that ends in
         ``.toml``; the verdict is ``.verdict`` of the result.
@@ -159,9 +164,11 @@ def record(
             spec, decision, uncertainty, strict, direction=direction, cross_axis=cross_axis
         )
         specification = judging.specification()
+        tried = None if sensor is None else stated_sensor(str(sensor), "sensor")
         origin = measured.source_in_python(name_of([Path(file) for file in files]), test)
         found = examined(files, wanted, stated.reading(), origin, repeats_in_columns)
         found = dataclasses.replace(found, motion=motion, pair=two)
+        found = found if tried is None else found.on_sensor(tried, "sensor")
         if specification is not None:
             found = with_verdict(found, specification, judging.asked(origin.test))
         found.pairs  # noqa: B018 a wrong pair is refused here

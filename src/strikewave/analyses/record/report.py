@@ -11,6 +11,7 @@ from strikewave.analyses.record.pair_chapter import pair_section
 from strikewave.analyses.record.response_chapter import response_sections
 from strikewave.analyses.record.result import RecordResult
 from strikewave.analyses.record.rigid_chapter import rigid_sections
+from strikewave.analyses.record.sensor_chapter import sensor_section
 from strikewave.analyses.record.tables import amount, between, called, percent, short_names, unit_of
 from strikewave.analyses.record.verdicts.chapter import verdict_section
 from strikewave.analyses.record.words import counted, record_words
@@ -43,6 +44,7 @@ def record_report(result: RecordResult) -> str:
         chapters.health_section(files, names),
         chapters.blow_section(files, names),
         *rigid_sections(files, names),
+        *([] if result.sensor is None else [sensor_section(result.sensor, names)]),
         *(chapters.campaign_section(one, files, names, len(campaigns) > 1) for one in campaigns if one.sums_up),
         shared.warnings(result.notices),
         *([pair_section(result.pairs)] if result.pair else []),

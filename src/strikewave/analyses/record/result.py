@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import functools
 import math
 from collections.abc import Sequence
@@ -31,6 +32,8 @@ from strikewave.signal.filters import Filter, effect_on_half_sine
 from strikewave.signal.pulse import HALF_SINE_WIDTH
 
 if TYPE_CHECKING:
+    from strikewave.analyses.record.sensor_trials import SensorTrials
+    from strikewave.cases.sensor_file import StatedSensor
     from strikewave.specifications.judged_records import RecordsVerdict
 
 INTEGRALS = {"m/s^2": "m/s", "m/s": "m", "N": "N s", "Pa": "Pa s", "V": "V s", "1": "s", "": ""}
@@ -59,6 +62,8 @@ class RecordResult(AskedResult):
         Whether velocity and displacement are given.
     verdict : RecordsVerdict or None
         By a specification, where one was asked for.
+    sensor : SensorTrials or None
+        The blows on a sensor, where one was asked for.
     pair : tuple of str
         Two channels that are compared as sensors on one object; empty for none.
     """
@@ -72,12 +77,31 @@ class RecordResult(AskedResult):
     fail_on: str = ""
     motion: bool = False
     verdict: RecordsVerdict | None = None
+    sensor: SensorTrials | None = None
     pair: tuple[str, str] | tuple[()] = ()
 
     @functools.cached_property
     def pairs(self) -> list[RecordPair]:
         """What two channels of each file do together, where asked for."""
         return all_pairs(self.readings, self.pair) if self.pair else []
+
+    def on_sensor(self, stated: StatedSensor, field: str) -> RecordResult:
+        """Return the same with the blows tried on a sensor; ``field`` is what an error calls it.
+
+        Raises
+        ------
+        InputError
+            If the records hold no acceleration.
+        """
+        from strikewave.analyses.record.sensor_trials import try_records
+        from strikewave.sensors.channel import SensorChannel, sensor_sources
+
+        found = try_records(self.readings, self.filter, stated, field)
+        notices = (*self.notices, *found.notices)
+        citations = tuple(
+            dict.fromkeys((*self.citations, *sensor_sources([SensorChannel(stated.sensor, None, stated.recorder)])))
+        )
+        return dataclasses.replace(self, sensor=found, notices=notices, citations=citations)
 
     @functools.cached_property
     def motions(self) -> list[RecordMotion]:
@@ -116,6 +140,8 @@ class RecordResult(AskedResult):
             content["pairs"] = [one.document() for one in self.pairs]
         if self.verdict is not None:
             content["spec"] = self.verdict.document()
+        if self.sensor is not None:
+            content["sensor"] = self.sensor.document()
         if responding(self.readings):
             content["response_summary"] = [one.document() for one in summaries(self.readings)]
         if len(self.campaigns) > 1:
@@ -167,6 +193,8 @@ class RecordResult(AskedResult):
         if self.pair:
             tables["pairs.csv"] = csv_table(pair_columns(self.pairs))
             tables["transfer.csv"] = csv_table(transfer_columns(self.pairs), HISTORY_DIGITS)
+        if self.sensor is not None:
+            tables["sensor.csv"] = csv_table(self.sensor.columns())
         return tables
 
 
@@ -227,6 +255,14 @@ def units_of(files: Sequence[FileReading]) -> dict[str, str]:
         **dict.fromkeys(("cv", "cv_low", "cv_high", "robust_cv", "cv_with", "ratio", "change", "smooth_misfit"), "1"),
     }
 
+
+SENSOR_UNITS = {
+    **dict.fromkeys(("range", "zero_shift"), "m/s^2"),
+    **dict.fromkeys(("resonance", "lowest_resonance", "sampling_rate", "cutoff", "band"), "Hz"),
+    **dict.fromkeys(("quality", "peak_left", "width_left", "range_used", "ringing", "noise_ringing"), "1"),
+    "time_clipped": "s",
+}
+"""Unit of each key of the JSON document that says what a sensor leaves."""
 
 NOTED = ("unit-unknown", "not-calibrated", "unreadable", "rate-overrules")
 """Codes of findings that are warnings of the result too: what all its figures depend on."""

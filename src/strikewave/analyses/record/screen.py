@@ -21,6 +21,7 @@ from strikewave.analyses.record.result import (
     filter_effect,
     name_of,
 )
+from strikewave.analyses.record.sensor_chapter import MORE_COLUMNS, sensor_table
 from strikewave.analyses.record.tables import rows_of, short_names
 from strikewave.analyses.record.verdicts.judged import with_verdict
 from strikewave.analyses.record.verdicts.screen import print_verdict
@@ -46,6 +47,7 @@ from strikewave.reporting.terminal import number, report_table, significant, tab
 from strikewave.signal.filters import Filter
 
 if TYPE_CHECKING:
+    from strikewave.cases.sensor_file import StatedSensor
     from strikewave.specifications.judged_records import Asked
     from strikewave.specifications.reading import Specification
 
@@ -68,6 +70,7 @@ def examine_records(
     specification: Specification | None = None,
     asked: Callable[[Mapping[str, str]], Asked] | None = None,
     pair: tuple[str, str] | tuple[()] = (),
+    sensor: StatedSensor | None = None,
 ) -> int:
     """Examine records, write and print what they say, and return the exit code.
 
@@ -91,6 +94,8 @@ def examine_records(
         How they are, for what is stated of the test.
     pair : tuple of str
         Two channels that are compared as sensors on one object; empty for none.
+    sensor : StatedSensor or None
+        On what the blows are tried.
 
     Raises
     ------
@@ -103,7 +108,7 @@ def examine_records(
     usual = f"record-{name}"
     origin = measured.source_of_records(name, paths, output, usual)
     judged = None if specification is None or asked is None else (specification, asked(origin.test))
-    command = RecordCommand(files, wanted, options, origin, in_columns, fail_on, motion, judged, pair)
+    command = RecordCommand(files, wanted, options, origin, in_columns, fail_on, motion, judged, pair, sensor)
     return run_and_write(command, output, usual, origin.text)
 
 
@@ -122,11 +127,13 @@ class RecordCommand(Command[RecordResult]):
     motion: bool = False
     judged: tuple[Specification, Asked] | None = None
     pair: tuple[str, str] | tuple[()] = ()
+    sensor: StatedSensor | None = None
 
     def solve(self) -> RecordResult:
         """Return what the records say."""
         found = examined(self.files, self.wanted, self.options, self.origin, self.in_columns, self.fail_on)
         found = dataclasses.replace(found, motion=self.motion, pair=self.pair)
+        found = found if self.sensor is None else found.on_sensor(self.sensor, "--sensor")
         found = found if self.judged is None else with_verdict(found, *self.judged)
         found.pairs  # noqa: B018 a wrong pair is refused before anything is printed
         return found
@@ -142,6 +149,9 @@ class RecordCommand(Command[RecordResult]):
         _print(result.readings, result.campaigns, result.filter)
         if result.motion:
             report_table(motion_table(result.motions))
+        if result.sensor is not None:
+            names = short_names([file.path for file in result.readings])
+            report_table(sensor_table(result.sensor, names), more=MORE_COLUMNS)
         if result.pair:
             report_table(pair_table(result.pairs), more=LEFT_OUT_FIRST)
             lines = pair_reasons(result.pairs)

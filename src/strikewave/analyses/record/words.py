@@ -36,6 +36,7 @@ def record_words(result: RecordResult) -> str:
     words += [f"{len(files)} files: {listed(counted(files))}." if len(files) != 1 else f"One file, {files[0].status}."]
     for campaign in campaigns:
         words.append(_campaign_words(campaign, unit_of(files, campaign), len(campaigns) > 1))
+    words += [] if result.sensor is None else [result.sensor.sentence()]
     answers = response_words(files)
     words += [answers] if answers else []
     bad = [(names[file.path], f) for file in files for f in file.findings if f.severity == "bad"]

@@ -1,0 +1,192 @@
+"""Whether a sensor could take the blows of records: each tried on it, in numbers, in words and as a chapter."""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+from collections import Counter
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any, NamedTuple
+
+from strikewave.analyses.record.tables import rows_of
+from strikewave.base.errors import InputError
+from strikewave.base.json_document import without
+from strikewave.base.result import INFO, Notice
+from strikewave.cases.sensor_file import StatedSensor
+from strikewave.records.measuring import RecordedPulse
+from strikewave.records.reading import FileReading
+from strikewave.records.record import Channel
+from strikewave.reporting.columns import Column
+from strikewave.reporting.numbers import with_unit
+from strikewave.sensors.trial import TAKES, Trial, lowest_resonance, try_sensor
+from strikewave.signal.filters import Filter
+
+BEFORE, AFTER, PERIODS = 2.0, 2.0, 2.0
+"""Lengths of a blow that are tried before and after it, and periods of the lowest resonance if they are longer: the
+noise before, and what still swings after."""
+
+
+class TriedBlow(NamedTuple):
+    """One blow on the sensor: where it stands, and what is left of it.
+
+    Attributes
+    ----------
+    file, channel : str
+        Of what.
+    blow : int
+        Its number, from 1.
+    time : float
+        Of its peak, s.
+    doubted : bool
+        Whether a finding harms the peak of the record itself.
+    trial : Trial
+        What the sensor leaves.
+    """
+
+    file: str
+    channel: str
+    blow: int
+    time: float
+    doubted: bool
+    trial: Trial
+
+
+@dataclass(frozen=True)
+class SensorTrials:
+    """All blows on one sensor.
+
+    Attributes
+    ----------
+    stated : StatedSensor
+        The sensor, its recorder, and where the numbers come from.
+    band : float
+        Highest frequency that the records hold, Hz: half the lowest sampling rate, or the cutoff of their low-pass.
+    blows : tuple of TriedBlow
+        In the order of the files.
+    """
+
+    stated: StatedSensor
+    band: float
+    blows: tuple[TriedBlow, ...]
+
+    @property
+    def resonance(self) -> float:
+        """Lowest resonance of sensor and mounting, Hz."""
+        return lowest_resonance(self.stated.sensor)
+
+    @property
+    def takes(self) -> bool:
+        """Whether the sensor can take every blow."""
+        return all(blow.trial.verdict == TAKES for blow in self.blows)
+
+    @property
+    def called(self) -> str:
+        """Name of the sensor, and the row of the table that it is."""
+        model, name = self.stated.model, self.stated.sensor.name
+        return name if model is None or model.name == name else f"{name} ({model.name})"
+
+    @property
+    def notices(self) -> list[Notice]:
+        """Return what the user should know: numbers from memory, blows that it cannot take, what cannot be told."""
+        notices = list(self.stated.notices)
+        failed = sum(blow.trial.verdict != TAKES for blow in self.blows)
+        if failed:
+            notices.append(Notice("sensor-trial", self.sentence().rstrip("."), float(failed), 0.0))
+        if self.band < self.resonance < math.inf:
+            resonance, band = (with_unit(value, "Hz", "kHz", 3) for value in (self.resonance, self.band))
+            message = (
+                f"the resonance of {self.called}, {resonance}, lies above what the records hold, {band}: "
+                "whether faster motion excites it they cannot tell"
+            )
+            notices.append(Notice("sensor-beyond-band", message, self.resonance, self.band, INFO))
+        return notices
+
+    def document(self) -> dict[str, Any]:
+        """Return what stands in the JSON document."""
+        sensor, recorder, model = self.stated.sensor, self.stated.recorder, self.stated.model
+        provenance = {"source": None, "status": "stated", "note": None}
+        if model is not None:
+            provenance = {"source": model.source, "status": model.status, "note": model.note}
+        return {
+            "name": sensor.name,
+            "model": None if model is None else model.name,
+            **{key: getattr(sensor, key) for key in ("range", "resonance", "quality", "zero_shift")},
+            "gaskets": len(sensor.mounting.gaskets),
+            "lowest_resonance": self.resonance,
+            "recorder": {key: getattr(recorder, key) for key in ("sampling_rate", "cutoff", "order", "bits")},
+            **provenance,
+            "band": self.band,
+            "takes": self.takes if self.blows else None,
+            "blows": [without({**blow._asdict(), **blow.trial._asdict()}, "trial") for blow in self.blows],
+        }
+
+    def columns(self) -> list[Column]:
+        """Return a line a blow."""
+        columns = [Column(key, [getattr(blow, key) for blow in self.blows]) for key in ("file", "channel", "blow")]
+        columns.append(Column("time", [blow.time for blow in self.blows], "s"))
+        columns.append(Column("doubted", ["yes" if blow.doubted else "no" for blow in self.blows]))
+        units = {"peak": "m/s^2", "time_clipped": "s"}
+        return columns + [
+            Column(key, [getattr(blow.trial, key) for blow in self.blows], units.get(key, "")) for key in Trial._fields
+        ]
+
+    def sentence(self) -> str:
+        """Say how many blows the sensor can take, and why not the others."""
+        if not self.blows:
+            return f"No blow could be tried on {self.called}."
+        counts = Counter(blow.trial.verdict for blow in self.blows)
+        if len(self.blows) == 1:
+            return f"{self.called}: {self.blows[0].trial.verdict}."
+        words = [f"can take {counts[TAKES]} of {len(self.blows)} blows"]
+        words += [f"{verdict} in {count}" for verdict, count in counts.items() if verdict != TAKES]
+        return f"{self.called}: {'; '.join(words)}."
+
+
+def try_records(
+    readings: Sequence[FileReading], filter_: Filter | None, stated: StatedSensor, field: str
+) -> SensorTrials:
+    """Try every blow of every acceleration on a sensor; ``filter_`` was taken before the blows were measured.
+
+    Raises
+    ------
+    InputError
+        If the records hold no acceleration.
+    """
+    rows = rows_of(readings)
+    own = [(file, reading) for file, reading in rows if reading.channel.unit == "m/s^2"]
+    if not own:
+        unit = next((reading.channel.unit for _, reading in rows if reading.channel.unit), "no known unit")
+        raise InputError(field, unit, "records of an acceleration", "state the unit, such as --unit g")
+    resonance = lowest_resonance(stated.sensor)
+    blows = []
+    for file, reading in own:
+        ends = [pulse.begin for pulse in reading.pulses[1:]] + [math.inf]
+        doubted = not reading.figures("peak")
+        for number, (pulse, until) in enumerate(zip(reading.pulses, ends, strict=True), 1):
+            trial = tried(reading.channel, pulse, until, stated, resonance)
+            blows.append(TriedBlow(file.path, reading.channel.name, number, pulse.time, doubted, trial))
+    return SensorTrials(stated, min(_band(reading.channel, filter_) for _, reading in own), tuple(blows))
+
+
+def _band(channel: Channel, filter_: Filter | None) -> float:
+    half = 0.5 * channel.sampling_rate
+    return half if filter_ is None else min(half, filter_.half_power(channel.step))
+
+
+def tried(channel: Channel, pulse: RecordedPulse, until: float, stated: StatedSensor, resonance: float) -> Trial:
+    """Try one blow of a channel on a sensor, as far as the next blow; a negative one with the sensor turned round."""
+    length, sign = pulse.end - pulse.begin, math.copysign(1.0, pulse.peak)
+    longest = PERIODS / resonance
+    first, last = (
+        round((time - channel.start) / channel.step)
+        for time in (
+            pulse.begin - max(BEFORE * length, longest),
+            min(pulse.end + max(AFTER * length, longest), until, channel.start + channel.duration),
+        )
+    )
+    first = max(first, 0)
+    values = sign * (channel.values[first : last + 1] - pulse.offset)
+    begin = max(math.floor((pulse.begin - channel.start) / channel.step) - first, 0)
+    sensor = dataclasses.replace(stated.sensor, zero_shift=sign * stated.sensor.zero_shift)
+    return try_sensor(sensor, stated.recorder, values, channel.step, begin)

@@ -1,0 +1,163 @@
+"""Whether a sensor can take a blow: what it, its mounting and its recorder leave of a known motion."""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+from collections.abc import Iterator
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from strikewave.sensors.bandwidth import band
+from strikewave.sensors.chain import Reading, Recorder, Sensor, output, read
+from strikewave.signal.pulse import Pulse, measure_pulse
+from strikewave.signal.responses import interpolate
+
+Array = NDArray[np.float64]
+
+FINER, MOST_SAMPLES = 16, 4_000_000
+"""New samples to a step of the motion, as far as they are no more than so many: what lies in the band of a motion then
+has 32 to a period, and a parabola through the top of a sine is 1e-5 low."""
+
+TOLERATED = 0.05
+"""Change of peak or width that is tolerated: the usual uncertainty of a calibrated shock accelerometer."""
+
+PHASES = (0.0, 0.25, 0.5, 0.75)
+"""Places of the first instant of a recorder, in sampling intervals, that are tried: the lowest peak counts."""
+
+TAKES, RANGE, FULL_SCALE, RESONANCE, RECORDER, NOISE = (
+    *("can take it", "range exceeded", "full scale of the recorder exceeded", "pulse too short for its resonance"),
+    *("pulse too short for its recorder", "cannot be told: noise of the record drives its resonance"),
+)
+"""Verdicts on a blow, in words."""
+
+
+class Trial(NamedTuple):
+    """What a sensor leaves of one blow.
+
+    Attributes
+    ----------
+    peak : float
+        Of the motion, m/s^2, above zero.
+    peak_left, width_left : float
+        Of the reading over those of the motion, the width at 10 % of the own peak; NaN where nothing was read.
+    range_used : float
+        Largest magnitude that the sensing element would put out without its range, over that range.
+    time_clipped : float
+        How long it is beyond its range, s.
+    ringing : float
+        How far that output departs from the motion of the surface at most, over the peak: its resonances, excited, and
+        the lag of a mounting.
+    noise_ringing : float
+        The same before the blow, where there is noise alone.
+    verdict : str
+        In words.
+    """
+
+    peak: float
+    peak_left: float
+    width_left: float
+    range_used: float
+    time_clipped: float
+    ringing: float
+    noise_ringing: float
+    verdict: str
+
+
+def lowest_resonance(sensor: Sensor) -> float:
+    """Return the lowest resonance of a sensor and its mounting below 200 kHz, Hz; infinite where there is none.
+
+    Examples
+    --------
+    >>> lowest_resonance(Sensor(resonance=80e3))
+    80000.0
+    """
+    mounted = band(sensor.mounting).resonance
+    return min(sensor.resonance, math.inf if math.isnan(mounted) else mounted)
+
+
+def try_sensor(sensor: Sensor, recorder: Recorder, values: Array, step: float, begin: int) -> Trial:
+    """Return what a sensor and a recorder leave of a positive blow.
+
+    The motion is taken as it is: band-limited interpolation makes it dense, so that the straight lines between its
+    samples excite no resonance. What lies above its band excites none either.
+
+    Parameters
+    ----------
+    sensor, recorder : Sensor, Recorder
+        What is tried.
+    values : ndarray
+        Motion of the surface around one blow, from rest, m/s^2.
+    step : float
+        Time between samples, s.
+    begin : int
+        Place of the foot of the blow: before it there is only noise.
+
+    Raises
+    ------
+    ValueError
+        If the motion has no positive value, or a value makes no sense.
+
+    Examples
+    --------
+    A half-sine of 100 us at a tenth of the range; a period of the resonance is 12.5 us:
+
+    >>> time = 1e-6 * np.arange(600)
+    >>> blow = np.where((time > 2e-4) & (time < 3e-4), 1e4 * np.sin(np.pi * (time - 2e-4) / 1e-4), 0.0)
+    >>> trial = try_sensor(Sensor(resonance=80e3, range=1e5), Recorder(), blow, 1e-6, 200)
+    >>> trial.verdict, round(trial.range_used, 3), round(trial.ringing, 3)
+    ('can take it', 0.104, 0.09)
+    """
+    factor = max(min(FINER, MOST_SAMPLES // values.size), 1)
+    fine, step = interpolate(values, factor), step / factor
+    true = measure_pulse(fine, step)
+    element = output(sensor, fine, step) - sensor.zero_shift
+    departure = np.abs(element - fine) / true.peak
+    quiet = slice(0, max(begin * factor, 1))
+    beyond = np.abs(element + sensor.zero_shift) > sensor.range
+    shown = [(one, _pulse(one, sensor.zero_shift)) for one in _readings(sensor, recorder, element, step)]
+    reading, found = min(shown, key=lambda pair: pair[1].peak)
+    driven = measure_pulse(element, step)
+    left = found.peak / true.peak, found.width * _interval(reading, step) / true.width
+    ringing, noise = float(departure.max()), float(departure[quiet].max())
+    if true.peak > sensor.range:
+        verdict = RANGE
+    elif beyond.any():
+        verdict = NOISE if noise > TOLERATED else RANGE
+    elif any(one.recorder_clipped for one, _ in shown):
+        verdict = FULL_SCALE
+    elif not _close(driven.peak / true.peak, driven.width / true.width):
+        verdict = NOISE if noise > TOLERATED else RESONANCE
+    else:
+        verdict = TAKES if _close(*left) else RECORDER
+    used = float(np.max(np.abs(element + sensor.zero_shift))) / sensor.range
+    return Trial(true.peak, *left, used, float(np.count_nonzero(beyond)) * step, ringing, noise, verdict)
+
+
+def _close(peak_left: float, width_left: float) -> bool:
+    """Tell whether both are as good as one; a width that cannot be told, at the edge of a record, is not asked for."""
+    return abs(peak_left - 1.0) <= TOLERATED and not abs(width_left - 1.0) > TOLERATED
+
+
+def _readings(sensor: Sensor, recorder: Recorder, element: Array, step: float) -> Iterator[Reading]:
+    """Return what is read of the output of the element, the recorder's instants at several places."""
+    if recorder.cutoff >= 0.5 / step:  # above all that the motion holds
+        recorder = dataclasses.replace(recorder, cutoff=math.inf)
+    rest = Sensor(sensor.name, range=sensor.range, zero_shift=sensor.zero_shift)
+    for phase in PHASES if math.isfinite(recorder.sampling_rate) else PHASES[:1]:
+        yield read(rest, recorder, element, step, sample_phase=phase)
+
+
+def _pulse(reading: Reading, shift: float) -> Pulse:
+    """Return the pulse of a reading, in its samples; nothing where none fell into it. A flat top is no parabola's."""
+    values = reading.values - shift
+    if values.size < 3 or not values.max() > 0.0:
+        return Pulse(math.nan, 0.0, math.nan, math.nan, math.nan)
+    found = measure_pulse(values, 1.0)
+    return found._replace(peak=float(values.max())) if reading.clipped else found
+
+
+def _interval(reading: Reading, step: float) -> float:
+    return float(reading.time[1] - reading.time[0]) if reading.time.size > 1 else step

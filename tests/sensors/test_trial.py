@@ -1,0 +1,113 @@
+"""Blows tried on a sensor: against the closed form of one degree of freedom, exact clipping, and each verdict."""
+
+import math
+
+import numpy as np
+import pytest
+
+from strikewave.sensors import Gasket, Mounting, Recorder, Sensor
+from strikewave.sensors.trial import (
+    FULL_SCALE,
+    NOISE,
+    RANGE,
+    RECORDER,
+    RESONANCE,
+    TAKES,
+    lowest_resonance,
+    try_sensor,
+)
+
+STEP, BEGIN, LONG = 1e-6, 300, 1e-4
+"""A half-sine of 100 samples: it begins after 0.3 ms."""
+
+
+def half_sine(peak=1e4, duration=LONG, size=1200):
+    u = STEP * (np.arange(size) - BEGIN) / duration
+    return np.where((u > 0.0) & (u < 1.0), peak * np.sin(np.pi * u), 0.0)
+
+
+def response(time, duration, resonance, quality):
+    """w^2 times the stretch of a damped oscillator whose base moves by a half-sine of one: a textbook's, in complex form.
+
+    Particular solution Im(e^{i d t} / (1 - r^2 + 2 i z r)), r = d/w, and the free one that begins from rest; after the
+    half-sine the same begins again, added, a half period later.
+    """
+    w, z, drive = 2.0 * math.pi * resonance, 0.5 / quality, math.pi / duration
+    damped, r = w * math.sqrt(1.0 - z * z), drive / w
+
+    def from_rest(t):
+        H = 1.0 / (1.0 - r * r + 2j * z * r)
+        x0, v0 = H.imag, (1j * drive * H).imag
+        free = np.exp(-z * w * t) * (x0 * np.cos(damped * t) + (v0 + z * w * x0) / damped * np.sin(damped * t))
+        return np.where(t > 0.0, (H * np.exp(1j * drive * t)).imag - free, 0.0)
+
+    return from_rest(time) + from_rest(time - duration)
+
+
+@pytest.mark.parametrize(("resonance", "quality"), [(80e3, 30.0), (40e3, 10.0), (15e3, 5.0), (4e3, 30.0)])
+def test_a_half_sine_on_one_resonance_is_its_closed_form(resonance, quality):
+    trial = try_sensor(Sensor(resonance=resonance, quality=quality, range=1e5), Recorder(), half_sine(), STEP, BEGIN)
+    time = np.linspace(0.0, 9e-4, 90_001)
+    exact = response(time, LONG, resonance, quality)
+    motion = np.where(time < LONG, np.sin(np.pi * time / LONG), 0.0)
+    # interpolated half-sines round the corner at either end over a sample: 1e-3 of the peak at the fastest resonance
+    assert trial.peak == pytest.approx(1e4, rel=1e-4)
+    assert trial.peak_left == pytest.approx(exact.max(), abs=2e-3)
+    assert trial.range_used == pytest.approx(0.1 * np.abs(exact).max(), rel=3e-3)
+    assert trial.ringing == pytest.approx(np.abs(exact - motion).max(), abs=3e-3)
+    top = int(np.argmax(exact))
+    above = exact > 0.1 * exact[top]
+    first = top - int(np.argmin(above[top::-1])) + 1
+    last = top + int(np.argmin(above[top:]))
+    assert trial.width_left * LONG * 0.936231 == pytest.approx((last - first) * 1e-8, rel=3e-3)
+
+
+def test_clipping_is_exact_at_the_range_and_lasts_as_long_as_the_half_sine_is_above_it():
+    values = half_sine()
+    trial = try_sensor(Sensor(range=0.8e4), Recorder(), values, STEP, BEGIN)
+    assert trial.verdict == RANGE
+    assert trial.peak_left * trial.peak == pytest.approx(0.8e4, rel=1e-12)
+    assert trial.range_used == pytest.approx(1.25, rel=1e-4)
+    # of new samples 1/16 us apart, one to either side
+    assert trial.time_clipped == pytest.approx(LONG * (1.0 - 2.0 * math.asin(0.8) / math.pi), abs=0.13e-6)
+    below, above = (try_sensor(Sensor(range=x * 1e4), Recorder(), values, STEP, BEGIN) for x in (1.001, 0.999))
+    assert (below.verdict, above.verdict) == (TAKES, RANGE)
+    assert below.time_clipped == 0.0 < above.time_clipped
+
+
+@pytest.mark.parametrize(
+    ("sensor", "recorder", "duration", "verdict"),
+    [
+        (Sensor(resonance=350e3), Recorder(), LONG, TAKES),
+        (Sensor(resonance=20e3), Recorder(), LONG, RESONANCE),
+        (Sensor(resonance=80e3, range=1.02e4), Recorder(), LONG, RANGE),  # by its own overshoot
+        (Sensor(), Recorder(sampling_rate=100e3, cutoff=20e3), 1e-3 * 0.3, TAKES),
+        (Sensor(), Recorder(sampling_rate=100e3, cutoff=20e3), 30e-6, RECORDER),
+        (Sensor(), Recorder(sampling_rate=2e3), LONG, RECORDER),  # hardly a sample in it
+        (Sensor(range=1e5), Recorder(full_scale=5e3), LONG, FULL_SCALE),
+        (Sensor(mounting=Mounting((Gasket(1100.0, 10e6, 1e-4, 2e-3, 0.3),), 5e-3)), Recorder(), LONG, RESONANCE),
+    ],
+)
+def test_the_verdict_names_what_spoils_the_blow(sensor, recorder, duration, verdict):
+    assert try_sensor(sensor, recorder, half_sine(duration=duration), STEP, BEGIN).verdict == verdict
+
+
+def test_a_recorder_is_judged_by_the_worst_place_of_its_instants():
+    """Ten instants in a half-sine, half an interval off its top: a parabola takes most of that back."""
+    plain = try_sensor(Sensor(), Recorder(sampling_rate=30e3), half_sine(), STEP, BEGIN)
+    u = (np.arange(40) + np.array([[0.0], [0.25], [0.5], [0.75]])) / 30e3 - BEGIN * STEP
+    kept = np.where((u > 0.0) & (u < LONG), np.sin(np.pi * u / LONG), 0.0)
+    assert kept.max(axis=1).min() - 1e-3 <= plain.peak_left < kept.max()
+
+
+def test_noise_that_drives_a_resonance_is_not_taken_for_the_blow():
+    values = half_sine(duration=3e-4, size=2000) + 300.0 * np.random.default_rng(1).normal(size=2000)
+    trial = try_sensor(Sensor(resonance=300e3, quality=100.0), Recorder(), values, STEP, BEGIN)
+    assert trial.noise_ringing > 0.05
+    assert trial.verdict == NOISE
+
+
+def test_the_lowest_resonance_is_that_of_the_mounting_where_it_is_lower():
+    soft = Mounting((Gasket(1.0, 4e6 * math.pi**2, 1e-4, 1e-3),), 1e-2)  # a mass on a spring, 3.16 kHz
+    assert lowest_resonance(Sensor(mounting=soft, resonance=80e3)) == pytest.approx(math.sqrt(1e7), rel=1e-3)
+    assert math.isinf(lowest_resonance(Sensor()))
