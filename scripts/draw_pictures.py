@@ -29,8 +29,8 @@ SCREENS = {
 """Command of each screen, and the lines that are shown of it; a line of dots follows where it goes on."""
 PAGES = {"report": (1280, 900), "report-narrow": (390, 844)}
 """Width and height of each photograph of the report of `li-ma-2019`, in pixels."""
-COLOURS = 64
-"""Of a photograph: text and lines need no more, and it is a third as large."""
+COLOURS = 200
+"""Of a photograph: text and lines need no more, and it is less than half as large."""
 BROWSERS = ("chromium-headless-shell", "chromium", "chromium-browser", "google-chrome")
 SVG = """\
 <svg viewBox="0 0 {width} {height}" xmlns="http://www.w3.org/2000/svg">
@@ -115,7 +115,7 @@ def photograph(page: Path, name: str) -> None:
     options += [f"--window-size={width},{height}", f"--screenshot={place}", page.as_uri()]
     subprocess.run([browser, *options], check=True, capture_output=True)
     with Image.open(place) as picture:
-        few = picture.convert("RGB").quantize(COLOURS, dither=Image.Dither.NONE)
+        few = picture.convert("RGB").quantize(COLOURS, Image.Quantize.MAXCOVERAGE, dither=Image.Dither.NONE)
     few.save(place, optimize=True)
     print(place.relative_to(ROOT))
 

@@ -68,7 +68,7 @@ def read_page():
         pairs = re.findall(r"<div><dt>(.*?)</dt><dd>(.*?)</dd></div>", text, re.S)
         return SimpleNamespace(
             text=text,
-            numbers={html.unescape(label): html.unescape(value) for label, value in pairs},
+            numbers={html.unescape(label): html.unescape(value).replace("\xa0", " ") for label, value in pairs},
             sections=[html.unescape(head) for head in re.findall(r"<h2 id=[^>]*>(.*?)</h2>", text)],
             pictures=text.count("<svg"),
             tables=len(re.findall("<table", text)),

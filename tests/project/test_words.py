@@ -206,3 +206,11 @@ def test_the_fields_own_words_are_not_found():
     assert first_use("restitution", "The coefficient of restitution e; the restitution then falls.")
     assert not first_use("restitution", "The restitution e.")
     assert first_use("restitution", "The field `contact.restitution`.")
+
+
+def test_percents_are_written_by_one_function():
+    """As `base/percents.py` writes them, with a space before the sign: Python's own format has none."""
+    form = re.compile(r"\{[^{}\n]*:[^{}\n]*%\}")
+    assert form.search('f"{share:.1%} of it"')
+    slips = [f"{path.name}: {slip}" for path in (*MODULES, *CASES) for slip in form.findall(path.read_text("utf-8"))]
+    assert slips == []

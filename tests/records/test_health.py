@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 from strikewave.base.constants import STANDARD_GRAVITY
+from strikewave.base.percents import percent
 from strikewave.records import Channel, Record, Request, read_file
 from strikewave.records.health import BLOW, Examined, examine
 from strikewave.records.health_notice import FIGURES
@@ -238,16 +239,16 @@ def test_drift_of_the_integrated_velocity(share, severity):
     assert (finding.severity, finding.harms) == (severity, ("spectrum",))
 
 
-@pytest.mark.parametrize(("count", "loss"), [(5, "4.9%"), (10, "1.2%"), (20, "0.3%")])
+@pytest.mark.parametrize(("count", "loss"), [(5, "4.9 %"), (10, "1.2 %"), (20, "0.3 %")])
 def test_few_samples_lose_what_the_cosine_says(count, loss):
     """1 - cos(pi / (2 n)) at n intervals of a half-sine."""
-    assert f"{1.0 - math.cos(0.5 * math.pi / count):.1%}" == loss
+    assert percent(1.0 - math.cos(0.5 * math.pi / count)) == loss
     values = np.zeros(2000)
     values[1000 : 1000 + 2 * count] = PEAK * np.maximum(np.sin(np.pi * (np.arange(2 * count) + 0.5) / count), 0.0)
     record = Examined(values, STEP, 0.0, "", tuple(pulse_of(0.935 * count * STEP)))
     [finding] = [one for one in examine(record) if one.code == "few-samples"]
     assert finding.value == pytest.approx(count, rel=0.01)
-    assert f"by {1.0 - math.cos(0.5 * math.pi / finding.value):.1%}" in finding.message
+    assert f"by {percent(1.0 - math.cos(0.5 * math.pi / finding.value))}" in finding.message
 
 
 def pulse_of(width):

@@ -13,6 +13,7 @@ from strikewave.records.modes import decaying_modes
 from strikewave.records.reading import Request, read_file
 from strikewave.records.record import Channel, Record
 from strikewave.records.response import BaseBlow, effective_span, measure_responses, swings
+from strikewave.signal.coupling import ac_coupled
 
 STEP = 5e-6
 TIME = STEP * np.arange(6000)
@@ -196,3 +197,21 @@ def test_a_channel_that_swings_through_most_of_its_record_is_told_too_and_not_as
 def test_a_base_that_the_file_lacks_is_refused():
     with pytest.raises(InputError, match="--base"):
         file_of(Request(base="wall"))
+
+
+@pytest.mark.parametrize("wanted", ["auto", 4e-3])
+def test_ac_coupling_of_a_response_is_recognised_and_taken_off(wanted):
+    """A step of velocity rings out: x = a exp(-dt) sin(wt) has an integral, which a high-pass of 40 Hz lets sag."""
+    late = np.where(TIME > 6e-3, np.roll(swing(500.0, 0.05, 300.0, -np.pi / 2.0), 1200), 0.0)
+    late += np.where(abs(TIME - 6.5e-3) < 0.5e-3, 150.0 * np.cos(np.pi * (TIME - 6.5e-3) / 1e-3), 0.0)
+    base = np.where(abs(TIME - 6.5e-3) < 0.5e-3, 1000.0 * np.cos(np.pi * (TIME - 6.5e-3) / 1e-3), 0.0)
+    seen = ac_coupled(late, STEP, 4e-3)
+    noise = 0.3 * np.random.default_rng(4).normal(size=(2, TIME.size))
+    channels = Channel("frame", base + noise[0], STEP, unit="g"), Channel("board", seen + noise[1], STEP, unit="g")
+    record = Record("a.csv", "text", channels)
+    coupled = read_file(record, {}, Request(base="frame")).channels[1]
+    free = read_file(record, {}, Request(base="frame", ac_coupling=wanted)).channels[1]
+    assert "ac-coupling" in [f.code for f in coupled.findings]
+    true = np.max(np.abs(late)) * 9.80665
+    assert abs(abs(coupled.response.peak) / true - 1.0) > 0.02
+    assert abs(free.response.peak) == pytest.approx(true, rel=0.01)

@@ -135,7 +135,7 @@ def test_a_band_stands_in_brackets_with_what_it_depends_on():
     assert band_words({}) == []
     assert band_sections(RecordResult([])) == []
     head = Head("t", "", "Case", "", "", Tag("ok"), [words], [("first peak", "1200 g (800 to 1600 g)")], "")
-    assert "<dd>1200 g <small>(800 to 1600 g)</small></dd>" in whole_page(head, [])
+    assert "<dd>1200\xa0g <small>(800\xa0to 1600\xa0g)</small></dd>" in whole_page(head, [])
 
 
 def test_a_formula_is_typeset_without_script_and_its_text_is_escaped():

@@ -47,7 +47,7 @@ def test_workbook_holds_the_numbers_of_the_run_under_their_units(run, tmp_path, 
     # the conversion and its inverse: two roundings
     assert first[heads.index(f"rigid_peak [{unit}]")] * size == pytest.approx(run.blows[0].rigid_peak, rel=1e-15)
     name, low, high, shown, level, inputs = (cell.value for cell in sheets["band"][1])
-    assert (name, shown, level, inputs) == ("first.rigid_peak", unit, 0.95, "machine.engagement (60%)")
+    assert (name, shown, level, inputs) == ("first.rigid_peak", unit, 0.95, "machine.engagement (60 %)")
     assert (low * size, high * size) == pytest.approx((3e4, 5e4), rel=1e-15)
     heads = [cell.value for cell in sheets["histories"][0]]
     force = heads.index(f"rigid_acceleration [{unit}]")

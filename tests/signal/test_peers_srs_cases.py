@@ -9,7 +9,7 @@ import math
 import numpy as np
 import pytest
 
-from strikewave.signal.srs import Scope, response_history, srs
+from strikewave.signal.srs import Scope, response_history, rms_spectrum, srs
 
 
 def of_ramp(t, w, z):
@@ -69,6 +69,21 @@ def test_two_sines_on_an_offset_of_pyyeti():
     assert 152.0 < found.max() < 172.0  # as there
 
 
+def test_two_sines_without_their_offset_of_pyyeti():
+    """The same record with its first sample, 12, taken off all: what is left begins from rest."""
+    rate, q, frequency = 200.0, 50.0, [5.0, 10.0]
+    t = np.arange(0.0, 5.0, 1.0 / rate)
+    record = np.sin(2 * np.pi * 15 * t) + 3 * np.sin(2 * np.pi * 35 * t) + 12.0
+    found = srs(record, 1.0 / rate, frequency, q, scope=Scope("primary", initial="shifted"))
+    fine = np.arange(0.0, t[-1], 1e-4)
+    bends = np.diff(np.diff(record), prepend=0.0) * rate  # straight lines: a ramp from each sample on
+    for one, high, low in zip(frequency, found.positive, found.negative, strict=True):
+        w = 2.0 * math.pi * one
+        wanted = sum(bend * of_ramp(fine - k / rate, w, 0.5 / q) for k, bend in enumerate(bends))
+        # of 1e-4 s between, where 35 Hz is what swings fastest: (2 pi 35 1e-4)^2/8 = 6e-5
+        assert (high, low) == pytest.approx((np.max(wanted), -np.min(wanted)), rel=1e-4)
+
+
 def test_sine_at_resonance_of_pyyeti():
     """3 sin(2 pi 15 t), Q = 20: 3 sqrt(Q^2 + 1) at 15 Hz, and most at 15 Hz/p, p^2 = Q^2 (sqrt(1 + 2/Q^2) - 1)."""
     q, drive, rate = 20.0, 15.0, 3000.0
@@ -94,16 +109,17 @@ def test_soft_oscillator_of_pyyeti_stays_while_its_base_moves():
         assert found.negative == pytest.approx([least], abs=1e-4)
 
 
-@pytest.mark.parametrize(
-    ("kind", "gain"),
-    [
-        ("displacement", lambda w, s, z: 1.0),
-        ("relative-velocity", lambda w, s, z: s),
-        ("absolute", lambda w, s, z: 2.0 * z * w * s + w * w),
-        ("pseudo-velocity", lambda w, s, z: w),
-        ("equivalent-static", lambda w, s, z: w * w),
-    ],
-)
+GAINS = [
+    ("displacement", lambda w, s, z: 1.0),
+    ("relative-velocity", lambda w, s, z: s),
+    ("absolute", lambda w, s, z: 2.0 * z * w * s + w * w),
+    ("pseudo-velocity", lambda w, s, z: w),
+    ("equivalent-static", lambda w, s, z: w * w),
+]
+"""Of each kind, the response over that of 1/(s^2 + 2 z w s + w^2)."""
+
+
+@pytest.mark.parametrize(("kind", "gain"), GAINS)
 @pytest.mark.parametrize(("natural", "damping"), [(12.5, 0.3), (250.0, 0.05), (1000.0, 0.01)])
 def test_transfer_functions_of_endaq(kind, gain, natural, damping):
     """Steady response to a sine of 100 Hz: |G(i 2 pi 100)|, at 10 kHz; there within 10 %, here by the straight lines."""
@@ -114,3 +130,17 @@ def test_transfer_functions_of_endaq(kind, gain, natural, damping):
     wanted = abs(gain(w, s, damping) / (s * s + 2.0 * damping * w * s + w * w))
     # straight lines lose (pi/100)^2/3 = 3.3e-4; 1.5 s leave e^(-2 pi 12.5 0.3 1.5) = 5e-16 of the beginning
     assert math.sqrt(2.0 * np.mean(history**2)) == pytest.approx(wanted, rel=5e-4)
+
+
+@pytest.mark.parametrize(("kind", "gain"), GAINS)
+@pytest.mark.parametrize(("natural", "damping"), [(12.5, 0.3), (250.0, 0.05)])
+def test_root_mean_square_of_a_steady_sine_is_that_of_its_transfer_function(kind, gain, natural, damping):
+    """As the RMS spectra of pyyeti: |G(i 2 pi 100)|/sqrt(2) of a sine of 100 Hz, at 10 kHz."""
+    step, drive = 1e-4, 100.0
+    record = np.sin(2.0 * np.pi * drive * step * np.arange(20_000))
+    w, s = 2.0 * math.pi * natural, 2j * math.pi * drive
+    wanted = abs(gain(w, s, damping) / (s * s + 2.0 * damping * w * s + w * w)) / math.sqrt(2.0)
+    whole, first = (rms_spectrum(record[:n], step, [natural], 0.5 / damping, kind)[0] for n in (20_000, 15_000))
+    found = math.sqrt((20_000 * whole**2 - 15_000 * first**2) / 5_000)  # of the last 50 periods, which are steady
+    # straight lines lose (pi/100)^2/3 = 3.3e-4; 1.5 s leave e^(-2 pi 12.5 0.3 1.5) = 5e-16 of the beginning
+    assert found == pytest.approx(wanted, rel=5e-4)

@@ -146,6 +146,8 @@ def test_demands_on_sampling_and_filter_qualify_nothing_where_they_are_not_met()
     few = PulseLimits(PULSE, "quoted", peak=PEAK.peak)
     coarse = Shock(PULSE.at(np.arange(60) * 1.2e-4 - 2e-3), 1.2e-4, 0.0, 20)
     assert only(coarse, few).reason == "8.3 samples a pulse; it takes 10"
+    area = PulseLimits(PULSE, "quoted", velocity_change=Limits(0.0, 1.0, "quoted"))
+    assert only(coarse, area).verdict == "cannot-tell"
 
 
 def test_cross_axis_is_the_largest_value_to_either_side_while_the_pulse_lasts():

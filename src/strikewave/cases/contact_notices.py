@@ -6,6 +6,7 @@ from collections.abc import Iterator, Sequence
 from typing import Protocol
 
 from strikewave.base.materials import material
+from strikewave.base.percents import percent
 from strikewave.base.quantities import AUTO, Value
 from strikewave.base.result import FAILED, INFO, Notice
 from strikewave.cases.case import Case
@@ -145,14 +146,17 @@ def cushion_notices(case: Case, pressed: Sequence[PressedBlow]) -> Iterator[Noti
     most = max(pressed, key=lambda blow: blow.indentation)
     strain = most.indentation / thickness
     message = (
-        f"the cushion ({cushion.law}) is pressed to {strain:.1%} of its {thickness * 1e3:.3g}\xa0mm, with up to "
-        f"{most.peak_force / area / 1e6:.3g}\xa0MPa; it gives back {most.restitution**2:.1%} of the work of that blow"
+        f"the cushion ({cushion.law}) is pressed to {percent(strain)} of its {thickness * 1e3:.3g}\xa0mm, with up to "
+        f"{most.peak_force / area / 1e6:.3g}\xa0MPa; it gives back {percent(most.restitution**2)} of the work of "
+        "that blow"
     )
     if law.cap is not None:
         message += f", and {pressed[-1].residual_indentation * 1e3:.3g}\xa0mm stay after the last one"
     yield Notice("cushion", message, strain, LARGEST_STRAIN, severity=INFO)
     if strain >= LARGEST_STRAIN:
-        message = f"the cushion would be pressed to {strain:.0%} of its thickness, which no pad bears: it is too thin"
+        message = (
+            f"the cushion would be pressed to {percent(strain, 0)} of its thickness, which no pad bears: it is too thin"
+        )
         yield Notice("cushion-solid", message, strain, LARGEST_STRAIN, severity=FAILED)
     blows = len(pressed)
     if blows > 1 and (cushion.wear.settling or cushion.wear.stiffening):

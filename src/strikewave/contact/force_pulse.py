@@ -15,6 +15,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from strikewave.base.percents import percent
 from strikewave.contact import _kernels
 from strikewave.contact.damping import exact
 
@@ -245,7 +246,8 @@ def cut_out(time: ArrayLike, force: ArrayLike, window: tuple[float, float] | Non
         if first is None or last is None:
             side, left = ("end", f[-1]) if last is None else ("beginning", f[0])
             raise ValueError(
-                f"the pulse is cut at the {side} of the record, where {left / peak:.0%} of its peak is left: record "
+                f"the pulse is cut at the {side} of the record, where {percent(left / peak, 0)} of its peak is "
+                "left: record "
                 "longer, with some time before the blow, take the baseline off, or give a window"
             )
         _check_count(last - first - 1)

@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from strikewave.base.errors import nearest
+from strikewave.base.percents import percent
 from strikewave.contact.force_pulse import ForcePulse, cut_out
 from strikewave.contact.pulse_fit import (
     EXPONENTS,
@@ -293,14 +294,16 @@ def _notices(result: Identified, fits: list[PulseFit], alone: PulseFit, quality:
     )
     if disagree:
         notices.append(
-            f"the values given do not agree with the pulse: the misfit is {quality.residual:.2%} of the peak with "
-            f"them, {alone.deviation:.2%} without; check {', '.join(sorted(fit.problem.scales))} and the calibration"
+            f"the values given do not agree with the pulse: the misfit is {percent(quality.residual, 2)} of the "
+            "peak with "
+            f"them, {percent(alone.deviation, 2)} without; check {', '.join(sorted(fit.problem.scales))} and the "
+            "calibration"
         )
     if quality.systematic > PATTERN_SEEN:
         law = "the law with the values given" if disagree else "the law"
         verdict = "" if result.described else f"{law} does not describe this pulse; "
         notices.append(
-            f"the misfit is {quality.residual:.2%} of the peak and follows a pattern (lag-1 autocorrelation "
+            f"the misfit is {percent(quality.residual, 2)} of the peak and follows a pattern (lag-1 autocorrelation "
             f"{quality.autocorrelation:.2f}): {verdict}the standard errors are too small"
         )
     return notices
@@ -355,5 +358,7 @@ def _trades(result: Identified) -> list[str]:
         if x.value and x.standard_error is not None and x.standard_error > LOOSE * x.value
     }
     if loose:
-        notices.append("loosely determined: " + ", ".join(f"{name} to {share:.0%}" for name, share in loose.items()))
+        notices.append(
+            "loosely determined: " + ", ".join(f"{name} to {percent(share, 0)}" for name, share in loose.items())
+        )
     return notices

@@ -13,6 +13,7 @@ import numpy as np
 
 from strikewave._version import __version__
 from strikewave.base.errors import InputError
+from strikewave.base.percents import percent
 from strikewave.fem import _node_kernels as node_kernels
 from strikewave.fem._contact_kernels import NodeTouch
 from strikewave.fem.bodies import joined_parts
@@ -305,7 +306,10 @@ class Engine:
         if abs(accounted - supplied) > BROKEN * largest and self.steps:
             off = (accounted - supplied) / largest
             most = max((abs(energies[n]), n) for n in ("internal", "hourglass", "contact", "viscous"))[1]
-            return f"the energy is off by {off:+.0%} {where}, and {most} energy is largest; {self._worst_element()}"
+            return (
+                f"the energy is off by {percent(off, 0, '+')} {where}, and {most} energy is largest; "
+                f"{self._worst_element()}"
+            )
         if self.critical < self.collapse:
             return f"the critical step fell to {self.critical:.3g} s {where}: {self._worst_element()}"
         return ""

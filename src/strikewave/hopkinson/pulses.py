@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from strikewave.base.errors import InputError
+from strikewave.base.percents import percent
 from strikewave.hopkinson.bars import Bar
 from strikewave.hopkinson.onset import FEWEST, Drift, drift, ending, first_above, largest, noise_ceiling, onset
 from strikewave.signal.pulse import crossing
@@ -240,7 +241,7 @@ def _check_strain(strain: float, name: str) -> None:
     """Refuse a strain that no elastic bar bears."""
     if strain > LARGEST_STRAIN:
         hint = 'strain or microstrain? state unit = "ustrain" at the gauge, or look at its bridge and gain'
-        allowed = f"at most {LARGEST_STRAIN:.0%}: a pressure bar stays elastic"
+        allowed = f"at most {percent(LARGEST_STRAIN, 0)}: a pressure bar stays elastic"
         raise InputError(f"{name} trace", f"a strain of {strain:.3g}", allowed, hint)
 
 

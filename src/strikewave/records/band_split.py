@@ -22,6 +22,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from strikewave.base.percents import percent
 from strikewave.records.rigid_pulse import LOWEST_RATIO, RINGS_WITHIN, Stretch, spectrum_after, swings_after
 from strikewave.records.smooth_pulse import SmoothPulse
 from strikewave.signal.filters import Filter
@@ -121,7 +122,7 @@ class BandSplit(NamedTuple):
             "the lowest mode moves in the band of the pulse": self.elastic,
         }
         most = max(parts, key=lambda name: parts[name])
-        return f"the bands of pulse and wave part overlap: {most} ({parts[most]:.0%} of the peak)"
+        return f"the bands of pulse and wave part overlap: {most} ({percent(parts[most], 0)} of the peak)"
 
     def signed(self, sign: float) -> BandSplit:
         """Return the split of a blow turned round for a sign of -1."""

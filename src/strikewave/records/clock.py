@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from strikewave.base.errors import InputError
+from strikewave.base.percents import percent
 from strikewave.records.health_notice import FIGURES, HealthNotice
 from strikewave.records.record import Channel
 
@@ -76,7 +77,7 @@ def _resampled(channel: Channel, stamps: Array) -> tuple[Channel, list[HealthNot
     here = np.abs(stamps) < SENSELESS
     if not here.all():
         share = 1.0 - float(here.mean())
-        message = f"{share:.2%} of the time stamps are no times; their samples are left out"
+        message = f"{percent(share, 2)} of the time stamps are no times; their samples are left out"
         findings.append(HealthNotice("time-missing", message, share))
     values, stamps = channel.values[here], stamps[here]
     steps = np.diff(stamps)
@@ -114,7 +115,7 @@ def _resampled(channel: Channel, stamps: Array) -> tuple[Channel, list[HealthNot
         stray = float(np.max(np.abs(stamps - stamps[0] - step * np.arange(stamps.size))))
     if bridged and (grid_size != stamps.size or stray > UNEVEN * step + rounding):
         if not any(f.code == "gap" for f in findings):
-            message = f"time stamps stray by up to {stray / step:.1%} of a step; the record is resampled uniformly"
+            message = f"time stamps stray by up to {percent(stray / step)} of a step; the record is resampled uniformly"
             findings.append(
                 HealthNotice(
                     "time-uneven",
@@ -174,7 +175,7 @@ def _gaps(stamps: Array, steps: Array, clock: tuple[float, float], bridged: bool
     share = lost / float(stamps[-1] - stamps[0])
     longest = int(wide[np.argmax(steps[wide])])
     message = (
-        f"{wide.size} gap{'s' if wide.size > 1 else ''} in time, {share:.2%} of the record, the longest "
+        f"{wide.size} gap{'s' if wide.size > 1 else ''} in time, {percent(share, 2)} of the record, the longest "
         f"{steps[longest]:.3g}\xa0s after {stamps[longest]:g}\xa0s; "
         + ("bridged by straight lines" if bridged else "too long to be bridged")
     )
@@ -207,7 +208,8 @@ def _filled(channel: Channel) -> tuple[Channel, list[HealthNotice]]:
     filled[missing] = np.interp(places[missing], places[~missing], values[~missing])
     share = count / values.size
     message = (
-        f"{count} samples ({share:.2%}) are no finite numbers, the first at {first:g}\xa0s; bridged by straight lines"
+        f"{count} samples ({percent(share, 2)}) are no finite numbers, the first at {first:g}\xa0s; "
+        "bridged by straight lines"
     )
     severity, harms = ("bad", FIGURES) if share > MOST_LOST else ("suspect", ("spectrum",))
     finding = HealthNotice("not-a-number", message, count, severity=severity, harms=harms, start=first)

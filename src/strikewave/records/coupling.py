@@ -37,9 +37,22 @@ def uncoupled(values: Array, step: float, start: float, pulses: Sequence[Recorde
     first, last = pulses[0], pulses[-1]
     places = np.arange(values.size)
     zero = first.offset + first.baseline.slope * (places - (first.time - start) / step)
-    plain = ac_uncoupled(values - zero, step, constant)
-    wrong = 1.0 + step / constant * places
-    rest = slice(round((last.end + AFTER * last.smooth.length - start) / step), None)
-    if (values.size - rest.start) * step > constant:
-        plain -= wrong * (float(np.sum(wrong[rest] * plain[rest])) / float(np.sum(wrong[rest] ** 2)))
-    return np.asarray(zero + plain)
+    rest = round((last.end + AFTER * last.smooth.length - start) / step)
+    return np.asarray(zero + resting(values - zero, step, constant, rest))
+
+
+def resting(above: Array, step: float, constant: float, rest: int) -> Array:
+    """Return values above their zero without AC coupling, at rest from a sample on, where that lasts long enough.
+
+    Examples
+    --------
+    >>> from strikewave.signal.coupling import ac_coupled
+    >>> blow = np.r_[np.zeros(20), np.ones(10), np.zeros(500)]
+    >>> bool(np.allclose(resting(ac_coupled(blow, 1e-3, 0.1) + 1e-3, 1e-3, 0.1, 40), blow, atol=1e-3))
+    True
+    """
+    plain = ac_uncoupled(above, step, constant)
+    wrong = 1.0 + step / constant * np.arange(above.size)
+    if (above.size - rest) * step > constant:
+        plain -= wrong * (float(np.sum(wrong[rest:] * plain[rest:])) / float(np.sum(wrong[rest:] ** 2)))
+    return plain

@@ -13,9 +13,10 @@ from typing import Any
 import numpy as np
 
 from strikewave.base.errors import InputError, nearest, show
+from strikewave.base.percents import percent
 from strikewave.records.calibration import Calibration, calibrated, calibration_of, laid_over
 from strikewave.records.clock import even
-from strikewave.records.coupling import uncoupled
+from strikewave.records.coupling import resting, uncoupled
 from strikewave.records.health import Examined, examine, level_step
 from strikewave.records.health.response import ExaminedResponse, examine_response
 from strikewave.records.health_notice import FIGURES, RESPONSE_FIGURES, STATUSES, HealthNotice, worst, worst_first
@@ -32,6 +33,8 @@ MUCH, HALF = 0.9, 0.5
 reported with each peak in any case."""
 SWINGS_OUT = 20.0
 """Median magnitudes that a swing must reach: noise alone reaches seven in a million samples."""
+NOT_COUPLED = HealthNotice("ac-coupling", "no AC coupling is recognised: nothing was taken off", severity="good")
+"""What is found where AC coupling was to be taken off."""
 HALF_PERIOD = 0.5
 """Periods of the cutoff that a record must hold: a filter that is slower than the record is a slip of units."""
 
@@ -256,7 +259,8 @@ def _lightened(high_pass: HighPass, blows: Sequence[RecordedPulse], filtered: Ch
         for blow, begin, end in zip(blows, begins, ends, strict=True)
     )
     message = (
-        f"the high-pass at {high_pass.cutoff:g} Hz leaves {left:.1%} of a velocity change (the integral over the blow, "
+        f"the high-pass at {high_pass.cutoff:g} Hz leaves {percent(left)} of a velocity change (the integral over "
+        "the blow, "
         "from zero), and nothing of that of the whole record"
     )
     return [HealthNotice("high-pass", message, left, severity="suspect" if left < HALF else "good")]
@@ -267,8 +271,7 @@ def _without_coupling(channel: Channel, examined: Examined, wanted: str | float)
     if isinstance(wanted, str):
         model = examined.tail
         if model is None or model.kind != "ac-coupling":
-            message = "no AC coupling is recognised: nothing was taken off"
-            return channel, [HealthNotice("ac-coupling", message, severity="good")]
+            return channel, [NOT_COUPLED]
         constant, doubt = model.constant, f" +- {2e3 * model.constant_error:.2g}"
     else:
         constant, doubt = float(wanted), ""
@@ -311,7 +314,7 @@ def _changed(before: Sequence[float], after: Sequence[float]) -> list[HealthNoti
     left = min((abs(new / old) for old, new in zip(before, after, strict=True) if old), default=1.0)
     if left > MUCH:
         return []
-    message = f"the filter leaves {left:.0%} of a peak: quote it with the filter, or take a higher cutoff"
+    message = f"the filter leaves {percent(left, 0)} of a peak: quote it with the filter, or take a higher cutoff"
     return [HealthNotice("filter-changes", message, left, severity="suspect" if left < HALF else "good")]
 
 
@@ -408,23 +411,46 @@ def _responding(
         why = "the channel has too few samples" if not usable else f"the base, {base.channel.name}, has no blow"
         found.append(HealthNotice("no-response", f"{why}: no response is measured", severity="bad", harms=FIGURES))
         return ChannelReading(channel, number, (), tuple(found), calibration)
-    same = channel.unit == base.channel.unit
     blows = [BaseBlow(pulse.begin, pulse.time, pulse.end, pulse.peak) for pulse in base.pulses]
+    examined = _examined_response(channel, blows, base)
+    if request.ac_coupling != "" and examined.responses:
+        channel, said = _response_without_coupling(channel, examined, request.ac_coupling)
+        found += said
+        examined = _examined_response(channel, blows, base)
     if request.filter is not None or request.high_pass is not None:
-        before = measure_responses(channel.values, channel.step, channel.start, blows, same)
+        before = [one.peak for one in examined.responses]
         channel = _filtered(channel, request)
-        responses = measure_responses(channel.values, channel.step, channel.start, blows, same)
-        found += _changed([one.peak for one in before], [one.peak for one in responses])
-    else:
-        responses = measure_responses(channel.values, channel.step, channel.start, blows, same)
+        examined = _examined_response(channel, blows, base)
+        found += _changed(before, [one.peak for one in examined.responses])
+    responses = tuple(examined.responses)
     if responses:
-        beside = channel.step == base.channel.step and channel.start == base.channel.start
-        driving = base.channel.values if beside else None
-        examined = ExaminedResponse(
-            channel.values, channel.step, channel.start, channel.unit, blows, responses, driving
-        )
         found += [*examine_response(examined), *_missing(holes, responses), *_of_base(base)]
     return ChannelReading(channel, number, (), tuple(found), calibration, (), responses)
+
+
+def _examined_response(channel: Channel, blows: Sequence[BaseBlow], base: ChannelReading) -> ExaminedResponse:
+    """Measure a response channel, for the checks of its health."""
+    values, step, start = channel.values, channel.step, channel.start
+    responses = measure_responses(values, step, start, blows, channel.unit == base.channel.unit)
+    beside = step == base.channel.step and start == base.channel.start
+    return ExaminedResponse(
+        values, step, start, channel.unit, blows, responses, base.channel.values if beside else None
+    )
+
+
+def _response_without_coupling(
+    channel: Channel, examined: ExaminedResponse, wanted: str | float
+) -> tuple[Channel, list[HealthNotice]]:
+    """Return a response channel without its AC coupling, of a stated time constant or of the one recognised."""
+    seen = [finding.value for finding in examine_response(examined) if finding.code == "ac-coupling"]
+    if isinstance(wanted, str) and not seen:
+        return channel, [NOT_COUPLED]
+    constant = seen[0] if isinstance(wanted, str) else float(wanted)
+    last = examined.responses[-1]
+    values = last.zero + resting(examined.above, channel.step, constant, examined.place(last.decay[1]))
+    message = f"AC coupling of {1.0 / (2.0 * math.pi * constant):.4g} Hz (tau = {1e3 * constant:.4g} ms) was taken off"
+    said = HealthNotice("ac-coupling", message, constant, severity="good")
+    return dataclasses.replace(channel, values=values), [said]
 
 
 def _missing(holes: Array, responses: Sequence[MeasuredResponse]) -> list[HealthNotice]:

@@ -14,6 +14,7 @@ from contextvars import ContextVar
 from dataclasses import dataclass, field
 
 from strikewave.base.errors import InputError, nearest
+from strikewave.base.percents import percent as percent
 from strikewave.base.result import Band
 from strikewave.base.units import DIMENSIONS, in_unit, parse_quantity
 from strikewave.reporting.parts import NONE, written
@@ -322,17 +323,6 @@ def energy_unit(largest: float) -> tuple[float, str]:
     ((0.001, 'mJ'), (1.0, 'J'), (1000.0, 'kJ'))
     """
     return axis_unit("J", "mJ" if largest < 0.1 else "J" if largest < 1e4 else "kJ")
-
-
-def percent(share: float, decimals: int = 1, sign: str = "") -> str:
-    """Write a share in per cent, with a space before the sign as SI asks for.
-
-    Examples
-    --------
-    >>> percent(0.0331), percent(-0.002, 2, "+"), percent(0.5, 0)
-    ('3.3 %', '-0.20 %', '50 %')
-    """
-    return f"{100.0 * share:{sign}.{decimals}f} %"
 
 
 def spelled(unit: str) -> str:

@@ -15,7 +15,8 @@ from typing import TYPE_CHECKING, Any
 from xml.etree import ElementTree
 
 from strikewave._version import __version__
-from strikewave.reporting.numbers import in_shown_units
+from strikewave.reporting.layout import tokens
+from strikewave.reporting.numbers import NO_BREAK, in_shown_units
 from strikewave.reporting.parts import Formula, Picture, Section, Tag
 
 if TYPE_CHECKING:
@@ -85,12 +86,20 @@ def _template() -> Template:
         loader=FunctionLoader(lambda name: (folder / name).read_text("utf-8")),
     )
     environment.filters["mathml"] = _mathml
+    environment.filters["unbroken"] = _unbroken
     return environment.get_template("template.html")
 
 
 def _finalized(value: Any) -> Any:
     """Return what an expression of the template gives, a text with its quantities in the units that are shown."""
     return in_shown_units(value) if type(value) is str else value  # markup is finished
+
+
+def _unbroken(text: str) -> Any:
+    """Return a text in which no line ends between a number and its unit."""
+    from markupsafe import Markup, escape
+
+    return Markup(" ").join(escape(token.replace(" ", NO_BREAK)) for token in tokens(in_shown_units(text)))
 
 
 def _mathml(formula: Formula) -> Any:

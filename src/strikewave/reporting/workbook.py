@@ -18,6 +18,7 @@ from pydantic import BaseModel
 
 from strikewave._version import __version__
 from strikewave.base.errors import InputError
+from strikewave.base.percents import percent
 from strikewave.base.quantities import Value
 from strikewave.base.units import in_unit
 from strikewave.cases.paths import Form
@@ -167,7 +168,7 @@ def _bands(result: Result) -> Rows:
         si = units.get(name, units.get(name.rpartition(".")[2], "s" if name == "interval" else ""))
         unit = shown_unit(si, si)
         low, high = (in_unit(end, si, unit) if unit != si else end for end in (band.low, band.high))
-        inputs = ", ".join(f"{one.field} ({one.share:.0%})" for one in band.inputs)
+        inputs = ", ".join(f"{one.field} ({percent(one.share, 0)})" for one in band.inputs)
         yield name, low, high, unit, band.level, inputs
 
 

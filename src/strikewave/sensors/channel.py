@@ -7,6 +7,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import NamedTuple
 
+from strikewave.base.percents import percent
 from strikewave.base.result import Notice
 from strikewave.sensors import Reading, Recorder, Sensor
 from strikewave.sensors.mounting import RESOLVED
@@ -80,6 +81,6 @@ def channel_notices(
             notices.append(Notice("recorder-slow", message, channel.recorder.sampling_rate, 0.0))
         share = channel.sensor.mounting.sensor_mass / assembly_mass
         if share > HEAVY_SENSOR:
-            message = f"sensor {name} weighs {share:.1%} of the assembly: its buffer would load the assembly back"
+            message = f"sensor {name} weighs {percent(share)} of the assembly: its buffer would load the assembly back"
             notices.append(Notice("heavy-sensor", message, share, HEAVY_SENSOR))
     return tuple(notices)

@@ -14,6 +14,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from strikewave.base.percents import percent
 from strikewave.signal.pulse import FEWEST_INTERVALS, crossing, refine_peak
 from strikewave.specifications.decisions import CANNOT_TELL, COVERAGE, FAIL, NOT_JUDGED, PASS, Rule, decide, together
 from strikewave.specifications.ideal_pulses import IdealPulse
@@ -279,7 +280,7 @@ def judge_shock(shock: Shock, limits: PulseLimits, rule: Rule = "simple", strict
         reason = shock.troubles.get("width", "") or coarse or _filtered_away(shock)
         clauses.append(judged(name, width.value, limits.width, "s", COVERAGE * width.uncertainty, rule, reason))
     if limits.velocity_change is not None:
-        clauses.append(_velocity_clause(shock, limits, start, rule))
+        clauses.append(_velocity_clause(shock, limits, start, rule, coarse))
     if limits.band is not None and placement is not None:
         clauses.append(_band_clause(shock, limits, placement, peak, rule, coarse))
     if limits.cross_axis is not None:
@@ -330,7 +331,7 @@ def _too_few(shock: Shock, pulse: IdealPulse) -> str:
 def _filtered_away(shock: Shock) -> str:
     """Return why a filter leaves nothing to be stated of a pulse width, where it takes more than a tenth of a peak."""
     left = shock.filter_left
-    return "" if left >= 0.9 else f"the filter leaves {left:.0%} of the peak of the ideal pulse"
+    return "" if left >= 0.9 else f"the filter leaves {percent(left, 0)} of the peak of the ideal pulse"
 
 
 def _relative(shock: Shock, figure: MeasuredFigure) -> float:
@@ -345,17 +346,17 @@ def _through_filter(shock: Shock, name: str, figure: MeasuredFigure, limits: Lim
     whole = figure.value / shock.filter_left if shock.filter_left > 0.0 else math.inf
     unfiltered = judged(name, whole, limits, "m/s^2", _relative(shock, figure), rule, reason)
     if not reason and unfiltered.verdict != clause.verdict:
-        words = f"the filter leaves {shock.filter_left:.1%} of the peak of the ideal pulse"
+        words = f"the filter leaves {percent(shock.filter_left)} of the peak of the ideal pulse"
         return replace(clause, verdict=CANNOT_TELL, reason=words)
     return clause
 
 
-def _velocity_clause(shock: Shock, limits: PulseLimits, start: float, rule: Rule) -> Clause:
+def _velocity_clause(shock: Shock, limits: PulseLimits, start: float, rule: Rule, coarse: str) -> Clause:
     """Return the clause of the velocity change: the integral over the ideal pulse and a little more."""
     pulse, (before, after) = limits.pulse, limits.window
     first, last = start - before * pulse.duration, start + (1.0 + after) * pulse.duration
     value = area_between(shock, first, last)
-    reason = shock.troubles.get("velocity_change", "")
+    reason = shock.troubles.get("velocity_change", "") or coarse
     if not reason and math.isnan(value):
         reason = "the record does not hold all of it"
     doubt = shock.figures.get("velocity_change", MeasuredFigure(value)).uncertainty
@@ -387,7 +388,7 @@ def _band_clause(
         return clause
     taken = (1.0 / shock.filter_left - 1.0) * peak.value if shock.filter_left > 0.0 else math.inf
     if clause.verdict == PASS and taken > placement.margin:
-        words = f"the filter leaves {shock.filter_left:.1%} of the peak of the ideal pulse"
+        words = f"the filter leaves {percent(shock.filter_left)} of the peak of the ideal pulse"
         return replace(clause, verdict=CANNOT_TELL, reason=words)
     lacks = [
         f"{lack:.2g} durations {side} the pulse"

@@ -10,6 +10,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from strikewave.base.percents import percent
 from strikewave.contact._law_kernels import SLOWEST, STIFFNESS
 from strikewave.contact.law import Contact, check_end, striking_law
 from strikewave.waves import _impact_kernels, _kernels
@@ -165,7 +166,7 @@ def _at_step(
     grid = grid_of(stack, step)
     if grid.mismatch > WORST_MISMATCH:
         raise ValueError(
-            f"a step of {step:g} s changes a transit by {grid.mismatch:.0%}: take one below "
+            f"a step of {step:g} s changes a transit by {percent(grid.mismatch, 0)}: take one below "
             f"{0.5 * min(layer.transit for layer in stack.layers):.3g} s"
         )
     refuse_few_steps(step, duration)

@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from strikewave.base.constants import STANDARD_GRAVITY
+from strikewave.base.percents import percent
 from strikewave.base.result import Notice
 from strikewave.waves import BarRun, Layer, Stack, TimeGrid
 
@@ -172,7 +173,8 @@ def loss_notices(losses: Sequence[tuple[str, float, float, float, float]]) -> It
     for where, loss_factor, error, low, high in losses:
         if error > LOSS_HELD:
             message = (
-                f"the loss factor {loss_factor:g} of {where} is held to {error:.1%} only from {low / 1e3:g}\xa0kHz to "
+                f"the loss factor {loss_factor:g} of {where} is held to {percent(error)} only from "
+                f"{low / 1e3:g}\xa0kHz to "
                 f"{high / 1e3:g}\xa0kHz: narrow the band"
             )
             yield Notice("loss-fit", message, error, LOSS_HELD)
@@ -213,7 +215,8 @@ def grid_notices(grid: TimeGrid) -> Iterator[Notice]:
     """Yield a time step that changes a layer noticeably."""
     if grid.mismatch > MISMATCH_LIMIT:
         message = (
-            f"the time step of {grid.step * 1e9:.4g} ns changes a transit by {grid.mismatch:.1%}: leave solver.step "
+            f"the time step of {grid.step * 1e9:.4g} ns changes a transit by {percent(grid.mismatch)}: leave "
+            "solver.step "
             "out, or take a finer one"
         )
         yield Notice("coarse-step", message, grid.mismatch, MISMATCH_LIMIT)

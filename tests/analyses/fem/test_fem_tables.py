@@ -290,7 +290,7 @@ def test_it_is_said_how_much_flat_faces_take_from_round_parts(capsys):
     (line,) = capsys.readouterr().err.splitlines()
     share = next(row.volume for row in quality if row.part == "ball") / (math.pi / 3.0 * 1e-6) - 1.0
     assert -0.05 < share < -0.01
-    assert line.endswith(f": ball {share:+.2%}")
+    assert line.endswith(f": ball {100.0 * share:+.2f} %")
 
 
 def test_a_quarter_of_a_block_has_its_planes_of_symmetry_and_is_fine_at_the_axis():

@@ -6,6 +6,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+import strikewave as sw
+from strikewave.base.errors import InputError
 from strikewave.signal.filters import Filter, effect_on_half_sine
 from strikewave.specifications.ideal_pulses import IdealPulse
 from strikewave.specifications.judged_records import filter_leaves
@@ -226,3 +228,16 @@ def test_spec_lists_and_shows_with_status_and_source_of_every_number(strikewave)
     assert [strikewave("spec", "show", "jesd22-b111")[0] for _ in range(2)] == [0, 0]  # the second replaces the first
     code, _, err = strikewave("spec", "show", "jesd22-b111:A")
     assert (code, "one severity" in err) == (2, True)
+
+
+def test_a_call_of_python_gives_the_verdict_of_the_command(judged):
+    write_shot("good.csv")
+    write_shot("high.csv", peak=65.0)
+    found = sw.record(["good.csv", "high.csv"], spec=IEC[1], decision="guarded", uncertainty="3 %", direction="+x")
+    words = ("--decision", "guarded", "--uncertainty", "3 %", "--direction", "+x")
+    assert judged("record", "good.csv", "high.csv", *IEC, *words)[1]["verdict"] == found.verdict.verdict == "fail"
+    assert found.broken
+    assert sw.record("good.csv").verdict is None
+    for wrong in ({"spec": "none"}, {"spec": IEC[1], "decision": "kind"}, {"spec": IEC[1], "direction": "up"}):
+        with pytest.raises(InputError):
+            sw.record("good.csv", **wrong)

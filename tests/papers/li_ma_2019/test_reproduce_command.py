@@ -22,7 +22,7 @@ def test_the_document_has_its_keys_and_numbers_that_agree_with_themselves(strike
     code, out, err = strikewave(*QUICK, "--json")
     assert code == 0
     assert "done in" in err
-    runs = [line.split()[1] for line in err.splitlines() if re.match(r" *\d+%  ", line)]
+    runs = [line.split()[2] for line in err.splitlines() if re.match(r" *\d+ %  ", line)]
     maps = ["li-ma-2019-fig5", "li-ma-2019-fig13"]
     assert runs == ["equations", *document_cases(out), *maps], "a line for each run where stderr is no terminal"
     document = json.loads(out)
@@ -76,7 +76,7 @@ def test_a_run_has_one_line_however_often_it_reports(capsys):
     with progress() as report:
         for share, words in ((0.0, "a"), (0.1, "b: 3 s left"), (0.2, "b: 2 s left"), (0.6, "c"), (1.0, "")):
             report(share, words)
-    assert capsys.readouterr() == ("", "  0%  a\n 10%  b\n 60%  c\n")
+    assert capsys.readouterr() == ("", "  0 %  a\n 10 %  b\n 60 %  c\n")
 
 
 def test_pictures_of_the_paper_are_files_of_the_result_and_others_are_not(tmp_path):

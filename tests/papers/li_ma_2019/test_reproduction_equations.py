@@ -136,7 +136,7 @@ def test_units_of_misprints(rows):
 def test_palmgren_beside_the_rule_of_roller_bearings(rows):
     modulus = STEEL[0] / (1.0 - STEEL[1] ** 2)
     rule = 3.84e-5 * 20e3**0.9 / 40.0**0.8 * 1e-3 * (206e9 / (1.0 - 0.3**2) / modulus) ** 0.9
-    assert f"gives {rule:.5g} m: (2) is {rows['(2)'].printed / rule - 1.0:+.1%} off" in rows["(2)"].note
+    assert f"gives {rule:.5g} m: (2) is {100.0 * (rows['(2)'].printed / rule - 1.0):+.1f} % off" in rows["(2)"].note
 
 
 def test_long_wave_of_the_elastic_solid():

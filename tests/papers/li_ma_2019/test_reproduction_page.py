@@ -14,6 +14,7 @@ import pytest
 from strikewave import load_case
 from strikewave.analyses.fem.run import run_fem
 from strikewave.base.constants import STANDARD_GRAVITY
+from strikewave.base.percents import percent
 from strikewave.papers.li_ma_2019 import answers as known
 from strikewave.papers.li_ma_2019 import figures as draw
 from strikewave.papers.li_ma_2019 import reproduce as whole_run
@@ -235,7 +236,10 @@ def test_what_the_buffer_does_is_said_from_the_readings(result, chapters):
         next(row.computed for row in solution.published if row.sensor == name) for name in ("direct", "buffered")
     )
     text = chapters["5"].text
-    assert f"takes {1.0 - buffered / direct:.1%} off the computed peak, where {1.0 - 6353.22 / 9707.12:.1%}" in text
+    assert (
+        f"takes {percent(1.0 - buffered / direct)} off the computed peak, where {percent(1.0 - 6353.22 / 9707.12)}"
+        in text
+    )
     assert f"reads {rms[1]:.0f} g (root mean square), the direct one {rms[0]:.0f} g" in text
     assert ("does not calm" in text) == (rms[1] >= rms[0])
 

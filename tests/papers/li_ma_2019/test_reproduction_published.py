@@ -318,10 +318,10 @@ def body(**numbers):
             FACES,
             {QUIET: body(impulse=2.0, momentum=0.1), REFLECTING: body(impulse=1.5)},
             "not",
-            "keeps 5% of the impulse",
+            "keeps 5 % of the impulse",
         ),
-        (FACES, {QUIET: body(impulse=2.0, momentum=1.99)}, "right", "keeps 100% of the impulse."),
-        (FACES, {QUIET: body(impulse=2.0, momentum=1.5)}, "partly", "keeps 75%"),
+        (FACES, {QUIET: body(impulse=2.0, momentum=1.99)}, "right", "keeps 100 % of the impulse."),
+        (FACES, {QUIET: body(impulse=2.0, momentum=1.5)}, "partly", "keeps 75 %"),
         (FACES, {QUIET: body(rigid_peak=G * 4000.0), REFLECTING: body(rigid_peak=G * 4000.0)}, "open", "not run"),
         (
             FACES,
@@ -353,8 +353,8 @@ def body(**numbers):
             "yielding makes it steeper",
         ),
         (SLOPE, {REFLECTING: body(slope_early=2e9, slope_late=2e8)}, "open", "not run"),
-        ("yielding", {REFLECTING: body(plastic_strain=0.01)}, "partly", "1.00% without non-reflecting faces;"),
-        ("yielding", {QUIET: body(plastic_strain=0.0)}, "not", "0.00% with non-reflecting faces;"),
+        ("yielding", {REFLECTING: body(plastic_strain=0.01)}, "partly", "1.00 % without non-reflecting faces;"),
+        ("yielding", {QUIET: body(plastic_strain=0.0)}, "not", "0.00 % with non-reflecting faces;"),
         (
             "yielding",
             {

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from strikewave.analyses.compare.curve import ComparedCurve
-from strikewave.base.result import FAILED, Notice
+from strikewave.base.result import FAILED, WARNING, Notice
 from strikewave.reporting.clause_words import clause_words
 from strikewave.signal.alignment import EvenHistory
 from strikewave.signal.filters import Filter
@@ -123,12 +123,13 @@ def judged_by(specification: Specification, curve: ComparedCurve, low_pass: Filt
 
 
 def verdict_notices(judged: SpecificationVerdict) -> tuple[Notice, ...]:
-    """Return a failed check for each clause that is not kept, or of which nothing can be said."""
+    """Return a failed check for each clause that is not kept, and a warning for one of which nothing can be said."""
     notices = []
     for clause in judged.found.clauses:
         if clause.verdict in (FAIL, CANNOT_TELL):
             code = "spec-" + "-".join(clause.clause.split()[:2])
-            notices.append(Notice(code, clause_words(clause), clause.value, _limit(clause), FAILED))
+            severity = FAILED if clause.verdict == FAIL else WARNING
+            notices.append(Notice(code, clause_words(clause), clause.value, _limit(clause), severity))
     return tuple(notices)
 
 

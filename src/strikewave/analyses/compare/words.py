@@ -11,7 +11,7 @@ from strikewave.analyses.compare.limits import METRICS, verdict_of
 from strikewave.analyses.compare.result import INTEGRALS, NAMES, CompareResult, shift_words
 from strikewave.analyses.compare.specified import SpecificationVerdict
 from strikewave.reporting.clause_words import CLAUSE_HEADS, SHOWN, clause_cells, clause_words, tag_of, verdict_words
-from strikewave.reporting.numbers import band_text, headed, percent, shown, with_unit
+from strikewave.reporting.numbers import axis_unit, band_text, headed, percent, shown, with_unit
 from strikewave.reporting.parts import NONE, Cell, Table, Tag, written
 from strikewave.signal.iso18571 import RATE, SAMPLES
 from strikewave.specifications.decisions import CANNOT_TELL, FAIL, PASS
@@ -138,7 +138,8 @@ def limit_table(result: CompareResult) -> Table:
             if math.isnan(value):
                 return NONE
             if unit == "s":
-                return f"{written(shown(value, 's', 'us'))} µs"
+                size, name = axis_unit("s", "us")
+                return f"{written(value / size)} {name}"
             return f"{value:.4g} dB" if unit == "dB" else f"{value:.4g}"
 
         words, verdict = METRICS[one.limit.metric][1], tag_of(one.verdict)

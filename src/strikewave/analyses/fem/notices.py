@@ -9,6 +9,7 @@ import numpy as np
 
 from strikewave.analyses.fem.sectors import open_cuts, sectors
 from strikewave.base.materials import material
+from strikewave.base.percents import percent
 from strikewave.base.result import BALANCE_LIMIT, FAILED, Notice
 from strikewave.cases.case import Case
 from strikewave.cases.comparisons import origin_notices
@@ -54,7 +55,7 @@ def notices(case: Case, model: Model, run: FemRun) -> Iterator[Notice]:
     yield from model_notices(case, model)
     if run.added_mass > 0.0:
         share = run.added_mass / sum(part.mass for part in run.parts.values())
-        message = f"fem.least_step added {run.added_mass:.3g}\xa0kg to small elements, {share:.2%} of all mass"
+        message = f"fem.least_step added {run.added_mass:.3g}\xa0kg to small elements, {percent(share, 2)} of all mass"
         yield Notice("added-mass", message, share, 0.0)
     yield from _overlaps(model, run)
     yield from _contacts(run)
@@ -112,11 +113,13 @@ def _balances(run: FemRun) -> Iterator[Notice]:
     balance = balance_measure(run)
     if not abs(balance.energy) <= ENERGY_LIMIT:
         what = "too much" if balance.energy > 0.0 else "missing"
-        message = f"{abs(balance.energy):.2%} of the energy is {what}: take a smaller fem.safety or smaller elements"
+        message = (
+            f"{percent(abs(balance.energy), 2)} of the energy is {what}: take a smaller fem.safety or smaller elements"
+        )
         yield Notice("energy-balance", message, abs(balance.energy), ENERGY_LIMIT, severity=FAILED)
     if not balance.hourglass <= HOURGLASS_LIMIT:
         message = (
-            f"hourglass modes hold {balance.hourglass:.1%} of the internal energy: take smaller elements, or "
+            f"hourglass modes hold {percent(balance.hourglass)} of the internal energy: take smaller elements, or "
             'elements = "full" for the part that bends'
         )
         yield Notice("hourglass-energy", message, balance.hourglass, HOURGLASS_LIMIT, severity=FAILED)

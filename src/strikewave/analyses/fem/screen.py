@@ -21,6 +21,7 @@ from strikewave.analyses.fem.sectors import WholeForce, blow_of_bodies, sectors
 from strikewave.analyses.fem.unfinished import STATE, FieldFiles, unfinished
 from strikewave.base.errors import InputError
 from strikewave.base.json_document import head, plain, without
+from strikewave.base.percents import percent
 from strikewave.cases.case import Case, dump_case
 from strikewave.fem.blow_measures import blow_measure
 from strikewave.fem.measures import ENERGY_LIMIT, HOURGLASS_LIMIT, ContactMeasure, balance_measure
@@ -236,7 +237,7 @@ def say_faceted(case: Case, quality: Sequence[PartQuality]) -> None:
     """Say how much the flat faces of the elements take from round parts."""
     exact = {part.name: exact_volume(part) for part in (case.mesh.part if case.mesh else ())}
     off = {row.part: row.volume / whole - 1.0 for row in quality if (whole := exact.get(row.part))}
-    words = [f"{part} {share:+.2%}" for part, share in off.items() if abs(share) >= LEAST_OFF]
+    words = [f"{part} {percent(share, 2, '+')}" for part, share in off.items() if abs(share) >= LEAST_OFF]
     if words:
         say(f"mass against that of the shape, whose round sides have flat faces here: {', '.join(words)}")
 

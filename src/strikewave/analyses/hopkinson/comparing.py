@@ -14,6 +14,7 @@ from strikewave.analyses.hopkinson.plausibility import strain_notices
 from strikewave.analyses.hopkinson.sensor_result import SensorSolution
 from strikewave.analyses.hopkinson.setup_file import HopkinsonCase
 from strikewave.base.materials import material
+from strikewave.base.percents import percent
 from strikewave.base.result import Notice
 from strikewave.cases.hopkinson_tables import HopkinsonSetup
 from strikewave.hopkinson import Bar
@@ -119,7 +120,7 @@ def _agreement_notices(found: SensorComparison) -> Iterator[Notice]:
         )
         yield Notice("sensor-late", message, agreement.delay, rise)
     if agreement.residual > MISFIT:
-        message = f"{agreement.residual:.1%} of the reading does not follow the reference"
+        message = f"{percent(agreement.residual)} of the reading does not follow the reference"
         yield Notice("sensor-misfit", message, agreement.residual, MISFIT)
 
 
@@ -127,7 +128,8 @@ def _reflected_notices(found: SensorComparison) -> Iterator[Notice]:
     misfit = found.reflected_misfit
     if misfit > REFLECTED_MISFIT:
         message = (
-            f"the reflected wave says that the end moves {misfit:.1%} otherwise than the incident wave and what stands "
+            f"the reflected wave says that the end moves {percent(misfit)} otherwise than the incident wave and "
+            "what stands "
             "on the end do: is a mass, the gauge distance or the bar speed off, or does the joint open?"
         )
         yield Notice("reflected-differs", message, misfit, REFLECTED_MISFIT)

@@ -6,6 +6,7 @@ import math
 from collections.abc import Iterator
 
 from strikewave.analyses.hopkinson.notices import MISMATCH
+from strikewave.base.percents import percent
 from strikewave.base.result import Notice
 from strikewave.hopkinson import Bar
 from strikewave.hopkinson.echoes import Echoes, Way
@@ -28,7 +29,8 @@ def echo_notices(found: Echoes, bar: Bar, way: Way) -> Iterator[Notice]:
     gained = -2.0 * found.length.value * found.attenuation.value
     if gained > max(GAIN, 2.0 * found.length.value * 2.0 * found.attenuation.error):
         message = (
-            f"passes gain {gained:.2%} of amplitude in a round trip: do pulses overlap, or was one met on its way?"
+            f"passes gain {percent(gained, 2)} of amplitude in a round trip: do pulses overlap, or was "
+            "one met on its way?"
         )
         yield Notice("attenuation-negative", message, found.attenuation.value, 0.0)
     if found.odd is not None:
@@ -50,7 +52,10 @@ def _speed_notices(found: Echoes, bar: Bar, way: Way) -> Iterator[Notice]:
         message = f"the times of the passes fit the other way of the first pulse better; {ask}"
         yield Notice("way-differs", message, other.misfit, OTHER_WAY)
     if abs(off) > limit:
-        message = f"the speed by echoes, {speed.value:.5g}\xa0m/s, is {off:+.2%} off the stated {bar.speed:.5g}\xa0m/s"
+        message = (
+            f"the speed by echoes, {speed.value:.5g}\xa0m/s, is {percent(off, 2, '+')} off the stated "
+            f"{bar.speed:.5g}\xa0m/s"
+        )
         if not other.misfit < OTHER_WAY and abs(other.speed / bar.speed - 1.0) < OTHER_WAY * abs(off):
             message += f"; {ask}"
         yield Notice("speed-differs", message, off, limit)
@@ -62,7 +67,7 @@ def _length_notices(found: Echoes, bar: Bar) -> Iterator[Notice]:
     off = found.round_trip.value / bar.length - 1.0 if math.isfinite(bar.length) else 0.0
     if abs(off) > LENGTH_MISMATCH:
         message = (
-            f"the stated length of {bar.length * 1e3:.5g}\xa0mm is {-off / (1.0 + off):+.1%} off the "
+            f"the stated length of {bar.length * 1e3:.5g}\xa0mm is {percent(-off / (1.0 + off), 1, '+')} off the "
             f"{found.round_trip.value * 1e3:.5g}\xa0mm by round trips and turns at the near end: is it, or the gauge "
             "distance, off?"
         )

@@ -8,6 +8,7 @@ from collections.abc import Iterable, Iterator
 
 from strikewave.analyses.hopkinson.build import recorded_file
 from strikewave.analyses.hopkinson.setup_file import HopkinsonCase
+from strikewave.base.percents import percent
 from strikewave.base.result import Notice
 from strikewave.cases.hopkinson_tables import RecordedTable
 from strikewave.hopkinson import BarMaterial
@@ -54,7 +55,7 @@ def constant_notices(constants: dict[str, BarMaterial]) -> Iterator[Notice]:
     for name, elastic in constants.items():
         if abs(elastic.mismatch) > MISMATCH:
             message = (
-                f"the modulus stated for the {name} bar differs by {elastic.mismatch:+.1%} from rho c^2 = "
+                f"the modulus stated for the {name} bar differs by {percent(elastic.mismatch, 1, '+')} from rho c^2 = "
                 f"{elastic.modulus / 1e9:.4g}\xa0GPa of its density and speed, which is used"
             )
             yield Notice("constants-disagree", message, elastic.mismatch, MISMATCH)

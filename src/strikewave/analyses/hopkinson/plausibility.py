@@ -8,6 +8,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from strikewave.base.errors import InputError
+from strikewave.base.percents import percent
 from strikewave.base.result import Notice
 from strikewave.hopkinson import Bar, Pulses, Reduction, Specimen, StressStrainCurve
 
@@ -43,7 +44,9 @@ def check_strain(reduction: Reduction, curve: StressStrainCurve) -> None:
 def strain_notices(pulses: Pulses) -> Iterator[Notice]:
     """Yield an incident pulse that would bring most bars to yield."""
     if pulses.plateau > BAR_STRAIN:
-        message = f"the plateau of the incident pulse is {pulses.plateau:.2%} of strain: does the bar bear that?"
+        message = (
+            f"the plateau of the incident pulse is {percent(pulses.plateau, 2)} of strain: does the bar bear that?"
+        )
         yield Notice("bar-strain", message, pulses.plateau, BAR_STRAIN)
 
 

@@ -22,6 +22,7 @@ from strikewave.analyses.hopkinson.sensor_result import SensorSolution
 from strikewave.analyses.hopkinson.setup_file import HopkinsonCase
 from strikewave.base.compile_progress import compiling_shown
 from strikewave.base.errors import InputError
+from strikewave.base.percents import percent
 from strikewave.base.result import FAILED, Notice
 from strikewave.cases.hopkinson_tables import LimitsTable
 from strikewave.hopkinson import (
@@ -167,17 +168,18 @@ def _alignment_notices(reduction: Reduction, pulses: Pulses) -> Iterator[Notice]
 def _balance_notices(alike: Equilibrium, impulses: Momentum, limits: LimitsTable) -> Iterator[Notice]:
     if not alike.misfit <= limits.force_misfit.si:
         message = (
-            f"the forces on the two faces differ by {alike.misfit:.1%} of their mean while the incident wave lasts"
+            f"the forces on the two faces differ by {percent(alike.misfit)} of their mean while the incident wave lasts"
         )
         yield Notice("force-misfit", message, alike.misfit, limits.force_misfit.si, severity=FAILED)
     if not abs(impulses.closure) <= limits.momentum.si:
         kind = "missing" if impulses.closure > 0.0 else "excess"
-        message = f"impulses do not close: {kind} impulse of {abs(impulses.closure):.1%} of the incident one"
+        message = f"impulses do not close: {kind} impulse of {percent(abs(impulses.closure))} of the incident one"
         yield Notice("momentum", message, impulses.closure, limits.momentum.si, severity=FAILED)
     if math.isnan(alike.begin):
         message = (
-            f"there is no stretch of {LASTING:g} rise times in which the forces agree to {UNIFORM:.0%}; in all they do "
-            f"over {alike.share:.0%} of the loading"
+            f"there is no stretch of {LASTING:g} rise times in which the forces agree to {percent(UNIFORM, 0)}; "
+            "in all they do "
+            f"over {percent(alike.share, 0)} of the loading"
         )
         yield Notice("no-equilibrium", message, alike.share, math.nan)
 
@@ -192,5 +194,5 @@ def _striker_notices(checked: StrikerCheck | None) -> Iterator[Notice]:
     for code, measured, expected, words in pairs:
         off = measured / expected - 1.0
         if abs(off) > STRIKER_MISMATCH:
-            message = f"the {words} of the incident pulse is {off:+.1%} off what the striker should make"
+            message = f"the {words} of the incident pulse is {percent(off, 1, '+')} off what the striker should make"
             yield Notice(f"striker-{code}", message, off, STRIKER_MISMATCH)

@@ -9,6 +9,7 @@ from typing import Any, ClassVar
 
 from strikewave.analyses.impact.identified import Given, IdentifyResult, value_line
 from strikewave.base.errors import MISSING, InputError
+from strikewave.base.percents import percent
 from strikewave.base.result import Notice, Source
 from strikewave.contact.identification import DESCRIBED, Identified, identify
 from strikewave.contact.impact import reduced_mass
@@ -153,7 +154,7 @@ def _print(result: IdentifyResult) -> None:
     title = f"Contact of {Path(result.file).name}, {result.reading.channel.name}: F = K d^n (1 + chi d'/v0)"
     table(title, [*keys(""), *numerals("value", "standard error"), *texts("unit")], rows)
     tell(
-        f"noise {significant(contact.noise, 3)} N, misfit {contact.residual:.2%} of the peak, "
+        f"noise {significant(contact.noise, 3)} N, misfit {percent(contact.residual, 2)} of the peak, "
         f"{contact.time.size} samples"
     )
     shared = contact.correlated("exponent", "restitution")

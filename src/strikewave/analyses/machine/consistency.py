@@ -6,6 +6,7 @@ import math
 from collections.abc import Iterator
 
 from strikewave.base.errors import MISSING, InputError
+from strikewave.base.percents import percent
 from strikewave.cases.case import Case
 from strikewave.cases.tables import RotaryTable
 from strikewave.machines import Machine, Striker
@@ -97,7 +98,9 @@ def _striker_inconsistencies(case: Case, machine: Machine) -> Iterator[InputErro
         path = _of(case, number, "mount_stiffness")
         if stretch > LARGEST_STRETCH and path not in named:
             named.add(path)
-            allowed = f"enough to hold the striker on its circle (it would stretch by {stretch:.0%} of the radius)"
+            allowed = (
+                f"enough to hold the striker on its circle (it would stretch by {percent(stretch, 0)} of the radius)"
+            )
             yield InputError(path, _typed(case, path), allowed)
         path = _of(case, number, "angle_error")
         beyond = striker.angle_error != 0.0 and abs(striker.angle_error) + lasts >= half

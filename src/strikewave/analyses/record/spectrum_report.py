@@ -11,7 +11,7 @@ from strikewave.analyses.record.figures import records
 from strikewave.analyses.record.figures.many_spectra import MOST_NAMES, response_figure, rolling_figure, several_figure
 from strikewave.analyses.record.figures.spectra import srs_figure, tripartite
 from strikewave.analyses.record.spectrum import KIND_UNITS, SHOWN_UNITS, SpectrumResult
-from strikewave.analyses.record.tables import status_tag
+from strikewave.analyses.record.tables import squeezed, status_tag
 from strikewave.analyses.record.verdicts.judged_spectra import spectra_section, spectra_sentence
 from strikewave.analyses.record.words import named
 from strikewave.reporting import chapters
@@ -95,12 +95,14 @@ def _report_of_several(result: SpectrumResult) -> str:
                 f"{_response(one.kind, float(one.side(result.side)[k]), result)} at {_hertz(one.frequency[k])}"
                 for one, k in ((one, _largest(one, result.side)) for one in shock.spectra)
             ),
-            shock.left_out or "enters",
+            shock.left_out or "yes",
         ]
         for shock in result.shocks
     ]
     kinds = ", ".join(one.kind for one in result.spectra)
-    table = Table("Spectra", ["file", "channel", "status", f"largest {kinds}", "what all come to"], rows)
+    into = "in the resultant" if result.resultant else "in the envelope"
+    heads, rows, same = squeezed(["file", "channel", "status", f"largest {kinds}", into], rows, ["channel"])
+    table = Table(f"Spectra{same}", heads, rows)
     sections = [
         *_verdict(result),
         Section("Spectra", "", parts),

@@ -13,6 +13,7 @@ from typing import NamedTuple
 
 from strikewave.analyses.fem.result import FemSolution
 from strikewave.analyses.fem.run import run_fem
+from strikewave.base.percents import percent
 from strikewave.cases.case import Case, load_case
 from strikewave.fem.measures import balance_measure
 from strikewave.papers.li_ma_2019.element_pulses import specimen_body
@@ -272,7 +273,7 @@ def _rows(
     case: Case, mesh: Sequence[str], listed: Sequence[Dimension], threads: int, report: Report
 ) -> Iterator[DimensionRow]:
     for k, dimension in enumerate(listed):
-        report(k / len(listed), f"{case.name}, {dimension.name} ±{SHARE:.0%}")
+        report(k / len(listed), f"{case.name}, {dimension.name} ±{percent(SHARE, 0)}")
         both = [
             answer(run_fem(studied(case.name, [*mesh, *changed(case, dimension, share)]), threads))
             for share in (SHARE, -SHARE)

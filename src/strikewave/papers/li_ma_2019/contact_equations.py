@@ -90,7 +90,7 @@ def _stiffness(example: ContactExample) -> dict[str, Values]:
     plane = [body.youngs_modulus / (1.0 - body.poissons_ratio**2) for body in (example.striker, example.struck)]
     upside_down = roller_indentation(1.0, printed, length) ** -EXPONENT
     return {
-        "(2)": Values(depth, words={"bearing": bearing, "off": depth / bearing - 1.0}),
+        "(2)": Values(depth, words={"bearing": bearing, "off": 100.0 * (depth / bearing - 1.0)}),
         "(3)": Values(law.stiffness * depth**law.exponent, exact=FORCE),
         "(4)": Values(law.stiffness, exact=at_depth / SHALLOW**EXPONENT, words={"printed_modulus": upside_down}),
         "(5)": Values(printed, modulus, harmonic_mean(plane)),

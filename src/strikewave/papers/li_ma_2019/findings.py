@@ -6,6 +6,7 @@ import math
 from collections.abc import Mapping, Sequence
 
 from strikewave.base.constants import STANDARD_GRAVITY
+from strikewave.base.percents import percent
 from strikewave.papers.li_ma_2019.contact_equations import delivered
 from strikewave.papers.li_ma_2019.examples import ContactExample, WaveExample
 from strikewave.papers.li_ma_2019.published import nose, published_number
@@ -148,7 +149,8 @@ def _contact(rows: Rows, checks: Sequence[Consistency]) -> tuple[Finding, ...]:
         Finding(
             "energy lost by damping",
             "the speed over the depth is that of a linear spring, the integral 3/10",
-            f"{before:+.1%} on the way in, {after:+.1%} on the way out, {loss:+.1%} in all.",
+            f"{percent(before, 1, '+')} on the way in, {percent(after, 1, '+')} on the way out, "
+            f"{percent(loss, 1, '+')} in all.",
             judged(1.0 + loss, EXACT),
             "(12) to (16), (19), (20), (23)",
         ),
@@ -191,7 +193,8 @@ def _waves(rows: Rows, checks: Sequence[Consistency]) -> tuple[Finding, ...]:
             "arrival of echoes",
             "after t_(l−x), and every t₀ from then on",
             f"In the example the first echo is taken to come after {echo:.2f} of its time, the next after {again:.2f}; "
-            f"the largest strain of a pulse of two transits is off by {late:+.0%}. Amplitudes, and what a long load "
+            f"the largest strain of a pulse of two transits is off by {percent(late, 0, '+')}. Amplitudes, and "
+            "what a long load "
             "settles to, are right.",
             judged(min(echo, again), EXACT),
             "(30), (32) to (36)",
@@ -255,8 +258,10 @@ def _experiments(checks: Sequence[Consistency]) -> tuple[Finding, ...]:
         Finding(
             "simulated and measured rigid-body pulse",
             "good consistency",
-            f"Peaks {simulated - 1.0:+.1%}, widths {width - 1.0:+.1%}, so half-sines of them differ by "
-            f"{simulated * width - 1.0:+.1%} in impulse. Neither the error of the measurement nor how widths were read "
+            f"Peaks {percent(simulated - 1.0, 1, '+')}, widths {percent(width - 1.0, 1, '+')}, so half-sines of "
+            "them differ by "
+            f"{percent(simulated * width - 1.0, 1, '+')} in impulse. Neither the error of the measurement nor how "
+            "widths were read "
             "is said: what would be good is open.",
             "open",
             "Figure 11",
@@ -305,7 +310,7 @@ def _faces(quiet: ElementNumbers | None, reflecting: ElementNumbers | None) -> F
     if quiet is None or quiet.impulse is None or quiet.momentum is None:
         return Finding(topic, paper, NOT_RUN, "open", shown)
     share = quiet.momentum / quiet.impulse
-    effects = [f"they hold the body, which keeps {share:.0%} of the impulse"]
+    effects = [f"they hold the body, which keeps {percent(share, 0)} of the impulse"]
     if reflecting is not None:
         pairs = (
             ("impulse", quiet.impulse, reflecting.impulse, 1.0, ".2f", "N s"),
@@ -361,7 +366,8 @@ def _yielding(quiet: ElementNumbers | None, reflecting: ElementNumbers | None) -
     if not strains:
         return Finding(topic, paper, NOT_RUN, "open", shown)
     result = (
-        f"Largest plastic strain {', '.join(f'{strain:.2%} {words}' for words, strain in strains)} non-reflecting faces"
+        "Largest plastic strain "
+        f"{', '.join(f'{percent(strain, 2)} {words}' for words, strain in strains)} non-reflecting faces"
     )
     result += "; it depends on the mesh and on the slope beyond yield, which is assumed."
     if stresses:

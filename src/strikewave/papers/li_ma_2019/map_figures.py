@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from strikewave.base.constants import STANDARD_GRAVITY
+from strikewave.base.percents import percent
 from strikewave.papers.li_ma_2019.gaskets import GasketStudy
 from strikewave.papers.li_ma_2019.joints import JointStudy
 from strikewave.papers.li_ma_2019.published import published_number
@@ -123,7 +124,7 @@ def _bar(figure: Figure, drawn: Any, axes: list[Any], label: str) -> None:
 def _key(figure: Figure, published: float, odd: str, unknown: str) -> None:
     from matplotlib.patches import Patch
 
-    near = f"within {NEAR:.0%} of the measured {published:.4g} (1000 g)"
+    near = f"within {percent(NEAR, 0)} of the measured {published:.4g} (1000 g)"
     patches = [
         Patch(fill=False, edgecolor=RED, linewidth=2.0, label=near),
         Patch(fill=False, hatch=HATCH, edgecolor=GREY, linewidth=0.0, label=odd),

@@ -11,6 +11,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import ClassVar
 
+from strikewave.base.percents import percent
 from strikewave.base.result import Notice
 from strikewave.papers.li_ma_2019.report.tables import findings_table, numbers_table, plain_rows
 from strikewave.papers.li_ma_2019.reproduce import reproduce
@@ -118,7 +119,7 @@ def progress() -> Iterator[Report]:
     def line(share: float, words: str) -> None:
         run = words.partition(":")[0]
         if run not in ("", reported[-1]):
-            say(f"{share:4.0%}  {run}")
+            say(f"{percent(share, 0):>5}  {run}")
             reported.append(run)
 
     yield line

@@ -48,12 +48,12 @@ def effects_of_level(pulse: RecordedPulse, level: float, after_peak: bool = Fals
 
 
 def with_unit(value: float, unit: str) -> str:
-    """Write a value with its SI unit: accelerations in g.
+    r"""Write a value with its SI unit: accelerations in g.
 
     Examples
     --------
     >>> with_unit(9806.65, "m/s^2"), with_unit(3.0, "")
-    ('1000 g', '3')
+    ('1000\xa0g', '3')
     """
     if unit == "m/s^2":
         return f"{in_unit(value, 'm/s^2', 'g'):.5g}\xa0g"

@@ -8,6 +8,7 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
+from strikewave.base.percents import percent
 from strikewave.records.health.examined import Examined
 from strikewave.records.health_notice import HealthNotice, by_effect
 from strikewave.records.measuring import RecordedPulse
@@ -65,7 +66,7 @@ def uncertain(record: Examined) -> list[HealthNotice]:
     peak = min((abs(pulse.peak) for pulse in record.pulses), default=math.nan)
     if hum is not None and not hum[1] <= NOTED_HUM * peak:
         frequency, amplitude = hum
-        share = f", {amplitude / peak:.1%} of the peak" if record.pulses else f" and {record.text(amplitude)}"
+        share = f", {percent(amplitude / peak)} of the peak" if record.pulses else f" and {record.text(amplitude)}"
         message = f"hum of {frequency:g}\xa0Hz{share}"
         return [by_effect("hum", message, amplitude, worst, signed=False)]
     if max(worst.values(), default=0.0) < NOTED_NOISE:

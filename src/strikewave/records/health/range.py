@@ -8,6 +8,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from strikewave.base.percents import percent
 from strikewave.records.health.examined import BLOW, Examined
 from strikewave.records.health_notice import HealthNotice
 from strikewave.records.measuring import RecordedPulse
@@ -114,13 +115,15 @@ def saturated(record: Examined) -> list[HealthNotice]:
         if not sharpness > usual + FLATTER + doubt:
             continue
         message = (
-            f"the top is flat: {sharpness:.0%} as wide at {TIP:.0%} of the peak as at {UPPER:.0%} (an elastic pulse's "
-            f"{usual:.0%}): sensor or amplifier may be near its limit; a pulse that is meant to be flat, or made by "
+            f"the top is flat: {percent(sharpness, 0)} as wide at {percent(TIP, 0)} of the peak as at "
+            f"{percent(UPPER, 0)} (an elastic pulse's "
+            f"{percent(usual, 0)}): sensor or amplifier may be near its limit; a pulse that is meant to be flat, "
+            "or made by "
             "yielding, cannot be told from it"
         )
         higher = _half_sine_of_flanks(record, pulse) - 1.0
         if higher > WRONG:
-            message += f"; the half-sine of its flanks would be {higher:.0%} higher"
+            message += f"; the half-sine of its flanks would be {percent(higher, 0)} higher"
         begin, end = pulse.begin, pulse.end
         return [HealthNotice("flat-top", message, sharpness, severity="suspect", harms=BLOW, start=begin, end=end)]
     return []
@@ -141,7 +144,7 @@ def slew_limited(record: Examined) -> list[HealthNotice]:
             continue
         sides = "one side is" if own_slope else "its sides are"
         message = (
-            f"the blow at {pulse.time:.6g}\xa0s: {sides} straight over {OVER:.0%} of the peak, at "
+            f"the blow at {pulse.time:.6g}\xa0s: {sides} straight over {percent(OVER, 0)} of the peak, at "
             f"{record.text(1e-6 * steep.slope)} a us, where a smooth pulse is curved: the amplifier may be too slow "
             "(slew rate), unless the pulse is meant to be straight; the true peak may be larger, the width smaller"
         )

@@ -12,10 +12,12 @@ import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
+from strikewave.base.percents import percent
 from strikewave.records.correlation import alike_as_one
 from strikewave.records.health.examined import SampledRecord
 from strikewave.records.health.noise import COVERAGE, NOTED_HUM, NOTED_NOISE, hum_beside
@@ -61,7 +63,7 @@ TIME_CONSTANTS, FASTEST = 40, 0.3
 MOST_LOOKED_AT = 4000
 """Samples of a free decay in which its zero is looked for."""
 OWN_SIZE = 0.3
-"""Difference, over itself, within which the undershoot of a decay is as large as its time constant demands."""
+"""Share of a decay that is left of the zero without AC coupling of its time constant, or beside it, at most."""
 FEW, TOO_FEW = 8.0, 6.0
 """Samples of a swing at which a parabola through three may miss 0.9 and 2.6 % of a top; below six none is round."""
 COUNTS = 0.2
@@ -247,7 +249,8 @@ def saturated(record: ExaminedResponse) -> list[HealthNotice]:
     if flat is None:
         return []
     message = (
-        f"the highest top is flat for {flat[0]:.0%} of its half swing (a sine's for {flat[1]:.0%}): the sensor or an "
+        f"the highest top is flat for {percent(flat[0], 0)} of its half swing (a sine's for "
+        f"{percent(flat[1], 0)}): the sensor or an "
         "amplifier may have saturated; the true peak is larger"
     )
     return [HealthNotice("flat-top", message, flat[0], harms=RESPONSE_FIGURES, start=record.largest.time)]
@@ -298,7 +301,8 @@ def slew_limited(record: ExaminedResponse) -> list[HealthNotice]:
     if flat is None:
         return []
     message = (
-        f"the steepest slope stays the same for {flat[0]:.0%} of its half swing (a sine's for {flat[1]:.0%}): the "
+        f"the steepest slope stays the same for {percent(flat[0], 0)} of its half swing (a sine's for "
+        f"{percent(flat[1], 0)}): the "
         "amplifier was too slow (slew rate); the true peak is larger"
     )
     return [HealthNotice("slew-rate", message, flat[0], harms=RESPONSE_FIGURES, start=record.largest.begin)]
@@ -331,7 +335,9 @@ def coarse(record: ExaminedResponse) -> list[HealthNotice]:
     reach = 0.5 * resolution
     if reach < COARSE * record.peak:
         return []
-    message = f"the steps of the converter are {record.text(resolution)}, {resolution / record.peak:.1%} of the peak"
+    message = (
+        f"the steps of the converter are {record.text(resolution)}, {percent(resolution / record.peak)} of the peak"
+    )
     return [_finding("coarse", message, resolution, record.moved_by(reach), signed=False)]
 
 
@@ -349,7 +355,7 @@ def offset(record: ExaminedResponse) -> list[HealthNotice]:
     share = abs(zero) / record.peak
     if share < NOTED_ZERO:
         return []
-    message = f"the zero stands at {record.text(zero)}, {share:.1%} of the peak; it is taken off"
+    message = f"the zero stands at {record.text(zero)}, {percent(share)} of the peak; it is taken off"
     return [HealthNotice("not-settled", message, zero, severity="suspect" if share > LARGE_ZERO else "good")]
 
 
@@ -367,7 +373,7 @@ def shifted(record: ExaminedResponse) -> list[HealthNotice]:
         straight = record.above - line[1] * (places - 0.5 * (record.first - 1))
         message = (
             f"before the blow the zero drifts, by {record.text(drift)} over a length of the record, "
-            f"{abs(drift) / record.peak:.1%} of the peak"
+            f"{percent(abs(drift) / record.peak)} of the peak"
         )
         end = record.place(record.largest.begin + record.largest.duration)
         effects = _larger(record.against(straight), record.moved_by(abs(line[1]) * (end - 0.5 * record.first)))
@@ -394,9 +400,7 @@ def _shifted_after(
     if share < NOTED_SHIFT:
         return []
     start = record.blows[-1].end
-    body = above[record.span(record.responses[-1])[0] : begin]
-    area = record.step * float(np.sum(body))
-    if decay and abs(level) < OWN_SIZE * abs(decay) and abs(-area / constant / decay - 1.0) < OWN_SIZE:
+    if decay and abs(level) < OWN_SIZE * abs(decay) and _is_coupled(record, above, decay, constant):
         message = (
             f"after the blow the zero decays from {record.text(decay)} as a high-pass of "
             f"{1.0 / (2.0 * math.pi * constant):.4g} Hz makes it (AC coupling)"
@@ -405,7 +409,7 @@ def _shifted_after(
         effects = _larger(effects, record.moved_by(size))
         return [_finding("ac-coupling", message, constant, effects, start=start)]
     ramp = np.clip((places - record.span(record.responses[-1])[0]) / max(begin - record.first, 1), 0.0, 1.0)
-    message = f"after the blow the zero has shifted by {record.text(level + decay)}, {share:.1%} of the peak"
+    message = f"after the blow the zero has shifted by {record.text(level + decay)}, {percent(share)} of the peak"
     if decay:
         message += f", and comes back with a time constant of {1e3 * constant:.3g} ms"
     effects = {name: abs(effect) for name, effect in record.against(above - ramp * curve).items()}
@@ -426,11 +430,28 @@ def _line_before(record: ExaminedResponse) -> tuple[float, float] | None:
     return (float(np.mean(before)), slope) if abs(slope) > SLOPED * error else None
 
 
-def _zero_after(record: ExaminedResponse, above: Array) -> tuple[int, float, float, float] | None:
-    """Return where the last free decay begins, and level, decay and its time constant of the zero from there on.
+class _FreeDecay(NamedTuple):
+    """The last free decay: where it begins, values and times since then, and cosines and sines of its modes."""
 
-    Fitted beside the modes: a constant, or a constant and a decay that explains more. None where neither stands out.
-    """
+    begin: int
+    values: Array
+    since: Array
+    swinging: Array
+
+    def beside(self, *more: Array) -> tuple[float, Array, Array]:
+        """Fit the modes with further columns; return squares left, amplitudes, and what is left."""
+        columns = np.hstack([self.swinging, *(column[:, None] for column in more)])
+        found = np.asarray(np.linalg.lstsq(columns, self.values, rcond=None)[0], dtype=np.float64)
+        rest = np.asarray(self.values - columns @ found, dtype=np.float64)
+        return float(rest @ rest), found, rest
+
+    def decayed(self, constant: float) -> tuple[float, Array, Array]:
+        """Fit the modes with a constant and a decay."""
+        return self.beside(np.ones(self.values.size), np.exp(-self.since / constant))
+
+
+def _free_decay(record: ExaminedResponse, above: Array) -> _FreeDecay | None:
+    """Return the last free decay, thinned, to the end of the record; None where it is too short."""
     one = record.responses[-1]
     begin, end = record.place(one.decay[0]), record.values.size
     if end - begin < 2 * FEWEST:
@@ -440,27 +461,42 @@ def _zero_after(record: ExaminedResponse, above: Array) -> tuple[int, float, flo
     since = np.asarray(record.step * every * np.arange(values.size), dtype=np.float64)
     waves = [np.empty((values.size, 0))]
     for mode in one.modes:
-        omega = 2.0 * np.pi * mode.frequency
-        wave = np.exp(since * (-1.0 / mode.decay_time + 1j * omega))
+        wave = np.exp(since * (-1.0 / mode.decay_time + 2j * np.pi * mode.frequency))
         waves.append(np.stack([wave.real, wave.imag], axis=1))
-    swinging = np.hstack(waves)
+    return _FreeDecay(begin, values, since, np.hstack(waves))
 
-    def beside(*more: Array) -> tuple[float, Array, Array]:
-        columns = np.hstack([swinging, *(column[:, None] for column in more)])
-        found = np.asarray(np.linalg.lstsq(columns, values, rcond=None)[0], dtype=np.float64)
-        rest = np.asarray(values - columns @ found, dtype=np.float64)
-        return float(rest @ rest), found, rest
 
-    level = np.ones(values.size)
-    plain, only = beside(), beside(level)
-    lasts = float(since[-1])
-    constants = np.geomspace(FASTEST * record.period, 0.5 * lasts, TIME_CONSTANTS if lasts > 4.0 * record.period else 0)
-    tried = [(beside(level, np.exp(-since / constant)), float(constant)) for constant in constants]
-    decayed = min(tried, key=lambda pair: pair[0][0], default=None)
-    if decayed is not None and _explains(only, decayed[0]):
-        found = decayed[0][1]
-        return begin, float(found[-2]), float(found[-1]), decayed[1]
-    return (begin, float(only[1][-1]), 0.0, math.inf) if _explains(plain, only) else None
+def _zero_after(record: ExaminedResponse, above: Array) -> tuple[int, float, float, float] | None:
+    """Return where the last free decay begins, and level, decay and its time constant of the zero from there on.
+
+    Fitted beside the modes: a constant, or a constant and a decay that explains more. None where neither stands out.
+    """
+    from scipy.optimize import minimize_scalar
+
+    part = _free_decay(record, above)
+    if part is None:
+        return None
+    plain, only = part.beside(), part.beside(np.ones(part.values.size))
+    first, last = FASTEST * record.period, 0.5 * float(part.since[-1])
+    constants = np.geomspace(first, last, TIME_CONSTANTS) if last > 2.0 * record.period else np.empty(0)
+    if constants.size:
+        best = int(np.argmin([part.decayed(float(constant))[0] for constant in constants]))
+        low, high = constants[max(best - 1, 0)], constants[min(best + 1, constants.size - 1)]
+        found = minimize_scalar(lambda size: part.decayed(math.exp(size))[0], bounds=(math.log(low), math.log(high)))
+        constant = math.exp(found.x)
+        fit = part.decayed(constant)
+        if _explains(only, fit):
+            return part.begin, float(fit[1][-2]), float(fit[1][-1]), constant
+    return (part.begin, float(only[1][-1]), 0.0, math.inf) if _explains(plain, only) else None
+
+
+def _is_coupled(record: ExaminedResponse, above: Array, decay: float, constant: float) -> bool:
+    """Tell whether a decay of the zero is that of AC coupling: without it the zero then stands where it did before.
+
+    A decay of another kind leaves a shift, as it is not as large as the area before demands.
+    """
+    part = _free_decay(record, ac_uncoupled(above, record.step, constant))
+    return part is not None and abs(float(part.beside(np.ones(part.values.size))[1][-1])) < OWN_SIZE * abs(decay)
 
 
 def _explains(before: tuple[float, Array, Array], fit: tuple[float, Array, Array]) -> bool:
@@ -476,7 +512,7 @@ def hum(record: ExaminedResponse) -> list[HealthNotice]:
     if found is None or found[1] < NOTED_HUM * record.peak:
         return []
     frequency, amplitude = found
-    message = f"hum of {frequency:g} Hz, {amplitude / record.peak:.1%} of the peak"
+    message = f"hum of {frequency:g} Hz, {percent(amplitude / record.peak)} of the peak"
     return [_finding("hum", message, amplitude, record.moved_by(amplitude), signed=False)]
 
 
@@ -527,7 +563,7 @@ def aliased(record: ExaminedResponse) -> list[HealthNotice]:
     if level is None:
         return []
     message = (
-        f"at half the sampling rate the spectrum still has {level:.1%} of its largest value: what lies above was "
+        f"at half the sampling rate the spectrum still has {percent(level)} of its largest value: what lies above was "
         "folded into the record; sample faster or filter before"
     )
     return [HealthNotice("alias", message, level, harms=RESPONSE_FIGURES)]

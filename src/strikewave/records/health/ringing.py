@@ -6,6 +6,7 @@ import math
 
 import numpy as np
 
+from strikewave.base.percents import percent
 from strikewave.records.health.examined import BLOW, FEWEST_OF_PART, Examined
 from strikewave.records.health_notice import HealthNotice, by_effect
 from strikewave.records.measuring import RecordedPulse, one_sided, stretch_of
@@ -64,9 +65,10 @@ def _ringing_of(record: Examined, pulse: RecordedPulse) -> HealthNotice | None:
         return None
     if not frequency * pulse.smooth.width() > SEPARATE:
         message = (
-            f"after the blow the record swings by {share:.0%} of the peak, about as slowly as the blow itself, and no "
+            f"after the blow the record swings by {percent(share, 0)} of the peak, about as slowly as the blow "
+            "itself, and no "
             "single mode explains it: peak, rise and width may hold such ringing too; a smooth pulse misses the blow "
-            f"by {pulse.smooth.misfit:.0%}"
+            f"by {percent(pulse.smooth.misfit, 0)}"
         )
         strong = share > STRONG_RINGING or (within and pulse.smooth.misfit > POOR)
         severity, harms = ("suspect", ("peak", "rise", "width")) if strong else ("good", ())
@@ -74,7 +76,8 @@ def _ringing_of(record: Examined, pulse: RecordedPulse) -> HealthNotice | None:
     smooth = {"peak": pulse.smooth.peak, "width": pulse.smooth.width(), "velocity_change": pulse.smooth.area()}
     effects = {name: getattr(pulse, name) / value - 1.0 for name, value in smooth.items() if value}
     message = (
-        f"the blow rings at about {frequency:.3g}\xa0Hz, by {max(share, pulse.smooth.misfit):.0%} of the peak, and no "
+        f"the blow rings at about {frequency:.3g}\xa0Hz, by {percent(max(share, pulse.smooth.misfit), 0)} of the "
+        "peak, and no "
         "single mode explains it; against the smooth pulse"
     )
     return by_effect("ringing", message, share, effects, doubt=_doubt_of_smooth(pulse, frequency), start=pulse.end)

@@ -7,6 +7,7 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
+from strikewave.base.percents import percent
 from strikewave.records.health.examined import Examined
 from strikewave.records.health_notice import HealthNotice
 from strikewave.signal.pulse import HALF_SINE_WIDTH
@@ -36,7 +37,7 @@ def few_samples(record: Examined) -> list[HealthNotice]:
         return []
     loss = 1.0 - math.cos(math.pi / (2.0 * max(count, 1.0)))
     severity = "bad" if count < NONE_LEFT else "suspect" if count < TOO_FEW else "good"
-    message = f"a blow has {count:.1f} samples: its peak may be missed by {loss:.1%}; sample faster"
+    message = f"a blow has {count:.1f} samples: its peak may be missed by {percent(loss)}; sample faster"
     return [
         HealthNotice(
             "few-samples", message, count, severity=severity, harms=("peak", "rise", "width") if count < TOO_FEW else ()
@@ -56,7 +57,7 @@ def aliased(record: Examined) -> list[HealthNotice]:
     if level is None:
         return []
     message = (
-        f"at half the sampling rate the spectrum still has {level:.1%} of its largest value: what lies above was "
+        f"at half the sampling rate the spectrum still has {percent(level)} of its largest value: what lies above was "
         "folded into the record; sample faster or filter before"
     )
     return [HealthNotice("alias", message, level, severity="suspect", harms=("peak", "rise", "spectrum"))]

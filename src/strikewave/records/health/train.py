@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from strikewave.base.percents import percent
 from strikewave.records.health.examined import BLOW, Examined
 from strikewave.records.health_notice import HealthNotice
 from strikewave.records.trains import mains_period, missing_of
@@ -22,7 +23,7 @@ def rebounds(record: Examined) -> list[HealthNotice]:
     lag = float(np.median([rebound.time - pulse.time for pulse in owners for rebound in pulse.rebounds]))
     where = f"{len(owners)} of {len(record.pulses)} blows" if len(record.pulses) > 1 else "the blow"
     message = (
-        f"{len(every)} smaller contact{'s' if len(every) > 1 else ''} beside {where}, {share:.0%} of the peak, "
+        f"{len(every)} smaller contact{'s' if len(every) > 1 else ''} beside {where}, {percent(share, 0)} of the peak, "
         f"{1e3 * lag:.4g}\xa0ms after it: no blow{'s' if len(every) > 1 else ''}, but rebounds"
     )
     first = owners[0].rebounds[0]

@@ -8,6 +8,7 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
+from strikewave.base.percents import percent
 from strikewave.records.baseline import LOOK_BACK
 from strikewave.records.health.examined import BEGINNING, BLOW, FEWEST_OF_PART, Examined, effects_of_level
 from strikewave.records.health_notice import FIGURES, HealthNotice, by_effect
@@ -91,19 +92,20 @@ def not_settled(record: Examined) -> list[HealthNotice]:
         if missed > WRONG_PEAK:
             message = (
                 f"the zero drifts by {record.text(drift)} over the record, and nothing before the blow tells where it "
-                f"stood: the peak may be wrong by {missed:.1%}"
+                f"stood: the peak may be wrong by {percent(missed)}"
             )
             findings += [HealthNotice("drift", message, drift, severity="suspect", harms=(*BLOW, "spectrum"))]
     elif abs(pulse.baseline.slope) * (record.values.size - 1) > NOTED_ZERO * abs(pulse.peak):
         drift = pulse.baseline.slope * (record.values.size - 1)
         message = (
             f"before the blow the zero drifts, by {record.text(drift)} over a length of the record, "
-            f"{abs(drift / pulse.peak):.1%} of the peak: it is carried on under the blow; the spectrum still holds it"
+            f"{percent(abs(drift / pulse.peak))} of the peak: it is carried on under the blow; the spectrum still "
+            "holds it"
         )
         findings += [HealthNotice("drift", message, drift, severity="good", harms=("spectrum",))]
     share = abs(pulse.offset) / abs(pulse.peak)
     if share > NOTED_ZERO:
-        message = f"the zero stands at {record.text(pulse.offset)}, {share:.1%} of the peak; it is taken off"
+        message = f"the zero stands at {record.text(pulse.offset)}, {percent(share)} of the peak; it is taken off"
         severity, harms = ("suspect", ("spectrum",)) if share > LARGE_ZERO else ("good", ())
         findings += [HealthNotice("not-settled", message, pulse.offset, severity=severity, harms=harms)]
     return findings
@@ -131,10 +133,10 @@ def zero_shift(record: Examined) -> list[HealthNotice]:
         if share < NOTED_ZERO:
             return []
         level = record.text(model.level)
-        message = f"after the blows the zero drifts on by {level}, {share:.1%} of the peak: velocities drift"
+        message = f"after the blows the zero drifts on by {level}, {percent(share)} of the peak: velocities drift"
         return [HealthNotice("drift", message, model.level, severity="good", harms=("spectrum",), start=last.end)]
     effects = {name: abs(e) for name, e in effects_of_level(last, model.level, after_peak=True).items()}
-    message = f"after the blows the zero has shifted by {record.text(model.level)}, {share:.1%} of the peak"
+    message = f"after the blows the zero has shifted by {record.text(model.level)}, {percent(share)} of the peak"
     if model.kind == "decay":
         message += f", and comes back with a time constant of {1e3 * model.constant:.3g}\xa0ms"
     found = by_effect(
@@ -193,7 +195,7 @@ def velocity_drift(record: Examined) -> list[HealthNotice]:
         return []
     message = (
         f"long after the last blow the record stands {record.text(float(np.mean(tail)))} off its zero: the integrated "
-        f"velocity drifts by {share:.0%} of the velocity change until the record ends"
+        f"velocity drifts by {percent(share, 0)} of the velocity change until the record ends"
     )
     severity = "suspect" if share > LARGE_DRIFT else "good"
     return [HealthNotice("velocity-drift", message, drift, severity=severity, harms=("spectrum",), start=pulse.end)]

@@ -9,6 +9,7 @@ from strikewave.base.citations import FROM_MEMORY
 from strikewave.base.constants import STANDARD_GRAVITY
 from strikewave.base.errors import IntegrationError
 from strikewave.base.materials import material
+from strikewave.base.percents import percent
 from strikewave.base.result import FAILED, INFO, Notice
 from strikewave.cases.sensors_of_case import memory_notices
 from strikewave.contact import AnyContact
@@ -135,11 +136,11 @@ def _gasket_notices(study: BufferStudy, first: BufferCandidate) -> Iterator[Noti
             )
             yield Notice("gasket-yield", message, stress, strength)
         if strain > LARGE_STRAIN:
-            message = f"{layer} is compressed by {strain:.0%}: its modulus is that of small strain; it stiffens"
+            message = f"{layer} is compressed by {percent(strain, 0)}: its modulus is that of small strain; it stiffens"
             message += _hardened(study, first)
             yield Notice("gasket-strain", message, strain, LARGE_STRAIN)
     if first.loss_error > FITTED_LOSS:
-        message = f"the loss factor of {first.name} deviates by up to {first.loss_error:.0%} over its band"
+        message = f"the loss factor of {first.name} deviates by up to {percent(first.loss_error, 0)} over its band"
         yield Notice("loss-fit", message, first.loss_error, FITTED_LOSS)
     elastic = [spread(material(layer.material))[1] for layer in first.stack]
     factors = confined(first.stack, study.site.area)

@@ -13,6 +13,7 @@ from typing import Any, ClassVar, NamedTuple
 import numpy as np
 
 from strikewave.base.errors import MISSING, InputError
+from strikewave.base.percents import percent
 from strikewave.base.result import Notice
 from strikewave.cases.case import Case, load_case
 from strikewave.cases.tables import SensorTable
@@ -232,17 +233,18 @@ def _print(study: BufferStudy) -> None:
     print_rows(title, needed(SCREEN_COLUMNS, rows), rows)
     if len(study.candidates) > len(shown):
         tell(
-            f"stacks with peak and bandwidth of one above within {ALIKE:.0%} are left out here; --json and the files "
+            f"stacks with peak and bandwidth of one above within {percent(ALIKE, 0)} are left out here; --json "
+            "and the files "
             "have all"
         )
     first = study.candidates[0]
     parts = [f"{first.rigid_ratio:.3g} times the rigid-body peak"] if math.isfinite(first.rigid_ratio) else []
     if math.isfinite(first.velocity_error):
-        parts += [f"velocity change off by {first.velocity_error:+.1%}"]
+        parts += [f"velocity change off by {percent(first.velocity_error, 1, '+')}"]
     elif first.ringing > RINGING or not first.whole:
         parts += ["velocity change not known: the history ends while it still rings"]
     parts += [
         f"{with_unit(first.sag, 'm', 'um', 3)} of sag",
-        f"loss factors held to {first.loss_error:.1%} from 1 to 100 kHz",
+        f"loss factors held to {percent(first.loss_error)} from 1 to 100 kHz",
     ]
     tell(f"{first.name}: {', '.join(parts)}")

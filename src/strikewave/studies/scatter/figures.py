@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from strikewave.base.percents import percent
 from strikewave.reporting.numbers import axis_unit, headed
 from strikewave.reporting.style import BLUE, GREY, ORANGE, RED, quiet, sheet_title
 from strikewave.studies.scatter.study import ScatterStudy
@@ -56,7 +57,10 @@ def _peaks(axes: Any, study: ScatterStudy) -> None:
     missed = sum("missed" in run.kinds for run in study.completed)
     typical = study.figure("peak").within
     alone = study.nominal_run.variation("peak")
-    title = f"Peak of the rigid-body acceleration. CV within a run: {typical.median:.2%}, dynamics alone {alone:.2%}"
+    title = (
+        f"Peak of the rigid-body acceleration. CV within a run: {percent(typical.median, 2)}, dynamics "
+        f"alone {percent(alone, 2)}"
+    )
     title += f"; {missed} runs with missed blows" if missed else ""
     quiet(axes, title, "blow", headed("peak", "m/s^2", "g"))
     axes.xaxis.set_major_locator(MaxNLocator(integer=True))

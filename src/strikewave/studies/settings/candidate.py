@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from strikewave.base.materials import Material, material
+from strikewave.base.percents import percent
 from strikewave.base.result import BALANCE_LIMIT
 from strikewave.cases.case import Case
 from strikewave.cases.tables import CUSHION, POWER
@@ -169,7 +170,9 @@ class SettingsCandidate:
     @property
     def obstacles(self) -> str:
         """What keeps the setting from the goal, in one line."""
-        reasons = [f"{name} off by {miss:+.1%}" for name, miss in self.misses.items() if not abs(miss) <= WITHIN]
+        reasons = [
+            f"{name} off by {percent(miss, 1, '+')}" for name, miss in self.misses.items() if not abs(miss) <= WITHIN
+        ]
         reasons += [self.observation.odd] if self.observation.odd else []
         reasons += [f"{limit.name.replace('_', ' ')} above its limit" for limit in self.broken]
         return "; ".join(reasons + ([self.halt] if self.halt and reasons else []))

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from strikewave.base.percents import percent
 from strikewave.reporting.numbers import axis_unit, headed
 from strikewave.reporting.style import BLUE, GREEN, GREY, ORANGE, RED, quiet, sheet_title
 from strikewave.studies.log_ticks import plain_log_ticks
@@ -43,7 +44,7 @@ def settings_figure(study: SettingsStudy) -> Figure:
 def _misses(axes: Any, candidates: Sequence[SettingsCandidate]) -> None:
     """Draw typical peak, width and interval over the goal, and the worst peak, of each candidate."""
     places = list(range(1, len(candidates) + 1))
-    axes.axhspan(-100.0 * WITHIN, 100.0 * WITHIN, color="#EEEEEE", zorder=0, label=f"within {WITHIN:.0%}")
+    axes.axhspan(-100.0 * WITHIN, 100.0 * WITHIN, color="#EEEEEE", zorder=0, label=f"within {percent(WITHIN, 0)}")
     axes.axhline(0.0, color="#333333", linewidth=0.9)
     worst = [100.0 * (one.observation.peak.worst / one.goal.peak - 1.0) for one in candidates]
     typical = [100.0 * one.misses["peak"] for one in candidates]

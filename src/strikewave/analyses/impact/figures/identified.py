@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from strikewave.base.percents import percent
 from strikewave.contact.identification import Identified
 from strikewave.reporting.numbers import axis_unit, headed
 from strikewave.reporting.style import BLUE, GREY, ORANGE, legend_below, new_figure, quiet
@@ -61,7 +62,7 @@ def _draw_force(axes: Any, found: Identified) -> None:
     contact = (0.0, pulse.duration / second)
     axes.axvline(contact[0], color=GREY, linestyle=":", linewidth=1.1, label="first touch and release")
     axes.axvline(contact[1], color=GREY, linestyle=":", linewidth=1.1)
-    title = f"n = {pulse.exponent:.3g}, e = {pulse.restitution:.3g}, misfit {found.residual:.2%} of the peak"
+    title = f"n = {pulse.exponent:.3g}, e = {pulse.restitution:.3g}, misfit {percent(found.residual, 2)} of the peak"
     quiet(axes, title, "", headed("force", "N", "N"))
     axes.margins(y=0.08)
 

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 
 from strikewave.analyses.fem.report.fields import fields_section
 from strikewave.analyses.wave.field import field_of_solution
+from strikewave.base.percents import percent
 from strikewave.papers.li_ma_2019 import answers as known
 from strikewave.papers.li_ma_2019 import figures as draw
 from strikewave.papers.li_ma_2019 import gaskets
@@ -177,8 +178,8 @@ def _buffering(result: Reproduction) -> str:
     verdict = "The computed buffer does not calm the pulse" if soft >= loud else "The computed buffer calms the pulse"
     rms = [with_unit(value, "m/s^2", "g") for value in (soft, loud)]
     return (
-        f"What the buffer does is {'hardly ' if taken < HARDLY * asked else ''}met: it takes {taken:.1%} off the "
-        f"computed peak, where {asked:.1%} were measured. {verdict}: after {AFTER * 1e6:g} µs the buffered sensor "
+        f"What the buffer does is {'hardly ' if taken < HARDLY * asked else ''}met: it takes {percent(taken)} off the "
+        f"computed peak, where {percent(asked)} were measured. {verdict}: after {AFTER * 1e6:g} µs the buffered sensor "
         f"reads {rms[0]} (root mean square), the direct one {rms[1]}. The assumed gaskets are a spring under the "
         "sensor's mass; those of the experiment are not known."
     )

@@ -7,6 +7,7 @@ from collections.abc import Iterator, Sequence
 from typing import TYPE_CHECKING
 
 from strikewave.base.constants import STANDARD_GRAVITY
+from strikewave.base.percents import percent
 from strikewave.fem.blow_measures import blow_measure
 from strikewave.papers.li_ma_2019.assumed import SHARE
 from strikewave.reporting.parts import NONE, Cell, Part, Table, Tag, written
@@ -89,7 +90,10 @@ def dimension_table(study: DimensionStudy) -> Table:
         both = zip(row.larger.changes(study.base), row.smaller.changes(study.base), strict=True)
         changes = [f"{_percent(up)} / {_percent(down)}" for up, down in both]
         rows.append([row.name, _size(row.path, row.value), Tag(row.provenance, row.provenance), *changes])
-    words = f"{study.case}, coarse elements: each assumed dimension {SHARE:.0%} larger / smaller, with all that follows"
+    words = (
+        f"{study.case}, coarse elements: each assumed dimension {percent(SHARE, 0)} larger / smaller, "
+        "with all that follows"
+    )
     return Table(words, ["changed", "value", "it is", *ANSWERS], rows)
 
 
