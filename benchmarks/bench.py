@@ -17,6 +17,7 @@ import numba
 import numpy as np
 import peers
 import peers_bench
+import planted_boards
 import planted_judge
 import reading_bench
 import records_bench
@@ -208,6 +209,8 @@ def main():
             reading_bench.section(),
             "## Planted blows",
             *planted_judge.section(),
+            "## Planted response channels",
+            *planted_boards.section(),
             "## Peers",
             "`make bench` installs scipy, pyyeti, endaq, elwaspatid, Exudyn and MuJoCo beside strikewave in `.bench/venv`, in the "
             "versions of benchmarks/requirements.txt, and runs CalculiX where the system has it. One that cannot be run is named.",

@@ -72,7 +72,6 @@ def judged(board):
         if reading.status == "good":
             found.silent.append(f"{len(base.pulses)} blows of {len(board.blows)}")
         return found
-    strongest = max(board.modes, key=lambda mode: abs(mode[2]))
     period = 1.0 / board.modes[0][0]
     for answer, blow, one in zip(board.answers, board.blows, reading.responses, strict=True):
         swing = 1.0 / one.modes[0].frequency if one.modes else period
@@ -94,7 +93,6 @@ def judged(board):
                 found.silent.append(f"{name} {error:+.1%}")
             if name not in missed and name in harmed:
                 found.withheld.append(name)
-    del strongest
     if board.kind.startswith("clean"):
         found.alarms = [f"{f.code}: {f.message}" for f in reading.findings if f.severity != "good"]
     return found
@@ -103,6 +101,23 @@ def judged(board):
 def judged_class(kind, count, first=0):
     """Return the verdicts on so many draws of a class."""
     return [judged(boards.draw(kind, first + k)) for k in range(count)]
+
+
+INTRODUCTION = (
+    "Boards made by benchmarks/planted/boards.py: one to three modes, driven by one blow of their base (or five, four), "
+    "integrated by scipy on a grid twelve times as fine as the record; noise 40 to 75 dB below, white, pink or "
+    "autoregressive, 12 to 16 bits; then one fault a class, with a strength from hardly to very harmful. A silent miss is "
+    "a draw in which a figure is stated that is off: peak, duration, RMS by more than 5 %, the delay by 5 % of a swing, "
+    "frequency and damping of the strongest mode by 5 % and three times their stated uncertainty. Fault named: the share "
+    "of draws with a finding of its kind, however weak the fault. A false alarm is a finding on a clean board that makes "
+    "it suspect or bad. Withheld though right: draws in which a figure that is not off is harmed by a finding. "
+    "`python scripts/validate/response_channels.py` draws them."
+)
+
+
+def section(count=100):
+    """Return the lines of the page of benchmarks."""
+    return [INTRODUCTION, "", *table(list(boards.CLASSES), count)]
 
 
 def table(kinds, count, first=0):

@@ -52,7 +52,7 @@ def test_a_command_writes_only_what_the_docs_list_for_it(strikewave):
         "wave": ["li-ma-2019-fig13-bar", "--no-band", "--xlsx"],
         "fem": ["hertz-ball-fem", "--xlsx"],
         "hopkinson": ["shot.toml", "--xlsx"],
-        "record": ["shot.csv", "--unit", "g", "--motion", "--xlsx"],
+        "record": ["shot.csv", "--unit", "g", "--motion", "--pair", "1,2", "--xlsx"],
         "srs": ["shot.csv", "--unit", "g", "--rolling", "0.1 ms", "--response", "2 kHz", "--xlsx"],
         "compare": ["shot.csv", "shot.csv", "--unit", "g", "--xlsx"],
         "laws": ["--xlsx"],

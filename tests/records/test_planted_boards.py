@@ -44,11 +44,11 @@ TOLD = (
     "board-clipped",
     "board-coarse",
     "board-dead",
-    "board-spike",
-    "board-cut",
-    "board-noise",
+    "board-drift",
     "board-offset",
     "board-short",
+    "board-spike",
+    "board-thermal",
 )
 """Classes of faults without a silent miss; the table in docs/benchmarks.md has the others."""
 

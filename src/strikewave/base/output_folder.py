@@ -22,6 +22,8 @@ RESULT_FILES = (
     "blows.csv",
     "pulses.csv",
     "motion.csv",
+    "pairs.csv",
+    "transfer.csv",
     "responses.csv",
     "spectrum.csv",
     "comparison.csv",

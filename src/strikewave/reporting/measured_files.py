@@ -350,7 +350,10 @@ def read_channels(
     record = read_record(file, options)
     check_channels(stated, record.keys)
     wanted = replace(filters or Request(), channels=options.channels or ("1",), calibrations=stated)
-    return record, read_file(record, calibrations_beside(Path(file)), wanted)
+    found = read_file(record, calibrations_beside(Path(file)), wanted)
+    if not all(reading.channel.step > 0.0 for reading in found.channels):
+        raise InputError("FILE", file, "time stamps that differ", "state the sampling rate by --rate")
+    return record, found
 
 
 def examined_channel(

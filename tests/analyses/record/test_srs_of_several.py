@@ -93,6 +93,21 @@ def test_what_harms_some_spectra_names_their_files(found, shots):
     assert all(warning["message"].startswith("drifting.csv, x: ") for warning in warnings)
 
 
+def test_a_record_without_a_clock_is_refused_and_a_short_one_has_no_windows(strikewave, shots):
+    with open("still.csv", "w") as file:
+        file.write("time [s],x [m/s^2]\n" + "0,1\n" * 40)
+    code, _, err = strikewave("srs", "still.csv")
+    assert code == 2
+    assert 'FILE: got "still.csv"; allowed: time stamps that differ; state the sampling rate by --rate' in err
+    code, out, err = strikewave("srs", shots[0], "still.csv", *WORDS, "--json")
+    assert code == 3
+    assert len(json.loads(out)["spectra"]) == 1
+    short = write("short.csv", x=np.arange(10.0))
+    code, out, err = strikewave("srs", *shots, short, *WORDS, "--json", "--rolling", "10 ms")
+    assert code == 0, err
+    assert ["rolling" in one for one in json.loads(out)["spectra"]] == [True, True, True, False]
+
+
 def test_a_file_that_cannot_be_read_is_named_and_fails(strikewave, shots):
     code, out, err = strikewave("srs", *shots, "gone.csv", *WORDS, "--json")
     assert code == 3

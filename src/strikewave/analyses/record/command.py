@@ -40,6 +40,15 @@ def command(
     motion: Annotated[
         bool, typer.Option("--motion", help="Velocity and displacement too, by integration, with their drift.")
     ] = False,
+    pair: Annotated[
+        str | None,
+        typer.Option(
+            "--pair",
+            metavar="CHANNEL,CHANNEL",
+            help="Two channels compared as sensors on one object: common and differential motion, delay, gain and "
+            "transfer function; none by default.",
+        ),
+    ] = None,
     judging: RecordSpecificationOptions,
     filtering: FilterOptions,
     output: Output,
@@ -51,6 +60,7 @@ def command(
     names, a2 before a10. --spec judges each blow by a specification. The exit code is 3 where a file could not be read,
     has a status of --fail-on, or where the verdict is FAIL.
     """
+    from strikewave.analyses.record.paired import read_pair
     from strikewave.analyses.record.screen import examine_records
     from strikewave.base.errors import InputError
     from strikewave.records import Request
@@ -58,9 +68,12 @@ def command(
     if base and columns == "repeats":
         raise InputError("--base", base, "a channel of files whose columns are channels", "leave out --columns repeats")
 
+    if pair is not None and columns == "repeats":
+        raise InputError("--pair", pair, "channels of files whose columns are channels", "leave out --columns repeats")
+    two = () if pair is None else read_pair(pair)
     height = math.nan if drop_height is None else drop_height
     channels = tuple(measurement.channel or ())
     wanted = filtering.on(Request(channels, measurement.calibration(), height, base=base or ""))
     specification = judging.specification()
     shown = (columns == "repeats", fail_on or "", motion)
-    return examine_records(files, wanted, measurement.reading(), output, *shown, specification, judging.asked)
+    return examine_records(files, wanted, measurement.reading(), output, *shown, specification, judging.asked, two)

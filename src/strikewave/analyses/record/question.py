@@ -8,6 +8,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from strikewave.analyses.record.filter_options import filtered
+from strikewave.analyses.record.paired import read_pair
 from strikewave.analyses.record.result import RecordResult, name_of, record_result
 from strikewave.analyses.record.verdicts.judged import with_verdict
 from strikewave.analyses.record.verdicts.options import RecordSpecificationOptions
@@ -53,6 +54,7 @@ def record(
     motion: bool = False,
     repeats_in_columns: bool = False,
     base: str | int = "",
+    pair: Sequence[str | int] = (),
     spec: str | None = None,
     decision: Rule = "simple",
     uncertainty: str | float | None = None,
@@ -95,6 +97,8 @@ def record(
         Whether the columns of a file are repeats of one test, not channels.
     base : str or int, optional
         Name or number of the driving channel: the others are measured as responses to its blow.
+    pair : sequence of str or int, optional
+        Names or numbers of two channels that are compared as sensors on one object: ``.pairs`` of the result.
     spec : str, optional
         Specification to judge the blows by: a built-in one, such as ``"jesd22-b110:B"``, or a file that ends in
         ``.toml``; the verdict is ``.verdict`` of the result.
@@ -147,6 +151,7 @@ def record(
         stated = measured.MeasurementOptions.in_python(channels, calibration, rate, time, time_unit)
         if base != "" and repeats_in_columns:
             raise InputError("base", base, "a channel of files whose columns are channels", "not repeats_in_columns")
+        two = read_pair(",".join(map(str, pair)), "pair") if pair else ()
         height = math.nan if drop_height is None else si_value(drop_height, "m", "drop_height")
         wanted = Request(tuple(stated.channel or ()), stated.calibration(), height, base=str(base))
         wanted = filtered(wanted, filter, ac_coupling, high_pass)
@@ -156,10 +161,11 @@ def record(
         specification = judging.specification()
         origin = measured.source_in_python(name_of([Path(file) for file in files]), test)
         found = examined(files, wanted, stated.reading(), origin, repeats_in_columns)
-        found = dataclasses.replace(found, motion=motion)
-        if specification is None:
-            return found
-        return with_verdict(found, specification, judging.asked(origin.test))
+        found = dataclasses.replace(found, motion=motion, pair=two)
+        if specification is not None:
+            found = with_verdict(found, specification, judging.asked(origin.test))
+        found.pairs  # noqa: B018 a wrong pair is refused here
+    return found
 
 
 def examined(

@@ -7,6 +7,7 @@ from collections.abc import Sequence
 from strikewave.analyses.record import chapters as chapters
 from strikewave.analyses.record import pictures as pictures
 from strikewave.analyses.record.motion_chapter import motion_section
+from strikewave.analyses.record.pair_chapter import pair_section
 from strikewave.analyses.record.response_chapter import response_sections
 from strikewave.analyses.record.result import RecordResult
 from strikewave.analyses.record.rigid_chapter import rigid_sections
@@ -44,6 +45,7 @@ def record_report(result: RecordResult) -> str:
         *rigid_sections(files, names),
         *(chapters.campaign_section(one, files, names, len(campaigns) > 1) for one in campaigns if one.sums_up),
         shared.warnings(result.notices),
+        *([pair_section(result.pairs)] if result.pair else []),
         *([motion_section(result.motions)] if result.motion else []),
         chapters.filter_section(files, names, result.filter),
         chapters.calibration_section(files, names, result.calibrations),

@@ -13,6 +13,8 @@ import numpy as np
 
 from strikewave.analyses.record.chosen import advised_filter, cutoff_for, sources_of
 from strikewave.analyses.record.moved import MOTION_UNITS, RecordMotion, all_moved, motion_columns
+from strikewave.analyses.record.paired import OF_CHANNEL as PAIR_OF_CHANNEL
+from strikewave.analyses.record.paired import PAIR_UNITS, RecordPair, all_pairs, pair_columns, transfer_columns
 from strikewave.analyses.record.responses import responding, response_columns, summaries
 from strikewave.base.result import FAILED, Notice
 from strikewave.records.band_split import BandSplit
@@ -57,6 +59,8 @@ class RecordResult(AskedResult):
         Whether velocity and displacement are given.
     verdict : RecordsVerdict or None
         By a specification, where one was asked for.
+    pair : tuple of str
+        Two channels that are compared as sensors on one object; empty for none.
     """
 
     command: ClassVar[str] = "record"
@@ -68,6 +72,12 @@ class RecordResult(AskedResult):
     fail_on: str = ""
     motion: bool = False
     verdict: RecordsVerdict | None = None
+    pair: tuple[str, str] | tuple[()] = ()
+
+    @functools.cached_property
+    def pairs(self) -> list[RecordPair]:
+        """What two channels of each file do together, where asked for."""
+        return all_pairs(self.readings, self.pair) if self.pair else []
 
     @functools.cached_property
     def motions(self) -> list[RecordMotion]:
@@ -88,8 +98,10 @@ class RecordResult(AskedResult):
 
     def units(self) -> dict[str, str]:
         """Return the unit of each key of the JSON document."""
+        units = units_of(self.readings)
         more = {**MOTION_UNITS, "lost": "s"} if self.motion else {}
-        return {**units_of(self.readings), **more}
+        more |= {**PAIR_UNITS, **dict.fromkeys(PAIR_OF_CHANNEL, units["peak"])} if self.pair else {}
+        return {**units, **more}
 
     def content(self) -> dict[str, Any]:
         """Return what the JSON document holds beside its head."""
@@ -100,6 +112,8 @@ class RecordResult(AskedResult):
         }
         if self.motion:
             content["motion"] = [{"file": one.file, "channel": one.channel, **one.document()} for one in self.motions]
+        if self.pair:
+            content["pairs"] = [one.document() for one in self.pairs]
         if self.verdict is not None:
             content["spec"] = self.verdict.document()
         if responding(self.readings):
@@ -150,6 +164,9 @@ class RecordResult(AskedResult):
             tables["responses.csv"] = csv_table(response_columns(self.readings))
         if self.motion:
             tables["motion.csv"] = csv_table(motion_columns(self.motions), HISTORY_DIGITS)
+        if self.pair:
+            tables["pairs.csv"] = csv_table(pair_columns(self.pairs))
+            tables["transfer.csv"] = csv_table(transfer_columns(self.pairs), HISTORY_DIGITS)
         return tables
 
 

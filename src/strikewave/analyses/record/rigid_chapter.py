@@ -8,8 +8,7 @@ from collections.abc import Sequence
 from strikewave.analyses.record.tables import Names, amount, percent, rows_of
 from strikewave.records.measuring import RecordedPulse
 from strikewave.records.reading import FileReading
-from strikewave.reporting.numbers import with_unit
-from strikewave.reporting.parts import NONE, Cell, Section, Table
+from strikewave.reporting.parts import NONE, Cell, Section, Table, written
 
 MOST_ROWS = 60
 """Blows of the table; pulses.csv has all."""
@@ -31,11 +30,12 @@ def rigid_sections(files: Sequence[FileReading], names: Names) -> list[Section]:
         "takes a low-pass between the band of the pulse and the lowest mode, where its costs are least, and corrects "
         "the peak by what it takes off ideal pulses as wide. Costs are over the peak: how differently these pulses "
         "come out, what is left of the wave part, and what the lowest mode does in the pulse's own band. Apart is the "
-        "difference of both peaks over its standard uncertainty: beyond 2 one of them is wrong."
+        "difference of both peaks over its standard uncertainty: beyond 2 one of them is wrong. Where costs come to "
+        "more than 10 % of the peak, the bands of pulse and wave part overlap, and they cannot be separated this way."
     )
     if len(cells) > MOST_ROWS:
         text += f" The first {MOST_ROWS} of {len(cells)} blows are listed."
-    heads = ["file", "channel", "#", "joint fit", "model", "band split", "apart", "cutoff", "lowest mode"]
+    heads = ["file", "channel", "#", "joint fit", "model", "band split", "apart", "cutoff (kHz)", "lowest mode (kHz)"]
     heads += ["filter takes", "costs: shape", "wave left", "elastic", "energy of the wave part"]
     table = Table("Peaks without the wave part, ± a standard uncertainty", heads, cells[:MOST_ROWS])
     return [Section("Rigid and wave parts", text, [table])]
@@ -51,12 +51,9 @@ def _cells(pulse: RecordedPulse, unit: str) -> list[Cell]:
     return [
         joint,
         model,
-        plus_minus("peak", unit, split.peak, split.peak_uncertainty)
-        if split.separable
-        else f"not separable: {split.reason}",
+        plus_minus("peak", unit, split.peak, split.peak_uncertainty) if split.separable else "not separable",
         NONE if math.isnan(apart) else f"{apart:.2g}",
-        with_unit(split.cutoff, "Hz", "kHz", 3),
-        with_unit(split.lowest_mode, "Hz", "kHz", 3),
+        *(written(frequency / 1e3, 3) for frequency in (split.cutoff, split.lowest_mode)),
         *(percent(share, 2) for share in (split.loss, split.loss_uncertainty, split.leak, split.elastic)),
         percent(split.wave_energy, 2),
     ]

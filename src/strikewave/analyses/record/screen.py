@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any, ClassVar
 from strikewave.analyses.record.chosen import advised_filter
 from strikewave.analyses.record.figures.campaigns import figure_unit
 from strikewave.analyses.record.motion_chapter import motion_table
+from strikewave.analyses.record.pair_chapter import LEFT_OUT_FIRST, pair_reasons, pair_table
 from strikewave.analyses.record.question import examined
 from strikewave.analyses.record.responses import ResponseSummary, harmed, responding, summaries
 from strikewave.analyses.record.result import (
@@ -48,6 +49,8 @@ if TYPE_CHECKING:
     from strikewave.specifications.judged_records import Asked
     from strikewave.specifications.reading import Specification
 
+MOST_REASONS = 3
+"""Reasons of pairs that are listed; the others are counted."""
 MOST_ROWS = 60
 """Files shown in the table on the screen."""
 DOUBTED = " ?"
@@ -64,6 +67,7 @@ def examine_records(
     motion: bool = False,
     specification: Specification | None = None,
     asked: Callable[[Mapping[str, str]], Asked] | None = None,
+    pair: tuple[str, str] | tuple[()] = (),
 ) -> int:
     """Examine records, write and print what they say, and return the exit code.
 
@@ -85,6 +89,8 @@ def examine_records(
         What the blows are judged by.
     asked : callable or None
         How they are, for what is stated of the test.
+    pair : tuple of str
+        Two channels that are compared as sensors on one object; empty for none.
 
     Raises
     ------
@@ -97,7 +103,7 @@ def examine_records(
     usual = f"record-{name}"
     origin = measured.source_of_records(name, paths, output, usual)
     judged = None if specification is None or asked is None else (specification, asked(origin.test))
-    command = RecordCommand(files, wanted, options, origin, in_columns, fail_on, motion, judged)
+    command = RecordCommand(files, wanted, options, origin, in_columns, fail_on, motion, judged, pair)
     return run_and_write(command, output, usual, origin.text)
 
 
@@ -115,12 +121,15 @@ class RecordCommand(Command[RecordResult]):
     fail_on: str = ""
     motion: bool = False
     judged: tuple[Specification, Asked] | None = None
+    pair: tuple[str, str] | tuple[()] = ()
 
     def solve(self) -> RecordResult:
         """Return what the records say."""
         found = examined(self.files, self.wanted, self.options, self.origin, self.in_columns, self.fail_on)
-        found = dataclasses.replace(found, motion=self.motion)
-        return found if self.judged is None else with_verdict(found, *self.judged)
+        found = dataclasses.replace(found, motion=self.motion, pair=self.pair)
+        found = found if self.judged is None else with_verdict(found, *self.judged)
+        found.pairs  # noqa: B018 a wrong pair is refused before anything is printed
+        return found
 
     def summary(self, result: RecordResult) -> str:
         """Say what the records have in common, and which are bad."""
@@ -133,6 +142,13 @@ class RecordCommand(Command[RecordResult]):
         _print(result.readings, result.campaigns, result.filter)
         if result.motion:
             report_table(motion_table(result.motions))
+        if result.pair:
+            report_table(pair_table(result.pairs), more=LEFT_OUT_FIRST)
+            lines = pair_reasons(result.pairs)
+            for line in lines[:MOST_REASONS]:
+                tell(line, "  ")
+            if len(lines) > MOST_REASONS:
+                tell(f"{len(lines) - MOST_REASONS} more files have reasons of their own: see report and JSON", "  ")
 
     def draw(self, result: RecordResult, folder: Path) -> list[str]:
         """Write page and summary."""

@@ -159,8 +159,13 @@ class SpectrumResult(measured.AskedResult):
         """File, channel, and the part of the shock where that is not the whole."""
         part = "" if self.scope.part == "total" else f", {self.scope.part} part"
         if self.shocks:
-            return f"{len(self.shocks)} shock response spectra of {self.origin.name}{part}"
+            return f"{self.counted} of {self.origin.name}{part}"
         return f"{Path(self.file).name}, {self.reading.channel.name}{part}"
+
+    @property
+    def counted(self) -> str:
+        """How many spectra there are."""
+        return f"{len(self.shocks)} shock response {'spectra' if len(self.shocks) > 1 else 'spectrum'}"
 
     @property
     def used(self) -> list[ShockSpectra]:

@@ -249,7 +249,7 @@ def _one(asked: FilesAsked, wanted: SpectrumRequest, origin: Source) -> Spectrum
     scope = _scope(wanted, reading)
     if wanted.part != "total" and wanted.end is None and reading.pulses:
         say(f"the shock is taken to end with its last blow, at {reading.pulses[-1].end:.6g} s (--end)")
-    shock = _shock(file, reading, wanted, (frequencies, scope), MOST_WINDOWS)
+    shock = _shock(file, reading, wanted, (frequencies, scope), MOST_WINDOWS, several=False)
     return SpectrumResult(
         file,
         reading,
@@ -342,16 +342,25 @@ def _several(
 
 
 def _shock(
-    file: str, reading: ChannelReading, wanted: SpectrumRequest, over: tuple[Any, Scope], most_windows: int
+    file: str,
+    reading: ChannelReading,
+    wanted: SpectrumRequest,
+    over: tuple[Any, Scope],
+    most_windows: int,
+    several: bool = True,
 ) -> ShockSpectra:
-    """Return all that is asked of a channel, over natural frequencies and of a part of the shock."""
+    """Return all that is asked of a channel, over natural frequencies and of a part of the shock.
+
+    Of several, one that is left out has no response over time and no rolling spectrum.
+    """
     more, kinds, channel = wanted.options, wanted.kinds, reading.channel
     frequencies, scope = over
+    left_out = next((f.message for f in reading.findings if f.severity == "bad" or f.code in LEFT_OUT), "")
     response, rolling = None, None
-    if more.response is not None:
+    if more.response is not None and not (left_out and several):
         natural = _below(more.response, "--response", channel.sampling_rate)
         response = response_of(reading, kinds, natural, wanted.q, more.initial)
-    if more.rolling is not None:
+    if more.rolling is not None and not (left_out and several):
         rolling = _rolling(reading, wanted, frequencies, most_windows, file)
     return ShockSpectra(
         file,
@@ -360,7 +369,7 @@ def _shock(
         reading.baseline,
         [spectrum_of(reading, kind, frequencies, wanted.q, scope) for kind in kinds],
         {kind: rms_of(reading, kind, frequencies, wanted.q, more.initial) for kind in kinds if more.rms},
-        next((f.message for f in reading.findings if f.severity == "bad" or f.code in LEFT_OUT), ""),
+        left_out,
         response,
         rolling,
     )

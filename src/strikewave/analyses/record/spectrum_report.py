@@ -122,7 +122,7 @@ def several_words(result: SpectrumResult) -> str:
     """Say in words what several spectra come to."""
     first, used = result.spectra[0], result.used
     q = "undamped" if math.isinf(first.q) else f"Q = {first.q:g}"
-    words = [f"{len(result.shocks)} shock response spectra of {result.origin.name}, baselines taken off: {q}."]
+    words = [f"{result.counted} of {result.origin.name}, baselines taken off: {q}."]
     if result.bounded_by:
         highest = _hertz(first.frequency[-1])
         words.append(

@@ -116,7 +116,11 @@ def _print(result: SpectrumResult) -> None:
         for k in shown
     ]
     q = "undamped" if math.isinf(first.q) else f"Q = {first.q:g}"
-    what = f"{len(result.shocks)} channels" if result.shocks else f"{Path(result.file).name}, {reading.channel.name}"
+    what = (
+        f"{len(result.shocks)} channel{'s' * (len(result.shocks) > 1)}"
+        if result.shocks
+        else f"{Path(result.file).name}, {reading.channel.name}"
+    )
     table(f"Shock response spectrum of {what}: {q}, {side}, {first.part}", columns, rows)
     if step > 1:
         tell(f"every {step}th of {len(first.frequency)} frequencies; --json or spectrum.csv has them all")

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from strikewave.base.percents import percent
 from strikewave.records.health.examined import Examined
-from strikewave.records.health_notice import HealthNotice
+from strikewave.records.health_notice import FIGURES, HARMED, HealthNotice
 from strikewave.signal.pulse import HALF_SINE_WIDTH
 
 Array = NDArray[np.float64]
@@ -25,6 +25,9 @@ FOLDED, NOISES_OF_SPECTRUM = 0.02, 4.0
 """Share of the largest value that is too much there, and how many times that of the noise it must be.
 
 2 % that is folded down may shift a peak by as much."""
+OF_AREA = 2.0
+"""Times the level at half the sampling rate that folding may do to the area: the largest value of the spectrum is about
+the area of the blow, what is folded lies anywhere down to frequency zero, and twice its root mean square covers it."""
 
 
 def few_samples(record: Examined) -> list[HealthNotice]:
@@ -58,9 +61,11 @@ def aliased(record: Examined) -> list[HealthNotice]:
         return []
     message = (
         f"at half the sampling rate the spectrum still has {percent(level)} of its largest value: what lies above was "
-        "folded into the record; sample faster or filter before"
+        "folded into the record, anywhere, also into the blow; sample faster or filter before"
     )
-    return [HealthNotice("alias", message, level, severity="suspect", harms=("peak", "rise", "spectrum"))]
+    area = ("width", "velocity_change") if OF_AREA * level > HARMED else ()
+    harms = tuple(name for name in FIGURES if name in ("peak", "rise", "spectrum", *area))
+    return [HealthNotice("alias", message, level, severity="suspect", harms=harms)]
 
 
 def folded_level(part: Array, noise: float) -> float | None:

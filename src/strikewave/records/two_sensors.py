@@ -1,0 +1,479 @@
+"""Two sensors on one object: common and differential motion, delay, gain, transfer function.
+
+Half the sum of both is the motion they have in common, half the difference what they do against one another. Modes in
+which the two places move against one another, as the first of a free bar between its ends, are not in the common
+motion; what the differential motion does in the pulse's own band says how far the body is from rigid there.
+
+The delay is that of the largest cross-correlation, found between samples (`strikewave.signal.alignment`): under white
+noise in both sensors that is the maximum-likelihood weight of Knapp & Carter for a transient well above it, and its
+standard uncertainty, from what delay and gain leave, then is their bound. The transfer function is averaged over blows,
+and over neighbouring lines where these are few; both channels are laid on one another before, so that a delay costs no
+coherence.
+
+Sources: C. H. Knapp, G. C. Carter, The generalized correlation method for estimation of time delay, IEEE Transactions
+on Acoustics, Speech and Signal Processing 24 (1976) 320-327; J. S. Bendat, A. G. Piersol, Random data, 4th ed. (2010),
+chapters 6 and 9.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.fft import next_fast_len
+from scipy.ndimage import uniform_filter1d
+
+from strikewave.base.percents import percent
+from strikewave.records.band_split import UNKNOWN
+from strikewave.records.correlation import alike_as_one
+from strikewave.records.measuring import RecordedPulse, find_pulses
+from strikewave.signal.alignment import EvenHistory, by_correlation
+from strikewave.signal.filters import Filter, advised_cutoff
+from strikewave.signal.resampling import resampled
+
+Array = NDArray[np.float64]
+
+BEFORE, SHORTEST, LONGEST = 1.0, 20.0, 100.0
+"""Widths before a blow that its window holds, and after its begin at least and at most: twenty give lines that are a
+twentieth of the band of the pulse apart, so that averaging some of them still follows the transfer function."""
+SETTLED, CLEAR = 0.1, 4.0
+"""Share of a peak, and standard deviations of noise, that a window goes on until both channels stay below."""
+LOOKED_BACK = 40.0
+"""Widths before a blow from which zero and noise of a channel are taken, as those of a blow are."""
+FEWEST = 32
+"""Samples without which a window, or what lies before it, says nothing."""
+COPY = 0.5
+"""Share of the energy of the second channel that a delayed copy of the first must explain, or there is no delay: half
+is a correlation of 0.7."""
+RIVAL, APART = 0.9, 0.5
+"""Share of the largest correlation that another maximum must stay below, or the delay is ambiguous; and what share of
+it the correlation must fall to between both."""
+AVERAGES = 5
+"""Spectra that are averaged at least, over blows, or lines where there are fewer: what is not coherent then has a
+coherence of 0.2 in the mean."""
+HIGHEST = 0.45
+"""Share of the sampling rate above which nothing is taken off."""
+OF_WAVE = 0.25
+"""Standard uncertainty of a delay of rigid parts, over what the wave parts differ by and 1 / w of the cutoff. A swing
+of frequency w that begins with the pulse has the area 1 / w of its height in its band; over the area of the pulse, and
+half a width before its middle, it moves the middle by 0.8 / w, with w about twice that of the cutoff; its phase may be
+any."""
+SMOOTH_REST = 0.98
+"""Bound of the correlation of neighbours in what a copy leaves, which is as smooth as the pulse."""
+SURE, ABOVE_NOISE = 0.1, 10.0
+"""Standard uncertainty of a gain, and power over that of the noise in both channels, within which a line is trusted."""
+CALIBRATED = 0.02
+"""Standard uncertainty of the ratio of two sensitivities: shock calibrations state 3 to 5 % for a factor 2 (95 %)."""
+ALIKE = 0.1
+"""Difference of the transfer function from 1 up to which two sensors move as one body."""
+TWICE = 2.0
+"""Standard uncertainties beyond which a difference is one (95 %)."""
+
+
+class Transfer(NamedTuple):
+    """Motion of the second sensor over that of the first, by frequency.
+
+    Attributes
+    ----------
+    frequency : ndarray
+        Hz.
+    h1, h2 : ndarray
+        Complex estimates that noise of the second, or of the first, does not bias; in truth it lies between both.
+    coherence : ndarray
+        Share of the power of the second that follows linearly from the first.
+    uncertainty : ndarray
+        Standard uncertainty of the magnitude, over it.
+    averages : int
+        Spectra averaged: blows times neighbouring lines.
+    resolution : float
+        Width of the lines that are averaged, Hz.
+    trusted : tuple of float
+        First and last frequency, Hz, of the lines around the strongest that are known within 10 % and stand above the
+        noise; NaN where there is none.
+    alike_to : float
+        Frequency up to which it is 1 within 10 % and its uncertainty, Hz; NaN where it is not, from the first line on.
+    """
+
+    frequency: Array
+    h1: NDArray[np.complex128]
+    h2: NDArray[np.complex128]
+    coherence: Array
+    uncertainty: Array
+    averages: int
+    resolution: float
+    trusted: tuple[float, float]
+    alike_to: float
+
+
+class PairedMotion(NamedTuple):
+    """What two sensors on one object do together.
+
+    Attributes
+    ----------
+    blows : int
+        Blows that delay, gain and transfer function are means of.
+    delay, delay_uncertainty : float
+        Of the second after the first, and its standard uncertainty, s; NaN where it is no delayed copy.
+    gain, gain_uncertainty : float
+        Second over first; NaN where it is no delayed copy.
+    explained : float
+        Share of the energy of the second that delay and gain explain.
+    peak_lag : float
+        From the peak of the first to that of the second, the largest values of either sign, s.
+    common : RecordedPulse or None
+        Largest blow of the common motion.
+    common_uncertainty : float
+        Standard uncertainty of its rigid peak: by noise or the fit, and by the differential motion in its band.
+    differential_peak : float
+        Largest value of half the difference, with its sign.
+    differential_in_band : float
+        Its largest magnitude below the cutoff that leaves 98 % of the common pulse.
+    differential_share : float
+        Root mean square of the differential over that of the common motion.
+    transfer : Transfer or None
+        None where no blow is long enough.
+    one_body : str
+        ``yes``, ``no`` or ``cannot-tell``.
+    reason : str
+        Why, in words.
+    """
+
+    blows: int
+    delay: float
+    delay_uncertainty: float
+    gain: float
+    gain_uncertainty: float
+    explained: float
+    peak_lag: float
+    common: RecordedPulse | None
+    common_uncertainty: float
+    differential_peak: float
+    differential_in_band: float
+    differential_share: float
+    transfer: Transfer | None
+    one_body: str
+    reason: str
+
+    @property
+    def leads(self) -> int:
+        """Which sensor is ahead by more than two standard uncertainties: 1 or 2; 0 for neither."""
+        if not abs(self.delay) > TWICE * self.delay_uncertainty:
+            return 0
+        return 1 if self.delay > 0.0 else 2
+
+    @property
+    def rigid_peak(self) -> float:
+        """Peak of the common motion, without its ringing where it rings; NaN where it is not known within 10 %."""
+        peak = math.nan if self.common is None else _rigid(self.common)[0]
+        return peak if self.common_uncertainty <= UNKNOWN * abs(peak) else math.nan
+
+
+class Window(NamedTuple):
+    """One blow in both channels, above their zeros."""
+
+    first: Array
+    second: Array
+    noises: tuple[float, float]
+    cutoff: float = math.inf
+    """Below which lies the rigid part of the blow, where it can be separated, Hz."""
+
+
+def paired_motion(
+    first: Array, second: Array, step: float, blows: Sequence[RecordedPulse], start: float = 0.0
+) -> PairedMotion:
+    """Compare two channels that were sampled together, about the blows of one of them.
+
+    Parameters
+    ----------
+    first, second : ndarray
+        Finite, of one unit, equally long.
+    step : float
+        Time between samples, s.
+    blows : sequence of RecordedPulse
+        At least one, of either channel.
+    start : float, optional
+        Time of the first sample, s.
+
+    Examples
+    --------
+    >>> time = np.arange(4000) * 1e-6
+    >>> def board(delay):
+    ...     u = (time - 2e-3 - delay) / 2e-4
+    ...     noise = np.random.default_rng(round(1e6 * delay)).normal(size=time.size)
+    ...     return np.where((u > 0) & (u < 1), 1000.0 * np.sin(np.pi * np.clip(u, 0, 1)), 0.0) + noise
+    >>> first, second = board(0.0), 0.8 * board(20e-6)
+    >>> found = paired_motion(first, second, 1e-6, find_pulses(first, 1e-6))
+    >>> round(found.delay * 1e6, 1), round(found.gain, 2), found.leads, found.one_body
+    (20.0, 0.8, 1, 'no')
+    """
+    windows = [one for k in range(len(blows)) if (one := _window(first, second, step, start, blows, k)) is not None]
+    largest = max(blows, key=lambda blow: abs(blow.peak))
+    width = _width(largest)
+    apart = [_copied(window, step) for window in windows]
+    copies = [one for one in apart if one.explained >= COPY and not one.ambiguous]
+    delay, delay_doubt = _mean([(one.delay, one.delay_doubt) for one in copies])
+    gain, gain_doubt = _mean([(one.gain, one.gain_doubt) for one in copies])
+    zeros = [_zero(values, step, start, largest) for values in (first, second)]
+    both = first - zeros[0], second - zeros[1]
+    common, differential = 0.5 * (both[0] + both[1]), 0.5 * (both[1] - both[0])
+    pulse = max(find_pulses(common, step, start), key=lambda one: abs(one.peak), default=None)
+    near = _near(largest, step, start, first.size)
+    if (whole := _window(first, second, step, start, blows, list(blows).index(largest))) is not None:
+        near = slice(near.start, near.start + whole.first.size)
+    against = differential[near]
+    in_band = math.nan
+    if pulse is not None:
+        cutoff = min(advised_cutoff(pulse.smooth.rise(), pulse.smooth.width()), 0.4 / step)
+        low = Filter(cutoff).apply(differential, step)[_near(pulse, step, start, first.size)]
+        in_band = float(np.max(np.abs(low)))
+    doubt = math.hypot(_rigid(pulse)[1], in_band / math.sqrt(3.0)) if pulse is not None else math.nan
+    shared = math.sqrt(float(np.mean(common[near] ** 2)))
+    tops = (
+        [int(np.argmax(np.abs(one.first))) for one in windows],
+        [int(np.argmax(np.abs(one.second))) for one in windows],
+    )
+    transfer = _transfer(windows, step, 0.0 if math.isnan(delay) else delay) if windows else None
+    explained = float(np.mean([one.explained for one in apart])) if apart else math.nan
+    found = PairedMotion(
+        len(copies) or len(windows),
+        delay,
+        delay_doubt,
+        gain,
+        gain_doubt,
+        explained,
+        float(np.mean(np.subtract(tops[1], tops[0]))) * step if windows else math.nan,
+        pulse,
+        doubt,
+        float(against[np.argmax(np.abs(against))]) if against.size else math.nan,
+        in_band,
+        math.sqrt(float(np.mean(against**2))) / shared if shared > 0.0 else math.nan,
+        transfer,
+        "",
+        "",
+    )
+    answer, reason = _as_one_body(found, any(one.ambiguous for one in apart), step, width)
+    return found._replace(one_body=answer, reason=reason)
+
+
+def _width(blow: RecordedPulse) -> float:
+    return blow.width if blow.width > 0.0 else blow.smooth.width()
+
+
+def _rigid(pulse: RecordedPulse) -> tuple[float, float]:
+    """Return the peak of a blow without its ringing, as well as it is known, and its standard uncertainty."""
+    known = [(one.peak_uncertainty, one.peak) for one in (pulse.rigid,) if one is not None]
+    known += [(one.peak_uncertainty, one.peak) for one in (pulse.split,) if one is not None and one.separable]
+    doubt, peak = min(known, default=(pulse.uncertainty.peak, pulse.peak))
+    return peak, doubt if math.isfinite(doubt) else pulse.noise
+
+
+def _place(time: float, step: float, start: float, size: int) -> int:
+    return min(max(round((time - start) / step), 0), size)
+
+
+def _near(blow: RecordedPulse, step: float, start: float, size: int) -> slice:
+    """Return the samples of a blow, a width more on either side."""
+    width = _width(blow)
+    return slice(*(_place(time, step, start, size) for time in (blow.begin - width, blow.end + width)))
+
+
+def _quiet(values: Array, step: float, start: float, blow: RecordedPulse) -> Array:
+    """Return what lies before a blow."""
+    width = _width(blow)
+    ends = (blow.begin - LOOKED_BACK * width, blow.begin - BEFORE * width)
+    return values[slice(*(_place(time, step, start, values.size) for time in ends))]
+
+
+def _zero(values: Array, step: float, start: float, blow: RecordedPulse) -> float:
+    """Return the zero of a channel before a blow of either."""
+    quiet = _quiet(values, step, start, blow)
+    return float(np.median(quiet if quiet.size >= FEWEST else values))
+
+
+def _window(
+    first: Array, second: Array, step: float, start: float, blows: Sequence[RecordedPulse], k: int
+) -> Window | None:
+    """Return a blow in both channels until both have settled, or the next blow comes; None where that is too short."""
+    blow, width = blows[k], _width(blows[k])
+    begin = _place(blow.begin - BEFORE * width, step, start, first.size)
+    until = min(blow.begin + LONGEST * width, blows[k + 1].begin - BEFORE * width if k + 1 < len(blows) else math.inf)
+    end = _place(until, step, start, first.size)
+    pair, noises, settled = [], [], 0
+    for values in (first, second):
+        above = values[begin:end] - _zero(values, step, start, blow)
+        quiet = _quiet(values, step, start, blow)
+        noise = float(np.std(quiet)) if quiet.size >= FEWEST else blow.noise
+        high = np.flatnonzero(np.abs(above) > max(SETTLED * float(np.max(np.abs(above), initial=0.0)), CLEAR * noise))
+        settled = max(settled, int(high[-1]) + 1 if high.size else 0)
+        pair.append(above)
+        noises.append(noise)
+    length = min(max(settled + math.ceil(width / step), FEWEST, round((BEFORE + SHORTEST) * width / step)), end - begin)
+    if settled == 0 or length < FEWEST:
+        return None
+    cutoff = blow.split.cutoff if blow.split is not None and blow.split.separable else math.inf
+    return Window(pair[0][:length], pair[1][:length], (noises[0], noises[1]), cutoff)
+
+
+class Copy(NamedTuple):
+    """The second channel of a window as a delayed copy of the first: delay in s, gain, share of energy explained."""
+
+    delay: float
+    delay_doubt: float
+    gain: float
+    gain_doubt: float
+    explained: float
+    ambiguous: bool
+
+
+def _copied(window: Window, step: float) -> Copy:
+    """Find delay and gain of the second channel against the first, where both stand above their noise.
+
+    If the rigid part can be separated, it is theirs. A copy has the same delay in half of that band: what both differ
+    by, beyond noise, is not known of it. Nor is what the begin of the wave part does in the band: see `OF_WAVE`.
+    """
+    cutoff = _band(window, step)
+    whole, half = _copied_below(window, step, cutoff), _copied_below(window, step, 0.5 * cutoff)
+    excess = [
+        math.sqrt(max((a - b) ** 2 - doubt**2, 0.0) / 3.0)
+        for a, b, doubt in ((whole.delay, half.delay, half.delay_doubt), (whole.gain, half.gain, half.gain_doubt))
+    ]
+    wave = 0.0
+    if window.cutoff <= cutoff and whole.gain != 0.0:
+        against = window.second / whole.gain - window.first
+        share = float(np.max(np.abs(against - Filter(cutoff).apply(against, step)))) / float(
+            np.max(np.abs(window.first))
+        )
+        wave = OF_WAVE * share / (2.0 * math.pi * cutoff)
+    return whole._replace(
+        delay_doubt=math.hypot(whole.delay_doubt, excess[0], wave), gain_doubt=math.hypot(whole.gain_doubt, excess[1])
+    )
+
+
+def _copied_below(window: Window, step: float, cutoff: float) -> Copy:
+    """Find delay and gain of the second channel against the first below a frequency."""
+    from scipy.signal import correlate
+
+    first, second = window.first, window.second
+    if cutoff < HIGHEST / step:
+        first, second = (Filter(cutoff).apply(values, step) for values in (first, second))
+    products = correlate(second, first)
+    sign = 1.0 if float(np.max(products)) >= -float(np.min(products)) else -1.0
+    power, energy = float(np.sum(first**2)), float(np.sum(second**2))
+    if not (power > 0.0 and energy > 0.0):
+        return Copy(0.0, math.nan, math.nan, math.nan, 0.0, False)
+    scale = float(np.max(np.abs(products))) / power  # so that what the shift leaves is noise, not another gain
+    shift = by_correlation(EvenHistory(sign / scale * second, step, 0.0), EvenHistory(first, step, 0.0))
+    places = np.arange(second.size) - shift.shift / step
+    inside = (places >= 0.0) & (places <= first.size - 1.0)
+    moved = np.zeros(second.size)
+    moved[inside] = resampled(first, places[inside])
+    power = float(np.sum(moved**2))
+    gain = float(np.sum(moved * second)) / power
+    rest = second - gain * moved
+    spread = math.sqrt(float(np.mean(rest**2)) * alike_as_one(rest, SMOOTH_REST) / power)
+    explained = max(1.0 - float(np.sum(rest**2)) / energy, 0.0)
+    return Copy(shift.shift, shift.uncertainty, gain, spread, explained, _rivalled(sign * products))
+
+
+def _band(window: Window, step: float) -> float:
+    """Return the frequency up to which both channels stand above their noise, or the rigid part goes, Hz.
+
+    White noise beyond it would move the largest correlation, and seem to tell the delay: its slope is steep.
+    """
+    size = window.first.size
+    padded = next_fast_len(size + math.ceil(size / 2), real=True)
+    spectra = [np.fft.rfft(values, padded) for values in (window.first, window.second)]
+    high = np.ones(spectra[0].size, dtype=bool)
+    for spectrum, noise in zip(spectra, window.noises, strict=True):
+        high &= uniform_filter1d(np.abs(spectrum) ** 2, AVERAGES, mode="reflect") > ABOVE_NOISE * noise**2 * size
+    if not high.any():
+        return min(HIGHEST / step, window.cutoff)
+    top = int(np.argmax(np.where(high, np.abs(spectra[0]), 0.0)))
+    off = np.flatnonzero(~high[top:])
+    return min((top + (int(off[0]) if off.size else high.size)) / (padded * step), window.cutoff)
+
+
+def _rivalled(products: Array) -> bool:
+    """Tell whether another maximum of a correlation is about as high as the largest."""
+    top = int(np.argmax(products))
+    high = products[top]
+    for side in (products[top:], products[top::-1]):
+        fallen = np.flatnonzero(side < APART * high)
+        if fallen.size and float(np.max(side[fallen[0] :], initial=0.0)) > RIVAL * high:
+            return True
+    return False
+
+
+def _mean(known: Sequence[tuple[float, float]]) -> tuple[float, float]:
+    """Return the mean of values and its standard uncertainty: by theirs, or by their scatter where that is more."""
+    if not known:
+        return math.nan, math.nan
+    values, doubts = np.array(known).T
+    stated = math.sqrt(float(np.mean(doubts**2)) / values.size)
+    scatter = float(np.std(values, ddof=1)) / math.sqrt(values.size) if values.size > 2 else 0.0
+    return float(np.mean(values)), max(stated, scatter)
+
+
+def _transfer(windows: Sequence[Window], step: float, delay: float) -> Transfer | None:
+    """Estimate the transfer function over windows that are cut to the shortest, the second moved back by a delay."""
+    from scipy.signal import csd
+
+    size = min(window.first.size for window in windows)
+    back = round(delay / step)
+    second = [np.roll(window.second, -back) for window in windows]
+    x = np.concatenate([window.first[:size] for window in windows])
+    y = np.concatenate([values[:size] for values in second])
+    lines = max(-(-AVERAGES // len(windows)), 1)
+
+    def mean_spectrum(a: Array, b: Array) -> NDArray[np.complex128]:
+        _, found = csd(a, b, 1.0 / step, "boxcar", size, 0, detrend=False)
+        real, imaginary = (uniform_filter1d(part, lines, mode="reflect") for part in (found.real, found.imag))
+        return np.asarray(real + 1j * imaginary)
+
+    frequency: Array = np.asarray(np.fft.rfftfreq(size, step), dtype=np.float64)
+    xx, yy, xy = mean_spectrum(x, x).real, mean_spectrum(y, y).real, mean_spectrum(x, y)
+    floor = np.finfo(float).tiny
+    coherence = np.minimum(np.abs(xy) ** 2 / np.maximum(xx * yy, floor), 1.0)
+    averages = lines * len(windows)
+    uncertainty = np.sqrt((1.0 - coherence) / np.maximum(2.0 * averages * coherence, floor))
+    turn = np.exp(-2j * np.pi * frequency * back * step)
+    h1, h2 = xy / np.maximum(xx, floor) * turn, yy / np.where(xy == 0.0, floor, np.conj(xy)) * turn
+    noises = [2.0 * step * float(np.mean([window.noises[k] ** 2 for window in windows])) for k in (0, 1)]
+    sure = (uncertainty <= SURE) & (xx >= ABOVE_NOISE * noises[0]) & (yy >= ABOVE_NOISE * noises[1])
+    trusted, alike_to = (math.nan, math.nan), math.nan
+    if sure.any():
+        middle = int(np.argmax(np.where(sure, xx, 0.0)))
+        off = np.flatnonzero(~sure)
+        low = int(off[off < middle].max(initial=-1)) + 1
+        high = int(off[off > middle].min(initial=sure.size)) - 1
+        trusted = float(frequency[low]), float(frequency[high])
+        apart = np.abs(h1[low : high + 1] - 1.0) > ALIKE + TWICE * uncertainty[low : high + 1]
+        same = int(np.argmax(apart)) if apart.any() else apart.size
+        alike_to = float(frequency[low + same - 1]) if same else math.nan
+    return Transfer(frequency, h1, h2, coherence, uncertainty, averages, lines / (size * step), trusted, alike_to)
+
+
+def _as_one_body(found: PairedMotion, ambiguous: bool, step: float, width: float) -> tuple[str, str]:
+    """Tell whether two sensors agree as one rigid body, gain 1 and delay 0, and why."""
+    if found.transfer is None:
+        return "cannot-tell", "no blow lies long enough in both channels"
+    if math.isnan(found.delay):
+        if ambiguous:
+            return "cannot-tell", "several delays fit about as well: the channels swing more than they are struck"
+        return "no", f"a delayed copy of the first explains {percent(found.explained, 0)} of the energy of the second"
+    gain_doubt = math.hypot(found.gain_uncertainty, CALIBRATED)
+    delay_doubt = math.hypot(found.delay_uncertainty, step / math.sqrt(12.0))
+    gain_off, delay_off = abs(found.gain - 1.0) > TWICE * gain_doubt, abs(found.delay) > TWICE * delay_doubt
+    gain_words = f"gain {found.gain:.3g} ± {gain_doubt:.2g}"
+    delay_words = f"delay {1e6 * found.delay:.3g} ± {1e6 * delay_doubt:.2g} µs"
+    if gain_off or delay_off:
+        words = " and ".join([gain_words] * gain_off + [delay_words] * delay_off)
+        return "no", f"{words} (standard uncertainties, of calibration and sampling too)"
+    if gain_doubt > SURE or delay_doubt > SURE * width:
+        return "cannot-tell", f"{gain_words} and {delay_words}: too uncertain to tell"
+    if math.isnan(found.transfer.alike_to):
+        return "cannot-tell", f"{gain_words} and {delay_words}, but no band of the transfer function can be trusted"
+    return "yes", f"{gain_words} and {delay_words}; alike within 10 % up to {found.transfer.alike_to:.3g} Hz"
