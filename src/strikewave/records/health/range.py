@@ -145,7 +145,7 @@ def slew_limited(record: Examined) -> list[HealthNotice]:
         sides = "one side is" if own_slope else "its sides are"
         message = (
             f"the blow at {pulse.time:.6g}\xa0s: {sides} straight over {percent(OVER, 0)} of the peak, at "
-            f"{record.text(1e-6 * steep.slope)} a us, where a smooth pulse is curved: the amplifier may be too slow "
+            f"{record.text(1e-6 * steep.slope)} per us, where a smooth pulse is curved: the amplifier may be too slow "
             "(slew rate), unless the pulse is meant to be straight; the true peak may be larger, the width smaller"
         )
         begin, end = pulse.begin, pulse.end
