@@ -2,7 +2,7 @@
 
 A figure of a response is stated where no finding harms it and none of the channel is bad. Peak, duration and root mean
 square are missed beyond 5 %; a delay beyond 5 % of a swing of the strongest mode; frequency and damping of the strongest
-mode beyond 5 % and three times their stated uncertainty.
+mode beyond 5 % and three times their stated uncertainty. What is wrong with the base is judged by planted_judge.
 """
 
 from collections import Counter
@@ -94,7 +94,7 @@ def judged(board):
             if name not in missed and name in harmed:
                 found.withheld.append(name)
     if board.kind.startswith("clean"):
-        found.alarms = [f"{f.code}: {f.message}" for f in reading.findings if f.severity != "good"]
+        found.alarms = [f"{f.code}: {f.message}" for f in reading.findings if f.severity != "good" and f.code != "base"]
     return found
 
 

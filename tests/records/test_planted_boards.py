@@ -44,7 +44,6 @@ TOLD = (
     "board-clipped",
     "board-coarse",
     "board-dead",
-    "board-drift",
     "board-offset",
     "board-short",
     "board-spike",

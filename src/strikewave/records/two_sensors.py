@@ -26,6 +26,7 @@ from numpy.typing import NDArray
 from scipy.fft import next_fast_len
 from scipy.ndimage import uniform_filter1d
 
+from strikewave.base.percents import percent
 from strikewave.records.band_split import UNKNOWN
 from strikewave.records.correlation import alike_as_one
 from strikewave.records.measuring import RecordedPulse, find_pulses
@@ -462,7 +463,7 @@ def _as_one_body(found: PairedMotion, ambiguous: bool, step: float, width: float
     if math.isnan(found.delay):
         if ambiguous:
             return "cannot-tell", "several delays fit about as well: the channels swing more than they are struck"
-        return "no", f"a delayed copy of the first explains {found.explained:.0%} of the energy of the second"
+        return "no", f"a delayed copy of the first explains {percent(found.explained, 0)} of the energy of the second"
     gain_doubt = math.hypot(found.gain_uncertainty, CALIBRATED)
     delay_doubt = math.hypot(found.delay_uncertainty, step / math.sqrt(12.0))
     gain_off, delay_off = abs(found.gain - 1.0) > TWICE * gain_doubt, abs(found.delay) > TWICE * delay_doubt

@@ -25,6 +25,8 @@ if TYPE_CHECKING:
 
 WIDEST_SHARED = 5.5
 """Width of a figure, inches, up to which it shares its line with the next: a page is 9.8 wide."""
+LONGEST_WHOLE = 16
+"""Letters of the longest word of a table that no line ever breaks: words of English, names of most files."""
 _CONTROL = re.compile("[\x00-\x08\x0b\x0c\x0e-\x1f\x7f\ud800-\udfff]")
 
 
@@ -87,6 +89,7 @@ def _template() -> Template:
     )
     environment.filters["mathml"] = _mathml
     environment.filters["unbroken"] = _unbroken
+    environment.tests["long"] = _long
     return environment.get_template("template.html")
 
 
@@ -100,6 +103,17 @@ def _unbroken(text: str) -> Any:
     from markupsafe import Markup, escape
 
     return Markup(" ").join(escape(token.replace(" ", NO_BREAK)) for token in tokens(in_shown_units(text)))
+
+
+def _long(value: object) -> bool:
+    """Tell whether a cell has a word that would make its column too wide: a path, a checksum; such words may be broken.
+
+    Examples
+    --------
+    >>> _long("impact_02.lvm, blow 1"), _long("measurements/2026/impact_02.lvm")
+    (False, True)
+    """
+    return isinstance(value, str) and any(len(word) > LONGEST_WHOLE for word in value.split())
 
 
 def _mathml(formula: Formula) -> Any:

@@ -197,7 +197,7 @@ def test_a_file_that_is_none_is_bad_input(strikewave):
     for name, told in (
         ("missing.csv", "no such file: missing.csv"),
         ("empty.csv", 'got "empty.csv"'),
-        ("folder", "no such file: folder; this is a folder"),
+        ("folder", "no such file: folder; this is a folder; name its files"),
     ):
         code, out, err = strikewave("srs", name, "--json")
         assert (code, out) == (2, "")

@@ -141,7 +141,7 @@ def response_words(files: Sequence[FileReading]) -> str:
     for one in summaries(files):
         statistics = one.statistics
         if "peak" not in statistics:
-            words.append(f"{one.channel}: no response that can be trusted.")
+            words.append(f"{one.channel}: no peak of its response can be trusted.")
             continue
         n = statistics["peak"].n
         text = f"{one.channel} answers with {amount('peak', one.unit, statistics['peak'].mean)}"

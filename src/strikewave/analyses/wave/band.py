@@ -50,10 +50,10 @@ def with_bands(
     runs = min(RUNS, int(WORK / (solution.run.time.size * len(solution.run.stack.layers))))
     if runs < FEWEST_RUNS:
         return solution
-    inputs, coarse = known_inputs(case, _tables(case)), _coarse(case)
+    inputs, quick = known_inputs(case, _tables(case)), coarse(case)
     points = latin_hypercube(sum(one.count for one in inputs), runs, stream=BAR_STREAM)
     found = on_threads(
-        lambda row: bar_figures(drawn_case(coarse, inputs, row.tolist())),
+        lambda row: bar_figures(drawn_case(quick, inputs, row.tolist())),
         list(drawn(inputs, points)),
         threads,
         progress,
@@ -66,7 +66,7 @@ def with_bands(
     return dataclasses.replace(solution, band=bands, band_method=method)
 
 
-def _coarse(case: Case) -> Case:
+def coarse(case: Case) -> Case:
     """Return a case that may be off by `ERROR`, unless it states a time step, or a larger error."""
     stated = case.solver.error
     if case.solver.step is not None or (stated is not None and stated.si >= ERROR):

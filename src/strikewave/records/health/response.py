@@ -54,6 +54,8 @@ UNIQUE = 1e-9
 """Share of the span below which two values are one: the rounding of a calibration."""
 SLOPED, SHIFTED = 5.0, 5.0
 """Standard errors of a slope before the blow, and of a shift after it, that are some."""
+CARRIED_ON = 0.5
+"""Share of what a drift comes to after the last decay by which what lies there may differ from it."""
 NOTED_ZERO, LARGE_ZERO = 0.05, 0.5
 """Shares of the peak at which an offset that is taken off is noted, and at which the range was ill used."""
 NOTED_SHIFT = 0.01
@@ -70,8 +72,9 @@ COUNTS = 0.2
 """Share of the peak that a mode must have for its samples to count."""
 LOWER, FEWEST_OF_TOPS = 0.6, 4
 """Share of the peak below which a limit that takes 5 % off it leaves the samples as they are, and samples above it."""
-MISSES = 3.0
-"""Times what the modes miss of the lower samples that the tops must lack."""
+MISSES, WORSE = 3.0, 1.5
+"""Times what the modes miss of the lower samples that the tops must lack, and that they must miss of all samples where
+these are fitted too: a mode that is not known is missed in both."""
 SPIKE = 0.4
 """Share of itself by which a top stands off the cubic through its neighbours: a sine of five samples has 0.32."""
 
@@ -277,8 +280,9 @@ def compressed(record: ExaminedResponse) -> list[HealthNotice]:
     model = columns @ shares
     missed = math.sqrt(float(np.mean((model - values)[low] ** 2))) / abs(one.peak)
     lost = 1.0 - abs(one.peak) / float(np.max(np.abs(model)))
-    short = float(np.mean(((model - values) * np.sign(values))[~low])) / abs(one.peak)
-    if not (lost > max(NOTED_NOISE, MISSES * missed) and short > missed):
+    all_missed = columns @ np.linalg.lstsq(columns, values, rcond=None)[0] - values
+    worse = math.sqrt(float(np.mean(all_missed**2))) / abs(one.peak)
+    if not (lost > max(NOTED_NOISE, MISSES * missed) and worse > WORSE * missed):
         return []
     message = (
         "the highest tops are lower than what the base makes of the modes that fit the lower samples: the sensor or an "
@@ -418,7 +422,10 @@ def _shifted_after(
 
 
 def _line_before(record: ExaminedResponse) -> tuple[float, float] | None:
-    """Return level and slope a sample of what lies before the first blow; None where no slope is significant."""
+    """Return level and slope a sample of what lies before the first blow; None where no slope is significant.
+
+    Noise with a long memory makes slopes too: where much follows the last decay, it must lie where the line leads.
+    """
     before = record.above[: record.first]
     if before.size < 2 * FEWEST:
         return None
@@ -427,7 +434,15 @@ def _line_before(record: ExaminedResponse) -> tuple[float, float] | None:
     slope = float(np.sum(place * before)) / power
     rest = before - np.mean(before) - slope * place
     error = math.sqrt(float(np.mean(rest**2)) * alike_as_one(rest) / power)
-    return (float(np.mean(before)), slope) if abs(slope) > SLOPED * error else None
+    if not abs(slope) > SLOPED * error:
+        return None
+    last = record.place(record.responses[-1].decay[1])
+    tail = record.above[last:]
+    if tail.size >= 2 * FEWEST:
+        expected = slope * (last + 0.5 * tail.size - 0.5 * record.first)
+        if abs(float(np.mean(tail)) - expected) > CARRIED_ON * abs(expected):
+            return None
+    return float(np.mean(before)), slope
 
 
 class _FreeDecay(NamedTuple):

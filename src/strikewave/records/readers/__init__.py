@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import importlib
 import math
+from collections import Counter
 from pathlib import Path
 from typing import NamedTuple
 
@@ -60,6 +61,13 @@ class Options(NamedTuple):
     time_unit: float | None = None
 
 
+def _of_folder(folder: Path) -> str:
+    """Return words that lead from a folder to its files, by the ending that most of them have."""
+    endings = Counter(one.suffix for one in folder.iterdir() if one.suffix and one.is_file())
+    most = max(endings, key=lambda ending: (endings[ending], ending), default="")
+    return f'this is a folder; name its files: "{folder}/*{most}"'
+
+
 def read_record(path: str | Path, options: Options = Options()) -> Record:  # noqa: B008  (a tuple, frozen)
     r"""Read a file of any known format.
 
@@ -87,7 +95,7 @@ def read_record(path: str | Path, options: Options = Options()) -> Record:  # no
         )
     try:
         if not file.is_file():
-            raise InputError("FILE", str(path), EXISTING_FILE, "this is a folder" if file.is_dir() else "")
+            raise InputError("FILE", str(path), EXISTING_FILE, _of_folder(file) if file.is_dir() else "")
         with file.open("rb") as opened:
             head = opened.read(HEAD)
     except OSError as error:

@@ -69,10 +69,8 @@ def _mark(axes: Any, one: MeasuredResponse, factor: float, scale: float, labelle
     span = np.array([one.begin, one.begin + one.duration]) * factor
     level = EFFECTIVE * abs(one.peak) / scale
     axes.axvspan(*span, color=GREY, alpha=0.13, linewidth=0, label=called("effective duration"))
-    for sign in (1.0, -1.0):
-        axes.plot(
-            span, [sign * level] * 2, ":", color=GREY, linewidth=1.2, label=called("a third") if sign > 0 else "_"
-        )
+    axes.plot(span, [level] * 2, ":", color=GREY, linewidth=1.2, label=called("a third of the peak"))
+    axes.plot(span, [-level] * 2, ":", color=GREY, linewidth=1.2)
     axes.plot([one.time * factor], [one.peak / scale], "o", color=RED, markersize=3.5, zorder=4, label=called("peak"))
     time = np.linspace(*one.decay, ENVELOPE)
     for mode, colour in zip(one.modes, _MODES, strict=False):
