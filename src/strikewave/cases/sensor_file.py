@@ -82,7 +82,8 @@ def _of_table(table: SensorTable, field: str) -> StatedSensor:
         raise InputError(
             f"{field} sensor.{table.name}", MISSING, "a model, a range or a resonance", 'add model = "Endevco 2225"'
         )
-    model = accelerometer(table.model) if table.model else None
+    from_table = table.model and (table.range is None or table.resonance is None)
+    model = accelerometer(table.model) if from_table else None
     return StatedSensor(sensor, recorder, model, tuple(memory_notices(table)))
 
 

@@ -29,12 +29,12 @@ PHASES = (0.0, 0.25, 0.5, 0.75)
 
 TAKES, RANGE, FULL_SCALE, RESONANCE, RECORDER, NOISE = (
     *("can take it", "range exceeded", "full scale of the recorder exceeded", "pulse too short for its resonance"),
-    *("pulse too short for its recorder", "cannot be told: noise of the record drives its resonance"),
+    *("pulse too short for its recorder", "not known: noise of the record drives its resonance"),
 )
 """Verdicts on a blow, in words."""
 
 
-class Trial(NamedTuple):
+class SensorTrial(NamedTuple):
     """What a sensor leaves of one blow.
 
     Attributes
@@ -78,7 +78,7 @@ def lowest_resonance(sensor: Sensor) -> float:
     return min(sensor.resonance, math.inf if math.isnan(mounted) else mounted)
 
 
-def try_sensor(sensor: Sensor, recorder: Recorder, values: Array, step: float, begin: int) -> Trial:
+def try_sensor(sensor: Sensor, recorder: Recorder, values: Array, step: float, begin: int) -> SensorTrial:
     """Return what a sensor and a recorder leave of a positive blow.
 
     The motion is taken as it is: band-limited interpolation makes it dense, so that the straight lines between its
@@ -133,11 +133,11 @@ def try_sensor(sensor: Sensor, recorder: Recorder, values: Array, step: float, b
     else:
         verdict = TAKES if _close(*left) else RECORDER
     used = float(np.max(np.abs(element + sensor.zero_shift))) / sensor.range
-    return Trial(true.peak, *left, used, float(np.count_nonzero(beyond)) * step, ringing, noise, verdict)
+    return SensorTrial(true.peak, *left, used, float(np.count_nonzero(beyond)) * step, ringing, noise, verdict)
 
 
 def _close(peak_left: float, width_left: float) -> bool:
-    """Tell whether both are as good as one; a width that cannot be told, at the edge of a record, is not asked for."""
+    """Tell whether both are as good as one; a width that is not known, at the edge of a record, is not asked for."""
     return abs(peak_left - 1.0) <= TOLERATED and not abs(width_left - 1.0) > TOLERATED
 
 

@@ -64,7 +64,7 @@ def test_a_file_gives_mounting_recorder_and_its_own_numbers(shot):
     )
     found = sw.record(shot, sensor=Path("own.toml")).sensor
     assert [blow.trial.verdict for blow in found.blows][1:] == ["pulse too short for its recorder", "can take it"]
-    assert found.stated.notices == ()
+    assert (found.stated.notices, found.called, found.document()["status"]) == ((), "own", "stated")
     assert [notice.code for notice in found.notices] == ["sensor-trial", "sensor-beyond-band"]
     Path("soft.toml").write_text(
         '[[sensor]]\nname = "soft"\nrange = "50000 g"\nmass = "5 gram"\n'

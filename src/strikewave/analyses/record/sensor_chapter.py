@@ -29,7 +29,8 @@ def sensor_table(found: SensorTrials, names: Names) -> Table:
             ]
         )
     heads = ["file", "channel", "#", "peak", "peak left", "width left", "of its range", "beyond it", "ringing"]
-    return Table(f"On {found.called}", [*heads, "verdict"], rows, "No blow could be tried.")
+    many = f", the first {MOST_ROWS} of {len(found.blows)} blows" if len(found.blows) > MOST_ROWS else ""
+    return Table(f"On {found.called}{many}", [*heads, "verdict"], rows, "No blow could be tried.")
 
 
 MORE_COLUMNS = ("channel", "beyond it", "ringing")
@@ -52,7 +53,7 @@ def sensor_section(found: SensorTrials, names: Names) -> Section:
     band = with_unit(found.band, "Hz", "kHz", 3)
     origin = "" if model is None else f" {model.name}: {model.status}; {model.source}. {model.note}"
     text = (
-        f"{found.sentence()} {found.called}: {listed(facts)}.{origin} Each blow is taken as the motion of "
+        f"{found.sentence()} Sensor: {listed(facts)}.{origin} Each blow is taken as the motion of "
         f"the surface, up to {band}, that the records hold. Left is what would be read, over what is recorded. "
         "Ringing is the largest departure of the sensing element from the motion, over the peak, and has the lag of a "
         "mounting in it. A peak or width more than 5 % off is not taken. sensor.csv has every blow."

@@ -19,7 +19,7 @@ from strikewave.records.reading import FileReading
 from strikewave.records.record import Channel
 from strikewave.reporting.columns import Column
 from strikewave.reporting.numbers import with_unit
-from strikewave.sensors.trial import TAKES, Trial, lowest_resonance, try_sensor
+from strikewave.sensors.trial import TAKES, SensorTrial, lowest_resonance, try_sensor
 from strikewave.signal.filters import Filter
 
 BEFORE, AFTER, PERIODS = 2.0, 2.0, 2.0
@@ -40,7 +40,7 @@ class TriedBlow(NamedTuple):
         Of its peak, s.
     doubted : bool
         Whether a finding harms the peak of the record itself.
-    trial : Trial
+    trial : SensorTrial
         What the sensor leaves.
     """
 
@@ -49,7 +49,7 @@ class TriedBlow(NamedTuple):
     blow: int
     time: float
     doubted: bool
-    trial: Trial
+    trial: SensorTrial
 
 
 @dataclass(frozen=True)
@@ -88,7 +88,7 @@ class SensorTrials:
 
     @property
     def notices(self) -> list[Notice]:
-        """Return what the user should know: numbers from memory, blows that it cannot take, what cannot be told."""
+        """Return what the user should know: numbers from memory, blows that it cannot take, what is not known."""
         notices = list(self.stated.notices)
         failed = sum(blow.trial.verdict != TAKES for blow in self.blows)
         if failed:
@@ -128,7 +128,8 @@ class SensorTrials:
         columns.append(Column("doubted", ["yes" if blow.doubted else "no" for blow in self.blows]))
         units = {"peak": "m/s^2", "time_clipped": "s"}
         return columns + [
-            Column(key, [getattr(blow.trial, key) for blow in self.blows], units.get(key, "")) for key in Trial._fields
+            Column(key, [getattr(blow.trial, key) for blow in self.blows], units.get(key, ""))
+            for key in SensorTrial._fields
         ]
 
     def sentence(self) -> str:
@@ -174,7 +175,7 @@ def _band(channel: Channel, filter_: Filter | None) -> float:
     return half if filter_ is None else min(half, filter_.half_power(channel.step))
 
 
-def tried(channel: Channel, pulse: RecordedPulse, until: float, stated: StatedSensor, resonance: float) -> Trial:
+def tried(channel: Channel, pulse: RecordedPulse, until: float, stated: StatedSensor, resonance: float) -> SensorTrial:
     """Try one blow of a channel on a sensor, as far as the next blow; a negative one with the sensor turned round."""
     length, sign = pulse.end - pulse.begin, math.copysign(1.0, pulse.peak)
     longest = PERIODS / resonance
