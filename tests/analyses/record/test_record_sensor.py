@@ -121,3 +121,10 @@ def test_an_unknown_sensor_and_a_force_are_refused(strikewave, shot, words, said
 def test_python_names_the_parameter(shot):
     with pytest.raises(sw.InputError, match=r"^sensor: got"):
         sw.record(shot, sensor="Endevco 225")
+
+
+def test_a_record_without_a_blow_has_nothing_to_try(strikewave):
+    Path("still.csv").write_text("time (s),frame (g)\n" + "".join(f"{k * STEP:.6f},{k % 3}\n" for k in range(400)))
+    code, out, err = strikewave("record", "still.csv", "--sensor", "PCB 350C02", "--json")
+    assert code == 0, err
+    assert (json.loads(out)["sensor"]["takes"], json.loads(out)["sensor"]["blows"]) == (None, [])

@@ -164,7 +164,7 @@ def try_records(
     for file, reading in own:
         ends = [pulse.begin for pulse in reading.pulses[1:]] + [math.inf]
         doubted = not reading.figures("peak")
-        for number, (pulse, until) in enumerate(zip(reading.pulses, ends, strict=True), 1):
+        for number, (pulse, until) in enumerate(zip(reading.pulses, ends, strict=False), 1):
             trial = tried(reading.channel, pulse, until, stated, resonance)
             blows.append(TriedBlow(file.path, reading.channel.name, number, pulse.time, doubted, trial))
     return SensorTrials(stated, min(_band(reading.channel, filter_) for _, reading in own), tuple(blows))
