@@ -72,6 +72,8 @@ def test_a_file_gives_mounting_recorder_and_its_own_numbers(shot):
     )
     found = sw.record(shot, sensor="soft.toml").sensor
     assert found.resonance < 5e3
+    [gasket] = found.document()["gaskets"]
+    assert (gasket["thickness"], found.document()["sensor_mass"]) == (3e-3, 5e-3)
     assert {blow.trial.verdict for blow in found.blows} == {"pulse too short for its resonance"}
 
 

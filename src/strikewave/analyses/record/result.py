@@ -260,7 +260,8 @@ SENSOR_UNITS = {
     **dict.fromkeys(("range", "zero_shift"), "m/s^2"),
     **dict.fromkeys(("resonance", "lowest_resonance", "sampling_rate", "cutoff", "band"), "Hz"),
     **dict.fromkeys(("quality", "peak_left", "width_left", "range_used", "ringing", "noise_ringing"), "1"),
-    "time_clipped": "s",
+    **{"time_clipped": "s", "sensor_mass": "kg", "density": "kg/m^3", "modulus": "Pa", "area": "m^2", "thickness": "m"},
+    "loss_factor": "1",
 }
 """Unit of each key of the JSON document that says what a sensor leaves."""
 

@@ -1,4 +1,4 @@
-"""Whether a sensor could take the blows of records: each tried on it, in numbers, in words and as a chapter."""
+"""Whether a sensor could take the blows of records: each tried on it, in numbers, and in words."""
 
 from __future__ import annotations
 
@@ -112,7 +112,8 @@ class SensorTrials:
             "name": sensor.name,
             "model": None if model is None else model.name,
             **{key: getattr(sensor, key) for key in ("range", "resonance", "quality", "zero_shift")},
-            "gaskets": len(sensor.mounting.gaskets),
+            "sensor_mass": sensor.mounting.sensor_mass,
+            "gaskets": [dataclasses.asdict(gasket) for gasket in sensor.mounting.gaskets],
             "lowest_resonance": self.resonance,
             "recorder": {key: getattr(recorder, key) for key in ("sampling_rate", "cutoff", "order", "bits")},
             **provenance,
