@@ -6,6 +6,7 @@ import math
 import numpy as np
 import pytest
 
+from strikewave.signal.filters import Filter
 from strikewave.specifications.decisions import decide
 from strikewave.specifications.ideal_pulses import IdealPulse
 from strikewave.specifications.judging import Limits, MeasuredFigure, PulseLimits, Shock, judge_shock, worst_clauses
@@ -218,3 +219,61 @@ def test_half_of_the_spectrum_must_reach_nominal_and_uncertainty_may_hide_it():
     guarded = judge_spectrum(f, 0.98 * nominal, SPECTRUM, 0.05, "guarded")
     assert [c.verdict for c in guarded] == ["pass", "cannot-tell"]
     assert [c.verdict for c in judge_spectrum(f, nominal, SPECTRUM, trouble="clipped")] == ["cannot-tell"] * 2
+
+
+def test_a_spectrum_that_its_uncertainty_may_move_into_its_tolerance_has_not_failed():
+    """Within 1 dB of nominal, 20 % too low: moved up by half it is too high, but by a quarter it is nominal."""
+    bands = (DecibelBand(10.0, 1000.0, -1.0, 1.0, "quoted"),)
+    limits = SPECTRUM.__class__(
+        SPECTRUM.frequency, SPECTRUM.level, "quoted", 10.0, "absolute", "maximax", 12.0, bands, SPECTRUM.share
+    )
+    f = limits.grid()
+    low = 0.8 * limits.nominal(f)
+    found = [judge_spectrum(f, low, limits, doubt, "guarded")[0].verdict for doubt in (0.0, 0.05, 0.5)]
+    assert found == ["fail", "fail", "cannot-tell"]
+
+
+def test_a_spectrum_that_fails_somewhere_within_its_uncertainty_has_not_passed():
+    """A tenth may lie outside. At 1.02 two tenths do; as measured, and 5 % up and down, it is one."""
+    bands = (DecibelBand(10.0, 1000.0, -6.0, 6.0, "quoted"),)
+    limits = SPECTRUM.__class__(
+        SPECTRUM.frequency, SPECTRUM.level, "quoted", 10.0, "absolute", "maximax", 12.0, bands, SPECTRUM.share
+    )
+    f, edge = limits.grid(), 10.0 ** (6.0 / 20.0)
+    share = np.ones(f.size)
+    few = f.size // 10
+    share[:few], share[few : 2 * few] = edge / 1.01, 1.0 / (1.03 * edge)  # within up to 1.01, and from 1.03 on
+    values = share * limits.nominal(f)
+    assert [judge_spectrum(f, x * values, limits)[0].verdict for x in (1.0, 1.05, 1.02)] == ["pass", "pass", "fail"]
+    assert judge_spectrum(f, values, limits, 0.05, "guarded")[0].verdict == "cannot-tell"
+
+
+def test_a_spectrum_without_tolerance_or_without_values_is_not_told():
+    bands = (DecibelBand(2000.0, 9000.0, -6.0, 6.0, "quoted"),)
+    limits = SPECTRUM.__class__(
+        SPECTRUM.frequency, SPECTRUM.level, "quoted", 10.0, "absolute", "maximax", 12.0, bands, SPECTRUM.share
+    )
+    f = limits.grid()
+    assert judge_spectrum(f, limits.nominal(f), limits)[0].verdict == "cannot-tell"
+    assert {c.verdict for c in judge_spectrum(f, np.full(f.size, math.nan), SPECTRUM)} == {"cannot-tell"}
+
+
+def test_an_ideal_pulse_behind_a_filter_does_not_fail_its_band():
+    limits = PulseLimits(PULSE, "quoted", band=PulseBand(PULSE, 0.1, 0.2), band_status="quoted")
+    filter_ = Filter(500.0)
+    values = filter_.apply(PULSE.at(np.arange(6000) * 1e-6 - 2e-3), 1e-6)
+    left = float(values.max()) / 1000.0
+    assert left < 0.7
+    shock = Shock(values, 1e-6, 0.0, int(np.argmax(values)))
+    assert only(shock, limits).verdict == "fail"
+    behind = only(Shock(values, 1e-6, 0.0, int(np.argmax(values)), filter_left=left), limits)
+    assert (behind.verdict, "the filter leaves" in behind.reason) == ("cannot-tell", True)
+
+
+def test_guarded_decisions_state_nothing_where_the_uncertainty_is_not_known():
+    shock = shock_of(1000.0, figures={"peak": MeasuredFigure(1000.0, math.nan)})
+    clause = only(shock, PEAK, rule="guarded")
+    assert (clause.verdict, clause.reason) == ("cannot-tell", "its uncertainty is not known")
+    stated = shock_of(1000.0, figures=shock.figures, uncertainty=0.05)
+    assert only(stated, PEAK, rule="guarded").verdict == "pass"
+    assert only(shock, PEAK).verdict == "pass"

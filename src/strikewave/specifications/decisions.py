@@ -28,7 +28,7 @@ def decide(margin: float, uncertainty: float = 0.0, rule: Rule = "simple") -> st
     margin : float
         Distance to the nearest limit.
     uncertainty : float, optional
-        Expanded uncertainty of the value; one that is not known counts as none.
+        Expanded uncertainty of the value; where it is not known (NaN), a guarded decision states nothing.
     rule : str, optional
         ``simple`` or ``guarded``.
 
@@ -36,12 +36,12 @@ def decide(margin: float, uncertainty: float = 0.0, rule: Rule = "simple") -> st
     --------
     >>> [decide(margin, 2.0, "guarded") for margin in (3.0, 1.0, -1.0, -3.0)]
     ['pass', 'cannot-tell', 'cannot-tell', 'fail']
-    >>> decide(1.0, 2.0), decide(0.0), decide(-1e-9)
-    ('pass', 'pass', 'fail')
+    >>> decide(1.0, 2.0), decide(0.0), decide(-1e-9), decide(1.0, math.nan, "guarded")
+    ('pass', 'pass', 'fail', 'cannot-tell')
     """
-    if math.isnan(margin):
+    guard = uncertainty if rule == "guarded" else 0.0
+    if math.isnan(margin) or math.isnan(guard):
         return CANNOT_TELL
-    guard = uncertainty if rule == "guarded" and math.isfinite(uncertainty) else 0.0
     if margin >= guard:
         return PASS
     return FAIL if margin < -guard or guard == 0.0 else CANNOT_TELL

@@ -49,6 +49,8 @@ JUDGED_AS_IT_IS = (
     "no-foot",
 )
 """Findings on what machine, specimen or direction do: a specification judges it, it is no fault of the record."""
+HIDES_PEAKS = ("clipped", "flat-top", "slew-rate")
+"""Findings on a cross-axis channel by which its true values may be larger."""
 FINEST_FILTERED = 1.0 / 200.0
 """Share of the duration between samples on which a filter is tried on the ideal pulse, where the record is coarser."""
 
@@ -246,6 +248,8 @@ def judge_records(
             empty.append(file.path)
         troubles = troubles_of([*file.findings, *reading.findings])
         beside = [one for one in file.channels if across & _keys(one)]
+        _check_units(beside)
+        troubles |= _of_cross_axis(beside)
         for number, pulse in enumerate(reading.pulses, start=1):
             shock = shock_of(reading, pulse, limits, beside, filter_, troubles, asked.uncertainty)
             found = judge_shock(shock, limits, asked.rule, asked.strict)
@@ -255,6 +259,26 @@ def judge_records(
     if asked.strict:
         campaign = [refused(clause) for clause in campaign]
     return RecordsVerdict(specification, limits, asked, tuple(shocks), tuple(campaign))
+
+
+def _check_units(across: Sequence[ChannelReading]) -> None:
+    """Refuse cross-axis channels that hold no acceleration."""
+    for one in across:
+        if one.channel.unit != "m/s^2":
+            wrong = f"{one.channel.name}, {one.channel.unit or 'no known unit'}"
+            raise InputError("--cross-axis", wrong, "channels of an acceleration", "state the unit, such as --unit g")
+
+
+def _of_cross_axis(across: Sequence[ChannelReading]) -> dict[str, str]:
+    """Return why the largest value across is not to be trusted, if it is not: a limit hides what lies above it."""
+    found = (
+        f"{one.channel.name}: {finding.code}: {finding.message}"
+        for one in across
+        for finding in one.findings
+        if finding.code in HIDES_PEAKS
+    )
+    first = next(found, "")
+    return {"cross_axis": first} if first else {}
 
 
 def _keys(reading: ChannelReading) -> set[str]:
@@ -351,16 +375,27 @@ def _counts(shocks: Sequence[JudgedShock], specification: Specification, asked: 
     stated = [one for one in DIRECTIONS if any(direction == one for _, direction in asked.directions)]
     for direction in stated:
         here = [one for one in shocks if one.direction == direction]
-        passed = sum(one.found.verdict == PASS for one in here)
+        passed, possible = (_blows(here, verdicts) for verdicts in ((PASS,), (PASS, CANNOT_TELL)))
         clause = judged(f"shocks in {direction}", float(passed), limits, "1")
         if clause.verdict == FAIL:
-            clause = replace(clause, verdict=FAIL, reason=f"{passed} of {len(here)} shocks pass; {_asked_for(limits)}")
+            every = _blows(here, (PASS, CANNOT_TELL, FAIL))
+            verdict = CANNOT_TELL if passed < limits.low <= possible else FAIL
+            clause = replace(clause, verdict=verdict, reason=f"{passed} of {every} shocks pass; {_asked_for(limits)}")
         found.append(clause)
     directions = judged("directions", float(len(stated)), Limits(count.directions, math.inf, count.status), "1")
     if directions.verdict == FAIL:
         lacking = [one for one in DIRECTIONS if one not in stated]
         directions = replace(directions, verdict=FAIL, reason=f"not stated: {', '.join(lacking)}")
     return [*found, directions]
+
+
+def _blows(shocks: Sequence[JudgedShock], verdicts: Sequence[str]) -> int:
+    """Return how many blows have one of the verdicts: of channels that recorded the same blows, the fewest."""
+    counts: dict[str, dict[int, int]] = {}
+    for one in shocks:
+        channels = counts.setdefault(one.file, {})
+        channels[one.reading.number] = channels.get(one.reading.number, 0) + (one.found.verdict in verdicts)
+    return sum(min(channels.values()) for channels in counts.values())
 
 
 def _asked_for(limits: Limits) -> str:

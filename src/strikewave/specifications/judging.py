@@ -113,7 +113,7 @@ class Shock:
     filter_cutoff : float
         Its cutoff, Hz; NaN without one.
     troubles : mapping of str to str
-        Why a figure is not to be trusted: by peak, width and velocity_change.
+        Why a figure is not to be trusted: by peak, width, velocity_change and cross_axis.
     cross_axis : mapping of str to ndarray
         Accelerations of cross-axis channels at the same times, by name.
     uncertainty : float
@@ -234,6 +234,7 @@ def judged(
     verdict = CANNOT_TELL if reason else decide(margin + slack if margin < 0.0 else margin, uncertainty, rule)
     if not reason and verdict == CANNOT_TELL:
         reason = "the uncertainty reaches over the limit" if math.isfinite(value) else "it could not be measured"
+        reason = "its uncertainty is not known" if math.isfinite(value) and math.isnan(uncertainty) else reason
     return Clause(name, value, limits.low, limits.high, margin, unit, uncertainty, limits.status, verdict, reason)
 
 
@@ -335,8 +336,11 @@ def _filtered_away(shock: Shock) -> str:
 
 
 def _relative(shock: Shock, figure: MeasuredFigure) -> float:
-    """Return the expanded uncertainty of a figure that grows with the acceleration."""
-    own = figure.uncertainty if math.isfinite(figure.uncertainty) else 0.0
+    """Return the expanded uncertainty of a figure that grows with the acceleration.
+
+    That of the acceleration, where it is stated, stands alone where that of the figure is not known; NaN without both.
+    """
+    own = 0.0 if math.isnan(figure.uncertainty) and shock.uncertainty > 0.0 else figure.uncertainty
     return math.hypot(COVERAGE * own, shock.uncertainty * abs(figure.value))
 
 
@@ -387,7 +391,7 @@ def _band_clause(
     if reason:
         return clause
     taken = (1.0 / shock.filter_left - 1.0) * peak.value if shock.filter_left > 0.0 else math.inf
-    if clause.verdict == PASS and taken > placement.margin:
+    if clause.verdict != CANNOT_TELL and taken > abs(placement.margin):
         words = f"the filter leaves {percent(shock.filter_left)} of the peak of the ideal pulse"
         return replace(clause, verdict=CANNOT_TELL, reason=words)
     lacks = [
@@ -423,7 +427,9 @@ def _cross_clause(shock: Shock, limits: Limits, pulse: IdealPulse, start: float,
     time = shock.time
     inside = (time >= start - 0.1 * pulse.duration) & (time <= start + 1.1 * pulse.duration)
     largest = max(float(np.max(np.abs(values[inside]), initial=0.0)) for values in shock.cross_axis.values())
-    return judged("cross-axis", largest, limits, "m/s^2", _relative(shock, MeasuredFigure(largest)), rule)
+    clause = judged("cross-axis", largest, limits, "m/s^2", _relative(shock, MeasuredFigure(largest)), rule)
+    trouble = shock.troubles.get("cross_axis", "")
+    return replace(clause, verdict=CANNOT_TELL, reason=trouble) if trouble and clause.verdict == PASS else clause
 
 
 def _demands(shock: Shock, limits: PulseLimits) -> list[Clause]:

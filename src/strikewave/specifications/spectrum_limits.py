@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import NamedTuple
 
@@ -95,7 +94,8 @@ def judge_spectrum(
 ) -> tuple[Clause, ...]:
     """Judge a spectrum.
 
-    With a guarded decision the spectrum must pass as measured, and moved up and down by its uncertainty.
+    With a guarded decision the spectrum passes if it does so wherever between up and down by its uncertainty it is
+    moved as a whole, and fails if it passes nowhere.
 
     Parameters
     ----------
@@ -120,25 +120,17 @@ def judge_spectrum(
     """
     low, high = limits.curves(frequency)
     nominal = limits.nominal(frequency)
-    factors = (1.0, 1.0 + uncertainty, 1.0 / (1.0 + uncertainty)) if rule == "guarded" and uncertainty > 0.0 else (1.0,)
+    reach = uncertainty if rule == "guarded" else 0.0
     statuses = [band.status for band in limits.bands]
-
-    def within(factor: float) -> float:
-        known = np.isfinite(low)
-        inside = (factor * values >= low * (1.0 - 1e-9)) & (factor * values <= high * (1.0 + 1e-9))
-        return float(np.mean(inside[known])) if np.any(known) else math.nan
-
-    def above(factor: float) -> float:
-        return float(np.mean(factor * values >= nominal * (1.0 - 1e-9)))
-
     worst = _worst(frequency, values, low, high)
     status = weakest(limits.status, limits.share.status, *statuses)
-    clauses = [_share("share within the tolerance", [within(x) for x in factors], limits.share, status, trouble, worst)]
+    known = np.isfinite(low)
+    within = _shares(values[known], low[known], high[known], reach)
+    clauses = [_share("share within the tolerance", within, limits.share, status, trouble, worst)]
     if limits.share_above is not None:
         status = weakest(limits.status, limits.share_above.status)
-        clauses.append(
-            _share("share at or above nominal", [above(x) for x in factors], limits.share_above, status, trouble, "")
-        )
+        above = _shares(values, nominal, np.full(values.shape, math.inf), reach)
+        clauses.append(_share("share at or above nominal", above, limits.share_above, status, trouble, ""))
     return tuple(refused(clause) for clause in clauses) if strict else tuple(clauses)
 
 
@@ -154,15 +146,43 @@ def _worst(frequency: Array, values: Array, low: Array, high: Array) -> str:
     return f"{out[k]:.2g} dB {side} the tolerance at {frequency[k]:.4g} Hz"
 
 
-def _share(name: str, shares: Sequence[float], limits: Limits, status: str, trouble: str, worst: str) -> Clause:
-    """Return the clause of a share, which must be enough with every factor."""
-    enough = [share >= limits.low - 1e-12 for share in shares]
-    verdict = CANNOT_TELL if trouble or math.isnan(shares[0]) else PASS if all(enough) else CANNOT_TELL
-    verdict = FAIL if not any(enough) and verdict == CANNOT_TELL and not trouble else verdict
+class _Shares(NamedTuple):
+    """Share of a spectrum within its limits: as measured, and the smallest and largest within its uncertainty."""
+
+    measured: float
+    least: float
+    most: float
+
+
+def _shares(values: Array, low: Array, high: Array, uncertainty: float) -> _Shares:
+    """Return the share of values within limits, as they are and moved as a whole; NaN where there is none.
+
+    A value lies within from the factor low / value to high / value: between two such edges no share changes.
+    """
+    if not values.size or not np.all(np.isfinite(values)):
+        return _Shares(math.nan, math.nan, math.nan)
+    with np.errstate(divide="ignore"):
+        first, last = np.sort(low / values), np.sort(high / values)
+    edges = np.unique(np.clip(np.concatenate([first, last, [1.0]]), 1.0 / (1.0 + uncertainty), 1.0 + uncertainty))
+    factors = np.concatenate([[1.0], edges, 0.5 * (edges[1:] + edges[:-1])])
+    begun = np.searchsorted(first, factors * (1.0 + 1e-9), "right")
+    shares = (begun - np.searchsorted(last, factors * (1.0 - 1e-9), "left")) / values.size
+    return _Shares(float(shares[0]), float(shares.min()), float(shares.max()))
+
+
+def _share(name: str, shares: _Shares, limits: Limits, status: str, trouble: str, worst: str) -> Clause:
+    """Return the clause of a share, which must be enough wherever the spectrum is moved to."""
+    enough = limits.low - 1e-12
     reason = trouble or worst
-    if verdict == CANNOT_TELL and not trouble:
-        reason = (
-            f"the uncertainty reaches over the limit; {worst}" if worst else "the uncertainty reaches over the limit"
-        )
-    margin = shares[0] - limits.low
-    return Clause(name, shares[0], limits.low, limits.high, margin, "1", math.nan, status, verdict, reason)
+    if trouble or math.isnan(shares.measured):
+        verdict = CANNOT_TELL
+        reason = trouble or "no tolerance is stated at its natural frequencies, or it could not be measured"
+    elif shares.least >= enough:
+        verdict = PASS
+    elif shares.most < enough:
+        verdict = FAIL
+    else:
+        verdict = CANNOT_TELL
+        reason = "; ".join(filter(None, ["the uncertainty reaches over the limit", worst]))
+    margin = shares.measured - limits.low
+    return Clause(name, shares.measured, limits.low, limits.high, margin, "1", math.nan, status, verdict, reason)

@@ -292,6 +292,7 @@ REFUSED = [
     (("a.csv", "spec:jesd22-b11:B"), "B: got", 'did you mean "jesd22-b111"?'),
     (("a.csv", "spec:nasa-gevs"), "--spec: got", "a specification of a pulse"),
     (("force.csv", "spec:jesd22-b110:B"), "B: got", "the quantity of A"),
+    (("[ab].csv", "spec:jesd22-b110:B"), "A: got", "one blow of a record, or a simulation"),
     (("a.csv", "b.csv", "--deviations", "-1"), "--deviations: got", "above 0"),
 ]
 

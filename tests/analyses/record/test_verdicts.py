@@ -121,6 +121,38 @@ def test_shocks_are_counted_by_direction_from_options_or_the_test(judged):
     assert "shocks in +z" in clauses_of(judged("record", "up0.csv", *IEC, "--test", "test.toml")[1])
 
 
+def test_a_blow_on_two_channels_counts_once(judged):
+    """Two files with two channels each hold two shocks, not the three that are asked for."""
+    for k in range(2):
+        write_shot(f"up{k}.csv", across=1.0)
+    spec = judged("record", "up0.csv", "up1.csv", *IEC, "--direction", "+x")[1]
+    assert len(spec["shocks"]) == 4
+    count = clauses_of(spec)["shocks in +x"]
+    assert (count["value"], count["verdict"]) == (2, "fail")
+
+
+def test_shocks_of_which_nothing_can_be_told_do_not_fail_their_count(judged):
+    write_shot("slow.csv", peak=31.4, blows=3)
+    spec = judged("record", "slow.csv", "--spec", "mil-std-810h:ground", "--direction", "+x")[1]
+    count = clauses_of(spec)["shocks in +x"]
+    assert (count["value"], count["verdict"]) == (0, "cannot-tell")
+    write_shot("slow.csv", peak=31.4, blows=2)
+    spec = judged("record", "slow.csv", "--spec", "mil-std-810h:ground", "--direction", "+x")[1]
+    assert clauses_of(spec)["shocks in +x"]["verdict"] == "fail"
+
+
+def test_a_clipped_cross_axis_channel_does_not_pass_and_one_of_another_unit_is_refused(strikewave, judged):
+    write_shot("two.csv", across=0.4)
+    data = np.loadtxt("two.csv", delimiter=",", skiprows=1)
+    data[:, 2] = np.clip(data[:, 2], -14.0, 14.0)  # of 20 g, where 15 g are allowed
+    for unit in ("g", "V"):
+        np.savetxt(f"{unit}.csv", data, delimiter=",", header=f"time (s),table (g),y ({unit})", comments="")
+    cross = clauses_of(judged("record", "g.csv", *IEC, "--cross-axis", "y")[1])["cross-axis"]
+    assert (cross["verdict"], "clipped" in cross["reason"]) == ("cannot-tell", True)
+    code, _, err = strikewave("record", "V.csv", *IEC, "--cross-axis", "y")
+    assert (code, "channels of an acceleration" in err) == (2, True)
+
+
 def test_bumps_have_a_rate(judged):
     write_shot("bumps.csv", peak=40.0, duration=6e-3, blows=4, interval=0.5)
     clauses = clauses_of(judged("record", "bumps.csv", "--spec", "iec-60068-2-27-bump:40g-6ms")[1])

@@ -167,6 +167,9 @@ def compared(a: Compared, b: Compared, request: CompareRequest, origin: Source) 
         first = _side("A", a, request.reading)
         second = _side("B", b, request.reading, first.unit)
     _check_units(first, second)
+    if specification is not None and first.kind == "campaign":
+        hint = "a mean may keep limits that its shocks do not: strikewave record --spec judges each of them"
+        raise InputError("A", first.name, "one blow of a record, or a simulation", hint)
     judged = None if specification is None else judged_by(specification, first, request.reading.low_pass)
     return compared_curves(first, second, request, origin, judged)
 
