@@ -126,8 +126,8 @@ def by_correlation(first: EvenHistory, second: EvenHistory) -> Shift:
 def _coherent(a: NDArray[np.complex128], b: NDArray[np.complex128], spacing: float) -> int:
     """Return how many lines two aligned spectra have up to the last at which they are alike.
 
-    Padding has put the independent ones so many lines apart. Coherence is taken over bands that widen with frequency. That of n independent lines of noise exceeds c with the
-    probability (1 - c)^(n - 1). The strongest band is always alike.
+    Padding has put independent lines a spacing apart. Coherence is taken over bands that widen with frequency. That of
+    n independent lines of noise exceeds c with the probability (1 - c)^(n - 1). The strongest band is always alike.
     """
     edges, width = [0], LINES * spacing
     while edges[-1] < a.size:
