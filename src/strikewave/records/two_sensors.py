@@ -381,7 +381,7 @@ def _copied_below(window: Window, step: float, cutoff: float) -> Copy:
 def _band(window: Window, step: float) -> float:
     """Return the frequency up to which both channels stand above their noise, or the rigid part goes, Hz.
 
-    White noise beyond it would move the largest correlation, and seem to tell the delay: its slope is steep.
+    The gain, what delay and gain explain, and the half of the band in which both must be the same are taken in it.
     """
     size = window.first.size
     padded = next_fast_len(size + math.ceil(size / 2), real=True)

@@ -23,6 +23,11 @@ TOP = 0.8
 """Share of a peak at which its width gives its curvature: wide enough that noise does not."""
 SAME_STEP = 1e-9
 """Share by which steps may differ and be the same: rounding."""
+COHERENT, CHANCE = 0.25, 1e-3
+"""Coherence from which a band has signal, where signal and noise of both are about as large; and the probability
+that noise alone reaches what is asked of a band of few lines."""
+LINES, WIDENED = 8.0, 0.1
+"""Independent lines of a band at least, and its width over its frequency where that is more."""
 ROUNDS, CLOSE = 30, 1e-9
 """Newton steps at most for the largest correlation, and the samples within which it has ended."""
 
@@ -68,11 +73,13 @@ def by_correlation(first: EvenHistory, second: EvenHistory) -> Shift:
     """Return the shift with the largest sum of products of two histories; both are taken as zero outside.
 
     Both are brought to the finer of their steps, or to half the coarser one where that is longer: what the finer one
-    holds beyond has no product with the other. The best shift in whole steps is sought among all, then between them:
-    R(s) = Re sum A conj(B) exp(2 pi i f s) over frequencies is known at any s, and its slope is brought to zero by
-    Newton steps. With r the difference that is left, and b' the slope of the shifted history, the shift has the
-    variance sum |B'|^2 |R|^2 / (sum |B'|^2)^2 over frequencies: that of a least-squares shift under noise of the
-    spectrum of r.
+    holds beyond has no product with the other. Products are summed up to the last frequency at which the two are
+    coherent: beyond, those of noise with noise wiggle so finely that one of their wiggles would be the highest. The
+    best shift in whole steps is sought among all, then between them: R(s) = Re sum A conj(B) exp(2 pi i f s) is known
+    at any s, and its slope is brought to zero by Newton steps. With r the difference that is left where both are
+    known, and b' the slope of the shifted history, the shift has the variance sum |B'|^2 |R|^2 / (sum |B'|^2)^2 over
+    these frequencies, over the share of r that the shift has not taken up: that of a least-squares shift under noise
+    of the spectrum of r. White noise of deviation s in one of them gives the Cramer-Rao bound s^2 / sum b'^2.
 
     Raises
     ------
@@ -96,20 +103,53 @@ def by_correlation(first: EvenHistory, second: EvenHistory) -> Shift:
     size = next_fast_len(a.size + b.size, real=True)
     spectrum_a, spectrum_b = rfft(a, size), rfft(b, size)
     both = spectrum_a * np.conj(spectrum_b)
+    omega = 2.0 * math.pi * np.arange(both.size) / size
+    place = _largest(both, omega, size, a.size)
+    for _ in range(2):  # the band is found at a shift, and the shift in a band
+        turned = spectrum_b * np.exp(-1j * omega * place)
+        alike = np.arange(omega.size) < _coherent(spectrum_a, turned, size / min(a.size, b.size))
+        place = _largest(alike * both, omega, size, a.size)
+    turned = alike * spectrum_b * np.exp(-1j * omega * place)
+    left = irfft(alike * spectrum_a - turned, size)
+    begin, end = max(math.ceil(place), 0), min(math.floor(place) + b.size, a.size)
+    left[:begin] = left[end:] = 0.0  # what only one of them holds has no product, and does not move the shift
+    slope = (omega * np.abs(turned)) ** 2
+    weight = np.full(omega.size, 2.0)
+    weight[0] = 1.0
+    bend, spacing = float(weight @ slope), size / max(end - begin, 1)
+    fitted = min(spacing * float(weight @ slope**2) / bend**2, 0.5)  # share that the shift has taken up
+    moves = float(weight @ (slope * np.abs(rfft(left, size)) ** 2)) * spacing / (1.0 - fitted)
+    words = f"largest cross-correlation of the two histories, found between samples of {step:.6g} s"
+    return Shift(first.start - second.start + place * step, math.sqrt(moves) / bend * step, words)
+
+
+def _coherent(a: NDArray[np.complex128], b: NDArray[np.complex128], spacing: float) -> int:
+    """Return how many lines two aligned spectra have up to the last at which they are alike.
+
+    Padding has put independent lines a spacing apart. Coherence is taken over bands that widen with frequency. That of
+    n independent lines of noise exceeds c with the probability (1 - c)^(n - 1). The strongest band is always alike.
+    """
+    edges, width = [0], LINES * spacing
+    while edges[-1] < a.size:
+        edges.append(edges[-1] + math.ceil(max(width, WIDENED * edges[-1])))
+    edges = [*(edges[:-2] or [0]), a.size]  # the last one takes what is left: a lone line is always coherent
+    begins, counts = np.array(edges[:-1]), np.diff(edges)
+    powers = np.add.reduceat(np.abs(a) ** 2, begins) * np.add.reduceat(np.abs(b) ** 2, begins)
+    products = np.abs(np.add.reduceat(a * np.conj(b), begins)) ** 2
+    independent = np.maximum(counts / spacing, LINES)
+    alike = products >= np.maximum(COHERENT, 1.0 - CHANCE ** (1.0 / (independent - 1.0))) * powers
+    alike[np.argmax(products)] = True
+    return int(edges[int(np.flatnonzero(alike & (products > 0.0)).max(initial=0)) + 1])
+
+
+def _largest(both: NDArray[np.complex128], omega: Array, size: int, forward: int) -> float:
+    """Return where the correlation of this spectrum is largest, in steps: among whole ones, then between them."""
+    from scipy.fft import irfft
+
     found = irfft(both, size)
     lag = int(np.argmax(found))
-    whole = lag - size if lag >= a.size else lag
-    omega = 2.0 * math.pi * np.arange(both.size) / size
-    place = _steepened(both, omega, whole + _vertex(found, lag))
-    turned = spectrum_b * np.exp(-1j * omega * place)
-    left = np.abs(spectrum_a - turned) ** 2
-    slope = (omega * np.abs(turned)) ** 2
-    weight = np.full(both.size, 2.0)
-    weight[0] = 1.0
-    shared = min(a.size, b.size)  # samples in which noise can move the shift; the rest of the ring is zero
-    spread = math.sqrt(float(weight @ (slope * left)) * size / shared) / float(weight @ slope)
-    words = f"largest cross-correlation of the two histories, found between samples of {step:.6g} s"
-    return Shift(first.start - second.start + place * step, spread * step, words)
+    whole = lag - size if lag >= forward else lag
+    return _steepened(both, omega, whole + _vertex(found, lag))
 
 
 def _vertex(found: Array, lag: int) -> float:
