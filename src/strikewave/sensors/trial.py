@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -25,7 +25,7 @@ TOLERATED = 0.05
 """Change of peak or width that is tolerated: the usual uncertainty of a calibrated shock accelerometer."""
 
 PHASES = (0.0, 0.25, 0.5, 0.75)
-"""Places of the first instant of a recorder, in sampling intervals, that are tried: the lowest peak counts."""
+"""Places of the first instant of a recorder, in sampling intervals, that are tried: what is farthest off counts."""
 
 TAKES, RANGE, FULL_SCALE, RESONANCE, RECORDER, NOISE = (
     *("can take it", "range exceeded", "full scale of the recorder exceeded", "pulse too short for its resonance"),
@@ -42,7 +42,8 @@ class SensorTrial(NamedTuple):
     peak : float
         Of the motion, m/s^2, above zero.
     peak_left, width_left : float
-        Of the reading over those of the motion, the width at 10 % of the own peak; NaN where nothing was read.
+        Of the reading over those of the motion, the width at 10 % of the own peak, each where the instants of the
+        recorder leave it farthest off; NaN where nothing was read.
     range_used : float
         Largest magnitude that the sensing element would put out without its range, over that range.
     time_clipped : float
@@ -118,9 +119,11 @@ def try_sensor(sensor: Sensor, recorder: Recorder, values: Array, step: float, b
     quiet = slice(0, max(begin * factor, 1))
     beyond = np.abs(element + sensor.zero_shift) > sensor.range
     shown = [(one, _pulse(one, sensor.zero_shift)) for one in _readings(sensor, recorder, element, step)]
-    reading, found = min(shown, key=lambda pair: pair[1].peak)
+    left = (
+        _farthest([pulse.peak / true.peak for _, pulse in shown], math.inf),
+        _farthest([pulse.width * _interval(one, step) / true.width for one, pulse in shown], 0.0),
+    )
     driven = measure_pulse(element, step)
-    left = found.peak / true.peak, found.width * _interval(reading, step) / true.width
     ringing, noise = float(departure.max()), float(departure[quiet].max())
     if true.peak > sensor.range:
         verdict = RANGE
@@ -134,6 +137,11 @@ def try_sensor(sensor: Sensor, recorder: Recorder, values: Array, step: float, b
         verdict = TAKES if _close(*left) else RECORDER
     used = float(np.max(np.abs(element + sensor.zero_shift))) / sensor.range
     return SensorTrial(true.peak, *left, used, float(np.count_nonzero(beyond)) * step, ringing, noise, verdict)
+
+
+def _farthest(shares: Sequence[float], not_read: float) -> float:
+    """Return the share that is farthest from one, one that was not read counted as so far."""
+    return max(shares, key=lambda share: not_read if math.isnan(share) else abs(share - 1.0))
 
 
 def _close(peak_left: float, width_left: float) -> bool:
