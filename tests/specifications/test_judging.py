@@ -277,3 +277,21 @@ def test_guarded_decisions_state_nothing_where_the_uncertainty_is_not_known():
     stated = shock_of(1000.0, figures=shock.figures, uncertainty=0.05)
     assert only(stated, PEAK, rule="guarded").verdict == "pass"
     assert only(shock, PEAK).verdict == "pass"
+
+
+def test_a_guarded_band_needs_room_for_what_the_filter_takes_and_for_the_uncertainty():
+    """200 of room: the filter takes 190 at most, the guard band is 100."""
+    limits = PulseLimits(PULSE, "quoted", band=PulseBand(PULSE, 0.1, 0.2), band_status="quoted")
+    shock = shock_of(1000.0, filter_left=1.0 / 1.19, uncertainty=0.1)
+    assert only(shock, limits).verdict == "pass"
+    assert only(shock, limits, rule="guarded").verdict == "cannot-tell"
+    assert only(shock_of(1000.0, uncertainty=0.1), limits, rule="guarded").verdict == "pass"
+
+
+def test_a_cross_axis_channel_without_numbers_or_of_some_shocks_alone_is_no_pass():
+    limits = PulseLimits(PULSE, "quoted", cross_axis=Limits(-math.inf, 300.0, "quoted"))
+    quiet = shock_of(1000.0, cross_axis={"y": np.zeros(6000)})
+    lacking = shock_of(1000.0, cross_axis={"y": np.zeros(6000), "z": np.full(6000, math.nan)})
+    assert [only(shock, limits).verdict for shock in (quiet, lacking)] == ["pass", "cannot-tell"]
+    verdicts = [judge_shock(shock, limits) for shock in (quiet, shock_of(1000.0))]
+    assert [(clause.verdict, place) for clause, place in worst_clauses(verdicts)] == [("not-judged", 1)]

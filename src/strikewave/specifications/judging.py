@@ -391,7 +391,8 @@ def _band_clause(
     if reason:
         return clause
     taken = (1.0 / shock.filter_left - 1.0) * peak.value if shock.filter_left > 0.0 else math.inf
-    if clause.verdict != CANNOT_TELL and taken > abs(placement.margin):
+    guard = uncertainty if rule == "guarded" else 0.0
+    if clause.verdict != CANNOT_TELL and taken > abs(placement.margin) - guard:
         words = f"the filter leaves {percent(shock.filter_left)} of the peak of the ideal pulse"
         return replace(clause, verdict=CANNOT_TELL, reason=words)
     lacks = [
@@ -426,7 +427,7 @@ def _cross_clause(shock: Shock, limits: Limits, pulse: IdealPulse, start: float,
         )
     time = shock.time
     inside = (time >= start - 0.1 * pulse.duration) & (time <= start + 1.1 * pulse.duration)
-    largest = max(float(np.max(np.abs(values[inside]), initial=0.0)) for values in shock.cross_axis.values())
+    largest = float(np.max([np.max(np.abs(values[inside]), initial=0.0) for values in shock.cross_axis.values()]))
     clause = judged("cross-axis", largest, limits, "m/s^2", _relative(shock, MeasuredFigure(largest)), rule)
     trouble = shock.troubles.get("cross_axis", "")
     return replace(clause, verdict=CANNOT_TELL, reason=trouble) if trouble and clause.verdict == PASS else clause
@@ -449,7 +450,7 @@ def _demand(name: str, value: float, limits: Limits, words: str) -> Clause:
 
 def worst_clauses(shocks: Sequence[ShockVerdict]) -> list[tuple[Clause, int]]:
     """Return each clause where it came out worst, with the place of that shock: fails first, then the least margin."""
-    order = {FAIL: 0, CANNOT_TELL: 1, PASS: 2, NOT_JUDGED: 3}
+    order = {FAIL: 0, CANNOT_TELL: 1, NOT_JUDGED: 2, PASS: 3}
     rows: dict[str, tuple[Clause, int]] = {}
     for place, shock in enumerate(shocks):
         for clause in shock.clauses:
