@@ -15,7 +15,8 @@ BLOWS = ((4e-3, 2e-4, 15000.0), (9e-3, 3e-5, 12000.0), (14e-3, 2e-4, 30000.0))
 
 
 @pytest.fixture
-def shot(tmp_path):
+def shot(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
     time = STEP * np.arange(19_000)
     values = sum(
         np.where((time > a) & (time < a + d), peak * np.sin(np.pi * (time - a) / d), 0.0) for a, d, peak in BLOWS
