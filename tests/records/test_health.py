@@ -63,7 +63,8 @@ def codes(values, **more):
 @pytest.mark.parametrize("shape", SHAPES)
 @pytest.mark.parametrize("bits", [8, 12, 24])
 def test_a_clean_record_raises_nothing(shape, bits):
-    allowed = {("flat-top", "suspect")} if shape == "trapezoid" else set()
+    # straight sides and a flat top are what slow and bounded amplifiers make, and cannot be told from them
+    allowed = {("flat-top", "suspect"), ("slew-rate", "suspect")} if shape == "trapezoid" else set()
     for length in (28, 200, 2000):
         for ringing in (0.0, 0.03):
             for noise in (1e-4, 1e-2):

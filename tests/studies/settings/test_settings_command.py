@@ -103,7 +103,7 @@ def test_narrow_screen_leaves_out_columns(strikewave, monkeypatch):
     table = rows[next(k for k, row in enumerate(rows) if row.lstrip().startswith("#")) :]
     assert "preload" not in table[0]
     assert sum(row.rstrip().endswith(("yes", "no")) for row in rows) == 6
-    assert all(len(row.split()) == 11 for row in rows if row.rstrip().endswith(("yes", "no")))
+    assert all(len(row.split()) == 10 for row in rows if row.rstrip().endswith(("yes", "no")))
 
 
 @pytest.mark.verify

@@ -161,7 +161,7 @@ class Flank(NamedTuple):
 
 
 def flank_of(record: Examined, pulse: RecordedPulse, side: int) -> Flank:
-    """Return the largest slope of one side of a pulse, and its bend, the doubt by noise added.
+    """Return the largest slope of one side of a pulse, and its bend, the doubt by noise and ringing added.
 
     The bend is that of parabola and cubic in the Legendre polynomials through the side, over the peak.
 
@@ -180,6 +180,7 @@ def flank_of(record: Examined, pulse: RecordedPulse, side: int) -> Flank:
     top = record.place(pulse.time) - record.place(pulse.begin)
     heights = heights[top:][::-1] if side > 0 else heights[: top + 1]
     ripple = 0.0 if math.isnan(pulse.baseline.ripple) else pulse.baseline.ripple
+    swing = max(ripple, _amplitude_after(record, pulse))  # it may straighten a side by as much as it swings
     least, slope = math.inf, float(np.max(np.diff(heights), initial=0.0))
     for level in LEVELS:
         first = int(np.max(np.flatnonzero(heights < level), initial=0))
@@ -188,7 +189,7 @@ def flank_of(record: Examined, pulse: RecordedPulse, side: int) -> Flank:
         if part.size < FEWEST_OF_FLANK:
             continue
         bends = np.polynomial.legendre.legfit(np.linspace(-1.0, 1.0, part.size), part, 3)
-        doubt = max(pulse.noise * math.sqrt(7.0 / part.size), ripple) / abs(pulse.peak)
+        doubt = max(pulse.noise * math.sqrt(7.0 / part.size), swing) / abs(pulse.peak)
         if (bend := math.hypot(bends[2], bends[3]) + doubt) < least:
             least, slope = bend, 2.0 * float(bends[1]) / (part.size - 1)
     return Flank(abs(pulse.peak) * slope / record.step, least)
@@ -258,6 +259,14 @@ def _swing_to_both_sides(record: Examined, pulse: RecordedPulse) -> float:
     first, last = record.place(pulse.end), record.place(pulse.end + SWINGS_WITHIN * pulse.width)
     after = record.values[first : last + 1] - pulse.offset
     return max(min(float(np.max(after)), -float(np.min(after))) - NOISE_SPANS * pulse.noise, 0.0)
+
+
+def _amplitude_after(record: Examined, pulse: RecordedPulse) -> float:
+    """Return the amplitude of what swings to both sides after a blow, noise taken off its mean square."""
+    first, last = record.place(pulse.end), record.place(pulse.end + SWINGS_WITHIN * pulse.width)
+    after = record.values[first : last + 1] - pulse.offset
+    both = max(min(float(np.max(after)), -float(np.min(after))), 0.0)
+    return min(both, math.sqrt(2.0 * max(float(np.var(after)) - pulse.noise**2, 0.0)))
 
 
 def _above_zero(record: Examined, pulse: RecordedPulse) -> Array:
