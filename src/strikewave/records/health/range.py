@@ -262,11 +262,12 @@ def _swing_to_both_sides(record: Examined, pulse: RecordedPulse) -> float:
 
 
 def _amplitude_after(record: Examined, pulse: RecordedPulse) -> float:
-    """Return the amplitude of what swings to both sides after a blow, noise taken off its mean square."""
+    """Return the amplitude of what swings to both sides after a blow, the most that noise makes of it taken off."""
     first, last = record.place(pulse.end), record.place(pulse.end + SWINGS_WITHIN * pulse.width)
     after = record.values[first : last + 1] - pulse.offset
     both = max(min(float(np.max(after)), -float(np.min(after))), 0.0)
-    return min(both, math.sqrt(2.0 * max(float(np.var(after)) - pulse.noise**2, 0.0)))
+    by_noise = pulse.noise**2 * (1.0 + SURE * math.sqrt(2.0 / after.size))
+    return min(both, math.sqrt(2.0 * max(float(np.var(after)) - by_noise, 0.0)))
 
 
 def _above_zero(record: Examined, pulse: RecordedPulse) -> Array:
