@@ -134,7 +134,6 @@ def test_logarithmic_law_stores_what_its_area_says():
     assert float(blow.max_indentation) == pytest.approx(force / slope * math.log(load / force), rel=1e-7)
 
 
-@pytest.mark.verify
 def test_logarithmic_law_beyond_its_end_is_refused_in_words():
     with pytest.raises(IntegrationError, match=r"index 1 presses .* beyond the end of the logarithmic law"):
         solve_impact(LogarithmicContact(1e10, 1e5), 1.0, np.inf, [0.01, 100.0])
