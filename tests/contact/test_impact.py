@@ -139,6 +139,7 @@ def test_logarithmic_law_beyond_its_end_is_refused_in_words():
         solve_impact(LogarithmicContact(1e10, 1e5), 1.0, np.inf, [0.01, 100.0])
 
 
+@pytest.mark.verify
 def test_a_million_impacts_in_one_call():
     speeds = np.linspace(0.1, 50.0, 1_000_000)
     blow = solve_impact(Contact(1e9, 1.5, exact(0.6)), 0.2, 0.5, speeds)

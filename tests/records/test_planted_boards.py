@@ -106,6 +106,7 @@ def test_a_response_at_half_the_gain_of_its_siblings_is_named():
     assert files[3].channels[1].figures("frequency") != []
 
 
+@pytest.mark.verify
 def test_responses_that_agree_have_no_outlier():
     """Ten campaigns of eight at a false alarm of 1 % each: two would have a chance of 0.4 %."""
     found = [campaign_of("clean-board", FIRST + k, 8, {}) for k in range(10)]

@@ -168,6 +168,7 @@ def drive_on(tables, state, load):
     )
 
 
+@pytest.mark.verify
 @given(stacks(LOSSLESS, ("free", "rigid", "spring", "mass")))
 def test_energy_of_a_lossless_stack_stays_for_a_million_steps(stack):
     """To 1e-9: each of a million steps rounds by 1e-16, in either direction or, at worst, always the same."""
