@@ -31,7 +31,7 @@ METRICS = {
     "shift": ("s", "shift that aligns the two, either way"),
     "inside": ("%", "share of the time within the corridor of a campaign"),
 }
-"""What a limit can be of: its unit ("1": a score, at most 1), and what it is. Differences count either way, as sizes."""
+"""What a limit can be of: its unit ("1": a score of at most 1), and what it is. Differences count as sizes."""
 EXAMPLES = {"%": 'a share with its sign, such as "5 %"', "dB": 'a level with its unit, such as "3 dB"'}
 """What the number of a limit may be, by unit: what a bare 5 is, of a difference or of a spectrum, would be a guess."""
 _LIMIT = re.compile(r"\s*([\w.\-]+)\s*(<=|>=|<|>)\s*(\S.*?)\s*")
@@ -143,8 +143,8 @@ def value_words(value: float, unit: str) -> str:
 
     Examples
     --------
-    >>> value_words(0.0412, "%"), value_words(0.8312, "1"), value_words(2e-6, "s")
-    ('4.12 %', '0.8312', '2\xa0us')
+    >>> value_words(0.0412, "%"), value_words(0.8312, "1")
+    ('4.12 %', '0.8312')
     """
     if unit == "s":
         return f"{value * 1e6:.4g}\N{NO-BREAK SPACE}us"
