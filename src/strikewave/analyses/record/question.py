@@ -16,6 +16,7 @@ from strikewave.base.errors import InputError, StrikewaveError
 from strikewave.base.result import Source
 from strikewave.base.units import si_value
 from strikewave.cases.sensor_file import stated_sensor
+from strikewave.cases.stated_test import load_test
 from strikewave.records import (
     FileReading,
     Options,
@@ -165,12 +166,14 @@ def record(
         )
         specification = judging.specification()
         tried = None if sensor is None else stated_sensor(str(sensor), "sensor")
-        origin = measured.source_in_python(name_of([Path(file) for file in files]), test)
+        performed = None if test is None else load_test(Path(test), "test")
+        origin = measured.source_in_python(name_of([Path(file) for file in files]), performed)
         found = examined(files, wanted, stated.reading(), origin, repeats_in_columns)
         found = dataclasses.replace(found, motion=motion, pair=two)
         found = found if tried is None else found.on_sensor(tried, "sensor")
         if specification is not None:
             found = with_verdict(found, specification, judging.asked(origin.test))
+        found = found if performed is None else found.of_test(performed)
         found.pairs  # noqa: B018 a wrong pair is refused here
     return found
 

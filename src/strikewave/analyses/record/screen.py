@@ -48,6 +48,7 @@ from strikewave.signal.filters import Filter
 
 if TYPE_CHECKING:
     from strikewave.cases.sensor_file import StatedSensor
+    from strikewave.cases.stated_test import StatedTest
     from strikewave.specifications.judged_records import Asked
     from strikewave.specifications.reading import Specification
 
@@ -108,7 +109,10 @@ def examine_records(
     usual = f"record-{name}"
     origin = measured.source_of_records(name, paths, output, usual)
     judged = None if specification is None or asked is None else (specification, asked(origin.test))
-    command = RecordCommand(files, wanted, options, origin, in_columns, fail_on, motion, judged, pair, sensor)
+    performed = None if output.test is None else output.performed
+    command = RecordCommand(
+        files, wanted, options, origin, in_columns, fail_on, motion, judged, pair, sensor, performed
+    )
     return run_and_write(command, output, usual, origin.text)
 
 
@@ -128,6 +132,7 @@ class RecordCommand(Command[RecordResult]):
     judged: tuple[Specification, Asked] | None = None
     pair: tuple[str, str] | tuple[()] = ()
     sensor: StatedSensor | None = None
+    performed: StatedTest | None = None
 
     def solve(self) -> RecordResult:
         """Return what the records say."""
@@ -135,6 +140,7 @@ class RecordCommand(Command[RecordResult]):
         found = dataclasses.replace(found, motion=self.motion, pair=self.pair)
         found = found if self.sensor is None else found.on_sensor(self.sensor, "--sensor")
         found = found if self.judged is None else with_verdict(found, *self.judged)
+        found = found if self.performed is None else found.of_test(self.performed)
         found.pairs  # noqa: B018 a wrong pair is refused before anything is printed
         return found
 
