@@ -141,7 +141,7 @@ class RecordSpecificationOptions(SpecificationOptions):
             if given:
                 raise InputError(option, "no --spec", "only with a specification", "add --spec NAME")
 
-    def asked(self, test: Mapping[str, str]) -> Asked:
+    def asked(self, test: Mapping[str, Any]) -> Asked:
         """Return how records are judged; the direction that a test states holds where no option does."""
         from strikewave.specifications.judged_records import Asked
         from strikewave.specifications.shock_directions import read_direction
