@@ -7,7 +7,7 @@ import math
 import numpy as np
 
 from strikewave.analyses.compare.agreement import PairOfFigures
-from strikewave.analyses.compare.limits import METRICS, verdict_of
+from strikewave.analyses.compare.limits import METRICS, value_words, verdict_of
 from strikewave.analyses.compare.result import INTEGRALS, NAMES, CompareResult, shift_words
 from strikewave.analyses.compare.specified import SpecificationVerdict
 from strikewave.reporting.clause_words import CLAUSE_HEADS, SHOWN, clause_cells, clause_words, tag_of, verdict_words
@@ -140,7 +140,7 @@ def limit_table(result: CompareResult) -> Table:
             if unit == "s":
                 size, name = axis_unit("s", "us")
                 return f"{written(value / size)} {name}"
-            return f"{value:.4g} dB" if unit == "dB" else f"{value:.4g}"
+            return value_words(value, unit)
 
         words, verdict = METRICS[one.limit.metric][1], tag_of(one.verdict)
         rows.append([one.limit.typed, verdict, cell(one.value), cell(one.margin), words])

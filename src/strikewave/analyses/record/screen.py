@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import dataclasses
 import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
@@ -13,7 +12,7 @@ from strikewave.analyses.record.chosen import advised_filter
 from strikewave.analyses.record.figures.campaigns import figure_unit
 from strikewave.analyses.record.motion_chapter import motion_table
 from strikewave.analyses.record.pair_chapter import LEFT_OUT_FIRST, pair_reasons, pair_table
-from strikewave.analyses.record.question import examined
+from strikewave.analyses.record.question import completed, examined
 from strikewave.analyses.record.responses import ResponseSummary, harmed, responding, summaries
 from strikewave.analyses.record.result import (
     INTEGRALS,
@@ -23,7 +22,6 @@ from strikewave.analyses.record.result import (
 )
 from strikewave.analyses.record.sensor_chapter import MORE_COLUMNS, sensor_table
 from strikewave.analyses.record.tables import rows_of, short_names
-from strikewave.analyses.record.verdicts.judged import with_verdict
 from strikewave.analyses.record.verdicts.screen import print_verdict
 from strikewave.analyses.record.words import named, record_words
 from strikewave.base.result import Source
@@ -132,11 +130,8 @@ class RecordCommand(Command[RecordResult]):
     def solve(self) -> RecordResult:
         """Return what the records say."""
         found = examined(self.files, self.wanted, self.options, self.origin, self.in_columns, self.fail_on)
-        found = dataclasses.replace(found, motion=self.motion, pair=self.pair)
-        found = found if self.sensor is None else found.on_sensor(self.sensor, "--sensor")
-        found = found if self.judged is None else with_verdict(found, *self.judged)
-        found.pairs  # noqa: B018 a wrong pair is refused before anything is printed
-        return found
+        sensor = None if self.sensor is None else (self.sensor, "--sensor")
+        return completed(found, self.motion, self.pair, sensor, self.judged)
 
     def summary(self, result: RecordResult) -> str:
         """Say what the records have in common, and which are bad."""
