@@ -62,8 +62,6 @@ RESULT_FILES = (
     "map.svg",
     "acceleration.csv",
     "synthesis.json",
-    "drop.json",
-    "drop.svg",
     "map.png",
     "equal-blows.toml",
     "settings.json",

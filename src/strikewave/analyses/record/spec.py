@@ -1,4 +1,4 @@
-"""``strikewave spec``: shock specifications, one with every number and its status, one's own, a motion that meets one."""
+"""``strikewave spec``: shock specifications, one with every number, one's own, a motion that meets one."""
 
 from __future__ import annotations
 

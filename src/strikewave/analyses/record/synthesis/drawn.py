@@ -21,8 +21,6 @@ if TYPE_CHECKING:
 SIZE = (10.0, 5.6)
 POINTS = 600
 """Points of a history in the picture."""
-SETTLED = 1e-3
-"""Share of its largest value below which a history is quiet, so that the picture may end there."""
 
 
 def picture(result: SynthesisResult) -> Figure:
@@ -32,7 +30,7 @@ def picture(result: SynthesisResult) -> Figure:
     figure = new_figure(SIZE)
     grid = figure.add_gridspec(3, 2, width_ratios=(1.1, 1.0))
     found = result.motion
-    time = found.step * np.arange(found.acceleration.size)
+    time = np.asarray(found.step * np.arange(found.acceleration.size), dtype=np.float64)
     size, clock = time_unit(float(time[-1]))
     usual = {"acceleration": ("m/s^2", "g"), "velocity": ("m/s", "m/s"), "displacement": ("m", "mm")}
     first = None
@@ -40,16 +38,15 @@ def picture(result: SynthesisResult) -> Figure:
         axes = figure.add_subplot(grid[row, 0], sharex=first)
         first = first or axes
         scale, unit = axis_unit(*usual[name])
-        axes.plot(*(part / one for part, one in zip(thin(time, getattr(found, name), POINTS), (size, scale), strict=True)),
-                  color=BLUE, linewidth=0.9)  # fmt: skip
+        x, y = thin(time, getattr(found, name), POINTS)
+        axes.plot(x / size, y / scale, color=BLUE, linewidth=0.9)
         quiet(axes, "", f"time ({clock})" if row == 2 else "", f"{name} ({unit})")
         if row < 2:
             axes.tick_params(labelbottom=False)
     axes = figure.add_subplot(grid[:, 1])
     (judged,) = result.verdict.spectra
-    draw_spectrum_limits(
-        axes, result.verdict.limits, [("spectrum", judged.frequency, judged.values, judged.verdict)], ""
-    )
+    drawn = [("spectrum", judged.frequency, judged.values, judged.verdict)]
+    draw_spectrum_limits(axes, result.verdict.limits, drawn, "")
     put_below(figure, *axes.get_legend_handles_labels())
     return titled(figure, plain(result.title, 90))
 
@@ -72,9 +69,9 @@ def page(result: SynthesisResult) -> str:
     ]
     if rows:
         text = (
-            "A damped sine is A exp(−ζ ω (t − t₀)) sin(ω (t − t₀)); a wavelet A sin(ω (t − t₀)/N) sin(ω (t − t₀)) over N "
-            "half-sines. The compensating pulses bring velocity and displacement at the end to zero. Damped sines are "
-            "faded out over the last fifth. acceleration.csv has the history."
+            "A damped sine is A exp(−ζ ω (t − t₀)) sin(ω (t − t₀)); a wavelet A sin(ω (t − t₀)/N) sin(ω (t − t₀)) over "
+            "N half-sines. The compensating pulses bring velocity and displacement at the end to zero. Damped sines "
+            "are faded out over the last fifth. acceleration.csv has the history, after some rest."
         )
         columns = [*heads, "damping", "half-sines", "for"]
         sections.append(Section("Components", text, [Table("What the motion is the sum of", columns, rows)]))

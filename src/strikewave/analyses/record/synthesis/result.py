@@ -1,4 +1,4 @@
-"""A base motion that is to meet a specification of a spectrum: how it is found, judged and told."""
+"""A base motion that is to meet a specification of a spectrum: how it is found and judged."""
 
 from __future__ import annotations
 
@@ -41,9 +41,19 @@ WAYS = (*BASES, HALF_SINE)
 """What a motion is made of."""
 WAVELETS_AN_OCTAVE = 6.0
 """Wavelets an octave at most: where they stand nearer they drown one another, and the iteration ends 2 to 3 dB off."""
+SOURCES = {
+    DAMPED_SINES: ("smallwood-nord-1974", "smallwood-1981"),
+    WAVELETS: ("irvine-wavelets", "smallwood-1981"),
+    HALF_SINE: ("smallwood-1981",),
+}
+"""Keys of the sources."""
 LEAST_RATE, MOST_SAMPLES = 8.0, 2_000_000
 """Samples a period of the highest frequency at least: at 8 interpolation leaves 1 %; samples of a motion at most: ten
 times those of the widest spectrum of pyroshock, 10 Hz to 10 kHz."""
+LEAD = 0.1
+"""Share of a motion that the file holds of rest before it: where a record begins, `strikewave srs` looks for rest."""
+RAISED = 0.01
+"""What a half-sine is raised beyond the share at or above nominal, dB: more than rounding and sampling take."""
 HALF_SINE_SAMPLES = 200
 """Samples of a half-sine at least: its peak then lies 3e-5 above the samples at most."""
 UPPER_SHARE = 1.0 / 6.0
@@ -129,7 +139,7 @@ class SynthesisResult(measured.AskedResult):
                 "values": judged.values,
                 "nominal": self.verdict.limits.nominal(judged.frequency),
             },
-            "verdict": self.verdict.document(),
+            "spec": self.verdict.document(),
         }
 
     def highlights(self) -> list[tuple[str, str]]:
@@ -158,8 +168,9 @@ class SynthesisResult(measured.AskedResult):
 
     def texts(self) -> dict[str, str]:
         """Return the JSON document and the history as files."""
-        values = self.motion.acceleration
-        time = self.motion.step * np.arange(values.size)
+        lead = np.zeros(math.ceil(LEAD * self.motion.acceleration.size))
+        values = np.concatenate([lead, self.motion.acceleration])
+        time = self.motion.step * (np.arange(values.size) - lead.size)
         history = [Column("time", time, "s"), Column("acceleration", values, "m/s^2")]
         return {"synthesis.json": self.document_text(), "acceleration.csv": csv_table(history, HISTORY_DIGITS)}
 
@@ -174,7 +185,7 @@ def synthesize(
     specification: Specification,
     by: str = DAMPED_SINES,
     rate: float | None = None,
-    origin: measured.Source | None = None,
+    origin: measured.Source = measured.UNKNOWN,
 ) -> SynthesisResult:
     """Return a base motion whose spectrum is to meet a specification, with the verdict of that.
 
@@ -207,7 +218,8 @@ def synthesize(
     _check_rate(rate, limits)
     half_sine = None
     if by == HALF_SINE:
-        half_sine, found = _half_sine(limits, frequency, rate)
+        half_sine = best_half_sine(limits, frequency)
+        found = _as_motion(half_sine, rate)
     else:
         count = min(limits.per_octave, WAVELETS_AN_OCTAVE) if by == WAVELETS else limits.per_octave
         basis = dataclasses.replace(limits, per_octave=count).grid()
@@ -221,10 +233,8 @@ def synthesize(
         motion=found,
         verdict=verdict,
         half_sine=half_sine,
-        origin=origin or measured.UNKNOWN,
-        citations=("smallwood-1981",)
-        if by == HALF_SINE
-        else ("smallwood-nord-1974", "irvine-wavelets", "smallwood-1981"),
+        origin=origin,
+        citations=SOURCES[by],
         notices=tuple(verdict_notices(specification.title, verdict.verdict, verdict.by_indicative, verdict.clauses)),
     )
     return dataclasses.replace(result, notices=(*result.notices, *_notices(result)))
@@ -252,20 +262,35 @@ def _check_rate(rate: float, limits: SpectrumLimits) -> None:
         raise InputError("--rate", f"{rate:g} Hz", f"at most {most:g} Hz: {MOST_SAMPLES} samples of this motion")
 
 
-def _half_sine(limits: SpectrumLimits, frequency: Array, rate: float) -> tuple[HalfSine, SynthesizedMotion]:
-    """Return the half-sine whose spectrum lies best, and it as a motion."""
+def best_half_sine(limits: SpectrumLimits, frequency: Array) -> HalfSine:
+    """Return the half-sine whose spectrum lies best within the tolerance.
+
+    Within it, it is raised as far as a share at or above nominal asks and its margin allows.
+    """
     low, high = limits.curves(frequency)
     if not np.any(np.isfinite(low)):
         raise InputError("--by", HALF_SINE, "a specification with a tolerance at its natural frequencies")
     best = matching_half_sine(frequency, low, high, limits.q, limits.side)
-    count = max(math.ceil(best.duration * rate), HALF_SINE_SAMPLES)
-    values = best.peak * np.sin(math.pi * np.arange(count + 1) / count)
+    if limits.share_above is None or best.outside > 0.0:
+        return best
+    moved = _as_motion(best, SMOOTH * float(frequency[-1]))
+    spectrum = srs(moved.acceleration, moved.step, frequency, limits.q).side(limits.side)
+    lacks = 20.0 * np.log10(limits.nominal(frequency) / spectrum)
+    needed = float(np.quantile(lacks, limits.share_above.low, method="inverted_cdf"))
+    raised = min(max(needed + RAISED, 0.0), -best.outside)
+    return HalfSine(best.peak * 10.0 ** (raised / 20.0), best.duration, best.outside + raised)
+
+
+def _as_motion(pulse: HalfSine, rate: float) -> SynthesizedMotion:
+    """Return a half-sine as a motion, sampled so that it begins and ends with a sample."""
+    count = max(math.ceil(pulse.duration * rate), HALF_SINE_SAMPLES)
+    values = pulse.peak * np.sin(math.pi * np.arange(count + 1) / count)
     values[-1] = 0.0
-    step = best.duration / count
+    step = pulse.duration / count
     moved = motion(values, step)
-    empty = np.empty(0)
-    return best, SynthesizedMotion(
-        values, moved.velocity, moved.displacement, step, (), (), empty, empty, max(best.outside, 0.0), 1
+    nothing = np.empty(0)
+    return SynthesizedMotion(
+        values, moved.velocity, moved.displacement, step, (), (), nothing, nothing, max(pulse.outside, 0.0), 1
     )
 
 
@@ -281,8 +306,8 @@ def _notices(result: SynthesisResult) -> list[Notice]:
         place = int(np.argmax(off))
         message = (
             f"the spectrum came within {found.distance:.2g} dB of its aim in {found.steps} steps, farthest at "
-            f"{found.frequency[place]:.4g} Hz: at high frequencies no spectrum lies below the peak of its motion, nor "
-            "falls faster than its damping allows"
+            f"{found.frequency[place]:.4g} Hz: at high frequencies no spectrum lies below the peak of its motion"
+            + ("; one that rises by more than 9 dB an octave takes --by wavelets" if result.by == DAMPED_SINES else "")
         )
         notices.append(Notice("aim-not-reached", message, found.distance, CLOSE))
     return notices
