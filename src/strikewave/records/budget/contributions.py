@@ -1,6 +1,6 @@
 """What the channel of a record may have done to it: a list of contributions, each a change of the record.
 
-    motion → transverse motion → sensor (sensitivity, linearity, temperature, response) → filter → recorder (gain, clock)
+    motion → sensor (transverse motion, sensitivity, linearity, temperature, response) → filter → recorder (gain, clock)
 
 Each contribution is one number that is not known, drawn about zero: a share of a gain, a filter's cutoff that is off, a
 zero that shifts under the blow. Changes of the spectrum are taken without phase: a delay moves no figure.
@@ -39,8 +39,8 @@ TOPICS = {
     "AC coupling": ("coupling",),
     "clock of the recorder": ("clock",),
 }
-"""What a budget of a shock measurement holds as a rule (after the lists of ISO 16063-1 and ISO 16063-21, from memory), and
-the kinds that state it: what none states is listed as not stated, never taken as nothing."""
+"""What a budget of a shock measurement holds as a rule (after ISO 16063-1 and ISO 16063-21, from memory), and the kinds
+that state it: what none states is listed as not stated, never taken as nothing."""
 RECORD, SAMPLING = "noise and baseline", "instants of sampling"
 """Names of what the record itself tells."""
 PADDED = 1.25
