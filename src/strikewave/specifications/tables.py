@@ -400,7 +400,7 @@ def numbers_of(file: SpecificationFile) -> Iterator[tuple[str, StatedNumber, str
                 yield (f"{name}.{place}" if place else name), number, status, source
 
 
-def standing(number: StatedNumber, table: SpecificationTable, file: SpecificationFile) -> tuple[str, str]:
+def standing(number: StatedNumber, table: SpecificationTable, file: SpecificationTable) -> tuple[str, str]:
     """Return the status and the source of a number: its own, else those of its table, else those of the file."""
     source = ""
     for level in (number, table, file):
