@@ -259,9 +259,8 @@ def _lightened(high_pass: HighPass, blows: Sequence[RecordedPulse], filtered: Ch
         for blow, begin, end in zip(blows, begins, ends, strict=True)
     )
     message = (
-        f"the high-pass at {high_pass.cutoff:g} Hz leaves {percent(left)} of a velocity change (the integral over "
-        "the blow, "
-        "from zero), and nothing of that of the whole record"
+        f"the high-pass at {high_pass.cutoff:g} Hz leaves {percent(left)} of a velocity change (the integral over the "
+        "blow, from zero), and nothing of that of the whole record"
     )
     return [HealthNotice("high-pass", message, left, severity="suspect" if left < HALF else "good")]
 
