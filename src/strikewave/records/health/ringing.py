@@ -10,7 +10,8 @@ from strikewave.base.percents import percent
 from strikewave.records.health.examined import BLOW, FEWEST_OF_PART, Examined
 from strikewave.records.health_notice import HealthNotice, by_effect
 from strikewave.records.measuring import RecordedPulse, one_sided, stretch_of
-from strikewave.records.rigid_pulse import POOR, RINGS_WITHIN, ringing_of
+from strikewave.records.rigid_pulse import POOR
+from strikewave.records.ringing import RINGS_WITHIN, ringing_of
 
 AFTER_BLOW = 0.25
 """Widths after the feet of a blow from which on its ringing is taken, up to `RINGS_WITHIN`: beside the foot, before it
