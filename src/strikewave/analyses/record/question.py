@@ -17,6 +17,7 @@ from strikewave.base.errors import InputError, StrikewaveError
 from strikewave.base.result import Source
 from strikewave.base.units import si_value
 from strikewave.cases.sensor_file import stated_sensor
+from strikewave.cases.stated_test import StatedTest, load_test
 from strikewave.records import (
     FileReading,
     Options,
@@ -171,10 +172,11 @@ def record(
         )
         specification = judging.specification()
         tried = None if sensor is None else (stated_sensor(str(sensor), "sensor"), "sensor")
-        origin = measured.source_in_python(name_of([Path(file) for file in files]), test)
+        performed = None if test is None else load_test(Path(test), "test")
+        origin = measured.source_in_python(name_of([Path(file) for file in files]), performed)
         found = examined(files, wanted, stated.reading(), origin, repeats_in_columns)
         judged = None if specification is None else (specification, judging.asked(origin.test))
-        return completed(found, motion, two, tried, judged)
+        return completed(found, motion, two, tried, judged, performed)
 
 
 def examined(
@@ -241,6 +243,7 @@ def completed(
     pair: tuple[str, str] | tuple[()],
     sensor: tuple[StatedSensor, str] | None,
     judged: tuple[Specification, Asked] | None,
+    performed: StatedTest | None = None,
 ) -> RecordResult:
     """Return the result of records with what else is asked of them.
 
@@ -256,6 +259,8 @@ def completed(
         On what the blows are tried, and what an error calls it.
     judged : (Specification, Asked) or None
         What the blows are judged by, and how.
+    performed : StatedTest or None, optional
+        What is stated of the test.
 
     Raises
     ------
@@ -265,6 +270,7 @@ def completed(
     result = dataclasses.replace(result, motion=motion, pair=pair)
     result = result if sensor is None else result.on_sensor(*sensor)
     result = result if judged is None else with_verdict(result, *judged)
+    result = result if performed is None else result.of_test(performed)
     result.pairs  # noqa: B018 a wrong pair is refused before anything is written
     return result
 

@@ -46,6 +46,7 @@ from strikewave.signal.filters import Filter
 
 if TYPE_CHECKING:
     from strikewave.cases.sensor_file import StatedSensor
+    from strikewave.cases.stated_test import StatedTest
     from strikewave.specifications.judged_records import Asked
     from strikewave.specifications.reading import Specification
 
@@ -106,7 +107,10 @@ def examine_records(
     usual = f"record-{name}"
     origin = measured.source_of_records(name, paths, output, usual)
     judged = None if specification is None or asked is None else (specification, asked(origin.test))
-    command = RecordCommand(files, wanted, options, origin, in_columns, fail_on, motion, judged, pair, sensor)
+    performed = None if output.test is None else output.performed
+    command = RecordCommand(
+        files, wanted, options, origin, in_columns, fail_on, motion, judged, pair, sensor, performed
+    )
     return run_and_write(command, output, usual, origin.text)
 
 
@@ -126,12 +130,13 @@ class RecordCommand(Command[RecordResult]):
     judged: tuple[Specification, Asked] | None = None
     pair: tuple[str, str] | tuple[()] = ()
     sensor: StatedSensor | None = None
+    performed: StatedTest | None = None
 
     def solve(self) -> RecordResult:
         """Return what the records say."""
         found = examined(self.files, self.wanted, self.options, self.origin, self.in_columns, self.fail_on)
         sensor = None if self.sensor is None else (self.sensor, "--sensor")
-        return completed(found, self.motion, self.pair, sensor, self.judged)
+        return completed(found, self.motion, self.pair, sensor, self.judged, self.performed)
 
     def summary(self, result: RecordResult) -> str:
         """Say what the records have in common, and which are bad."""
