@@ -17,6 +17,7 @@ from strikewave.analyses.record.moved import MOTION_UNITS, RecordMotion, all_mov
 from strikewave.analyses.record.paired import OF_CHANNEL as PAIR_OF_CHANNEL
 from strikewave.analyses.record.paired import PAIR_UNITS, RecordPair, all_pairs, pair_columns, transfer_columns
 from strikewave.analyses.record.responses import responding, response_columns, summaries
+from strikewave.analyses.record.shock_columns import shock_columns
 from strikewave.base.result import FAILED, Notice
 from strikewave.records.band_split import BandSplit
 from strikewave.records.campaign import Campaign
@@ -147,7 +148,8 @@ class RecordResult(AskedResult):
         if self.pair:
             content["pairs"] = [one.document() for one in self.pairs]
         if self.verdict is not None:
-            content["spec"] = self.verdict.document()
+            lapses = [] if self.performed is None else self.performed.lapses
+            content["spec"] = {**self.verdict.document(), "calibration_overdue": [one.instrument for one in lapses]}
         if self.sensor is not None:
             content["sensor"] = self.sensor.document()
         if responding(self.readings):
@@ -201,6 +203,8 @@ class RecordResult(AskedResult):
         if self.pair:
             tables["pairs.csv"] = csv_table(pair_columns(self.pairs))
             tables["transfer.csv"] = csv_table(transfer_columns(self.pairs), HISTORY_DIGITS)
+        if self.verdict is not None:
+            tables["shocks.csv"] = csv_table(shock_columns(self.verdict))
         if self.sensor is not None:
             tables["sensor.csv"] = csv_table(self.sensor.columns())
         return tables

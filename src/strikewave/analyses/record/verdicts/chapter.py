@@ -31,14 +31,14 @@ def verdict_section(found: RecordsVerdict, names: dict[str, str]) -> Section:
     worst = sorted(found.shocks, key=lambda shock: WORST_FIRST.index(shock.found.verdict))[:MOST_DRAWN]
     drawn = [shock for shock in found.shocks if shock in worst] if len(found.shocks) <= MOST_DRAWN else worst
     parts += [_picture(shock, found, names, several) for shock in drawn]
-    text = _how(found)
+    text = decision_words(found)
     if len(found.shocks) > len(drawn):
         text += f" {len(drawn)} of {len(found.shocks)} shocks are drawn, those that fail first."
     return Section("Verdict by the specification", text, parts)
 
 
-def _how(found: RecordsVerdict) -> str:
-    """Say how it was judged."""
+def decision_words(found: RecordsVerdict) -> str:
+    """Say how it was judged, and where the numbers of the specification come from."""
     file, asked = found.specification.file, found.asked
     rule = (
         "by the values alone (simple acceptance)"

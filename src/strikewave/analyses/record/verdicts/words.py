@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import math
 
-from strikewave.reporting.clause_words import first_upper, share_words, verdict_words, why_words
+from strikewave.cases.stated_test import StatedTest
+from strikewave.reporting.clause_words import LOOKS, first_upper, share_words, verdict_words, why_words
 from strikewave.reporting.numbers import listed
-from strikewave.reporting.parts import NONE
+from strikewave.reporting.parts import NONE, Tag
 from strikewave.specifications.decisions import CANNOT_TELL, FAIL, NOT_JUDGED, PASS
 from strikewave.specifications.judged_records import JudgedShock, RecordsVerdict
 
@@ -20,6 +21,13 @@ def name_of_shock(shock: JudgedShock | None, names: dict[str, str], several: boo
         return NONE
     channel = f", {shock.reading.channel.name}" if several else ""
     return f"{names[shock.file]}{channel}, blow {shock.number}"
+
+
+def verdict_tag(found: RecordsVerdict, stated: StatedTest | None = None) -> Tag:
+    """Return the verdict as a tag, with what it rests on; equipment without a valid calibration takes its green."""
+    overdue = bool(stated and stated.lapses)
+    words = verdict_words(found.verdict, found.by_indicative) + ("; calibration overdue" if overdue else "")
+    return Tag(words, "warned" if overdue and found.verdict == PASS else LOOKS[found.verdict])
 
 
 def sentence(found: RecordsVerdict, names: dict[str, str]) -> str:
