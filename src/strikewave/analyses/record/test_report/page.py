@@ -20,7 +20,7 @@ from strikewave.analyses.record.test_report.shocks import (
 )
 from strikewave.analyses.record.verdicts.chapter import decision_words
 from strikewave.analyses.record.verdicts.specification_result import asked_clauses, asked_words, status_cell
-from strikewave.analyses.record.verdicts.words import sentence, verdict_tag
+from strikewave.analyses.record.verdicts.words import sentence, tag_of_records
 from strikewave.analyses.record.words import named
 from strikewave.cases.stated_test import NO_TEST, CaseTable, StatedTest
 from strikewave.reporting import chapters
@@ -63,7 +63,7 @@ def report_of_test(result: RecordResult) -> str:
         subject="Specification",
         name=found.specification.title,
         digest="",
-        status=verdict_tag(found, stated),
+        status=tag_of_records(found, stated),
         summary=[sentence(found, names), *_lapse_words(stated)],
         numbers=_key_numbers(found),
         foot=f"test report {number}",

@@ -12,8 +12,9 @@ from strikewave.reporting.clause_words import SHOWN, amount, tag_of, value_words
 from strikewave.reporting.numbers import with_unit
 from strikewave.reporting.parts import NONE, Cell, Table
 from strikewave.specifications.decisions import CANNOT_TELL, FAIL, PASS
-from strikewave.specifications.judged_records import DIRECTIONS, JudgedShock, RecordsVerdict
+from strikewave.specifications.judged_records import JudgedShock, RecordsVerdict
 from strikewave.specifications.judging import NORMATIVE, Clause, Limits, judged
+from strikewave.specifications.shock_directions import DIRECTIONS
 
 MOST_LISTED = 200
 """Shocks that are listed one by one: five sheets. Of more a summary is given, and those that do not pass."""
