@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
+from dataclasses import replace
 from pathlib import Path
 
 from strikewave._version import __version__
@@ -18,12 +19,13 @@ from strikewave.analyses.record.test_report.shocks import (
     several_channels,
     shock_tables,
 )
-from strikewave.analyses.record.verdicts.chapter import decision_words
+from strikewave.analyses.record.verdicts.chapter import limit_words_of
 from strikewave.analyses.record.verdicts.specification_result import asked_clauses, asked_words, status_cell
 from strikewave.analyses.record.verdicts.words import sentence, tag_of_records
 from strikewave.analyses.record.words import named
 from strikewave.cases.stated_test import NO_TEST, CaseTable, StatedTest
 from strikewave.reporting import chapters
+from strikewave.reporting.measured_files import digests_of
 from strikewave.reporting.numbers import listed
 from strikewave.reporting.page import Head, whole_page
 from strikewave.reporting.parts import NONE, Cell, Code, Part, Photo, Picture, Section, SignatureLines, Table, Tag
@@ -55,6 +57,7 @@ def report_of_test(result: RecordResult) -> str:
     found, stated = result.verdict, result.performed or NO_TEST
     if found is None:
         raise ValueError("a test report needs a verdict")
+    result = _hashed(result)
     names = short_names([file.path for file in result.readings])
     number = _number(result, stated)
     head = Head(
@@ -84,6 +87,14 @@ def report_of_test(result: RecordResult) -> str:
         Section(f"End of test report {number}", ""),
     ]
     return whole_page(head, sections)
+
+
+def _hashed(result: RecordResult) -> RecordResult:
+    """Return the result with the SHA-256 of its files, which Python does not take before they are shown."""
+    if result.origin.digests:
+        return result
+    digests = digests_of([Path(file.path) for file in result.readings])
+    return replace(result, origin=replace(result.origin, digests=digests))
 
 
 def _number(result: RecordResult, stated: StatedTest) -> str:
@@ -132,7 +143,7 @@ def _key_numbers(found: RecordsVerdict) -> list[tuple[str, str]]:
 def _fields(caption: str, rows: Iterable[tuple[str, str]]) -> list[Part]:
     """Return a table of what is stated; none where nothing is."""
     given: list[list[Cell]] = [[name, text] for name, text in rows if text]
-    return [Table(caption, ["", "stated"], given)] if given else []
+    return [Table(caption, ["what", "stated"], given)] if given else []
 
 
 def _named_fields(table: CaseTable, names: Sequence[str] = ()) -> list[tuple[str, str]]:
@@ -189,10 +200,27 @@ def _specification(found: RecordsVerdict) -> Section:
         band = found.limits.band
         words = f"{100.0 * band.time:g} % of the duration, {100.0 * band.amplitude:g} % of the peak"
         rows.append(["tolerance band", words, status_cell(found.limits.band_status)])
-    text = f"{found.specification.title} ({file.edition}).\n\n{decision_words(found)}"
+    text = f"{found.specification.title} ({file.edition}).\n\n{_decision(found)}\n\n{limit_words_of(found)}"
     return Section(
         "Specification and decision rule", text, [Table("What is asked of a shock", ["", "limit", "status"], rows)]
     )
+
+
+def _decision(found: RecordsVerdict) -> str:
+    """Say by which rule conformity is stated, and with which uncertainty."""
+    if found.asked.rule == "simple":
+        rule = "simple acceptance: a value within its limits passes, whatever its uncertainty (JCGM 106:2012, 8.2)"
+    else:
+        rule = (
+            "guarded: within the expanded uncertainty of a limit neither pass nor fail is stated (ISO 14253-1, JCGM "
+            "106:2012, 8.3)"
+        )
+    known = "that of noise and baseline, found before each shock"
+    if found.asked.uncertainty > 0.0:
+        known = f"{100.0 * found.asked.uncertainty:g} % of the acceleration, and {known}"
+    else:
+        known += "; that of sensor, amplifier and calibration is not stated, and is not in it"
+    return f"Decision rule: {rule}.\n\nUncertainty of the measurement, expanded, k = 2: {known}."
 
 
 def _setup(stated: StatedTest) -> Section:

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import math
+import re
 from collections.abc import Iterator, Sequence
 from statistics import fmean, stdev
 
-from strikewave.analyses.record.verdicts.words import name_of_shock
 from strikewave.base.percents import percent
 from strikewave.reporting.clause_words import SHOWN, amount, tag_of, value_words
 from strikewave.reporting.numbers import with_unit
@@ -20,6 +20,7 @@ MOST_LISTED = 200
 """Shocks that are listed one by one: five sheets. Of more a summary is given, and those that do not pass."""
 FIGURES = (("peak", "m/s^2"), ("pulse width", "s"), ("velocity change", "m/s"))
 """Figures of a shock, by the begin of the names of their clauses, and their SI units."""
+_VALUE = re.compile(r"(?P<value>[−+]?\d\S*( ± \S+)?)\s(?P<unit>\D\S*)")
 UNSTATED = "not stated"
 """Stands for a direction that is not stated."""
 
@@ -106,8 +107,6 @@ def _listed(
     numbered: Sequence[tuple[int, JudgedShock]], found: RecordsVerdict, names: dict[str, str], caption: str
 ) -> Table:
     several = several_channels(found)
-    heads = ["#", "direction", "record", "time", *(clause.clause for clause in _model(found))]
-    band = any(clause.clause == "band" for one in found.shocks for clause in one.found.clauses)
     rows: list[list[Cell]] = []
     for number, shock in numbered:
         inside = [clause for clause in shock.found.clauses if clause.clause == "band"]
@@ -115,16 +114,40 @@ def _listed(
             [
                 number,
                 shock.direction or NONE,
-                name_of_shock(shock, names, several),
+                names[shock.file],
+                *([shock.reading.channel.name] if several else []),
+                shock.number,
                 with_unit(shock.pulse.time, "s", "s", 6),
                 *map(value_words, figures_of(shock)),
-                *([value_words(inside[0]) if inside else NONE] if band else []),
+                value_words(inside[0]) if inside else NONE,
                 tag_of(shock.found.verdict),
                 why(shock),
             ]
         )
-    heads += [*(["band"] if band else []), "verdict", "fails, or why nothing can be said"]
-    return Table(caption, heads, rows, "None.")
+    heads = ["#", "direction", "record", *(["channel"] if several else []), "blow", "time"]
+    heads += [*(clause.clause for clause in _model(found)), "band", "verdict", "fails, or why nothing can be said"]
+    empty = [place for place, head in enumerate(heads) if head == "band" and all(row[place] == NONE for row in rows)]
+    kept = [place for place in range(len(heads)) if place not in empty]
+    return Table(caption, *_units_in_heads([heads[k] for k in kept], [[row[k] for k in kept] for row in rows]), "None.")
+
+
+def _units_in_heads(heads: Sequence[str], rows: Sequence[Sequence[Cell]]) -> tuple[list[str], list[list[Cell]]]:
+    """Move a unit with which all cells of a column end into its head.
+
+    Examples
+    --------
+    >>> _units_in_heads(["peak", "why"], [["50 ± 2 g", "-"], ["9.1 ± 0.4 g", "peak"]])
+    (['peak (g)', 'why'], [['50 ± 2', '-'], ['9.1 ± 0.4', 'peak']])
+    """
+    columns = [[row[place] for row in rows] for place in range(len(heads))]
+    named = list(heads)
+    for place, column in enumerate(columns):
+        parts = [_VALUE.fullmatch(str(cell)) for cell in column if cell != NONE]
+        units = {part["unit"] for part in parts if part}
+        if len(units) == 1 and all(parts):
+            named[place] = f"{heads[place]} ({units.pop()})"
+            columns[place] = [cell if cell == NONE else _VALUE.sub(r"\g<value>", str(cell)) for cell in column]
+    return named, [list(row) for row in zip(*columns, strict=True)]
 
 
 def _model(found: RecordsVerdict) -> list[Clause]:
