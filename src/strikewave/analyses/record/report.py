@@ -37,7 +37,7 @@ def record_report(result: RecordResult) -> str:
     sections = [
         *([] if result.verdict is None else [verdict_section(result.verdict, names)]),
         *pictures.campaign_sections(campaigns, files, names),
-        *response_sections(files, names),
+        *response_sections(files, result.response_summaries, names),
         pictures.picture_section(files, names),
         pictures.response_section(files, names),
         chapters.file_section(files, names),

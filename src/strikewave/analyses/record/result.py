@@ -16,7 +16,7 @@ from strikewave.analyses.record.chosen import advised_filter, cutoff_for, source
 from strikewave.analyses.record.moved import MOTION_UNITS, RecordMotion, all_moved, motion_columns
 from strikewave.analyses.record.paired import OF_CHANNEL as PAIR_OF_CHANNEL
 from strikewave.analyses.record.paired import PAIR_UNITS, RecordPair, all_pairs, pair_columns, transfer_columns
-from strikewave.analyses.record.responses import responding, response_columns, summaries
+from strikewave.analyses.record.responses import ResponseSummary, responding, response_columns, summaries
 from strikewave.analyses.record.shock_columns import shock_columns
 from strikewave.base.errors import StrikewaveError
 from strikewave.base.output_folder import write_atomically
@@ -139,6 +139,11 @@ class RecordResult(AskedResult):
         """Velocity and displacement of the channels, where asked for."""
         return all_moved(self.readings) if self.motion else []
 
+    @functools.cached_property
+    def response_summaries(self) -> list[ResponseSummary]:
+        """Each response channel summed up over its blows in all files; none where no base was named."""
+        return summaries(self.readings)
+
     @property
     def title(self) -> str:
         """Name of the only file, or how many there are of which folder."""
@@ -175,7 +180,7 @@ class RecordResult(AskedResult):
         if self.sensor is not None:
             content["sensor"] = self.sensor.document()
         if responding(self.readings):
-            content["response_summary"] = [one.document() for one in summaries(self.readings)]
+            content["response_summary"] = [one.document() for one in self.response_summaries]
         if len(self.campaigns) > 1:
             content["campaigns"] = [_campaign(one) for one in self.campaigns]
         return content
