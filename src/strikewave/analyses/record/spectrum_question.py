@@ -6,17 +6,19 @@ import dataclasses
 import math
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from strikewave.analyses.record.filter_options import filtered
 from strikewave.analyses.record.result import name_of
 from strikewave.analyses.record.rolling_window import ALLOWED_Q, Rolling, read_rolling
 from strikewave.analyses.record.spectrum import (
     KIND_UNITS,
+    LEFT_OUT,
     ShockSpectra,
     SpectrumOptions,
     SpectrumRequest,
     SpectrumResult,
+    harm_of,
     response_of,
     rms_of,
     spectrum_of,
@@ -32,8 +34,21 @@ from strikewave.reporting.numbers import with_unit
 from strikewave.reporting.options import Typed, wrong_choice
 from strikewave.reporting.terminal import say
 from strikewave.signal.filters import Filter
-from strikewave.signal.srs import INITIAL, PARTS, SIDES, RollingSpectrum, Scope, octaves, resultant_srs, rolling_srs
+from strikewave.signal.srs import (
+    INITIAL,
+    PARTS,
+    SIDES,
+    RollingSpectrum,
+    Scope,
+    Spectrum,
+    octaves,
+    resultant_srs,
+    rolling_srs,
+)
 from strikewave.specifications.decisions import Rule
+
+if TYPE_CHECKING:
+    from strikewave.analyses.record.verdicts.judged_spectra import SpectraJudge
 
 HIGHEST = 100e3
 """Highest natural frequency by default, Hz. Chosen: ten times that of usual spectra of pyroshock (10 kHz in Irvine, An
@@ -50,8 +65,6 @@ CITED = ("smallwood-1981", "iso-18431-4")
 """What a spectrum follows."""
 CITED_OF_SEVERAL = (*CITED, "piersol-2009", "nist-handbook")
 """What several spectra and their limit follow."""
-LEFT_OUT = ("gain-differs",)
-"""Findings with which a record enters no envelope, as with one that is bad: its spectrum is wrong as a whole."""
 SAME_STEP = 1e-9
 """Relative difference of steps that are one."""
 
@@ -192,9 +205,7 @@ def shock_spectra(
         )
         origin = measured.source_in_python(name_of([Path(file) for file in files]), test)
         judge = SpecificationOptions.in_python(spec, decision, uncertainty, strict).spectra_judge()
-        if judge is None:
-            return spectra_of(asked, wanted, origin)
-        return judge.judged(spectra_of(asked, judge.wanted(wanted), origin))
+        return judged_spectra_of(asked, wanted, origin, judge)
 
 
 def _typed(value: str | float, si: str, field: str) -> Typed:
@@ -220,6 +231,21 @@ class FilesAsked(NamedTuple):
     stated: dict[str, dict[str, Any]]
     options: Options
     filters: Request
+
+
+def judged_spectra_of(
+    asked: FilesAsked, wanted: SpectrumRequest, origin: Source, judge: SpectraJudge | None
+) -> SpectrumResult:
+    """Return the spectra of measured files, and the verdict on those that a specification means where one judges.
+
+    Raises
+    ------
+    InputError, StrikewaveError
+        If `spectra_of` or `SpectraJudge` raises it.
+    """
+    if judge is None:
+        return spectra_of(asked, wanted, origin)
+    return judge.judged(spectra_of(asked, judge.wanted(wanted), origin))
 
 
 def spectra_of(asked: FilesAsked, wanted: SpectrumRequest, origin: Source) -> SpectrumResult:
@@ -362,16 +388,30 @@ def _shock(
         response = response_of(reading, kinds, natural, wanted.q, more.initial)
     if more.rolling is not None and not (left_out and several):
         rolling = _rolling(reading, wanted, frequencies, most_windows, file)
+    own = _frequencies(wanted, channel.sampling_rate) if wanted.own_range else frequencies
+    spectra = [spectrum_of(reading, kind, own, wanted.q, scope) for kind in kinds]
     return ShockSpectra(
         file,
         channel.name,
         reading.status,
         reading.baseline,
-        [spectrum_of(reading, kind, frequencies, wanted.q, scope) for kind in kinds],
+        [_lowest(one, len(frequencies)) for one in spectra],
         {kind: rms_of(reading, kind, frequencies, wanted.q, more.initial) for kind in kinds if more.rms},
         left_out,
         response,
         rolling,
+        spectra[0] if wanted.own_range else None,
+        harm_of(reading),
+    )
+
+
+def _lowest(one: Spectrum, count: int) -> Spectrum:
+    """Return a spectrum of the lowest natural frequencies alone: its steps are the same from the lowest one on."""
+    if len(one.frequency) == count:
+        return one
+    first = slice(count)
+    return dataclasses.replace(
+        one, frequency=one.frequency[first], positive=one.positive[first], negative=one.negative[first]
     )
 
 
