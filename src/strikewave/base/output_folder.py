@@ -60,6 +60,8 @@ RESULT_FILES = (
     "map.nc",
     "map.csv",
     "map.svg",
+    "acceleration.csv",
+    "synthesis.json",
     "map.png",
     "equal-blows.toml",
     "settings.json",

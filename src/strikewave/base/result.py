@@ -230,8 +230,8 @@ class Source:
         SHA-256 of the files that were read, by their names.
     asked : str
         Command line that gives the result again, as it is to be typed, where the text alone does not.
-    test : mapping of str to str
-        What was stated of the test, where no case holds it.
+    test : mapping
+        What was stated of the test, where no case holds it: texts by the keys of [test], and tables of a test report.
     """
 
     kind: str
@@ -240,7 +240,7 @@ class Source:
     file: str = "case.toml"
     digests: Mapping[str, str] = dataclasses.field(default_factory=dict)
     asked: str = ""
-    test: Mapping[str, str] = dataclasses.field(default_factory=dict)
+    test: Mapping[str, Any] = dataclasses.field(default_factory=dict)
 
     @property
     def whole(self) -> bool:
@@ -296,8 +296,11 @@ class Result(ABC):
         """Where the inputs come from."""
 
     @property
-    def test(self) -> Mapping[str, str]:
-        """What was tested, by whom, where and when, as far as it is stated; see the table [test] of a case."""
+    def test(self) -> Mapping[str, Any]:
+        """What was tested, by whom, where and when, as far as it is stated; see the table [test] of a case.
+
+        Of measured files, tables of a test report may stand beside those texts.
+        """
         return {}
 
     @property

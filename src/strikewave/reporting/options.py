@@ -6,6 +6,7 @@ need none: a ``Literal``, or ``typer.Option("--runs", min=10)``.
 
 from __future__ import annotations
 
+import functools
 import math
 from collections.abc import Callable, Sequence
 from contextlib import AbstractContextManager
@@ -25,6 +26,7 @@ if TYPE_CHECKING:
     from strikewave.base.quantities import Value
     from strikewave.base.result import Result
     from strikewave.cases.case import Case
+    from strikewave.cases.stated_test import StatedTest
 
 Read = Callable[[str, str], Any]
 """Takes a typed word and the name of its option; returns the value or raises `InputError`."""
@@ -417,17 +419,28 @@ class Output(Shown):
     pdf: Pdf = None
     xlsx: Xlsx = False
 
-    def stated_test(self) -> dict[str, str]:
-        """Return what ``--test`` states; nothing without it.
+    @functools.cached_property
+    def performed(self) -> StatedTest:
+        """What ``--test`` states, read once.
 
         Raises
         ------
         InputError, InputErrors
             If its file cannot be used.
         """
-        from strikewave.cases.performed_test import load_test
+        from strikewave.cases.stated_test import NO_TEST, load_test
 
-        return {} if self.test is None else load_test(self.test).stated()
+        return NO_TEST if self.test is None else load_test(self.test)
+
+    def stated_test(self) -> dict[str, str]:
+        """Return what the table [test] of ``--test`` states; nothing without it.
+
+        Raises
+        ------
+        InputError, InputErrors
+            If its file cannot be used.
+        """
+        return self.performed.test.stated()
 
     def tested(self, case: Case) -> Case:
         """Return a case with the test that ``--test`` states in the place of its own; the case itself without it.
@@ -437,9 +450,7 @@ class Output(Shown):
         InputError, InputErrors
             If its file cannot be used.
         """
-        from strikewave.cases.performed_test import load_test
-
-        return case if self.test is None else case.model_copy(update={"test": load_test(self.test)})
+        return case if self.test is None else case.model_copy(update={"test": self.performed.test})
 
     def check_animation(self, animate: bool) -> None:
         """Refuse an animation that has no folder to go to.

@@ -1,7 +1,8 @@
 """The tables of a specification file: each number with its unit, its status and its source.
 
 A number is ``"1500 g"``, or a table ``{ value = "1500 g", status = "quoted", source = "who quotes it" }``. What a
-number does not say of itself its table says, and else the file.
+number does not say of itself its table says, and else the file. A share has its sign, ``"20 %"``: a bare 5 would be
+500 %, which judges nothing, and a bare 0.15 may be meant either way.
 """
 
 from __future__ import annotations
@@ -14,6 +15,7 @@ from typing import Annotated, Any, Literal, Self
 from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, model_validator
 
 from strikewave.base.errors import MISSING, InputError, nearest
+from strikewave.base.percents import sign_needed
 from strikewave.base.quantities import Range
 from strikewave.cases.performed_test import Line, line_text, notes_text
 from strikewave.cases.tables import CaseTable
@@ -96,7 +98,7 @@ class NumberReader:
         if self.unit not in ("%", "dB"):
             return self.range.read(typed).si
         sign, scale, example = ("%", 0.01, "20 %") if self.unit == "%" else ("dB", 1.0, "-6 dB")
-        words = f'a number with its sign, such as "{example}"' if self.unit == "dB" else f'a share, such as "{example}"'
+        words = f'a {"number" if self.unit == "dB" else "share"} with its sign, such as "{example}"'
         limits = "" if math.isinf(self.high) else f", from {self.low / scale:g} to {self.high / scale:g} {sign}"
         number = math.nan
         if isinstance(typed, str) and len(typed) <= LONGEST_NUMBER and typed.strip().endswith(sign):
@@ -104,10 +106,9 @@ class NumberReader:
                 number = float(typed.strip().removesuffix(sign)) * scale
             except ValueError:
                 number = math.nan
-        elif isinstance(typed, int | float) and not isinstance(typed, bool) and self.unit == "%":
-            number = float(typed) if abs(typed) < 1e9 else math.nan
         if not self.low <= number <= self.high:
-            raise InputError("", typed, words + limits)
+            bare = isinstance(typed, int | float) and not isinstance(typed, bool) and self.unit == "%"
+            raise InputError("", typed, words + limits, sign_needed(typed) if bare else "")
         return number
 
 
@@ -391,7 +392,7 @@ def numbers_of(file: SpecificationFile) -> Iterator[tuple[str, StatedNumber, str
                 yield (f"{name}.{place}" if place else name), number, status, source
 
 
-def standing(number: StatedNumber, table: SpecificationTable, file: SpecificationFile) -> tuple[str, str]:
+def standing(number: StatedNumber, table: SpecificationTable, file: SpecificationTable) -> tuple[str, str]:
     """Return the status and the source of a number: its own, else those of its table, else those of the file."""
     source = ""
     for level in (number, table, file):

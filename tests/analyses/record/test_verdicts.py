@@ -121,6 +121,55 @@ def test_shocks_are_counted_by_direction_from_options_or_the_test(judged):
     assert "shocks in +z" in clauses_of(judged("record", "up0.csv", *IEC, "--test", "test.toml")[1])
 
 
+def test_a_direction_that_fits_no_file_or_channel_is_refused_with_those_that_there_are(strikewave):
+    write_shot("up0.csv"), write_shot("side.csv", across=0.1)
+    for word, words in (
+        ("upp*=+x", "a pattern that fits one of the files; choose from: side.csv, up0.csv"),
+        ("side.csv#z=+x", "name or number of a channel of these files; choose from: 1, 2, table, y"),
+        ("=+x", "FILES#CHANNEL=DIRECTION"),
+    ):
+        code, out, err = strikewave("record", "up0.csv", "side.csv", *IEC, "--direction", word)
+        assert (code, out) == (2, "")
+        assert words in err, err
+    code, _, err = strikewave("record", "up0.csv", "side.csv", *IEC, "--cross-axis", "up*#y")
+    assert (code, "FILES#CHANNEL" in err) == (2, True)
+
+
+def test_files_without_a_direction_are_named_and_fail_no_count(strikewave, judged):
+    for name in ("up0.csv", "up1.csv", "side.csv"):
+        write_shot(name)
+    words = ("record", "up0.csv", "up1.csv", "side.csv", *IEC, "--direction", "up*=+x")
+    code, spec = judged(*words)
+    clauses = clauses_of(spec)
+    assert code == 0
+    assert "side.csv has no direction" in clauses["shocks without a direction"]["reason"]
+    assert (clauses["shocks in +x"]["value"], clauses["shocks in +x"]["verdict"]) == (2, "cannot-tell")
+    assert "shocks without a direction" in strikewave(*words)[1]
+
+
+def test_one_file_of_three_axes_states_a_direction_and_cross_axes_for_each_channel(judged):
+    """A blow along x, later one along y, on a sensor of two axes: each is judged along, the other axis is across."""
+    for name, along in (("x", 0), ("y", 1)):
+        write_shot(f"{name}.csv", across=0.1)
+        data = np.loadtxt(f"{name}.csv", delimiter=",", skiprows=1)
+        data[:, 1:] = data[:, 1:] if along == 0 else data[:, :0:-1]
+        np.savetxt(f"{name}.csv", data, delimiter=",", header="time (s),x (g),y (g)", comments="", fmt="%.9g")
+    across = ("--cross-axis", "x.csv#y", "--cross-axis", "y.csv#1")
+    spec = judged("record", "x.csv", "y.csv", *IEC, *across, "--direction", "x.csv#x=+x", "--direction", "#2=+y")[1]
+    assert [(shock["channel"], shock["direction"]) for shock in spec["shocks"]] == [("x", "+x"), ("y", "+y")]
+    clauses = clauses_of(spec)
+    assert [clauses[f"shocks in {one}"]["value"] for one in ("+x", "+y")] == [1, 1]
+    assert clauses["cross-axis"]["value"] == pytest.approx(5 * GRAVITY, rel=0.05)
+
+
+def test_a_pass_says_at_its_head_what_was_not_judged(strikewave):
+    write_shot("good.csv")
+    out = strikewave("record", "good.csv", *IEC, "--out", "kept")[1]
+    head = "PASS for the clauses judged (by indicative limits); 2 not judged: cross-axis and shocks by direction."
+    assert " ".join(out.split()).startswith(f"{head} One shock by IEC 60068-2-27")
+    assert "PASS for the clauses judged (by indicative limits)<" in Path("kept/report.html").read_text("utf-8")
+
+
 def test_a_blow_on_two_channels_counts_once(judged):
     """Two files with two channels each hold two shocks, not the three that are asked for."""
     for k in range(2):

@@ -18,7 +18,7 @@ from strikewave.analyses.record.words import counted, record_words
 from strikewave.records.campaign import Campaign
 from strikewave.records.reading import FileReading
 from strikewave.reporting import chapters as shared
-from strikewave.reporting.clause_words import tag_of
+from strikewave.reporting.clause_words import verdict_tag
 from strikewave.reporting.numbers import listed
 from strikewave.reporting.parts import Tag
 
@@ -52,7 +52,10 @@ def record_report(result: RecordResult) -> str:
         chapters.filter_section(files, names, result.filter),
         chapters.calibration_section(files, names, result.calibrations),
     ]
-    tag = _status(files) if result.verdict is None else tag_of(result.verdict.verdict)
+    judged = result.verdict
+    tag = _status(files)
+    if judged is not None:
+        tag = verdict_tag(judged.verdict, judged.by_indicative, [clause for clause, _ in judged.clauses])
     numbers = _key_numbers(files, campaigns)
     summary = shared.Summary("Report of measured records", record_words(result), numbers, tag)
     return shared.result_page(result, summary, sections)

@@ -34,6 +34,7 @@ from strikewave.signal.pulse import HALF_SINE_WIDTH
 if TYPE_CHECKING:
     from strikewave.analyses.record.sensor_trials import SensorTrials
     from strikewave.cases.sensor_file import StatedSensor
+    from strikewave.cases.stated_test import StatedTest
     from strikewave.specifications.judged_records import RecordsVerdict
 
 INTEGRALS = {"m/s^2": "m/s", "m/s": "m", "N": "N s", "Pa": "Pa s", "V": "V s", "1": "s", "": ""}
@@ -66,6 +67,8 @@ class RecordResult(AskedResult):
         The blows on a sensor, where one was asked for.
     pair : tuple of str
         Two channels that are compared as sensors on one object; empty for none.
+    performed : StatedTest or None
+        What is stated of the test, where a file states it.
     """
 
     command: ClassVar[str] = "record"
@@ -79,6 +82,11 @@ class RecordResult(AskedResult):
     verdict: RecordsVerdict | None = None
     sensor: SensorTrials | None = None
     pair: tuple[str, str] | tuple[()] = ()
+    performed: StatedTest | None = None
+
+    def of_test(self, performed: StatedTest) -> RecordResult:
+        """Return the same with what is stated of the test, and a warning for each calibration that did not hold."""
+        return dataclasses.replace(self, performed=performed, notices=(*self.notices, *performed.notices()))
 
     @functools.cached_property
     def pairs(self) -> list[RecordPair]:

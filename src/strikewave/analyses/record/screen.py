@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import dataclasses
 import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
@@ -13,7 +12,7 @@ from strikewave.analyses.record.chosen import advised_filter
 from strikewave.analyses.record.figures.campaigns import figure_unit
 from strikewave.analyses.record.motion_chapter import motion_table
 from strikewave.analyses.record.pair_chapter import LEFT_OUT_FIRST, pair_reasons, pair_table
-from strikewave.analyses.record.question import examined
+from strikewave.analyses.record.question import completed, examined
 from strikewave.analyses.record.responses import ResponseSummary, harmed, responding, summaries
 from strikewave.analyses.record.result import (
     INTEGRALS,
@@ -23,7 +22,6 @@ from strikewave.analyses.record.result import (
 )
 from strikewave.analyses.record.sensor_chapter import MORE_COLUMNS, sensor_table
 from strikewave.analyses.record.tables import rows_of, short_names
-from strikewave.analyses.record.verdicts.judged import with_verdict
 from strikewave.analyses.record.verdicts.screen import print_verdict
 from strikewave.analyses.record.words import named, record_words
 from strikewave.base.result import Source
@@ -48,6 +46,7 @@ from strikewave.signal.filters import Filter
 
 if TYPE_CHECKING:
     from strikewave.cases.sensor_file import StatedSensor
+    from strikewave.cases.stated_test import StatedTest
     from strikewave.specifications.judged_records import Asked
     from strikewave.specifications.reading import Specification
 
@@ -108,7 +107,10 @@ def examine_records(
     usual = f"record-{name}"
     origin = measured.source_of_records(name, paths, output, usual)
     judged = None if specification is None or asked is None else (specification, asked(origin.test))
-    command = RecordCommand(files, wanted, options, origin, in_columns, fail_on, motion, judged, pair, sensor)
+    performed = None if output.test is None else output.performed
+    command = RecordCommand(
+        files, wanted, options, origin, in_columns, fail_on, motion, judged, pair, sensor, performed
+    )
     return run_and_write(command, output, usual, origin.text)
 
 
@@ -128,15 +130,13 @@ class RecordCommand(Command[RecordResult]):
     judged: tuple[Specification, Asked] | None = None
     pair: tuple[str, str] | tuple[()] = ()
     sensor: StatedSensor | None = None
+    performed: StatedTest | None = None
 
     def solve(self) -> RecordResult:
         """Return what the records say."""
         found = examined(self.files, self.wanted, self.options, self.origin, self.in_columns, self.fail_on)
-        found = dataclasses.replace(found, motion=self.motion, pair=self.pair)
-        found = found if self.sensor is None else found.on_sensor(self.sensor, "--sensor")
-        found = found if self.judged is None else with_verdict(found, *self.judged)
-        found.pairs  # noqa: B018 a wrong pair is refused before anything is printed
-        return found
+        sensor = None if self.sensor is None else (self.sensor, "--sensor")
+        return completed(found, self.motion, self.pair, sensor, self.judged, self.performed)
 
     def summary(self, result: RecordResult) -> str:
         """Say what the records have in common, and which are bad."""

@@ -6,7 +6,7 @@ import dataclasses
 import math
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from strikewave.analyses.record.filter_options import filtered
 from strikewave.analyses.record.result import name_of
@@ -34,6 +34,9 @@ from strikewave.reporting.terminal import say
 from strikewave.signal.filters import Filter
 from strikewave.signal.srs import INITIAL, PARTS, SIDES, RollingSpectrum, Scope, octaves, resultant_srs, rolling_srs
 from strikewave.specifications.decisions import Rule
+
+if TYPE_CHECKING:
+    from strikewave.analyses.record.verdicts.judged_spectra import SpectraJudge
 
 HIGHEST = 100e3
 """Highest natural frequency by default, Hz. Chosen: ten times that of usual spectra of pyroshock (10 kHz in Irvine, An
@@ -192,9 +195,7 @@ def shock_spectra(
         )
         origin = measured.source_in_python(name_of([Path(file) for file in files]), test)
         judge = SpecificationOptions.in_python(spec, decision, uncertainty, strict).spectra_judge()
-        if judge is None:
-            return spectra_of(asked, wanted, origin)
-        return judge.judged(spectra_of(asked, judge.wanted(wanted), origin))
+        return judged_spectra_of(asked, wanted, origin, judge)
 
 
 def _typed(value: str | float, si: str, field: str) -> Typed:
@@ -220,6 +221,21 @@ class FilesAsked(NamedTuple):
     stated: dict[str, dict[str, Any]]
     options: Options
     filters: Request
+
+
+def judged_spectra_of(
+    asked: FilesAsked, wanted: SpectrumRequest, origin: Source, judge: SpectraJudge | None
+) -> SpectrumResult:
+    """Return the spectra of measured files, and the verdict on those that a specification means where one judges.
+
+    Raises
+    ------
+    InputError, StrikewaveError
+        If `spectra_of` or `SpectraJudge` raises it.
+    """
+    if judge is None:
+        return spectra_of(asked, wanted, origin)
+    return judge.judged(spectra_of(asked, judge.wanted(wanted), origin))
 
 
 def spectra_of(asked: FilesAsked, wanted: SpectrumRequest, origin: Source) -> SpectrumResult:

@@ -127,7 +127,14 @@ def spectrum_limits_figure(
 ) -> Figure:
     """Draw a specification of a spectrum, with spectra (name, frequency, values, verdict) over it."""
     figure = new_figure(WHOLE)
-    axes = figure.add_subplot()
+    draw_spectrum_limits(figure.add_subplot(), limits, spectra, title)
+    return legend_below(figure)
+
+
+def draw_spectrum_limits(
+    axes: Any, limits: SpectrumLimits, spectra: list[tuple[str, np.ndarray, np.ndarray, str]], title: str
+) -> None:
+    """Draw a specification of a spectrum, with spectra (name, frequency, values, verdict) over it, on axes."""
     size, unit = axis_unit("m/s^2", "g")
     frequency = np.unique(
         np.concatenate([np.geomspace(limits.frequency[0], limits.frequency[-1], POINTS), limits.frequency])
@@ -141,7 +148,6 @@ def spectrum_limits_figure(
     axes.set_xscale("log")
     axes.set_yscale("log")
     quiet(axes, plain(title, 90), "natural frequency (Hz)", f"{limits.side} acceleration ({unit}), Q = {limits.q:g}")
-    return legend_below(figure)
 
 
 MOST_SPECTRA = 8

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from strikewave.analyses.record.spectrum import SpectrumRequest, SpectrumResult
 from strikewave.analyses.record.verdicts.judged import verdict_notices
 from strikewave.base.errors import InputError
+from strikewave.records.health_notice import HealthNotice
 from strikewave.reporting.clause_words import SHOWN, clause_words, tag_of, verdict_words
 from strikewave.reporting.layout import MORE, keys, numerals, texts
 from strikewave.reporting.numbers import listed
@@ -67,7 +68,10 @@ class SpectraJudge:
             raise InputError("--spec", unit, "records of an acceleration", "state the unit, such as --unit g")
         limits, side = self.specification.spectrum_limits(), result.side
         first, reading = result.spectra[0], result.reading
-        harmed = next((f.message for f in reading.findings if f.severity == "bad" or "spectrum" in f.harms), "")
+        harmed = next(
+            (f.message for f in reading.findings if _bad_for_spectra(f) or "spectrum" in f.harms),
+            "",
+        )
         rows = [(one.name, one.file, one.channel, one.spectra[0].side(side), one.left_out) for one in result.shocks]
         rows = rows or [(result.title, result.file, reading.channel.name, first.side(side), harmed)]
         frequency = np.asarray(first.frequency, dtype=np.float64)
@@ -83,6 +87,11 @@ class SpectraJudge:
         verdict = SpectraVerdict(self.specification, limits, self.rule, self.strict, self.uncertainty, tuple(spectra))
         notices = verdict_notices(self.specification.title, verdict.verdict, verdict.by_indicative, verdict.clauses)
         return dataclasses.replace(result, verdict=verdict, notices=(*result.notices, *notices))
+
+
+def _bad_for_spectra(finding: HealthNotice) -> bool:
+    """Tell whether a finding makes a whole record bad; that no one-sided blow stands out is how a pyroshock is."""
+    return finding.severity == "bad" and finding.code != "no-pulse"
 
 
 def spectra_sentence(found: SpectraVerdict) -> str:
