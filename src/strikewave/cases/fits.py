@@ -74,8 +74,8 @@ def check_fit(fit: FitTable, form: Form, path: str) -> None:
     rows, count = fit.correlation, len(fit.standard_error)
     square = len(rows) == count and all(len(row) == count for row in rows)
     if rows and not (square and _is_correlation(rows)):
-        allowed = f"{count} rows of {count} numbers from -1 to 1, those of a correlation of the standard errors"
-        raise InputError(f"{path}.correlation", str(rows), allowed)
+        words = f"{count} rows of {count} numbers from -1 to 1, those of a correlation of the standard errors"
+        raise InputError(f"{path}.correlation", str(rows), words)
     for name, then in fit.under.items():
         *places, key = name.split(".")
         if key not in form.keys_at(places):

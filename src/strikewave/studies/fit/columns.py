@@ -50,7 +50,7 @@ def _state(one: FittedParameter) -> Tag:
 
 PARAMETER_COLUMNS: tuple[TableColumn[FittedParameter], ...] = (
     TableColumn("field", lambda one: one.field.path, priority=KEY, words=True),
-    TableColumn("value ± standard error", value_words, words=True),
+    TableColumn("value ± standard error", value_words, priority=KEY, words=True),
     TableColumn("95 % interval", _interval, words=True),
     TableColumn("interval from", _state, priority=MORE, words=True),
     TableColumn("began at", lambda one: one.field.shown(one.field.value.si), priority=MORE, words=True),
@@ -76,7 +76,7 @@ def correlation_columns(study: FitStudy) -> tuple[TableColumn[CorrelationRow], .
     """Return a column a field."""
 
     def column(k: int) -> TableColumn[CorrelationRow]:
-        return TableColumn(study.parameters[k].field.path, lambda row: f"{row.values[k]:+.3f}")
+        return TableColumn(study.parameters[k].field.path, lambda row: row.values[k], digits=3)
 
     numbers = [column(k) for k in range(len(study.parameters))]
     return (TableColumn("", lambda row: row.field, priority=KEY, words=True), *numbers)

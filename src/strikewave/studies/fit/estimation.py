@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from strikewave.uncertainty.bands import latin_hypercube
-from strikewave.uncertainty.runs import on_threads
+from strikewave.uncertainty.runs import on_threads, or_none
 
 Array = NDArray[np.float64]
 Residuals = Callable[[Array], Array]
@@ -34,6 +34,8 @@ STEP, FINAL_STEP = 1e-4, 5e-4
 1e-4, and the last, whose curvature cancels, to 1e-5."""
 ACCURACY = 1e-7
 """Step of a coordinate at which a search ends: far below any standard error that data can have."""
+ROUGH = 1e-4
+"""The same for searches from other places: enough to see where they end."""
 MOST_STEPS = 40
 """Steps of a search: a smooth one takes five to fifteen."""
 RANK = 1e-8
@@ -55,7 +57,7 @@ PROFILE_STEPS = 12
 """Halvings of the interval in which an end of a profile lies: to 1e-3 of it and better."""
 
 
-class Block(NamedTuple):
+class ResidualBlock(NamedTuple):
     """Residuals that go together.
 
     Attributes
@@ -156,11 +158,12 @@ class Search:
 
     def many(self, places: Sequence[Array]) -> list[Array | None]:
         """Return the residuals at some places; None where they cannot be found."""
-        found = on_threads(self._residuals, list(places))
-        for place, one in zip(places, found, strict=True):
+        alone = len(places) == 1  # threads would take longer to begin
+        found = [or_none(self._residuals, places[0])] if alone else on_threads(self._residuals, list(places))
+        for place, residuals in zip(places, found, strict=True):
             self.runs += 1
-            if one is not None and (self.best is None or float(one @ one) < self.best[0]):
-                self.best = (float(one @ one), place)
+            if residuals is not None and (self.best is None or float(residuals @ residuals) < self.best[0]):
+                self.best = (float(residuals @ residuals), place)
         if self._advance is not None and self.best is not None:
             self._advance(self.runs, self.best[0])
         return found
@@ -201,7 +204,9 @@ class Search:
                 columns.append(np.zeros_like(middle))
         return np.column_stack(columns)
 
-    def descend(self, start: Array, free: Sequence[int] | None = None) -> tuple[Array, Array]:
+    def descend(
+        self, start: Array, free: Sequence[int] | None = None, accuracy: float = ACCURACY
+    ) -> tuple[Array, Array]:
         """Return the best place near a start, and the residuals there; only the ``free`` coordinates move."""
         from scipy.optimize import least_squares
 
@@ -224,7 +229,7 @@ class Search:
             inside,
             slopes,
             bounds=(0.0, 1.0),
-            xtol=ACCURACY,
+            xtol=accuracy,
             ftol=1e-12,
             gtol=1e-12,
             max_nfev=MOST_STEPS,
@@ -239,11 +244,14 @@ class Search:
         for _, place in sorted(found, key=lambda one: one[0]):
             if len(starts) < STARTS and all(np.linalg.norm(place - one) > APART for one in starts):
                 starts.append(place)
-        ends = [self.descend(one) for one in starts]
-        return sorted(ends, key=lambda one: float(one[1] @ one[1]))
+        ends = [self.descend(one, accuracy=ACCURACY if one is start else ROUGH) for one in starts]
+        ends.sort(key=lambda one: float(one[1] @ one[1]))
+        return ends if ends[0][0] is start else [self.descend(ends[0][0]), *ends[1:]]
 
 
-def estimate(place: Array, residuals: Array, jacobian: Array, blocks: Sequence[Block], freedom: float) -> Estimate:
+def estimate(
+    place: Array, residuals: Array, jacobian: Array, blocks: Sequence[ResidualBlock], freedom: float
+) -> Estimate:
     """Return what the data say of a place: A = J'J is the information, and B = J'CJ what noise makes of J'r.
 
     The covariance is A^-1 B A^-1: that of least squares under noise whose correlation C the weights do not know. Where
@@ -266,12 +274,12 @@ def estimate(place: Array, residuals: Array, jacobian: Array, blocks: Sequence[B
     return Estimate(place, residuals, jacobian, projected, lost, freedom)
 
 
-def enough_shots(blocks: Sequence[Block], size: int) -> bool:
+def enough_shots(blocks: Sequence[ResidualBlock], size: int) -> bool:
     """Tell whether there are enough shots for their scatter: three more than values."""
     return len({block.shot for block in blocks}) >= size + 3
 
 
-def spread_of_slopes(residuals: Array, jacobian: Array, blocks: Sequence[Block]) -> Array:
+def spread_of_slopes(residuals: Array, jacobian: Array, blocks: Sequence[ResidualBlock]) -> Array:
     """Return the covariance of J'r, from the noise of each block, or from shot to shot where there are enough."""
     from scipy.linalg import matmul_toeplitz
 
@@ -398,7 +406,7 @@ def profile(search: Search, found: Estimate, coordinate: int) -> ProfileEnds:
             share = min(max((reach - low) / (high - low), 0.1), 0.9)
             value = inner + share * (outer - inner)
             risen, place = deviations(value, near)
-            if abs(risen - reach) < 0.02 * reach:
+            if abs(risen - reach) < 0.005 * reach:
                 break
             inner, outer, near = (value, outer, place) if risen < reach else (inner, value, near)
         ends.append(value)

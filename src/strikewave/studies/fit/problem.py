@@ -14,8 +14,8 @@ from strikewave.base.errors import InputError
 from strikewave.cases.case import Case
 from strikewave.studies.fit.estimation import (
     FINAL_STEP,
-    Block,
     Estimate,
+    ResidualBlock,
     Search,
     autocorrelation,
     enough_shots,
@@ -143,7 +143,7 @@ class Problem:
             found.append(Misfit(one.called, size, share, count, size**2 > limit, bool(one.quiet)))
         return found
 
-    def blocks(self, residuals: Array) -> list[Block]:
+    def blocks(self, residuals: Array) -> list[ResidualBlock]:
         """Return the correlation of the residuals: that of the noise, or of what is left where that is more."""
         blocks = []
         shots = iter(range(len(self.measured)))
@@ -151,7 +151,7 @@ class Problem:
             correlation = one.correlation
             if misfit.more_than_noise:
                 correlation = misfit.size**2 * autocorrelation(residuals[rows])
-            blocks.append(Block(rows, correlation, next(shots)))
+            blocks.append(ResidualBlock(rows, correlation, next(shots)))
         return blocks
 
     def freedom(self, residuals: Array) -> float:

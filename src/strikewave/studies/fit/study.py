@@ -37,6 +37,8 @@ MET = 2.0
 """Standard uncertainties of a number within which the fit meets it: 95 %."""
 AT_BOUND = 1e-4
 """Distance from a bound, over the width of the bounds, at which a value stands at it."""
+WHOLE_POWER = 5e-3
+"""Difference of a power from 1 below which it is not written: slopes know it no better."""
 ALIKE = 0.98
 """Correlation of two values beyond which the report says that they are known together far better than each."""
 
@@ -109,11 +111,11 @@ class FitStudy(AskedResult):
 
     @functools.cached_property
     def correlation(self) -> Array:
-        """Correlation of the values in the directions that are determined; NaN of one that is in none."""
-        covariance = self.solved.estimate.covariance
-        sizes = np.sqrt(np.diag(covariance))
+        """Correlation of the values; NaN of one that is not determined."""
+        found = self.solved.estimate
+        sizes = np.where(np.isfinite(found.errors), found.errors, np.nan)
         with np.errstate(divide="ignore", invalid="ignore"):
-            return np.asarray(covariance / np.outer(sizes, sizes))
+            return np.asarray(found.covariance / np.outer(sizes, sizes))
 
     @property
     def undetermined(self) -> list[list[str]]:
@@ -191,22 +193,23 @@ class FitStudy(AskedResult):
         return {field.path: field.si(float(at)) for field, at in zip(fields, place, strict=True)}
 
     def texts(self) -> dict[str, str]:
-        """Return the fitted case."""
-        return {"fitted.toml": dump_case(self.case)}
+        """Return the fitted case, and the JSON document."""
+        return {"fitted.toml": dump_case(self.case), "fit.json": self.document_text(2)}
 
     def tables(self) -> dict[str, str]:
-        """Return the values, and the residual of each record, as CSV text."""
+        """Return the values, and record and fitted run over time, as CSV text."""
         tables = {"parameters.csv": csv_table(self.columns())}
-        for number, (pulse, laid) in enumerate(self.pulses, start=1):
-            columns = [
-                Column("time", laid.time, "s"),
-                Column("measured", laid.measured, pulse.unit),
-                Column("fitted", laid.computed, pulse.unit),
-            ]
-            tables["residual.csv" if len(self.pulses) == 1 else f"residual-{number}.csv"] = csv_table(
-                columns, HISTORY_DIGITS
-            )
-        return tables
+        if not self.pulses:
+            return tables
+        units = {pulse.unit for pulse, _ in self.pulses}
+        unit = units.pop() if len(units) == 1 else ""
+        columns = [
+            Column("record", [pulse.called for pulse, laid in self.pulses for _ in laid.time]),
+            Column("time", np.concatenate([laid.time for _, laid in self.pulses]), "s"),
+            Column("measured", np.concatenate([laid.measured for _, laid in self.pulses]), unit),
+            Column("fitted", np.concatenate([laid.computed for _, laid in self.pulses]), unit),
+        ]
+        return {**tables, "residuals.csv": csv_table(columns, HISTORY_DIGITS)}
 
     def columns(self) -> list[Column]:
         """Return the values, each in the SI unit beside it."""
@@ -274,9 +277,15 @@ def combination_words(study: FitStudy, group: Sequence[int]) -> str:
         return f"the data do not determine {names}, each of which makes good for others"
     moves = vectors[:, -1] * [field.width for field in fields]  # logarithms that go together without a change
     if len(group) == 2:
-        power = -moves[0] / moves[1]
-        mark = f"^{power:.3g}" if abs(power - 1.0) > 5e-3 else ""
-        return f"the data fix {fields[0].path} × {fields[1].path}{mark}, not {fields[0].path} and {fields[1].path}"
+        power = -float(moves[0] / moves[1])
+        mark = f"^{abs(power):.3g}" if abs(abs(power) - 1.0) > WHOLE_POWER else ""
+        gains = np.array([fields[0].width, power * fields[1].width])
+        error = math.sqrt(float(gains @ found.covariance[np.ix_(group, group)] @ gains))
+        one, other = fields[0].path, f"{fields[1].path}{mark}"
+        return (
+            f"the data fix {one} {'×' if power > 0.0 else '/'} {other} (to {percent(error, 2)}), not {one} and "
+            f"{fields[1].path}"
+        )
     moves = moves / moves[int(np.argmax(np.abs(moves)))]
     together = ", ".join(f"{field.path} by {move:+.3g} %" for field, move in zip(fields, moves, strict=True))
     return f"the data do not determine {names}: moved together ({together}) they change nothing"
@@ -418,8 +427,7 @@ def _notices(study: FitStudy) -> list[Notice]:
             known = "times its noise" if one.noise_known else "times 1e-4 of its peak, for it shows no noise"
             message = (
                 f"the residual of {one.called} is not noise: its RMS is {percent(one.share, 1)} of the peak, "
-                f"{one.size:.3g} {known}; the model lacks something, and standard errors are those of what is left, with "
-                "its pattern"
+                f"{one.size:.3g} {known}; the model lacks something, and standard errors are those of what is left"
             )
             notices.append(Notice("residual-not-noise", message, one.size, 1.0))
     for number, misfit in zip(
