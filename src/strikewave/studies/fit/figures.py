@@ -46,7 +46,7 @@ def draw_overlay(axes: Any, pulses: list[tuple[MeasuredPulse, LaidPulse]]) -> No
         axes.plot(*thin(time, laid.measured / size), color=BLUE, linewidth=1.2, alpha=0.8, label=label)
         fitted = "fitted run" if number == 0 else None
         axes.plot(*thin(time, laid.computed / size), "--", color=RED, linewidth=1.4, label=fitted)
-    quiet(axes, "Fitted run on the record", f"time from the begin of what is fitted ({name})", _axis(pulses[0][0]))
+    quiet(axes, "Fitted run on the record", f"time from the beginning of what is fitted ({name})", _axis(pulses[0][0]))
 
 
 def _axis(pulse: MeasuredPulse) -> str:
