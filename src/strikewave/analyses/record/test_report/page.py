@@ -201,11 +201,8 @@ def _specification(found: RecordsVerdict) -> Section:
         words = f"{100.0 * band.time:g} % of the duration, {100.0 * band.amplitude:g} % of the peak"
         rows.append(["tolerance band", words, status_cell(found.limits.band_status)])
     text = f"{found.specification.title} ({file.edition}).\n\n{_decision(found)}\n\n{limit_words_of(found)}"
-    return Section(
-        "Specification and decision rule",
-        text,
-        [Table("What is asked of a shock", ["clause", "limit", "status"], rows)],
-    )
+    table = Table("What is asked of a shock", ["clause", "limit", "status"], rows)
+    return Section("Specification and decision rule", text, [table])
 
 
 def _decision(found: RecordsVerdict) -> str:
