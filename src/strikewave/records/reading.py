@@ -14,6 +14,7 @@ import numpy as np
 
 from strikewave.base.errors import InputError, nearest, show
 from strikewave.base.percents import percent
+from strikewave.records.budget.blows import BlowUncertainty
 from strikewave.records.calibration import Calibration, calibrated, calibration_of, laid_over
 from strikewave.records.clock import even
 from strikewave.records.coupling import resting, uncoupled
@@ -91,6 +92,8 @@ class ChannelReading:
         The blows before the filter; empty where there is none.
     responses : tuple of MeasuredResponse
         What the channel does after each blow of the base; none for a base, and where none was named.
+    uncertainties : tuple of BlowUncertainty
+        Of each blow, by a budget; none where none was stated.
     """
 
     channel: Channel
@@ -100,6 +103,7 @@ class ChannelReading:
     calibration: Calibration
     unfiltered: tuple[RecordedPulse, ...] = ()
     responses: tuple[MeasuredResponse, ...] = ()
+    uncertainties: tuple[BlowUncertainty, ...] = ()
 
     @property
     def status(self) -> str:
