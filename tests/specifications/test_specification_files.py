@@ -30,6 +30,16 @@ WRONG = {
         'pulse.duratoin: unknown key; did you mean "duration"?',
     ),
     "an unknown table": (HEAD + PULSE + "[bands]\n", 'bands: unknown key; did you mean "band"?'),
+    "a band without what is before": (
+        HEAD + PULSE + '[band]\ntime = "10 %"\namplitude = "20 %"\nafter = "1 %"\n',
+        'band.before: missing; add before = "20 %"',
+    ),
+    "a peak without its tolerance": (HEAD + PULSE + "[peak]\n", 'peak.tolerance: missing; add tolerance = "20 %"'),
+    "a pulse without its shape": (
+        HEAD + PULSE.replace('shape = "half-sine"\n', ""),
+        "shape: missing; add shape, one of half-sine,",
+    ),
+    "a title left out": (HEAD.replace('title = "t"\n', "") + PULSE, 'title: missing; add title = "..."'),
     "an unknown status": (HEAD.replace("normative", "official") + PULSE, 'status: got "official"'),
     "a quoted number without its source": (
         HEAD + PULSE.replace('"50 g"', '{ value = "50 g", status = "quoted" }'),

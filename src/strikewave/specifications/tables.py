@@ -17,6 +17,7 @@ from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, model_valida
 from strikewave.base.errors import MISSING, InputError, nearest
 from strikewave.base.percents import sign_needed
 from strikewave.base.quantities import Range
+from strikewave.base.units import DIMENSIONS
 from strikewave.cases.performed_test import Line, line_text, notes_text
 from strikewave.cases.tables import CaseTable
 from strikewave.specifications.ideal_pulses import TRAPEZOID
@@ -64,7 +65,12 @@ class NumberReader:
         self.unit, self.low, self.high = unit, low, high
         self.range = Range("" if unit in ("%", "dB") else unit, low, high, open_low)
 
-    def read(self, raw: Any) -> StatedNumber:
+    def example(self) -> str:
+        """Return a number as a file has it: ``"20 %"``."""
+        typed = {"%": "20 %", "dB": "-6 dB"}.get(self.unit) or DIMENSIONS.get(self.unit, ("", ""))[1]
+        return f'"{typed}"' if typed else f"{max(self.low, 1.0):g}"
+
+    def read(self, raw: Any) -> Any:
         """Turn what a file holds into a number.
 
         Raises
@@ -116,15 +122,17 @@ def _number(unit: str, low: float = -math.inf, high: float = math.inf, open_low:
     return BeforeValidator(NumberReader(unit, low, high, open_low).read)
 
 
-def _pair(raw: Any) -> Any:
-    """Return a tolerance to both sides as two numbers: ``"20 %"`` is as much down as up."""
-    one = NumberReader("%", 0.0, 10.0)
-    if isinstance(raw, list | tuple):
-        if len(raw) != 2:
-            raise InputError("", raw, 'one share, such as "20 %", or two, such as ["-10 %", "20 %"]')
-        return NumberReader("%", -1.0, 0.0).read(raw[0]), one.read(raw[1])
-    both = one.read(raw)
-    return both.model_copy(update={"si": -min(both.si, 1.0)}), both
+class ToleranceReader(NumberReader):
+    """What a tolerance to both sides may be: ``"20 %"``, as much down as up, or two shares."""
+
+    def read(self, raw: Any) -> Any:
+        """Turn what a file holds into two numbers, see `NumberReader.read`."""
+        if isinstance(raw, list | tuple):
+            if len(raw) != 2:
+                raise InputError("", raw, 'one share, such as "20 %", or two, such as ["-10 %", "20 %"]')
+            return NumberReader("%", -1.0, 0.0).read(raw[0]), super().read(raw[1])
+        both = super().read(raw)
+        return both.model_copy(update={"si": -min(both.si, 1.0)}), both
 
 
 # Limits refuse a wrong unit or a slip of the exponent: no shock has a million g, lasts a minute, or ends within 1 us.
@@ -141,7 +149,7 @@ Wide = Annotated[StatedNumber, _number("%", 0.0, 10.0)]
 MaybeWide = Annotated[StatedNumber | None, _number("%", 0.0, 10.0)]
 Part = Annotated[StatedNumber, _number("%", 0.0, 1.0)]
 MaybePart = Annotated[StatedNumber | None, _number("%", 0.0, 1.0)]
-Tolerance = Annotated[tuple[StatedNumber, StatedNumber], BeforeValidator(_pair)]
+Tolerance = Annotated[tuple[StatedNumber, StatedNumber], BeforeValidator(ToleranceReader("%", 0.0, 10.0).read)]
 Decibels = Annotated[StatedNumber, _number("dB", -60.0, 60.0)]
 MaybeCountOfShocks = Annotated[StatedNumber | None, _number("count", 1, 1_000_000)]
 CountOfDirections = Annotated[StatedNumber, _number("count", 1, 6)]

@@ -11,6 +11,7 @@ from strikewave.base.errors import InputError
 from strikewave.signal.filters import Filter, effect_on_half_sine
 from strikewave.specifications.ideal_pulses import IdealPulse
 from strikewave.specifications.judged_records import filter_leaves
+from strikewave.specifications.reading import load_specification
 
 GRAVITY = 9.80665
 
@@ -309,6 +310,16 @@ def test_spec_lists_and_shows_with_status_and_source_of_every_number(strikewave)
     assert [strikewave("spec", "show", "jesd22-b111")[0] for _ in range(2)] == [0, 0]  # the second replaces the first
     code, _, err = strikewave("spec", "show", "jesd22-b111:A")
     assert (code, "one severity" in err) == (2, True)
+
+
+def test_a_new_file_from_one_condition_holds_that_one_alone(strikewave):
+    assert strikewave("spec", "new", "b.toml", "--from", "jesd22-b110:b")[0] == 0
+    own, origin = load_specification("b.toml"), load_specification("jesd22-b110:B")
+    assert [one.name for one in own.file.condition] == ["B"]
+    assert own.pulse_limits() == origin.pulse_limits()
+    assert "free state; 2 mounted" in own.text
+    code, _, err = strikewave("spec", "new", "q.toml", "--from", "jesd22-b110:Q")
+    assert (code, Path("q.toml").exists(), "choose from: A, B, C" in err) == (2, False, True)
 
 
 def test_a_call_of_python_gives_the_verdict_of_the_command(judged):
