@@ -20,6 +20,7 @@ from strikewave.analyses.record.spectrum import (
     response_of,
     rms_of,
     spectrum_of,
+    uncertainty_of,
 )
 from strikewave.analyses.record.verdicts.options import SpecificationOptions
 from strikewave.analyses.record.words import named
@@ -92,7 +93,7 @@ def shock_spectra(
     response: str | float | None = None,
     spec: str | None = None,
     decision: Rule = "simple",
-    uncertainty: str | float | None = None,
+    uncertainty: str | float | Path | None = None,
     strict: bool = False,
     test: str | Path | None = None,
 ) -> SpectrumResult:
@@ -188,14 +189,15 @@ def shock_spectra(
             None if response is None else _typed(response, "Hz", "response"),
             None if rolling is None else _rolling_of(rolling),
         )
+        judging = SpecificationOptions.in_python(spec, decision, uncertainty, strict)
+        options = options._replace(budget=judging.uncertainty)
         last = None if end is None else _typed(end, "s", "end")
         wanted = SpectrumRequest(q, named, ends, tuple(dict.fromkeys(kinds)), side, part, last, options)
         asked = FilesAsked(
             files, stated.calibration(), stated.reading(), filtered(Request(), filter, ac_coupling, high_pass)
         )
         origin = measured.source_in_python(name_of([Path(file) for file in files]), test)
-        judge = SpecificationOptions.in_python(spec, decision, uncertainty, strict).spectra_judge()
-        return judged_spectra_of(asked, wanted, origin, judge)
+        return judged_spectra_of(asked, wanted, origin, judging.spectra_judge())
 
 
 def _typed(value: str | float, si: str, field: str) -> Typed:
@@ -275,6 +277,8 @@ def _one(asked: FilesAsked, wanted: SpectrumRequest, origin: Source) -> Spectrum
         shock.rms,
         response=shock.response,
         rolling=shock.rolling,
+        uncertainties=shock.uncertainties,
+        budget=wanted.options.budget,
         origin=origin,
         notices=_notices(reading),
         citations=CITED,
@@ -351,6 +355,7 @@ def _several(
         wanted.side,
         _scope(wanted, reading),
         shocks=shocks,
+        budget=wanted.options.budget,
         bounded_by="" if asked_for else f"{with_unit(rate, 'Hz', 'kHz')} of {Path(slowest[0]).name}",
         notices=tuple(notices),
         citations=CITED_OF_SEVERAL,
@@ -378,16 +383,20 @@ def _shock(
         response = response_of(reading, kinds, natural, wanted.q, more.initial)
     if more.rolling is not None and not (left_out and several):
         rolling = _rolling(reading, wanted, frequencies, most_windows, file)
+    spectra = [spectrum_of(reading, kind, frequencies, wanted.q, scope) for kind in kinds]
+    budget = more.budget
+    known = () if budget is None else [uncertainty_of(reading, s, wanted.side, scope, budget) for s in spectra]
     return ShockSpectra(
         file,
         channel.name,
         reading.status,
         reading.baseline,
-        [spectrum_of(reading, kind, frequencies, wanted.q, scope) for kind in kinds],
+        spectra,
         {kind: rms_of(reading, kind, frequencies, wanted.q, more.initial) for kind in kinds if more.rms},
         left_out,
         response,
         rolling,
+        known,
     )
 
 

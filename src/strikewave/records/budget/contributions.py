@@ -11,7 +11,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -142,6 +142,28 @@ class Budget(NamedTuple):
         if "acceleration" in stated:
             return ()
         return tuple(topic for topic, kinds in TOPICS.items() if not stated & set(kinds))
+
+    def document(self) -> dict[str, Any]:
+        """Return the entry of a JSON document: what is stated, and what is not."""
+        rows = [
+            {
+                "name": one.name,
+                "kind": one.kind,
+                "stated": one.typed,
+                "distribution": one.distribution,
+                "standard": one.input.standard,
+                "status": one.status or None,
+                "source": one.source or None,
+            }
+            for one in self.contributions
+        ]
+        told = [{"name": name, "kind": "record"} for name in (RECORD, SAMPLING)]
+        return {
+            "title": self.title or None,
+            "file": self.file or None,
+            "contributions": [*told, *rows],
+            "not_stated": list(self.not_stated),
+        }
 
     @property
     def share(self) -> float | None:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from strikewave.analyses.record.verdicts.figures import shock_figure
 from strikewave.analyses.record.verdicts.words import name_of_shock
-from strikewave.reporting.clause_words import CLAUSE_HEADS, SHOWN, clause_cells, tag_of, value_words
+from strikewave.reporting.clause_words import CLAUSE_HEADS, SHOWN, clause_cells, decision_words, tag_of, value_words
 from strikewave.reporting.parts import NONE, Cell, Part, Picture, Section, Table
 from strikewave.specifications.decisions import FAIL, NOT_JUDGED, WORST_FIRST
 from strikewave.specifications.judged_records import JudgedShock, RecordsVerdict
@@ -40,13 +40,8 @@ def verdict_section(found: RecordsVerdict, names: dict[str, str]) -> Section:
 def _how(found: RecordsVerdict) -> str:
     """Say how it was judged."""
     file, asked = found.specification.file, found.asked
-    rule = (
-        "by the values alone (simple acceptance)"
-        if asked.rule == "simple"
-        else "with a guard band of the expanded uncertainty, k = 2, on both sides of each limit (ISO 14253-1, JCGM 106)"
-    )
-    chain = f", {100.0 * asked.uncertainty:g} % of the acceleration and that of noise" if asked.uncertainty else ""
-    words = f"Judged {rule}{chain}."
+    words = decision_words(asked.rule, asked.holds, asked.not_stated)
+    words += " U is the expanded uncertainty" + (" (ISO 14253-1, JCGM 106)." if asked.rule == "guarded" else ".")
     if found.limits.band is not None:
         words += (
             " The band lies where the smallest distance of the record to it is largest; the velocity change is "

@@ -12,8 +12,15 @@ from numpy.typing import NDArray
 from strikewave.analyses.record.spectrum import SpectrumRequest, SpectrumResult
 from strikewave.analyses.record.verdicts.judged import verdict_notices
 from strikewave.base.errors import InputError
+from strikewave.records.budget.contributions import Budget
 from strikewave.records.health_notice import HealthNotice
-from strikewave.reporting.clause_words import SHOWN, clause_words, tag_of, verdict_words
+from strikewave.reporting.clause_words import (
+    SHOWN,
+    clause_words,
+    decision_words,
+    tag_of,
+    verdict_words,
+)
 from strikewave.reporting.layout import MORE, keys, numerals, texts
 from strikewave.reporting.numbers import listed
 from strikewave.reporting.options import Typed
@@ -35,7 +42,7 @@ class SpectraJudge:
     specification: Specification
     rule: Rule
     strict: bool
-    uncertainty: float
+    budget: Budget | None
 
     def wanted(self, request: SpectrumRequest) -> SpectrumRequest:
         """Return what spectra are computed: those that the specification means, as far as sampling carries them.
@@ -53,7 +60,9 @@ class SpectraJudge:
         if request.kinds != (limits.kind,):
             raise InputError("--kind", ", ".join(request.kinds), f"{limits.kind} with this --spec", "leave it out")
         low = Typed(limits.frequency[0], f"{limits.frequency[0]:g} Hz")
-        return request._replace(q=limits.q, grid=(low, None, limits.per_octave), side=limits.side)
+        known = Budget(()) if self.budget is None and self.rule == "guarded" else self.budget
+        options = request.options._replace(budget=known)
+        return request._replace(q=limits.q, grid=(low, None, limits.per_octave), side=limits.side, options=options)
 
     def judged(self, result: SpectrumResult) -> SpectrumResult:
         """Return a result with its verdict; a fail is a failed check.
@@ -72,19 +81,25 @@ class SpectraJudge:
             (f.message for f in reading.findings if _bad_for_spectra(f) or "spectrum" in f.harms),
             "",
         )
-        rows = [(one.name, one.file, one.channel, one.spectra[0].side(side), one.left_out) for one in result.shocks]
-        rows = rows or [(result.title, result.file, reading.channel.name, first.side(side), harmed)]
+        rows = [
+            (one.name, one.file, one.channel, one.spectra[0].side(side), one.uncertainties, one.left_out)
+            for one in result.shocks
+        ]
+        rows = rows or [
+            (result.title, result.file, reading.channel.name, first.side(side), result.uncertainties, harmed)
+        ]
         frequency = np.asarray(first.frequency, dtype=np.float64)
         inside = frequency <= limits.frequency[-1] * (1.0 + 1e-9)
         short = frequency[-1] < limits.frequency[-1] * 2.0 ** (-1.0 / limits.per_octave)
         lacks = f"the sampling rate carries natural frequencies up to {frequency[-1]:.4g} Hz" if short else ""
         spectra = []
-        for name, file, channel, values, left_out in rows:
+        for name, file, channel, values, known, left_out in rows:
+            share = known[0].expanded[inside] / values[inside] if known else math.nan
             found = judge_spectrum(
-                frequency[inside], values[inside], limits, self.uncertainty, self.rule, self.strict, left_out or lacks
+                frequency[inside], values[inside], limits, share, self.rule, self.strict, left_out or lacks
             )
             spectra.append(JudgedSpectrum(name, file, channel, frequency[inside], values[inside], found))
-        verdict = SpectraVerdict(self.specification, limits, self.rule, self.strict, self.uncertainty, tuple(spectra))
+        verdict = SpectraVerdict(self.specification, limits, self.rule, self.strict, self.budget, tuple(spectra))
         notices = verdict_notices(self.specification.title, verdict.verdict, verdict.by_indicative, verdict.clauses)
         return dataclasses.replace(result, verdict=verdict, notices=(*result.notices, *notices))
 
@@ -117,8 +132,9 @@ def print_spectra_verdict(found: SpectraVerdict) -> None:
         for one in found.spectra
         for clause in one.clauses
     ]
-    columns = [*keys("spectrum"), *texts("clause"), *numerals("limit", "value"), *texts("verdict")]
+    columns = [*keys("spectrum"), *texts("clause"), *numerals("limit", "value ± U"), *texts("verdict")]
     table(f"By {found.specification.title}", [*columns, *texts("status", priority=MORE)], rows)
+    tell(decision_words(found.rule, found.holds, found.not_stated))
     for one in found.spectra:
         for clause in one.clauses:
             if clause.reason:
@@ -126,8 +142,9 @@ def print_spectra_verdict(found: SpectraVerdict) -> None:
 
 
 def _figures(clause: Clause) -> list[str]:
-    value = f"{100.0 * clause.value:.1f} %" if math.isfinite(clause.value) else NONE
-    return [f"at least {100.0 * clause.low:g} %", value]
+    value = f"{100.0 * clause.value:.1f}" if math.isfinite(clause.value) else NONE
+    doubt = f" ± {100.0 * clause.uncertainty:.1f}" if clause.uncertainty > 0.0 else ""
+    return [f"at least {100.0 * clause.low:g} %", value if value == NONE else f"{value}{doubt} %"]
 
 
 def spectra_section(found: SpectraVerdict) -> Section:
@@ -145,6 +162,7 @@ def spectra_section(found: SpectraVerdict) -> Section:
         f"Q = {found.limits.q:g}, {found.limits.side}, {found.limits.per_octave:g} natural frequencies an octave. "
         f"Source: {file.source}." + (f" {' '.join(file.note.split())}" if file.note else "")
     )
-    heads = ["spectrum", "clause", "limit", "value", "verdict", "limit is", "why"]
+    text = f"{decision_words(found.rule, found.holds, found.not_stated)} {text}"
+    heads = ["spectrum", "clause", "limit", "value ± U", "verdict", "limit is", "why"]
     picture = Picture(spectrum_limits_figure(found.limits, drawn, found.specification.title), "Spectra and tolerance.")
     return Section("Verdict by the specification", text, [picture, Table("Clauses", heads, rows)])
