@@ -7,7 +7,7 @@ import tomllib
 import zlib
 
 import pytest
-from PIL import Image
+from PIL import Image, ImageFile
 
 from strikewave.base.errors import InputError, InputErrors
 from strikewave.cases.photographs import LONGEST_SIDE
@@ -127,7 +127,8 @@ def test_the_file_to_fill_in_has_every_key_and_states_nothing_until_it_is_filled
         ("[[setup.photograph]]\nfile = 'link.png'", "a file beside the test file"),
     ],
 )  # fmt: skip
-def test_what_is_wrong_is_one_line_that_names_the_option_and_the_key(tmp_path, text, words):
+def test_what_is_wrong_is_one_line_that_names_the_option_and_the_key(monkeypatch, tmp_path, text, words):
+    monkeypatch.setattr(ImageFile, "LOAD_TRUNCATED_IMAGES", True)  # as WeasyPrint sets it
     folder = tmp_path / "inner"
     folder.mkdir()
     (tmp_path / "outside.png").write_bytes(picture())

@@ -5,14 +5,13 @@ from __future__ import annotations
 import dataclasses
 import functools
 import hashlib
-import json
 import math
 from abc import ABC, abstractmethod
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, ClassVar, Literal, NamedTuple
 
-from strikewave.base.json_document import head, plain, without
+from strikewave.base.json_document import head, json_text, plain, without
 
 if TYPE_CHECKING:
     import xarray
@@ -376,8 +375,7 @@ class Result(ABC):
 
     def document_text(self, indent: int | None = None) -> str:
         """Return the JSON document as the text of a file."""
-        text = json.dumps(self.document(), indent=indent, allow_nan=False, ensure_ascii=False) + "\n"
-        return text.replace("\N{NO-BREAK SPACE}", " ")
+        return json_text(self.document(), indent)
 
 
 def comparison_document(comparison: Comparison, *left_out: str) -> dict[str, Any]:

@@ -76,10 +76,12 @@ def read_photograph(folder: Path, file: str, caption: str, field: str) -> Photog
 
 def _redrawn(data: bytes, file: str, field: str) -> bytes:
     """Return the picture of a file as JPEG, upright, on white, and no larger than a page needs."""
-    from PIL import Image, ImageOps
+    from PIL import Image, ImageFile, ImageOps
 
     allowed, most = "a PNG or JPEG picture", f"a picture of at most {MOST_PIXELS // 1_000_000} million pixels"
+    cut = ImageFile.LOAD_TRUNCATED_IMAGES
     try:
+        ImageFile.LOAD_TRUNCATED_IMAGES = False  # WeasyPrint allows them for the whole process
         with warnings.catch_warnings(), Image.open(io.BytesIO(data), formats=["PNG", "JPEG"]) as opened:
             warnings.simplefilter("ignore")
             width, height = opened.size
@@ -97,6 +99,8 @@ def _redrawn(data: bytes, file: str, field: str) -> bytes:
         raise InputError(field, file, most) from None
     except Exception as error:  # a damaged file may raise anything
         raise InputError(field, file, allowed, "" if isinstance(error, OSError) else type(error).__name__) from None
+    finally:
+        ImageFile.LOAD_TRUNCATED_IMAGES = cut
     white = Image.new("RGB", image.size, "white")
     white.paste(image, mask=image.getchannel("A"))
     written = io.BytesIO()

@@ -348,6 +348,10 @@ Quiet = Annotated[
 ]
 
 
+REPORTS = ("report.html", "test-report.html")
+"""Pages of a result that are written as PDF too."""
+
+
 @dataclass(frozen=True)
 class Place:
     """The folder of a result, None where none is written, and whether it may replace another one there."""
@@ -500,10 +504,10 @@ class Output(Shown):
         if self.pdf is not None:
             from strikewave.reporting.pdf import write_pdf
 
-            page = folder / "report.html"
-            if not page.is_file():
+            pages = [page for name in REPORTS if (page := folder / name).is_file()]
+            if not pages:
                 raise InputError("--pdf", self.pdf, "only where a report is written", "leave it out")
-            names.append(write_pdf(page, self.pdf))
+            names += [write_pdf(page, self.pdf) for page in pages]
         if self.xlsx:
             from strikewave.reporting.workbook import write_workbook
 

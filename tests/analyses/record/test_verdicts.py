@@ -294,6 +294,42 @@ def test_spectrum_of_a_record_is_judged_and_one_sampled_too_slowly_cannot_be(jud
     assert (code, "--kind" in err) == (2, True)
 
 
+OWN_SPECTRUM = (
+    'schema = 1\ntitle = "t"\nedition = "e"\nstatus = "normative"\nsource = "s"\n[srs]\n'
+    'points = [["200 Hz", "50 g"], ["2 kHz", "50 g"]]\nper_octave = 6\n'
+    '[[srs.tolerance]]\nfrom = "200 Hz"\nto = "2 kHz"\nlow = "-3 dB"\nhigh = "3 dB"\n'
+)
+
+
+def test_each_spectrum_of_several_is_judged_as_it_is_alone(judged, strikewave):
+    """A slowly sampled record beside a fast one neither takes its high frequencies, nor is taken for as fast as it."""
+    Path("own.toml").write_text(OWN_SPECTRUM)
+    write_shot("fast.csv"), write_shot("slow.csv", step=4e-4)
+    for files in (("fast.csv", "slow.csv"), ("slow.csv", "fast.csv")):
+        clauses = judged("srs", *files, "--spec", "own.toml")[1]["clauses"]
+        found = {Path(clause["file"]).name: clause for clause in clauses}
+        for name, clause in found.items():
+            alone = judged("srs", name, "--spec", "own.toml")[1]["clauses"][0]
+            assert [clause[key] for key in ("verdict", "value", "reason")] == [
+                alone[key] for key in ("verdict", "value", "reason")
+            ]
+        assert found["fast.csv"]["verdict"] == "pass"
+        assert "up to" in found["slow.csv"]["reason"]
+
+
+@pytest.mark.parametrize(
+    "words", [("--q", "50"), ("--from", "10 Hz"), ("--to", "1 kHz"), ("--per-octave", "12"), ("--side", "negative")]
+)
+def test_a_specification_fixes_which_spectrum_is_judged(strikewave, words):
+    Path("own.toml").write_text(OWN_SPECTRUM)
+    write_shot("fast.csv")
+    code, _, err = strikewave("srs", "fast.csv", "--spec", "own.toml", *words)
+    assert (code, err.startswith(words[0])) == (2, True)
+    assert "with this --spec; the specification fixes it" in err
+    same = ("--q", "10", "--from", "200 Hz", "--to", "2 kHz", "--per-octave", "6", "--side", "maximax")
+    assert strikewave("srs", "fast.csv", "--spec", "own.toml", *same, "--json")[0] == 0
+
+
 def test_spec_lists_and_shows_with_status_and_source_of_every_number(strikewave):
     code, out, _ = strikewave("spec", "--json")
     assert code == 0

@@ -4,8 +4,6 @@ from __future__ import annotations
 
 import math
 
-import numpy as np
-
 from strikewave.analyses.compare.agreement import PairOfFigures
 from strikewave.analyses.compare.limits import METRICS, value_words, verdict_of
 from strikewave.analyses.compare.result import INTEGRALS, NAMES, CompareResult, shift_words
@@ -94,9 +92,9 @@ def agreement_table(result: CompareResult) -> Table:
         ["correlation coefficient", f"{found.correlation:.5f}"],
     ]
     if found.ratio.size:
-        at = int(np.nanargmax(np.abs(found.ratio)))
-        where = with_unit(float(found.frequency[at]), "Hz", "kHz", 3)
-        rows.append(["largest ratio of shock response spectra", f"{found.ratio[at]:+.2f} dB at {where}"])
+        ratio, frequency = found.largest_ratio
+        where = with_unit(frequency, "Hz", "kHz", 3)
+        rows.append(["largest ratio of shock response spectra", f"{ratio:+.2f} dB at {where}"])
     rows.append(["shift of B", shift_words(result)])
     if found.deviation is not None:
         inside = percent(found.inside(result.factor), 1)

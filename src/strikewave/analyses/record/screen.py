@@ -14,7 +14,7 @@ from strikewave.analyses.record.figures.campaigns import figure_unit
 from strikewave.analyses.record.motion_chapter import motion_table
 from strikewave.analyses.record.pair_chapter import LEFT_OUT_FIRST, pair_reasons, pair_table
 from strikewave.analyses.record.question import completed, examined
-from strikewave.analyses.record.responses import ResponseSummary, harmed, responding, summaries
+from strikewave.analyses.record.responses import ResponseSummary, harmed, responding
 from strikewave.analyses.record.result import (
     INTEGRALS,
     RecordResult,
@@ -154,7 +154,7 @@ class RecordCommand(Command[RecordResult]):
         """Print the verdict, files, campaigns, and what the filter did."""
         if result.verdict is not None:
             print_verdict(result.verdict, short_names([file.path for file in result.readings]))
-        _print(result.readings, result.campaigns, result.filter)
+        _print(result)
         if result.budget is not None:
             _print_budget(result)
         if result.motion:
@@ -177,7 +177,8 @@ class RecordCommand(Command[RecordResult]):
         return draw_result(result, folder)
 
 
-def _print(readings: Sequence[FileReading], campaigns: Sequence[Campaign], filter_: Filter | None) -> None:
+def _print(result: RecordResult) -> None:
+    readings = result.readings
     names = short_names([file.path for file in readings])
     rows = [row for file in readings for row in _rows(file, names[file.path])]
     columns = [
@@ -194,11 +195,11 @@ def _print(readings: Sequence[FileReading], campaigns: Sequence[Campaign], filte
     for (status, reasons), where in alike.items():
         tell(f"{named(where)}, {status}: {reasons}", "  ")
     _print_rigid(readings, names)
-    _print_responses(readings, names)
+    _print_responses(readings, result.response_summaries, names)
     _print_rebounds(readings, names)
-    for campaign in campaigns:
+    for campaign in result.campaigns:
         _print_campaign(campaign, readings, names)
-    _print_filter(readings, filter_)
+    _print_filter(readings, result.filter)
 
 
 def _print_budget(result: RecordResult) -> None:
@@ -279,7 +280,9 @@ def _times(value: float) -> str:
     return "-" if math.isnan(value) else f"{value:.2g}"
 
 
-def _print_responses(readings: Sequence[FileReading], names: dict[str, str]) -> None:
+def _print_responses(
+    readings: Sequence[FileReading], summaries: Sequence[ResponseSummary], names: dict[str, str]
+) -> None:
     """Print what response channels do after the blows of their base, and all blows together."""
     channels = responding(readings)
     if not channels:
@@ -319,7 +322,7 @@ def _print_responses(readings: Sequence[FileReading], names: dict[str, str]) -> 
     _table(f"Response channels{only}", columns, rows)
     if doubted:
         tell(f"{DOUBTED.strip()} a figure that a finding harms: see the report")
-    for together in summaries(readings):
+    for together in summaries:
         _print_summary(together)
 
 

@@ -39,6 +39,8 @@ KIND_UNITS = {
 """Kinds of spectrum, with their SI unit for an acceleration."""
 SHOWN_UNITS = {kind: {"m/s^2": "g", "m": "mm"}.get(unit, unit) for kind, unit in KIND_UNITS.items()}
 """The units in which they are shown on the screen."""
+LEFT_OUT = ("gain-differs",)
+"""Findings with which a record enters no envelope, as with one that is bad: its spectrum is wrong as a whole."""
 
 
 class SpectrumOptions(NamedTuple):
@@ -53,7 +55,10 @@ class SpectrumOptions(NamedTuple):
 
 
 class SpectrumRequest(NamedTuple):
-    """What was asked of the spectra: quality factor, frequencies, kinds, side, part of the shock and its end."""
+    """What was asked of the spectra: quality factor, frequencies, kinds, side, part of the shock and its end.
+
+    ``own_range``: whether each of several is computed up to what its own sampling carries too, to be judged by itself.
+    """
 
     q: float
     frequencies: list[Typed] | None
@@ -63,6 +68,7 @@ class SpectrumRequest(NamedTuple):
     part: str
     end: Typed | None
     options: SpectrumOptions
+    own_range: bool = False
 
 
 class OscillatorResponse(NamedTuple):
@@ -92,6 +98,10 @@ class ShockSpectra(NamedTuple):
         Of one oscillator, where asked for.
     rolling : RollingSpectrum or None
         Of windows that slide over the record, of the first kind, where asked for.
+    judged : Spectrum or None
+        The first kind, up to what the sampling of this record carries, where it is judged.
+    harmed : str
+        Why the spectrum is not to be judged; empty where it may be.
     uncertainties : sequence of SpectrumUncertainty
         Of each kind, where a budget was stated, or a verdict asked for.
     """
@@ -105,12 +115,22 @@ class ShockSpectra(NamedTuple):
     left_out: str = ""
     response: OscillatorResponse | None = None
     rolling: RollingSpectrum | None = None
+    judged: Spectrum | None = None
+    harmed: str = ""
     uncertainties: Sequence[SpectrumUncertainty] = ()
 
     @property
     def name(self) -> str:
         """File and channel."""
         return f"{Path(self.file).name}, {self.channel}"
+
+
+def harm_of(reading: ChannelReading) -> str:
+    """Return why a spectrum is not to be judged; that no one-sided blow stands out is how a pyroshock is."""
+    for one in reading.findings:
+        if (one.severity == "bad" and one.code != "no-pulse") or one.code in LEFT_OUT or "spectrum" in one.harms:
+            return one.message
+    return ""
 
 
 @dataclass(frozen=True)
@@ -199,7 +219,7 @@ class SpectrumResult(measured.AskedResult):
         """All channels; one alone, too."""
         reading = self.reading
         of = (self.file, reading.channel.name, reading.status, reading.baseline, self.spectra, self.rms, "")
-        return self.shocks or (ShockSpectra(*of, self.response, self.rolling, self.uncertainties),)
+        return self.shocks or (ShockSpectra(*of, self.response, self.rolling, uncertainties=self.uncertainties),)
 
     @functools.cached_property
     def together(self) -> dict[str, dict[str, Array]]:
@@ -295,8 +315,9 @@ class SpectrumResult(measured.AskedResult):
 
     def _uncertain(self, known: Sequence[SpectrumUncertainty]) -> dict[str, Any]:
         """Return what the document holds of the uncertainty of the spectra of a channel."""
-        kinds = [one.kind for one in self.spectra]
-        return {"uncertainty": dict(zip(kinds, (one.document() for one in known), strict=True))} if known else {}
+        pairs = zip(self.spectra, known, strict=False)
+        found = {one.kind: each.lowest(len(one.frequency)).document() for one, each in pairs}
+        return {"uncertainty": found} if found else {}
 
     def highlights(self) -> list[tuple[str, str]]:
         """Return the quality factor, and the largest value of each spectrum with its frequency."""
@@ -377,7 +398,8 @@ class SpectrumResult(measured.AskedResult):
         for s in () if self.shocks else self.spectra:
             columns.append(Column(f"{s.kind}{of}", s.side(self.side), KIND_UNITS[s.kind]))
         for s, known in zip(self.spectra, self.uncertainties, strict=False):
-            columns.append(Column(f"{s.kind} expanded uncertainty{of}", known.expanded, KIND_UNITS[s.kind]))
+            name, values = f"{s.kind} expanded uncertainty{of}", known.lowest(len(s.frequency)).expanded
+            columns.append(Column(name, values, KIND_UNITS[s.kind]))
         for kind, values in self.rms.items() if not self.shocks else ():
             columns.append(Column(f"{kind} rms{of}", values, KIND_UNITS[kind]))
         for name, kinds in self.together.items() if self.shocks else ():
@@ -388,7 +410,7 @@ class SpectrumResult(measured.AskedResult):
                 columns.append(Column(f"{s.kind} of {shock.name}{of}", s.side(self.side), KIND_UNITS[s.kind]))
             for s, known in zip(shock.spectra, shock.uncertainties, strict=False):
                 name = f"{s.kind} expanded uncertainty of {shock.name}{of}"
-                columns.append(Column(name, known.expanded, KIND_UNITS[s.kind]))
+                columns.append(Column(name, known.lowest(len(s.frequency)).expanded, KIND_UNITS[s.kind]))
             for kind, values in shock.rms.items():
                 columns.append(Column(f"{kind} rms of {shock.name}{of}", values, KIND_UNITS[kind]))
         return columns

@@ -57,6 +57,10 @@ class SpectrumUncertainty:
         """Expanded uncertainty, k = 2."""
         return COVERAGE * self.standard
 
+    def lowest(self, count: int) -> SpectrumUncertainty:
+        """Return that of the lowest natural frequencies alone."""
+        return SpectrumUncertainty(self.standard[:count], [(name, each[:count]) for name, each in self.contributions])
+
     def document(self) -> dict[str, Any]:
         """Return the entry of a JSON document, in the unit of the spectrum."""
         rows = [{"name": name, "standard": each} for name, each in self.contributions]

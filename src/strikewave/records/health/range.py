@@ -116,10 +116,8 @@ def saturated(record: Examined) -> list[HealthNotice]:
             continue
         message = (
             f"the top is flat: {percent(sharpness, 0)} as wide at {percent(TIP, 0)} of the peak as at "
-            f"{percent(UPPER, 0)} (an elastic pulse's "
-            f"{percent(usual, 0)}): sensor or amplifier may be near its limit; a pulse that is meant to be flat, "
-            "or made by "
-            "yielding, cannot be told from it"
+            f"{percent(UPPER, 0)} (an elastic pulse's {percent(usual, 0)}): sensor or amplifier may be near its limit; "
+            "a pulse that is meant to be flat, or made by yielding, cannot be told from it"
         )
         higher = _half_sine_of_flanks(record, pulse) - 1.0
         if higher > WRONG:

@@ -38,17 +38,23 @@ def verdict_section(found: RecordsVerdict, names: dict[str, str]) -> Section:
 
 
 def _how(found: RecordsVerdict) -> str:
-    """Say how it was judged."""
-    file, asked = found.specification.file, found.asked
+    """Say how it was judged, and where the numbers of the specification come from."""
+    asked = found.asked
     words = decision_words(asked.rule, asked.holds, asked.not_stated)
-    words += " U is the expanded uncertainty" + (" (ISO 14253-1, JCGM 106)." if asked.rule == "guarded" else ".")
+    by = " (ISO 14253-1, JCGM 106)" if asked.rule == "guarded" else ""
+    return f"{words} U is the expanded uncertainty{by}. {limit_words_of(found)}"
+
+
+def limit_words_of(found: RecordsVerdict) -> str:
+    """Say how the band lies, how the numbers of the specification are known, and where they come from."""
+    file, words = found.specification.file, ""
     if found.limits.band is not None:
-        words += (
-            " The band lies where the smallest distance of the record to it is largest; the velocity change is "
-            "integrated about that place."
+        words = (
+            "The band lies where the smallest distance of the record to it is largest; the velocity change is "
+            "integrated about that place. "
         )
     words += (
-        " The status of a limit is normative (read in the standard), quoted (second-hand) or indicative (from memory); "
+        "The status of a limit is normative (read in the standard), quoted (second-hand) or indicative (from memory); "
         "that of its weakest number counts."
     )
     note = f" {' '.join(file.note.split())}" if file.note else ""

@@ -40,9 +40,9 @@ def shock_figure(shock: JudgedShock, limits: PulseLimits, name: str) -> Figure:
     axes = figure.add_subplot()
     size, unit = axis_unit("m/s^2", "g")
     second, clock = time_unit(limits.pulse.duration)
-    _draw_limits(axes, limits, size, second)
+    draw_limits(axes, limits, size, second)
     record, found = shock.shock, shock.found
-    before, after = _window(limits)
+    before, after = shown_window(limits)
     time = record.time - found.start
     inside = (time >= -before) & (time <= limits.pulse.duration + after)
     x, y = thin(time[inside], record.values[inside], POINTS // 2)
@@ -63,17 +63,17 @@ def shock_figure(shock: JudgedShock, limits: PulseLimits, name: str) -> Figure:
     return legend_below(figure)
 
 
-def _window(limits: PulseLimits) -> tuple[float, float]:
+def shown_window(limits: PulseLimits) -> tuple[float, float]:
     """Return how long before and after the pulse is shown, s."""
     band = limits.band
     shares = (0.5, 1.0) if band is None else (band.before, band.after)
     return shares[0] * limits.pulse.duration, shares[1] * limits.pulse.duration
 
 
-def _draw_limits(axes: Any, limits: PulseLimits, size: float, second: float) -> None:
+def draw_limits(axes: Any, limits: PulseLimits, size: float, second: float) -> None:
     """Draw what a shock is held against, over time from the begin of the ideal pulse."""
     pulse, band = limits.pulse, limits.band
-    before, after = _window(limits)
+    before, after = shown_window(limits)
     if band is not None:
         time = band.grid()[::2]
         time = np.unique(np.concatenate([time, band.grid()[:1], band.grid()[-1:]]))
@@ -96,7 +96,7 @@ def limits_figure(limits: PulseLimits, title: str) -> Figure:
     axes = figure.add_subplot()
     size, unit = axis_unit("m/s^2", "g")
     second, clock = time_unit(limits.pulse.duration)
-    _draw_limits(axes, limits, size, second)
+    draw_limits(axes, limits, size, second)
     if limits.width is not None:
         level = limits.level * limits.pulse.peak
         first, last = _crossings(limits)

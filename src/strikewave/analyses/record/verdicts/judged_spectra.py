@@ -5,15 +5,15 @@ from __future__ import annotations
 import dataclasses
 import math
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from strikewave.analyses.record.spectrum import SpectrumRequest, SpectrumResult
+from strikewave.analyses.record.spectrum import SpectrumRequest, SpectrumResult, harm_of
 from strikewave.analyses.record.verdicts.judged import verdict_notices
 from strikewave.base.errors import InputError
 from strikewave.records.budget.contributions import Budget
-from strikewave.records.health_notice import HealthNotice
 from strikewave.reporting.clause_words import (
     SHOWN,
     clause_words,
@@ -34,6 +34,8 @@ from strikewave.specifications.spectrum_limits import judge_spectrum
 
 Array = NDArray[np.float64]
 
+FIXES = "the specification fixes it: leave it out"
+
 
 @dataclass(frozen=True)
 class SpectraJudge:
@@ -53,16 +55,29 @@ class SpectraJudge:
             If it states no spectrum, or another part, kind or set of frequencies was asked for.
         """
         limits = self.specification.spectrum_limits()
+        first, last = limits.frequency[0], limits.frequency[-1]
         if request.frequencies:
-            raise InputError(
-                "--frequency", request.frequencies[0].word, "none with --spec", "it states the frequencies"
-            )
-        if request.kinds != (limits.kind,):
-            raise InputError("--kind", ", ".join(request.kinds), f"{limits.kind} with this --spec", "leave it out")
-        low = Typed(limits.frequency[0], f"{limits.frequency[0]:g} Hz")
+            raise InputError("--frequency", request.frequencies[0].word, "none with --spec", FIXES)
+        low, high, per_octave = request.grid
+        rows: tuple[tuple[str, Any, Any, Any], ...] = (
+            ("--kind", ", ".join(request.kinds), "", limits.kind),
+            ("--q", request.q, 10.0, limits.q),
+            ("--from", low, 10.0, first),
+            ("--to", high, None, last),
+            ("--per-octave", per_octave, 12.0, limits.per_octave),
+            ("--side", request.side, "maximax", limits.side),
+            ("--part", request.part, "total", "total"),
+        )
+        for option, value, usual, fixed in rows:
+            is_typed = isinstance(value, Typed) or value != usual
+            same = value == fixed if isinstance(fixed, str) else value is not None and math.isclose(value, fixed)
+            if is_typed and not same:
+                allowed = fixed if isinstance(fixed, str) else f"{fixed:g}{' Hz' * (option in ('--from', '--to'))}"
+                raise InputError(option, getattr(value, "word", value), f"{allowed} with this --spec", FIXES)
+        grid = (Typed(first, f"{first:g} Hz"), None, limits.per_octave)
         known = Budget(()) if self.budget is None and self.rule == "guarded" else self.budget
         options = request.options._replace(budget=known)
-        return request._replace(q=limits.q, grid=(low, None, limits.per_octave), side=limits.side, options=options)
+        return request._replace(q=limits.q, grid=grid, side=limits.side, own_range=True, options=options)
 
     def judged(self, result: SpectrumResult) -> SpectrumResult:
         """Return a result with its verdict; a fail is a failed check.
@@ -76,37 +91,27 @@ class SpectraJudge:
             unit = result.reading.channel.unit or "no known unit"
             raise InputError("--spec", unit, "records of an acceleration", "state the unit, such as --unit g")
         limits, side = self.specification.spectrum_limits(), result.side
-        first, reading = result.spectra[0], result.reading
-        harmed = next(
-            (f.message for f in reading.findings if _bad_for_spectra(f) or "spectrum" in f.harms),
-            "",
-        )
         rows = [
-            (one.name, one.file, one.channel, one.spectra[0].side(side), one.uncertainties, one.left_out)
+            (one.name, one.file, one.channel, one.judged or one.spectra[0], one.uncertainties, one.harmed)
             for one in result.shocks
         ]
-        rows = rows or [
-            (result.title, result.file, reading.channel.name, first.side(side), result.uncertainties, harmed)
-        ]
-        frequency = np.asarray(first.frequency, dtype=np.float64)
-        inside = frequency <= limits.frequency[-1] * (1.0 + 1e-9)
-        short = frequency[-1] < limits.frequency[-1] * 2.0 ** (-1.0 / limits.per_octave)
-        lacks = f"the sampling rate carries natural frequencies up to {frequency[-1]:.4g} Hz" if short else ""
+        if not rows:
+            reading = result.reading
+            name = reading.channel.name
+            rows = [(result.title, result.file, name, result.spectra[0], result.uncertainties, harm_of(reading))]
         spectra = []
-        for name, file, channel, values, known, left_out in rows:
-            share = known[0].expanded[inside] / values[inside] if known else math.nan
-            found = judge_spectrum(
-                frequency[inside], values[inside], limits, share, self.rule, self.strict, left_out or lacks
-            )
-            spectra.append(JudgedSpectrum(name, file, channel, frequency[inside], values[inside], found))
+        for name, file, channel, one, known, harmed in rows:
+            frequency = np.asarray(one.frequency, dtype=np.float64)
+            short = frequency[-1] < limits.frequency[-1] * 2.0 ** (-1.0 / limits.per_octave)
+            lacks = f"its sampling rate carries natural frequencies up to {frequency[-1]:.4g} Hz" if short else ""
+            inside = frequency <= limits.frequency[-1] * (1.0 + 1e-9)
+            values = (frequency[inside], one.side(side)[inside])
+            share = known[0].expanded[inside] / values[1] if known else math.nan
+            found = judge_spectrum(*values, limits, share, self.rule, self.strict, harmed or lacks)
+            spectra.append(JudgedSpectrum(name, file, channel, *values, found))
         verdict = SpectraVerdict(self.specification, limits, self.rule, self.strict, self.budget, tuple(spectra))
         notices = verdict_notices(self.specification.title, verdict.verdict, verdict.by_indicative, verdict.clauses)
         return dataclasses.replace(result, verdict=verdict, notices=(*result.notices, *notices))
-
-
-def _bad_for_spectra(finding: HealthNotice) -> bool:
-    """Tell whether a finding makes a whole record bad; that no one-sided blow stands out is how a pyroshock is."""
-    return finding.severity == "bad" and finding.code != "no-pulse"
 
 
 def spectra_sentence(found: SpectraVerdict) -> str:

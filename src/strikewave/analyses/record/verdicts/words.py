@@ -4,9 +4,17 @@ from __future__ import annotations
 
 import math
 
-from strikewave.reporting.clause_words import first_upper, not_judged_names, share_words, verdict_sentence, why_words
+from strikewave.cases.stated_test import StatedTest
+from strikewave.reporting.clause_words import (
+    first_upper,
+    not_judged_names,
+    share_words,
+    verdict_sentence,
+    verdict_tag,
+    why_words,
+)
 from strikewave.reporting.numbers import listed
-from strikewave.reporting.parts import NONE
+from strikewave.reporting.parts import NONE, Tag
 from strikewave.specifications.decisions import CANNOT_TELL, FAIL, PASS
 from strikewave.specifications.judged_records import JudgedShock, RecordsVerdict
 
@@ -20,6 +28,14 @@ def name_of_shock(shock: JudgedShock | None, names: dict[str, str], several: boo
         return NONE
     channel = f", {shock.reading.channel.name}" if several else ""
     return f"{names[shock.file]}{channel}, blow {shock.number}"
+
+
+def tag_of_records(found: RecordsVerdict, stated: StatedTest | None = None) -> Tag:
+    """Return the verdict as a tag, with what it rests on; equipment without a valid calibration takes its green."""
+    tag = verdict_tag(found.verdict, found.by_indicative, [clause for clause, _ in found.clauses])
+    if stated is None or not stated.lapses:
+        return tag
+    return Tag(f"{tag.text}; calibration overdue", "warned" if found.verdict == PASS else tag.look)
 
 
 def sentence(found: RecordsVerdict, names: dict[str, str]) -> str:
