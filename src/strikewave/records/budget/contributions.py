@@ -186,7 +186,8 @@ def of_share(share: float) -> Budget:
     (0.025, 0.05)
     """
     typed = f"{100.0 * share:g} %, k = {COVERAGE:g}"
-    return Budget((Contribution("acceleration", "acceleration, as stated", share / COVERAGE, NORMAL, typed=typed),))
+    name = f"{100.0 * share:g} % of the acceleration, as stated"
+    return Budget((Contribution("acceleration", name, share / COVERAGE, NORMAL, typed=typed),))
 
 
 def sampling(step: float) -> Contribution:
