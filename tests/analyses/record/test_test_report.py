@@ -10,6 +10,7 @@ import tomllib
 
 import numpy as np
 import pytest
+from PIL import Image
 from pypdf import PdfReader
 
 import strikewave as sw
@@ -147,9 +148,14 @@ def test_an_overdue_calibration_stands_at_the_top_and_marks_the_verdict_wherever
 
 def test_words_of_a_hostile_file_stay_words(result, tmp_path):
     text = "<script>alert(1)</script><img src=x onerror=alert(1)>&\"'{{ 7*7 }}</style>"
-    page = report_of_test(result.of_test(stated(tmp_path, filled_in(text))))
+    Image.new("RGB", (8, 8)).save(tmp_path / "p.png")
+    words = filled_in(text).replace("[[setup.photograph]]", '[[setup.photograph]]\nfile = "p.png"')
+    page = report_of_test(result.of_test(stated(tmp_path, words)))
     assert "<script" not in page
-    assert "<img" not in page
+    images = re.findall("<img[^>]*>", page)
+    assert len(images) == 1  # the photograph, its caption as text in quotes
+    assert images[0].startswith('<img src="data:image/jpeg;base64,')
+    assert " onerror" not in re.sub('"[^"]*"', "", images[0])
     assert page.count("</style>") == 1
     assert "&lt;script&gt;alert(1)&lt;/script&gt;" in page
     assert "{{ 7*7 }}" in html.unescape(page)
