@@ -7,9 +7,9 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, ClassVar
 
+from strikewave.analyses.record.file_spectra import FilesAsked, judged_spectra_of
 from strikewave.analyses.record.result import name_of
 from strikewave.analyses.record.spectrum import KIND_UNITS, SHOWN_UNITS, SpectrumRequest, SpectrumResult
-from strikewave.analyses.record.spectrum_question import FilesAsked, judged_spectra_of
 from strikewave.analyses.record.verdicts.judged_spectra import SpectraJudge, print_spectra_verdict
 from strikewave.base.result import Source
 from strikewave.reporting import measured_files as measured
