@@ -46,6 +46,8 @@ if TYPE_CHECKING:  # for type checkers and editors; at run time a name is import
     from strikewave.records.readers import read_record as read_record
     from strikewave.signal.srs import srs as srs
     from strikewave.studies.buffer.question import buffer as buffer
+    from strikewave.studies.fit.study import FitStudy as FitStudy
+    from strikewave.studies.fit.study import fit as fit
     from strikewave.studies.map.question import map as map
     from strikewave.studies.scatter.study import ScatterPlan as ScatterPlan
     from strikewave.studies.scatter.study import scatter as scatter
@@ -58,6 +60,7 @@ _HOMES = {
     "CompareResult": "analyses.compare.result",
     "Contact": "contact.law",
     "FemSolution": "analyses.fem.result",
+    "FitStudy": "studies.fit.study",
     "InputError": "base.errors",
     "RecordResult": "analyses.record.result",
     "Result": "base.result",
@@ -71,6 +74,7 @@ _HOMES = {
     "drop_table": "studies.settings.drop_table.question",
     "dump_case": "cases.case",
     "find_pulses": "records.measuring",
+    "fit": "studies.fit.study",
     "identify": "contact.identification",
     "load_case": "cases.case",
     "load_setup": "analyses.hopkinson.setup_file",

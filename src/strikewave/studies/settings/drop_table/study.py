@@ -16,6 +16,7 @@ import numpy as np
 from strikewave.base.errors import InputError, InputErrors
 from strikewave.base.result import Notice, Source
 from strikewave.cases.case import Case, dump_case
+from strikewave.reporting.clause_words import first_upper
 from strikewave.reporting.columns import Column
 from strikewave.reporting.numbers import with_unit
 from strikewave.reporting.shown_result import Curve, ShownResult, columns_of, history_curve
@@ -123,7 +124,7 @@ class DropStudy(ShownResult):
     @property
     def title(self) -> str:
         """The goal in words, after "nearest to" where no design meets it."""
-        return ("nearest to " if self.broken else "") + goal_words(self.goal)
+        return first_upper(("nearest to " if self.broken else "") + goal_words(self.goal))
 
     def highlights(self) -> list[tuple[str, str]]:
         """Return how many designs meet the specification, and the first one."""

@@ -1,0 +1,95 @@
+"""A fit as a command: read, fit, print, draw."""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import ClassVar
+
+from strikewave.analyses.compare.sources import SourceOptions, parse_name, paths_of
+from strikewave.base.result import Source
+from strikewave.cases.case import Case, dump_case
+from strikewave.reporting import measured_files as measured
+from strikewave.reporting.options import Output
+from strikewave.reporting.run_and_write import Command, case_folder, run_and_write
+from strikewave.reporting.terminal import print_rows, progress_bar
+from strikewave.studies.fit.columns import (
+    CORRELATION_TITLE,
+    PARAMETER_COLUMNS,
+    RESIDUAL_COLUMNS,
+    correlation_columns,
+    correlation_rows,
+    fit_words,
+    residual_rows,
+)
+from strikewave.studies.fit.study import FitStudy, fit
+from strikewave.studies.fit.targets import parse_target
+
+EXPECTED = 60
+"""Runs that a fit takes for each free field, roughly: for the bar alone."""
+
+
+def run_fit(
+    case: Case, changes: Sequence[str], to: Sequence[str], free: Sequence[str], reading: SourceOptions, output: Output
+) -> int:
+    """Fit a case, write and print the result, and return the exit code.
+
+    Raises
+    ------
+    InputError, StrikewaveError
+        What `fit` raises, or if the place is taken.
+    """
+    usual = f"fit-{case_folder(case.name, dump_case(case), changes)}"
+    targets = [parse_target(word, case) for word in to]
+    paths = [path for one in targets if not one.is_number for path in paths_of(parse_name(one.right))]
+    origin = measured.source_of(
+        "fit", case.name, list(dict.fromkeys(paths)) if output.writes(usual) else [], output.stated_test()
+    )
+    return run_and_write(FitCommand(case, to, free, reading, origin), output, usual, origin.text)
+
+
+@dataclass(frozen=True)
+class FitCommand(Command[FitStudy]):
+    """A fit of a case to measurements."""
+
+    indent: ClassVar[int | None] = 2
+
+    case: Case
+    to: Sequence[str]
+    free: Sequence[str]
+    reading: SourceOptions
+    origin: Source
+
+    def solve(self) -> FitStudy:
+        """Return the fit, with a bar on stderr."""
+        with progress_bar("fitting") as report:
+
+            def advance(runs: int, misfit: float) -> None:
+                whole = EXPECTED * max(len(self.free), 2)
+                report(min(runs / whole, 0.99), f"{runs} runs, sum of squares {misfit:.4g}")
+
+            study = fit(self.case, self.to, self.free, reading=self.reading, progress=advance)
+        return dataclasses.replace(study, origin=self.origin)
+
+    def summary(self, result: FitStudy) -> str:
+        """Say what came out."""
+        return fit_words(result)
+
+    def show(self, result: FitStudy) -> None:
+        """Print values, correlation and residuals."""
+        print_rows("Fitted values", PARAMETER_COLUMNS, result.parameters)
+        if len(result.parameters) > 1:
+            print_rows(CORRELATION_TITLE, correlation_columns(result), correlation_rows(result))
+        print_rows("Residuals", RESIDUAL_COLUMNS, residual_rows(result))
+
+    def draw(self, result: FitStudy, folder: Path) -> list[str]:
+        """Write page and picture."""
+        from strikewave.reporting.style import save
+        from strikewave.studies.fit.figures import fit_figure
+        from strikewave.studies.fit.report import fit_report
+
+        save(fit_figure(result), folder / "fit.svg")
+        (folder / "report.html").write_text(fit_report(result), "utf-8", newline="\n")
+        return ["report.html", "fit.svg"]
