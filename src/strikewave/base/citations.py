@@ -184,6 +184,13 @@ SOURCES: dict[str, str] = {
         "P. K. Sen, Estimates of the regression coefficient based on Kendall's tau, Journal of the American "
         "Statistical Association 63 (1968) 1379-1389"
     ),
+    "jcgm-100": (
+        "JCGM 100:2008, Evaluation of measurement data - Guide to the expression of uncertainty in measurement"
+    ),
+    "jcgm-101": (
+        "JCGM 101:2008, Evaluation of measurement data - Supplement 1 to the Guide to the expression of uncertainty in "
+        "measurement - Propagation of distributions using a Monte Carlo method"
+    ),
     "jcgm-106": (
         "JCGM 106:2012, Evaluation of measurement data - The role of measurement uncertainty in conformity assessment"
     ),

@@ -227,7 +227,7 @@ def synthesize(
     values = srs(found.acceleration, found.step, frequency, limits.q).side(limits.side)
     clauses = judge_spectrum(frequency, values, limits)
     judged = JudgedSpectrum(by, "", "", frequency, values, clauses)
-    verdict = SpectraVerdict(specification, limits, "simple", False, 0.0, (judged,))
+    verdict = SpectraVerdict(specification, limits, "simple", False, None, (judged,))
     result = SynthesisResult(
         by=by,
         motion=found,

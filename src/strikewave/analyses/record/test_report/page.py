@@ -214,12 +214,9 @@ def _decision(found: RecordsVerdict) -> str:
             "guarded: within the expanded uncertainty of a limit neither pass nor fail is stated (ISO 14253-1, JCGM "
             "106:2012, 8.3)"
         )
-    known = "that of noise and baseline, found before each shock"
-    if found.asked.uncertainty > 0.0:
-        known = f"{100.0 * found.asked.uncertainty:g} % of the acceleration, and {known}"
-    else:
-        known += "; that of sensor, amplifier and calibration is not stated, and is not in it"
-    return f"Decision rule: {rule}.\n\nUncertainty of the measurement, expanded, k = 2: {known}."
+    held = f"it holds {listed(list(found.asked.holds))}"
+    left = f"; not stated, and not in it: {listed(list(found.asked.not_stated))}" if found.asked.not_stated else ""
+    return f"Decision rule: {rule}.\n\nUncertainty of the measurement, expanded, k = 2: {held}{left}."
 
 
 def _setup(stated: StatedTest) -> Section:
@@ -344,7 +341,7 @@ def _annex(result: RecordResult) -> Section:
 
 
 def _not_stated(stated: StatedTest, found: RecordsVerdict) -> Section:
-    rows: list[list[Cell]] = [list(one) for one in missing(stated, found.asked.uncertainty > 0.0)]
+    rows: list[list[Cell]] = [list(one) for one in missing(stated, found.asked.budget is not None)]
     title = f"Annex: asked for by {NORM}, and not stated"
     text = (
         f"Clause 7.8 of {NORM}, as other texts quote it, asks for what follows as far as it applies; the test file "
