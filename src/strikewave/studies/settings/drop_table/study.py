@@ -269,8 +269,8 @@ def check_drop_changes(changes: Iterable[str], case: Case, choice: DropChoices) 
     >>> check_drop_changes(["machine.height=1 m"], load_case("jesd22-b111-b"), DropChoices())
     Traceback (most recent call last):
         ...
-    strikewave.base.errors.InputError: machine.height: got "1 m"; allowed: no --set of it: it is chosen for the velocity \
-change; leave it out, or limit it by --stroke
+    strikewave.base.errors.InputError: machine.height: got "1 m"; allowed: no --set of it: it is chosen for the \
+velocity change; leave it out, or limit it by --stroke
     """
     chosen_here = {"machine.height": ("for the velocity change", "leave it out, or limit it by --stroke")}
     if choice.masses:
@@ -337,7 +337,7 @@ def design_drop_table(
         DropDesign(case, goal, programmer, diameter, mass, note)
         for programmer in choice.tried(case)
         for mass in choice.masses or (None,)
-        for diameter in ((choice.diameters or DIAMETERS) if programmer.is_pad else (None,))
+        for diameter in _diameters(programmer, case, choice)
     ]
     _check_height(designs, goal)
     tried = list(each_result(drop_candidate, designs, progress))
@@ -352,6 +352,14 @@ def design_drop_table(
     if not ranked:
         raise InputErrors(list(failed)[:MOST_REASONS])
     return DropStudy(case, goal, choice, ranked, failed, notices=tuple(_notices(ranked[0])), citations=SOURCES)
+
+
+def _diameters(programmer: Programmer, case: Case, choice: DropChoices) -> Sequence[float | None]:
+    """Return the diameters that are tried of a programmer, m; that of the pad of a case too."""
+    if not programmer.is_pad:
+        return (None,)
+    own = case.values().get("contact.cushion.diameter") if programmer.table is not None else None
+    return choice.diameters or sorted({*DIAMETERS, *([] if own is None else [own.si])})
 
 
 def _of_diameter(design: DropDesign) -> str:
