@@ -8,8 +8,16 @@ from strikewave.analyses.compare.agreement import PairOfFigures
 from strikewave.analyses.compare.limits import METRICS, value_words, verdict_of
 from strikewave.analyses.compare.result import INTEGRALS, NAMES, CompareResult, shift_words
 from strikewave.analyses.compare.specified import SpecificationVerdict
-from strikewave.reporting.clause_words import CLAUSE_HEADS, SHOWN, clause_cells, clause_words, tag_of, verdict_sentence
-from strikewave.reporting.numbers import axis_unit, band_text, headed, listed, percent, shown, with_unit
+from strikewave.reporting.clause_words import (
+    CLAUSE_HEADS,
+    SHOWN,
+    clause_cells,
+    clause_words,
+    held_words,
+    tag_of,
+    verdict_sentence,
+)
+from strikewave.reporting.numbers import axis_unit, band_text, headed, percent, shown, with_unit
 from strikewave.reporting.parts import NONE, Cell, Table, Tag, written
 from strikewave.signal.iso18571 import RATE, SAMPLES
 from strikewave.specifications.decisions import CANNOT_TELL, COVERAGE, FAIL, PASS
@@ -95,12 +103,8 @@ def _figure_words(value: float, doubt: float, si: str, usual: str) -> str:
 def budget_words(result: CompareResult) -> str:
     """Say what the uncertainties of A and B are, and hold."""
     assert result.budget is not None
-    words = (
-        "± of A and B is the expanded uncertainty, k = 2, that of the difference its standard uncertainty; both hold "
-    )
-    words += listed(list(result.budget.names))
-    left = result.budget.not_stated
-    return words + (f". Not stated: {listed(list(left))}." if left else ".")
+    words = "± of A and B is the expanded uncertainty U, that of the difference its standard uncertainty. "
+    return words + held_words(result.budget.names, result.budget.not_stated)
 
 
 def agreement_table(result: CompareResult) -> Table:
