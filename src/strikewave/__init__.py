@@ -27,6 +27,7 @@ if TYPE_CHECKING:  # for type checkers and editors; at run time a name is import
     from strikewave.analyses.record.result import RecordResult as RecordResult
     from strikewave.analyses.record.spectrum import SpectrumResult as SpectrumResult
     from strikewave.analyses.record.spectrum_question import shock_spectra as shock_spectra
+    from strikewave.analyses.record.synthesis.result import synthesize as synthesize
     from strikewave.analyses.wave.result import WaveSolution as WaveSolution
     from strikewave.analyses.wave.run import run_wave as run_wave
     from strikewave.base.errors import InputError as InputError
@@ -50,6 +51,7 @@ if TYPE_CHECKING:  # for type checkers and editors; at run time a name is import
     from strikewave.studies.map.question import map as map
     from strikewave.studies.scatter.study import ScatterPlan as ScatterPlan
     from strikewave.studies.scatter.study import scatter as scatter
+    from strikewave.studies.settings.drop_table.question import drop_table as drop_table
     from strikewave.studies.settings.question import settings as settings
 
 _HOMES = {
@@ -69,6 +71,7 @@ _HOMES = {
     "WaveSolution": "analyses.wave.result",
     "buffer": "studies.buffer.question",
     "compare": "analyses.compare.question",
+    "drop_table": "studies.settings.drop_table.question",
     "dump_case": "cases.case",
     "find_pulses": "records.measuring",
     "fit": "studies.fit.study",
@@ -90,6 +93,7 @@ _HOMES = {
     "settings": "studies.settings.question",
     "solve_impact": "contact.impact",
     "srs": "signal.srs",
+    "synthesize": "analyses.record.synthesis.result",
 }
 """Modules of the public names. A test holds this table and the imports above equal."""
 

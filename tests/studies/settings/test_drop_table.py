@@ -226,3 +226,14 @@ def test_the_rotary_machine_is_judged_blow_by_blow(strikewave):
     assert best["verdict"] == "pass"
     assert {clause["clause"] for clause in best["clauses"]} == {"peak", "pulse width at 10 %"}
     assert best["peak"]["typical"] == pytest.approx(2900.0 * G, rel=0.05)
+
+
+def test_python_refuses_a_specification_without_an_interval_as_the_command_does():
+    import strikewave
+
+    with pytest.raises(InputError, match="--interval: missing"):
+        strikewave.settings(spec="jesd22-b110:H")
+    with pytest.raises(InputError, match="programmers"):
+        strikewave.drop_table("jesd22-b110:A", programmers=["velt"])
+    with pytest.raises(InputError, match="by: got"):
+        strikewave.synthesize("nasa-gevs", by="cosines")

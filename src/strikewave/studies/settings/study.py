@@ -10,7 +10,6 @@ import dataclasses
 import hashlib
 import math
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
@@ -46,6 +45,7 @@ from strikewave.studies.settings.estimate import (
     support_for,
     turntable_speed,
 )
+from strikewave.studies.settings.in_threads import each_result
 from strikewave.studies.settings.search import VARIED, Design, Trial, candidate
 
 STRIKERS = (1, 2, 3, 4, 6, 8, 12)
@@ -77,8 +77,6 @@ PRESSED = 0.5
 stop more than it flies, and the closed forms of a rigid stop do not hold."""
 SHORTEST = 10.0
 """Least interval over the width of the pulse: what comes sooner runs into the pulse before."""
-WORKERS = 2
-"""Threads; the compiled runs hold no lock."""
 LEAST_SHARE = 0.9
 """Share of the width of a half-sine on the contact alone below which a width is refused: the tenth is left for what a
 half-sine is not. Full runs with a nearly rigid frame stand above it by less than a third."""
@@ -593,9 +591,9 @@ def design_settings(
     own = any(row.mass is not None for row in case.rotary_tables().striker.each)
     heavier = 0 if choice.masses or own else len(MASS_SHARES) * len(numbers)
     whole = len(first) + heavier
-    tried = list(_candidates(first, progress, 0, whole))
+    tried = list(each_result(candidate, first, progress, 0, whole))
     if heavier:
-        tried += _candidates(list(_other_masses(tried, numbers)), progress, len(first), whole)
+        tried += each_result(candidate, list(_other_masses(tried, numbers)), progress, len(first), whole)
     candidates = [result for _, result in tried if isinstance(result, SettingsCandidate)]
     failures = [(design, result) for design, result in tried if isinstance(result, str)]
     if not candidates:
@@ -618,21 +616,6 @@ def _other_masses(tried: Sequence[tuple[Design, SettingsCandidate | str]], numbe
             mass = design.rig.case.rotary_tables().striker.mass.si
             for share in MASS_SHARES:
                 yield dataclasses.replace(design, rig=design.rig._replace(mass=share * mass))
-
-
-def _candidates(
-    designs: Sequence[Design], progress: Callable[[float], None] | None, done: int, whole: int
-) -> Iterator[tuple[Design, SettingsCandidate | str]]:
-    """Yield each design with its candidate, in order; `WORKERS` are run at a time."""
-    with ThreadPoolExecutor(WORKERS) as pool:
-        try:
-            for k, result in enumerate(pool.map(candidate, designs), 1):
-                if progress is not None:
-                    progress((done + k) / whole)
-                yield designs[k - 1], result
-        except BaseException:
-            pool.shutdown(wait=False, cancel_futures=True)
-            raise
 
 
 __all__ = [

@@ -8,7 +8,7 @@ from collections.abc import Iterator, Sequence
 from statistics import fmean, stdev
 
 from strikewave.base.percents import percent
-from strikewave.reporting.clause_words import amount, limit_words, tag_of, value_words
+from strikewave.reporting.clause_words import amount, doubted_words, limit_words, tag_of, value_words
 from strikewave.reporting.numbers import with_unit
 from strikewave.reporting.parts import NONE, Cell, Table
 from strikewave.specifications.decisions import CANNOT_TELL, FAIL, PASS, together
@@ -21,6 +21,8 @@ MOST_LISTED = 200
 FIGURES = (("peak", "m/s^2"), ("pulse width", "s"), ("velocity change", "m/s"))
 """Figures of a shock, by the begin of the names of their clauses, and their SI units."""
 _VALUE = re.compile(r"(?P<value>[−+]?\d\S*( ± \S+)?)\s(?P<unit>\D\S*)")
+DOUBT = "; behind ± the expanded uncertainty, k = 2"
+"""Ends the captions of tables of figures with it."""
 UNSTATED = "not stated"
 """Stands for a direction that is not stated."""
 
@@ -108,11 +110,11 @@ def shock_tables(found: RecordsVerdict, names: dict[str, str]) -> list[Table]:
     """Return all shocks in a table or, of many, a summary, those that do not pass, and the largest and smallest."""
     numbered = list(enumerate(found.shocks, start=1))
     if len(numbered) <= MOST_LISTED:
-        return [_listed(numbered, found, names, "Each shock")]
+        return [_listed(numbered, found, names, f"Each shock{DOUBT}")]
     odd = [one for one in numbered if one[1].found.verdict != PASS]
     left = f", the first {MOST_LISTED} of {len(odd)}" if len(odd) > MOST_LISTED else ""
-    outliers = _listed(odd[:MOST_LISTED], found, names, f"Shocks that do not pass{left}")
-    extremes = _listed(_extremes(numbered), found, names, "Shocks with the largest and smallest figures")
+    outliers = _listed(odd[:MOST_LISTED], found, names, f"Shocks that do not pass{left}{DOUBT}")
+    extremes = _listed(_extremes(numbered), found, names, f"Shocks with the largest and smallest figures{DOUBT}")
     return [_summary(found), outliers, extremes]
 
 
@@ -131,7 +133,7 @@ def _listed(
                 *([shock.reading.channel.name] if several else []),
                 shock.number,
                 with_unit(shock.pulse.time, "s", "s", 6),
-                *map(value_words, figures_of(shock)),
+                *map(doubted_words, figures_of(shock)),
                 value_words(inside[0]) if inside else NONE,
                 tag_of(shock.found.verdict),
                 why(shock),

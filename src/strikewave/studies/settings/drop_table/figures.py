@@ -26,7 +26,7 @@ def drop_figure(study: DropStudy) -> Figure:
     draw_shock(left, first.reading.shock, first.verdict, study.goal.limits, first.programmer.name, "full run")
     _designs(right, study)
     legend_below(figure)
-    return titled(figure, plain(f"Drop table, {study.title}", 90))
+    return titled(figure, plain(f"Drop table. {study.title}", 90))
 
 
 def _designs(axes: Any, study: DropStudy) -> None:

@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import hashlib
 from collections.abc import Callable, Mapping, Sequence
-from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
@@ -17,6 +16,7 @@ import numpy as np
 from strikewave.base.errors import InputError, InputErrors
 from strikewave.base.result import Notice, Source
 from strikewave.cases.case import Case, dump_case
+from strikewave.reporting.clause_words import first_upper
 from strikewave.reporting.columns import Column
 from strikewave.reporting.numbers import with_unit
 from strikewave.reporting.shown_result import Curve, ShownResult, columns_of, history_curve
@@ -31,7 +31,8 @@ from strikewave.studies.settings.drop_table.search import (
     drop_candidate,
     drop_rank,
 )
-from strikewave.studies.settings.study import MOST_REASONS, WORKERS
+from strikewave.studies.settings.in_threads import each_result
+from strikewave.studies.settings.study import MOST_REASONS
 
 DIAMETERS = (0.05, 0.075, 0.1, 0.15, 0.2, 0.3)
 """Diameters of a pad that are tried by default, m: from that of a striking post to that of a table, in steps of a half
@@ -123,7 +124,7 @@ class DropStudy(ShownResult):
     @property
     def title(self) -> str:
         """The goal in words, after "nearest to" where no design meets it."""
-        return ("nearest to " if self.broken else "") + goal_words(self.goal)
+        return first_upper(("nearest to " if self.broken else "") + goal_words(self.goal))
 
     def highlights(self) -> list[tuple[str, str]]:
         """Return how many designs meet the specification, and the first one."""
@@ -303,15 +304,15 @@ def design_drop_table(
         for diameter in ((choice.diameters or DIAMETERS) if programmer.is_pad else (None,))
     ]
     _check_height(designs, goal)
-    tried = list(_candidates(designs, progress))
+    tried = list(each_result(drop_candidate, designs, progress))
     failed = tuple(
         dict.fromkeys(
             f"{design.programmer.name}{_of_diameter(design)}: {result}"
-            for design, result in zip(designs, tried, strict=True)
+            for design, result in tried
             if isinstance(result, str)
         )
     )
-    ranked = tuple(sorted((one for one in tried if isinstance(one, DropCandidate)), key=drop_rank))
+    ranked = tuple(sorted((one for _, one in tried if isinstance(one, DropCandidate)), key=drop_rank))
     if not ranked:
         raise InputErrors(list(failed)[:MOST_REASONS])
     return DropStudy(case, goal, choice, ranked, failed, notices=tuple(_notices(ranked[0])), citations=SOURCES)
@@ -338,23 +339,6 @@ def _check_height(designs: Sequence[DropDesign], goal: DropGoal) -> None:
         f"at most {reached:.4g} m/s, which a fall of {goal.stroke:.4g} m gives with {programmer.name}",
         f"it needs a drop height of about {least:.4g} m: --stroke, a programmer that gives back more, a driven table",
     )
-
-
-def _candidates(
-    designs: Sequence[DropDesign], progress: Callable[[float], None] | None
-) -> Sequence[DropCandidate | str]:
-    """Return the candidate of each design, in order; `WORKERS` are run at a time."""
-    found = []
-    with ThreadPoolExecutor(WORKERS) as pool:
-        try:
-            for k, result in enumerate(pool.map(drop_candidate, designs), 1):
-                if progress is not None:
-                    progress(k / len(designs))
-                found.append(result)
-        except BaseException:
-            pool.shutdown(wait=False, cancel_futures=True)
-            raise
-    return found
 
 
 def _notices(first: DropCandidate) -> list[Notice]:
