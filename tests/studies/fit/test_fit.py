@@ -224,6 +224,40 @@ def test_records_that_cannot_be_held_against_the_run_are_answered_in_one_line(tm
         fit(case, [f"anvil={record}"], ["contact.restitution"])
 
 
+def test_what_is_kept_out_is_predicted_within_its_bands(tmp_path):
+    """Fitted to a drop from 0.25 m, told of one from 0.35 m: three figures and a number, one of 20 beyond by chance."""
+    truth = load_case(DROP, ["contact.reference_force=900 kN", "contact.restitution=0.72"])
+    near, far = (
+        write_record(tmp_path / f"{k}.csv", moved_height(truth, h), k) for k, h in enumerate(("0.25 m", "0.35 m"))
+    )
+    study = fit(
+        load_case(DROP, ["contact.restitution=0.6"]),
+        [f"{near}; machine.height=0.25 m"],
+        FIELDS,
+        check_on=[f"{far}; machine.height=0.35 m", "first.width=430 us +- 5 us"],
+    )
+    assert [one.figure for one in study.checks.figures] == ["peak", "width", "velocity change", "first.width"]
+    assert study.checks.inside >= 3
+    assert max(abs(bias) for bias in study.checks.biases().values()) < 0.02
+    ((_, found),) = study.checks.agreements
+    assert found.rating.overall > 0.9
+    assert study.content()["checks"]["inside"] == study.checks.inside
+
+
+def test_of_tried_laws_the_one_of_the_records_is_kept(tmp_path):
+    """Three records of Hertz's exponent; of the others one leaves more than noise, one cannot be."""
+    truth = load_case(DROP, ["contact.exponent=1.5", "contact.restitution=0.7"])
+    records = [write_record(tmp_path / f"{k}.csv", truth, k, noise=0.02) for k in range(3)]
+    case = load_case(DROP, ["contact.restitution=0.7"])
+    study = fit(case, records, FIELDS[:1], tries="contact.exponent=1,1.5,-3")
+    first, second, last = study.tries
+    assert (first.choice, second.choice) == ("contact.exponent=1.5", "contact.exponent=1")
+    assert study.case.contact.exponent.si == 1.5
+    assert first.more_than_noise == 0 < second.more_than_noise
+    assert first.kept_out < second.kept_out
+    assert last.failure.startswith("contact.exponent: got")
+
+
 @pytest.mark.verify
 def test_intervals_of_planted_drops_hold_the_truth(tmp_path):
     """60 drops with noise of 1 %: of 120 intervals of 95 %, 108 to 119 (2.4 standard deviations of chance)."""

@@ -5,13 +5,20 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
+import numpy as np
+
+from strikewave.analyses.compare.curve import SHOWN_IN
 from strikewave.reporting.layout import KEY, MORE
-from strikewave.reporting.numbers import percent
+from strikewave.reporting.numbers import headed, listed, percent, shown
 from strikewave.reporting.parts import Tag
 from strikewave.reporting.table_columns import TableColumn
+from strikewave.studies.fit.checking import Checks, PredictedFigure
 from strikewave.studies.fit.problem import Misfit
 from strikewave.studies.fit.study import FitStudy, FittedParameter, combination_words, value_words
+from strikewave.studies.fit.trying import TriedChoice
 
+USUAL = {**SHOWN_IN, "s": "us"}
+"""Unit in which a figure is shown as a rule."""
 CORRELATION_TITLE = "Correlation of the values"
 
 
@@ -30,7 +37,15 @@ def fit_words(study: FitStudy) -> str:
         )
     else:
         words.append(f"What is left is within noise or uncertainty: at most {percent(worst.share, 2)} (RMS).")
+    if study.tries:
+        words.insert(0, f"Of {len(study.tries)} choices, {study.tries[0].choice} {_best_by(study.tries[0])}.")
+    if study.checks is not None:
+        words.append(check_words(study.checks))
     return " ".join(words)
+
+
+def _best_by(best: TriedChoice) -> str:
+    return "predicts records that it was not fitted to best" if best.kept_out == best.kept_out else "fits best"
 
 
 def _capital(words: str) -> str:
@@ -97,6 +112,46 @@ RESIDUAL_COLUMNS: tuple[TableColumn[Misfit], ...] = (
     TableColumn("independent samples", lambda one: math.floor(one.independent), priority=MORE),
     TableColumn("is", _verdict, words=True),
 )
+
+
+def _shown(one: PredictedFigure, value: float) -> float:
+    return float(shown(value, one.unit, USUAL.get(one.unit, one.unit))) if one.unit else value
+
+
+def _figure(one: PredictedFigure) -> str:
+    return headed(one.figure, one.unit, USUAL.get(one.unit, one.unit)) if one.unit else one.figure
+
+
+CHECK_COLUMNS: tuple[TableColumn[PredictedFigure], ...] = (
+    TableColumn("record", lambda one: one.record, priority=KEY, words=True),
+    TableColumn("figure", _figure, priority=KEY, words=True),
+    TableColumn("measured", lambda one: _shown(one, one.measured)),
+    TableColumn("predicted", lambda one: _shown(one, one.predicted)),
+    TableColumn("low", lambda one: _shown(one, one.low), priority=MORE),
+    TableColumn("high", lambda one: _shown(one, one.high), priority=MORE),
+    TableColumn("bias (%)", lambda one: f"{100.0 * one.bias:+.1f}"),
+    TableColumn(
+        "band holds it", lambda one: Tag("inside", "good") if one.inside else Tag("outside", "warned"), words=True
+    ),
+)
+
+
+TRIED_COLUMNS: tuple[TableColumn[TriedChoice], ...] = (
+    TableColumn("choice", lambda one: one.choice, priority=KEY, words=True),
+    TableColumn("residual over noise", lambda one: one.misfit, digits=3),
+    TableColumn("of records kept out", lambda one: one.kept_out, digits=3),
+    TableColumn("more than noise", lambda one: None if one.failure else str(one.more_than_noise), priority=MORE),
+    TableColumn("could not be fitted", lambda one: one.failure or None, priority=MORE, words=True),
+)
+
+
+def check_words(checks: Checks) -> str:
+    """Say how well what was kept out is predicted."""
+    count = len(checks.figures)
+    biases = listed([f"{name} {percent(bias, 1, '+')}" for name, bias in checks.biases().items()])
+    words = f"Of what was kept out, {checks.inside} of {count} bands hold what was measured; mean bias: {biases}."
+    scores = [one.rating.overall for _, one in checks.agreements]
+    return f"{words} Predictions agree to {np.mean(scores):.2f} of 1 by ISO/TS 18571." if scores else words
 
 
 def residual_rows(study: FitStudy) -> tuple[Misfit, ...]:

@@ -35,6 +35,24 @@ def command(
             show_default=False,
         ),
     ] = None,
+    tries: Annotated[
+        str,
+        typer.Option(
+            "--try",
+            metavar="PATH=CHOICE,...",
+            help="Choices that are fitted each, such as law=palmgren,johnson; the best at predicting is kept.",
+            show_default=False,
+        ),
+    ] = "",
+    check_on: Annotated[
+        list[str] | None,
+        typer.Option(
+            "--check-on",
+            metavar="RECORD|NUMBER=VALUE",
+            help="Record or number, as of --to, that is kept out and predicted; may be repeated; none by default.",
+            show_default=False,
+        ),
+    ] = None,
     changes: Changes = None,
     measurement: measured.MeasurementOptions,
     filtering: LowPassOptions,
@@ -49,7 +67,8 @@ def command(
     """
     from strikewave.analyses.compare.sources import SourceOptions
     from strikewave.cases.case import load_case
-    from strikewave.studies.fit.screen import run_fit
+    from strikewave.studies.fit.screen import FitRequest, run_fit
 
     reading = SourceOptions(measurement.calibration(), measurement.reading(), filtering.low_pass(), band=False)
-    return run_fit(output.tested(load_case(case, changes or ())), changes or (), to or (), free or (), reading, output)
+    asked = FitRequest(tuple(to or ()), tuple(free or ()), tries, tuple(check_on or ()), reading)
+    return run_fit(output.tested(load_case(case, changes or ())), changes or (), asked, output)

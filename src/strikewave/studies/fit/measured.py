@@ -149,6 +149,11 @@ class MeasuredPulse:
         laid = self.laid(run)
         return (laid.computed - laid.measured) / self.deviation
 
+    def band_limited(self, curve: ComparedCurve) -> ComparedCurve:
+        """Return a history of a run without what samples of the record cannot hold."""
+        fine, step = _finer(curve.history, self.record.history.step)
+        return replace(curve, history=curve.history._replace(values=fine, step=step))
+
     def reweighted(self, deviation: float) -> MeasuredPulse:
         """Return it with another deviation."""
         return replace(self, deviation=deviation)

@@ -190,9 +190,10 @@ class Problem:
 
 @dataclass(frozen=True, eq=False)
 class Solved:
-    """A problem with its best place; ``others`` holds other places that fit as well, ``runs`` how many were made."""
+    """A problem, as weighted and as stated, with its best place, other places that fit as well, and its runs."""
 
     problem: Problem
+    stated: Problem
     estimate: Estimate
     misfits: tuple[Misfit, ...]
     others: tuple[Array, ...]
@@ -234,7 +235,7 @@ def solve(problem: Problem, advance: Callable[[int, float], None] | None = None)
     found = estimate(place, residuals, jacobian, used.blocks(residuals), used.freedom(residuals))
     others = _others(ends, found)
     own = residuals if used is problem else problem.residuals(place)  # misfits are over the noise, not the new weights
-    return Solved(used, found, tuple(problem.misfits(own)), others, search.runs, stopped, search)
+    return Solved(used, problem, found, tuple(problem.misfits(own)), others, search.runs, stopped, search)
 
 
 def _check_felt(problem: Problem, search: Search, first: Array) -> None:

@@ -3,12 +3,17 @@
 from __future__ import annotations
 
 from strikewave.reporting import chapters
+from strikewave.reporting.numbers import percent
 from strikewave.reporting.parts import Cell, Link, Part, Picture, Section, Table
 from strikewave.reporting.table_columns import page_table
+from strikewave.studies.fit.checking import Checks
 from strikewave.studies.fit.columns import (
+    CHECK_COLUMNS,
     CORRELATION_TITLE,
     PARAMETER_COLUMNS,
     RESIDUAL_COLUMNS,
+    TRIED_COLUMNS,
+    check_words,
     correlation_columns,
     correlation_rows,
     fit_words,
@@ -28,6 +33,8 @@ def fit_report(study: FitStudy) -> str:
             _residual_text(study),
             [page_table("Measured and computed", RESIDUAL_COLUMNS, residual_rows(study))],
         ),
+        *([_tries(study)] if study.tries else []),
+        *([_checks(study.checks)] if study.checks is not None else []),
         chapters.warnings(study.notices),
         _files(study),
         chapters.inputs(study.case),
@@ -55,6 +62,29 @@ def _records(study: FitStudy) -> Section:
     shown = f" The first {MOST_DRAWN} of {len(study.pulses)} are drawn." if len(study.pulses) > MOST_DRAWN else ""
     words = f"Records and fitted runs, laid on one another by least squares; below, what is left.{shown}"
     return Section("Records", "", [Picture(overlay(study), words)])
+
+
+def _tries(study: FitStudy) -> Section:
+    text = (
+        "Root mean square residuals over noise or uncertainty. Kept out: each record, or tenth of them, predicted by "
+        "a fit to the others (cross-validation), by which choices are ranked."
+    )
+    return Section("Choices", text, [page_table("Choices, the best first", TRIED_COLUMNS, study.tries)])
+
+
+def _checks(checks: Checks) -> Section:
+    rows: list[list[Cell]] = [
+        [name, f"{found.rating.overall:.3f}", found.rating.grade, percent(found.rms)]
+        for name, found in checks.agreements
+    ]
+    parts: list[Part] = [page_table("Predictions", CHECK_COLUMNS, checks.figures)]
+    if rows:
+        parts.append(Table("Whole pulses, by ISO/TS 18571", ["record", "overall", "grade", "RMS difference"], rows))
+    text = (
+        f"{check_words(checks)} A band holds values drawn from the fit, what the same figure was off in the records of "
+        "the fit, and the noise of the record."
+    )
+    return Section("Predictions of what was kept out", text, parts)
 
 
 def _residual_text(study: FitStudy) -> str:

@@ -16,9 +16,11 @@ from strikewave.reporting.options import Output
 from strikewave.reporting.run_and_write import Command, case_folder, run_and_write
 from strikewave.reporting.terminal import print_rows, progress_bar
 from strikewave.studies.fit.columns import (
+    CHECK_COLUMNS,
     CORRELATION_TITLE,
     PARAMETER_COLUMNS,
     RESIDUAL_COLUMNS,
+    TRIED_COLUMNS,
     correlation_columns,
     correlation_rows,
     fit_words,
@@ -31,9 +33,18 @@ EXPECTED = 60
 """Runs that a fit takes for each free field, roughly: for the bar alone."""
 
 
-def run_fit(
-    case: Case, changes: Sequence[str], to: Sequence[str], free: Sequence[str], reading: SourceOptions, output: Output
-) -> int:
+@dataclass(frozen=True)
+class FitRequest:
+    """What is asked of a fit: targets, free fields, choices tried, what is kept out, how records are read."""
+
+    to: tuple[str, ...]
+    free: tuple[str, ...]
+    tries: str
+    check_on: tuple[str, ...]
+    reading: SourceOptions
+
+
+def run_fit(case: Case, changes: Sequence[str], request: FitRequest, output: Output) -> int:
     """Fit a case, write and print the result, and return the exit code.
 
     Raises
@@ -42,12 +53,12 @@ def run_fit(
         What `fit` raises, or if the place is taken.
     """
     usual = f"fit-{case_folder(case.name, dump_case(case), changes)}"
-    targets = [parse_target(word, case) for word in to]
+    targets = [parse_target(word, case) for word in (*request.to, *request.check_on)]
     paths = [path for one in targets if not one.is_number for path in paths_of(parse_name(one.right))]
     origin = measured.source_of(
         "fit", case.name, list(dict.fromkeys(paths)) if output.writes(usual) else [], output.stated_test()
     )
-    return run_and_write(FitCommand(case, to, free, reading, origin), output, usual, origin.text)
+    return run_and_write(FitCommand(case, request, origin), output, usual, origin.text)
 
 
 @dataclass(frozen=True)
@@ -57,9 +68,7 @@ class FitCommand(Command[FitStudy]):
     indent: ClassVar[int | None] = 2
 
     case: Case
-    to: Sequence[str]
-    free: Sequence[str]
-    reading: SourceOptions
+    request: FitRequest
     origin: Source
 
     def solve(self) -> FitStudy:
@@ -67,10 +76,19 @@ class FitCommand(Command[FitStudy]):
         with progress_bar("fitting") as report:
 
             def advance(runs: int, misfit: float) -> None:
-                whole = EXPECTED * max(len(self.free), 2)
+                whole = EXPECTED * max(len(self.request.free), 2)
                 report(min(runs / whole, 0.99), f"{runs} runs, sum of squares {misfit:.4g}")
 
-            study = fit(self.case, self.to, self.free, reading=self.reading, progress=advance)
+            asked = self.request
+            study = fit(
+                self.case,
+                asked.to,
+                asked.free,
+                tries=asked.tries,
+                check_on=asked.check_on,
+                reading=asked.reading,
+                progress=advance,
+            )
         return dataclasses.replace(study, origin=self.origin)
 
     def summary(self, result: FitStudy) -> str:
@@ -83,6 +101,10 @@ class FitCommand(Command[FitStudy]):
         if len(result.parameters) > 1:
             print_rows(CORRELATION_TITLE, correlation_columns(result), correlation_rows(result))
         print_rows("Residuals", RESIDUAL_COLUMNS, residual_rows(result))
+        if result.tries:
+            print_rows("Choices, the best first", TRIED_COLUMNS, result.tries)
+        if result.checks is not None:
+            print_rows("Predictions of what was kept out", CHECK_COLUMNS, result.checks.figures)
 
     def draw(self, result: FitStudy, folder: Path) -> list[str]:
         """Write page and picture."""

@@ -16,20 +16,22 @@ from numpy.typing import NDArray
 from strikewave.analyses.compare.curve import QUANTITIES, SHOWN_IN
 from strikewave.analyses.compare.sources import SourceOptions
 from strikewave.base.compile_progress import compiling_shown
-from strikewave.base.errors import InputError
+from strikewave.base.errors import InputError, StrikewaveError
 from strikewave.base.result import FAILED, INFO, Notice
 from strikewave.cases.case import Case, dump_case
 from strikewave.reporting.columns import HISTORY_DIGITS, Column, csv_table
 from strikewave.reporting.measured_files import AskedResult, digests_of
 from strikewave.reporting.numbers import listed, percent
 from strikewave.reporting.shown_result import Curve, history_curve
+from strikewave.studies.fit.checking import Checks, check
 from strikewave.studies.fit.estimation import ProfileEnds, is_quadratic, profile
 from strikewave.studies.fit.fitted_case import FittedTo, fitted_case
-from strikewave.studies.fit.free_fields import FreeField, free_fields
+from strikewave.studies.fit.free_fields import FreeField, changed_case, free_fields
 from strikewave.studies.fit.measured import LaidPulse, MeasuredNumber, MeasuredPulse
 from strikewave.studies.fit.problem import Problem, Solved, solve
 from strikewave.studies.fit.simulation import Simulation
 from strikewave.studies.fit.targets import ReadTargets, Target, parse_target, published_targets, read_targets
+from strikewave.studies.fit.trying import TriedChoice, read_tries, tried
 
 Array = NDArray[np.float64]
 
@@ -92,6 +94,10 @@ class FitStudy(AskedResult):
         The records, each with the fitted run laid on it.
     computed : mapping of str to float
         What the fitted case gives of each stated number, SI.
+    checks : Checks or None
+        Predictions of what was kept out.
+    tries : tuple of TriedChoice
+        Choices of a field that were fitted, the best first: that of this case.
     """
 
     command: ClassVar[str] = "fit"
@@ -102,6 +108,8 @@ class FitStudy(AskedResult):
     parameters: tuple[FittedParameter, ...]
     pulses: tuple[tuple[MeasuredPulse, LaidPulse], ...]
     computed: Mapping[str, float]
+    checks: Checks | None = None
+    tries: tuple[TriedChoice, ...] = ()
 
     @property
     def title(self) -> str:
@@ -143,6 +151,11 @@ class FitStudy(AskedResult):
             "measured": "as the number",
             "computed": "as the number",
             "uncertainty": "as the number",
+            "predicted": "as the figure",
+            "bias": "1",
+            "iso18571": "1",
+            "rms": "1",
+            "kept_out": "standard deviations of the noise",
         }
 
     def content(self) -> dict[str, Any]:
@@ -183,6 +196,8 @@ class FitStudy(AskedResult):
                 }
                 for one in self.numbers
             ],
+            "tries": [vars(one) for one in self.tries],
+            "checks": None if self.checks is None else _checks_document(self.checks),
             "other_solutions": [self._values_at(place) for place in self.solved.others],
             "runs": self.solved.runs,
             "stopped": self.solved.stopped,
@@ -243,6 +258,18 @@ class FitStudy(AskedResult):
         )
 
 
+def _checks_document(checks: Checks) -> dict[str, Any]:
+    """Return the predictions for the JSON document."""
+    return {
+        "inside": checks.inside,
+        "figures": [{**vars(one), "inside": one.inside, "bias": one.bias} for one in checks.figures],
+        "bias": checks.biases(),
+        "iso18571": [
+            {"record": name, "overall": one.rating.overall, "rms": one.rms} for name, one in checks.agreements
+        ],
+    }
+
+
 def value_words(one: FittedParameter) -> str:
     """Return a value with its standard error, in the unit in which it was typed.
 
@@ -297,6 +324,8 @@ def fit(
     to: Sequence[str] = (),
     free: Sequence[str] = (),
     *,
+    tries: str = "",
+    check_on: Sequence[str] = (),
     reading: SourceOptions | None = None,
     progress: Callable[[int, float], None] | None = None,
 ) -> FitStudy:
@@ -310,6 +339,10 @@ def fit(
         Records and numbers, as ``--to`` takes them; the published numbers that the case was fitted to by default.
     free : sequence of str, optional
         Fields, ``path`` or ``path=low:high``; those marked as fitted by default.
+    tries : str, optional
+        Choices of a field that are fitted each, ``law=palmgren,johnson``: the one is kept that predicts best.
+    check_on : sequence of str, optional
+        Records and numbers that are kept out, and predicted.
     reading : SourceOptions, optional
         How records are read.
     progress : callable, optional
@@ -328,13 +361,43 @@ def fit(
     >>> round(study.parameters[0].standard_error / study.parameters[0].value, 3)
     0.02
     """
+    reading = reading or SourceOptions()
+    if not tries:
+        return _fit(case, to, free, check_on, reading, progress)
+    studies, rows = dict[str, FitStudy](), list[TriedChoice]()
+    for change in read_tries(case, tries):
+        try:
+            studies[change] = _fit(changed_case(case, [change]), to, free, check_on, reading, progress)
+            rows.append(tried(change, studies[change].solved))
+        except StrikewaveError as error:
+            rows.append(TriedChoice(change, failure=str(error).partition("\n")[0]))
+    rows.sort(key=lambda row: row.rank)
+    if rows[0].failure:
+        raise InputError("--try", rows[0].choice, "a choice that can be fitted", rows[0].failure)
+    return dataclasses.replace(studies[rows[0].choice], tries=tuple(rows))
+
+
+def _fit(
+    case: Case,
+    to: Sequence[str],
+    free: Sequence[str],
+    check_on: Sequence[str],
+    reading: SourceOptions,
+    progress: Callable[[int, float], None] | None,
+) -> FitStudy:
+    """Return the fit of one case."""
     fields = free_fields(case, free)
     targets = [parse_target(word, case) for word in to] or published_targets(case)
     if not targets:
         hint = 'such as --to shot.csv or --to first.rigid_peak="4000 g"'
         raise InputError("--to", "none", "a record or a number: the case holds none that it was fitted to", hint)
-    read = read_targets("--to", case, targets, fields, reading or SourceOptions())
-    return fitted_study(case, fields, read, targets, progress)
+    read = read_targets("--to", case, targets, fields, reading)
+    kept_out = read_targets("--check-on", case, [parse_target(word, case) for word in check_on], fields, reading)
+    study = fitted_study(case, fields, read, targets, progress)
+    if not check_on:
+        return study
+    checks = check(study.solved, kept_out.experiments)
+    return dataclasses.replace(study, checks=checks, notices=(*study.notices, *kept_out.notices))
 
 
 def fitted_study(
