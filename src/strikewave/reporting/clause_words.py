@@ -132,9 +132,20 @@ def decision_words(rule: str, holds: Sequence[str], not_stated: Sequence[str]) -
     rules = {"simple": "simple acceptance, U plays no part", "guarded": "guarded, U on both sides of each limit"}
     if not holds:
         return f"Decision rule: {rules[rule]}."
+    return f"Decision rule: {rules[rule]}. {held_words(holds, not_stated)}"
+
+
+def held_words(holds: Sequence[str], not_stated: Sequence[str]) -> str:
+    """Say what expanded uncertainties hold, and what nobody stated.
+
+    Examples
+    --------
+    >>> held_words(["noise and baseline"], [])
+    'U (k = 2) holds noise and baseline only.'
+    """
     only = " only" if len(holds) == 1 else ""
     left = f"; not stated: {listed(list(not_stated))}" if not_stated else ""
-    return f"Decision rule: {rules[rule]}. U (k = 2) holds {listed(list(holds))}{only}{left}."
+    return f"U (k = 2) holds {listed(list(holds))}{only}{left}."
 
 
 def margin_words(clause: Clause) -> str:

@@ -13,6 +13,7 @@ from strikewave.records.budget.contributions import ADDED, RECORD, SAMPLING, Bud
 from strikewave.records.budget.propagation import NORMAL, RECTANGULAR
 from strikewave.records.reading import ChannelReading
 from strikewave.records.record import Channel
+from strikewave.reporting.clause_words import held_words
 from strikewave.reporting.numbers import listed, with_unit
 from strikewave.reporting.parts import NONE, Cell, Section, Table, written
 
@@ -92,9 +93,7 @@ def budget_lines(result: RecordResult) -> list[str]:
     """Say what the uncertainties hold, what is not stated, and where Monte Carlo counts."""
     budget = result.budget
     assert budget is not None
-    lines = [f"± is the expanded uncertainty, k = 2 (about 95 %). It holds {listed(list(budget.names))}."]
-    if budget.not_stated:
-        lines.append(f"Not stated, and not in it: {listed(list(budget.not_stated))}.")
+    lines = [f"± U is the expanded uncertainty, about 95 %. {held_words(budget.names, budget.not_stated)}"]
     if any(math.isnan(one.figures["width"].expanded) for one in _all(result)):
         lines.append(
             "?: too little lies before the blow to know noise and baseline; state offset or noise in the budget."
