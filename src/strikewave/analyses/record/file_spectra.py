@@ -317,7 +317,7 @@ def _rolling(
 
 def _notices(reading: ChannelReading) -> tuple[Notice, ...]:
     """Return what harms the spectrum, leaves its unit open, or tells it from the others."""
-    always = ("unit-unknown", "not-calibrated", "outlier")
+    always = ("unit-unknown", "unit-overrules", "not-calibrated", "outlier")
     return tuple(found.notice for found in reading.findings if "spectrum" in found.harms or found.code in always)
 
 

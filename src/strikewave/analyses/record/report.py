@@ -8,7 +8,7 @@ from strikewave.analyses.record import chapters as chapters
 from strikewave.analyses.record import pictures as pictures
 from strikewave.analyses.record.budget_chapter import budget_section
 from strikewave.analyses.record.motion_chapter import motion_section
-from strikewave.analyses.record.pair_chapter import pair_section
+from strikewave.analyses.record.pair_chapter import pair_card, pair_section
 from strikewave.analyses.record.response_chapter import response_sections
 from strikewave.analyses.record.result import RecordResult
 from strikewave.analyses.record.rigid_chapter import rigid_sections
@@ -55,7 +55,7 @@ def record_report(result: RecordResult) -> str:
         chapters.calibration_section(files, names, result.calibrations),
     ]
     tag = _status(files) if result.verdict is None else tag_of_records(result.verdict, result.performed)
-    numbers = _key_numbers(files, campaigns)
+    numbers = [*([pair_card(result.pairs)] if result.pair else []), *_key_numbers(files, campaigns)]
     summary = shared.Summary("Report of measured records", record_words(result), numbers, tag)
     return shared.result_page(result, summary, sections)
 
