@@ -206,13 +206,13 @@ def clause_cells(clause: Clause) -> list[Cell]:
     """Return the cells of a row of a table, see `CLAUSE_HEADS`."""
     return [
         clause.clause,
+        tag_of(clause.verdict),
         limit_words(clause),
         doubted_words(clause),
         margin_words(clause),
         share_words(clause),
-        tag_of(clause.verdict),
         clause.status,
     ]
 
 
-CLAUSE_HEADS = ("clause", "limit", "value ± U", "margin", "of tolerance", "verdict", "limit is")
+CLAUSE_HEADS = ("clause", "verdict", "limit", "value ± U", "margin", "of tolerance", "limit is")

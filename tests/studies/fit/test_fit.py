@@ -107,6 +107,30 @@ def test_two_fields_that_are_one_are_named_as_their_quotient(tmp_path):
     assert values["contact.restitution"].provenance == "fitted"
 
 
+def test_the_number_that_would_separate_two_fields_does():
+    """Of the published machine the peak alone fixes one product; the width would part it, as the fit to both shows."""
+    case = load_case("li-ma-2019")
+    study = fit(case, ["first.rigid_peak=4151 g +- 1 %"])
+    assert study.undetermined == [["machine.engagement", "object.frame_stiffness"]]
+    promised = next(one for one in study.separating if one.number == "first.width")
+    both = fit(case, ["first.rigid_peak=4151 g +- 1 %", "first.width=200 us +- 1 %"])
+    errors = [one.standard_error / one.value / one.field.width for one in both.parameters]
+    assert promised.errors == pytest.approx(errors, rel=0.5)  # the promise leaves out the error of the product
+
+
+def test_a_bar_is_fitted_to_the_record_of_a_tap(tmp_path):
+    """The published bar under its front: its load, 20 % off, within 4 standard errors; 1 % of noise, 2 MHz."""
+    truth = load_case("li-ma-2019-fig13-bar")
+    tap = truth.tap[0].name
+    path = tmp_path / "tap.csv"
+    write_record(path, truth, 2, rate=2e6, part=f"{tap}.force")
+    path.write_text(path.read_text().replace("board (m/s^2)", "gauge (N)"))
+    study = fit(moved(truth, {"load.peak": 0.8}), [f"{tap}.force={path}"], ["load.peak"])
+    (one,) = study.parameters
+    assert abs(one.value - truth.load.peak.si) < 4.0 * one.standard_error < 0.02 * one.value
+    assert "load.duration" in study.case.fit[0].under
+
+
 def test_another_law_leaves_more_than_noise(tmp_path):
     """Hertz's exponent in the record, a linear contact in the case: told, and the errors grow by it."""
     record = write_record(tmp_path / "a.csv", load_case(DROP, ["contact.exponent=1.5", "contact.restitution=0.7"]), 1)

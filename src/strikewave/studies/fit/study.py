@@ -29,6 +29,7 @@ from strikewave.studies.fit.fitted_case import FittedTo, fitted_case
 from strikewave.studies.fit.free_fields import FreeField, changed_case, free_fields
 from strikewave.studies.fit.measured import LaidPulse, MeasuredNumber, MeasuredPulse
 from strikewave.studies.fit.problem import Problem, Solved, solve
+from strikewave.studies.fit.separating import SeparatingNumber, separating
 from strikewave.studies.fit.simulation import Simulation
 from strikewave.studies.fit.targets import ReadTargets, Target, parse_target, published_targets, read_targets
 from strikewave.studies.fit.trying import TriedChoice, read_tries, tried
@@ -94,6 +95,8 @@ class FitStudy(AskedResult):
         The records, each with the fitted run laid on it.
     computed : mapping of str to float
         What the fitted case gives of each stated number, SI.
+    separating : tuple of SeparatingNumber
+        Numbers that would tell apart what the data do not, the best first.
     checks : Checks or None
         Predictions of what was kept out.
     tries : tuple of TriedChoice
@@ -108,6 +111,7 @@ class FitStudy(AskedResult):
     parameters: tuple[FittedParameter, ...]
     pulses: tuple[tuple[MeasuredPulse, LaidPulse], ...]
     computed: Mapping[str, float]
+    separating: tuple[SeparatingNumber, ...] = ()
     checks: Checks | None = None
     tries: tuple[TriedChoice, ...] = ()
 
@@ -155,6 +159,7 @@ class FitStudy(AskedResult):
             "bias": "1",
             "iso18571": "1",
             "rms": "1",
+            "errors": "1",
             "kept_out": "standard deviations of the noise",
         }
 
@@ -180,6 +185,7 @@ class FitStudy(AskedResult):
             "correlation": self.correlation.tolist(),
             "undetermined": self.undetermined,
             "combinations": [combination_words(self, group) for group in found.groups()],
+            "separating": [one._asdict() for one in self.separating],
             "misfit": {
                 "chi_squared": found.misfit,
                 "residuals": int(found.residuals.size),
@@ -318,6 +324,20 @@ def combination_words(study: FitStudy, group: Sequence[int]) -> str:
     return f"the data do not determine {names}: moved together ({together}) they change nothing"
 
 
+def separating_words(study: FitStudy, group: Sequence[int]) -> str:
+    """Say which measurement would determine fields that the data do not."""
+    paths = tuple(study.parameters[k].field.path for k in group)
+    best = next((one for one in study.separating if one.group == paths), None)
+    if best is None:
+        return "no other number of the blow would" + (" tell them apart" if len(group) > 1 else "")
+    errors = [
+        f"{path} to {percent(error * study.parameters[k].field.width, 1)}"
+        for path, error, k in zip(paths, best.errors, group, strict=True)
+        if study.parameters[k].field.log
+    ]
+    return f"{best.number} measured to 1 % would" + (f" ({listed(errors)})" if errors else "")
+
+
 @compiling_shown()
 def fit(
     case: Case,
@@ -426,6 +446,7 @@ def fitted_study(
         parameters=parameters,
         pulses=tuple(_laid(solved.problem, runs)),
         computed=_computed(solved.problem, runs),
+        separating=tuple(separating(solved)),
         citations=("liang-zeger-1986", "raue-2009"),
     )
     return dataclasses.replace(study, notices=(*_notices(study), *read.notices))
@@ -483,7 +504,7 @@ def _notices(study: FitStudy) -> list[Notice]:
     if study.solved.stopped:
         notices.append(Notice("stopped", "stopped: the best so far; fit fitted.toml to go on", severity=FAILED))
     for group in found.groups():
-        words = f"{combination_words(study, group)}: such a field keeps a value that fits, and is marked as assumed"
+        words = f"{combination_words(study, group)}; {separating_words(study, group)}"
         notices.append(Notice("not-determined", words, float(len(group)), 0.0))
     for one in study.solved.misfits:
         if one.more_than_noise:
@@ -493,9 +514,7 @@ def _notices(study: FitStudy) -> list[Notice]:
                 f"{one.size:.3g} {known}; the model lacks something, and standard errors are those of what is left"
             )
             notices.append(Notice("residual-not-noise", message, one.size, 1.0))
-    for number, misfit in zip(
-        study.numbers, [one for one in study.solved.misfits if one.independent == 1.0], strict=False
-    ):
+    for number, misfit in zip(study.numbers, [one for one in study.solved.misfits if one.is_number], strict=True):
         if misfit.size > MET:
             message = (
                 f"{number.called} is missed by {misfit.size:.2g} times its uncertainty ({percent(misfit.share, 1)})"

@@ -72,13 +72,13 @@ def _shock_table(found: RecordsVerdict, names: dict[str, str], several: bool) ->
         rows.append(
             [
                 name_of_shock(shock, names, several),
+                tag_of(shock.found.verdict),
                 *([shock.direction or NONE] if directed else []),
                 *[doubted_words(clauses[name]) if name in clauses else NONE for name in by_name],
-                tag_of(shock.found.verdict),
                 ", ".join(failed) or NONE,
             ]
         )
-    heads = ["shock", *(["direction"] if directed else []), *by_name, "verdict", "fails"]
+    heads = ["shock", "verdict", *(["direction"] if directed else []), *by_name, "fails"]
     left = f", the first {MOST_ROWS} of {len(found.shocks)}" if len(found.shocks) > MOST_ROWS else ""
     return Table(f"Shocks{left}", heads, rows)
 
