@@ -16,7 +16,7 @@ from strikewave.analyses.record.verdicts.judged_spectra import spectra_section, 
 from strikewave.analyses.record.words import named
 from strikewave.reporting import chapters
 from strikewave.reporting.clause_words import held_words, tag_of
-from strikewave.reporting.numbers import headed, percent, shown, spelled, with_unit
+from strikewave.reporting.numbers import headed, one_in, percent, shown, spelled, with_unit
 from strikewave.reporting.parts import NONE, Cell, Part, Picture, Section, Table, Tag, written
 from strikewave.signal.envelopes import FEWEST
 from strikewave.signal.srs import Spectrum
@@ -247,7 +247,7 @@ def _table_section(result: SpectrumResult) -> Section:
             for kind, value in values
         ]
         rows.append([written(shown(float(frequency[k]), "Hz", "Hz")), *cells])
-    some = f"Every {step}th of {len(frequency)} frequencies; " if step > 1 else ""
+    some = f"{one_in(step).capitalize()} of {len(frequency)} frequencies; " if step > 1 else ""
     return Section("Values", f"{some}spectrum.csv has them all.", [Table(f"Spectra, {result.side}", heads, rows)])
 
 

@@ -15,7 +15,7 @@ from strikewave.base.result import Source
 from strikewave.reporting import measured_files as measured
 from strikewave.reporting.clause_words import held_words
 from strikewave.reporting.layout import KEY, MAIN, MORE, numerals
-from strikewave.reporting.numbers import headed
+from strikewave.reporting.numbers import headed, one_in
 from strikewave.reporting.options import Output
 from strikewave.reporting.run_and_write import Command, run_and_write
 from strikewave.reporting.terminal import number, table, tell
@@ -124,7 +124,7 @@ def _print(result: SpectrumResult) -> None:
     if result.budget is not None and result.verdict is None:
         tell(held_words(result.budget.names, result.budget.not_stated))
     if step > 1:
-        tell(f"every {step}th of {len(first.frequency)} frequencies; --json or spectrum.csv has them all")
+        tell(f"{one_in(step)} of {len(first.frequency)} frequencies; --json or spectrum.csv has them all")
 
 
 def _shown(result: SpectrumResult) -> list[tuple[str, str, Any, int]]:
