@@ -5,6 +5,8 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Sequence
 
+from strikewave.base.result import Notice
+from strikewave.records.budget.contributions import Budget
 from strikewave.reporting.numbers import listed, shown, with_unit
 from strikewave.reporting.parts import NONE, Cell, Tag, written
 from strikewave.specifications.decisions import CANNOT_TELL, FAIL, NOT_JUDGED, PASS
@@ -146,6 +148,16 @@ def held_words(holds: Sequence[str], not_stated: Sequence[str]) -> str:
     only = " only" if len(holds) == 1 else ""
     left = f"; not stated: {listed(list(not_stated))}" if not_stated else ""
     return f"U (k = 2) holds {listed(list(holds))}{only}{left}."
+
+
+def budget_notices(budget: Budget) -> tuple[Notice, ...]:
+    """Return a warning that names the contributions of a budget whose numbers are from memory."""
+    names = budget.indicative
+    if not names:
+        return ()
+    many = f"{len(names)} contribution{'s' * (len(names) > 1)} of the uncertainty budget"
+    message = f"{many} rest on numbers from memory: {listed(list(names))}; state those of your certificates"
+    return (Notice("budget-from-memory", message, float(len(names)), 0.0),)
 
 
 def margin_words(clause: Clause) -> str:

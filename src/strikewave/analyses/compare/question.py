@@ -24,6 +24,7 @@ from strikewave.base.errors import InputError
 from strikewave.base.result import INFO, Notice, Result, Source
 from strikewave.base.units import si_value
 from strikewave.reporting import measured_files as measured
+from strikewave.reporting.clause_words import budget_notices
 from strikewave.reporting.decision_options import read_budget
 from strikewave.reporting.low_pass import low_pass_of
 from strikewave.reporting.numbers import listed, percent
@@ -252,6 +253,7 @@ def compared_curves(
     judged = judge(request.limits, result.values)
     failed = () if specified is None else verdict_notices(specified)
     notices = (
+        *(() if request.reading.budget is None else budget_notices(request.reading.budget)),
         *failed,
         *limit_notices(judged),
         *_notices(first, second, found, result),

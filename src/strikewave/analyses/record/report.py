@@ -79,8 +79,24 @@ def _key_numbers(files: Sequence[FileReading], campaigns: Sequence[Campaign]) ->
             label = f"{called(name, unit)}, {_of(one.n, name)}"
             if one.n > 1:
                 label += f"; CV {percent(one.cv, 2)}; mean within {between(name, unit, one.low, one.high)}"
+            label += _with_doubt(files, first, name, unit) if one.n == 1 else ""
             pairs.append((label, amount(name, unit, one.mean)))
     return pairs
+
+
+def _with_doubt(files: Sequence[FileReading], campaign: Campaign, name: str, unit: str) -> str:
+    """Return the expanded uncertainty of a figure of the only blow, where a budget gives one."""
+    known = [
+        one.figures[name]
+        for file in files
+        for reading in file.channels
+        if reading.channel.name == campaign.channel
+        for one in reading.uncertainties
+        if name in one.figures
+    ]
+    if len(known) != 1 or not known[0].expanded > 0.0:
+        return ""
+    return f"; U = {amount(name, unit, known[0].expanded, 2)} (k = {known[0].coverage:.3g})"
 
 
 def _of(n: int, name: str) -> str:
