@@ -23,13 +23,16 @@ from strikewave.base.errors import InputError, StrikewaveError, nearest, show
 from strikewave.base.result import Notice
 from strikewave.cases.case import bundled_cases
 from strikewave.records import Options, Request
+from strikewave.records.budget.blows import blow_uncertainty
+from strikewave.records.budget.contributions import Budget
+from strikewave.records.budgeted import check_amounts
 from strikewave.records.reading import ChannelReading
 from strikewave.reporting import measured_files as measured
 from strikewave.reporting.terminal import say
 from strikewave.signal.alignment import EvenHistory, Shift
 from strikewave.signal.filters import Filter
 from strikewave.signal.pulse import Pulse
-from strikewave.specifications.judged_records import troubles_of
+from strikewave.specifications.judged_records import measured_figure, troubles_of
 
 KEPT = ("solution.nc", "waves.nc", "histories.nc")
 """Files of results of run, wave and fem, one of which a folder holds."""
@@ -51,12 +54,13 @@ class SourceName(NamedTuple):
 
 @dataclass(frozen=True)
 class SourceOptions:
-    """How sources are read: calibration and options of measured files, the low-pass, and whether bands are found."""
+    """How sources are read: calibration and options of measured files, low-pass, bands, and an uncertainty budget."""
 
     stated: dict[str, dict[str, Any]] = field(default_factory=dict)
     options: Options = field(default_factory=Options)
     low_pass: Filter | None = None
     band: bool = True
+    budget: Budget | None = None
 
 
 def parse_name(word: str) -> SourceName:
@@ -180,10 +184,10 @@ def _record(
         raise StrikewaveError("it is bad: " + next(found.message for found in one.findings if found.severity == "bad"))
     blows = range(1, len(one.pulses) + 1) if name.blow == ALL else [name.blow]
     called = f"{Path(file).name}#{one.channel.name}"
-    return [_of_channel(option, called, one, blow) for blow in blows or [0]]
+    return [_of_channel(option, called, one, blow, reading.budget) for blow in blows or [0]]
 
 
-def _of_channel(option: str, name: str, one: ChannelReading, blow: int) -> ComparedCurve:
+def _of_channel(option: str, name: str, one: ChannelReading, blow: int, budget: Budget | None = None) -> ComparedCurve:
     """Return a channel as a curve."""
     channel = one.channel
     offset = one.baseline if one.pulses else 0.0
@@ -216,8 +220,12 @@ def _of_channel(option: str, name: str, one: ChannelReading, blow: int) -> Compa
         name = f"{name}@{place + 1}"
     shown = EvenHistory(values[kept], channel.step, float(time[kept][0]), noise)
     figures = Pulse(pulse.time, pulse.peak, pulse.width, pulse.rise, pulse.velocity_change)
-    doubt = pulse.uncertainty
-    uncertainty = {"peak": doubt.peak, "width": doubt.width, "integral": doubt.velocity_change}
+    known = None
+    if budget is not None:
+        check_amounts(budget, one)
+        known = blow_uncertainty(channel, pulse, budget, trials=True)
+    keys = {"peak": "peak", "width": "width", "integral": "velocity_change"}
+    uncertainty = {key: measured_figure(of, 0.0, pulse.uncertainty, known).uncertainty for key, of in keys.items()}
     curve = ComparedCurve(
         name,
         "record",
@@ -225,16 +233,37 @@ def _of_channel(option: str, name: str, one: ChannelReading, blow: int) -> Compa
         channel.unit,
         measured=figures,
         uncertainty=uncertainty,
+        budgeted=known is not None,
         troubles=troubles_of(one.findings),
         notices=tuple(notices),
     )
     return checked_curve(option, curve)
 
 
-def _campaign(option: str, paths: Sequence[Path], name: SourceName, reading: SourceOptions) -> ComparedCurve:
-    """Return the mean of several files, each aligned with that of median peak by correlation, and their deviations."""
-    from strikewave.signal.alignment import by_correlation
+def read_shots(option: str, word: str, reading: SourceOptions) -> tuple[list[ComparedCurve], list[Notice]]:
+    """Return every record, or every blow (@all), that a name of measured files stands for, and what was left out.
 
+    Raises
+    ------
+    InputError, StrikewaveError
+        If it stands for nothing, for what is simulated, or a single record cannot be read.
+    """
+    name = parse_name(word)
+    paths = paths_of(name)
+    if is_simulated(word) or (len(paths) < 2 and name.blow != ALL):
+        curve = read_source(option, word, reading)
+        if curve.kind == "simulation":
+            raise InputError(option, word, "a measured record: this is simulated")
+        return [curve], []
+    if name.part and not name.measured:
+        raise InputError(option, word, "FILE#CHANNEL for a measured file", f'write "{name.place}#{name.part}"')
+    return _shots(option, paths, name, reading)
+
+
+def _shots(
+    option: str, paths: Sequence[Path], name: SourceName, reading: SourceOptions
+) -> tuple[list[ComparedCurve], list[Notice]]:
+    """Return the records of several files, and what was left out."""
     curves: list[ComparedCurve] = []
     left: list[Notice] = []
     for path in paths:
@@ -242,6 +271,14 @@ def _campaign(option: str, paths: Sequence[Path], name: SourceName, reading: Sou
             curves += _record(option, str(path), name, reading, of_campaign=True)
         except StrikewaveError as error:
             left.append(Notice("left-out", f"{path.name} is left out: {error}"))
+    return curves, left
+
+
+def _campaign(option: str, paths: Sequence[Path], name: SourceName, reading: SourceOptions) -> ComparedCurve:
+    """Return the mean of several files, each aligned with that of median peak by correlation, and their deviations."""
+    from strikewave.signal.alignment import by_correlation
+
+    curves, left = _shots(option, paths, name, reading)
     several = "two blows or more" if name.blow == ALL else "two measured files or more"
     if len(curves) < 2:
         raise InputError(option, name.place, f"{several} for a campaign", left[0].message if left else "")

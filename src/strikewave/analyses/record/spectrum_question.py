@@ -21,6 +21,9 @@ from strikewave.signal.filters import Filter
 from strikewave.signal.srs import INITIAL, PARTS, SIDES
 from strikewave.specifications.decisions import Rule
 
+LOWEST = 10.0
+"""Lowest natural frequency where none is stated, Hz."""
+
 
 def shock_spectra(
     paths: str | Path | Sequence[str | Path],
@@ -41,7 +44,7 @@ def shock_spectra(
     high_pass: str | float | None = None,
     q: float = 10.0,
     frequencies: Sequence[str | float] = (),
-    low: str | float = 10.0,
+    low: str | float = LOWEST,
     high: str | float | None = None,
     per_octave: float = 12.0,
     kinds: Sequence[str] = ("absolute",),
@@ -55,7 +58,7 @@ def shock_spectra(
     response: str | float | None = None,
     spec: str | None = None,
     decision: Rule = "simple",
-    uncertainty: str | float | None = None,
+    uncertainty: str | float | Path | None = None,
     strict: bool = False,
     test: str | Path | None = None,
 ) -> SpectrumResult:
@@ -143,7 +146,8 @@ def shock_spectra(
             if not number > 0.0:
                 raise InputError(field, number, allowed)
         named = [_typed(one, "Hz", "frequencies") for one in frequencies]
-        ends = (_typed(low, "Hz", "low"), None if high is None else _typed(high, "Hz", "high"), per_octave)
+        lowest = low if low == LOWEST else _typed(low, "Hz", "low")  # the default is nothing that was asked for
+        ends = (lowest, None if high is None else _typed(high, "Hz", "high"), per_octave)
         options = SpectrumOptions(
             initial,
             rms,
@@ -151,14 +155,15 @@ def shock_spectra(
             None if response is None else _typed(response, "Hz", "response"),
             None if rolling is None else _rolling_of(rolling),
         )
+        judging = SpecificationOptions.in_python(spec, decision, uncertainty, strict)
+        options = options._replace(budget=judging.uncertainty)
         last = None if end is None else _typed(end, "s", "end")
         wanted = SpectrumRequest(q, named, ends, tuple(dict.fromkeys(kinds)), side, part, last, options)
         asked = FilesAsked(
             files, stated.calibration(), stated.reading(), filtered(Request(), filter, ac_coupling, high_pass)
         )
         origin = measured.source_in_python(name_of([Path(file) for file in files]), test)
-        judge = SpecificationOptions.in_python(spec, decision, uncertainty, strict).spectra_judge()
-        return judged_spectra_of(asked, wanted, origin, judge)
+        return judged_spectra_of(asked, wanted, origin, judging.spectra_judge())
 
 
 def _typed(value: str | float, si: str, field: str) -> Typed:

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from strikewave.analyses.record.figures.spectra import hertz_ticks, log_axis, number_tick
 from strikewave.reporting.clause_words import SHOWN
 from strikewave.reporting.curves import thin
 from strikewave.reporting.numbers import axis_unit, time_unit
@@ -24,7 +25,7 @@ from strikewave.reporting.style import (
 )
 from strikewave.specifications.decisions import FAIL, PASS
 from strikewave.specifications.judged_records import JudgedShock
-from strikewave.specifications.judging import PulseLimits
+from strikewave.specifications.judging import PulseLimits, Shock, ShockVerdict
 from strikewave.specifications.spectrum_limits import SpectrumLimits
 
 if TYPE_CHECKING:
@@ -37,18 +38,24 @@ POINTS = 400
 def shock_figure(shock: JudgedShock, limits: PulseLimits, name: str) -> Figure:
     """Draw a shock within the band, or about the ideal pulse with the limits of its peak."""
     figure = new_figure(HALF)
-    axes = figure.add_subplot()
+    draw_shock(figure.add_subplot(), shock.shock, shock.found, limits, name)
+    return legend_below(figure)
+
+
+def draw_shock(
+    axes: Any, record: Shock, found: ShockVerdict, limits: PulseLimits, name: str, called: str = "record"
+) -> None:
+    """Draw a shock within the band, or about the ideal pulse with the limits of its peak, on axes."""
     size, unit = axis_unit("m/s^2", "g")
     second, clock = time_unit(limits.pulse.duration)
     draw_limits(axes, limits, size, second)
-    record, found = shock.shock, shock.found
     before, after = shown_window(limits)
     time = record.time - found.start
     inside = (time >= -before) & (time <= limits.pulse.duration + after)
     x, y = thin(time[inside], record.values[inside], POINTS // 2)
     colour = {PASS: BLUE, FAIL: RED}.get(found.verdict, ORANGE)
     marker = "." if x.size <= 60 else ""
-    axes.plot(x / second, y / size, color=colour, linewidth=1.3, marker=marker, markersize=4, label="record")
+    axes.plot(x / second, y / size, color=colour, linewidth=1.3, marker=marker, markersize=4, label=called)
     place = found.placement
     if place is not None and place.margin < 0.0:
         value = float(np.interp(place.time, record.time, record.values)) / size
@@ -60,7 +67,6 @@ def shock_figure(shock: JudgedShock, limits: PulseLimits, name: str) -> Figure:
         f"acceleration ({unit})",
     )
     axes.margins(x=0.0, y=0.08)
-    return legend_below(figure)
 
 
 def shown_window(limits: PulseLimits) -> tuple[float, float]:
@@ -81,7 +87,7 @@ def draw_limits(axes: Any, limits: PulseLimits, size: float, second: float) -> N
         axes.fill_between(time / second, low / size, high / size, color=GREEN, alpha=0.14, linewidth=0, label="band")
         for curve in (low, high):
             axes.plot(time / second, curve / size, color=GREEN, linewidth=1.0)
-    elif limits.peak is not None:
+    if limits.peak is not None:
         for level in (limits.peak.low, limits.peak.high):
             axes.axhline(level / size, color=GREEN, linewidth=1.0, linestyle=":")
         axes.plot([], [], color=GREEN, linestyle=":", label="limits of the peak")
@@ -142,13 +148,18 @@ def draw_spectrum_limits(
     low, high = limits.curves(frequency)
     axes.fill_between(frequency, low / size, high / size, color=GREEN, alpha=0.14, linewidth=0, label="tolerance")
     axes.plot(frequency, limits.nominal(frequency) / size, "--", color=GREY, linewidth=1.0, label="nominal")
-    for name, f, values, verdict in spectra[:MOST_SPECTRA]:
-        colour = {PASS: BLUE, FAIL: RED}.get(verdict, ORANGE)
-        axes.plot(f, values / size, color=colour, linewidth=1.3, label=f"{plain(name, 30)}: {SHOWN[verdict]}")
+    for k, (name, f, values, verdict) in enumerate(spectra[:MOST_SPECTRA]):
+        look = {"color": {PASS: BLUE, FAIL: RED}.get(verdict, ORANGE), "linestyle": LINES[k % len(LINES)]}
+        every = {"marker": MARKERS[k // len(LINES)], "markevery": 0.1, "markersize": 4}
+        axes.plot(f, values / size, **look, **every, linewidth=1.3, label=f"{plain(name, 30)}: {SHOWN[verdict]}")
     axes.set_xscale("log")
     axes.set_yscale("log")
+    log_axis(axes.xaxis, hertz_ticks())
+    log_axis(axes.yaxis, number_tick)
     quiet(axes, plain(title, 90), "natural frequency (Hz)", f"{limits.side} acceleration ({unit}), Q = {limits.q:g}")
 
 
 MOST_SPECTRA = 8
 """Spectra that are drawn over a tolerance: as many as can be told apart."""
+LINES, MARKERS = ("-", "--", "-.", ":"), ("", "o")
+"""By which spectra of one verdict, and so of one colour, are told apart."""

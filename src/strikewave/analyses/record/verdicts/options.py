@@ -3,16 +3,18 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal, Self, get_args
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Self, get_args
 
 import typer
 
 from strikewave.base.errors import InputError
-from strikewave.reporting.options import read_share, share, wrong_choice
+from strikewave.reporting.decision_options import Decision, Uncertainty, read_budget
+from strikewave.reporting.options import wrong_choice
 from strikewave.specifications.decisions import Rule
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
+    from pathlib import Path
 
     from strikewave.analyses.record.verdicts.judged_spectra import SpectraJudge
     from strikewave.specifications.judged_records import Asked
@@ -42,25 +44,13 @@ class SpecificationOptions:
             autocompletion=complete_specification,
         ),
     ] = None
-    decision: Annotated[
-        Literal["simple", "guarded"],
-        typer.Option(
-            "--decision",
-            help="Decision rule: by the value alone, or with a guard band of its expanded uncertainty (ISO 14253-1).",
-        ),
-    ] = "simple"
-    uncertainty: Annotated[
-        float | None,
-        share(
-            "--uncertainty",
-            help="Expanded uncertainty (k = 2) of the acceleration, such as 5 %; only that of noise by default.",
-        ),
-    ] = None
+    decision: Decision = "simple"
+    uncertainty: Uncertainty = None
     strict: Annotated[bool, typer.Option("--strict", help="State no verdict by limits that are from memory.")] = False
 
     @classmethod
     def in_python(
-        cls, spec: str | None, decision: Rule, uncertainty: str | float | None, strict: bool, **more: Any
+        cls, spec: str | None, decision: Rule, uncertainty: str | float | Path | None, strict: bool, **more: Any
     ) -> Self:
         """Return the options of a call in plain values.
 
@@ -71,10 +61,10 @@ class SpecificationOptions:
         """
         if decision not in get_args(Rule):
             raise wrong_choice(decision, "decision", get_args(Rule))
-        share_of = None if uncertainty is None else read_share(str(uncertainty), "uncertainty")
+        budget = None if uncertainty is None else read_budget(str(uncertainty), "uncertainty")
         several = {name: [more[name]] if isinstance(more[name], str | int) else more[name] for name in more}
         lists = {name: [str(one) for one in values] or None for name, values in several.items()}
-        return cls(spec, decision, share_of, strict, **lists)
+        return cls(spec, decision, budget, strict, **lists)
 
     def specification(self) -> Specification | None:
         """Return the specification that is asked for; None for none.
@@ -98,13 +88,12 @@ class SpecificationOptions:
         specification = self.specification()
         if specification is None:
             return None
-        return SpectraJudge(specification, self.decision, self.strict, self.uncertainty or 0.0)
+        return SpectraJudge(specification, self.decision, self.strict, self.uncertainty)
 
     def _nothing_else(self) -> None:
         """Refuse what makes no sense without a specification."""
         given = [
             ("--decision", self.decision != "simple"),
-            ("--uncertainty", self.uncertainty),
             ("--strict", self.strict),
         ]
         for option, is_given in given:
@@ -149,4 +138,4 @@ class RecordSpecificationOptions(SpecificationOptions):
         stated = [test["direction"]] if test.get("direction") and not self.direction else []
         words = [("--direction", word) for word in self.direction or ()] + [("test.direction", word) for word in stated]
         directions = [read_direction(word, option) for option, word in words]
-        return Asked(self.decision, self.strict, self.uncertainty or 0.0, directions, tuple(self.cross_axis or ()))
+        return Asked(self.decision, self.strict, self.uncertainty, directions, tuple(self.cross_axis or ()))
