@@ -132,17 +132,17 @@ def saturated(record: Examined) -> list[HealthNotice]:
     higher = min((_bent_off(record, pulse) for pulse in pulses), default=0.0)
     if higher > 0.0:
         message = (
-            f"a straight side, as that of a saw-tooth, would go on {percent(higher, 0)} above the peak, and bends before "
-            "it: sensor or amplifier may be near its limit; a tip that is meant to be round cannot be told from it"
+            f"a straight side, as that of a saw-tooth, would go on {percent(higher, 0)} above the peak, and bends "
+            "before it: sensor or amplifier may be near its limit; a tip that is meant to be round cannot be told from it"
         )
         return [_of_range("flat-top", message, higher, pulses)]
     return []
 
 
 def slew_limited(record: Examined) -> list[HealthNotice]:
-    """Find an amplifier that is too slow for a blow: a side is straight where a pulse is curved, or the top is a corner.
+    """Find an amplifier that is too slow for a blow, by a straight side or a corner.
 
-    It follows the rise in a straight line until that meets the fall. A saw-tooth, straight on both sides and much
+    A side is straight where a pulse is curved, or the top is a corner where it is round: such an amplifier follows the rise in a straight line until that meets the fall. A saw-tooth, straight on both sides and much
     steeper on one, is meant to be so.
     """
     pulses = [pulse for pulse in record.pulses if pulse.method == "record" and pulse.width > 0.0]
@@ -169,8 +169,8 @@ def slew_limited(record: Examined) -> list[HealthNotice]:
         return []
     message = (
         f"the top is a corner: {percent(top.sharpness, 0)} as wide at {percent(TIP, 0)} of the peak as at "
-        f"{percent(UPPER, 0)} (a smooth pulse's {percent(top.usual, 0)}): an amplifier that is too slow (slew rate) rises "
-        "in a straight line until it meets the fall, unless the pulse is meant to be pointed; the true peak may be "
+        f"{percent(UPPER, 0)} (a smooth pulse's {percent(top.usual, 0)}): an amplifier that is too slow (slew rate) "
+        "rises in a straight line until it meets the fall, unless the pulse is meant to be pointed; the true peak may be "
         "larger, the width smaller"
     )
     return [_of_range("slew-rate", message, float(high), even)]
@@ -243,8 +243,10 @@ def _bent_off(record: Examined, pulse: RecordedPulse) -> float:
 
 
 class Flank(NamedTuple):
-    """A side of a pulse: its largest slope, by how much it bends at least over `OVER` of the peak, and how high the
-    straight line through that goes on until the peak, over it."""
+    """A side of a pulse: its largest slope, and by how much it bends at least over `OVER` of the peak.
+
+    ``goes_on``: how high the straight line through that goes on until the peak, over it.
+    """
 
     slope: float
     bend: float

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 
 import numpy as np
@@ -96,8 +97,8 @@ def _dead_within(record: Examined, pulse: RecordedPulse) -> HealthNotice | None:
     if pulse.method != "record" or not share > HARMED:
         return None
     message = (
-        "on its way up to the peak and down from it the record goes back, and a contact pushes once: the blow rings, too "
-        "fast for this rate or too briefly to be taken off, which may make"
+        "on its way up to the peak and down from it the record goes back, and a contact pushes once: the blow rings, "
+        "too fast for this rate or too briefly to be taken off, which may make"
     )
     effects = {"peak": share, "width": share, "velocity_change": 2.0 * area / abs(pulse.velocity_change)}
     return by_effect("ringing", message, share, effects, signed=False, start=pulse.begin, end=pulse.end)
@@ -122,7 +123,7 @@ def goes_back(record: Examined, pulse: RecordedPulse) -> tuple[float, float]:
     sign = math.copysign(1.0, pulse.peak)
     width = pulse.width if pulse.width > 0.0 else 0.0
     places = [record.place(time) for time in (pulse.begin - FOOT * width, pulse.time, pulse.end)]
-    up, down = (sign * record.values[a : b + 1] for a, b in zip(places, places[1:], strict=False))
+    up, down = (sign * record.values[a : b + 1] for a, b in itertools.pairwise(places))
     back = np.concatenate([np.maximum.accumulate(side) - side for side in (up, down[::-1])])
     noise = SPANS * record.scatter
     share = max(float(np.max(back)) - noise, 0.0) / abs(pulse.peak)
