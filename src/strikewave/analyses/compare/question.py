@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import dataclasses
+import math
 from collections.abc import Sequence
 from pathlib import Path
 from typing import get_args
 
-from strikewave.analyses.compare.agreement import LOST, RULES, CurveAgreement, agreement
+from strikewave.analyses.compare.agreement import LOST, RULES, CurveAgreement, agreement, shift_to_gap
 from strikewave.analyses.compare.curve import QUANTITIES, ComparedCurve, checked_curve
 from strikewave.analyses.compare.limits import ComparisonLimit, judge, limit_notices, read_limit
 from strikewave.analyses.compare.result import CompareResult
@@ -28,6 +29,7 @@ from strikewave.reporting.decision_options import read_budget
 from strikewave.reporting.low_pass import low_pass_of
 from strikewave.reporting.numbers import listed, percent
 from strikewave.reporting.options import wrong_choice
+from strikewave.signal.alignment import Shift, are_opposite
 from strikewave.signal.filters import Filter
 from strikewave.specifications.decisions import Rule
 
@@ -35,6 +37,8 @@ MEASURED = ("record", "campaign")
 """Kinds of histories that were measured."""
 ALIGNMENTS = (*RULES, "none")
 """Rules by which B is shifted."""
+SHIFTS_APART = 3.0
+"""Standard uncertainties by which two shifts differ that are not one: noise alone does that in 0.3 %."""
 DEVIATIONS = 2.0
 """Standard deviations of a campaign that its corridor is wide to either side, where none is stated: 95 % of normal
 records."""
@@ -272,12 +276,30 @@ def _check_units(a: ComparedCurve, b: ComparedCurve) -> None:
     raise InputError("B", words[1], f"the quantity of A, {words[0]}", "take another channel or part")
 
 
+def _doubted_shift(to_gap: Shift, shift: Shift) -> list[Notice]:
+    """Tell that the shift depends on frequencies at which the two are coherent again, as pickup in both makes them."""
+    doubt = math.hypot(to_gap.uncertainty, shift.uncertainty)
+    apart = abs(to_gap.shift - shift.shift)
+    if apart <= SHIFTS_APART * doubt:
+        return []
+    message = (
+        f"A and B are coherent at low frequencies and, beyond a gap, again, as a pickup in both makes them: the shift "
+        f"by the low ones alone is {1e6 * to_gap.shift:.6g}\N{NO-BREAK SPACE}us; --filter takes the pickup off both"
+    )
+    return [Notice("alignment-doubt", message, apart, SHIFTS_APART * doubt)]
+
+
 def _notices(a: ComparedCurve, b: ComparedCurve, found: CurveAgreement, result: CompareResult) -> list[Notice]:
     """Return what the user should know of the comparison itself."""
     notices = []
-    if a.sign != b.sign:
-        message = "the largest values of A and B have opposite signs: --polarity -1 turns a measured one round"
-        notices.append(Notice("polarity", message))
+    if are_opposite(a.history, b.history) or a.sign != b.sign:
+        files = [one for one in (a, b) if one.measured is not None]
+        turned = "--polarity -1 turns the measured one round"
+        if len(files) == 2:
+            turned = "polarity = -1 under [all] in a file beside one, such as shot.csv.toml, turns that one round"
+        notices.append(Notice("polarity", f"A and B have opposite signs, and B is not turned: {turned}"))
+    if result.align == "correlation":
+        notices += _doubted_shift(shift_to_gap(a, b), found.shift)
     if found.lost > LOST:
         coarse = max(a.history.step, b.history.step)
         message = (

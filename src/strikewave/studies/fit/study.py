@@ -31,13 +31,22 @@ from strikewave.studies.fit.measured import LaidPulse, MeasuredNumber, MeasuredP
 from strikewave.studies.fit.problem import Problem, Solved, solve
 from strikewave.studies.fit.separating import SeparatingNumber, separating
 from strikewave.studies.fit.simulation import Simulation
-from strikewave.studies.fit.targets import ReadTargets, Target, parse_target, published_targets, read_targets
+from strikewave.studies.fit.targets import (
+    ReadTargets,
+    Target,
+    parse_target,
+    published_targets,
+    read_targets,
+    target_words,
+)
 from strikewave.studies.fit.trying import TriedChoice, read_tries, tried
 
 Array = NDArray[np.float64]
 
 MET = 2.0
 """Standard uncertainties of a number within which the fit meets it: 95 %."""
+MOST_NAMED = 6
+"""Targets that a note names."""
 AT_BOUND = 1e-4
 """Distance from a bound, over the width of the bounds, at which a value stands at it."""
 WHOLE_POWER = 5e-3
@@ -93,7 +102,7 @@ class FitStudy(AskedResult):
         The values.
     pulses : tuple of (MeasuredPulse, LaidPulse)
         The records, each with the fitted run laid on it.
-    computed : mapping of str to float
+    computed : tuple of float
         What the fitted case gives of each stated number, SI.
     separating : tuple of SeparatingNumber
         Numbers that would tell apart what the data do not, the best first.
@@ -110,7 +119,7 @@ class FitStudy(AskedResult):
     solved: Solved
     parameters: tuple[FittedParameter, ...]
     pulses: tuple[tuple[MeasuredPulse, LaidPulse], ...]
-    computed: Mapping[str, float]
+    computed: tuple[float, ...]
     separating: tuple[SeparatingNumber, ...] = ()
     checks: Checks | None = None
     tries: tuple[TriedChoice, ...] = ()
@@ -198,9 +207,9 @@ class FitStudy(AskedResult):
                     "unit": one.unit or "1",
                     "measured": one.value,
                     "uncertainty": one.uncertainty,
-                    "computed": self.computed[one.called],
+                    "computed": computed,
                 }
-                for one in self.numbers
+                for one, computed in zip(self.numbers, self.computed, strict=True)
             ],
             "tries": [vars(one) for one in self.tries],
             "checks": None if self.checks is None else _checks_document(self.checks),
@@ -407,12 +416,14 @@ def _fit(
 ) -> FitStudy:
     """Return the fit of one case."""
     fields = free_fields(case, free)
-    targets = [parse_target(word, case) for word in to] or published_targets(case)
+    targets = [parse_target(word, case) for word in target_words(to)] or published_targets(case)
     if not targets:
         hint = 'such as --to shot.csv or --to first.rigid_peak="4000 g"'
         raise InputError("--to", "none", "a record or a number: the case holds none that it was fitted to", hint)
     read = read_targets("--to", case, targets, fields, reading)
-    kept_out = read_targets("--check-on", case, [parse_target(word, case) for word in check_on], fields, reading)
+    kept_out = read_targets(
+        "--check-on", case, [parse_target(word, case) for word in target_words(check_on)], fields, reading
+    )
     study = fitted_study(case, fields, read, targets, progress)
     if not check_on:
         return study
@@ -462,7 +473,9 @@ def _words(targets: Sequence[Target]) -> str:
         f"{one.left.replace('.', ' ').replace('_', ' ')} {one.right}" if one.is_number else Path(one.right).name
         for one in targets
     ]
-    return ", ".join(dict.fromkeys(words))
+    words = list(dict.fromkeys(words))
+    more = f" and {len(words) - MOST_NAMED} more" if len(words) > MOST_NAMED else ""
+    return ", ".join(words[:MOST_NAMED]) + more
 
 
 def _laid(problem: Problem, runs: Sequence[Simulation]) -> list[tuple[MeasuredPulse, LaidPulse]]:
@@ -474,13 +487,13 @@ def _laid(problem: Problem, runs: Sequence[Simulation]) -> list[tuple[MeasuredPu
     ]
 
 
-def _computed(problem: Problem, runs: Sequence[Simulation]) -> dict[str, float]:
-    return {
-        one.called: float(run.number(one.name, one.sensor) or math.nan)
+def _computed(problem: Problem, runs: Sequence[Simulation]) -> tuple[float, ...]:
+    return tuple(
+        float(run.number(one.name, one.sensor) or math.nan)
         for experiment, run in zip(problem.experiments, runs, strict=True)
         for one in experiment.measured
         if isinstance(one, MeasuredNumber)
-    }
+    )
 
 
 def _parameter(solved: Solved, k: int, field: FreeField) -> FittedParameter:
