@@ -33,8 +33,8 @@ def fit_words(study: FitStudy) -> str:
     missed = [one for one in study.solved.misfits if one.is_number and one.size > MET]
     if missed:
         words.append(
-            f"{len(missed)} of {len(study.numbers)} numbers are missed by more than {MET:g} times their uncertainty: by "
-            f"up to {percent(max(one.share for one in missed), 1)}."
+            f"{len(missed)} of {len(study.numbers)} numbers are missed by more than {MET:g} times their uncertainty, "
+            f"by up to {percent(max(one.share for one in missed), 1)}."
         )
     if broken:
         words.append(
