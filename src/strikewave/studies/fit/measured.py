@@ -46,7 +46,7 @@ ROUNDS, CLOSE = 20, 1e-6
 
 @dataclass(frozen=True)
 class MeasuredNumber:
-    """A number that was measured: name, sensor, SI unit, value with its standard uncertainty, and what was typed."""
+    """A number that was measured: name, sensor, SI unit, value with standard uncertainty, as typed, settings."""
 
     name: str
     sensor: str
@@ -54,11 +54,12 @@ class MeasuredNumber:
     value: float
     uncertainty: float
     typed: str
+    setting: str = ""
 
     @property
     def called(self) -> str:
         """What it is called."""
-        return f"{self.name} {self.sensor}".strip()
+        return f"{self.name} {self.sensor}".strip() + (f" ({self.setting})" if self.setting else "")
 
     @property
     def correlation(self) -> Array:

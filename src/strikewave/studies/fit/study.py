@@ -31,13 +31,22 @@ from strikewave.studies.fit.measured import LaidPulse, MeasuredNumber, MeasuredP
 from strikewave.studies.fit.problem import Problem, Solved, solve
 from strikewave.studies.fit.separating import SeparatingNumber, separating
 from strikewave.studies.fit.simulation import Simulation
-from strikewave.studies.fit.targets import ReadTargets, Target, parse_target, published_targets, read_targets
+from strikewave.studies.fit.targets import (
+    ReadTargets,
+    Target,
+    parse_target,
+    published_targets,
+    read_targets,
+    target_words,
+)
 from strikewave.studies.fit.trying import TriedChoice, read_tries, tried
 
 Array = NDArray[np.float64]
 
 MET = 2.0
 """Standard uncertainties of a number within which the fit meets it: 95 %."""
+MOST_NAMED = 6
+"""Targets that a note names."""
 AT_BOUND = 1e-4
 """Distance from a bound, over the width of the bounds, at which a value stands at it."""
 WHOLE_POWER = 5e-3
@@ -93,7 +102,7 @@ class FitStudy(AskedResult):
         The values.
     pulses : tuple of (MeasuredPulse, LaidPulse)
         The records, each with the fitted run laid on it.
-    computed : mapping of str to float
+    computed : tuple of float
         What the fitted case gives of each stated number, SI.
     separating : tuple of SeparatingNumber
         Numbers that would tell apart what the data do not, the best first.
@@ -110,7 +119,7 @@ class FitStudy(AskedResult):
     solved: Solved
     parameters: tuple[FittedParameter, ...]
     pulses: tuple[tuple[MeasuredPulse, LaidPulse], ...]
-    computed: Mapping[str, float]
+    computed: tuple[float, ...]
     separating: tuple[SeparatingNumber, ...] = ()
     checks: Checks | None = None
     tries: tuple[TriedChoice, ...] = ()
@@ -198,9 +207,9 @@ class FitStudy(AskedResult):
                     "unit": one.unit or "1",
                     "measured": one.value,
                     "uncertainty": one.uncertainty,
-                    "computed": self.computed[one.called],
+                    "computed": computed,
                 }
-                for one in self.numbers
+                for one, computed in zip(self.numbers, self.computed, strict=True)
             ],
             "tries": [vars(one) for one in self.tries],
             "checks": None if self.checks is None else _checks_document(self.checks),
@@ -407,12 +416,14 @@ def _fit(
 ) -> FitStudy:
     """Return the fit of one case."""
     fields = free_fields(case, free)
-    targets = [parse_target(word, case) for word in to] or published_targets(case)
+    targets = [parse_target(word, case) for word in target_words(to)] or published_targets(case)
     if not targets:
         hint = 'such as --to shot.csv or --to first.rigid_peak="4000 g"'
         raise InputError("--to", "none", "a record or a number: the case holds none that it was fitted to", hint)
     read = read_targets("--to", case, targets, fields, reading)
-    kept_out = read_targets("--check-on", case, [parse_target(word, case) for word in check_on], fields, reading)
+    kept_out = read_targets(
+        "--check-on", case, [parse_target(word, case) for word in target_words(check_on)], fields, reading
+    )
     study = fitted_study(case, fields, read, targets, progress)
     if not check_on:
         return study
@@ -462,7 +473,9 @@ def _words(targets: Sequence[Target]) -> str:
         f"{one.left.replace('.', ' ').replace('_', ' ')} {one.right}" if one.is_number else Path(one.right).name
         for one in targets
     ]
-    return ", ".join(dict.fromkeys(words))
+    words = list(dict.fromkeys(words))
+    more = f" and {len(words) - MOST_NAMED} more" if len(words) > MOST_NAMED else ""
+    return ", ".join(words[:MOST_NAMED]) + more
 
 
 def _laid(problem: Problem, runs: Sequence[Simulation]) -> list[tuple[MeasuredPulse, LaidPulse]]:
@@ -474,13 +487,13 @@ def _laid(problem: Problem, runs: Sequence[Simulation]) -> list[tuple[MeasuredPu
     ]
 
 
-def _computed(problem: Problem, runs: Sequence[Simulation]) -> dict[str, float]:
-    return {
-        one.called: float(run.number(one.name, one.sensor) or math.nan)
+def _computed(problem: Problem, runs: Sequence[Simulation]) -> tuple[float, ...]:
+    return tuple(
+        float(run.number(one.name, one.sensor) or math.nan)
         for experiment, run in zip(problem.experiments, runs, strict=True)
         for one in experiment.measured
         if isinstance(one, MeasuredNumber)
-    }
+    )
 
 
 def _parameter(solved: Solved, k: int, field: FreeField) -> FittedParameter:
@@ -506,20 +519,24 @@ def _notices(study: FitStudy) -> list[Notice]:
     for group in found.groups():
         words = f"{combination_words(study, group)}; {separating_words(study, group)}"
         notices.append(Notice("not-determined", words, float(len(group)), 0.0))
-    for one in study.solved.misfits:
-        if one.more_than_noise:
-            known = "times its noise" if one.noise_known else "times 1e-4 of its peak, for it shows no noise"
-            message = (
-                f"the residual of {one.called} is not noise: its RMS is {percent(one.share, 1)} of the peak, "
-                f"{one.size:.3g} {known}; the model lacks something, and standard errors are those of what is left"
-            )
-            notices.append(Notice("residual-not-noise", message, one.size, 1.0))
-    for number, misfit in zip(study.numbers, [one for one in study.solved.misfits if one.is_number], strict=True):
-        if misfit.size > MET:
-            message = (
-                f"{number.called} is missed by {misfit.size:.2g} times its uncertainty ({percent(misfit.share, 1)})"
-            )
-            notices.append(Notice("not-met", message, misfit.size, MET))
+    broken = [one for one in study.solved.misfits if one.more_than_noise]
+    if broken:
+        worst = max(broken, key=lambda one: one.size)
+        known = "times its noise" if worst.noise_known else "times 1e-4 of its peak, for it shows no noise"
+        others = f" (the worst of {len(broken)} records)" if len(broken) > 1 else ""
+        message = (
+            f"the residual of {worst.called} is not noise{others}: its RMS is {percent(worst.share, 1)} of the peak, "
+            f"{worst.size:.3g} {known}; the model lacks something, and standard errors are those of what is left"
+        )
+        notices.append(Notice("residual-not-noise", message, worst.size, 1.0))
+    missed = [one for one in study.solved.misfits if one.is_number and one.size > MET]
+    if missed:
+        worst = max(missed, key=lambda one: one.size)
+        others = f" (the worst of {len(missed)} of {len(study.numbers)} numbers)" if len(missed) > 1 else ""
+        message = (
+            f"{worst.called} is missed by {worst.size:.2g} times its uncertainty, {percent(worst.share, 1)}{others}"
+        )
+        notices.append(Notice("not-met", message, worst.size, MET))
     for value, at in zip(study.parameters, found.place, strict=True):
         if min(at, 1.0 - at) < AT_BOUND:
             message = f"{value.field.path} stands at a bound, {value_words(value)}: its best value may lie beyond"
