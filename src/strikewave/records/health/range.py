@@ -142,8 +142,9 @@ def saturated(record: Examined) -> list[HealthNotice]:
 def slew_limited(record: Examined) -> list[HealthNotice]:
     """Find an amplifier that is too slow for a blow, by a straight side or a corner.
 
-    A side is straight where a pulse is curved, or the top is a corner where it is round: such an amplifier follows the rise in a straight line until that meets the fall. A saw-tooth, straight on both sides and much
-    steeper on one, is meant to be so.
+    A side is straight where a pulse is curved, or the top is a corner where it is round: such an amplifier follows
+    the rise in a straight line until that meets the fall. A saw-tooth, straight on both sides and much steeper on one,
+    is meant to be so.
     """
     pulses = [pulse for pulse in record.pulses if pulse.method == "record" and pulse.width > 0.0]
     for pulse in pulses:
@@ -170,8 +171,8 @@ def slew_limited(record: Examined) -> list[HealthNotice]:
     message = (
         f"the top is a corner: {percent(top.sharpness, 0)} as wide at {percent(TIP, 0)} of the peak as at "
         f"{percent(UPPER, 0)} (a smooth pulse's {percent(top.usual, 0)}): an amplifier that is too slow (slew rate) "
-        "rises in a straight line until it meets the fall, unless the pulse is meant to be pointed; the true peak may be "
-        "larger, the width smaller"
+        "rises in a straight line until it meets the fall, unless the pulse is meant to be pointed; the true peak may "
+        "be larger, the width smaller"
     )
     return [_of_range("slew-rate", message, float(high), even)]
 
