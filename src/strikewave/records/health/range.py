@@ -133,7 +133,8 @@ def saturated(record: Examined) -> list[HealthNotice]:
     if higher > 0.0:
         message = (
             f"a straight side, as that of a saw-tooth, would go on {percent(higher, 0)} above the peak, and bends "
-            "before it: sensor or amplifier may be near its limit; a tip that is meant to be round cannot be told from it"
+            "before it: sensor or amplifier may be near its limit; a tip that is meant to be round cannot be told from "
+            "it"
         )
         return [_of_range("flat-top", message, higher, pulses)]
     return []
