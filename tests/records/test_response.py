@@ -9,8 +9,9 @@ from hypothesis import strategies as st
 from planted import noises
 
 from strikewave.base.errors import InputError
+from strikewave.records.file_reading import read_file
 from strikewave.records.modes import decaying_modes
-from strikewave.records.reading import Request, read_file
+from strikewave.records.reading import Request
 from strikewave.records.record import Channel, Record
 from strikewave.records.response import BaseBlow, effective_span, measure_responses, swings
 from strikewave.signal.coupling import ac_coupled

@@ -30,6 +30,16 @@ WRONG = {
         'pulse.duratoin: unknown key; did you mean "duration"?',
     ),
     "an unknown table": (HEAD + PULSE + "[bands]\n", 'bands: unknown key; did you mean "band"?'),
+    "a band without what is before": (
+        HEAD + PULSE + '[band]\ntime = "10 %"\namplitude = "20 %"\nafter = "1 %"\n',
+        'band.before: missing; add before = "20 %"',
+    ),
+    "a peak without its tolerance": (HEAD + PULSE + "[peak]\n", 'peak.tolerance: missing; add tolerance = "20 %"'),
+    "a pulse without its shape": (
+        HEAD + PULSE.replace('shape = "half-sine"\n', ""),
+        "shape: missing; add shape, one of half-sine,",
+    ),
+    "a title left out": (HEAD.replace('title = "t"\n', "") + PULSE, 'title: missing; add title = "..."'),
     "an unknown status": (HEAD.replace("normative", "official") + PULSE, 'status: got "official"'),
     "a quoted number without its source": (
         HEAD + PULSE.replace('"50 g"', '{ value = "50 g", status = "quoted" }'),
@@ -55,7 +65,18 @@ WRONG = {
     ),
     "a condition with a colon": (HEAD + PULSE + '[[condition]]\nname = "a:b"\n', 'condition.0.name: got "a:b"'),
     "a tolerance of three": (HEAD + PULSE + '[peak]\ntolerance = ["1 %", "2 %", "3 %"]\n', "peak.tolerance"),
-    "a tolerance in words": (HEAD + PULSE + '[peak]\ntolerance = "little"\n', 'allowed: a share, such as "20 %"'),
+    "a tolerance in words": (HEAD + PULSE + '[peak]\ntolerance = "little"\n', 'a share with its sign, such as "20 %"'),
+    "a tolerance of 5, which is no 5 %": (
+        HEAD + PULSE + "[peak]\ntolerance = 5\n",
+        'peak.tolerance: got 5; allowed: a share with its sign, such as "20 %", from 0 to 1000 %; write "5 %"',
+    ),
+    "a tolerance of 0.15": (
+        HEAD + PULSE + "[velocity_change]\ntolerance = 0.15\n",
+        'write "15 %", or "0.15 %" if that is meant',
+    ),
+    "a tolerance of two bare numbers": (HEAD + PULSE + "[peak]\ntolerance = [-10, 20]\n", 'write "-10 %"'),
+    "a width of a bare time": (HEAD + PULSE + "[band]\ntime = 0.1\n", "band.time: got 0.1"),
+    "a share above of 50": (HEAD + SRS.replace("[[srs", "share_above = 50\n[[srs"), "srs.share_above: got 50"),
     "a level above the peak": (HEAD + PULSE + '[width]\ntolerance = "10 %"\nlevel = "120 %"\n', "from 0 to 90 %"),
     "a slope of a half-sine": (HEAD + PULSE + 'rise = "10 %"\n', "a trapezoid only"),
     "a trapezoid without its slopes": (HEAD + PULSE.replace("half-sine", "trapezoid"), "rise: missing"),
@@ -77,7 +98,7 @@ WRONG = {
     "a level without its sign": (HEAD + SRS.replace('"-6 dB"', "-6"), 'such as "-6 dB"'),
     "neither pulse nor spectrum": (HEAD, "a table [pulse], or [srs]"),
     "a band of a spectrum": (
-        HEAD + '[band]\ntime = "10 %"\namplitude = "20 %"\nbefore = 1\nafter = 1\n' + SRS,
+        HEAD + '[band]\ntime = "10 %"\namplitude = "20 %"\nbefore = "100 %"\nafter = "100 %"\n' + SRS,
         "which [band] is about",
     ),
     "keys nested deep": (HEAD + "a" + ".a" * 5000 + " = 1\n", "a key of many parts"),

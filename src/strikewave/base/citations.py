@@ -143,6 +143,15 @@ SOURCES: dict[str, str] = {
         "D. O. Smallwood, An improved recursive formula for calculating shock response spectra, Shock and "
         "Vibration Bulletin 51 (1981) 211-217"
     ),
+    "smallwood-nord-1974": (
+        "D. O. Smallwood, A. R. Nord, Matching Shock Spectra with Sums of Decaying Sinusoids Compensated for Shaker "
+        "Velocity and Displacement Limitations, Shock and Vibration Bulletin 44, part 3 (1974) 43-56 (reference from "
+        "memory; the method as in the code of SDynPy, Sandia National Laboratories, sum_decayed_sines)"
+    ),
+    "irvine-wavelets": (
+        "T. Irvine, wavelets of an odd number of half-sines with no net velocity and displacement: code "
+        "DSS_waveform_reconstruction.m, ver 1.3, vibrationdata.com"
+    ),
     "iso-18431-4": (
         "ISO 18431-4:2007, Mechanical vibration and shock - Signal processing - Part 4: Shock-response spectrum "
         "analysis"

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import math
 from collections.abc import Sequence
 from typing import Any
@@ -15,6 +16,18 @@ SCHEMA = 1
 def head(units: dict[str, str], warnings: Sequence[dict[str, Any]] = ()) -> dict[str, Any]:
     """Return the keys that every JSON document begins with."""
     return {"schema": SCHEMA, "version": __version__, "units": units, "warnings": list(warnings)}
+
+
+def json_text(document: dict[str, Any], indent: int | None = None) -> str:
+    r"""Return a JSON document as the text of a file: words with their usual spaces, a line end last.
+
+    Examples
+    --------
+    >>> json_text({"message": "5\N{NO-BREAK SPACE}kN"})
+    '{"message": "5 kN"}\n'
+    """
+    text = json.dumps(document, indent=indent, allow_nan=False, ensure_ascii=False)
+    return text.replace("\N{NO-BREAK SPACE}", " ") + "\n"
 
 
 def without(row: dict[str, Any], *keys: str) -> dict[str, Any]:

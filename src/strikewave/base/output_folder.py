@@ -60,6 +60,8 @@ RESULT_FILES = (
     "map.nc",
     "map.csv",
     "map.svg",
+    "acceleration.csv",
+    "synthesis.json",
     "map.png",
     "equal-blows.toml",
     "settings.json",
@@ -90,6 +92,9 @@ RESULT_FILES = (
     "comparison.svg",
     "report.html",
     "report.pdf",
+    "test-report.html",
+    "test-report.pdf",
+    "shocks.csv",
 )
 """What a result consists of; a folder that holds anything else is never replaced, for it may be the user's own."""
 ANIMATIONS = ("machine.html", "machine.gif", "animation.html", "animation.gif")

@@ -1,4 +1,4 @@
-"""How a share is written in per cent, the same everywhere."""
+"""How a share is written in per cent, the same everywhere, and what is said of one without its sign."""
 
 
 def percent(share: float, decimals: int = 1, sign: str = "") -> str:
@@ -10,3 +10,15 @@ def percent(share: float, decimals: int = 1, sign: str = "") -> str:
     ('3.3 %', '-0.20 %', '50 %')
     """
     return f"{100.0 * share:{sign}.{decimals}f} %"
+
+
+def sign_needed(number: float) -> str:
+    """Say how a share is written that came without its sign; below 1 it may be meant either way.
+
+    Examples
+    --------
+    >>> sign_needed(5.0), sign_needed(0.15)
+    ('write "5 %"', 'write "15 %", or "0.15 %" if that is meant')
+    """
+    either = f', or "{number:g} %" if that is meant' if 0.0 < abs(number) < 1.0 else ""
+    return f'write "{100.0 * number if either else number:g} %"{either}'

@@ -121,6 +121,10 @@ class Range:
             limits.append(f"at most {self.high:g}{unit}")
         return ", ".join([what, *limits])
 
+    def example(self) -> str:
+        """Return a value as a case file has it: ``"200 us"``."""
+        return f'"{DIMENSIONS[self.unit][1]}"' if self.unit in DIMENSIONS else "1"
+
     def read(self, raw: Any) -> Value:
         """Turn what a case file holds, plain or as a table, into a `Value`.
 

@@ -5,14 +5,13 @@ from __future__ import annotations
 import dataclasses
 import functools
 import hashlib
-import json
 import math
 from abc import ABC, abstractmethod
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, ClassVar, Literal, NamedTuple
 
-from strikewave.base.json_document import head, plain, without
+from strikewave.base.json_document import head, json_text, plain, without
 
 if TYPE_CHECKING:
     import xarray
@@ -230,8 +229,8 @@ class Source:
         SHA-256 of the files that were read, by their names.
     asked : str
         Command line that gives the result again, as it is to be typed, where the text alone does not.
-    test : mapping of str to str
-        What was stated of the test, where no case holds it.
+    test : mapping
+        What was stated of the test, where no case holds it: texts by the keys of [test], and tables of a test report.
     """
 
     kind: str
@@ -240,7 +239,7 @@ class Source:
     file: str = "case.toml"
     digests: Mapping[str, str] = dataclasses.field(default_factory=dict)
     asked: str = ""
-    test: Mapping[str, str] = dataclasses.field(default_factory=dict)
+    test: Mapping[str, Any] = dataclasses.field(default_factory=dict)
 
     @property
     def whole(self) -> bool:
@@ -296,8 +295,11 @@ class Result(ABC):
         """Where the inputs come from."""
 
     @property
-    def test(self) -> Mapping[str, str]:
-        """What was tested, by whom, where and when, as far as it is stated; see the table [test] of a case."""
+    def test(self) -> Mapping[str, Any]:
+        """What was tested, by whom, where and when, as far as it is stated; see the table [test] of a case.
+
+        Of measured files, tables of a test report may stand beside those texts.
+        """
         return {}
 
     @property
@@ -373,8 +375,7 @@ class Result(ABC):
 
     def document_text(self, indent: int | None = None) -> str:
         """Return the JSON document as the text of a file."""
-        text = json.dumps(self.document(), indent=indent, allow_nan=False, ensure_ascii=False) + "\n"
-        return text.replace("\N{NO-BREAK SPACE}", " ")
+        return json_text(self.document(), indent)
 
 
 def comparison_document(comparison: Comparison, *left_out: str) -> dict[str, Any]:

@@ -5,15 +5,22 @@ xarray takes a third of a second to import, pandas with it: a run, its page and 
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+import contextlib
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
+from strikewave.base.errors import InputError
+
 if TYPE_CHECKING:
     import xarray
+
+
+LARGEST_LOAD = 4_000_000_000
+"""A file of a result that would take more bytes than this is refused."""
 
 
 class Variable(NamedTuple):
@@ -120,6 +127,28 @@ class LabelledArrays:
                 if values.size:
                     variable[...] = values
             _attach(file.attrs, self.attrs.items())
+
+
+@contextlib.contextmanager
+def open_result(path: Path, allowed: str) -> Iterator[xarray.Dataset]:
+    """Open the NetCDF file of a result, and refuse what is none: ``allowed`` are the words for what it is to be.
+
+    Raises
+    ------
+    InputError
+        If it takes more than 4 GB in memory, or what is done with it raises whatever a damaged file may.
+    """
+    import xarray
+
+    try:
+        with xarray.open_dataset(path, engine="h5netcdf") as opened:
+            if opened.nbytes > LARGEST_LOAD:
+                raise InputError("solution", str(path), "a file of at most 4 GB in memory")
+            yield opened
+    except InputError:
+        raise
+    except Exception as error:  # whatever a damaged file makes the readers raise
+        raise InputError("solution", str(path), allowed, f"it cannot be read ({error})") from error
 
 
 def _variable(dims: Any, values: Any, attrs: Mapping[str, Any] | None = None) -> Variable:

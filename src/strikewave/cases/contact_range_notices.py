@@ -99,8 +99,7 @@ def speed_notices(names: Iterable[str], speed: float) -> Iterator[Notice]:
     if speed > limit:
         message = (
             f"the approach at {speed:.4g}\xa0m/s is beyond {limit:.3g}\xa0m/s, where the inertia of yielding {name} "
-            "exceeds "
-            "its strength (rho v^2/2 > Y): contact laws are those of slow pressing; do not trust force or pulse"
+            "exceeds its strength (rho v^2/2 > Y): contact laws are those of slow pressing; do not trust force or pulse"
         )
         yield Notice("approach-fast", message, speed, limit)
 
@@ -139,8 +138,8 @@ def damping_speed_notices(contact: ContactTable, approaches: Iterable[float]) ->
     message = (
         f"contact.slowest_approach, {contact.slowest_approach.typed}, is above the approach speed of {len(slow)} of "
         f"{len(every)} blows (from {min(slow):.3g}\xa0m/s): their damping is that of a blow at this speed, and they "
-        "give "
-        f"back more than the restitution asked for ({contact.restitution.si:g}); take a tenth of the approach speed"
+        f"give back more than the restitution asked for ({contact.restitution.si:g}); take a tenth of the approach "
+        "speed"
     )
     yield Notice("slowest-approach", message, min(slow), contact.slowest_approach.si)
 

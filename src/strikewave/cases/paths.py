@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any, get_args, get_origin
+from typing import Any, Literal, Protocol, get_args, get_origin, runtime_checkable
 
 from pydantic import BaseModel, ValidationError
 from pydantic.fields import FieldInfo
@@ -27,6 +27,19 @@ def row_name(row: Any, place: int) -> str:
     get = row.get if isinstance(row, Mapping) else (lambda key, default: getattr(row, key, default))
     number = get("number", "")
     return str(get("name", "") or get("after", "") or getattr(number, "typed", number) or place)
+
+
+@runtime_checkable
+class Reader(Protocol):
+    """What turns a number of a file into a value, and knows how one is written."""
+
+    def read(self, raw: Any) -> Any:
+        """Return the value."""
+        ...
+
+    def example(self) -> str:
+        """Return a number as a file has it."""
+        ...
 
 
 @dataclass(frozen=True)
@@ -162,12 +175,13 @@ class Form:
 
     def range_at(self, places: list[str]) -> Range | None:
         """Return what the quantity at a path may be; None where there is no quantity."""
-        for field in self._fields_at(places):
-            for rule in field.metadata:
-                owner = getattr(getattr(rule, "func", None), "__self__", None)
-                if isinstance(owner, Range):
-                    return owner
-        return None
+        return next((owner for owner in self._readers_at(places) if isinstance(owner, Range)), None)
+
+    def _readers_at(self, places: list[str]) -> list[Reader]:
+        """Return what reads the number at a path; nothing where there is none."""
+        rules = [rule for field in self._fields_at(places) for rule in field.metadata]
+        owners = [getattr(getattr(rule, "func", None), "__self__", None) for rule in rules]
+        return [owner for owner in owners if isinstance(owner, Reader)]
 
     def _fields_at(self, places: list[str]) -> list[FieldInfo]:
         tables = self.tables_at(places[:-1])
@@ -196,13 +210,22 @@ class Form:
         return any(str in (field.annotation, *get_args(field.annotation)) for field in self._fields_at(places))
 
     def _example(self, places: list[str]) -> str:
-        allowed = self.range_at(places)
-        if allowed is not None and allowed.unit in DIMENSIONS:
-            return f'add {places[-1]} = "{DIMENSIONS[allowed.unit][1]}"'
-        if allowed is not None:
-            return f"add {places[-1]}, {allowed.allowed()}"
+        """Say how what is missing is added: a number with its unit, a table, a text."""
+        for owner in self._readers_at(places):
+            if isinstance(owner, Range) and owner.unit not in DIMENSIONS:
+                return f"add {places[-1]}, {owner.allowed()}"
+            return f"add {places[-1]} = {owner.example()}"
         is_table = self.tables_at(places) not in ([], [Value])
-        return f"add [{'.'.join(places)}]" if is_table or len(places) == 1 else f"add {places[-1]}"
+        choices = [str(one) for field in self._fields_at(places) for one in _choices(field.annotation) if one]
+        if choices:
+            return f"add {places[-1]}, one of {', '.join(dict.fromkeys(choices))}"
+        text = ' = "..."' if self._takes_text(places) else ""
+        return f"add [{'.'.join(places)}]" if is_table else f"add {places[-1]}{text}"
+
+
+def _choices(kind: Any) -> tuple[Any, ...]:
+    """Return the words that an annotation allows, if it is a choice."""
+    return get_args(kind) if get_origin(kind) is Literal else ()
 
 
 def _row_hint(place: Any, inner: Any, path: str, change: str) -> str:

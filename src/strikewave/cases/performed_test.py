@@ -4,14 +4,11 @@ from __future__ import annotations
 
 import datetime
 import unicodedata
-from pathlib import Path
 from typing import Annotated, Any
 
-from pydantic import BeforeValidator, ValidationError
+from pydantic import BeforeValidator
 
-from strikewave.base.errors import InputError, InputErrors
-from strikewave.cases.paths import Form
-from strikewave.cases.small_file import read_small_file
+from strikewave.base.errors import InputError
 from strikewave.cases.tables import CaseTable
 
 LONGEST_LINE, LONGEST_NOTES = 200, 2000
@@ -48,7 +45,7 @@ def _text(raw: Any, longest: int, allowed: str = "") -> str:
     return text
 
 
-def _date(raw: Any) -> Any:
+def date_text(raw: Any) -> Any:
     """Return a date as ISO 8601 writes it; TOML's own kind of date is one."""
     if isinstance(raw, datetime.date) and not isinstance(raw, datetime.datetime):
         return raw.isoformat()
@@ -69,7 +66,7 @@ class PerformedTest(CaseTable):
     operator: Line = ""
     laboratory: Line = ""
     order: Line = ""
-    date: Annotated[str, BeforeValidator(_date)] = ""
+    date: Annotated[str, BeforeValidator(date_text)] = ""
     direction: Line = ""
     notes: Annotated[str, BeforeValidator(notes_text)] = ""
 
@@ -84,31 +81,8 @@ class PerformedTest(CaseTable):
         return {key: text for key, text in self if text}
 
 
-FORM = Form(PerformedTest, "test", 'item="board 7"')
-"""A file of a test."""
 EXAMPLE = (
     "\n# What was tested: it heads every report. Take the marks away, and fill in what you have.\n# [test]\n"
     + "".join(f'# {key} = "{"2026-03-02" if key == "date" else ""}"\n' for key in PerformedTest.model_fields)
 )
 """The table as a new case file shows it: a comment, for there is no test yet."""
-
-
-def load_test(file: Path, field: str = "--test") -> PerformedTest:
-    """Read a test from a TOML file: a [test] table, or its keys alone.
-
-    Raises
-    ------
-    InputError, InputErrors
-        With one line for each thing that is wrong, after ``field``.
-    """
-    document = read_small_file(file, field, 'a TOML file with [test], such as item = "board 7"')
-    table = document.pop("test", {})
-    if not isinstance(table, dict):
-        raise InputError(field, table, "a table [test]")
-    try:
-        test = PerformedTest.model_validate({**document, **table})
-    except ValidationError as error:
-        raise InputErrors([f"{field} {line}" for line in FORM.lines(error)]) from None
-    if not test.stated():
-        raise InputError(field, str(file), "a file with one of " + ", ".join(PerformedTest.model_fields))
-    return test

@@ -27,7 +27,7 @@ PANELS: dict[str, dict[str, tuple[str, str]]] = {
     "Measure": {
         "record": ("strikewave.analyses.record.command", "Measure the pulses of recorded files."),
         "srs": ("strikewave.analyses.record.srs", "Compute shock response spectra."),
-        "spec": ("strikewave.analyses.record.verdicts.command", "List, show or begin a specification."),
+        "spec": ("strikewave.analyses.record.spec", "List, show, begin or meet a specification."),
         "hopkinson": ("strikewave.analyses.hopkinson.command", "Reduce split-Hopkinson-bar records."),
         "identify": ("strikewave.analyses.impact.identify", "Identify a contact law from a pulse."),
         "compare": ("strikewave.analyses.compare.command", "Compare two histories, measured or simulated."),

@@ -1,4 +1,4 @@
-"""``strikewave new``: begin a case file from a published one, or a set-up of split bars from an example."""
+"""``strikewave new``: begin a case file from a published one, a set-up of split bars, or the file of a test."""
 
 from __future__ import annotations
 
@@ -14,11 +14,14 @@ from strikewave.base.output_folder import write_atomically
 from strikewave.cases.case import dump_case, load_case, own_case, parse_case
 from strikewave.cases.explained import comment_lines
 from strikewave.cases.performed_test import EXAMPLE as TEST_EXAMPLE
+from strikewave.cases.stated_test import example_file
 from strikewave.reporting.options import Shown, complete_case
 from strikewave.reporting.terminal import print_json, say
 
 HOPKINSON = "hopkinson"
 """Stands for the example of a set-up of split bars, and is the command that it is for."""
+TEST = "test"
+"""Stands for a file of a test to fill in, which ``--test`` takes."""
 HEADER = """\
 # A case of your own, begun from {origin}. Replace what you know of your machine: a value that you type alone, such as
 # mass = "1.2 kg", is yours (provenance user); {{ value = "1.2 kg", provenance = "measured", tolerance = "5 gram",
@@ -31,7 +34,7 @@ HEADER = """\
 
 def _complete(incomplete: str) -> list[str]:
     """Return what a case may begin from."""
-    return [*complete_case(incomplete), *([HOPKINSON] if HOPKINSON.startswith(incomplete) else [])]
+    return [*complete_case(incomplete), *(name for name in (HOPKINSON, TEST) if name.startswith(incomplete))]
 
 
 def command(
@@ -44,7 +47,7 @@ def command(
         typer.Option(
             "--from",
             metavar="CASE",
-            help="The case to begin from; hopkinson for a set-up of split Hopkinson bars.",
+            help="The case to begin from; hopkinson for a set-up of split Hopkinson bars, test for a test report.",
             autocompletion=_complete,
         ),
     ] = "li-ma-2019",
@@ -62,6 +65,10 @@ def command(
         raise InputError("FILE", str(path), "a name that is not taken", "add --force to replace it")
     if not path.absolute().parent.is_dir():
         raise InputError("FILE", str(path), "a file in a folder that exists")
+    if origin == TEST:
+        write_atomically(path, example_file())
+        _tell(shown, [path], "record", "fill in what you have", f"record FILES --spec NAME --test {path}")
+        return 0
     if origin == HOPKINSON:
         record = _write_example(path, force)
         _tell(shown, [path, record], HOPKINSON, "a measured shot; name your bars and files")
@@ -74,12 +81,12 @@ def command(
     return 0
 
 
-def _tell(shown: Shown, paths: Sequence[Path], command: str, words: str) -> None:
+def _tell(shown: Shown, paths: Sequence[Path], command: str, words: str, line: str = "") -> None:
     """Say which files were written, and what to do next."""
     if shown.json:
         print_json({**head({}), "written": [str(path) for path in paths], "command": command})
     else:
-        say(f"written: {' and '.join(map(str, paths))}; {words}, then: strikewave {command} {paths[0]}")
+        say(f"written: {' and '.join(map(str, paths))}; {words}, then: strikewave {line or f'{command} {paths[0]}'}")
 
 
 def _write_example(path: Path, force: bool) -> Path:

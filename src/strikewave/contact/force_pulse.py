@@ -246,9 +246,8 @@ def cut_out(time: ArrayLike, force: ArrayLike, window: tuple[float, float] | Non
         if first is None or last is None:
             side, left = ("end", f[-1]) if last is None else ("beginning", f[0])
             raise ValueError(
-                f"the pulse is cut at the {side} of the record, where {percent(left / peak, 0)} of its peak is "
-                "left: record "
-                "longer, with some time before the blow, take the baseline off, or give a window"
+                f"the pulse is cut at the {side} of the record, where {percent(left / peak, 0)} of its peak is left: "
+                "record longer, with some time before the blow, take the baseline off, or give a window"
             )
         _check_count(last - first - 1)
         margin = MARGIN * (t[last] - t[first])

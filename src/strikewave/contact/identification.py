@@ -294,9 +294,8 @@ def _notices(result: Identified, fits: list[PulseFit], alone: PulseFit, quality:
     )
     if disagree:
         notices.append(
-            f"the values given do not agree with the pulse: the misfit is {percent(quality.residual, 2)} of the "
-            "peak with "
-            f"them, {percent(alone.deviation, 2)} without; check {', '.join(sorted(fit.problem.scales))} and the "
+            f"the values given do not agree with the pulse: the misfit is {percent(quality.residual, 2)} of the peak "
+            f"with them, {percent(alone.deviation, 2)} without; check {', '.join(sorted(fit.problem.scales))} and the "
             "calibration"
         )
     if quality.systematic > PATTERN_SEEN:

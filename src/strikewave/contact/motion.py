@@ -19,8 +19,10 @@ FIRST_STEP = 2e-3
 """First step over the shortest time in which a motion changes: so short that its error, of the 8th power, is rounding;
 the step then grows sixfold at a time."""
 _ROWS = 2048
-"""Steps of a record that is filled at once: some megabytes for a chain of a few bodies; another follows when it is
-full."""
+"""Steps that are followed at once: some megabytes for a chain of a few bodies."""
+_GROWTH = 8
+"""How many times longer a record becomes when it is full: it is copied, and memory that is new takes as long to get as
+to compute what it holds, so that this happens once in a usual run; what is not filled takes none."""
 _MOST_BYTES = 1_000_000_000
 """Dense output beyond this is refused: a motion of that size takes minutes, and usually a stiffness or damping is
 wrong."""
@@ -64,14 +66,17 @@ class Motion:
         ValueError
             If a time lies outside the motion.
         """
-        instants = np.atleast_1d(np.asarray(times, dtype=float))
+        instants = np.array(times, dtype=float, order="C", ndmin=1)
         first, last = self.record.time[0], self.end.time
         slack = _SLACK * (last - first)
         if not np.all((instants >= first - slack) & (instants <= last + slack)):
             raise ValueError(f"times must lie within the motion, {first:g} to {last:g} s")
-        order = np.argsort(instants, kind="stable")
         states = np.empty((instants.size, self.end.y.size))
         forces = np.empty((instants.size, self.links))
+        if np.all(instants[1:] >= instants[:-1]):
+            _integrator.sample(self.system, self.record, instants, states, forces)
+            return states, forces
+        order = np.argsort(instants, kind="stable")
         _integrator.sample(self.system, self.record, instants[order], states, forces)
         back = np.argsort(order, kind="stable")
         return states[back], forces[back]
@@ -119,25 +124,35 @@ def integrate(
         raise ValueError(f"the motion must end after {start.time:g} s, and end, got {control.end!r}")
     t, h = start.time, control.first_step
     y, mode, memory = start.y.copy(), start.mode.copy(), start.memory.copy()
-    parts: list[StepRecord] = []
+    record, filled, switched = _integrator.empty_record(_ROWS, y.size, mode.size, memory.size), 0, 0
     status = FULL
     while status == FULL:
-        record = _integrator.empty_record(_ROWS, y.size, mode.size, memory.size)
-        status, t, h, steps, events = _integrator.advance(system, control, t, h, y, mode, memory, record, sizes[1])
-        counts = (steps, steps, steps, steps, steps, events, events)
-        parts.append(StepRecord(*(part[:count] for part, count in zip(record, counts, strict=True))))
-        parts[-1].event[:, 1] += sum(part.time.size for part in parts[:-1])
+        if max(filled, switched) + _ROWS > record.time.size:
+            longer = _integrator.empty_record(_GROWTH * record.time.size, y.size, mode.size, memory.size)
+            for new, old in zip(longer, record, strict=True):
+                new[: len(old)] = old
+            record = longer
+        part = StepRecord(*_rows(record, filled, filled + _ROWS, switched, switched + _ROWS))
+        status, t, h, steps, events = _integrator.advance(system, control, t, h, y, mode, memory, part, sizes[1])
+        part.event[:events, 1] += filled
+        filled, switched = filled + steps, switched + events
         if status == STUCK or not np.all(np.isfinite(y)):
             raise IntegrationError(
                 f"the motion could not be followed beyond t = {t:.9g} s (step {h:.3g} s): "
                 "a stiffness, damping or mass is extreme; compare the values with the built-in cases"
             )
-        if status == FULL and len(parts) * parts[0].dense.nbytes > _MOST_BYTES:
+        if status == FULL and record.dense[:filled].nbytes > _MOST_BYTES:
             raise IntegrationError(
                 f"more than {_MOST_BYTES / 1e9:.0f} GB of steps by t = {t:.4g} s of {control.end:.4g} s: "
                 "follow a shorter time, loosen the tolerance, or soften the stiffest spring"
             )
         if progress is not None:
             progress(t)
-    whole = StepRecord(*(np.concatenate(columns) for columns in zip(*parts, strict=True)))
+    whole = StepRecord(*_rows(record, 0, filled, 0, switched))
     return Motion(system, whole, MotionState(t, y, mode, memory), sizes[0])
+
+
+def _rows(record: StepRecord, first: int, last: int, first_switch: int, last_switch: int) -> list[Any]:
+    """Return a part of a record: some of its steps, and some of its switches."""
+    *steps, event_time, event = record
+    return [*(one[first:last] for one in steps), *(one[first_switch:last_switch] for one in (event_time, event))]

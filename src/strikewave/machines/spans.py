@@ -6,8 +6,8 @@ there were, and which impulses.
 
 from __future__ import annotations
 
+import functools
 from dataclasses import dataclass
-from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
@@ -71,7 +71,7 @@ class ChainSpan:
         x, v = states[:, at.positions], states[:, at.speeds]
         pushed = forces[:, at.frame] + self._held(forces)
         momentum = v[:, at.nose] * struck.nose_mass + v[:, at.assembly] * struck.assembly_mass
-        return Moments(
+        columns = (
             forces[:, at.contacts].sum(axis=1),
             pushed / struck.assembly_mass + struck.gravity,
             x[:, at.nose],
@@ -84,6 +84,7 @@ class ChainSpan:
             forces[:, self._side].sum(axis=1),
             states[:, at.rubbed],
         )
+        return Moments(*(np.ascontiguousarray(column) for column in columns))  # a view would keep all states in memory
 
     @property
     def _side(self) -> slice:
@@ -92,8 +93,9 @@ class ChainSpan:
 
     def _indentation(self, x: Array, contact_forces: Array) -> Array:
         """Return the deepest indentation of a striker that pushes, m; one off the face may stand beyond it."""
-        deep = x[:, self.layout.strikers] - x[:, [self.layout.nose]]
-        return np.asarray(np.where(contact_forces > 0.0, deep, 0.0).max(axis=1))
+        nose, strikers = x[:, self.layout.nose], x[:, self.layout.strikers].T
+        pushed = [np.where(f > 0.0, place - nose, 0.0) for place, f in zip(strikers, contact_forces.T, strict=True)]
+        return functools.reduce(np.maximum, pushed)  # the maximum over a short last axis takes numpy six times as long
 
     def _held(self, forces: Array) -> Array:
         """Return the force of spring, stop and rail on the assembly, of link forces (N, links)."""
@@ -117,7 +119,7 @@ class ChainSpan:
         rows = np.column_stack([record.event[:, 0] - self.layout.own_switches.start, record.event_time])
         return rows[rows[:, 0] >= 0]
 
-    @cached_property
+    @functools.cached_property
     def _per_step(self) -> Array:
         return self.motion.impulses()
 

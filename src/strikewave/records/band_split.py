@@ -23,7 +23,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from strikewave.base.percents import percent
-from strikewave.records.rigid_pulse import LOWEST_RATIO, RINGS_WITHIN, Stretch, spectrum_after, swings_after
+from strikewave.records.ringing import LOWEST_RATIO, RINGS_WITHIN, Stretch, spectrum_after, swings_after
 from strikewave.records.smooth_pulse import SmoothPulse
 from strikewave.signal.filters import Filter
 from strikewave.signal.pulse import HALF_SINE_WIDTH, crossing, measure_pulse

@@ -20,7 +20,8 @@ from strikewave.records.baseline import LocalBaseline, baseline_before, noise_be
 from strikewave.records.health_notice import HARMED
 from strikewave.records.pulses import Box, find_boxes, robust_line, sample_noise
 from strikewave.records.read_off import LONGEST, ReadPulse, Surroundings, read_pulse
-from strikewave.records.rigid_pulse import RINGS_WITHIN, RigidPulse, Stretch, rigid_pulse, ringing_of
+from strikewave.records.rigid_pulse import RigidPulse, rigid_pulse
+from strikewave.records.ringing import RINGS_WITHIN, Stretch, ringing_of
 from strikewave.records.smooth_pulse import PulseUncertainty, SmoothPulse, fit_smooth_pulse
 from strikewave.records.smoothing import Window
 from strikewave.records.trains import Contacts, sort_contacts

@@ -1,28 +1,26 @@
-"""A record evaluated: calibrated, examined, its blows measured."""
+"""A channel of a record evaluated: calibrated, examined, its blows measured; and what is wanted of records."""
 
 from __future__ import annotations
 
 import dataclasses
 import functools
 import math
-import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
 
-from strikewave.base.errors import InputError, nearest, show
+from strikewave.base.errors import InputError
 from strikewave.base.percents import percent
-from strikewave.records.calibration import Calibration, calibrated, calibration_of, laid_over
+from strikewave.records.calibration import Calibration, calibrated
 from strikewave.records.clock import even
-from strikewave.records.coupling import resting, uncoupled
+from strikewave.records.coupling import uncoupled
 from strikewave.records.health import Examined, examine, level_step
-from strikewave.records.health.response import ExaminedResponse, examine_response
 from strikewave.records.health_notice import FIGURES, RESPONSE_FIGURES, STATUSES, HealthNotice, worst, worst_first
 from strikewave.records.measuring import FEWEST, RecordedPulse, contacts_of, find_pulses
-from strikewave.records.record import Array, Channel, Record
-from strikewave.records.response import BaseBlow, MeasuredResponse, measure_responses, swings
+from strikewave.records.record import Array, Channel
+from strikewave.records.response import MeasuredResponse
 from strikewave.records.trains import gaps_of
 from strikewave.signal.filters import Filter, HighPass
 
@@ -31,8 +29,6 @@ RIGID = "rigid_"
 MUCH, HALF = 0.9, 0.5
 """Shares of a peak that a filter must leave for no finding, and for one that harms nothing: what it takes off is
 reported with each peak in any case."""
-SWINGS_OUT = 20.0
-"""Median magnitudes that a swing must reach: noise alone reaches seven in a million samples."""
 NOT_COUPLED = HealthNotice("ac-coupling", "no AC coupling is recognised: nothing was taken off", severity="good")
 """What is found where AC coupling was to be taken off."""
 HALF_PERIOD = 0.5
@@ -189,7 +185,7 @@ def read_channel(channel: Channel, number: int, calibration: Calibration, reques
         If the calibration does not fit, neither time nor rate is given, or the filter is beyond the sampling rate.
     """
     channel, unit_findings = calibrated(channel, calibration, f"calibration of {channel.name}")
-    holes = _holes(channel)
+    holes = holes_of(channel)
     channel, mended = even(channel)
     findings = [*unit_findings, *mended]
     if channel.values.size < FEWEST or any(f.severity == "bad" and f.code == "not-a-number" for f in mended):
@@ -211,9 +207,9 @@ def read_channel(channel: Channel, number: int, calibration: Calibration, reques
     unfiltered: tuple[RecordedPulse, ...] = ()
     if request.filter is not None or request.high_pass is not None:
         unfiltered = pulses
-        channel = _filtered(channel, request)
+        channel = filtered_channel(channel, request)
         pulses = _blows(channel)
-        findings += _changed([pulse.peak for pulse in unfiltered], [pulse.peak for pulse in pulses])
+        findings += filter_changes([pulse.peak for pulse in unfiltered], [pulse.peak for pulse in pulses])
         if request.high_pass is not None:
             findings += _lightened(request.high_pass, unfiltered, channel)
         if len(pulses) == len(unfiltered):  # what a filter leaves beside a blow is no ringing
@@ -225,7 +221,7 @@ def read_channel(channel: Channel, number: int, calibration: Calibration, reques
     return ChannelReading(channel, number, pulses, tuple(findings), calibration, unfiltered)
 
 
-def _filtered(channel: Channel, request: Request) -> Channel:
+def filtered_channel(channel: Channel, request: Request) -> Channel:
     """Return a channel through the high-pass and the low-pass that are wanted.
 
     Raises
@@ -259,9 +255,8 @@ def _lightened(high_pass: HighPass, blows: Sequence[RecordedPulse], filtered: Ch
         for blow, begin, end in zip(blows, begins, ends, strict=True)
     )
     message = (
-        f"the high-pass at {high_pass.cutoff:g} Hz leaves {percent(left)} of a velocity change (the integral over "
-        "the blow, "
-        "from zero), and nothing of that of the whole record"
+        f"the high-pass at {high_pass.cutoff:g} Hz leaves {percent(left)} of a velocity change (the integral over the "
+        "blow, from zero), and nothing of that of the whole record"
     )
     return [HealthNotice("high-pass", message, left, severity="suspect" if left < HALF else "good")]
 
@@ -284,7 +279,7 @@ def _without_coupling(channel: Channel, examined: Examined, wanted: str | float)
     ]
 
 
-def _holes(channel: Channel) -> Array:
+def holes_of(channel: Channel) -> Array:
     """Return the times of samples that are no numbers, s."""
     missing = np.flatnonzero(~np.isfinite(channel.values))
     if channel.stamps is not None:
@@ -306,7 +301,7 @@ def _in_blows(holes: Array, pulses: Sequence[RecordedPulse]) -> list[HealthNotic
     return []
 
 
-def _changed(before: Sequence[float], after: Sequence[float]) -> list[HealthNotice]:
+def filter_changes(before: Sequence[float], after: Sequence[float]) -> list[HealthNotice]:
     """Find a filter that takes much off the peaks of blows, or of responses, or takes some away."""
     if len(before) != len(after):
         message = f"the filter leaves {len(after)} of {len(before)} blows: take a higher cutoff"
@@ -335,228 +330,3 @@ def _lowered_blows(channel: Channel, place: int, shift: float) -> tuple[Recorded
     """Return the blows of a channel whose samples from one place on are lowered."""
     after = np.arange(channel.values.size) >= place
     return tuple(find_pulses(channel.values - shift * after, channel.step, channel.start))
-
-
-def read_file(record: Record, stated: Mapping[str, Mapping[str, Any]], request: Request) -> FileReading:
-    """Return the wanted channels of a record, evaluated.
-
-    Parameters
-    ----------
-    record : Record
-        As `read_record` gives it.
-    stated : mapping
-        Calibrations found beside the file; those of the request go first.
-    request : Request
-        What is wanted.
-
-    Raises
-    ------
-    InputError
-        As `read_channel` and `Record.channel` do.
-
-    Examples
-    --------
-    >>> import numpy as np
-    >>> t = np.arange(4000) * 1e-5
-    >>> values = 100.0 * np.exp(-(((t - 0.02) / 1e-4) ** 2)) + 1e-3 * np.sin(1e9 * t)
-    >>> file = read_file(Record("a.csv", "text", (Channel("board", values, 1e-5, unit="g"),)), {}, Request())
-    >>> file.status, round(file.channels[0].pulses[0].peak)
-    ('good', 981)
-    """
-    wanted = record.only(request.channels).channels
-    places = {id(channel): number for number, channel in enumerate(record.channels, start=1)}
-    tables, unused = _by_number(record, laid_over(stated, request.calibrations))
-    base = _base_of(record, wanted, request)
-    driving = None if base is None else _read(base, places, tables, request)
-    readings = []
-    for channel in wanted:
-        if driving is None or base is channel:
-            readings.append(driving or _read(channel, places, tables, request))
-            continue
-        number = places[id(channel)]
-        readings.append(_responding(channel, number, calibration_of(tables, channel.name, number), request, driving))
-    told = readings if driving is not None else _told(readings)
-    return FileReading(record.path, record.format, tuple(told), (*record.findings, *unused))
-
-
-def _read(channel: Channel, places: Mapping[int, int], tables: Mapping[str, Any], request: Request) -> ChannelReading:
-    """Return a channel of a file, evaluated."""
-    number = places[id(channel)]
-    return read_channel(channel, number, calibration_of(tables, channel.name, number), request)
-
-
-def _base_of(record: Record, wanted: Sequence[Channel], request: Request) -> Channel | None:
-    """Return the driving channel; None where none is named."""
-    if not request.base:
-        return None
-    names = [channel.name for channel in wanted]
-    if request.base not in record.keys:
-        raise InputError("--base", request.base, "name or number of a channel", nearest(request.base, names))
-    base = record.channels[record.keys[request.base]]
-    if not any(channel is base for channel in wanted):
-        raise InputError("--base", request.base, f"one of the channels that are read: {', '.join(names)}")
-    return base
-
-
-def _responding(
-    channel: Channel, number: int, calibration: Calibration, request: Request, base: ChannelReading
-) -> ChannelReading:
-    """Calibrate a response channel, resample it uniformly, and measure it against the blows of the base."""
-    channel, findings = calibrated(channel, calibration, f"calibration of {channel.name}")
-    holes = _holes(channel)
-    channel, mended = even(channel)
-    found = [*findings, *mended]
-    usable = channel.values.size >= 2 * FEWEST and bool(np.all(np.isfinite(channel.values)))
-    if not usable or not base.pulses:
-        why = "the channel has too few samples" if not usable else f"the base, {base.channel.name}, has no blow"
-        found.append(HealthNotice("no-response", f"{why}: no response is measured", severity="bad", harms=FIGURES))
-        return ChannelReading(channel, number, (), tuple(found), calibration)
-    blows = [BaseBlow(pulse.begin, pulse.time, pulse.end, pulse.peak) for pulse in base.pulses]
-    examined = _examined_response(channel, blows, base)
-    if request.ac_coupling != "" and examined.responses:
-        channel, said = _response_without_coupling(channel, examined, request.ac_coupling)
-        found += said
-        examined = _examined_response(channel, blows, base)
-    if request.filter is not None or request.high_pass is not None:
-        before = [one.peak for one in examined.responses]
-        channel = _filtered(channel, request)
-        examined = _examined_response(channel, blows, base)
-        found += _changed(before, [one.peak for one in examined.responses])
-    responses = tuple(examined.responses)
-    if responses:
-        found += [*examine_response(examined), *_missing(holes, responses), *_of_base(base)]
-    return ChannelReading(channel, number, (), tuple(found), calibration, (), responses)
-
-
-def _examined_response(channel: Channel, blows: Sequence[BaseBlow], base: ChannelReading) -> ExaminedResponse:
-    """Measure a response channel, for the checks of its health."""
-    values, step, start = channel.values, channel.step, channel.start
-    responses = measure_responses(values, step, start, blows, channel.unit == base.channel.unit)
-    beside = step == base.channel.step and start == base.channel.start
-    return ExaminedResponse(
-        values, step, start, channel.unit, blows, responses, base.channel.values if beside else None
-    )
-
-
-def _response_without_coupling(
-    channel: Channel, examined: ExaminedResponse, wanted: str | float
-) -> tuple[Channel, list[HealthNotice]]:
-    """Return a response channel without its AC coupling, of a stated time constant or of the one recognised."""
-    seen = [finding.value for finding in examine_response(examined) if finding.code == "ac-coupling"]
-    if isinstance(wanted, str) and not seen:
-        return channel, [NOT_COUPLED]
-    constant = seen[0] if isinstance(wanted, str) else float(wanted)
-    last = examined.responses[-1]
-    values = last.zero + resting(examined.above, channel.step, constant, examined.place(last.decay[1]))
-    message = f"AC coupling of {1.0 / (2.0 * math.pi * constant):.4g} Hz (tau = {1e3 * constant:.4g} ms) was taken off"
-    said = HealthNotice("ac-coupling", message, constant, severity="good")
-    return dataclasses.replace(channel, values=values), [said]
-
-
-def _missing(holes: Array, responses: Sequence[MeasuredResponse]) -> list[HealthNotice]:
-    """Find responses that lack samples: what bridges them is no measurement."""
-    for one in responses:
-        count = int(np.count_nonzero((holes >= one.begin) & (holes <= one.begin + one.duration)))
-        if count:
-            message = f"{count} samples of the response after {one.begin:.6g} s are no numbers: they are not measured"
-            return [
-                HealthNotice(
-                    "blow-incomplete", message, count, "bad", RESPONSE_FIGURES, one.begin, one.begin + one.duration
-                )
-            ]
-    return []
-
-
-def _of_base(base: ChannelReading) -> list[HealthNotice]:
-    """Tell what is harmed by what is wrong with the base: the ratio to its peak, and what counts from its time."""
-    found = worst_first(f for f in base.findings if f.severity == "bad" or "peak" in f.harms)
-    if not found:
-        return []
-    harms = ("ratio", "delay") if found[0].severity == "bad" else ("ratio",)
-    message = f"the base, {base.channel.name}, is {found[0].severity}: {found[0].message}"
-    return [HealthNotice("base", message, severity="suspect", harms=harms)]
-
-
-def _told(readings: Sequence[ChannelReading]) -> list[ChannelReading]:
-    """Return channels of a file; those that only swing after the blow of another one are marked so, and never good."""
-    swinging = [_swings(reading) for reading in readings]
-    struck = [one for one, swing in zip(readings, swinging, strict=True) if one.pulses and not swing]
-    told = []
-    for reading, swing in zip(readings, swinging, strict=True):
-        begin = reading.pulses[0].begin if reading.pulses else math.inf
-        base = next(
-            (one for one in struck if one is not reading and one.pulses[0].begin <= begin + one.pulses[0].width), None
-        )
-        if not swing or base is None or not _louder(reading, base.pulses[0].begin):
-            told.append(reading)
-            continue
-        message = (
-            f"no blow of its own: it swings about zero after the blow of {base.channel.name}; --base {base.number}"
-        )
-        finding = HealthNotice("response", f"{message} measures it as a response", harms=FIGURES)
-        others = tuple(known for known in reading.findings if known.code != "no-pulse")  # which says less of the same
-        told.append(dataclasses.replace(reading, findings=others).with_finding(finding))
-    return told
-
-
-def _swings(reading: ChannelReading) -> bool:
-    """Tell whether a channel swings about zero, as noise does too."""
-    values = reading.channel.values
-    if values.size < FEWEST or not np.all(np.isfinite(values)) or not np.ptp(values) > 0.0:
-        return False
-    return swings(values - reading.baseline)
-
-
-def _louder(reading: ChannelReading, begin: float) -> bool:
-    """Tell whether a channel swings by more than its noise before a time; over all, where little lies before it."""
-    channel, above = reading.channel, np.abs(reading.channel.values - reading.baseline)
-    before = max(round((begin - channel.start) / channel.step), 0)
-    noise = float(np.median(above[:before] if before >= FEWEST else above))
-    return float(np.max(above)) > SWINGS_OUT * noise
-
-
-def repeats(file: FileReading) -> list[FileReading]:
-    """Return a file a channel: repeats of the same test that stand in columns, or sheets, of one file.
-
-    Each is called as the file with the name of its column, and its channel as what the names have in common.
-
-    Examples
-    --------
-    >>> t = np.arange(4000) * 1e-5
-    >>> channels = tuple(Channel(f"shot {k}", np.exp(-(((t - 0.02) / 1e-4) ** 2)), 1e-5) for k in (1, 2))
-    >>> file = read_file(Record("a.csv", "text", channels), {}, Request())
-    >>> [(one.path, [(r.channel.name, r.number) for r in one.channels]) for one in repeats(file)]
-    [('a.csv: shot 1', [('shot', 1)]), ('a.csv: shot 2', [('shot', 1)])]
-    """
-    names = [reading.channel.name for reading in file.channels]
-    stems = {re.sub(r"[\W_]*\d*[\W_]*$", "", name.rpartition("/")[2]) for name in names}
-    common = stems.pop() if len(stems) == 1 else ""
-    return [
-        dataclasses.replace(
-            file,
-            path=f"{file.path}: {reading.channel.name}",
-            channels=(
-                dataclasses.replace(
-                    reading, number=1, channel=dataclasses.replace(reading.channel, name=common or "repeats")
-                ),
-            ),
-        )
-        for reading in file.channels
-    ]
-
-
-def _by_number(
-    record: Record, tables: Mapping[str, Mapping[str, Any]]
-) -> tuple[dict[str, dict[str, Any]], list[HealthNotice]]:
-    """Return calibrations by the numbers of their channels, and a finding for each channel that the file lacks."""
-    known = record.keys
-    by_number: dict[str, dict[str, Any]] = {}
-    unused = []
-    for name, table in tables.items():
-        if name != "all" and name not in known:
-            message = f"a calibration is for {show(name)}, which the file does not have: {nearest(name, known)}"
-            unused.append(HealthNotice("calibration-unused", message))
-            continue
-        key = name if name == "all" else str(known[name] + 1)
-        by_number[key] = {**by_number.get(key, {}), **table}
-    return by_number, unused

@@ -27,35 +27,17 @@ import numpy as np
 from numpy.typing import NDArray
 
 from strikewave.records.correlation import alike_as_one
+from strikewave.records.ringing import FEWEST_AFTER, SEPARATE, Stretch, swings_after
 from strikewave.records.smooth_pulse import SmoothPulse, unit_pulse
 
 Array = NDArray[np.float64]
 
-LOWEST_RATIO = 0.3
-"""Swings in a width of the blow below which what follows it is a slow motion, no ringing in it."""
-RINGS = 0.05
-"""Share of the peak by which a record swings after a blow, or strays from a smooth pulse in it, before ringing is
-sought."""
-STRAYS = 0.03
-"""Misfit of the smooth pulse from which on ringing is sought in it: usual shapes are fitted better."""
-CLEAR = 5.0
-"""Standard deviations of noise that ringing swings by at least."""
-SEPARATE = 2.5
-"""Swings in a width from which on ringing that is seen in a blow alone is none of its shape: a flat top has fewer."""
 QUICKLY = 0.2
 """Damping ratio above which what is seen in a blow alone is its shape, no ringing."""
-FEWEST_AFTER = 8
-"""Samples after a blow without which ringing is not sought."""
-NOISE_OF_MISFIT = 1.5
-"""Standard deviations of noise that the misfit of the smooth pulse must have: it is made of more."""
-PADDED = 8
-"""Times that a spectrum is padded so that its peak is found between."""
 AFTER_WIDTHS, PERIODS = 3.0, 6.0
 """Widths, or swings if longer, after the blow that are fitted."""
 BEFORE_WIDTHS = 0.6
 """Widths before the blow that are fitted: they hold its begin."""
-RINGS_WITHIN = 5.0
-"""Widths after the blow in which its ringing is looked for."""
 MOST_SAMPLES = 500
 """Samples that are fitted at most; a finer record is averaged, as far as its ringing allows."""
 A_SWING, A_WIDTH = 12, 24
@@ -414,34 +396,6 @@ def _missed_at_tip(rest: Array, pulse: SmoothPulse, step: float) -> float:
     return abs(float(np.max(means)) - pulse.peak) / math.sqrt(3.0)
 
 
-class Stretch(NamedTuple):
-    """A record around a blow, positive and above its baseline, until the next blow.
-
-    Attributes
-    ----------
-    values : ndarray
-        Samples.
-    step : float
-        Time between them, s.
-    begin, end : int
-        Samples at the feet of the blow.
-    width : float
-        Samples of its width.
-    smooth : SmoothPulse
-        The smooth pulse that fits it best; time 0 is the first sample.
-    noise : float
-        Standard deviation of white noise of a sample.
-    """
-
-    values: Array
-    step: float
-    begin: int
-    end: int
-    width: float
-    smooth: SmoothPulse
-    noise: float
-
-
 def rigid_pulse(stretch: Stretch, frequency: float, last: RigidPulse | None = None) -> RigidPulse | None:
     """Return the pulse without its ringing; None where nothing rings, or no model of it fits.
 
@@ -450,7 +404,7 @@ def rigid_pulse(stretch: Stretch, frequency: float, last: RigidPulse | None = No
     stretch : Stretch
         The record around the blow.
     frequency : float
-        At which it rings, Hz, as `ringing_of` says; NaN where it does not.
+        At which it rings, Hz, as `strikewave.records.ringing.ringing_of` says; NaN where it does not.
     last : RigidPulse, optional
         That of the blow before it in a train, whose ringing is alike.
     """
@@ -510,47 +464,3 @@ def least_beside_one_mode(values: Array, step: float, frequency: float) -> float
     taken = 2.0 * (both * np.abs(along) ** 2 - (np.conj(turned) * along**2).real)
     taken /= np.maximum(both**2 - np.abs(turned) ** 2, RIDGE * both**2)
     return float(np.sum(values**2) - np.max(taken))
-
-
-def ringing_of(stretch: Stretch) -> float:
-    """Return the frequency at which a record rings after a blow, or in it, Hz; NaN where it does not."""
-    values, step, begin, end, width, smooth, noise = stretch
-    last = min(round(end + RINGS_WITHIN * width), values.size)
-    if last - end < FEWEST_AFTER:
-        return math.nan
-    if swings_after(stretch):
-        return strongest_frequency(values[end:last], step, LOWEST_RATIO / (width * step))
-    if smooth.misfit * smooth.peak < max(STRAYS * smooth.peak, NOISE_OF_MISFIT * noise):
-        return math.nan
-    rest = values[begin:last] - smooth.at(step * np.arange(begin, last, dtype=np.float64))
-    frequency = strongest_frequency(rest, step, 1.0 / (width * step))
-    return frequency if frequency * width * step > SEPARATE else math.nan
-
-
-def swings_after(stretch: Stretch) -> bool:
-    """Tell whether a record swings after a blow, by more than its noise."""
-    after = stretch.values[stretch.end : round(stretch.end + RINGS_WITHIN * stretch.width)]
-    least = max(RINGS * stretch.smooth.peak, CLEAR * stretch.noise)
-    return after.size >= FEWEST_AFTER and 0.5 * float(np.ptp(after)) >= least
-
-
-def strongest_frequency(values: Array, step: float, lowest: float) -> float:
-    """Return the frequency of the highest peak of a spectrum, above a lowest one, Hz; NaN where there is none.
-
-    Examples
-    --------
-    >>> time = np.arange(400) * 1e-5
-    >>> round(strongest_frequency(np.exp(-time / 1e-3) * np.sin(2.0 * np.pi * 3000.0 * time), 1e-5, 500.0), -2)
-    3000.0
-    """
-    frequencies, height = spectrum_after(values, step)
-    above = np.flatnonzero(frequencies >= lowest)
-    return float(frequencies[above[np.argmax(height[above])]]) if above.size else math.nan
-
-
-def spectrum_after(values: Array, step: float) -> tuple[Array, Array]:
-    """Return frequencies, Hz, and amplitude spectrum of what dies out: faded to its end, not from its begin."""
-    window = np.hanning(2 * values.size)[values.size :]
-    padded = PADDED * values.size
-    height = np.abs(np.fft.rfft((values - np.mean(values)) * window, padded))
-    return np.asarray(np.fft.rfftfreq(padded, step)), np.asarray(height)

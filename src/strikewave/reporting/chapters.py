@@ -272,7 +272,7 @@ def result_page(result: Result, summary: Summary, sections: Sequence[Section]) -
         numbers=summary.numbers,
         foot=f"{source.kind} {source.name or 'without name'}"
         + (f" · SHA-256 of the {sealed} {source.digest}" if source.digest else ""),
-        test=result.test,
+        test={key: text for key, text in result.test.items() if isinstance(text, str)},
     )
     return whole_page(head, [*sections, sources(result.citations), reproduction(result)])
 

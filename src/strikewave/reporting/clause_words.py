@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterable
 
-from strikewave.reporting.numbers import shown, with_unit
+from strikewave.reporting.numbers import listed, shown, with_unit
 from strikewave.reporting.parts import NONE, Cell, Tag, written
 from strikewave.specifications.decisions import CANNOT_TELL, FAIL, NOT_JUDGED, PASS
 from strikewave.specifications.judging import Clause
@@ -16,15 +17,37 @@ LOOKS = {PASS: "good", FAIL: "bad", CANNOT_TELL: "warned", NOT_JUDGED: ""}
 INDICATIVE_WORDS = " (by indicative limits)"
 
 
-def verdict_words(verdict: str, by_indicative: bool) -> str:
-    """Return a verdict as it is written, with what it rests on.
+def verdict_words(verdict: str, by_indicative: bool, clauses: Iterable[Clause] = ()) -> str:
+    """Return a verdict as it is written, with what it rests on; a pass is that of the clauses that were judged.
 
     Examples
     --------
+    >>> from strikewave.specifications.judging import Limits, not_judged
     >>> verdict_words("pass", True), verdict_words("cannot-tell", False)
     ('PASS (by indicative limits)', 'CANNOT TELL')
+    >>> verdict_words("pass", False, [not_judged("cross-axis", Limits(0.0, 1.0, "quoted"), "m/s^2", "")])
+    'PASS for the clauses judged; 1 not judged: cross-axis'
     """
-    return SHOWN[verdict] + (INDICATIVE_WORDS if by_indicative else "")
+    left = not_judged_names(clauses) if verdict == PASS else []
+    partly = " for the clauses judged" if left else ""
+    named = f"; {len(left)} not judged: {listed(left)}" if left else ""
+    return SHOWN[verdict] + partly + (INDICATIVE_WORDS if by_indicative else "") + named
+
+
+def verdict_sentence(verdict: str, by_indicative: bool, clauses: Iterable[Clause], what: str) -> str:
+    """Return the sentence that begins with a verdict and goes on with what it is on, such as ``: one shock by ...``."""
+    words = verdict_words(verdict, by_indicative, clauses)
+    return f"{words}. {first_upper(what.lstrip(': '))}" if ";" in words else f"{words}{what}"
+
+
+def verdict_tag(verdict: str, by_indicative: bool, clauses: Iterable[Clause] = ()) -> Tag:
+    """Return a verdict as the tag of a page: what was not judged is named in the sentence beside it."""
+    return Tag(verdict_words(verdict, by_indicative, clauses).partition(";")[0], LOOKS[verdict])
+
+
+def not_judged_names(clauses: Iterable[Clause]) -> list[str]:
+    """Return the names of the clauses that were not judged, each once."""
+    return list(dict.fromkeys(clause.clause for clause in clauses if clause.verdict == NOT_JUDGED))
 
 
 def usual_unit(clause: Clause) -> str:

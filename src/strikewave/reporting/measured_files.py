@@ -26,6 +26,7 @@ from strikewave.reporting.shown_result import ShownResult
 from strikewave.reporting.terminal import progress_bar, say
 
 if TYPE_CHECKING:
+    from strikewave.cases.stated_test import StatedTest
     from strikewave.records import ChannelReading, FileReading, Options, Record, Request
 
 Files = Annotated[
@@ -427,7 +428,7 @@ class AskedResult(ShownResult):
         return self.title
 
     @property
-    def test(self) -> Mapping[str, str]:
+    def test(self) -> Mapping[str, Any]:
         """What the command line names of the test."""
         return self.origin.test
 
@@ -437,7 +438,7 @@ class AskedResult(ShownResult):
         return self.origin
 
 
-def source_of(kind: str, name: str, paths: Sequence[Path] = (), test: Mapping[str, str] | None = None) -> Source:
+def source_of(kind: str, name: str, paths: Sequence[Path] = (), test: Mapping[str, Any] | None = None) -> Source:
     """Return the source of a result of measured files, or of a command alone: what runs now, and their SHA-256.
 
     Files are hashed whole, which takes as long as to read them: name them only where the source is written. ``test`` is
@@ -452,10 +453,10 @@ def source_of_records(name: str, paths: Sequence[Path], output: Output, usual: s
 
     ``usual`` is the name of its folder where none is asked for; see `strikewave.reporting.options.Output.place`.
     """
-    return source_of("records", name, paths if output.writes(usual) else [], output.stated_test())
+    return source_of("records", name, paths if output.writes(usual) else [], output.performed.stated())
 
 
-def source_in_python(name: str, test: str | Path | None = None) -> Source:
+def source_in_python(name: str, test: StatedTest | str | Path | None = None) -> Source:
     """Return the source of a result of measured files that a call makes; ``test`` is a file as ``--test`` takes it.
 
     Raises
@@ -463,9 +464,10 @@ def source_in_python(name: str, test: str | Path | None = None) -> Source:
     InputError, InputErrors
         If that file cannot be used.
     """
-    from strikewave.cases.performed_test import load_test
+    from strikewave.cases.stated_test import NO_TEST, load_test
 
-    return replace(UNKNOWN, name=name, test={} if test is None else load_test(Path(test)).stated())
+    read = load_test(Path(test)) if isinstance(test, str | Path) else test
+    return replace(UNKNOWN, name=name, test=(read or NO_TEST).stated())
 
 
 def asked() -> str:
@@ -473,7 +475,7 @@ def asked() -> str:
     return shown(shlex.join(["strikewave", *sys.argv[1:]]))
 
 
-def identity(asked: str, digests: Mapping[str, str], test: Mapping[str, str] | None = None) -> str:
+def identity(asked: str, digests: Mapping[str, str], test: Mapping[str, Any] | None = None) -> str:
     """Return what was asked of which files, by their SHA-256, and what is stated of the test."""
     document = tomlkit.document()
     document.add("schema", tomlkit.item(1))

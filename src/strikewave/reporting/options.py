@@ -6,6 +6,7 @@ need none: a ``Literal``, or ``typer.Option("--runs", min=10)``.
 
 from __future__ import annotations
 
+import functools
 import math
 from collections.abc import Callable, Sequence
 from contextlib import AbstractContextManager
@@ -25,6 +26,7 @@ if TYPE_CHECKING:
     from strikewave.base.quantities import Value
     from strikewave.base.result import Result
     from strikewave.cases.case import Case
+    from strikewave.cases.stated_test import StatedTest
 
 Read = Callable[[str, str], Any]
 """Takes a typed word and the name of its option; returns the value or raises `InputError`."""
@@ -346,6 +348,10 @@ Quiet = Annotated[
 ]
 
 
+REPORTS = ("report.html", "test-report.html")
+"""Pages of a result that are written as PDF too."""
+
+
 @dataclass(frozen=True)
 class Place:
     """The folder of a result, None where none is written, and whether it may replace another one there."""
@@ -417,17 +423,28 @@ class Output(Shown):
     pdf: Pdf = None
     xlsx: Xlsx = False
 
-    def stated_test(self) -> dict[str, str]:
-        """Return what ``--test`` states; nothing without it.
+    @functools.cached_property
+    def performed(self) -> StatedTest:
+        """What ``--test`` states, read once.
 
         Raises
         ------
         InputError, InputErrors
             If its file cannot be used.
         """
-        from strikewave.cases.performed_test import load_test
+        from strikewave.cases.stated_test import NO_TEST, load_test
 
-        return {} if self.test is None else load_test(self.test).stated()
+        return NO_TEST if self.test is None else load_test(self.test)
+
+    def stated_test(self) -> dict[str, str]:
+        """Return what the table [test] of ``--test`` states; nothing without it.
+
+        Raises
+        ------
+        InputError, InputErrors
+            If its file cannot be used.
+        """
+        return self.performed.test.stated()
 
     def tested(self, case: Case) -> Case:
         """Return a case with the test that ``--test`` states in the place of its own; the case itself without it.
@@ -437,9 +454,7 @@ class Output(Shown):
         InputError, InputErrors
             If its file cannot be used.
         """
-        from strikewave.cases.performed_test import load_test
-
-        return case if self.test is None else case.model_copy(update={"test": load_test(self.test)})
+        return case if self.test is None else case.model_copy(update={"test": self.performed.test})
 
     def check_animation(self, animate: bool) -> None:
         """Refuse an animation that has no folder to go to.
@@ -489,10 +504,10 @@ class Output(Shown):
         if self.pdf is not None:
             from strikewave.reporting.pdf import write_pdf
 
-            page = folder / "report.html"
-            if not page.is_file():
+            pages = [page for name in REPORTS if (page := folder / name).is_file()]
+            if not pages:
                 raise InputError("--pdf", self.pdf, "only where a report is written", "leave it out")
-            names.append(write_pdf(page, self.pdf))
+            names += [write_pdf(page, self.pdf) for page in pages]
         if self.xlsx:
             from strikewave.reporting.workbook import write_workbook
 

@@ -17,7 +17,7 @@ from xml.etree import ElementTree
 from strikewave._version import __version__
 from strikewave.reporting.layout import tokens
 from strikewave.reporting.numbers import NO_BREAK, in_shown_units
-from strikewave.reporting.parts import Formula, Picture, Section, Tag
+from strikewave.reporting.parts import Formula, Photo, Picture, Section, Tag
 
 if TYPE_CHECKING:
     from jinja2 import Template
@@ -148,10 +148,13 @@ def _numbered(listing: Sequence[Section]) -> Iterator[dict[str, Any]]:
             if part.kind in count:
                 count[part.kind] += 1
             block: dict[str, Any] = {"kind": part.kind, "part": part, "number": count.get(part.kind, 0)}
-            if isinstance(part, Picture):
-                svg = inline_svg(part.figure, f"p{count['picture']}", part.label or part.caption)
-                wide = part.figure.get_figwidth() > WIDEST_SHARED
-                block = {**block, "kind": "pictures", "shown": [{**block, "svg": Markup(svg), "wide": wide}]}
+            if isinstance(part, Picture | Photo):
+                if isinstance(part, Photo):
+                    drawn, wide = Markup('<img src="{}" alt="{}">').format(part.address, part.caption), False
+                else:
+                    drawn = Markup(inline_svg(part.figure, f"p{count['picture']}", part.label or part.caption))
+                    wide = part.figure.get_figwidth() > WIDEST_SHARED
+                block = {**block, "kind": "pictures", "shown": [{**block, "drawn": drawn, "wide": wide}]}
                 if blocks and blocks[-1]["kind"] == "pictures":
                     blocks[-1]["shown"] += block["shown"]
                     continue

@@ -109,6 +109,23 @@ class Picture:
 
 
 @dataclass(frozen=True)
+class Photo:
+    """A photograph with its caption; ``address`` is that of data within the page."""
+
+    address: str
+    caption: str
+    kind: ClassVar[str] = "picture"
+
+
+@dataclass(frozen=True)
+class SignatureLines:
+    """Lines to sign on: the role of each signatory, and the name."""
+
+    rows: Sequence[tuple[str, str]]
+    kind: ClassVar[str] = "signatures"
+
+
+@dataclass(frozen=True)
 class Flow:
     """Steps in a row, each leading to the next."""
 
@@ -135,7 +152,7 @@ class Link:
     kind: ClassVar[str] = "link"
 
 
-Part = Table | Picture | Flow | Code | Link
+Part = Table | Picture | Photo | SignatureLines | Flow | Code | Link
 
 
 @dataclass(frozen=True)
@@ -148,7 +165,7 @@ class Section:
         Its head.
     text : str
         Paragraphs, with an empty line between them; they stand before the parts.
-    parts : sequence of Table, Picture, Flow, Code or Link
+    parts : sequence of Table, Picture, Photo, SignatureLines, Flow, Code or Link
         What follows, in this order.
     folded : str
         Words that open the parts where they begin folded away, as those of inputs do; empty where they are in view.

@@ -128,6 +128,9 @@ h1 {{ string-set: title content(); }}
 .pictures {{ display: block; }}
 .picture {{ display: inline-block; width: 49%; vertical-align: top; }}
 .picture.wide {{ display: block; width: auto; }}
+.signatures li {{ display: block; }}
+.signed {{ display: inline-block; width: 58%; margin-right: 4%; padding-top: 13mm; }}
+.signed.day {{ width: 34%; margin-right: 0; }}
 .flow ol {{ display: block; }}
 .flow li {{ display: inline-block; margin-bottom: 1.5mm; }}
 .words td:not(.number) {{ overflow-wrap: break-word; min-width: 0; }}

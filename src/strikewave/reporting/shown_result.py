@@ -41,6 +41,21 @@ COLUMNS = 210
 """Columns into which the samples of the curve are gathered, two pixels each."""
 
 
+def html_place(path: Path | str, usual: str) -> Path:
+    """Return the HTML file that a path means: itself, or the usual one of a folder.
+
+    Raises
+    ------
+    InputError
+        If it is no HTML file in a folder that exists.
+    """
+    place = Path(path)
+    place = place / usual if place.is_dir() else place
+    if place.suffix.lower() not in (".html", ".htm") or not place.parent.is_dir():
+        raise InputError("path", str(path), "a file that ends in .html, in a folder that exists, or that folder")
+    return place
+
+
 def columns_of(rows: Sequence[Mapping[str, Any]], units: Mapping[str, str]) -> list[Column]:
     """Return rows, such as those of a JSON document, as columns; a table within a row is spread, lists are left out.
 
@@ -210,11 +225,8 @@ class ShownResult(Result):
         ...     run_case(load_case("li-ma-2019", ["feed.blows=1"])).report(folder).name
         'report.html'
         """
-        place = Path(path)
-        place = place / "report.html" if place.is_dir() else place
-        if place.suffix.lower() not in (".html", ".htm") or not place.parent.is_dir():
-            raise InputError("path", str(path), "a file that ends in .html, in a folder that exists, or that folder")
         page = self._drawn("page")
+        place = html_place(path, "report.html")
         write_atomically(place, self._plain_page() if page is None else page(self))
         return place
 

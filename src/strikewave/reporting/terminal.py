@@ -9,7 +9,6 @@ from __future__ import annotations
 import contextlib
 import dataclasses
 import hashlib
-import json
 import math
 import os
 import sys
@@ -19,6 +18,7 @@ from contextvars import ContextVar
 from typing import TYPE_CHECKING, Any, NamedTuple, TextIO, TypeVar
 
 from strikewave.base.compile_progress import WORDS, compiling_shown
+from strikewave.base.json_document import json_text
 from strikewave.base.result import FAILED, INFO, WARNING
 from strikewave.reporting import numbers
 from strikewave.reporting.bands import BAND_HEADS, band_rows
@@ -142,9 +142,7 @@ def _write(lines: Iterable[Line], stream: TextIO) -> None:
 
 def print_json(document: dict[str, Any], indent: int | None = 2) -> None:
     """Print one JSON document on stdout; without indentation where it holds long histories."""
-    sys.stdout.write(
-        json.dumps(document, indent=indent, allow_nan=False, ensure_ascii=False).replace(numbers.NO_BREAK, " ") + "\n"
-    )
+    sys.stdout.write(json_text(document, indent))
 
 
 def tell(text: str, indent: str = "") -> None:

@@ -8,7 +8,7 @@ import io
 import math
 import re
 import zipfile
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from datetime import datetime
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -158,8 +158,19 @@ def _summary(result: Result) -> Rows:
     yield result.source.kind, result.source.name
     yield "command", f"strikewave {result.command}"
     yield "version", f"strikewave {__version__}"
-    yield from result.test.items()
+    yield from _flat(result.test, "")
     yield from getattr(result, "highlights", tuple)()
+
+
+def _flat(stated: Any, path: str) -> Rows:
+    """Yield what is stated of a test, tables and their rows by their paths."""
+    rows = stated.items() if isinstance(stated, Mapping) else enumerate(stated, start=1)
+    for key, entry in rows:
+        here = f"{path}.{key}" if path else str(key)
+        if isinstance(entry, str):
+            yield here, entry
+        else:
+            yield from _flat(entry, here)
 
 
 def _bands(result: Result) -> Rows:

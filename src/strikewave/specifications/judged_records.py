@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-import fnmatch
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -34,9 +33,15 @@ from strikewave.specifications.judging import (
 )
 from strikewave.specifications.pulse_bands import REACH
 from strikewave.specifications.reading import Specification
+from strikewave.specifications.shock_directions import (
+    CountedShock,
+    StatedDirection,
+    check_directions,
+    cross_axis_fits,
+    direction_clauses,
+    direction_fits,
+)
 
-DIRECTIONS = ("+x", "-x", "+y", "-y", "+z", "-z")
-"""Directions of a shock: axes of the specimen, both senses."""
 JUDGED_AS_IT_IS = (
     "polarity",
     "polarity-differs",
@@ -67,28 +72,30 @@ class Asked:
         Whether indicative limits are refused.
     uncertainty : float
         Expanded uncertainty, k = 2, of the measured acceleration, as a share.
-    directions : sequence of (str, str)
-        Pattern of file names, and the direction of their shocks.
+    directions : sequence of StatedDirection
+        Of the shocks of which files and channels.
     cross_axis : sequence of str
-        Names or numbers of channels that measure across.
+        Names or numbers of channels that measure across, with the files in which they do, see `cross_axis_fits`.
     """
 
     rule: Rule = "simple"
     strict: bool = False
     uncertainty: float = 0.0
-    directions: Sequence[tuple[str, str]] = ()
+    directions: Sequence[StatedDirection] = ()
     cross_axis: Sequence[str] = ()
 
-    def direction_of(self, path: str) -> str:
-        """Return the direction of the shocks of a file; empty where none is stated. The last that fits counts.
+    def direction_of(self, path: str, channel: Iterable[str]) -> str:
+        """Return the direction of the shocks of a channel; empty where none is stated. The last that fits counts.
 
         Examples
         --------
-        >>> Asked(directions=[("*", "+x"), ("b*", "-x")]).direction_of("tests/b1.csv")
-        '-x'
+        >>> from strikewave.specifications.shock_directions import read_direction
+        >>> asked = Asked(directions=[read_direction("+x"), read_direction("b*#2=-x")])
+        >>> asked.direction_of("tests/b1.csv", ("acc", "1")), asked.direction_of("tests/b1.csv", ("y", "2"))
+        ('+x', '-x')
         """
-        name = Path(path).name
-        fitting = [d for pattern, d in self.directions if fnmatch.fnmatch(name, pattern) or pattern == path]
+        keys = set(channel)
+        fitting = [one.direction for one in self.directions if direction_fits(one.place, path, keys)]
         return fitting[-1] if fitting else ""
 
 
@@ -227,15 +234,13 @@ def judge_records(
         If no channel holds an acceleration, or a cross-axis channel is not there.
     """
     limits = specification.pulse_limits()
-    across = set(asked.cross_axis)
-    named = {key for file in files for reading in file.channels for key in _keys(reading)}
-    for name in across - named:
-        raise InputError("--cross-axis", name, "name or number of a channel", nearest(name, named))
+    check_directions(asked.directions, [(file.path, [_keys(reading) for reading in file.channels]) for file in files])
+    _check_cross_axis(asked.cross_axis, files)
     channels = [
         (file, reading)
         for file in files
         for reading in file.channels
-        if reading.response is None and not across & _keys(reading)
+        if reading.response is None and not _is_across(asked, file, reading)
     ]
     usable = [(file, reading) for file, reading in channels if reading.channel.unit == "m/s^2"]
     if not usable:
@@ -247,18 +252,32 @@ def judge_records(
         if not reading.pulses:
             empty.append(file.path)
         troubles = troubles_of([*file.findings, *reading.findings])
-        beside = [one for one in file.channels if across & _keys(one)]
+        beside = [one for one in file.channels if _is_across(asked, file, one)]
         _check_units(beside)
         troubles |= _of_cross_axis(beside)
+        direction = asked.direction_of(file.path, _keys(reading))
         for number, pulse in enumerate(reading.pulses, start=1):
             shock = shock_of(reading, pulse, limits, beside, filter_, troubles, asked.uncertainty)
             found = judge_shock(shock, limits, asked.rule, asked.strict)
-            shocks.append(JudgedShock(file.path, reading, number, pulse, asked.direction_of(file.path), shock, found))
+            shocks.append(JudgedShock(file.path, reading, number, pulse, direction, shock, found))
     empty += [file.path for file in files if not file.channels]
     campaign = [*_without_shock(empty, limits), *_counts(shocks, specification, asked), *_rate(usable, specification)]
     if asked.strict:
         campaign = [refused(clause) for clause in campaign]
     return RecordsVerdict(specification, limits, asked, tuple(shocks), tuple(campaign))
+
+
+def _is_across(asked: Asked, file: FileReading, reading: ChannelReading) -> bool:
+    return any(cross_axis_fits(word, file.path, _keys(reading)) for word in asked.cross_axis)
+
+
+def _check_cross_axis(words: Sequence[str], files: Sequence[FileReading]) -> None:
+    """Refuse what names no channel of any file."""
+    for word in words:
+        if not any(cross_axis_fits(word, file.path, _keys(one)) for file in files for one in file.channels):
+            named = {key for file in files for one in file.channels for key in _keys(one)}
+            allowed = "name or number of a channel, or FILES#CHANNEL"
+            raise InputError("--cross-axis", word, allowed, nearest(word.rpartition("#")[2], named))
 
 
 def _check_units(across: Sequence[ChannelReading]) -> None:
@@ -368,38 +387,12 @@ def _counts(shocks: Sequence[JudgedShock], specification: Specification, asked: 
     count = specification.count()
     if count is None:
         return []
-    limits = Limits(count.low, count.high, count.status)
-    if not asked.directions:
-        return [not_judged("shocks by direction", limits, "1", "no direction is stated (--direction)")]
-    found: list[Clause] = []
-    stated = [one for one in DIRECTIONS if any(direction == one for _, direction in asked.directions)]
-    for direction in stated:
-        here = [one for one in shocks if one.direction == direction]
-        passed, possible = (_blows(here, verdicts) for verdicts in ((PASS,), (PASS, CANNOT_TELL)))
-        clause = judged(f"shocks in {direction}", float(passed), limits, "1")
-        if clause.verdict == FAIL:
-            every = _blows(here, (PASS, CANNOT_TELL, FAIL))
-            verdict = CANNOT_TELL if passed < limits.low <= possible else FAIL
-            clause = replace(clause, verdict=verdict, reason=f"{passed} of {every} shocks pass; {_asked_for(limits)}")
-        found.append(clause)
-    directions = judged("directions", float(len(stated)), Limits(count.directions, math.inf, count.status), "1")
-    if directions.verdict == FAIL:
-        lacking = [one for one in DIRECTIONS if one not in stated]
-        directions = replace(directions, verdict=FAIL, reason=f"not stated: {', '.join(lacking)}")
-    return [*found, directions]
-
-
-def _blows(shocks: Sequence[JudgedShock], verdicts: Sequence[str]) -> int:
-    """Return how many blows have one of the verdicts: of channels that recorded the same blows, the fewest."""
-    counts: dict[str, dict[int, int]] = {}
-    for one in shocks:
-        channels = counts.setdefault(one.file, {})
-        channels[one.reading.number] = channels.get(one.reading.number, 0) + (one.found.verdict in verdicts)
-    return sum(min(channels.values()) for channels in counts.values())
-
-
-def _asked_for(limits: Limits) -> str:
-    return f"{limits.low:g} are asked for" if math.isinf(limits.high) else f"{limits.low:g} to {limits.high:g} are"
+    several = len({one.reading.channel.name for one in shocks}) > 1
+    counted = [
+        CountedShock(one.file, one.reading.number, one.reading.channel.name * several, one.direction, one.found.verdict)
+        for one in shocks
+    ]
+    return direction_clauses(counted, [one.direction for one in asked.directions], count)
 
 
 def _rate(usable: Sequence[tuple[FileReading, ChannelReading]], specification: Specification) -> list[Clause]:
@@ -411,24 +404,3 @@ def _rate(usable: Sequence[tuple[FileReading, ChannelReading]], specification: S
     if not intervals:
         return [not_judged("shocks a second", limits, "Hz", "no record holds two shocks")]
     return [judged("shocks a second", 1.0 / float(np.median(intervals)), limits, "Hz")]
-
-
-def read_direction(word: str, field: str = "--direction") -> tuple[str, str]:
-    """Return pattern and direction of ``[FILES=]DIRECTION``.
-
-    Raises
-    ------
-    InputError
-        If it is no direction.
-
-    Examples
-    --------
-    >>> read_direction("+x"), read_direction("up*.csv=-Z")
-    (('*', '+x'), ('up*.csv', '-z'))
-    """
-    pattern, equals, direction = word.rpartition("=")
-    direction = direction.strip().lower()
-    if direction not in DIRECTIONS or (equals and not pattern.strip()):
-        hint = nearest(direction, DIRECTIONS)
-        raise InputError(field, word, "a direction of " + ", ".join(DIRECTIONS) + ", or FILES=DIRECTION", hint)
-    return pattern.strip() or "*", direction

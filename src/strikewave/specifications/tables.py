@@ -1,7 +1,8 @@
 """The tables of a specification file: each number with its unit, its status and its source.
 
 A number is ``"1500 g"``, or a table ``{ value = "1500 g", status = "quoted", source = "who quotes it" }``. What a
-number does not say of itself its table says, and else the file.
+number does not say of itself its table says, and else the file. A share has its sign, ``"20 %"``: a bare 5 would be
+500 %, which judges nothing, and a bare 0.15 may be meant either way.
 """
 
 from __future__ import annotations
@@ -14,7 +15,9 @@ from typing import Annotated, Any, Literal, Self
 from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, model_validator
 
 from strikewave.base.errors import MISSING, InputError, nearest
+from strikewave.base.percents import sign_needed
 from strikewave.base.quantities import Range
+from strikewave.base.units import DIMENSIONS
 from strikewave.cases.performed_test import Line, line_text, notes_text
 from strikewave.cases.tables import CaseTable
 from strikewave.specifications.ideal_pulses import TRAPEZOID
@@ -62,7 +65,12 @@ class NumberReader:
         self.unit, self.low, self.high = unit, low, high
         self.range = Range("" if unit in ("%", "dB") else unit, low, high, open_low)
 
-    def read(self, raw: Any) -> StatedNumber:
+    def example(self) -> str:
+        """Return a number as a file has it: ``"20 %"``."""
+        typed = {"%": "20 %", "dB": "-6 dB"}.get(self.unit) or DIMENSIONS.get(self.unit, ("", ""))[1]
+        return f'"{typed}"' if typed else f"{max(self.low, 1.0):g}"
+
+    def read(self, raw: Any) -> Any:
         """Turn what a file holds into a number.
 
         Raises
@@ -96,7 +104,7 @@ class NumberReader:
         if self.unit not in ("%", "dB"):
             return self.range.read(typed).si
         sign, scale, example = ("%", 0.01, "20 %") if self.unit == "%" else ("dB", 1.0, "-6 dB")
-        words = f'a number with its sign, such as "{example}"' if self.unit == "dB" else f'a share, such as "{example}"'
+        words = f'a {"number" if self.unit == "dB" else "share"} with its sign, such as "{example}"'
         limits = "" if math.isinf(self.high) else f", from {self.low / scale:g} to {self.high / scale:g} {sign}"
         number = math.nan
         if isinstance(typed, str) and len(typed) <= LONGEST_NUMBER and typed.strip().endswith(sign):
@@ -104,10 +112,9 @@ class NumberReader:
                 number = float(typed.strip().removesuffix(sign)) * scale
             except ValueError:
                 number = math.nan
-        elif isinstance(typed, int | float) and not isinstance(typed, bool) and self.unit == "%":
-            number = float(typed) if abs(typed) < 1e9 else math.nan
         if not self.low <= number <= self.high:
-            raise InputError("", typed, words + limits)
+            bare = isinstance(typed, int | float) and not isinstance(typed, bool) and self.unit == "%"
+            raise InputError("", typed, words + limits, sign_needed(typed) if bare else "")
         return number
 
 
@@ -115,15 +122,17 @@ def _number(unit: str, low: float = -math.inf, high: float = math.inf, open_low:
     return BeforeValidator(NumberReader(unit, low, high, open_low).read)
 
 
-def _pair(raw: Any) -> Any:
-    """Return a tolerance to both sides as two numbers: ``"20 %"`` is as much down as up."""
-    one = NumberReader("%", 0.0, 10.0)
-    if isinstance(raw, list | tuple):
-        if len(raw) != 2:
-            raise InputError("", raw, 'one share, such as "20 %", or two, such as ["-10 %", "20 %"]')
-        return NumberReader("%", -1.0, 0.0).read(raw[0]), one.read(raw[1])
-    both = one.read(raw)
-    return both.model_copy(update={"si": -min(both.si, 1.0)}), both
+class ToleranceReader(NumberReader):
+    """What a tolerance to both sides may be: ``"20 %"``, as much down as up, or two shares."""
+
+    def read(self, raw: Any) -> Any:
+        """Turn what a file holds into two numbers, see `NumberReader.read`."""
+        if isinstance(raw, list | tuple):
+            if len(raw) != 2:
+                raise InputError("", raw, 'one share, such as "20 %", or two, such as ["-10 %", "20 %"]')
+            return NumberReader("%", -1.0, 0.0).read(raw[0]), super().read(raw[1])
+        both = super().read(raw)
+        return both.model_copy(update={"si": -min(both.si, 1.0)}), both
 
 
 # Limits refuse a wrong unit or a slip of the exponent: no shock has a million g, lasts a minute, or ends within 1 us.
@@ -140,7 +149,7 @@ Wide = Annotated[StatedNumber, _number("%", 0.0, 10.0)]
 MaybeWide = Annotated[StatedNumber | None, _number("%", 0.0, 10.0)]
 Part = Annotated[StatedNumber, _number("%", 0.0, 1.0)]
 MaybePart = Annotated[StatedNumber | None, _number("%", 0.0, 1.0)]
-Tolerance = Annotated[tuple[StatedNumber, StatedNumber], BeforeValidator(_pair)]
+Tolerance = Annotated[tuple[StatedNumber, StatedNumber], BeforeValidator(ToleranceReader("%", 0.0, 10.0).read)]
 Decibels = Annotated[StatedNumber, _number("dB", -60.0, 60.0)]
 MaybeCountOfShocks = Annotated[StatedNumber | None, _number("count", 1, 1_000_000)]
 CountOfDirections = Annotated[StatedNumber, _number("count", 1, 6)]
@@ -391,7 +400,7 @@ def numbers_of(file: SpecificationFile) -> Iterator[tuple[str, StatedNumber, str
                 yield (f"{name}.{place}" if place else name), number, status, source
 
 
-def standing(number: StatedNumber, table: SpecificationTable, file: SpecificationFile) -> tuple[str, str]:
+def standing(number: StatedNumber, table: SpecificationTable, file: SpecificationTable) -> tuple[str, str]:
     """Return the status and the source of a number: its own, else those of its table, else those of the file."""
     source = ""
     for level in (number, table, file):

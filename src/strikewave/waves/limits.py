@@ -174,8 +174,7 @@ def loss_notices(losses: Sequence[tuple[str, float, float, float, float]]) -> It
         if error > LOSS_HELD:
             message = (
                 f"the loss factor {loss_factor:g} of {where} is held to {percent(error)} only from "
-                f"{low / 1e3:g}\xa0kHz to "
-                f"{high / 1e3:g}\xa0kHz: narrow the band"
+                f"{low / 1e3:g}\xa0kHz to {high / 1e3:g}\xa0kHz: narrow the band"
             )
             yield Notice("loss-fit", message, error, LOSS_HELD)
 
@@ -216,7 +215,6 @@ def grid_notices(grid: TimeGrid) -> Iterator[Notice]:
     if grid.mismatch > MISMATCH_LIMIT:
         message = (
             f"the time step of {grid.step * 1e9:.4g} ns changes a transit by {percent(grid.mismatch)}: leave "
-            "solver.step "
-            "out, or take a finer one"
+            "solver.step out, or take a finer one"
         )
         yield Notice("coarse-step", message, grid.mismatch, MISMATCH_LIMIT)

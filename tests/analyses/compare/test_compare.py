@@ -155,7 +155,7 @@ def test_limits_decide_verdict_and_exit_code(strikewave):
     assert (code, "PASS: 3 of 3" in out) == (0, True)
     assert sorted(os.listdir("kept")) == ["comparison.csv", "record.toml", "report.html", "spectrum.csv", "summary.svg"]
     code, out, _err = strikewave(
-        "compare", "a.csv", "b.csv", "--limit", "peak <= 3 %", "--limit", "inside > 0.9", "--json"
+        "compare", "a.csv", "b.csv", "--limit", "peak <= 3 %", "--limit", "inside > 90 %", "--json"
     )
     document = json.loads(out)
     assert (code, document["verdict"]) == (3, "fail")
@@ -285,7 +285,17 @@ REFUSED = [
     (("a.csv", "b.csv", "--limit", "iso1857 > 0.8"), "--limit: got", 'did you mean "iso18571"?'),
     (("a.csv", "b.csv", "--limit", "iso18571"), "--limit: got", "one of < <= > >="),
     (("a.csv", "b.csv", "--limit", "shift < 3"), "--limit: got", "a time with its unit"),
-    (("a.csv", "b.csv", "--limit", "peak < much"), "--limit: got", "a number, such as 0.8"),
+    (("a.csv", "b.csv", "--limit", "peak < much"), "--limit: got", "a share with its sign"),
+    (("a.csv", "b.csv", "--limit", "peak < 5"), "--limit: got", 'write "5 %"'),
+    (("a.csv", "b.csv", "--limit", "inside > 0.9"), "--limit: got", 'write "90 %", or "0.9 %"'),
+    (("a.csv", "b.csv", "--limit", "rms < 5 dB"), "--limit: got", "a share with its sign"),
+    (("a.csv", "b.csv", "--limit", "srs < 3"), "--limit: got", 'such as "3 dB"'),
+    (("a.csv", "b.csv", "--limit", "iso18571 > 80"), "--limit: got", "at most 1"),
+    (("a.csv", "b.csv", "--limit", "iso18571 < 0.8"), "--limit: got", "> or >= of iso18571; high is good"),
+    (("a.csv", "b.csv", "--limit", "peak > 5 %"), "--limit: got", "< or <= of peak"),
+    (("a.csv", "b.csv", "--limit", "peak < -5 %"), "--limit: got", "at least 0"),
+    (("a.csv", "b.csv", "--limit", "energy < 5 %"), "--limit: got", "peak, width, velocity_change, impulse, rms,"),
+    (("a.csv", "b.csv", "--limit", "peak 5 %"), "--limit: got", "metrics: peak, width, velocity_change"),
     (("a.csv", "b.csv", "--from", "5 s", "--to", "6 s"), "--from: got", "within the common time"),
     (("a.csv", "b.csv", "--from", "2 ms", "--to", "1 ms"), "--to: got", "a time after --from"),
     (("spec:jesd22-b110:B", "a.csv"), "A: got", "name the specification second"),

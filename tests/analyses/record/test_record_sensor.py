@@ -83,6 +83,35 @@ def test_blows_to_the_other_side_come_out_alike(shot):
     assert [blow.trial for blow in up] == [blow.trial for blow in down]
 
 
+@pytest.mark.parametrize(
+    ("stated", "lacks"), [('range = "50000 g"', "resonance"), ('resonance = "2 MHz"', "range"), ("", "range")]
+)
+def test_a_file_that_lacks_range_or_resonance_says_what_to_add_and_takes_nothing(strikewave, shot, stated, lacks):
+    gasket = '[[sensor.gasket]]\nmaterial = "rubber"\nthickness = "1 mm"\ndiameter = "10 mm"\n'
+    Path("own.toml").write_text(f'[[sensor]]\nname = "own"\nmass = "5 gram"\n{stated}\n{gasket if not stated else ""}')
+    code, out, err = strikewave("record", shot, "--sensor", "own.toml", "--json")
+    assert code == 0, err
+    document = json.loads(out)
+    notices = [w["message"] for w in document["warnings"] if w["code"] == "sensor-incomplete"]
+    assert any(f"own states no {lacks}" in message and f"add {lacks} = " in message for message in notices)
+    verdicts = {blow["verdict"] for blow in document["sensor"]["blows"]}
+    assert "can take it" not in verdicts
+    assert not stated or (verdicts, document["sensor"]["takes"]) == ({f"not known: no {lacks} stated"}, None)
+
+
+def test_noise_that_drives_the_resonance_names_the_filter_that_takes_it_off(shot):
+    """Noise of 5 % of a blow of 200 us, sampled at 1 MHz: the resonance at 80 kHz magnifies its share of it."""
+    time = STEP * np.arange(8_000)
+    clean = np.where((time > 4e-3) & (time < 4.2e-3), 10000.0 * np.sin(np.pi * (time - 4e-3) / 2e-4), 0.0)
+    noisy = clean + 500.0 * np.random.default_rng(0).normal(size=time.size)
+    np.savetxt("n.csv", np.column_stack([time, noisy]), "%.8g", ",", header="time (s),frame (g)", comments="")
+    found = sw.record("n.csv", sensor="Endevco 2225").sensor
+    assert found.takes is None
+    [said] = [notice.message for notice in found.notices if notice.code == "sensor-trial"]
+    assert said.endswith('--filter "20 kHz" takes that noise off and leaves the blows')
+    assert sw.record("n.csv", sensor="Endevco 2225", filter="20 kHz").sensor.takes is True
+
+
 WRONG = [
     ('[[sensor]]\nname = "a"\nmodel = "PCB 350C2"\n', 'did you mean "PCB 350C02"?'),
     ('[[sensor]]\nname = "a"\nrnge = "5 g"\n', 'did you mean "range"?'),

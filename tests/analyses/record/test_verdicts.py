@@ -11,6 +11,7 @@ from strikewave.base.errors import InputError
 from strikewave.signal.filters import Filter, effect_on_half_sine
 from strikewave.specifications.ideal_pulses import IdealPulse
 from strikewave.specifications.judged_records import filter_leaves
+from strikewave.specifications.reading import load_specification
 
 GRAVITY = 9.80665
 
@@ -119,6 +120,55 @@ def test_shocks_are_counted_by_direction_from_options_or_the_test(judged):
     assert code == 3
     Path("test.toml").write_text('[test]\nitem = "board"\ndirection = "+z"\n')
     assert "shocks in +z" in clauses_of(judged("record", "up0.csv", *IEC, "--test", "test.toml")[1])
+
+
+def test_a_direction_that_fits_no_file_or_channel_is_refused_with_those_that_there_are(strikewave):
+    write_shot("up0.csv"), write_shot("side.csv", across=0.1)
+    for word, words in (
+        ("upp*=+x", "a pattern that fits one of the files; choose from: side.csv, up0.csv"),
+        ("side.csv#z=+x", "name or number of a channel of these files; choose from: 1, 2, table, y"),
+        ("=+x", "FILES#CHANNEL=DIRECTION"),
+    ):
+        code, out, err = strikewave("record", "up0.csv", "side.csv", *IEC, "--direction", word)
+        assert (code, out) == (2, "")
+        assert words in err, err
+    code, _, err = strikewave("record", "up0.csv", "side.csv", *IEC, "--cross-axis", "up*#y")
+    assert (code, "FILES#CHANNEL" in err) == (2, True)
+
+
+def test_files_without_a_direction_are_named_and_fail_no_count(strikewave, judged):
+    for name in ("up0.csv", "up1.csv", "side.csv"):
+        write_shot(name)
+    words = ("record", "up0.csv", "up1.csv", "side.csv", *IEC, "--direction", "up*=+x")
+    code, spec = judged(*words)
+    clauses = clauses_of(spec)
+    assert code == 0
+    assert "side.csv has no direction" in clauses["shocks without a direction"]["reason"]
+    assert (clauses["shocks in +x"]["value"], clauses["shocks in +x"]["verdict"]) == (2, "cannot-tell")
+    assert "shocks without a direction" in strikewave(*words)[1]
+
+
+def test_one_file_of_three_axes_states_a_direction_and_cross_axes_for_each_channel(judged):
+    """A blow along x, later one along y, on a sensor of two axes: each is judged along, the other axis is across."""
+    for name, along in (("x", 0), ("y", 1)):
+        write_shot(f"{name}.csv", across=0.1)
+        data = np.loadtxt(f"{name}.csv", delimiter=",", skiprows=1)
+        data[:, 1:] = data[:, 1:] if along == 0 else data[:, :0:-1]
+        np.savetxt(f"{name}.csv", data, delimiter=",", header="time (s),x (g),y (g)", comments="", fmt="%.9g")
+    across = ("--cross-axis", "x.csv#y", "--cross-axis", "y.csv#1")
+    spec = judged("record", "x.csv", "y.csv", *IEC, *across, "--direction", "x.csv#x=+x", "--direction", "#2=+y")[1]
+    assert [(shock["channel"], shock["direction"]) for shock in spec["shocks"]] == [("x", "+x"), ("y", "+y")]
+    clauses = clauses_of(spec)
+    assert [clauses[f"shocks in {one}"]["value"] for one in ("+x", "+y")] == [1, 1]
+    assert clauses["cross-axis"]["value"] == pytest.approx(5 * GRAVITY, rel=0.05)
+
+
+def test_a_pass_says_at_its_head_what_was_not_judged(strikewave):
+    write_shot("good.csv")
+    out = strikewave("record", "good.csv", *IEC, "--out", "kept")[1]
+    head = "PASS for the clauses judged (by indicative limits); 2 not judged: cross-axis and shocks by direction."
+    assert " ".join(out.split()).startswith(f"{head} One shock by IEC 60068-2-27")
+    assert "PASS for the clauses judged (by indicative limits)<" in Path("kept/report.html").read_text("utf-8")
 
 
 def test_a_blow_on_two_channels_counts_once(judged):
@@ -244,6 +294,42 @@ def test_spectrum_of_a_record_is_judged_and_one_sampled_too_slowly_cannot_be(jud
     assert (code, "--kind" in err) == (2, True)
 
 
+OWN_SPECTRUM = (
+    'schema = 1\ntitle = "t"\nedition = "e"\nstatus = "normative"\nsource = "s"\n[srs]\n'
+    'points = [["200 Hz", "50 g"], ["2 kHz", "50 g"]]\nper_octave = 6\n'
+    '[[srs.tolerance]]\nfrom = "200 Hz"\nto = "2 kHz"\nlow = "-3 dB"\nhigh = "3 dB"\n'
+)
+
+
+def test_each_spectrum_of_several_is_judged_as_it_is_alone(judged, strikewave):
+    """A slowly sampled record beside a fast one neither takes its high frequencies, nor is taken for as fast as it."""
+    Path("own.toml").write_text(OWN_SPECTRUM)
+    write_shot("fast.csv"), write_shot("slow.csv", step=4e-4)
+    for files in (("fast.csv", "slow.csv"), ("slow.csv", "fast.csv")):
+        clauses = judged("srs", *files, "--spec", "own.toml")[1]["clauses"]
+        found = {Path(clause["file"]).name: clause for clause in clauses}
+        for name, clause in found.items():
+            alone = judged("srs", name, "--spec", "own.toml")[1]["clauses"][0]
+            assert [clause[key] for key in ("verdict", "value", "reason")] == [
+                alone[key] for key in ("verdict", "value", "reason")
+            ]
+        assert found["fast.csv"]["verdict"] == "pass"
+        assert "up to" in found["slow.csv"]["reason"]
+
+
+@pytest.mark.parametrize(
+    "words", [("--q", "50"), ("--from", "10 Hz"), ("--to", "1 kHz"), ("--per-octave", "12"), ("--side", "negative")]
+)
+def test_a_specification_fixes_which_spectrum_is_judged(strikewave, words):
+    Path("own.toml").write_text(OWN_SPECTRUM)
+    write_shot("fast.csv")
+    code, _, err = strikewave("srs", "fast.csv", "--spec", "own.toml", *words)
+    assert (code, err.startswith(words[0])) == (2, True)
+    assert "with this --spec; the specification fixes it" in err
+    same = ("--q", "10", "--from", "200 Hz", "--to", "2 kHz", "--per-octave", "6", "--side", "maximax")
+    assert strikewave("srs", "fast.csv", "--spec", "own.toml", *same, "--json")[0] == 0
+
+
 def test_spec_lists_and_shows_with_status_and_source_of_every_number(strikewave):
     code, out, _ = strikewave("spec", "--json")
     assert code == 0
@@ -260,6 +346,16 @@ def test_spec_lists_and_shows_with_status_and_source_of_every_number(strikewave)
     assert [strikewave("spec", "show", "jesd22-b111")[0] for _ in range(2)] == [0, 0]  # the second replaces the first
     code, _, err = strikewave("spec", "show", "jesd22-b111:A")
     assert (code, "one severity" in err) == (2, True)
+
+
+def test_a_new_file_from_one_condition_holds_that_one_alone(strikewave):
+    assert strikewave("spec", "new", "b.toml", "--from", "jesd22-b110:b")[0] == 0
+    own, origin = load_specification("b.toml"), load_specification("jesd22-b110:B")
+    assert [one.name for one in own.file.condition] == ["B"]
+    assert own.pulse_limits() == origin.pulse_limits()
+    assert "free state; 2 mounted" in own.text
+    code, _, err = strikewave("spec", "new", "q.toml", "--from", "jesd22-b110:Q")
+    assert (code, Path("q.toml").exists(), "choose from: A, B, C" in err) == (2, False, True)
 
 
 def test_a_call_of_python_gives_the_verdict_of_the_command(judged):

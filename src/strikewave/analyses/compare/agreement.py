@@ -120,6 +120,15 @@ class CurveAgreement:
         with np.errstate(divide="ignore", invalid="ignore"):
             return np.asarray(20.0 * np.log10(self.spectrum_b / self.spectrum_a))
 
+    @property
+    def largest_ratio(self) -> tuple[float, float]:
+        """The ratio of the spectra that is largest in size, dB, and its natural frequency, Hz; NaN without spectra."""
+        if not self.frequency.size:
+            return math.nan, math.nan
+        ratio = self.ratio
+        at = int(np.nanargmax(np.abs(ratio)))
+        return float(ratio[at]), float(self.frequency[at])
+
     def inside(self, factor: float) -> float:
         """Return the share of the interval in which the two differ by at most so many deviations; NaN without any."""
         if self.deviation is None:

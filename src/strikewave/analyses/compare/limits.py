@@ -9,17 +9,18 @@ from collections.abc import Mapping, Sequence
 from typing import NamedTuple
 
 from strikewave.base.errors import InputError, nearest
+from strikewave.base.percents import sign_needed
 from strikewave.base.result import FAILED, Notice
 from strikewave.base.units import parse_quantity
 from strikewave.specifications.decisions import CANNOT_TELL, FAIL, PASS, together
 
 RELATIONS = {"<": operator.lt, "<=": operator.le, ">": operator.gt, ">=": operator.ge}
 METRICS = {
-    "peak": ("1", "difference of the peaks, as a share"),
-    "width": ("1", "difference of the pulse widths at 10 %, as a share"),
-    "velocity_change": ("1", "difference of the velocity changes, as a share"),
-    "impulse": ("1", "difference of the impulses, as a share"),
-    "rms": ("1", "RMS of the difference over that of A"),
+    "peak": ("%", "difference of the peaks, as a share"),
+    "width": ("%", "difference of the pulse widths at 10 %, as a share"),
+    "velocity_change": ("%", "difference of the velocity changes, as a share"),
+    "impulse": ("%", "difference of the impulses, as a share"),
+    "rms": ("%", "RMS of the difference over that of A"),
     "correlation": ("1", "correlation coefficient"),
     "srs": ("dB", "largest ratio of the shock response spectra, either way"),
     "iso18571": ("1", "overall rating of ISO/TS 18571"),
@@ -28,9 +29,11 @@ METRICS = {
     "iso18571.magnitude": ("1", "magnitude score"),
     "iso18571.slope": ("1", "slope score"),
     "shift": ("s", "shift that aligns the two, either way"),
-    "inside": ("1", "share of the time within the corridor of a campaign"),
+    "inside": ("%", "share of the time within the corridor of a campaign"),
 }
-"""What a limit can be of: its unit, and what it is. Differences count either way, as sizes."""
+"""What a limit can be of: its unit ("1": a score of at most 1), and what it is. Differences count as sizes."""
+EXAMPLES = {"%": 'a share with its sign, such as "5 %"', "dB": 'a level with its unit, such as "3 dB"'}
+"""What the number of a limit may be, by unit: what a bare 5 is, of a difference or of a spectrum, would be a guess."""
 _LIMIT = re.compile(r"\s*([\w.\-]+)\s*(<=|>=|<|>)\s*(\S.*?)\s*")
 
 
@@ -67,30 +70,50 @@ def read_limit(word: str, field: str = "--limit") -> ComparisonLimit:
     """
     found = _LIMIT.fullmatch(word)
     if found is None:
-        raise InputError(field, word, 'a metric, one of < <= > >=, and a number, such as "iso18571 > 0.8"')
+        example = 'a metric, one of < <= > >=, and a number, such as "iso18571 > 0.8"'
+        raise InputError(field, word, example, f"metrics: {', '.join(METRICS)}")
     metric, relation, number = found.groups()
     metric = metric.replace("-", "_")
     if metric not in METRICS:
-        raise InputError(field, word, "a metric that is computed", nearest(metric, METRICS))
+        raise InputError(field, word, "a metric that is computed: " + ", ".join(METRICS), _near(metric))
+    high = METRICS[metric][0] == "1" or metric == "inside"
+    if high != relation.startswith(">"):
+        ways = ("> or >=", "high is good") if high else ("< or <=", "it is a size, and low is good")
+        raise InputError(field, word, f"{ways[0]} of {metric}", ways[1])
     return ComparisonLimit(metric, relation, _number(number, METRICS[metric][0], word, field), " ".join(word.split()))
 
 
+def _near(metric: str) -> str:
+    """Return the metric that may be meant, if one is like it."""
+    near = nearest(metric, METRICS)
+    return near if near.startswith("did you mean") else ""
+
+
 def _number(text: str, unit: str, word: str, field: str) -> float:
-    """Return the number of a limit: with its unit, or bare where it has none."""
+    """Return the number of a limit: with its unit, or bare where it is a score, which may have the sign of a share."""
     if unit == "s":
-        return parse_quantity(text, "s", field)
-    scale = 1.0
-    if unit == "dB":
-        text = re.sub(r"\s*dB$", "", text)
-    elif text.endswith("%"):
-        text, scale = text[:-1], 0.01
+        return _not_negative(parse_quantity(text, "s", field), word, field)
+    sign = "dB" if unit == "dB" else "%"
+    bare = text.removesuffix(sign)
     try:
-        value = scale * float(text)
+        value = float(bare)
     except ValueError:
         value = math.nan
+    if bare == text and unit != "1":
+        raise InputError(
+            field, word, EXAMPLES[unit], sign_needed(value) if unit == "%" and math.isfinite(value) else ""
+        )
+    value *= 0.01 if sign == "%" and bare != text else 1.0
     if not math.isfinite(value):
-        allowed = "a number of dB, such as 3 dB" if unit == "dB" else "a number, such as 0.8, or a share, such as 5 %"
-        raise InputError(field, word, allowed)
+        raise InputError(field, word, EXAMPLES.get(unit, "a number of at most 1, such as 0.8"))
+    if unit == "1" and value > 1.0:
+        raise InputError(field, word, "a number of at most 1, such as 0.8", "it is a score, and 1 is the best")
+    return value if unit == "1" else _not_negative(value, word, field)
+
+
+def _not_negative(value: float, word: str, field: str) -> float:
+    if value < 0.0:
+        raise InputError(field, word, "a limit of at least 0", "differences count either way, as sizes")
     return value
 
 
@@ -115,6 +138,19 @@ def judge(limits: Sequence[ComparisonLimit], values: Mapping[str, float]) -> tup
     return tuple(judged)
 
 
+def value_words(value: float, unit: str) -> str:
+    """Write the value of a metric, in the unit that its limit is typed in; a time in us.
+
+    Examples
+    --------
+    >>> value_words(0.0412, "%"), value_words(0.8312, "1")
+    ('4.12 %', '0.8312')
+    """
+    if unit == "s":
+        return f"{value * 1e6:.4g}\N{NO-BREAK SPACE}us"
+    return f"{100.0 * value:.4g} %" if unit == "%" else f"{value:.4g} dB" if unit == "dB" else f"{value:.4g}"
+
+
 def verdict_of(judged: Sequence[Judged]) -> str | None:
     """Return the worst of several verdicts; None without any limit.
 
@@ -133,6 +169,7 @@ def limit_notices(judged: Sequence[Judged]) -> tuple[Notice, ...]:
         if one.verdict == PASS:
             continue
         message = f"{one.limit.typed}: {METRICS[one.limit.metric][1]} "
-        message += f"is {one.value:.4g}" if one.verdict == FAIL else "has no value here, so there is no verdict"
+        value = value_words(one.value, METRICS[one.limit.metric][0])
+        message += f"is {value}" if one.verdict == FAIL else "has no value here, so there is no verdict"
         notices.append(Notice(f"limit-{one.limit.metric}", message, one.value, one.limit.value, FAILED))
     return tuple(notices)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from pathlib import Path
 
 from strikewave.analyses.compare.agreement import LOST, RULES, CurveAgreement, agreement
@@ -21,7 +21,6 @@ from strikewave.analyses.compare.specified import (
 from strikewave.base.errors import InputError
 from strikewave.base.result import INFO, Notice, Result, Source
 from strikewave.base.units import si_value
-from strikewave.records import Options
 from strikewave.reporting import measured_files as measured
 from strikewave.reporting.low_pass import low_pass_of
 from strikewave.reporting.numbers import listed, percent
@@ -60,8 +59,8 @@ def compare(
     deviations: float = DEVIATIONS,
     begin: str | float | None = None,
     end: str | float | None = None,
-    unit: str | Mapping[str, str] | None = None,
-    sensitivity: str | Mapping[str, str] | None = None,
+    unit: measured.Stated | None = None,
+    sensitivity: measured.Stated | None = None,
     rate: str | float | None = None,
     band: bool = True,
 ) -> CompareResult:
@@ -115,11 +114,11 @@ def compare(
     """
     if align not in ALIGNMENTS:
         raise wrong_choice(align, "align", ALIGNMENTS)
-    stated = measured.MeasurementOptions(unit=_typed(unit), sensitivity=_typed(sensitivity)).calibration()
-    options = Options(rate=None if rate is None else si_value(rate, "Hz", "rate"))
+    calibration = {"unit": unit, "sensitivity": sensitivity}
+    stated = measured.MeasurementOptions.in_python((), calibration, rate, None, None)
     between = tuple(None if one is None else si_value(one, "s", name) for one, name in ((begin, "begin"), (end, "end")))
     request = CompareRequest(
-        SourceOptions(stated, options, low_pass_of(filter), band),
+        SourceOptions(stated.calibration(), stated.reading(), low_pass_of(filter), band),
         align,
         deviations,
         (between[0], between[1]),
@@ -134,13 +133,6 @@ def _called(one: Compared) -> str:
     if isinstance(one, tuple):
         return f"{_called(one[0])}:{one[1]}"
     return one.source.name if isinstance(one, Result) else str(one)
-
-
-def _typed(value: str | Mapping[str, str] | None) -> list[str] | None:
-    """Return a value of the calibration as the command line takes it."""
-    if value is None:
-        return None
-    return [f"{name}={one}" for name, one in value.items()] if isinstance(value, Mapping) else [value]
 
 
 def compared(a: Compared, b: Compared, request: CompareRequest, origin: Source) -> CompareResult:

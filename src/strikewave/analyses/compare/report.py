@@ -16,9 +16,9 @@ from strikewave.analyses.compare.words import (
     score_table,
 )
 from strikewave.reporting import chapters
-from strikewave.reporting.clause_words import LOOKS, verdict_words
+from strikewave.reporting.clause_words import verdict_tag
 from strikewave.reporting.numbers import with_unit
-from strikewave.reporting.parts import Cell, Part, Picture, Section, Table, Tag
+from strikewave.reporting.parts import Cell, Part, Picture, Section, Table
 
 
 def compare_report(result: CompareResult) -> str:
@@ -44,7 +44,8 @@ def compare_report(result: CompareResult) -> str:
     by_indicative = result.specified is not None and result.specified.by_indicative
     tag = None
     if result.verdict is not None:
-        tag = Tag(verdict_words(result.verdict, by_indicative), LOOKS[result.verdict])
+        clauses = () if result.specified is None else result.specified.found.clauses
+        tag = verdict_tag(result.verdict, by_indicative, clauses)
     summary = chapters.Summary("Report of a comparison", compare_words(result), result.highlights(), tag)
     return chapters.result_page(result, summary, sections)
 

@@ -8,8 +8,6 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
-import numpy as np
-
 from strikewave.analyses.compare.agreement import CurveAgreement, PairOfFigures
 from strikewave.analyses.compare.curve import FIGURES, QUANTITIES, SHOWN_IN, ComparedCurve
 from strikewave.analyses.compare.limits import Judged, verdict_of
@@ -112,12 +110,11 @@ class CompareResult(AskedResult):
     def values(self) -> dict[str, float]:
         """What a limit can be of, by its name: differences as sizes."""
         found = self.agreement
-        largest = float(np.nanmax(np.abs(found.ratio))) if found.ratio.size else math.nan
         return {
             **{name: abs(pair.difference) for name, pair in self.figures.items()},
             "rms": found.rms,
             "correlation": found.correlation,
-            "srs": largest,
+            "srs": abs(found.largest_ratio[0]),
             "iso18571": found.rating.overall,
             **{f"iso18571.{name}": getattr(found.rating, name) for name in ("corridor", "phase", "magnitude", "slope")},
             "shift": abs(found.shift.shift),
@@ -229,9 +226,8 @@ class CompareResult(AskedResult):
         found = self.agreement
         if not found.frequency.size:
             return None
-        at = int(np.nanargmax(np.abs(found.ratio)))
         return {
-            "largest": {"ratio": float(found.ratio[at]), "frequency": float(found.frequency[at])},
+            "largest": dict(zip(("ratio", "frequency"), found.largest_ratio, strict=True)),
             "frequency": found.frequency,
             "ratio": found.ratio,
         }

@@ -17,15 +17,13 @@ from numpy.typing import NDArray
 from strikewave.analyses.compare.curve import FOOT, QUANTITIES, ComparedCurve, even_history
 from strikewave.base.errors import InputError, nearest
 from strikewave.base.result import Band, Notice, Result
-from strikewave.base.variables import LabelledArrays
+from strikewave.base.variables import LabelledArrays, open_result
 from strikewave.cases.case import load_case
 from strikewave.reporting.terminal import say
 from strikewave.signal.alignment import EvenHistory
 
 Array = NDArray[np.float64]
 
-LARGEST_LOAD = 4_000_000_000
-"""A file of a result that would take more bytes than this is refused."""
 _READING = re.compile(r"(?:what sensor|reading of the sensor) (.*?)(?: reads)?", re.DOTALL)
 HELD = 0.5
 """Share of the window of a blow that its pulse may last: of a longer one the window does not hold what follows."""
@@ -220,20 +218,11 @@ def _kept(place: str) -> tuple[str, list[SimulatedPart], list[Notice]]:
 
 def _arrays(path: Path) -> LabelledArrays:
     """Return the arrays of a file of a result."""
-    import xarray
-
     allowed = "the file of a result that `strikewave run`, `wave` or `fem` wrote"
-    try:
-        with xarray.open_dataset(path, engine="h5netcdf") as opened:
-            if opened.nbytes > LARGEST_LOAD:
-                raise InputError("solution", str(path), "a file of at most 4 GB in memory")
-            if "strikewave_schema" not in opened.attrs:
-                raise InputError("solution", str(path), allowed)
-            return LabelledArrays.of_xarray(opened.load())
-    except InputError:
-        raise
-    except Exception as error:  # whatever a damaged file makes the readers raise
-        raise InputError("solution", str(path), allowed, f"it cannot be read ({error})") from error
+    with open_result(path, allowed) as opened:
+        if "strikewave_schema" not in opened.attrs:
+            raise InputError("solution", str(path), allowed)
+        return LabelledArrays.of_xarray(opened.load())
 
 
 def _machine_parts(arrays: LabelledArrays, bands: Mapping[str, Band]) -> Iterator[SimulatedPart]:

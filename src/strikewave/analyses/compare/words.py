@@ -4,13 +4,11 @@ from __future__ import annotations
 
 import math
 
-import numpy as np
-
 from strikewave.analyses.compare.agreement import PairOfFigures
-from strikewave.analyses.compare.limits import METRICS, verdict_of
+from strikewave.analyses.compare.limits import METRICS, value_words, verdict_of
 from strikewave.analyses.compare.result import INTEGRALS, NAMES, CompareResult, shift_words
 from strikewave.analyses.compare.specified import SpecificationVerdict
-from strikewave.reporting.clause_words import CLAUSE_HEADS, SHOWN, clause_cells, clause_words, tag_of, verdict_words
+from strikewave.reporting.clause_words import CLAUSE_HEADS, SHOWN, clause_cells, clause_words, tag_of, verdict_sentence
 from strikewave.reporting.numbers import axis_unit, band_text, headed, percent, shown, with_unit
 from strikewave.reporting.parts import NONE, Cell, Table, Tag, written
 from strikewave.signal.iso18571 import RATE, SAMPLES
@@ -48,8 +46,8 @@ def compare_words(result: CompareResult) -> str:
 
 def specification_words(judged: SpecificationVerdict) -> str:
     """Say what a specification comes to, and why."""
-    verdict = verdict_words(judged.verdict, judged.by_indicative)
-    words = [f"{verdict} by {judged.specification.title} ({judged.specification.file.edition})."]
+    by = f" by {judged.specification.title} ({judged.specification.file.edition})."
+    words = [verdict_sentence(judged.verdict, judged.by_indicative, judged.found.clauses, by)]
     words += [f"{clause_words(clause)}." for clause in judged.found.clauses if clause.verdict in (FAIL, CANNOT_TELL)]
     return " ".join(words)
 
@@ -94,9 +92,9 @@ def agreement_table(result: CompareResult) -> Table:
         ["correlation coefficient", f"{found.correlation:.5f}"],
     ]
     if found.ratio.size:
-        at = int(np.nanargmax(np.abs(found.ratio)))
-        where = with_unit(float(found.frequency[at]), "Hz", "kHz", 3)
-        rows.append(["largest ratio of shock response spectra", f"{found.ratio[at]:+.2f} dB at {where}"])
+        ratio, frequency = found.largest_ratio
+        where = with_unit(frequency, "Hz", "kHz", 3)
+        rows.append(["largest ratio of shock response spectra", f"{ratio:+.2f} dB at {where}"])
     rows.append(["shift of B", shift_words(result)])
     if found.deviation is not None:
         inside = percent(found.inside(result.factor), 1)
@@ -140,7 +138,7 @@ def limit_table(result: CompareResult) -> Table:
             if unit == "s":
                 size, name = axis_unit("s", "us")
                 return f"{written(value / size)} {name}"
-            return f"{value:.4g} dB" if unit == "dB" else f"{value:.4g}"
+            return value_words(value, unit)
 
         words, verdict = METRICS[one.limit.metric][1], tag_of(one.verdict)
         rows.append([one.limit.typed, verdict, cell(one.value), cell(one.margin), words])

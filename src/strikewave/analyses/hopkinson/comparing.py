@@ -128,9 +128,8 @@ def _reflected_notices(found: SensorComparison) -> Iterator[Notice]:
     misfit = found.reflected_misfit
     if misfit > REFLECTED_MISFIT:
         message = (
-            f"the reflected wave says that the end moves {percent(misfit)} otherwise than the incident wave and "
-            "what stands "
-            "on the end do: is a mass, the gauge distance or the bar speed off, or does the joint open?"
+            f"the reflected wave says that the end moves {percent(misfit)} otherwise than the incident wave and what "
+            "stands on the end do: is a mass, the gauge distance or the bar speed off, or does the joint open?"
         )
         yield Notice("reflected-differs", message, misfit, REFLECTED_MISFIT)
 

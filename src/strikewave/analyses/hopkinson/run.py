@@ -177,9 +177,8 @@ def _balance_notices(alike: Equilibrium, impulses: Momentum, limits: LimitsTable
         yield Notice("momentum", message, impulses.closure, limits.momentum.si, severity=FAILED)
     if math.isnan(alike.begin):
         message = (
-            f"there is no stretch of {LASTING:g} rise times in which the forces agree to {percent(UNIFORM, 0)}; "
-            "in all they do "
-            f"over {percent(alike.share, 0)} of the loading"
+            f"there is no stretch of {LASTING:g} rise times in which the forces agree to {percent(UNIFORM, 0)}; in all "
+            f"they do over {percent(alike.share, 0)} of the loading"
         )
         yield Notice("no-equilibrium", message, alike.share, math.nan)
 

@@ -43,9 +43,9 @@ def feed_notices(run: MachineRun, blows: Sequence[Blow]) -> Iterator[Notice]:
         message = (
             f"the first blow{f' and {more} more' if more else ''} meets the object while it is still fed: at first "
             f"touch it is {where} and comes with {forward:.3g}\xa0m/s, and the approach is "
-            f"{first.approach_speed:.3g}\xa0m/s "
-            f"instead of {nominal:.3g}\xa0m/s; the feed ends {(fed - first.time) * 1e3:.3g}\xa0ms later: let it end "
-            "between two strikers (feed.arrival), or take a shorter feed.stroke_time"
+            f"{first.approach_speed:.3g}\xa0m/s instead of {nominal:.3g}\xa0m/s; the feed ends "
+            f"{(fed - first.time) * 1e3:.3g}\xa0ms later: let it end between two strikers (feed.arrival), or take a "
+            "shorter feed.stroke_time"
         )
         yield Notice("struck-while-fed", message, first.time, fed)
     elif moving:

@@ -24,7 +24,7 @@ from strikewave.analyses.machine.figures_of import figures_of, sensor_figures
 from strikewave.analyses.machine.sensor_readings import BlowReading
 from strikewave.base.errors import InputError
 from strikewave.base.result import SCHEMA, Band, BandMethod, Comparison, Notice, Source, comparison_document
-from strikewave.base.variables import LabelledArrays
+from strikewave.base.variables import LabelledArrays, open_result
 from strikewave.cases.case import PUBLISHED_QUANTITIES, Case, dump_case, parse_case
 from strikewave.cases.comparisons import stale_fits_document
 from strikewave.machines import Blow
@@ -38,8 +38,6 @@ from strikewave.waves.setup import LayerUsed, WaveSetup
 if TYPE_CHECKING:
     import xarray
 
-LARGEST_LOAD = 4_000_000_000
-"""A solution file that would take more bytes than this is refused."""
 SHOWN_WIDTHS = 2.2
 """Widths of the first blow that its curve lasts: the pulse, and as long again in which the object flies."""
 
@@ -313,26 +311,22 @@ def load_solution(path: Path | str) -> Solution:
     InputError
         If the file is absent, not a solution of this version, damaged, or larger than 4 GB in memory.
     """
-    import xarray
-
     path = Path(path)
     path = path / "solution.nc" if path.is_dir() else path
+    allowed = "a solution.nc that `strikewave run` wrote"
     if not path.is_file():
-        raise InputError("solution", str(path), "a solution.nc that `strikewave run` wrote")
-    try:
-        with xarray.open_dataset(path, engine="h5netcdf") as opened:
-            if opened.nbytes > LARGEST_LOAD:
-                raise InputError("solution", str(path), "a file of at most 4 GB in memory")
-            schema = opened.attrs["strikewave_schema"]
-            if schema != SCHEMA:
-                older = "an older strikewave wrote it: run the case.toml beside it again"
-                raise InputError(
-                    "solution",
-                    str(path),
-                    f"a file of schema {SCHEMA}",
-                    f"it has schema {schema}; {older if schema < SCHEMA else 'update strikewave'}",
-                )
-            data = opened.load()
+        raise InputError("solution", str(path), allowed)
+    with open_result(path, allowed) as opened:
+        schema = opened.attrs["strikewave_schema"]
+        if schema != SCHEMA:
+            older = "an older strikewave wrote it: run the case.toml beside it again"
+            raise InputError(
+                "solution",
+                str(path),
+                f"a file of schema {SCHEMA}",
+                f"it has schema {schema}; {older if schema < SCHEMA else 'update strikewave'}",
+            )
+        data = opened.load()
         case = parse_case(str(data.attrs.pop("case")))
         state = json.loads(data.attrs.pop("tables"))
         columns = [f.name for f in dataclasses.fields(Blow)]
@@ -359,12 +353,6 @@ def load_solution(path: Path | str) -> Solution:
             band={name: Band.read(row) for name, row in state["band"].items()},
             band_method=None if state["band_method"] is None else BandMethod.read(state["band_method"]),
         )
-    except InputError:
-        raise
-    except Exception as error:  # whatever a damaged file makes the readers raise
-        raise InputError(
-            "solution", str(path), "a solution.nc that `strikewave run` wrote", f"it cannot be read ({error})"
-        ) from error
 
 
 def _reading(row: dict[str, Any] | None) -> BlowReading | None:

@@ -12,6 +12,7 @@ from strikewave.analyses.record.report import record_report
 from strikewave.analyses.record.result import RecordResult
 from strikewave.analyses.record.spectrum import SpectrumResult
 from strikewave.analyses.record.spectrum_report import spectrum_report
+from strikewave.analyses.record.test_report.page import report_of_test, write_report_of_test
 from strikewave.reporting.style import save, titled
 
 if TYPE_CHECKING:
@@ -34,10 +35,12 @@ def spectrum_picture(result: SpectrumResult) -> Figure:
 picture: dict[type, Callable[[Any], Figure]] = {RecordResult: record_picture, SpectrumResult: spectrum_picture}
 page: dict[type, Callable[[Any], str]] = {RecordResult: record_report, SpectrumResult: spectrum_report}
 """What a result draws of itself in Python, see `strikewave.reporting.shown_result`; so does `picture`."""
+test_page: dict[type, Callable[[Any], str]] = {RecordResult: report_of_test}
+"""The same for a test report."""
 
 
 def draw_result(result: RecordResult, folder: Path) -> list[str]:
     """Write page and picture of records into a folder, and return their names."""
     save(record_picture(result), folder / "summary.svg")
     (folder / "report.html").write_text(record_report(result), "utf-8", newline="\n")
-    return ["report.html", "summary.svg"]
+    return ["report.html", *write_report_of_test(result, folder), "summary.svg"]

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from strikewave.analyses.record.paired import RecordPair
-from strikewave.analyses.record.tables import amount
+from strikewave.analyses.record.tables import amount, plus_minus
 from strikewave.reporting.numbers import with_unit
 from strikewave.reporting.parts import NONE, Cell, Part, Picture, Section, Table
 
@@ -39,7 +39,7 @@ def pair_table(pairs: Sequence[RecordPair], why: bool = False) -> Table:
                 NONE if math.isnan(found.gain) else f"{found.gain:.3f} ± {found.gain_uncertainty:.2g}",
                 "not separable"
                 if math.isnan(found.rigid_peak)
-                else f"{amount('peak', unit, found.rigid_peak)} ± {amount('peak', unit, found.common_uncertainty, 2)}",
+                else plus_minus("peak", unit, found.rigid_peak, found.common_uncertainty),
                 amount("peak", unit, found.differential_peak),
                 with_unit(alike, "Hz", "kHz", 3) if math.isfinite(alike) else NONE,
                 *([one.why] if why else []),

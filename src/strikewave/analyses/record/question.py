@@ -6,6 +6,7 @@ import dataclasses
 import math
 from collections.abc import Sequence
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from strikewave.analyses.record.filter_options import filtered
 from strikewave.analyses.record.paired import read_pair
@@ -16,6 +17,7 @@ from strikewave.base.errors import InputError, StrikewaveError
 from strikewave.base.result import Source
 from strikewave.base.units import si_value
 from strikewave.cases.sensor_file import stated_sensor
+from strikewave.cases.stated_test import StatedTest, load_test
 from strikewave.records import (
     FileReading,
     Options,
@@ -32,6 +34,11 @@ from strikewave.reporting import measured_files as measured
 from strikewave.reporting.terminal import say
 from strikewave.signal.filters import Filter
 from strikewave.specifications.decisions import Rule
+
+if TYPE_CHECKING:
+    from strikewave.cases.sensor_file import StatedSensor
+    from strikewave.specifications.judged_records import Asked
+    from strikewave.specifications.reading import Specification
 
 
 def record(
@@ -164,15 +171,12 @@ def record(
             spec, decision, uncertainty, strict, direction=direction, cross_axis=cross_axis
         )
         specification = judging.specification()
-        tried = None if sensor is None else stated_sensor(str(sensor), "sensor")
-        origin = measured.source_in_python(name_of([Path(file) for file in files]), test)
+        tried = None if sensor is None else (stated_sensor(str(sensor), "sensor"), "sensor")
+        performed = None if test is None else load_test(Path(test), "test")
+        origin = measured.source_in_python(name_of([Path(file) for file in files]), performed)
         found = examined(files, wanted, stated.reading(), origin, repeats_in_columns)
-        found = dataclasses.replace(found, motion=motion, pair=two)
-        found = found if tried is None else found.on_sensor(tried, "sensor")
-        if specification is not None:
-            found = with_verdict(found, specification, judging.asked(origin.test))
-        found.pairs  # noqa: B018 a wrong pair is refused here
-    return found
+        judged = None if specification is None else (specification, judging.asked(origin.test))
+        return completed(found, motion, two, tried, judged, performed)
 
 
 def examined(
@@ -231,6 +235,44 @@ def examined(
     campaigns = [one for one in (summed(readings, k) for k in numbers) if one is not None]
     calibrations = _calibrations("command line" if origin.asked else "the call", wanted, [Path(file) for file in files])
     return record_result(readings, campaigns, wanted.filter, fail_on, calibrations=calibrations, origin=origin)
+
+
+def completed(
+    result: RecordResult,
+    motion: bool,
+    pair: tuple[str, str] | tuple[()],
+    sensor: tuple[StatedSensor, str] | None,
+    judged: tuple[Specification, Asked] | None,
+    performed: StatedTest | None = None,
+) -> RecordResult:
+    """Return the result of records with what else is asked of them.
+
+    Parameters
+    ----------
+    result : RecordResult
+        What they say.
+    motion : bool
+        Whether velocity and displacement are given.
+    pair : tuple of str
+        Two channels that are compared as sensors on one object; empty for none.
+    sensor : (StatedSensor, str) or None
+        On what the blows are tried, and what an error calls it.
+    judged : (Specification, Asked) or None
+        What the blows are judged by, and how.
+    performed : StatedTest or None, optional
+        What is stated of the test.
+
+    Raises
+    ------
+    InputError
+        If the records have no such channels, or no acceleration to try or to judge.
+    """
+    result = dataclasses.replace(result, motion=motion, pair=pair)
+    result = result if sensor is None else result.on_sensor(*sensor)
+    result = result if judged is None else with_verdict(result, *judged)
+    result = result if performed is None else result.of_test(performed)
+    result.pairs  # noqa: B018 a wrong pair is refused before anything is written
+    return result
 
 
 def _calibrations(stated_in: str, wanted: Request, paths: Sequence[Path]) -> list[tuple[str, str]]:

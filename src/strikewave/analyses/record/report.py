@@ -14,11 +14,11 @@ from strikewave.analyses.record.rigid_chapter import rigid_sections
 from strikewave.analyses.record.sensor_chapter import sensor_section
 from strikewave.analyses.record.tables import amount, between, called, percent, short_names, unit_of
 from strikewave.analyses.record.verdicts.chapter import verdict_section
+from strikewave.analyses.record.verdicts.words import tag_of_records
 from strikewave.analyses.record.words import counted, record_words
 from strikewave.records.campaign import Campaign
 from strikewave.records.reading import FileReading
 from strikewave.reporting import chapters as shared
-from strikewave.reporting.clause_words import tag_of
 from strikewave.reporting.numbers import listed
 from strikewave.reporting.parts import Tag
 
@@ -37,7 +37,7 @@ def record_report(result: RecordResult) -> str:
     sections = [
         *([] if result.verdict is None else [verdict_section(result.verdict, names)]),
         *pictures.campaign_sections(campaigns, files, names),
-        *response_sections(files, names),
+        *response_sections(files, result.response_summaries, names),
         pictures.picture_section(files, names),
         pictures.response_section(files, names),
         chapters.file_section(files, names),
@@ -52,7 +52,7 @@ def record_report(result: RecordResult) -> str:
         chapters.filter_section(files, names, result.filter),
         chapters.calibration_section(files, names, result.calibrations),
     ]
-    tag = _status(files) if result.verdict is None else tag_of(result.verdict.verdict)
+    tag = _status(files) if result.verdict is None else tag_of_records(result.verdict, result.performed)
     numbers = _key_numbers(files, campaigns)
     summary = shared.Summary("Report of measured records", record_words(result), numbers, tag)
     return shared.result_page(result, summary, sections)

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 from strikewave.analyses.record.figures.campaigns import figure_unit
 from strikewave.analyses.record.figures.records import drawable
-from strikewave.analyses.record.responses import base_of, harmed, responding, summaries
+from strikewave.analyses.record.responses import ResponseSummary, base_of, harmed, responding
 from strikewave.analyses.record.tables import (
     Columns,
     Names,
@@ -31,7 +31,7 @@ FIGURES = ("peak", "ratio", "delay", "duration", "rms")
 OF_MODES = ("amplitude", "decay_time")
 
 
-def response_sections(files: Sequence[FileReading], names: Names) -> list[Section]:
+def response_sections(files: Sequence[FileReading], together: Sequence[ResponseSummary], names: Names) -> list[Section]:
     """Return the chapter of response channels; none where no base was named."""
     rows = responding(files)
     if not rows:
@@ -55,7 +55,7 @@ def response_sections(files: Sequence[FileReading], names: Names) -> list[Sectio
             parts.append(Picture(response_figure(base, reading), words))
     if len(rows) > MOST_DRAWN:
         text += f" The first {MOST_DRAWN} of {len(rows)} channels are drawn."
-    parts += [_figures(files, names), _modes(files, names), *_together(files)]
+    parts += [_figures(files, names), _modes(files, names), *_together(together)]
     return [Section("Response channels", text, parts)]
 
 
@@ -117,10 +117,9 @@ def _modes(files: Sequence[FileReading], names: Names) -> Table:
     return Table(f"Modes of the free decay{same}{first}", heads, kept, "No decaying swing stands out.")
 
 
-def _together(files: Sequence[FileReading]) -> list[Table]:
+def _together(found: Sequence[ResponseSummary]) -> list[Table]:
     """Return means and scatter over the blows of each channel that has more than one."""
     tables = []
-    found = summaries(files)
     for one in found:
         if not any(statistic.n > 1 for statistic in one.statistics.values()):
             continue
@@ -135,10 +134,10 @@ def _together(files: Sequence[FileReading]) -> list[Table]:
     return tables
 
 
-def response_words(files: Sequence[FileReading]) -> str:
+def response_words(together: Sequence[ResponseSummary]) -> str:
     """Say what each response channel comes to; empty where there is none."""
     words = []
-    for one in summaries(files):
+    for one in together:
         statistics = one.statistics
         if "peak" not in statistics:
             words.append(f"{one.channel}: no peak of its response can be trusted.")

@@ -61,12 +61,15 @@ def summaries(files: Sequence[FileReading]) -> list[ResponseSummary]:
     for number in dict.fromkeys(reading.number for _, reading in rows):
         own = [(file, reading) for file, reading in rows if reading.number == number]
         unit = own[0][1].channel.unit
+        counting = [
+            (k, reading, harmed(file, reading)) for k, (file, reading) in enumerate(own) if reading.channel.unit == unit
+        ]
         statistics = {}
         for name in RESPONSE_FIGURES:
             pairs = [
                 (k, value)
-                for k, (file, reading) in enumerate(own)
-                if name not in harmed(file, reading) and reading.channel.unit == unit
+                for k, reading, wrong in counting
+                if name not in wrong
                 for value in (response.figure(name) for response in reading.responses)
                 if math.isfinite(value)
             ]

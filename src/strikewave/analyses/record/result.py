@@ -16,7 +16,10 @@ from strikewave.analyses.record.chosen import advised_filter, cutoff_for, source
 from strikewave.analyses.record.moved import MOTION_UNITS, RecordMotion, all_moved, motion_columns
 from strikewave.analyses.record.paired import OF_CHANNEL as PAIR_OF_CHANNEL
 from strikewave.analyses.record.paired import PAIR_UNITS, RecordPair, all_pairs, pair_columns, transfer_columns
-from strikewave.analyses.record.responses import responding, response_columns, summaries
+from strikewave.analyses.record.responses import ResponseSummary, responding, response_columns, summaries
+from strikewave.analyses.record.shock_columns import shock_columns
+from strikewave.base.errors import StrikewaveError
+from strikewave.base.output_folder import write_atomically
 from strikewave.base.result import FAILED, Notice
 from strikewave.records.band_split import BandSplit
 from strikewave.records.campaign import Campaign
@@ -27,13 +30,14 @@ from strikewave.records.response import MeasuredResponse
 from strikewave.reporting.columns import HISTORY_DIGITS, Column, csv_table
 from strikewave.reporting.measured_files import AskedResult
 from strikewave.reporting.numbers import shown_unit, with_unit
-from strikewave.reporting.shown_result import Curve, history_curve
+from strikewave.reporting.shown_result import Curve, history_curve, html_place
 from strikewave.signal.filters import Filter, effect_on_half_sine
 from strikewave.signal.pulse import HALF_SINE_WIDTH
 
 if TYPE_CHECKING:
     from strikewave.analyses.record.sensor_trials import SensorTrials
     from strikewave.cases.sensor_file import StatedSensor
+    from strikewave.cases.stated_test import StatedTest
     from strikewave.specifications.judged_records import RecordsVerdict
 
 INTEGRALS = {"m/s^2": "m/s", "m/s": "m", "N": "N s", "Pa": "Pa s", "V": "V s", "1": "s", "": ""}
@@ -66,6 +70,8 @@ class RecordResult(AskedResult):
         The blows on a sensor, where one was asked for.
     pair : tuple of str
         Two channels that are compared as sensors on one object; empty for none.
+    performed : StatedTest or None
+        What is stated of the test, where a file states it.
     """
 
     command: ClassVar[str] = "record"
@@ -79,6 +85,31 @@ class RecordResult(AskedResult):
     verdict: RecordsVerdict | None = None
     sensor: SensorTrials | None = None
     pair: tuple[str, str] | tuple[()] = ()
+    performed: StatedTest | None = None
+
+    def of_test(self, performed: StatedTest) -> RecordResult:
+        """Return the same with what is stated of the test, and a warning for each calibration that did not hold."""
+        return dataclasses.replace(self, performed=performed, notices=(*self.notices, *performed.notices()))
+
+    def test_report(self, path: Path | str) -> Path:
+        """Write its test report as one HTML file, whole or not at all, and return the path of the file.
+
+        Parameters
+        ----------
+        path : Path or str
+            The file, which ends in ``.html``, or a folder, where it is called ``test-report.html``.
+
+        Raises
+        ------
+        StrikewaveError
+            If the records were not judged by a specification.
+        """
+        page = self._drawn("test_page")
+        if page is None or self.verdict is None:
+            raise StrikewaveError("a test report needs a verdict: record(..., spec=..., test=...)")
+        place = html_place(path, "test-report.html")
+        write_atomically(place, page(self))
+        return place
 
     @functools.cached_property
     def pairs(self) -> list[RecordPair]:
@@ -107,6 +138,11 @@ class RecordResult(AskedResult):
     def motions(self) -> list[RecordMotion]:
         """Velocity and displacement of the channels, where asked for."""
         return all_moved(self.readings) if self.motion else []
+
+    @functools.cached_property
+    def response_summaries(self) -> list[ResponseSummary]:
+        """Each response channel summed up over its blows in all files; none where no base was named."""
+        return summaries(self.readings)
 
     @property
     def title(self) -> str:
@@ -139,11 +175,12 @@ class RecordResult(AskedResult):
         if self.pair:
             content["pairs"] = [one.document() for one in self.pairs]
         if self.verdict is not None:
-            content["spec"] = self.verdict.document()
+            lapses = [] if self.performed is None else self.performed.lapses
+            content["spec"] = {**self.verdict.document(), "calibration_overdue": [one.instrument for one in lapses]}
         if self.sensor is not None:
             content["sensor"] = self.sensor.document()
         if responding(self.readings):
-            content["response_summary"] = [one.document() for one in summaries(self.readings)]
+            content["response_summary"] = [one.document() for one in self.response_summaries]
         if len(self.campaigns) > 1:
             content["campaigns"] = [_campaign(one) for one in self.campaigns]
         return content
@@ -193,6 +230,8 @@ class RecordResult(AskedResult):
         if self.pair:
             tables["pairs.csv"] = csv_table(pair_columns(self.pairs))
             tables["transfer.csv"] = csv_table(transfer_columns(self.pairs), HISTORY_DIGITS)
+        if self.verdict is not None:
+            tables["shocks.csv"] = csv_table(shock_columns(self.verdict))
         if self.sensor is not None:
             tables["sensor.csv"] = csv_table(self.sensor.columns())
         return tables

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 
-from strikewave.analyses.record.tables import Names, amount, percent, rows_of
+from strikewave.analyses.record.tables import Names, percent, plus_minus, rows_of
 from strikewave.records.measuring import RecordedPulse
 from strikewave.records.reading import FileReading
 from strikewave.reporting.parts import NONE, Cell, Section, Table, written
@@ -57,8 +57,3 @@ def _cells(pulse: RecordedPulse, unit: str) -> list[Cell]:
         *(percent(share, 2) for share in (split.loss, split.loss_uncertainty, split.leak, split.elastic)),
         percent(split.wave_energy, 2),
     ]
-
-
-def plus_minus(name: str, unit: str, value: float, doubt: float) -> str:
-    """Write a figure with its standard uncertainty."""
-    return f"{amount(name, unit, value)} ± {amount(name, unit, doubt, 2)}"

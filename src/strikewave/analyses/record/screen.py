@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import dataclasses
 import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
@@ -13,8 +12,8 @@ from strikewave.analyses.record.chosen import advised_filter
 from strikewave.analyses.record.figures.campaigns import figure_unit
 from strikewave.analyses.record.motion_chapter import motion_table
 from strikewave.analyses.record.pair_chapter import LEFT_OUT_FIRST, pair_reasons, pair_table
-from strikewave.analyses.record.question import examined
-from strikewave.analyses.record.responses import ResponseSummary, harmed, responding, summaries
+from strikewave.analyses.record.question import completed, examined
+from strikewave.analyses.record.responses import ResponseSummary, harmed, responding
 from strikewave.analyses.record.result import (
     INTEGRALS,
     RecordResult,
@@ -23,7 +22,6 @@ from strikewave.analyses.record.result import (
 )
 from strikewave.analyses.record.sensor_chapter import MORE_COLUMNS, sensor_table
 from strikewave.analyses.record.tables import rows_of, short_names
-from strikewave.analyses.record.verdicts.judged import with_verdict
 from strikewave.analyses.record.verdicts.screen import print_verdict
 from strikewave.analyses.record.words import named, record_words
 from strikewave.base.result import Source
@@ -48,6 +46,7 @@ from strikewave.signal.filters import Filter
 
 if TYPE_CHECKING:
     from strikewave.cases.sensor_file import StatedSensor
+    from strikewave.cases.stated_test import StatedTest
     from strikewave.specifications.judged_records import Asked
     from strikewave.specifications.reading import Specification
 
@@ -108,7 +107,10 @@ def examine_records(
     usual = f"record-{name}"
     origin = measured.source_of_records(name, paths, output, usual)
     judged = None if specification is None or asked is None else (specification, asked(origin.test))
-    command = RecordCommand(files, wanted, options, origin, in_columns, fail_on, motion, judged, pair, sensor)
+    performed = None if output.test is None else output.performed
+    command = RecordCommand(
+        files, wanted, options, origin, in_columns, fail_on, motion, judged, pair, sensor, performed
+    )
     return run_and_write(command, output, usual, origin.text)
 
 
@@ -128,15 +130,13 @@ class RecordCommand(Command[RecordResult]):
     judged: tuple[Specification, Asked] | None = None
     pair: tuple[str, str] | tuple[()] = ()
     sensor: StatedSensor | None = None
+    performed: StatedTest | None = None
 
     def solve(self) -> RecordResult:
         """Return what the records say."""
         found = examined(self.files, self.wanted, self.options, self.origin, self.in_columns, self.fail_on)
-        found = dataclasses.replace(found, motion=self.motion, pair=self.pair)
-        found = found if self.sensor is None else found.on_sensor(self.sensor, "--sensor")
-        found = found if self.judged is None else with_verdict(found, *self.judged)
-        found.pairs  # noqa: B018 a wrong pair is refused before anything is printed
-        return found
+        sensor = None if self.sensor is None else (self.sensor, "--sensor")
+        return completed(found, self.motion, self.pair, sensor, self.judged, self.performed)
 
     def summary(self, result: RecordResult) -> str:
         """Say what the records have in common, and which are bad."""
@@ -146,7 +146,7 @@ class RecordCommand(Command[RecordResult]):
         """Print the verdict, files, campaigns, and what the filter did."""
         if result.verdict is not None:
             print_verdict(result.verdict, short_names([file.path for file in result.readings]))
-        _print(result.readings, result.campaigns, result.filter)
+        _print(result)
         if result.motion:
             report_table(motion_table(result.motions))
         if result.sensor is not None:
@@ -167,7 +167,8 @@ class RecordCommand(Command[RecordResult]):
         return draw_result(result, folder)
 
 
-def _print(readings: Sequence[FileReading], campaigns: Sequence[Campaign], filter_: Filter | None) -> None:
+def _print(result: RecordResult) -> None:
+    readings = result.readings
     names = short_names([file.path for file in readings])
     rows = [row for file in readings for row in _rows(file, names[file.path])]
     columns = [
@@ -184,11 +185,11 @@ def _print(readings: Sequence[FileReading], campaigns: Sequence[Campaign], filte
     for (status, reasons), where in alike.items():
         tell(f"{named(where)}, {status}: {reasons}", "  ")
     _print_rigid(readings, names)
-    _print_responses(readings, names)
+    _print_responses(readings, result.response_summaries, names)
     _print_rebounds(readings, names)
-    for campaign in campaigns:
+    for campaign in result.campaigns:
         _print_campaign(campaign, readings, names)
-    _print_filter(readings, filter_)
+    _print_filter(readings, result.filter)
 
 
 def _table(title: str, columns: Sequence[ScreenColumn], rows: Sequence[Sequence[str]]) -> None:
@@ -260,7 +261,9 @@ def _times(value: float) -> str:
     return "-" if math.isnan(value) else f"{value:.2g}"
 
 
-def _print_responses(readings: Sequence[FileReading], names: dict[str, str]) -> None:
+def _print_responses(
+    readings: Sequence[FileReading], summaries: Sequence[ResponseSummary], names: dict[str, str]
+) -> None:
     """Print what response channels do after the blows of their base, and all blows together."""
     channels = responding(readings)
     if not channels:
@@ -300,7 +303,7 @@ def _print_responses(readings: Sequence[FileReading], names: dict[str, str]) -> 
     _table(f"Response channels{only}", columns, rows)
     if doubted:
         tell(f"{DOUBTED.strip()} a figure that a finding harms: see the report")
-    for together in summaries(readings):
+    for together in summaries:
         _print_summary(together)
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 
-from strikewave.analyses.record.sensor_trials import SensorTrials
+from strikewave.analyses.record.sensor_trials import SensorTrials, lacking
 from strikewave.analyses.record.tables import Names, amount, percent
 from strikewave.reporting.numbers import listed, with_unit
 from strikewave.reporting.parts import NONE, Cell, Section, Table
@@ -28,7 +28,7 @@ def sensor_table(found: SensorTrials, names: Names) -> Table:
                 *(percent(trial.ringing, 2), trial.verdict),
             ]
         )
-    heads = ["file", "channel", "#", "peak", "peak left", "width left", "of its range", "beyond it", "ringing"]
+    heads = ["file", "channel", "#", "highest value", "peak left", "width left", "of its range", "beyond it", "ringing"]
     many = f", the first {MOST_ROWS} of {len(found.blows)} blows" if len(found.blows) > MOST_ROWS else ""
     return Table(f"On {found.called}{many}", [*heads, "verdict"], rows, "No blow could be tried.")
 
@@ -45,6 +45,7 @@ def sensor_section(found: SensorTrials, names: Names) -> Section:
         f"resonance {with_unit(sensor.resonance, 'Hz', 'kHz')}, magnified {sensor.quality:.3g} times"
     ] * math.isfinite(sensor.resonance)
     lowest = f"lowest resonance {with_unit(found.resonance, 'Hz', 'kHz', 3)} on its mounting"
+    facts += [f"no {key} stated" for key in lacking(found.stated)]
     facts.append("directly mounted" if sensor.mounting.direct else lowest)
     if math.isfinite(recorder.sampling_rate):
         facts.append(f"recorded at {with_unit(recorder.sampling_rate, 'Hz', 'kHz')}")
@@ -54,7 +55,8 @@ def sensor_section(found: SensorTrials, names: Names) -> Section:
     origin = "" if model is None else f" {model.name}: {model.status}; {model.source}. {model.note}"
     text = (
         f"{found.sentence()} Sensor: {listed(facts)}.{origin} Each blow is taken as the motion of "
-        f"the surface, up to {band}, that the records hold. Left is what would be read, over what is recorded. "
+        f"the surface, up to {band}, that the records hold; its highest value has noise, and what lies between its "
+        "samples, in it, and may be above its measured peak. Left is what would be read, over what is recorded. "
         "Ringing is the largest departure of the sensing element from the motion, over the peak, and has the lag of a "
         "mounting in it. A peak or width more than 5 % off is not taken. sensor.csv has every blow."
     )

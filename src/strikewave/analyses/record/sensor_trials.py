@@ -9,22 +9,34 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any, NamedTuple
 
+from strikewave.analyses.record.chosen import advised_filter
 from strikewave.analyses.record.tables import rows_of
 from strikewave.base.errors import InputError
 from strikewave.base.json_document import without
-from strikewave.base.result import INFO, Notice
+from strikewave.base.result import INFO, WARNING, Notice
 from strikewave.cases.sensor_file import StatedSensor
 from strikewave.records.measuring import RecordedPulse
 from strikewave.records.reading import FileReading
 from strikewave.records.record import Channel
 from strikewave.reporting.columns import Column
 from strikewave.reporting.numbers import with_unit
-from strikewave.sensors.trial import TAKES, SensorTrial, lowest_resonance, try_sensor
+from strikewave.sensors.trial import NOISE, TAKES, SensorTrial, lowest_resonance, try_sensor
 from strikewave.signal.filters import Filter
 
 BEFORE, AFTER, PERIODS = 2.0, 2.0, 2.0
 """Lengths of a blow that are tried before and after it, and periods of the lowest resonance if they are longer: the
 noise before, and what still swings after."""
+
+UNKNOWN = "not known: "
+"""Begin of a verdict by which a blow neither fits nor does not."""
+LACKS = {
+    "range": 'whether a blow exceeds it is not known; add range = "20000 g", or that of its data sheet',
+    "resonance": "how much a blow makes it ring, and what that leaves of peak and width, is not known; add "
+    'resonance = "80 kHz", or that of its data sheet (quality too, if it is damped)',
+}
+"""What a file may leave out, why no blow then is known to fit, and what to add."""
+OF_RESONANCE = 0.25
+"""Highest low-pass that is advised, over the resonance: a motion so slow is magnified by 7 %, noise there no more."""
 
 
 class TriedBlow(NamedTuple):
@@ -64,11 +76,14 @@ class SensorTrials:
         Highest frequency that the records hold, Hz: half the lowest sampling rate, or the cutoff of their low-pass.
     blows : tuple of TriedBlow
         In the order of the files.
+    low_pass : float
+        Low-pass that takes off the noise by which blows are not known to fit, and leaves these, Hz; NaN for none.
     """
 
     stated: StatedSensor
     band: float
     blows: tuple[TriedBlow, ...]
+    low_pass: float = math.nan
 
     @property
     def resonance(self) -> float:
@@ -76,9 +91,12 @@ class SensorTrials:
         return lowest_resonance(self.stated.sensor)
 
     @property
-    def takes(self) -> bool:
-        """Whether the sensor can take every blow."""
-        return all(blow.trial.verdict == TAKES for blow in self.blows)
+    def takes(self) -> bool | None:
+        """Whether the sensor can take every blow; None where none is beyond it, and of some it is not known."""
+        others = [blow.trial.verdict for blow in self.blows if blow.trial.verdict != TAKES]
+        if not self.blows or (others and all(verdict.startswith(UNKNOWN) for verdict in others)):
+            return None
+        return not others
 
     @property
     def called(self) -> str:
@@ -90,9 +108,17 @@ class SensorTrials:
     def notices(self) -> list[Notice]:
         """Return what the user should know: numbers from memory, blows that it cannot take, what is not known."""
         notices = list(self.stated.notices)
+        for key in lacking(self.stated):
+            notices.append(
+                Notice("sensor-incomplete", f"{self.called} states no {key}: {LACKS[key]}", severity=WARNING)
+            )
         failed = sum(blow.trial.verdict != TAKES for blow in self.blows)
         if failed:
-            notices.append(Notice("sensor-trial", self.sentence().rstrip("."), float(failed), 0.0))
+            message = self.sentence().rstrip(".")
+            if math.isfinite(self.low_pass):
+                cutoff = with_unit(self.low_pass, "Hz", "kHz", 3)
+                message += f'; --filter "{cutoff}" takes that noise off and leaves the blows'
+            notices.append(Notice("sensor-trial", message, float(failed), 0.0))
         if self.band < self.resonance < math.inf:
             resonance, band = (with_unit(value, "Hz", "kHz", 3) for value in (self.resonance, self.band))
             message = (
@@ -118,7 +144,7 @@ class SensorTrials:
             "recorder": {key: getattr(recorder, key) for key in ("sampling_rate", "cutoff", "order", "bits")},
             **provenance,
             "band": self.band,
-            "takes": self.takes if self.blows else None,
+            "takes": self.takes,
             "blows": [without({**blow._asdict(), **blow.trial._asdict()}, "trial") for blow in self.blows],
         }
 
@@ -161,14 +187,32 @@ def try_records(
         unit = next((reading.channel.unit for _, reading in rows if reading.channel.unit), "no known unit")
         raise InputError(field, unit, "records of an acceleration", "state the unit, such as --unit g")
     resonance = lowest_resonance(stated.sensor)
+    lacks = lacking(stated)
     blows = []
     for file, reading in own:
         ends = [pulse.begin for pulse in reading.pulses[1:]] + [math.inf]
         doubted = not reading.figures("peak")
         for number, (pulse, until) in enumerate(zip(reading.pulses, ends, strict=False), 1):
             trial = tried(reading.channel, pulse, until, stated, resonance)
+            if trial.verdict == TAKES and lacks:
+                trial = trial._replace(verdict=f"{UNKNOWN}no {' and no '.join(lacks)} stated")
             blows.append(TriedBlow(file.path, reading.channel.name, number, pulse.time, doubted, trial))
-    return SensorTrials(stated, min(_band(reading.channel, filter_) for _, reading in own), tuple(blows))
+    band = min(_band(reading.channel, filter_) for _, reading in own)
+    noisy = any(blow.trial.verdict == NOISE for blow in blows)
+    low_pass = _low_pass(readings, resonance) if noisy and filter_ is None else math.nan
+    return SensorTrials(stated, band, tuple(blows), low_pass)
+
+
+def lacking(stated: StatedSensor) -> list[str]:
+    """Return what of range and resonance a sensor does not state."""
+    return [key for key in LACKS if math.isinf(getattr(stated.sensor, key))]
+
+
+def _low_pass(readings: Sequence[FileReading], resonance: float) -> float:
+    """Return the highest low-pass far enough below a resonance, Hz; NaN where it would take some of the blows too."""
+    advised = advised_filter(readings)
+    highest = OF_RESONANCE * resonance
+    return highest if advised is not None and advised.cutoff <= highest else math.nan
 
 
 def _band(channel: Channel, filter_: Filter | None) -> float:

@@ -37,6 +37,8 @@ KIND_UNITS = {
 """Kinds of spectrum, with their SI unit for an acceleration."""
 SHOWN_UNITS = {kind: {"m/s^2": "g", "m": "mm"}.get(unit, unit) for kind, unit in KIND_UNITS.items()}
 """The units in which they are shown on the screen."""
+LEFT_OUT = ("gain-differs",)
+"""Findings with which a record enters no envelope, as with one that is bad: its spectrum is wrong as a whole."""
 
 
 class SpectrumOptions(NamedTuple):
@@ -50,7 +52,10 @@ class SpectrumOptions(NamedTuple):
 
 
 class SpectrumRequest(NamedTuple):
-    """What was asked of the spectra: quality factor, frequencies, kinds, side, part of the shock and its end."""
+    """What was asked of the spectra: quality factor, frequencies, kinds, side, part of the shock and its end.
+
+    ``own_range``: whether each of several is computed up to what its own sampling carries too, to be judged by itself.
+    """
 
     q: float
     frequencies: list[Typed] | None
@@ -60,6 +65,7 @@ class SpectrumRequest(NamedTuple):
     part: str
     end: Typed | None
     options: SpectrumOptions
+    own_range: bool = False
 
 
 class OscillatorResponse(NamedTuple):
@@ -89,6 +95,10 @@ class ShockSpectra(NamedTuple):
         Of one oscillator, where asked for.
     rolling : RollingSpectrum or None
         Of windows that slide over the record, of the first kind, where asked for.
+    judged : Spectrum or None
+        The first kind, up to what the sampling of this record carries, where it is judged.
+    harmed : str
+        Why the spectrum is not to be judged; empty where it may be.
     """
 
     file: str
@@ -100,11 +110,21 @@ class ShockSpectra(NamedTuple):
     left_out: str = ""
     response: OscillatorResponse | None = None
     rolling: RollingSpectrum | None = None
+    judged: Spectrum | None = None
+    harmed: str = ""
 
     @property
     def name(self) -> str:
         """File and channel."""
         return f"{Path(self.file).name}, {self.channel}"
+
+
+def harm_of(reading: ChannelReading) -> str:
+    """Return why a spectrum is not to be judged; that no one-sided blow stands out is how a pyroshock is."""
+    for one in reading.findings:
+        if (one.severity == "bad" and one.code != "no-pulse") or one.code in LEFT_OUT or "spectrum" in one.harms:
+            return one.message
+    return ""
 
 
 @dataclass(frozen=True)

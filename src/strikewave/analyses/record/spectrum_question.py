@@ -1,59 +1,25 @@
-"""Shock response spectra of measured files: for the command, and in plain values for Python."""
+"""Shock response spectra of measured files in plain values, for Python."""
 
 from __future__ import annotations
 
-import dataclasses
 import math
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Any, NamedTuple
 
+from strikewave.analyses.record.file_spectra import FilesAsked, judged_spectra_of
 from strikewave.analyses.record.filter_options import filtered
 from strikewave.analyses.record.result import name_of
 from strikewave.analyses.record.rolling_window import ALLOWED_Q, Rolling, read_rolling
-from strikewave.analyses.record.spectrum import (
-    KIND_UNITS,
-    ShockSpectra,
-    SpectrumOptions,
-    SpectrumRequest,
-    SpectrumResult,
-    response_of,
-    rms_of,
-    spectrum_of,
-)
+from strikewave.analyses.record.spectrum import KIND_UNITS, SpectrumOptions, SpectrumRequest, SpectrumResult
 from strikewave.analyses.record.verdicts.options import SpecificationOptions
-from strikewave.analyses.record.words import named
-from strikewave.base.errors import InputError, StrikewaveError
-from strikewave.base.result import FAILED, Notice, Source
+from strikewave.base.errors import InputError
 from strikewave.base.units import si_value
-from strikewave.records import ChannelReading, FileReading, Options, Request, SampleStore, compare
+from strikewave.records import Request
 from strikewave.reporting import measured_files as measured
-from strikewave.reporting.numbers import with_unit
 from strikewave.reporting.options import Typed, wrong_choice
-from strikewave.reporting.terminal import say
 from strikewave.signal.filters import Filter
-from strikewave.signal.srs import INITIAL, PARTS, SIDES, RollingSpectrum, Scope, octaves, resultant_srs, rolling_srs
+from strikewave.signal.srs import INITIAL, PARTS, SIDES
 from strikewave.specifications.decisions import Rule
-
-HIGHEST = 100e3
-"""Highest natural frequency by default, Hz. Chosen: ten times that of usual spectra of pyroshock (10 kHz in Irvine, An
-Introduction to the Shock Response Spectrum, 2012, figure 2), so that blows of 10 us are shown."""
-OF_SAMPLING = 0.4
-"""Highest natural frequency by default, over the sampling rate: nearer to half of it a record holds little, and its
-filter has taken some."""
-MOST_FREQUENCIES = 1e5
-"""More frequencies are refused. Chosen: no screen shows finer steps, and each takes a pass over the record."""
-MOST_WINDOWS = 20_000
-"""Windows of rolling spectra, of all channels together, at most. Chosen: more than the pixels of any screen, and a few
-GB in JSON."""
-CITED = ("smallwood-1981", "iso-18431-4")
-"""What a spectrum follows."""
-CITED_OF_SEVERAL = (*CITED, "piersol-2009", "nist-handbook")
-"""What several spectra and their limit follow."""
-LEFT_OUT = ("gain-differs",)
-"""Findings with which a record enters no envelope, as with one that is bad: its spectrum is wrong as a whole."""
-SAME_STEP = 1e-9
-"""Relative difference of steps that are one."""
 
 
 def shock_spectra(
@@ -192,9 +158,7 @@ def shock_spectra(
         )
         origin = measured.source_in_python(name_of([Path(file) for file in files]), test)
         judge = SpecificationOptions.in_python(spec, decision, uncertainty, strict).spectra_judge()
-        if judge is None:
-            return spectra_of(asked, wanted, origin)
-        return judge.judged(spectra_of(asked, judge.wanted(wanted), origin))
+        return judged_spectra_of(asked, wanted, origin, judge)
 
 
 def _typed(value: str | float, si: str, field: str) -> Typed:
@@ -211,264 +175,3 @@ def _rolling_of(value: str | float | tuple[float, float]) -> Rolling:
         return read_rolling(value, "rolling")
     times = value if isinstance(value, tuple | list) else (value,)
     return read_rolling(",".join(f"{time} s" for time in times), "rolling")
-
-
-class FilesAsked(NamedTuple):
-    """Files, what is stated of their channels, how they are read, and the filters that are taken."""
-
-    files: Sequence[str]
-    stated: dict[str, dict[str, Any]]
-    options: Options
-    filters: Request
-
-
-def spectra_of(asked: FilesAsked, wanted: SpectrumRequest, origin: Source) -> SpectrumResult:
-    """Return the spectra of measured files.
-
-    Raises
-    ------
-    InputError, StrikewaveError
-        If no file can be read, or a frequency, a window or the end of the shock cannot be used.
-    """
-    if len(asked.files) == 1 and len(asked.options.channels) < 2 and not wanted.options.resultant:
-        return _one(asked, wanted, origin)
-    unread: list[Notice] = []
-    with SampleStore() as store:
-        readings = _readings(asked, store, unread)
-        axes = [reading for _, reading in readings] if wanted.options.resultant else []
-        _check_axes(asked, wanted, axes)
-        found = _several(wanted, readings, store)
-        sums = _sums(wanted, axes, found.spectra[0].frequency)
-    return dataclasses.replace(found, resultant=sums, origin=origin, notices=(*found.notices, *unread))
-
-
-def _one(asked: FilesAsked, wanted: SpectrumRequest, origin: Source) -> SpectrumResult:
-    file, stated, options, filters = asked.files[0], asked.stated, asked.options, asked.filters
-    reading = measured.examined_channel(file, stated, options, "spectrum", "the spectrum", filters)
-    frequencies = _frequencies(wanted, reading.channel.sampling_rate)
-    scope = _scope(wanted, reading)
-    if wanted.part != "total" and wanted.end is None and reading.pulses:
-        say(f"the shock is taken to end with its last blow, at {reading.pulses[-1].end:.6g} s (--end)")
-    shock = _shock(file, reading, wanted, (frequencies, scope), MOST_WINDOWS, several=False)
-    return SpectrumResult(
-        file,
-        reading,
-        shock.spectra,
-        wanted.side,
-        scope,
-        shock.rms,
-        response=shock.response,
-        rolling=shock.rolling,
-        origin=origin,
-        notices=_notices(reading),
-        citations=CITED,
-    )
-
-
-def _readings(asked: FilesAsked, store: SampleStore, unread: list[Notice]) -> list[tuple[str, ChannelReading]]:
-    """Return the wanted channels of all files; those that cannot be read are named, and added to ``unread``.
-
-    Raises
-    ------
-    StrikewaveError
-        If none can be read.
-    """
-    failed: StrikewaveError | None = None
-    files: list[FileReading] = []
-    for file in asked.files:
-        try:
-            _, found = measured.read_channels(file, asked.stated, asked.options, asked.filters)
-        except StrikewaveError as error:
-            if len(asked.files) == 1:
-                raise
-            failed = failed or error
-            unread.append(
-                Notice("unreadable", str(error) if file in str(error) else f"{file}: {error}", severity=FAILED)
-            )
-            say(f"left out: {unread[-1].message}")
-            continue
-        files.append(dataclasses.replace(store.kept(found), path=measured.shown(file)))
-    if not any(file.channels for file in files):
-        raise failed or InputError("FILE", "none", "a file with a channel")
-    return [(file.path, reading) for file in compare(files) for reading in file.channels]
-
-
-def _several(
-    wanted: SpectrumRequest, readings: Sequence[tuple[str, ChannelReading]], store: SampleStore
-) -> SpectrumResult:
-    """Return the spectra of all channels and what they come to; one that is bad enters no envelope."""
-    first = readings[0][1].channel
-    for file, reading in readings:
-        if reading.channel.unit != first.unit:
-            got = f"{reading.channel.name} of {file}, in {reading.channel.unit or 'no unit that is known'}"
-            allowed = f"channels in the unit of the first, {first.unit or 'which is not known'}"
-            hint = "" if reading.channel.unit and first.unit else "state it, such as --unit g"
-            raise InputError("FILE", got, allowed, hint)
-    slowest, fastest = (end(readings, key=lambda pair: pair[1].channel.sampling_rate) for end in (min, max))
-    rate = slowest[1].channel.sampling_rate
-    frequencies = _frequencies(wanted, rate, f" of {slowest[0]}")
-    asked_for = wanted.frequencies or wanted.grid[1] is not None or rate == fastest[1].channel.sampling_rate
-    if wanted.part != "total" and wanted.end is None:
-        say("each shock is taken to end with its last blow (--end)")
-    shocks, notices = [], []
-    found: dict[tuple[str, str], tuple[Notice, list[str]]] = {}
-    windows = MOST_WINDOWS // len(readings)
-    for file, reading in readings:
-        shock = _shock(file, reading, wanted, (frequencies, _scope(wanted, reading, file)), windows)
-        shocks.append(shock)
-        store.forget()
-        does = "is bad, and still in the resultant" if wanted.options.resultant else "enters no envelope"
-        if shock.left_out:
-            notices.append(Notice("left-out", f"{shock.name} {does}: {shock.left_out}"))
-            continue
-        for one in _notices(reading):
-            found.setdefault((one.code, one.message), (one, []))[1].append(shock.name)
-    for one, where in found.values():
-        of = "" if len(where) == len(shocks) - len(notices) else f"{named(where)}: "
-        notices.append(dataclasses.replace(one, message=f"{of}{one.message}"))
-    place = next((k for k, shock in enumerate(shocks) if not shock.left_out), 0)
-    file, reading = readings[place]
-    return SpectrumResult(
-        file,
-        reading,
-        shocks[place].spectra,
-        wanted.side,
-        _scope(wanted, reading),
-        shocks=shocks,
-        bounded_by="" if asked_for else f"{with_unit(rate, 'Hz', 'kHz')} of {Path(slowest[0]).name}",
-        notices=tuple(notices),
-        citations=CITED_OF_SEVERAL,
-    )
-
-
-def _shock(
-    file: str,
-    reading: ChannelReading,
-    wanted: SpectrumRequest,
-    over: tuple[Any, Scope],
-    most_windows: int,
-    several: bool = True,
-) -> ShockSpectra:
-    """Return all that is asked of a channel, over natural frequencies and of a part of the shock.
-
-    Of several, one that is left out has no response over time and no rolling spectrum.
-    """
-    more, kinds, channel = wanted.options, wanted.kinds, reading.channel
-    frequencies, scope = over
-    left_out = next((f.message for f in reading.findings if f.severity == "bad" or f.code in LEFT_OUT), "")
-    response, rolling = None, None
-    if more.response is not None and not (left_out and several):
-        natural = _below(more.response, "--response", channel.sampling_rate)
-        response = response_of(reading, kinds, natural, wanted.q, more.initial)
-    if more.rolling is not None and not (left_out and several):
-        rolling = _rolling(reading, wanted, frequencies, most_windows, file)
-    return ShockSpectra(
-        file,
-        channel.name,
-        reading.status,
-        reading.baseline,
-        [spectrum_of(reading, kind, frequencies, wanted.q, scope) for kind in kinds],
-        {kind: rms_of(reading, kind, frequencies, wanted.q, more.initial) for kind in kinds if more.rms},
-        left_out,
-        response,
-        rolling,
-    )
-
-
-def _check_axes(asked: FilesAsked, wanted: SpectrumRequest, axes: Sequence[ChannelReading]) -> None:
-    """Refuse a resultant of what are no axes of one shock."""
-    if not wanted.options.resultant:
-        return
-    if len(asked.files) > 1:
-        raise InputError("--resultant", f"{len(asked.files)} files", "the channels of one file")
-    if wanted.part != "total" or wanted.side != "maximax":
-        option, got = ("--part", wanted.part) if wanted.part != "total" else ("--side", wanted.side)
-        raise InputError(option, got, "the total maximax with --resultant: a length has no sign", "leave it out")
-    if len(axes) not in (2, 3):
-        got = f"{len(axes)} channel{'s' if len(axes) > 1 else ''}"
-        raise InputError("--resultant", got, "2 or 3 perpendicular channels", "name each with --channel")
-    first = axes[0].channel
-    for other in (reading.channel for reading in axes[1:]):
-        if other.values.size != first.values.size or not math.isclose(other.step, first.step, rel_tol=SAME_STEP):
-            sizes = [f"{r.channel.name} of {r.channel.values.size}" for r in axes]
-            raise InputError("--resultant", ", ".join(sizes) + " samples", "channels sampled together")
-        if other.unit != first.unit:
-            got = f"{other.name} in {other.unit}"
-            raise InputError("--resultant", got, f"channels in the unit of {first.name}, {first.unit or 'unknown'}")
-
-
-def _sums(wanted: SpectrumRequest, axes: Sequence[ChannelReading], frequencies: Any) -> dict[str, Any]:
-    """Return the vector sums of axes by kind; nothing without axes."""
-    values, initial = [reading.channel.values - reading.baseline for reading in axes], wanted.options.initial
-    kinds = wanted.kinds if axes else ()
-    return {kind: resultant_srs(values, axes[0].channel.step, frequencies, wanted.q, kind, initial) for kind in kinds}
-
-
-def _rolling(
-    reading: ChannelReading, wanted: SpectrumRequest, frequencies: Any, most: int, file: str
-) -> RollingSpectrum:
-    """Return the rolling spectrum of the first kind, its times in those of the file."""
-    channel, rolling = reading.channel, wanted.options.rolling
-    assert rolling is not None
-    if wanted.part != "total" or wanted.options.initial != "rest":
-        option = "--part" if wanted.part != "total" else "--initial"
-        got = wanted.part if wanted.part != "total" else wanted.options.initial
-        raise InputError(option, got, "total and from rest with --rolling, each window by itself", "leave it out")
-    longest = channel.step * (channel.values.size - 1)
-    if not 2.0 * channel.step <= rolling.window <= longest:
-        allowed = f"a window from two samples, {2.0 * channel.step:g} s, to the whole record, {longest:g} s"
-        raise InputError("--rolling", rolling.word, f"{allowed}, of {file}")
-    if not channel.step <= rolling.hop:
-        raise InputError("--rolling", rolling.word, f"a hop of one sample of {file}, {channel.step:g} s, or more")
-    windows = (longest - rolling.window) / rolling.hop + 1.0
-    if windows > most:
-        allowed = f"at most {most} windows a channel, not {windows:.0f}"
-        raise InputError("--rolling", rolling.word, allowed, "hop further")
-    values = channel.values - reading.baseline
-    found = rolling_srs(values, channel.step, frequencies, (rolling.window, rolling.hop), wanted.q, wanted.kinds[0])
-    return found._replace(time=found.time + channel.start)
-
-
-def _notices(reading: ChannelReading) -> tuple[Notice, ...]:
-    """Return what harms the spectrum, leaves its unit open, or tells it from the others."""
-    always = ("unit-unknown", "not-calibrated", "outlier")
-    return tuple(found.notice for found in reading.findings if "spectrum" in found.harms or found.code in always)
-
-
-def _frequencies(wanted: SpectrumRequest, rate: float, of: str = "") -> Any:
-    """Return the natural frequencies, which the lowest sampling rate, that ``of`` a file, can carry."""
-    if wanted.frequencies:
-        return [_below(frequency, "--frequency", rate, of) for frequency in wanted.frequencies]
-    low, asked, per_octave = wanted.grid
-    high = min(HIGHEST, OF_SAMPLING * rate) if asked is None else _below(asked, "--to", rate, of)
-    if not low < high and asked is None:
-        allowed = f"a frequency below the highest, {high:g} Hz (100 kHz, or 2/5 of the sampling rate{of})"
-        raise InputError("--from", getattr(low, "word", low), allowed, "a higher one is stated by --to")
-    if asked is not None and not low < asked:
-        raise InputError("--to", asked.word, f"a frequency above --from, {low:g} Hz")
-    if per_octave * math.log2(high / low) > MOST_FREQUENCIES:
-        raise InputError("--per-octave", per_octave, "at most 100 000 frequencies")
-    return octaves(low, high, per_octave)
-
-
-def _below(frequency: Typed, field: str, rate: float, of: str = "") -> float:
-    if frequency >= 0.5 * rate:
-        allowed = f"a frequency below half the sampling rate{of}, {0.5 * rate:g} Hz"
-        raise InputError(field, frequency.word, allowed, "the record holds nothing above; sample faster")
-    return frequency
-
-
-def _scope(wanted: SpectrumRequest, reading: ChannelReading, file: str = "") -> Scope:
-    """Return the part of the shock, its end after the first sample."""
-    channel, end = reading.channel, wanted.end
-    if end is None and wanted.part != "total" and reading.pulses:
-        after = max(reading.pulses[-1].end - channel.start, 2.0 * channel.step)
-        return Scope(wanted.part, after, initial=wanted.options.initial)
-    if end is None:
-        return Scope(wanted.part, initial=wanted.options.initial)
-    after = end - channel.start
-    if not channel.step < after <= channel.duration:
-        last = channel.start + channel.duration
-        of = f" of {file}" if file else ""
-        raise InputError("--end", end.word, f"a time{of} from {channel.start:g} s to {last:g} s")
-    return Scope(wanted.part, after, initial=wanted.options.initial)

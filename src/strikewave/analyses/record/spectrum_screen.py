@@ -7,9 +7,9 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, ClassVar
 
+from strikewave.analyses.record.file_spectra import FilesAsked, judged_spectra_of
 from strikewave.analyses.record.result import name_of
 from strikewave.analyses.record.spectrum import KIND_UNITS, SHOWN_UNITS, SpectrumRequest, SpectrumResult
-from strikewave.analyses.record.spectrum_question import FilesAsked, spectra_of
 from strikewave.analyses.record.verdicts.judged_spectra import SpectraJudge, print_spectra_verdict
 from strikewave.base.result import Source
 from strikewave.reporting import measured_files as measured
@@ -58,9 +58,7 @@ class SrsCommand(Command[SpectrumResult]):
 
     def solve(self) -> SpectrumResult:
         """Return the spectra, the baselines of the records taken off."""
-        if self.judge is None:
-            return spectra_of(self.asked, self.wanted, self.origin)
-        return self.judge.judged(spectra_of(self.asked, self.judge.wanted(self.wanted), self.origin))
+        return judged_spectra_of(self.asked, self.wanted, self.origin, self.judge)
 
     def summary(self, result: SpectrumResult) -> str:
         """Say where the spectrum is largest."""

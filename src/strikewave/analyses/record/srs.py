@@ -105,8 +105,8 @@ def command(
     three on the limit P95/50. --spec judges each by a specification, which then states frequencies, Q and side. With
     --json, no files are written unless --out is given. The exit code is 3 where the verdict is FAIL.
     """
+    from strikewave.analyses.record.file_spectra import FilesAsked
     from strikewave.analyses.record.spectrum import SpectrumOptions, SpectrumRequest
-    from strikewave.analyses.record.spectrum_question import FilesAsked
     from strikewave.analyses.record.spectrum_screen import compute_spectra
     from strikewave.records import Request
 

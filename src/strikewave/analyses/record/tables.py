@@ -68,6 +68,17 @@ def amount(name: str, unit: str, value: float, digits: int = 4) -> str:
     return text if text == NONE or (name == "peak" and not unit) else f"{text} {shown}"
 
 
+def plus_minus(name: str, unit: str, value: float, doubt: float) -> str:
+    """Write a figure of a channel with its standard uncertainty.
+
+    Examples
+    --------
+    >>> plus_minus("peak", "m/s^2", 49033.25, 98.0665)
+    '5000 g ± 10 g'
+    """
+    return f"{amount(name, unit, value)} ± {amount(name, unit, doubt, 2)}"
+
+
 def number(name: str, unit: str, value: float, digits: int = 4) -> str:
     """Write a figure of a channel in its shown unit, without it."""
     return written(value / figure_unit(name, unit)[0], digits)

@@ -37,7 +37,7 @@ def record_words(result: RecordResult) -> str:
     for campaign in campaigns:
         words.append(_campaign_words(campaign, unit_of(files, campaign), len(campaigns) > 1))
     words += [] if result.sensor is None else [result.sensor.sentence()]
-    answers = response_words(files)
+    answers = response_words(result.response_summaries)
     words += [answers] if answers else []
     bad = [(names[file.path], f) for file in files for f in file.findings if f.severity == "bad"]
     several = len(campaigns) > 1

@@ -193,9 +193,8 @@ def _waves(rows: Rows, checks: Sequence[Consistency]) -> tuple[Finding, ...]:
             "arrival of echoes",
             "after t_(l−x), and every t₀ from then on",
             f"In the example the first echo is taken to come after {echo:.2f} of its time, the next after {again:.2f}; "
-            f"the largest strain of a pulse of two transits is off by {percent(late, 0, '+')}. Amplitudes, and "
-            "what a long load "
-            "settles to, are right.",
+            f"the largest strain of a pulse of two transits is off by {percent(late, 0, '+')}. Amplitudes, and what a "
+            "long load settles to, are right.",
             judged(min(echo, again), EXACT),
             "(30), (32) to (36)",
         ),
@@ -258,11 +257,9 @@ def _experiments(checks: Sequence[Consistency]) -> tuple[Finding, ...]:
         Finding(
             "simulated and measured rigid-body pulse",
             "good consistency",
-            f"Peaks {percent(simulated - 1.0, 1, '+')}, widths {percent(width - 1.0, 1, '+')}, so half-sines of "
-            "them differ by "
-            f"{percent(simulated * width - 1.0, 1, '+')} in impulse. Neither the error of the measurement nor how "
-            "widths were read "
-            "is said: what would be good is open.",
+            f"Peaks {percent(simulated - 1.0, 1, '+')}, widths {percent(width - 1.0, 1, '+')}, so half-sines of them "
+            f"differ by {percent(simulated * width - 1.0, 1, '+')} in impulse. Neither the error of the measurement "
+            "nor how widths were read is said: what would be good is open.",
             "open",
             "Figure 11",
         ),
@@ -366,8 +363,8 @@ def _yielding(quiet: ElementNumbers | None, reflecting: ElementNumbers | None) -
     if not strains:
         return Finding(topic, paper, NOT_RUN, "open", shown)
     result = (
-        "Largest plastic strain "
-        f"{', '.join(f'{percent(strain, 2)} {words}' for words, strain in strains)} non-reflecting faces"
+        f"Largest plastic strain {', '.join(f'{percent(strain, 2)} {words}' for words, strain in strains)} "
+        "non-reflecting faces"
     )
     result += "; it depends on the mesh and on the slope beyond yield, which is assumed."
     if stresses:

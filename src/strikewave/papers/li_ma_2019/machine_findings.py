@@ -115,9 +115,8 @@ def spring_force(machine: Solution) -> Finding:
         "spring force during the blow",
         "the compression of the spring is limited, so that its force can be neglected",
         f"Spring, damper and weight take {percent(share)} of the impulse of the contact "
-        f"({abs(blow.support_impulse):.3f} of "
-        f"{blow.contact_impulse:.2f} N s; their preload and rate are assumed). Between blows the spring decides: it "
-        "brings the object back.",
+        f"({abs(blow.support_impulse):.3f} of {blow.contact_impulse:.2f} N s; their preload and rate are assumed). "
+        "Between blows the spring decides: it brings the object back.",
         judged(1.0 + share),
         "section 2.2; li-ma-2019",
     )
@@ -136,12 +135,11 @@ def stress_evenness() -> Finding:
     return Finding(
         "stress is even in the specimen after 3 to 5 transits",
         "so the incident wave should last longer than (3 to 5) t₀",
-        f"After a step it is: to {percent(UNIFORM, 0)} after {steps[0]:.0f} of 45 steel between 65Mn of equal "
-        "area, after "
-        f"{steps[1]:.0f} of 2A12. Under a straight rise that lasts half of the published {width * 1e6:.0f} µs it takes "
-        f"{slow:.0f}. A sensor of {sensor.length.si * 1e3:g} mm (assumed) has t₀ = {transit * 1e6:.2f} µs: the pulse "
-        f"lasts {width / transit:.0f} t₀, and its stress is even for most of it. What lasts so long does not show how "
-        "a wave passes.",
+        f"After a step it is: to {percent(UNIFORM, 0)} after {steps[0]:.0f} of 45 steel between 65Mn of equal area, "
+        f"after {steps[1]:.0f} of 2A12. Under a straight rise that lasts half of the published {width * 1e6:.0f} µs it "
+        f"takes {slow:.0f}. A sensor of {sensor.length.si * 1e3:g} mm (assumed) has t₀ = {transit * 1e6:.2f} µs: the "
+        f"pulse lasts {width / transit:.0f} t₀, and its stress is even for most of it. What lasts so long does not "
+        "show how a wave passes.",
         "not" if max(steps) > most else "partly" if slow > most else "right",
         "section 3.2; Figure 13",
     )
@@ -183,13 +181,9 @@ def sampling(machine: Solution) -> Finding:
         "sampling of the built-in recorder",
         "its limited frequency lets the measured curve show the trend alone, and distorts it",
         f"The rate is not published. A half-sine of {width * 1e6:.0f} µs loses {percent(COSTLY, 0)} of its peak "
-        "between "
-        "samples at "
-        f"worst at {costly_rate(width) / 1e3:.0f} kHz, {percent(lost_between_samples(width, rate))} at "
-        f"{rate / 1e3:g} kHz "
-        f"(assumed). With a filter of {recorder.order} poles at {recorder.cutoff / 1e3:g} kHz (assumed) such a "
-        "recorder "
-        f"shows {percent(kept)} of the computed peak. Rate and filter would decide.",
+        f"between samples at worst at {costly_rate(width) / 1e3:.0f} kHz, {percent(lost_between_samples(width, rate))} "
+        f"at {rate / 1e3:g} kHz (assumed). With a filter of {recorder.order} poles at {recorder.cutoff / 1e3:g} kHz "
+        f"(assumed) such a recorder shows {percent(kept)} of the computed peak. Rate and filter would decide.",
         "open",
         "Figure 11; li-ma-2019",
     )
@@ -200,17 +194,15 @@ def consistency(fixture: Solution, trains: tuple[TrainScatter, ...]) -> Finding:
     rigid = variation([blow.rigid_peak for blow in fixture.blows if blow.kind != "missed"])
     peaks = [reading.sensors["oscilloscope"].peak for reading in fixture.readings if reading is not None]
     found = (
-        f"With joints that hold, the sensor's peaks scatter by {percent(variation(np.abs(peaks)))} over the "
-        "train, as the "
-        f"rigid ones do ({percent(rigid)}): a smooth pulse passes on what comes. "
+        f"With joints that hold, the sensor's peaks scatter by {percent(variation(np.abs(peaks)))} over the train, as "
+        f"the rigid ones do ({percent(rigid)}): a smooth pulse passes on what comes. "
     )
     verdict: Answer = "open"
     if trains:
         chatter = [one.sensor for one in trains]
         found += (
-            f"With joints that chatter, by {percent(min(chatter))} to {percent(max(chatter))} in {len(trains)} "
-            "pairs of preload "
-            "and faces. "
+            f"With joints that chatter, by {percent(min(chatter))} to {percent(max(chatter))} in {len(trains)} pairs "
+            "of preload and faces. "
         )
         verdict = "partly" if max(chatter) > RIGHT * rigid else "not"
     else:

@@ -116,10 +116,8 @@ def saturated(record: Examined) -> list[HealthNotice]:
             continue
         message = (
             f"the top is flat: {percent(sharpness, 0)} as wide at {percent(TIP, 0)} of the peak as at "
-            f"{percent(UPPER, 0)} (an elastic pulse's "
-            f"{percent(usual, 0)}): sensor or amplifier may be near its limit; a pulse that is meant to be flat, "
-            "or made by "
-            "yielding, cannot be told from it"
+            f"{percent(UPPER, 0)} (an elastic pulse's {percent(usual, 0)}): sensor or amplifier may be near its limit; "
+            "a pulse that is meant to be flat, or made by yielding, cannot be told from it"
         )
         higher = _half_sine_of_flanks(record, pulse) - 1.0
         if higher > WRONG:
@@ -137,7 +135,8 @@ def slew_limited(record: Examined) -> list[HealthNotice]:
     for pulse in record.pulses:
         if pulse.method != "record" or not pulse.width > 0.0:
             continue
-        other, steep = sorted(flank_of(record, pulse, side) for side in (-1, 1))
+        swing = _amplitude_after(record, pulse)
+        other, steep = sorted(flank_of(record, pulse, side, swing) for side in (-1, 1))
         own_slope = other.slope < (1.0 - ALIKE) * steep.slope
         saw_tooth = other.bend < STRAIGHT and other.slope < SAW_TOOTH * steep.slope
         if not steep.bend < STRAIGHT or saw_tooth:
@@ -160,10 +159,11 @@ class Flank(NamedTuple):
     bend: float
 
 
-def flank_of(record: Examined, pulse: RecordedPulse, side: int) -> Flank:
+def flank_of(record: Examined, pulse: RecordedPulse, side: int, swing: float = 0.0) -> Flank:
     """Return the largest slope of one side of a pulse, and its bend, the doubt by noise and ringing added.
 
-    The bend is that of parabola and cubic in the Legendre polynomials through the side, over the peak.
+    The bend is that of parabola and cubic in the Legendre polynomials through the side, over the peak. ``swing`` is the
+    amplitude of what rings after the pulse: it may straighten a side by as much.
 
     Examples
     --------
@@ -180,7 +180,7 @@ def flank_of(record: Examined, pulse: RecordedPulse, side: int) -> Flank:
     top = record.place(pulse.time) - record.place(pulse.begin)
     heights = heights[top:][::-1] if side > 0 else heights[: top + 1]
     ripple = 0.0 if math.isnan(pulse.baseline.ripple) else pulse.baseline.ripple
-    swing = max(ripple, _amplitude_after(record, pulse))  # it may straighten a side by as much as it swings
+    swing = max(ripple, swing)
     least, slope = math.inf, float(np.max(np.diff(heights), initial=0.0))
     for level in LEVELS:
         first = int(np.max(np.flatnonzero(heights < level), initial=0))
@@ -256,18 +256,25 @@ def _half_sine_of_flanks(record: Examined, pulse: RecordedPulse) -> float:
 
 def _swing_to_both_sides(record: Examined, pulse: RecordedPulse) -> float:
     """Return by how much a record swings to either side within two widths after a blow: a tail stays on one."""
-    first, last = record.place(pulse.end), record.place(pulse.end + SWINGS_WITHIN * pulse.width)
-    after = record.values[first : last + 1] - pulse.offset
-    return max(min(float(np.max(after)), -float(np.min(after))) - NOISE_SPANS * pulse.noise, 0.0)
+    return max(_to_both_sides(_after(record, pulse)) - NOISE_SPANS * pulse.noise, 0.0)
 
 
 def _amplitude_after(record: Examined, pulse: RecordedPulse) -> float:
     """Return the amplitude of what swings to both sides after a blow, the most that noise makes of it taken off."""
-    first, last = record.place(pulse.end), record.place(pulse.end + SWINGS_WITHIN * pulse.width)
-    after = record.values[first : last + 1] - pulse.offset
-    both = max(min(float(np.max(after)), -float(np.min(after))), 0.0)
+    after = _after(record, pulse)
     by_noise = pulse.noise**2 * (1.0 + SURE * math.sqrt(2.0 / after.size))
-    return min(both, math.sqrt(2.0 * max(float(np.var(after)) - by_noise, 0.0)))
+    return min(max(_to_both_sides(after), 0.0), math.sqrt(2.0 * max(float(np.var(after)) - by_noise, 0.0)))
+
+
+def _after(record: Examined, pulse: RecordedPulse) -> Array:
+    """Return what a record is above the zero of a blow from its end on, as long as what bent its top swings on."""
+    first, last = record.place(pulse.end), record.place(pulse.end + SWINGS_WITHIN * pulse.width)
+    return np.asarray(record.values[first : last + 1] - pulse.offset)
+
+
+def _to_both_sides(values: Array) -> float:
+    """Return by how much values reach to either side of zero; below zero where they stay on one."""
+    return min(float(np.max(values)), -float(np.min(values)))
 
 
 def _above_zero(record: Examined, pulse: RecordedPulse) -> Array:

@@ -252,9 +252,8 @@ def saturated(record: ExaminedResponse) -> list[HealthNotice]:
     if flat is None:
         return []
     message = (
-        f"the highest top is flat for {percent(flat[0], 0)} of its half swing (a sine's for "
-        f"{percent(flat[1], 0)}): the sensor or an "
-        "amplifier may have saturated; the true peak is larger"
+        f"the highest top is flat for {percent(flat[0], 0)} of its half swing (a sine's for {percent(flat[1], 0)}): "
+        "the sensor or an amplifier may have saturated; the true peak is larger"
     )
     return [HealthNotice("flat-top", message, flat[0], harms=RESPONSE_FIGURES, start=record.largest.time)]
 
@@ -306,8 +305,7 @@ def slew_limited(record: ExaminedResponse) -> list[HealthNotice]:
         return []
     message = (
         f"the steepest slope stays the same for {percent(flat[0], 0)} of its half swing (a sine's for "
-        f"{percent(flat[1], 0)}): the "
-        "amplifier was too slow (slew rate); the true peak is larger"
+        f"{percent(flat[1], 0)}): the amplifier was too slow (slew rate); the true peak is larger"
     )
     return [HealthNotice("slew-rate", message, flat[0], harms=RESPONSE_FIGURES, start=record.largest.begin)]
 

@@ -10,7 +10,8 @@ from strikewave.base.percents import percent
 from strikewave.records.health.examined import BLOW, FEWEST_OF_PART, Examined
 from strikewave.records.health_notice import HealthNotice, by_effect
 from strikewave.records.measuring import RecordedPulse, one_sided, stretch_of
-from strikewave.records.rigid_pulse import POOR, RINGS_WITHIN, ringing_of
+from strikewave.records.rigid_pulse import POOR
+from strikewave.records.ringing import RINGS_WITHIN, ringing_of
 
 AFTER_BLOW = 0.25
 """Widths after the feet of a blow from which on its ringing is taken, up to `RINGS_WITHIN`: beside the foot, before it
@@ -65,10 +66,9 @@ def _ringing_of(record: Examined, pulse: RecordedPulse) -> HealthNotice | None:
         return None
     if not frequency * pulse.smooth.width() > SEPARATE:
         message = (
-            f"after the blow the record swings by {percent(share, 0)} of the peak, about as slowly as the blow "
-            "itself, and no "
-            "single mode explains it: peak, rise and width may hold such ringing too; a smooth pulse misses the blow "
-            f"by {percent(pulse.smooth.misfit, 0)}"
+            f"after the blow the record swings by {percent(share, 0)} of the peak, about as slowly as the blow itself, "
+            "and no single mode explains it: peak, rise and width may hold such ringing too; a smooth pulse misses the "
+            f"blow by {percent(pulse.smooth.misfit, 0)}"
         )
         strong = share > STRONG_RINGING or (within and pulse.smooth.misfit > POOR)
         severity, harms = ("suspect", ("peak", "rise", "width")) if strong else ("good", ())
@@ -76,9 +76,8 @@ def _ringing_of(record: Examined, pulse: RecordedPulse) -> HealthNotice | None:
     smooth = {"peak": pulse.smooth.peak, "width": pulse.smooth.width(), "velocity_change": pulse.smooth.area()}
     effects = {name: getattr(pulse, name) / value - 1.0 for name, value in smooth.items() if value}
     message = (
-        f"the blow rings at about {frequency:.3g}\xa0Hz, by {percent(max(share, pulse.smooth.misfit), 0)} of the "
-        "peak, and no "
-        "single mode explains it; against the smooth pulse"
+        f"the blow rings at about {frequency:.3g}\xa0Hz, by {percent(max(share, pulse.smooth.misfit), 0)} of the peak, "
+        "and no single mode explains it; against the smooth pulse"
     )
     return by_effect("ringing", message, share, effects, doubt=_doubt_of_smooth(pulse, frequency), start=pulse.end)
 

@@ -73,9 +73,8 @@ def _pulse_lost(study: BufferStudy, first: BufferCandidate) -> Iterator[Notice]:
     if not carries(first, width):
         message = (
             f"{first.name} passes within 10 % only up to {passed:.3g}\xa0Hz, and a pulse of {width * 1e6:.4g}\xa0us "
-            "needs "
-            f"about {1.0 / width:.4g}\xa0Hz, one over its width: the reading is the buffer's own swing; it tells that "
-            "the sensor survives, not what the pulse was"
+            f"needs about {1.0 / width:.4g}\xa0Hz, one over its width: the reading is the buffer's own swing; it tells "
+            "that the sensor survives, not what the pulse was"
         )
         yield Notice("pulse-lost", message, passed, 1.0 / width)
 
@@ -112,8 +111,8 @@ def _why_none(study: BufferStudy) -> Notice:
     value = first.true_peak
     bound = study.site.range if first.clipped else limit
     message = (
-        f"no stack keeps {_g(limit)}: the nearest, {first.name}, gives "
-        f"{_g(value)} at the {'element' if first.clipped else 'reading'}"
+        f"no stack keeps {_g(limit)}: the nearest, {first.name}, gives {_g(value)} at the "
+        f"{'element' if first.clipped else 'reading'}"
     )
     if first.clipped and value > bound:
         message += f", beyond the range of {_g(bound)}"

@@ -233,9 +233,8 @@ def _print(study: BufferStudy) -> None:
     print_rows(title, needed(SCREEN_COLUMNS, rows), rows)
     if len(study.candidates) > len(shown):
         tell(
-            f"stacks with peak and bandwidth of one above within {percent(ALIKE, 0)} are left out here; --json "
-            "and the files "
-            "have all"
+            f"stacks with peak and bandwidth of one above within {percent(ALIKE, 0)} are left out here; --json and the "
+            "files have all"
         )
     first = study.candidates[0]
     parts = [f"{first.rigid_ratio:.3g} times the rigid-body peak"] if math.isfinite(first.rigid_ratio) else []

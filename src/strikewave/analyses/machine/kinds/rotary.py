@@ -24,8 +24,7 @@ class Rotary(RotaryTable, MachineKind):
     description: ClassVar[str] = (
         "A rotary machine: a turntable carries the strikers, a hydraulic feed brings the object into their path, each "
         "striker hits it in turn, and a preloaded spring and a damper bring it back to its stop before the next one "
-        "comes. After the wanted number of passes the feed "
-        "withdraws the object and the turntable is braked."
+        "comes. After the wanted number of passes the feed withdraws the object and the turntable is braked."
     )
     chain: ClassVar[tuple[str, ...]] = (
         *("turntable", "mount", "striker", "contact", "nose", "frame", "assembly"),

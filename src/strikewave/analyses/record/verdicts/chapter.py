@@ -31,29 +31,34 @@ def verdict_section(found: RecordsVerdict, names: dict[str, str]) -> Section:
     worst = sorted(found.shocks, key=lambda shock: WORST_FIRST.index(shock.found.verdict))[:MOST_DRAWN]
     drawn = [shock for shock in found.shocks if shock in worst] if len(found.shocks) <= MOST_DRAWN else worst
     parts += [_picture(shock, found, names, several) for shock in drawn]
-    text = _how(found)
+    text = decision_words(found)
     if len(found.shocks) > len(drawn):
         text += f" {len(drawn)} of {len(found.shocks)} shocks are drawn, those that fail first."
     return Section("Verdict by the specification", text, parts)
 
 
-def _how(found: RecordsVerdict) -> str:
-    """Say how it was judged."""
-    file, asked = found.specification.file, found.asked
+def decision_words(found: RecordsVerdict) -> str:
+    """Say how it was judged, and where the numbers of the specification come from."""
+    asked = found.asked
     rule = (
         "by the values alone (simple acceptance)"
         if asked.rule == "simple"
         else "with a guard band of the expanded uncertainty, k = 2, on both sides of each limit (ISO 14253-1, JCGM 106)"
     )
     chain = f", {100.0 * asked.uncertainty:g} % of the acceleration and that of noise" if asked.uncertainty else ""
-    words = f"Judged {rule}{chain}."
+    return f"Judged {rule}{chain}. {limit_words_of(found)}"
+
+
+def limit_words_of(found: RecordsVerdict) -> str:
+    """Say how the band lies, how the numbers of the specification are known, and where they come from."""
+    file, words = found.specification.file, ""
     if found.limits.band is not None:
-        words += (
-            " The band lies where the smallest distance of the record to it is largest; the velocity change is "
-            "integrated about that place."
+        words = (
+            "The band lies where the smallest distance of the record to it is largest; the velocity change is "
+            "integrated about that place. "
         )
     words += (
-        " The status of a limit is normative (read in the standard), quoted (second-hand) or indicative (from memory); "
+        "The status of a limit is normative (read in the standard), quoted (second-hand) or indicative (from memory); "
         "that of its weakest number counts."
     )
     note = f" {' '.join(file.note.split())}" if file.note else ""

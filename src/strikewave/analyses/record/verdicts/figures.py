@@ -40,9 +40,9 @@ def shock_figure(shock: JudgedShock, limits: PulseLimits, name: str) -> Figure:
     axes = figure.add_subplot()
     size, unit = axis_unit("m/s^2", "g")
     second, clock = time_unit(limits.pulse.duration)
-    _draw_limits(axes, limits, size, second)
+    draw_limits(axes, limits, size, second)
     record, found = shock.shock, shock.found
-    before, after = _window(limits)
+    before, after = shown_window(limits)
     time = record.time - found.start
     inside = (time >= -before) & (time <= limits.pulse.duration + after)
     x, y = thin(time[inside], record.values[inside], POINTS // 2)
@@ -63,17 +63,17 @@ def shock_figure(shock: JudgedShock, limits: PulseLimits, name: str) -> Figure:
     return legend_below(figure)
 
 
-def _window(limits: PulseLimits) -> tuple[float, float]:
+def shown_window(limits: PulseLimits) -> tuple[float, float]:
     """Return how long before and after the pulse is shown, s."""
     band = limits.band
     shares = (0.5, 1.0) if band is None else (band.before, band.after)
     return shares[0] * limits.pulse.duration, shares[1] * limits.pulse.duration
 
 
-def _draw_limits(axes: Any, limits: PulseLimits, size: float, second: float) -> None:
+def draw_limits(axes: Any, limits: PulseLimits, size: float, second: float) -> None:
     """Draw what a shock is held against, over time from the begin of the ideal pulse."""
     pulse, band = limits.pulse, limits.band
-    before, after = _window(limits)
+    before, after = shown_window(limits)
     if band is not None:
         time = band.grid()[::2]
         time = np.unique(np.concatenate([time, band.grid()[:1], band.grid()[-1:]]))
@@ -96,7 +96,7 @@ def limits_figure(limits: PulseLimits, title: str) -> Figure:
     axes = figure.add_subplot()
     size, unit = axis_unit("m/s^2", "g")
     second, clock = time_unit(limits.pulse.duration)
-    _draw_limits(axes, limits, size, second)
+    draw_limits(axes, limits, size, second)
     if limits.width is not None:
         level = limits.level * limits.pulse.peak
         first, last = _crossings(limits)
@@ -127,7 +127,14 @@ def spectrum_limits_figure(
 ) -> Figure:
     """Draw a specification of a spectrum, with spectra (name, frequency, values, verdict) over it."""
     figure = new_figure(WHOLE)
-    axes = figure.add_subplot()
+    draw_spectrum_limits(figure.add_subplot(), limits, spectra, title)
+    return legend_below(figure)
+
+
+def draw_spectrum_limits(
+    axes: Any, limits: SpectrumLimits, spectra: list[tuple[str, np.ndarray, np.ndarray, str]], title: str
+) -> None:
+    """Draw a specification of a spectrum, with spectra (name, frequency, values, verdict) over it, on axes."""
     size, unit = axis_unit("m/s^2", "g")
     frequency = np.unique(
         np.concatenate([np.geomspace(limits.frequency[0], limits.frequency[-1], POINTS), limits.frequency])
@@ -141,7 +148,6 @@ def spectrum_limits_figure(
     axes.set_xscale("log")
     axes.set_yscale("log")
     quiet(axes, plain(title, 90), "natural frequency (Hz)", f"{limits.side} acceleration ({unit}), Q = {limits.q:g}")
-    return legend_below(figure)
 
 
 MOST_SPECTRA = 8

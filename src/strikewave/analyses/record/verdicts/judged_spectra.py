@@ -5,11 +5,12 @@ from __future__ import annotations
 import dataclasses
 import math
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from strikewave.analyses.record.spectrum import SpectrumRequest, SpectrumResult
+from strikewave.analyses.record.spectrum import SpectrumRequest, SpectrumResult, harm_of
 from strikewave.analyses.record.verdicts.judged import verdict_notices
 from strikewave.base.errors import InputError
 from strikewave.reporting.clause_words import SHOWN, clause_words, tag_of, verdict_words
@@ -25,6 +26,8 @@ from strikewave.specifications.reading import Specification
 from strikewave.specifications.spectrum_limits import judge_spectrum
 
 Array = NDArray[np.float64]
+
+FIXES = "the specification fixes it: leave it out"
 
 
 @dataclass(frozen=True)
@@ -45,14 +48,27 @@ class SpectraJudge:
             If it states no spectrum, or another part, kind or set of frequencies was asked for.
         """
         limits = self.specification.spectrum_limits()
+        first, last = limits.frequency[0], limits.frequency[-1]
         if request.frequencies:
-            raise InputError(
-                "--frequency", request.frequencies[0].word, "none with --spec", "it states the frequencies"
-            )
-        if request.kinds != (limits.kind,):
-            raise InputError("--kind", ", ".join(request.kinds), f"{limits.kind} with this --spec", "leave it out")
-        low = Typed(limits.frequency[0], f"{limits.frequency[0]:g} Hz")
-        return request._replace(q=limits.q, grid=(low, None, limits.per_octave), side=limits.side)
+            raise InputError("--frequency", request.frequencies[0].word, "none with --spec", FIXES)
+        low, high, per_octave = request.grid
+        rows: tuple[tuple[str, Any, Any, Any], ...] = (
+            ("--kind", ", ".join(request.kinds), "", limits.kind),
+            ("--q", request.q, 10.0, limits.q),
+            ("--from", low, 10.0, first),
+            ("--to", high, None, last),
+            ("--per-octave", per_octave, 12.0, limits.per_octave),
+            ("--side", request.side, "maximax", limits.side),
+            ("--part", request.part, "total", "total"),
+        )
+        for option, value, usual, fixed in rows:
+            is_typed = isinstance(value, Typed) or value != usual
+            same = value == fixed if isinstance(fixed, str) else value is not None and math.isclose(value, fixed)
+            if is_typed and not same:
+                allowed = fixed if isinstance(fixed, str) else f"{fixed:g}{' Hz' * (option in ('--from', '--to'))}"
+                raise InputError(option, getattr(value, "word", value), f"{allowed} with this --spec", FIXES)
+        grid = (Typed(first, f"{first:g} Hz"), None, limits.per_octave)
+        return request._replace(q=limits.q, grid=grid, side=limits.side, own_range=True)
 
     def judged(self, result: SpectrumResult) -> SpectrumResult:
         """Return a result with its verdict; a fail is a failed check.
@@ -66,20 +82,19 @@ class SpectraJudge:
             unit = result.reading.channel.unit or "no known unit"
             raise InputError("--spec", unit, "records of an acceleration", "state the unit, such as --unit g")
         limits, side = self.specification.spectrum_limits(), result.side
-        first, reading = result.spectra[0], result.reading
-        harmed = next((f.message for f in reading.findings if f.severity == "bad" or "spectrum" in f.harms), "")
-        rows = [(one.name, one.file, one.channel, one.spectra[0].side(side), one.left_out) for one in result.shocks]
-        rows = rows or [(result.title, result.file, reading.channel.name, first.side(side), harmed)]
-        frequency = np.asarray(first.frequency, dtype=np.float64)
-        inside = frequency <= limits.frequency[-1] * (1.0 + 1e-9)
-        short = frequency[-1] < limits.frequency[-1] * 2.0 ** (-1.0 / limits.per_octave)
-        lacks = f"the sampling rate carries natural frequencies up to {frequency[-1]:.4g} Hz" if short else ""
+        rows = [(one.name, one.file, one.channel, one.judged or one.spectra[0], one.harmed) for one in result.shocks]
+        if not rows:
+            reading = result.reading
+            rows = [(result.title, result.file, reading.channel.name, result.spectra[0], harm_of(reading))]
         spectra = []
-        for name, file, channel, values, left_out in rows:
-            found = judge_spectrum(
-                frequency[inside], values[inside], limits, self.uncertainty, self.rule, self.strict, left_out or lacks
-            )
-            spectra.append(JudgedSpectrum(name, file, channel, frequency[inside], values[inside], found))
+        for name, file, channel, one, harmed in rows:
+            frequency = np.asarray(one.frequency, dtype=np.float64)
+            short = frequency[-1] < limits.frequency[-1] * 2.0 ** (-1.0 / limits.per_octave)
+            lacks = f"its sampling rate carries natural frequencies up to {frequency[-1]:.4g} Hz" if short else ""
+            inside = frequency <= limits.frequency[-1] * (1.0 + 1e-9)
+            values = (frequency[inside], one.side(side)[inside])
+            found = judge_spectrum(*values, limits, self.uncertainty, self.rule, self.strict, harmed or lacks)
+            spectra.append(JudgedSpectrum(name, file, channel, *values, found))
         verdict = SpectraVerdict(self.specification, limits, self.rule, self.strict, self.uncertainty, tuple(spectra))
         notices = verdict_notices(self.specification.title, verdict.verdict, verdict.by_indicative, verdict.clauses)
         return dataclasses.replace(result, verdict=verdict, notices=(*result.notices, *notices))

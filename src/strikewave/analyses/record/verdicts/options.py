@@ -120,8 +120,8 @@ class RecordSpecificationOptions(SpecificationOptions):
         list[str] | None,
         typer.Option(
             "--direction",
-            metavar="[FILES=]DIRECTION",
-            help="Direction of the shocks, such as +x or 'up*.csv=-z'; may be repeated.",
+            metavar="[FILES][#CHANNEL]=DIRECTION",
+            help="Direction of the shocks, such as +x, 'up*.csv=-z' or 'shot.csv#2=+y'; may be repeated.",
             show_default=False,
         ),
     ] = None
@@ -129,8 +129,8 @@ class RecordSpecificationOptions(SpecificationOptions):
         list[str] | None,
         typer.Option(
             "--cross-axis",
-            metavar="CHANNEL",
-            help="Channel that measures across the shock; may be repeated.",
+            metavar="[FILES#]CHANNEL",
+            help="Channel that measures across the shock, such as y or 'x*.csv#y'; may be repeated.",
             show_default=False,
         ),
     ] = None
@@ -141,9 +141,10 @@ class RecordSpecificationOptions(SpecificationOptions):
             if given:
                 raise InputError(option, "no --spec", "only with a specification", "add --spec NAME")
 
-    def asked(self, test: Mapping[str, str]) -> Asked:
+    def asked(self, test: Mapping[str, Any]) -> Asked:
         """Return how records are judged; the direction that a test states holds where no option does."""
-        from strikewave.specifications.judged_records import Asked, read_direction
+        from strikewave.specifications.judged_records import Asked
+        from strikewave.specifications.shock_directions import read_direction
 
         stated = [test["direction"]] if test.get("direction") and not self.direction else []
         words = [("--direction", word) for word in self.direction or ()] + [("test.direction", word) for word in stated]

@@ -130,6 +130,25 @@ class SpecificationCommand(Command[SpecificationResult]):
         return draw_specification(result, folder)
 
 
+def of_one_condition(text: str, name: str) -> str:
+    r"""Return the text of a specification with one of its conditions alone, comments and all.
+
+    Examples
+    --------
+    >>> text = '[[condition]]\nname = "A"\n[[condition]]\nname = "B"\n'
+    >>> of_one_condition(text, "B")
+    '[[condition]]\nname = "B"\n'
+    """
+    import tomlkit
+
+    document = tomlkit.parse(text)
+    rows = document["condition"]
+    for place in reversed(range(len(rows))):
+        if rows[place]["name"] != name:
+            del rows[place]
+    return tomlkit.dumps(document)
+
+
 def new_specification(file: Path, origin: str, output: Output) -> int:
     """Write a file that begins from a specification, and return the exit code.
 
@@ -145,8 +164,11 @@ def new_specification(file: Path, origin: str, output: Output) -> int:
         raise InputError("FILE", str(path), "a name that is not taken", "add --force to replace it")
     if not path.absolute().parent.is_dir():
         raise InputError("FILE", str(path), "a file in a folder that exists")
-    (_, _, text), _ = read_specification_file(origin, "--from")
-    write_atomically(path, HEADER.format(origin=origin.partition(":")[0], name=path) + text)
+    (_, _, text), condition = read_specification_file(origin, "--from")
+    if condition:
+        asked = load_specification(origin, "--from").condition
+        text = text if asked is None else of_one_condition(text, asked.name)
+    write_atomically(path, HEADER.format(origin=origin, name=path) + text)
     if output.json:
         print_json({**head({}), "written": [str(path)]})
     else:

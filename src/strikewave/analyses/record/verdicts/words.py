@@ -4,10 +4,18 @@ from __future__ import annotations
 
 import math
 
-from strikewave.reporting.clause_words import first_upper, share_words, verdict_words, why_words
+from strikewave.cases.stated_test import StatedTest
+from strikewave.reporting.clause_words import (
+    first_upper,
+    not_judged_names,
+    share_words,
+    verdict_sentence,
+    verdict_tag,
+    why_words,
+)
 from strikewave.reporting.numbers import listed
-from strikewave.reporting.parts import NONE
-from strikewave.specifications.decisions import CANNOT_TELL, FAIL, NOT_JUDGED, PASS
+from strikewave.reporting.parts import NONE, Tag
+from strikewave.specifications.decisions import CANNOT_TELL, FAIL, PASS
 from strikewave.specifications.judged_records import JudgedShock, RecordsVerdict
 
 MOST_NAMED = 3
@@ -22,14 +30,21 @@ def name_of_shock(shock: JudgedShock | None, names: dict[str, str], several: boo
     return f"{names[shock.file]}{channel}, blow {shock.number}"
 
 
+def tag_of_records(found: RecordsVerdict, stated: StatedTest | None = None) -> Tag:
+    """Return the verdict as a tag, with what it rests on; equipment without a valid calibration takes its green."""
+    tag = verdict_tag(found.verdict, found.by_indicative, [clause for clause, _ in found.clauses])
+    if stated is None or not stated.lapses:
+        return tag
+    return Tag(f"{tag.text}; calibration overdue", "warned" if found.verdict == PASS else tag.look)
+
+
 def sentence(found: RecordsVerdict, names: dict[str, str]) -> str:
     """Say what the verdict is, by what, and why."""
     count = len(found.shocks)
     many = {0: "no shock", 1: "one shock"}.get(count, f"{count} shocks")
-    words = [
-        f"{verdict_words(found.verdict, found.by_indicative)}: {many} by "
-        f"{found.specification.title} ({found.specification.file.edition})."
-    ]
+    clauses = [clause for clause, _ in found.clauses]
+    of_what = f": {many} by {found.specification.title} ({found.specification.file.edition})."
+    words = [verdict_sentence(found.verdict, found.by_indicative, clauses, of_what)]
     several = len({shock.reading.channel.name for shock in found.shocks}) > 1
     wrong = [(c, s) for c, s in found.clauses if c.verdict == found.verdict and c.verdict in (FAIL, CANNOT_TELL)]
     for clause, shock in wrong[:MOST_NAMED]:
@@ -44,7 +59,7 @@ def sentence(found: RecordsVerdict, names: dict[str, str]) -> str:
     failed = sum(shock.found.verdict == FAIL for shock in found.shocks)
     if count > 1 and failed:
         words.append(f"{failed} of {count} shocks fail.")
-    skipped = list(dict.fromkeys(clause.clause for clause, _ in found.clauses if clause.verdict == NOT_JUDGED))
-    if skipped:
+    skipped = not_judged_names(clauses)
+    if skipped and found.verdict != PASS:
         words.append(f"Not judged: {listed(skipped)}.")
     return " ".join(words)

@@ -148,11 +148,10 @@ def _over_gaskets(study: GasketStudy) -> str:
     same = with_unit(abs(study.same_machine), "m/s^2", "g", 3)
     return (
         f"Over {len(study.cells)} gaskets, each with its own engagement, the direct sensor reads {every}; over the "
-        f"{len(study.calm)} with which the buffered sensor rings less than the direct one, as the paper says of "
-        "its own, "
-        f"{calm}. One of {near.thickness * 1e3:g} mm with a modulus of {near.modulus / 1e6:g} MPa and a loss factor of "
-        f"{near.loss_factor:g} gives {with_unit(abs(near.direct), 'm/s^2', 'g')}; with the engagement of li-ma-2019, "
-        f"whatever the gasket, it would be {same}."
+        f"{len(study.calm)} with which the buffered sensor rings less than the direct one, as the paper says of its "
+        f"own, {calm}. One of {near.thickness * 1e3:g} mm with a modulus of {near.modulus / 1e6:g} MPa and a loss "
+        f"factor of {near.loss_factor:g} gives {with_unit(abs(near.direct), 'm/s^2', 'g')}; with the engagement of "
+        f"li-ma-2019, whatever the gasket, it would be {same}."
     )
 
 
@@ -361,17 +360,13 @@ def _over_joints(study: JointStudy) -> str:
     peaks = _span([cell.blow.peak for cell in study.keeping])
     clipped = sum(cell.blow.clipped for cell in study.cells)
     return (
-        "Where the bolts press less than the tension behind the front the joints open and chatter, and each "
-        "closing is a "
-        f"steep front. Over {len(study.cells)} pairs of preload and faces {len(study.keeping)} keep the rigid "
-        "pulse within "
-        f"5 %; with these the sensor reads {peaks}, beyond the assumed range of 50 000 g in {clipped} of all. "
-        "Among what "
-        "was tried, chatter and the closure of a gap are all that gives 20 000 g and more and keeps the rigid pulse: a "
-        "stiffer frame changes it, and a sensor that resonates near the pulse gives too little. The peak of a "
-        "joint that "
-        "chatters depends on every detail, the damping of its faces and the resonance of the sensor too: it can be "
-        "bounded, not predicted."
+        "Where the bolts press less than the tension behind the front the joints open and chatter, and each closing is "
+        f"a steep front. Over {len(study.cells)} pairs of preload and faces {len(study.keeping)} keep the rigid pulse "
+        f"within 5 %; with these the sensor reads {peaks}, beyond the assumed range of 50 000 g in {clipped} of all. "
+        "Among what was tried, chatter and the closure of a gap are all that gives 20 000 g and more and keeps the "
+        "rigid pulse: a stiffer frame changes it, and a sensor that resonates near the pulse gives too little. The "
+        "peak of a joint that chatters depends on every detail, the damping of its faces and the resonance of the "
+        "sensor too: it can be bounded, not predicted."
     )
 
 

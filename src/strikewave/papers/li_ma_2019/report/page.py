@@ -54,10 +54,9 @@ def reproduction_words(result: Reproduction) -> str:
     counted = listed([f"{verdicts.count(name)} {name}" for name in tables.VERDICTS if name in verdicts])
     return (
         "The paper says that a contact law with damping gives the rigid-body pulse of a rotary shock machine, that "
-        "one-dimensional waves give what a sensor reads beyond it, and that tests and LS-DYNA confirm both. "
-        f"Of its {len(verdicts)} numbered equations: {counted}. "
-        "What the machine was fitted to agrees by construction; what was not shows how far bodies, springs and waves "
-        "of assumed dimensions come."
+        "one-dimensional waves give what a sensor reads beyond it, and that tests and LS-DYNA confirm both. Of its "
+        f"{len(verdicts)} numbered equations: {counted}. What the machine was fitted to agrees by construction; what "
+        "was not shows how far bodies, springs and waves of assumed dimensions come."
     )
 
 

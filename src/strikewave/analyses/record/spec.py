@@ -1,0 +1,79 @@
+"""``strikewave spec``: shock specifications, one with every number, one's own, a motion that meets one."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated, Literal
+
+import typer
+
+from strikewave.analyses.record.verdicts.options import complete_specification
+from strikewave.base.errors import MISSING, InputError
+from strikewave.reporting.options import Output, quantity
+
+Action = Annotated[
+    Literal["list", "show", "new", "synthesize"],
+    typer.Argument(
+        metavar="list|show|new|synthesize",
+        help="What to do: list all, show one, begin a file of your own, or make a motion that meets a spectrum.",
+    ),
+]
+Name = Annotated[
+    str | None,
+    typer.Argument(
+        metavar="NAME|FILE",
+        help="Specification to show or meet, such as jesd22-b110:B; or the file to begin.",
+        show_default=False,
+        autocompletion=complete_specification,
+    ),
+]
+
+
+def command(
+    action: Action = "list",
+    name: Name = None,
+    *,
+    origin: Annotated[
+        str,
+        typer.Option(
+            "--from",
+            metavar="NAME",
+            help="Specification that a new file begins from.",
+            autocompletion=complete_specification,
+        ),
+    ] = "mil-std-810h",
+    by: Annotated[
+        Literal["damped-sines", "wavelets", "half-sine"],
+        typer.Option("--by", help="What a synthesized motion is the sum of; or one half-sine."),
+    ] = "damped-sines",
+    rate: Annotated[
+        float | None,
+        quantity(
+            "--rate",
+            si="Hz",
+            help="Sampling rate of a synthesized motion; 20 samples a period of the highest frequency by default.",
+        ),
+    ] = None,
+    output: Output,
+) -> int:
+    """List, show, begin or meet a specification.
+
+    Each of its numbers is normative (read in the standard), quoted (second-hand, by whom) or indicative (from memory).
+    record --spec and srs --spec judge by them. synthesize makes a base motion whose shock response spectrum meets one:
+    its history as acceleration.csv, with the verdict, and the acceleration, velocity and displacement that it takes.
+    """
+    from strikewave.analyses.record.verdicts import specified
+
+    if action == "list":
+        if name is not None:
+            raise InputError("NAME", name, "no name with list", f"strikewave spec show {name}")
+        return specified.list_specifications(output)
+    if name is None:
+        raise InputError("NAME", MISSING, "the file to write" if action == "new" else "a specification")
+    if action == "show":
+        return specified.show_specification(name, output)
+    if action == "synthesize":
+        from strikewave.analyses.record.synthesis.screen import synthesize_specification
+
+        return synthesize_specification(name, by, rate, output)
+    return specified.new_specification(Path(name), origin, output)

@@ -1,0 +1,1 @@
+"""Base motions that meet a specification of a shock response spectrum."""

@@ -1,0 +1,92 @@
+"""Picture and page of a synthesized motion; a module of its own, for drawing takes long to import."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from strikewave.analyses.record.synthesis.result import MOTIONS, SynthesisResult, synthesis_words
+from strikewave.analyses.record.verdicts.figures import draw_spectrum_limits
+from strikewave.analyses.record.verdicts.judged_spectra import spectra_section
+from strikewave.reporting import chapters
+from strikewave.reporting.clause_words import tag_of
+from strikewave.reporting.curves import thin
+from strikewave.reporting.numbers import axis_unit, shown, shown_heads, time_unit
+from strikewave.reporting.parts import NONE, Cell, Picture, Section, Table, written
+from strikewave.reporting.style import BLUE, new_figure, plain, put_below, quiet, titled
+from strikewave.signal.synthesis import Component
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+SIZE = (10.0, 5.6)
+POINTS = 600
+"""Points of a history in the picture."""
+
+
+def picture(result: SynthesisResult) -> Figure:
+    """Draw acceleration, velocity and displacement over time, and the spectrum in its tolerance."""
+    import numpy as np
+
+    figure = new_figure(SIZE)
+    grid = figure.add_gridspec(3, 2, width_ratios=(1.1, 1.0))
+    found = result.motion
+    time = np.asarray(found.step * np.arange(found.acceleration.size), dtype=np.float64)
+    size, clock = time_unit(float(time[-1]))
+    usual = {"acceleration": ("m/s^2", "g"), "velocity": ("m/s", "m/s"), "displacement": ("m", "mm")}
+    first = None
+    for row, name in enumerate(MOTIONS):
+        axes = figure.add_subplot(grid[row, 0], sharex=first)
+        first = first or axes
+        scale, unit = axis_unit(*usual[name])
+        x, y = thin(time, getattr(found, name), POINTS)
+        axes.plot(x / size, y / scale, color=BLUE, linewidth=0.9)
+        quiet(axes, "", f"time ({clock})" if row == 2 else "", f"{name} ({unit})")
+        if row < 2:
+            axes.tick_params(labelbottom=False)
+    axes = figure.add_subplot(grid[:, 1])
+    (judged,) = result.verdict.spectra
+    drawn = [("spectrum", judged.frequency, judged.values, judged.verdict)]
+    draw_spectrum_limits(axes, result.verdict.limits, drawn, "")
+    put_below(figure, *axes.get_legend_handles_labels())
+    return titled(figure, plain(result.title, 90))
+
+
+def page(result: SynthesisResult) -> str:
+    """Return the page of a synthesis: the motion, the verdict, the components."""
+    caption = "Left, the motion: it begins and ends at rest. Right, its spectrum within the tolerance."
+    if result.half_sine is not None:
+        caption = "Left, the pulse, which leaves a velocity. Right, its spectrum and the tolerance."
+    found = result.motion
+    rows: list[list[Cell]] = [
+        _row(part, role)
+        for role, parts in (("spectrum", found.components), ("compensation", found.compensation))
+        for part in parts
+    ]
+    heads = shown_heads("frequency (Hz)", "amplitude (g)", "delay (ms)")
+    sections = [
+        Section("The motion", "", [Picture(picture(result), caption, caption)]),
+        spectra_section(result.verdict),
+    ]
+    if rows:
+        text = (
+            "A damped sine is A exp(−ζ ω (t − t₀)) sin(ω (t − t₀)); a wavelet A sin(ω (t − t₀)/N) sin(ω (t − t₀)) over "
+            "N half-sines. The compensating pulses bring velocity and displacement at the end to zero. Damped sines "
+            "are faded out over the last fifth. acceleration.csv has the history, after some rest."
+        )
+        columns = [*heads, "damping", "half-sines", "for"]
+        sections.append(Section("Components", text, [Table("What the motion is the sum of", columns, rows)]))
+    sections.append(chapters.warnings(result.notices))
+    tag = tag_of(result.verdict.verdict)
+    summary = chapters.Summary("Synthesis of a shock", synthesis_words(result), result.highlights(), tag)
+    return chapters.result_page(result, summary, sections)
+
+
+def _row(part: Component, role: str) -> list[Cell]:
+    return [
+        written(shown(part.frequency, "Hz", "Hz")),
+        written(shown(part.amplitude, "m/s^2", "g")),
+        written(shown(part.delay, "s", "ms")),
+        NONE if part.half_sines else written(part.damping, 3),
+        str(part.half_sines) if part.half_sines else NONE,
+        role,
+    ]

@@ -1,0 +1,331 @@
+"""A base motion that is to meet a specification of a spectrum: how it is found and judged."""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+from dataclasses import dataclass
+from typing import Any, ClassVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from strikewave.analyses.record.verdicts.judged import verdict_notices
+from strikewave.analyses.record.verdicts.judged_spectra import spectra_sentence
+from strikewave.base.errors import InputError
+from strikewave.base.result import Notice
+from strikewave.reporting import measured_files as measured
+from strikewave.reporting.columns import HISTORY_DIGITS, Column, csv_table
+from strikewave.reporting.numbers import with_unit
+from strikewave.reporting.shown_result import columns_of
+from strikewave.signal.motion import motion
+from strikewave.signal.srs import SMOOTH, srs
+from strikewave.signal.synthesis import (
+    BASES,
+    CLOSE,
+    DAMPED_SINES,
+    WAVELETS,
+    HalfSine,
+    SynthesizedMotion,
+    matching_half_sine,
+    synthesized,
+)
+from strikewave.specifications.judged_spectra import JudgedSpectrum, SpectraVerdict
+from strikewave.specifications.reading import Specification
+from strikewave.specifications.spectrum_limits import SpectrumLimits, judge_spectrum
+
+Array = NDArray[np.float64]
+
+HALF_SINE = "half-sine"
+WAYS = (*BASES, HALF_SINE)
+"""What a motion is made of."""
+WAVELETS_AN_OCTAVE = 6.0
+"""Wavelets an octave at most: where they stand nearer they drown one another, and the iteration ends 2 to 3 dB off."""
+SOURCES = {
+    DAMPED_SINES: ("smallwood-nord-1974", "smallwood-1981"),
+    WAVELETS: ("irvine-wavelets", "smallwood-1981"),
+    HALF_SINE: ("smallwood-1981",),
+}
+"""Keys of the sources."""
+LEAST_RATE, MOST_SAMPLES = 8.0, 2_000_000
+"""Samples a period of the highest frequency at least: at 8 interpolation leaves 1 %; samples of a motion at most: ten
+times those of the widest spectrum of pyroshock, 10 Hz to 10 kHz."""
+LEAD = 0.1
+"""Share of a motion that the file holds of rest before it: where a record begins, `strikewave srs` looks for rest."""
+RAISED = 0.01
+"""What a half-sine is raised beyond the share at or above nominal, dB: more than rounding and sampling take."""
+HALF_SINE_SAMPLES = 200
+"""Samples of a half-sine at least: its peak then lies 3e-5 above the samples at most."""
+UPPER_SHARE = 1.0 / 6.0
+"""Share of the upper tolerance that is aimed at where its middle lies lower: half of a spectrum must often be above."""
+UNITS = {
+    "peak.acceleration": "m/s^2", "peak.velocity": "m/s", "peak.displacement": "m", "end.velocity": "m/s",
+    "end.displacement": "m", "duration": "s", "rate": "Hz", "distance": "dB", "components.frequency": "Hz",
+    "components.amplitude": "m/s^2", "components.delay": "s", "spectrum.frequency": "Hz", "spectrum.values": "m/s^2",
+    "spectrum.nominal": "m/s^2", "half_sine.peak": "m/s^2", "half_sine.duration": "s",
+}  # fmt: skip
+"""SI unit of each quantity of the document."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class SynthesisResult(measured.AskedResult):
+    """A base motion for a specification of a spectrum; see `Result` for what it shares with others.
+
+    Attributes
+    ----------
+    by : str
+        One of `WAYS`.
+    motion : SynthesizedMotion
+        The motion.
+    verdict : SpectraVerdict
+        Of the specification on its spectrum.
+    half_sine : HalfSine or None
+        Of a single half-sine.
+    """
+
+    command: ClassVar[str] = "spec"
+
+    by: str
+    motion: SynthesizedMotion
+    verdict: SpectraVerdict
+    half_sine: HalfSine | None = None
+
+    @property
+    def title(self) -> str:
+        """What was made, for which specification."""
+        what = {DAMPED_SINES: "Damped sines", WAVELETS: "Wavelets"}.get(self.by, "Half-sine")
+        return f"{what} for {self.verdict.specification.title}"
+
+    @property
+    def peaks(self) -> dict[str, float]:
+        """Largest acceleration, velocity and displacement to either side: what a shaker must reach; SI."""
+        return {name: float(np.max(np.abs(getattr(self.motion, name)))) for name in MOTIONS}
+
+    @property
+    def end(self) -> dict[str, float]:
+        """Velocity and displacement at the end; SI."""
+        return {name: float(getattr(self.motion, name)[-1]) for name in ("velocity", "displacement")}
+
+    @property
+    def duration(self) -> float:
+        """From the first to the last sample, s."""
+        return (self.motion.acceleration.size - 1) * self.motion.step
+
+    def units(self) -> dict[str, str]:
+        """Return the unit of each key of the JSON document."""
+        return UNITS
+
+    def content(self) -> dict[str, Any]:
+        """Return what the JSON document holds beside its head; the history is a file."""
+        found, (judged,) = self.motion, self.verdict.spectra
+        components = [
+            {**part._asdict(), "role": role}
+            for role, parts in (("spectrum", found.components), ("compensation", found.compensation))
+            for part in parts
+        ]
+        return {
+            "by": self.by,
+            "peak": self.peaks,
+            "end": self.end,
+            "duration": self.duration,
+            "rate": 1.0 / found.step,
+            "samples": found.acceleration.size,
+            "distance": found.distance,
+            "steps": found.steps,
+            "half_sine": None if self.half_sine is None else self.half_sine._asdict(),
+            "components": components,
+            "spectrum": {
+                "frequency": judged.frequency,
+                "values": judged.values,
+                "nominal": self.verdict.limits.nominal(judged.frequency),
+            },
+            "spec": self.verdict.document(),
+        }
+
+    def highlights(self) -> list[tuple[str, str]]:
+        """Return what a shaker must reach, and how near the spectrum is."""
+        peaks = self.peaks
+        return [
+            ("largest acceleration", with_unit(peaks["acceleration"], "m/s^2", "g")),
+            ("largest velocity", with_unit(peaks["velocity"], "m/s", "m/s")),
+            ("largest displacement", with_unit(peaks["displacement"], "m", "mm")),
+            ("velocity at the end", with_unit(self._rounded(self.end["velocity"], "velocity"), "m/s", "m/s")),
+            ("duration", with_unit(self.duration, "s", "ms")),
+        ]
+
+    def _rounded(self, value: float, name: str) -> float:
+        """Return a value without what rounding makes of nothing."""
+        return value if abs(value) > ROUNDING * self.peaks[name] else 0.0
+
+    def columns(self) -> list[Column]:
+        """Return its components."""
+        rows = [part._asdict() for part in (*self.motion.components, *self.motion.compensation)]
+        return columns_of(rows, {key.partition(".")[2]: unit for key, unit in UNITS.items() if "components" in key})
+
+    def brief(self) -> dict[str, str]:
+        """Return frequency and amplitude of each component."""
+        return {"frequency": "Hz", "amplitude": "g"}
+
+    def texts(self) -> dict[str, str]:
+        """Return the JSON document and the history as files."""
+        lead = np.zeros(math.ceil(LEAD * self.motion.acceleration.size))
+        values = np.concatenate([lead, self.motion.acceleration])
+        time = self.motion.step * (np.arange(values.size) - lead.size)
+        history = [Column("time", time, "s"), Column("acceleration", values, "m/s^2")]
+        return {"synthesis.json": self.document_text(), "acceleration.csv": csv_table(history, HISTORY_DIGITS)}
+
+
+MOTIONS = ("acceleration", "velocity", "displacement")
+"""Histories of a motion."""
+ROUNDING = 1e-9
+"""Share of the largest value below which what is left at the end is rounding: compensation leaves 1e-15."""
+
+
+def synthesize(
+    specification: Specification,
+    by: str = DAMPED_SINES,
+    rate: float | None = None,
+    origin: measured.Source = measured.UNKNOWN,
+) -> SynthesisResult:
+    """Return a base motion whose spectrum is to meet a specification, with the verdict of that.
+
+    Parameters
+    ----------
+    specification : Specification
+        Of a spectrum, with breakpoints.
+    by : str, optional
+        ``damped-sines``, ``wavelets`` or ``half-sine``.
+    rate : float, optional
+        Samples a second; 20 a period of the highest natural frequency by default.
+    origin : Source, optional
+        What asked for it.
+
+    Raises
+    ------
+    InputError
+        If it states no spectrum, or the sampling rate is too low or too high.
+
+    Examples
+    --------
+    >>> from strikewave.specifications.reading import load_specification
+    >>> found = synthesize(load_specification("nasa-gevs"))
+    >>> found.verdict.verdict, round(found.peaks["displacement"] * 1e3)
+    ('pass', 77)
+    """
+    limits = specification.spectrum_limits()
+    frequency = limits.grid()
+    rate = SMOOTH * float(frequency[-1]) if rate is None else rate
+    _check_rate(rate, limits)
+    half_sine = None
+    if by == HALF_SINE:
+        half_sine = best_half_sine(limits, frequency)
+        found = _as_motion(half_sine, rate)
+    else:
+        count = min(limits.per_octave, WAVELETS_AN_OCTAVE) if by == WAVELETS else limits.per_octave
+        basis = dataclasses.replace(limits, per_octave=count).grid()
+        found = synthesized(basis, aim(limits, basis), limits.q, by, limits.side, rate)
+    values = srs(found.acceleration, found.step, frequency, limits.q).side(limits.side)
+    clauses = judge_spectrum(frequency, values, limits)
+    judged = JudgedSpectrum(by, "", "", frequency, values, clauses)
+    verdict = SpectraVerdict(specification, limits, "simple", False, 0.0, (judged,))
+    result = SynthesisResult(
+        by=by,
+        motion=found,
+        verdict=verdict,
+        half_sine=half_sine,
+        origin=origin,
+        citations=SOURCES[by],
+        notices=tuple(verdict_notices(specification.title, verdict.verdict, verdict.by_indicative, verdict.clauses)),
+    )
+    return dataclasses.replace(result, notices=(*result.notices, *_notices(result)))
+
+
+def aim(limits: SpectrumLimits, frequency: Array) -> Array:
+    """Return the spectrum that is aimed at: the middle of the tolerance in dB, at least a sixth of the upper one up.
+
+    Where no tolerance is stated it is the nominal spectrum.
+    """
+    nominal = limits.nominal(frequency)
+    low, high = (20.0 * np.log10(curve / nominal) for curve in limits.curves(frequency))
+    above = np.minimum(np.maximum(0.5 * (low + high), UPPER_SHARE * high), high)
+    return np.asarray(nominal * 10.0 ** (np.where(np.isfinite(above), above, 0.0) / 20.0), dtype=np.float64)
+
+
+def _check_rate(rate: float, limits: SpectrumLimits) -> None:
+    """Refuse a sampling rate that cannot carry the spectrum, or makes the motion too long."""
+    highest, lowest = limits.frequency[-1], limits.frequency[0]
+    if rate < LEAST_RATE * highest:
+        allowed = f"at least {LEAST_RATE * highest:g} Hz: 8 samples a period of {highest:g} Hz"
+        raise InputError("--rate", f"{rate:g} Hz", allowed)
+    most = MOST_SAMPLES * lowest / 15.0
+    if rate > most:
+        raise InputError("--rate", f"{rate:g} Hz", f"at most {most:g} Hz: {MOST_SAMPLES} samples of this motion")
+
+
+def best_half_sine(limits: SpectrumLimits, frequency: Array) -> HalfSine:
+    """Return the half-sine whose spectrum lies best within the tolerance.
+
+    Within it, it is raised as far as a share at or above nominal asks and its margin allows.
+    """
+    low, high = limits.curves(frequency)
+    if not np.any(np.isfinite(low)):
+        raise InputError("--by", HALF_SINE, "a specification with a tolerance at its natural frequencies")
+    best = matching_half_sine(frequency, low, high, limits.q, limits.side)
+    if limits.share_above is None or best.outside > 0.0:
+        return best
+    moved = _as_motion(best, SMOOTH * float(frequency[-1]))
+    spectrum = srs(moved.acceleration, moved.step, frequency, limits.q).side(limits.side)
+    lacks = 20.0 * np.log10(limits.nominal(frequency) / spectrum)
+    needed = float(np.quantile(lacks, limits.share_above.low, method="inverted_cdf"))
+    raised = min(max(needed + RAISED, 0.0), -best.outside)
+    return HalfSine(best.peak * 10.0 ** (raised / 20.0), best.duration, best.outside + raised)
+
+
+def _as_motion(pulse: HalfSine, rate: float) -> SynthesizedMotion:
+    """Return a half-sine as a motion, sampled so that it begins and ends with a sample."""
+    count = max(math.ceil(pulse.duration * rate), HALF_SINE_SAMPLES)
+    values = pulse.peak * np.sin(math.pi * np.arange(count + 1) / count)
+    values[-1] = 0.0
+    step = pulse.duration / count
+    moved = motion(values, step)
+    nothing = np.empty(0)
+    return SynthesizedMotion(
+        values, moved.velocity, moved.displacement, step, (), (), nothing, nothing, max(pulse.outside, 0.0), 1
+    )
+
+
+def _notices(result: SynthesisResult) -> list[Notice]:
+    """Return what the user should know of a motion."""
+    found, notices = result.motion, []
+    if result.by == HALF_SINE:
+        change = with_unit(result.end["velocity"], "m/s", "m/s")
+        message = f"a half-sine ends with {change}: a drop table gives it, a shaker does not"
+        notices.append(Notice("velocity-at-end", message, result.end["velocity"], severity="info"))
+    elif found.distance > CLOSE:
+        off = np.abs(20.0 * np.log10(found.spectrum / aim(result.verdict.limits, found.frequency)))
+        place = int(np.argmax(off))
+        message = (
+            f"the spectrum came within {found.distance:.2g} dB of its aim in {found.steps} steps, farthest at "
+            f"{found.frequency[place]:.4g} Hz: at high frequencies no spectrum lies below the peak of its motion"
+            + ("; one that rises by more than 9 dB an octave takes --by wavelets" if result.by == DAMPED_SINES else "")
+        )
+        notices.append(Notice("aim-not-reached", message, found.distance, CLOSE))
+    return notices
+
+
+def synthesis_words(result: SynthesisResult) -> str:
+    """Say what came out."""
+    peaks, found = result.peaks, result.motion
+    what = {
+        DAMPED_SINES: f"{len(found.components)} damped sines and two compensating pulses",
+        WAVELETS: f"{len(found.components)} wavelets",
+    }.get(result.by, "A half-sine")
+    if result.half_sine is not None:
+        what += (
+            f" of {with_unit(result.half_sine.peak, 'm/s^2', 'g')} and "
+            f"{with_unit(result.half_sine.duration, 's', 'ms')}"
+        )
+    return (
+        f"{spectra_sentence(result.verdict)} {what}: at most {with_unit(peaks['acceleration'], 'm/s^2', 'g')}, "
+        f"{with_unit(peaks['velocity'], 'm/s', 'm/s', 3)} and {with_unit(peaks['displacement'], 'm', 'mm', 3)}."
+    )

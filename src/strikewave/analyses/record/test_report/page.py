@@ -1,0 +1,364 @@
+"""The page of a test report: result of records with a verdict and what is stated of the test in, HTML out."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from dataclasses import replace
+from pathlib import Path
+
+from strikewave._version import __version__
+from strikewave.analyses.record.result import RecordResult
+from strikewave.analyses.record.tables import short_names, status_tag
+from strikewave.analyses.record.test_report.asked import NORM, missing
+from strikewave.analyses.record.test_report.figures import drawn_shocks, overlay
+from strikewave.analyses.record.test_report.shocks import (
+    MOST_LISTED,
+    direction_table,
+    group_name,
+    groups,
+    several_channels,
+    shock_tables,
+)
+from strikewave.analyses.record.verdicts.chapter import limit_words_of
+from strikewave.analyses.record.verdicts.specification_result import asked_clauses, asked_words, status_cell
+from strikewave.analyses.record.verdicts.words import sentence, tag_of_records
+from strikewave.analyses.record.words import named
+from strikewave.cases.stated_test import NO_TEST, CaseTable, StatedTest
+from strikewave.reporting import chapters
+from strikewave.reporting.measured_files import digests_of
+from strikewave.reporting.numbers import listed
+from strikewave.reporting.page import Head, whole_page
+from strikewave.reporting.parts import NONE, Cell, Code, Part, Photo, Picture, Section, SignatureLines, Table, Tag
+from strikewave.specifications.decisions import FAIL, NOT_JUDGED, PASS
+from strikewave.specifications.judged_records import RecordsVerdict
+
+FILE = "test-report.html"
+MOST_DRAWN = 24
+"""Groups of shocks, each of a direction and a channel, that are drawn."""
+MOST_FILES = 300
+"""Files that are listed with their SHA-256; record.toml has all."""
+MOST_FINDINGS = 40
+"""Findings that are listed; the report of the records has all."""
+ONLY_ITEMS = "The results relate only to the items tested."
+IN_FULL = "This report shall not be reproduced except in full, unless the laboratory agrees in writing."
+UNSIGNED = (("tested by", ""), ("authorized by", ""))
+"""Lines to sign where none are stated."""
+
+
+def report_of_test(result: RecordResult) -> str:
+    """Return the test report of records that were judged by a specification, as one HTML page.
+
+    Examples
+    --------
+    >>> report_of_test(RecordResult([]))
+    Traceback (most recent call last):
+    ValueError: a test report needs a verdict
+    """
+    found, stated = result.verdict, result.performed or NO_TEST
+    if found is None:
+        raise ValueError("a test report needs a verdict")
+    result = _hashed(result)
+    names = short_names([file.path for file in result.readings])
+    number = _number(result, stated)
+    head = Head(
+        title=f"Test report {number}",
+        kicker=stated.test.laboratory or "Shock test",
+        subject="Specification",
+        name=found.specification.title,
+        digest="",
+        status=tag_of_records(found, stated),
+        summary=[sentence(found, names), *_lapse_words(stated)],
+        numbers=_key_numbers(found),
+        foot=f"test report {number}",
+        test=_cover(stated),
+    )
+    sections = [
+        _items(stated),
+        _specification(found),
+        Section("Directions and counts", "", [direction_table(found)]),
+        _setup(stated),
+        _shocks(found, names),
+        _pulses(found),
+        _deviations(result, found, stated, names),
+        _conclusions(found, stated, names),
+        _signatures(stated),
+        _annex(result),
+        _not_stated(stated, found),
+        Section(f"End of test report {number}", ""),
+    ]
+    return whole_page(head, sections)
+
+
+def _hashed(result: RecordResult) -> RecordResult:
+    """Return the result with the SHA-256 of its files, which Python does not take before they are shown."""
+    if result.origin.digests:
+        return result
+    digests = digests_of([Path(file.path) for file in result.readings])
+    return replace(result, origin=replace(result.origin, digests=digests))
+
+
+def _number(result: RecordResult, stated: StatedTest) -> str:
+    """Return the number of the report; where none is stated, what tells the records from others."""
+    return stated.tables.report.number or (f"of records {result.source.digest[:12]}").rstrip()
+
+
+def _cover(stated: StatedTest) -> dict[str, str]:
+    """Return what stands above all else: who tested what for whom, and when."""
+    test, report, customer = stated.test, stated.tables.report, stated.tables.customer
+    days = test.date if not report.last_day or report.last_day == test.date else f"{test.date} to {report.last_day}"
+    rows = {
+        "number": report.number,
+        "order": test.order,
+        "customer": customer.name,
+        "item": test.item or listed([one.name for one in stated.tables.specimen[:3] if one.name]),
+        "serial_number": test.serial_number,
+        "tested": days.removeprefix(" to "),
+        "issued": report.issued,
+        "laboratory": test.laboratory,
+        "accreditation": report.accreditation,
+    }
+    return {key: text for key, text in rows.items() if text}
+
+
+def _lapse_words(stated: StatedTest) -> list[str]:
+    """Say which calibrations did not hold, as a paragraph; none where all did."""
+    lapses = stated.lapses
+    if not lapses:
+        return []
+    words = "; ".join(f"{one.instrument}: {one.why}" for one in lapses)
+    return [f"Calibration overdue. {words}. The figures and the verdict rest on equipment without a valid calibration."]
+
+
+def _key_numbers(found: RecordsVerdict) -> list[tuple[str, str]]:
+    verdicts = [one.found.verdict for one in found.shocks]
+    blows = {(one.file, one.number) for one in found.shocks}
+    nominal = {clause.clause: asked_words(clause) for clause in asked_clauses(found.specification)}
+    numbers = [("shocks", str(len(blows)))]
+    several = " of all channels" if len(verdicts) > len(blows) else ""
+    numbers.append((f"pass{several}", str(verdicts.count(PASS))))
+    numbers.append((f"fail{several}", str(verdicts.count(FAIL))))
+    return [*numbers, *((name, nominal[name]) for name in ("nominal peak", "nominal duration") if name in nominal)]
+
+
+def _fields(caption: str, rows: Iterable[tuple[str, str]]) -> list[Part]:
+    """Return a table of what is stated; none where nothing is."""
+    given: list[list[Cell]] = [[name, text] for name, text in rows if text]
+    return [Table(caption, ["what", "stated"], given)] if given else []
+
+
+def _named_fields(table: CaseTable, names: Sequence[str] = ()) -> list[tuple[str, str]]:
+    """Return the texts of a table with their keys in words."""
+    return [(_in_words(key), str(getattr(table, key))) for key in names or type(table).model_fields]
+
+
+def _in_words(key: str) -> str:
+    return key.replace("_", " ")
+
+
+def _rows_table(caption: str, rows: Sequence[CaseTable]) -> list[Part]:
+    """Return a table of rows, without the columns of which none states anything."""
+    if not rows:
+        return []
+    keys = [key for key in type(rows[0]).model_fields if any(getattr(row, key) for row in rows)]
+    cells: list[list[Cell]] = [[number, *(getattr(row, key) or NONE for key in keys)] for number, row in _counted(rows)]
+    return [Table(caption, ["#", *map(_in_words, keys)], cells)]
+
+
+def _counted(rows: Sequence[CaseTable]) -> list[tuple[int, CaseTable]]:
+    return list(enumerate(rows, start=1))
+
+
+def _items(stated: StatedTest) -> Section:
+    test, tables = stated.test, stated.tables
+    report, customer = tables.report, tables.customer
+    laboratory = [
+        ("laboratory", test.laboratory),
+        *_named_fields(report, ("laboratory_address", "laboratory_contact", "accreditation", "location")),
+        ("operator", test.operator),
+    ]
+    ordered = [
+        *((f"customer {name}".replace(" name", ""), text) for name, text in _named_fields(customer)),
+        ("order", test.order),
+    ]
+    item = [("item", test.item), ("serial number", test.serial_number)] if not tables.specimen else []
+    parts = [
+        *_fields("Laboratory", laboratory),
+        *_fields("Customer and order", ordered),
+        *_fields("Item", item),
+        *_rows_table("Items", tables.specimen),
+    ]
+    return Section("Laboratory, customer, items", "" if parts else "Nothing is stated of them.", parts)
+
+
+def _specification(found: RecordsVerdict) -> Section:
+    file = found.specification.file
+    rows: list[list[Cell]] = [
+        [clause.clause, asked_words(clause), status_cell(clause.status)]
+        for clause in asked_clauses(found.specification)
+    ]
+    if found.limits.band is not None:
+        band = found.limits.band
+        words = f"{100.0 * band.time:g} % of the duration, {100.0 * band.amplitude:g} % of the peak"
+        rows.append(["tolerance band", words, status_cell(found.limits.band_status)])
+    text = f"{found.specification.title} ({file.edition}).\n\n{_decision(found)}\n\n{limit_words_of(found)}"
+    return Section(
+        "Specification and decision rule", text, [Table("What is asked of a shock", ["", "limit", "status"], rows)]
+    )
+
+
+def _decision(found: RecordsVerdict) -> str:
+    """Say by which rule conformity is stated, and with which uncertainty."""
+    if found.asked.rule == "simple":
+        rule = "simple acceptance: a value within its limits passes, whatever its uncertainty (JCGM 106:2012, 8.2)"
+    else:
+        rule = (
+            "guarded: within the expanded uncertainty of a limit neither pass nor fail is stated (ISO 14253-1, JCGM "
+            "106:2012, 8.3)"
+        )
+    known = "that of noise and baseline, found before each shock"
+    if found.asked.uncertainty > 0.0:
+        known = f"{100.0 * found.asked.uncertainty:g} % of the acceleration, and {known}"
+    else:
+        known += "; that of sensor, amplifier and calibration is not stated, and is not in it"
+    return f"Decision rule: {rule}.\n\nUncertainty of the measurement, expanded, k = 2: {known}."
+
+
+def _setup(stated: StatedTest) -> Section:
+    setup = stated.tables.setup
+    described = _named_fields(setup, [key for key in type(setup).model_fields if key != "photograph"])
+    lapsed = {one.instrument for one in stated.lapses}
+    instruments: list[list[Cell]] = [
+        [
+            number,
+            *(getattr(row, key) or NONE for key in ("name", "model", "serial_number", "calibrated", "calibration_due")),
+            row.certificate or NONE,
+            Tag("overdue", "bad") if row.called in lapsed else Tag("holds", "good") if row.calibrated else Tag("none"),
+        ]
+        for number, row in enumerate(stated.tables.equipment, start=1)
+    ]
+    heads = ["#", "instrument", "model", "serial number", "calibrated", "due", "certificate", "calibration"]
+    parts: list[Part] = [
+        *_fields("Set-up", described),
+        *_fields("Surroundings", _named_fields(stated.tables.environment)),
+        *([Table("Equipment", heads, instruments)] if instruments else []),
+        *(Photo(one.address, one.caption or one.file) for one in stated.photographs),
+    ]
+    return Section("Set-up and equipment", "" if parts else "Nothing is stated of them.", parts)
+
+
+def _shocks(found: RecordsVerdict, names: dict[str, str]) -> Section:
+    many = len(found.shocks) > MOST_LISTED
+    words = (
+        f"{len(found.shocks)} shocks are summed up here; the file shocks.csv lists each with its verdict."
+        if many
+        else ""
+    )
+    return Section("Shocks", words, shock_tables(found, names) if found.shocks else [])
+
+
+def _pulses(found: RecordsVerdict) -> Section:
+    several = several_channels(found)
+    parts: list[Part] = []
+    found_groups = list(groups(found))
+    for direction, channel, here in found_groups[:MOST_DRAWN]:
+        name, drawn = group_name(direction, channel, several), drawn_shocks(here)
+        words = f"{name[:1].upper()}{name[1:]}: {len(here)} shock{'s' if len(here) > 1 else ''}"
+        words += f", {len(drawn)} of them drawn one by one" if len(drawn) < len(here) else ""
+        parts.append(Picture(overlay(here, found.limits, name), f"{words}."))
+    left = len(found_groups) - MOST_DRAWN
+    return Section(
+        "Pulses", f"{left} more are not drawn." if left > 0 else "" if parts else "No shock was recorded.", parts
+    )
+
+
+def _deviations(result: RecordResult, found: RecordsVerdict, stated: StatedTest, names: dict[str, str]) -> Section:
+    report = stated.tables.report
+    alike: dict[tuple[str, str], list[str]] = {}
+    for file in result.readings:
+        if file.status != "good":
+            alike.setdefault((file.status, "; ".join(file.reasons)), []).append(names[file.path])
+    rows: list[list[Cell]] = [
+        [named(where), status_tag(status), reasons] for (status, reasons), where in list(alike.items())[:MOST_FINDINGS]
+    ]
+    left = f", the first {MOST_FINDINGS} of {len(alike)}" if len(alike) > MOST_FINDINGS else ""
+    skipped: list[list[Cell]] = [
+        [clause.clause, clause.reason] for clause, _ in found.clauses if clause.verdict == NOT_JUDGED
+    ]
+    skipped += [[one.text, "not judged by a record"] for one in found.specification.file.demand]
+    filtered = f"Before they were measured, the records went through: {result.filter}." if result.filter else ""
+    words = [
+        f"Deviations from the method, by the laboratory: {_paragraphs(report.deviations) or 'nothing is stated.'}",
+        _paragraphs(report.remarks),
+        _paragraphs(stated.test.notes),
+        filtered or "No filter was taken beyond that of the recorder.",
+    ]
+    parts: list[Part] = [
+        Table(f"What was found in records{left}", ["records", "status", "finding"], rows, "No record has a finding."),
+        *([Table("Asked for by the specification, and not judged", ["what", "why"], skipped)] if skipped else []),
+    ]
+    return Section("Deviations and remarks", "\n\n".join(word for word in words if word), parts)
+
+
+def _paragraphs(text: str) -> str:
+    """Return a text in which each line is a paragraph."""
+    return "\n\n".join(line for line in text.splitlines() if line.strip())
+
+
+def _conclusions(found: RecordsVerdict, stated: StatedTest, names: dict[str, str]) -> Section:
+    after = [f"{one.name or one.serial_number}: {one.result}" for one in stated.tables.specimen if one.result]
+    words = [
+        sentence(found, names),
+        "The verdict rests on limits from memory: they have to be held against the standard before it is relied on."
+        if found.by_indicative
+        else "",
+        *_lapse_words(stated),
+        f"Inspection after the test: {'; '.join(after)}." if after else "",
+        *stated.tables.report.statements,
+        ONLY_ITEMS,
+        IN_FULL,
+    ]
+    return Section("Conclusions", "\n\n".join(word for word in words if word))
+
+
+def _signatures(stated: StatedTest) -> Section:
+    rows = [(one.role or "signed by", one.name) for one in stated.tables.signature] or list(UNSIGNED)
+    return Section("Signatures", "", [SignatureLines(rows)], alone=True)
+
+
+def _annex(result: RecordResult) -> Section:
+    source = result.source
+    files: list[list[Cell]] = [[name, digest] for name, digest in list(source.digests.items())[:MOST_FILES]]
+    left = len(source.digests) - MOST_FILES
+    caption = "Records" + (
+        f", the first {MOST_FILES} of {len(source.digests)}; record.toml has all" if left > 0 else ""
+    )
+    calibrations: list[list[Cell]] = [list(pair) for pair in result.calibrations[:MOST_FINDINGS]]
+    parts: list[Part] = [
+        Table(caption, ["file", "SHA-256"], files, "The files were not hashed."),
+        Table("Calibration of the channels", ["where it is stated", "what"], calibrations, "The files state it alone."),
+        *([Code(source.asked)] if source.asked else []),
+        *chapters.warnings(result.notices).parts,
+    ]
+    text = f"Evaluated with strikewave {__version__}, by the command below, from these files."
+    return Section("Annex: records, software, warnings", text, parts)
+
+
+def _not_stated(stated: StatedTest, found: RecordsVerdict) -> Section:
+    rows: list[list[Cell]] = [list(one) for one in missing(stated, found.asked.uncertainty > 0.0)]
+    title = f"Annex: asked for by {NORM}, and not stated"
+    text = (
+        f"Clause 7.8 of {NORM}, as other texts quote it, asks for what follows as far as it applies; the test file "
+        "does not state it."
+    )
+    if not rows:
+        return Section(title, "Nothing: all that clause 7.8 asks for, as other texts quote it, is stated.")
+    table = Table("Not stated", ["clause", "what", "key of the test file"], rows)
+    return Section(title, text, [table], folded=f"Show {len(rows)} entries")
+
+
+def write_report_of_test(result: RecordResult, folder: Path) -> list[str]:
+    """Write the test report into a folder, and return its name; nothing where no test and verdict are there."""
+    if result.verdict is None or result.performed is None:
+        return []
+    (folder / FILE).write_text(report_of_test(result), "utf-8", newline="\n")
+    return [FILE]

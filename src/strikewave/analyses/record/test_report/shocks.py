@@ -1,0 +1,192 @@
+"""The shocks of a test report: every one of a few; of many, a summary and those that stand out."""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Iterator, Sequence
+from statistics import fmean, stdev
+
+from strikewave.base.percents import percent
+from strikewave.reporting.clause_words import SHOWN, amount, tag_of, value_words
+from strikewave.reporting.numbers import with_unit
+from strikewave.reporting.parts import NONE, Cell, Table
+from strikewave.specifications.decisions import CANNOT_TELL, FAIL, PASS
+from strikewave.specifications.judged_records import JudgedShock, RecordsVerdict
+from strikewave.specifications.judging import NORMATIVE, Clause, Limits, judged
+from strikewave.specifications.shock_directions import DIRECTIONS
+
+MOST_LISTED = 200
+"""Shocks that are listed one by one: five sheets. Of more a summary is given, and those that do not pass."""
+FIGURES = (("peak", "m/s^2"), ("pulse width", "s"), ("velocity change", "m/s"))
+"""Figures of a shock, by the begin of the names of their clauses, and their SI units."""
+_VALUE = re.compile(r"(?P<value>[−+]?\d\S*( ± \S+)?)\s(?P<unit>\D\S*)")
+UNSTATED = "not stated"
+"""Stands for a direction that is not stated."""
+
+
+def figures_of(shock: JudgedShock) -> list[Clause]:
+    """Return peak, pulse width and velocity change as their clauses; as measured where the specification asks none."""
+    pulse = shock.pulse
+    values = (abs(pulse.peak), pulse.width, abs(pulse.velocity_change))
+    found = []
+    for (name, unit), value in zip(FIGURES, values, strict=True):
+        own = [clause for clause in shock.found.clauses if clause.clause.startswith(name)]
+        called = f"{name} at 10 %" if unit == "s" else name
+        found += own[:1] or [judged(called, value, Limits(value, value, NORMATIVE), unit)]
+    return found
+
+
+def why(shock: JudgedShock) -> str:
+    """Say which clauses a shock fails or, where it fails none, of which nothing can be said, and why."""
+    for verdict in (FAIL, CANNOT_TELL):
+        clauses = [clause for clause in shock.found.clauses if clause.verdict == verdict]
+        if clauses:
+            names = ", ".join(clause.clause for clause in clauses)
+            return f"{names}: {clauses[0].reason}" if verdict == CANNOT_TELL and clauses[0].reason else names
+    return NONE
+
+
+def groups(found: RecordsVerdict) -> Iterator[tuple[str, str, list[JudgedShock]]]:
+    """Yield direction, channel and shocks of each group that has a direction and a channel in common."""
+    channels = list(dict.fromkeys(shock.reading.channel.name for shock in found.shocks))
+    for direction in (*DIRECTIONS, ""):
+        for channel in channels:
+            here = [one for one in found.shocks if (one.direction, one.reading.channel.name) == (direction, channel)]
+            if here:
+                yield direction, channel, here
+
+
+def group_name(direction: str, channel: str, several: bool) -> str:
+    """Return what a group is called."""
+    words = f"direction {direction}" if direction else "direction not stated"
+    return f"{words}, {channel}" if several else words
+
+
+def several_channels(found: RecordsVerdict) -> bool:
+    """Tell whether the shocks were taken on several channels."""
+    return len({shock.reading.channel.name for shock in found.shocks}) > 1
+
+
+def direction_table(found: RecordsVerdict) -> Table:
+    """Return what was asked of each direction, and what was done."""
+    count = found.specification.count()
+    clauses = {clause.clause: clause for clause in found.campaign}
+    asked = NONE
+    if count is not None:
+        asked = f"{count.low:g}" if not math.isfinite(count.high) else f"{count.low:g} to {count.high:g}"
+    rows: list[list[Cell]] = []
+    for direction in (*DIRECTIONS, ""):
+        here = [one for one in found.shocks if one.direction == direction]
+        clause = clauses.get(f"shocks in {direction}")
+        if not here and clause is None:
+            continue
+        done = {(one.file, one.number) for one in here}
+        lost = {(one.file, one.number) for one in here if one.found.verdict != PASS}
+        verdict = NONE if clause is None else tag_of(clause.verdict)
+        axis = direction.lstrip("+-") or NONE
+        rows.append([direction or UNSTATED, axis, asked, len(done), len(done - lost), len(lost), verdict])
+    heads = ["direction", "axis", "shocks asked for", "done", "pass", "do not", "verdict"]
+    directions = "" if count is None else f"; {count.directions} directions are asked for"
+    return Table(f"Shocks by direction{directions}", heads, rows, "No shock was recorded.")
+
+
+def shock_tables(found: RecordsVerdict, names: dict[str, str]) -> list[Table]:
+    """Return all shocks in a table or, of many, a summary, those that do not pass, and the largest and smallest."""
+    numbered = list(enumerate(found.shocks, start=1))
+    if len(numbered) <= MOST_LISTED:
+        return [_listed(numbered, found, names, "Each shock")]
+    odd = [one for one in numbered if one[1].found.verdict != PASS]
+    left = f", the first {MOST_LISTED} of {len(odd)}" if len(odd) > MOST_LISTED else ""
+    outliers = _listed(odd[:MOST_LISTED], found, names, f"Shocks that do not pass{left}")
+    extremes = _listed(_extremes(numbered), found, names, "Shocks with the largest and smallest figures")
+    return [_summary(found), outliers, extremes]
+
+
+def _listed(
+    numbered: Sequence[tuple[int, JudgedShock]], found: RecordsVerdict, names: dict[str, str], caption: str
+) -> Table:
+    several = several_channels(found)
+    rows: list[list[Cell]] = []
+    for number, shock in numbered:
+        inside = [clause for clause in shock.found.clauses if clause.clause == "band"]
+        rows.append(
+            [
+                number,
+                shock.direction or NONE,
+                names[shock.file],
+                *([shock.reading.channel.name] if several else []),
+                shock.number,
+                with_unit(shock.pulse.time, "s", "s", 6),
+                *map(value_words, figures_of(shock)),
+                value_words(inside[0]) if inside else NONE,
+                tag_of(shock.found.verdict),
+                why(shock),
+            ]
+        )
+    heads = ["#", "direction", "record", *(["channel"] if several else []), "blow", "time"]
+    heads += [*(clause.clause for clause in _model(found)), "band", "verdict", "fails, or why nothing can be said"]
+    empty = [place for place, head in enumerate(heads) if head == "band" and all(row[place] == NONE for row in rows)]
+    kept = [place for place in range(len(heads)) if place not in empty]
+    return Table(caption, *_units_in_heads([heads[k] for k in kept], [[row[k] for k in kept] for row in rows]), "None.")
+
+
+def _units_in_heads(heads: Sequence[str], rows: Sequence[Sequence[Cell]]) -> tuple[list[str], list[list[Cell]]]:
+    """Move a unit with which all cells of a column end into its head.
+
+    Examples
+    --------
+    >>> _units_in_heads(["peak", "why"], [["50 ± 2 g", "-"], ["9.1 ± 0.4 g", "peak"]])
+    (['peak (g)', 'why'], [['50 ± 2', '-'], ['9.1 ± 0.4', 'peak']])
+    """
+    columns = [[row[place] for row in rows] for place in range(len(heads))]
+    named = list(heads)
+    for place, column in enumerate(columns):
+        parts = [_VALUE.fullmatch(str(cell)) for cell in column if cell != NONE]
+        units = {part["unit"] for part in parts if part}
+        if len(units) == 1 and all(parts):
+            named[place] = f"{heads[place]} ({units.pop()})"
+            columns[place] = [cell if cell == NONE else _VALUE.sub(r"\g<value>", str(cell)) for cell in column]
+    return named, [list(row) for row in zip(*columns, strict=True)]
+
+
+def _model(found: RecordsVerdict) -> list[Clause]:
+    return figures_of(found.shocks[0])
+
+
+def _summary(found: RecordsVerdict) -> Table:
+    """Return counts, range, mean and scatter of each group."""
+    several, rows = several_channels(found), list[list[Cell]]()
+    for direction, channel, here in groups(found):
+        verdicts = [one.found.verdict for one in here]
+        counts: list[Cell] = [verdicts.count(verdict) for verdict in (PASS, FAIL, CANNOT_TELL)]
+        columns = zip(*(figures_of(one) for one in here), strict=True)
+        name = group_name(direction, channel, several)
+        rows.append([name, len(here), *counts, *(_spread(list(clauses)) for clauses in columns)])
+    heads = ["shocks", "number", *(SHOWN[verdict] for verdict in (PASS, FAIL, CANNOT_TELL))]
+    return Table(
+        "All shocks, by direction: smallest to largest, mean, scatter (CV)",
+        [*heads, *(clause.clause for clause in _model(found))],
+        rows,
+    )
+
+
+def _spread(clauses: Sequence[Clause]) -> str:
+    values = [clause.value for clause in clauses if math.isfinite(clause.value)]
+    if not values:
+        return NONE
+    mean, model = fmean(values), clauses[0]
+    scatter = f", CV {percent(stdev(values) / mean, 2)}" if len(values) > 1 and mean else ""
+    return f"{amount(model, min(values))} to {amount(model, max(values))}; mean {amount(model, mean)}{scatter}"
+
+
+def _extremes(numbered: Sequence[tuple[int, JudgedShock]]) -> list[tuple[int, JudgedShock]]:
+    """Return the shocks with the largest and smallest of each figure."""
+    chosen: dict[int, JudgedShock] = {}
+    figures = [(number, shock, figures_of(shock)) for number, shock in numbered]
+    for place in range(len(FIGURES)):
+        known = [(row[place].value, number, shock) for number, shock, row in figures if math.isfinite(row[place].value)]
+        for pick in (min, max) if known else ():
+            _, number, shock = pick(known, key=lambda one: one[0])
+            chosen[number] = shock
+    return sorted(chosen.items(), key=lambda one: one[0])

@@ -1,0 +1,310 @@
+"""The file of a test: [test], and what a test report of a laboratory holds beside it. It changes no figure."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Annotated, Any, NamedTuple, Self, get_args, get_origin
+
+from pydantic import BaseModel, BeforeValidator, Field, ValidationError, model_validator
+
+from strikewave.base.errors import InputError, InputErrors
+from strikewave.base.result import WARNING, Notice
+from strikewave.cases.paths import Form
+from strikewave.cases.performed_test import PerformedTest, date_text, line_text, notes_text
+from strikewave.cases.photographs import Photograph, read_photograph
+from strikewave.cases.small_file import read_small_file
+from strikewave.cases.tables import CaseTable
+
+MOST_ROWS, MOST_PHOTOGRAPHS, MOST_LINES = 100, 12, 20
+"""Rows of equipment, specimens or signatures; photographs; statements."""
+
+
+def _line(about: str) -> Any:
+    return Field("", description=about)
+
+
+Line = Annotated[str, BeforeValidator(line_text)]
+Notes = Annotated[str, BeforeValidator(notes_text)]
+Date = Annotated[str, BeforeValidator(date_text)]
+
+
+class ReportTable(CaseTable):
+    """[report]: the report itself, and the laboratory that signs it."""
+
+    number: Line = _line("unique number of the report")
+    issued: Date = _line("date of issue")
+    last_day: Date = _line("last day of the test, where it took several; its first is the date of [test]")
+    laboratory_address: Line = _line("address of the laboratory")
+    laboratory_contact: Line = _line("telephone or mail of the laboratory")
+    accreditation: Line = _line("accreditation, with its number")
+    location: Line = _line("where the test was done, if not there")
+    deviations: Notes = _line("additions to, deviations and exclusions from the method; none, if there were none")
+    remarks: Notes = _line("what else the reader should know")
+    statements: Annotated[
+        tuple[Line, ...], Field(max_length=MOST_LINES, description="further sentences above the signatures")
+    ] = ()
+
+
+class CustomerTable(CaseTable):
+    """[customer]: who asked for the test."""
+
+    name: Line = _line("name of the customer")
+    address: Line = _line("address")
+    contact: Line = _line("person, telephone or mail")
+
+
+class EnvironmentTable(CaseTable):
+    """[environment]: the surroundings during the test."""
+
+    temperature: Line = _line("such as 23 °C ± 2 °C")
+    humidity: Line = _line("such as 45 % ± 10 %")
+    pressure: Line = _line("such as 100 kPa")
+
+
+class PhotographTable(CaseTable):
+    """[[setup.photograph]]: a PNG or JPEG file beside this file, or in a folder below it."""
+
+    file: Line = _line("name of the file")
+    caption: Line = _line("what it shows")
+
+
+class SetupTable(CaseTable):
+    """[setup]: how the item was struck and measured."""
+
+    machine: Line = _line("shock machine")
+    programmer: Line = _line("pulse shaper, such as 6 mm of felt")
+    fixture: Line = _line("fixture")
+    mounting: Line = _line("how the item was mounted")
+    torque: Line = _line("tightening torque of its screws")
+    accelerometer_position: Line = _line("where the accelerometer was")
+    accelerometer_mounting: Line = _line("stud, adhesive, wax")
+    operation: Line = _line("whether the item was in operation, and what was monitored")
+    photograph: Annotated[tuple[PhotographTable, ...], Field(max_length=MOST_PHOTOGRAPHS)] = ()
+
+
+class TestedItemTable(CaseTable):
+    """[[specimen]]: an item under test; once for each."""
+
+    name: Line = _line("what it is")
+    model: Line = _line("type, part number, state of hardware and software")
+    serial_number: Line = _line("serial number, or what else tells it from others")
+    received: Date = _line("date of receipt")
+    condition: Line = _line("condition before the test")
+    result: Line = _line("what its inspection or function test after it found")
+
+
+class EquipmentTable(CaseTable):
+    """[[equipment]]: an instrument; once for each."""
+
+    name: Line = _line("what it is, such as accelerometer")
+    model: Line = _line("maker and model")
+    serial_number: Line = _line("serial or inventory number")
+    calibrated: Date = _line("date of calibration")
+    calibration_due: Date = _line("last day on which that holds")
+    certificate: Line = _line("number of the certificate, and who issued it")
+
+    @model_validator(mode="after")
+    def _in_order(self) -> Self:
+        if self.calibrated and self.calibration_due and self.calibration_due < self.calibrated:
+            raise InputError("calibration_due", self.calibration_due, f"a day from {self.calibrated} on")
+        return self
+
+    @property
+    def called(self) -> str:
+        """What it is called in a sentence."""
+        return " ".join(part for part in (self.name or "instrument", self.model, self.serial_number) if part)
+
+
+class SignatureTable(CaseTable):
+    """[[signature]]: a line to sign; once for each."""
+
+    role: Line = _line("such as tested by, authorized by")
+    name: Line = _line("name and function")
+
+
+class ReportTables(CaseTable):
+    """What a file of a test holds beside [test]."""
+
+    report: ReportTable = ReportTable()
+    customer: CustomerTable = CustomerTable()
+    specimen: Annotated[tuple[TestedItemTable, ...], Field(max_length=MOST_ROWS)] = ()
+    setup: SetupTable = SetupTable()
+    environment: EnvironmentTable = EnvironmentTable()
+    equipment: Annotated[tuple[EquipmentTable, ...], Field(max_length=MOST_ROWS)] = ()
+    signature: Annotated[tuple[SignatureTable, ...], Field(max_length=MOST_ROWS)] = ()
+
+
+class Lapse(NamedTuple):
+    """An instrument whose calibration does not hold on a day of the test, and why."""
+
+    instrument: str
+    why: str
+
+
+@dataclass(frozen=True)
+class StatedTest:
+    """What is stated of a test.
+
+    Attributes
+    ----------
+    test : PerformedTest
+        The table [test].
+    tables : ReportTables
+        The others.
+    photographs : tuple of Photograph
+        Those of the set-up.
+    """
+
+    test: PerformedTest = field(default_factory=PerformedTest)
+    tables: ReportTables = field(default_factory=ReportTables)
+    photographs: tuple[Photograph, ...] = ()
+
+    def stated(self) -> dict[str, Any]:
+        """Return what is given: the keys of [test], then the other tables by their names.
+
+        Examples
+        --------
+        >>> StatedTest(PerformedTest(item="board 7"), ReportTables(customer={"name": "B. Buyer"})).stated()
+        {'item': 'board 7', 'customer': {'name': 'B. Buyer'}}
+        """
+        found = {**self.test.stated(), **_given(self.tables)}
+        for row in found.get("setup", {}).get("photograph", []):
+            row["sha256"] = next((one.digest for one in self.photographs if one.file == row.get("file")), "")
+        return found
+
+    @property
+    def last_day(self) -> str:
+        """The last day of the test as ISO 8601 has it; empty where none is stated."""
+        return self.tables.report.last_day or self.test.date
+
+    @property
+    def lapses(self) -> list[Lapse]:
+        """The instruments whose calibration does not hold on all days of the test."""
+        first, last, found = self.test.date or self.last_day, self.last_day, list[Lapse]()
+        for one in self.tables.equipment:
+            if last and one.calibration_due and one.calibration_due < last:
+                found.append(Lapse(one.called, f"calibration was due on {one.calibration_due}, the test was on {last}"))
+            elif first and one.calibrated and one.calibrated > first:
+                found.append(Lapse(one.called, f"was calibrated on {one.calibrated}, after the test on {first}"))
+        return found
+
+    def notices(self) -> list[Notice]:
+        """Return a warning for each calibration that does not hold."""
+        return [Notice("calibration-overdue", f"{one.instrument}: {one.why}", severity=WARNING) for one in self.lapses]
+
+
+NO_TEST = StatedTest()
+"""What is stated of a test where nothing is."""
+
+
+def _given(table: CaseTable) -> dict[str, Any]:
+    """Return what a table states, without what is empty."""
+    found: dict[str, Any] = {}
+    for key, entry in table:
+        if isinstance(entry, CaseTable):
+            found[key] = _given(entry)
+        elif isinstance(entry, tuple):
+            found[key] = [_given(row) if isinstance(row, CaseTable) else row for row in entry]
+            found[key] = [row for row in found[key] if row]
+        else:
+            found[key] = entry
+    return {key: entry for key, entry in found.items() if entry}
+
+
+TEST_FORM = Form(PerformedTest, "test", 'item="board 7"')
+TABLES_FORM = Form(ReportTables, "test", 'report.number="2026-117"')
+
+
+def load_test(file: Path, option: str = "--test") -> StatedTest:
+    """Read what a TOML file states of a test: a [test] table, or its keys alone, and tables of a test report.
+
+    Raises
+    ------
+    InputError, InputErrors
+        With one line for each thing that is wrong, after ``option``.
+    """
+    document = read_small_file(file, option, 'a TOML file with [test], such as item = "board 7"')
+    table = document.pop("test", {})
+    if not isinstance(table, dict):
+        raise InputError(option, table, "a table [test]")
+    tables = {key: document.pop(key) for key in ReportTables.model_fields if key in document}
+    try:
+        test = PerformedTest.model_validate({**document, **table})
+    except ValidationError as error:
+        raise InputErrors([f"{option} {line}" for line in TEST_FORM.lines(error)]) from None
+    try:
+        more = _without_empty_rows(ReportTables.model_validate(tables))
+    except ValidationError as error:
+        raise InputErrors([f"{option} {line}" for line in TABLES_FORM.lines(error)]) from None
+    photographs = [
+        read_photograph(file.parent, one.file, one.caption, f"{option} setup.photograph")
+        for one in more.setup.photograph
+        if one.file
+    ]
+    found = StatedTest(test, more, tuple(photographs))
+    if not found.stated():
+        raise InputError(option, str(file), "a file with one of " + ", ".join(PerformedTest.model_fields))
+    return found
+
+
+def _without_empty_rows(tables: ReportTables) -> ReportTables:
+    """Return tables without the rows of which nothing is filled in."""
+    lists = {key: rows for key, rows in tables if isinstance(rows, tuple)}
+    return tables.model_copy(update={key: tuple(row for row in rows if _given(row)) for key, rows in lists.items()})
+
+
+def example_file() -> str:
+    """Return a test file to fill in: every table and key, each with what it is for.
+
+    Examples
+    --------
+    >>> example_file().splitlines()[3:5]
+    ['[test]', 'item = ""  # what was tested']
+    """
+    return HEADER + "\n".join(_example("test", PerformedTest)) + "\n" + "".join(_example_tables(ReportTables, ""))
+
+
+HEADER = """\
+# What was tested, by whom and with what: fill in what you have; what stays empty is left out, and the test report
+# lists what ISO/IEC 17025 asks for in 7.8. Dates are "YYYY-MM-DD". Write tables in double brackets once for each.
+
+"""
+_ABOUT_TEST = {
+    "item": "what was tested",
+    "serial_number": "its serial number",
+    "operator": "who tested it",
+    "laboratory": "name of the laboratory",
+    "order": "number of the order",
+    "date": "day of the test, or its first",
+    "direction": "of the shocks, where all have one: +x, -x, +y, -y, +z or -z",
+    "notes": "what else is to be kept with it; several lines between three quotes",
+}
+
+
+def _example(path: str, model: type[BaseModel], brackets: str = "[]") -> Iterator[str]:
+    yield f"{brackets[: len(brackets) // 2]}{path}{brackets[len(brackets) // 2 :]}"
+    for key, entry in model.model_fields.items():
+        if _row_model(entry.annotation) is None:
+            empty = "[]" if get_origin(entry.annotation) is tuple else '""'
+            yield f"{key} = {empty}  # {entry.description or _ABOUT_TEST[key]}"
+
+
+def _example_tables(model: type[BaseModel], path: str) -> Iterator[str]:
+    for key, entry in model.model_fields.items():
+        row = _row_model(entry.annotation)
+        inner = row or entry.annotation
+        if not (isinstance(inner, type) and issubclass(inner, BaseModel)):
+            continue
+        below = f"{path}{key}"
+        about = (inner.__doc__ or "").partition(": ")[2].strip()
+        lines = list(_example(below, inner, "[[]]" if row else "[]"))
+        yield f"\n# {about[:1].upper()}{about[1:]}\n" + "\n".join(lines) + "\n"
+        yield from _example_tables(inner, f"{below}.")
+
+
+def _row_model(annotation: Any) -> type[BaseModel] | None:
+    """Return the table of which an array of tables is made; None of what is none."""
+    inner = next(iter(get_args(annotation)), None) if get_origin(annotation) is tuple else None
+    return inner if isinstance(inner, type) and issubclass(inner, BaseModel) else None

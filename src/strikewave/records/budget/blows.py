@@ -1,0 +1,339 @@
+"""The uncertainty of peak, width and velocity change of a blow, from what its channel may have done to it."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from strikewave.records.budget.contributions import (
+    RECORD,
+    BlowStretch,
+    Budget,
+    Contribution,
+    changed,
+    clock_of,
+    gain_of,
+    sampling,
+)
+from strikewave.records.budget.propagation import (
+    COVERAGE,
+    InputQuantity,
+    Model,
+    Propagated,
+    Simulated,
+    law_of_propagation,
+    monte_carlo,
+)
+from strikewave.records.measuring import RecordedPulse
+from strikewave.records.record import Channel
+from strikewave.records.smooth_pulse import PulseUncertainty
+from strikewave.records.smoothing import smooth
+from strikewave.signal.pulse import WIDTH_FRACTION
+
+Array = NDArray[np.float64]
+
+FIGURES = PulseUncertainty._fields
+"""Figures of a blow that have a budget."""
+BESIDE = 0.5
+"""Lengths of a blow to either side of it that are changed and measured again."""
+MOST_SAMPLES = 200
+"""Samples of a blow that are: more are averaged, as one of so many loses 1e-4 of its peak between two."""
+LONGEST_WINDOW = 0.2
+"""Width over which noise is smoothed, at most."""
+LARGEST = 2_000_000
+"""Numbers of a block of trials: some 16 MB."""
+BY_LAW, BY_TRIALS = "law of propagation", "Monte Carlo"
+
+
+class BudgetLine(NamedTuple):
+    """What one contribution does to a figure.
+
+    Attributes
+    ----------
+    name : str
+        Of the contribution.
+    standard : float
+        Standard uncertainty of the figure by it alone, in the figure's unit; NaN where it is not known.
+    share : float
+        Of the variance of the figure.
+    """
+
+    name: str
+    standard: float
+    share: float
+
+
+@dataclass(frozen=True)
+class FigureUncertainty:
+    """The uncertainty of one figure.
+
+    Attributes
+    ----------
+    value, standard, expanded, coverage : float
+        The figure, its standard uncertainty, and the expanded one with its coverage factor.
+    contributions : tuple of BudgetLine
+        The largest first.
+    method : str
+        ``law of propagation``, or ``Monte Carlo`` where that does not validate it.
+    """
+
+    value: float
+    standard: float
+    expanded: float
+    coverage: float
+    contributions: tuple[BudgetLine, ...]
+    method: str = BY_LAW
+
+
+@dataclass(frozen=True)
+class BlowUncertainty:
+    """The uncertainty of the figures of a blow.
+
+    Attributes
+    ----------
+    figures : mapping of str to FigureUncertainty
+        Of peak, width and velocity change.
+    trials : int
+        Trials of Monte Carlo, where it was done for this blow; else 0.
+    validated : mapping of str to bool
+        Whether Monte Carlo validates the law of propagation, by figure; empty where it was not done.
+    """
+
+    figures: Mapping[str, FigureUncertainty]
+    trials: int = 0
+    validated: Mapping[str, bool] = field(default_factory=dict)
+
+    def expanded(self, name: str) -> float:
+        """Return the expanded uncertainty of a figure; NaN where it is not known."""
+        return self.figures[name].expanded if name in self.figures else math.nan
+
+
+class ReadOff(NamedTuple):
+    """How figures are read off changed stretches: where the peak lies, and from where to where the area is taken."""
+
+    inside: slice
+    begin: float
+    end: float
+    step: float
+
+
+def read_off(values: Array, where: ReadOff) -> Array:
+    """Return peak, width at 10 % and area of each row, as a record is measured.
+
+    The peak is that of a parabola through three samples, the width lies between crossings of straight lines, and the
+    area between the feet of the measured blow.
+
+    Examples
+    --------
+    >>> rows = np.sin(np.pi * np.linspace(0.0, 1.0, 201))[None, :] * np.array([[1.0], [2.0]])
+    >>> read_off(rows, ReadOff(slice(50, 150), 0.0, 200.0, 1.0 / 200)).round(4).tolist()
+    [[1.0, 0.9362, 0.6366], [2.0, 0.9362, 1.2732]]
+    """
+    rows, size = values.shape
+    at = np.arange(rows)
+    top = where.inside.start + np.argmax(values[:, where.inside], axis=1)
+    near = np.clip(top, 1, size - 2)
+    left, middle, right = (values[at, near + k] for k in (-1, 0, 1))
+    curvature = left - 2.0 * middle + right
+    bent = (curvature < 0.0) & (near == top)
+    shift = np.where(bent, 0.5 * (left - right) / np.where(bent, curvature, 1.0), 0.0)
+    peak = np.where(near == top, middle - 0.25 * (left - right) * shift, values[at, top])
+    level = WIDTH_FRACTION * peak
+    place = np.arange(size)
+    below = values <= level[:, None]
+    before = np.max(np.where(below & (place < top[:, None]), place, -1), axis=1)
+    after = np.min(np.where(below & (place > top[:, None]), place, size), axis=1)
+    outside = (before < 0) | (after >= size)
+    before, after = np.maximum(before, 0), np.minimum(after, size - 1)
+    with np.errstate(invalid="ignore", divide="ignore"):
+        first = before + (level - values[at, before]) / (values[at, before + 1] - values[at, before])
+        last = after - (level - values[at, after]) / (values[at, after - 1] - values[at, after])
+    width = np.where(outside, math.nan, (last - first) * where.step)
+    weights = _trapezoid(size, where.begin, where.end)
+    return np.column_stack([peak, width, values @ weights * where.step])
+
+
+def _trapezoid(size: int, begin: float, end: float) -> Array:
+    """Return weights of samples whose sum is the integral between two places, straight lines between samples."""
+    weights = np.zeros(size)
+    grid = np.unique(np.concatenate([[begin], np.arange(math.ceil(begin), math.floor(end) + 1), [end]]))
+    share = np.gradient(grid) if grid.size > 2 else np.full(grid.size, 0.5 * (end - begin))
+    share[[0, -1]] = 0.5 * (grid[1] - grid[0]), 0.5 * (grid[-1] - grid[-2])
+    if grid.size > 2:
+        share[1:-1] = 0.5 * (grid[2:] - grid[:-2])
+    low = np.minimum(grid.astype(int), size - 2)
+    np.add.at(weights, low, share * (1.0 - (grid - low)))
+    np.add.at(weights, low + 1, share * (grid - low))
+    return weights
+
+
+class _Measured(NamedTuple):
+    """A blow ready to be changed and measured again."""
+
+    stretch: BlowStretch
+    where: ReadOff
+    figures: Array
+    factor: int
+
+
+def _prepared(channel: Channel, pulse: RecordedPulse) -> _Measured:
+    """Return the stretch around a blow, noise smoothed; of a fitted one, the smooth pulse."""
+    step, sign = channel.step, math.copysign(1.0, pulse.peak)
+    length = pulse.end - pulse.begin
+    begin, end = ((time - channel.start) / step for time in (pulse.begin, pulse.end))
+    beside = BESIDE * length / step + 2.0
+    low = max(math.floor(begin - beside), 0)
+    high = min(math.ceil(end + beside) + 1, channel.values.size)
+    figures = np.array([abs(pulse.peak), pulse.width, sign * pulse.velocity_change])
+    if pulse.method == "record":
+        raw = sign * (channel.values[low:high] - pulse.offset)
+        values, _ = smooth(
+            raw, pulse.noise, max(round(LONGEST_WINDOW * pulse.width / step), 2) if pulse.width > 0 else 2
+        )
+    else:
+        values = sign * pulse.smooth.at(np.asarray(channel.start + step * np.arange(low, high), dtype=np.float64))
+    factor = max(math.floor(length / step / MOST_SAMPLES), 1)
+    values = values[: values.size // factor * factor].reshape(-1, factor).mean(axis=1)
+    first, last, top = (
+        min(max((place - low - 0.5 * (factor - 1)) / factor, 0.0), values.size - 1.0)
+        for place in (begin, end, (pulse.time - channel.start) / step)
+    )
+    near = max(0.25 * (last - first), 2.0)
+    inside = slice(max(math.floor(top - near), 0), min(math.ceil(top + near) + 1, values.size))
+    stretch = BlowStretch(values, step * factor, abs(pulse.peak), first, last)
+    return _Measured(stretch, ReadOff(inside, first, last, step * factor), figures, factor)
+
+
+def _model(measured: _Measured, contributions: Sequence[Contribution]) -> Model:
+    """Return the model of a blow: draws of the contributions, then an error a figure, in; figures out."""
+    count = len(contributions)
+    stretch, where = measured.stretch, measured.where
+    plain = read_off(stretch.values[None, :], where)
+    shapeless = [k for k, one in enumerate(contributions) if one.kind in CHANGING]
+
+    def figures(drawn: Array) -> Array:
+        found = np.empty((drawn.shape[0], len(FIGURES)))
+        block = max(LARGEST // stretch.values.size, 1)
+        for first in range(0, drawn.shape[0], block):
+            rows = drawn[first : first + block, :count]
+            shapes = plain
+            if shapeless:
+                chosen = [contributions[k] for k in shapeless]
+                shapes = read_off(changed(stretch, chosen, rows[:, shapeless]), where)
+            gain, clock = gain_of(contributions, rows), clock_of(contributions, rows)
+            scale = np.column_stack([gain, clock, gain * clock])
+            found[first : first + block] = (measured.figures + shapes - plain) * scale
+        return np.asarray(found + drawn[:, count:])
+
+    return figures
+
+
+CHANGING = ("linearity", "response", "resonance", "filter", "sampling", "offset", "drift", "coupling")
+"""Kinds that change the shape of a record."""
+
+
+def _by_noise(measured: _Measured, noise: float) -> Array:
+    """Return the standard uncertainty of the figures by white noise of each sample, added to what is in the record."""
+    stretch, where = measured.stretch, measured.where
+    size, noise = stretch.values.size, noise / math.sqrt(measured.factor)
+    total = np.zeros(len(FIGURES))
+    block = max(LARGEST // size, 1)
+    for first in range(0, size, block):
+        bump = noise * np.eye(min(block, size - first), size, first)
+        pair = [read_off(stretch.values + sign * bump, where) for sign in (1.0, -1.0)]
+        total += np.sum((0.5 * (pair[0] - pair[1])) ** 2, axis=0)
+    return np.sqrt(total)
+
+
+class _Inputs(NamedTuple):
+    """What a blow's model takes: its contributions, and what is added to each figure."""
+
+    contributions: tuple[Contribution, ...]
+    added: tuple[tuple[str, Array], ...]
+
+    @property
+    def quantities(self) -> list[InputQuantity]:
+        """All inputs, those added to each figure last."""
+        together = np.sqrt(np.sum([np.nan_to_num(each) ** 2 for _, each in self.added], axis=0))
+        return [one.input for one in self.contributions] + [
+            InputQuantity(name, float(each)) for name, each in zip(FIGURES, together, strict=True)
+        ]
+
+
+def _inputs(channel: Channel, pulse: RecordedPulse, budget: Budget, measured: _Measured) -> _Inputs:
+    told = np.array(pulse.uncertainty, dtype=np.float64)
+    peak = measured.stretch.peak
+    noises = [one for one in budget.contributions if one.kind == "noise"]
+    added = [(RECORD, told)]
+    added += [(one.name, _by_noise(measured, one.input.standard * (peak if one.relative else 1.0))) for one in noises]
+    others = tuple(one for one in budget.contributions if one.kind != "noise")
+    return _Inputs((sampling(channel.step), *others), tuple(added))
+
+
+def blow_uncertainty(
+    channel: Channel, pulse: RecordedPulse, budget: Budget, trials: bool = False, seed: int = 0
+) -> BlowUncertainty:
+    """Return the uncertainty of the figures of a blow.
+
+    Parameters
+    ----------
+    channel : Channel
+        Its record, uniformly sampled.
+    pulse : RecordedPulse
+        The blow.
+    budget : Budget
+        Contributions beyond those that the record itself tells, which are its noise and baseline and the instants of
+        its samples.
+    trials : bool, optional
+        Whether Monte Carlo validates the law of propagation; where it does not, its interval counts.
+    seed : int, optional
+        Of the draws.
+
+    Examples
+    --------
+    >>> from strikewave.records.budget.contributions import of_share
+    >>> from strikewave.records.measuring import find_pulses
+    >>> t = np.arange(4000) * 1e-6
+    >>> record = Channel("a", np.where(abs(t - 2e-3) < 1e-4, 5e3 * np.cos(np.pi * (t - 2e-3) / 2e-4), 0.0), 1e-6)
+    >>> [pulse] = find_pulses(record.values, record.step)
+    >>> found = blow_uncertainty(record, pulse, of_share(0.04, 2.0)).figures
+    >>> {name: round(one.expanded / one.value, 4) for name, one in found.items()}
+    {'peak': 0.04, 'width': 0.0, 'velocity_change': 0.04}
+    """
+    measured = _prepared(channel, pulse)
+    inputs = _inputs(channel, pulse, budget, measured)
+    model, quantities = _model(measured, inputs.contributions), inputs.quantities
+    propagated = law_of_propagation(model, quantities)
+    simulated = monte_carlo(model, quantities, seed) if trials else None
+    return _summed(measured, inputs, propagated, simulated)
+
+
+def _summed(
+    measured: _Measured, inputs: _Inputs, propagated: Propagated, simulated: Simulated | None
+) -> BlowUncertainty:
+    """Return figures with their uncertainty, by the law of propagation where it is validated, else by Monte Carlo."""
+    sound = [True] * len(FIGURES) if simulated is None else simulated.validates(propagated).tolist()
+    figures = {}
+    for k, name in enumerate(FIGURES):
+        standard, method = float(propagated.standard[k]), BY_LAW
+        expanded = COVERAGE * standard
+        if simulated is not None and not sound[k] and math.isfinite(float(simulated.standard[k])):
+            standard, method = float(simulated.standard[k]), BY_TRIALS
+            middle = float(measured.figures[k])
+            expanded = max(middle - float(simulated.low[k]), float(simulated.high[k]) - middle)
+        rows = [(one.name, abs(float(propagated.contributions[i, k]))) for i, one in enumerate(inputs.contributions)]
+        rows += [(one, float(each[k])) for one, each in inputs.added]
+        total = math.fsum(u**2 for _, u in rows if math.isfinite(u)) or math.inf
+        shares = [BudgetLine(one, u, u**2 / total) for one, u in rows]
+        shares.sort(key=lambda row: -row.standard if math.isfinite(row.standard) else 0.0)
+        coverage = expanded / standard if standard > 0.0 else COVERAGE
+        figures[name] = FigureUncertainty(
+            float(measured.figures[k]), standard, expanded, coverage, tuple(shares), method
+        )
+    checked = {} if simulated is None else dict(zip(FIGURES, sound, strict=True))
+    return BlowUncertainty(figures, 0 if simulated is None else simulated.trials, checked)

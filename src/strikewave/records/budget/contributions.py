@@ -1,0 +1,251 @@
+"""What the channel of a record may have done to it: a list of contributions, each a change of the record.
+
+    motion → sensor (transverse motion, sensitivity, linearity, temperature, response) → filter → recorder (gain, clock)
+
+Each contribution is one number that is not known, drawn about zero: a share of a gain, a filter's cutoff that is off, a
+zero that shifts under the blow. Changes of the spectrum are taken without phase: a delay moves no figure.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from strikewave.records.budget.propagation import NORMAL, RECTANGULAR, InputQuantity
+
+Array = NDArray[np.float64]
+
+GAINS = ("acceleration", "sensitivity", "amplifier", "temperature", "transverse")
+"""Kinds that multiply the record."""
+SPECTRAL = ("response", "resonance", "filter", "sampling")
+"""Kinds that change its spectrum."""
+ADDED = ("offset", "drift", "noise")
+"""Kinds that are added to it: an amount, or a share of the peak."""
+KINDS = (*GAINS, "linearity", *SPECTRAL, *ADDED, "coupling", "clock")
+TOPICS = {
+    "calibration of the sensor": ("sensitivity",),
+    "gain of amplifier and recorder": ("amplifier",),
+    "amplitude linearity": ("linearity",),
+    "temperature": ("temperature",),
+    "transverse motion": ("transverse",),
+    "frequency response and mounting": ("response", "resonance"),
+    "filter of the recorder": ("filter",),
+    "zero shift under the blow": ("offset", "drift"),
+    "AC coupling": ("coupling",),
+    "clock of the recorder": ("clock",),
+}
+"""What a budget of a shock measurement holds as a rule (after ISO 16063-1 and ISO 16063-21, from memory), and the kinds
+that state it: what none states is listed as not stated, never taken as nothing."""
+RECORD, SAMPLING = "noise and baseline", "instants of sampling"
+"""Names of what the record itself tells."""
+PADDED = 1.25
+"""Times its length that a stretch is lengthened to for its spectrum, so that its end does not reach its begin."""
+
+
+@dataclass(frozen=True)
+class Contribution:
+    """One contribution of a budget, in SI.
+
+    Attributes
+    ----------
+    kind : str
+        What it changes; one of `KINDS`.
+    name : str
+        What it is called.
+    spread : float
+        Half-width of its distribution, standard uncertainty of a normal one: a share; of offset, drift and noise the
+        unit of the record unless ``relative``; of a whole effect that is not corrected (resonance, AC coupling) 1.
+    distribution : str
+        See `InputQuantity`.
+    relative : bool
+        Whether an added amount is a share of the peak.
+    status, source : str
+        How its number is known, and from whom.
+    typed : str
+        The number as it stands in the budget.
+    frequency : float
+        Cutoff of a filter, lowest resonance, Hz.
+    order : float
+        Poles of the filter; quality factor of the resonance.
+    tolerances : tuple of (float, float)
+        Frequency, Hz, and share by which the response may be off there.
+    time_constant : float
+        Of an AC coupling that is not taken off, s.
+    """
+
+    kind: str
+    name: str
+    spread: float
+    distribution: str = NORMAL
+    relative: bool = True
+    status: str = ""
+    source: str = ""
+    typed: str = ""
+    frequency: float = math.nan
+    order: float = math.nan
+    tolerances: tuple[tuple[float, float], ...] = ()
+    time_constant: float = math.nan
+
+    @property
+    def input(self) -> InputQuantity:
+        """The uncertain number."""
+        return InputQuantity(self.name, self.spread, self.distribution)
+
+    def logarithm(self, drawn: Array, frequency: Array) -> Array:
+        """Return by how much the logarithm of the spectrum rises, a row a draw."""
+        e = drawn[:, None]
+        if self.kind == "response":
+            places, shares = np.array(self.tolerances).T
+            with np.errstate(divide="ignore"):
+                at = np.interp(np.log(np.maximum(frequency, places[0])), np.log(places), shares)
+            return np.asarray(np.log1p(e * at))
+        over = frequency / self.frequency
+        if self.kind == "resonance":
+            size = -0.5 * np.log((1.0 - over**2) ** 2 + (over / self.order) ** 2)
+            return np.asarray(e * np.maximum(size, 0.0))
+        power = 2.0 * self.order
+        with np.errstate(over="ignore"):
+            bent = np.log1p(over**power), np.log1p((over / (1.0 + e)) ** power)
+            return np.asarray(0.5 * np.where(np.isfinite(bent[0]), bent[0] - bent[1], power * np.log1p(e)))
+
+
+class Budget(NamedTuple):
+    """The contributions of a channel, and what they are called together.
+
+    Attributes
+    ----------
+    contributions : tuple of Contribution
+        As they are stated.
+    title, file : str
+        Its title, and the file it stands in; empty where one share for all was stated.
+    """
+
+    contributions: tuple[Contribution, ...]
+    title: str = ""
+    file: str = ""
+
+    @property
+    def not_stated(self) -> tuple[str, ...]:
+        """What a budget holds as a rule, and this one does not.
+
+        Examples
+        --------
+        >>> Budget((Contribution("sensitivity", "certificate", 0.01),)).not_stated[:2]
+        ('gain of amplifier and recorder', 'amplitude linearity')
+        """
+        stated = {one.kind for one in self.contributions}
+        if "acceleration" in stated:
+            return ()
+        return tuple(topic for topic, kinds in TOPICS.items() if not stated & set(kinds))
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Names of its contributions, those that the record tells first."""
+        return RECORD, SAMPLING, *(one.name for one in self.contributions)
+
+
+def of_share(share: float, coverage: float) -> Budget:
+    """Return the budget of one expanded uncertainty of the acceleration, for the whole channel.
+
+    Examples
+    --------
+    >>> of_share(0.05, 2.0).contributions[0].input.standard
+    0.025
+    """
+    typed = f"{100.0 * share:g} %, k = {coverage:g}"
+    return Budget((Contribution("acceleration", "acceleration, as stated", share / coverage, NORMAL, typed=typed),))
+
+
+def sampling(step: float) -> Contribution:
+    """Return that of the instants of sampling: a blow falls anywhere between two of them."""
+    return Contribution("sampling", SAMPLING, 0.5 * step, RECTANGULAR, typed=f"half of {step:.4g} s")
+
+
+class BlowStretch(NamedTuple):
+    """A stretch of a record, baseline taken off, the blow upwards.
+
+    Attributes
+    ----------
+    values : ndarray
+        Samples.
+    step : float
+        Time between them, s.
+    peak : float
+        Of what added amounts are a share.
+    begin, end : float
+        Places of the feet of the blow, in samples.
+    """
+
+    values: Array
+    step: float
+    peak: float
+    begin: float
+    end: float
+
+
+def changed(stretch: BlowStretch, contributions: Sequence[Contribution], drawn: Array) -> Array:
+    """Return a stretch as it would be with each row of draws; gains and clock, which change no shape, are left out.
+
+    Parameters
+    ----------
+    stretch : BlowStretch
+        As it was measured.
+    contributions : sequence of Contribution
+        What changes it.
+    drawn : ndarray
+        A column a contribution.
+    """
+    values = np.broadcast_to(stretch.values, (drawn.shape[0], stretch.values.size))
+    columns = {kind: [] for kind in KINDS}  # type: dict[str, list[tuple[Contribution, Array]]]
+    for one, column in zip(contributions, drawn.T, strict=True):
+        columns[one.kind].append((one, column))
+    spectral = [pair for kind in SPECTRAL for pair in columns[kind]]
+    if spectral:
+        values = _filtered(stretch, spectral)
+    for _, e in columns["linearity"]:
+        values = values * (1.0 + e[:, None] * values / stretch.peak)
+    for one, e in columns["coupling"]:
+        before = np.cumsum(values, axis=1) * stretch.step
+        values = values + e[:, None] * before / one.time_constant
+    place = np.arange(stretch.values.size)
+    ramp = np.clip((place - stretch.begin) / (stretch.end - stretch.begin), 0.0, 1.0)
+    for kind, shape in (("offset", np.ones(place.size)), ("drift", ramp)):
+        for one, e in columns[kind]:
+            values = values + e[:, None] * (stretch.peak if one.relative else 1.0) * shape
+    return np.asarray(values)
+
+
+def _filtered(stretch: BlowStretch, spectral: Sequence[tuple[Contribution, Array]]) -> Array:
+    """Return a stretch with its spectrum changed, a row a draw; the padding leads from its end back to its begin."""
+    from scipy.fft import irfft, next_fast_len, rfft, rfftfreq
+
+    size = stretch.values.size
+    length = next_fast_len(math.ceil(PADDED * size), real=True)
+    back = np.linspace(stretch.values[-1], stretch.values[0], length - size + 2)[1:-1]
+    spectrum = rfft(np.concatenate([stretch.values, back]))
+    frequency = rfftfreq(length, stretch.step)
+    logarithm: Array = np.zeros((1, frequency.size))
+    phase: Array = np.ones((1, 1))
+    for one, e in spectral:
+        if one.kind == "sampling":
+            phase = phase * np.exp(-2.0j * np.pi * frequency * e[:, None])
+        else:
+            logarithm = logarithm + one.logarithm(e, frequency)
+    return np.asarray(irfft(spectrum * np.exp(logarithm) * phase, length, axis=1)[:, :size])
+
+
+def gain_of(contributions: Sequence[Contribution], drawn: Array) -> Array:
+    """Return the gain of each row of draws."""
+    factors = [1.0 + e for one, e in zip(contributions, drawn.T, strict=True) if one.kind in GAINS]
+    return np.asarray(np.prod(factors, axis=0)) if factors else np.ones(drawn.shape[0])
+
+
+def clock_of(contributions: Sequence[Contribution], drawn: Array) -> Array:
+    """Return by what the clock stretches time, for each row of draws."""
+    factors = [1.0 + e for one, e in zip(contributions, drawn.T, strict=True) if one.kind == "clock"]
+    return np.asarray(np.prod(factors, axis=0)) if factors else np.ones(drawn.shape[0])

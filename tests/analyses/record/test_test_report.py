@@ -1,0 +1,230 @@
+"""The test report: every shock once with its verdict, calibrations, what is not stated, escaping, many shocks, PDF."""
+
+import csv
+import dataclasses
+import html
+import io
+import json
+import re
+import tomllib
+
+import numpy as np
+import pytest
+from pypdf import PdfReader
+
+import strikewave as sw
+from strikewave.analyses.record.test_report.figures import MOST_LINES, drawn_shocks
+from strikewave.analyses.record.test_report.page import ONLY_ITEMS, report_of_test
+from strikewave.analyses.record.test_report.shocks import MOST_LISTED
+from strikewave.analyses.record.verdicts.words import tag_of_records
+from strikewave.base.errors import InputError, StrikewaveError
+from strikewave.cases.performed_test import PerformedTest
+from strikewave.cases.stated_test import NO_TEST, ReportTables, StatedTest, example_file, load_test
+from strikewave.reporting.clause_words import SHOWN
+from strikewave.reporting.pdf import check_pdf, pdf_of
+from strikewave.specifications.ideal_pulses import IdealPulse
+
+SPEC = "iec-60068-2-27:50g-11ms"
+SHOCKS = {"xp1": 50.0, "xp2": 51.0, "xp3": 49.0, "xn1": 50.0, "xn2": 66.0}
+"""Files and their peaks, g; the last is above the limit of 60 g."""
+NAMED = [row.split("=")[0] for row in example_file().splitlines() if "=" in row]
+
+
+def write_shock(path, peak):
+    time = np.arange(1000) * 1e-4
+    noise = 0.05 * np.random.default_rng(5).normal(size=time.size)
+    values = noise + IdealPulse("half-sine", peak, 11e-3).at(time - 0.03)
+    np.savetxt(
+        path, np.column_stack([time, values]), delimiter=",", header="time (s),table (g)", comments="", fmt="%.9g"
+    )
+
+
+@pytest.fixture(scope="session")
+def folder(tmp_path_factory):
+    place = tmp_path_factory.mktemp("shocks")
+    for name, peak in SHOCKS.items():
+        write_shock(place / f"{name}.csv", peak)
+    return place
+
+
+@pytest.fixture(scope="session")
+def result(folder):
+    files = [folder / f"{name}.csv" for name in SHOCKS]
+    return sw.record(files, spec=SPEC, direction=["xp*=+x", "xn*=-x"], uncertainty="5 %")
+
+
+def filled_in(text="a b", date="2026-03-02"):
+    """Return the file to fill in with every key filled in."""
+    lines = []
+    for line in example_file().splitlines():
+        key = line.split(" = ")[0]
+        days = ("date", "issued", "last_day", "received", "calibrated", "calibration_due")
+        if key in ("direction", "file"):
+            continue
+        value = f"[{json.dumps(text)}]" if key == "statements" else json.dumps(date if key in days else text)
+        lines.append(f"{key} = {value}" if " = " in line else line)
+    return "\n".join(lines)
+
+
+def stated(tmp_path, text):
+    file = tmp_path / "test.toml"
+    file.write_text(text, "utf-8")
+    return load_test(file)
+
+
+def tables_of(page):
+    """Return the tables of a page by their captions: rows of plain text."""
+    found = {}
+    for caption, body in re.findall(r"<figcaption[^>]*><b>Table \d+.</b> (.*?)</figcaption>(.*?)</figure>", page, re.S):
+        rows = re.findall(r"<tr>(.*?)</tr>", body, re.S)
+        cells = [re.findall(r"<t[hd][^>]*>(.*?)</t[hd]>", row, re.S) for row in rows]
+        plain = [[html.unescape(re.sub("<[^>]*>", "", cell)).strip() for cell in row] for row in cells]
+        found[html.unescape(caption)] = plain
+    return found
+
+
+def test_every_shock_stands_once_with_the_verdict_and_the_failed_clauses_of_the_result(result):
+    head, *rows = tables_of(report_of_test(result.of_test(NO_TEST)))["Each shock"]
+    assert [row[0] for row in rows] == [str(k + 1) for k in range(len(SHOCKS))]
+    places = {name: head.index(name) for name in ("direction", "record", "verdict")}
+    for row, one in zip(rows, result.verdict.shocks, strict=True):
+        assert row[places["record"]] == one.file.rpartition("/")[2]
+        assert row[places["direction"]] == one.direction
+        assert row[places["verdict"]] == SHOWN[one.found.verdict]
+        failed = [clause.clause for clause in one.found.clauses if clause.verdict == "fail"]
+        assert row[-1] == (", ".join(failed) or "–")
+    peaks = [float(row[head.index("peak (g)")].split(" ")[0]) for row in rows]
+    assert peaks == pytest.approx(list(SHOCKS.values()), rel=0.005)  # noise of 0.05 g
+
+
+def test_directions_say_what_was_asked_for_done_and_passed(result):
+    rows = tables_of(report_of_test(result.of_test(NO_TEST)))["Shocks by direction; 6 directions are asked for"][1:]
+    assert [row[:6] for row in rows] == [["+x", "x", "3", "3", "3", "0"], ["-x", "x", "3", "2", "1", "1"]]
+    assert [row[6] for row in rows] == ["PASS", "FAIL"]
+
+
+def test_a_report_with_all_that_is_asked_for_names_all_of_it_and_lists_nothing_as_missing(result, tmp_path):
+    page = report_of_test(result.of_test(stated(tmp_path, filled_in("a b"))))
+    assert "Nothing: all that clause 7.8 asks for" in page
+    assert "Not stated" not in tables_of(page)
+    for name in ("ISO/IEC 17025", ONLY_ITEMS, "Decision rule: simple acceptance", "5 % of the acceleration", "a b"):
+        assert name in page, name
+    assert page.count("Table") > 8
+
+
+def test_what_is_not_stated_is_listed_with_its_clause_and_the_key_that_states_it(result):
+    rows = tables_of(report_of_test(result.of_test(NO_TEST)))["Not stated"][1:]
+    assert {row[0][:7] for row in rows} == {"7.8.2.1", "7.8.3.1", "6.5, no"}
+    keys = [key for row in rows for key in row[2].split(", ") if "." in key]
+    for key in keys:
+        table, _, name = key.rpartition(".")
+        assert name in tomllib.loads(example_file().replace("[[", "[").replace("]]", "]"))[table], key
+    one = result.of_test(StatedTest(PerformedTest(date="2026-03-02"), ReportTables(report={"number": "7"})))
+    left = tables_of(report_of_test(one))["Not stated"][1:]
+    assert len(rows) - len(left) == 2
+
+
+def overdue(due):
+    row = {"name": "accelerometer", "model": "M", "calibrated": "2025-01-01", "calibration_due": due}
+    return StatedTest(PerformedTest(date="2026-03-02"), ReportTables(equipment=[row]))
+
+
+def test_an_overdue_calibration_stands_at_the_top_and_marks_the_verdict_wherever_it_is(result):
+    marked = result.of_test(overdue("2026-03-01"))
+    page = report_of_test(marked)
+    assert "calibration overdue" in page[: page.index("</header>")]
+    assert tag_of_records(marked.verdict, marked.performed).text.endswith("; calibration overdue")  # of both reports
+    summary = page[page.index('<section id="summary"') :].partition("</section>")[0]
+    assert "Calibration overdue. accelerometer M: calibration was due on 2026-03-01" in summary
+    assert marked.document()["spec"]["calibration_overdue"] == ["accelerometer M"]
+    assert "calibration-overdue" in [notice.code for notice in marked.notices]
+    held = result.of_test(overdue("2026-03-02"))
+    assert "overdue" not in report_of_test(held)
+    assert held.document()["spec"]["calibration_overdue"] == []
+
+
+def test_words_of_a_hostile_file_stay_words(result, tmp_path):
+    text = "<script>alert(1)</script><img src=x onerror=alert(1)>&\"'{{ 7*7 }}</style>"
+    page = report_of_test(result.of_test(stated(tmp_path, filled_in(text))))
+    assert "<script" not in page
+    assert "<img" not in page
+    assert page.count("</style>") == 1
+    assert "&lt;script&gt;alert(1)&lt;/script&gt;" in page
+    assert "{{ 7*7 }}" in html.unescape(page)
+
+
+def many(result, count):
+    """Return a result with so many shocks, made of those of a few files; every hundredth is one that fails."""
+    bad = next(one for one in result.verdict.shocks if one.found.verdict == "fail")
+    good = [one for one in result.verdict.shocks if one.found.verdict == "pass"]
+    shocks = [
+        (bad if k % 100 == 99 else good[k % len(good)])._replace(number=k + 1, file=good[0].file) for k in range(count)
+    ]
+    return dataclasses.replace(result, verdict=dataclasses.replace(result.verdict, shocks=tuple(shocks)))
+
+
+def test_4000_shocks_are_summed_up_and_those_that_fail_listed(result):
+    page = report_of_test(many(result, 4000).of_test(NO_TEST))
+    assert len(page) < 600_000
+    tables = tables_of(page)
+    assert "Each shock" not in tables
+    summary = next(rows for caption, rows in tables.items() if caption.startswith("All shocks, by direction"))
+    assert sum(int(row[1]) for row in summary[1:]) == 4000
+    assert sum(int(row[3]) for row in summary[1:]) == 40
+    failed = tables["Shocks that do not pass"][1:]
+    assert [int(row[0]) for row in failed] == [100 * k for k in range(1, 41)]
+    extremes = tables["Shocks with the largest and smallest figures"][1:]
+    assert {"66", "49"} <= {str(round(float(row[5].split(" ")[0]))) for row in extremes}
+    assert all(len(rows) <= MOST_LISTED + 1 for rows in tables.values())
+
+
+def test_the_drawn_shocks_are_few_and_have_those_that_fail(result):
+    shocks = many(result, 1000).verdict.shocks
+    drawn = drawn_shocks(shocks)
+    assert len(drawn) == MOST_LINES
+    assert sum(one.found.verdict == "fail" for one in drawn) == 10
+    assert drawn_shocks(shocks[:5]) == list(shocks[:5])
+
+
+@pytest.mark.parametrize("paper", ["A4", "letter"])
+def test_the_sheets_have_number_and_count_of_pages_and_all_that_is_signed(result, paper):
+    try:
+        check_pdf("--pdf", paper)
+    except InputError as error:
+        pytest.skip(str(error))
+    signed = ReportTables(report={"number": "TR-17"}, signature=[{"role": "Authorized by", "name": "D. Head"}])
+    reader = PdfReader(io.BytesIO(pdf_of(report_of_test(result.of_test(StatedTest(tables=signed))), paper)))
+    words = [sheet.extract_text() for sheet in reader.pages]
+    count = len(words)
+    assert count > 3
+    for place, text in enumerate(words, start=1):
+        assert f"page {place} of {count}" in text
+        assert "Test report TR-17" in text
+    assert "End of test report TR-17" in words[-1]
+    assert sum("Authorized by: D. Head" in text.replace("\n", " ") for text in words) == 1
+
+
+def test_one_command_writes_the_report_and_a_line_a_shock(strikewave, tmp_path, folder, read_page):
+    (tmp_path / "test.toml").write_text('[report]\nnumber = "TR-17"\n')
+    files = [folder / f"{name}.csv" for name in ("xp1", "xn2")]
+    words = ["record", *files, "--spec", SPEC, "--test", "test.toml", "--show", "m/s2"]
+    assert strikewave(*words, "--out", "out")[0] == 3
+    page = read_page(tmp_path / "out" / "test-report.html")
+    assert "<h1>Test report TR-17</h1>" in page.text
+    assert "peak (m/s²)" in tables_of(page.text)["Each shock"][0]
+    for file in files:  # the records by their SHA-256
+        digest = dict(row[:2] for row in tables_of(page.text)["Records"][1:])[str(file)]
+        assert len(digest) == 64
+    rows = list(csv.DictReader(io.StringIO((tmp_path / "out" / "shocks.csv").read_text())))
+    assert [row["verdict"] for row in rows] == ["pass", "fail"]
+    assert float(rows[1]["peak margin [m/s^2]"]) == pytest.approx(-6 * 9.80665, rel=0.05)
+
+
+def test_without_a_specification_or_a_test_there_is_no_test_report(strikewave, tmp_path, folder, result):
+    (tmp_path / "test.toml").write_text('item = "board 7"\n')
+    assert strikewave("record", folder / "xp1.csv", "--test", "test.toml", "--out", "a")[0] == 0
+    assert strikewave("record", folder / "xp1.csv", "--spec", SPEC, "--out", "b")[0] == 0
+    assert not list(tmp_path.glob("?/test-report.html"))
+    with pytest.raises(StrikewaveError, match="a test report needs a verdict"):
+        sw.record(folder / "xp1.csv").test_report(tmp_path)
+    assert result.test_report(tmp_path).name == "test-report.html"

@@ -1,0 +1,121 @@
+"""Budget files: what they state reaches the contributions, and wrong ones are refused in one line."""
+
+import math
+
+import pytest
+
+from strikewave.base.errors import InputError, InputErrors
+from strikewave.specifications.budget_file import KINDS, ContributionTable, load_budget
+
+HEAD = 'schema = 1\ntitle = "t"\nstatus = "normative"\nsource = "certificate 17"\n'
+
+
+def _one(**fields):
+    rows = "".join(f"{key} = {value}\n" for key, value in fields.items())
+    return f"{HEAD}[[contribution]]\n{rows}"
+
+
+SENSITIVITY = {"kind": '"sensitivity"', "value": '"2 %"', "coverage": "2"}
+
+WRONG = {
+    "not TOML": ("schema = ", "allowed: a share such as"),
+    "a newer schema": (_one(**SENSITIVITY).replace("schema = 1", "schema = 2"), "schema: got 2"),
+    "no title": (_one(**SENSITIVITY).replace('title = "t"\n', ""), "title: missing"),
+    "no status": (_one(**SENSITIVITY).replace('status = "normative"\n', ""), "status: missing"),
+    "no source": (
+        _one(**SENSITIVITY).replace('source = "certificate 17"\n', ""),
+        "source: missing; needed: who has it",
+    ),
+    "no contribution": (HEAD, "contribution: missing"),
+    "none in the array": (HEAD + "contribution = []\n", "contribution: got"),
+    "an unknown kind": (_one(**SENSITIVITY | {"kind": '"sensitivty"'}), 'kind: got "sensitivty"'),
+    "an unknown key": (_one(**SENSITIVITY, covrage="2"), 'covrage: unknown key; did you mean "coverage"?'),
+    "neither coverage nor distribution": (
+        _one(kind='"clock"', value='"1 %"'),
+        "coverage: missing; needed: coverage = 2",
+    ),
+    "normal without coverage": (_one(kind='"clock"', value='"1 %"', distribution='"normal"'), "coverage: missing"),
+    "both": (_one(**SENSITIVITY, distribution='"rectangular"'), "normal beside coverage"),
+    "an unknown distribution": (
+        _one(kind='"clock"', value='"1 %"', distribution='"uniform"'),
+        'distribution: got "uniform"',
+    ),
+    "a bare number in place of a share": (_one(**SENSITIVITY | {"value": '"2"'}), "value: got"),
+    "an amount of a gain": (_one(**SENSITIVITY | {"value": '"2 g"'}), 'a share with kind sensitivity, such as "2 %"'),
+    "more than all": (_one(**SENSITIVITY | {"value": '"200 %"'}), "from 0 to 100 %"),
+    "less than nothing": (_one(**SENSITIVITY | {"value": '"-2 %"'}), "value: got"),
+    "a filter without its cutoff": (
+        _one(kind='"filter"', value='"10 %"', distribution='"rectangular"', order="4"),
+        "cutoff: missing; needed: with kind filter: value, cutoff, order",
+    ),
+    "a cutoff of a gain": (_one(**SENSITIVITY, cutoff='"1 kHz"'), "with kind sensitivity only value"),
+    "a resonance with a coverage": (
+        _one(kind='"resonance"', frequency='"40 kHz"', quality="30", coverage="2"),
+        "coverage: got 2; allowed: none with kind resonance",
+    ),
+    "a response that goes back": (
+        _one(kind='"response"', distribution='"rectangular"', bands='[["10 kHz", "5 %"], ["1 kHz", "1 %"]]'),
+        "frequencies upwards",
+    ),
+    "a response of one frequency": (
+        _one(kind='"response"', distribution='"rectangular"', bands='[["10 kHz", "5 %"]]'),
+        "2 to 200",
+    ),
+    "a time for a frequency": (_one(kind='"resonance"', frequency='"40 us"', quality="30"), "frequency: got"),
+    "two of one name": (
+        _one(**SENSITIVITY) + "[[contribution]]\n" + _one(**SENSITIVITY).split("]]\n")[1],
+        "a name for each",
+    ),
+}
+
+
+@pytest.mark.parametrize("wrong", WRONG)
+def test_wrong_budgets_are_refused_in_one_line(wrong, tmp_path):
+    text, words = WRONG[wrong]
+    file = tmp_path / "budget.toml"
+    file.write_text(text)
+    with pytest.raises((InputError, InputErrors)) as error:
+        load_budget(str(file))
+    lines = str(error.value).splitlines()
+    assert any(words in line and line.startswith("--uncertainty") for line in lines), lines
+
+
+@pytest.mark.parametrize("word", ["five", "0 %", "150 %", "", "nan", "5 g", "no-such.toml"])
+def test_what_is_neither_share_nor_file_is_refused(word):
+    with pytest.raises(InputError, match="uncertainty"):
+        load_budget(word)
+
+
+def test_each_kind_reaches_its_contribution(tmp_path):
+    file = tmp_path / "budget.toml"
+    rows = [
+        'kind = "sensitivity"\nvalue = "2 %"\ncoverage = 2',
+        'kind = "temperature"\nper_kelvin = "0.1 %"\nrange = "10 K"\ndistribution = "rectangular"',
+        'kind = "transverse"\nvalue = "3 %"\nmotion = "30 %"',
+        'kind = "response"\nbands = [["1 kHz", "1 %"], ["10 kHz", "5 %"]]\ndistribution = "rectangular"',
+        'kind = "resonance"\nfrequency = "40 kHz"\nquality = 30\nstatus = "quoted"\nsource = "data sheet, by a dealer"',
+        'kind = "filter"\nvalue = "10 %"\ncutoff = "20 kHz"\norder = 4\ndistribution = "triangular"',
+        'kind = "offset"\nvalue = "5 g"\ndistribution = "rectangular"',
+        'kind = "drift"\nvalue = { value = "1 %", status = "indicative" }\ndistribution = "rectangular"',
+        'kind = "coupling"\ntime_constant = "1 s"',
+    ]
+    file.write_text(HEAD + "".join(f"[[contribution]]\n{row}\n" for row in rows))
+    budget = load_budget(str(file))
+    by_kind = {one.kind: one for one in budget.contributions}
+    assert set(KINDS) <= set(by_kind)
+    assert by_kind["sensitivity"].input.standard == 0.01
+    assert by_kind["temperature"].input.standard == pytest.approx(0.01 / math.sqrt(3.0))
+    assert by_kind["transverse"].input.standard == pytest.approx(0.03 * 0.3 / math.sqrt(2.0))
+    assert by_kind["response"].tolerances == ((1e3, 0.01), (1e4, 0.05))
+    assert (by_kind["resonance"].frequency, by_kind["resonance"].order) == (4e4, 30.0)
+    assert (by_kind["resonance"].status, by_kind["resonance"].source) == ("quoted", "data sheet, by a dealer")
+    assert (by_kind["filter"].frequency, by_kind["filter"].order) == (2e4, 4.0)
+    assert (by_kind["offset"].spread, by_kind["offset"].relative) == (pytest.approx(5 * 9.80665), False)
+    assert by_kind["drift"].relative
+    assert by_kind["drift"].status == "indicative"
+    assert by_kind["coupling"].time_constant == 1.0
+    assert budget.not_stated == ("gain of amplifier and recorder", "amplitude linearity", "clock of the recorder")
+
+
+def test_every_field_of_a_kind_is_one_of_the_table():
+    assert {name for fields in KINDS.values() for name in fields.needs} <= set(ContributionTable.model_fields)
