@@ -25,7 +25,7 @@ from strikewave.signal.pulse import RISE_HIGH, RISE_LOW, WIDTH_FRACTION
 LONGEST = 3
 """Share of a blow, one in so many of its box, that a window reaches to either side at most: a parabola over two thirds
 of a box still follows a half-sine."""
-SHORTER, FINER, SMOOTHER = 1, 3, 4
+SHORTER, FINER, SMOOTHER = 0, 2, 4
 """Windows by which the one that is taken is shorter than the one of least error, the one that doubts it is shorter, and
 that of the pulse which noise is put on is longer, for what noise left on it would be put on twice.
 
@@ -130,12 +130,14 @@ def read_pulse(about: Surroundings, smooth: SmoothPulse, noise: Array) -> ReadPu
             basis, _ = np.linalg.qr(smooth.tangents(about.time[near]))
             moved = (rest @ basis) @ basis.T
             again, rest = again + moved, rest - moved
-        off, _ = _moments(figures_of(again + taken.over(rest), box) - start)
-        off_finer, scatter = _moments(figures_of(again + finer.over(rest), box) - start)
+        off, least = _spread(figures_of(again + taken.over(rest), box) - start)
+        off_finer, scatter = _spread(figures_of(again + finer.over(rest), box) - start)
         other = figures_of((pulse + finer.over(raw - pulse))[None, near], box)[0] - off_finer
         found = found - off
         apart = np.nan_to_num(other - found)
-        doubt = np.sqrt(doubt**2 + scatter[[1, 3]] ** 2 + apart[[1, 3]] ** 2)
+        of_peak = math.hypot(scatter[1], apart[1])  # a tip is the sharpest detail there is
+        of_width = max(scatter[3], math.hypot(least[3], apart[3]))
+        doubt = np.hypot(doubt, [of_peak, of_width])
     place, peak, rise, width = (float(value) for value in found)
     return ReadPulse(clean, near.start + place, peak, rise, width, float(doubt[0]), float(doubt[1]))
 
@@ -208,14 +210,18 @@ def _least_error(raw: Array, pulse: Array, windows: list[Window], noise: Array) 
     return min(errors, key=lambda one: errors[one])
 
 
-def _moments(rows: Array) -> tuple[Array, Array]:
-    """Return means and standard deviations of columns that are known in most rows; else zero and NaN."""
+def _spread(rows: Array) -> tuple[Array, Array]:
+    """Return medians and standard deviations of columns that are known in most rows; else zero and NaN.
+
+    The mean would lie between two crossings of a level that ringing grazes.
+    """
     known = np.isfinite(rows)
     count = known.sum(axis=0)
     enough, count = count > 0.5 * rows.shape[0], np.maximum(count, 1)
     mean = np.where(known, rows, 0.0).sum(axis=0) / count
-    scatter = np.sqrt(np.where(known, rows - mean, 0.0).__pow__(2).sum(axis=0) / count)
-    return np.where(enough, mean, 0.0), np.where(enough, scatter, math.nan)
+    middle = np.median(np.where(known, rows, mean), axis=0)
+    scatter = np.sqrt((np.where(known, rows - mean, 0.0) ** 2).sum(axis=0) / count)
+    return np.where(enough, middle, 0.0), np.where(enough, scatter, math.nan)
 
 
 def _by_sampling(values: Array, place: float, peak: float) -> Array:
