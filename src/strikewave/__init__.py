@@ -27,6 +27,7 @@ if TYPE_CHECKING:  # for type checkers and editors; at run time a name is import
     from strikewave.analyses.record.result import RecordResult as RecordResult
     from strikewave.analyses.record.spectrum import SpectrumResult as SpectrumResult
     from strikewave.analyses.record.spectrum_question import shock_spectra as shock_spectra
+    from strikewave.analyses.record.synthesis.result import synthesize as synthesize
     from strikewave.analyses.wave.result import WaveSolution as WaveSolution
     from strikewave.analyses.wave.run import run_wave as run_wave
     from strikewave.base.errors import InputError as InputError
@@ -45,9 +46,12 @@ if TYPE_CHECKING:  # for type checkers and editors; at run time a name is import
     from strikewave.records.readers import read_record as read_record
     from strikewave.signal.srs import srs as srs
     from strikewave.studies.buffer.question import buffer as buffer
+    from strikewave.studies.fit.study import FitStudy as FitStudy
+    from strikewave.studies.fit.study import fit as fit
     from strikewave.studies.map.question import map as map
     from strikewave.studies.scatter.study import ScatterPlan as ScatterPlan
     from strikewave.studies.scatter.study import scatter as scatter
+    from strikewave.studies.settings.drop_table.question import drop_table as drop_table
     from strikewave.studies.settings.question import settings as settings
 
 _HOMES = {
@@ -56,6 +60,7 @@ _HOMES = {
     "CompareResult": "analyses.compare.result",
     "Contact": "contact.law",
     "FemSolution": "analyses.fem.result",
+    "FitStudy": "studies.fit.study",
     "InputError": "base.errors",
     "RecordResult": "analyses.record.result",
     "Result": "base.result",
@@ -66,8 +71,10 @@ _HOMES = {
     "WaveSolution": "analyses.wave.result",
     "buffer": "studies.buffer.question",
     "compare": "analyses.compare.question",
+    "drop_table": "studies.settings.drop_table.question",
     "dump_case": "cases.case",
     "find_pulses": "records.measuring",
+    "fit": "studies.fit.study",
     "identify": "contact.identification",
     "load_case": "cases.case",
     "load_setup": "analyses.hopkinson.setup_file",
@@ -86,6 +93,7 @@ _HOMES = {
     "settings": "studies.settings.question",
     "solve_impact": "contact.impact",
     "srs": "signal.srs",
+    "synthesize": "analyses.record.synthesis.result",
 }
 """Modules of the public names. A test holds this table and the imports above equal."""
 

@@ -73,6 +73,45 @@ def test_parts_are_kept_for_the_kernels_of_another_process(tmp_path, environment
     assert [".part." in path.name for path in tmp_path.rglob("*evaluate*.nbc")] == [True]
 
 
+def test_a_kernel_from_disk_runs_raises_and_is_linked_by_one_compiled_after_it(tmp_path, environment):
+    """Of a kernel that is kept only what runs is read at once: its code for linking, and its words, must still be there."""
+    (tmp_path / "kept.py").write_text(
+        "import numpy as np\n"
+        "from strikewave.base.compiled import called_kernel, kernel\n"
+        "@called_kernel\n"
+        "def squared(x):\n"
+        "    return x * x\n"
+        "@kernel\n"
+        "def roots(values):\n"
+        "    if values[0] < 0.0:\n"
+        "        raise ValueError('below zero', 7)\n"
+        "    return np.sqrt(values)\n"
+        "@kernel\n"
+        "def both(values):\n"
+        "    return roots(values), squared(values[0])\n"
+    )
+    program = (
+        "import sys\n"
+        "import numpy as np, kept\n"
+        "own, values = sys.argv[1:], np.array([4.0])\n"
+        "print([getattr(kept, name)(values if name != 'squared' else 4.0) for name in own])\n"
+        "for name in own[-1:]:\n"
+        "    try:\n"
+        "        getattr(kept, name)(-values)\n"
+        "    except ValueError as error:\n"
+        "        print(error.args, sum(getattr(kept, name).stats.cache_hits.values()))\n"
+    )
+    own = {**environment, "NUMBA_CACHE_DIR": str(tmp_path / "cache")}
+    own["PYTHONPATH"] = os.pathsep.join(filter(None, [str(tmp_path), own.get("PYTHONPATH")]))
+    said = []
+    for names in (["squared", "roots"], ["squared", "roots"], ["both"], ["both"]):
+        command = [sys.executable, "-c", program, *names]
+        said.append(subprocess.run(command, env=own, capture_output=True, text=True, check=True).stdout.splitlines())
+    alone, together = "[16.0, array([2.])]", "[(array([2.]), 16.0)]"
+    error = "('below zero', 7)"
+    assert said == [[alone, f"{error} 0"], [alone, f"{error} 1"], [together, f"{error} 0"], [together, f"{error} 1"]]
+
+
 def _squared(x):
     return x * x
 

@@ -51,6 +51,7 @@ CHEAP = {
     "hopkinson": ("shot.toml",),
     "identify": ("pulse.csv", "--m1", "0.2", "--m2", "0.4"),
     "compare": ("pulse.csv", "pulse.csv", "--limit", "iso18571 > 0.8"),
+    "fit": ("jesd22-b111-b", "--to", "first.rigid_peak=1500 g", "--free", "contact.reference_force"),
     "map": ("li-ma-2019", "--points", "3x2", "--workers", "1", "--train", "0", *TWO),
     "buffer": ("li-ma-2019-fig5", "--sensor", "buffered", "--limit", "7000 g", *GASKETS),
     "deck": ("block.toml",),

@@ -12,6 +12,7 @@ LINK = "reports.md#the-files-of-a-result"
 PAGES = (
     "compare",
     "exchange",
+    "fit",
     "fem",
     "hopkinson",
     "machines",
@@ -59,6 +60,7 @@ def test_a_command_writes_only_what_the_docs_list_for_it(strikewave):
         "spec": ["show", "jesd22-b110:B"],
         "impact": [*impact, "--xlsx"],
         "map": ["li-ma-2019", "--points", "3x3", "--x", "machine.speed", "--y", "object.spring", "--xlsx"],
+        "fit": ["jesd22-b111-b", "--to", "first.width=0.4 ms", "--free", "contact.reference_force", "--xlsx"],
         "scatter": ["li-ma-2019-equal-blows", "--runs", 16, "--xlsx"],
     }
     for command, words in calls.items():

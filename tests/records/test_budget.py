@@ -226,6 +226,19 @@ def test_equal_seeds_give_equal_trials():
     assert first.low[0] != other.low[0]
 
 
+def test_where_too_little_lies_before_a_blow_its_uncertainty_is_not_known_unless_the_budget_states_it():
+    channel = _record()
+    late = Channel("a", channel.values[channel.time > -3e-3], STEP, -3e-3)  # three widths before the blow
+    _, found = _found(GAIN, channel=late)
+    assert all(math.isnan(one.expanded) for one in found.values())
+    _, found = _found(GAIN, Contribution("offset", "zero", 0.01), channel=late)
+    assert found["peak"].standard == pytest.approx(PEAK * math.hypot(0.02, 0.01), rel=0.01)
+    assert math.isnan(next(row.standard for row in found["peak"].contributions if row.name == "noise and baseline"))
+    _, found = _found(Contribution("acceleration", "all", 0.02), channel=late)
+    assert found["peak"].standard == pytest.approx(PEAK * 0.02, rel=0.01)
+    assert math.isnan(found["width"].standard)
+
+
 def test_what_is_not_stated_is_listed():
     assert "temperature" in Budget(WHOLE).not_stated
     assert "calibration of the sensor" not in Budget(WHOLE).not_stated

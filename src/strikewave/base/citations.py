@@ -17,6 +17,14 @@ SOURCES: dict[str, str] = {
         "F. Li, S. Ma, Analysis and Experimental Study of Acceleration Model for Short Interval and "
         "Multiple Impact Equipment, Shock and Vibration 2019, 5139137, doi:10.1155/2019/5139137"
     ),
+    "liang-zeger-1986": (
+        "K.-Y. Liang, S. L. Zeger, Longitudinal Data Analysis Using Generalized Linear Models, Biometrika 73 (1986) "
+        "13-22, doi:10.1093/biomet/73.1.13"
+    ),
+    "raue-2009": (
+        "A. Raue et al., Structural and Practical Identifiability Analysis of Partially Observed Dynamical Models by "
+        "Exploiting the Profile Likelihood, Bioinformatics 25 (2009) 1923-1929, doi:10.1093/bioinformatics/btp358"
+    ),
     "hunt-crossley-1975": (
         "K. H. Hunt, F. R. E. Crossley, Coefficient of Restitution Interpreted as Damping in "
         "Vibroimpact, Journal of Applied Mechanics 42 (1975) 440-445, doi:10.1115/1.3423596"
@@ -175,6 +183,13 @@ SOURCES: dict[str, str] = {
     "sen-1968": (
         "P. K. Sen, Estimates of the regression coefficient based on Kendall's tau, Journal of the American "
         "Statistical Association 63 (1968) 1379-1389"
+    ),
+    "jcgm-100": (
+        "JCGM 100:2008, Evaluation of measurement data - Guide to the expression of uncertainty in measurement"
+    ),
+    "jcgm-101": (
+        "JCGM 101:2008, Evaluation of measurement data - Supplement 1 to the Guide to the expression of uncertainty in "
+        "measurement - Propagation of distributions using a Monte Carlo method"
     ),
     "jcgm-106": (
         "JCGM 106:2012, Evaluation of measurement data - The role of measurement uncertainty in conformity assessment"

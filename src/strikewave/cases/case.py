@@ -547,8 +547,21 @@ def document_of(case: Case) -> dict[str, Any]:
         {key: value.typed if isinstance(value, Value) else value for key, value in entry if value != ""}
         for entry in case.published
     ]
-    fits = [{"fields": list(fit.fields), "to": fit.to, "under": dict(fit.under)} for fit in case.fit]
+    fits = [_fit_document(fit) for fit in case.fit]
     return document | ({"fit": fits} if fits else {}) | ({"published": published} if published else {})
+
+
+def _fit_document(fit: FitTable) -> dict[str, Any]:
+    """Return [[fit]] as plain tables, without what is absent."""
+    rows = {"correlation": [list(row) for row in fit.correlation]} if fit.correlation else {}
+    tables: dict[str, Mapping[str, Any]] = {"standard_error": fit.standard_error, "records": fit.records}
+    return {
+        "fields": list(fit.fields),
+        "to": fit.to,
+        **rows,
+        "under": dict(fit.under),
+        **{key: dict(table) for key, table in tables.items() if table},
+    }
 
 
 def _document(part: Any) -> Any:

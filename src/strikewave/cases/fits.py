@@ -9,7 +9,7 @@ from typing import NamedTuple
 from pydantic import Field
 
 from strikewave.base.errors import InputError, nearest
-from strikewave.base.quantities import Value
+from strikewave.base.quantities import Range, Value
 from strikewave.cases.paths import Form
 from strikewave.cases.provenance import SAME
 from strikewave.cases.tables import CaseTable
@@ -22,12 +22,16 @@ class FitTable(CaseTable):
     """[[fit]]: the ``fields`` fitted ``to`` what, and ``under`` which values of fields the result depends on.
 
     Among the fields of ``under`` are the fitted ones; "none" stands for a field or table that was left out. Where one
-    differs, the fit no longer applies.
+    differs, the fit no longer applies. ``standard_error`` holds that of each field that the data fix, and
+    ``correlation`` a row for each of them; ``records`` the SHA-256 of the files by their names.
     """
 
     fields: tuple[str, ...] = Field(min_length=1)
     to: str = ""
     under: dict[str, str | int | float] = Field(min_length=1)
+    standard_error: dict[str, str | int | float] = Field(default_factory=dict)
+    correlation: tuple[tuple[float, ...], ...] = ()
+    records: dict[str, str] = Field(default_factory=dict)
 
 
 class ChangedField(NamedTuple):
@@ -63,6 +67,15 @@ def check_fit(fit: FitTable, form: Form, path: str) -> None:
     for name in fit.fields:
         if form.range_at(name.split(".")) is None:
             raise InputError(f"{path}.fields", name, f"a quantity of the {form.name}", _like(name, form))
+    for name, size in fit.standard_error.items():
+        if name not in fit.fields:
+            raise InputError(f"{path}.standard_error", name, "one of its fields", nearest(name, fit.fields))
+        _check_error(f"{path}.standard_error.{name}", form, name, size)
+    rows, count = fit.correlation, len(fit.standard_error)
+    square = len(rows) == count and all(len(row) == count for row in rows)
+    if rows and not (square and _is_correlation(rows)):
+        words = f"{count} rows of {count} numbers from -1 to 1, those of a correlation of the standard errors"
+        raise InputError(f"{path}.correlation", str(rows), words)
     for name, then in fit.under.items():
         *places, key = name.split(".")
         if key not in form.keys_at(places):
@@ -73,6 +86,25 @@ def check_fit(fit: FitTable, form: Form, path: str) -> None:
                 allowed.read(then)
             except InputError as error:
                 raise InputError(f"{path}.under.{name}", error.got, error.allowed, error.hint) from None
+
+
+def _check_error(path: str, form: Form, name: str, error: str | int | float) -> None:
+    """Refuse a standard error that is none above 0 in the unit of its field."""
+    allowed = form.range_at(name.split("."))
+    unit = "" if allowed is None else allowed.unit
+    try:
+        Range(unit, 0.0, open_low=True).read(error)
+    except InputError as wrong:
+        raise InputError(path, wrong.got, wrong.allowed, wrong.hint) from None
+
+
+def _is_correlation(rows: tuple[tuple[float, ...], ...]) -> bool:
+    """Tell whether rows are those of a correlation: ones on the diagonal, symmetric, of no negative variance."""
+    import numpy as np
+
+    matrix = np.array(rows)
+    alike = np.allclose(matrix, matrix.T, atol=1e-6) and np.allclose(np.diag(matrix), 1.0, atol=1e-6)
+    return bool(alike and np.all(np.abs(matrix) <= 1.0 + 1e-9) and np.linalg.eigvalsh(matrix)[0] > -1e-6)
 
 
 def _like(name: str, form: Form) -> str:

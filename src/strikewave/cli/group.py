@@ -33,6 +33,7 @@ PANELS: dict[str, dict[str, tuple[str, str]]] = {
         "compare": ("strikewave.analyses.compare.command", "Compare two histories, measured or simulated."),
     },
     "Design": {
+        "fit": ("strikewave.studies.fit.command", "Fit values of a case to measurements."),
         "settings": ("strikewave.studies.settings.command", "Find machine settings for wanted blows."),
         "map": ("strikewave.studies.map.command", "Map a machine over two of its settings."),
         "scatter": ("strikewave.studies.scatter.command", "Propagate tolerances to the blows."),

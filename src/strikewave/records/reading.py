@@ -13,6 +13,7 @@ import numpy as np
 
 from strikewave.base.errors import InputError
 from strikewave.base.percents import percent
+from strikewave.records.budget.blows import BlowUncertainty
 from strikewave.records.calibration import Calibration, calibrated
 from strikewave.records.clock import even
 from strikewave.records.coupling import uncoupled
@@ -87,6 +88,8 @@ class ChannelReading:
         The blows before the filter; empty where there is none.
     responses : tuple of MeasuredResponse
         What the channel does after each blow of the base; none for a base, and where none was named.
+    uncertainties : tuple of BlowUncertainty
+        Of each blow, by a budget; none where none was stated.
     """
 
     channel: Channel
@@ -96,6 +99,7 @@ class ChannelReading:
     calibration: Calibration
     unfiltered: tuple[RecordedPulse, ...] = ()
     responses: tuple[MeasuredResponse, ...] = ()
+    uncertainties: tuple[BlowUncertainty, ...] = ()
 
     @property
     def status(self) -> str:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 
 from strikewave.reporting.numbers import listed, shown, with_unit
 from strikewave.reporting.parts import NONE, Cell, Tag, written
@@ -102,6 +102,41 @@ def value_words(clause: Clause) -> str:
     return amount(clause, clause.value)
 
 
+def doubted_words(clause: Clause) -> str:
+    """Write the value of a clause with its expanded uncertainty, k = 2, where one is known.
+
+    Examples
+    --------
+    >>> from strikewave.specifications.judging import Limits, judged
+    >>> doubted_words(judged("peak", 490.0, Limits(392.266, 588.399, "quoted"), "m/s^2", uncertainty=9.80665))
+    '49.97 ± 1 g'
+    """
+    value = value_words(clause)
+    if not (clause.uncertainty > 0.0 and math.isfinite(clause.value)):
+        return value
+    doubt = amount(clause, clause.uncertainty, 2)
+    if clause.clause == "band":
+        return f"{value} (± {doubt})"
+    number, unit = value.rpartition("\N{NO-BREAK SPACE}" if "\N{NO-BREAK SPACE}" in value else " ")[::2]
+    return f"{number} ± {doubt}" if doubt.endswith(unit) else f"{value} ± {doubt}"
+
+
+def decision_words(rule: str, holds: Sequence[str], not_stated: Sequence[str]) -> str:
+    """Say by which rule values were judged, what their uncertainty holds, and what nobody stated.
+
+    Examples
+    --------
+    >>> decision_words("guarded", ["noise", "a gain"], ["clock"])
+    'Decision rule: guarded, U on both sides of each limit. U (k = 2) holds noise and a gain; not stated: clock.'
+    """
+    rules = {"simple": "simple acceptance, U plays no part", "guarded": "guarded, U on both sides of each limit"}
+    if not holds:
+        return f"Decision rule: {rules[rule]}."
+    only = " only" if len(holds) == 1 else ""
+    left = f"; not stated: {listed(list(not_stated))}" if not_stated else ""
+    return f"Decision rule: {rules[rule]}. U (k = 2) holds {listed(list(holds))}{only}{left}."
+
+
 def margin_words(clause: Clause) -> str:
     """Write the margin of a clause, below zero outside."""
     return amount(clause, clause.margin, 3)
@@ -149,7 +184,7 @@ def clause_cells(clause: Clause) -> list[Cell]:
     return [
         clause.clause,
         limit_words(clause),
-        value_words(clause),
+        doubted_words(clause),
         margin_words(clause),
         share_words(clause),
         tag_of(clause.verdict),
@@ -157,4 +192,4 @@ def clause_cells(clause: Clause) -> list[Cell]:
     ]
 
 
-CLAUSE_HEADS = ("clause", "limit", "value", "margin", "of tolerance", "verdict", "limit is")
+CLAUSE_HEADS = ("clause", "limit", "value ± U", "margin", "of tolerance", "verdict", "limit is")

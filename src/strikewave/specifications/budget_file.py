@@ -17,7 +17,7 @@ from strikewave.cases.paths import Form
 from strikewave.cases.performed_test import Line
 from strikewave.cases.small_file import read_small_file
 from strikewave.records.budget.contributions import Budget, Contribution, of_share
-from strikewave.records.budget.propagation import COVERAGE, DIVISORS, NORMAL, RECTANGULAR, U_SHAPED
+from strikewave.records.budget.propagation import DIVISORS, NORMAL, RECTANGULAR, U_SHAPED
 from strikewave.specifications.tables import (
     MaybePart,
     MaybeRate,
@@ -211,7 +211,7 @@ def load_budget(asked: str, field: str = "--uncertainty") -> Budget:
             share = -1.0
         if not 0.0 < share < 1.0:
             raise InputError(field, asked, ALLOWED)
-        return of_share(share, COVERAGE)
+        return of_share(share)
     path = Path(word)
     document = read_small_file(path, field, ALLOWED)
     try:

@@ -11,11 +11,14 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from strikewave.base.errors import InputError, nearest
+from strikewave.records.budget.blows import BlowUncertainty
+from strikewave.records.budget.contributions import RECORD, Budget
 from strikewave.records.health_notice import HealthNotice
 from strikewave.records.measuring import RecordedPulse
 from strikewave.records.reading import ChannelReading, FileReading
+from strikewave.records.smooth_pulse import PulseUncertainty
 from strikewave.signal.filters import Filter
-from strikewave.specifications.decisions import CANNOT_TELL, FAIL, PASS, Rule, together
+from strikewave.specifications.decisions import CANNOT_TELL, COVERAGE, FAIL, PASS, Rule, together
 from strikewave.specifications.ideal_pulses import IdealPulse
 from strikewave.specifications.judging import (
     INDICATIVE,
@@ -70,8 +73,8 @@ class Asked:
         How uncertainty enters: ``simple`` or ``guarded``.
     strict : bool
         Whether indicative limits are refused.
-    uncertainty : float
-        Expanded uncertainty, k = 2, of the measured acceleration, as a share.
+    budget : Budget or None
+        By which the uncertainties of the blows were found; None where only noise and baseline are known.
     directions : sequence of StatedDirection
         Of the shocks of which files and channels.
     cross_axis : sequence of str
@@ -80,9 +83,24 @@ class Asked:
 
     rule: Rule = "simple"
     strict: bool = False
-    uncertainty: float = 0.0
+    budget: Budget | None = None
     directions: Sequence[StatedDirection] = ()
     cross_axis: Sequence[str] = ()
+
+    @property
+    def share(self) -> float | None:
+        """Expanded uncertainty of the acceleration, k = 2, where one share was stated for all; 0 for no budget."""
+        return 0.0 if self.budget is None else self.budget.share
+
+    @property
+    def holds(self) -> tuple[str, ...]:
+        """Names of the contributions that uncertainties hold."""
+        return (RECORD,) if self.budget is None else self.budget.names
+
+    @property
+    def not_stated(self) -> tuple[str, ...]:
+        """What is not stated of the channel."""
+        return Budget(()).not_stated if self.budget is None else self.budget.not_stated
 
     def direction_of(self, path: str, channel: Iterable[str]) -> str:
         """Return the direction of the shocks of a channel; empty where none is stated. The last that fits counts.
@@ -157,7 +175,9 @@ class RecordsVerdict:
             **self.specification.document(),
             "decision": self.asked.rule,
             "strict": self.asked.strict,
-            "uncertainty": self.asked.uncertainty,
+            "uncertainty": self.asked.share,
+            "uncertainty_holds": list(self.asked.holds),
+            "uncertainty_not_stated": list(self.asked.not_stated),
             "verdict": self.verdict,
             "by_indicative_limits": self.by_indicative,
             "clauses": [{**clause_document(clause), **_place(shock)} for clause, shock in self.clauses],
@@ -257,7 +277,8 @@ def judge_records(
         troubles |= _of_cross_axis(beside)
         direction = asked.direction_of(file.path, _keys(reading))
         for number, pulse in enumerate(reading.pulses, start=1):
-            shock = shock_of(reading, pulse, limits, beside, filter_, troubles, asked.uncertainty)
+            known = reading.uncertainties[number - 1] if reading.uncertainties else None
+            shock = shock_of(reading, pulse, limits, beside, filter_, troubles, known)
             found = judge_shock(shock, limits, asked.rule, asked.strict)
             shocks.append(JudgedShock(file.path, reading, number, pulse, direction, shock, found))
     empty += [file.path for file in files if not file.channels]
@@ -324,7 +345,7 @@ def shock_of(
     across: Sequence[ChannelReading] = (),
     filter_: Filter | None = None,
     troubles: Mapping[str, str] | None = None,
-    uncertainty: float = 0.0,
+    known: BlowUncertainty | None = None,
 ) -> Shock:
     """Return a blow as a shock to judge: the stretch of record about it, baseline taken off, pulse upwards."""
     channel, duration = reading.channel, limits.pulse.duration
@@ -339,13 +360,13 @@ def shock_of(
     begin = channel.start + low * channel.step
     time = begin + channel.step * np.arange(high - low)
     beside = {one.channel.name: np.interp(time, one.channel.time, one.channel.values) - one.baseline for one in across}
-    doubt = pulse.uncertainty
+    values = {"peak": abs(pulse.peak), "velocity_change": abs(pulse.velocity_change), "width": pulse.width}
     figures = {
-        "peak": MeasuredFigure(abs(pulse.peak), doubt.peak),
-        "velocity_change": MeasuredFigure(abs(pulse.velocity_change), doubt.velocity_change),
+        name: measured_figure(name, value, pulse.uncertainty, known)
+        for name, value in values.items()
+        if name != "width" or value > 0.0
     }
-    if pulse.width > 0.0:
-        figures["width"] = MeasuredFigure(pulse.width, doubt.width)
+    share = 0.0 if known is None else known.figures["peak"].expanded / abs(pulse.peak)
     return Shock(
         np.asarray(sign * (channel.values[low:high] - pulse.offset), dtype=np.float64),
         channel.step,
@@ -356,8 +377,17 @@ def shock_of(
         math.nan if filter_ is None else filter_.half_power(channel.step),
         troubles or {},
         beside,
-        uncertainty,
+        share,
     )
+
+
+def measured_figure(
+    name: str, value: float, noise: PulseUncertainty, known: BlowUncertainty | None = None
+) -> MeasuredFigure:
+    """Return a figure with its uncertainty by a budget; without one, with that of noise and baseline alone."""
+    if known is None:
+        return MeasuredFigure(value, float(getattr(noise, name)))
+    return MeasuredFigure(value, known.figures[name].expanded / COVERAGE, whole=True)
 
 
 def filter_leaves(filter_: Filter, pulse: IdealPulse, step: float) -> float:

@@ -8,6 +8,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from strikewave.records.budget.contributions import Budget
 from strikewave.specifications.decisions import Rule, together
 from strikewave.specifications.judged_records import clause_document, rests_on_indicative
 from strikewave.specifications.judging import Clause
@@ -43,7 +44,7 @@ class SpectraVerdict:
         What they are judged by.
     limits : SpectrumLimits
         What it asks.
-    rule, strict, uncertainty
+    rule, strict, budget
         How they are judged.
     spectra : tuple of JudgedSpectrum
         In the order of the files.
@@ -53,13 +54,27 @@ class SpectraVerdict:
     limits: SpectrumLimits
     rule: Rule
     strict: bool
-    uncertainty: float
+    budget: Budget | None
     spectra: tuple[JudgedSpectrum, ...]
 
     @property
     def verdict(self) -> str:
         """Of all spectra together."""
         return together(one.verdict for one in self.spectra)
+
+    @property
+    def holds(self) -> tuple[str, ...]:
+        """Names of the contributions that uncertainties hold; none where they play no part and were not found."""
+        return (self.budget or Budget(())).names if self._uncertain else ()
+
+    @property
+    def not_stated(self) -> tuple[str, ...]:
+        """What is not stated of the channel."""
+        return (self.budget or Budget(())).not_stated if self._uncertain else ()
+
+    @property
+    def _uncertain(self) -> bool:
+        return self.budget is not None or self.rule == "guarded"
 
     @property
     def clauses(self) -> list[Clause]:
@@ -82,7 +97,9 @@ class SpectraVerdict:
             **self.specification.document(),
             "decision": self.rule,
             "strict": self.strict,
-            "uncertainty": self.uncertainty,
+            "uncertainty": 0.0 if self.budget is None else self.budget.share,
+            "uncertainty_holds": list(self.holds),
+            "uncertainty_not_stated": list(self.not_stated),
             "verdict": self.verdict,
             "by_indicative_limits": self.by_indicative,
             "clauses": rows,

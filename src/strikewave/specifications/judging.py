@@ -88,10 +88,11 @@ class PulseLimits:
 
 
 class MeasuredFigure(NamedTuple):
-    """A value and its standard uncertainty."""
+    """A value and its standard uncertainty: ``whole`` where it holds that of the acceleration too."""
 
     value: float
     uncertainty: float = 0.0
+    whole: bool = False
 
 
 @dataclass(frozen=True)
@@ -117,7 +118,7 @@ class Shock:
     cross_axis : mapping of str to ndarray
         Accelerations of cross-axis channels at the same times, by name.
     uncertainty : float
-        Expanded uncertainty, k = 2, of the acceleration as a share of it.
+        Expanded uncertainty, k = 2, of the acceleration as a share of it: of figures whose own is not whole.
     """
 
     values: Array
@@ -340,6 +341,8 @@ def _relative(shock: Shock, figure: MeasuredFigure) -> float:
 
     That of the acceleration, where it is stated, stands alone where that of the figure is not known; NaN without both.
     """
+    if figure.whole:
+        return COVERAGE * figure.uncertainty
     own = 0.0 if math.isnan(figure.uncertainty) and shock.uncertainty > 0.0 else figure.uncertainty
     return math.hypot(COVERAGE * own, shock.uncertainty * abs(figure.value))
 
@@ -363,9 +366,9 @@ def _velocity_clause(shock: Shock, limits: PulseLimits, start: float, rule: Rule
     reason = shock.troubles.get("velocity_change", "") or coarse
     if not reason and math.isnan(value):
         reason = "the record does not hold all of it"
-    doubt = shock.figures.get("velocity_change", MeasuredFigure(value)).uncertainty
+    known = shock.figures.get("velocity_change", MeasuredFigure(value))
     assert limits.velocity_change is not None
-    uncertainty = _relative(shock, MeasuredFigure(value, doubt))
+    uncertainty = _relative(shock, known._replace(value=value))
     return judged("velocity change", value, limits.velocity_change, "m/s", uncertainty, rule, reason)
 
 

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from strikewave.specifications.decisions import CANNOT_TELL, FAIL, PASS, Rule
-from strikewave.specifications.judging import Clause, Limits, refused, weakest
+from strikewave.specifications.judging import ROUNDING, Clause, Limits, refused, weakest
 
 Array = NDArray[np.float64]
 
@@ -87,7 +87,7 @@ def judge_spectrum(
     frequency: Array,
     values: Array,
     limits: SpectrumLimits,
-    uncertainty: float = 0.0,
+    uncertainty: float | Array = 0.0,
     rule: Rule = "simple",
     strict: bool = False,
     trouble: str = "",
@@ -103,8 +103,8 @@ def judge_spectrum(
         Natural frequencies, Hz, those of `SpectrumLimits.grid`, and the spectrum.
     limits : SpectrumLimits
         What is asked.
-    uncertainty : float, optional
-        Expanded uncertainty, k = 2, as a share.
+    uncertainty : float or ndarray, optional
+        Expanded uncertainty, k = 2, as a share, of all or at each frequency; NaN where it is not known.
     rule, strict
         As of `judge_shock`.
     trouble : str, optional
@@ -120,17 +120,20 @@ def judge_spectrum(
     """
     low, high = limits.curves(frequency)
     nominal = limits.nominal(frequency)
-    reach = uncertainty if rule == "guarded" else 0.0
+    reach = np.broadcast_to(np.asarray(uncertainty, dtype=np.float64), values.shape)
+    guarded = rule == "guarded"
+    if guarded and not trouble and np.any(np.isnan(reach)):
+        trouble = "its uncertainty is not known"
     statuses = [band.status for band in limits.bands]
     worst = _worst(frequency, values, low, high)
     status = weakest(limits.status, limits.share.status, *statuses)
     known = np.isfinite(low)
-    within = _shares(values[known], low[known], high[known], reach)
-    clauses = [_share("share within the tolerance", within, limits.share, status, trouble, worst)]
+    within = _shares(values[known], low[known], high[known], reach[known])
+    clauses = [_share("share within the tolerance", within, limits.share, status, trouble, worst, guarded)]
     if limits.share_above is not None:
         status = weakest(limits.status, limits.share_above.status)
         above = _shares(values, nominal, np.full(values.shape, math.inf), reach)
-        clauses.append(_share("share at or above nominal", above, limits.share_above, status, trouble, ""))
+        clauses.append(_share("share at or above nominal", above, limits.share_above, status, trouble, "", guarded))
     return tuple(refused(clause) for clause in clauses) if strict else tuple(clauses)
 
 
@@ -146,6 +149,10 @@ def _worst(frequency: Array, values: Array, low: Array, high: Array) -> str:
     return f"{out[k]:.2g} dB {side} the tolerance at {frequency[k]:.4g} Hz"
 
 
+LEAST = 1e-12
+"""Uncertainty that is taken at least, so that nothing is divided by zero."""
+
+
 class _Shares(NamedTuple):
     """Share of a spectrum within its limits: as measured, and the smallest and largest within its uncertainty."""
 
@@ -154,35 +161,39 @@ class _Shares(NamedTuple):
     most: float
 
 
-def _shares(values: Array, low: Array, high: Array, uncertainty: float) -> _Shares:
+def _shares(values: Array, low: Array, high: Array, uncertainty: Array) -> _Shares:
     """Return the share of values within limits, as they are and moved as a whole; NaN where there is none.
 
-    A value lies within from the factor low / value to high / value: between two such edges no share changes.
+    Moved by t from -1 to 1 a value is (1 + U)^t times as large, and lies within from t = ln(low / value) / ln(1 + U) to
+    ln(high / value) / ln(1 + U): between two such edges no share changes.
     """
     if not values.size or not np.all(np.isfinite(values)):
         return _Shares(math.nan, math.nan, math.nan)
     with np.errstate(divide="ignore"):
-        first, last = np.sort(low / values), np.sort(high / values)
-    edges = np.unique(np.clip(np.concatenate([first, last, [1.0]]), 1.0 / (1.0 + uncertainty), 1.0 + uncertainty))
-    factors = np.concatenate([[1.0], edges, 0.5 * (edges[1:] + edges[:-1])])
-    begun = np.searchsorted(first, factors * (1.0 + 1e-9), "right")
-    shares = (begun - np.searchsorted(last, factors * (1.0 - 1e-9), "left")) / values.size
+        room = np.log1p(np.maximum(np.nan_to_num(uncertainty), LEAST))
+        first = np.sort((np.log(low / values) - ROUNDING) / room)
+        last = np.sort((np.log(high / values) + ROUNDING) / room)
+    edges = np.unique(np.clip(np.concatenate([first, last, [0.0]]), -1.0, 1.0))
+    moves = np.concatenate([[0.0], edges, 0.5 * (edges[1:] + edges[:-1])])
+    begun = np.searchsorted(first, moves, "right")
+    shares = (begun - np.searchsorted(last, moves, "left")) / values.size
     return _Shares(float(shares[0]), float(shares.min()), float(shares.max()))
 
 
-def _share(name: str, shares: _Shares, limits: Limits, status: str, trouble: str, worst: str) -> Clause:
+def _share(name: str, shares: _Shares, limits: Limits, status: str, trouble: str, worst: str, guarded: bool) -> Clause:
     """Return the clause of a share, which must be enough wherever the spectrum is moved to."""
     enough = limits.low - 1e-12
     reason = trouble or worst
     if trouble or math.isnan(shares.measured):
         verdict = CANNOT_TELL
         reason = trouble or "no tolerance is stated at its natural frequencies, or it could not be measured"
-    elif shares.least >= enough:
+    elif (shares.least if guarded else shares.measured) >= enough:
         verdict = PASS
-    elif shares.most < enough:
+    elif (shares.most if guarded else shares.measured) < enough:
         verdict = FAIL
     else:
         verdict = CANNOT_TELL
         reason = "; ".join(filter(None, ["the uncertainty reaches over the limit", worst]))
     margin = shares.measured - limits.low
-    return Clause(name, shares.measured, limits.low, limits.high, margin, "1", math.nan, status, verdict, reason)
+    reach = max(shares.most - shares.measured, shares.measured - shares.least)
+    return Clause(name, shares.measured, limits.low, limits.high, margin, "1", reach, status, verdict, reason)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from statistics import NormalDist
 from typing import Any, Literal
@@ -77,6 +77,9 @@ class UncertainInput:
     goes_with : tuple of (str, float)
         Paths of inputs, and powers: what is drawn is multiplied by these powers of their drawn values over their
         nominal ones. ``low`` and ``high`` hold where those are nominal.
+    fitted_with : tuple of (str, float)
+        Paths of inputs that the same data fix, and weights: its normal score is the sum of theirs, each with its
+        weight, and of its own with what is left of 1 in squares.
     """
 
     path: str
@@ -90,6 +93,7 @@ class UncertainInput:
     reason: str = ""
     strikers: tuple[int, ...] = ()
     goes_with: tuple[tuple[str, float], ...] = ()
+    fitted_with: tuple[tuple[str, float], ...] = ()
 
     @property
     def count(self) -> int:
@@ -222,9 +226,12 @@ def _random(one: UncertainInput, run: int, seed: int) -> Array:
 def drawn(inputs: Sequence[UncertainInput], points: Array) -> Array:
     """Return what is drawn at quantiles, shape (runs, numbers drawn), in SI."""
     columns, place = dict[str, Array](), 0
+    quantile = dict[str, Array]()
     for one in inputs:
-        columns[one.path] = one.at(points[:, place : place + one.count])
+        quantile[one.path] = points[:, place : place + one.count]
         place += one.count
+    for one in inputs:
+        columns[one.path] = one.at(_mixed(one, quantile) if one.fitted_with else quantile[one.path])
     nominal = {one.path: one.value.si for one in inputs}
     scaled = [
         math.prod(
@@ -234,6 +241,16 @@ def drawn(inputs: Sequence[UncertainInput], points: Array) -> Array:
         for one in inputs
     ]
     return np.concatenate(scaled, axis=1)
+
+
+def _mixed(one: UncertainInput, quantile: Mapping[str, Array]) -> Array:
+    """Return the quantiles of an input that goes with others, from independent ones."""
+    weights = {path: weight for path, weight in one.fitted_with if path in quantile}
+    own = math.sqrt(max(1.0 - sum(weight**2 for weight in weights.values()), 0.0))
+    scores = own * normal_quantile(quantile[one.path])
+    for path, weight in weights.items():
+        scores = scores + weight * normal_quantile(quantile[path])
+    return np.array([NORMAL.cdf(score) for score in scores.ravel().tolist()]).reshape(scores.shape)
 
 
 def nominal(inputs: Sequence[UncertainInput]) -> Array:

@@ -13,7 +13,9 @@ import dataclasses
 import re
 from collections.abc import Mapping, Sequence
 
-from strikewave.base.quantities import Range, Value
+import numpy as np
+
+from strikewave.base.quantities import TRUNCATION, Range, Value
 from strikewave.cases.case import Case
 from strikewave.cases.paths import row_name
 from strikewave.cases.plausible import NOT_MOVED, PLAUSIBLE, GoesWith, PlausibleRange
@@ -32,6 +34,8 @@ from strikewave.uncertainty.draws import (
 
 UNSTATED, PLAUSIBLE_BASIS = "no tolerance stated", "plausible range"
 """Bases of inputs whose case states no tolerance, and of those that nobody can weigh or read off."""
+FITTED_BASIS = "standard error of its fit"
+"""Basis of an input that was fitted to measurements which fix it that well."""
 LEAST = 0.01
 """Least half width of what was measured, as a share: scales, gauges and tachometers of a test house keep 1 % together
 with whoever reads them, however many digits are typed."""
@@ -50,6 +54,8 @@ BY_DIGITS = ("measured", "published", "user")
 """Provenances of values whose last digit counts."""
 UNKNOWN = ("assumed", "user")
 """Provenances of values that are in their plausible range at least, where the field has one."""
+JITTER = 1e-9
+"""What is added to the variances of a correlation, so that two inputs that always go together have a factor."""
 _NUMBER = re.compile(r"\s*[-+]?(\d*)\.?(\d*)(?:[eE]([-+]?\d+))?")
 
 
@@ -73,13 +79,38 @@ def known_inputs(case: Case, tables: Sequence[str] = FELT) -> tuple[UncertainInp
     """
     inputs = []
     goes_with = case.machine.goes_with() if isinstance(case.machine, LaunchedTable) else {}
+    fitted = _fitted_inputs(case)
     for path, value in sorted(case.with_stale_fits_assumed().values().items()):
         if path.partition(".")[0] in tables:
-            one = known_input(case, path, value)
+            is_fitted = path in fitted and value.provenance == "fitted" and value.tolerance is None
+            one = fitted[path] if is_fitted else known_input(case, path, value)
             one = _going_with(one, goes_with) if one is not None else None
             if one is not None and one.high > one.low:
                 inputs.append(one)
     return tuple(inputs)
+
+
+def _fitted_inputs(case: Case) -> dict[str, UncertainInput]:
+    """Return the inputs whose fit says how well it fixes them, normal and correlated as it says, by path."""
+    found, values = dict[str, UncertainInput](), case.values()
+    for fit in case.fit:
+        paths = [path for path in fit.standard_error if path in values]
+        rows = np.array(fit.correlation) if fit.correlation else np.eye(len(fit.standard_error))
+        factor = np.linalg.cholesky(rows + JITTER * np.eye(len(rows)))
+        factor = factor / np.linalg.norm(factor, axis=1, keepdims=True)
+        order = list(fit.standard_error)
+        for path in paths:
+            allowed, value = range_of(case, path), values[path]
+            error = Range(allowed.unit).read(fit.standard_error[path]).si
+            reach = error * TRUNCATION
+            low, high = within(allowed, value.si - reach, value.si + reach)
+            place = order.index(path)
+            weights = tuple((order[k], float(factor[place, k])) for k in range(place) if factor[place, k])
+            reason = f"fitted to {fit.to}" if fit.to else "fitted"
+            found[path] = UncertainInput(
+                path, value, allowed, low, high, "normal", error, FITTED_BASIS, reason, fitted_with=weights
+            )
+    return found
 
 
 def _going_with(one: UncertainInput, goes_with: Mapping[str, GoesWith]) -> UncertainInput:

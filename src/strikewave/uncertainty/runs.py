@@ -44,11 +44,11 @@ def on_threads(
 
     def results() -> Iterator[Result | None]:
         if count == 1:
-            yield from (_or_none(function, item) for item in items)
+            yield from (or_none(function, item) for item in items)
             return
         with ThreadPoolExecutor(count) as pool:
             try:
-                yield from pool.map(lambda item: _or_none(function, item), items)
+                yield from pool.map(lambda item: or_none(function, item), items)
             except BaseException:
                 pool.shutdown(cancel_futures=True)
                 raise
@@ -64,7 +64,7 @@ def on_threads(
     return done
 
 
-def _or_none(function: Callable[[Item], Result], item: Item) -> Result | None:
+def or_none(function: Callable[[Item], Result], item: Item) -> Result | None:
     """Return a result; None where values that were drawn do not go together, or a run cannot be followed."""
     try:
         return function(item)

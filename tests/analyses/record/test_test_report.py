@@ -10,12 +10,13 @@ import tomllib
 
 import numpy as np
 import pytest
+from PIL import Image
 from pypdf import PdfReader
 
 import strikewave as sw
 from strikewave.analyses.record.test_report.figures import MOST_LINES, drawn_shocks
 from strikewave.analyses.record.test_report.page import ONLY_ITEMS, report_of_test
-from strikewave.analyses.record.test_report.shocks import MOST_LISTED
+from strikewave.analyses.record.test_report.shocks import DOUBT, MOST_LISTED
 from strikewave.analyses.record.verdicts.words import tag_of_records
 from strikewave.base.errors import InputError, StrikewaveError
 from strikewave.cases.performed_test import PerformedTest
@@ -84,7 +85,7 @@ def tables_of(page):
 
 
 def test_every_shock_stands_once_with_the_verdict_and_the_failed_clauses_of_the_result(result):
-    head, *rows = tables_of(report_of_test(result.of_test(NO_TEST)))["Each shock"]
+    head, *rows = tables_of(report_of_test(result.of_test(NO_TEST)))[f"Each shock{DOUBT}"]
     assert [row[0] for row in rows] == [str(k + 1) for k in range(len(SHOCKS))]
     places = {name: head.index(name) for name in ("direction", "record", "verdict")}
     for row, one in zip(rows, result.verdict.shocks, strict=True):
@@ -95,12 +96,16 @@ def test_every_shock_stands_once_with_the_verdict_and_the_failed_clauses_of_the_
         assert row[-1] == (", ".join(failed) or "–")
     peaks = [float(row[head.index("peak (g)")].split(" ")[0]) for row in rows]
     assert peaks == pytest.approx(list(SHOCKS.values()), rel=0.005)  # noise of 0.05 g
+    doubts = [float(row[head.index("peak (g)")].split(" ± ")[1]) for row in rows]
+    assert doubts == pytest.approx([0.05 * peak for peak in SHOCKS.values()], rel=0.05)  # two digits; noise beside 5 %
 
 
 def test_directions_say_what_was_asked_for_done_and_passed(result):
-    rows = tables_of(report_of_test(result.of_test(NO_TEST)))["Shocks by direction; 6 directions are asked for"][1:]
-    assert [row[:6] for row in rows] == [["+x", "x", "3", "3", "3", "0"], ["-x", "x", "3", "2", "1", "1"]]
-    assert [row[6] for row in rows] == ["PASS", "FAIL"]
+    tables = tables_of(report_of_test(result.of_test(NO_TEST)))
+    rows = tables["Shocks by direction"][1:]
+    assert [row[:7] for row in rows] == [["+x", "x", "3", "3", "3", "0", "0"], ["-x", "x", "3", "2", "1", "1", "0"]]
+    assert [row[7] for row in rows] == ["PASS", "FAIL"]
+    assert tables["All shocks together"][1][:4] == ["directions", "at least 6", "2", "FAIL"]
 
 
 def test_a_report_with_all_that_is_asked_for_names_all_of_it_and_lists_nothing_as_missing(result, tmp_path):
@@ -145,9 +150,14 @@ def test_an_overdue_calibration_stands_at_the_top_and_marks_the_verdict_wherever
 
 def test_words_of_a_hostile_file_stay_words(result, tmp_path):
     text = "<script>alert(1)</script><img src=x onerror=alert(1)>&\"'{{ 7*7 }}</style>"
-    page = report_of_test(result.of_test(stated(tmp_path, filled_in(text))))
+    Image.new("RGB", (8, 8)).save(tmp_path / "p.png")
+    words = filled_in(text).replace("[[setup.photograph]]", '[[setup.photograph]]\nfile = "p.png"')
+    page = report_of_test(result.of_test(stated(tmp_path, words)))
     assert "<script" not in page
-    assert "<img" not in page
+    images = re.findall("<img[^>]*>", page)
+    assert len(images) == 1  # the photograph, its caption as text in quotes
+    assert images[0].startswith('<img src="data:image/jpeg;base64,')
+    assert " onerror" not in re.sub('"[^"]*"', "", images[0])
     assert page.count("</style>") == 1
     assert "&lt;script&gt;alert(1)&lt;/script&gt;" in page
     assert "{{ 7*7 }}" in html.unescape(page)
@@ -164,16 +174,22 @@ def many(result, count):
 
 
 def test_4000_shocks_are_summed_up_and_those_that_fail_listed(result):
-    page = report_of_test(many(result, 4000).of_test(NO_TEST))
+    multiplied = many(result, 4000)
+    shocks = multiplied.verdict.shocks
+    page = report_of_test(multiplied.of_test(NO_TEST))
     assert len(page) < 600_000
     tables = tables_of(page)
-    assert "Each shock" not in tables
-    summary = next(rows for caption, rows in tables.items() if caption.startswith("All shocks, by direction"))
-    assert sum(int(row[1]) for row in summary[1:]) == 4000
-    assert sum(int(row[3]) for row in summary[1:]) == 40
-    failed = tables["Shocks that do not pass"][1:]
+    assert f"Each shock{DOUBT}" not in tables
+    peaks = [row for row in tables["All shocks, by direction"][1:] if row[1] == "peak"]
+    assert sum(int(row[2]) for row in peaks) == 4000
+    assert sum(int(row[5]) for row in tables["Shocks by direction"][1:]) == 40
+    for row, sign in zip(peaks, ("+x", "-x"), strict=True):
+        here = [one for one in shocks if one.direction == sign]
+        mean = np.mean([clause.value for one in here for clause in one.found.clauses if clause.clause == "peak"])
+        assert float(row[4].split(" ")[0].split()[0]) == pytest.approx(mean / 9.80665, rel=1e-3)  # four digits
+    failed = tables[f"Shocks that do not pass{DOUBT}"][1:]
     assert [int(row[0]) for row in failed] == [100 * k for k in range(1, 41)]
-    extremes = tables["Shocks with the largest and smallest figures"][1:]
+    extremes = tables[f"Shocks with the largest and smallest figures{DOUBT}"][1:]
     assert {"66", "49"} <= {str(round(float(row[5].split(" ")[0]))) for row in extremes}
     assert all(len(rows) <= MOST_LISTED + 1 for rows in tables.values())
 
@@ -211,7 +227,7 @@ def test_one_command_writes_the_report_and_a_line_a_shock(strikewave, tmp_path, 
     assert strikewave(*words, "--out", "out")[0] == 3
     page = read_page(tmp_path / "out" / "test-report.html")
     assert "<h1>Test report TR-17</h1>" in page.text
-    assert "peak (m/s²)" in tables_of(page.text)["Each shock"][0]
+    assert "peak (m/s²)" in tables_of(page.text)[f"Each shock{DOUBT}"][0]
     for file in files:  # the records by their SHA-256
         digest = dict(row[:2] for row in tables_of(page.text)["Records"][1:])[str(file)]
         assert len(digest) == 64

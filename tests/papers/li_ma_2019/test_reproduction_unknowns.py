@@ -27,7 +27,7 @@ from strikewave.papers.li_ma_2019.published import published_number
 from strikewave.papers.li_ma_2019.report.figures import mechanism_table
 from strikewave.papers.li_ma_2019.report.tables import numbers_table, plain_rows
 from strikewave.papers.li_ma_2019.result import joint_document
-from strikewave.studies.calibrate import calibrate
+from strikewave.studies.fit.study import fit
 
 DOCS = Path(__file__).parents[3] / "docs/reproduction.md"
 OPEN = ("direct peak", "wave peak", "wave width", "wave peak simulated")
@@ -42,11 +42,11 @@ def elastomer():
 
 @pytest.mark.verify
 def test_a_cell_of_the_gaskets_is_the_fit_that_any_case_can_be_given(elastomer):
-    """`calibrate` searches otherwise (least squares); both meet the peak to 2e-4, which the direct one follows."""
+    """`fit` searches otherwise (least squares); both meet the peak to 2e-4, which the direct one follows."""
     cell = gaskets.gasket_cell(elastomer, 50e6, 0.8, 3e-3)
-    fit = calibrate(elastomer, accuracy=1e-4)
-    reading = observe(fit.case).readings[0].sensors
-    assert cell.engagement == pytest.approx(fit.case.values()["machine.engagement"].si, rel=5e-4)
+    case = fit(elastomer).case
+    reading = observe(case).readings[0].sensors
+    assert cell.engagement == pytest.approx(case.values()["machine.engagement"].si, rel=5e-4)
     assert abs(cell.direct) == pytest.approx(abs(reading["direct"].peak), rel=5e-4)
 
 

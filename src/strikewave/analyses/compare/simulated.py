@@ -107,6 +107,11 @@ def solution_curve(option: str, solution: Result, part: str, blow: int, unit: st
     return _curve(option, name, list(_parts(arrays, solution.band)), notices, part, blow, unit)
 
 
+def arrays_curve(option: str, name: str, arrays: LabelledArrays, part: str, blow: int, unit: str) -> ComparedCurve:
+    """Return a history of the arrays of a run of a case of this name, without bands; see `simulated_curve`."""
+    return _curve(option, name, list(_parts(arrays, {})), (), part, blow, unit)
+
+
 def _parts(arrays: LabelledArrays, bands: Mapping[str, Band]) -> Iterator[SimulatedPart]:
     """Yield the histories of a machine, a bar or elements."""
     if "pulse_acceleration" in arrays:

@@ -231,10 +231,30 @@ def _of_channel(option: str, name: str, one: ChannelReading, blow: int) -> Compa
     return checked_curve(option, curve)
 
 
-def _campaign(option: str, paths: Sequence[Path], name: SourceName, reading: SourceOptions) -> ComparedCurve:
-    """Return the mean of several files, each aligned with that of median peak by correlation, and their deviations."""
-    from strikewave.signal.alignment import by_correlation
+def read_shots(option: str, word: str, reading: SourceOptions) -> tuple[list[ComparedCurve], list[Notice]]:
+    """Return every record, or every blow (@all), that a name of measured files stands for, and what was left out.
 
+    Raises
+    ------
+    InputError, StrikewaveError
+        If it stands for nothing, for what is simulated, or a single record cannot be read.
+    """
+    name = parse_name(word)
+    paths = paths_of(name)
+    if is_simulated(word) or (len(paths) < 2 and name.blow != ALL):
+        curve = read_source(option, word, reading)
+        if curve.kind == "simulation":
+            raise InputError(option, word, "a measured record: this is simulated")
+        return [curve], []
+    if name.part and not name.measured:
+        raise InputError(option, word, "FILE#CHANNEL for a measured file", f'write "{name.place}#{name.part}"')
+    return _shots(option, paths, name, reading)
+
+
+def _shots(
+    option: str, paths: Sequence[Path], name: SourceName, reading: SourceOptions
+) -> tuple[list[ComparedCurve], list[Notice]]:
+    """Return the records of several files, and what was left out."""
     curves: list[ComparedCurve] = []
     left: list[Notice] = []
     for path in paths:
@@ -242,6 +262,14 @@ def _campaign(option: str, paths: Sequence[Path], name: SourceName, reading: Sou
             curves += _record(option, str(path), name, reading, of_campaign=True)
         except StrikewaveError as error:
             left.append(Notice("left-out", f"{path.name} is left out: {error}"))
+    return curves, left
+
+
+def _campaign(option: str, paths: Sequence[Path], name: SourceName, reading: SourceOptions) -> ComparedCurve:
+    """Return the mean of several files, each aligned with that of median peak by correlation, and their deviations."""
+    from strikewave.signal.alignment import by_correlation
+
+    curves, left = _shots(option, paths, name, reading)
     several = "two blows or more" if name.blow == ALL else "two measured files or more"
     if len(curves) < 2:
         raise InputError(option, name.place, f"{several} for a campaign", left[0].message if left else "")

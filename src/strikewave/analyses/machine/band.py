@@ -22,7 +22,7 @@ from strikewave.analyses.machine.sensor_readings import BlowReading
 from strikewave.base.quantities import Value
 from strikewave.base.result import Band, BandMethod
 from strikewave.cases.case import Case
-from strikewave.machines import Blow, Machine, blows, run_machine
+from strikewave.machines import Blow, blows, run_machine
 from strikewave.machines.fast_train import fast_train, why_not
 from strikewave.uncertainty.bands import LEVEL, SEED, Sample, find_bands, latin_hypercube, moved
 from strikewave.uncertainty.draws import FELT, UncertainInput, drawn, drawn_case
@@ -63,6 +63,7 @@ def machine_bands(
     readings: Sequence[BlowReading | None],
     progress: Callable[[float], None] | None = None,
     threads: int | None = None,
+    runs: FastRuns | None = None,
 ) -> tuple[dict[str, Band], BandMethod | None]:
     """Return the bands of a run, by the names of the results, and how they were found; none where no blow struck.
 
@@ -80,24 +81,29 @@ def machine_bands(
         Called with the share done, 0 to 1.
     threads : int, optional
         As many as processors, where it is left out.
+    runs : FastRuns, optional
+        What `fast_runs` returned for the case, where it is at hand.
     """
     figures = figures_of(found)
     if not figures:
         return {}, None
-    machine = build_machine(case)
-    bodies = dataclasses.replace(machine, layered=None)
     say = progress or (lambda share: None)
     sensors = sensor_figures(readings)
-    if machine.launch is not None:
-        return _as_it_is(case, {**figures, **sensors}, bool(sensors), say, threads)
-    if why_not(bodies):
-        return _as_it_is(case, figures, False, say, threads)
+    if not by_fast_engine(case):
+        of_sensors = sensors if case.launched() else {}
+        return _as_it_is(case, {**figures, **of_sensors}, bool(of_sensors), say, threads)
     share = 0.2 if sensors else 1.0
-    bands, method = _fast_bands(case, bodies, figures, lambda done: say(share * done), threads)
+    runs = runs or fast_runs(case, lambda done: say(share * done), threads)
+    bands, method = _fast_bands(case, figures, runs)
     if sensors:
         more, method = _sensor_bands(case, sensors, method, lambda done: say(share + (1.0 - share) * done), threads)
         bands |= more
     return bands, method
+
+
+def by_fast_engine(case: Case) -> bool:
+    """Tell whether the bands of a case are found by the fast engine."""
+    return case.launched() is None and not why_not(dataclasses.replace(build_machine(case), layered=None))
 
 
 @dataclass(frozen=True)
@@ -112,13 +118,17 @@ def _outcome(found: Sequence[TimedBlow]) -> _Outcome:
     return _Outcome(figures_of(found), any(blow.kind == "missed" for blow in found) or not found)
 
 
-def _fast_bands(
-    case: Case, bodies: Machine, figures: Figures, say: Callable[[float], None], threads: int | None
-) -> tuple[dict[str, Band], BandMethod]:
-    """Return the bands by the fast engine."""
-    inputs = known_inputs(case)
-    passes = min(bodies.drive.feed.blows, MOST_BLOWS)
-    short = FIRST_PASSES if passes > FIRST_PASSES else passes
+@dataclass(frozen=True)
+class FastRuns:
+    """What runs of the fast engine came to: as the case is, and at drawn inputs, first those of all blows."""
+
+    nominal: Figures
+    drawn: list[_Outcome | None]
+
+
+def fast_runs(case: Case, say: Callable[[float], None] | None = None, threads: int | None = None) -> FastRuns:
+    """Make the runs of the fast engine for the bands of a case: they need none of its results."""
+    inputs, points, passes, short = _fast_draws(case)
 
     def run(row: tuple[Array, int]) -> _Outcome:
         numbers, wanted = row
@@ -128,10 +138,24 @@ def _fast_bands(
             train = fast_train(machine, passes, tolerance=TOLERANCE).blows
         return _outcome(train)
 
-    points = np.vstack([_points(inputs, RUNS, WHOLE_STREAM), _points(inputs, FIRST_RUNS, FIRST_STREAM)])
     rows = list(zip(drawn(inputs, points), [passes] * RUNS + [short] * FIRST_RUNS, strict=True))
     found = on_threads(run, rows, threads, say)
-    nominal = figures_of(fast_train(bodies, passes, tolerance=TOLERANCE).blows)
+    bodies = dataclasses.replace(build_machine(case), layered=None)
+    return FastRuns(figures_of(fast_train(bodies, passes, tolerance=TOLERANCE).blows), found)
+
+
+def _fast_draws(case: Case) -> tuple[Sequence[UncertainInput], Array, int, int]:
+    """Return what is drawn, the points, and the passes of runs of all blows and of those of the first one."""
+    inputs = known_inputs(case)
+    points = np.vstack([_points(inputs, RUNS, WHOLE_STREAM), _points(inputs, FIRST_RUNS, FIRST_STREAM)])
+    passes = min(build_machine(case).drive.feed.blows, MOST_BLOWS)
+    return inputs, points, passes, min(passes, FIRST_PASSES)
+
+
+def _fast_bands(case: Case, figures: Figures, runs: FastRuns) -> tuple[dict[str, Band], BandMethod]:
+    """Return the bands by the fast engine."""
+    inputs, points, passes, short = _fast_draws(case)
+    nominal, found = runs.nominal, runs.drawn
     results = _columns(found, [name for name in figures if name in nominal])
     for name, values in results.items():
         values += figures[name] - nominal[name]

@@ -6,6 +6,7 @@ import dataclasses
 from collections.abc import Callable, Sequence
 from contextlib import AbstractContextManager, nullcontext
 from statistics import median
+from typing import TYPE_CHECKING
 
 from strikewave.analyses.machine.dataset import build_dataset
 from strikewave.analyses.machine.feed_notices import feed_notices
@@ -22,6 +23,7 @@ from strikewave.analyses.machine.sensor_readings import (
 from strikewave.analyses.machine.yielding import contact_answers
 from strikewave.base import citations
 from strikewave.base.compile_progress import compiling_shown
+from strikewave.base.compiled import is_cold
 from strikewave.base.quantities import AUTO
 from strikewave.base.result import Comparison, balance_notices
 from strikewave.cases.case import Case
@@ -34,6 +36,9 @@ from strikewave.machines.spans import StackSpan
 from strikewave.sensors.channel import channel_notices, sensor_sources
 from strikewave.waves.routes import EXACT
 from strikewave.waves.setup import wave_setup
+
+if TYPE_CHECKING:
+    from strikewave.analyses.machine.band import FastRuns
 
 
 @compiling_shown()
@@ -123,11 +128,27 @@ def band_compiled_beside(case: Case) -> AbstractContextManager[None]:
     return nullcontext() if case.launched() else fast_run_beside()
 
 
-def with_bands(solution: Solution, progress: Callable[[float], None] | None = None) -> Solution:
+def band_runs_beside(case: Case) -> AbstractContextManager[Callable[[], FastRuns | None]]:
+    """Return what makes the runs of the fast engine for the band of a case in a copy of this process.
+
+    The run goes on within. Where they must be compiled first, or the case has none, it gives None; see
+    `strikewave.uncertainty.beside`.
+    """
+    if case.launched() or is_cold("run_train"):
+        return nullcontext(lambda: None)
+    from strikewave.analyses.machine.band import by_fast_engine, fast_runs
+    from strikewave.uncertainty.beside import computed_beside
+
+    return computed_beside(lambda: fast_runs(case)) if by_fast_engine(case) else nullcontext(lambda: None)
+
+
+def with_bands(
+    solution: Solution, progress: Callable[[float], None] | None = None, runs: FastRuns | None = None
+) -> Solution:
     """Return a solution with the band of each result; see `strikewave.analyses.machine.band`."""
     from strikewave.analyses.machine.band import machine_bands  # the fast engine, which a run alone does not need
 
-    bands, method = machine_bands(solution.case, solution.blows, solution.readings, progress)
+    bands, method = machine_bands(solution.case, solution.blows, solution.readings, progress, runs=runs)
     return dataclasses.replace(solution, band=bands, band_method=method)
 
 

@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
+import importlib
 from collections.abc import Sequence
-from contextlib import nullcontext
 from dataclasses import dataclass
 from pathlib import Path
 
 from strikewave.analyses.machine.columns import blow_columns
 from strikewave.analyses.machine.result import Solution
-from strikewave.analyses.machine.run import band_compiled_beside, run_case, with_bands
+from strikewave.analyses.machine.run import band_compiled_beside, band_runs_beside, run_case, with_bands
 from strikewave.analyses.machine.words import (
     ANSWERS_CALLED,
     COLLISION_COLUMNS,
@@ -54,7 +54,8 @@ def run_machine_case(
     output.check_animation(animate)
     case = output.tested(case)
     text = dump_case(case)
-    return run_and_write(MachineCommand(case, animate, band), output, case_folder(case.name, text, changes), text)
+    usual = case_folder(case.name, text, changes)
+    return run_and_write(MachineCommand(case, animate, band, output.writes(usual)), output, usual, text)
 
 
 @dataclass(frozen=True)
@@ -64,16 +65,20 @@ class MachineCommand(Command[Solution]):
     case: Case
     animate: bool = False
     band: bool = True
+    files: bool = True
 
     def solve(self) -> Solution:
         """Return the solution, with a bar on stderr."""
-        beside = band_compiled_beside(self.case) if self.band else nullcontext()
-        with progress_bar("blows") as report, beside:
-            solution = run_case(self.case, report)
         if not self.band:
-            return solution
-        with progress_bar("band") as report:
-            return with_bands(solution, report)
+            with progress_bar("blows") as report:
+                return run_case(self.case, report)
+        with band_runs_beside(self.case) as runs:
+            with band_compiled_beside(self.case), progress_bar("blows") as report:
+                solution = run_case(self.case, report)
+            if self.files:
+                importlib.import_module("strikewave.analyses.machine.drawn")  # long, and the runs go on meanwhile
+            with progress_bar("band") as report:
+                return with_bands(solution, report, runs())
 
     def summary(self, result: Solution) -> str:
         """Say what happened."""

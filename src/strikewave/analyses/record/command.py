@@ -89,4 +89,5 @@ def command(
     tried = None if sensor is None else stated_sensor(sensor, "--sensor")
     shown = (columns == "repeats", fail_on or "", motion)
     judge = (specification, judging.asked)
-    return examine_records(files, wanted, measurement.reading(), output, *shown, *judge, two, tried)
+    budget = judging.uncertainty
+    return examine_records(files, wanted, measurement.reading(), output, *shown, *judge, two, tried, budget)

@@ -17,6 +17,7 @@ from strikewave.analyses.record.spectrum import (
     response_of,
     rms_of,
     spectrum_of,
+    uncertainty_of,
 )
 from strikewave.analyses.record.words import named
 from strikewave.base.errors import InputError, StrikewaveError
@@ -118,6 +119,8 @@ def _one(asked: FilesAsked, wanted: SpectrumRequest, origin: Source) -> Spectrum
         shock.rms,
         response=shock.response,
         rolling=shock.rolling,
+        uncertainties=shock.uncertainties,
+        budget=wanted.options.budget,
         origin=origin,
         notices=_notices(reading),
         citations=CITED,
@@ -194,6 +197,7 @@ def _several(
         wanted.side,
         _scope(wanted, reading),
         shocks=shocks,
+        budget=wanted.options.budget,
         bounded_by="" if asked_for else f"{with_unit(rate, 'Hz', 'kHz')} of {Path(slowest[0]).name}",
         notices=tuple(notices),
         citations=CITED_OF_SEVERAL,
@@ -223,6 +227,8 @@ def _shock(
         rolling = _rolling(reading, wanted, frequencies, most_windows, file)
     own = _frequencies(wanted, channel.sampling_rate) if wanted.own_range else frequencies
     spectra = [spectrum_of(reading, kind, own, wanted.q, scope) for kind in kinds]
+    budget = more.budget
+    known = () if budget is None else [uncertainty_of(reading, one, wanted.side, scope, budget) for one in spectra]
     return ShockSpectra(
         file,
         channel.name,
@@ -235,6 +241,7 @@ def _shock(
         rolling,
         spectra[0] if wanted.own_range else None,
         harm_of(reading),
+        known,
     )
 
 

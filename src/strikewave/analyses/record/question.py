@@ -30,6 +30,8 @@ from strikewave.records import (
     summed,
     unreadable,
 )
+from strikewave.records.budget.contributions import Budget
+from strikewave.records.budgeted import with_budget
 from strikewave.reporting import measured_files as measured
 from strikewave.reporting.terminal import say
 from strikewave.signal.filters import Filter
@@ -66,7 +68,7 @@ def record(
     sensor: str | Path | None = None,
     spec: str | None = None,
     decision: Rule = "simple",
-    uncertainty: str | float | None = None,
+    uncertainty: str | float | Path | None = None,
     strict: bool = False,
     direction: str | Sequence[str] = (),
     cross_axis: Sequence[str | int] = (),
@@ -116,8 +118,9 @@ def record(
         ``.toml``; the verdict is ``.verdict`` of the result.
     decision : str, optional
         ``simple``, or ``guarded`` by the expanded uncertainty.
-    uncertainty : str or float, optional
-        Expanded uncertainty (k = 2) of the acceleration, such as ``"5 %"``; only that of noise by default.
+    uncertainty : str, float or Path, optional
+        Expanded uncertainty (k = 2) of the acceleration, such as ``"5 %"``, or a TOML file with an uncertainty budget;
+        only that of noise and baseline by default. ``.uncertainties`` of each channel.
     strict : bool, optional
         Whether no verdict is stated by limits that are from memory.
     direction : str or sequence of str, optional
@@ -176,7 +179,7 @@ def record(
         origin = measured.source_in_python(name_of([Path(file) for file in files]), performed)
         found = examined(files, wanted, stated.reading(), origin, repeats_in_columns)
         judged = None if specification is None else (specification, judging.asked(origin.test))
-        return completed(found, motion, two, tried, judged, performed)
+        return completed(found, motion, two, tried, judged, performed, judging.uncertainty)
 
 
 def examined(
@@ -244,6 +247,7 @@ def completed(
     sensor: tuple[StatedSensor, str] | None,
     judged: tuple[Specification, Asked] | None,
     performed: StatedTest | None = None,
+    budget: Budget | None = None,
 ) -> RecordResult:
     """Return the result of records with what else is asked of them.
 
@@ -261,6 +265,8 @@ def completed(
         What the blows are judged by, and how.
     performed : StatedTest or None, optional
         What is stated of the test.
+    budget : Budget or None, optional
+        By which the uncertainties of the blows are found.
 
     Raises
     ------
@@ -268,11 +274,19 @@ def completed(
         If the records have no such channels, or no acceleration to try or to judge.
     """
     result = dataclasses.replace(result, motion=motion, pair=pair)
+    result = result if budget is None else budgeted(result, budget)
     result = result if sensor is None else result.on_sensor(*sensor)
     result = result if judged is None else with_verdict(result, *judged)
     result = result if performed is None else result.of_test(performed)
     result.pairs  # noqa: B018 a wrong pair is refused before anything is written
     return result
+
+
+def budgeted(result: RecordResult, budget: Budget) -> RecordResult:
+    """Return the result of records with the uncertainty of each blow by a budget."""
+    citations = tuple(dict.fromkeys((*result.citations, "jcgm-100", "jcgm-101")))
+    readings = with_budget(result.readings, budget)
+    return dataclasses.replace(result, readings=readings, budget=budget, citations=citations)
 
 
 def _calibrations(stated_in: str, wanted: Request, paths: Sequence[Path]) -> list[tuple[str, str]]:

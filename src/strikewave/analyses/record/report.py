@@ -6,6 +6,7 @@ from collections.abc import Sequence
 
 from strikewave.analyses.record import chapters as chapters
 from strikewave.analyses.record import pictures as pictures
+from strikewave.analyses.record.budget_chapter import budget_section
 from strikewave.analyses.record.motion_chapter import motion_section
 from strikewave.analyses.record.pair_chapter import pair_section
 from strikewave.analyses.record.response_chapter import response_sections
@@ -43,6 +44,7 @@ def record_report(result: RecordResult) -> str:
         chapters.file_section(files, names),
         chapters.health_section(files, names),
         chapters.blow_section(files, names),
+        *([] if result.budget is None else [budget_section(result, names)]),
         *rigid_sections(files, names),
         *([] if result.sensor is None else [sensor_section(result.sensor, names)]),
         *(chapters.campaign_section(one, files, names, len(campaigns) > 1) for one in campaigns if one.sums_up),

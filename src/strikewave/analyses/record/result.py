@@ -22,11 +22,14 @@ from strikewave.base.errors import StrikewaveError
 from strikewave.base.output_folder import write_atomically
 from strikewave.base.result import FAILED, Notice
 from strikewave.records.band_split import BandSplit
+from strikewave.records.budget.contributions import RECORD
+from strikewave.records.budget.propagation import COVERAGE
 from strikewave.records.campaign import Campaign
 from strikewave.records.health_notice import STATUSES, HealthNotice
 from strikewave.records.measuring import RecordedPulse
 from strikewave.records.reading import ChannelReading, FileReading
 from strikewave.records.response import MeasuredResponse
+from strikewave.records.smooth_pulse import PulseUncertainty
 from strikewave.reporting.columns import HISTORY_DIGITS, Column, csv_table
 from strikewave.reporting.measured_files import AskedResult
 from strikewave.reporting.numbers import shown_unit, with_unit
@@ -38,6 +41,7 @@ if TYPE_CHECKING:
     from strikewave.analyses.record.sensor_trials import SensorTrials
     from strikewave.cases.sensor_file import StatedSensor
     from strikewave.cases.stated_test import StatedTest
+    from strikewave.records.budget.contributions import Budget
     from strikewave.specifications.judged_records import RecordsVerdict
 
 INTEGRALS = {"m/s^2": "m/s", "m/s": "m", "N": "N s", "Pa": "Pa s", "V": "V s", "1": "s", "": ""}
@@ -72,6 +76,8 @@ class RecordResult(AskedResult):
         Two channels that are compared as sensors on one object; empty for none.
     performed : StatedTest or None
         What is stated of the test, where a file states it.
+    budget : Budget or None
+        By which the uncertainties of the blows were found.
     """
 
     command: ClassVar[str] = "record"
@@ -86,6 +92,7 @@ class RecordResult(AskedResult):
     sensor: SensorTrials | None = None
     pair: tuple[str, str] | tuple[()] = ()
     performed: StatedTest | None = None
+    budget: Budget | None = None
 
     def of_test(self, performed: StatedTest) -> RecordResult:
         """Return the same with what is stated of the test, and a warning for each calibration that did not hold."""
@@ -161,6 +168,7 @@ class RecordResult(AskedResult):
         units = units_of(self.readings)
         more = {**MOTION_UNITS, "lost": "s"} if self.motion else {}
         more |= {**PAIR_UNITS, **dict.fromkeys(PAIR_OF_CHANNEL, units["peak"])} if self.pair else {}
+        more |= {**dict.fromkeys(("standard", "expanded"), "as the figure"), "coverage": "1", "share": "1"}
         return {**units, **more}
 
     def content(self) -> dict[str, Any]:
@@ -170,6 +178,8 @@ class RecordResult(AskedResult):
             "campaign": _campaign(self.campaigns[0]) if self.campaigns else {},
             "advised_cutoff": None if (advised := advised_filter(self.readings)) is None else advised.cutoff,
         }
+        if self.budget is not None:
+            content["budget"] = self.budget.document()
         if self.motion:
             content["motion"] = [{"file": one.file, "channel": one.channel, **one.document()} for one in self.motions]
         if self.pair:
@@ -343,7 +353,10 @@ def _channel(reading: ChannelReading, filter_: Filter | None) -> dict[str, Any]:
         "status": reading.status,
         "calibration": reading.calibration.stated(),
         "health": [f.health_document() for f in reading.findings],
-        "pulses": [pulse_row(pulse) for pulse in reading.pulses],
+        "pulses": [
+            {**pulse_row(pulse), "uncertainty": uncertainty_row(reading, place)}
+            for place, pulse in enumerate(reading.pulses)
+        ],
         "response": None if reading.response is None else response_row(reading.response),
         "responses": [response_row(response) for response in reading.responses],
         "advised_cutoff": cutoff_for(reading),
@@ -371,6 +384,23 @@ def pulse_row(pulse: RecordedPulse) -> dict[str, Any]:
         **{f"rigid_{name}": getattr(pulse.rigid, name, math.nan) for name in RIGID},
         "split": None if pulse.split is None else split_row(pulse.split, pulse.methods_apart),
         "rebounds": [rebound._asdict() for rebound in pulse.rebounds],
+    }
+
+
+def uncertainty_row(reading: ChannelReading, place: int) -> dict[str, Any]:
+    """Return the uncertainties of a blow: by a budget, or of noise and baseline alone."""
+    if reading.uncertainties:
+        found = reading.uncertainties[place]
+        return {name: one.document() for name, one in found.figures.items()}
+    return {
+        name: {
+            "standard": value,
+            "expanded": COVERAGE * value,
+            "coverage": COVERAGE,
+            "method": RECORD,
+            "contributions": [{"name": RECORD, "standard": value, "share": 1.0}],
+        }
+        for name, value in reading.pulses[place].uncertainty._asdict().items()
     }
 
 
@@ -416,6 +446,8 @@ SPLIT = ("peak", "width", "peak_uncertainty", "width_uncertainty")
 """Figures of the rigid part by the band split."""
 COSTS = ("loss", "loss_uncertainty", "leak", "elastic", "widening", "wave_energy")
 """What the band split costs, and the energy of the wave part, over the peak, the width and the energy."""
+EXPANDED = tuple(f"{name}_expanded_uncertainty" for name in PulseUncertainty._fields)
+"""Columns of expanded uncertainties by a budget."""
 DOUBTS = tuple(name for name in RIGID if name.endswith("_uncertainty"))
 IN_SECONDS = (
     "rise",
@@ -428,6 +460,7 @@ IN_SECONDS = (
     "rigid_width_uncertainty",
     "split_width",
     "split_width_uncertainty",
+    "width_expanded_uncertainty",
 )
 PULSE_UNITS = {
     **dict.fromkeys(("time", *IN_SECONDS), "s"),
@@ -437,11 +470,12 @@ PULSE_UNITS = {
 """SI unit of the figures of a pulse that do not depend on what the channel measures."""
 OF_CHANNEL = (
     *("peak", "offset", "noise", "smooth_peak", "peak_uncertainty", "rigid_peak", "rigid_peak_uncertainty"),
-    *("split_peak", "split_peak_uncertainty"),
+    *("split_peak", "split_peak_uncertainty", "peak_expanded_uncertainty"),
 )
 """Figures of a pulse in the unit of its channel."""
 OF_INTEGRAL = (
     *("velocity_change", "velocity_change_uncertainty", "rigid_velocity_change", "rigid_velocity_change_uncertainty"),
+    "velocity_change_expanded_uncertainty",
 )
 """Figures of a pulse in that unit times seconds."""
 
@@ -477,7 +511,12 @@ def pulse_columns(files: Sequence[FileReading]) -> list[Column]:
     nothing = dict.fromkeys(of_split, math.nan)
     for _, _, _, row in rows:
         row |= {f"split_{name}": (row["split"] or nothing)[name] for name in of_split}
-    for name in (*names, *more, *(f"split_{name}" for name in of_split)):
+    stated = any(reading.uncertainties for _, reading, _, _ in rows)
+    for _, reading, index, row in rows if stated else ():
+        for name in PulseUncertainty._fields:
+            known = reading.uncertainties[index - 1] if reading.uncertainties else None
+            row[f"{name}_expanded_uncertainty"] = math.nan if known is None else known.figures[name].expanded
+    for name in (*names, *more, *(f"split_{name}" for name in of_split), *(EXPANDED if stated else ())):
         si = only if name in OF_CHANNEL else INTEGRALS.get(only, f"{only} s") if name in OF_INTEGRAL else ""
         columns.append(Column(name, [row[name] for _, _, _, row in rows], PULSE_UNITS.get(name, si)))
     return columns

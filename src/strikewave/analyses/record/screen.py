@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, ClassVar
 
+from strikewave.analyses.record.budget_chapter import budget_lines, mean_expanded, share_table, uncertainty_table
 from strikewave.analyses.record.chosen import advised_filter
 from strikewave.analyses.record.figures.campaigns import figure_unit
 from strikewave.analyses.record.motion_chapter import motion_table
@@ -21,13 +22,15 @@ from strikewave.analyses.record.result import (
     name_of,
 )
 from strikewave.analyses.record.sensor_chapter import MORE_COLUMNS, sensor_table
-from strikewave.analyses.record.tables import rows_of, short_names
+from strikewave.analyses.record.tables import amount, rows_of, short_names
+from strikewave.analyses.record.tables import number as figure_number
 from strikewave.analyses.record.verdicts.screen import print_verdict
 from strikewave.analyses.record.words import named, record_words
 from strikewave.base.result import Source
 from strikewave.base.units import DIMENSIONS
 from strikewave.records import (
     Campaign,
+    ChannelReading,
     FileReading,
     Options,
     Request,
@@ -47,6 +50,7 @@ from strikewave.signal.filters import Filter
 if TYPE_CHECKING:
     from strikewave.cases.sensor_file import StatedSensor
     from strikewave.cases.stated_test import StatedTest
+    from strikewave.records.budget.contributions import Budget
     from strikewave.specifications.judged_records import Asked
     from strikewave.specifications.reading import Specification
 
@@ -70,6 +74,7 @@ def examine_records(
     asked: Callable[[Mapping[str, str]], Asked] | None = None,
     pair: tuple[str, str] | tuple[()] = (),
     sensor: StatedSensor | None = None,
+    budget: Budget | None = None,
 ) -> int:
     """Examine records, write and print what they say, and return the exit code.
 
@@ -95,6 +100,8 @@ def examine_records(
         Two channels that are compared as sensors on one object; empty for none.
     sensor : StatedSensor or None
         On what the blows are tried.
+    budget : Budget or None
+        By which the uncertainties of the blows are found.
 
     Raises
     ------
@@ -109,7 +116,7 @@ def examine_records(
     judged = None if specification is None or asked is None else (specification, asked(origin.test))
     performed = None if output.test is None else output.performed
     command = RecordCommand(
-        files, wanted, options, origin, in_columns, fail_on, motion, judged, pair, sensor, performed
+        files, wanted, options, origin, in_columns, fail_on, motion, judged, pair, sensor, performed, budget
     )
     return run_and_write(command, output, usual, origin.text)
 
@@ -131,12 +138,13 @@ class RecordCommand(Command[RecordResult]):
     pair: tuple[str, str] | tuple[()] = ()
     sensor: StatedSensor | None = None
     performed: StatedTest | None = None
+    budget: Budget | None = None
 
     def solve(self) -> RecordResult:
         """Return what the records say."""
         found = examined(self.files, self.wanted, self.options, self.origin, self.in_columns, self.fail_on)
         sensor = None if self.sensor is None else (self.sensor, "--sensor")
-        return completed(found, self.motion, self.pair, sensor, self.judged, self.performed)
+        return completed(found, self.motion, self.pair, sensor, self.judged, self.performed, self.budget)
 
     def summary(self, result: RecordResult) -> str:
         """Say what the records have in common, and which are bad."""
@@ -147,6 +155,8 @@ class RecordCommand(Command[RecordResult]):
         if result.verdict is not None:
             print_verdict(result.verdict, short_names([file.path for file in result.readings]))
         _print(result)
+        if result.budget is not None:
+            _print_budget(result)
         if result.motion:
             report_table(motion_table(result.motions))
         if result.sensor is not None:
@@ -190,6 +200,15 @@ def _print(result: RecordResult) -> None:
     for campaign in result.campaigns:
         _print_campaign(campaign, readings, names)
     _print_filter(readings, result.filter)
+
+
+def _print_budget(result: RecordResult) -> None:
+    """Print the uncertainty of each blow, of a single one what it is made of, and what the budget holds."""
+    names = short_names([file.path for file in result.readings])
+    blows = [one for _, reading in rows_of(result.readings) for one in reading.uncertainties]
+    report_table(share_table(blows[0]) if len(blows) == 1 else uncertainty_table(result, names), keys=2)
+    for line in budget_lines(result):
+        tell(line, "  ")
 
 
 def _table(title: str, columns: Sequence[ScreenColumn], rows: Sequence[Sequence[str]]) -> None:
@@ -374,13 +393,27 @@ def _rows(file: FileReading, name: str) -> list[list[str]]:
                 reading.channel.name,
                 worst((*file.findings, *reading.findings)),
                 str(len(reading.pulses)),
-                _value(means["peak"], unit),
+                *_doubted(reading, "peak", _value(means["peak"], unit)),
                 number(means["rise"], "s", "us"),
-                number(means["width"], "s", "us"),
-                _integral(means["velocity_change"], unit),
+                *_doubted(reading, "width", number(means["width"], "s", "us")),
+                *_doubted(reading, "velocity_change", _integral(means["velocity_change"], unit)),
             ]
         )
     return rows
+
+
+def _doubted(reading: ChannelReading, name: str, value: str) -> list[str]:
+    """Return a mean with its expanded uncertainty, where a budget gives one."""
+    if not reading.uncertainties:
+        return [value]
+    expanded = mean_expanded(reading, name)
+    bare = name == "width" or reading.channel.unit == ""
+    doubt = (
+        figure_number(name, reading.channel.unit, expanded, 2)
+        if bare
+        else amount(name, reading.channel.unit, expanded, 2)
+    )
+    return [f"{value} ± {doubt}" if math.isfinite(expanded) else f"{value} ± ?"]
 
 
 def _mean(values: Sequence[float]) -> float:

@@ -14,6 +14,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from strikewave.analyses.record.rolling_window import Rolling
 from strikewave.records import ChannelReading
+from strikewave.records.budget.spectra import SpectrumUncertainty, spectrum_uncertainty
 from strikewave.reporting import measured_files as measured
 from strikewave.reporting.columns import HISTORY_DIGITS, Column, csv_table
 from strikewave.reporting.numbers import axis_unit, with_unit
@@ -23,6 +24,7 @@ from strikewave.signal.envelopes import FEWEST, envelope, tolerance_limit
 from strikewave.signal.srs import RollingSpectrum, Scope, Spectrum, response_history, rms_spectrum, srs
 
 if TYPE_CHECKING:
+    from strikewave.records.budget.contributions import Budget
     from strikewave.specifications.judged_spectra import SpectraVerdict
 
 Array = NDArray[np.float64]
@@ -49,6 +51,7 @@ class SpectrumOptions(NamedTuple):
     resultant: bool
     response: Typed | None
     rolling: Rolling | None
+    budget: Budget | None = None
 
 
 class SpectrumRequest(NamedTuple):
@@ -99,6 +102,8 @@ class ShockSpectra(NamedTuple):
         The first kind, up to what the sampling of this record carries, where it is judged.
     harmed : str
         Why the spectrum is not to be judged; empty where it may be.
+    uncertainties : sequence of SpectrumUncertainty
+        Of each kind, where a budget was stated, or a verdict asked for.
     """
 
     file: str
@@ -112,6 +117,7 @@ class ShockSpectra(NamedTuple):
     rolling: RollingSpectrum | None = None
     judged: Spectrum | None = None
     harmed: str = ""
+    uncertainties: Sequence[SpectrumUncertainty] = ()
 
     @property
     def name(self) -> str:
@@ -157,6 +163,10 @@ class SpectrumResult(measured.AskedResult):
         Which sampling rate bounds the frequencies that several channels have in common, where they differ in it.
     verdict : SpectraVerdict or None
         By a specification, where one was asked for.
+    uncertainties : sequence of SpectrumUncertainty
+        Of each kind of one channel, where a budget was stated, or a verdict asked for.
+    budget : Budget or None
+        By which they were found; without contributions where none was stated.
     """
 
     command: ClassVar[str] = "srs"
@@ -173,6 +183,8 @@ class SpectrumResult(measured.AskedResult):
     rolling: RollingSpectrum | None = None
     bounded_by: str = ""
     verdict: SpectraVerdict | None = None
+    uncertainties: Sequence[SpectrumUncertainty] = ()
+    budget: Budget | None = None
 
     @property
     def title(self) -> str:
@@ -207,7 +219,7 @@ class SpectrumResult(measured.AskedResult):
         """All channels; one alone, too."""
         reading = self.reading
         of = (self.file, reading.channel.name, reading.status, reading.baseline, self.spectra, self.rms, "")
-        return self.shocks or (ShockSpectra(*of, self.response, self.rolling),)
+        return self.shocks or (ShockSpectra(*of, self.response, self.rolling, uncertainties=self.uncertainties),)
 
     @functools.cached_property
     def together(self) -> dict[str, dict[str, Array]]:
@@ -236,12 +248,14 @@ class SpectrumResult(measured.AskedResult):
         of = "" if has == "m/s^2" else f" for a record in m/s^2; this one is in {has}"
         kinds = {spectrum.kind: KIND_UNITS[spectrum.kind] + of for spectrum in self.spectra}
         more = {"time": "s", "window": "s", "hop": "s"} if self.responses or self.rollings else {}
+        kinds |= {} if self.budget is None else {"standard": "as the spectrum", "expanded": "as the spectrum"}
         return {"frequency": "Hz", "q": "1", "zero_line": has, **more, **kinds}
 
     def content(self) -> dict[str, Any]:
         """Return what the JSON document holds beside its head."""
         first, reading = self.spectra[0], self.reading
-        judged = {} if self.verdict is None else {"spec": self.verdict.document()}
+        judged: dict[str, Any] = {} if self.verdict is None else {"spec": self.verdict.document()}
+        judged |= {} if self.budget is None else {"budget": self.budget.document()}
         if self.shocks:
             return {**self._several(), **judged}
         return {
@@ -259,6 +273,7 @@ class SpectrumResult(measured.AskedResult):
             **{spectrum.kind: spectrum.side(self.side) for spectrum in self.spectra},
             **({"rms": dict(self.rms)} if self.rms else {}),
             **self._over_time(self.response, self.rolling),
+            **self._uncertain(self.uncertainties),
             **judged,
         }
 
@@ -281,6 +296,7 @@ class SpectrumResult(measured.AskedResult):
                     **{one.kind: one.side(self.side) for one in shock.spectra},
                     **({"rms": dict(shock.rms)} if shock.rms else {}),
                     **self._over_time(shock.response, shock.rolling),
+                    **self._uncertain(shock.uncertainties),
                 }
                 for shock in self.shocks
             ],
@@ -296,6 +312,12 @@ class SpectrumResult(measured.AskedResult):
             values = getattr(rolling, self.side)
             found["rolling"] = {"kind": self.spectra[0].kind, "time": rolling.time, "values": values}
         return found
+
+    def _uncertain(self, known: Sequence[SpectrumUncertainty]) -> dict[str, Any]:
+        """Return what the document holds of the uncertainty of the spectra of a channel."""
+        pairs = zip(self.spectra, known, strict=False)
+        found = {one.kind: each.lowest(len(one.frequency)).document() for one, each in pairs}
+        return {"uncertainty": found} if found else {}
 
     def highlights(self) -> list[tuple[str, str]]:
         """Return the quality factor, and the largest value of each spectrum with its frequency."""
@@ -375,6 +397,9 @@ class SpectrumResult(measured.AskedResult):
         columns = [Column("frequency", self.spectra[0].frequency, "Hz")]
         for s in () if self.shocks else self.spectra:
             columns.append(Column(f"{s.kind}{of}", s.side(self.side), KIND_UNITS[s.kind]))
+        for s, known in zip(self.spectra, self.uncertainties, strict=False):
+            name, values = f"{s.kind} expanded uncertainty{of}", known.lowest(len(s.frequency)).expanded
+            columns.append(Column(name, values, KIND_UNITS[s.kind]))
         for kind, values in self.rms.items() if not self.shocks else ():
             columns.append(Column(f"{kind} rms{of}", values, KIND_UNITS[kind]))
         for name, kinds in self.together.items() if self.shocks else ():
@@ -383,6 +408,9 @@ class SpectrumResult(measured.AskedResult):
         for shock in self.shocks:
             for s in shock.spectra:
                 columns.append(Column(f"{s.kind} of {shock.name}{of}", s.side(self.side), KIND_UNITS[s.kind]))
+            for s, known in zip(shock.spectra, shock.uncertainties, strict=False):
+                name = f"{s.kind} expanded uncertainty of {shock.name}{of}"
+                columns.append(Column(name, known.lowest(len(s.frequency)).expanded, KIND_UNITS[s.kind]))
             for kind, values in shock.rms.items():
                 columns.append(Column(f"{kind} rms of {shock.name}{of}", values, KIND_UNITS[kind]))
         return columns
@@ -415,3 +443,16 @@ def response_of(
 def spectrum_of(reading: ChannelReading, kind: str, frequencies: ArrayLike, q: float, scope: Scope) -> Spectrum:
     """Return a spectrum of a channel, its baseline taken off."""
     return srs(reading.channel.values - reading.baseline, reading.channel.step, frequencies, q, kind, scope)
+
+
+def uncertainty_of(
+    reading: ChannelReading, one: Spectrum, side: str, scope: Scope, budget: Budget
+) -> SpectrumUncertainty:
+    """Return the uncertainty of a spectrum of a channel by a budget."""
+
+    def spectrum(values: Array) -> Array:
+        return srs(values, reading.channel.step, one.frequency, one.q, one.kind, scope).side(side)
+
+    return spectrum_uncertainty(
+        reading.channel, reading.baseline, reading.pulses, budget, np.asarray(one.frequency), spectrum
+    )

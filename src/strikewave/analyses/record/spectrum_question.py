@@ -55,7 +55,7 @@ def shock_spectra(
     response: str | float | None = None,
     spec: str | None = None,
     decision: Rule = "simple",
-    uncertainty: str | float | None = None,
+    uncertainty: str | float | Path | None = None,
     strict: bool = False,
     test: str | Path | None = None,
 ) -> SpectrumResult:
@@ -151,14 +151,15 @@ def shock_spectra(
             None if response is None else _typed(response, "Hz", "response"),
             None if rolling is None else _rolling_of(rolling),
         )
+        judging = SpecificationOptions.in_python(spec, decision, uncertainty, strict)
+        options = options._replace(budget=judging.uncertainty)
         last = None if end is None else _typed(end, "s", "end")
         wanted = SpectrumRequest(q, named, ends, tuple(dict.fromkeys(kinds)), side, part, last, options)
         asked = FilesAsked(
             files, stated.calibration(), stated.reading(), filtered(Request(), filter, ac_coupling, high_pass)
         )
         origin = measured.source_in_python(name_of([Path(file) for file in files]), test)
-        judge = SpecificationOptions.in_python(spec, decision, uncertainty, strict).spectra_judge()
-        return judged_spectra_of(asked, wanted, origin, judge)
+        return judged_spectra_of(asked, wanted, origin, judging.spectra_judge())
 
 
 def _typed(value: str | float, si: str, field: str) -> Typed:

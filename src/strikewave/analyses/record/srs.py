@@ -111,7 +111,7 @@ def command(
     from strikewave.records import Request
 
     kinds = tuple(dict.fromkeys(kind or ["absolute"]))
-    options = SpectrumOptions(initial, rms, resultant, response, rolling)
+    options = SpectrumOptions(initial, rms, resultant, response, rolling, judging.uncertainty)
     wanted = SpectrumRequest(q, frequency, (low, high, per_octave), kinds, side, part, end, options)
     asked = FilesAsked(files, measurement.calibration(), measurement.reading(), filtering.on(Request()))
     return compute_spectra(asked, wanted, output, judging.spectra_judge())

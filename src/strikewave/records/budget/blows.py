@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
-from typing import NamedTuple
+from dataclasses import dataclass, field, replace
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -89,6 +89,21 @@ class FigureUncertainty:
     contributions: tuple[BudgetLine, ...]
     method: str = BY_LAW
 
+    @property
+    def by_law(self) -> float:
+        """The standard uncertainty by the law of propagation."""
+        return math.sqrt(math.fsum(one.standard**2 for one in self.contributions if math.isfinite(one.standard)))
+
+    def document(self) -> dict[str, Any]:
+        """Return the entry of a JSON document, in the unit of the figure."""
+        return {
+            "standard": self.standard,
+            "expanded": self.expanded,
+            "coverage": self.coverage,
+            "method": self.method,
+            "contributions": [one._asdict() for one in self.contributions],
+        }
+
 
 @dataclass(frozen=True)
 class BlowUncertainty:
@@ -108,9 +123,25 @@ class BlowUncertainty:
     trials: int = 0
     validated: Mapping[str, bool] = field(default_factory=dict)
 
-    def expanded(self, name: str) -> float:
-        """Return the expanded uncertainty of a figure; NaN where it is not known."""
-        return self.figures[name].expanded if name in self.figures else math.nan
+    def alike(self, checked: BlowUncertainty) -> BlowUncertainty:
+        """Return it as Monte Carlo has it, where that did not validate the law of propagation for a blow like this one.
+
+        Both standard uncertainties are as far apart, and the coverage factor is that of the trials.
+        """
+        figures = {}
+        for name, one in self.figures.items():
+            other = checked.figures[name]
+            if other.method == BY_TRIALS and other.by_law > 0.0:
+                standard = one.by_law * other.standard / other.by_law
+                one = replace(
+                    one,
+                    standard=standard,
+                    expanded=other.coverage * standard,
+                    coverage=other.coverage,
+                    method=BY_TRIALS,
+                )
+            figures[name] = one
+        return BlowUncertainty(figures)
 
 
 class ReadOff(NamedTuple):
@@ -255,6 +286,7 @@ class _Inputs(NamedTuple):
 
     contributions: tuple[Contribution, ...]
     added: tuple[tuple[str, Array], ...]
+    unknown: NDArray[np.bool_]
 
     @property
     def quantities(self) -> list[InputQuantity]:
@@ -265,6 +297,15 @@ class _Inputs(NamedTuple):
         ]
 
 
+IN_PLACE = {
+    "peak": ("acceleration", "offset", "noise"),
+    "width": ("offset", "noise"),
+    "velocity_change": ("acceleration", "offset", "noise"),
+}
+"""Kinds that stand in place of what the record would tell of noise and baseline, where too little lies before the blow.
+Where none is stated, the uncertainty is not known."""
+
+
 def _inputs(channel: Channel, pulse: RecordedPulse, budget: Budget, measured: _Measured) -> _Inputs:
     told = np.array(pulse.uncertainty, dtype=np.float64)
     peak = measured.stretch.peak
@@ -272,7 +313,9 @@ def _inputs(channel: Channel, pulse: RecordedPulse, budget: Budget, measured: _M
     added = [(RECORD, told)]
     added += [(one.name, _by_noise(measured, one.input.standard * (peak if one.relative else 1.0))) for one in noises]
     others = tuple(one for one in budget.contributions if one.kind != "noise")
-    return _Inputs((sampling(channel.step), *others), tuple(added))
+    kinds = {one.kind for one in budget.contributions}
+    stated = [bool(kinds & set(IN_PLACE[name])) for name in FIGURES]
+    return _Inputs((sampling(channel.step), *others), tuple(added), np.isnan(told) & ~np.array(stated))
 
 
 def blow_uncertainty(
@@ -301,7 +344,7 @@ def blow_uncertainty(
     >>> t = np.arange(4000) * 1e-6
     >>> record = Channel("a", np.where(abs(t - 2e-3) < 1e-4, 5e3 * np.cos(np.pi * (t - 2e-3) / 2e-4), 0.0), 1e-6)
     >>> [pulse] = find_pulses(record.values, record.step)
-    >>> found = blow_uncertainty(record, pulse, of_share(0.04, 2.0)).figures
+    >>> found = blow_uncertainty(record, pulse, of_share(0.04)).figures
     >>> {name: round(one.expanded / one.value, 4) for name, one in found.items()}
     {'peak': 0.04, 'width': 0.0, 'velocity_change': 0.04}
     """
@@ -320,9 +363,9 @@ def _summed(
     sound = [True] * len(FIGURES) if simulated is None else simulated.validates(propagated).tolist()
     figures = {}
     for k, name in enumerate(FIGURES):
-        standard, method = float(propagated.standard[k]), BY_LAW
+        standard, method = math.nan if inputs.unknown[k] else float(propagated.standard[k]), BY_LAW
         expanded = COVERAGE * standard
-        if simulated is not None and not sound[k] and math.isfinite(float(simulated.standard[k])):
+        if simulated is not None and not sound[k] and math.isfinite(standard + float(simulated.standard[k])):
             standard, method = float(simulated.standard[k]), BY_TRIALS
             middle = float(measured.figures[k])
             expanded = max(middle - float(simulated.low[k]), float(simulated.high[k]) - middle)

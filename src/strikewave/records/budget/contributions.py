@@ -11,12 +11,12 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from strikewave.records.budget.propagation import NORMAL, RECTANGULAR, InputQuantity
+from strikewave.records.budget.propagation import COVERAGE, NORMAL, RECTANGULAR, InputQuantity
 
 Array = NDArray[np.float64]
 
@@ -143,22 +143,51 @@ class Budget(NamedTuple):
             return ()
         return tuple(topic for topic, kinds in TOPICS.items() if not stated & set(kinds))
 
+    def document(self) -> dict[str, Any]:
+        """Return the entry of a JSON document: what is stated, and what is not."""
+        rows = [
+            {
+                "name": one.name,
+                "kind": one.kind,
+                "stated": one.typed,
+                "distribution": one.distribution,
+                "standard": one.input.standard,
+                "status": one.status or None,
+                "source": one.source or None,
+            }
+            for one in self.contributions
+        ]
+        told = [{"name": name, "kind": "record"} for name in (RECORD, SAMPLING)]
+        return {
+            "title": self.title or None,
+            "file": self.file or None,
+            "contributions": [*told, *rows],
+            "not_stated": list(self.not_stated),
+        }
+
+    @property
+    def share(self) -> float | None:
+        """The expanded uncertainty of the acceleration, k = 2, where it is all that is stated; else None."""
+        only = self.contributions[0] if len(self.contributions) == 1 else None
+        return COVERAGE * only.spread if only is not None and only.kind == "acceleration" else None
+
     @property
     def names(self) -> tuple[str, ...]:
         """Names of its contributions, those that the record tells first."""
         return RECORD, SAMPLING, *(one.name for one in self.contributions)
 
 
-def of_share(share: float, coverage: float) -> Budget:
-    """Return the budget of one expanded uncertainty of the acceleration, for the whole channel.
+def of_share(share: float) -> Budget:
+    """Return the budget of one expanded uncertainty of the acceleration, k = 2, for the whole channel.
 
     Examples
     --------
-    >>> of_share(0.05, 2.0).contributions[0].input.standard
-    0.025
+    >>> of_share(0.05).contributions[0].input.standard, of_share(0.05).share
+    (0.025, 0.05)
     """
-    typed = f"{100.0 * share:g} %, k = {coverage:g}"
-    return Budget((Contribution("acceleration", "acceleration, as stated", share / coverage, NORMAL, typed=typed),))
+    typed = f"{100.0 * share:g} %, k = {COVERAGE:g}"
+    name = f"{100.0 * share:g} % of the acceleration, as stated"
+    return Budget((Contribution("acceleration", name, share / COVERAGE, NORMAL, typed=typed),))
 
 
 def sampling(step: float) -> Contribution:

@@ -21,6 +21,9 @@ from strikewave.contact import Geometry, first_yield, stiffness_law
 from strikewave.machines import Blow, MachineRun, Striker, Turntable
 from strikewave.machines.blows import contact_table
 from strikewave.machines.spans import ChainSpan
+from strikewave.specifications.decisions import CANNOT_TELL, FAIL, PASS, together
+from strikewave.specifications.judging import ShockVerdict, worst_clauses
+from strikewave.specifications.reading import Specification
 from strikewave.studies.settings.estimate import disc_stress, rim_speed_at_yield
 from strikewave.uncertainty.statistics import variation
 
@@ -50,13 +53,17 @@ since tolerances scatter the blows by more."""
 
 @dataclass(frozen=True)
 class BlowGoal:
-    """What the blows shall be, SI; ``disc`` carries the strikers, ``stop_limit`` is the largest force of the stop."""
+    """What the blows shall be, SI; ``disc`` carries the strikers, ``stop_limit`` is the largest force of the stop.
+
+    With a specification peak and width are those of its ideal pulse, and each blow is judged by it.
+    """
 
     interval: float
     peak: float
     width: float
     disc: Material
     stop_limit: float | None = None
+    specification: Specification | None = None
 
 
 class BlowSpread(NamedTuple):
@@ -146,6 +153,12 @@ class SettingsCandidate:
     estimate: dict[str, float]
     runs: int
     halt: str = ""
+    verdicts: tuple[ShockVerdict, ...] = ()
+
+    @property
+    def judged(self) -> str:
+        """Verdict of the specification on all blows that struck; empty without one."""
+        return together(one.verdict for one in self.verdicts) if self.verdicts else ""
 
     @property
     def misses(self) -> dict[str, float]:
@@ -164,8 +177,12 @@ class SettingsCandidate:
 
     @property
     def meets(self) -> bool:
-        """Whether the typical blow is within 5 % of the goal, every blow full, and every limit kept."""
-        return self.largest_miss <= WITHIN and not self.observation.odd and not self.broken
+        """Whether the typical blow is within 5 % of the goal, every blow full, and every limit kept.
+
+        And whether the specification passes every blow, where there is one.
+        """
+        kept = self.largest_miss <= WITHIN and not self.observation.odd and not self.broken
+        return kept and self.judged in ("", PASS)
 
     @property
     def obstacles(self) -> str:
@@ -175,6 +192,8 @@ class SettingsCandidate:
         ]
         reasons += [self.observation.odd] if self.observation.odd else []
         reasons += [f"{limit.name.replace('_', ' ')} above its limit" for limit in self.broken]
+        odd = [one for one in worst_clauses(self.verdicts) if one[0].verdict in (FAIL, CANNOT_TELL)]
+        reasons += [f"{clause.clause} of blow {place + 1} not passed" for clause, place in odd]
         return "; ".join(reasons + ([self.halt] if self.halt and reasons else []))
 
 
@@ -189,7 +208,7 @@ def rank_key(candidate: SettingsCandidate) -> tuple[bool, float, float]:
     """Return what candidates are ordered by.
 
     First those that meet the goal, by the scatter of their peaks in steps of 0.1 %, then by the force of the stop; then
-    the others by how far they are from it, a broken limit or odd blows counting as 100 %.
+    the others by how far they are from it, a broken limit, odd blows or a specification not passed counting as 100 %.
     """
     if candidate.meets:
         scatter = candidate.observation.peak.variation
@@ -198,7 +217,8 @@ def rank_key(candidate: SettingsCandidate) -> tuple[bool, float, float]:
             round(scatter, SCATTER_DIGITS) if math.isfinite(scatter) else 0.0,
             candidate.observation.supply.stop_force,
         )
-    far = candidate.largest_miss + len(candidate.broken) + bool(candidate.observation.odd)
+    unpassed = candidate.judged not in ("", PASS)
+    far = candidate.largest_miss + len(candidate.broken) + bool(candidate.observation.odd) + unpassed
     return True, far, candidate.observation.supply.stop_force
 
 

@@ -1,24 +1,56 @@
-"""``strikewave settings``: settings of the rotary machine for blows of a peak and a width at an interval."""
+"""``strikewave settings``: settings of a rotary machine, or a drop table, for a pulse or a specification."""
 
 from __future__ import annotations
 
-from typing import Annotated, Literal
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Annotated, Literal
 
 import typer
 
+from strikewave.analyses.record.verdicts.options import complete_specification
+from strikewave.base.errors import InputError
 from strikewave.reporting.options import Changes, Output, complete_case, quantity
-from strikewave.studies.settings.defaults import DISC, REFERENCE, STIFFNESS
+from strikewave.studies.settings.defaults import DISC, DROP_TABLE, REFERENCE, STIFFNESS
+from strikewave.studies.settings.drop_table.options import DropOptions
+
+if TYPE_CHECKING:
+    from strikewave.cases.case import Case
 
 
 def command(
     *,
-    interval: Annotated[float, quantity("--interval", si="s", bare=False, help='Time between blows, such as "20 ms".')],
+    spec: Annotated[
+        str | None,
+        typer.Option(
+            "--spec",
+            metavar="NAME|FILE[:CONDITION]",
+            help="Specification to design to, see strikewave spec list; none by default.",
+            show_default=False,
+            autocompletion=complete_specification,
+        ),
+    ] = None,
+    interval: Annotated[
+        float | None,
+        quantity("--interval", si="s", bare=False, help='Time between blows, such as "20 ms"; needed without --spec.'),
+    ] = None,
     peak: Annotated[
-        float, quantity("--peak", si="m/s^2", bare=False, help='Rigid-body peak acceleration, such as "4000 g".')
-    ],
+        float | None,
+        quantity(
+            "--peak",
+            si="m/s^2",
+            bare=False,
+            help='Rigid-body peak acceleration, such as "4000 g"; needed without --spec.',
+        ),
+    ] = None,
     width: Annotated[
-        float, quantity("--width", si="s", bare=False, help='Pulse width at 10 % of the peak, such as "200 us".')
-    ],
+        float | None,
+        quantity(
+            "--width",
+            si="s",
+            bare=False,
+            help='Pulse width at 10 % of the peak, such as "200 us"; needed without --spec.',
+        ),
+    ] = None,
     blows: Annotated[
         int | None,
         typer.Option(
@@ -26,14 +58,15 @@ def command(
         ),
     ] = None,
     source: Annotated[
-        str,
+        str | None,
         typer.Option(
             "--from",
             metavar="CASE",
-            help="Case that gives what is not chosen: geometry, materials, stop.",
+            help="Case that gives what is not chosen; li-ma-2019 by default, with --spec a drop table, jesd22-b111-b.",
+            show_default=False,
             autocompletion=complete_case,
         ),
-    ] = REFERENCE,
+    ] = None,
     changes: Changes = None,
     strikers: Annotated[
         list[int] | None,
@@ -64,26 +97,57 @@ def command(
             "--stop-limit", si="N", bare=False, help="Largest allowed force of the object's stop; no limit by default."
         ),
     ] = None,
+    drop: DropOptions,
     output: Output,
 ) -> int:
     """Find machine settings for wanted blows.
 
     For the rotary machine: settings for blows of a wanted peak and width at a wanted interval. Every candidate is
-    checked by a full run of all its blows; the best one is written as case.toml. With --json, no files
-    are written unless --out is given. The exit code is 3 where no candidate meets the goal within 5 % and keeps all
-    limits.
+    checked by a full run of all its blows; the best one is written as case.toml. With --spec: height, programmer and
+    mass of a drop table for the pulse of a specification, or settings of the rotary machine of --from, each judged by
+    it. With --json, no files are written unless --out is given. The exit code is 3 where no candidate meets the goal
+    and keeps all limits.
     """
     from strikewave.base.materials import material
     from strikewave.cases.case import load_case
-    from strikewave.studies.settings.candidate import BlowGoal
     from strikewave.studies.settings.screen import SettingsCommand, find_settings
-    from strikewave.studies.settings.study import SettingsChoices, check_changes, check_goal
+    from strikewave.studies.settings.study import SettingsChoices, blow_goal, check_changes, check_goal, is_rotary
 
-    plain = not (changes or strikers or striker_mass or stop_limit) and blows is None
-    plain = plain and (source, vary, disc) == (REFERENCE, STIFFNESS, DISC)
-    goal = BlowGoal(interval, peak, width, material(disc, "--disc"), stop_limit)
+    place = source or (REFERENCE if spec is None else DROP_TABLE)
+    if spec is not None:
+        _refuse({"--peak": peak, "--width": width}, "none with --spec, which states it")
+        case = load_case(place, changes or ())
+        if not is_rotary(case):
+            rotary = {"--interval": interval, "--blows": blows, "--strikers": strikers, "--striker-mass": striker_mass}
+            _refuse(rotary | {"--stop-limit": stop_limit}, "none of a drop table: it is of a rotary machine (--from)")
+            return _drop_table(output.tested(case), spec, drop, output, plain=not (changes or source or drop.given()))
+    _refuse(drop.given(), "none of a rotary machine: it is of a drop table, with --spec")
+    plain = not (changes or strikers or striker_mass or stop_limit or spec) and blows is None
+    plain = plain and (place, vary, disc) == (REFERENCE, STIFFNESS, DISC)
+    goal = blow_goal(interval, peak, width, material(disc, "--disc"), stop_limit, spec)
     choice = SettingsChoices(tuple(dict.fromkeys(strikers or ())), tuple(dict.fromkeys(striker_mass or ())), vary)
     check_changes(changes or (), vary)
-    case = load_case(source, [*(changes or ()), *([] if blows is None else [f"feed.blows={blows}"])])
+    case = load_case(place, [*(changes or ()), *([] if blows is None else [f"feed.blows={blows}"])])
     check_goal(case, goal, choice)
     return find_settings(SettingsCommand(output.tested(case), goal, choice), output, plain)
+
+
+def _refuse(options: Mapping[str, object], allowed: str) -> None:
+    """Refuse the first option that is given and does not apply."""
+    for option, value in options.items():
+        if value:
+            first = value[0] if isinstance(value, list) else value
+            raise InputError(option, getattr(first, "word", first), allowed, "leave it out")
+
+
+def _drop_table(case: Case, spec: str, drop: DropOptions, output: Output, plain: bool) -> int:
+    """Design a drop table, and return the exit code."""
+    from strikewave.specifications.reading import load_specification
+    from strikewave.studies.settings.drop_table.screen import DropCommand, find_drop_table
+    from strikewave.studies.settings.drop_table.search import DropGoal
+    from strikewave.studies.settings.drop_table.study import STROKE, check_drop
+
+    specification = load_specification(spec)
+    goal, choice = DropGoal(specification, specification.pulse_limits(), drop.stroke or STROKE), drop.choices()
+    check_drop(case, goal, choice)
+    return find_drop_table(DropCommand(case, goal, choice), output, plain)

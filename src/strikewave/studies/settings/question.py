@@ -8,18 +8,18 @@ from strikewave.base.compile_progress import compiling_shown
 from strikewave.base.materials import material
 from strikewave.base.units import si_value
 from strikewave.cases.case import Case, load_case
-from strikewave.studies.settings.candidate import BlowGoal
 from strikewave.studies.settings.defaults import DISC, REFERENCE, STIFFNESS
-from strikewave.studies.settings.study import SettingsChoices, SettingsStudy, design_settings
+from strikewave.studies.settings.study import SettingsChoices, SettingsStudy, blow_goal, design_settings
 
 
 @compiling_shown()
 def settings(
-    interval: str | float,
-    peak: str | float,
-    width: str | float,
+    interval: str | float | None = None,
+    peak: str | float | None = None,
+    width: str | float | None = None,
     case: Case | None = None,
     *,
+    spec: str | None = None,
     strikers: Sequence[int] = (),
     striker_masses: Sequence[str | float] = (),
     vary: str = STIFFNESS,
@@ -35,8 +35,11 @@ def settings(
     ----------
     interval, peak, width : str or float
         Of the blows: with a unit, such as ``"20 ms"``, or in SI. The width is that at 10 % of the peak.
+        Peak and width are left out with ``spec``.
     case : Case, optional
         Gives what is not chosen: geometry, materials, stop; li-ma-2019 by default.
+    spec : str, optional
+        Specification of a half-sine, which has peak and width and judges every blow.
     strikers : sequence of int, optional
         Numbers of strikers to try; several about that of the case by default.
     striker_masses : sequence of str or float, optional
@@ -67,12 +70,17 @@ def settings(
     strikewave.base.errors.InputError: --width: got "5000 us"; allowed: at most 2000 us, a tenth of the interval; \
 longer pulses run into the next blow
     """
-    goal = BlowGoal(
-        si_value(interval, "s", "interval"),
-        si_value(peak, "m/s^2", "peak"),
-        si_value(width, "s", "width"),
+
+    def read(value: str | float | None, si: str, name: str) -> float | None:
+        return None if value is None else si_value(value, si, name)
+
+    goal = blow_goal(
+        read(interval, "s", "interval"),
+        read(peak, "m/s^2", "peak"),
+        read(width, "s", "width"),
         material(disc, "disc"),
-        None if stop_limit is None else si_value(stop_limit, "N", "stop_limit"),
+        read(stop_limit, "N", "stop_limit"),
+        spec,
     )
     masses = tuple(si_value(mass, "kg", "striker_masses") for mass in striker_masses)
     choice = SettingsChoices(tuple(strikers), masses, vary)

@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 from strikewave.reporting import chapters
+from strikewave.reporting.clause_words import CLAUSE_HEADS, clause_cells
 from strikewave.reporting.numbers import headed, percent, shown, spelled, with_unit
 from strikewave.reporting.parts import NONE, Cell, Picture, Section, Table, Tag, written
 from strikewave.reporting.table_columns import page_table
-from strikewave.studies.settings.candidate import WITHIN, BlowSpread
+from strikewave.specifications.judging import worst_clauses
+from strikewave.studies.settings.candidate import WITHIN, BlowSpread, SettingsCandidate
 from strikewave.studies.settings.columns import LIMIT_COLUMNS, RankedSettings, candidate_columns, mass_columns
 from strikewave.studies.settings.figures import settings_figure
 from strikewave.studies.settings.study import SettingsStudy, goal_words
@@ -95,8 +97,15 @@ def _first_section(study: SettingsStudy) -> Section:
             Table("What was chosen", ["setting", "value"], chosen),
             Table("Blows", ["", "wanted", "typical", "first", "worst", "CV (%)"], blows),
             page_table("Limits", LIMIT_COLUMNS, first.limits),
+            *_clauses(first),
         ],
     )
+
+
+def _clauses(first: SettingsCandidate) -> list[Table]:
+    """Return the clauses of the specification, each by the blow that it judges worst; nothing without one."""
+    rows = [[*clause_cells(clause), str(place + 1)] for clause, place in worst_clauses(first.verdicts)]
+    return [Table("Clauses of the specification", [*CLAUSE_HEADS, "blow"], rows)] if rows else []
 
 
 def _ranking_section(study: SettingsStudy) -> Section:

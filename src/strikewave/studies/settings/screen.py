@@ -3,16 +3,21 @@
 from __future__ import annotations
 
 import dataclasses
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import ClassVar
 
 from strikewave.cases.case import Case
 from strikewave.reporting import measured_files as measured
+from strikewave.reporting.clause_words import CLAUSE_HEADS, clause_cells
+from strikewave.reporting.layout import MORE, keys, numerals, texts
 from strikewave.reporting.numbers import with_unit
 from strikewave.reporting.options import Output
+from strikewave.reporting.parts import Tag
 from strikewave.reporting.run_and_write import Command, run_and_write
-from strikewave.reporting.terminal import print_rows, progress_bar, tell
+from strikewave.reporting.terminal import print_rows, progress_bar, table, tell
+from strikewave.specifications.judging import Clause, worst_clauses
 from strikewave.studies.settings.candidate import BlowGoal, SettingsCandidate
 from strikewave.studies.settings.columns import LIMIT_COLUMNS, RankedSettings, candidate_columns, mass_columns
 from strikewave.studies.settings.study import (
@@ -40,7 +45,7 @@ def find_settings(command: SettingsCommand, output: Output, usual_question: bool
     """
     asked = asked_line(command.case, command.goal, command.choice)
     usual = name_of(command.goal) + ("" if usual_question else f"-{asked[-10:-2]}")
-    if output.out is not None and _holds(output.out, asked):
+    if output.out is not None and holds(output.out, asked):
         output = dataclasses.replace(output, force=True)
     return run_and_write(command, output, usual, asked)
 
@@ -82,13 +87,21 @@ class SettingsCommand(Command[SettingsStudy]):
         return ["report.html", "settings.svg"]
 
 
-def _holds(folder: Path, asked: str) -> bool:
+def holds(folder: Path, asked: str) -> bool:
     """Return whether a folder holds the result of the very same question."""
     try:
         with (folder / "case.toml").open("rb") as file:
             return file.read(len(asked.encode())) == asked.encode()
     except OSError:
         return False
+
+
+def print_clauses(title: str, clauses: Sequence[Clause]) -> None:
+    """Print clauses with their limits, values, margins and verdicts."""
+    rows = [[cell.text if isinstance(cell, Tag) else str(cell) for cell in clause_cells(one)] for one in clauses]
+    name, *figures = CLAUSE_HEADS[:5]
+    verdict, status = CLAUSE_HEADS[5:]
+    table(title, [*keys(name), *numerals(*figures), *texts(verdict), *texts(status, priority=MORE)], rows)
 
 
 def _print(study: SettingsStudy) -> None:
@@ -105,6 +118,8 @@ def _print(study: SettingsStudy) -> None:
     )
     tell(_header(study.case, study.goal, first))
     print_rows("Limits of the first", LIMIT_COLUMNS, first.limits)
+    if first.verdicts:
+        print_clauses("Clauses of the first, each by its worst blow", [one for one, _ in worst_clauses(first.verdicts)])
     if len(study.masses) > 1:
         print_rows("What the mass of a striker costs", mass_columns(study.choice.vary), study.masses)
     for count, why in study.left_out.items():

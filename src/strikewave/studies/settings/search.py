@@ -16,7 +16,9 @@ from strikewave.base.quantities import Value
 from strikewave.base.units import in_unit
 from strikewave.cases.case import FORM, Case
 from strikewave.machines import MachineRun, blows, run_machine
+from strikewave.specifications.judging import ShockVerdict, judge_shock
 from strikewave.studies.accuracy import RUN_TOLERANCE
+from strikewave.studies.settings.broyden import nearest_settings
 from strikewave.studies.settings.candidate import (
     BlowGoal,
     Observation,
@@ -39,18 +41,10 @@ from strikewave.studies.settings.estimate import (
     turntable_speed,
     width_stiffness,
 )
+from strikewave.studies.settings.judged_run import shock_about
 
 Array = NDArray[np.float64]
 
-CLOSE = 0.002
-"""Miss of peak, width and interval at which a search ends: a 25th of what the goal allows, so that rounding the values
-does not lose it again."""
-MOST_RUNS = 12
-"""Most runs of a search. Of 36 searches from li-ma-2019 (two goals), 32 came `CLOSE` in three to five runs; the others
-came no nearer in twelve."""
-LONGEST_STEP = 0.6
-"""Longest step of the logarithm of a setting from one run to the next, a factor of 1.8: the slopes hold near a run
-only, and estimates were off by 1.6 at most (measured, li-ma-2019)."""
 LEAST_SHARES, LARGEST_SHARES = (0.02, 0.02, 0.8), (math.inf, 50.0, 1.25)
 """Least and largest engagement, stiffness and speed over their first estimates. Beyond fifty times the estimated
 stiffness the contact alone makes the width; a fiftieth is chosen likewise. The speed alone makes the interval, so that
@@ -58,13 +52,6 @@ it moves by little more than the droop of the controller. The engagement is boun
 STIFF_START = 10.0
 """Stiffness from which the search begins, over that of the object alone, where the other spring in series is too soft
 for the width: nearly rigid beside the other one."""
-WORST_CONDITION = 1e4
-"""Condition number of the slopes beyond which they are taken as `SLOPES` again: the step would be that of rounding."""
-SHORTEST_STEP = 1e-5
-"""Step of the logarithms below which a search stands still: rounding to `DIGITS` changes a setting by more."""
-LEAST_SQUARE = 1e-12
-"""Least square of a step that Broyden's correction is divided by: a step that the bounds cut to nothing tells no
-slope."""
 AT_BOUND = 1e-6
 """Distance of a logarithm from its bound within which a setting stands there: below every step, above rounding."""
 DIGITS = 4
@@ -247,39 +234,15 @@ class SearchEnd(NamedTuple):
 
 
 def search(design: Design) -> SearchEnd | str:
-    """Return the settings that meet a goal most nearly, or why no run could be made.
-
-    Broyden's method on the logarithms, from the closed forms: each run gives the misses of peak, width and interval,
-    and corrects the slopes. A run that cannot be made halves the step.
-    """
+    """Return the settings that meet a goal most nearly, from the closed forms on, or why no run could be made."""
     low, high = (np.log(bound) for bound in design.bounds)
-    x = np.clip(np.log(design.start), low, high)
-    slopes, failure, best = SLOPES.copy(), "", None
-    for runs in range(1, MOST_RUNS + 1):
-        missed, reason = _missed(design, np.exp(x))
-        if missed is None:
-            failure = reason
-            if best is None:
-                return failure
-            x = 0.5 * (x + best[0])
-            continue
-        if best is not None:
-            moved = x - best[0]
-            slopes += np.outer(missed - best[1] - slopes @ moved, moved) / max(float(moved @ moved), LEAST_SQUARE)
-        if best is None or np.abs(missed).max() < np.abs(best[1]).max():
-            best = x, missed
-        if np.abs(best[1]).max() < CLOSE:
-            return SearchEnd(np.exp(best[0]), runs, "")
-        if not np.linalg.cond(slopes) < WORST_CONDITION:
-            slopes = SLOPES.copy()
-        step = np.clip(-np.linalg.solve(slopes, best[1]), -LONGEST_STEP, LONGEST_STEP)
-        following = np.clip(best[0] + step, low, high)
-        if np.abs(following - x).max() < SHORTEST_STEP:
-            break
-        x = following
-    assert best is not None
-    halt = _at_bound(best[0], low, high, design) or _at_bound(x, low, high, design) or failure
-    return SearchEnd(np.exp(best[0]), runs, halt or f"nothing nearer was found in {runs} runs")
+    end = nearest_settings(lambda settings: _missed(design, settings), np.log(design.start), low, high, SLOPES)
+    if isinstance(end, str):
+        return end
+    if end.close:
+        return SearchEnd(np.exp(end.nearest), end.runs, "")
+    halt = _at_bound(end.nearest, low, high, design) or _at_bound(end.last, low, high, design) or end.failure
+    return SearchEnd(np.exp(end.nearest), end.runs, halt or f"nothing nearer was found in {end.runs} runs")
 
 
 def _missed(design: Design, settings: Array) -> tuple[Array | None, str]:
@@ -325,4 +288,14 @@ def candidate(design: Design) -> SettingsCandidate | str:
         return "no striker touches the object"
     limits = limits_of(case, run, observation, design.goal)
     paths = tuple(design.changes(end.settings))
-    return SettingsCandidate(case, paths, observation, design.goal, limits, design.estimates(), end.runs + 1, end.halt)
+    known = case, paths, observation, design.goal, limits, design.estimates(), end.runs + 1, end.halt
+    return SettingsCandidate(*known, judged_blows(run, design.goal))
+
+
+def judged_blows(run: MachineRun, goal: BlowGoal) -> tuple[ShockVerdict, ...]:
+    """Return the verdict of the specification of a goal on each blow that struck; nothing without one."""
+    if goal.specification is None:
+        return ()
+    limits = goal.specification.pulse_limits()
+    struck = [blow for blow in blows(run) if blow.kind != "missed"]
+    return tuple(judge_shock(shock_about(run, blow.time, limits), limits) for blow in struck)

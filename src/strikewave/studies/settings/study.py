@@ -10,7 +10,6 @@ import dataclasses
 import hashlib
 import math
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
@@ -18,8 +17,8 @@ import numpy as np
 
 from strikewave.base.citations import citation
 from strikewave.base.constants import STANDARD_GRAVITY
-from strikewave.base.errors import InputError, InputErrors
-from strikewave.base.materials import material
+from strikewave.base.errors import MISSING, InputError, InputErrors
+from strikewave.base.materials import Material, material
 from strikewave.base.result import Notice, Source
 from strikewave.cases.case import FORM, Case, dump_case
 from strikewave.cases.contact_of_case import face_contact
@@ -27,7 +26,11 @@ from strikewave.contact.law import indentation_under
 from strikewave.reporting.columns import Column
 from strikewave.reporting.numbers import with_unit
 from strikewave.reporting.shown_result import ShownResult, columns_of
-from strikewave.signal.pulse import HALF_SINE_WIDTH
+from strikewave.signal.pulse import HALF_SINE_WIDTH, WIDTH_FRACTION
+from strikewave.specifications.ideal_pulses import HALF_SINE as HALF_SINE_SHAPE
+from strikewave.specifications.judged_records import clause_document
+from strikewave.specifications.judging import worst_clauses
+from strikewave.specifications.reading import load_specification
 from strikewave.studies.settings.candidate import WITHIN, BlowGoal, BlowSpread, SettingsCandidate, rank_key
 from strikewave.studies.settings.estimate import (
     Support,
@@ -42,6 +45,7 @@ from strikewave.studies.settings.estimate import (
     support_for,
     turntable_speed,
 )
+from strikewave.studies.settings.in_threads import each_result
 from strikewave.studies.settings.search import VARIED, Design, Trial, candidate
 
 STRIKERS = (1, 2, 3, 4, 6, 8, 12)
@@ -73,8 +77,6 @@ PRESSED = 0.5
 stop more than it flies, and the closed forms of a rigid stop do not hold."""
 SHORTEST = 10.0
 """Least interval over the width of the pulse: what comes sooner runs into the pulse before."""
-WORKERS = 2
-"""Threads; the compiled runs hold no lock."""
 LEAST_SHARE = 0.9
 """Share of the width of a half-sine on the contact alone below which a width is refused: the tenth is left for what a
 half-sine is not. Full runs with a nearly rigid frame stand above it by less than a third."""
@@ -187,7 +189,8 @@ class SettingsStudy(ShownResult):
         for place, one in enumerate(self.candidates, 1):
             row = _row(place, one)
             settings = {path: values["si"] for path, values in row["settings"].items()}
-            rows.append({k: v for k, v in row.items() if k not in ("settings", "estimate", "blows")} | settings)
+            left = ("settings", "estimate", "blows", "clauses")
+            rows.append({k: v for k, v in row.items() if k not in left} | settings)
         paths = {path: FORM.range_at(path.split(".")) for one in self.candidates for path in one.chosen}
         units = UNITS | {path: "" if of is None or of.unit == "count" else of.unit for path, of in paths.items()}
         spread = {f"{name}.{part}": UNITS[name] for name in ("peak", "width", "interval") for part in _SPREAD}
@@ -213,6 +216,7 @@ class SettingsStudy(ShownResult):
         goal = {key: getattr(self.goal, key) for key in ("interval", "peak", "width", "stop_limit")}
         return {
             "goal": {**goal, "within": WITHIN, "disc": self.goal.disc.name, "vary": self.choice.vary},
+            **({} if self.goal.specification is None else {"spec": self.goal.specification.document()}),
             "from": self.case.name,
             "typical": "median of the later full blows; variation: standard deviation (n - 1) over mean of all",
             "sources": [citation(key) for key in self.citations],
@@ -226,7 +230,8 @@ class SettingsStudy(ShownResult):
 
 def asked_line(case: Case, goal: BlowGoal, choice: SettingsChoices) -> str:
     """Return the first line of the written case: what was asked, and a mark of everything that it was asked of."""
-    limits = goal.interval, goal.peak, goal.width, goal.disc.name, goal.stop_limit
+    limits: tuple[object, ...] = (goal.interval, goal.peak, goal.width, goal.disc.name, goal.stop_limit)
+    limits += () if goal.specification is None else (goal.specification.asked, goal.specification.text)
     mark = hashlib.sha256(f"{limits} {dataclasses.astuple(choice)} {dump_case(case)}".encode()).hexdigest()[:8]
     return f"# strikewave settings: {goal_words(goal)}, from {case.name or 'case'} ({mark})\n"
 
@@ -261,7 +266,16 @@ def _row(place: int, one: SettingsCandidate) -> dict[str, Any]:
         "limits": [{**limit._asdict(), "kept": limit.kept} for limit in one.limits],
         "estimate": one.estimate,
         "runs": one.runs,
+        **_verdict_row(one),
     }
+
+
+def _verdict_row(one: SettingsCandidate) -> dict[str, Any]:
+    """Return the verdict on a candidate for the document: each clause where it came out worst; nothing without one."""
+    if not one.verdicts:
+        return {}
+    clauses = [{**clause_document(clause), "blow": place + 1} for clause, place in worst_clauses(one.verdicts)]
+    return {"verdict": one.judged, "clauses": clauses}
 
 
 def _without_mass(candidate: SettingsCandidate) -> tuple[float, ...]:
@@ -275,12 +289,13 @@ def goal_words(goal: BlowGoal) -> str:
 
     Examples
     --------
-    >>> from strikewave.base.materials import material
+    >>> from strikewave.base.materials import Material, material
     >>> goal_words(BlowGoal(0.02, 4000 * 9.80665, 200e-6, material("45 steel")))
     'blows of 4000 g and 200 us every 20 ms'
     """
     pulse = f"{goal.peak / STANDARD_GRAVITY:.6g} g and {goal.width * 1e6:.6g} us"
-    return f"blows of {pulse} every {goal.interval * 1e3:.6g} ms"
+    by = "" if goal.specification is None else f", by {goal.specification.asked}"
+    return f"blows of {pulse} every {goal.interval * 1e3:.6g} ms{by}"
 
 
 def name_of(goal: BlowGoal) -> str:
@@ -288,7 +303,7 @@ def name_of(goal: BlowGoal) -> str:
 
     Examples
     --------
-    >>> from strikewave.base.materials import material
+    >>> from strikewave.base.materials import Material, material
     >>> name_of(BlowGoal(0.02, 4000 * 9.80665, 200e-6, material("45 steel")))
     'settings-20ms-4000g-200us'
     """
@@ -310,6 +325,50 @@ def _notices(candidate: SettingsCandidate) -> Iterator[Notice]:
         yield Notice("not-met", message, candidate.largest_miss, WITHIN)
 
 
+def is_rotary(case: Case) -> bool:
+    """Tell whether a case is of a rotary machine, or at least of no other one."""
+    return getattr(case.machine, "kind", "rotary") == "rotary"
+
+
+def blow_goal(
+    interval: float | None,
+    peak: float | None,
+    width: float | None,
+    disc: Material,
+    stop_limit: float | None = None,
+    spec: str | None = None,
+) -> BlowGoal:
+    """Return what blows shall be: as given, or those of a specification, at its rate where no interval is given.
+
+    Raises
+    ------
+    InputError, InputErrors
+        If something is missing, or the specification cannot be read, or is of no half-sine.
+
+    Examples
+    --------
+    >>> from strikewave.base.materials import Material, material
+    >>> goal = blow_goal(None, None, None, material("45 steel"), spec="iec-60068-2-27-bump:100g-2ms")
+    >>> round(goal.interval, 4), round(goal.peak / STANDARD_GRAVITY), round(goal.width * 1e3, 3)
+    (0.3333, 100, 1.872)
+    """
+    specification = None
+    if spec is not None:
+        specification = load_specification(spec)
+        pulse = specification.pulse
+        if pulse.shape != HALF_SINE_SHAPE:
+            raise InputError("--spec", specification.asked, "a half-sine: no blow of this machine is a " + pulse.shape)
+        peak, width, rate = pulse.peak, pulse.width(WIDTH_FRACTION), specification.repetition()
+        if interval is None and rate is not None:
+            interval = 1.0 / (rate.high if math.isfinite(rate.high) else rate.low)
+    if interval is None:
+        raise InputError("--interval", MISSING, 'time between blows, such as "20 ms"')
+    if peak is None or width is None:
+        option, example = ("--peak", "4000 g") if peak is None else ("--width", "200 us")
+        raise InputError(option, MISSING, f'that of the blows, such as "{example}", or --spec')
+    return BlowGoal(interval, peak, width, disc, stop_limit, specification)
+
+
 def check_goal(case: Case, goal: BlowGoal, choice: SettingsChoices) -> None:
     """Refuse what no setting can give, before anything is run.
 
@@ -318,7 +377,7 @@ def check_goal(case: Case, goal: BlowGoal, choice: SettingsChoices) -> None:
     InputError
         With the option.
     """
-    if case.machine is None or case.stack.layer:
+    if case.machine is None or case.stack.layer or not is_rotary(case):
         allowed = "a machine case whose object is a nose on a frame, such as li-ma-2019"
         raise InputError("--from", case.name, allowed, "a stack of layers has no frame stiffness to choose")
     angle = getattr(case.machine, "blow_angle", None)
@@ -532,9 +591,9 @@ def design_settings(
     own = any(row.mass is not None for row in case.rotary_tables().striker.each)
     heavier = 0 if choice.masses or own else len(MASS_SHARES) * len(numbers)
     whole = len(first) + heavier
-    tried = list(_candidates(first, progress, 0, whole))
+    tried = list(each_result(candidate, first, progress, 0, whole))
     if heavier:
-        tried += _candidates(list(_other_masses(tried, numbers)), progress, len(first), whole)
+        tried += each_result(candidate, list(_other_masses(tried, numbers)), progress, len(first), whole)
     candidates = [result for _, result in tried if isinstance(result, SettingsCandidate)]
     failures = [(design, result) for design, result in tried if isinstance(result, str)]
     if not candidates:
@@ -557,21 +616,6 @@ def _other_masses(tried: Sequence[tuple[Design, SettingsCandidate | str]], numbe
             mass = design.rig.case.rotary_tables().striker.mass.si
             for share in MASS_SHARES:
                 yield dataclasses.replace(design, rig=design.rig._replace(mass=share * mass))
-
-
-def _candidates(
-    designs: Sequence[Design], progress: Callable[[float], None] | None, done: int, whole: int
-) -> Iterator[tuple[Design, SettingsCandidate | str]]:
-    """Yield each design with its candidate, in order; `WORKERS` are run at a time."""
-    with ThreadPoolExecutor(WORKERS) as pool:
-        try:
-            for k, result in enumerate(pool.map(candidate, designs), 1):
-                if progress is not None:
-                    progress((done + k) / whole)
-                yield designs[k - 1], result
-        except BaseException:
-            pool.shutdown(wait=False, cancel_futures=True)
-            raise
 
 
 __all__ = [

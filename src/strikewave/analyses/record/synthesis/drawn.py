@@ -8,10 +8,10 @@ from strikewave.analyses.record.synthesis.result import MOTIONS, SynthesisResult
 from strikewave.analyses.record.verdicts.figures import draw_spectrum_limits
 from strikewave.analyses.record.verdicts.judged_spectra import spectra_section
 from strikewave.reporting import chapters
-from strikewave.reporting.clause_words import tag_of
+from strikewave.reporting.clause_words import tag_of, verdict_words
 from strikewave.reporting.curves import thin
 from strikewave.reporting.numbers import axis_unit, shown, shown_heads, time_unit
-from strikewave.reporting.parts import NONE, Cell, Picture, Section, Table, written
+from strikewave.reporting.parts import NONE, Cell, Picture, Section, Table, Tag, written
 from strikewave.reporting.style import BLUE, new_figure, plain, put_below, quiet, titled
 from strikewave.signal.synthesis import Component
 
@@ -76,7 +76,8 @@ def page(result: SynthesisResult) -> str:
         columns = [*heads, "damping", "half-sines", "for"]
         sections.append(Section("Components", text, [Table("What the motion is the sum of", columns, rows)]))
     sections.append(chapters.warnings(result.notices))
-    tag = tag_of(result.verdict.verdict)
+    verdict = result.verdict
+    tag = Tag(verdict_words(verdict.verdict, verdict.by_indicative), tag_of(verdict.verdict).look)
     summary = chapters.Summary("Synthesis of a shock", synthesis_words(result), result.highlights(), tag)
     return chapters.result_page(result, summary, sections)
 

@@ -14,9 +14,11 @@ from strikewave.analyses.record.verdicts.judged import verdict_notices
 from strikewave.analyses.record.verdicts.judged_spectra import spectra_sentence
 from strikewave.base.errors import InputError
 from strikewave.base.result import Notice
+from strikewave.base.units import si_value
 from strikewave.reporting import measured_files as measured
 from strikewave.reporting.columns import HISTORY_DIGITS, Column, csv_table
 from strikewave.reporting.numbers import with_unit
+from strikewave.reporting.options import wrong_choice
 from strikewave.reporting.shown_result import columns_of
 from strikewave.signal.motion import motion
 from strikewave.signal.srs import SMOOTH, srs
@@ -31,7 +33,7 @@ from strikewave.signal.synthesis import (
     synthesized,
 )
 from strikewave.specifications.judged_spectra import JudgedSpectrum, SpectraVerdict
-from strikewave.specifications.reading import Specification
+from strikewave.specifications.reading import Specification, load_specification
 from strikewave.specifications.spectrum_limits import SpectrumLimits, judge_spectrum
 
 Array = NDArray[np.float64]
@@ -182,39 +184,42 @@ ROUNDING = 1e-9
 
 
 def synthesize(
-    specification: Specification,
+    specification: Specification | str,
     by: str = DAMPED_SINES,
-    rate: float | None = None,
+    rate: str | float | None = None,
     origin: measured.Source = measured.UNKNOWN,
 ) -> SynthesisResult:
     """Return a base motion whose spectrum is to meet a specification, with the verdict of that.
 
     Parameters
     ----------
-    specification : Specification
-        Of a spectrum, with breakpoints.
+    specification : Specification or str
+        Of a spectrum, with breakpoints; or its name or file.
     by : str, optional
         ``damped-sines``, ``wavelets`` or ``half-sine``.
-    rate : float, optional
-        Samples a second; 20 a period of the highest natural frequency by default.
+    rate : str or float, optional
+        Samples a second, such as ``"200 kHz"``; 20 a period of the highest natural frequency by default.
     origin : Source, optional
         What asked for it.
 
     Raises
     ------
     InputError
-        If it states no spectrum, or the sampling rate is too low or too high.
+        If it states no spectrum, there is no such way, or the sampling rate is too low or too high.
 
     Examples
     --------
-    >>> from strikewave.specifications.reading import load_specification
-    >>> found = synthesize(load_specification("nasa-gevs"))
+    >>> import strikewave
+    >>> found = strikewave.synthesize("nasa-gevs")
     >>> found.verdict.verdict, round(found.peaks["displacement"] * 1e3)
     ('pass', 77)
     """
+    if by not in WAYS:
+        raise wrong_choice(by, "by", WAYS)
+    specification = load_specification(specification, "spec") if isinstance(specification, str) else specification
     limits = specification.spectrum_limits()
     frequency = limits.grid()
-    rate = SMOOTH * float(frequency[-1]) if rate is None else rate
+    rate = SMOOTH * float(frequency[-1]) if rate is None else si_value(rate, "Hz", "rate")
     _check_rate(rate, limits)
     half_sine = None
     if by == HALF_SINE:
@@ -227,7 +232,7 @@ def synthesize(
     values = srs(found.acceleration, found.step, frequency, limits.q).side(limits.side)
     clauses = judge_spectrum(frequency, values, limits)
     judged = JudgedSpectrum(by, "", "", frequency, values, clauses)
-    verdict = SpectraVerdict(specification, limits, "simple", False, 0.0, (judged,))
+    verdict = SpectraVerdict(specification, limits, "simple", False, None, (judged,))
     result = SynthesisResult(
         by=by,
         motion=found,

@@ -13,7 +13,8 @@ from strikewave.analyses.record.test_report.asked import NORM, missing
 from strikewave.analyses.record.test_report.figures import drawn_shocks, overlay
 from strikewave.analyses.record.test_report.shocks import (
     MOST_LISTED,
-    direction_table,
+    blow_verdicts,
+    direction_tables,
     group_name,
     groups,
     several_channels,
@@ -75,7 +76,7 @@ def report_of_test(result: RecordResult) -> str:
     sections = [
         _items(stated),
         _specification(found),
-        Section("Directions and counts", "", [direction_table(found)]),
+        Section("Directions and counts", "", direction_tables(found)),
         _setup(stated),
         _shocks(found, names),
         _pulses(found),
@@ -130,14 +131,13 @@ def _lapse_words(stated: StatedTest) -> list[str]:
 
 
 def _key_numbers(found: RecordsVerdict) -> list[tuple[str, str]]:
-    verdicts = [one.found.verdict for one in found.shocks]
-    blows = {(one.file, one.number) for one in found.shocks}
+    verdicts = blow_verdicts(found.shocks)
     nominal = {clause.clause: asked_words(clause) for clause in asked_clauses(found.specification)}
-    numbers = [("shocks", str(len(blows)))]
-    several = " of all channels" if len(verdicts) > len(blows) else ""
-    numbers.append((f"pass{several}", str(verdicts.count(PASS))))
-    numbers.append((f"fail{several}", str(verdicts.count(FAIL))))
-    return [*numbers, *((name, nominal[name]) for name in ("nominal peak", "nominal duration") if name in nominal)]
+    counts = [("shocks", len(verdicts)), ("pass", verdicts.count(PASS)), ("fail", verdicts.count(FAIL))]
+    return [
+        *((name, str(count)) for name, count in counts),
+        *((name, nominal[name]) for name in ("nominal peak", "nominal duration") if name in nominal),
+    ]
 
 
 def _fields(caption: str, rows: Iterable[tuple[str, str]]) -> list[Part]:
@@ -201,9 +201,8 @@ def _specification(found: RecordsVerdict) -> Section:
         words = f"{100.0 * band.time:g} % of the duration, {100.0 * band.amplitude:g} % of the peak"
         rows.append(["tolerance band", words, status_cell(found.limits.band_status)])
     text = f"{found.specification.title} ({file.edition}).\n\n{_decision(found)}\n\n{limit_words_of(found)}"
-    return Section(
-        "Specification and decision rule", text, [Table("What is asked of a shock", ["", "limit", "status"], rows)]
-    )
+    table = Table("What is asked of a shock", ["clause", "limit", "status"], rows)
+    return Section("Specification and decision rule", text, [table])
 
 
 def _decision(found: RecordsVerdict) -> str:
@@ -215,12 +214,9 @@ def _decision(found: RecordsVerdict) -> str:
             "guarded: within the expanded uncertainty of a limit neither pass nor fail is stated (ISO 14253-1, JCGM "
             "106:2012, 8.3)"
         )
-    known = "that of noise and baseline, found before each shock"
-    if found.asked.uncertainty > 0.0:
-        known = f"{100.0 * found.asked.uncertainty:g} % of the acceleration, and {known}"
-    else:
-        known += "; that of sensor, amplifier and calibration is not stated, and is not in it"
-    return f"Decision rule: {rule}.\n\nUncertainty of the measurement, expanded, k = 2: {known}."
+    held = f"it holds {listed(list(found.asked.holds))}"
+    left = f"; not stated, and not in it: {listed(list(found.asked.not_stated))}" if found.asked.not_stated else ""
+    return f"Decision rule: {rule}.\n\nUncertainty of the measurement, expanded, k = 2: {held}{left}."
 
 
 def _setup(stated: StatedTest) -> Section:
@@ -293,7 +289,7 @@ def _deviations(result: RecordResult, found: RecordsVerdict, stated: StatedTest,
         filtered or "No filter was taken beyond that of the recorder.",
     ]
     parts: list[Part] = [
-        Table(f"What was found in records{left}", ["records", "status", "finding"], rows, "No record has a finding."),
+        Table(f"Findings in the records{left}", ["records", "status", "finding"], rows, "No record has a finding."),
         *([Table("Asked for by the specification, and not judged", ["what", "why"], skipped)] if skipped else []),
     ]
     return Section("Deviations and remarks", "\n\n".join(word for word in words if word), parts)
@@ -339,12 +335,13 @@ def _annex(result: RecordResult) -> Section:
         *([Code(source.asked)] if source.asked else []),
         *chapters.warnings(result.notices).parts,
     ]
-    text = f"Evaluated with strikewave {__version__}, by the command below, from these files."
+    command = ", by the command below" if source.asked else ""
+    text = f"Evaluated with strikewave {__version__}{command}, from these files."
     return Section("Annex: records, software, warnings", text, parts)
 
 
 def _not_stated(stated: StatedTest, found: RecordsVerdict) -> Section:
-    rows: list[list[Cell]] = [list(one) for one in missing(stated, found.asked.uncertainty > 0.0)]
+    rows: list[list[Cell]] = [list(one) for one in missing(stated, found.asked.budget is not None)]
     title = f"Annex: asked for by {NORM}, and not stated"
     text = (
         f"Clause 7.8 of {NORM}, as other texts quote it, asks for what follows as far as it applies; the test file "
@@ -353,7 +350,7 @@ def _not_stated(stated: StatedTest, found: RecordsVerdict) -> Section:
     if not rows:
         return Section(title, "Nothing: all that clause 7.8 asks for, as other texts quote it, is stated.")
     table = Table("Not stated", ["clause", "what", "key of the test file"], rows)
-    return Section(title, text, [table], folded=f"Show {len(rows)} entries")
+    return Section(title, text, [table], folded="Show what is not stated")
 
 
 def write_report_of_test(result: RecordResult, folder: Path) -> list[str]:

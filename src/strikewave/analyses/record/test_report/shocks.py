@@ -8,10 +8,10 @@ from collections.abc import Iterator, Sequence
 from statistics import fmean, stdev
 
 from strikewave.base.percents import percent
-from strikewave.reporting.clause_words import SHOWN, amount, tag_of, value_words
+from strikewave.reporting.clause_words import amount, doubted_words, limit_words, tag_of, value_words
 from strikewave.reporting.numbers import with_unit
 from strikewave.reporting.parts import NONE, Cell, Table
-from strikewave.specifications.decisions import CANNOT_TELL, FAIL, PASS
+from strikewave.specifications.decisions import CANNOT_TELL, FAIL, PASS, together
 from strikewave.specifications.judged_records import JudgedShock, RecordsVerdict
 from strikewave.specifications.judging import NORMATIVE, Clause, Limits, judged
 from strikewave.specifications.shock_directions import DIRECTIONS
@@ -21,6 +21,8 @@ MOST_LISTED = 200
 FIGURES = (("peak", "m/s^2"), ("pulse width", "s"), ("velocity change", "m/s"))
 """Figures of a shock, by the begin of the names of their clauses, and their SI units."""
 _VALUE = re.compile(r"(?P<value>[−+]?\d\S*( ± \S+)?)\s(?P<unit>\D\S*)")
+DOUBT = "; behind ± the expanded uncertainty, k = 2"
+"""Ends the captions of tables of figures with it."""
 UNSTATED = "not stated"
 """Stands for a direction that is not stated."""
 
@@ -68,8 +70,16 @@ def several_channels(found: RecordsVerdict) -> bool:
     return len({shock.reading.channel.name for shock in found.shocks}) > 1
 
 
-def direction_table(found: RecordsVerdict) -> Table:
-    """Return what was asked of each direction, and what was done."""
+def blow_verdicts(shocks: Sequence[JudgedShock]) -> list[str]:
+    """Return the verdict on each blow: one on several channels is one, and passes where it does on all."""
+    blows: dict[tuple[str, int], list[str]] = {}
+    for one in shocks:
+        blows.setdefault((one.file, one.number), []).append(one.found.verdict)
+    return [together(of_channels) for of_channels in blows.values()]
+
+
+def direction_tables(found: RecordsVerdict) -> list[Table]:
+    """Return what was asked of each direction and what was done, and the clauses on all shocks together."""
     count = found.specification.count()
     clauses = {clause.clause: clause for clause in found.campaign}
     asked = NONE
@@ -78,28 +88,33 @@ def direction_table(found: RecordsVerdict) -> Table:
     rows: list[list[Cell]] = []
     for direction in (*DIRECTIONS, ""):
         here = [one for one in found.shocks if one.direction == direction]
-        clause = clauses.get(f"shocks in {direction}")
+        clause = clauses.pop(f"shocks in {direction}", None)
         if not here and clause is None:
             continue
-        done = {(one.file, one.number) for one in here}
-        lost = {(one.file, one.number) for one in here if one.found.verdict != PASS}
-        verdict = NONE if clause is None else tag_of(clause.verdict)
+        verdicts = blow_verdicts(here)
+        counts: list[Cell] = [len(verdicts), *(verdicts.count(verdict) for verdict in (PASS, FAIL, CANNOT_TELL))]
         axis = direction.lstrip("+-") or NONE
-        rows.append([direction or UNSTATED, axis, asked, len(done), len(done - lost), len(lost), verdict])
-    heads = ["direction", "axis", "shocks asked for", "done", "pass", "do not", "verdict"]
-    directions = "" if count is None else f"; {count.directions} directions are asked for"
-    return Table(f"Shocks by direction{directions}", heads, rows, "No shock was recorded.")
+        rows.append([direction or UNSTATED, axis, asked, *counts, NONE if clause is None else tag_of(clause.verdict)])
+    heads = ["direction", "axis", "shocks asked for", "done", "pass", "fail", "cannot tell", "verdict"]
+    others: list[list[Cell]] = [
+        [one.clause, limit_words(one), value_words(one), tag_of(one.verdict), one.reason or NONE]
+        for one in clauses.values()
+    ]
+    tables = [Table("Shocks by direction", heads, rows, "No shock was recorded.")]
+    if others:
+        tables.append(Table("All shocks together", ["clause", "asked for", "found", "verdict", "why"], others))
+    return tables
 
 
 def shock_tables(found: RecordsVerdict, names: dict[str, str]) -> list[Table]:
     """Return all shocks in a table or, of many, a summary, those that do not pass, and the largest and smallest."""
     numbered = list(enumerate(found.shocks, start=1))
     if len(numbered) <= MOST_LISTED:
-        return [_listed(numbered, found, names, "Each shock")]
+        return [_listed(numbered, found, names, f"Each shock{DOUBT}")]
     odd = [one for one in numbered if one[1].found.verdict != PASS]
     left = f", the first {MOST_LISTED} of {len(odd)}" if len(odd) > MOST_LISTED else ""
-    outliers = _listed(odd[:MOST_LISTED], found, names, f"Shocks that do not pass{left}")
-    extremes = _listed(_extremes(numbered), found, names, "Shocks with the largest and smallest figures")
+    outliers = _listed(odd[:MOST_LISTED], found, names, f"Shocks that do not pass{left}{DOUBT}")
+    extremes = _listed(_extremes(numbered), found, names, f"Shocks with the largest and smallest figures{DOUBT}")
     return [_summary(found), outliers, extremes]
 
 
@@ -118,7 +133,7 @@ def _listed(
                 *([shock.reading.channel.name] if several else []),
                 shock.number,
                 with_unit(shock.pulse.time, "s", "s", 6),
-                *map(value_words, figures_of(shock)),
+                *map(doubted_words, figures_of(shock)),
                 value_words(inside[0]) if inside else NONE,
                 tag_of(shock.found.verdict),
                 why(shock),
@@ -155,29 +170,19 @@ def _model(found: RecordsVerdict) -> list[Clause]:
 
 
 def _summary(found: RecordsVerdict) -> Table:
-    """Return counts, range, mean and scatter of each group."""
+    """Return range, mean and scatter of each figure of each group."""
     several, rows = several_channels(found), list[list[Cell]]()
     for direction, channel, here in groups(found):
-        verdicts = [one.found.verdict for one in here]
-        counts: list[Cell] = [verdicts.count(verdict) for verdict in (PASS, FAIL, CANNOT_TELL)]
-        columns = zip(*(figures_of(one) for one in here), strict=True)
-        name = group_name(direction, channel, several)
-        rows.append([name, len(here), *counts, *(_spread(list(clauses)) for clauses in columns)])
-    heads = ["shocks", "number", *(SHOWN[verdict] for verdict in (PASS, FAIL, CANNOT_TELL))]
-    return Table(
-        "All shocks, by direction: smallest to largest, mean, scatter (CV)",
-        [*heads, *(clause.clause for clause in _model(found))],
-        rows,
-    )
-
-
-def _spread(clauses: Sequence[Clause]) -> str:
-    values = [clause.value for clause in clauses if math.isfinite(clause.value)]
-    if not values:
-        return NONE
-    mean, model = fmean(values), clauses[0]
-    scatter = f", CV {percent(stdev(values) / mean, 2)}" if len(values) > 1 and mean else ""
-    return f"{amount(model, min(values))} to {amount(model, max(values))}; mean {amount(model, mean)}{scatter}"
+        for clauses in zip(*(figures_of(one) for one in here), strict=True):
+            values = [clause.value for clause in clauses if math.isfinite(clause.value)]
+            if not values:
+                continue
+            mean, model = fmean(values), clauses[0]
+            ends = [amount(model, value) for value in (min(values), mean, max(values))]
+            scatter = percent(stdev(values) / mean, 2) if len(values) > 1 and mean else NONE
+            rows.append([group_name(direction, channel, several), model.clause, len(values), *ends, scatter])
+    heads = ["shocks", "figure", "number", "smallest", "mean", "largest", "scatter (CV)"]
+    return Table("All shocks, by direction", heads, rows)
 
 
 def _extremes(numbered: Sequence[tuple[int, JudgedShock]]) -> list[tuple[int, JudgedShock]]:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from strikewave.analyses.record.verdicts.figures import shock_figure
 from strikewave.analyses.record.verdicts.words import name_of_shock
-from strikewave.reporting.clause_words import CLAUSE_HEADS, SHOWN, clause_cells, tag_of, value_words
+from strikewave.reporting.clause_words import CLAUSE_HEADS, SHOWN, clause_cells, decision_words, tag_of, value_words
 from strikewave.reporting.parts import NONE, Cell, Part, Picture, Section, Table
 from strikewave.specifications.decisions import FAIL, NOT_JUDGED, WORST_FIRST
 from strikewave.specifications.judged_records import JudgedShock, RecordsVerdict
@@ -31,22 +31,18 @@ def verdict_section(found: RecordsVerdict, names: dict[str, str]) -> Section:
     worst = sorted(found.shocks, key=lambda shock: WORST_FIRST.index(shock.found.verdict))[:MOST_DRAWN]
     drawn = [shock for shock in found.shocks if shock in worst] if len(found.shocks) <= MOST_DRAWN else worst
     parts += [_picture(shock, found, names, several) for shock in drawn]
-    text = decision_words(found)
+    text = _how(found)
     if len(found.shocks) > len(drawn):
         text += f" {len(drawn)} of {len(found.shocks)} shocks are drawn, those that fail first."
     return Section("Verdict by the specification", text, parts)
 
 
-def decision_words(found: RecordsVerdict) -> str:
+def _how(found: RecordsVerdict) -> str:
     """Say how it was judged, and where the numbers of the specification come from."""
     asked = found.asked
-    rule = (
-        "by the values alone (simple acceptance)"
-        if asked.rule == "simple"
-        else "with a guard band of the expanded uncertainty, k = 2, on both sides of each limit (ISO 14253-1, JCGM 106)"
-    )
-    chain = f", {100.0 * asked.uncertainty:g} % of the acceleration and that of noise" if asked.uncertainty else ""
-    return f"Judged {rule}{chain}. {limit_words_of(found)}"
+    words = decision_words(asked.rule, asked.holds, asked.not_stated)
+    by = " (ISO 14253-1, JCGM 106)" if asked.rule == "guarded" else ""
+    return f"{words} U is the expanded uncertainty{by}. {limit_words_of(found)}"
 
 
 def limit_words_of(found: RecordsVerdict) -> str:

@@ -24,7 +24,7 @@ from strikewave.reporting.style import (
 )
 from strikewave.specifications.decisions import FAIL, PASS
 from strikewave.specifications.judged_records import JudgedShock
-from strikewave.specifications.judging import PulseLimits
+from strikewave.specifications.judging import PulseLimits, Shock, ShockVerdict
 from strikewave.specifications.spectrum_limits import SpectrumLimits
 
 if TYPE_CHECKING:
@@ -37,18 +37,24 @@ POINTS = 400
 def shock_figure(shock: JudgedShock, limits: PulseLimits, name: str) -> Figure:
     """Draw a shock within the band, or about the ideal pulse with the limits of its peak."""
     figure = new_figure(HALF)
-    axes = figure.add_subplot()
+    draw_shock(figure.add_subplot(), shock.shock, shock.found, limits, name)
+    return legend_below(figure)
+
+
+def draw_shock(
+    axes: Any, record: Shock, found: ShockVerdict, limits: PulseLimits, name: str, called: str = "record"
+) -> None:
+    """Draw a shock within the band, or about the ideal pulse with the limits of its peak, on axes."""
     size, unit = axis_unit("m/s^2", "g")
     second, clock = time_unit(limits.pulse.duration)
     draw_limits(axes, limits, size, second)
-    record, found = shock.shock, shock.found
     before, after = shown_window(limits)
     time = record.time - found.start
     inside = (time >= -before) & (time <= limits.pulse.duration + after)
     x, y = thin(time[inside], record.values[inside], POINTS // 2)
     colour = {PASS: BLUE, FAIL: RED}.get(found.verdict, ORANGE)
     marker = "." if x.size <= 60 else ""
-    axes.plot(x / second, y / size, color=colour, linewidth=1.3, marker=marker, markersize=4, label="record")
+    axes.plot(x / second, y / size, color=colour, linewidth=1.3, marker=marker, markersize=4, label=called)
     place = found.placement
     if place is not None and place.margin < 0.0:
         value = float(np.interp(place.time, record.time, record.values)) / size
@@ -60,7 +66,6 @@ def shock_figure(shock: JudgedShock, limits: PulseLimits, name: str) -> Figure:
         f"acceleration ({unit})",
     )
     axes.margins(x=0.0, y=0.08)
-    return legend_below(figure)
 
 
 def shown_window(limits: PulseLimits) -> tuple[float, float]:

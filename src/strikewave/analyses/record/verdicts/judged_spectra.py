@@ -13,7 +13,14 @@ from numpy.typing import NDArray
 from strikewave.analyses.record.spectrum import SpectrumRequest, SpectrumResult, harm_of
 from strikewave.analyses.record.verdicts.judged import verdict_notices
 from strikewave.base.errors import InputError
-from strikewave.reporting.clause_words import SHOWN, clause_words, tag_of, verdict_words
+from strikewave.records.budget.contributions import Budget
+from strikewave.reporting.clause_words import (
+    SHOWN,
+    clause_words,
+    decision_words,
+    tag_of,
+    verdict_words,
+)
 from strikewave.reporting.layout import MORE, keys, numerals, texts
 from strikewave.reporting.numbers import listed
 from strikewave.reporting.options import Typed
@@ -37,7 +44,7 @@ class SpectraJudge:
     specification: Specification
     rule: Rule
     strict: bool
-    uncertainty: float
+    budget: Budget | None
 
     def wanted(self, request: SpectrumRequest) -> SpectrumRequest:
         """Return what spectra are computed: those that the specification means, as far as sampling carries them.
@@ -68,7 +75,9 @@ class SpectraJudge:
                 allowed = fixed if isinstance(fixed, str) else f"{fixed:g}{' Hz' * (option in ('--from', '--to'))}"
                 raise InputError(option, getattr(value, "word", value), f"{allowed} with this --spec", FIXES)
         grid = (Typed(first, f"{first:g} Hz"), None, limits.per_octave)
-        return request._replace(q=limits.q, grid=grid, side=limits.side, own_range=True)
+        known = Budget(()) if self.budget is None and self.rule == "guarded" else self.budget
+        options = request.options._replace(budget=known)
+        return request._replace(q=limits.q, grid=grid, side=limits.side, own_range=True, options=options)
 
     def judged(self, result: SpectrumResult) -> SpectrumResult:
         """Return a result with its verdict; a fail is a failed check.
@@ -82,20 +91,25 @@ class SpectraJudge:
             unit = result.reading.channel.unit or "no known unit"
             raise InputError("--spec", unit, "records of an acceleration", "state the unit, such as --unit g")
         limits, side = self.specification.spectrum_limits(), result.side
-        rows = [(one.name, one.file, one.channel, one.judged or one.spectra[0], one.harmed) for one in result.shocks]
+        rows = [
+            (one.name, one.file, one.channel, one.judged or one.spectra[0], one.uncertainties, one.harmed)
+            for one in result.shocks
+        ]
         if not rows:
             reading = result.reading
-            rows = [(result.title, result.file, reading.channel.name, result.spectra[0], harm_of(reading))]
+            name = reading.channel.name
+            rows = [(result.title, result.file, name, result.spectra[0], result.uncertainties, harm_of(reading))]
         spectra = []
-        for name, file, channel, one, harmed in rows:
+        for name, file, channel, one, known, harmed in rows:
             frequency = np.asarray(one.frequency, dtype=np.float64)
             short = frequency[-1] < limits.frequency[-1] * 2.0 ** (-1.0 / limits.per_octave)
             lacks = f"its sampling rate carries natural frequencies up to {frequency[-1]:.4g} Hz" if short else ""
             inside = frequency <= limits.frequency[-1] * (1.0 + 1e-9)
             values = (frequency[inside], one.side(side)[inside])
-            found = judge_spectrum(*values, limits, self.uncertainty, self.rule, self.strict, harmed or lacks)
+            share = known[0].expanded[inside] / values[1] if known else math.nan
+            found = judge_spectrum(*values, limits, share, self.rule, self.strict, harmed or lacks)
             spectra.append(JudgedSpectrum(name, file, channel, *values, found))
-        verdict = SpectraVerdict(self.specification, limits, self.rule, self.strict, self.uncertainty, tuple(spectra))
+        verdict = SpectraVerdict(self.specification, limits, self.rule, self.strict, self.budget, tuple(spectra))
         notices = verdict_notices(self.specification.title, verdict.verdict, verdict.by_indicative, verdict.clauses)
         return dataclasses.replace(result, verdict=verdict, notices=(*result.notices, *notices))
 
@@ -123,8 +137,9 @@ def print_spectra_verdict(found: SpectraVerdict) -> None:
         for one in found.spectra
         for clause in one.clauses
     ]
-    columns = [*keys("spectrum"), *texts("clause"), *numerals("limit", "value"), *texts("verdict")]
+    columns = [*keys("spectrum"), *texts("clause"), *numerals("limit", "value ± U"), *texts("verdict")]
     table(f"By {found.specification.title}", [*columns, *texts("status", priority=MORE)], rows)
+    tell(decision_words(found.rule, found.holds, found.not_stated))
     for one in found.spectra:
         for clause in one.clauses:
             if clause.reason:
@@ -132,8 +147,9 @@ def print_spectra_verdict(found: SpectraVerdict) -> None:
 
 
 def _figures(clause: Clause) -> list[str]:
-    value = f"{100.0 * clause.value:.1f} %" if math.isfinite(clause.value) else NONE
-    return [f"at least {100.0 * clause.low:g} %", value]
+    value = f"{100.0 * clause.value:.1f}" if math.isfinite(clause.value) else NONE
+    doubt = f" ± {100.0 * clause.uncertainty:.1f}" if clause.uncertainty > 0.0 else ""
+    return [f"at least {100.0 * clause.low:g} %", value if value == NONE else f"{value}{doubt} %"]
 
 
 def spectra_section(found: SpectraVerdict) -> Section:
@@ -151,6 +167,7 @@ def spectra_section(found: SpectraVerdict) -> Section:
         f"Q = {found.limits.q:g}, {found.limits.side}, {found.limits.per_octave:g} natural frequencies an octave. "
         f"Source: {file.source}." + (f" {' '.join(file.note.split())}" if file.note else "")
     )
-    heads = ["spectrum", "clause", "limit", "value", "verdict", "limit is", "why"]
+    text = f"{decision_words(found.rule, found.holds, found.not_stated)} {text}"
+    heads = ["spectrum", "clause", "limit", "value ± U", "verdict", "limit is", "why"]
     picture = Picture(spectrum_limits_figure(found.limits, drawn, found.specification.title), "Spectra and tolerance.")
     return Section("Verdict by the specification", text, [picture, Table("Clauses", heads, rows)])

@@ -8,13 +8,15 @@ from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal, Self, get_a
 import typer
 
 from strikewave.base.errors import InputError
-from strikewave.reporting.options import read_share, share, wrong_choice
+from strikewave.reporting.options import parsed, wrong_choice
 from strikewave.specifications.decisions import Rule
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
+    from pathlib import Path
 
     from strikewave.analyses.record.verdicts.judged_spectra import SpectraJudge
+    from strikewave.records.budget.contributions import Budget
     from strikewave.specifications.judged_records import Asked
     from strikewave.specifications.reading import Specification
 
@@ -24,6 +26,13 @@ def complete_specification(incomplete: str) -> list[str]:
     from strikewave.specifications.reading import asked_names
 
     return [name for name in asked_names() if name.startswith(incomplete)]
+
+
+def _read_budget(word: str, field: str) -> Budget:
+    """Return the budget of a share or a file."""
+    from strikewave.specifications.budget_file import load_budget
+
+    return load_budget(word, field)
 
 
 @dataclass(frozen=True)
@@ -50,17 +59,20 @@ class SpecificationOptions:
         ),
     ] = "simple"
     uncertainty: Annotated[
-        float | None,
-        share(
+        Any,
+        parsed(
             "--uncertainty",
-            help="Expanded uncertainty (k = 2) of the acceleration, such as 5 %; only that of noise by default.",
+            read=_read_budget,
+            metavar="SHARE|FILE",
+            help="Expanded uncertainty (k = 2) of the acceleration, such as 5 %, or a .toml file with an uncertainty "
+            "budget; noise and baseline alone by default.",
         ),
     ] = None
     strict: Annotated[bool, typer.Option("--strict", help="State no verdict by limits that are from memory.")] = False
 
     @classmethod
     def in_python(
-        cls, spec: str | None, decision: Rule, uncertainty: str | float | None, strict: bool, **more: Any
+        cls, spec: str | None, decision: Rule, uncertainty: str | float | Path | None, strict: bool, **more: Any
     ) -> Self:
         """Return the options of a call in plain values.
 
@@ -71,10 +83,10 @@ class SpecificationOptions:
         """
         if decision not in get_args(Rule):
             raise wrong_choice(decision, "decision", get_args(Rule))
-        share_of = None if uncertainty is None else read_share(str(uncertainty), "uncertainty")
+        budget = None if uncertainty is None else _read_budget(str(uncertainty), "uncertainty")
         several = {name: [more[name]] if isinstance(more[name], str | int) else more[name] for name in more}
         lists = {name: [str(one) for one in values] or None for name, values in several.items()}
-        return cls(spec, decision, share_of, strict, **lists)
+        return cls(spec, decision, budget, strict, **lists)
 
     def specification(self) -> Specification | None:
         """Return the specification that is asked for; None for none.
@@ -98,13 +110,12 @@ class SpecificationOptions:
         specification = self.specification()
         if specification is None:
             return None
-        return SpectraJudge(specification, self.decision, self.strict, self.uncertainty or 0.0)
+        return SpectraJudge(specification, self.decision, self.strict, self.uncertainty)
 
     def _nothing_else(self) -> None:
         """Refuse what makes no sense without a specification."""
         given = [
             ("--decision", self.decision != "simple"),
-            ("--uncertainty", self.uncertainty),
             ("--strict", self.strict),
         ]
         for option, is_given in given:
@@ -149,4 +160,4 @@ class RecordSpecificationOptions(SpecificationOptions):
         stated = [test["direction"]] if test.get("direction") and not self.direction else []
         words = [("--direction", word) for word in self.direction or ()] + [("test.direction", word) for word in stated]
         directions = [read_direction(word, option) for option, word in words]
-        return Asked(self.decision, self.strict, self.uncertainty or 0.0, directions, tuple(self.cross_axis or ()))
+        return Asked(self.decision, self.strict, self.uncertainty, directions, tuple(self.cross_axis or ()))

@@ -3,7 +3,15 @@
 from __future__ import annotations
 
 from strikewave.analyses.record.verdicts.words import name_of_shock
-from strikewave.reporting.clause_words import SHOWN, limit_words, margin_words, share_words, value_words
+from strikewave.reporting.clause_words import (
+    SHOWN,
+    decision_words,
+    doubted_words,
+    limit_words,
+    margin_words,
+    share_words,
+    value_words,
+)
 from strikewave.reporting.layout import MORE, keys, numerals, texts
 from strikewave.reporting.parts import NONE
 from strikewave.reporting.terminal import table, tell
@@ -23,10 +31,11 @@ def print_verdict(found: RecordsVerdict, names: dict[str, str]) -> None:
         [*clause_row(clause), *([name_of_shock(shock, names, several)] if many else [])]
         for clause, shock in found.clauses
     ]
-    columns = [*keys("clause"), *numerals("limit", "value", "margin"), *texts("verdict")]
+    columns = [*keys("clause"), *numerals("limit", "value ± U", "margin"), *texts("verdict")]
     columns += [*numerals("of tolerance", priority=MORE), *texts("status", priority=MORE)]
     columns += texts("worst", priority=MORE) if many else []
     table(f"By {found.specification.title}", columns, rows)
+    tell(decision_words(found.asked.rule, found.asked.holds, found.asked.not_stated))
     for clause, _ in found.clauses:
         if clause.reason:
             tell(f"{clause.clause}: {clause.reason}", "  ")
@@ -35,8 +44,8 @@ def print_verdict(found: RecordsVerdict, names: dict[str, str]) -> None:
 
 
 def clause_row(clause: Clause) -> list[str]:
-    """Return clause, limit, value, margin, verdict and status."""
-    values = [limit_words(clause), value_words(clause), margin_words(clause)]
+    """Return clause, limit, value, its expanded uncertainty, margin, verdict and status."""
+    values = [limit_words(clause), doubted_words(clause), margin_words(clause)]
     return [clause.clause, *values, SHOWN[clause.verdict], share_words(clause), clause.status]
 
 

@@ -1,0 +1,193 @@
+"""The uncertainty of blows as tables and a chapter: each figure with ±, and what the largest blow's is made of."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+
+from strikewave.analyses.record.figures.campaigns import figure_unit
+from strikewave.analyses.record.result import RecordResult
+from strikewave.analyses.record.tables import Names, amount, called, percent, rows_of
+from strikewave.records.budget.blows import FIGURES, BlowUncertainty, BudgetLine, FigureUncertainty
+from strikewave.records.budget.contributions import ADDED, RECORD, SAMPLING, Budget, Contribution
+from strikewave.records.budget.propagation import NORMAL, RECTANGULAR
+from strikewave.records.reading import ChannelReading
+from strikewave.records.record import Channel
+from strikewave.reporting.numbers import listed, with_unit
+from strikewave.reporting.parts import NONE, Cell, Section, Table, written
+
+MOST_ROWS = 60
+"""Blows of the table; pulses.csv has all."""
+LEAST_SHARE = 1e-4
+"""Share of a variance below which it is written as none."""
+WHOLE = ("resonance", "coupling", "response")
+"""Kinds whose number is a share of an effect, of which the budget states the whole."""
+
+
+def with_doubt(value: str, name: str, unit: str, expanded: float) -> str:
+    """Write a figure with its expanded uncertainty behind it.
+
+    Examples
+    --------
+    >>> with_doubt("510 g", "peak", "m/s^2", 196.133)
+    '510 g ± 20 g'
+    """
+    return f"{value} ± {amount(name, unit, expanded, 2)}" if math.isfinite(expanded) else f"{value} ± ?"
+
+
+def mean_expanded(reading: ChannelReading, name: str) -> float:
+    """Return the mean expanded uncertainty of a figure of the blows of a channel: gains are common to all."""
+    known = [one.figures[name].expanded for one in reading.uncertainties]
+    return sum(known) / len(known) if known else math.nan
+
+
+def uncertainty_table(result: RecordResult, names: Names) -> Table:
+    """Return the figures of each blow with their expanded uncertainties."""
+    rows_of_files = [row for row in rows_of(result.readings) if row[1].uncertainties]
+    several = len({reading.channel.name for _, reading in rows_of_files}) > 1
+    units = {reading.channel.unit for _, reading in rows_of_files}
+    unit = units.pop() if len(units) == 1 else ""
+    rows: list[list[Cell]] = []
+    total = 0
+    for file, reading in rows_of_files:
+        for number, one in enumerate(reading.uncertainties, 1):
+            total += 1
+            if len(rows) < MOST_ROWS:
+                rows.append(
+                    [
+                        names[file.path],
+                        *([reading.channel.name] if several else []),
+                        str(number),
+                        *(_figure_words(one.figures[name], name, reading.channel.unit) for name in FIGURES),
+                    ]
+                )
+    heads = ["file", *(["channel"] if several else []), "#", *(called(name, unit) for name in FIGURES)]
+    left = f", the first {MOST_ROWS} of {total} blows" if total > MOST_ROWS else ""
+    return Table(f"Expanded uncertainty{left}", heads, rows, "No blow was found.")
+
+
+def _figure_words(one: FigureUncertainty, name: str, unit: str) -> str:
+    value = amount(name, unit, one.value, 4)
+    factor = "" if one.coverage == 2.0 else f" (k = {one.coverage:.2g})"
+    return with_doubt(value, name, unit, one.expanded) + factor * math.isfinite(one.expanded)
+
+
+def share_table(found: BlowUncertainty) -> Table:
+    """Return the share of each contribution in the variance of each figure of a blow."""
+    by_name = {name: {line.name: line for line in one.contributions} for name, one in found.figures.items()}
+    rows: list[list[Cell]] = [
+        [name, *(_share(by_name[figure][name]) for figure in FIGURES)] for name in by_name["peak"]
+    ]
+    heads = ["contribution", *(name.replace("_", " ") for name in FIGURES)]
+    return Table("Shares of the variance", heads, rows)
+
+
+def _share(line: BudgetLine) -> str:
+    if not math.isfinite(line.standard):
+        return "not known"
+    return percent(line.share, 2) if line.share >= LEAST_SHARE else "0 %"
+
+
+def budget_lines(result: RecordResult) -> list[str]:
+    """Say what the uncertainties hold, what is not stated, and where Monte Carlo counts."""
+    budget = result.budget
+    assert budget is not None
+    lines = [f"± is the expanded uncertainty, k = 2 (about 95 %). It holds {listed(list(budget.names))}."]
+    if budget.not_stated:
+        lines.append(f"Not stated, and not in it: {listed(list(budget.not_stated))}.")
+    if any(math.isnan(one.figures["width"].expanded) for one in _all(result)):
+        lines.append(
+            "?: too little lies before the blow to know noise and baseline; state offset or noise in the budget."
+        )
+    checked = [one for one in _all(result) if one.trials]
+    wrong = sorted({name.replace("_", " ") for one in checked for name in one.figures if not one.validated[name]})
+    if checked:
+        trials = f"{max(one.trials for one in checked)} trials on the largest blow"
+        words = (
+            f"Monte Carlo (JCGM 101, {trials}) validates the law of propagation"
+            if not wrong
+            else f"Monte Carlo (JCGM 101, {trials}) does not validate the law of propagation for {listed(wrong)}: "
+            "its interval of 95 % counts there, and k is its half-width over the standard uncertainty"
+        )
+        lines.append(f"{words}.")
+    return lines
+
+
+def _all(result: RecordResult) -> list[BlowUncertainty]:
+    return [one for _, reading in rows_of(result.readings) for one in reading.uncertainties]
+
+
+def budget_section(result: RecordResult, names: Names) -> Section:
+    """Return the chapter: each figure with its uncertainty, then the budgets of the largest blow of each channel."""
+    budget = result.budget
+    assert budget is not None
+    parts = [uncertainty_table(result, names)]
+    for file, reading in rows_of(result.readings):
+        for number, one in enumerate(reading.uncertainties, 1):
+            if one.trials:
+                where = f"{names[file.path]}, {reading.channel.name}, blow {number}"
+                parts += [figure_table(budget, one.figures[name], name, reading.channel, where) for name in FIGURES]
+    stated = f" Budget: {budget.title} ({budget.file})." if budget.file else ""
+    text = (
+        " ".join(budget_lines(result)) + f"{stated} Each contribution changes the record, which is measured again: a "
+        "sensitivity coefficient is the change of the figure over that of the contribution, by its standard "
+        "uncertainty to both sides (JCGM 100, 5.1.3). Estimates of contributions are 0 as no correction is made; "
+        "values, bounds and sources are those of the budget."
+    )
+    return Section("Uncertainty", text, parts)
+
+
+def figure_table(budget: Budget, one: FigureUncertainty, name: str, channel: Channel, where: str) -> Table:
+    """Return the budget of a figure: each quantity, its uncertainty, coefficient, contribution and share."""
+    unit, step = channel.unit, channel.step
+    known = {each.name: each for each in budget.contributions}
+    rows: list[list[Cell]] = []
+    for line in one.contributions:
+        stated = known.get(line.name)
+        rows.append(
+            [
+                line.name,
+                *_stated_cells(line, stated, name, unit, step),
+                amount(name, unit, line.standard, 3) if math.isfinite(line.standard) else "not known",
+                _share(line),
+            ]
+        )
+    rows.append(
+        [
+            f"combined, {one.method}",
+            *[NONE] * 4,
+            amount(name, unit, one.standard, 3),
+            f"U = {amount(name, unit, one.expanded, 3)} (k = {one.coverage:.3g})",
+        ]
+    )
+    heads = ["quantity", "stated", "distribution", "standard uncertainty", "sensitivity coefficient"]
+    caption = f"Budget of the {called(name, unit)}: {amount(name, unit, one.value)} ({where})"
+    return Table(caption, [*heads, "contribution", "share"], rows)
+
+
+def _stated_cells(line: BudgetLine, stated: Contribution | None, name: str, unit: str, step: float) -> Sequence[str]:
+    """Return what is stated, distribution, standard uncertainty and sensitivity coefficient of a contribution."""
+    if line.name == RECORD:
+        return "of the record, before the blow (type A)", NORMAL, amount(name, unit, line.standard, 3), "1"
+    if line.name == SAMPLING:
+        size = 0.5 * step / math.sqrt(3.0)
+        own = with_unit(size, "s", "us", 3)
+        return "of the record: half a sample", RECTANGULAR, own, _coefficient(line, size / 1e-6, name, unit, "µs")
+    assert stated is not None
+    size = stated.input.standard
+    source = f" ({stated.status}: {stated.source})" if stated.status else ""
+    if not stated.relative and stated.kind in ADDED:
+        own = amount("peak", unit, size, 3)
+        per = figure_unit("peak", unit)
+        return stated.typed + source, stated.distribution, own, _coefficient(line, size / per[0], name, unit, per[2])
+    words = f"{size:.3g} of the effect" if stated.kind in WHOLE else percent(size, 3)
+    of = "the effect" if stated.kind in WHOLE else "%"
+    scale = 1.0 if stated.kind in WHOLE else 100.0
+    return stated.typed + source, stated.distribution, words, _coefficient(line, scale * size, name, unit, of)
+
+
+def _coefficient(line: BudgetLine, size: float, name: str, unit: str, per: str) -> str:
+    """Write the change of a figure over that of a contribution."""
+    scale, _, shown = figure_unit(name, unit)
+    over = f" {shown}/{per}" if per != "the effect" else f" {shown}"
+    return f"{written(line.standard / scale / size, 3)}{over}" if size > 0.0 else NONE

@@ -1,0 +1,187 @@
+"""A fitted case judged on measurements that were kept out: predictions with their bands, and how often they hold."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from strikewave.analyses.compare.agreement import CurveAgreement, agreement
+from strikewave.analyses.compare.curve import FIGURES, ComparedCurve
+from strikewave.signal.pulse import Pulse
+from strikewave.studies.fit.estimation import Estimate
+from strikewave.studies.fit.measured import MeasuredNumber, MeasuredPulse
+from strikewave.studies.fit.problem import Experiment, Problem, Solved
+from strikewave.studies.fit.simulation import Simulation
+from strikewave.uncertainty.bands import latin_hypercube
+from strikewave.uncertainty.draws import normal_quantile
+from strikewave.uncertainty.runs import on_threads
+
+Array = NDArray[np.float64]
+
+DRAWS = 32
+"""Runs at drawn values for each setting: a standard deviation of so many is good to an eighth."""
+NORMAL = 1.96
+"""Standard uncertainties that 95 % lie within."""
+CHECK_STREAM = 31
+"""Key of the draws."""
+
+
+@dataclass(frozen=True)
+class PredictedFigure:
+    """A figure of a record that was kept out: what was measured, what was predicted with its 95 % band, SI."""
+
+    record: str
+    figure: str
+    unit: str
+    measured: float
+    predicted: float
+    low: float
+    high: float
+
+    @property
+    def inside(self) -> bool:
+        """Whether the band holds what was measured."""
+        return self.low <= self.measured <= self.high
+
+    @property
+    def bias(self) -> float:
+        """By how much the prediction is above, as a share of what was measured."""
+        return self.predicted / self.measured - 1.0
+
+
+@dataclass(frozen=True, eq=False)
+class Checks:
+    """Predictions of what was kept out.
+
+    Attributes
+    ----------
+    figures : tuple of PredictedFigure
+        Peaks, widths, velocity changes or impulses, and numbers.
+    agreements : tuple of (str, CurveAgreement)
+        The prediction laid on each record.
+    """
+
+    figures: tuple[PredictedFigure, ...]
+    agreements: tuple[tuple[str, CurveAgreement], ...]
+
+    @property
+    def inside(self) -> int:
+        """How many bands hold what was measured."""
+        return sum(one.inside for one in self.figures)
+
+    def biases(self) -> dict[str, float]:
+        """Return the mean bias of each figure."""
+        names = dict.fromkeys(one.figure for one in self.figures)
+        return {name: float(np.mean([one.bias for one in self.figures if one.figure == name])) for name in names}
+
+
+def check(solved: Solved, experiments: Sequence[Experiment]) -> Checks:
+    """Predict what was kept out.
+
+    The band of a figure has the values drawn from the fit (over all of their bounds where they are not determined),
+    what the same figure was off in the records of the fit, root mean square, and the noise of the record itself.
+    """
+    problem, found = solved.problem, solved.estimate
+    places = [found.place, *drawn_places(found)]
+    left = _left_over(problem, found.place)
+    kept_out = Problem(experiments, problem.fields)
+    runs = on_threads(lambda place: _predicted(kept_out, place), places)
+    nominal = runs[0]
+    assert nominal is not None
+    draws = [run for run in runs[1:] if run is not None]
+    figures, agreements, place = list[PredictedFigure](), list[tuple[str, CurveAgreement]](), 0
+    for experiment, run in zip(experiments, kept_out.runs(found.place), strict=True):
+        for one in experiment.measured:
+            if isinstance(one, MeasuredPulse):
+                curve = run.history(one.part, one.blow, one.unit).filtered(one.low_pass)
+                agreements.append((one.called, agreement(one.record, curve, "correlation")))
+            for name, unit, measured, doubt in _figures(one):
+                predicted, values = nominal[place], [draw[place] for draw in draws]
+                spread = float(np.std(values) / abs(np.mean(values))) if len(values) > 1 else 0.0
+                shares = found.reach * spread, left.get(name, 0.0), NORMAL * doubt / abs(measured)
+                half = abs(predicted) * math.hypot(*shares)
+                ends = predicted - half, predicted + half
+                figures.append(PredictedFigure(one.called, name, unit, measured, predicted, *ends))
+                place += 1
+    return Checks(tuple(figures), tuple(agreements))
+
+
+def drawn_places(found: Estimate) -> list[Array]:
+    """Return places drawn from a fit: normal where it determines them, even over the cube where it does not."""
+    size, lost = found.place.size, found.undetermined
+    quantiles = latin_hypercube(size + lost.shape[1], DRAWS, stream=CHECK_STREAM)
+    values, vectors = np.linalg.eigh(found.covariance)
+    factor = vectors * np.sqrt(np.maximum(values, 0.0))
+    places = []
+    for row in quantiles:
+        place = np.clip(found.place + factor @ normal_quantile(row[:size]), 0.0, 1.0)
+        for direction, share in zip(lost.T, row[size:], strict=True):
+            with np.errstate(divide="ignore", invalid="ignore"):
+                ends = np.array([(0.0 - place) / direction, (1.0 - place) / direction])
+            ends = ends[:, np.abs(direction) > 1e-9]
+            low, high = float(np.max(np.min(ends, axis=0))), float(np.min(np.max(ends, axis=0)))
+            place = np.clip(place + (low + share * (high - low)) * direction, 0.0, 1.0)
+        places.append(place)
+    return places
+
+
+def _predicted(problem: Problem, place: Array) -> list[float]:
+    """Return all figures of a run at a place."""
+    return [
+        value
+        for experiment, run in zip(problem.experiments, problem.runs(place), strict=True)
+        for one in experiment.measured
+        for value in _computed(one, run)
+    ]
+
+
+def _computed(one: MeasuredNumber | MeasuredPulse, run: Simulation) -> list[float]:
+    if isinstance(one, MeasuredNumber):
+        value = run.number(one.name, one.sensor)
+        return [math.nan if value is None else math.copysign(value, one.value)]
+    curve = run.history(one.part, one.blow, one.unit).filtered(one.low_pass)
+    return [float(getattr(_as_sampled(curve, one).pulse, key)) for _, key in names_of(one.unit)]
+
+
+def _as_sampled(curve: ComparedCurve, one: MeasuredPulse) -> ComparedCurve:
+    """Return a history of a run with no more than samples of the record can hold."""
+    return curve if one.record.history.step <= curve.history.step else one.band_limited(curve)
+
+
+def _figures(one: MeasuredNumber | MeasuredPulse) -> list[tuple[str, str, float, float]]:
+    """Return name, unit, value and standard uncertainty of each figure that was measured."""
+    if isinstance(one, MeasuredNumber):
+        return [(one.called, one.unit, one.value, one.uncertainty)]
+    pulse: Pulse = one.record.pulse
+    doubts = {FIGURES[key]: value for key, value in one.record.uncertainty.items() if math.isfinite(value)}
+    units = {"peak": one.unit, "width": "s", "area": {"m/s^2": "m/s", "N": "N s"}.get(one.unit, "")}
+    return [(name, units[key], float(getattr(pulse, key)), doubts.get(key, 0.0)) for name, key in names_of(one.unit)]
+
+
+def names_of(unit: str) -> list[tuple[str, str]]:
+    """Return the figures of a pulse, each with the name that `Pulse` gives it."""
+    integral = {"m/s^2": "velocity change", "N": "impulse"}.get(unit)
+    return [("peak", "peak"), ("width", "width"), *([(integral, "area")] if integral else [])]
+
+
+def _left_over(problem: Problem, place: Array) -> dict[str, float]:
+    """Return how far each figure of a record may be off by those of the fit, 95 %, as a share.
+
+    Root mean square, with Student's t for as many records.
+    """
+    from scipy.stats import t
+
+    off: dict[str, list[float]] = {}
+    for experiment, run in zip(problem.experiments, problem.runs(place), strict=True):
+        for one in experiment.measured:
+            if isinstance(one, MeasuredPulse):
+                for (name, _, measured, _), computed in zip(_figures(one), _computed(one, run), strict=True):
+                    off.setdefault(name, []).append(computed / measured - 1.0)
+    return {
+        name: float(t.ppf(0.975, len(values))) * math.sqrt(float(np.mean(np.square(values))))
+        for name, values in off.items()
+    }

@@ -1,0 +1,74 @@
+"""``strikewave fit``: values of a case from measurements, with what these tell and what they leave open."""
+
+from __future__ import annotations
+
+from typing import Annotated
+
+import typer
+
+from strikewave.reporting import measured_files as measured
+from strikewave.reporting.low_pass import LowPassOptions
+from strikewave.reporting.options import CaseName, Changes, Output
+
+
+def command(
+    case: CaseName,
+    *,
+    to: Annotated[
+        list[str] | None,
+        typer.Option(
+            "--to",
+            metavar="RECORD|NUMBER=VALUE",
+            help=(
+                "Record, [PART=]FILE#CHANNEL, or number, such as first.rigid_peak='4151 g +- 1 %'; settings follow "
+                "after semicolons; may be repeated; the published numbers that the case was fitted to by default."
+            ),
+            show_default=False,
+        ),
+    ] = None,
+    free: Annotated[
+        list[str] | None,
+        typer.Option(
+            "--free",
+            metavar="PATH[=LOW:HIGH]",
+            help="Field to fit, with bounds or without; may be repeated; those marked as fitted by default.",
+            show_default=False,
+        ),
+    ] = None,
+    tries: Annotated[
+        str,
+        typer.Option(
+            "--try",
+            metavar="PATH=CHOICE,...",
+            help="Choices that are fitted each, such as law=palmgren,johnson; the best at predicting is kept.",
+            show_default=False,
+        ),
+    ] = "",
+    check_on: Annotated[
+        list[str] | None,
+        typer.Option(
+            "--check-on",
+            metavar="RECORD|NUMBER=VALUE",
+            help="Record or number, as of --to, that is kept out and predicted; may be repeated; none by default.",
+            show_default=False,
+        ),
+    ] = None,
+    changes: Changes = None,
+    measurement: measured.MeasurementOptions,
+    filtering: LowPassOptions,
+    output: Output,
+) -> int:
+    """Fit values of a case to measurements.
+
+    Least squares over whole pulses, aligned and in the band that run and record share, and over stated numbers. Gives
+    each value with its standard error, which fields the data do not determine, and whether the residual is more than
+    noise. The fitted case, fitted.toml, runs with bands that know the fit. Ctrl-C keeps the best so far. With --json,
+    no files are written unless --out is given.
+    """
+    from strikewave.analyses.compare.sources import SourceOptions
+    from strikewave.cases.case import load_case
+    from strikewave.studies.fit.screen import FitRequest, run_fit
+
+    reading = SourceOptions(measurement.calibration(), measurement.reading(), filtering.low_pass(), band=False)
+    asked = FitRequest(tuple(to or ()), tuple(free or ()), tries, tuple(check_on or ()), reading)
+    return run_fit(output.tested(load_case(case, changes or ())), changes or (), asked, output)

@@ -1,0 +1,429 @@
+"""Least squares in the unit cube: the best place, and how far the data fix it.
+
+Every coordinate is the place of a value between its bounds, 0 to 1, so that all have one scale and a standard error of
+a tenth means the same for each. Residuals are over their standard uncertainty; how they go together is said by blocks.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from strikewave.uncertainty.bands import latin_hypercube
+from strikewave.uncertainty.runs import on_threads, or_none
+
+Array = NDArray[np.float64]
+Residuals = Callable[[Array], Array]
+"""Takes a place; returns the residuals, or raises what `on_threads` takes for a failure."""
+
+SCREENED, MOST_SCREENED = 8, 32
+"""Places tried before the search, for each coordinate and at most: enough to find the valley that the case's own place
+is not in (of 60 planted fits of two and three fields from places in all of the cube, two searches in three ended in one
+valley from fewer)."""
+STARTS = 3
+"""Searches: from the place of the case, and from the best of those tried."""
+APART = 0.1
+"""Distance of two places that count as different starts."""
+STEP, FINAL_STEP = 1e-4, 5e-4
+"""Steps of the slopes: to one side on the way, to both sides at the end. A run errs by 1e-8, so the first is good to
+1e-4, and the last, whose curvature cancels, to 1e-5."""
+ACCURACY = 1e-7
+"""Step of a coordinate at which a search ends: far below any standard error that data can have."""
+ROUGH = 1e-4
+"""The same for searches from other places: enough to see where they end."""
+MOST_STEPS = 40
+"""Steps of a search: a smooth one takes five to fifteen."""
+RANK = 1e-8
+"""Information along a direction, over the largest, below which slopes of `FINAL_STEP` cannot tell it from none."""
+UNDETERMINED = 0.125
+"""Standard error in the unit cube from which on a direction counts as undetermined: 95 % then covers half of all that
+was allowed, so that hardly more is known than before."""
+NAMED = 0.05
+"""Share of a coordinate in an undetermined direction, squared, from which on it takes part."""
+MOST_ORDER, LONGEST, FAINT = 40, 4096, 1e-4
+"""Highest order of the autoregression of noise, the lags that it is followed over, and the correlation at which it
+ends: what mains and amplifiers leave in a record takes two coefficients each."""
+FAILED_OVER = 10.0
+"""What a place that cannot be run has for residuals, over the largest at the start: worse than any that can be."""
+QUADRATIC = 0.3
+"""Share by which the misfit at two standard errors may differ from a parabola's: beyond, the profile is followed; a
+bound moves by half of it."""
+PROFILE_STEPS = 12
+"""Halvings of the interval in which an end of a profile lies: to 1e-3 of it and better."""
+
+
+class ResidualBlock(NamedTuple):
+    """Residuals that go together.
+
+    Attributes
+    ----------
+    rows : slice
+        Where they stand.
+    correlation : ndarray
+        Autocorrelation of their noise by lag, from 1 at 0 (or above, where the residual is more than noise); one number
+        for residuals that are independent.
+    shot : int
+        Number of the shot that they are of.
+    """
+
+    rows: slice
+    correlation: Array
+    shot: int
+
+
+@dataclass(frozen=True)
+class Estimate:
+    """The best place, and what the data say of it.
+
+    Attributes
+    ----------
+    place : ndarray
+        In the unit cube.
+    residuals, jacobian : ndarray
+        There; the slopes have a column for each coordinate.
+    covariance : ndarray
+        Of the place, in the directions that are determined.
+    undetermined : ndarray
+        Directions that are not, a column each; orthonormal.
+    freedom : float
+        Degrees of freedom of the covariance; infinite where it rests on stated uncertainties alone.
+    """
+
+    place: Array
+    residuals: Array
+    jacobian: Array
+    covariance: Array
+    undetermined: Array
+    freedom: float
+
+    @property
+    def misfit(self) -> float:
+        """Sum of squares of the residuals."""
+        return float(self.residuals @ self.residuals)
+
+    @property
+    def errors(self) -> Array:
+        """Standard error of each coordinate; infinite where it takes part in an undetermined direction."""
+        errors = np.sqrt(np.diag(self.covariance))
+        for group in self.groups():
+            errors[group] = math.inf
+        return np.asarray(errors)
+
+    @property
+    def reach(self) -> float:
+        """Standard errors that 95 % lie within, to either side."""
+        from scipy.stats import norm, t
+
+        return float(norm.ppf(0.975) if math.isinf(self.freedom) else t.ppf(0.975, self.freedom))
+
+    def groups(self) -> list[list[int]]:
+        """Return the coordinates that are not determined, those together that only their combination is."""
+        projector = self.undetermined @ self.undetermined.T
+        left = [k for k in range(self.place.size) if projector[k, k] > NAMED]
+        groups: list[list[int]] = []
+        while left:
+            group, left = [left[0]], left[1:]
+            for one in group:  # it grows as its neighbours are found
+                near = [k for k in left if abs(projector[one, k]) > NAMED * projector[one, one]]
+                group += near
+                left = [k for k in left if k not in near]
+            groups.append(sorted(group))
+        return groups
+
+
+class Search:
+    """Least squares over the unit cube, on all cores; it remembers the best place, for an interrupt.
+
+    Parameters
+    ----------
+    residuals : callable
+        See `Residuals`.
+    size : int
+        Of the cube.
+    advance : callable, optional
+        Called with the number of runs so far and the smallest misfit.
+    """
+
+    def __init__(self, residuals: Residuals, size: int, advance: Callable[[int, float], None] | None = None) -> None:
+        self._residuals, self.size, self._advance = residuals, size, advance
+        self.runs = 0
+        self.best: tuple[float, Array] | None = None
+        self._failed: Array | None = None
+        self._last: dict[bytes, Array] = {}
+
+    def many(self, places: Sequence[Array]) -> list[Array | None]:
+        """Return the residuals at some places; None where they cannot be found."""
+        alone = len(places) == 1  # threads would take longer to begin
+        found = [or_none(self._residuals, places[0])] if alone else on_threads(self._residuals, list(places))
+        for place, residuals in zip(places, found, strict=True):
+            self.runs += 1
+            if residuals is not None and (self.best is None or float(residuals @ residuals) < self.best[0]):
+                self.best = (float(residuals @ residuals), place)
+        if self._advance is not None and self.best is not None:
+            self._advance(self.runs, self.best[0])
+        return found
+
+    def at(self, place: Array) -> Array:
+        """Return the residuals at a place, and such as no other has where it cannot be run."""
+        key = place.tobytes()
+        if key not in self._last:  # a search asks for the residuals, then for the slopes there
+            found = self.many([place])[0]
+            assert self._failed is not None
+            self._last = {key: self._failed if found is None else found}
+        return self._last[key]
+
+    def begin(self, place: Array) -> Array:
+        """Return the residuals at the first place; what makes it fail is raised."""
+        found = self._residuals(place)
+        self._failed = np.full(found.size, FAILED_OVER * max(float(np.max(np.abs(found))), 1.0))
+        self.best = (float(found @ found), place)
+        return found
+
+    def slopes(self, place: Array, middle: Array, step: float, both: bool = False) -> Array:
+        """Return the slopes of the residuals, from one side or from both; 0 where neither can be run."""
+        signs = [1.0 if place[k] + step <= 1.0 else -1.0 for k in range(self.size)]
+        moves = [sign * step * np.eye(self.size)[k] for k, sign in enumerate(signs)]
+        found = self.many([place + move for move in moves])
+        others = self.many([np.clip(place - move, 0.0, 1.0) for move in moves]) if both else [None] * self.size
+        columns = []
+        for k, (one, other) in enumerate(zip(found, others, strict=True)):
+            move = moves[k][k]
+            back = place[k] - max(min(place[k] - move, 1.0), 0.0)
+            if one is not None and other is not None and back != 0.0:
+                columns.append((one - other) / (move + back))
+            elif one is not None:
+                columns.append((one - middle) / move)
+            elif other is not None and back != 0.0:
+                columns.append((middle - other) / back)
+            else:
+                columns.append(np.zeros_like(middle))
+        return np.column_stack(columns)
+
+    def descend(
+        self, start: Array, free: Sequence[int] | None = None, accuracy: float = ACCURACY
+    ) -> tuple[Array, Array]:
+        """Return the best place near a start, and the residuals there; only the ``free`` coordinates move."""
+        from scipy.optimize import least_squares
+
+        moving = list(range(self.size)) if free is None else list(free)
+        if not moving:
+            return start, self.at(start)
+
+        def whole(part: Array) -> Array:
+            place = start.copy()
+            place[moving] = part
+            return place
+
+        def slopes(part: Array) -> Array:
+            place = whole(part)
+            return self.slopes(place, self.at(place), STEP)[:, moving]
+
+        inside = np.clip(start[moving], 1e-6, 1.0 - 1e-6)
+        answer = least_squares(
+            lambda part: self.at(whole(part)),
+            inside,
+            slopes,
+            bounds=(0.0, 1.0),
+            xtol=accuracy,
+            ftol=1e-12,
+            gtol=1e-12,
+            max_nfev=MOST_STEPS,
+        )
+        return whole(answer.x), answer.fun
+
+    def wide(self, start: Array) -> list[tuple[Array, Array]]:
+        """Return where searches from several starts end, the best first."""
+        tried = [*latin_hypercube(self.size, min(SCREENED * self.size, MOST_SCREENED))]
+        found = [(float(r @ r), u) for u, r in zip(tried, self.many(tried), strict=True) if r is not None]
+        starts = [start]
+        for _, place in sorted(found, key=lambda one: one[0]):
+            if len(starts) < STARTS and all(np.linalg.norm(place - one) > APART for one in starts):
+                starts.append(place)
+        ends = [self.descend(one, accuracy=ACCURACY if one is start else ROUGH) for one in starts]
+        ends.sort(key=lambda one: float(one[1] @ one[1]))
+        return ends if ends[0][0] is start else [self.descend(ends[0][0]), *ends[1:]]
+
+
+def estimate(
+    place: Array, residuals: Array, jacobian: Array, blocks: Sequence[ResidualBlock], freedom: float
+) -> Estimate:
+    """Return what the data say of a place: A = J'J is the information, and B = J'CJ what noise makes of J'r.
+
+    The covariance is A^-1 B A^-1: that of least squares under noise whose correlation C the weights do not know. Where
+    there are enough shots, B is the sum over them of (J'r)(J'r)' with n/(n - p) (Liang & Zeger 1986): it holds what
+    differs from shot to shot, whatever it is. Directions without information are left out of it.
+    """
+    size = place.size
+    information = jacobian.T @ jacobian
+    values, vectors = np.linalg.eigh(information)
+    known = vectors[:, values > RANK * max(float(values[-1]), np.finfo(float).tiny)]
+    inverse = known @ np.linalg.inv(known.T @ information @ known) @ known.T if known.size else np.zeros((size, size))
+    covariance = inverse @ spread_of_slopes(residuals, jacobian, blocks) @ inverse
+    values, vectors = np.linalg.eigh(covariance)
+    sure = vectors[:, values <= UNDETERMINED**2]
+    inside = sure @ sure.T
+    inside = inside @ (known @ known.T) @ inside
+    values, vectors = np.linalg.eigh(inside)
+    kept, lost = vectors[:, values > 0.5], vectors[:, values <= 0.5]
+    projected = kept @ kept.T @ covariance @ kept @ kept.T
+    return Estimate(place, residuals, jacobian, projected, lost, freedom)
+
+
+def enough_shots(blocks: Sequence[ResidualBlock], size: int) -> bool:
+    """Tell whether there are enough shots for their scatter: three more than values."""
+    return len({block.shot for block in blocks}) >= size + 3
+
+
+def spread_of_slopes(residuals: Array, jacobian: Array, blocks: Sequence[ResidualBlock]) -> Array:
+    """Return the covariance of J'r, from the noise of each block, or from shot to shot where there are enough."""
+    from scipy.linalg import matmul_toeplitz
+
+    size = jacobian.shape[1]
+    shots = {block.shot for block in blocks}
+    total = np.zeros((size, size))
+    if enough_shots(blocks, size):
+        for shot in shots:
+            rows = [block.rows for block in blocks if block.shot == shot]
+            push = np.sum([jacobian[one].T @ residuals[one] for one in rows], axis=0)
+            total += np.outer(push, push)
+        return total * len(shots) / (len(shots) - size)
+    for block in blocks:
+        part = jacobian[block.rows]
+        lags = np.zeros(part.shape[0])
+        lags[: block.correlation.size] = block.correlation[: lags.size]
+        total += part.T @ (matmul_toeplitz(lags, part) if block.correlation.size > 1 else lags[0] * part)
+    return total
+
+
+def autocorrelation(noise: Array) -> Array:
+    """Return the autocorrelation of noise by lag, that of the autoregression which explains it best, until it dies out.
+
+    Burg's autoregression of each order up to a tenth of the samples is tried, and the one with the least corrected
+    information criterion of Akaike taken (Hurvich & Tsai 1989): sums of products over a few hundred samples of coloured
+    noise would err by as much as they are.
+
+    Examples
+    --------
+    >>> source = np.random.default_rng(1).standard_normal(4000)
+    >>> walk = np.convolve(source, 0.8 ** np.arange(60))[:4000]
+    >>> bool(np.max(np.abs(autocorrelation(walk)[:10] - 0.8 ** np.arange(10))) < 0.06)
+    True
+    """
+    from scipy.signal import correlate, lfilter
+
+    centred = noise - np.mean(noise)
+    count, power = centred.size, float(np.mean(centred**2))
+    if power == 0.0:
+        return np.ones(1)
+    forward, backward, weights = centred.copy(), centred.copy(), np.ones(1)
+    best, chosen = count * math.log(power) + 2.0 * count / (count - 2.0), weights
+    for order in range(1, min(count // 10, MOST_ORDER) + 1):
+        ahead, behind = forward[1:], backward[:-1]
+        reflected = -2.0 * float(ahead @ behind) / float(ahead @ ahead + behind @ behind)
+        weights = np.append(weights, 0.0) + reflected * np.append(weights, 0.0)[::-1]
+        forward, backward = ahead + reflected * behind, behind + reflected * ahead
+        power *= 1.0 - reflected**2
+        if power <= 0.0:
+            break
+        criterion = count * math.log(power) + 2.0 * (order + 1) * count / (count - order - 2.0)
+        if criterion < best:
+            best, chosen = criterion, weights
+    impulse = np.zeros(LONGEST)
+    impulse[0] = 1.0
+    answer = lfilter([1.0], chosen, impulse)
+    lags = correlate(answer, answer, "full", "fft")[LONGEST - 1 :]
+    lags = lags / lags[0]
+    kept = np.flatnonzero(np.abs(lags) > FAINT)
+    return np.asarray(lags[: int(kept[-1]) + 1])
+
+
+def independent_count(samples: int, correlation: Array) -> float:
+    """Return how many independent samples have as sure a mean square as so many correlated ones.
+
+    Examples
+    --------
+    >>> independent_count(100, np.ones(1))
+    100.0
+    """
+    shape = correlation / correlation[0]
+    return samples / (1.0 + 2.0 * float(np.sum(shape[1:] ** 2)))
+
+
+class ProfileEnds(NamedTuple):
+    """Ends of the interval of a coordinate along its profile, and the profile: places and standard errors there."""
+
+    low: float
+    high: float
+    places: Array
+    deviations: Array
+
+
+def profile(search: Search, found: Estimate, coordinate: int) -> ProfileEnds:
+    """Follow the misfit along one coordinate, the others at their best, to where it has risen by `Estimate.reach`.
+
+    The rise is counted in that of a parabola with the variance of the estimate, so that correlated noise is in it.
+    """
+    information = found.jacobian.T @ found.jacobian
+    others = [k for k in range(found.place.size) if k != coordinate]
+    variance = float(found.covariance[coordinate, coordinate])
+    alone = information[coordinate, coordinate]
+    if others:
+        cross = information[np.ix_(others, [coordinate])]
+        alone -= float((cross.T @ np.linalg.pinv(information[np.ix_(others, others)]) @ cross)[0, 0])
+    per = max(float(alone) * variance, np.finfo(float).tiny)
+    points: dict[float, float] = {float(found.place[coordinate]): 0.0}
+    base, middle = found.misfit, float(found.place[coordinate])
+
+    def deviations(value: float, near: Array) -> tuple[float, Array]:
+        place = near.copy()
+        place[coordinate] = value
+        place, residuals = search.descend(place, others)
+        rise = math.sqrt(max(float(residuals @ residuals) - base, 0.0) / per)
+        points[value] = rise
+        return rise, place
+
+    ends = []
+    for sign in (-1.0, 1.0):
+        bound, reach = (0.0 if sign < 0.0 else 1.0), found.reach
+        inner, outer, near = middle, middle, found.place
+        for factor in (1.0, 2.0, 4.0, 8.0, math.inf):
+            far = middle + sign * factor * reach * math.sqrt(variance)
+            outer = bound if not 0.0 < far < 1.0 else far
+            risen, place = deviations(outer, near)
+            if risen >= reach or outer == bound:
+                break
+            inner, near = outer, place
+        if risen < reach:
+            ends.append(bound)
+            continue
+        for _ in range(PROFILE_STEPS):
+            low, high = points[inner], points[outer]
+            share = min(max((reach - low) / (high - low), 0.1), 0.9)
+            value = inner + share * (outer - inner)
+            risen, place = deviations(value, near)
+            if abs(risen - reach) < 0.005 * reach:
+                break
+            inner, outer, near = (value, outer, place) if risen < reach else (inner, value, near)
+        ends.append(value)
+    order = sorted(points)
+    signed = [math.copysign(points[one], one - middle) for one in order]
+    return ProfileEnds(ends[0], ends[1], np.array(order), np.array(signed))
+
+
+def is_quadratic(search: Search, found: Estimate, coordinate: int) -> bool:
+    """Tell whether the misfit at two standard errors of a coordinate is that of a parabola, with the others along."""
+    variance = float(found.covariance[coordinate, coordinate])
+    if variance <= 0.0:
+        return True
+    along = 2.0 * found.covariance[:, coordinate] / math.sqrt(variance)
+    expected = float(np.sum((found.jacobian @ along) ** 2))
+    places = [found.place + along, found.place - along]
+    if any(np.any((place < 0.0) | (place > 1.0)) for place in places):
+        return False
+    rises = [None if one is None else float(one @ one) - found.misfit for one in search.many(places)]
+    return all(rise is not None and abs(rise - expected) <= QUADRATIC * expected for rise in rises)

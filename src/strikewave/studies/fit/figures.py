@@ -1,0 +1,138 @@
+"""Pictures of a fit: runs on records with what is left, the values with their intervals, and profiles."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from strikewave.analyses.compare.curve import QUANTITIES, SHOWN_IN
+from strikewave.reporting.curves import thin
+from strikewave.reporting.numbers import axis_unit, headed, time_unit
+from strikewave.reporting.style import (
+    BLUE,
+    GREEN,
+    GREY,
+    HALF,
+    RED,
+    WHOLE,
+    legend_below,
+    new_figure,
+    one_diagram,
+    plain,
+    quiet,
+    titled,
+)
+from strikewave.studies.fit.measured import LaidPulse, MeasuredPulse
+from strikewave.studies.fit.study import FitStudy, FittedParameter
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+MOST_DRAWN = 6
+"""Most records that are drawn over one another: more hide each other."""
+LONGEST = 60
+"""Letters of a name in a legend."""
+
+
+def draw_overlay(axes: Any, pulses: list[tuple[MeasuredPulse, LaidPulse]]) -> None:
+    """Draw records, and the run laid on each."""
+    unit = pulses[0][0].unit
+    size, _ = axis_unit(unit, SHOWN_IN.get(unit, unit))
+    second, name = time_unit(max(float(np.ptp(laid.time)) for _, laid in pulses))
+    for number, (pulse, laid) in enumerate(pulses):
+        time = (laid.time - laid.time[0]) / second
+        label = plain(pulse.called, LONGEST) if len(pulses) < 3 or number == 0 else None
+        axes.plot(*thin(time, laid.measured / size), color=BLUE, linewidth=1.2, alpha=0.8, label=label)
+        fitted = "fitted run" if number == 0 else None
+        axes.plot(*thin(time, laid.computed / size), "--", color=RED, linewidth=1.4, label=fitted)
+    quiet(axes, "Fitted run on the record", f"time from the beginning of what is fitted ({name})", _axis(pulses[0][0]))
+
+
+def _axis(pulse: MeasuredPulse) -> str:
+    return headed(QUANTITIES.get(pulse.unit, "value"), pulse.unit, SHOWN_IN.get(pulse.unit, pulse.unit))
+
+
+def draw_residual(axes: Any, pulses: list[tuple[MeasuredPulse, LaidPulse]]) -> None:
+    """Draw what is left of each record, with the deviation of its noise."""
+    pulse = pulses[0][0]
+    size, _ = axis_unit(pulse.unit, SHOWN_IN.get(pulse.unit, pulse.unit))
+    second, name = time_unit(max(float(np.ptp(laid.time)) for _, laid in pulses))
+    noise = (
+        float(np.std(pulse.record.history.values[pulse.record.history.time < pulse.time[0]])) if pulse.quiet else 0.0
+    )
+    if noise:
+        words = "± 2 standard deviations of the noise"
+        axes.axhspan(-2.0 * noise / size, 2.0 * noise / size, color="#DCE9F2", linewidth=0.0, label=words)
+    for _, laid in pulses:
+        time = (laid.time - laid.time[0]) / second
+        axes.plot(*thin(time, (laid.computed - laid.measured) / size), color=GREEN, linewidth=1.0)
+    axes.axhline(0.0, color=GREY, linewidth=0.8)
+    quiet(axes, "Residual, run minus record", f"time ({name})", _axis(pulse))
+
+
+def draw_values(axes: Any, study: FitStudy) -> None:
+    """Draw each value within its bounds, with its 95 % interval."""
+    names = [one.field.path.partition(".")[2].replace("_", " ") for one in study.parameters]
+    places = np.arange(len(names))[::-1]
+    for place, one in zip(places, study.parameters, strict=True):
+        field, colour = one.field, (BLUE if one.determined else RED)
+        axes.plot([0.0, 1.0], [place, place], color="#DCE9F2", linewidth=6.0, solid_capstyle="butt")
+        axes.plot([field.place(one.low), field.place(one.high)], [place, place], color=colour, linewidth=3.0)
+        axes.plot(field.place(one.value), place, "o", color=colour, markersize=6)
+        axes.plot(field.place(field.value.si), place, "|", color=GREY, markersize=12)
+    axes.set_yticks(places, names)
+    axes.set_ylim(-0.6, len(names) - 0.4)
+    axes.set_xticks([0.0, 1.0], ["lower bound", "upper bound"])
+    quiet(axes, "Values with 95 % intervals (|: where it began)", "", "")
+
+
+def draw_profile(axes: Any, one: FittedParameter, reach: float) -> None:
+    """Draw the profile of a value: how far the misfit rises, as standard errors."""
+    assert one.profile is not None
+    axis = one.field.axis
+    values = [axis.shown(one.field.si(float(place))) for place in one.profile.places]
+    axes.plot(values, np.abs(one.profile.deviations), "o-", color=BLUE, linewidth=1.3, markersize=4)
+    axes.axhline(reach, color=GREY, linewidth=0.8, linestyle=":")
+    unit = f" ({axis.unit})" if axis.unit else ""
+    quiet(axes, f"Profile of {one.field.path}", f"value{unit}", "rise of the misfit (standard errors)")
+
+
+def overlay(study: FitStudy) -> Figure:
+    """Return runs on records, above what is left of them."""
+    figure = new_figure((WHOLE[0], 6.0))
+    grid = figure.add_gridspec(2, 1, height_ratios=(1.6, 1.0))
+    pulses = list(study.pulses[:MOST_DRAWN])
+    draw_overlay(figure.add_subplot(grid[0]), pulses)
+    draw_residual(figure.add_subplot(grid[1]), pulses)
+    return legend_below(figure)
+
+
+def values_figure(study: FitStudy) -> Figure:
+    """Return the values within their bounds."""
+    return one_diagram(lambda axes: draw_values(axes, study), (WHOLE[0], 1.2 + 0.45 * len(study.parameters)))
+
+
+def profile_figures(study: FitStudy) -> list[tuple[Figure, str]]:
+    """Return a picture of each profile that was followed, with its caption."""
+    reach = study.solved.estimate.reach
+    words = "Rise of the misfit with all other values at their best; the 95 % interval ends at the dotted line."
+    return [
+        (one_diagram(lambda axes, one=one: draw_profile(axes, one, reach), HALF), words)  # type: ignore[misc]
+        for one in study.parameters
+        if one.profile is not None
+    ]
+
+
+def fit_figure(study: FitStudy) -> Figure:
+    """Return all on one sheet."""
+    rows = (2 if study.pulses else 0) + 1
+    heights = ([1.6, 1.0] if study.pulses else []) + [0.4 + 0.22 * len(study.parameters)]
+    figure = new_figure((WHOLE[0], 2.3 * sum(heights)))
+    grid = figure.add_gridspec(rows, 1, height_ratios=heights)
+    pulses = list(study.pulses[:MOST_DRAWN])
+    if pulses:
+        draw_overlay(figure.add_subplot(grid[0]), pulses)
+        draw_residual(figure.add_subplot(grid[1]), pulses)
+    draw_values(figure.add_subplot(grid[rows - 1]), study)
+    return titled(legend_below(figure), study.title)

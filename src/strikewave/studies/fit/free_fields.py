@@ -1,0 +1,200 @@
+"""The fields of a case that a fit may change: their bounds, and the scale on which they are searched."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from strikewave.base.errors import InputError, nearest
+from strikewave.base.quantities import Provenance, Range, Value
+from strikewave.cases.case import FORM, Case, dump_case, parse_case
+from strikewave.cases.plausible import PLAUSIBLE
+from strikewave.studies.axes import Axis, units_of
+from strikewave.uncertainty.draws import range_of
+from strikewave.uncertainty.known import field_of
+
+Array = NDArray[np.float64]
+
+REACH = 10.0
+"""Factor about the value of the case within which a field is sought that has no bounds of its own: a typed value may be
+off by a unit's prefix, and what is further away is another machine."""
+WIDE = 5.0
+"""Half widths of the plausible range within which a field is sought that may be of either sign."""
+ASIDE = ("solver", "recorder", "tap", "mesh", "fem")
+"""Tables that say how a case is solved and looked at, not what is tested; elements are too slow to be fitted by their
+meshes."""
+MOST = 12
+"""Most free fields: each start takes as many runs more, and data that fix a dozen values are rare."""
+
+
+@dataclass(frozen=True)
+class FreeField:
+    """A field that is fitted.
+
+    Attributes
+    ----------
+    path : str
+        In the case.
+    value : Value
+        Where the search begins.
+    allowed : Range
+        What it may be.
+    low, high : float
+        Bounds, SI.
+    log : bool
+        Whether it is searched on a logarithmic scale.
+    """
+
+    path: str
+    value: Value
+    allowed: Range
+    low: float
+    high: float
+    log: bool
+
+    @property
+    def axis(self) -> Axis:
+        """Its unit, as axes of studies have it."""
+        unit, si_unit = units_of(self.path, self.value)
+        return Axis(self.path, unit, si_unit, (self.low, self.high), self.log)
+
+    @property
+    def width(self) -> float:
+        """Width of the bounds on its scale."""
+        return math.log(self.high / self.low) if self.log else self.high - self.low
+
+    def place(self, si: float) -> float:
+        """Return the place of a value between the bounds, 0 to 1."""
+        return (math.log(si / self.low) if self.log else si - self.low) / self.width
+
+    def si(self, place: float) -> float:
+        """Return the value at a place.
+
+        Examples
+        --------
+        >>> field = FreeField("x", Value(si=1.0, typed=1.0), Range("", 0.0), 0.1, 10.0, True)
+        >>> field.si(0.5), field.place(10.0)
+        (1.0, 1.0)
+        """
+        value = self.low * math.exp(place * self.width) if self.log else self.low + place * self.width
+        return min(max(value, self.low), self.high)
+
+    def shown(self, si: float, digits: int = 5) -> str:
+        """Return a value in the unit in which the field was typed."""
+        return f"{self.axis.shown(si):.{digits}g} {self.axis.unit}".strip()
+
+    def error(self, si: float, of_place: float) -> float:
+        """Return the standard error of a value whose place has this one."""
+        return of_place * self.width * (abs(si) if self.log else 1.0)
+
+    def with_si(self, si: float, provenance: Provenance = "fitted", note: str = "") -> Value:
+        """Return a value of the field."""
+        return Value(si=si, typed=self.axis.typed(si), provenance=provenance, note=note)
+
+
+def free_fields(case: Case, words: Sequence[str]) -> tuple[FreeField, ...]:
+    """Return the fields that are free, each ``path`` or ``path=low:high``; those marked fitted where none are named.
+
+    Raises
+    ------
+    InputError
+        If one is no quantity of the case that may be any number, is named twice, or its bounds do not hold it.
+
+    Examples
+    --------
+    >>> from strikewave import load_case
+    >>> [field.path for field in free_fields(load_case("li-ma-2019"), [])]
+    ['machine.engagement', 'object.frame_stiffness']
+    """
+    named = list(words) or case.fitted_fields()
+    if not named:
+        example = "such as --free contact.restitution"
+        raise InputError("--free", "none", "one field of the case or more: none of it is marked as fitted", example)
+    fields = [_free_field(case, word) for word in named]
+    paths = [field.path for field in fields]
+    double = next((path for path in paths if paths.count(path) > 1), None)
+    if double is not None:
+        raise InputError("--free", double, "each field once")
+    if len(fields) > MOST:
+        raise InputError("--free", f"{len(fields)} fields", f"at most {MOST}")
+    return tuple(fields)
+
+
+def _free_field(case: Case, word: str) -> FreeField:
+    path, equals, ends = (part.strip() for part in word.partition("="))
+    values = case.values()
+    if path not in values:
+        choice = "" if path not in case.entries() else "; a choice is tried by --try"
+        raise InputError("--free", path, f"a quantity of the case{choice}", nearest(path, values))
+    value, allowed = values[path], range_of(case, path)
+    if path.partition(".")[0] in ASIDE:
+        raise InputError("--free", path, f"a quantity of what was tested: [{path.partition('.')[0]}] is none")
+    if allowed.unit == "count":
+        raise InputError("--free", path, "a quantity that may be any number: this one is counted", "try it by --set")
+    if equals:
+        low, high = _typed_bounds(case, path, ends)
+    else:
+        low, high = _bounds(case, path, value, allowed)
+    if not low < high:
+        raise InputError("--free", word, "bounds of which the first is the smaller one", f"{path}=LOW:HIGH")
+    if not low <= value.si <= high:
+        words = f"bounds that hold the value of the case, {value.typed}"
+        raise InputError("--free", word, words, f"or begin elsewhere: --set {path}=VALUE")
+    return FreeField(path, value, allowed, low, high, low > 0.0 and _is_scale(case, path))
+
+
+def _typed_bounds(case: Case, path: str, ends: str) -> tuple[float, float]:
+    """Return bounds that were typed."""
+    parts = ends.split(":")
+    if len(parts) != 2:
+        raise InputError("--free", f"{path}={ends}", "PATH or PATH=LOW:HIGH", f'such as {path}="LOW:HIGH", with units')
+    text = dump_case(case)
+    low, high = (parse_case(text, case.name, [f"{path}={part.strip()}"]).values()[path].si for part in parts)
+    return low, high
+
+
+def _is_scale(case: Case, path: str) -> bool:
+    """Tell whether a field is one whose factors count, not its differences: shares and widths are none."""
+    plausible, allowed = PLAUSIBLE.get(field_of(case, path)), range_of(case, path)
+    share = allowed.low == 0.0 and allowed.high <= 1.0 and allowed.unit == ""
+    return not share and (plausible is None or plausible.form != "width")
+
+
+def _bounds(case: Case, path: str, value: Value, allowed: Range) -> tuple[float, float]:
+    """Return bounds of a field without typed ones: a factor for a scale, else all that is allowed, or some widths."""
+    if _is_scale(case, path) and value.si != 0.0:
+        low, high = sorted((value.si / REACH, value.si * REACH))
+    elif math.isfinite(allowed.low) and math.isfinite(allowed.high) and allowed.unit == "":
+        low, high = allowed.low, allowed.high
+    else:
+        plausible = PLAUSIBLE.get(field_of(case, path))
+        if plausible is None or plausible.form != "width":
+            hint = f"state bounds, {path}=LOW:HIGH, or begin elsewhere than at 0: --set {path}=VALUE"
+            raise InputError("--free", path, "a field whose bounds are known", hint)
+        low, high = value.si - WIDE * plausible.size, value.si + WIDE * plausible.size
+    low, high = max(low, allowed.low), min(high, allowed.high)
+    if allowed.open_low and low == allowed.low:
+        low = float(np.nextafter(low, high))
+    return low, high
+
+
+def case_at(case: Case, fields: Sequence[FreeField], place: Array) -> Case:
+    """Return a case with its free fields at a place of the unit cube."""
+    return case.with_values(
+        {
+            field.path: field.value.model_copy(update={"si": field.si(float(at)), "note": ""})
+            for field, at in zip(fields, place, strict=True)
+        }
+    )
+
+
+def changed_case(case: Case, changes: Sequence[str]) -> Case:
+    """Return a case with some of its fields changed, each ``path=value``."""
+    return parse_case(dump_case(case), case.name, changes) if changes else case
+
+
+__all__ = ["FORM", "FreeField", "case_at", "changed_case", "free_fields"]

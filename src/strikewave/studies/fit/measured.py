@@ -1,0 +1,286 @@
+"""What was measured, and its residuals against a run: stated numbers, and whole pulses of records.
+
+A pulse is compared over its whole width and half of it on either side, on samples that both histories can have: those
+of the coarser one. What the finer one holds beyond is taken off it. The run is laid on the record where the sum of
+squares is least, anew at each run, so that no value is fitted to when somebody pressed a button.
+"""
+
+from __future__ import annotations
+
+import functools
+import math
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from strikewave.analyses.compare.agreement import BESIDE
+from strikewave.analyses.compare.curve import ComparedCurve
+from strikewave.base.errors import InputError
+from strikewave.signal.alignment import EvenHistory
+from strikewave.signal.filters import Filter
+from strikewave.signal.pulse import RISE_LOW, crossing
+from strikewave.signal.resampling import REACH, resampled
+from strikewave.studies.fit.estimation import autocorrelation
+from strikewave.studies.fit.simulation import Simulation
+
+Array = NDArray[np.float64]
+
+QUIETEST = 1e-4
+"""Noise of a record over its peak, at least: half a step of a 13-bit recorder, and more than any run errs by. A record
+without noise, such as one that was simulated, would else be believed beyond what the sampling of a run gives."""
+FEWEST_QUIET = 32
+"""Samples before the pulse from which its noise is known, at least: its deviation is then good to 12 %."""
+FINER = 4
+"""Points of a run between two samples of the record: a cubic spline between them then errs by less than 1e-4 of what
+lies below 0.42 of the sampling rate."""
+MOST_SAMPLES = 4000
+"""Most samples of a pulse: one of more is taken at a coarser step, which still has some hundred to a width."""
+ROUNDS, CLOSE = 20, 1e-6
+"""Steps at most for the best shift, and the samples within which it has ended."""
+
+
+@dataclass(frozen=True)
+class MeasuredNumber:
+    """A number that was measured: name, sensor, SI unit, value with its standard uncertainty, and what was typed."""
+
+    name: str
+    sensor: str
+    unit: str
+    value: float
+    uncertainty: float
+    typed: str
+
+    @property
+    def called(self) -> str:
+        """What it is called."""
+        return f"{self.name} {self.sensor}".strip()
+
+    @property
+    def correlation(self) -> Array:
+        """It stands alone."""
+        return np.ones(1)
+
+    def residuals(self, run: Simulation) -> Array:
+        """Return by how much a run is above it, in standard uncertainties.
+
+        Raises
+        ------
+        ValueError
+            If the run has no such number.
+        """
+        computed = run.number(self.name, self.sensor)
+        if computed is None or not math.isfinite(computed):
+            raise ValueError(f"the run has no {self.called}")
+        return np.array([(abs(computed) - abs(self.value)) / self.uncertainty])
+
+
+@dataclass(frozen=True, eq=False)
+class LaidPulse:
+    """A run laid on a record, in SI: times of the record, both there, and what was added to the times of the run."""
+
+    time: Array
+    measured: Array
+    computed: Array
+    shift: float
+
+
+@dataclass(frozen=True, eq=False)
+class MeasuredPulse:
+    """The pulse of a record.
+
+    Attributes
+    ----------
+    record : ComparedCurve
+        The record about it.
+    part : str
+        Which history of the run it is held against.
+    blow : int
+        Of which blow; 0 for the first that struck.
+    time, values : ndarray
+        What is compared, on the common samples, SI.
+    deviation : float
+        Standard deviation of its noise there, SI.
+    quiet : int
+        Samples from which it is known; 0 where it is `QUIETEST`.
+    correlation : ndarray
+        Autocorrelation of the noise by lag.
+    low_pass : Filter or None
+        What both go through.
+    """
+
+    record: ComparedCurve
+    part: str
+    blow: int
+    time: Array
+    values: Array
+    deviation: float
+    quiet: int
+    correlation: Array
+    low_pass: Filter | None = None
+
+    @property
+    def called(self) -> str:
+        """What it is called."""
+        return self.record.name
+
+    @property
+    def unit(self) -> str:
+        """SI unit."""
+        return self.record.unit
+
+    @property
+    def step(self) -> float:
+        """Time between samples, s."""
+        return float(self.time[1] - self.time[0])
+
+    def laid(self, run: Simulation) -> LaidPulse:
+        """Return a run laid on the record."""
+        from scipy.interpolate import CubicSpline
+
+        curve = run.history(self.part, self.blow, self.record.unit).filtered(self.low_pass)
+        fine, step = _finer(curve.history, self.step)
+        at, computed = _laid(self.values, CubicSpline(np.arange(fine.size), fine), fine.size - 1.0, self.step / step)
+        return LaidPulse(self.time, self.values, computed, float(self.time[0]) - (curve.history.start + at * step))
+
+    def residuals(self, run: Simulation) -> Array:
+        """Return by how much a run is above it, sample by sample, in standard deviations of the noise."""
+        laid = self.laid(run)
+        return (laid.computed - laid.measured) / self.deviation
+
+    def band_limited(self, curve: ComparedCurve) -> ComparedCurve:
+        """Return a history of a run without what samples of the record cannot hold."""
+        fine, step = _finer(curve.history, self.record.history.step)
+        return replace(curve, history=curve.history._replace(values=fine, step=step))
+
+    def reweighted(self, deviation: float) -> MeasuredPulse:
+        """Return it with another deviation."""
+        return replace(self, deviation=deviation)
+
+
+Measured = MeasuredNumber | MeasuredPulse
+
+
+def measured_pulse(
+    record: ComparedCurve, run: Simulation, part: str, blow: int, low_pass: Filter | None
+) -> MeasuredPulse:
+    """Return the pulse of a record as it is held against runs such as this one.
+
+    Raises
+    ------
+    InputError
+        If the run has no such part or quantity, or the record has no whole pulse, or the other sign.
+    """
+    curve = run.history(part, blow, record.unit)
+    part = curve.name.partition(":")[2].rpartition("@")[0] or curve.name.partition(":")[2]
+    if not record.unit:
+        hint = f"the run is in {curve.unit}: state --unit, such as {'g' if curve.unit == 'm/s^2' else curve.unit}"
+        raise InputError("--unit", f"{record.name}, in an unknown unit", "the unit of the record", hint)
+    if record.unit != curve.unit:
+        hint = "name another part, PART=RECORD, or another channel, RECORD#CHANNEL"
+        raise InputError("--to", f"{record.name}, in {record.unit}", f"a record in {curve.unit}, as {curve.name}", hint)
+    if record.sign != curve.sign:
+        raise InputError("--to", f"{record.name}, whose peak has the other sign", "that of the run", "--polarity -1")
+    begin, end, edge = _window(record)
+    history = record.history
+    step = max(history.step, curve.history.step, (end - begin) / MOST_SAMPLES)
+    if step > history.step * (1.0 + 1e-9):
+        places = np.arange(math.floor((history.values.size - 1) * history.step / step) + 1) * step / history.step
+        values, time = resampled(history.values, places, step / history.step), history.start + places * history.step
+    else:
+        values, time = history.values, history.time
+    kept = (time >= begin) & (time <= end)
+    before = values[time < edge]
+    noise, peak = (float(np.std(before)) if before.size >= FEWEST_QUIET else 0.0), float(np.max(np.abs(values[kept])))
+    known = noise > QUIETEST * peak
+    return MeasuredPulse(
+        record,
+        part,
+        blow,
+        np.asarray(time[kept], dtype=float),
+        np.asarray(values[kept], dtype=float),
+        max(noise, QUIETEST * peak),
+        before.size if known else 0,
+        autocorrelation(before) if known else np.ones(1),
+        low_pass,
+    )
+
+
+def _window(record: ComparedCurve) -> tuple[float, float, float]:
+    """Return begin and end of what is compared, and where the quiet before it ends, s."""
+    history, pulse = record.history, record.pulse
+    index = int(np.clip(round((pulse.time - history.start) / history.step), 0, history.values.size - 1))
+    upright = record.sign * history.values
+    edges = [crossing(upright, index, RISE_LOW * abs(pulse.peak), side) for side in (-1, 1)]
+    if not all(map(math.isfinite, edges)):
+        raise InputError("--to", f"{record.name}, which holds no whole pulse", "a record with all of its pulse")
+    first, last = (history.start + edge * history.step for edge in edges)
+    width = last - first
+    begin, end = max(first - BESIDE * width, history.start), min(last + BESIDE * width, history.end)
+    return begin, end, first - width
+
+
+def _finer(history: EvenHistory, step: float) -> tuple[Array, float]:
+    """Return a history without what samples at a step cannot hold, `FINER` times as fine as that at least; its step."""
+    from scipy.signal import oaconvolve
+
+    values, own = history.values, history.step
+    times = math.ceil(FINER * own / step * (1.0 - 1e-9))
+    if times > 1:
+        values, own = resampled(values, np.arange((values.size - 1) * times + 1) / times), own / times
+    if step > own * (1.0 + 1e-9):
+        kernel = _kernel(step / own)
+        reach = kernel.size // 2
+        values = oaconvolve(np.pad(values, reach, mode="edge"), kernel, "valid")
+    return np.asarray(values), own
+
+
+@functools.lru_cache(maxsize=16)
+def _kernel(factor: float) -> Array:
+    """Return the filter that `resampled` applies where the new step is the old one times a factor."""
+    reach = math.ceil(REACH * factor)
+    one = np.zeros(2 * reach + 1)
+    one[reach] = 1.0
+    return resampled(one, np.arange(one.size), factor)
+
+
+def _laid(values: Array, spline: Any, last: float, per: float) -> tuple[float, Array]:
+    """Return where a run lies best on evenly sampled values, and the run there.
+
+    Parameters
+    ----------
+    values : ndarray
+        Samples of a record.
+    spline : CubicSpline
+        Of the run, over its own samples, of which ``last`` is the last.
+    last : float
+        It is held before and after.
+    per : float
+        Samples of the run between two of the record.
+
+    Returns
+    -------
+    at : float
+        Sample of the run on which the first one of the record lies.
+    computed : ndarray
+        The run there.
+    """
+    from scipy.signal import correlate
+
+    size = values.size
+    coarse = spline(np.arange(math.floor(last / per) + 1) * per)
+    held = np.concatenate([np.full(size, coarse[0]), coarse, np.full(size, coarse[-1])])
+    power = np.concatenate([[0.0], np.cumsum(held**2)])
+    misfit = power[size:] - power[:-size] - 2.0 * correlate(held, values, "valid", "fft")
+    at, offsets, slope = per * (int(np.argmin(misfit)) - size), per * np.arange(size), spline.derivative()
+    for _ in range(ROUNDS):
+        places = at + offsets
+        inside = np.clip(places, 0.0, last)
+        along = np.where(places == inside, slope(inside), 0.0)
+        bend = float(along @ along)
+        move = float(along @ (values - spline(inside))) / bend if bend > 0.0 else 0.0
+        at += max(-per, min(per, move))
+        if abs(move) < CLOSE * per:
+            break
+    return at, np.asarray(spline(np.clip(at + offsets, 0.0, last)))

@@ -1,0 +1,117 @@
+"""A fit as a command: read, fit, print, draw."""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import ClassVar
+
+from strikewave.analyses.compare.sources import SourceOptions, parse_name, paths_of
+from strikewave.base.result import Source
+from strikewave.cases.case import Case, dump_case
+from strikewave.reporting import measured_files as measured
+from strikewave.reporting.options import Output
+from strikewave.reporting.run_and_write import Command, case_folder, run_and_write
+from strikewave.reporting.terminal import print_rows, progress_bar
+from strikewave.studies.fit.columns import (
+    CHECK_COLUMNS,
+    CORRELATION_TITLE,
+    PARAMETER_COLUMNS,
+    RESIDUAL_COLUMNS,
+    TRIED_COLUMNS,
+    correlation_columns,
+    correlation_rows,
+    fit_words,
+    residual_rows,
+)
+from strikewave.studies.fit.study import FitStudy, fit
+from strikewave.studies.fit.targets import parse_target
+
+EXPECTED = 60
+"""Runs that a fit takes for each free field, roughly: for the bar alone."""
+
+
+@dataclass(frozen=True)
+class FitRequest:
+    """What is asked of a fit: targets, free fields, choices tried, what is kept out, how records are read."""
+
+    to: tuple[str, ...]
+    free: tuple[str, ...]
+    tries: str
+    check_on: tuple[str, ...]
+    reading: SourceOptions
+
+
+def run_fit(case: Case, changes: Sequence[str], request: FitRequest, output: Output) -> int:
+    """Fit a case, write and print the result, and return the exit code.
+
+    Raises
+    ------
+    InputError, StrikewaveError
+        What `fit` raises, or if the place is taken.
+    """
+    usual = f"fit-{case_folder(case.name, dump_case(case), changes)}"
+    targets = [parse_target(word, case) for word in (*request.to, *request.check_on)]
+    paths = [path for one in targets if not one.is_number for path in paths_of(parse_name(one.right))]
+    origin = measured.source_of(
+        "fit", case.name, list(dict.fromkeys(paths)) if output.writes(usual) else [], output.stated_test()
+    )
+    return run_and_write(FitCommand(case, request, origin), output, usual, origin.text)
+
+
+@dataclass(frozen=True)
+class FitCommand(Command[FitStudy]):
+    """A fit of a case to measurements."""
+
+    indent: ClassVar[int | None] = 2
+
+    case: Case
+    request: FitRequest
+    origin: Source
+
+    def solve(self) -> FitStudy:
+        """Return the fit, with a bar on stderr."""
+        with progress_bar("fitting") as report:
+
+            def advance(runs: int, misfit: float) -> None:
+                whole = EXPECTED * max(len(self.request.free), 2)
+                report(min(runs / whole, 0.99), f"{runs} runs, sum of squares {misfit:.4g}")
+
+            asked = self.request
+            study = fit(
+                self.case,
+                asked.to,
+                asked.free,
+                tries=asked.tries,
+                check_on=asked.check_on,
+                reading=asked.reading,
+                progress=advance,
+            )
+        return dataclasses.replace(study, origin=self.origin)
+
+    def summary(self, result: FitStudy) -> str:
+        """Say what came out."""
+        return fit_words(result)
+
+    def show(self, result: FitStudy) -> None:
+        """Print values, correlation and residuals."""
+        print_rows("Fitted values", PARAMETER_COLUMNS, result.parameters)
+        if len(result.parameters) > 1:
+            print_rows(CORRELATION_TITLE, correlation_columns(result), correlation_rows(result))
+        print_rows("Residuals", RESIDUAL_COLUMNS, residual_rows(result))
+        if result.tries:
+            print_rows("Choices, the best first", TRIED_COLUMNS, result.tries)
+        if result.checks is not None:
+            print_rows("Predictions of what was kept out", CHECK_COLUMNS, result.checks.figures)
+
+    def draw(self, result: FitStudy, folder: Path) -> list[str]:
+        """Write page and picture."""
+        from strikewave.reporting.style import save
+        from strikewave.studies.fit.figures import fit_figure
+        from strikewave.studies.fit.report import fit_report
+
+        save(fit_figure(result), folder / "fit.svg")
+        (folder / "report.html").write_text(fit_report(result), "utf-8", newline="\n")
+        return ["report.html", "fit.svg"]

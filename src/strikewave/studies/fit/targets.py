@@ -1,0 +1,199 @@
+"""What a case is fitted to, as it is typed: records and numbers, each with the settings at which it was measured.
+
+``shot.csv`` is a record of the usual part, ``PART=shot.csv`` of another one; ``first.rigid_peak=4151 g`` a number, with
+its standard uncertainty behind ``±`` or ``+-``. Settings follow after semicolons: ``shot.csv; machine.speed=500 rpm``.
+"""
+
+from __future__ import annotations
+
+import os
+import re
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from strikewave.analyses.compare.curve import ComparedCurve
+from strikewave.analyses.compare.sources import SourceOptions, parse_name, paths_of, read_shots
+from strikewave.base.errors import InputError
+from strikewave.base.quantities import Range, Value
+from strikewave.base.result import Notice
+from strikewave.cases.case import Case, bundled_cases
+from strikewave.reporting.options import read_share
+from strikewave.studies.fit.free_fields import FreeField, changed_case
+from strikewave.studies.fit.measured import Measured, MeasuredNumber, MeasuredPulse, measured_pulse
+from strikewave.studies.fit.problem import Experiment
+from strikewave.studies.fit.simulation import Simulation, checked_number, number_units, quick_case
+from strikewave.uncertainty.known import LEAST, MOST, half_a_digit
+
+MOST_RECORDS = 200
+"""Most records of a fit: each of them is read, and aligned at each run."""
+_UNCERTAIN = re.compile(r"\s*(?:±|\+-|\+/-)\s*")
+_BLOW = re.compile(r"(.*)@([1-9]\d{0,5})", re.DOTALL)
+_SETTING = re.compile(r"\s*([A-Za-z_][\w.+ -]*)=(.+)", re.DOTALL)
+
+
+@dataclass(frozen=True)
+class Target:
+    """What was measured, as typed.
+
+    Attributes
+    ----------
+    left : str
+        Name of a number, or of a part; empty for the usual part.
+    right : str
+        Value of a number, or the name of records.
+    changes : tuple of str
+        Settings, ``path=value`` each.
+    is_number : bool
+        Whether it is a number.
+    """
+
+    left: str
+    right: str
+    changes: tuple[str, ...] = ()
+    is_number: bool = False
+
+
+def parse_target(word: str, case: Case) -> Target:
+    """Take a target apart; a file that is called so is a record.
+
+    Raises
+    ------
+    InputError
+        If it is neither number nor record.
+
+    Examples
+    --------
+    >>> from strikewave import load_case
+    >>> parse_target("sensor=shot.csv#2; machine.speed=500 rpm", load_case("li-ma-2019"))
+    Target(left='sensor', right='shot.csv#2', changes=('machine.speed=500 rpm',), is_number=False)
+    """
+    first, *rest = (part.strip() for part in word.split(";")) if not os.path.lexists(word) else (word,)
+    for change in rest:
+        if not _SETTING.fullmatch(change):
+            raise InputError("--to", change, "path=value behind a semicolon", "such as machine.speed=500 rpm")
+    left, equals, right = (part.strip() for part in first.partition("="))
+    if not equals or _is_place(first):
+        return Target("", first, tuple(rest))
+    if left.split(" ")[0] in number_units(case):
+        return Target(left, right, tuple(rest), is_number=True)
+    if not _is_place(right) and re.match(r"[-+.\d]", right):
+        checked_number(case, left)
+    return Target(left, right, tuple(rest))
+
+
+def _is_place(word: str) -> bool:
+    place = parse_name(word).place
+    return place in bundled_cases() or os.path.lexists(place)
+
+
+def published_targets(case: Case) -> list[Target]:
+    """Return the published numbers of a case to which its fitted values were fitted, with which a fit begins again."""
+    wanted = [entry for entry in case.published if entry.role == "fitted"]
+    return [
+        Target(f"{entry.quantity} {entry.sensor}".strip(), str(entry.value.typed), is_number=True) for entry in wanted
+    ]
+
+
+def read_number(case: Case, target: Target) -> MeasuredNumber:
+    """Return a number with its standard uncertainty; without one, half its last digit, 1 % at least, 10 % at most.
+
+    Raises
+    ------
+    InputError
+        If the case gives no such number, or value or uncertainty are none.
+
+    Examples
+    --------
+    >>> from strikewave import load_case
+    >>> case = load_case("li-ma-2019")
+    >>> round(read_number(case, Target("first.width", "200 us +- 4 us", is_number=True)).uncertainty * 1e6, 9)
+    4.0
+    """
+    name, sensor, unit = checked_number(case, target.left)
+    typed, *uncertain = _UNCERTAIN.split(target.right, maxsplit=1)
+    field = f"--to {target.left}"
+    value = _read(typed, unit, field)
+    if value.si == 0.0:
+        raise InputError(field, typed, "a number that is not 0", "its uncertainty is a share of it")
+    share = min(max(LEAST, half_a_digit(value.typed)), MOST)
+    size = share * abs(value.si)
+    if uncertain:
+        word = uncertain[0].strip()
+        size = read_share(word, field) * abs(value.si) if word.endswith("%") else _read(word, unit, field).si
+        if not size > 0.0:
+            raise InputError(field, word, "a standard uncertainty above 0, such as 2 %")
+    return MeasuredNumber(name, sensor, unit, value.si, size, typed)
+
+
+def _read(word: str, unit: str, field: str) -> Value:
+    try:
+        return Range(unit).read(word)
+    except InputError as error:
+        raise InputError(field, error.got, error.allowed, error.hint) from None
+
+
+@dataclass(frozen=True, eq=False)
+class ReadTargets:
+    """Targets that were read: experiments, what was left out, and the files."""
+
+    experiments: tuple[Experiment, ...]
+    notices: tuple[Notice, ...]
+    paths: tuple[Path, ...]
+
+    @property
+    def pulses(self) -> list[MeasuredPulse]:
+        """The records."""
+        return [one for test in self.experiments for one in test.measured if isinstance(one, MeasuredPulse)]
+
+
+def read_targets(
+    option: str, case: Case, targets: Sequence[Target], fields: Sequence[FreeField], reading: SourceOptions
+) -> ReadTargets:
+    """Read what was measured; targets of the same settings make one experiment.
+
+    Raises
+    ------
+    InputError, StrikewaveError
+        If one cannot be read, is no quantity that the case gives, or changes a field that is free.
+    """
+    grouped: dict[tuple[str, ...], list[Target]] = {}
+    for target in targets:
+        grouped.setdefault(target.changes, []).append(target)
+    experiments, notices, paths = list[Experiment](), list[Notice](), list[Path]()
+    for changes, members in grouped.items():
+        changed = changed_case(case, changes)
+        for field in fields:
+            if changed.values().get(field.path) != case.values()[field.path]:
+                raise InputError(option, "; ".join(changes), f"settings that leave {field.path} free: it is fitted")
+        numbers = [read_number(changed, one) for one in members if one.is_number]
+        records = list[tuple[str, int, ComparedCurve]]()
+        for one in members:
+            if one.is_number:
+                continue
+            curves, left = read_shots(option, one.right, reading)
+            part, blow = _part(one.left)
+            records += [(part, blow, curve) for curve in curves]
+            notices += [*left, *(notice for curve in curves for notice in curve.notices)]
+            paths += paths_of(parse_name(one.right))
+        if len(records) > MOST_RECORDS:
+            raise InputError(option, f"{len(records)} records", f"at most {MOST_RECORDS}")
+        quick = quick_case(changed, _blows(numbers, [blow for _, blow, _ in records]))
+        run = Simulation(quick)
+        pulses = [measured_pulse(curve, run, part, blow, reading.low_pass) for part, blow, curve in records]
+        measured: tuple[Measured, ...] = (*numbers, *pulses)
+        experiments.append(Experiment(quick, changes, measured))
+    return ReadTargets(tuple(experiments), tuple(dict.fromkeys(notices)), tuple(dict.fromkeys(paths)))
+
+
+def _part(left: str) -> tuple[str, int]:
+    """Return part and blow of the run."""
+    found = _BLOW.fullmatch(left)
+    return (found[1], int(found[2])) if found else (left, 0)
+
+
+def _blows(numbers: Sequence[MeasuredNumber], blows: Sequence[int]) -> int:
+    """Return after how many blows a run may end; 0 where all of them count."""
+    if any(not one.name.startswith("first.") for one in numbers):
+        return 0
+    return max([*blows, 1])

@@ -1,0 +1,115 @@
+"""Several laws or structures fitted to the same measurements, and which predicts best what it was not fitted to."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from strikewave.base.errors import InputError, nearest
+from strikewave.cases.case import Case
+from strikewave.studies.fit.estimation import Search
+from strikewave.studies.fit.measured import MeasuredPulse
+from strikewave.studies.fit.problem import Problem, Solved
+
+MOST_TRIED = 20
+"""Most choices of one field."""
+FEWEST_SHOTS, FOLDS = 3, 10
+"""Records from which on choices are compared by cross-validation, and parts into which more of them are divided."""
+
+
+@dataclass(frozen=True)
+class TriedChoice:
+    """A choice of a field, and how well it fits.
+
+    Attributes
+    ----------
+    choice : str
+        As typed, ``path=value``.
+    misfit : float
+        Root mean square of all residuals over their noise or uncertainty; NaN where it could not be fitted.
+    kept_out : float
+        The same of records that each fit was without (cross-validation); NaN below `FEWEST_SHOTS` records.
+    more_than_noise : int
+        Records of which the residual is more than noise.
+    failure : str
+        Why it could not be fitted; empty where it was.
+    """
+
+    choice: str
+    misfit: float = math.nan
+    kept_out: float = math.nan
+    more_than_noise: int = 0
+    failure: str = ""
+
+    @property
+    def rank(self) -> tuple[bool, float]:
+        """What it is ranked by: cross-validation where there is one, else the misfit; failures last."""
+        return bool(self.failure), self.kept_out if math.isfinite(self.kept_out) else self.misfit
+
+
+def read_tries(case: Case, word: str) -> list[str]:
+    """Return the changes that are tried, ``path=choice`` each; ``law`` is short for ``contact.law``.
+
+    Raises
+    ------
+    InputError
+        If the case has no such field, or fewer than two choices are named.
+
+    Examples
+    --------
+    >>> from strikewave import load_case
+    >>> read_tries(load_case("li-ma-2019"), "law=palmgren,johnson")
+    ['contact.law=palmgren', 'contact.law=johnson']
+    """
+    path, _, rest = (part.strip() for part in word.partition("="))
+    known = {**case.entries(), **case.values()}
+    if "." not in path:
+        path = f"contact.{path}"
+    if path not in known:
+        raise InputError("--try", path, "a field of the case", nearest(path, known))
+    choices = [part.strip() for part in rest.split(",") if part.strip()]
+    if not 2 <= len(dict.fromkeys(choices)) <= MOST_TRIED:
+        allowed = f"PATH=CHOICE,CHOICE with 2 to {MOST_TRIED} choices"
+        raise InputError("--try", word, allowed, "such as law=palmgren,johnson")
+    return [f"{path}={choice}" for choice in dict.fromkeys(choices)]
+
+
+def tried(choice: str, solved: Solved) -> TriedChoice:
+    """Return how well a fitted choice does."""
+    sizes = [one.size for one in solved.misfits]
+    broken = sum(one.more_than_noise for one in solved.misfits)
+    return TriedChoice(choice, _mean(sizes), _kept_out(solved), broken)
+
+
+def _mean(sizes: Sequence[float]) -> float:
+    return math.sqrt(float(np.mean(np.square(sizes))))
+
+
+def _kept_out(solved: Solved) -> float:
+    """Return the root mean square residual of records that each fit was without."""
+    problem = solved.stated
+    shots = [one for one in problem.measured if isinstance(one, MeasuredPulse)]
+    if len(shots) < FEWEST_SHOTS or solved.stopped:
+        return math.nan
+    sizes = []
+    for fold in range(min(FOLDS, len(shots))):
+        out = shots[fold :: min(FOLDS, len(shots))]
+        search = Search(_without(problem, out, keep=False).residuals, len(problem.fields))
+        search.begin(solved.estimate.place)
+        place, _ = search.descend(solved.estimate.place)
+        left = _without(problem, out, keep=True)
+        sizes += [one.size for one in left.misfits(left.residuals(place))]
+    return _mean(sizes)
+
+
+def _without(problem: Problem, shots: Sequence[MeasuredPulse], keep: bool) -> Problem:
+    """Return a problem with these records alone, or without them; weighted by their noise again."""
+    out = set(map(id, shots))
+    experiments = [
+        replace(one, measured=tuple(thing for thing in one.measured if (id(thing) in out) == keep))
+        for one in problem.experiments
+    ]
+    return Problem([one for one in experiments if one.measured], problem.fields)

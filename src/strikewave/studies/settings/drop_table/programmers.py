@@ -1,0 +1,223 @@
+"""Programmers of a drop table, which shape its pulse: what is given of them, and the closed forms of their size.
+
+A programmer is a spring of a rate that is chosen ("linear"), or a pad of a cushion law or material of which diameters
+are tried and the thickness is chosen. The table of the mass m meets it at the speed v and leaves it at e v.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any, NamedTuple
+
+from scipy.optimize import brentq
+from scipy.special import beta, betainc
+
+from strikewave.base.errors import InputError, nearest
+from strikewave.cases.cushion_of_case import PROPERTIES
+from strikewave.cases.tables import CUSHION, POWER
+from strikewave.contact.cushions import Cushion, Pad, cushion_law, cushion_laws, cushion_material, cushion_materials
+from strikewave.contact.law import HardeningContact, indentation_under
+
+LINEAR = "linear"
+"""A spring of a rate that is chosen."""
+DEFAULTS = (
+    "linear, restitution=1",
+    "natural rubber 65 IRHD, restitution=0.75",
+    "natural rubber 75 IRHD, restitution=0.75",
+    "felt, stress=20 MPa, exponent=2.5, retardation=20 us",
+)
+"""Programmers that are tried unless others are asked for. All of it is assumed, but for the moduli of the rubber: a
+spring without loss, as gas springs and elastic strike surfaces nearly are; the coefficient of restitution of
+iec-60068-2-27-rubber; a felt with the exponent of hammer felts, since no source has one of an industrial felt."""
+OF_A_PAD = (*PROPERTIES, "loss_factor", "loss_frequency")
+"""What may be given of a pad."""
+LARGEST_STRAINS = {"elastomer": 0.3, "linear": 0.3}
+"""Strain up to which a law holds, where the law has no end of its own; of others `FULL` of their end."""
+FULL = 0.9
+"""Share of the strain at which a law ends up to which a pad may be pressed: the last tenth is left for what a maker's
+pad is thinner or softer."""
+LARGEST_SHAPE_FACTOR = 5.0
+"""Shape factor beyond which bulk compression counts, which the law of an elastomer leaves out (docs/cushions.md)."""
+THINNEST, THICKEST = 0.2e-3, 0.2
+"""Thicknesses between which a pad is sought, m: a sheet of paper, and a block."""
+
+
+@dataclass(frozen=True)
+class Programmer:
+    """What is given of a programmer.
+
+    Attributes
+    ----------
+    name : str
+        ``linear``, a cushion law, or a cushion material.
+    given : mapping of str to str
+        Restitution and properties as typed.
+    own : bool
+        Whether it is one of `DEFAULTS`, all of which is assumed.
+    """
+
+    name: str
+    given: Mapping[str, str]
+    own: bool = False
+
+    @property
+    def is_pad(self) -> bool:
+        """Whether it is a pad, of which diameter and thickness are chosen."""
+        return self.name != LINEAR
+
+    @property
+    def law(self) -> str:
+        """Its law."""
+        if not self.is_pad:
+            return POWER
+        return cushion_material(self.name).law if self.name in cushion_materials() else self.name
+
+    @property
+    def restitution(self) -> str:
+        """Coefficient of restitution of its contact as typed; 1 where none is given, as a retardation needs."""
+        return self.given.get("restitution", "1")
+
+    def contact_table(self, diameter: float | None, slowest: Any) -> dict[str, Any]:
+        """Return the table [contact] of a case with it; its size is put in by the search.
+
+        Parameters
+        ----------
+        diameter : float or None
+            Of a pad, m.
+        slowest : any
+            ``slowest_approach`` of the case.
+        """
+        why = "one of the programmers that are tried by default" if self.own else "asked for by --programmer"
+
+        def stated(typed: str) -> dict[str, Any]:
+            number: str | float = typed
+            try:
+                number = float(typed)
+            except ValueError:
+                number = typed
+            return {"value": number, "provenance": "assumed", "note": why}
+
+        table: dict[str, Any] = {"law": CUSHION if self.is_pad else POWER, "slowest_approach": slowest}
+        table["restitution"] = stated(self.restitution)
+        if diameter is None:
+            return table | {
+                "reference_force": "1 kN",
+                "reference_depth": {"value": "1 mm", "provenance": "assumed", "note": "the rate is force over depth"},
+                "exponent": {"value": 1, "provenance": "assumed", "note": "linear"},
+            }
+        kind = "material" if self.name in cushion_materials() else "law"
+        properties = {key: stated(typed) for key, typed in self.given.items() if key != "restitution"}
+        size = {"value": f"{diameter * 1e3:.10g} mm", "provenance": "assumed", "note": "one of the diameters tried"}
+        table["cushion"] = {kind: self.name, **properties, "diameter": size, "thickness": "1 mm"}
+        return table
+
+
+def read_programmer(word: str, own: bool = False, field: str = "--programmer") -> Programmer:
+    """Read a programmer: a name, then what is given of it.
+
+    Raises
+    ------
+    InputError
+        If there is no such law or material, or it takes no such property.
+
+    Examples
+    --------
+    >>> read_programmer("natural rubber 65 IRHD, restitution=0.8").law
+    'elastomer'
+    >>> read_programmer("felt, exponent=2.5")
+    Traceback (most recent call last):
+        ...
+    strikewave.base.errors.InputError: --programmer: got "felt, exponent=2.5"; allowed: stress, retardation besides; \
+such as "felt, stress=20 MPa, exponent=2.5, retardation=20 us"
+    """
+    name, *parts = (part.strip() for part in word.split(","))
+    known = [LINEAR, *(law for law in cushion_laws() if law not in (LINEAR, "crush")), *cushion_materials()]
+    if name not in known:
+        raise InputError(field, word, "linear, a cushion law, or a cushion material", nearest(name, known))
+    given: dict[str, str] = {}
+    for part in parts:
+        key, equals, typed = (piece.strip() for piece in part.partition("="))
+        allowed = ["restitution", *(OF_A_PAD if name != LINEAR else ())]
+        if not equals or not typed or key not in allowed:
+            raise InputError(field, word, "PROPERTY=VALUE of " + ", ".join(allowed), nearest(key, allowed))
+        if key in given:
+            raise InputError(field, word, f"{key} once")
+        given[key] = typed
+    programmer = Programmer(name, given, own)
+    if programmer.law == "crush":
+        back = "one that comes back: what crushes makes no half-sine, and is used up by a blow"
+        raise InputError(field, word, back)
+    if name in cushion_laws() and name != LINEAR:
+        missing = [key for key in cushion_law(name).needs if key not in given]
+        if missing:
+            hint = 'such as "felt, stress=20 MPa, exponent=2.5, retardation=20 us"' if name == "felt" else ""
+            raise InputError(field, word, ", ".join(missing) + " besides", hint)
+    return programmer
+
+
+class FirstEstimate(NamedTuple):
+    """Closed forms of a programmer: speed of the table (m/s), its rate (N/m) or thickness (m), compression (m)."""
+
+    speed: float
+    size: float
+    compression: float
+
+
+def power_estimate(peak: float, width: float, level: float, exponent: float, restitution: float) -> tuple[float, float]:
+    """Return speed (m/s) and compression (m) of a mass on F = K d^n for a peak and a width at a share of it.
+
+    Without loss m v^2/2 = K d^(n + 1)/(n + 1) and F = m A = K d^n give v^2 = 2 A d/(n + 1); from the compression u d on
+    and back the blow lasts 2 (d/v) J, J = int_u^1 (1 - x^(n + 1))^(-1/2) dx, u = level^(1/n). So v = A W/(J (n + 1))
+    and d = v W/(2 J). With loss the same velocity change (1 + e) v takes 2/(1 + e) of that speed.
+
+    For n = 1 this is v = A T/pi and d = A (T/pi)^2 of a half-sine of the duration T.
+
+    Examples
+    --------
+    >>> speed, depth = power_estimate(14709.975, 0.5e-3, 0.0, 1.0, 1.0)
+    >>> round(speed, 4), round(depth * 1e3, 4)
+    (2.3412, 0.3726)
+    """
+    p = exponent + 1.0
+    whole = float(beta(1.0 / p, 0.5)) / p
+    integral = whole * (1.0 - float(betainc(1.0 / p, 0.5, level ** (p / exponent))))
+    speed = peak * width / (integral * p)
+    return speed * 2.0 / (1.0 + restitution), speed * width / (2.0 * integral)
+
+
+def thickness_for(cushion: Cushion, force: float, compression: float) -> float:
+    """Return the thickness at which a pad bears a force at a compression, m; the nearest bound where none does.
+
+    Examples
+    --------
+    >>> felt = Cushion("power", Pad(1e-2, 0.01), {"stress": 1e6, "exponent": 2.0})
+    >>> round(thickness_for(felt, 2500.0, 1e-3) * 1e3, 6)
+    2.0
+    """
+
+    def over(thickness: float) -> float:
+        pad = Pad(cushion.pad.area, thickness)
+        contact = Cushion(cushion.law, pad, cushion.properties).contact()
+        return math.log(indentation_under(contact, force) / compression)
+
+    low, high = over(THINNEST), over(THICKEST)
+    if low >= 0.0 or high <= 0.0:
+        return THINNEST if low >= 0.0 else THICKEST
+    return float(brentq(over, THINNEST, THICKEST, rtol=1e-9))
+
+
+def largest_strain(cushion: Cushion) -> float:
+    """Return the strain up to which a pad may be pressed: where its law holds, or short of where it ends.
+
+    Examples
+    --------
+    >>> largest_strain(Cushion("elastomer", Pad(1e-2, 0.01), {"modulus": 5e6}))
+    0.3
+    """
+    if cushion.law in LARGEST_STRAINS:
+        return LARGEST_STRAINS[cushion.law]
+    contact = cushion.contact()
+    end = float(contact.end_depth) / cushion.pad.thickness if isinstance(contact, HardeningContact) else 1.0
+    return FULL * end

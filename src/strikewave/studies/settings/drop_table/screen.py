@@ -1,0 +1,111 @@
+"""A design of a drop table as a command: run, print, draw."""
+
+from __future__ import annotations
+
+import dataclasses
+from dataclasses import dataclass
+from pathlib import Path
+from typing import ClassVar
+
+from strikewave.cases.case import Case
+from strikewave.reporting import measured_files as measured
+from strikewave.reporting.layout import keys, numerals, texts
+from strikewave.reporting.options import Output
+from strikewave.reporting.run_and_write import Command, run_and_write
+from strikewave.reporting.terminal import print_rows, progress_bar, table, tell
+from strikewave.studies.settings.columns import LIMIT_COLUMNS
+from strikewave.studies.settings.drop_table.columns import DROP_COLUMNS, RankedDrop
+from strikewave.studies.settings.drop_table.search import DropGoal
+from strikewave.studies.settings.drop_table.study import (
+    DropChoices,
+    DropStudy,
+    asked_line,
+    design_drop_table,
+    goal_words,
+    name_of,
+)
+from strikewave.studies.settings.screen import holds, print_clauses
+
+SHOWN = 8
+"""First of the ranking in the table; the first of each other programmer follows."""
+MOST_REASONS = 6
+"""Reasons that are printed; the report has more."""
+
+
+def find_drop_table(command: DropCommand, output: Output, usual_question: bool) -> int:
+    """Search for designs, write and print them, and return the exit code.
+
+    ``usual_question`` says that nothing but the goal was asked: only then the folder has its name alone.
+
+    Raises
+    ------
+    InputError
+        If the place is taken.
+    """
+    asked = asked_line(command.case, command.goal, command.choice)
+    usual = name_of(command.goal) + ("" if usual_question else f"-{asked[-10:-2]}")
+    if output.out is not None and holds(output.out, asked):
+        output = dataclasses.replace(output, force=True)
+    return run_and_write(command, output, usual, asked)
+
+
+@dataclass(frozen=True)
+class DropCommand(Command[DropStudy]):
+    """A search for designs of a drop table."""
+
+    indent: ClassVar[int | None] = None
+
+    case: Case
+    goal: DropGoal
+    choice: DropChoices
+
+    def solve(self) -> DropStudy:
+        """Return the study, with a bar on stderr."""
+        with progress_bar("settings") as report:
+            study = design_drop_table(self.case, self.goal, self.choice, report)
+        return dataclasses.replace(study, asked=measured.asked())
+
+    def summary(self, result: DropStudy) -> str:
+        """Say which design is first, and what it gives."""
+        from strikewave.studies.settings.drop_table.report import drop_words
+
+        return drop_words(result)
+
+    def show(self, result: DropStudy) -> None:
+        """Print the ranking, the clauses and inputs of the first, and why others do not meet the goal."""
+        first = result.candidates[0]
+        leading = {one.programmer.name: one for one in reversed(result.candidates)}.values()
+        shown = [one for one in result.candidates if one in result.candidates[:SHOWN] or one in leading]
+        rows = [RankedDrop(place, one) for place, one in enumerate(result.candidates, 1) if one in shown]
+        met = sum(one.meets for one in result.candidates)
+        print_rows(f"{met} of {len(result.candidates)} designs give {goal_words(result.goal)}", DROP_COLUMNS, rows)
+        tell("peak, width: as a sensor reads them whose zero is taken in the fall; margin: least of all clauses")
+        print_clauses("Clauses of the first", first.verdict.clauses)
+        print_rows("Limits of the first", LIMIT_COLUMNS, first.limits)
+        values = first.case.values()
+        inputs = [[path, str(value.typed), value.provenance] for path, value in values.items() if path in _INPUTS]
+        table("Its inputs", [*keys("field"), *numerals("value"), *texts("provenance")], inputs)
+        lacking = [one for one in leading if not one.meets and one is not first]
+        for one in lacking[:MOST_REASONS]:
+            tell(f"{one.programmer.name}: {one.obstacles}")
+        for why in result.failed[:MOST_REASONS]:
+            tell(f"no result, {why}")
+
+    def draw(self, result: DropStudy, folder: Path) -> list[str]:
+        """Write page and picture."""
+        from strikewave.reporting.style import save
+        from strikewave.studies.settings.drop_table.figures import drop_figure
+        from strikewave.studies.settings.drop_table.report import drop_report
+
+        save(drop_figure(result), folder / "settings.svg")
+        (folder / "report.html").write_text(drop_report(result), "utf-8", newline="\n")
+        return ["report.html", "settings.svg"]
+
+
+_INPUTS = (
+    *("machine.height", "machine.friction", "striker.mass", "object.mass", "object.frame_stiffness"),
+    *("contact.restitution", "contact.reference_force", "contact.reference_depth"),
+    *("contact.cushion.diameter", "contact.cushion.thickness", "contact.cushion.modulus", "contact.cushion.stress"),
+    *("contact.cushion.exponent", "contact.cushion.retardation", "contact.cushion.limit_strain"),
+)
+"""Inputs that are printed; the report has all."""

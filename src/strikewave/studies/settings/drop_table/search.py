@@ -1,0 +1,390 @@
+"""A programmer of a drop table found by full runs: its size and the drop height, judged by a specification."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from functools import cached_property
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+from pydantic import ValidationError
+
+from strikewave.analyses.machine.build import build_machine
+from strikewave.base.constants import STANDARD_GRAVITY
+from strikewave.base.errors import InputErrors, StrikewaveError
+from strikewave.base.percents import percent
+from strikewave.base.quantities import Value
+from strikewave.base.result import BALANCE_LIMIT
+from strikewave.cases.case import FORM, Case, document_of
+from strikewave.cases.contact_of_case import cushion_of_contact, or_else
+from strikewave.contact.cushions import Cushion
+from strikewave.machines import Blow, blows, run_machine
+from strikewave.specifications.decisions import PASS
+from strikewave.specifications.ideal_pulses import IdealPulse
+from strikewave.specifications.judging import PulseLimits, Shock, ShockVerdict, area_between, judge_shock
+from strikewave.specifications.reading import Specification
+from strikewave.studies.settings.broyden import nearest_settings
+from strikewave.studies.settings.candidate import Limit
+from strikewave.studies.settings.drop_table.programmers import (
+    LARGEST_SHAPE_FACTOR,
+    THICKEST,
+    THINNEST,
+    FirstEstimate,
+    Programmer,
+    largest_strain,
+    power_estimate,
+    thickness_for,
+)
+from strikewave.studies.settings.judged_run import followed, peak_and_width, shock_about
+from strikewave.studies.settings.search import chosen, reason_of
+
+Array = NDArray[np.float64]
+
+WITHIN = 0.005
+"""Largest miss of peak and width of a candidate: the search comes to 0.2 %; rounding to four digits moves it less."""
+OUTPUT_STEPS = 500.0
+"""Samples of the written case a duration: `strikewave run` then draws the pulse smoothly."""
+SIZES, HEIGHTS = 1e3, (1e-5, 1e3)
+"""Largest factor of a rate from its first estimate, and heights between which a drop is sought, m: beyond any machine,
+so that a search never stands at them for a pulse that a machine could make."""
+SLOPES = np.array([[0.5, 0.5], [-0.5, 0.0]])
+"""First guess of d ln(peak, width)/d ln(rate, height): those of a half-sine; of a thickness with the other sign."""
+
+
+@dataclass(frozen=True)
+class DropGoal:
+    """What the pulse shall be: that of a specification, judged by it; ``stroke`` is the machine's largest height, m."""
+
+    specification: Specification
+    limits: PulseLimits
+    stroke: float
+
+    @property
+    def pulse(self) -> IdealPulse:
+        """The ideal pulse."""
+        return self.limits.pulse
+
+    @property
+    def width(self) -> float:
+        """Width of the ideal pulse at the share of its peak where the specification takes it, s."""
+        return self.pulse.width(self.limits.level)
+
+
+class DropReading(NamedTuple):
+    """What a sensor on the table reads, its zero taken in the fall; SI.
+
+    Attributes
+    ----------
+    shock : Shock
+        Its history.
+    peak, width : float
+        Of its pulse; the width is that at the share of the peak where the specification takes it.
+    blow : Blow
+        What the run says of the first blow, with the rigid-body peak that has the weight in it.
+    energy_error : float
+        Of the balance of the run.
+    """
+
+    shock: Shock
+    peak: float
+    width: float
+    blow: Blow
+    energy_error: float
+
+
+@dataclass(frozen=True, eq=False)
+class DropCandidate:
+    """A programmer with a drop height: its case, its pulse in a full run, the verdict, the limits.
+
+    ``estimate`` holds the closed forms that the search began with, ``halt`` says why it ended before the goal.
+    """
+
+    case: Case
+    programmer: Programmer
+    diameter: float | None
+    reading: DropReading
+    goal: DropGoal
+    verdict: ShockVerdict
+    limits: tuple[Limit, ...]
+    estimate: FirstEstimate
+    runs: int
+    halt: str = ""
+
+    @property
+    def height(self) -> float:
+        """Drop height, m."""
+        return float(self.case.values()["machine.height"].si)
+
+    @property
+    def table_mass(self) -> float:
+        """Mass of the table with its load, kg."""
+        return float(self.case.values()["object.mass"].si)
+
+    @property
+    def thickness(self) -> float:
+        """Thickness of a pad, m; NaN of a spring."""
+        values = self.case.values()
+        return float(values["contact.cushion.thickness"].si) if self.diameter is not None else math.nan
+
+    @property
+    def rate(self) -> float:
+        """Rate of a spring, N/m; of a pad its largest force over the compression there."""
+        if self.diameter is not None:
+            return self.reading.blow.peak_force / self.reading.blow.indentation
+        values = self.case.values()
+        return float(values["contact.reference_force"].si / values["contact.reference_depth"].si)
+
+    @property
+    def chosen(self) -> tuple[str, ...]:
+        """Paths of what was chosen."""
+        size = "contact.reference_force" if self.diameter is None else "contact.cushion.thickness"
+        pad = () if self.diameter is None else ("contact.cushion.diameter",)
+        return ("machine.height", size, *pad, "object.mass")
+
+    @property
+    def misses(self) -> dict[str, float]:
+        """Relative misses of peak and width."""
+        return {
+            "peak": self.reading.peak / self.goal.pulse.peak - 1.0,
+            "width": self.reading.width / self.goal.width - 1.0,
+        }
+
+    @property
+    def margin(self) -> float:
+        """Least margin of the clauses as a share of half their tolerance."""
+        pulse = [clause.share for clause in self.verdict.clauses if clause.unit != "Hz"]
+        shares, band = [share for share in pulse if math.isfinite(share)], self.verdict.placement
+        if band is not None and self.goal.limits.band is not None:
+            shares.append(band.margin / (self.goal.limits.band.amplitude * self.goal.pulse.peak))
+        return min(shares, default=math.nan)
+
+    @property
+    def velocity_change(self) -> float:
+        """Integral of what the sensor reads, over what the specification integrates, m/s."""
+        duration, (before, after) = self.goal.pulse.duration, self.goal.limits.window
+        start = self.verdict.start
+        return area_between(self.reading.shock, start - before * duration, start + (1.0 + after) * duration)
+
+    @property
+    def departure(self) -> float:
+        """Root mean square of the pulse less the ideal one, while that lasts, over its peak."""
+        shock, pulse = self.reading.shock, self.goal.pulse
+        since = shock.time - self.verdict.start
+        inside = (since >= 0.0) & (since <= pulse.duration)
+        return float(np.sqrt(np.mean((shock.values[inside] - pulse.at(since[inside])) ** 2))) / pulse.peak
+
+    @property
+    def broken(self) -> tuple[Limit, ...]:
+        """Limits that are not kept."""
+        return tuple(limit for limit in self.limits if limit.decides and not limit.kept)
+
+    @property
+    def largest_miss(self) -> float:
+        """Largest of the misses, infinite where one has no number."""
+        return max((abs(miss) if math.isfinite(miss) else math.inf) for miss in self.misses.values())
+
+    @property
+    def meets(self) -> bool:
+        """Whether peak and width come to the ideal pulse, the specification passes it, and every limit is kept."""
+        return self.largest_miss <= WITHIN and self.verdict.verdict == PASS and not self.broken
+
+    @property
+    def obstacles(self) -> str:
+        """What keeps it from the goal, in one line."""
+        reasons = [
+            f"{name} off by {percent(miss, 1, '+')}" for name, miss in self.misses.items() if not abs(miss) <= WITHIN
+        ]
+        reasons += [_limit_words(limit, self.goal) for limit in self.broken]
+        failed = [one.clause for one in self.verdict.clauses if one.verdict not in (PASS, "not-judged")]
+        reasons += [f"{', '.join(failed)} not passed"] if failed else []
+        return "; ".join(reasons + ([self.halt] if self.halt and reasons else []))
+
+
+def _limit_words(limit: Limit, goal: DropGoal) -> str:
+    if limit.name == "drop_height":
+        return f"needs a drop of {limit.value:.3g}\xa0m, above the stroke of {goal.stroke:.3g}\xa0m"
+    if limit.name == "strain":
+        return f"pressed by {percent(limit.value, 0)} of its thickness, above {percent(limit.limit, 0)}"
+    if limit.name == "shape_factor":
+        return f"shape factor {limit.value:.3g}, above {limit.limit:g}: bulk compression counts"
+    return f"{limit.name.replace('_', ' ')} above its limit"
+
+
+@dataclass(frozen=True)
+class DropDesign:
+    """A programmer on a machine with a goal: its first estimate, and the case at given sizes."""
+
+    base: Case
+    goal: DropGoal
+    programmer: Programmer
+    diameter: float | None
+    table_mass: float | None
+    note: str
+
+    @property
+    def size_path(self) -> str:
+        """Path of the size that is chosen."""
+        return "contact.reference_force" if self.diameter is None else "contact.cushion.thickness"
+
+    @cached_property
+    def template(self) -> Case:
+        """The case of the machine with the programmer, of which size and height are put in.
+
+        Raises
+        ------
+        InputErrors
+            If the programmer has a property that no case may have.
+        """
+        document = document_of(self.base)
+        for table in ("fit", "published", "compare"):
+            document.pop(table, None)
+        slowest = document["contact"]["slowest_approach"]
+        document["contact"] = self.programmer.contact_table(self.diameter, slowest)
+        needed = chosen("machine.follow", followed(self.goal.limits), self.note)
+        if self.base.values()["machine.follow"].si < needed.si:
+            document["machine"]["follow"] = needed.document()
+        step = chosen("solver.output_step", self.goal.pulse.duration / OUTPUT_STEPS, self.note)
+        document["solver"]["output_step"] = step.document()
+        document["machine"].pop("until", None)
+        if self.table_mass is not None:
+            document["object"]["mass"] = chosen("object.mass", self.table_mass, self.note).document()
+        try:
+            return Case.model_validate(document)
+        except ValidationError as error:
+            raise InputErrors(FORM.lines(error)) from None
+
+    @cached_property
+    def cushion(self) -> Cushion | None:
+        """The pad, of a thickness of 1 mm."""
+        return None if self.diameter is None else cushion_of_contact(self.template.impact().contact)
+
+    @property
+    def mass(self) -> float:
+        """Mass of the table, kg."""
+        return float(self.template.values()["object.mass"].si)
+
+    @property
+    def friction(self) -> float:
+        """Friction of the guides as a share of the weight."""
+        return or_else(getattr(self.template.machine, "friction", None), 0.0)
+
+    @cached_property
+    def estimate(self) -> FirstEstimate:
+        """Speed, rate or thickness, and compression by the closed forms; the pad by its force there."""
+        pulse, level = self.goal.pulse, self.goal.limits.level
+        restitution = self.template.impact().contact.restitution.si
+        exponent = 1.0 if self.cushion is None else self.cushion.properties.get("exponent", 1.0)
+        speed, compression = power_estimate(pulse.peak, self.goal.width, level, exponent, restitution)
+        force = self.mass * pulse.peak
+        if self.cushion is None:
+            return FirstEstimate(speed, force / compression, compression)
+        return FirstEstimate(speed, thickness_for(self.cushion, force, compression), compression)
+
+    def height_for(self, speed: float) -> float:
+        """Return the height from which the table falls to a speed along its guides, m: v^2/(2 g (1 - friction))."""
+        return speed**2 / (2.0 * STANDARD_GRAVITY * (1.0 - self.friction))
+
+    def changes(self, settings: Array) -> dict[str, Value]:
+        """Return the values of the case at settings: rate (N/m) or thickness (m), height (m)."""
+        size, height = (float(x) for x in settings)
+        if self.diameter is None:
+            size *= self.template.values()["contact.reference_depth"].si
+        return {
+            self.size_path: chosen(self.size_path, size, self.note),
+            "machine.height": chosen("machine.height", height, self.note),
+        }
+
+    def case_at(self, settings: Array) -> Case:
+        """Return the case at settings."""
+        return self.template.with_values(self.changes(settings))
+
+    def read(self, case: Case) -> DropReading | None:
+        """Run a case and return what a sensor on its table reads; None where the table is not struck.
+
+        At the tolerance of the case: where it is looser, a stiff frame may ring by itself in the long flight after a
+        long blow.
+
+        Raises
+        ------
+        InputError, InputErrors, IntegrationError, ValueError
+            If it does not fit together, or cannot be followed.
+        """
+        run = run_machine(build_machine(case), case.solver.tolerance.si)
+        first = next((blow for blow in blows(run) if blow.kind != "missed"), None)
+        if first is None:
+            return None
+        shock = shock_about(run, first.time, self.goal.limits, falls=True)
+        return DropReading(shock, *peak_and_width(shock, self.goal.limits.level), first, run.energy_error)
+
+
+def drop_candidate(design: DropDesign) -> DropCandidate | str:
+    """Return the candidate that a search ends at, as a full run of the rounded case shows it; or why there is none."""
+    try:
+        start = np.array([design.estimate.size, design.height_for(design.estimate.speed)])
+    except (StrikewaveError, ValueError) as error:
+        return reason_of(error)
+    spring = design.cushion is None
+    low = np.array([start[0] / SIZES if spring else THINNEST, HEIGHTS[0]])
+    high = np.array([start[0] * SIZES if spring else THICKEST, HEIGHTS[1]])
+    slopes = SLOPES if spring else SLOPES * np.array([[-1.0, 1.0]])
+    logs = np.log(start), np.log(low), np.log(high)
+    end = nearest_settings(lambda settings: _missed(design, settings), *logs, slopes)
+    if isinstance(end, str):
+        return end
+    halt = ""
+    if not end.close:
+        size = float(np.exp(end.last[0]))
+        ends = [word for word, bound in (("least", low[0]), ("largest", high[0])) if math.isclose(size, bound)]
+        halt = f"the thickness stands at the {ends[0]} that is sought" if ends else end.failure
+        halt = halt or f"nothing nearer was found in {end.runs} runs"
+    case = design.case_at(np.exp(end.nearest))
+    try:
+        reading = design.read(case)
+    except (StrikewaveError, ValueError) as error:
+        return reason_of(error)
+    if reading is None:
+        return "the table does not touch the programmer"
+    verdict = judge_shock(reading.shock, design.goal.limits)
+    limits = limits_of(case, design, reading)
+    given = design.programmer, design.diameter
+    return DropCandidate(case, *given, reading, design.goal, verdict, limits, design.estimate, end.runs + 1, halt)
+
+
+def _missed(design: DropDesign, settings: Array) -> tuple[Array | None, str]:
+    """Return the logarithms of peak and width over the goal, or why there are none."""
+    try:
+        reading = design.read(design.case_at(settings))
+    except (StrikewaveError, ValueError) as error:
+        return None, reason_of(error)
+    if reading is None:
+        return None, "the table does not touch the programmer"
+    off = np.log([reading.peak / design.goal.pulse.peak, reading.width / design.goal.width])
+    return (off, "") if np.all(np.isfinite(off)) else (None, "the pulse has no width at that share of its peak")
+
+
+def limits_of(case: Case, design: DropDesign, reading: DropReading) -> tuple[Limit, ...]:
+    """Return the values of a candidate that have a limit."""
+    limits = [Limit("drop_height", float(case.values()["machine.height"].si), design.goal.stroke, "m")]
+    if design.cushion is not None:
+        pad = cushion_of_contact(case.impact().contact)
+        limits.append(Limit("strain", reading.blow.indentation / pad.pad.thickness, largest_strain(pad), "1"))
+        if pad.law == "elastomer" and "shape_factor" not in pad.properties:
+            limits.append(Limit("shape_factor", pad.pad.shape_factor, LARGEST_SHAPE_FACTOR, "1"))
+    limits.append(Limit("energy_error", reading.energy_error, BALANCE_LIMIT, "1"))
+    return tuple(limits)
+
+
+def drop_rank(candidate: DropCandidate) -> tuple[bool, float, float, float]:
+    """Return what candidates are ordered by.
+
+    First those that meet the goal, by the least margin of their clauses, the largest first, and by the departure from
+    the ideal pulse, both in steps of 1 %, then by height; then the others by how far they are: a limit that is not kept
+    by its factor.
+    """
+    if candidate.meets:
+        return False, -round(candidate.margin, 2), round(candidate.departure, 2), candidate.height
+    over = sum(limit.value / limit.limit - 1.0 for limit in candidate.broken)
+    failed = sum(clause.verdict != PASS for clause in candidate.verdict.clauses)
+    return True, min(candidate.largest_miss, 1e6) + over + failed, candidate.departure, candidate.height

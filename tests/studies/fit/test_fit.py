@@ -1,0 +1,293 @@
+"""Cases fitted to numbers and to planted records: values found again, their errors, and the case that a fit writes."""
+
+import dataclasses
+
+import numpy as np
+import pytest
+
+from strikewave import load_case, run_case
+from strikewave.base.errors import InputError, StrikewaveError
+from strikewave.base.quantities import Value
+from strikewave.cases.case import dump_case, parse_case
+from strikewave.signal.resampling import resampled
+from strikewave.studies.fit.simulation import Simulation
+from strikewave.studies.fit.study import fit
+from strikewave.uncertainty.bands import latin_hypercube
+from strikewave.uncertainty.draws import drawn
+from strikewave.uncertainty.known import FITTED_BASIS, known_inputs
+
+DROP = "jesd22-b111-b"
+FIELDS = ("contact.reference_force", "contact.restitution")
+
+
+def write_record(path, case, seed, noise=0.01, rate=200e3, part=""):
+    """Write what an ideal recorder makes of a part of a run: band-limited samples at instants of its own, with noise."""
+    rng = np.random.default_rng(seed)
+    history = Simulation(case).history(part).history
+    ratio = 1.0 / rate / history.step
+    places = (np.arange(int((history.values.size - 1) / ratio) - 1) + rng.random()) * ratio
+    values = resampled(history.values, places, ratio)
+    values += noise * np.max(np.abs(values)) * rng.standard_normal(values.size)
+    table = np.column_stack([np.arange(values.size) / rate, values])
+    np.savetxt(path, table, delimiter=",", header="time (s),board (m/s^2)", comments="")
+    return str(path)
+
+
+def moved(case, shares):
+    values = case.values()
+    return case.with_values(
+        {path: values[path].model_copy(update={"si": values[path].si * share}) for path, share in shares.items()}
+    )
+
+
+@pytest.mark.parametrize("shares", [(1.5, 0.6), pytest.param((1.1, 0.8), marks=pytest.mark.verify)])
+def test_stored_values_of_the_published_machine_are_found_again(shares):
+    """From 10 to 50 % off, without being told what to fit: seven digits are stored, and the run is good to 1e-8."""
+    stored = load_case("li-ma-2019")
+    paths = stored.fitted_fields()
+    study = fit(moved(stored, dict(zip(paths, shares, strict=True))))
+    for path in paths:
+        assert study.case.values()[path].si == pytest.approx(stored.values()[path].si, rel=2e-6)
+    assert max(one.size for one in study.solved.misfits) < 1e-4
+    assert not study.undetermined
+
+
+def test_engagement_of_the_two_sensor_case_is_found_again():
+    """From 10 % off, fitted to the buffered sensor's first peak alone; the directly mounted one is no target."""
+    stored = load_case("li-ma-2019-fig5")
+    study = fit(moved(stored, {"machine.engagement": 1.1}))
+    engagement = stored.values()["machine.engagement"].si
+    assert study.case.values()["machine.engagement"].si == pytest.approx(engagement, rel=1e-5)  # read at samples
+    assert list(study.computed) == ["first.sensor_peak buffered"]
+
+
+def test_a_machine_of_ones_own_with_six_strikers_is_fitted():
+    """Far from the published settings, where many of the places tried cannot be run: they turn the search back."""
+    case = load_case("li-ma-2019", ["machine.strikers=6", "striker.mass=1.2 kg", "machine.speed=500 rpm"])
+    truth = moved(case, {"machine.engagement": 1.3})
+    first = run_case(truth.with_values({"feed.blows": Value(si=1.0, typed=1)})).blows[0]
+    to = [f"first.rigid_peak={first.rigid_peak!r} m/s2", f"first.width={first.width!r} s"]
+    study = fit(case, to, ["machine.engagement"])
+    for one in study.parameters:
+        assert one.value == pytest.approx(truth.values()[one.field.path].si, rel=1e-5)
+
+
+def test_planted_values_lie_within_their_errors(tmp_path):
+    """Two records of two heights: both values within 4 standard errors (1 in 8000 by chance), no residual beyond noise."""
+    truth = load_case(DROP, ["contact.reference_force=900 kN", "contact.restitution=0.72"])
+    heights = ("0.25 m", "0.35 m")
+    to = [
+        write_record(tmp_path / f"{k}.csv", moved_height(truth, height), k) + f"; machine.height={height}"
+        for k, height in enumerate(heights)
+    ]
+    study = fit(load_case(DROP, ["contact.restitution=0.6"]), to, FIELDS)
+    for one, true in zip(study.parameters, (900e3, 0.72), strict=True):
+        assert abs(one.value - true) < 4.0 * one.standard_error < 0.02 * true
+        assert one.low < one.value < one.high
+    assert not any(one.more_than_noise for one in study.solved.misfits)
+    (record,) = study.case.fit
+    assert set(record.records) == {"0.csv", "1.csv"}
+    assert "machine.height" not in record.under  # it differed between the records
+
+
+def moved_height(case, height):
+    return parse_case(dump_case(case), case.name, [f"machine.height={height}"])
+
+
+def test_two_fields_that_are_one_are_named_as_their_quotient(tmp_path):
+    """A linear contact knows its force over its depth alone."""
+    truth = load_case(DROP, ["contact.restitution=0.7"])
+    record = write_record(tmp_path / "a.csv", truth, 1)
+    study = fit(truth, [record], ["contact.reference_force", "contact.reference_depth", "contact.restitution"])
+    assert study.undetermined == [["contact.reference_force", "contact.reference_depth"]]
+    (words,) = study.content()["combinations"]
+    assert words.startswith("the data fix contact.reference_force / contact.reference_depth (to 0.")
+    values = study.case.values()
+    assert values["contact.reference_force"].provenance == "assumed"
+    assert values["contact.restitution"].provenance == "fitted"
+
+
+def test_another_law_leaves_more_than_noise(tmp_path):
+    """Hertz's exponent in the record, a linear contact in the case: told, and the errors grow by it."""
+    record = write_record(tmp_path / "a.csv", load_case(DROP, ["contact.exponent=1.5", "contact.restitution=0.7"]), 1)
+    study = fit(load_case(DROP, ["contact.restitution=0.7"]), [record], FIELDS[:1])
+    assert [notice.code for notice in study.notices] == ["residual-not-noise"]
+
+
+def test_a_fitted_case_reads_back_and_its_bands_know_the_fit(tmp_path):
+    truth = load_case(DROP, ["contact.restitution=0.72"])
+    study = fit(load_case(DROP, ["contact.restitution=0.65"]), [write_record(tmp_path / "a.csv", truth, 3)], FIELDS)
+    again = parse_case(dump_case(study.case), study.case.name)
+    assert again.fit == study.case.fit
+    assert again.values() == study.case.values()
+    assert not again.stale_fits()
+    known = {one.path: one for one in known_inputs(again)}
+    for one in study.parameters:
+        assert known[one.field.path].basis == FITTED_BASIS
+        assert known[one.field.path].deviation == pytest.approx(one.standard_error, rel=1e-3)
+    changed = again.with_values({"striker.mass": Value(si=1e3, typed="1000 kg")})
+    assert {one.field for one in changed.stale_fits()} == set(FIELDS)
+    assert {one.basis for one in known_inputs(changed) if one.path in FIELDS} == {"plausible range"}
+
+
+def test_draws_have_the_correlation_of_the_fit():
+    """4000 draws of two fitted values of correlation -0.9: theirs within 0.02, ten deviations of chance of a hypercube."""
+    case = load_case(DROP, ["contact.restitution=0.72"])
+    values = case.values()
+    fitted = {path: values[path].model_copy(update={"provenance": "fitted"}) for path in FIELDS}
+    table = {
+        "fields": FIELDS,
+        "under": {"striker.mass": values["striker.mass"].typed},
+        "standard_error": {"contact.reference_force": "20 kN", "contact.restitution": 0.02},
+        "correlation": ((1.0, -0.9), (-0.9, 1.0)),
+    }
+    text = dump_case(case.with_values(fitted).model_copy(update={"fit": ()}))
+    rows = "\n".join(f"{key} = {_toml(value)}" for key, value in table.items())
+    inputs = [one for one in known_inputs(parse_case(f"{text}\n[[fit]]\n{rows}\n")) if one.path in FIELDS]
+    draws = drawn(inputs, latin_hypercube(2, 4000))
+    assert np.corrcoef(draws.T)[0, 1] == pytest.approx(-0.9, abs=0.02)
+    assert np.std(draws, axis=0) == pytest.approx([20e3, 0.02], rel=0.03)  # the tails are cut off at 3 deviations
+
+
+def _toml(value):
+    if isinstance(value, dict):
+        return "{ " + ", ".join(f'"{key}" = {_toml(one)}' for key, one in value.items()) + " }"
+    if isinstance(value, tuple):
+        return "[" + ", ".join(map(_toml, value)) + "]"
+    return f'"{value}"' if isinstance(value, str) else repr(value)
+
+
+def test_a_fit_is_recorded_under_what_the_case_has_now():
+    """Fitted anew under another speed: the record follows it, and a later change is noticed again."""
+    case = load_case("li-ma-2019", ["machine.speed=700 rpm"])
+    assert case.stale_fits()
+    fitted = fit(case).case
+    assert fitted.fit[0].under["machine.speed"] == "700 rpm"
+    assert fitted.fit[0].under["machine.engagement"] == fitted.machine.engagement.typed
+    assert fitted.fit[0].under["stack.layer"] == "none"
+    again = parse_case(dump_case(fitted))
+    assert again.fitted_fields() == fitted.fitted_fields()  # not taken for the user's own numbers
+    assert not again.stale_fits()
+
+
+WRONG = {
+    "no field": (["contact.restitutoin"], ["first.width=1 ms"], 'did you mean "contact.restitution"'),
+    "twice": (["contact.restitution"] * 2, ["first.width=1 ms"], "each field once"),
+    "a choice": (["contact.law"], ["first.width=1 ms"], "a quantity of the case"),
+    "a setting": (["solver.tolerance"], ["first.width=1 ms"], "a quantity of what was tested"),
+    "unfelt": (["object.frame_damping", "machine.follow"], ["first.rigid_peak=1000 g"], "changes what was measured"),
+    "bounds crossed": (["striker.mass=3 kg:1 kg"], ["first.width=1 ms"], "the first is the smaller one"),
+    "bounds beside": (["striker.mass=1 kg:3 kg"], ["first.width=1 ms"], "bounds that hold the value of the case"),
+    "bounds without unit": (["contact.restitution=0.5"], ["first.width=1 ms"], "PATH or PATH=LOW:HIGH"),
+    "no target": (["contact.restitution"], ["first.wdith=1 ms"], 'did you mean "first.width"'),
+    "no unit": (["contact.restitution"], ["first.width=1"], "a time with its unit"),
+    "another unit": (["contact.restitution"], ["first.width=1 g"], "a time with its unit"),
+    "no uncertainty": (["contact.restitution"], ["first.width=1 ms +- 0 s"], "a standard uncertainty above 0"),
+    "no sensor": (["contact.restitution"], ["first.sensor_peak x=1 g"], "the case has no sensor"),
+    "no file": (["contact.restitution"], ["shots.csv"], "a measured file"),
+    "a case": (["contact.restitution"], ["li-ma-2019"], "this is simulated"),
+    "no setting": (["contact.restitution"], ["first.width=1 ms; height"], "path=value behind a semicolon"),
+    "setting that is free": (["striker.mass"], ["first.width=1 ms; striker.mass=3 kg"], "it is fitted"),
+    "setting that is none": (["striker.mass"], ["first.width=1 ms; machine.hight=3 m"], "unknown key"),
+}
+
+
+@pytest.mark.parametrize("wrong", WRONG)
+def test_wrong_inputs_are_answered_in_one_line(wrong):
+    free, to, words = WRONG[wrong]
+    with pytest.raises(StrikewaveError, match=r"\w") as error:
+        fit(load_case(DROP, ["contact.restitution=0.7"]), to, free)
+    assert words in str(error.value)
+    assert "\n" not in str(error.value)
+
+
+def test_records_that_cannot_be_held_against_the_run_are_answered_in_one_line(tmp_path):
+    case = load_case(DROP, ["contact.restitution=0.7"])
+    record = write_record(tmp_path / "a.csv", case, 1)
+    text = (tmp_path / "a.csv").read_text()
+    (tmp_path / "force.csv").write_text(text.replace("m/s^2", "V"))
+    (tmp_path / "bare.csv").write_text(text.replace(" (m/s^2)", ""))
+    head, *rows = text.splitlines()
+    turned = [",".join((t, str(-float(v)))) for t, v in (row.split(",") for row in rows)]
+    (tmp_path / "turned.csv").write_text("\n".join([head, *turned]))
+    for name, words in (
+        ("force.csv", "a record in m/s^2"),
+        ("bare.csv", "state --unit"),
+        ("turned.csv", "--polarity -1"),
+        ("a.csv#other", "other"),
+    ):
+        with pytest.raises(StrikewaveError, match=r"\w") as error:
+            fit(case, [str(tmp_path / name)], ["contact.restitution"])
+        assert words in str(error.value)
+        assert "\n" not in str(error.value)
+    with pytest.raises(InputError, match="a part of the simulation"):
+        fit(case, [f"anvil={record}"], ["contact.restitution"])
+
+
+def test_what_is_kept_out_is_predicted_within_its_bands(tmp_path):
+    """Fitted to a drop from 0.25 m, told of one from 0.35 m: three figures and a number, one of 20 beyond by chance."""
+    truth = load_case(DROP, ["contact.reference_force=900 kN", "contact.restitution=0.72"])
+    near, far = (
+        write_record(tmp_path / f"{k}.csv", moved_height(truth, h), k) for k, h in enumerate(("0.25 m", "0.35 m"))
+    )
+    study = fit(
+        load_case(DROP, ["contact.restitution=0.6"]),
+        [f"{near}; machine.height=0.25 m"],
+        FIELDS,
+        check_on=[f"{far}; machine.height=0.35 m", "first.width=430 us +- 5 us"],
+    )
+    assert [one.figure for one in study.checks.figures] == ["peak", "width", "velocity change", "first.width"]
+    assert study.checks.inside >= 3
+    assert max(abs(bias) for bias in study.checks.biases().values()) < 0.02
+    ((_, found),) = study.checks.agreements
+    assert found.rating.overall > 0.9
+    assert study.content()["checks"]["inside"] == study.checks.inside
+
+
+def test_of_tried_laws_the_one_of_the_records_is_kept(tmp_path):
+    """Three records of Hertz's exponent; of the others one leaves more than noise, one cannot be."""
+    truth = load_case(DROP, ["contact.exponent=1.5", "contact.restitution=0.7"])
+    records = [write_record(tmp_path / f"{k}.csv", truth, k, noise=0.02) for k in range(3)]
+    case = load_case(DROP, ["contact.restitution=0.7"])
+    study = fit(case, records, FIELDS[:1], tries="contact.exponent=1,1.5,-3")
+    first, second, last = study.tries
+    assert (first.choice, second.choice) == ("contact.exponent=1.5", "contact.exponent=1")
+    assert study.case.contact.exponent.si == 1.5
+    assert first.more_than_noise == 0 < second.more_than_noise
+    assert first.kept_out < second.kept_out
+    assert last.failure.startswith("contact.exponent: got")
+
+
+@pytest.mark.verify
+def test_intervals_of_planted_drops_hold_the_truth(tmp_path):
+    """60 drops with noise of 1 %: of 120 intervals of 95 %, 108 to 119 (2.4 standard deviations of chance)."""
+    inside = 0
+    for seed in range(60):
+        rng = np.random.default_rng(1000 + seed)
+        truth = {
+            "contact.reference_force": 789.6e3 * np.exp(rng.uniform(-0.3, 0.3)),
+            "contact.restitution": rng.uniform(0.5, 0.9),
+        }
+        changes = [f"{path}={value!r}" + (" N" if "force" in path else "") for path, value in truth.items()]
+        record = write_record(tmp_path / f"{seed}.csv", load_case(DROP, changes), seed)
+        study = fit(load_case(DROP, ["contact.restitution=0.7"]), [record], FIELDS)
+        assert not study.undetermined
+        inside += sum(one.low <= truth[one.field.path] <= one.high for one in study.parameters)
+    assert 108 <= inside <= 119
+
+
+def test_an_interrupt_keeps_the_best_so_far(monkeypatch):
+    """Ctrl-C in the middle of the search: the case has values that fit better than where it began."""
+    case = moved(load_case("li-ma-2019"), {"machine.engagement": 1.5})
+    calls = []
+
+    def progress(runs, misfit):
+        calls.append(misfit)
+        if len(calls) == 30:
+            raise KeyboardInterrupt
+
+    study = fit(case, progress=progress)
+    assert study.solved.stopped
+    assert study.broken
+    assert study.solved.estimate.misfit < calls[0]
+    assert dataclasses.asdict(study.notices[0])["code"] == "stopped"
