@@ -197,7 +197,9 @@ def _sloped(means: Array, width: int, level: LocalBaseline) -> LocalBaseline:
     missed = scatter * math.sqrt(1.0 + memory * (1.0 / n + ahead**2 / spread))
     if abs(slope) < SIGNIFICANT * error or missed > BETTER * level.wander:
         return level
-    return level._replace(level=float(np.mean(means)) + slope * ahead, slope=slope / width, wander=missed, alike=_alike(rest))
+    return level._replace(
+        level=float(np.mean(means)) + slope * ahead, slope=slope / width, wander=missed, alike=_alike(rest)
+    )
 
 
 def _alike(missed: Array) -> float:

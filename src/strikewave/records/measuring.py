@@ -1,8 +1,8 @@
 """Measure the blows that were found in a record.
 
 The baseline is that of the record before the blow (`strikewave.records.baseline`). Noise is smoothed off as
-`strikewave.records.read_off` says, so that a clean record stays as it is. Where the noise hides a tenth of the peak, the
-figures are those of the smooth pulse that fits best, which its ``method`` reports.
+`strikewave.records.read_off` says, so that a clean record stays as it is. Where the noise hides a tenth of the peak,
+the figures are those of the smooth pulse that fits best, which its ``method`` reports.
 """
 
 from __future__ import annotations
