@@ -121,6 +121,16 @@ def test_a_factor_beyond_the_largest_number_gives_no_warning():
 
 
 @pytest.mark.parametrize(
+    ("of_file", "stated", "said"),
+    [("mV", "g", True), ("m/s²", "m/s^2", False), ("", "g", False), ("counts", "g", False)],
+)
+def test_a_unit_that_overrules_that_of_the_file_is_reported(of_file, stated, said):
+    found = calibrated(Channel("board", np.array([1.0]), unit=of_file), Calibration(unit=stated))[1]
+    assert [one.code for one in found] == ["unit-overrules"] * said
+    assert not said or found[0].message == f"the unit that is stated, {stated}, overrules that of the file, {of_file}"
+
+
+@pytest.mark.parametrize(
     ("unit", "code"), [("", "unit-unknown"), ("bananas", "unit-unknown"), ("mV", "not-calibrated"), ("g", None)]
 )
 def test_what_is_not_in_si_is_said(unit, code):

@@ -196,8 +196,16 @@ def test_a_channel_that_swings_through_most_of_its_record_is_told_too_and_not_as
 
 
 def test_a_base_that_the_file_lacks_is_refused():
-    with pytest.raises(InputError, match="--base"):
-        file_of(Request(base="wall"))
+    for name in ("wall", "3"):
+        with pytest.raises(InputError, match=r"^--base: .*has: 1 frame, 2 board"):
+            file_of(Request(base=name))
+    with pytest.raises(InputError, match=r"add --channel frame"):
+        file_of(Request(base="frame", channels=("board",)))
+
+
+def test_a_base_without_a_channel_that_responds_is_refused():
+    with pytest.raises(InputError, match=r"^--base: .*beside others: only frame is read; name a channel that responds"):
+        file_of(Request(base="frame", channels=("frame",)))
 
 
 @pytest.mark.parametrize("wanted", ["auto", 4e-3])

@@ -1,4 +1,4 @@
-"""``strikewave new``: begin a case file from a published one, a set-up of split bars, or the file of a test."""
+"""``strikewave new``: begin a case from a published one, a set-up of split bars, a file of a test, or a budget."""
 
 from __future__ import annotations
 
@@ -17,11 +17,14 @@ from strikewave.cases.performed_test import EXAMPLE as TEST_EXAMPLE
 from strikewave.cases.stated_test import example_file
 from strikewave.reporting.options import Shown, complete_case
 from strikewave.reporting.terminal import print_json, say
+from strikewave.specifications.budget_file import example_budget
 
 HOPKINSON = "hopkinson"
 """Stands for the example of a set-up of split bars, and is the command that it is for."""
 TEST = "test"
 """Stands for a file of a test to fill in, which ``--test`` takes."""
+BUDGET = "budget"
+"""Stands for an uncertainty budget to fill in, which ``--uncertainty`` takes."""
 HEADER = """\
 # A case of your own, begun from {origin}. Replace what you know of your machine: a value that you type alone, such as
 # mass = "1.2 kg", is yours (provenance user); {{ value = "1.2 kg", provenance = "measured", tolerance = "5 gram",
@@ -34,7 +37,7 @@ HEADER = """\
 
 def _complete(incomplete: str) -> list[str]:
     """Return what a case may begin from."""
-    return [*complete_case(incomplete), *(name for name in (HOPKINSON, TEST) if name.startswith(incomplete))]
+    return [*complete_case(incomplete), *(name for name in (HOPKINSON, TEST, BUDGET) if name.startswith(incomplete))]
 
 
 def command(
@@ -47,7 +50,8 @@ def command(
         typer.Option(
             "--from",
             metavar="CASE",
-            help="The case to begin from; hopkinson for a set-up of split Hopkinson bars, test for a test report.",
+            help="The case to begin from; hopkinson for a set-up of split Hopkinson bars, test for a test "
+            "report, budget for an uncertainty budget.",
             autocompletion=_complete,
         ),
     ] = "li-ma-2019",
@@ -68,6 +72,10 @@ def command(
     if origin == TEST:
         write_atomically(path, example_file())
         _tell(shown, [path], "record", "fill in what you have", f"record FILES --spec NAME --test {path}")
+        return 0
+    if origin == BUDGET:
+        write_atomically(path, example_budget())
+        _tell(shown, [path], "record", "type your numbers", f"record FILES --uncertainty {path}")
         return 0
     if origin == HOPKINSON:
         record = _write_example(path, force)

@@ -11,6 +11,14 @@ from strikewave.records.budget.contributions import Budget
 from strikewave.records.reading import ChannelReading, FileReading
 
 
+def check_amounts(budget: Budget, reading: ChannelReading, field: str = "--uncertainty") -> None:
+    """Refuse a budget that states an acceleration for a channel that measures something else."""
+    amounts = [one.name for one in budget.contributions if not one.relative]
+    if amounts and reading.channel.unit != "m/s^2":
+        wrong = f"{reading.channel.name}, {reading.channel.unit or 'no known unit'}"
+        raise InputError(field, wrong, f"shares of the peak: {amounts[0]} states an acceleration")
+
+
 def with_budget(files: Sequence[FileReading], budget: Budget, field: str = "--uncertainty") -> list[FileReading]:
     """Return records with the uncertainty of each blow; Monte Carlo validates that of the largest one of each channel.
 
@@ -19,12 +27,9 @@ def with_budget(files: Sequence[FileReading], budget: Budget, field: str = "--un
     InputError
         If the budget states an acceleration, and a channel with blows measures something else.
     """
-    amounts = [one.name for one in budget.contributions if not one.relative]
     largest: dict[int, tuple[ChannelReading, int]] = {}
     for reading in (reading for file in files for reading in file.channels if reading.pulses):
-        if amounts and reading.channel.unit != "m/s^2":
-            wrong = f"{reading.channel.name}, {reading.channel.unit or 'no known unit'}"
-            raise InputError(field, wrong, f"shares of the peak: {amounts[0]} states an acceleration")
+        check_amounts(budget, reading, field)
         place = max(range(len(reading.pulses)), key=lambda k: abs(reading.pulses[k].peak))
         known = largest.get(reading.number)
         if known is None or abs(reading.pulses[place].peak) > abs(known[0].pulses[known[1]].peak):

@@ -241,7 +241,7 @@ def calibrated(
     ([1000.0], 'N', [])
     """
     scale = calibration.scale(channel.unit, field)
-    findings = []
+    findings = _overruled(calibration.unit, channel.unit)
     if not scale.unit:
         reason = f"{channel.unit} is no unit known here" if channel.unit else "the file names no unit"
         stated = ambiguous(channel.unit) or f"{reason}; state it, such as --unit g"
@@ -253,6 +253,15 @@ def calibrated(
     with np.errstate(over="ignore"):
         values = channel.values if scale.factor == 1.0 else channel.values * scale.factor
     return dataclasses.replace(channel, values=values, unit=scale.unit), findings
+
+
+def _overruled(stated: str, of_file: str) -> list[HealthNotice]:
+    """Tell that a unit that is stated is not that of the file, where the file has one that is known."""
+    known = known_unit(of_file) if stated and of_file else None
+    if known is None or known == known_unit(stated):
+        return []
+    message = f"the unit that is stated, {stated}, overrules that of the file, {of_file}"
+    return [HealthNotice("unit-overrules", message, severity="good")]
 
 
 def _voltage(text: str, field: str) -> float:

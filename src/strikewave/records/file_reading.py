@@ -67,12 +67,14 @@ def _base_of(record: Record, wanted: Sequence[Channel], request: Request) -> Cha
     """Return the driving channel; None where none is named."""
     if not request.base:
         return None
+    base = record.channel(request.base, "--base")
     names = [channel.name for channel in wanted]
-    if request.base not in record.keys:
-        raise InputError("--base", request.base, "name or number of a channel", nearest(request.base, names))
-    base = record.channels[record.keys[request.base]]
     if not any(channel is base for channel in wanted):
-        raise InputError("--base", request.base, f"one of the channels that are read: {', '.join(names)}")
+        hint = f"add --channel {request.base}"
+        raise InputError("--base", request.base, f"one of the channels that are read: {', '.join(names)}", hint)
+    if len(wanted) == 1:
+        hint = "leave it out" if len(record.channels) == 1 else "name a channel that responds by --channel too"
+        raise InputError("--base", request.base, f"a channel beside others: only {names[0]} is read", hint)
     return base
 
 

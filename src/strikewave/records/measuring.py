@@ -23,7 +23,7 @@ from strikewave.records.read_off import LONGEST, ReadPulse, Surroundings, read_p
 from strikewave.records.rigid_pulse import RigidPulse, rigid_pulse
 from strikewave.records.ringing import RINGS_WITHIN, Stretch, ringing_of
 from strikewave.records.smooth_pulse import PulseUncertainty, SmoothPulse, fit_smooth_pulse
-from strikewave.records.smoothing import Window
+from strikewave.records.smoothing import SmoothingWindow
 from strikewave.records.trains import Contacts, sort_contacts
 from strikewave.signal.pulse import WIDTH_FRACTION, crossing
 
@@ -378,7 +378,7 @@ def _measure(values: Array, stretch: BlowWindow) -> RecordedPulse | None:
     smooth_pulse = fitted._replace(peak=sign * fitted.peak)
     common = Common(_ringing(values, stretch), stretch.offset, stretch.noise, smooth_pulse)
     feet = fitted.begin, fitted.begin + fitted.length
-    rest = stretch.noise * Window(max(box.width // LONGEST, 2)).gain
+    rest = stretch.noise * SmoothingWindow(max(box.width // LONGEST, 2)).gain
     if WIDTH_FRACTION * read.peak < CLEAR * rest:
         figures = (fitted.time, sign * fitted.peak, fitted.rise(), fitted.width(), sign * fitted.area())
         return RecordedPulse(*figures, *common, "fit", *feet, stretch.baseline, _of_fit(fitted, stretch), step=step)

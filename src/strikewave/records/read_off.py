@@ -20,7 +20,7 @@ import numpy as np
 
 from strikewave.records.record import Array
 from strikewave.records.smooth_pulse import SmoothPulse
-from strikewave.records.smoothing import Window, windows_up_to
+from strikewave.records.smoothing import SmoothingWindow, windows_up_to
 from strikewave.signal.pulse import RISE_HIGH, RISE_LOW, WIDTH_FRACTION
 
 LONGEST = 3
@@ -203,7 +203,7 @@ def noise_like(noise: Array, size: int, count: int) -> Array:
     return np.asarray(drawn[:, : rows * size].reshape(-1, size)[:count])
 
 
-def least_error(raw: Array, pulse: Array, windows: list[Window], noise: Array) -> tuple[int, bool]:
+def least_error(raw: Array, pulse: Array, windows: list[SmoothingWindow], noise: Array) -> tuple[int, bool]:
     """Return which window makes the least error, and whether of the rest beside the smooth pulse or of the record."""
     errors: dict[tuple[int, bool], float] = {}
     for k, window in enumerate(windows):

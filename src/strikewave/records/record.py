@@ -78,8 +78,8 @@ class Record:
     channels: tuple[Channel, ...]
     findings: tuple[HealthNotice, ...] = ()
 
-    def channel(self, wanted: str | int = 1) -> Channel:
-        """Return a channel by its name, or by its number counted from 1.
+    def channel(self, wanted: str | int = 1, field: str = "--channel") -> Channel:
+        """Return a channel by its name, or by its number counted from 1; ``field`` is what an error calls it.
 
         Raises
         ------
@@ -97,8 +97,9 @@ class Record:
             return self.channels[self.keys[text]]
         names = [channel.name for channel in self.channels]
         listed = ", ".join(f"{k} {name}" for k, name in enumerate(names[:40], start=1))
-        hint = f"{self.path} has: {listed}" if text.isdecimal() else nearest(text, names)
-        raise InputError("--channel", wanted, f"a name, or a number from 1 to {len(names)}", hint)
+        near = nearest(text, names)
+        hint = near if near.startswith("did you mean") and not text.isdecimal() else f"{self.path} has: {listed}"
+        raise InputError(field, wanted, f"a name, or a number from 1 to {len(names)}", hint)
 
     @property
     def keys(self) -> dict[str, int]:

@@ -20,7 +20,7 @@ DIRECT = 2**18
 """Products up to which a sum over windows is taken as it stands; beyond, by its spectrum."""
 
 
-class Window(NamedTuple):
+class SmoothingWindow(NamedTuple):
     """A local parabola over so many samples to either side; none leaves values as they are."""
 
     half: int
@@ -30,7 +30,7 @@ class Window(NamedTuple):
 
         Examples
         --------
-        >>> Window(2).over(np.arange(8.0) ** 2)[2:-2].round(6)
+        >>> SmoothingWindow(2).over(np.arange(8.0) ** 2)[2:-2].round(6)
         array([ 4.,  9., 16., 25.])
         """
         if self.half == 0:
@@ -50,7 +50,7 @@ class Window(NamedTuple):
         return 1.0 if self.half == 0 else float(np.linalg.norm(parabola(self.half)))
 
 
-def windows_up_to(longest: int) -> list[Window]:
+def windows_up_to(longest: int) -> list[SmoothingWindow]:
     """Return the windows that are tried, each half an octave longer than the one before, from none on.
 
     Examples
@@ -63,7 +63,7 @@ def windows_up_to(longest: int) -> list[Window]:
     while half <= longest:
         halves.append(half)
         half = max(half + 1, math.ceil(LONGER * half))
-    return [Window(one) for one in halves]
+    return [SmoothingWindow(one) for one in halves]
 
 
 @functools.lru_cache(maxsize=256)

@@ -5,6 +5,8 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Sequence
 
+from strikewave.base.result import Notice
+from strikewave.records.budget.contributions import Budget
 from strikewave.reporting.numbers import listed, shown, with_unit
 from strikewave.reporting.parts import NONE, Cell, Tag, written
 from strikewave.specifications.decisions import CANNOT_TELL, FAIL, NOT_JUDGED, PASS
@@ -132,9 +134,30 @@ def decision_words(rule: str, holds: Sequence[str], not_stated: Sequence[str]) -
     rules = {"simple": "simple acceptance, U plays no part", "guarded": "guarded, U on both sides of each limit"}
     if not holds:
         return f"Decision rule: {rules[rule]}."
+    return f"Decision rule: {rules[rule]}. {held_words(holds, not_stated)}"
+
+
+def held_words(holds: Sequence[str], not_stated: Sequence[str]) -> str:
+    """Say what expanded uncertainties hold, and what nobody stated.
+
+    Examples
+    --------
+    >>> held_words(["noise and baseline"], [])
+    'U (k = 2) holds noise and baseline only.'
+    """
     only = " only" if len(holds) == 1 else ""
     left = f"; not stated: {listed(list(not_stated))}" if not_stated else ""
-    return f"Decision rule: {rules[rule]}. U (k = 2) holds {listed(list(holds))}{only}{left}."
+    return f"U (k = 2) holds {listed(list(holds))}{only}{left}."
+
+
+def budget_notices(budget: Budget) -> tuple[Notice, ...]:
+    """Return a warning that names the contributions of a budget whose numbers are from memory."""
+    names = budget.indicative
+    if not names:
+        return ()
+    many = f"{len(names)} contribution{'s' * (len(names) > 1)} of the uncertainty budget"
+    message = f"{many} rest on numbers from memory: {listed(list(names))}; state those of your certificates"
+    return (Notice("budget-from-memory", message, float(len(names)), 0.0),)
 
 
 def margin_words(clause: Clause) -> str:
@@ -183,13 +206,13 @@ def clause_cells(clause: Clause) -> list[Cell]:
     """Return the cells of a row of a table, see `CLAUSE_HEADS`."""
     return [
         clause.clause,
+        tag_of(clause.verdict),
         limit_words(clause),
         doubted_words(clause),
         margin_words(clause),
         share_words(clause),
-        tag_of(clause.verdict),
         clause.status,
     ]
 
 
-CLAUSE_HEADS = ("clause", "limit", "value ± U", "margin", "of tolerance", "verdict", "limit is")
+CLAUSE_HEADS = ("clause", "verdict", "limit", "value ± U", "margin", "of tolerance", "limit is")

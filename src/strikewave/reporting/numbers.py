@@ -475,3 +475,15 @@ def band_text(band: Band, si: str, usual: str) -> str:
     low, high = (shown(end, si, usual) for end in (band.low, band.high))
     decimals = decimals_within(low, high)
     return f"{rounded(low, decimals)} to {rounded(high, decimals)} {spelled(shown_unit(si, usual))}".rstrip()
+
+
+def one_in(count: int) -> str:
+    """Say how many of a row are shown: every second, third, ... one.
+
+    Examples
+    --------
+    >>> [one_in(count) for count in (2, 3, 23, 11, 4)]
+    ['every 2nd', 'every 3rd', 'every 23rd', 'every 11th', 'every 4th']
+    """
+    ending = "th" if count % 100 in (11, 12, 13) else {1: "st", 2: "nd", 3: "rd"}.get(count % 10, "th")
+    return f"every {count}{ending}"

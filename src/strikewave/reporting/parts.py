@@ -16,7 +16,8 @@ if TYPE_CHECKING:
 
 NONE = "–"
 """Stands where there is no number."""
-_NUMBER = re.compile(r"[+−-]?(\d[\d.,]*|inf)([eE][+-]?\d+)?( ?%)?")
+_UNSIGNED = r"(\d[\d.,]*|inf)([eE][+-]?\d+)?"
+_NUMBER = re.compile(rf"[+−-]?{_UNSIGNED}( ± {_UNSIGNED})?( ?%)?")
 
 
 @dataclass(frozen=True)
@@ -78,7 +79,7 @@ class Table:
 
         Examples
         --------
-        >>> Table("", ["a", "b"], [["x", "1.5"], ["2", "-3 %"], ["3", ""]]).numeric()
+        >>> Table("", ["a", "b"], [["x", "1.5"], ["2", "-3 %"], ["3", "2 ± 0.1"]]).numeric()
         [False, True]
         """
         columns = []

@@ -25,7 +25,7 @@ from strikewave.cases.paths import Form
 from strikewave.reporting.chapters import input_groups
 from strikewave.reporting.columns import Column
 from strikewave.reporting.histories import history_tables
-from strikewave.reporting.numbers import in_shown_units, shown_unit
+from strikewave.reporting.numbers import in_shown_units, one_in, shown_unit
 from strikewave.reporting.terminal import say
 
 if TYPE_CHECKING:
@@ -97,7 +97,7 @@ def _sheets(result: Result) -> Iterator[tuple[str, Sequence[str], Rows]]:
         every = -(-len(histories[0].values) // MOST_ROWS)
         if every > 1:
             histories = [one._replace(values=one.values[::every]) for one in histories]
-            words = f"every {every}th instant: a sheet holds {MOST_ROWS} rows; the NetCDF file has them all"
+            words = f"{one_in(every)} instant: a sheet holds {MOST_ROWS} rows; the NetCDF file has them all"
             say(f"{WORKBOOK}, sheet {stem}: {words}")
             histories[0] = histories[0]._replace(name=f"time ({words})")
         yield stem, [column.head for column in histories], _rows(histories)

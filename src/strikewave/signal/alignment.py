@@ -28,6 +28,8 @@ COHERENT, CHANCE = 0.25, 1e-3
 that noise alone reaches what is asked of a band of few lines."""
 LINES, WIDENED = 8.0, 0.1
 """Independent lines of a band at least, and its width over its frequency where that is more."""
+CLEARLY = 1.1
+"""How much farther a correlation reaches below zero than above it where two histories have opposite signs."""
 ROUNDS, CLOSE = 30, 1e-9
 """Newton steps at most for the largest correlation, and the samples within which it has ended."""
 
@@ -69,7 +71,27 @@ class Shift(NamedTuple):
     rule: str
 
 
-def by_correlation(first: EvenHistory, second: EvenHistory) -> Shift:
+def are_opposite(first: EvenHistory, second: EvenHistory) -> bool:
+    """Tell whether two histories are alike with opposite signs: their correlation reaches farthest below zero.
+
+    Of two that are the same but for sign and shift it does, by Cauchy and Schwarz; a tenth is left to what differs.
+
+    Examples
+    --------
+    >>> pulse = EvenHistory(np.exp(-((np.arange(-50, 51) / 9.0) ** 2)), 1e-6, 0.0)
+    >>> are_opposite(pulse, pulse), are_opposite(pulse, pulse._replace(values=-pulse.values, start=1.0))
+    (False, True)
+    """
+    from scipy.fft import irfft, next_fast_len, rfft
+
+    step = max(first.step, second.step)
+    a, b = _at_step(first, step), _at_step(second, step)
+    size = next_fast_len(a.size + b.size, real=True)
+    found = irfft(rfft(a, size) * np.conj(rfft(b, size)), size)
+    return bool(-float(found.min()) > CLEARLY * float(found.max()))
+
+
+def by_correlation(first: EvenHistory, second: EvenHistory, to_gap: bool = False) -> Shift:
     """Return the shift with the largest sum of products of two histories; both are taken as zero outside.
 
     Both are brought to the finer of their steps, or to half the coarser one where that is longer: what the finer one
@@ -80,6 +102,9 @@ def by_correlation(first: EvenHistory, second: EvenHistory) -> Shift:
     known, and b' the slope of the shifted history, the shift has the variance sum |B'|^2 |R|^2 / (sum |B'|^2)^2 over
     these frequencies, over the share of r that the shift has not taken up: that of a least-squares shift under noise
     of the spectrum of r. White noise of deviation s in one of them gives the Cramer-Rao bound s^2 / sum b'^2.
+
+    ``to_gap``: up to the first frequency at which they are not coherent instead. What both picked up from elsewhere is
+    coherent too, and may be so beyond a gap: the shift is then another one.
 
     Raises
     ------
@@ -107,7 +132,7 @@ def by_correlation(first: EvenHistory, second: EvenHistory) -> Shift:
     place = _largest(both, omega, size, a.size)
     for _ in range(2):  # the band is found at a shift, and the shift in a band
         turned = spectrum_b * np.exp(-1j * omega * place)
-        alike = np.arange(omega.size) < _coherent(spectrum_a, turned, size / min(a.size, b.size))
+        alike = np.arange(omega.size) < _coherent(spectrum_a, turned, size / min(a.size, b.size), to_gap)
         place = _largest(alike * both, omega, size, a.size)
     turned = alike * spectrum_b * np.exp(-1j * omega * place)
     left = irfft(alike * spectrum_a - turned, size)
@@ -123,8 +148,8 @@ def by_correlation(first: EvenHistory, second: EvenHistory) -> Shift:
     return Shift(first.start - second.start + place * step, math.sqrt(moves) / bend * step, words)
 
 
-def _coherent(a: NDArray[np.complex128], b: NDArray[np.complex128], spacing: float) -> int:
-    """Return how many lines two aligned spectra have up to the last at which they are alike.
+def _coherent(a: NDArray[np.complex128], b: NDArray[np.complex128], spacing: float, to_gap: bool) -> int:
+    """Return how many lines two aligned spectra have up to the last at which they are alike, or to the first gap.
 
     Padding has put independent lines a spacing apart. Coherence is taken over bands that widen with frequency. That of
     n independent lines of noise exceeds c with the probability (1 - c)^(n - 1). The strongest band is always alike.
@@ -138,7 +163,11 @@ def _coherent(a: NDArray[np.complex128], b: NDArray[np.complex128], spacing: flo
     products = np.abs(np.add.reduceat(a * np.conj(b), begins)) ** 2
     independent = np.maximum(counts / spacing, LINES)
     alike = products >= np.maximum(COHERENT, 1.0 - CHANCE ** (1.0 / (independent - 1.0))) * powers
-    alike[np.argmax(products)] = True
+    strongest = int(np.argmax(products))
+    alike[strongest] = True
+    if to_gap:
+        gaps = np.flatnonzero(~alike[strongest:])
+        return int(edges[strongest + int(gaps[0])]) if gaps.size else a.size
     return int(edges[int(np.flatnonzero(alike & (products > 0.0)).max(initial=0)) + 1])
 
 

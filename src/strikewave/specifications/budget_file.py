@@ -7,6 +7,7 @@ it is known: as the numbers of a specification, normative where it was read in t
 from __future__ import annotations
 
 import math
+from importlib import resources
 from pathlib import Path
 from typing import Annotated, Any, Literal, NamedTuple, Self, get_args
 
@@ -16,7 +17,7 @@ from strikewave.base.errors import MISSING, InputError, InputErrors
 from strikewave.cases.paths import Form
 from strikewave.cases.performed_test import Line
 from strikewave.cases.small_file import read_small_file
-from strikewave.records.budget.contributions import Budget, Contribution, of_share
+from strikewave.records.budget.contributions import RECORD, SAMPLING, Budget, Contribution, of_share
 from strikewave.records.budget.propagation import DIVISORS, NORMAL, RECTANGULAR, U_SHAPED
 from strikewave.specifications.tables import (
     MaybePart,
@@ -180,6 +181,9 @@ class BudgetFile(SpecificationTable):
         twice = next((name for name in names if names.count(name) > 1), "")
         if twice:
             raise InputError("contribution", twice, "a name for each contribution", 'add name = "..."')
+        taken = next((name for name in names if name in (RECORD, SAMPLING)), "")
+        if taken:
+            raise InputError("contribution", taken, "another name", "the record itself tells what is called so")
         return self
 
 
@@ -219,6 +223,17 @@ def load_budget(asked: str, field: str = "--uncertainty") -> Budget:
     except ValidationError as error:
         raise InputErrors([f"{field} {path}: {line}" for line in FORM.lines(error)]) from None
     return Budget(tuple(_contribution(table, file) for table in file.contribution), file.title, str(path))
+
+
+def example_budget() -> str:
+    """Return a budget to fill in: each kind with its fields, numbers with the status that they have.
+
+    Examples
+    --------
+    >>> "[[contribution]]" in example_budget()
+    True
+    """
+    return (resources.files(__package__) / "budget_example.toml").read_text("utf-8")
 
 
 def _contribution(table: ContributionTable, file: BudgetFile) -> Contribution:

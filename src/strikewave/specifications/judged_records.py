@@ -298,7 +298,8 @@ def _check_cross_axis(words: Sequence[str], files: Sequence[FileReading]) -> Non
         if not any(cross_axis_fits(word, file.path, _keys(one)) for file in files for one in file.channels):
             named = {key for file in files for one in file.channels for key in _keys(one)}
             allowed = "name or number of a channel, or FILES#CHANNEL"
-            raise InputError("--cross-axis", word, allowed, nearest(word.rpartition("#")[2], named))
+            hint = nearest(word.rpartition("#")[2], named) + "; a channel that --channel leaves out is not read"
+            raise InputError("--cross-axis", word, allowed, hint)
 
 
 def _check_units(across: Sequence[ChannelReading]) -> None:

@@ -25,7 +25,7 @@ def computed_beside(function: Callable[[], Result]) -> Iterator[Callable[[], Res
     Parameters
     ----------
     function : callable
-        Computes the result, which can be pickled, and leaves no trace elsewhere.
+        Computes the result, which can be pickled. It may run twice: here too, where the copy failed on its way.
 
     Examples
     --------

@@ -18,6 +18,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from strikewave.base.errors import InputError, nearest
+from strikewave.signal.monotone_cubic import monotone_cubic
 from strikewave.waves.layers import Layer
 
 Floats = NDArray[np.float64]
@@ -96,7 +97,7 @@ def incident_strain(times: ArrayLike, force: ArrayLike, upper: Layer) -> Inciden
 
     A monotone cubic runs through the samples and never overshoots them; the rate is its derivative.
     Outside the samples both are zero, so a force that starts or ends above zero does so in a jump, which
-    the rate does not contain. Source: F = E A eps; the curve is Fritsch & Butland's 1984 (scipy's PCHIP).
+    the rate does not contain. Source: F = E A eps; the curve is Fritsch & Butland's 1984.
 
     Examples
     --------
@@ -105,10 +106,8 @@ def incident_strain(times: ArrayLike, force: ArrayLike, upper: Layer) -> Inciden
     >>> print(wave.strain(np.array([1e-4, 3e-4])) * 1e6, wave.rate(np.array([1e-4])))
     [100.   0.] [0.]
     """
-    from scipy.interpolate import PchipInterpolator
-
     samples = np.asarray(times, dtype=float)
-    curve = PchipInterpolator(samples, np.asarray(force, dtype=float) / (upper.modulus * upper.area))
+    curve = monotone_cubic(samples, np.asarray(force, dtype=float) / (upper.modulus * upper.area))
 
     def within(values: History) -> History:
         return lambda t: np.where((t >= samples[0]) & (t <= samples[-1]), values(t), 0.0)

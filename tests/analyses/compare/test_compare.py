@@ -2,6 +2,7 @@
 
 import json
 import os
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -178,6 +179,38 @@ def test_opposite_signs_are_reported(strikewave):
     write("a.csv", bell(TIME)), write("b.csv", -bell(TIME))
     assert "polarity" in {notice.code for notice in compare("a.csv", "b.csv", align="peak").notices}
     assert "polarity" not in {notice.code for notice in compare("a.csv", "a.csv").notices}
+
+
+@pytest.mark.parametrize("shape", ["bell", "ringing"])
+def test_pulses_of_opposite_sign_are_aligned_as_those_of_one(strikewave, shape):
+    """Of the same pulse, shifted and turned round, the shift is that of the pulse; it was that of a flank or a swing."""
+    first, second = (
+        bell(TIME, at) * (1.0 if shape == "bell" else np.cos(2.0 * np.pi * 8e3 * (TIME - at)))
+        for at in (1e-3, 1.0373e-3)
+    )
+    write("a.csv", first), write("b.csv", -second)
+    found = compare("a.csv", "b.csv")
+    assert found.agreement.shift.shift == pytest.approx(-37.3e-6, abs=1e-8)
+    [said] = [notice.message for notice in found.notices if notice.code == "polarity"]
+    assert "opposite signs" in said
+    assert "polarity = -1 under [all] in a file beside one, such as shot.csv.toml" in said
+    Path("b.csv.toml").write_text("[all]\npolarity = -1\n")
+    turned = compare("a.csv", "b.csv")
+    assert "polarity" not in {notice.code for notice in turned.notices}
+    assert turned.figures["peak"].difference == pytest.approx(0.0, abs=1e-3)
+
+
+def test_a_pickup_in_both_that_moves_the_shift_is_reported(strikewave, rng):
+    """A tone of 60 kHz in both at the same time pulls the shift of 37.3 us towards it: by nine uncertainties."""
+    for name, at, pickup in (("a.csv", 1e-3, 1.0), ("b.csv", 1.0373e-3, 1.0), ("c.csv", 1.0373e-3, 0.0)):
+        noise = 10.0 * rng.normal(size=TIME.size)
+        write(name, bell(TIME, at) + noise + 10.0 * pickup * np.sin(2.0 * np.pi * 60e3 * TIME))
+    [said] = [one for one in compare("a.csv", "b.csv").notices if one.code == "alignment-doubt"]
+    assert "--filter" in said.message
+    low = float(said.message.partition("by the low ones alone is ")[2].split("\xa0")[0])
+    assert low == pytest.approx(-37.3, abs=0.8)  # four standard uncertainties
+    assert "alignment-doubt" not in {one.code for one in compare("a.csv", "c.csv").notices}
+    assert "alignment-doubt" not in {one.code for one in compare("a.csv", "b.csv", filter="30 kHz").notices}
 
 
 def test_what_the_coarser_history_cannot_hold_is_reported():

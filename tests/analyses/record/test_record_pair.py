@@ -2,6 +2,7 @@
 
 import csv
 import json
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -58,9 +59,18 @@ def test_delay_and_gain_stand_in_json_and_tables(strikewave, shots):
 def test_screen_and_report_say_who_leads(strikewave, shots, read_page):
     code, out, _ = strikewave("record", str(shots[0]), "--unit", "g", "--pair", "1,2", "--out", "x")
     assert code == 0
+    assert " ".join(out.split()).startswith("left and right do not move as one rigid body: gain 0.89")
+    assert "<dt>one rigid body</dt><dd>no" in Path("x/report.html").read_text("utf-8")
     assert "Two sensors on one object: left and right" in out
     assert "not one rigid body: gain 0.89" in " ".join(out.split())
     assert "Two sensors" in read_page("x/report.html").sections
+
+
+def test_several_files_are_answered_together_at_the_head(strikewave, shots):
+    out = strikewave("record", *map(str, shots), "--unit", "g", "--pair", "1,2", "--out", "x")[1]
+    assert " ".join(out.split()).startswith("left and right do not move as one rigid body")
+    out = strikewave("record", *map(str, shots), "--unit", "g", "--pair", "1,3", "--out", "x", "--force")[1]
+    assert "one rigid body" in " ".join(out.split()).partition(". ")[0]
 
 
 def test_python_takes_what_the_command_takes(shots):

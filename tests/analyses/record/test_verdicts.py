@@ -7,11 +7,13 @@ import numpy as np
 import pytest
 
 import strikewave as sw
+from strikewave.analyses.record.verdicts.figures import limits_figure, spectrum_limits_figure
 from strikewave.base.errors import InputError
 from strikewave.signal.filters import Filter, effect_on_half_sine
 from strikewave.specifications.ideal_pulses import IdealPulse
 from strikewave.specifications.judged_records import filter_leaves
 from strikewave.specifications.reading import load_specification
+from strikewave.specifications.spectrum_limits import SpectrumLimits
 
 GRAVITY = 9.80665
 
@@ -227,6 +229,24 @@ def test_report_and_screen_have_the_verdict_and_draw_the_band(strikewave):
     page = Path("judged/report.html").read_text("utf-8")
     assert "Verdict by the specification" in page
     assert page.count("time from the begin of the ideal pulse") == 2
+
+
+def test_pictures_tell_spectra_of_one_verdict_apart_and_draw_the_limits_of_a_peak_beside_its_band():
+    limits = SpectrumLimits((10.0, 1e3), (1.0, 1.0), "quoted", 10.0, "absolute", "maximax", 6.0, (), None)
+    drawn = [(f"{k}", np.array([10.0, 1e3]), np.array([1.0, 2.0]), "pass") for k in range(8)]
+    lines = spectrum_limits_figure(limits, drawn, "t").axes[0].get_lines()
+    looks = [(line.get_linestyle(), line.get_marker()) for line in lines if "PASS" in line.get_label()]
+    assert len(set(looks)) == 8
+    figure = limits_figure(load_specification("iec-60068-2-27:50g-11ms").pulse_limits(), "t")
+    dotted = [line.get_ydata() for line in figure.axes[0].get_lines() if line.get_linestyle() == ":"]
+    assert [level[0] for level in dotted if len(level)] == pytest.approx([40.0, 60.0])
+
+
+def test_lines_of_the_filter_name_their_files(strikewave):
+    for name in ("a.csv", "b.csv"):
+        write_shot(name)
+    out = strikewave("record", "a.csv", "b.csv", "--filter", "5 kHz")[1]
+    assert all(f"{name}, table: zero-phase Butterworth" in out for name in ("a.csv", "b.csv"))
 
 
 def test_own_file_and_errors_of_the_options(strikewave, judged):

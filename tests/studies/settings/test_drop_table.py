@@ -154,6 +154,23 @@ def test_a_heavier_table_takes_a_stiffer_spring_and_the_same_height():
     assert heavy.height == pytest.approx(light.height, rel=0.03)
 
 
+def test_the_pad_of_a_case_is_tried_with_its_own_properties_and_provenance():
+    """That of iec-60068-2-27-rubber: 100 mm across and fitted to the peak of 100 g alone with 25 mm."""
+    case = load_case("iec-60068-2-27-rubber")
+    specification = load_specification("iec-60068-2-27:100g-6ms")
+    goal = DropGoal(specification, specification.pulse_limits(), 2.0)
+    study = design_drop_table(case, goal, DropChoices(diameters=(0.1,)))
+    pad = next(one for one in study.candidates if one.programmer.table is not None)
+    values = pad.case.values()
+    assert values["contact.restitution"].si == 0.75
+    assert values["contact.restitution"].note == case.values()["contact.restitution"].note
+    assert pad.reading.peak == pytest.approx(100.0 * G, rel=5e-3)
+    # the case has the peak alone, and is 6.05 ms wide at 10 %: for 5.62 ms the pad is stiffer, and so thinner
+    assert pad.thickness < 0.025
+    rubber = next(one for one in study.candidates if one.programmer.name == "natural rubber 65 IRHD")
+    assert pad.thickness == pytest.approx(rubber.thickness, rel=1e-3)
+
+
 def test_the_written_case_gives_the_pulse_again(strikewave):
     words = (
         "--spec",
@@ -190,6 +207,8 @@ def test_the_written_case_gives_the_pulse_again(strikewave):
         (["--spec", "jesd22-b110:B", "--programmer", "linear, restitution=2", "--out", "o"], "contact.restitution"),
         (["--spec", "jesd22-b110:B", "--stroke", "0.2 m", "--programmer", "linear"], "it needs a drop height"),
         (["--spec", "jesd22-b110:B", "--diameter", "0 mm"], "--diameter"),
+        (["--spec", "jesd22-b110:B", "--set", "machine.height=1 m"], "machine.height: got \"1 m\"; allowed: no --set of it"),
+        (["--spec", "jesd22-b110:B", "--set", "contact.restitution=0.5"], "--programmer or --diameter state it"),
         (["--spec", "jesd22-b110:B", "--from", "en-166-ball"], "a drop table or a rotary machine"),
         (["--spec", "jesd22-b110:B", "--from", "li-ma-2019"], "--interval: missing"),
         (["--interval", "20 ms", "--peak", "1 g", "--width", "1 ms", "--stroke", "1 m"], "it is of a drop table"),

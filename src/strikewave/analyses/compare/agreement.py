@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from strikewave.analyses.compare.curve import FEWEST, ComparedCurve
 from strikewave.base.errors import InputError
-from strikewave.signal.alignment import Shift, by_correlation, by_onset, by_peak
+from strikewave.signal.alignment import EvenHistory, Shift, are_opposite, by_correlation, by_onset, by_peak
 from strikewave.signal.iso18571 import SAMPLES, Rating, rate
 from strikewave.signal.pulse import Pulse
 from strikewave.signal.resampling import resampled, share_above
@@ -204,13 +204,24 @@ def agreement(
 
 
 def _shift(a: ComparedCurve, b: ComparedCurve, align: str) -> Shift:
-    """Return the shift by a rule; the polarity of the two does not count but for the correlation."""
+    """Return the shift by a rule, whatever the signs of the two."""
     if align == "none":
         return Shift(0.0, 0.0, "none")
     try:
-        return RULES[align](a.history, b.history)
+        return RULES[align](a.history, _upright(a, b))
     except ValueError as error:
         raise InputError("--align", align, "a rule that fits both histories", str(error)) from None
+
+
+def _upright(a: ComparedCurve, b: ComparedCurve) -> EvenHistory:
+    """Return B with the sign of A, where the two are alike with opposite signs."""
+    other = b.history
+    return other._replace(values=-other.values) if are_opposite(a.history, other) else other
+
+
+def shift_to_gap(a: ComparedCurve, b: ComparedCurve) -> Shift:
+    """Return the shift by correlation up to the first frequency at which the two are not coherent."""
+    return by_correlation(a.history, _upright(a, b), to_gap=True)
 
 
 def _interval(time: Array, a: Array, b: Array, pulses: tuple[Pulse, Pulse]) -> tuple[float, float]:

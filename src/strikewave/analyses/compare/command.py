@@ -8,6 +8,7 @@ import typer
 
 from strikewave.analyses.compare.limits import ComparisonLimit, read_limit
 from strikewave.reporting import measured_files as measured
+from strikewave.reporting.decision_options import Decision, Uncertainty
 from strikewave.reporting.low_pass import LowPassOptions
 from strikewave.reporting.options import Output, WithBand, bare_number, complete_case, parsed, quantity
 
@@ -53,6 +54,8 @@ def command(
         quantity("--to", si="s", signed=True, help="End of the interval that is judged, in the time of A."),
     ] = None,
     band: WithBand = True,
+    decision: Decision = "simple",
+    uncertainty: Uncertainty = None,
     measurement: measured.MeasurementOptions,
     filtering: LowPassOptions,
     output: Output,
@@ -68,6 +71,6 @@ def command(
     from strikewave.analyses.compare.screen import compare_sources
     from strikewave.analyses.compare.sources import SourceOptions
 
-    reading = SourceOptions(measurement.calibration(), measurement.reading(), filtering.low_pass(), band)
-    request = CompareRequest(reading, align, deviations, (begin, end), tuple(limits or ()))
+    reading = SourceOptions(measurement.calibration(), measurement.reading(), filtering.low_pass(), band, uncertainty)
+    request = CompareRequest(reading, align, deviations, (begin, end), tuple(limits or ()), decision)
     return compare_sources(a, b, request, output)

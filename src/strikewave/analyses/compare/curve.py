@@ -56,6 +56,8 @@ class ComparedCurve:
     uncertainty : mapping of str to float
         Standard uncertainty of its peak, width and velocity change (or impulse) from noise; of a campaign, that of the
         mean from their scatter.
+    budgeted : bool
+        Whether the uncertainties are those of a budget.
     troubles : mapping of str to str
         Why a figure is not to be trusted: by peak, width and velocity_change.
     notices : tuple of Notice
@@ -71,6 +73,7 @@ class ComparedCurve:
     band: Mapping[str, Band] = field(default_factory=dict)
     measured: Pulse | None = None
     uncertainty: Mapping[str, float] = field(default_factory=dict)
+    budgeted: bool = False
     troubles: Mapping[str, str] = field(default_factory=dict)
     notices: tuple[Notice, ...] = ()
 
@@ -180,7 +183,10 @@ def mean_curve(option: str, name: str, curves: Sequence[ComparedCurve], shifts: 
     pulses = np.array([one.pulse for one in curves])
     moved = Pulse(*map(float, np.append(np.mean(pulses[:, 0] + np.asarray(shifts)), np.mean(pulses[:, 1:], axis=0))))
     figures = [[getattr(one.pulse, name) for name in FIGURES.values()] for one in curves]
-    scatter = (np.std(figures, axis=0, ddof=1) / math.sqrt(len(curves))).tolist()
+    scatter = np.std(figures, axis=0, ddof=1) / math.sqrt(len(curves))
+    budgeted = all(one.budgeted for one in curves)
+    if budgeted:  # what a channel may have done is common to all of its records
+        scatter = np.hypot(scatter, np.mean([[one.uncertainty[name] for name in FIGURES] for one in curves], axis=0))
     noise = math.sqrt(float(np.mean([one.history.noise**2 for one in curves])) / len(curves))
     return ComparedCurve(
         name,
@@ -190,6 +196,7 @@ def mean_curve(option: str, name: str, curves: Sequence[ComparedCurve], shifts: 
         np.std(rows, axis=0, ddof=1),
         len(curves),
         measured=moved,
-        uncertainty=dict(zip(FIGURES, scatter, strict=True)),
+        uncertainty=dict(zip(FIGURES, scatter.tolist(), strict=True)),
+        budgeted=budgeted,
         notices=tuple(dict.fromkeys(notice for one in curves for notice in one.notices)),
     )

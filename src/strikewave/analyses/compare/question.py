@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import dataclasses
+import math
 from collections.abc import Sequence
 from pathlib import Path
+from typing import get_args
 
-from strikewave.analyses.compare.agreement import LOST, RULES, CurveAgreement, agreement
+from strikewave.analyses.compare.agreement import LOST, RULES, CurveAgreement, agreement, shift_to_gap
 from strikewave.analyses.compare.curve import QUANTITIES, ComparedCurve, checked_curve
 from strikewave.analyses.compare.limits import ComparisonLimit, judge, limit_notices, read_limit
 from strikewave.analyses.compare.result import CompareResult
@@ -22,13 +24,21 @@ from strikewave.base.errors import InputError
 from strikewave.base.result import INFO, Notice, Result, Source
 from strikewave.base.units import si_value
 from strikewave.reporting import measured_files as measured
+from strikewave.reporting.clause_words import budget_notices
+from strikewave.reporting.decision_options import read_budget
 from strikewave.reporting.low_pass import low_pass_of
 from strikewave.reporting.numbers import listed, percent
 from strikewave.reporting.options import wrong_choice
+from strikewave.signal.alignment import Shift, are_opposite
 from strikewave.signal.filters import Filter
+from strikewave.specifications.decisions import Rule
 
+MEASURED = ("record", "campaign")
+"""Kinds of histories that were measured."""
 ALIGNMENTS = (*RULES, "none")
 """Rules by which B is shifted."""
+SHIFTS_APART = 3.0
+"""Standard uncertainties by which two shifts differ that are not one: noise alone does that in 0.3 %."""
 DEVIATIONS = 2.0
 """Standard deviations of a campaign that its corridor is wide to either side, where none is stated: 95 % of normal
 records."""
@@ -47,6 +57,7 @@ class CompareRequest:
     factor: float = DEVIATIONS
     between: tuple[float | None, float | None] = (None, None)
     limits: tuple[ComparisonLimit, ...] = ()
+    decision: Rule = "simple"
 
 
 def compare(
@@ -63,6 +74,8 @@ def compare(
     sensitivity: measured.Stated | None = None,
     rate: str | float | None = None,
     band: bool = True,
+    decision: Rule = "simple",
+    uncertainty: str | float | Path | None = None,
 ) -> CompareResult:
     """Hold one history against another: measured, simulated, or the corridor of a campaign.
 
@@ -90,6 +103,11 @@ def compare(
         Sampling rate of files without a time column.
     band : bool, optional
         Whether the bands of a case that is run are found.
+    decision : str, optional
+        By which A is judged by a specification: ``simple``, or ``guarded`` by the expanded uncertainty.
+    uncertainty : str, float or Path, optional
+        Expanded uncertainty (k = 2) of measured accelerations, such as ``"5 %"``, or a TOML file with an uncertainty
+        budget; only that of noise and baseline by default.
 
     Raises
     ------
@@ -114,15 +132,19 @@ def compare(
     """
     if align not in ALIGNMENTS:
         raise wrong_choice(align, "align", ALIGNMENTS)
+    if decision not in get_args(Rule):
+        raise wrong_choice(decision, "decision", get_args(Rule))
     calibration = {"unit": unit, "sensitivity": sensitivity}
     stated = measured.MeasurementOptions.in_python((), calibration, rate, None, None)
     between = tuple(None if one is None else si_value(one, "s", name) for one, name in ((begin, "begin"), (end, "end")))
+    budget = None if uncertainty is None else read_budget(str(uncertainty), "uncertainty")
     request = CompareRequest(
-        SourceOptions(stated.calibration(), stated.reading(), low_pass_of(filter), band),
+        SourceOptions(stated.calibration(), stated.reading(), low_pass_of(filter), band, budget),
         align,
         deviations,
         (between[0], between[1]),
         tuple(read_limit(word, "limits") for word in limits),
+        decision,
     )
     origin = dataclasses.replace(measured.UNKNOWN, kind="comparison", name=f"{_called(a)} and {_called(b)}")
     return compared(a, b, request, origin)
@@ -159,11 +181,22 @@ def compared(a: Compared, b: Compared, request: CompareRequest, origin: Source) 
         first = _side("A", a, request.reading)
         second = _side("B", b, request.reading, first.unit)
     _check_units(first, second)
+    _check_doubt(first, second, request, specification is not None)
     if specification is not None and first.kind == "campaign":
         hint = "a mean may keep limits that its shocks do not: strikewave record --spec judges each of them"
         raise InputError("A", first.name, "one blow of a record, or a simulation", hint)
-    judged = None if specification is None else judged_by(specification, first, request.reading.low_pass)
+    judged = None
+    if specification is not None:
+        judged = judged_by(specification, first, request.reading.low_pass, request.decision, request.reading.budget)
     return compared_curves(first, second, request, origin, judged)
+
+
+def _check_doubt(first: ComparedCurve, second: ComparedCurve, request: CompareRequest, judges: bool) -> None:
+    """Refuse a decision without a specification, and an uncertainty of what nobody measured."""
+    if request.decision != "simple" and not judges:
+        raise InputError("--decision", request.decision, "only with a specification", "name it as B: spec:NAME")
+    if request.reading.budget is not None and not any(one.kind in MEASURED for one in (first, second)):
+        raise InputError("--uncertainty", "no measured file", "only with a record as A or B", "leave it out")
 
 
 def _is_simulated(one: Compared) -> bool:
@@ -214,11 +247,13 @@ def compared_curves(
         request.factor,
         specified=specified,
         origin=origin,
-        citations=("iso-18571", "smallwood-1981"),
+        citations=("iso-18571", "smallwood-1981", *(("jcgm-100", "jcgm-101") if request.reading.budget else ())),
+        budget=request.reading.budget,
     )
     judged = judge(request.limits, result.values)
     failed = () if specified is None else verdict_notices(specified)
     notices = (
+        *(() if request.reading.budget is None else budget_notices(request.reading.budget)),
         *failed,
         *limit_notices(judged),
         *_notices(first, second, found, result),
@@ -241,12 +276,30 @@ def _check_units(a: ComparedCurve, b: ComparedCurve) -> None:
     raise InputError("B", words[1], f"the quantity of A, {words[0]}", "take another channel or part")
 
 
+def _doubted_shift(to_gap: Shift, shift: Shift) -> list[Notice]:
+    """Tell that the shift depends on frequencies at which the two are coherent again, as pickup in both makes them."""
+    doubt = math.hypot(to_gap.uncertainty, shift.uncertainty)
+    apart = abs(to_gap.shift - shift.shift)
+    if apart <= SHIFTS_APART * doubt:
+        return []
+    message = (
+        f"A and B are coherent at low frequencies and, beyond a gap, again, as a pickup in both makes them: the shift "
+        f"by the low ones alone is {1e6 * to_gap.shift:.6g}\N{NO-BREAK SPACE}us; --filter takes the pickup off both"
+    )
+    return [Notice("alignment-doubt", message, apart, SHIFTS_APART * doubt)]
+
+
 def _notices(a: ComparedCurve, b: ComparedCurve, found: CurveAgreement, result: CompareResult) -> list[Notice]:
     """Return what the user should know of the comparison itself."""
     notices = []
-    if a.sign != b.sign:
-        message = "the largest values of A and B have opposite signs: --polarity -1 turns a measured one round"
-        notices.append(Notice("polarity", message))
+    if are_opposite(a.history, b.history) or a.sign != b.sign:
+        files = [one for one in (a, b) if one.measured is not None]
+        turned = "--polarity -1 turns the measured one round"
+        if len(files) == 2:
+            turned = "polarity = -1 under [all] in a file beside one, such as shot.csv.toml, turns that one round"
+        notices.append(Notice("polarity", f"A and B have opposite signs, and B is not turned: {turned}"))
+    if result.align == "correlation":
+        notices += _doubted_shift(shift_to_gap(a, b), found.shift)
     if found.lost > LOST:
         coarse = max(a.history.step, b.history.step)
         message = (

@@ -8,6 +8,7 @@ from strikewave.analyses.compare.specified import SpecificationVerdict
 from strikewave.analyses.compare.words import (
     agreement_table,
     band_table,
+    budget_words,
     clause_table,
     compare_words,
     figure_table,
@@ -35,7 +36,7 @@ def compare_report(result: CompareResult) -> str:
         *([_specification(result.specified)] if result.specified is not None else []),
         *([Section("Limits", "", [limit_table(result)])] if result.judged else []),
         Section("Comparison", "", pictures),
-        Section("Figures", "", tables),
+        Section("Figures", "" if result.budget is None else budget_words(result), tables),
         *([Section("Band", "", [band_table(result)])] if result.in_bands else []),
         Section("Scores", scaling_words(result), [score_table(result)]),
         _sources(result),
@@ -53,8 +54,8 @@ def compare_report(result: CompareResult) -> str:
 def _specification(judged: SpecificationVerdict) -> Section:
     """Show what a specification comes to."""
     words = (
-        "A is judged by the values alone (simple acceptance). The status of a limit is normative (read in the "
-        "standard), quoted (second-hand) or indicative (from memory)."
+        f"{judged.decision} The status of a limit is normative (read in the standard), quoted (second-hand) or "
+        "indicative (from memory)."
     )
     if judged.limits.band is not None:
         words += " The band lies where the smallest distance of A to it is largest."

@@ -13,6 +13,7 @@ from strikewave.analyses.compare.curve import FIGURES, QUANTITIES, SHOWN_IN, Com
 from strikewave.analyses.compare.limits import Judged, verdict_of
 from strikewave.analyses.compare.specified import SpecificationVerdict
 from strikewave.base.result import Band
+from strikewave.records.budget.contributions import Budget
 from strikewave.reporting.columns import HISTORY_DIGITS, Column, csv_table
 from strikewave.reporting.measured_files import AskedResult
 from strikewave.reporting.numbers import axis_unit, percent, rounded
@@ -63,6 +64,7 @@ class CompareResult(AskedResult):
     factor: float = 2.0
     judged: Sequence[Judged] = ()
     specified: SpecificationVerdict | None = None
+    budget: Budget | None = None
 
     @property
     def title(self) -> str:
@@ -211,6 +213,7 @@ class CompareResult(AskedResult):
                 }
                 for one in self.judged
             ],
+            "budget": None if self.budget is None else self.budget.document(),
             "spec": None if self.specified is None else self.specified.document(),
             "verdict": self.verdict,
             "history": {"time": found.time, "a": found.a, "b": found.b, "deviation": found.deviation},

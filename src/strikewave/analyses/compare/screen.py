@@ -13,6 +13,7 @@ from strikewave.analyses.compare.sources import parse_name, paths_of
 from strikewave.analyses.compare.words import (
     agreement_table,
     band_table,
+    budget_words,
     clause_table,
     compare_words,
     figure_table,
@@ -71,7 +72,10 @@ class CompareCommand(Command[CompareResult]):
         tell(f"B: {result.b.name}")
         if result.specified is not None:
             report_table(clause_table(result.specified), more=("of tolerance", "limit is", "why"))
+            tell(result.specified.decision, "  ")
         report_table(figure_table(result))
+        if result.budget is not None:
+            tell(budget_words(result), "  ")
         report_table(agreement_table(result))
         report_table(score_table(result))
         tell(scaling_words(result), "  ")

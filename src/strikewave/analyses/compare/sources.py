@@ -23,13 +23,16 @@ from strikewave.base.errors import InputError, StrikewaveError, nearest, show
 from strikewave.base.result import Notice
 from strikewave.cases.case import bundled_cases
 from strikewave.records import Options, Request
+from strikewave.records.budget.blows import blow_uncertainty
+from strikewave.records.budget.contributions import Budget
+from strikewave.records.budgeted import check_amounts
 from strikewave.records.reading import ChannelReading
 from strikewave.reporting import measured_files as measured
 from strikewave.reporting.terminal import say
 from strikewave.signal.alignment import EvenHistory, Shift
 from strikewave.signal.filters import Filter
 from strikewave.signal.pulse import Pulse
-from strikewave.specifications.judged_records import troubles_of
+from strikewave.specifications.judged_records import measured_figure, troubles_of
 
 KEPT = ("solution.nc", "waves.nc", "histories.nc")
 """Files of results of run, wave and fem, one of which a folder holds."""
@@ -51,12 +54,13 @@ class SourceName(NamedTuple):
 
 @dataclass(frozen=True)
 class SourceOptions:
-    """How sources are read: calibration and options of measured files, the low-pass, and whether bands are found."""
+    """How sources are read: calibration and options of measured files, low-pass, bands, and an uncertainty budget."""
 
     stated: dict[str, dict[str, Any]] = field(default_factory=dict)
     options: Options = field(default_factory=Options)
     low_pass: Filter | None = None
     band: bool = True
+    budget: Budget | None = None
 
 
 def parse_name(word: str) -> SourceName:
@@ -180,10 +184,10 @@ def _record(
         raise StrikewaveError("it is bad: " + next(found.message for found in one.findings if found.severity == "bad"))
     blows = range(1, len(one.pulses) + 1) if name.blow == ALL else [name.blow]
     called = f"{Path(file).name}#{one.channel.name}"
-    return [_of_channel(option, called, one, blow) for blow in blows or [0]]
+    return [_of_channel(option, called, one, blow, reading.budget) for blow in blows or [0]]
 
 
-def _of_channel(option: str, name: str, one: ChannelReading, blow: int) -> ComparedCurve:
+def _of_channel(option: str, name: str, one: ChannelReading, blow: int, budget: Budget | None = None) -> ComparedCurve:
     """Return a channel as a curve."""
     channel = one.channel
     offset = one.baseline if one.pulses else 0.0
@@ -216,8 +220,12 @@ def _of_channel(option: str, name: str, one: ChannelReading, blow: int) -> Compa
         name = f"{name}@{place + 1}"
     shown = EvenHistory(values[kept], channel.step, float(time[kept][0]), noise)
     figures = Pulse(pulse.time, pulse.peak, pulse.width, pulse.rise, pulse.velocity_change)
-    doubt = pulse.uncertainty
-    uncertainty = {"peak": doubt.peak, "width": doubt.width, "integral": doubt.velocity_change}
+    known = None
+    if budget is not None:
+        check_amounts(budget, one)
+        known = blow_uncertainty(channel, pulse, budget, trials=True)
+    keys = {"peak": "peak", "width": "width", "integral": "velocity_change"}
+    uncertainty = {key: measured_figure(of, 0.0, pulse.uncertainty, known).uncertainty for key, of in keys.items()}
     curve = ComparedCurve(
         name,
         "record",
@@ -225,6 +233,7 @@ def _of_channel(option: str, name: str, one: ChannelReading, blow: int) -> Compa
         channel.unit,
         measured=figures,
         uncertainty=uncertainty,
+        budgeted=known is not None,
         troubles=troubles_of(one.findings),
         notices=tuple(notices),
     )

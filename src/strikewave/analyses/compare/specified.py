@@ -10,11 +10,12 @@ import numpy as np
 
 from strikewave.analyses.compare.curve import ComparedCurve
 from strikewave.base.result import FAILED, WARNING, Notice
-from strikewave.reporting.clause_words import clause_words
+from strikewave.records.budget.contributions import Budget
+from strikewave.reporting.clause_words import clause_words, decision_words
 from strikewave.signal.alignment import EvenHistory
 from strikewave.signal.filters import Filter
-from strikewave.specifications.decisions import CANNOT_TELL, FAIL
-from strikewave.specifications.judged_records import clause_document, filter_leaves, rests_on_indicative
+from strikewave.specifications.decisions import CANNOT_TELL, FAIL, Rule
+from strikewave.specifications.judged_records import Asked, clause_document, filter_leaves, rests_on_indicative
 from strikewave.specifications.judging import (
     Clause,
     MeasuredFigure,
@@ -45,11 +46,20 @@ class SpecificationVerdict:
         What that asks of a shock.
     found : ShockVerdict
         Clauses and place of the band.
+    rule : str
+        How uncertainty enters.
+    budget : Budget or None
+        By which it was found.
+    measured : bool
+        Whether the history was: of a simulation no uncertainty is known.
     """
 
     specification: Specification
     limits: PulseLimits
     found: ShockVerdict
+    rule: Rule = "simple"
+    budget: Budget | None = None
+    measured: bool = True
 
     @property
     def verdict(self) -> str:
@@ -61,10 +71,25 @@ class SpecificationVerdict:
         """Whether it rests on a limit that is from memory."""
         return rests_on_indicative(self.found.clauses, self.verdict)
 
+    @property
+    def asked(self) -> Asked:
+        """How it was judged, and what its uncertainty holds."""
+        return Asked(self.rule, budget=self.budget)
+
+    @property
+    def decision(self) -> str:
+        """By which rule it was judged, and what its uncertainty holds, in words."""
+        asked = self.asked
+        return decision_words(self.rule, *((asked.holds, asked.not_stated) if self.measured else ((), ())))
+
     def document(self) -> dict[str, Any]:
         """Return the entry of the JSON document, in SI."""
         return {
             **self.specification.document(),
+            "decision": self.rule,
+            "uncertainty": self.asked.share,
+            "uncertainty_holds": list(self.asked.holds if self.measured else ()),
+            "uncertainty_not_stated": list(self.asked.not_stated if self.measured else ()),
             "verdict": self.verdict,
             "by_indicative_limits": self.by_indicative,
             "start": self.found.start,
@@ -97,18 +122,24 @@ def specified_curve(option: str, word: str) -> tuple[ComparedCurve, Specificatio
     return ComparedCurve(f"{PREFIX}{specification.asked}", "specification", history, "m/s^2"), specification
 
 
-def judged_by(specification: Specification, curve: ComparedCurve, low_pass: Filter | None) -> SpecificationVerdict:
+def judged_by(
+    specification: Specification,
+    curve: ComparedCurve,
+    low_pass: Filter | None,
+    rule: Rule = "simple",
+    budget: Budget | None = None,
+) -> SpecificationVerdict:
     """Judge a history by a specification, as `strikewave record` judges a blow."""
     limits, history, pulse = specification.pulse_limits(), curve.history, curve.pulse
     doubt = curve.uncertainty
     figures = {}
     if curve.measured is not None:
         figures = {
-            "peak": MeasuredFigure(abs(pulse.peak), doubt.get("peak", 0.0)),
-            "velocity_change": MeasuredFigure(abs(pulse.area), doubt.get("integral", 0.0)),
+            "peak": MeasuredFigure(abs(pulse.peak), doubt.get("peak", 0.0), curve.budgeted),
+            "velocity_change": MeasuredFigure(abs(pulse.area), doubt.get("integral", 0.0), curve.budgeted),
         }
         if pulse.width > 0.0:
-            figures["width"] = MeasuredFigure(pulse.width, doubt.get("width", 0.0))
+            figures["width"] = MeasuredFigure(pulse.width, doubt.get("width", 0.0), curve.budgeted)
     shock = Shock(
         curve.sign * history.values,
         history.step,
@@ -119,7 +150,8 @@ def judged_by(specification: Specification, curve: ComparedCurve, low_pass: Filt
         math.nan if low_pass is None else low_pass.half_power(history.step),
         dict(curve.troubles),
     )
-    return SpecificationVerdict(specification, limits, judge_shock(shock, limits))
+    found = judge_shock(shock, limits, rule)
+    return SpecificationVerdict(specification, limits, found, rule, budget, curve.measured is not None)
 
 
 def verdict_notices(judged: SpecificationVerdict) -> tuple[Notice, ...]:

@@ -8,11 +8,19 @@ from strikewave.analyses.compare.agreement import PairOfFigures
 from strikewave.analyses.compare.limits import METRICS, value_words, verdict_of
 from strikewave.analyses.compare.result import INTEGRALS, NAMES, CompareResult, shift_words
 from strikewave.analyses.compare.specified import SpecificationVerdict
-from strikewave.reporting.clause_words import CLAUSE_HEADS, SHOWN, clause_cells, clause_words, tag_of, verdict_sentence
+from strikewave.reporting.clause_words import (
+    CLAUSE_HEADS,
+    SHOWN,
+    clause_cells,
+    clause_words,
+    held_words,
+    tag_of,
+    verdict_sentence,
+)
 from strikewave.reporting.numbers import axis_unit, band_text, headed, percent, shown, with_unit
 from strikewave.reporting.parts import NONE, Cell, Table, Tag, written
 from strikewave.signal.iso18571 import RATE, SAMPLES
-from strikewave.specifications.decisions import CANNOT_TELL, FAIL, PASS
+from strikewave.specifications.decisions import CANNOT_TELL, COVERAGE, FAIL, PASS
 
 LEAST_SHOWN = 5e-5
 """Uncertainty of a difference from which on it is shown: 0.01 % rounded."""
@@ -78,9 +86,25 @@ def figure_table(result: CompareResult) -> Table:
     rows: list[list[Cell]] = []
     for name, pair in result.figures.items():
         si, usual = shown_units(result, name)
-        cells = [NONE if math.isnan(v) else written(shown(v, si, usual) if si else v) for v in (pair.a, pair.b)]
+        pairs = ((pair.a, pair.a_uncertainty, result.a), (pair.b, pair.b_uncertainty, result.b))
+        cells = [_figure_words(v, u if curve.budgeted else 0.0, si, usual) for v, u, curve in pairs]
         rows.append([headed(NAMES[name], si, usual), *cells, difference_words(pair)])
     return Table("Largest pulse", ["figure", "A", "B", "difference"], rows)
+
+
+def _figure_words(value: float, doubt: float, si: str, usual: str) -> str:
+    """Return a figure, with its expanded uncertainty where a budget gives one."""
+    if math.isnan(value):
+        return NONE
+    texts = [written(shown(v, si, usual) if si else v, n) for v, n in ((value, 4), (COVERAGE * doubt, 2))]
+    return texts[0] if doubt == 0.0 else f"{texts[0]} ± {texts[1] if math.isfinite(doubt) else '?'}"
+
+
+def budget_words(result: CompareResult) -> str:
+    """Say what the uncertainties of A and B are, and hold."""
+    assert result.budget is not None
+    words = "± of A and B is the expanded uncertainty U, that of the difference its standard uncertainty. "
+    return words + held_words(result.budget.names, result.budget.not_stated)
 
 
 def agreement_table(result: CompareResult) -> Table:

@@ -10,6 +10,7 @@ from strikewave.analyses.machine.report import report
 from strikewave.analyses.machine.result import Solution
 from strikewave.reporting.style import save
 from strikewave.reporting.terminal import progress_bar, say
+from strikewave.uncertainty.beside import computed_beside
 
 picture, page = summary, report
 """What a result draws of itself in Python, see `strikewave.reporting.shown_result`."""
@@ -17,10 +18,17 @@ picture, page = summary, report
 
 def draw_result(solution: Solution, folder: Path, animate: bool = False) -> list[str]:
     """Write page and pictures of a run into a folder, and return their names."""
-    save(summary(solution), folder / "summary.svg")
-    moving = _animate(solution, folder) if animate else []
-    page = report(solution, moving=moving[0] if moving else "")
-    (folder / "report.html").write_text(page, "utf-8", newline="\n")
+
+    def sheet() -> bool:
+        save(summary(solution), folder / "summary.svg")
+        return True
+
+    with computed_beside(sheet) as is_written:
+        moving = _animate(solution, folder) if animate else []
+        page = report(solution, moving=moving[0] if moving else "")
+        (folder / "report.html").write_text(page, "utf-8", newline="\n")
+        if not is_written():
+            sheet()
     return ["report.html", "summary.svg", *moving]
 
 

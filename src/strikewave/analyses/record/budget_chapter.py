@@ -13,6 +13,7 @@ from strikewave.records.budget.contributions import ADDED, RECORD, SAMPLING, Bud
 from strikewave.records.budget.propagation import NORMAL, RECTANGULAR
 from strikewave.records.reading import ChannelReading
 from strikewave.records.record import Channel
+from strikewave.reporting.clause_words import held_words
 from strikewave.reporting.numbers import listed, with_unit
 from strikewave.reporting.parts import NONE, Cell, Section, Table, written
 
@@ -92,9 +93,7 @@ def budget_lines(result: RecordResult) -> list[str]:
     """Say what the uncertainties hold, what is not stated, and where Monte Carlo counts."""
     budget = result.budget
     assert budget is not None
-    lines = [f"± is the expanded uncertainty, k = 2 (about 95 %). It holds {listed(list(budget.names))}."]
-    if budget.not_stated:
-        lines.append(f"Not stated, and not in it: {listed(list(budget.not_stated))}.")
+    lines = [f"± U is the expanded uncertainty, about 95 %. {held_words(budget.names, budget.not_stated)}"]
     if any(math.isnan(one.figures["width"].expanded) for one in _all(result)):
         lines.append(
             "?: too little lies before the blow to know noise and baseline; state offset or noise in the budget."
@@ -127,14 +126,27 @@ def budget_section(result: RecordResult, names: Names) -> Section:
             if one.trials:
                 where = f"{names[file.path]}, {reading.channel.name}, blow {number}"
                 parts += [figure_table(budget, one.figures[name], name, reading.channel, where) for name in FIGURES]
+    parts.append(source_table(budget))
     stated = f" Budget: {budget.title} ({budget.file})." if budget.file else ""
     text = (
         " ".join(budget_lines(result)) + f"{stated} Each contribution changes the record, which is measured again: a "
         "sensitivity coefficient is the change of the figure over that of the contribution, by its standard "
-        "uncertainty to both sides (JCGM 100, 5.1.3). Estimates of contributions are 0 as no correction is made; "
-        "values, bounds and sources are those of the budget."
+        "uncertainty to both sides (JCGM 100, 5.1.3). Contributions are estimated as 0: nothing is corrected."
     )
     return Section("Uncertainty", text, parts)
+
+
+def source_table(budget: Budget) -> Table:
+    """Return the contributions of a budget with how their numbers are known."""
+    rows: list[list[Cell]] = [
+        [RECORD, "record", "what lies before the blow", "of each record"],
+        [SAMPLING, "record", "anywhere between two samples", "of each record"],
+    ]
+    rows += [
+        [one.name, one.kind, one.typed, f"{one.status}: {one.source}" if one.status else NONE]
+        for one in budget.contributions
+    ]
+    return Table("What is stated, and by whom", ["quantity", "kind", "stated", "status and source"], rows)
 
 
 def figure_table(budget: Budget, one: FigureUncertainty, name: str, channel: Channel, where: str) -> Table:
@@ -168,22 +180,21 @@ def figure_table(budget: Budget, one: FigureUncertainty, name: str, channel: Cha
 def _stated_cells(line: BudgetLine, stated: Contribution | None, name: str, unit: str, step: float) -> Sequence[str]:
     """Return what is stated, distribution, standard uncertainty and sensitivity coefficient of a contribution."""
     if line.name == RECORD:
-        return "of the record, before the blow (type A)", NORMAL, amount(name, unit, line.standard, 3), "1"
+        return "type A", NORMAL, amount(name, unit, line.standard, 3), "1"
     if line.name == SAMPLING:
         size = 0.5 * step / math.sqrt(3.0)
         own = with_unit(size, "s", "us", 3)
-        return "of the record: half a sample", RECTANGULAR, own, _coefficient(line, size / 1e-6, name, unit, "µs")
+        return "half a sample", RECTANGULAR, own, _coefficient(line, size / 1e-6, name, unit, "µs")
     assert stated is not None
     size = stated.input.standard
-    source = f" ({stated.status}: {stated.source})" if stated.status else ""
     if not stated.relative and stated.kind in ADDED:
         own = amount("peak", unit, size, 3)
         per = figure_unit("peak", unit)
-        return stated.typed + source, stated.distribution, own, _coefficient(line, size / per[0], name, unit, per[2])
+        return stated.typed, stated.distribution, own, _coefficient(line, size / per[0], name, unit, per[2])
     words = f"{size:.3g} of the effect" if stated.kind in WHOLE else percent(size, 3)
     of = "the effect" if stated.kind in WHOLE else "%"
     scale = 1.0 if stated.kind in WHOLE else 100.0
-    return stated.typed + source, stated.distribution, words, _coefficient(line, scale * size, name, unit, of)
+    return stated.typed, stated.distribution, words, _coefficient(line, scale * size, name, unit, of)
 
 
 def _coefficient(line: BudgetLine, size: float, name: str, unit: str, per: str) -> str:

@@ -29,7 +29,8 @@ def spectrum_picture(result: SpectrumResult) -> Figure:
     unit = result.reading.channel.unit
     if result.shocks:
         return titled(several_figure(result, 0), result.title)
-    return titled(srs_figure(result.spectra[0], unit=unit), result.title)
+    figure = srs_figure(result.spectra[0], unit=unit, expanded=result.expanded(0), side=result.side)
+    return titled(figure, result.title)
 
 
 picture: dict[type, Callable[[Any], Figure]] = {RecordResult: record_picture, SpectrumResult: spectrum_picture}

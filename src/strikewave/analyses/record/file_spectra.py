@@ -23,7 +23,9 @@ from strikewave.analyses.record.words import named
 from strikewave.base.errors import InputError, StrikewaveError
 from strikewave.base.result import FAILED, Notice, Source
 from strikewave.records import ChannelReading, FileReading, Options, Request, SampleStore, compare
+from strikewave.records.budgeted import check_amounts
 from strikewave.reporting import measured_files as measured
+from strikewave.reporting.clause_words import budget_notices
 from strikewave.reporting.numbers import with_unit
 from strikewave.reporting.options import Typed
 from strikewave.reporting.terminal import say
@@ -77,9 +79,11 @@ def judged_spectra_of(
     InputError, StrikewaveError
         If `spectra_of` or `SpectraJudge` raises it.
     """
-    if judge is None:
-        return spectra_of(asked, wanted, origin)
-    return judge.judged(spectra_of(asked, judge.wanted(wanted), origin))
+    found = spectra_of(asked, wanted if judge is None else judge.wanted(wanted), origin)
+    if found.budget is not None and found.budget.contributions:
+        notices = (*found.notices, *budget_notices(found.budget))
+        found = dataclasses.replace(found, notices=notices, citations=(*found.citations, "jcgm-100"))
+    return found if judge is None else judge.judged(found)
 
 
 def spectra_of(asked: FilesAsked, wanted: SpectrumRequest, origin: Source) -> SpectrumResult:
@@ -228,6 +232,8 @@ def _shock(
     own = _frequencies(wanted, channel.sampling_rate) if wanted.own_range else frequencies
     spectra = [spectrum_of(reading, kind, own, wanted.q, scope) for kind in kinds]
     budget = more.budget
+    if budget is not None:
+        check_amounts(budget, reading)
     known = () if budget is None else [uncertainty_of(reading, one, wanted.side, scope, budget) for one in spectra]
     return ShockSpectra(
         file,
@@ -311,7 +317,7 @@ def _rolling(
 
 def _notices(reading: ChannelReading) -> tuple[Notice, ...]:
     """Return what harms the spectrum, leaves its unit open, or tells it from the others."""
-    always = ("unit-unknown", "not-calibrated", "outlier")
+    always = ("unit-unknown", "unit-overrules", "not-calibrated", "outlier")
     return tuple(found.notice for found in reading.findings if "spectrum" in found.harms or found.code in always)
 
 

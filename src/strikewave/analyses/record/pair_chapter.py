@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import math
+from collections import Counter
 from collections.abc import Sequence
 from pathlib import Path
 
 from strikewave.analyses.record.paired import RecordPair
 from strikewave.analyses.record.tables import amount, plus_minus
-from strikewave.reporting.numbers import with_unit
+from strikewave.reporting.numbers import listed, with_unit
 from strikewave.reporting.parts import NONE, Cell, Part, Picture, Section, Table
 
 MOST_ROWS = 60
@@ -17,6 +18,12 @@ LEFT_OUT_FIRST = ("leads", "common peak", "differential peak", "alike up to")
 """Columns that a narrow screen leaves out."""
 ANSWERS = {"yes": "yes", "no": "no", "cannot-tell": "undetermined"}
 """Whether two sensors move as one rigid body, in words."""
+
+MOVE = {
+    "yes": "{both} move as one rigid body",
+    "no": "{both} do not move as one rigid body",
+    "cannot-tell": "Whether {both} move as one rigid body is undetermined",
+}
 
 
 def pair_table(pairs: Sequence[RecordPair], why: bool = False) -> Table:
@@ -55,6 +62,28 @@ def pair_table(pairs: Sequence[RecordPair], why: bool = False) -> Table:
 def _name(pair: RecordPair, place: int) -> str:
     reading = (pair.first, pair.second)[place]
     return "" if reading is None else reading.channel.name
+
+
+def pair_words(pairs: Sequence[RecordPair]) -> str:
+    """Say whether both sensors move as one rigid body, and why where there is one answer for all files."""
+    first = next((one for one in pairs if one.first is not None and one.second is not None), None)
+    if first is None:
+        return "No file has both channels of the pair."
+    both = f"{_name(first, 0)} and {_name(first, 1)}"
+    counts = Counter(one.one_body for one in pairs)
+    if len(counts) > 1:
+        named = [f"in {counts[answer]} {words}" for answer, words in ANSWERS.items() if counts[answer]]
+        return f"{both} as one rigid body: {listed(named)} of {len(pairs)} files."
+    reasons = {one.why for one in pairs}
+    why = f": {reasons.pop()}" if len(reasons) == 1 else f", in each of {len(pairs)} files"
+    return MOVE[pairs[0].one_body].format(both=both) + f"{why}."
+
+
+def pair_card(pairs: Sequence[RecordPair]) -> tuple[str, str]:
+    """Return the answer as a key number: of one file in a word, of several in how many they move so."""
+    if len(pairs) == 1:
+        return "one rigid body", ANSWERS[pairs[0].one_body]
+    return "one rigid body, of all files", f"{sum(one.one_body == 'yes' for one in pairs)} of {len(pairs)}"
 
 
 def pair_reasons(pairs: Sequence[RecordPair]) -> list[str]:

@@ -33,6 +33,7 @@ from strikewave.records import (
 from strikewave.records.budget.contributions import Budget
 from strikewave.records.budgeted import with_budget
 from strikewave.reporting import measured_files as measured
+from strikewave.reporting.clause_words import budget_notices
 from strikewave.reporting.terminal import say
 from strikewave.signal.filters import Filter
 from strikewave.specifications.decisions import Rule
@@ -286,7 +287,8 @@ def budgeted(result: RecordResult, budget: Budget) -> RecordResult:
     """Return the result of records with the uncertainty of each blow by a budget."""
     citations = tuple(dict.fromkeys((*result.citations, "jcgm-100", "jcgm-101")))
     readings = with_budget(result.readings, budget)
-    return dataclasses.replace(result, readings=readings, budget=budget, citations=citations)
+    notices = (*result.notices, *budget_notices(budget))
+    return dataclasses.replace(result, readings=readings, budget=budget, citations=citations, notices=notices)
 
 
 def _calibrations(stated_in: str, wanted: Request, paths: Sequence[Path]) -> list[tuple[str, str]]:

@@ -314,7 +314,7 @@ SENSOR_UNITS = {
 }
 """Unit of each key of the JSON document that says what a sensor leaves."""
 
-NOTED = ("unit-unknown", "not-calibrated", "unreadable", "rate-overrules")
+NOTED = ("unit-unknown", "not-calibrated", "unreadable", "rate-overrules", "unit-overrules")
 """Codes of findings that are warnings of the result too: what all its figures depend on."""
 
 

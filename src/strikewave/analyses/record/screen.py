@@ -488,19 +488,22 @@ def _print_campaign(campaign: Campaign, readings: Sequence[FileReading], names: 
 
 def _print_filter(files: Sequence[FileReading], filter_: Filter | None) -> None:
     """Say what the filters did to each channel, or which cutoff would leave the steepest blow of all as it is."""
-    for _, reading in rows_of(files):
+    names = short_names([file.path for file in files]) if len(files) > 1 else {}
+    for file, reading in rows_of(files):
+        called = ", ".join([*filter(None, [names.get(file.path)]), reading.channel.name])
         for finding in reading.findings:
             if finding.code == "high-pass":
-                tell(f"{reading.channel.name}: {finding.message}")
+                tell(f"{called}: {finding.message}")
     if filter_ is None:
         advised = advised_filter(files)
         if advised is not None:
             kilohertz = significant(advised.cutoff / 1e3, 3)
             tell(f"a low-pass of {kilohertz} kHz or more (--filter) leaves 98 % of a half-sine as steep as these")
         return
-    for _, reading in rows_of(files):
+    for file, reading in rows_of(files):
         effect = filter_effect(reading, filter_)
-        sentence = f"{reading.channel.name}: {effect['name']}"
+        called = ", ".join([*filter(None, [names.get(file.path)]), reading.channel.name])
+        sentence = f"{called}: {effect['name']}"
         if effect["peak_left"]:
             peak, width = _mean(effect["peak_left"]), _mean(effect["width_left"])
             sentence += f" leaves {percent(peak)} of the peak, {percent(width)} of the width"

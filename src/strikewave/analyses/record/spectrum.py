@@ -221,6 +221,12 @@ class SpectrumResult(measured.AskedResult):
         of = (self.file, reading.channel.name, reading.status, reading.baseline, self.spectra, self.rms, "")
         return self.shocks or (ShockSpectra(*of, self.response, self.rolling, uncertainties=self.uncertainties),)
 
+    def expanded(self, place: int) -> Array | None:
+        """Return the expanded uncertainty of a spectrum of one channel; None where no budget gives one."""
+        if self.shocks or place >= len(self.uncertainties):
+            return None
+        return self.uncertainties[place].lowest(len(self.spectra[place].frequency)).expanded
+
     @functools.cached_property
     def together(self) -> dict[str, dict[str, Array]]:
         """What several spectra come to, by name and kind: ``resultant``, or ``envelope`` and ``p95_50``."""
@@ -397,9 +403,9 @@ class SpectrumResult(measured.AskedResult):
         columns = [Column("frequency", self.spectra[0].frequency, "Hz")]
         for s in () if self.shocks else self.spectra:
             columns.append(Column(f"{s.kind}{of}", s.side(self.side), KIND_UNITS[s.kind]))
-        for s, known in zip(self.spectra, self.uncertainties, strict=False):
-            name, values = f"{s.kind} expanded uncertainty{of}", known.lowest(len(s.frequency)).expanded
-            columns.append(Column(name, values, KIND_UNITS[s.kind]))
+        for k, s in enumerate(self.spectra):
+            if (expanded := self.expanded(k)) is not None:
+                columns.append(Column(f"{s.kind} expanded uncertainty{of}", expanded, KIND_UNITS[s.kind]))
         for kind, values in self.rms.items() if not self.shocks else ():
             columns.append(Column(f"{kind} rms{of}", values, KIND_UNITS[kind]))
         for name, kinds in self.together.items() if self.shocks else ():

@@ -21,6 +21,9 @@ from strikewave.signal.filters import Filter
 from strikewave.signal.srs import INITIAL, PARTS, SIDES
 from strikewave.specifications.decisions import Rule
 
+LOWEST = 10.0
+"""Lowest natural frequency where none is stated, Hz."""
+
 
 def shock_spectra(
     paths: str | Path | Sequence[str | Path],
@@ -41,7 +44,7 @@ def shock_spectra(
     high_pass: str | float | None = None,
     q: float = 10.0,
     frequencies: Sequence[str | float] = (),
-    low: str | float = 10.0,
+    low: str | float = LOWEST,
     high: str | float | None = None,
     per_octave: float = 12.0,
     kinds: Sequence[str] = ("absolute",),
@@ -143,7 +146,8 @@ def shock_spectra(
             if not number > 0.0:
                 raise InputError(field, number, allowed)
         named = [_typed(one, "Hz", "frequencies") for one in frequencies]
-        ends = (_typed(low, "Hz", "low"), None if high is None else _typed(high, "Hz", "high"), per_octave)
+        lowest = low if low == LOWEST else _typed(low, "Hz", "low")  # the default is nothing that was asked for
+        ends = (lowest, None if high is None else _typed(high, "Hz", "high"), per_octave)
         options = SpectrumOptions(
             initial,
             rms,

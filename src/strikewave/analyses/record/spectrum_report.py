@@ -15,8 +15,8 @@ from strikewave.analyses.record.tables import squeezed, status_tag
 from strikewave.analyses.record.verdicts.judged_spectra import spectra_section, spectra_sentence
 from strikewave.analyses.record.words import named
 from strikewave.reporting import chapters
-from strikewave.reporting.clause_words import tag_of
-from strikewave.reporting.numbers import headed, percent, shown, spelled, with_unit
+from strikewave.reporting.clause_words import held_words, tag_of
+from strikewave.reporting.numbers import headed, one_in, percent, shown, spelled, with_unit
 from strikewave.reporting.parts import NONE, Cell, Part, Picture, Section, Table, Tag, written
 from strikewave.signal.envelopes import FEWEST
 from strikewave.signal.srs import Spectrum
@@ -32,11 +32,11 @@ def spectrum_report(result: SpectrumResult) -> str:
     unit = result.reading.channel.unit
     parts: list[Part] = [
         Picture(
-            srs_figure(one, unit=unit),
+            srs_figure(one, unit=unit, expanded=result.expanded(k), side=result.side),
             f"Largest {one.kind} response of oscillators whose base moves as the record says, over their natural "
             "frequency: upwards (positive), downwards (negative), and the larger of both (maximax).",
         )
-        for one in result.spectra
+        for k, one in enumerate(result.spectra)
     ]
     parts.append(
         Picture(
@@ -47,7 +47,9 @@ def spectrum_report(result: SpectrumResult) -> str:
     )
     sections = [
         *_verdict(result),
-        Section("Spectra", "", parts),
+        Section(
+            "Spectra", "" if result.budget is None else held_words(result.budget.names, result.budget.not_stated), parts
+        ),
         *_over_time(result),
         _record_section(result),
         _table_section(result),
@@ -229,6 +231,8 @@ def _table_section(result: SpectrumResult) -> Section:
     frequency = result.spectra[0].frequency
     step = max(math.ceil(len(frequency) / MOST_ROWS), 1)
     shown_values = [(one.kind, one.kind, one.side(result.side)) for one in result.spectra]
+    doubts = [(f"± U of {one.kind}", one.kind, result.expanded(k)) for k, one in enumerate(result.spectra)]
+    shown_values += [(name, kind, values) for name, kind, values in doubts if values is not None]
     shown_values += [(f"RMS of {kind}", kind, values) for kind, values in result.rms.items()]
     heads = [headed("natural frequency", "Hz", "Hz")]
     heads += [
@@ -243,7 +247,7 @@ def _table_section(result: SpectrumResult) -> Section:
             for kind, value in values
         ]
         rows.append([written(shown(float(frequency[k]), "Hz", "Hz")), *cells])
-    some = f"Every {step}th of {len(frequency)} frequencies; " if step > 1 else ""
+    some = f"{one_in(step).capitalize()} of {len(frequency)} frequencies; " if step > 1 else ""
     return Section("Values", f"{some}spectrum.csv has them all.", [Table(f"Spectra, {result.side}", heads, rows)])
 
 

@@ -13,8 +13,9 @@ from strikewave.analyses.record.spectrum import KIND_UNITS, SHOWN_UNITS, Spectru
 from strikewave.analyses.record.verdicts.judged_spectra import SpectraJudge, print_spectra_verdict
 from strikewave.base.result import Source
 from strikewave.reporting import measured_files as measured
+from strikewave.reporting.clause_words import held_words
 from strikewave.reporting.layout import KEY, MAIN, MORE, numerals
-from strikewave.reporting.numbers import headed
+from strikewave.reporting.numbers import headed, one_in
 from strikewave.reporting.options import Output
 from strikewave.reporting.run_and_write import Command, run_and_write
 from strikewave.reporting.terminal import number, table, tell
@@ -120,14 +121,20 @@ def _print(result: SpectrumResult) -> None:
         else f"{Path(result.file).name}, {reading.channel.name}"
     )
     table(f"Shock response spectrum of {what}: {q}, {side}, {first.part}", columns, rows)
+    if result.budget is not None and result.verdict is None:
+        tell(held_words(result.budget.names, result.budget.not_stated))
     if step > 1:
-        tell(f"every {step}th of {len(first.frequency)} frequencies; --json or spectrum.csv has them all")
+        tell(f"{one_in(step)} of {len(first.frequency)} frequencies; --json or spectrum.csv has them all")
 
 
 def _shown(result: SpectrumResult) -> list[tuple[str, str, Any, int]]:
     """Return the columns of the table: name, kind, values, and how soon it is left out."""
     if not result.shocks:
-        found = [(one.kind, one.kind, one.side(result.side), MAIN) for one in result.spectra]
+        found: list[tuple[str, str, Any, int]] = []
+        for k, one in enumerate(result.spectra):
+            found.append((one.kind, one.kind, one.side(result.side), MAIN))
+            if (expanded := result.expanded(k)) is not None:
+                found.append((f"± U of {one.kind}", one.kind, expanded, MAIN))
         return found + [(f"{kind} rms", kind, values, MAIN) for kind, values in result.rms.items()]
     found = [
         (f"{kind} {name.replace('p95_50', 'P95/50')}", kind, values, MAIN)

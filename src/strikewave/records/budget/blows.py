@@ -44,6 +44,15 @@ MOST_SAMPLES = 200
 """Samples of a blow that are: more are averaged, as one of so many loses 1e-4 of its peak between two."""
 LARGEST = 2_000_000
 """Numbers of a block of trials: some 16 MB."""
+CHANGING = ("linearity", "response", "resonance", "filter", "sampling", "offset", "drift", "coupling")
+"""Kinds that change the shape of a record."""
+IN_PLACE = {
+    "peak": ("acceleration", "offset", "noise"),
+    "width": ("offset", "noise"),
+    "velocity_change": ("acceleration", "offset", "noise"),
+}
+"""Kinds that stand in place of what the record would tell of noise and baseline, where too little lies before the blow.
+Where none is stated, the uncertainty is not known."""
 BY_LAW, BY_TRIALS = "law of propagation", "Monte Carlo"
 
 
@@ -171,10 +180,8 @@ def _trapezoid(size: int, begin: float, end: float) -> Array:
     """Return weights of samples whose sum is the integral between two places, straight lines between samples."""
     weights = np.zeros(size)
     grid = np.unique(np.concatenate([[begin], np.arange(math.ceil(begin), math.floor(end) + 1), [end]]))
-    share = np.gradient(grid) if grid.size > 2 else np.full(grid.size, 0.5 * (end - begin))
-    share[[0, -1]] = 0.5 * (grid[1] - grid[0]), 0.5 * (grid[-1] - grid[-2])
-    if grid.size > 2:
-        share[1:-1] = 0.5 * (grid[2:] - grid[:-2])
+    halves = 0.5 * np.diff(grid)
+    share = np.append(halves, 0.0) + np.append(0.0, halves)
     low = np.minimum(grid.astype(int), size - 2)
     np.add.at(weights, low, share * (1.0 - (grid - low)))
     np.add.at(weights, low + 1, share * (grid - low))
@@ -188,6 +195,7 @@ class _Measured(NamedTuple):
     where: ReadOff
     figures: Array
     factor: int
+    sign: float
 
 
 def _prepared(channel: Channel, pulse: RecordedPulse) -> _Measured:
@@ -215,7 +223,7 @@ def _prepared(channel: Channel, pulse: RecordedPulse) -> _Measured:
     near = max(0.25 * (last - first), 2.0)
     inside = slice(max(math.floor(top - near), 0), min(math.ceil(top + near) + 1, values.size))
     stretch = BlowStretch(values, step * factor, abs(pulse.peak), first, last)
-    return _Measured(stretch, ReadOff(inside, first, last, step * factor), figures, factor)
+    return _Measured(stretch, ReadOff(inside, first, last, step * factor), figures, factor, sign)
 
 
 def _model(measured: _Measured, contributions: Sequence[Contribution]) -> Model:
@@ -223,7 +231,7 @@ def _model(measured: _Measured, contributions: Sequence[Contribution]) -> Model:
     count = len(contributions)
     stretch, where = measured.stretch, measured.where
     plain = read_off(stretch.values[None, :], where)
-    shapeless = [k for k, one in enumerate(contributions) if one.kind in CHANGING]
+    shaping = [k for k, one in enumerate(contributions) if one.kind in CHANGING]
 
     def figures(drawn: Array) -> Array:
         found = np.empty((drawn.shape[0], len(FIGURES)))
@@ -231,19 +239,15 @@ def _model(measured: _Measured, contributions: Sequence[Contribution]) -> Model:
         for first in range(0, drawn.shape[0], block):
             rows = drawn[first : first + block, :count]
             shapes = plain
-            if shapeless:
-                chosen = [contributions[k] for k in shapeless]
-                shapes = read_off(changed(stretch, chosen, rows[:, shapeless]), where)
+            if shaping:
+                chosen = [contributions[k] for k in shaping]
+                shapes = read_off(changed(stretch, chosen, rows[:, shaping]), where)
             gain, clock = gain_of(contributions, rows), clock_of(contributions, rows)
             scale = np.column_stack([gain, clock, gain * clock])
             found[first : first + block] = (measured.figures + shapes - plain) * scale
         return np.asarray(found + drawn[:, count:])
 
     return figures
-
-
-CHANGING = ("linearity", "response", "resonance", "filter", "sampling", "offset", "drift", "coupling")
-"""Kinds that change the shape of a record."""
 
 
 def _by_noise(measured: _Measured, noise: float) -> Array:
@@ -273,15 +277,6 @@ class _Inputs(NamedTuple):
         return [one.input for one in self.contributions] + [
             InputQuantity(name, float(each)) for name, each in zip(FIGURES, together, strict=True)
         ]
-
-
-IN_PLACE = {
-    "peak": ("acceleration", "offset", "noise"),
-    "width": ("offset", "noise"),
-    "velocity_change": ("acceleration", "offset", "noise"),
-}
-"""Kinds that stand in place of what the record would tell of noise and baseline, where too little lies before the blow.
-Where none is stated, the uncertainty is not known."""
 
 
 def _inputs(channel: Channel, pulse: RecordedPulse, budget: Budget, measured: _Measured) -> _Inputs:
@@ -353,8 +348,7 @@ def _summed(
         shares = [BudgetLine(one, u, u**2 / total) for one, u in rows]
         shares.sort(key=lambda row: -row.standard if math.isfinite(row.standard) else 0.0)
         coverage = expanded / standard if standard > 0.0 else COVERAGE
-        figures[name] = FigureUncertainty(
-            float(measured.figures[k]), standard, expanded, coverage, tuple(shares), method
-        )
+        value = float(measured.figures[k]) * (1.0 if name == "width" else measured.sign)
+        figures[name] = FigureUncertainty(value, standard, expanded, coverage, tuple(shares), method)
     checked = {} if simulated is None else dict(zip(FIGURES, sound, strict=True))
     return BlowUncertainty(figures, 0 if simulated is None else simulated.trials, checked)

@@ -166,6 +166,11 @@ class Budget(NamedTuple):
         }
 
     @property
+    def indicative(self) -> tuple[str, ...]:
+        """Names of contributions whose numbers are from memory."""
+        return tuple(one.name for one in self.contributions if one.status == "indicative")
+
+    @property
     def share(self) -> float | None:
         """The expanded uncertainty of the acceleration, k = 2, where it is all that is stated; else None."""
         only = self.contributions[0] if len(self.contributions) == 1 else None

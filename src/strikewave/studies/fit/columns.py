@@ -98,7 +98,7 @@ def correlation_columns(study: FitStudy) -> tuple[TableColumn[CorrelationRow], .
 
 
 def _verdict(one: Misfit) -> Tag:
-    if one.independent == 1.0:
+    if one.is_number:
         return Tag("number")
     if one.more_than_noise:
         return Tag("not noise", "warned")

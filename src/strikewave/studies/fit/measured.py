@@ -37,13 +37,16 @@ FINER = 4
 lies below 0.42 of the sampling rate."""
 MOST_SAMPLES = 4000
 """Most samples of a pulse: one of more is taken at a coarser step, which still has some hundred to a width."""
+TURNED = 0.25
+"""Sum of squares of a record turned round, over that of the record, below which it has the other sign: a pulse fits a
+run of the other sign nowhere, echoes of both signs about as well."""
 ROUNDS, CLOSE = 20, 1e-6
 """Steps at most for the best shift, and the samples within which it has ended."""
 
 
 @dataclass(frozen=True)
 class MeasuredNumber:
-    """A number that was measured: name, sensor, SI unit, value with its standard uncertainty, and what was typed."""
+    """A number that was measured: name, sensor, SI unit, value with standard uncertainty, as typed, settings."""
 
     name: str
     sensor: str
@@ -51,11 +54,12 @@ class MeasuredNumber:
     value: float
     uncertainty: float
     typed: str
+    setting: str = ""
 
     @property
     def called(self) -> str:
         """What it is called."""
-        return f"{self.name} {self.sensor}".strip()
+        return f"{self.name} {self.sensor}".strip() + (f" ({self.setting})" if self.setting else "")
 
     @property
     def correlation(self) -> Array:
@@ -180,8 +184,6 @@ def measured_pulse(
     if record.unit != curve.unit:
         hint = "name another part, PART=RECORD, or another channel, RECORD#CHANNEL"
         raise InputError("--to", f"{record.name}, in {record.unit}", f"a record in {curve.unit}, as {curve.name}", hint)
-    if record.sign != curve.sign:
-        raise InputError("--to", f"{record.name}, whose peak has the other sign", "that of the run", "--polarity -1")
     begin, end, edge = _window(record)
     history = record.history
     step = max(history.step, curve.history.step, (end - begin) / MOST_SAMPLES)
@@ -194,7 +196,7 @@ def measured_pulse(
     before = values[time < edge]
     noise, peak = (float(np.std(before)) if before.size >= FEWEST_QUIET else 0.0), float(np.max(np.abs(values[kept])))
     known = noise > QUIETEST * peak
-    return MeasuredPulse(
+    found = MeasuredPulse(
         record,
         part,
         blow,
@@ -205,6 +207,11 @@ def measured_pulse(
         autocorrelation(before) if known else np.ones(1),
         low_pass,
     )
+    turned = replace(found, values=-found.values)
+    misfits = [float(np.sum(one.residuals(run) ** 2)) for one in (found, turned)]
+    if misfits[1] < TURNED * misfits[0]:
+        raise InputError("--to", f"{record.name}, whose pulse has the other sign", "that of the run", "--polarity -1")
+    return found
 
 
 def _window(record: ComparedCurve) -> tuple[float, float, float]:
@@ -218,6 +225,9 @@ def _window(record: ComparedCurve) -> tuple[float, float, float]:
     first, last = (history.start + edge * history.step for edge in edges)
     width = last - first
     begin, end = max(first - BESIDE * width, history.start), min(last + BESIDE * width, history.end)
+    if record.measured is None:  # no blow was found: an echo may be the largest pulse, and others lie before it
+        moving = int(np.argmax(np.abs(history.values) >= RISE_LOW * abs(pulse.peak)))
+        return begin, end, min(first, history.start + moving * history.step) - width
     return begin, end, first - width
 
 

@@ -71,6 +71,8 @@ class Misfit:
         Independent samples that the residual has.
     more_than_noise : bool
         Whether noise alone leaves so much once in a thousand times at most.
+    is_number : bool
+        Whether it is a stated number, not a record.
     noise_known : bool
         Whether the noise of the record is known; else it is taken as `strikewave.studies.fit.measured.QUIETEST`.
     """
@@ -80,6 +82,7 @@ class Misfit:
     share: float
     independent: float
     more_than_noise: bool
+    is_number: bool = False
     noise_known: bool = True
 
 
@@ -134,13 +137,13 @@ class Problem:
             left = residuals[rows]
             size = math.sqrt(float(left @ left) / left.size)
             if isinstance(one, MeasuredNumber):
-                found.append(Misfit(one.called, size, size * one.uncertainty / abs(one.value), 1.0, False))
+                found.append(Misfit(one.called, size, size * one.uncertainty / abs(one.value), 1.0, False, True))
                 continue
             count = max(independent_count(left.size, one.correlation) - 1.0, 1.0)  # the shift takes one
             quiet = independent_count(one.quiet, one.correlation) if one.quiet else math.inf
             limit = float(f.ppf(1.0 - CHANCE, count, min(quiet, 1e9)))
             share = size * one.deviation / float(np.max(np.abs(one.values)))
-            found.append(Misfit(one.called, size, share, count, size**2 > limit, bool(one.quiet)))
+            found.append(Misfit(one.called, size, share, count, size**2 > limit, noise_known=bool(one.quiet)))
         return found
 
     def blocks(self, residuals: Array) -> list[ResidualBlock]:

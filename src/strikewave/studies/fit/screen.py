@@ -27,7 +27,7 @@ from strikewave.studies.fit.columns import (
     residual_rows,
 )
 from strikewave.studies.fit.study import FitStudy, fit
-from strikewave.studies.fit.targets import parse_target
+from strikewave.studies.fit.targets import parse_target, target_words
 
 EXPECTED = 60
 """Runs that a fit takes for each free field, roughly: for the bar alone."""
@@ -53,7 +53,7 @@ def run_fit(case: Case, changes: Sequence[str], request: FitRequest, output: Out
         What `fit` raises, or if the place is taken.
     """
     usual = f"fit-{case_folder(case.name, dump_case(case), changes)}"
-    targets = [parse_target(word, case) for word in (*request.to, *request.check_on)]
+    targets = [parse_target(word, case) for word in target_words([*request.to, *request.check_on])]
     paths = [path for one in targets if not one.is_number for path in paths_of(parse_name(one.right))]
     origin = measured.source_of(
         "fit", case.name, list(dict.fromkeys(paths)) if output.writes(usual) else [], output.stated_test()

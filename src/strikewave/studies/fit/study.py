@@ -29,14 +29,24 @@ from strikewave.studies.fit.fitted_case import FittedTo, fitted_case
 from strikewave.studies.fit.free_fields import FreeField, changed_case, free_fields
 from strikewave.studies.fit.measured import LaidPulse, MeasuredNumber, MeasuredPulse
 from strikewave.studies.fit.problem import Problem, Solved, solve
+from strikewave.studies.fit.separating import SeparatingNumber, separating
 from strikewave.studies.fit.simulation import Simulation
-from strikewave.studies.fit.targets import ReadTargets, Target, parse_target, published_targets, read_targets
+from strikewave.studies.fit.targets import (
+    ReadTargets,
+    Target,
+    parse_target,
+    published_targets,
+    read_targets,
+    target_words,
+)
 from strikewave.studies.fit.trying import TriedChoice, read_tries, tried
 
 Array = NDArray[np.float64]
 
 MET = 2.0
 """Standard uncertainties of a number within which the fit meets it: 95 %."""
+MOST_NAMED = 6
+"""Targets that a note names."""
 AT_BOUND = 1e-4
 """Distance from a bound, over the width of the bounds, at which a value stands at it."""
 WHOLE_POWER = 5e-3
@@ -92,8 +102,10 @@ class FitStudy(AskedResult):
         The values.
     pulses : tuple of (MeasuredPulse, LaidPulse)
         The records, each with the fitted run laid on it.
-    computed : mapping of str to float
+    computed : tuple of float
         What the fitted case gives of each stated number, SI.
+    separating : tuple of SeparatingNumber
+        Numbers that would tell apart what the data do not, the best first.
     checks : Checks or None
         Predictions of what was kept out.
     tries : tuple of TriedChoice
@@ -107,7 +119,8 @@ class FitStudy(AskedResult):
     solved: Solved
     parameters: tuple[FittedParameter, ...]
     pulses: tuple[tuple[MeasuredPulse, LaidPulse], ...]
-    computed: Mapping[str, float]
+    computed: tuple[float, ...]
+    separating: tuple[SeparatingNumber, ...] = ()
     checks: Checks | None = None
     tries: tuple[TriedChoice, ...] = ()
 
@@ -155,6 +168,7 @@ class FitStudy(AskedResult):
             "bias": "1",
             "iso18571": "1",
             "rms": "1",
+            "errors": "1",
             "kept_out": "standard deviations of the noise",
         }
 
@@ -180,6 +194,7 @@ class FitStudy(AskedResult):
             "correlation": self.correlation.tolist(),
             "undetermined": self.undetermined,
             "combinations": [combination_words(self, group) for group in found.groups()],
+            "separating": [one._asdict() for one in self.separating],
             "misfit": {
                 "chi_squared": found.misfit,
                 "residuals": int(found.residuals.size),
@@ -192,9 +207,9 @@ class FitStudy(AskedResult):
                     "unit": one.unit or "1",
                     "measured": one.value,
                     "uncertainty": one.uncertainty,
-                    "computed": self.computed[one.called],
+                    "computed": computed,
                 }
-                for one in self.numbers
+                for one, computed in zip(self.numbers, self.computed, strict=True)
             ],
             "tries": [vars(one) for one in self.tries],
             "checks": None if self.checks is None else _checks_document(self.checks),
@@ -318,6 +333,20 @@ def combination_words(study: FitStudy, group: Sequence[int]) -> str:
     return f"the data do not determine {names}: moved together ({together}) they change nothing"
 
 
+def separating_words(study: FitStudy, group: Sequence[int]) -> str:
+    """Say which measurement would determine fields that the data do not."""
+    paths = tuple(study.parameters[k].field.path for k in group)
+    best = next((one for one in study.separating if one.group == paths), None)
+    if best is None:
+        return "no other number of the blow would" + (" tell them apart" if len(group) > 1 else "")
+    errors = [
+        f"{path} to {percent(error * study.parameters[k].field.width, 1)}"
+        for path, error, k in zip(paths, best.errors, group, strict=True)
+        if study.parameters[k].field.log
+    ]
+    return f"{best.number} measured to 1 % would" + (f" ({listed(errors)})" if errors else "")
+
+
 @compiling_shown()
 def fit(
     case: Case,
@@ -387,12 +416,14 @@ def _fit(
 ) -> FitStudy:
     """Return the fit of one case."""
     fields = free_fields(case, free)
-    targets = [parse_target(word, case) for word in to] or published_targets(case)
+    targets = [parse_target(word, case) for word in target_words(to)] or published_targets(case)
     if not targets:
         hint = 'such as --to shot.csv or --to first.rigid_peak="4000 g"'
         raise InputError("--to", "none", "a record or a number: the case holds none that it was fitted to", hint)
     read = read_targets("--to", case, targets, fields, reading)
-    kept_out = read_targets("--check-on", case, [parse_target(word, case) for word in check_on], fields, reading)
+    kept_out = read_targets(
+        "--check-on", case, [parse_target(word, case) for word in target_words(check_on)], fields, reading
+    )
     study = fitted_study(case, fields, read, targets, progress)
     if not check_on:
         return study
@@ -426,6 +457,7 @@ def fitted_study(
         parameters=parameters,
         pulses=tuple(_laid(solved.problem, runs)),
         computed=_computed(solved.problem, runs),
+        separating=tuple(separating(solved)),
         citations=("liang-zeger-1986", "raue-2009"),
     )
     return dataclasses.replace(study, notices=(*_notices(study), *read.notices))
@@ -441,7 +473,9 @@ def _words(targets: Sequence[Target]) -> str:
         f"{one.left.replace('.', ' ').replace('_', ' ')} {one.right}" if one.is_number else Path(one.right).name
         for one in targets
     ]
-    return ", ".join(dict.fromkeys(words))
+    words = list(dict.fromkeys(words))
+    more = f" and {len(words) - MOST_NAMED} more" if len(words) > MOST_NAMED else ""
+    return ", ".join(words[:MOST_NAMED]) + more
 
 
 def _laid(problem: Problem, runs: Sequence[Simulation]) -> list[tuple[MeasuredPulse, LaidPulse]]:
@@ -453,13 +487,13 @@ def _laid(problem: Problem, runs: Sequence[Simulation]) -> list[tuple[MeasuredPu
     ]
 
 
-def _computed(problem: Problem, runs: Sequence[Simulation]) -> dict[str, float]:
-    return {
-        one.called: float(run.number(one.name, one.sensor) or math.nan)
+def _computed(problem: Problem, runs: Sequence[Simulation]) -> tuple[float, ...]:
+    return tuple(
+        float(run.number(one.name, one.sensor) or math.nan)
         for experiment, run in zip(problem.experiments, runs, strict=True)
         for one in experiment.measured
         if isinstance(one, MeasuredNumber)
-    }
+    )
 
 
 def _parameter(solved: Solved, k: int, field: FreeField) -> FittedParameter:
@@ -483,7 +517,7 @@ def _notices(study: FitStudy) -> list[Notice]:
     if study.solved.stopped:
         notices.append(Notice("stopped", "stopped: the best so far; fit fitted.toml to go on", severity=FAILED))
     for group in found.groups():
-        words = f"{combination_words(study, group)}: such a field keeps a value that fits, and is marked as assumed"
+        words = f"{combination_words(study, group)}; {separating_words(study, group)}"
         notices.append(Notice("not-determined", words, float(len(group)), 0.0))
     for one in study.solved.misfits:
         if one.more_than_noise:
@@ -493,9 +527,7 @@ def _notices(study: FitStudy) -> list[Notice]:
                 f"{one.size:.3g} {known}; the model lacks something, and standard errors are those of what is left"
             )
             notices.append(Notice("residual-not-noise", message, one.size, 1.0))
-    for number, misfit in zip(
-        study.numbers, [one for one in study.solved.misfits if one.independent == 1.0], strict=False
-    ):
+    for number, misfit in zip(study.numbers, [one for one in study.solved.misfits if one.is_number], strict=True):
         if misfit.size > MET:
             message = (
                 f"{number.called} is missed by {misfit.size:.2g} times its uncertainty ({percent(misfit.share, 1)})"

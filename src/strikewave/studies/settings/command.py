@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Annotated, Literal
 
 import typer
@@ -120,7 +120,7 @@ def command(
         if not is_rotary(case):
             rotary = {"--interval": interval, "--blows": blows, "--strikers": strikers, "--striker-mass": striker_mass}
             _refuse(rotary | {"--stop-limit": stop_limit}, "none of a drop table: it is of a rotary machine (--from)")
-            return _drop_table(output.tested(case), spec, drop, output, plain=not (changes or source or drop.given()))
+            return _drop_table(output.tested(case), spec, drop, output, changes or (), plain=source is None)
     _refuse(drop.given(), "none of a rotary machine: it is of a drop table, with --spec")
     plain = not (changes or strikers or striker_mass or stop_limit or spec) and blows is None
     plain = plain and (place, vary, disc) == (REFERENCE, STIFFNESS, DISC)
@@ -140,14 +140,15 @@ def _refuse(options: Mapping[str, object], allowed: str) -> None:
             raise InputError(option, getattr(first, "word", first), allowed, "leave it out")
 
 
-def _drop_table(case: Case, spec: str, drop: DropOptions, output: Output, plain: bool) -> int:
+def _drop_table(case: Case, spec: str, drop: DropOptions, output: Output, changes: Sequence[str], plain: bool) -> int:
     """Design a drop table, and return the exit code."""
     from strikewave.specifications.reading import load_specification
     from strikewave.studies.settings.drop_table.screen import DropCommand, find_drop_table
     from strikewave.studies.settings.drop_table.search import DropGoal
-    from strikewave.studies.settings.drop_table.study import STROKE, check_drop
+    from strikewave.studies.settings.drop_table.study import STROKE, check_drop, check_drop_changes
 
     specification = load_specification(spec)
     goal, choice = DropGoal(specification, specification.pulse_limits(), drop.stroke or STROKE), drop.choices()
     check_drop(case, goal, choice)
-    return find_drop_table(DropCommand(case, goal, choice), output, plain)
+    check_drop_changes(changes, case, choice)
+    return find_drop_table(DropCommand(case, goal, choice), output, plain and not (changes or drop.given()))

@@ -99,9 +99,8 @@ def holds(folder: Path, asked: str) -> bool:
 def print_clauses(title: str, clauses: Sequence[Clause]) -> None:
     """Print clauses with their limits, values, margins and verdicts."""
     rows = [[cell.text if isinstance(cell, Tag) else str(cell) for cell in clause_cells(one)] for one in clauses]
-    name, *figures = CLAUSE_HEADS[:5]
-    verdict, status = CLAUSE_HEADS[5:]
-    table(title, [*keys(name), *numerals(*figures), *texts(verdict), *texts(status, priority=MORE)], rows)
+    name, verdict, *figures, status = CLAUSE_HEADS
+    table(title, [*keys(name), *texts(verdict), *numerals(*figures), *texts(status, priority=MORE)], rows)
 
 
 def _print(study: SettingsStudy) -> None:

@@ -30,6 +30,8 @@ COLUMNS = 600
 REACH = 20.0
 """Lengths of a blow on both sides of it that its amplitude spectrum takes in: its lowest line is then a 40th of one
 over the length, far below where a pulse's spectrum falls, and ringing is in it."""
+LEAST_DRAWN = 1e-3
+"""Share of a spectrum down to which its band is drawn: a logarithmic axis has no zero."""
 DEPTH = 1e-6
 """Share of its largest value to which an amplitude spectrum is drawn: 120 dB, beyond every recorder's bits."""
 AFTER = 100.0
@@ -160,7 +162,13 @@ def response(reading: ChannelReading, kind: str = "absolute", q: float = Q) -> S
     return srs(values, step, octaves(low, max(high, 2.0 * low)), q, kind) if low < 0.2 / step else None
 
 
-def srs_figure(*spectra: Spectrum, labels: Sequence[str] = (), unit: str = "m/s^2") -> Figure:
+def srs_figure(
+    *spectra: Spectrum,
+    labels: Sequence[str] = (),
+    unit: str = "m/s^2",
+    expanded: Array | None = None,
+    side: str = "maximax",
+) -> Figure:
     """Draw a shock response spectrum, both polarities and the larger; of several the larger of each.
 
     Parameters
@@ -171,10 +179,28 @@ def srs_figure(*spectra: Spectrum, labels: Sequence[str] = (), unit: str = "m/s^
         What to call each of several.
     unit : str, optional
         SI unit of the record; empty where it is not known.
+    expanded : ndarray or None, optional
+        Expanded uncertainty of one side of a single spectrum, which is drawn as a band.
+    side : str, optional
+        That side.
     """
     figure = new_figure()
-    draw_srs(figure.add_subplot(), spectra, labels, unit)
+    axes: Any = figure.add_subplot()
+    if expanded is not None and np.any(np.isfinite(expanded)):
+        _draw_doubt(axes, spectra[0], expanded, side, unit)
+    draw_srs(axes, spectra, labels, unit)
     return figure
+
+
+def _draw_doubt(axes: Any, one: Spectrum, expanded: Array, side: str, unit: str) -> None:
+    """Draw a spectrum with its expanded uncertainty to both sides as a band."""
+    scale, _ = response_unit(one.kind, unit)
+    hertz_size, _ = axis_unit("Hz", "Hz")
+    values = one.side(side)
+    low, high = np.maximum(values - expanded, LEAST_DRAWN * values), values + expanded
+    place = np.asarray(one.frequency) / hertz_size
+    label = f"{side} ± U (k = 2)"
+    axes.fill_between(place, low / scale, high / scale, color=ORANGE, alpha=0.35, linewidth=0.0, label=label)
 
 
 def draw_srs(axes: Any, spectra: Sequence[Spectrum], labels: Sequence[str] = (), unit: str = "m/s^2") -> None:

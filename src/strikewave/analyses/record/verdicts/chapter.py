@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from strikewave.analyses.record.verdicts.figures import shock_figure
 from strikewave.analyses.record.verdicts.words import name_of_shock
-from strikewave.reporting.clause_words import CLAUSE_HEADS, SHOWN, clause_cells, decision_words, tag_of, value_words
+from strikewave.reporting.clause_words import CLAUSE_HEADS, SHOWN, clause_cells, decision_words, doubted_words, tag_of
 from strikewave.reporting.parts import NONE, Cell, Part, Picture, Section, Table
 from strikewave.specifications.decisions import FAIL, NOT_JUDGED, WORST_FIRST
 from strikewave.specifications.judged_records import JudgedShock, RecordsVerdict
@@ -72,13 +72,13 @@ def _shock_table(found: RecordsVerdict, names: dict[str, str], several: bool) ->
         rows.append(
             [
                 name_of_shock(shock, names, several),
-                *([shock.direction or NONE] if directed else []),
-                *[value_words(clauses[name]) if name in clauses else NONE for name in by_name],
                 tag_of(shock.found.verdict),
+                *([shock.direction or NONE] if directed else []),
+                *[doubted_words(clauses[name]) if name in clauses else NONE for name in by_name],
                 ", ".join(failed) or NONE,
             ]
         )
-    heads = ["shock", *(["direction"] if directed else []), *by_name, "verdict", "fails"]
+    heads = ["shock", "verdict", *(["direction"] if directed else []), *by_name, "fails"]
     left = f", the first {MOST_ROWS} of {len(found.shocks)}" if len(found.shocks) > MOST_ROWS else ""
     return Table(f"Shocks{left}", heads, rows)
 

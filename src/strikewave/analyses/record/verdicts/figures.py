@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from strikewave.analyses.record.figures.spectra import hertz_ticks, log_axis, number_tick
 from strikewave.reporting.clause_words import SHOWN
 from strikewave.reporting.curves import thin
 from strikewave.reporting.numbers import axis_unit, time_unit
@@ -86,7 +87,7 @@ def draw_limits(axes: Any, limits: PulseLimits, size: float, second: float) -> N
         axes.fill_between(time / second, low / size, high / size, color=GREEN, alpha=0.14, linewidth=0, label="band")
         for curve in (low, high):
             axes.plot(time / second, curve / size, color=GREEN, linewidth=1.0)
-    elif limits.peak is not None:
+    if limits.peak is not None:
         for level in (limits.peak.low, limits.peak.high):
             axes.axhline(level / size, color=GREEN, linewidth=1.0, linestyle=":")
         axes.plot([], [], color=GREEN, linestyle=":", label="limits of the peak")
@@ -147,13 +148,18 @@ def draw_spectrum_limits(
     low, high = limits.curves(frequency)
     axes.fill_between(frequency, low / size, high / size, color=GREEN, alpha=0.14, linewidth=0, label="tolerance")
     axes.plot(frequency, limits.nominal(frequency) / size, "--", color=GREY, linewidth=1.0, label="nominal")
-    for name, f, values, verdict in spectra[:MOST_SPECTRA]:
-        colour = {PASS: BLUE, FAIL: RED}.get(verdict, ORANGE)
-        axes.plot(f, values / size, color=colour, linewidth=1.3, label=f"{plain(name, 30)}: {SHOWN[verdict]}")
+    for k, (name, f, values, verdict) in enumerate(spectra[:MOST_SPECTRA]):
+        look = {"color": {PASS: BLUE, FAIL: RED}.get(verdict, ORANGE), "linestyle": LINES[k % len(LINES)]}
+        every = {"marker": MARKERS[k // len(LINES)], "markevery": 0.1, "markersize": 4}
+        axes.plot(f, values / size, **look, **every, linewidth=1.3, label=f"{plain(name, 30)}: {SHOWN[verdict]}")
     axes.set_xscale("log")
     axes.set_yscale("log")
+    log_axis(axes.xaxis, hertz_ticks())
+    log_axis(axes.yaxis, number_tick)
     quiet(axes, plain(title, 90), "natural frequency (Hz)", f"{limits.side} acceleration ({unit}), Q = {limits.q:g}")
 
 
 MOST_SPECTRA = 8
 """Spectra that are drawn over a tolerance: as many as can be told apart."""
+LINES, MARKERS = ("-", "--", "-.", ":"), ("", "o")
+"""By which spectra of one verdict, and so of one colour, are told apart."""

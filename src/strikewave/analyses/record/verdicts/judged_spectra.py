@@ -158,7 +158,7 @@ def spectra_section(found: SpectraVerdict) -> Section:
 
     drawn = [(one.name, one.frequency, one.values, one.verdict) for one in found.spectra]
     rows: list[list[Cell]] = [
-        [one.name, clause.clause, *_figures(clause), tag_of(clause.verdict), clause.status, clause.reason or NONE]
+        [one.name, tag_of(clause.verdict), clause.clause, *_figures(clause), clause.status, clause.reason or NONE]
         for one in found.spectra
         for clause in one.clauses
     ]
@@ -168,6 +168,6 @@ def spectra_section(found: SpectraVerdict) -> Section:
         f"Source: {file.source}." + (f" {' '.join(file.note.split())}" if file.note else "")
     )
     text = f"{decision_words(found.rule, found.holds, found.not_stated)} {text}"
-    heads = ["spectrum", "clause", "limit", "value ± U", "verdict", "limit is", "why"]
+    heads = ["spectrum", "verdict", "clause", "limit", "value ± U", "limit is", "why"]
     picture = Picture(spectrum_limits_figure(found.limits, drawn, found.specification.title), "Spectra and tolerance.")
     return Section("Verdict by the specification", text, [picture, Table("Clauses", heads, rows)])

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal, Self, get_args
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Self, get_args
 
 import typer
 
 from strikewave.base.errors import InputError
-from strikewave.reporting.options import parsed, wrong_choice
+from strikewave.reporting.decision_options import Decision, Uncertainty, read_budget
+from strikewave.reporting.options import wrong_choice
 from strikewave.specifications.decisions import Rule
 
 if TYPE_CHECKING:
@@ -16,7 +17,6 @@ if TYPE_CHECKING:
     from pathlib import Path
 
     from strikewave.analyses.record.verdicts.judged_spectra import SpectraJudge
-    from strikewave.records.budget.contributions import Budget
     from strikewave.specifications.judged_records import Asked
     from strikewave.specifications.reading import Specification
 
@@ -26,13 +26,6 @@ def complete_specification(incomplete: str) -> list[str]:
     from strikewave.specifications.reading import asked_names
 
     return [name for name in asked_names() if name.startswith(incomplete)]
-
-
-def _read_budget(word: str, field: str) -> Budget:
-    """Return the budget of a share or a file."""
-    from strikewave.specifications.budget_file import load_budget
-
-    return load_budget(word, field)
 
 
 @dataclass(frozen=True)
@@ -51,23 +44,8 @@ class SpecificationOptions:
             autocompletion=complete_specification,
         ),
     ] = None
-    decision: Annotated[
-        Literal["simple", "guarded"],
-        typer.Option(
-            "--decision",
-            help="Decision rule: by the value alone, or with a guard band of its expanded uncertainty (ISO 14253-1).",
-        ),
-    ] = "simple"
-    uncertainty: Annotated[
-        Any,
-        parsed(
-            "--uncertainty",
-            read=_read_budget,
-            metavar="SHARE|FILE",
-            help="Expanded uncertainty (k = 2) of the acceleration, such as 5 %, or a .toml file with an uncertainty "
-            "budget; noise and baseline alone by default.",
-        ),
-    ] = None
+    decision: Decision = "simple"
+    uncertainty: Uncertainty = None
     strict: Annotated[bool, typer.Option("--strict", help="State no verdict by limits that are from memory.")] = False
 
     @classmethod
@@ -83,7 +61,7 @@ class SpecificationOptions:
         """
         if decision not in get_args(Rule):
             raise wrong_choice(decision, "decision", get_args(Rule))
-        budget = None if uncertainty is None else _read_budget(str(uncertainty), "uncertainty")
+        budget = None if uncertainty is None else read_budget(str(uncertainty), "uncertainty")
         several = {name: [more[name]] if isinstance(more[name], str | int) else more[name] for name in more}
         lists = {name: [str(one) for one in values] or None for name, values in several.items()}
         return cls(spec, decision, budget, strict, **lists)

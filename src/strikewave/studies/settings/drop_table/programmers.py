@@ -15,6 +15,7 @@ from scipy.optimize import brentq
 from scipy.special import beta, betainc
 
 from strikewave.base.errors import InputError, nearest
+from strikewave.cases.case import Case, document_of
 from strikewave.cases.cushion_of_case import PROPERTIES
 from strikewave.cases.tables import CUSHION, POWER
 from strikewave.contact.cushions import Cushion, Pad, cushion_law, cushion_laws, cushion_material, cushion_materials
@@ -56,11 +57,14 @@ class Programmer:
         Restitution and properties as typed.
     own : bool
         Whether it is one of `DEFAULTS`, all of which is assumed.
+    table : mapping or None
+        The table [contact] of the case whose pad it is; None of others.
     """
 
     name: str
     given: Mapping[str, str]
     own: bool = False
+    table: Mapping[str, Any] | None = None
 
     @property
     def is_pad(self) -> bool:
@@ -72,6 +76,9 @@ class Programmer:
         """Its law."""
         if not self.is_pad:
             return POWER
+        if self.table is not None:
+            pad = self.table["cushion"]
+            return pad.get("law") or cushion_material(pad["material"]).law
         return cushion_material(self.name).law if self.name in cushion_materials() else self.name
 
     @property
@@ -89,6 +96,10 @@ class Programmer:
         slowest : any
             ``slowest_approach`` of the case.
         """
+        size = {"value": f"{(diameter or 0.0) * 1e3:.10g} mm", "provenance": "assumed", "note": "one of those tried"}
+        if self.table is not None:
+            pad = {key: value for key, value in self.table["cushion"].items() if key != "area"}
+            return {**self.table, "cushion": {**pad, "diameter": size, "thickness": "1 mm"}}
         why = "one of the programmers that are tried by default" if self.own else "asked for by --programmer"
 
         def stated(typed: str) -> dict[str, Any]:
@@ -109,9 +120,24 @@ class Programmer:
             }
         kind = "material" if self.name in cushion_materials() else "law"
         properties = {key: stated(typed) for key, typed in self.given.items() if key != "restitution"}
-        size = {"value": f"{diameter * 1e3:.10g} mm", "provenance": "assumed", "note": "one of the diameters tried"}
         table["cushion"] = {kind: self.name, **properties, "diameter": size, "thickness": "1 mm"}
         return table
+
+
+def pad_of_case(case: Case) -> Programmer | None:
+    """Return the pad of a case as a programmer, with its material, loss and provenance; None where it has none.
+
+    Examples
+    --------
+    >>> from strikewave.cases.case import load_case
+    >>> pad_of_case(load_case("iec-60068-2-27-rubber")).name, pad_of_case(load_case("jesd22-b111-b"))
+    ('pad of iec-60068-2-27-rubber', None)
+    """
+    table = document_of(case).get("contact", {})
+    if table.get("law") != CUSHION or "cushion" not in table:
+        return None
+    pad = Programmer(f"pad of {case.name or 'the case'}", {}, table=table)
+    return None if pad.law == "crush" else pad
 
 
 def read_programmer(word: str, own: bool = False, field: str = "--programmer") -> Programmer:

@@ -7,7 +7,7 @@ those of the ideal pulse, and the specification judges the pulse of each candida
 from __future__ import annotations
 
 import hashlib
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
@@ -22,7 +22,7 @@ from strikewave.reporting.numbers import with_unit
 from strikewave.reporting.shown_result import Curve, ShownResult, columns_of, history_curve
 from strikewave.specifications.ideal_pulses import HALF_SINE
 from strikewave.specifications.judged_records import clause_document, rests_on_indicative
-from strikewave.studies.settings.drop_table.programmers import DEFAULTS, Programmer, read_programmer
+from strikewave.studies.settings.drop_table.programmers import DEFAULTS, Programmer, pad_of_case, read_programmer
 from strikewave.studies.settings.drop_table.search import (
     WITHIN,
     DropCandidate,
@@ -63,10 +63,13 @@ class DropChoices:
     diameters: tuple[float, ...] = ()
     masses: tuple[float, ...] = ()
 
-    @property
-    def tried(self) -> tuple[Programmer, ...]:
-        """The programmers that are tried."""
-        return self.programmers or tuple(read_programmer(word, own=True) for word in DEFAULTS)
+    def tried(self, case: Case) -> tuple[Programmer, ...]:
+        """Return the programmers that are tried: unless some are asked for, the pad of the case and `DEFAULTS`."""
+        if self.programmers:
+            return self.programmers
+        pad = pad_of_case(case)
+        defaults = tuple(read_programmer(word, own=True) for word in DEFAULTS)
+        return defaults if pad is None else (pad, *defaults)
 
 
 @dataclass(frozen=True, eq=False)
@@ -245,11 +248,44 @@ def name_of(goal: DropGoal) -> str:
 
 def asked_line(case: Case, goal: DropGoal, choice: DropChoices) -> str:
     """Return the first line of the written case: what was asked, and a mark of everything that it was asked of."""
-    programmers = [(one.name, dict(one.given)) for one in choice.tried]
+    programmers = [(one.name, dict(one.given)) for one in choice.tried(case)]
     asked = f"{goal.specification.text} {goal.specification.asked} {goal.stroke} {programmers} "
     asked += f"{choice.diameters} {choice.masses}"
     mark = hashlib.sha256(f"{asked} {dump_case(case)}".encode()).hexdigest()[:8]
     return f"# strikewave settings: {goal_words(goal)}, from {case.name or 'case'} ({mark})\n"
+
+
+def check_drop_changes(changes: Iterable[str], case: Case, choice: DropChoices) -> None:
+    """Refuse a change (``path=value``) of a field that is chosen here: the search would replace it, with no warning.
+
+    Raises
+    ------
+    InputError
+        With the field.
+
+    Examples
+    --------
+    >>> from strikewave.cases.case import load_case
+    >>> check_drop_changes(["machine.height=1 m"], load_case("jesd22-b111-b"), DropChoices())
+    Traceback (most recent call last):
+        ...
+    strikewave.base.errors.InputError: machine.height: got "1 m"; allowed: no --set of it: it is chosen for the \
+velocity change; leave it out, or limit it by --stroke
+    """
+    chosen_here = {"machine.height": ("for the velocity change", "leave it out, or limit it by --stroke")}
+    if choice.masses:
+        chosen_here["object.mass"] = ("from --table-mass", "leave out one of both")
+    pad = any(one.table is not None for one in choice.tried(case))
+    for change in changes:
+        path, _, value = (part.strip() for part in change.partition("="))
+        if path in chosen_here:
+            how, hint = chosen_here[path]
+            raise InputError(path, value, f"no --set of it: it is chosen {how}", hint)
+        size = path.rpartition(".")[2] in ("diameter", "area", "thickness")
+        if path.startswith("contact.") and path != "contact.slowest_approach" and (size or not pad):
+            raise InputError(
+                path, value, "no --set of it: the programmer is chosen", "--programmer or --diameter state it"
+            )
 
 
 def check_drop(case: Case, goal: DropGoal, choice: DropChoices) -> None:
@@ -268,7 +304,7 @@ def check_drop(case: Case, goal: DropGoal, choice: DropChoices) -> None:
     if goal.pulse.shape != HALF_SINE:
         allowed = "a half-sine: no programmer that comes back makes another shape"
         raise InputError("--spec", goal.specification.asked, allowed, f"a {goal.pulse.shape} takes one that crushes")
-    many = len(choice.tried) * max(len(choice.diameters or DIAMETERS), 1) * max(len(choice.masses), 1)
+    many = len(choice.tried(case)) * max(len(choice.diameters or DIAMETERS), 1) * max(len(choice.masses), 1)
     if many > MOST_CANDIDATES:
         raise InputError("--programmer", f"{many} designs to try", f"at most {MOST_CANDIDATES}", "ask for fewer")
 
@@ -299,9 +335,9 @@ def design_drop_table(
     note = f"chosen by strikewave settings for {goal_words(goal)}"
     designs = [
         DropDesign(case, goal, programmer, diameter, mass, note)
-        for programmer in choice.tried
+        for programmer in choice.tried(case)
         for mass in choice.masses or (None,)
-        for diameter in ((choice.diameters or DIAMETERS) if programmer.is_pad else (None,))
+        for diameter in _diameters(programmer, case, choice)
     ]
     _check_height(designs, goal)
     tried = list(each_result(drop_candidate, designs, progress))
@@ -316,6 +352,14 @@ def design_drop_table(
     if not ranked:
         raise InputErrors(list(failed)[:MOST_REASONS])
     return DropStudy(case, goal, choice, ranked, failed, notices=tuple(_notices(ranked[0])), citations=SOURCES)
+
+
+def _diameters(programmer: Programmer, case: Case, choice: DropChoices) -> Sequence[float | None]:
+    """Return the diameters that are tried of a programmer, m; that of the pad of a case too."""
+    if not programmer.is_pad:
+        return (None,)
+    own = case.values().get("contact.cushion.diameter") if programmer.table is not None else None
+    return choice.diameters or sorted({*DIAMETERS, *([] if own is None else [own.si])})
 
 
 def _of_diameter(design: DropDesign) -> str:
