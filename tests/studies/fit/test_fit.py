@@ -122,12 +122,19 @@ def test_two_fields_that_are_one_are_named_as_their_quotient(tmp_path):
 
 
 def test_the_number_that_would_separate_two_fields_does():
-    """Of the published machine the peak alone fixes one product; the width would part it, as the fit to both shows."""
-    case = load_case("li-ma-2019")
-    study = fit(case, ["first.rigid_peak=4151 g +- 1 %"])
-    assert study.undetermined == [["machine.engagement", "object.frame_stiffness"]]
+    """The peak of a drop on a spring goes with the root of height times stiffness, its width with the stiffness alone.
+
+    1 % of a width is 2 % of a stiffness, in closed form; the fit to both shows what was promised.
+    """
+    case, fields = load_case(DROP, ["contact.restitution=0.9"]), ["machine.height", "contact.reference_force"]
+    study = fit(case, ["first.rigid_peak=1450 g +- 1 %"], fields)
+    assert study.undetermined == [fields]
+    assert study.content()["combinations"][0].startswith("the data fix machine.height × contact.reference_force^1.")
     promised = next(one for one in study.separating if one.number == "first.width")
-    both = fit(case, ["first.rigid_peak=4151 g +- 1 %", "first.width=200 us +- 1 %"])
+    assert promised.errors[1] * study.parameters[1].field.width == pytest.approx(
+        0.02, rel=0.1
+    )  # the table is two bodies
+    both = fit(case, ["first.rigid_peak=1450 g +- 1 %", "first.width=460 us +- 1 %"], fields)
     errors = [one.standard_error / one.value / one.field.width for one in both.parameters]
     assert promised.errors == pytest.approx(errors, rel=0.5)  # the promise leaves out the error of the product
 
@@ -317,7 +324,7 @@ def test_intervals_of_planted_drops_hold_the_truth(tmp_path):
 
 def test_an_interrupt_keeps_the_best_so_far(monkeypatch):
     """Ctrl-C in the middle of the search: the case has values that fit better than where it began."""
-    case = moved(load_case("li-ma-2019"), {"machine.engagement": 1.5})
+    case = load_case(DROP, ["contact.reference_force=500 kN", "contact.restitution=0.7"])
     calls = []
 
     def progress(runs, misfit):
@@ -325,7 +332,7 @@ def test_an_interrupt_keeps_the_best_so_far(monkeypatch):
         if len(calls) == 30:
             raise KeyboardInterrupt
 
-    study = fit(case, progress=progress)
+    study = fit(case, ["first.rigid_peak=1500 g", "first.width=450 us"], FIELDS, progress=progress)
     assert study.solved.stopped
     assert study.broken
     assert study.solved.estimate.misfit < calls[0]

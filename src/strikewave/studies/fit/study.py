@@ -519,20 +519,24 @@ def _notices(study: FitStudy) -> list[Notice]:
     for group in found.groups():
         words = f"{combination_words(study, group)}; {separating_words(study, group)}"
         notices.append(Notice("not-determined", words, float(len(group)), 0.0))
-    for one in study.solved.misfits:
-        if one.more_than_noise:
-            known = "times its noise" if one.noise_known else "times 1e-4 of its peak, for it shows no noise"
-            message = (
-                f"the residual of {one.called} is not noise: its RMS is {percent(one.share, 1)} of the peak, "
-                f"{one.size:.3g} {known}; the model lacks something, and standard errors are those of what is left"
-            )
-            notices.append(Notice("residual-not-noise", message, one.size, 1.0))
-    for number, misfit in zip(study.numbers, [one for one in study.solved.misfits if one.is_number], strict=True):
-        if misfit.size > MET:
-            message = (
-                f"{number.called} is missed by {misfit.size:.2g} times its uncertainty ({percent(misfit.share, 1)})"
-            )
-            notices.append(Notice("not-met", message, misfit.size, MET))
+    broken = [one for one in study.solved.misfits if one.more_than_noise]
+    if broken:
+        worst = max(broken, key=lambda one: one.size)
+        known = "times its noise" if worst.noise_known else "times 1e-4 of its peak, for it shows no noise"
+        others = f" (the worst of {len(broken)} records)" if len(broken) > 1 else ""
+        message = (
+            f"the residual of {worst.called} is not noise{others}: its RMS is {percent(worst.share, 1)} of the peak, "
+            f"{worst.size:.3g} {known}; the model lacks something, and standard errors are those of what is left"
+        )
+        notices.append(Notice("residual-not-noise", message, worst.size, 1.0))
+    missed = [one for one in study.solved.misfits if one.is_number and one.size > MET]
+    if missed:
+        worst = max(missed, key=lambda one: one.size)
+        others = f" (the worst of {len(missed)} of {len(study.numbers)} numbers)" if len(missed) > 1 else ""
+        message = (
+            f"{worst.called} is missed by {worst.size:.2g} times its uncertainty, {percent(worst.share, 1)}{others}"
+        )
+        notices.append(Notice("not-met", message, worst.size, MET))
     for value, at in zip(study.parameters, found.place, strict=True):
         if min(at, 1.0 - at) < AT_BOUND:
             message = f"{value.field.path} stands at a bound, {value_words(value)}: its best value may lie beyond"
