@@ -476,4 +476,7 @@ def _as_one_body(found: PairedMotion, ambiguous: bool, step: float, width: float
         return "cannot-tell", f"{gain_words} and {delay_words}: too uncertain to tell"
     if math.isnan(found.transfer.alike_to):
         return "cannot-tell", f"{gain_words} and {delay_words}, but no band of the transfer function can be trusted"
-    return "yes", f"{gain_words} and {delay_words}; alike within 10 % up to {found.transfer.alike_to:.3g} Hz"
+    return (
+        "yes",
+        f"{gain_words} and {delay_words}; alike within 10 % up to {found.transfer.alike_to:.3g}\xa0Hz",
+    )
