@@ -134,7 +134,7 @@ def test_a_saturated_amplifier_gives_a_flat_top(level, rng):
 
 
 @pytest.mark.parametrize(
-    ("share", "severity"), [(0.012, "good"), (0.05, "suspect"), (-0.05, "suspect"), (0.2, "bad"), (-0.2, "bad")]
+    ("share", "severity"), [(0.012, "good"), (0.055, "suspect"), (-0.055, "suspect"), (0.2, "bad"), (-0.2, "bad")]
 )
 def test_zero_shift(share, severity):
     values = blow(noise=1e-4) + share * PEAK * AFTER

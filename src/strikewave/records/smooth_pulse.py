@@ -131,18 +131,30 @@ class SmoothPulse(NamedTuple):
         """
         samples = math.ceil(self.length / step)
         time: Array = np.asarray(self.begin + step * np.arange(-samples, 2 * samples), dtype=np.float64)
-        parameters = np.array(self[:5])
-        changes = np.array([abs(self.peak), self.length, self.length, 1.0, 1.0]) * DERIVATIVE
         columns: list[Array] = []
         figures: list[Array] = []
-        for k, change in enumerate(changes):
-            pair = [SmoothPulse(*(parameters + sign * change * (np.arange(5) == k))) for sign in (1.0, -1.0)]
-            columns.append(np.subtract(pair[0].at(time), pair[1].at(time)) / (2.0 * change))
-            values = [(abs(one.peak), one.width(), one.area()) for one in pair]
-            figures.append((np.array(values[0]) - np.array(values[1])) / (2.0 * change))
+        for more, less, change in self._changed():
+            columns.append(np.subtract(more.at(time), less.at(time)) / change)
+            values = [(abs(one.peak), one.width(), one.area()) for one in (more, less)]
+            figures.append(np.subtract(values[0], values[1]) / change)
         scale = np.array([np.linalg.norm(column) or 1.0 for column in columns])
         spread = np.linalg.pinv(np.array(columns).T / scale) / scale[:, None]
         return PulseUncertainty(*(noise * float(v) for v in np.linalg.norm(np.array(figures).T @ spread, axis=1)))
+
+    def tangents(self, time: Array) -> Array:
+        """Return the directions in which the pulse moves at some times with its five parameters, unit columns."""
+        columns = [np.subtract(more.at(time), less.at(time)) for more, less, _ in self._changed()]
+        return np.array(columns).T / [np.linalg.norm(column) or 1.0 for column in columns]
+
+    def _changed(self) -> list[tuple[SmoothPulse, SmoothPulse, float]]:
+        """Return pulses with a little more and a little less of each parameter, and by how much they differ in it."""
+        parameters = np.array(self[:5])
+        changes = np.array([abs(self.peak), self.length, self.length, 1.0, 1.0]) * DERIVATIVE
+        steps = np.diag(changes)
+        return [
+            (SmoothPulse(*(parameters + step)), SmoothPulse(*(parameters - step)), 2.0 * float(change))
+            for step, change in zip(steps, changes, strict=True)
+        ]
 
     def _phase(self, share: float) -> float:
         return math.asin(share ** (1.0 / self.power)) / math.pi

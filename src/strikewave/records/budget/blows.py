@@ -30,10 +30,9 @@ from strikewave.records.budget.propagation import (
     monte_carlo,
 )
 from strikewave.records.measuring import RecordedPulse
+from strikewave.records.read_off import figures_of, without_noise
 from strikewave.records.record import Channel
 from strikewave.records.smooth_pulse import PulseUncertainty
-from strikewave.records.smoothing import smooth
-from strikewave.signal.pulse import WIDTH_FRACTION
 
 Array = NDArray[np.float64]
 
@@ -43,8 +42,6 @@ BESIDE = 0.5
 """Lengths of a blow to either side of it that are changed and measured again."""
 MOST_SAMPLES = 200
 """Samples of a blow that are: more are averaged, as one of so many loses 1e-4 of its peak between two."""
-LONGEST_WINDOW = 0.2
-"""Width over which noise is smoothed, at most."""
 LARGEST = 2_000_000
 """Numbers of a block of trials: some 16 MB."""
 CHANGING = ("linearity", "response", "resonance", "filter", "sampling", "offset", "drift", "coupling")
@@ -174,28 +171,9 @@ def read_off(values: Array, where: ReadOff) -> Array:
     >>> read_off(rows, ReadOff(slice(50, 150), 0.0, 200.0, 1.0 / 200)).round(4).tolist()
     [[1.0, 0.9362, 0.6366], [2.0, 0.9362, 1.2732]]
     """
-    rows, size = values.shape
-    at = np.arange(rows)
-    top = where.inside.start + np.argmax(values[:, where.inside], axis=1)
-    near = np.clip(top, 1, size - 2)
-    left, middle, right = (values[at, near + k] for k in (-1, 0, 1))
-    curvature = left - 2.0 * middle + right
-    bent = (curvature < 0.0) & (near == top)
-    shift = np.where(bent, 0.5 * (left - right) / np.where(bent, curvature, 1.0), 0.0)
-    peak = np.where(near == top, middle - 0.25 * (left - right) * shift, values[at, top])
-    level = WIDTH_FRACTION * peak
-    place = np.arange(size)
-    below = values <= level[:, None]
-    before = np.max(np.where(below & (place < top[:, None]), place, -1), axis=1)
-    after = np.min(np.where(below & (place > top[:, None]), place, size), axis=1)
-    outside = (before < 0) | (after >= size)
-    before, after = np.maximum(before, 0), np.minimum(after, size - 1)
-    with np.errstate(invalid="ignore", divide="ignore"):
-        first = before + (level - values[at, before]) / (values[at, before + 1] - values[at, before])
-        last = after - (level - values[at, after]) / (values[at, after - 1] - values[at, after])
-    width = np.where(outside, math.nan, (last - first) * where.step)
-    weights = _trapezoid(size, where.begin, where.end)
-    return np.column_stack([peak, width, values @ weights * where.step])
+    weights = _trapezoid(values.shape[1], where.begin, where.end)
+    _, peak, _, width = figures_of(values, where.inside).T
+    return np.column_stack([peak, width * where.step, values @ weights * where.step])
 
 
 def _trapezoid(size: int, begin: float, end: float) -> Array:
@@ -229,13 +207,13 @@ def _prepared(channel: Channel, pulse: RecordedPulse) -> _Measured:
     low = max(math.floor(begin - beside), 0)
     high = min(math.ceil(end + beside) + 1, channel.values.size)
     figures = np.array([abs(pulse.peak), pulse.width, sign * pulse.velocity_change])
+    fitted = sign * pulse.smooth.at(np.asarray(channel.start + step * np.arange(low, high), dtype=np.float64))
     if pulse.method == "record":
         raw = sign * (channel.values[low:high] - pulse.offset)
-        values, _ = smooth(
-            raw, pulse.noise, max(round(LONGEST_WINDOW * pulse.width / step), 2) if pulse.width > 0 else 2
-        )
+        white = pulse.noise * np.random.default_rng(0).normal(size=raw.size)
+        values = without_noise(raw, fitted, white, max(round(length / step), 2))
     else:
-        values = sign * pulse.smooth.at(np.asarray(channel.start + step * np.arange(low, high), dtype=np.float64))
+        values = fitted
     factor = max(math.floor(length / step / MOST_SAMPLES), 1)
     values = values[: values.size // factor * factor].reshape(-1, factor).mean(axis=1)
     first, last, top = (
