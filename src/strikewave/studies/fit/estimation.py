@@ -22,9 +22,8 @@ Residuals = Callable[[Array], Array]
 """Takes a place; returns the residuals, or raises what `on_threads` takes for a failure."""
 
 SCREENED, MOST_SCREENED = 8, 32
-"""Places tried before the search, for each coordinate and at most: enough to find the valley that the case's own place
-is not in (of 60 planted fits of two and three fields from places in all of the cube, two searches in three ended in one
-valley from fewer)."""
+"""Places tried before the search, for each coordinate and at most: chosen so that a valley a fifth as wide as the
+bounds is met, at the cost of one search."""
 STARTS = 3
 """Searches: from the place of the case, and from the best of those tried."""
 APART = 0.1
