@@ -16,7 +16,7 @@ from strikewave.records.budget.contributions import RECORD, Budget
 from strikewave.records.health_notice import HealthNotice
 from strikewave.records.measuring import RecordedPulse
 from strikewave.records.reading import ChannelReading, FileReading
-from strikewave.records.smooth_pulse import PulseUncertainty
+from strikewave.records.smooth_pulse import PulseUncertainty, SmoothPulse
 from strikewave.signal.filters import Filter
 from strikewave.specifications.decisions import CANNOT_TELL, COVERAGE, FAIL, PASS, Rule, together
 from strikewave.specifications.ideal_pulses import IdealPulse
@@ -362,8 +362,10 @@ def shock_of(
     time = begin + channel.step * np.arange(high - low)
     beside = {one.channel.name: np.interp(time, one.channel.time, one.channel.values) - one.baseline for one in across}
     values = {"peak": abs(pulse.peak), "velocity_change": abs(pulse.velocity_change), "width": pulse.width}
+    window = (1.0 + sum(limits.window)) * limits.pulse.duration
+    noise = pulse.uncertainty._replace(velocity_change=pulse.area_uncertainty(window))
     figures = {
-        name: measured_figure(name, value, pulse.uncertainty, known)
+        name: measured_figure(name, value, noise, known)
         for name, value in values.items()
         if name != "width" or value > 0.0
     }
@@ -379,7 +381,14 @@ def shock_of(
         troubles or {},
         beside,
         share,
+        1.0 if filter_ is None else before_filter(reading, pulse).through(filter_).width,
     )
+
+
+def before_filter(reading: ChannelReading, pulse: RecordedPulse) -> SmoothPulse:
+    """Return the smooth pulse of a blow as it was before the filter, where it was found then."""
+    near = min(reading.unfiltered, key=lambda one: abs(one.time - pulse.time), default=pulse)
+    return near.smooth if abs(near.time - pulse.time) <= pulse.end - pulse.begin else pulse.smooth
 
 
 def measured_figure(
