@@ -267,7 +267,7 @@ def judge_shock(shock: Shock, limits: PulseLimits, rule: Rule = "simple", strict
     pulse = limits.pulse
     peak = shock.figures.get("peak") or MeasuredFigure(refine_peak(shock.values, shock.peak_index)[1])
     first, last = _crossings(shock, limits.level * peak.value)
-    width = MeasuredFigure(last - first)
+    width = MeasuredFigure(last - first, math.nan if shock.figures else 0.0)  # known at 10 % alone
     if limits.level == 0.1 and "width" in shock.figures:
         width = shock.figures["width"]
     centre = _start_about(pulse, limits.level, first, last, shock)

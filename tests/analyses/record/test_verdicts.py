@@ -381,6 +381,15 @@ def test_spec_lists_and_shows_with_status_and_source_of_every_number(strikewave)
     assert (code, "one severity" in err) == (2, True)
 
 
+def test_options_of_another_action_of_spec_are_refused_and_the_help_says_of_which_each_is(strikewave):
+    for words in (("show", "un-38-3-t4:cell", "--from", "iso-16750-3"), ("new", "a.toml", "--rate", "1 MHz")):
+        code, _, err = strikewave("spec", *words)
+        assert (code, "only with" in err, Path("a.toml").exists()) == (2, True, False)
+    out = strikewave("spec", "--help")[1]
+    assert "--from" in out.partition("Of new:")[2].partition("Of synthesize:")[0]
+    assert "--rate" in out.partition("Of synthesize:")[2].partition("Output:")[0]
+
+
 def test_a_new_file_from_one_condition_holds_that_one_alone(strikewave):
     assert strikewave("spec", "new", "b.toml", "--from", "jesd22-b110:b")[0] == 0
     own, origin = load_specification("b.toml"), load_specification("jesd22-b110:B")

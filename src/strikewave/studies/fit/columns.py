@@ -13,8 +13,9 @@ from strikewave.reporting.numbers import headed, listed, percent, shown
 from strikewave.reporting.parts import Tag
 from strikewave.reporting.table_columns import TableColumn
 from strikewave.studies.fit.checking import Checks, PredictedFigure
+from strikewave.studies.fit.notices import MET
 from strikewave.studies.fit.problem import Misfit
-from strikewave.studies.fit.study import MET, FitStudy, FittedParameter, combination_words, value_words
+from strikewave.studies.fit.result import FitStudy, FittedParameter, combination_words, value_words
 from strikewave.studies.fit.trying import TriedChoice
 
 USUAL = {**SHOWN_IN, "s": "us"}

@@ -20,7 +20,7 @@ from strikewave.studies.fit.columns import (
     residual_rows,
 )
 from strikewave.studies.fit.figures import MOST_DRAWN, overlay, profile_figures, values_figure
-from strikewave.studies.fit.study import FitStudy
+from strikewave.studies.fit.result import FitStudy
 
 
 def fit_report(study: FitStudy) -> str:

@@ -26,7 +26,8 @@ from strikewave.studies.fit.columns import (
     fit_words,
     residual_rows,
 )
-from strikewave.studies.fit.study import FitStudy, fit
+from strikewave.studies.fit.result import FitStudy
+from strikewave.studies.fit.study import fit
 from strikewave.studies.fit.targets import parse_target, target_words
 
 MOST_ROWS = 20
