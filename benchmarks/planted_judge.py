@@ -15,6 +15,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 import numpy as np
+import planted_twin
 from planted import classes
 
 from strikewave.records import Channel, Record, Request, read_file
@@ -23,6 +24,8 @@ from strikewave.records.campaign import compare, summed
 G = 9.80665
 SEED = 920_000
 """First seed of the page of benchmarks."""
+COVERED = 3.0
+"""Standard uncertainties within which a figure that is off agrees with what is stated of it."""
 LIMIT = 0.05
 """Share by which a stated figure may be off."""
 RIGHT = 0.02
@@ -76,6 +79,8 @@ class FileVerdict:
     silent: list = field(default_factory=list)
     alarms: list = field(default_factory=list)
     withheld: list = field(default_factory=list)
+    covered: bool = False
+    """Whether each figure that is silently off is so by no more than three of its own stated standard uncertainties."""
 
 
 @dataclass
@@ -151,7 +156,7 @@ def judged_file(draft, file):
     codes = tuple(f"{f.code}:{f.severity}" for f in reading.findings)
     verdict = FileVerdict(len(draft.blows), len(reading.pulses), len(pairs), file.status, codes)
     worst = {}
-    rigid_off = {}
+    rigid_off, doubt = {}, {}
     withheld = defaultdict(list)
     for blow, pulse in pairs:
         truth = {"peak": blow.peak, "width": blow.width, "velocity_change": blow.velocity_change}
@@ -176,20 +181,25 @@ def judged_file(draft, file):
                 withheld[name].append(abs(error))
             elif abs(error) > abs(worst.get(name, 0.0)) and not abs(other) <= LIMIT:
                 worst[name] = error
+                doubt[name] = COVERED * abs(getattr(pulse.uncertainty, name) / (scale[name] * truth[name]))
     verdict.silent = [(name, error) for name, error in worst.items() if abs(error) > LIMIT]
     verdict.silent += [(f"{name} without ringing", error) for name, error in rigid_off.items()]
     verdict.withheld = [name for name, errors in withheld.items() if max(errors) < RIGHT]
+    verdict.covered = not rigid_off and all(abs(error) <= doubt[name] for name, error in verdict.silent)
     known = {id(pulse) for _, pulse in pairs}
     extra = sum(stated(reading, p, "peak") for p in reading.pulses if id(p) not in known)
     lost = len(draft.blows) - len(pairs)
     if extra:
         verdict.silent.append(("extra blows", extra))
+        verdict.covered = False
     if lost and reading.status == "good":
         verdict.silent.append(("lost blows", lost))
+        verdict.covered = False
     if math.isfinite(draft.period):
         off = [gap / draft.period - 1.0 for gap in kept(reading, "interval")]
         if off and max(map(abs, off)) > LIMIT:
             verdict.silent.append(("interval", max(off, key=abs)))
+            verdict.covered = False
     facts = {"negative": draft.sign < 0, "trapezoid": draft.setting.shape.name == "trapezoid"}
     verdict.alarms = [f.code for f in file.all_findings if f.severity != "good" and not facts.get(ALLOWED.get(f.code))]
     if len(reading.pulses) != len(draft.blows):
@@ -264,6 +274,27 @@ def judged_classes(kinds=tuple(classes.CLASSES), scale=1.0, first=0):
     items = [(kind, first + k) for kind in kinds for k in range(counted(kind, scale))]
     with ProcessPoolExecutor(os.cpu_count() or 1) as pool:
         return list(pool.map(judged_seed, items, chunksize=8))
+
+
+def cannot_be_told(item):
+    """Tell whether a draw of one record, by its class and seed, cannot be told from a sound one: see planted_twin."""
+    [draft] = classes.draw(*item).files
+    return planted_twin.twin(draft).chance < planted_twin.FEWEST_FOUND
+
+
+def sorted_misses(verdicts):
+    """Return why the silent misses of faulty draws are, in words."""
+    missed = [v for v in verdicts if v.silent and not v.clean]
+    covered = [v for v in missed if all(f.covered for f in v.files if f.silent)]
+    rest = [v for v in missed if v not in covered and len(v.files) == 1 and v.files[0].true]
+    with ProcessPoolExecutor(os.cpu_count() or 1) as pool:
+        alike = sum(pool.map(cannot_be_told, [(v.kind, v.seed) for v in rest]))
+    return [
+        f"Of {len(missed)} silent misses {len(covered)} are figures within three of their own stated standard uncertainties, and "
+        f"{alike} are records that cannot be told from a sound one: of the two as they are in their noise the likelihood ratio, "
+        f"which no rule can better, finds the faulty one less than every other time where it reports 2 % of the sound ones "
+        f"(benchmarks/planted_twin.py). {len(missed) - len(covered) - alike} are left to better rules."
+    ]
 
 
 HEAD = (
@@ -400,4 +431,5 @@ def section(scale=1.0, first=SEED):
         "draws them, with --show any one of them.",
         markdown(verdicts),
         *totals(verdicts),
+        *sorted_misses(verdicts),
     ]

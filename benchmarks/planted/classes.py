@@ -102,6 +102,7 @@ def recorded(rng, draft, decibels=None, colour=None, clean=True, sign=None, bits
         short = 2.0 * float(np.std(moving(sample, tip)))
         harm = max(2.0 * float(np.std(wander)) / 0.01, short / 0.02 * max(1.0, draft.setting.shape.width_error))
         size = min(size, faults.level(draft) / harm)
+    draft.plain = np.clip(draft.values, -draft.limit, draft.limit)
     draft.values = np.clip(draft.values + size * sample, -draft.limit, draft.limit)
     draft.faults |= {"noise": colour, "decibels": float(20 * np.log10(faults.level(draft) / size))}
     span = rng.uniform(1.15, 8.0) * max(top, float(np.max(np.abs(draft.values))))

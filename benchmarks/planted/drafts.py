@@ -74,6 +74,8 @@ class Draft:
         Where the range of the recorder ends, g.
     zero : ndarray
         What the blows stand on: offset, drift and hum, g.
+    plain : ndarray
+        The values with their faults, before noise, rounding and sign; None while they are made.
     """
 
     setting: Setting
@@ -85,6 +87,7 @@ class Draft:
     period: float = np.nan
     limit: float = np.inf
     zero: np.ndarray = None
+    plain: np.ndarray = None
 
     def __post_init__(self):
         """Stand at zero where nothing else is said."""

@@ -57,7 +57,12 @@ def main():
     kinds = words.only or list(classes.CLASSES)
     begin = time.perf_counter()
     verdicts = planted_judge.judged_classes(kinds, words.scale, words.seed)
-    text = [planted_judge.markdown(verdicts), "", *planted_judge.totals(verdicts)]
+    text = [
+        planted_judge.markdown(verdicts),
+        "",
+        *planted_judge.totals(verdicts),
+        *planted_judge.sorted_misses(verdicts),
+    ]
     text += ["", "Worst draws:", "", *planted_judge.worst(verdicts)]
     (words.output / "records.md").write_text("\n".join(text) + "\n", "utf-8")
     planted_judge.write_csv(verdicts, words.output / "records.csv")

@@ -46,7 +46,7 @@ if TYPE_CHECKING:  # for type checkers and editors; at run time a name is import
     from strikewave.records.readers import read_record as read_record
     from strikewave.signal.srs import srs as srs
     from strikewave.studies.buffer.question import buffer as buffer
-    from strikewave.studies.fit.study import FitStudy as FitStudy
+    from strikewave.studies.fit.result import FitStudy as FitStudy
     from strikewave.studies.fit.study import fit as fit
     from strikewave.studies.map.question import map as map
     from strikewave.studies.scatter.study import ScatterPlan as ScatterPlan
@@ -60,7 +60,7 @@ _HOMES = {
     "CompareResult": "analyses.compare.result",
     "Contact": "contact.law",
     "FemSolution": "analyses.fem.result",
-    "FitStudy": "studies.fit.study",
+    "FitStudy": "studies.fit.result",
     "InputError": "base.errors",
     "RecordResult": "analyses.record.result",
     "Result": "base.result",

@@ -1,11 +1,15 @@
 """Budget files: what they state reaches the contributions, and wrong ones are refused in one line."""
 
 import math
+from pathlib import Path
+from typing import get_args
 
 import pytest
 
 from strikewave.base.errors import InputError, InputErrors
-from strikewave.specifications.budget_file import KINDS, ContributionTable, load_budget
+from strikewave.records.budget.contributions import KINDS as CHANGES
+from strikewave.records.budget.contributions import TOPICS
+from strikewave.specifications.budget_file import KINDS, ContributionTable, Kind, load_budget
 
 HEAD = 'schema = 1\ntitle = "t"\nstatus = "normative"\nsource = "certificate 17"\n'
 
@@ -115,6 +119,14 @@ def test_each_kind_reaches_its_contribution(tmp_path):
     assert by_kind["drift"].status == "indicative"
     assert by_kind["coupling"].time_constant == 1.0
     assert budget.not_stated == ("gain of amplifier and recorder", "amplitude linearity", "clock of the recorder")
+
+
+def test_each_kind_changes_a_record_is_listed_and_stands_in_the_docs():
+    kinds = set(get_args(Kind))
+    assert kinds <= set(CHANGES)
+    assert kinds - {"noise"} == {kind for some in TOPICS.values() for kind in some}
+    page = (Path(__file__).parents[2] / "docs" / "uncertainty.md").read_text("utf-8")
+    assert [kind for kind in sorted(kinds) if f"| `{kind}`" not in page and f", `{kind}` |" not in page] == []
 
 
 def test_every_field_of_a_kind_is_one_of_the_table():

@@ -69,6 +69,15 @@ def random_pulse(random):
     return 1000.0 * random.uniform(0.75, 1.25) * (pulse + swing), step
 
 
+def test_a_width_at_another_share_than_a_tenth_has_no_known_uncertainty():
+    """It is known at 10 % alone: a guarded decision at half the peak states nothing, simple acceptance does."""
+    limits = PulseLimits(PULSE, "quoted", level=0.5, width=Limits(0.0, 1.0, "quoted"))
+    shock = shock_of(1000.0, figures={"peak": MeasuredFigure(1000.0, 1.0), "width": MeasuredFigure(1e-3, 1e-6)})
+    assert only(shock, limits).verdict == "pass"
+    guarded = only(shock, limits, rule="guarded")
+    assert (guarded.verdict, guarded.reason) == ("cannot-tell", "its uncertainty is not known")
+
+
 def test_500_random_pulses_have_the_verdicts_of_a_second_judge():
     """Margins within rounding of a limit are left out: the second judge compares 600 times, to 2.5e-4 D."""
     random = np.random.default_rng(20261124)

@@ -168,10 +168,8 @@ SOURCES: dict[str, str] = {
         "ISO/TS 18571:2014, 2024, Road vehicles - Objective rating metric for non-ambiguous signals (contents seen, "
         "its equations as objective-rating-metrics 1.3 (TU Graz, pypi.org/project/objective-rating-metrics) has them)"
     ),
-    "goldenshluger-nemirovski-1997": (
-        "A. Goldenshluger, A. Nemirovski, On spatially adaptive estimation of nonparametric regression, "
-        "Mathematical Methods of Statistics 6 (1997) 135-170"
-    ),
+    "mallows-1973": "C. L. Mallows, Some Comments on C_P, Technometrics 15 (1973) 661-675",
+    "efron-1979": "B. Efron, Bootstrap Methods: Another Look at the Jackknife, Annals of Statistics 7 (1979) 1-26",
     "siegel-1982": ("A. F. Siegel, Robust regression using repeated medians, Biometrika 69 (1982) 242-244"),
     "rosner-1983": (
         "B. Rosner, Percentage points for a generalized ESD many-outlier procedure, Technometrics 25 (1983) 165-172"

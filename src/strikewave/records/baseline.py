@@ -36,6 +36,15 @@ FEWEST = 4
 TIP = 5
 """A tip is a fifth of a width: over so much a half-sine stays within 5 % of its peak."""
 
+MEDIAN = 0.5 * math.pi
+"""Variance of the median of normal values over that of their mean."""
+MOST_ALIKE = 0.9
+"""Largest correlation of a width and the next: a few of them tell no longer memory."""
+FEWEST_OF_NOISE = 3
+"""Widths before a blow without which nothing but white noise is known: as many as its figures are read off."""
+WHITE = 8
+"""Widths of white noise that stand for it then."""
+
 
 class LocalBaseline(NamedTuple):
     """Where a record stands under a blow.
@@ -52,6 +61,10 @@ class LocalBaseline(NamedTuple):
         Standard deviation of the mean over a fifth of a width about that over the width around it.
     widths : int
         Widths over which the baseline was taken.
+    width : int
+        Samples of a width.
+    alike : float
+        Correlation of what the baseline misses in a width and in the next.
     """
 
     level: float
@@ -59,6 +72,25 @@ class LocalBaseline(NamedTuple):
     wander: float = math.nan
     ripple: float = math.nan
     widths: int = 0
+    width: int = 0
+    alike: float = 0.0
+
+    def area_wander(self, samples: float) -> float:
+        """Return the standard deviation of the sum over so many samples about the baseline.
+
+        Each width is off as much, and resembles the next: of n widths, whose correlation falls by r from one to the
+        next, it is the root of n (1 + r) / (1 - r) - 2 r (1 - r^n) / (1 - r)^2.
+
+        Examples
+        --------
+        >>> [round(LocalBaseline(0.0, wander=2.0, width=10, alike=r).area_wander(40), 1) for r in (0.0, 0.5)]
+        [40.0, 57.4]
+        """
+        if not self.width:
+            return math.nan
+        n, r = samples / self.width, self.alike
+        count = n * (1.0 + r) / (1.0 - r) - 2.0 * r * (1.0 - r**n) / (1.0 - r) ** 2
+        return self.wander * self.width * math.sqrt(count)
 
 
 def baseline_before(values: Array, first: int, width: int, earliest: int = 0) -> LocalBaseline | None:
@@ -91,16 +123,45 @@ def baseline_before(values: Array, first: int, width: int, earliest: int = 0) ->
     means = blocks.mean(axis=1)
     ripple = _ripple(blocks, means)
     if count < TRIALS + 1:
-        return LocalBaseline(level, 0.0, math.nan, ripple, min(count, LOOK_BACK))
+        return LocalBaseline(level, 0.0, math.nan, ripple, min(count, LOOK_BACK), width)
     recent = means[-LOOK_BACK:]
-    best = LocalBaseline(level, 0.0, _root_mean_square(means - _medians_before(means, level)), ripple, recent.size)
+    missed = means - _medians_before(means, level)
+    alike = _alike(missed)
+    error = MEDIAN * (1.0 + alike) / (1.0 - alike) / recent.size  # of the level, which all widths share
+    wander = math.sqrt(1.0 + error) * _root_mean_square(missed)
+    best = LocalBaseline(level, 0.0, wander, ripple, recent.size, width, (alike + error) / (1.0 + error))
     best = _sloped(recent, width, best)
     for widths in NEAR:
         missed = _missed(means, widths)
         if missed.size >= TRIALS and _root_mean_square(missed) < BETTER * best.wander:
             mean = float(np.mean(means[-widths:]))
-            best = LocalBaseline(mean, 0.0, _root_mean_square(missed), ripple, widths)
+            best = LocalBaseline(mean, 0.0, _root_mean_square(missed), ripple, widths, width, _alike(missed))
     return best
+
+
+def noise_before(values: Array, first: int, width: int, earliest: int = 0, white: float = 0.0) -> Array:
+    """Return the noise before a blow, about its straight line; where too little lies there, white noise.
+
+    Parameters
+    ----------
+    values, first, width, earliest
+        As of `baseline_before`.
+    white : float, optional
+        Standard deviation of a sample.
+
+    Examples
+    --------
+    >>> noise = noise_before(0.1 * np.arange(2000.0), 1000, 20)
+    >>> noise.size, bool(np.abs(noise).max() < 1e-9)
+    (800, True)
+    """
+    end = first - width
+    begin = max(end - LOOK_BACK * width, earliest + 2 * width if earliest else 0)
+    if end - begin < FEWEST_OF_NOISE * width:
+        return white * np.random.default_rng(0).normal(size=WHITE * width)
+    place = np.linspace(-1.0, 1.0, end - begin)
+    part = values[begin:end] - np.mean(values[begin:end])
+    return np.asarray(part - place * float(np.sum(part * place) / np.sum(place**2)))
 
 
 def _medians_before(means: Array, level: float) -> Array | float:
@@ -136,7 +197,15 @@ def _sloped(means: Array, width: int, level: LocalBaseline) -> LocalBaseline:
     missed = scatter * math.sqrt(1.0 + memory * (1.0 / n + ahead**2 / spread))
     if abs(slope) < SIGNIFICANT * error or missed > BETTER * level.wander:
         return level
-    return level._replace(level=float(np.mean(means)) + slope * ahead, slope=slope / width, wander=missed)
+    return level._replace(
+        level=float(np.mean(means)) + slope * ahead, slope=slope / width, wander=missed, alike=_alike(rest)
+    )
+
+
+def _alike(missed: Array) -> float:
+    """Return the correlation of neighbours, from zero to `MOST_ALIKE`."""
+    power = float(np.sum(missed**2))
+    return min(max(float(np.sum(missed[1:] * missed[:-1])) / power, 0.0), MOST_ALIKE) if power > 0.0 else 0.0
 
 
 def _ripple(blocks: Array, means: Array) -> float:

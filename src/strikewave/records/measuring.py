@@ -1,9 +1,8 @@
 """Measure the blows that were found in a record.
 
-The baseline is that of the record before the blow (`strikewave.records.baseline`). Noise is smoothed by local
-parabolas, at each sample over the longest window that the noise allows, so that a clean record stays as it is. Where
-the noise hides a tenth of the peak, the figures are those of the smooth pulse that fits best, which its ``method``
-reports.
+The baseline is that of the record before the blow (`strikewave.records.baseline`). Noise is smoothed off as
+`strikewave.records.read_off` says, so that a clean record stays as it is. Where the noise hides a tenth of the peak,
+the figures are those of the smooth pulse that fits best, which its ``method`` reports.
 """
 
 from __future__ import annotations
@@ -17,15 +16,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from strikewave.records.band_split import BandSplit, split_bands
-from strikewave.records.baseline import LocalBaseline, baseline_before
+from strikewave.records.baseline import LocalBaseline, baseline_before, noise_before
 from strikewave.records.health_notice import HARMED
 from strikewave.records.pulses import Box, find_boxes, robust_line, sample_noise
+from strikewave.records.read_off import LONGEST, ReadPulse, Surroundings, read_pulse
 from strikewave.records.rigid_pulse import RigidPulse, rigid_pulse
 from strikewave.records.ringing import RINGS_WITHIN, Stretch, ringing_of
 from strikewave.records.smooth_pulse import PulseUncertainty, SmoothPulse, fit_smooth_pulse
-from strikewave.records.smoothing import smooth
+from strikewave.records.smoothing import SmoothingWindow
 from strikewave.records.trains import Contacts, sort_contacts
-from strikewave.signal.pulse import WIDTH_FRACTION, crossing, measure_pulse
+from strikewave.signal.pulse import WIDTH_FRACTION, crossing
 
 Array = NDArray[np.float64]
 
@@ -42,9 +42,6 @@ STRAIGHT, TINY = 1e-6, 1e-100
 """What is bent by less than this share of its largest value, or by so little, is a straight line: a count, a clock."""
 CLEAR = 3.0
 """Standard deviations of the smoothed record that a tenth of the peak must have to be read off it."""
-LONGEST_WINDOW = 3
-"""Share of a blow, one in so many of its box, that a smoothing window reaches to either side at most: a parabola over
-two thirds of a box still follows a half-sine."""
 EARLIER, LENGTH = 0.15, 1.3
 """Of the box, how much earlier a half-sine whose mean stands out most begins, and how long it lasts: a first guess."""
 RINGING_WIDTHS, FEWEST_OF_RINGING = 40, 32
@@ -121,6 +118,8 @@ class RecordedPulse:
     split : BandSplit or None
         The pulse without its ringing, by a low-pass between the two bands; None where nothing rings, or the low-pass
         leaves no pulse.
+    step : float
+        Time between samples, s.
     """
 
     time: float
@@ -140,6 +139,16 @@ class RecordedPulse:
     rebounds: tuple[Rebound, ...] = ()
     rigid: RigidPulse | None = None
     split: BandSplit | None = None
+    step: float = math.nan
+
+    def area_uncertainty(self, duration: float) -> float:
+        """Return the standard uncertainty of the integral over a duration, s, about the blow, by what lies before it.
+
+        That of the velocity change is of its own duration; NaN where it is not known.
+        """
+        if math.isnan(self.baseline.wander) or math.isnan(self.step):
+            return self.uncertainty.velocity_change
+        return self.baseline.area_wander(duration / self.step) * self.step
 
     @property
     def split_peak(self) -> float:
@@ -355,48 +364,44 @@ def _measure(values: Array, stretch: BlowWindow) -> RecordedPulse | None:
     box, step, sign = stretch.box, stretch.step, stretch.sign
     begin, end = _reach(stretch, values.size, TOES)
     raw = sign * (values[begin:end] - stretch.offset)
-    clean, spread = smooth(raw, stretch.noise, max(box.width // LONGEST_WINDOW, 2))
-    inside = slice(max(box.first - box.width // 2 - begin, 0), box.last + box.width // 2 - begin)
-    index = inside.start + int(np.argmax(clean[inside]))
-    if clean[index] <= 0.0:
-        return None
-    alone = np.minimum(clean, np.nextafter(clean[index], -math.inf))  # a neighbour is no peak of this blow
-    alone[inside] = clean[inside]
-    pulse = measure_pulse(alone, step, stretch.time(begin))
+    low, high = _reach(stretch, values.size, 1)
+    near = slice(low - begin, high - begin)
+    inside = slice(max(box.first - box.width // 2, low) - begin, min(box.last + box.width // 2, high) - begin)
     fitted = _fitted(values, stretch)
+    time = np.asarray(stretch.time(begin) + step * np.arange(end - begin), dtype=np.float64)
+    noise = noise_before(values, box.first, box.width, stretch.earliest, stretch.noise)
+    read = read_pulse(Surroundings(raw, time, near, inside, box.width), fitted, noise)
+    clean = read.values
+    index = inside.start + int(np.argmax(clean[inside]))
+    if clean[index] <= 0.0 or read.peak <= 0.0:
+        return None
     smooth_pulse = fitted._replace(peak=sign * fitted.peak)
     common = Common(_ringing(values, stretch), stretch.offset, stretch.noise, smooth_pulse)
-    if WIDTH_FRACTION * pulse.peak < CLEAR * float(np.max(spread[max(index - 1, 0) : index + 2])):
+    feet = fitted.begin, fitted.begin + fitted.length
+    rest = stretch.noise * SmoothingWindow(max(box.width // LONGEST, 2)).gain
+    if WIDTH_FRACTION * read.peak < CLEAR * rest:
         figures = (fitted.time, sign * fitted.peak, fitted.rise(), fitted.width(), sign * fitted.area())
-        doubt = _of_fit(fitted, stretch)
-        return RecordedPulse(
-            *figures, *common, "fit", fitted.begin, fitted.begin + fitted.length, stretch.baseline, doubt
-        )
-    first, last = (crossing(alone, index, FOOT * pulse.peak, side) for side in (-1, 1))
-    if math.isnan(first) or math.isnan(last):  # it does not come back to its zero: the smooth pulse does
-        figures = (pulse.time, sign * pulse.peak, pulse.rise, pulse.width, sign * fitted.area())
-        doubt = _of_record(fitted, fitted.length, stretch)
-        return RecordedPulse(
-            *figures, *common, "record", fitted.begin, fitted.begin + fitted.length, stretch.baseline, doubt
-        )
-    grid = np.unique(np.concatenate([[first], np.arange(math.ceil(first), math.floor(last) + 1), [last]]))
-    area = float(np.trapezoid(np.interp(grid, np.arange(raw.size), raw), grid)) * step
-    figures = (pulse.time, sign * pulse.peak, pulse.rise, pulse.width, sign * area)
-    feet = stretch.time(begin + first), stretch.time(begin + last)
-    return RecordedPulse(
-        *figures, *common, "record", *feet, stretch.baseline, _of_record(fitted, feet[1] - feet[0], stretch)
+        return RecordedPulse(*figures, *common, "fit", *feet, stretch.baseline, _of_fit(fitted, stretch), step=step)
+    area = fitted.area()
+    first, last = (crossing(clean, index, FOOT * read.peak, side) for side in (-1, 1))
+    if not math.isnan(first) and not math.isnan(last):  # else it does not come back to its zero: the smooth pulse does
+        grid = np.unique(np.concatenate([[first], np.arange(math.ceil(first), math.floor(last) + 1), [last]]))
+        area = float(np.trapezoid(np.interp(grid, np.arange(raw.size), raw), grid)) * step
+        feet = stretch.time(begin + first), stretch.time(begin + last)
+    figures = (stretch.time(begin + read.place), sign * read.peak, read.rise * step, read.width * step, sign * area)
+    doubt = _of_record(fitted, feet[1] - feet[0], stretch, read)
+    return RecordedPulse(*figures, *common, "record", *feet, stretch.baseline, doubt, step=step)
+
+
+def _of_record(fitted: SmoothPulse, length: float, stretch: BlowWindow, read: ReadPulse) -> PulseUncertainty:
+    """Return the uncertainty of figures read off the record: the baseline moves under them, and noise beside it."""
+    baseline, step = stretch.baseline, stretch.step
+    shifted = fitted.width_slope() * baseline.wander / fitted.peak
+    return PulseUncertainty(
+        math.hypot(baseline.wander, read.peak_scatter),
+        math.hypot(shifted, read.width_scatter * step),
+        baseline.area_wander(length / step) * step,
     )
-
-
-def _of_record(fitted: SmoothPulse, length: float, stretch: BlowWindow) -> PulseUncertainty:
-    """Return the uncertainty of figures read off the record: the baseline moves under them, and noise beside it.
-
-    A common shift moves both ends of a width, noise each of its own.
-    """
-    wander, ripple = stretch.baseline.wander, stretch.baseline.ripple
-    tip = math.hypot(wander, 0.0 if math.isnan(ripple) else ripple)
-    ends = math.hypot(wander, math.sqrt(0.5) * (0.0 if math.isnan(ripple) else ripple))
-    return PulseUncertainty(tip, fitted.width_slope() * ends / fitted.peak, wander * length)
 
 
 def _of_fit(fitted: SmoothPulse, stretch: BlowWindow) -> PulseUncertainty:

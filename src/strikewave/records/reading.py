@@ -259,8 +259,8 @@ def _lightened(high_pass: HighPass, blows: Sequence[RecordedPulse], filtered: Ch
         for blow, begin, end in zip(blows, begins, ends, strict=True)
     )
     message = (
-        f"the high-pass at {high_pass.cutoff:g} Hz leaves {percent(left)} of a velocity change (the integral over the "
-        "blow, from zero), and nothing of that of the whole record"
+        f"the high-pass at {high_pass.cutoff:g}\xa0Hz leaves {percent(left)} of a velocity change (the integral over "
+        "the blow, from zero), and nothing of that of the whole record"
     )
     return [HealthNotice("high-pass", message, left, severity="suspect" if left < HALF else "good")]
 
@@ -296,7 +296,9 @@ def _in_blows(holes: Array, pulses: Sequence[RecordedPulse]) -> list[HealthNotic
     for pulse in pulses:
         count = int(np.count_nonzero((holes >= pulse.begin) & (holes <= pulse.end)))
         if count:
-            message = f"{count} samples of the blow at {pulse.time:.6g} s are no numbers: its figures are not measured"
+            message = (
+                f"{count} samples of the blow at {pulse.time:.6g}\xa0s are no numbers: its figures are not measured"
+            )
             return [
                 HealthNotice(
                     "blow-incomplete", message, count, severity="bad", harms=FIGURES, start=pulse.begin, end=pulse.end

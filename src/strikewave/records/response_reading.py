@@ -79,7 +79,9 @@ def _response_without_coupling(
     constant = seen[0] if isinstance(wanted, str) else float(wanted)
     last = examined.responses[-1]
     values = last.zero + resting(examined.above, channel.step, constant, examined.place(last.decay[1]))
-    message = f"AC coupling of {1.0 / (2.0 * math.pi * constant):.4g} Hz (tau = {1e3 * constant:.4g} ms) was taken off"
+    message = (
+        f"AC coupling of {1.0 / (2.0 * math.pi * constant):.4g}\xa0Hz (tau = {1e3 * constant:.4g}\xa0ms) was taken off"
+    )
     said = HealthNotice("ac-coupling", message, constant, severity="good")
     return dataclasses.replace(channel, values=values), [said]
 
@@ -89,7 +91,9 @@ def _missing(holes: Array, responses: Sequence[MeasuredResponse]) -> list[Health
     for one in responses:
         count = int(np.count_nonzero((holes >= one.begin) & (holes <= one.begin + one.duration)))
         if count:
-            message = f"{count} samples of the response after {one.begin:.6g} s are no numbers: they are not measured"
+            message = (
+                f"{count} samples of the response after {one.begin:.6g}\xa0s are no numbers: they are not measured"
+            )
             return [
                 HealthNotice(
                     "blow-incomplete", message, count, "bad", RESPONSE_FIGURES, one.begin, one.begin + one.duration

@@ -3,10 +3,13 @@
 from __future__ import annotations
 
 import math
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
+
+if TYPE_CHECKING:
+    from strikewave.signal.filters import Effect, Filter
 
 Array = NDArray[np.float64]
 
@@ -28,6 +31,8 @@ INSIDE = 1e-6
 """How far within its bounds the guess must lie, as the method asks."""
 
 
+FILTERED, BESIDE_FILTERED = 400, 3.0
+"""Samples of a pulse that a filter is tried on, and times one over the cutoff to either side of it."""
 DERIVATIVE = 1e-4
 """Share of a parameter by which it is changed for a derivative: squared, it is far below an uncertainty."""
 
@@ -131,18 +136,46 @@ class SmoothPulse(NamedTuple):
         """
         samples = math.ceil(self.length / step)
         time: Array = np.asarray(self.begin + step * np.arange(-samples, 2 * samples), dtype=np.float64)
-        parameters = np.array(self[:5])
-        changes = np.array([abs(self.peak), self.length, self.length, 1.0, 1.0]) * DERIVATIVE
         columns: list[Array] = []
         figures: list[Array] = []
-        for k, change in enumerate(changes):
-            pair = [SmoothPulse(*(parameters + sign * change * (np.arange(5) == k))) for sign in (1.0, -1.0)]
-            columns.append(np.subtract(pair[0].at(time), pair[1].at(time)) / (2.0 * change))
-            values = [(abs(one.peak), one.width(), one.area()) for one in pair]
-            figures.append((np.array(values[0]) - np.array(values[1])) / (2.0 * change))
+        for more, less, change in self._changed():
+            columns.append(np.subtract(more.at(time), less.at(time)) / change)
+            values = [(abs(one.peak), one.width(), one.area()) for one in (more, less)]
+            figures.append(np.subtract(values[0], values[1]) / change)
         scale = np.array([np.linalg.norm(column) or 1.0 for column in columns])
         spread = np.linalg.pinv(np.array(columns).T / scale) / scale[:, None]
         return PulseUncertainty(*(noise * float(v) for v in np.linalg.norm(np.array(figures).T @ spread, axis=1)))
+
+    def tangents(self, time: Array) -> Array:
+        """Return the directions in which the pulse moves at some times with its five parameters, unit columns."""
+        columns = [np.subtract(more.at(time), less.at(time)) for more, less, _ in self._changed()]
+        return np.array(columns).T / [np.linalg.norm(column) or 1.0 for column in columns]
+
+    def through(self, filter_: Filter) -> Effect:
+        """Return what a filter leaves of the pulse.
+
+        Examples
+        --------
+        >>> from strikewave.signal.filters import Filter
+        >>> round(SmoothPulse(1.0, 0.0, 1e-3, 0.5, 1.0).through(Filter(2500.0)).width, 3)
+        1.019
+        """
+        from strikewave.signal.filters import effect_on_pulse
+
+        step = min(self.length / FILTERED, 0.02 / filter_.cutoff)
+        beside = self.length + BESIDE_FILTERED / filter_.cutoff
+        time = np.arange(self.begin - beside, self.begin + self.length + beside, step)
+        return effect_on_pulse(filter_, np.abs(self.at(time)), step)
+
+    def _changed(self) -> list[tuple[SmoothPulse, SmoothPulse, float]]:
+        """Return pulses with a little more and a little less of each parameter, and by how much they differ in it."""
+        parameters = np.array(self[:5])
+        changes = np.array([abs(self.peak), self.length, self.length, 1.0, 1.0]) * DERIVATIVE
+        steps = np.diag(changes)
+        return [
+            (SmoothPulse(*(parameters + step)), SmoothPulse(*(parameters - step)), 2.0 * float(change))
+            for step, change in zip(steps, changes, strict=True)
+        ]
 
     def _phase(self, share: float) -> float:
         return math.asin(share ** (1.0 / self.power)) / math.pi

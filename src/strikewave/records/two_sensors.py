@@ -226,7 +226,7 @@ def paired_motion(
     against = differential[near]
     in_band = math.nan
     if pulse is not None:
-        cutoff = min(advised_cutoff(pulse.smooth.rise(), pulse.smooth.width()), 0.4 / step)
+        cutoff = min(advised_cutoff(pulse.smooth.rise(), pulse.smooth.width(), peak_alone=True), 0.4 / step)
         low = Filter(cutoff).apply(differential, step)[_near(pulse, step, start, first.size)]
         in_band = float(np.max(np.abs(low)))
     doubt = math.hypot(_rigid(pulse)[1], in_band / math.sqrt(3.0)) if pulse is not None else math.nan
@@ -476,4 +476,7 @@ def _as_one_body(found: PairedMotion, ambiguous: bool, step: float, width: float
         return "cannot-tell", f"{gain_words} and {delay_words}: too uncertain to tell"
     if math.isnan(found.transfer.alike_to):
         return "cannot-tell", f"{gain_words} and {delay_words}, but no band of the transfer function can be trusted"
-    return "yes", f"{gain_words} and {delay_words}; alike within 10 % up to {found.transfer.alike_to:.3g} Hz"
+    return (
+        "yes",
+        f"{gain_words} and {delay_words}; alike within 10 % up to {found.transfer.alike_to:.3g}\xa0Hz",
+    )

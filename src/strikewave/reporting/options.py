@@ -85,7 +85,15 @@ def _as_typed(word: Any) -> Any:
     return word
 
 
-def quantity(*names: str, si: str, help: str, signed: bool = False, infinite: bool = False, bare: bool = True) -> Any:
+def quantity(
+    *names: str,
+    si: str,
+    help: str,
+    signed: bool = False,
+    infinite: bool = False,
+    bare: bool = True,
+    panel: str | None = None,
+) -> Any:
     """Return an option that takes a quantity: with a unit, or a bare number in SI.
 
     Parameters
@@ -100,6 +108,8 @@ def quantity(*names: str, si: str, help: str, signed: bool = False, infinite: bo
         Whether zero and values below it, or ``inf``, are allowed.
     bare : bool
         Whether a number without a unit is taken as SI; refused where another unit is usual, such as g.
+    panel : str or None
+        Section of the help; the usual one where None.
     """
     allowed = DIMENSIONS[si][0] + ("" if signed else " above zero") + (", or inf" if infinite else "")
 
@@ -109,7 +119,7 @@ def quantity(*names: str, si: str, help: str, signed: bool = False, infinite: bo
             raise InputError(field, word, allowed)
         return value
 
-    return parsed(*names, read=read, help=help, metavar=_metavar(si))
+    return parsed(*names, read=read, help=help, metavar=_metavar(si), rich_help_panel=panel)
 
 
 def _metavar(si: str) -> str:

@@ -17,7 +17,7 @@ from strikewave.records.budget.contributions import RECORD, Budget
 from strikewave.records.health_notice import HealthNotice
 from strikewave.records.measuring import RecordedPulse
 from strikewave.records.reading import ChannelReading, FileReading
-from strikewave.records.smooth_pulse import PulseUncertainty
+from strikewave.records.smooth_pulse import PulseUncertainty, SmoothPulse
 from strikewave.signal.filters import Filter
 from strikewave.specifications.decisions import CANNOT_TELL, COVERAGE, FAIL, PASS, Rule, together
 from strikewave.specifications.ideal_pulses import IdealPulse
@@ -369,8 +369,10 @@ def shock_of(
     time = begin + channel.step * np.arange(high - low)
     beside = {one.channel.name: np.interp(time, one.channel.time, one.channel.values) - one.baseline for one in across}
     values = {"peak": abs(pulse.peak), "velocity_change": abs(pulse.velocity_change), "width": pulse.width}
+    window = (1.0 + sum(limits.window)) * limits.pulse.duration
+    noise = pulse.uncertainty._replace(velocity_change=pulse.area_uncertainty(window))
     figures = {
-        name: measured_figure(name, value, pulse.uncertainty, known)
+        name: measured_figure(name, value, noise, known)
         for name, value in values.items()
         if name != "width" or value > 0.0
     }
@@ -387,6 +389,7 @@ def shock_of(
         beside,
         _noise_before(beside, time < pulse.begin - LEFT_BEFORE * (pulse.end - pulse.begin)),
         share,
+        1.0 if filter_ is None else before_filter(reading, pulse).through(filter_).width,
     )
 
 
@@ -395,6 +398,12 @@ def _noise_before(channels: Mapping[str, Array], quiet: NDArray[np.bool_]) -> fl
     if channels and np.count_nonzero(quiet) < FEWEST_QUIET:
         return math.nan
     return max((float(np.std(values[quiet])) for values in channels.values()), default=0.0)
+
+
+def before_filter(reading: ChannelReading, pulse: RecordedPulse) -> SmoothPulse:
+    """Return the smooth pulse of a blow as it was before the filter, where it was found then."""
+    near = min(reading.unfiltered, key=lambda one: abs(one.time - pulse.time), default=pulse)
+    return near.smooth if abs(near.time - pulse.time) <= pulse.end - pulse.begin else pulse.smooth
 
 
 def measured_figure(

@@ -121,6 +121,8 @@ class Shock:
         Standard deviation of the noisiest of them before the shock; NaN where it is not known.
     uncertainty : float
         Expanded uncertainty, k = 2, of the acceleration as a share of it: of figures whose own is not whole.
+    filter_width : float
+        Width of the smooth pulse of the blow that the filter makes of it, over that before.
     """
 
     values: Array
@@ -134,6 +136,7 @@ class Shock:
     cross_axis: Mapping[str, Array] = field(default_factory=dict)
     cross_axis_noise: float = 0.0
     uncertainty: float = 0.0
+    filter_width: float = 1.0
 
     @property
     def time(self) -> Array:
@@ -267,8 +270,7 @@ def judge_shock(shock: Shock, limits: PulseLimits, rule: Rule = "simple", strict
     pulse = limits.pulse
     peak = shock.figures.get("peak") or MeasuredFigure(refine_peak(shock.values, shock.peak_index)[1])
     first, last = _crossings(shock, limits.level * peak.value)
-    # records tell the uncertainty of their width at 10 % alone; a simulated shock, without figures, has none
-    width = MeasuredFigure(last - first, math.nan if shock.figures else 0.0)
+    width = MeasuredFigure(last - first, math.nan if shock.figures else 0.0)  # known at 10 % alone
     if limits.level == 0.1 and "width" in shock.figures:
         width = shock.figures["width"]
     centre = _start_about(pulse, limits.level, first, last, shock)
@@ -284,7 +286,7 @@ def judge_shock(shock: Shock, limits: PulseLimits, rule: Rule = "simple", strict
     if limits.width is not None:
         name = f"pulse width at {100.0 * limits.level:g} %"
         reason = shock.troubles.get("width", "") or coarse or _filtered_away(shock)
-        clauses.append(judged(name, width.value, limits.width, "s", COVERAGE * width.uncertainty, rule, reason))
+        clauses.append(_width_clause(shock, name, width, limits.width, rule, reason))
     if limits.velocity_change is not None:
         clauses.append(_velocity_clause(shock, limits, start, rule, coarse))
     if limits.band is not None and placement is not None:
@@ -358,6 +360,17 @@ def _through_filter(shock: Shock, name: str, figure: MeasuredFigure, limits: Lim
     unfiltered = judged(name, whole, limits, "m/s^2", _relative(shock, figure), rule, reason)
     if not reason and unfiltered.verdict != clause.verdict:
         words = f"the filter leaves {percent(shock.filter_left)} of the peak of the ideal pulse"
+        return replace(clause, verdict=CANNOT_TELL, reason=words)
+    return clause
+
+
+def _width_clause(shock: Shock, name: str, width: MeasuredFigure, limits: Limits, rule: Rule, reason: str) -> Clause:
+    """Return the clause of a pulse width that a filter may have changed: both widths must have the same verdict."""
+    doubt = COVERAGE * width.uncertainty
+    clause = judged(name, width.value, limits, "s", doubt, rule, reason)
+    without = judged(name, width.value / shock.filter_width, limits, "s", doubt, rule, reason)
+    if not reason and without.verdict != clause.verdict:
+        words = f"the filter alone makes the width {percent(shock.filter_width)} of that of the pulse without it"
         return replace(clause, verdict=CANNOT_TELL, reason=words)
     return clause
 

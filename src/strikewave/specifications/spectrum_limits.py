@@ -146,7 +146,7 @@ def _worst(frequency: Array, values: Array, low: Array, high: Array) -> str:
         return ""
     k = int(known[np.argmax(out[known])])
     side = "above" if values[k] > high[k] else "below"
-    return f"{out[k]:.2g} dB {side} the tolerance at {frequency[k]:.4g} Hz"
+    return f"{out[k]:.2g} dB {side} the tolerance at {frequency[k]:.4g}\xa0Hz"
 
 
 LEAST = 1e-12

@@ -83,7 +83,7 @@ def test_shock_spectra_are_those_of_the_command(result_of):
         ({"ac_coupling": -0.1}, "ac_coupling: got "),
         ({"channels": [3]}, 'channels: got "3"; allowed: a name, or a number from 1 to 1'),
         ({"channels": "fram"}, 'channels: got "fram"'),
-        ({"base": "roof"}, 'base: got "roof"; allowed: name or number of a channel'),
+        ({"base": "roof"}, 'base: got "roof"; allowed: a name, or a number from 1 to 1'),
         (
             {"base": 1, "repeats_in_columns": True},
             "base: got 1; allowed: a channel of files whose columns are channels",

@@ -12,6 +12,7 @@ from strikewave.base.errors import InputError
 from strikewave.signal.filters import Filter, effect_on_half_sine
 from strikewave.specifications.ideal_pulses import IdealPulse
 from strikewave.specifications.judged_records import filter_leaves
+from strikewave.specifications.judging import Limits, MeasuredFigure, Shock, _width_clause
 from strikewave.specifications.reading import load_specification
 from strikewave.specifications.spectrum_limits import SpectrumLimits
 
@@ -219,6 +220,18 @@ def test_what_a_filter_leaves_of_the_ideal_pulse_is_that_of_a_half_sine():
     assert filter_leaves(low_pass, IdealPulse("half-sine", 5.0, 11e-3), 1e-5) == pytest.approx(expected, abs=2e-5)
 
 
+def test_a_width_that_the_filter_alone_carries_over_its_limit_cannot_be_told():
+    """A cutoff that leaves 98 % of the peak widens a half-sine by a seventh."""
+    low_pass = Filter(100.0)
+    assert effect_on_half_sine(low_pass, 11e-3).width > 1.1
+    limits = Limits(0.9 * 10.3e-3, 1.1 * 10.3e-3, "quoted")
+    width = MeasuredFigure(10.3e-3 * effect_on_half_sine(low_pass, 11e-3).width)
+    for share, verdict in ((effect_on_half_sine(low_pass, 11e-3).width, "cannot-tell"), (1.0, "fail")):
+        shock = Shock(np.zeros(3), 1e-5, 0.0, 1, filter_width=share)
+        clause = _width_clause(shock, "pulse width at 10 %", width, limits, "simple", "")
+        assert (clause.verdict, "filter" in clause.reason) == (verdict, share > 1.0)
+
+
 def test_report_and_screen_have_the_verdict_and_draw_the_band(strikewave):
     write_shot("good.csv")
     write_shot("high.csv", peak=65.0)
@@ -366,6 +379,15 @@ def test_spec_lists_and_shows_with_status_and_source_of_every_number(strikewave)
     assert [strikewave("spec", "show", "jesd22-b111")[0] for _ in range(2)] == [0, 0]  # the second replaces the first
     code, _, err = strikewave("spec", "show", "jesd22-b111:A")
     assert (code, "one severity" in err) == (2, True)
+
+
+def test_options_of_another_action_of_spec_are_refused_and_the_help_says_of_which_each_is(strikewave):
+    for words in (("show", "un-38-3-t4:cell", "--from", "iso-16750-3"), ("new", "a.toml", "--rate", "1 MHz")):
+        code, _, err = strikewave("spec", *words)
+        assert (code, "only with" in err, Path("a.toml").exists()) == (2, True, False)
+    out = strikewave("spec", "--help")[1]
+    assert "--from" in out.partition("Of new:")[2].partition("Of synthesize:")[0]
+    assert "--rate" in out.partition("Of synthesize:")[2].partition("Output:")[0]
 
 
 def test_a_new_file_from_one_condition_holds_that_one_alone(strikewave):

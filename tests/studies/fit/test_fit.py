@@ -1,6 +1,7 @@
 """Cases fitted to numbers and to planted records: values found again, their errors, and the case that a fit writes."""
 
 import dataclasses
+import math
 
 import numpy as np
 import pytest
@@ -58,7 +59,7 @@ def test_engagement_of_the_two_sensor_case_is_found_again():
     study = fit(moved(stored, {"machine.engagement": 1.1}))
     engagement = stored.values()["machine.engagement"].si
     assert study.case.values()["machine.engagement"].si == pytest.approx(engagement, rel=1e-5)  # read at samples
-    assert list(study.computed) == ["first.sensor_peak buffered"]
+    assert [one.called for one in study.numbers] == ["first.sensor_peak buffered"]
 
 
 def test_a_machine_of_ones_own_with_six_strikers_is_fitted():
@@ -94,6 +95,19 @@ def moved_height(case, height):
     return parse_case(dump_case(case), case.name, [f"machine.height={height}"])
 
 
+def test_many_targets_come_from_a_file(tmp_path):
+    """Peaks of the closed form of a linear contact over height, each at its setting: as if they were typed."""
+    heights, peaks = ("0.1 m", "0.2 m", "0.3 m"), []
+    truth = load_case(DROP, ["contact.reference_force=900 kN"])
+    for height in heights:
+        peak = run_case(moved_height(truth, height)).blows[0].rigid_peak
+        peaks.append(f"first.rigid_peak={peak!r} m/s2; machine.height={height}")
+    (tmp_path / "peaks.txt").write_text("# peaks\n\n" + "\n".join(peaks))
+    study = fit(load_case(DROP), [f"@{tmp_path / 'peaks.txt'}"], ["contact.reference_force"])
+    assert study.parameters[0].value == pytest.approx(900e3, rel=1e-6)
+    assert [one.called for one in study.numbers] == [f"first.rigid_peak (machine.height={one})" for one in heights]
+
+
 def test_two_fields_that_are_one_are_named_as_their_quotient(tmp_path):
     """A linear contact knows its force over its depth alone."""
     truth = load_case(DROP, ["contact.restitution=0.7"])
@@ -108,12 +122,19 @@ def test_two_fields_that_are_one_are_named_as_their_quotient(tmp_path):
 
 
 def test_the_number_that_would_separate_two_fields_does():
-    """Of the published machine the peak alone fixes one product; the width would part it, as the fit to both shows."""
-    case = load_case("li-ma-2019")
-    study = fit(case, ["first.rigid_peak=4151 g +- 1 %"])
-    assert study.undetermined == [["machine.engagement", "object.frame_stiffness"]]
+    """The peak of a drop on a spring goes with the root of height times stiffness, its width with the stiffness alone.
+
+    1 % of a width is 2 % of a stiffness, in closed form; the fit to both shows what was promised.
+    """
+    case, fields = load_case(DROP, ["contact.restitution=0.9"]), ["machine.height", "contact.reference_force"]
+    study = fit(case, ["first.rigid_peak=1450 g +- 1 %"], fields)
+    assert study.undetermined == [fields]
+    assert study.content()["combinations"][0].startswith("the data fix machine.height × contact.reference_force^1.")
     promised = next(one for one in study.separating if one.number == "first.width")
-    both = fit(case, ["first.rigid_peak=4151 g +- 1 %", "first.width=200 us +- 1 %"])
+    assert promised.errors[1] * study.parameters[1].field.width == pytest.approx(
+        0.02, rel=0.1
+    )  # the table is two bodies
+    both = fit(case, ["first.rigid_peak=1450 g +- 1 %", "first.width=460 us +- 1 %"], fields)
     errors = [one.standard_error / one.value / one.field.width for one in both.parameters]
     assert promised.errors == pytest.approx(errors, rel=0.5)  # the promise leaves out the error of the product
 
@@ -210,6 +231,7 @@ WRONG = {
     "no sensor": (["contact.restitution"], ["first.sensor_peak x=1 g"], "the case has no sensor"),
     "no file": (["contact.restitution"], ["shots.csv"], "a measured file"),
     "a case": (["contact.restitution"], ["li-ma-2019"], "this is simulated"),
+    "no list": (["contact.restitution"], ["@nowhere.txt"], "a text file with a target a line"),
     "no setting": (["contact.restitution"], ["first.width=1 ms; height"], "path=value behind a semicolon"),
     "setting that is free": (["striker.mass"], ["first.width=1 ms; striker.mass=3 kg"], "it is fitted"),
     "setting that is none": (["striker.mass"], ["first.width=1 ms; machine.hight=3 m"], "unknown key"),
@@ -289,7 +311,7 @@ def test_intervals_of_planted_drops_hold_the_truth(tmp_path):
     for seed in range(60):
         rng = np.random.default_rng(1000 + seed)
         truth = {
-            "contact.reference_force": 789.6e3 * np.exp(rng.uniform(-0.3, 0.3)),
+            "contact.reference_force": 789.6e3 * math.exp(rng.uniform(-0.3, 0.3)),
             "contact.restitution": rng.uniform(0.5, 0.9),
         }
         changes = [f"{path}={value!r}" + (" N" if "force" in path else "") for path, value in truth.items()]
@@ -302,7 +324,7 @@ def test_intervals_of_planted_drops_hold_the_truth(tmp_path):
 
 def test_an_interrupt_keeps_the_best_so_far(monkeypatch):
     """Ctrl-C in the middle of the search: the case has values that fit better than where it began."""
-    case = moved(load_case("li-ma-2019"), {"machine.engagement": 1.5})
+    case = load_case(DROP, ["contact.reference_force=500 kN", "contact.restitution=0.7"])
     calls = []
 
     def progress(runs, misfit):
@@ -310,7 +332,7 @@ def test_an_interrupt_keeps_the_best_so_far(monkeypatch):
         if len(calls) == 30:
             raise KeyboardInterrupt
 
-    study = fit(case, progress=progress)
+    study = fit(case, ["first.rigid_peak=1500 g", "first.width=450 us"], FIELDS, progress=progress)
     assert study.solved.stopped
     assert study.broken
     assert study.solved.estimate.misfit < calls[0]

@@ -284,7 +284,7 @@ def _doubted_shift(to_gap: Shift, shift: Shift) -> list[Notice]:
         return []
     message = (
         f"A and B are coherent at low frequencies and, beyond a gap, again, as a pickup in both makes them: the shift "
-        f"by the low ones alone is {1e6 * to_gap.shift:.6g}\N{NO-BREAK SPACE}us; --filter takes the pickup off both"
+        f"by the low ones alone is {1e6 * to_gap.shift:.6g}\xa0us; --filter takes the pickup off both"
     )
     return [Notice("alignment-doubt", message, apart, SHIFTS_APART * doubt)]
 
@@ -304,7 +304,7 @@ def _notices(a: ComparedCurve, b: ComparedCurve, found: CurveAgreement, result: 
         coarse = max(a.history.step, b.history.step)
         message = (
             f"{percent(found.lost)} of the RMS of the more finely sampled history lies above half the sampling rate of "
-            f"the other, {0.5 / coarse:.4g} Hz, which cannot hold it: --filter takes it off both"
+            f"the other, {0.5 / coarse:.4g}\xa0Hz, which cannot hold it: --filter takes it off both"
         )
         notices.append(Notice("above-nyquist", message, found.lost, LOST))
     out = [f"{name} of {owner}" for name, owner, _, _, inside in result.in_bands if not inside]

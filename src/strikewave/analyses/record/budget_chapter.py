@@ -10,7 +10,7 @@ from strikewave.analyses.record.result import RecordResult
 from strikewave.analyses.record.tables import Names, amount, called, percent, rows_of
 from strikewave.records.budget.blows import FIGURES, BlowUncertainty, BudgetLine, FigureUncertainty
 from strikewave.records.budget.contributions import ADDED, RECORD, SAMPLING, Budget, Contribution
-from strikewave.records.budget.propagation import NORMAL, RECTANGULAR
+from strikewave.records.budget.propagation import COVERAGE, NORMAL, RECTANGULAR
 from strikewave.records.reading import ChannelReading
 from strikewave.records.record import Channel
 from strikewave.reporting.clause_words import held_words
@@ -19,6 +19,8 @@ from strikewave.reporting.parts import NONE, Cell, Section, Table, written
 
 MOST_ROWS = 60
 """Blows of the table; pulses.csv has all."""
+SAME_COVERAGE = 0.05
+"""Difference to k = 2 from which a coverage factor is written."""
 LEAST_SHARE = 1e-4
 """Share of a variance below which it is written as none."""
 WHOLE = ("resonance", "coupling", "response")
@@ -69,7 +71,7 @@ def uncertainty_table(result: RecordResult, names: Names) -> Table:
 
 def _figure_words(one: FigureUncertainty, name: str, unit: str) -> str:
     value = amount(name, unit, one.value, 4)
-    factor = "" if one.coverage == 2.0 else f" (k = {one.coverage:.2g})"
+    factor = "" if abs(one.coverage - COVERAGE) < SAME_COVERAGE else f" (k = {one.coverage:.2g})"
     return with_doubt(value, name, unit, one.expanded) + factor * math.isfinite(one.expanded)
 
 

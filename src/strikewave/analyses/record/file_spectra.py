@@ -112,7 +112,7 @@ def _one(asked: FilesAsked, wanted: SpectrumRequest, origin: Source) -> Spectrum
     frequencies = _frequencies(wanted, reading.channel.sampling_rate)
     scope = _scope(wanted, reading)
     if wanted.part != "total" and wanted.end is None and reading.pulses:
-        say(f"the shock is taken to end with its last blow, at {reading.pulses[-1].end:.6g} s (--end)")
+        say(f"the shock is taken to end with its last blow, at {reading.pulses[-1].end:.6g}\xa0s (--end)")
     shock = _shock(file, reading, wanted, (frequencies, scope), MOST_WINDOWS, several=False)
     return SpectrumResult(
         file,

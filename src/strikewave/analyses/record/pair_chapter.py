@@ -117,7 +117,7 @@ def pair_section(pairs: Sequence[RecordPair]) -> Section:
         name = Path(drawn.file).name
         words = f"{name}: both channels around the largest blow, and what they share."
         parts.append(Picture(pair_figure(drawn), words))
-        words = f"{name}: transfer function, mean of {transfer.averages} spectra, {transfer.resolution:.3g} Hz wide"
+        words = f"{name}: transfer function, mean of {transfer.averages} spectra, {transfer.resolution:.3g}\xa0Hz wide"
         if math.isfinite(transfer.trusted[0]):
             low, high = (with_unit(f, "Hz", "kHz", 3) for f in transfer.trusted)
             words += f"; shaded from {low} to {high}, where it is known within 10 % and stands above the noise."

@@ -34,24 +34,32 @@ def command(
     name: Name = None,
     *,
     origin: Annotated[
-        str,
+        str | None,
         typer.Option(
             "--from",
-            metavar="NAME",
-            help="Specification that a new file begins from.",
+            metavar="NAME[:CONDITION]",
+            help="Specification that the file begins from, all its conditions or one; mil-std-810h by default.",
+            show_default=False,
             autocompletion=complete_specification,
+            rich_help_panel="Of new",
         ),
-    ] = "mil-std-810h",
+    ] = None,
     by: Annotated[
-        Literal["damped-sines", "wavelets", "half-sine"],
-        typer.Option("--by", help="What a synthesized motion is the sum of; or one half-sine."),
-    ] = "damped-sines",
+        Literal["damped-sines", "wavelets", "half-sine"] | None,
+        typer.Option(
+            "--by",
+            help="What the motion is the sum of, or one half-sine; damped-sines by default.",
+            show_default=False,
+            rich_help_panel="Of synthesize",
+        ),
+    ] = None,
     rate: Annotated[
         float | None,
         quantity(
             "--rate",
             si="Hz",
-            help="Sampling rate of a synthesized motion; 20 samples a period of the highest frequency by default.",
+            help="Sampling rate of the motion; 20 samples a period of the highest frequency by default.",
+            panel="Of synthesize",
         ),
     ] = None,
     output: Output,
@@ -64,6 +72,9 @@ def command(
     """
     from strikewave.analyses.record.verdicts import specified
 
+    for option, given, of in (("--from", origin, "new"), ("--by", by, "synthesize"), ("--rate", rate, "synthesize")):
+        if given is not None and action != of:
+            raise InputError(option, given, f"only with {of}", "leave it out")
     if action == "list":
         if name is not None:
             raise InputError("NAME", name, "no name with list", f"strikewave spec show {name}")
@@ -75,5 +86,5 @@ def command(
     if action == "synthesize":
         from strikewave.analyses.record.synthesis.screen import synthesize_specification
 
-        return synthesize_specification(name, by, rate, output)
-    return specified.new_specification(Path(name), origin, output)
+        return synthesize_specification(name, by or "damped-sines", rate, output)
+    return specified.new_specification(Path(name), origin or "mil-std-810h", output)

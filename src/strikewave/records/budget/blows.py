@@ -30,10 +30,9 @@ from strikewave.records.budget.propagation import (
     monte_carlo,
 )
 from strikewave.records.measuring import RecordedPulse
+from strikewave.records.read_off import figures_of, without_noise
 from strikewave.records.record import Channel
 from strikewave.records.smooth_pulse import PulseUncertainty
-from strikewave.records.smoothing import smooth
-from strikewave.signal.pulse import WIDTH_FRACTION
 
 Array = NDArray[np.float64]
 
@@ -43,10 +42,17 @@ BESIDE = 0.5
 """Lengths of a blow to either side of it that are changed and measured again."""
 MOST_SAMPLES = 200
 """Samples of a blow that are: more are averaged, as one of so many loses 1e-4 of its peak between two."""
-LONGEST_WINDOW = 0.2
-"""Width over which noise is smoothed, at most."""
 LARGEST = 2_000_000
 """Numbers of a block of trials: some 16 MB."""
+CHANGING = ("linearity", "response", "resonance", "filter", "sampling", "offset", "drift", "coupling")
+"""Kinds that change the shape of a record."""
+IN_PLACE = {
+    "peak": ("acceleration", "offset", "noise"),
+    "width": ("offset", "noise"),
+    "velocity_change": ("acceleration", "offset", "noise"),
+}
+"""Kinds that stand in place of what the record would tell of noise and baseline, where too little lies before the blow.
+Where none is stated, the uncertainty is not known."""
 BY_LAW, BY_TRIALS = "law of propagation", "Monte Carlo"
 
 
@@ -165,38 +171,17 @@ def read_off(values: Array, where: ReadOff) -> Array:
     >>> read_off(rows, ReadOff(slice(50, 150), 0.0, 200.0, 1.0 / 200)).round(4).tolist()
     [[1.0, 0.9362, 0.6366], [2.0, 0.9362, 1.2732]]
     """
-    rows, size = values.shape
-    at = np.arange(rows)
-    top = where.inside.start + np.argmax(values[:, where.inside], axis=1)
-    near = np.clip(top, 1, size - 2)
-    left, middle, right = (values[at, near + k] for k in (-1, 0, 1))
-    curvature = left - 2.0 * middle + right
-    bent = (curvature < 0.0) & (near == top)
-    shift = np.where(bent, 0.5 * (left - right) / np.where(bent, curvature, 1.0), 0.0)
-    peak = np.where(near == top, middle - 0.25 * (left - right) * shift, values[at, top])
-    level = WIDTH_FRACTION * peak
-    place = np.arange(size)
-    below = values <= level[:, None]
-    before = np.max(np.where(below & (place < top[:, None]), place, -1), axis=1)
-    after = np.min(np.where(below & (place > top[:, None]), place, size), axis=1)
-    outside = (before < 0) | (after >= size)
-    before, after = np.maximum(before, 0), np.minimum(after, size - 1)
-    with np.errstate(invalid="ignore", divide="ignore"):
-        first = before + (level - values[at, before]) / (values[at, before + 1] - values[at, before])
-        last = after - (level - values[at, after]) / (values[at, after - 1] - values[at, after])
-    width = np.where(outside, math.nan, (last - first) * where.step)
-    weights = _trapezoid(size, where.begin, where.end)
-    return np.column_stack([peak, width, values @ weights * where.step])
+    weights = _trapezoid(values.shape[1], where.begin, where.end)
+    _, peak, _, width = figures_of(values, where.inside).T
+    return np.column_stack([peak, width * where.step, values @ weights * where.step])
 
 
 def _trapezoid(size: int, begin: float, end: float) -> Array:
     """Return weights of samples whose sum is the integral between two places, straight lines between samples."""
     weights = np.zeros(size)
     grid = np.unique(np.concatenate([[begin], np.arange(math.ceil(begin), math.floor(end) + 1), [end]]))
-    share = np.gradient(grid) if grid.size > 2 else np.full(grid.size, 0.5 * (end - begin))
-    share[[0, -1]] = 0.5 * (grid[1] - grid[0]), 0.5 * (grid[-1] - grid[-2])
-    if grid.size > 2:
-        share[1:-1] = 0.5 * (grid[2:] - grid[:-2])
+    halves = 0.5 * np.diff(grid)
+    share = np.append(halves, 0.0) + np.append(0.0, halves)
     low = np.minimum(grid.astype(int), size - 2)
     np.add.at(weights, low, share * (1.0 - (grid - low)))
     np.add.at(weights, low + 1, share * (grid - low))
@@ -210,6 +195,7 @@ class _Measured(NamedTuple):
     where: ReadOff
     figures: Array
     factor: int
+    sign: float
 
 
 def _prepared(channel: Channel, pulse: RecordedPulse) -> _Measured:
@@ -221,13 +207,13 @@ def _prepared(channel: Channel, pulse: RecordedPulse) -> _Measured:
     low = max(math.floor(begin - beside), 0)
     high = min(math.ceil(end + beside) + 1, channel.values.size)
     figures = np.array([abs(pulse.peak), pulse.width, sign * pulse.velocity_change])
+    fitted = sign * pulse.smooth.at(np.asarray(channel.start + step * np.arange(low, high), dtype=np.float64))
     if pulse.method == "record":
         raw = sign * (channel.values[low:high] - pulse.offset)
-        values, _ = smooth(
-            raw, pulse.noise, max(round(LONGEST_WINDOW * pulse.width / step), 2) if pulse.width > 0 else 2
-        )
+        white = pulse.noise * np.random.default_rng(0).normal(size=raw.size)
+        values = without_noise(raw, fitted, white, max(round(length / step), 2))
     else:
-        values = sign * pulse.smooth.at(np.asarray(channel.start + step * np.arange(low, high), dtype=np.float64))
+        values = fitted
     factor = max(math.floor(length / step / MOST_SAMPLES), 1)
     values = values[: values.size // factor * factor].reshape(-1, factor).mean(axis=1)
     first, last, top = (
@@ -237,7 +223,7 @@ def _prepared(channel: Channel, pulse: RecordedPulse) -> _Measured:
     near = max(0.25 * (last - first), 2.0)
     inside = slice(max(math.floor(top - near), 0), min(math.ceil(top + near) + 1, values.size))
     stretch = BlowStretch(values, step * factor, abs(pulse.peak), first, last)
-    return _Measured(stretch, ReadOff(inside, first, last, step * factor), figures, factor)
+    return _Measured(stretch, ReadOff(inside, first, last, step * factor), figures, factor, sign)
 
 
 def _model(measured: _Measured, contributions: Sequence[Contribution]) -> Model:
@@ -245,7 +231,7 @@ def _model(measured: _Measured, contributions: Sequence[Contribution]) -> Model:
     count = len(contributions)
     stretch, where = measured.stretch, measured.where
     plain = read_off(stretch.values[None, :], where)
-    shapeless = [k for k, one in enumerate(contributions) if one.kind in CHANGING]
+    shaping = [k for k, one in enumerate(contributions) if one.kind in CHANGING]
 
     def figures(drawn: Array) -> Array:
         found = np.empty((drawn.shape[0], len(FIGURES)))
@@ -253,19 +239,15 @@ def _model(measured: _Measured, contributions: Sequence[Contribution]) -> Model:
         for first in range(0, drawn.shape[0], block):
             rows = drawn[first : first + block, :count]
             shapes = plain
-            if shapeless:
-                chosen = [contributions[k] for k in shapeless]
-                shapes = read_off(changed(stretch, chosen, rows[:, shapeless]), where)
+            if shaping:
+                chosen = [contributions[k] for k in shaping]
+                shapes = read_off(changed(stretch, chosen, rows[:, shaping]), where)
             gain, clock = gain_of(contributions, rows), clock_of(contributions, rows)
             scale = np.column_stack([gain, clock, gain * clock])
             found[first : first + block] = (measured.figures + shapes - plain) * scale
         return np.asarray(found + drawn[:, count:])
 
     return figures
-
-
-CHANGING = ("linearity", "response", "resonance", "filter", "sampling", "offset", "drift", "coupling")
-"""Kinds that change the shape of a record."""
 
 
 def _by_noise(measured: _Measured, noise: float) -> Array:
@@ -295,15 +277,6 @@ class _Inputs(NamedTuple):
         return [one.input for one in self.contributions] + [
             InputQuantity(name, float(each)) for name, each in zip(FIGURES, together, strict=True)
         ]
-
-
-IN_PLACE = {
-    "peak": ("acceleration", "offset", "noise"),
-    "width": ("offset", "noise"),
-    "velocity_change": ("acceleration", "offset", "noise"),
-}
-"""Kinds that stand in place of what the record would tell of noise and baseline, where too little lies before the blow.
-Where none is stated, the uncertainty is not known."""
 
 
 def _inputs(channel: Channel, pulse: RecordedPulse, budget: Budget, measured: _Measured) -> _Inputs:
@@ -375,8 +348,7 @@ def _summed(
         shares = [BudgetLine(one, u, u**2 / total) for one, u in rows]
         shares.sort(key=lambda row: -row.standard if math.isfinite(row.standard) else 0.0)
         coverage = expanded / standard if standard > 0.0 else COVERAGE
-        figures[name] = FigureUncertainty(
-            float(measured.figures[k]), standard, expanded, coverage, tuple(shares), method
-        )
+        value = float(measured.figures[k]) * (1.0 if name == "width" else measured.sign)
+        figures[name] = FigureUncertainty(value, standard, expanded, coverage, tuple(shares), method)
     checked = {} if simulated is None else dict(zip(FIGURES, sound, strict=True))
     return BlowUncertainty(figures, 0 if simulated is None else simulated.trials, checked)

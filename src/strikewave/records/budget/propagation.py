@@ -118,7 +118,7 @@ class Simulated(NamedTuple):
     trials : int
         How many there were.
     stable : bool
-        Whether all four are known to the tolerance.
+        Whether all four are known to the tolerance, where they are numbers.
     """
 
     mean: Array
@@ -199,7 +199,8 @@ def monte_carlo(
         count = len(figures)
         if count > 1:
             over = np.std(figures, axis=0, ddof=1) / math.sqrt(count)
-            stable = bool(np.all(2.0 * over <= tolerance * np.std(np.concatenate(batches), axis=0, ddof=1)))
+            spread = np.std(np.concatenate(batches), axis=0, ddof=1)
+            stable = bool(np.all((2.0 * over <= tolerance * spread) | np.isnan(spread)))
     every = np.concatenate(batches)
     low, high = np.quantile(every, [tail, 1.0 - tail], axis=0)
     return Simulated(np.mean(every, axis=0), np.std(every, axis=0, ddof=1), low, high, every.shape[0], stable)

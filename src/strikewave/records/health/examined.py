@@ -21,6 +21,8 @@ Array = NDArray[np.float64]
 
 BLOW = ("peak", "rise", "width", "velocity_change")
 """Figures of a single blow."""
+BEFORE, FEWEST_BEFORE = 2.0, 16
+"""Widths before the first blow whose scatter is taken, of 16 samples at least: known to a fifth, and no drift in it."""
 BEGINNING, FEWEST_OF_PART = 20, 8
 """The first twentieth of a record is its beginning, and the last its end, of eight samples at least.
 
@@ -166,3 +168,23 @@ class Examined(SampledRecord):
     def noise(self) -> float:
         """Standard deviation of the white noise of a sample."""
         return sample_noise(self.values)
+
+    @cached_property
+    def scatter(self) -> float:
+        """Standard deviation of noise of any colour: of what lies before the first blow, where some does.
+
+        Examples
+        --------
+        >>> values = np.where(np.arange(900) < 500, 0.0, 1e3 * np.sin(np.pi * np.arange(900) / 400.0) ** 2)
+        >>> slow = np.sin(0.1 * np.arange(900.0))  # the difference of neighbours is small
+        >>> seen = Examined(values + slow, 1e-5, pulses=tuple(find_pulses(values + slow, 1e-5)))
+        >>> seen.noise < 0.2 < 0.6 < seen.scatter < 0.8
+        True
+        """
+        if not self.pulses:
+            return self.noise
+        first = min(self.pulses, key=lambda pulse: pulse.begin)
+        width = first.width if first.width > 0.0 else first.smooth.width()
+        last = self.place(first.begin - width)
+        before = self.values[max(last - max(round(BEFORE * width / self.step), FEWEST_BEFORE), 0) : last]
+        return max(self.noise, float(np.std(before)) if before.size >= FEWEST_BEFORE else 0.0)

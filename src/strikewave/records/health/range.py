@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -10,6 +11,7 @@ from numpy.typing import NDArray
 
 from strikewave.base.percents import percent
 from strikewave.records.health.examined import BLOW, Examined
+from strikewave.records.health.ringing import goes_back
 from strikewave.records.health_notice import HealthNotice
 from strikewave.records.measuring import RecordedPulse
 from strikewave.signal.pulse import crossing
@@ -39,6 +41,17 @@ SURE = 3.0
 """Standard deviations of noise that a top must be flatter by: chance does it in one record of 700."""
 SWINGS_WITHIN, NOISE_SPANS = 2.0, 4.0
 """Widths after a blow in which what bends its top swings on, and standard deviations that noise alone swings there."""
+CORNER = 0.02
+"""By how much a top is more pointed than a smooth one before it is a corner: the tip of x exp(-x) is by 0.015."""
+ONE_SLOPE = 0.35
+"""Slope of one side over that of the other from which on one limit may have made both, and no saw-tooth is meant.
+
+Of a saw-tooth that rises over 0.7 of its length and falls as a cosine does it is 0.29."""
+HALFWAY = (0.25, 0.75)
+"""Shares of the peak between which the slopes of such sides are taken."""
+GOES_ON, SAMPLES_OF_TIP = 0.02, 2.0
+"""By how much a straight side goes on above the peak before its tip counts as bent, and samples on which a recorder's
+filter rounds the tip of a saw-tooth, or delays it."""
 FROM, FINE = 0.8, 2001
 """Share of the upper half's height from which on samples enter its polynomial; places at which that is looked at."""
 LOW, HIGHEST, WRONG = 0.2, 3.0, 0.05
@@ -100,41 +113,42 @@ def clipped(record: Examined) -> list[HealthNotice]:
 
 
 def saturated(record: Examined) -> list[HealthNotice]:
-    """Find a top flatter than any that an elastic contact makes: an amplifier near its limit, or a flat pulse.
+    """Find tops flatter than any that an elastic contact makes: an amplifier near its limit, or flat pulses.
 
-    Which of them is not known from one record. What swings after the blow may have bent its top as well.
+    Which of them is not known from one record. What swings after a blow may have bent its top as well.
     """
-    for pulse in record.pulses:
-        if pulse.method != "record" or not pulse.width > 0.0:
-            continue
-        sharpness = tip_of(record, pulse)
-        white = pulse.noise * math.sqrt((BENDS + 1.0) * record.step / pulse.width)
-        ripple = 0.0 if math.isnan(pulse.baseline.ripple) else pulse.baseline.ripple
-        doubt = TIP_BY_PEAK * (SURE * max(white, ripple) + _swing_to_both_sides(record, pulse)) / abs(pulse.peak)
-        usual = usual_tip(record, pulse)
-        if not sharpness > usual + FLATTER + doubt:
-            continue
+    pulses = [pulse for pulse in record.pulses if pulse.method == "record" and pulse.width > 0.0]
+    top = top_of(record, pulses)
+    if top is not None and top.sharpness > top.usual + FLATTER + top.doubt:
         message = (
-            f"the top is flat: {percent(sharpness, 0)} as wide at {percent(TIP, 0)} of the peak as at "
-            f"{percent(UPPER, 0)} (an elastic pulse's {percent(usual, 0)}): sensor or amplifier may be near its limit; "
-            "a pulse that is meant to be flat, or made by yielding, cannot be told from it"
+            f"the top is flat: {percent(top.sharpness, 0)} as wide at {percent(TIP, 0)} of the peak as at "
+            f"{percent(UPPER, 0)} (an elastic pulse's {percent(top.usual, 0)}): sensor or amplifier may be near its "
+            "limit; a pulse that is meant to be flat, or made by yielding, cannot be told from it"
         )
-        higher = _half_sine_of_flanks(record, pulse) - 1.0
+        higher = float(np.mean([_half_sine_of_flanks(record, pulse) for pulse in pulses])) - 1.0
         if higher > WRONG:
             message += f"; the half-sine of its flanks would be {percent(higher, 0)} higher"
-        begin, end = pulse.begin, pulse.end
-        return [HealthNotice("flat-top", message, sharpness, severity="suspect", harms=BLOW, start=begin, end=end)]
+        return [_of_range("flat-top", message, top.sharpness, pulses)]
+    higher = min((_bent_off(record, pulse) for pulse in pulses), default=0.0)
+    if higher > 0.0:
+        message = (
+            f"a straight side, as that of a saw-tooth, would go on {percent(higher, 0)} above the peak, and bends "
+            "before it: sensor or amplifier may be near its limit; a tip that is meant to be round cannot be told from "
+            "it"
+        )
+        return [_of_range("flat-top", message, higher, pulses)]
     return []
 
 
 def slew_limited(record: Examined) -> list[HealthNotice]:
-    """Find a steepest side that is straight where a pulse would be curved: an amplifier that is too slow for it.
+    """Find an amplifier that is too slow for a blow, by a straight side or a corner.
 
-    A saw-tooth, straight on both sides and much steeper on one, is meant to be so.
+    A side is straight where a pulse is curved, or the top is a corner where it is round: such an amplifier follows
+    the rise in a straight line until that meets the fall. A saw-tooth, straight on both sides and much steeper on one,
+    is meant to be so.
     """
-    for pulse in record.pulses:
-        if pulse.method != "record" or not pulse.width > 0.0:
-            continue
+    pulses = [pulse for pulse in record.pulses if pulse.method == "record" and pulse.width > 0.0]
+    for pulse in pulses:
         swing = _amplitude_after(record, pulse)
         other, steep = sorted(flank_of(record, pulse, side, swing) for side in (-1, 1))
         own_slope = other.slope < (1.0 - ALIKE) * steep.slope
@@ -147,16 +161,98 @@ def slew_limited(record: Examined) -> list[HealthNotice]:
             f"{record.text(1e-6 * steep.slope)} per us, where a smooth pulse is curved: the amplifier may be too slow "
             "(slew rate), unless the pulse is meant to be straight; the true peak may be larger, the width smaller"
         )
-        begin, end = pulse.begin, pulse.end
-        return [HealthNotice("slew-rate", message, steep.slope, severity="suspect", harms=BLOW, start=begin, end=end)]
-    return []
+        return [_of_range("slew-rate", message, steep.slope, [pulse])]
+    even = [pulse for pulse in pulses if pulse.rigid is None and not goes_back(record, pulse)[0] > 0.0]
+    top = top_of(record, even)  # ringing makes corners too
+    if top is None or not top.sharpness < top.usual - CORNER - top.doubt:
+        return []
+    low, high = np.mean([sorted(_slope_halfway(record, pulse, side) for side in (-1, 1)) for pulse in even], axis=0)
+    if not low > ONE_SLOPE * high:
+        return []
+    message = (
+        f"the top is a corner: {percent(top.sharpness, 0)} as wide at {percent(TIP, 0)} of the peak as at "
+        f"{percent(UPPER, 0)} (a smooth pulse's {percent(top.usual, 0)}): an amplifier that is too slow (slew rate) "
+        "rises in a straight line until it meets the fall, unless the pulse is meant to be pointed; the true peak may "
+        "be larger, the width smaller"
+    )
+    return [_of_range("slew-rate", message, float(high), even)]
+
+
+def _of_range(code: str, message: str, value: float, pulses: Sequence[RecordedPulse]) -> HealthNotice:
+    begin, end = pulses[0].begin, pulses[-1].end
+    return HealthNotice(code, message, value, severity="suspect", harms=BLOW, start=begin, end=end)
+
+
+class Top(NamedTuple):
+    """How sharp the tops of some pulses are, in the mean, what smooth ones with their flanks are, and the doubt."""
+
+    sharpness: float
+    usual: float
+    doubt: float
+
+
+def top_of(record: Examined, pulses: Sequence[RecordedPulse]) -> Top | None:
+    """Return how sharp the tops of the blows of a record are, all together; None where no shape is known.
+
+    One amplifier takes all of them alike: what noise does is less in their mean, what rings is not.
+
+    Examples
+    --------
+    >>> from strikewave.records.measuring import find_pulses
+    >>> values = np.sin(np.pi * np.clip(np.arange(900.0) / 80.0 - 5.0, 0.0, 1.0))
+    >>> top = top_of(Examined(values, 1e-6), find_pulses(values, 1e-6))
+    >>> round(top.sharpness, 2), round(top.usual, 2), top.doubt < 0.01
+    (0.43, 0.43, True)
+    """
+    tips = [(pulse, tip) for pulse in pulses if not math.isnan(tip := tip_of(record, pulse))]
+    if not tips:
+        return None
+    noise = [_noise_of_top(record, pulse) / abs(pulse.peak) for pulse, _ in tips]
+    swing = [_swing_to_both_sides(record, pulse) / abs(pulse.peak) for pulse, _ in tips]
+    doubt = TIP_BY_PEAK * (SURE * math.sqrt(float(np.mean(np.square(noise))) / len(tips)) + float(np.mean(swing)))
+    usual = [usual_tip(record, pulse) for pulse, _ in tips]
+    return Top(float(np.mean([tip for _, tip in tips])), float(np.mean(usual)), doubt)
+
+
+def _noise_of_top(record: Examined, pulse: RecordedPulse) -> float:
+    """Return what noise of any colour does to the top of a pulse: one standard deviation."""
+    white = pulse.noise * math.sqrt((BENDS + 1.0) * record.step / pulse.width)
+    return max(white, 0.0 if math.isnan(pulse.baseline.ripple) else pulse.baseline.ripple)
+
+
+def _slope_halfway(record: Examined, pulse: RecordedPulse, side: int) -> float:
+    """Return the slope of one side of a pulse between a fourth and three fourths of its peak."""
+    heights = _side_of(record, pulse, side)
+    first, last = (int(np.max(np.flatnonzero(heights < share), initial=0)) + k for k, share in enumerate(HALFWAY))
+    return abs(pulse.peak) * float(heights[last] - heights[first]) / (max(last - first, 1) * record.step)
+
+
+def _bent_off(record: Examined, pulse: RecordedPulse) -> float:
+    """Return by how much a straight side of a pulse goes on above its peak, over the peak; 0 where that may be chance.
+
+    A limit leaves the time of the peak as it is, and the lower part of a side.
+    """
+    swing = _amplitude_after(record, pulse)
+    flanks = [flank_of(record, pulse, side, swing) for side in (-1, 1)]
+    straight = [flank for flank in flanks if flank.bend < STRAIGHT]
+    if not straight:
+        return 0.0
+    flank = min(straight)
+    rounded = SAMPLES_OF_TIP * flank.slope * record.step / abs(pulse.peak)
+    doubt = SURE * _noise_of_top(record, pulse) / abs(pulse.peak)
+    higher = flank.goes_on - 1.0
+    return higher if higher > GOES_ON + rounded + doubt else 0.0
 
 
 class Flank(NamedTuple):
-    """A side of a pulse: its largest slope, and by how much it bends at least over `OVER` of the peak."""
+    """A side of a pulse: its largest slope, and by how much it bends at least over `OVER` of the peak.
+
+    ``goes_on``: how high the straight line through that goes on until the peak, over it.
+    """
 
     slope: float
     bend: float
+    goes_on: float = math.nan
 
 
 def flank_of(record: Examined, pulse: RecordedPulse, side: int, swing: float = 0.0) -> Flank:
@@ -176,12 +272,10 @@ def flank_of(record: Examined, pulse: RecordedPulse, side: int, swing: float = 0
     0.02
     0.0
     """
-    heights = _above_zero(record, pulse) / abs(pulse.peak)
-    top = record.place(pulse.time) - record.place(pulse.begin)
-    heights = heights[top:][::-1] if side > 0 else heights[: top + 1]
+    heights = _side_of(record, pulse, side)
     ripple = 0.0 if math.isnan(pulse.baseline.ripple) else pulse.baseline.ripple
     swing = max(ripple, swing)
-    least, slope = math.inf, float(np.max(np.diff(heights), initial=0.0))
+    least, slope, goes_on = math.inf, float(np.max(np.diff(heights), initial=0.0)), math.nan
     for level in LEVELS:
         first = int(np.max(np.flatnonzero(heights < level), initial=0))
         last = int(np.max(np.flatnonzero(heights < level + OVER), initial=0)) + 1
@@ -192,7 +286,8 @@ def flank_of(record: Examined, pulse: RecordedPulse, side: int, swing: float = 0
         doubt = max(pulse.noise * math.sqrt(7.0 / part.size), swing) / abs(pulse.peak)
         if (bend := math.hypot(bends[2], bends[3]) + doubt) < least:
             least, slope = bend, 2.0 * float(bends[1]) / (part.size - 1)
-    return Flank(abs(pulse.peak) * slope / record.step, least)
+            goes_on = float(bends[0]) + slope * (heights.size - 1 - first - 0.5 * (part.size - 1))
+    return Flank(abs(pulse.peak) * slope / record.step, least, goes_on)
 
 
 def tip_of(record: Examined, pulse: RecordedPulse) -> float:
@@ -262,7 +357,7 @@ def _swing_to_both_sides(record: Examined, pulse: RecordedPulse) -> float:
 def _amplitude_after(record: Examined, pulse: RecordedPulse) -> float:
     """Return the amplitude of what swings to both sides after a blow, the most that noise makes of it taken off."""
     after = _after(record, pulse)
-    by_noise = pulse.noise**2 * (1.0 + SURE * math.sqrt(2.0 / after.size))
+    by_noise = record.scatter**2 * (1.0 + SURE * math.sqrt(2.0 / after.size))
     return min(max(_to_both_sides(after), 0.0), math.sqrt(2.0 * max(float(np.var(after)) - by_noise, 0.0)))
 
 
@@ -275,6 +370,13 @@ def _after(record: Examined, pulse: RecordedPulse) -> Array:
 def _to_both_sides(values: Array) -> float:
     """Return by how much values reach to either side of zero; below zero where they stay on one."""
     return min(float(np.max(values)), -float(np.min(values)))
+
+
+def _side_of(record: Examined, pulse: RecordedPulse, side: int) -> Array:
+    """Return one side of a pulse from its foot up to its peak, over the peak."""
+    heights = _above_zero(record, pulse) / abs(pulse.peak)
+    top = record.place(pulse.time) - record.place(pulse.begin)
+    return np.asarray(heights[top:][::-1] if side > 0 else heights[: top + 1])
 
 
 def _above_zero(record: Examined, pulse: RecordedPulse) -> Array:

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 
 import numpy as np
 
 from strikewave.base.percents import percent
 from strikewave.records.health.examined import BLOW, FEWEST_OF_PART, Examined
-from strikewave.records.health_notice import HealthNotice, by_effect
+from strikewave.records.health_notice import HARMED, HealthNotice, by_effect
 from strikewave.records.measuring import RecordedPulse, one_sided, stretch_of
 from strikewave.records.rigid_pulse import POOR
 from strikewave.records.ringing import RINGS_WITHIN, ringing_of
@@ -25,6 +26,10 @@ SEPARATE = 1.5
 """Swings in a width from which on ringing is distinct from the blow without a model: the smooth pulse averages it."""
 STRAYS = 0.06
 """Misfit of the smooth pulse that is no usual shape: then the blow itself rings, though it has died out after it."""
+SPANS = 6.0
+"""Standard deviations by which noise makes a record fall on the way up to a peak, in the thousand samples of a side."""
+FOOT = 0.25
+"""Widths before a blow that belong to the way up: a contact pushes only, and what begins to the other side swings."""
 COMPARED = ("peak", "width", "velocity_change")
 """Figures that are compared with those of the pulse without ringing."""
 WIDTH_BY_LEVEL = 0.68
@@ -60,10 +65,10 @@ def _ringing_of(record: Examined, pulse: RecordedPulse) -> HealthNotice | None:
         return by_effect("ringing", message, share, effects, doubt=doubt, start=pulse.begin)
     within = pulse.smooth.misfit > STRAYS and pulse.method == "record"
     if share < NOTED_RINGING and not within:
-        return None
+        return _dead_within(record, pulse)
     frequency = ringing_of(stretch_of(record.values, record.step, record.start, pulse))
     if share < NOTED_RINGING and math.isnan(frequency):
-        return None
+        return _dead_within(record, pulse)
     if not frequency * pulse.smooth.width() > SEPARATE:
         message = (
             f"after the blow the record swings by {percent(share, 0)} of the peak, about as slowly as the blow itself, "
@@ -80,6 +85,49 @@ def _ringing_of(record: Examined, pulse: RecordedPulse) -> HealthNotice | None:
         "and no single mode explains it; against the smooth pulse"
     )
     return by_effect("ringing", message, share, effects, doubt=_doubt_of_smooth(pulse, frequency), start=pulse.end)
+
+
+def _dead_within(record: Examined, pulse: RecordedPulse) -> HealthNotice | None:
+    """Find ringing that has died out when the blow ends: the record goes back on its way up, or down.
+
+    Peak and feet may be off by as much as it does, the velocity change by twice what lies between it and a record that
+    never goes back: a swing lifts as much as it takes.
+    """
+    share, area = goes_back(record, pulse)
+    if pulse.method != "record" or not share > HARMED:
+        return None
+    message = (
+        "on its way up to the peak and down from it the record goes back, and a contact pushes once: the blow rings, "
+        "too fast for this rate or too briefly to be taken off, which may make"
+    )
+    effects = {"peak": share, "width": share, "velocity_change": 2.0 * area / abs(pulse.velocity_change)}
+    return by_effect("ringing", message, share, effects, signed=False, start=pulse.begin, end=pulse.end)
+
+
+def goes_back(record: Examined, pulse: RecordedPulse) -> tuple[float, float]:
+    """Return by how much a record falls on the way up to a peak, or rises on the way down, over it, and over what area.
+
+    What noise does is none.
+
+    Examples
+    --------
+    >>> from strikewave.records.measuring import find_pulses
+    >>> u = np.clip(np.arange(900.0) / 80.0 - 5.0, 0.0, 1.0)
+    >>> for swing in (0.0, 0.3):
+    ...     values = np.sin(np.pi * u) - swing * np.exp(-8.0 * u) * np.sin(40.0 * u)
+    ...     [pulse] = find_pulses(values, 1e-6)
+    ...     print(goes_back(Examined(values, 1e-6, pulses=(pulse,)), pulse)[0] > HARMED)
+    False
+    True
+    """
+    sign = math.copysign(1.0, pulse.peak)
+    width = pulse.width if pulse.width > 0.0 else 0.0
+    places = [record.place(time) for time in (pulse.begin - FOOT * width, pulse.time, pulse.end)]
+    up, down = (sign * record.values[a : b + 1] for a, b in itertools.pairwise(places))
+    back = np.concatenate([np.maximum.accumulate(side) - side for side in (up, down[::-1])])
+    noise = SPANS * record.scatter
+    share = max(float(np.max(back)) - noise, 0.0) / abs(pulse.peak)
+    return share, record.step * float(np.sum(back[back > noise]))
 
 
 def _doubt_of_smooth(pulse: RecordedPulse, frequency: float) -> dict[str, float]:

@@ -102,7 +102,7 @@ def check(solved: Solved, experiments: Sequence[Experiment]) -> Checks:
             for name, unit, measured, doubt in _figures(one):
                 predicted, values = nominal[place], [draw[place] for draw in draws]
                 spread = float(np.std(values) / abs(np.mean(values))) if len(values) > 1 else 0.0
-                shares = found.reach * spread, left.get(name, 0.0), NORMAL * doubt / abs(measured)
+                shares = found.reach * spread, left.get(_kind(one, name), 0.0), NORMAL * doubt / abs(measured)
                 half = abs(predicted) * math.hypot(*shares)
                 ends = predicted - half, predicted + half
                 figures.append(PredictedFigure(one.called, name, unit, measured, predicted, *ends))
@@ -162,6 +162,11 @@ def _figures(one: MeasuredNumber | MeasuredPulse) -> list[tuple[str, str, float,
     return [(name, units[key], float(getattr(pulse, key)), doubts.get(key, 0.0)) for name, key in names_of(one.unit)]
 
 
+def _kind(one: MeasuredNumber | MeasuredPulse, name: str) -> str:
+    """Return what a figure is called at any setting."""
+    return f"{one.name} {one.sensor}" if isinstance(one, MeasuredNumber) else name
+
+
 def names_of(unit: str) -> list[tuple[str, str]]:
     """Return the figures of a pulse, each with the name that `Pulse` gives it."""
     integral = {"m/s^2": "velocity change", "N": "impulse"}.get(unit)
@@ -178,9 +183,8 @@ def _left_over(problem: Problem, place: Array) -> dict[str, float]:
     off: dict[str, list[float]] = {}
     for experiment, run in zip(problem.experiments, problem.runs(place), strict=True):
         for one in experiment.measured:
-            if isinstance(one, MeasuredPulse):
-                for (name, _, measured, _), computed in zip(_figures(one), _computed(one, run), strict=True):
-                    off.setdefault(name, []).append(computed / measured - 1.0)
+            for (name, _, measured, _), computed in zip(_figures(one), _computed(one, run), strict=True):
+                off.setdefault(_kind(one, name), []).append(computed / measured - 1.0)
     return {
         name: float(t.ppf(0.975, len(values))) * math.sqrt(float(np.mean(np.square(values))))
         for name, values in off.items()

@@ -13,8 +13,9 @@ from strikewave.reporting.numbers import headed, listed, percent, shown
 from strikewave.reporting.parts import Tag
 from strikewave.reporting.table_columns import TableColumn
 from strikewave.studies.fit.checking import Checks, PredictedFigure
+from strikewave.studies.fit.notices import MET
 from strikewave.studies.fit.problem import Misfit
-from strikewave.studies.fit.study import FitStudy, FittedParameter, combination_words, value_words
+from strikewave.studies.fit.result import FitStudy, FittedParameter, combination_words, value_words
 from strikewave.studies.fit.trying import TriedChoice
 
 USUAL = {**SHOWN_IN, "s": "us"}
@@ -30,12 +31,18 @@ def fit_words(study: FitStudy) -> str:
     words += [f"{_capital(combination_words(study, group))}." for group in found.groups()]
     broken = [one for one in study.solved.misfits if one.more_than_noise]
     worst = max(study.solved.misfits, key=lambda one: one.share)
+    missed = [one for one in study.solved.misfits if one.is_number and one.size > MET]
+    if missed:
+        words.append(
+            f"{len(missed)} of {len(study.numbers)} numbers are missed by more than {MET:g} times their uncertainty, "
+            f"by up to {percent(max(one.share for one in missed), 1)}."
+        )
     if broken:
         words.append(
             f"What is left is more than noise in {len(broken)} of {len(study.pulses)} records: up to "
             f"{percent(max(one.share for one in broken), 1)} of the peak (RMS)."
         )
-    else:
+    if not broken and not missed:
         words.append(f"What is left is within noise or uncertainty: at most {percent(worst.share, 2)} (RMS).")
     if study.tries:
         words.insert(0, f"Of {len(study.tries)} choices, {study.tries[0].choice} {_best_by(study.tries[0])}.")
@@ -154,6 +161,6 @@ def check_words(checks: Checks) -> str:
     return f"{words} Predictions agree to {np.mean(scores):.2f} of 1 by ISO/TS 18571." if scores else words
 
 
-def residual_rows(study: FitStudy) -> tuple[Misfit, ...]:
-    """Return a row for each record and number."""
-    return study.solved.misfits
+def residual_rows(study: FitStudy) -> list[Misfit]:
+    """Return a row for each record and number, the largest residuals over noise or uncertainty first."""
+    return sorted(study.solved.misfits, key=lambda one: -one.size)

@@ -22,9 +22,8 @@ Residuals = Callable[[Array], Array]
 """Takes a place; returns the residuals, or raises what `on_threads` takes for a failure."""
 
 SCREENED, MOST_SCREENED = 8, 32
-"""Places tried before the search, for each coordinate and at most: enough to find the valley that the case's own place
-is not in (of 60 planted fits of two and three fields from places in all of the cube, two searches in three ended in one
-valley from fewer)."""
+"""Places tried before the search, for each coordinate and at most: chosen so that a valley a fifth as wide as the
+bounds is met, at the cost of one search."""
 STARTS = 3
 """Searches: from the place of the case, and from the best of those tried."""
 APART = 0.1
@@ -69,11 +68,14 @@ class ResidualBlock(NamedTuple):
         for residuals that are independent.
     shot : int
         Number of the shot that they are of.
+    offset : float
+        Variance of what is added to all of them: of the baseline of a record.
     """
 
     rows: slice
     correlation: Array
     shot: int
+    offset: float = 0.0
 
 
 @dataclass(frozen=True)
@@ -297,6 +299,7 @@ def spread_of_slopes(residuals: Array, jacobian: Array, blocks: Sequence[Residua
         lags = np.zeros(part.shape[0])
         lags[: block.correlation.size] = block.correlation[: lags.size]
         total += part.T @ (matmul_toeplitz(lags, part) if block.correlation.size > 1 else lags[0] * part)
+        total += block.offset * np.outer(part.sum(axis=0), part.sum(axis=0))
     return total
 
 

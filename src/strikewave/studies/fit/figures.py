@@ -24,7 +24,7 @@ from strikewave.reporting.style import (
     titled,
 )
 from strikewave.studies.fit.measured import LaidPulse, MeasuredPulse
-from strikewave.studies.fit.study import FitStudy, FittedParameter
+from strikewave.studies.fit.result import FitStudy, FittedParameter
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from strikewave.base.errors import InputError, nearest
 from strikewave.base.quantities import Provenance, Range, Value
-from strikewave.cases.case import FORM, Case, dump_case, parse_case
+from strikewave.cases.case import Case, dump_case, parse_case
 from strikewave.cases.plausible import PLAUSIBLE
 from strikewave.studies.axes import Axis, units_of
 from strikewave.uncertainty.draws import range_of
@@ -77,7 +77,7 @@ class FreeField:
         Examples
         --------
         >>> field = FreeField("x", Value(si=1.0, typed=1.0), Range("", 0.0), 0.1, 10.0, True)
-        >>> field.si(0.5), field.place(10.0)
+        >>> round(field.si(0.5), 12), field.place(10.0)
         (1.0, 1.0)
         """
         value = self.low * math.exp(place * self.width) if self.log else self.low + place * self.width
@@ -195,6 +195,3 @@ def case_at(case: Case, fields: Sequence[FreeField], place: Array) -> Case:
 def changed_case(case: Case, changes: Sequence[str]) -> Case:
     """Return a case with some of its fields changed, each ``path=value``."""
     return parse_case(dump_case(case), case.name, changes) if changes else case
-
-
-__all__ = ["FORM", "FreeField", "case_at", "changed_case", "free_fields"]

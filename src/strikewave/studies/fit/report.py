@@ -20,7 +20,7 @@ from strikewave.studies.fit.columns import (
     residual_rows,
 )
 from strikewave.studies.fit.figures import MOST_DRAWN, overlay, profile_figures, values_figure
-from strikewave.studies.fit.study import FitStudy
+from strikewave.studies.fit.result import FitStudy
 
 
 def fit_report(study: FitStudy) -> str:
@@ -52,8 +52,8 @@ def _values(study: FitStudy) -> Section:
     parts += [Picture(figure, words) for figure, words in profile_figures(study)]
     parts.append(Link("fitted.toml", "The fitted case, fitted.toml"))
     text = (
-        "Standard errors hold the noise of the records with its colour, or what is left where that is more; with more "
-        "shots than values, what differs from shot to shot. They hold no error of fields that were not free."
+        "Standard errors hold the noise of the records with its colour, or what is left where that is more; with three "
+        "shots more than values, what differs from shot to shot. They hold no error of fields that were not free."
     )
     return Section("Fitted values", text, parts)
 

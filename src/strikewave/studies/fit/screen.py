@@ -14,7 +14,7 @@ from strikewave.cases.case import Case, dump_case
 from strikewave.reporting import measured_files as measured
 from strikewave.reporting.options import Output
 from strikewave.reporting.run_and_write import Command, case_folder, run_and_write
-from strikewave.reporting.terminal import print_rows, progress_bar
+from strikewave.reporting.terminal import print_rows, progress_bar, tell
 from strikewave.studies.fit.columns import (
     CHECK_COLUMNS,
     CORRELATION_TITLE,
@@ -26,9 +26,12 @@ from strikewave.studies.fit.columns import (
     fit_words,
     residual_rows,
 )
-from strikewave.studies.fit.study import FitStudy, fit
-from strikewave.studies.fit.targets import parse_target
+from strikewave.studies.fit.result import FitStudy
+from strikewave.studies.fit.study import fit
+from strikewave.studies.fit.targets import parse_target, target_words
 
+MOST_ROWS = 20
+"""Residuals that the screen lists: more fill it."""
 EXPECTED = 60
 """Runs that a fit takes for each free field, roughly: for the bar alone."""
 
@@ -53,7 +56,7 @@ def run_fit(case: Case, changes: Sequence[str], request: FitRequest, output: Out
         What `fit` raises, or if the place is taken.
     """
     usual = f"fit-{case_folder(case.name, dump_case(case), changes)}"
-    targets = [parse_target(word, case) for word in (*request.to, *request.check_on)]
+    targets = [parse_target(word, case) for word in target_words([*request.to, *request.check_on])]
     paths = [path for one in targets if not one.is_number for path in paths_of(parse_name(one.right))]
     origin = measured.source_of(
         "fit", case.name, list(dict.fromkeys(paths)) if output.writes(usual) else [], output.stated_test()
@@ -100,7 +103,10 @@ class FitCommand(Command[FitStudy]):
         print_rows("Fitted values", PARAMETER_COLUMNS, result.parameters)
         if len(result.parameters) > 1:
             print_rows(CORRELATION_TITLE, correlation_columns(result), correlation_rows(result))
-        print_rows("Residuals", RESIDUAL_COLUMNS, residual_rows(result))
+        rows = residual_rows(result)
+        if len(rows) > MOST_ROWS:
+            tell(f"of {len(rows)} residuals the {MOST_ROWS} largest; the report and fit.json have all")
+        print_rows("Residuals", RESIDUAL_COLUMNS, rows[:MOST_ROWS])
         if result.tries:
             print_rows("Choices, the best first", TRIED_COLUMNS, result.tries)
         if result.checks is not None:

@@ -2,6 +2,7 @@
 
 ``shot.csv`` is a record of the usual part, ``PART=shot.csv`` of another one; ``first.rigid_peak=4151 g`` a number, with
 its standard uncertainty behind ``±`` or ``+-``. Settings follow after semicolons: ``shot.csv; machine.speed=500 rpm``.
+``@FILE`` stands for the lines of a text file.
 """
 
 from __future__ import annotations
@@ -27,6 +28,8 @@ from strikewave.uncertainty.known import LEAST, MOST, half_a_digit
 
 MOST_RECORDS = 200
 """Most records of a fit: each of them is read, and aligned at each run."""
+LARGEST_LIST = 1_000_000
+"""Characters of a list of targets that are read: far more than the records of a fit need."""
 _UNCERTAIN = re.compile(r"\s*(?:±|\+-|\+/-)\s*")
 _BLOW = re.compile(r"(.*)@([1-9]\d{0,5})", re.DOTALL)
 _SETTING = re.compile(r"\s*([A-Za-z_][\w.+ -]*)=(.+)", re.DOTALL)
@@ -52,6 +55,28 @@ class Target:
     right: str
     changes: tuple[str, ...] = ()
     is_number: bool = False
+
+
+def target_words(words: Sequence[str]) -> list[str]:
+    """Return targets as typed, and in the place of ``@FILE`` those of its lines; empty ones and those with # are none.
+
+    Raises
+    ------
+    InputError
+        If there is no such file, or it is none of text.
+    """
+    found = list[str]()
+    for word in words:
+        if not word.startswith("@"):
+            found.append(word)
+            continue
+        try:
+            with open(word[1:], encoding="utf-8") as file:
+                lines = file.read(LARGEST_LIST).splitlines()
+        except (OSError, ValueError):
+            raise InputError("--to", word, "@FILE, a text file with a target a line") from None
+        found += [line.strip() for line in lines if line.strip() and not line.strip().startswith("#")]
+    return found
 
 
 def parse_target(word: str, case: Case) -> Target:
@@ -123,7 +148,7 @@ def read_number(case: Case, target: Target) -> MeasuredNumber:
         size = read_share(word, field) * abs(value.si) if word.endswith("%") else _read(word, unit, field).si
         if not size > 0.0:
             raise InputError(field, word, "a standard uncertainty above 0, such as 2 %")
-    return MeasuredNumber(name, sensor, unit, value.si, size, typed)
+    return MeasuredNumber(name, sensor, unit, value.si, size, typed, ", ".join(target.changes))
 
 
 def _read(word: str, unit: str, field: str) -> Value:

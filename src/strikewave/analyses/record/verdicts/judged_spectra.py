@@ -103,7 +103,7 @@ class SpectraJudge:
         for name, file, channel, one, known, harmed in rows:
             frequency = np.asarray(one.frequency, dtype=np.float64)
             short = frequency[-1] < limits.frequency[-1] * 2.0 ** (-1.0 / limits.per_octave)
-            lacks = f"its sampling rate carries natural frequencies up to {frequency[-1]:.4g} Hz" if short else ""
+            lacks = f"its sampling rate carries natural frequencies up to {frequency[-1]:.4g}\xa0Hz" if short else ""
             inside = frequency <= limits.frequency[-1] * (1.0 + 1e-9)
             values = (frequency[inside], one.side(side)[inside])
             share = known[0].expanded[inside] / values[1] if known else math.nan

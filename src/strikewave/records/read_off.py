@@ -1,0 +1,270 @@
+"""Figures of a blow read off a noisy record, and what noise does to them.
+
+The record is taken as a smooth pulse and what that misses. The rest is smoothed by local parabolas, over the window
+whose error is least by what is left and what noise gets through. Without noise the record stays as it is.
+
+Noise like that before the blow is then put on the result, and all of it is done again. By what the figures are off in
+the middle they are corrected: the highest of noisy values stands too high, smoothing rounds a foot. They are as
+uncertain as those of a window an octave shorter scatter, or differ: detail that noise hides may be there.
+
+Sources: C. L. Mallows, Some Comments on C_P, Technometrics 15 (1973) 661-675; B. Efron, Bootstrap Methods: Another Look
+at the Jackknife, Annals of Statistics 7 (1979) 1-26.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+
+from strikewave.records.record import Array
+from strikewave.records.smooth_pulse import SmoothPulse
+from strikewave.records.smoothing import SmoothingWindow, windows_up_to
+from strikewave.signal.pulse import RISE_HIGH, RISE_LOW, WIDTH_FRACTION
+
+LONGEST = 3
+"""Share of a blow, one in so many of its box, that a window reaches to either side at most: a parabola over two thirds
+of a box still follows a half-sine."""
+FINER, SMOOTHER = 2, 4
+"""Windows by which the one that doubts the one of least error is shorter, and that of the pulse which noise is put on
+is longer, for what noise left on it would be put on twice.
+
+Chosen on planted half-sines, saw-teeth, trapezoids, machine and ringing pulses, 20 to 200 samples long, in white noise
+of 0.5 to 5 %, of one set of seeds: less leaves peaks of tips and plateaus off by more than is stated."""
+DRAWS, SEED = 32, 1
+"""Times that noise is put on a pulse: its scatter is then known to an eighth; and the seed, so that a record always
+gives the same figures."""
+NO_NOISE = 1e-5
+"""Share of the peak below which noise moves no figure by a digit that is shown."""
+BOW, OVERSHOOT = 8.0 * math.sqrt(3.0), 16.0 * math.sqrt(3.0)
+"""A chord misses an arc by an eighth of its second difference; a parabola through three samples what lies between them
+by a sixteenth of the third difference: (x^3 - x) / 6 is at most that."""
+
+FLAT = 1e-9
+"""Share of the peak a sample at least that a side rises by."""
+
+
+class ReadPulse(NamedTuple):
+    """A pulse without its noise.
+
+    Attributes
+    ----------
+    values : ndarray
+        The stretch without noise.
+    place, peak, rise, width : float
+        Figures in samples: place of the peak, peak, 10 to 90 % of it, between the crossings of 10 %; NaN where the
+        stretch ends above.
+    peak_scatter, width_scatter : float
+        Standard uncertainties by noise faster than the blow, by detail that it hides, and by the sampling.
+    """
+
+    values: Array
+    place: float
+    peak: float
+    rise: float
+    width: float
+    peak_scatter: float
+    width_scatter: float
+
+
+class Surroundings(NamedTuple):
+    """The record about a blow.
+
+    Attributes
+    ----------
+    values : ndarray
+        Baseline taken off, the blow upwards.
+    time : ndarray
+        Times, s.
+    near : slice
+        Samples to which the smooth pulse was fitted.
+    inside : slice
+        Those in which the peak lies.
+    width : int
+        Samples of the box of the blow.
+    """
+
+    values: Array
+    time: Array
+    near: slice
+    inside: slice
+    width: int
+
+
+def read_pulse(about: Surroundings, smooth: SmoothPulse, noise: Array) -> ReadPulse:
+    """Read the figures of a pulse off a noisy stretch.
+
+    Parameters
+    ----------
+    about : Surroundings
+        The record about the blow.
+    smooth : SmoothPulse
+        The smooth pulse fitted to it.
+    noise : ndarray
+        Samples of the noise alone.
+
+    Examples
+    --------
+    >>> time = np.arange(600.0)
+    >>> true = SmoothPulse(1.0, 200.0, 200.0, 0.5, 1.0)
+    >>> noise = 0.03 * np.random.default_rng(1).normal(size=(2, 600))
+    >>> record = Surroundings(true.at(time) + noise[0], time, slice(150, 450), slice(180, 420), 150)
+    >>> read = read_pulse(record, true, noise[1])
+    >>> abs(read.peak - 1.0) < 2.0 * read.peak_scatter < 0.05, abs(read.width - 187.2) < 2.0 * read.width_scatter < 5.0
+    (True, True)
+    """
+    raw, near = about.values, about.near
+    pulse = smooth.at(about.time)
+    windows = windows_up_to(max(about.width // LONGEST, 2))
+    best, beside = least_error(raw[near], pulse[near], windows, noise)
+    pulse = pulse if beside else np.zeros_like(pulse)
+    taken, finer = windows[best], windows[max(best - FINER, 0)]
+    clean = pulse + taken.over(raw - pulse)
+    box = slice(about.inside.start - near.start, about.inside.stop - near.start)
+    found = figures_of(clean[None, near], box)[0]
+    doubt = _by_sampling(clean[near], *found[:2])
+    if float(np.std(noise)) > NO_NOISE * found[1]:
+        draws = noise_like(noise, near.stop - near.start, DRAWS)
+        base = windows[min(best + SMOOTHER, len(windows) - 1)].over(raw - pulse)[near]
+        start = figures_of((base + pulse[near])[None], box)[0]
+        rest = base + draws - draws[:, box].mean(axis=1, keepdims=True)
+        again = pulse[near] + np.zeros_like(rest)
+        if beside:
+            basis, _ = np.linalg.qr(smooth.tangents(about.time[near]))
+            moved = (rest @ basis) @ basis.T
+            again, rest = again + moved, rest - moved
+        off, least = _spread(figures_of(again + taken.over(rest), box) - start)
+        off_finer, scatter = _spread(figures_of(again + finer.over(rest), box) - start)
+        other = figures_of((pulse + finer.over(raw - pulse))[None, near], box)[0] - off_finer
+        found = found - off
+        apart = np.nan_to_num(other - found)
+        of_peak = math.hypot(scatter[1], apart[1])  # a tip is the sharpest detail there is
+        of_width = max(scatter[3], math.hypot(least[3], apart[3]))
+        doubt = np.hypot(doubt, [of_peak, of_width])
+    place, peak, rise, width = (float(value) for value in found)
+    return ReadPulse(clean, near.start + place, peak, rise, width, float(doubt[0]), float(doubt[1]))
+
+
+def figures_of(rows: Array, inside: slice) -> Array:
+    """Return place, peak, rise and width of the largest value inside each row, in samples; NaN where a row ends above.
+
+    Examples
+    --------
+    >>> tent = np.maximum(1.0 - np.abs(np.arange(-9.0, 10.0)) / 8.0, 0.0)
+    >>> figures_of(tent[None], slice(4, 14)).round(2)
+    array([[ 9. ,  1. ,  6.4, 14.4]])
+    """
+    size = rows.shape[1]
+    every, place = np.arange(rows.shape[0]), np.arange(size)
+    index = inside.start + np.argmax(rows[:, inside], axis=1)
+    middle = np.clip(index, 1, size - 2)
+    left, top, right = (rows[every, middle + k] for k in (-1, 0, 1))
+    curvature = left - 2.0 * top + right
+    bent = (curvature < 0.0) & (middle == index)
+    shift = np.where(bent, 0.5 * (left - right) / np.where(bent, curvature, 1.0), 0.0)
+    peak = np.where(bent, top - 0.25 * (left - right) * shift, rows[every, index])
+
+    def crossed(share: float, side: int) -> Array:
+        """Return where each row falls to a share of its peak, before it (-1) or after it."""
+        below = rows <= (share * peak)[:, None]
+        if side < 0:
+            low = np.where(below & (place <= index[:, None]), place, -1).max(axis=1)
+        else:
+            low = np.where(below & (place >= index[:, None]), place, size).min(axis=1)
+        known = (low >= 0) & (low < size) & (peak > 0.0)
+        low = np.clip(low, 0, size - 1)
+        high = np.clip(low - side, 0, size - 1)
+        rise = rows[every, high] - rows[every, low]
+        part = (share * peak - rows[every, low]) / np.where(rise > 0.0, rise, 1.0)
+        return np.where(known, low - side * np.where(rise > 0.0, part, 0.0), math.nan)
+
+    first, low, high = (crossed(share, -1) for share in (WIDTH_FRACTION, RISE_LOW, RISE_HIGH))
+    return np.column_stack([index + shift, peak, high - low, crossed(WIDTH_FRACTION, 1) - first])
+
+
+def noise_like(noise: Array, size: int, count: int) -> Array:
+    """Return rows of noise with the spectrum of a sample of it; white where the sample is shorter than a row.
+
+    Examples
+    --------
+    >>> slow = np.cumsum(np.random.default_rng(1).normal(size=4000))
+    >>> rows = noise_like(slow, 500, 40)
+    >>> rows.shape, bool(abs(np.std(np.diff(rows)) - 1.0) < 0.3)
+    ((40, 500), True)
+    """
+    rng = np.random.default_rng(SEED)
+    rows = noise.size // size
+    if rows == 0:
+        return float(np.std(noise)) * rng.normal(size=(count, size))
+    spectrum = np.abs(np.fft.rfft(noise - np.mean(noise)))
+    parts = rng.normal(size=(2, -(-count // rows), spectrum.size)) * math.sqrt(0.5)
+    drawn = np.fft.irfft(spectrum * (parts[0] + 1j * parts[1]), noise.size)
+    return np.asarray(drawn[:, : rows * size].reshape(-1, size)[:count])
+
+
+def least_error(raw: Array, pulse: Array, windows: list[SmoothingWindow], noise: Array) -> tuple[int, bool]:
+    """Return which window makes the least error, and whether of the rest beside the smooth pulse or of the record."""
+    errors: dict[tuple[int, bool], float] = {}
+    for k, window in enumerate(windows):
+        through = 2.0 * float(np.mean(noise * window.over(noise)))
+        for beside in (True, False):
+            rest = raw - pulse if beside else raw
+            errors[k, beside] = through + float(np.mean((rest - window.over(rest)) ** 2))
+    return min(errors, key=lambda one: errors[one])
+
+
+def without_noise(raw: Array, pulse: Array, noise: Array, width: int) -> Array:
+    """Return a stretch about a blow without its noise.
+
+    Parameters
+    ----------
+    raw, pulse : ndarray
+        The stretch, and the smooth pulse that was fitted to it.
+    noise : ndarray
+        Samples of the noise alone.
+    width : int
+        Samples of the box of the blow.
+
+    Examples
+    --------
+    >>> noise = np.random.default_rng(1).normal(size=(2, 400))
+    >>> bool(np.std(without_noise(noise[0], np.zeros(400), noise[1], 60)) < 0.4)
+    True
+    """
+    windows = windows_up_to(max(width // LONGEST, 2))
+    best, beside = least_error(raw, pulse, windows, noise)
+    return pulse + windows[best].over(raw - pulse) if beside else windows[best].over(raw)
+
+
+def _spread(rows: Array) -> tuple[Array, Array]:
+    """Return medians and standard deviations of columns that are known in most rows; else zero and NaN.
+
+    The mean would lie between two crossings of a level that ringing grazes.
+    """
+    known = np.isfinite(rows)
+    count = known.sum(axis=0)
+    enough, count = count > 0.5 * rows.shape[0], np.maximum(count, 1)
+    mean = np.where(known, rows, 0.0).sum(axis=0) / count
+    middle = np.median(np.where(known, rows, mean), axis=0)
+    scatter = np.sqrt((np.where(known, rows - mean, 0.0) ** 2).sum(axis=0) / count)
+    return np.where(enough, middle, 0.0), np.where(enough, scatter, math.nan)
+
+
+def _by_sampling(values: Array, place: float, peak: float) -> Array:
+    """Return what may lie between the samples: of the peak, and of the width in samples."""
+    top = int(place)
+    low = WIDTH_FRACTION * peak
+    before, after = np.flatnonzero(values[: top + 1] <= low), top + np.flatnonzero(values[top:] <= low)
+    second, third = np.abs(np.diff(values, 2)), np.abs(np.diff(values, 3))
+    if not peak > 0.0:
+        return np.zeros(2)
+    ends = [int(k) for k in (*before[-1:], *(after[:1] - 1)) if 0 <= k < values.size - 1]
+    runs = [
+        float(second[max(k - 1, 0) : k + 1].max(initial=0.0))
+        / BOW
+        / max(abs(float(values[k + 1] - values[k])), FLAT * peak)
+        for k in ends
+    ]
+    tip = float(third[max(top - 3, 0) : top + 2].max(initial=0.0)) / OVERSHOOT
+    return np.array([tip, math.hypot(*runs)])

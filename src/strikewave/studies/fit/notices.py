@@ -1,0 +1,68 @@
+"""What the user should know of a fit."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from strikewave.base.result import FAILED, INFO, Notice
+from strikewave.reporting.numbers import percent
+from strikewave.studies.fit.result import FitStudy, combination_words, separating_words, value_words
+
+Array = NDArray[np.float64]
+
+MET = 2.0
+"""Standard uncertainties of a number within which the fit meets it: 95 %."""
+AT_BOUND = 1e-4
+"""Distance from a bound, over the width of the bounds, at which a value stands at it."""
+ALIKE = 0.98
+"""Correlation of two values beyond which the report says that they are known together far better than each."""
+
+
+def fit_notices(study: FitStudy) -> list[Notice]:
+    """Return what the user should know of a fit."""
+    found, notices = study.solved.estimate, list[Notice]()
+    if study.solved.stopped:
+        notices.append(Notice("stopped", "stopped: the best so far; fit fitted.toml to go on", severity=FAILED))
+    for group in found.groups():
+        words = f"{combination_words(study, group)}; {separating_words(study, group)}"
+        notices.append(Notice("not-determined", words, float(len(group)), 0.0))
+    broken = [one for one in study.solved.misfits if one.more_than_noise]
+    if broken:
+        worst = max(broken, key=lambda one: one.size)
+        known = "times its noise" if worst.noise_known else "times 1e-4 of its peak, for it shows no noise"
+        others = f" (the worst of {len(broken)} records)" if len(broken) > 1 else ""
+        message = (
+            f"the residual of {worst.called} is not noise{others}: its RMS is {percent(worst.share, 1)} of the peak, "
+            f"{worst.size:.3g} {known}; the model lacks something, and standard errors are those of what is left"
+        )
+        notices.append(Notice("residual-not-noise", message, worst.size, 1.0))
+    missed = [one for one in study.solved.misfits if one.is_number and one.size > MET]
+    if missed:
+        worst = max(missed, key=lambda one: one.size)
+        others = f" (the worst of {len(missed)} of {len(study.numbers)} numbers)" if len(missed) > 1 else ""
+        message = (
+            f"{worst.called} is missed by {worst.size:.2g} times its uncertainty, {percent(worst.share, 1)}{others}"
+        )
+        notices.append(Notice("not-met", message, worst.size, MET))
+    for value, at in zip(study.parameters, found.place, strict=True):
+        if min(at, 1.0 - at) < AT_BOUND:
+            message = f"{value.field.path} stands at a bound, {value_words(value)}: its best value may lie beyond"
+            notices.append(Notice("at-bound", message, value.value))
+    for place in study.solved.others:
+        words = ", ".join(
+            f"{value.field.path} = {value.field.shown(value.field.si(float(at)), 4)}"
+            for value, at in zip(study.parameters, place, strict=True)
+        )
+        notices.append(Notice("another-solution", f"another solution fits as well: {words}; bounds or a record decide"))
+    size = len(study.parameters)
+    for a in range(size):
+        for b in range(a):
+            share = study.correlation[a, b]
+            both = study.parameters[a], study.parameters[b]
+            if abs(share) > ALIKE and all(one.determined for one in both):
+                message = (
+                    f"{both[1].field.path} and {both[0].field.path} are known together only (correlation {share:+.3f})"
+                )
+                notices.append(Notice("correlated", message, abs(float(share)), ALIKE, INFO))
+    return notices
