@@ -117,6 +117,8 @@ class Shock:
         Why a figure is not to be trusted: by peak, width, velocity_change and cross_axis.
     cross_axis : mapping of str to ndarray
         Accelerations of cross-axis channels at the same times, by name.
+    cross_axis_noise : float
+        Standard deviation of the noisiest of them before the shock; NaN where it is not known.
     uncertainty : float
         Expanded uncertainty, k = 2, of the acceleration as a share of it: of figures whose own is not whole.
     filter_width : float
@@ -132,6 +134,7 @@ class Shock:
     filter_cutoff: float = math.nan
     troubles: Mapping[str, str] = field(default_factory=dict)
     cross_axis: Mapping[str, Array] = field(default_factory=dict)
+    cross_axis_noise: float = 0.0
     uncertainty: float = 0.0
     filter_width: float = 1.0
 
@@ -445,7 +448,8 @@ def _cross_clause(shock: Shock, limits: Limits, pulse: IdealPulse, start: float,
     time = shock.time
     inside = (time >= start - 0.1 * pulse.duration) & (time <= start + 1.1 * pulse.duration)
     largest = float(np.max([np.max(np.abs(values[inside]), initial=0.0) for values in shock.cross_axis.values()]))
-    clause = judged("cross-axis", largest, limits, "m/s^2", _relative(shock, MeasuredFigure(largest)), rule)
+    uncertainty = _relative(shock, MeasuredFigure(largest, shock.cross_axis_noise))
+    clause = judged("cross-axis", largest, limits, "m/s^2", uncertainty, rule)
     trouble = shock.troubles.get("cross_axis", "")
     return replace(clause, verdict=CANNOT_TELL, reason=trouble) if trouble and clause.verdict == PASS else clause
 
