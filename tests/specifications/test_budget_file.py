@@ -84,7 +84,7 @@ def test_wrong_budgets_are_refused_in_one_line(wrong, tmp_path):
     assert any(words in line and line.startswith("--uncertainty") for line in lines), lines
 
 
-@pytest.mark.parametrize("word", ["five", "0 %", "150 %", "", "nan", "5 g", "no-such.toml"])
+@pytest.mark.parametrize("word", ["five", "0 %", "150 %", "", "nan", "5 g", "no-such.toml", "0.05", "5"])
 def test_what_is_neither_share_nor_file_is_refused(word):
     with pytest.raises(InputError, match="uncertainty"):
         load_budget(word)

@@ -155,11 +155,14 @@ class StatedTest:
         The others.
     photographs : tuple of Photograph
         Those of the set-up.
+    file : str
+        In which it stands; empty for none.
     """
 
     test: PerformedTest = field(default_factory=PerformedTest)
     tables: ReportTables = field(default_factory=ReportTables)
     photographs: tuple[Photograph, ...] = ()
+    file: str = ""
 
     def stated(self) -> dict[str, Any]:
         """Return what is given: the keys of [test], then the other tables by their names.
@@ -243,7 +246,7 @@ def load_test(file: Path, option: str = "--test") -> StatedTest:
         for one in more.setup.photograph
         if one.file
     ]
-    found = StatedTest(test, more, tuple(photographs))
+    found = StatedTest(test, more, tuple(photographs), str(file))
     if not found.stated():
         raise InputError(option, str(file), "a file with one of " + ", ".join(PerformedTest.model_fields))
     return found

@@ -23,6 +23,8 @@ OF_SIZE = ("peak", "ratio", "rms")
 """Figures of a response that grow with it."""
 ODD = ("gain-differs", "outlier", "polarity-differs")
 """Codes of findings whose figures are left out because the other files disagree."""
+FAR = 100
+"""Standard deviations beyond which more tell nothing more."""
 FALSE_ALARM = 0.01
 """Campaigns of normal scatter, without a fault, in which a value is called an outlier; shared by the figures."""
 LEAST_OUTLIER = 0.02
@@ -203,9 +205,10 @@ def _outlying(readings: list[tuple[int, ChannelReading]]) -> Iterator[tuple[int,
             file, reading = readings[places[k]]
             unit = {"peak": reading.channel.unit, **dict.fromkeys(("velocity_change", "ratio"), ""), "frequency": "Hz"}
             off, side = abs(values[k] - usual) / spread, "above" if values[k] > usual else "below"
+            far = f"{off:.2g}" if off < FAR else f"more than {FAR}"
             called = "peak over that of the base" if name == "ratio" else name.replace("_", " ")
             message = (
-                f"its {called}, {with_unit(values[k], unit.get(name, 's'))}, is an outlier: {off:.3g} "
+                f"its {called}, {with_unit(values[k], unit.get(name, 's'))}, is an outlier: {far} "
                 f"standard deviations {side} the median {with_unit(usual, unit.get(name, 's'))} of the other files"
             )
             harms = OF_SIZE if answers and name != "frequency" else (name,)

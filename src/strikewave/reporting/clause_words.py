@@ -7,7 +7,7 @@ from collections.abc import Iterable, Sequence
 
 from strikewave.base.result import Notice
 from strikewave.records.budget.contributions import Budget
-from strikewave.reporting.numbers import listed, shown, with_unit
+from strikewave.reporting.numbers import doubted, listed, shown, shown_unit, spelled, with_unit
 from strikewave.reporting.parts import NONE, Cell, Tag, written
 from strikewave.specifications.decisions import CANNOT_TELL, FAIL, NOT_JUDGED, PASS
 from strikewave.specifications.judging import Clause
@@ -50,6 +50,17 @@ def verdict_tag(verdict: str, by_indicative: bool, clauses: Iterable[Clause] = (
 def not_judged_names(clauses: Iterable[Clause]) -> list[str]:
     """Return the names of the clauses that were not judged, each once."""
     return list(dict.fromkeys(clause.clause for clause in clauses if clause.verdict == NOT_JUDGED))
+
+
+def clause_name(clause: str) -> str:
+    """Return what a clause is called where figures of records stand beside it, whose velocity change is another.
+
+    Examples
+    --------
+    >>> clause_name("velocity change"), clause_name("peak")
+    ("velocity change (specification's window)", 'peak')
+    """
+    return f"{clause} (specification's window)" if clause == "velocity change" else clause
 
 
 def usual_unit(clause: Clause) -> str:
@@ -111,7 +122,7 @@ def doubted_words(clause: Clause) -> str:
     --------
     >>> from strikewave.specifications.judging import Limits, judged
     >>> doubted_words(judged("peak", 490.0, Limits(392.266, 588.399, "quoted"), "m/s^2", uncertainty=9.80665))
-    '49.97 ± 1 g'
+    '50.0 ± 1.0 g'
     """
     value = value_words(clause)
     if not (clause.uncertainty > 0.0 and math.isfinite(clause.value)):
@@ -119,6 +130,10 @@ def doubted_words(clause: Clause) -> str:
     doubt = amount(clause, clause.uncertainty, 2)
     if clause.clause == "band":
         return f"{value} (± {doubt})"
+    if clause.unit != "1" and math.isfinite(clause.uncertainty):
+        usual = usual_unit(clause)
+        ends = doubted(shown(clause.value, clause.unit, usual), shown(clause.uncertainty, clause.unit, usual))
+        return f"{' ± '.join(ends)} {spelled(shown_unit(clause.unit, usual))}".replace("-", "−")
     number, unit = value.rpartition("\N{NO-BREAK SPACE}" if "\N{NO-BREAK SPACE}" in value else " ")[::2]
     return f"{number} ± {doubt}" if doubt.endswith(unit) else f"{value} ± {doubt}"
 
@@ -194,7 +209,7 @@ def why_words(clause: Clause) -> str:
 
 def clause_words(clause: Clause) -> str:
     """Say what a clause that did not pass comes to."""
-    return f"{first_upper(clause.clause)}: {why_words(clause)}"
+    return f"{first_upper(clause_name(clause.clause))}: {why_words(clause)}"
 
 
 def tag_of(verdict: str) -> Tag:
@@ -205,7 +220,7 @@ def tag_of(verdict: str) -> Tag:
 def clause_cells(clause: Clause) -> list[Cell]:
     """Return the cells of a row of a table, see `CLAUSE_HEADS`."""
     return [
-        clause.clause,
+        clause_name(clause.clause),
         tag_of(clause.verdict),
         limit_words(clause),
         doubted_words(clause),

@@ -9,6 +9,8 @@ import typer
 from strikewave.reporting.options import parsed
 
 if TYPE_CHECKING:
+    from pathlib import Path
+
     from strikewave.records.budget.contributions import Budget
 
 
@@ -23,6 +25,20 @@ def read_budget(word: str, field: str) -> Budget:
     from strikewave.specifications.budget_file import load_budget
 
     return load_budget(word, field)
+
+
+def budget_in_python(value: str | float | Path | None) -> Budget | None:
+    """Return the budget of a call in plain values, where a number is a share; None for none.
+
+    Examples
+    --------
+    >>> found = budget_in_python(0.05)
+    >>> found.share, found.contributions[0].name
+    (0.05, '5 % of the acceleration, as stated')
+    """
+    if value is None:
+        return None
+    return read_budget(f"{100.0 * value:g} %" if isinstance(value, int | float) else str(value), "uncertainty")
 
 
 Decision = Annotated[

@@ -52,6 +52,8 @@ OFFERED = {
 """Kinds of quantities whose unit may be chosen, by SI unit, and units that are offered; others that convert are taken
 too, by the first kind that they fit."""
 
+NO_DOUBT = 1e-5
+"""Uncertainty over its value below which no digit that is shown depends on it."""
 FEWEST_DIGITS = 4
 """Significant digits, at least, of a number of a message in another unit: "5 kN" is 1124 lbf, not 1000."""
 NO_BREAK = "\N{NO-BREAK SPACE}"
@@ -447,6 +449,20 @@ def rounded(value: float, decimals: int) -> str:
     ('1200', '1165.2', '0')
     """
     return f"{round(value, decimals) + 0.0:.{max(decimals, 0)}f}"
+
+
+def doubted(value: float, doubt: float) -> tuple[str, str]:
+    """Write a number and its uncertainty: that with two digits, the number with as many decimals.
+
+    Examples
+    --------
+    >>> doubted(50.0, 1.93), doubted(19702.4, 394.0), doubted(3.3371, 0.0033)
+    (('50.0', '1.9'), ('19700', '390'), ('3.3371', '0.0033'))
+    """
+    if not (math.isfinite(value + doubt) and doubt > NO_DOUBT * abs(value)):
+        return written(value), written(doubt, 2)
+    decimals = 1 - math.floor(math.log10(float(f"{doubt:.1e}")))
+    return rounded(value, decimals), rounded(doubt, decimals)
 
 
 def with_band(value: float | None, band: Band | None, si: str, usual: str, digits: int = 4) -> str:

@@ -9,6 +9,7 @@ from __future__ import annotations
 import contextlib
 import functools
 import io
+import re
 from collections.abc import Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
@@ -34,6 +35,7 @@ _TALLEST = 0.7
 """Height of a picture, in heights of a sheet, at most."""
 _LONGEST_UNIT = 12
 """Letters of a unit that stays on one line."""
+_OPTION = re.compile(r"(--[a-z][\w-]*)")
 _POINT = 25.4 / 72.0
 _SVG = "{http://www.w3.org/2000/svg}"
 _MATH = "{http://www.w3.org/1998/Math/MathML}math"
@@ -89,6 +91,7 @@ def pdf_of(page: str, paper: Paper) -> bytes:
     document = HTML(string=page, url_fetcher=_fetcher())
     root = document.etree_element
     _draw_equations(root)
+    _keep_options_whole(root)
     for picture in root.iter(f"{_SVG}svg"):
         _lower(picture, _TALLEST * height)
     for table in root.iter("table"):
@@ -295,6 +298,36 @@ def _keep_units_whole(table: ElementTree.Element) -> None:
         if bracket and not len(head) and len(unit) <= _LONGEST_UNIT:
             head.text = name
             ElementTree.SubElement(head, "span", {"class": "whole"}).text = bracket + unit
+
+
+def _keep_options_whole(root: ElementTree.Element) -> None:
+    """Keep an option such as --uncertainty on one line: it may break behind its strokes otherwise.
+
+    Examples
+    --------
+    >>> cell = ElementTree.fromstring("<td>named by <b>it</b> (--cross-axis)</td>")
+    >>> _keep_options_whole(cell)
+    >>> ElementTree.tostring(cell, "unicode")
+    '<td>named by <b>it</b> (<span class="whole">--cross-axis</span>)</td>'
+    """
+    for parent in list(root.iter()):
+        if not isinstance(parent.tag, str) or parent.tag in ("style", "script", "title") or "}" in parent.tag:
+            continue
+        texts = [parent.text, *(child.tail for child in parent)]
+        for place in range(len(texts) - 1, -1, -1):
+            first, *rest = _OPTION.split(texts[place] or "")
+            if not rest:
+                continue
+            spans = []
+            for option, tail in zip(rest[::2], rest[1::2], strict=True):
+                span = ElementTree.Element("span", {"class": "whole"})
+                span.text, span.tail = option, tail
+                spans.append(span)
+            if place:
+                parent[place - 1].tail = first
+            else:
+                parent.text = first
+            parent[place:place] = spans
 
 
 def _column_widths(table: ElementTree.Element) -> list[float]:

@@ -14,6 +14,7 @@ from typing import Annotated, Any, Literal, NamedTuple, Self, get_args
 from pydantic import BeforeValidator, Field, ValidationError, model_validator
 
 from strikewave.base.errors import MISSING, InputError, InputErrors
+from strikewave.base.percents import sign_needed
 from strikewave.cases.paths import Form
 from strikewave.cases.performed_test import Line
 from strikewave.cases.small_file import read_small_file
@@ -210,12 +211,14 @@ def load_budget(asked: str, field: str = "--uncertainty") -> Budget:
     word = asked.strip()
     if not word.lower().endswith(".toml"):
         try:
-            share = float(word.removesuffix("%")) / (100.0 if word.endswith("%") else 1.0)
+            number = float(word.removesuffix("%"))
         except ValueError:
-            share = -1.0
-        if not 0.0 < share < 1.0:
+            number = math.nan
+        if not word.endswith("%"):
+            raise InputError(field, asked, ALLOWED, sign_needed(number) if math.isfinite(number) else "")
+        if not 0.0 < number < 100.0:
             raise InputError(field, asked, ALLOWED)
-        return of_share(share)
+        return of_share(0.01 * number)
     path = Path(word)
     document = read_small_file(path, field, ALLOWED)
     try:

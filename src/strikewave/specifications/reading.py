@@ -58,12 +58,15 @@ class Specification:
         The condition; None where there is one severity.
     text : str
         The file.
+    path : str
+        Of a file of one's own; empty for a built-in one.
     """
 
     name: str
     file: SpecificationFile
     condition: ConditionTable | None
     text: str
+    path: str = ""
 
     @property
     def asked(self) -> str:
@@ -72,10 +75,11 @@ class Specification:
 
     @property
     def title(self) -> str:
-        """Title, with that of the condition."""
+        """Title, with that of the condition; of a file of one's own it says so, and what it was made from."""
+        title = _title_of_own(self.path, self.file) if self.path else self.file.title
         if self.condition is None:
-            return self.file.title
-        return f"{self.file.title}, {self.condition.title or f'condition {self.condition.name}'}"
+            return title
+        return f"{title}, {self.condition.title or f'condition {self.condition.name}'}"
 
     def _status(self, number: StatedNumber, table: SpecificationTable) -> str:
         return standing(number, table, self.file)[0]
@@ -336,7 +340,19 @@ def load_specification(asked: str, field: str = "--spec") -> Specification:
     """
     file, wanted = read_specification_file(asked, field)
     name, table, text = file
-    return Specification(name, table, _condition(asked, table, wanted, field), text)
+    own = _FILE.fullmatch(asked)
+    return Specification(name, table, _condition(asked, table, wanted, field), text, own["file"] if own else "")
+
+
+def _title_of_own(path: str, file: SpecificationFile) -> str:
+    """Return the title of a file of one's own: not that of the standard from which it was made."""
+    for name in specification_names():
+        origin = read_built_in(name)[0]
+        if origin.title == file.title:
+            same = all(one in origin.condition for one in file.condition)
+            same = same and file.model_copy(update={"condition": ()}) == origin.model_copy(update={"condition": ()})
+            return f"{Path(path).name}, made from {file.title}, {'without' if same else 'with'} changes"
+    return f"{file.title} ({Path(path).name})"
 
 
 def read_specification_file(asked: str, field: str = "--spec") -> tuple[tuple[str, SpecificationFile, str], str]:

@@ -167,6 +167,17 @@ def test_limits_decide_verdict_and_exit_code(strikewave):
     }  # fmt: skip
 
 
+def test_a_limit_kept_by_less_than_its_uncertainty_says_so_and_one_missed_is_told_in_its_own_unit(strikewave):
+    """Peaks 2 % apart pass by 1 % where 5 % are known; the message has no share beside a percentage."""
+    write("a.csv", bell(TIME)), write("b.csv", bell(TIME, 1e-3, 510.0))
+    words = ("compare", "a.csv", "b.csv", "--uncertainty", "5 %")
+    _, out, err = strikewave(*words, "--limit", "peak < 3 %", "--out", "x")
+    assert "limit-in-doubt" in err
+    assert "2.0 ± 7.2 %" in out  # 5 % of each, times 1.02
+    _, _, err = strikewave(*words, "--limit", "peak < 1 %", "--out", "y")
+    assert "limit 0.01" not in err
+
+
 def test_units_shown_reach_the_limits(strikewave):
     write("a.csv", bell(TIME)), write("b.csv", bell(TIME, 1.1e-3))
     _, out, _ = strikewave("compare", "a.csv", "b.csv", "--limit", "shift < 120 us", "--show", "ms,m/s2", "--out", "x")

@@ -239,20 +239,32 @@ def test_overlay_of_a_campaign_reads_no_more_of_each_record_than_its_blow():
 
 
 def test_trend_shows_points_mean_and_how_many_are_left_out():
-    files = [blows(2, peak, path=str(peak), noise=5.0) for peak in (4000.0, 4500.0, 5000.0)]
+    peaks = (4000.0, 4200.0, 4400.0, 4600.0, 4800.0, 5000.0)
+    files = [blows(2, peak, path=str(peak), noise=5.0) for peak in peaks]
     files.insert(1, blows(2, limit=3000.0, path="clipped"))
     campaign = summed(files)
-    axes = campaigns.trend(campaign, count=4).axes
+    axes = campaigns.trend(campaign, count=7).axes
     assert [a.get_title(loc="left") for a in axes] == [
         f"{name} (1 file left out)" for name in ("Peak", "Pulse width at 10 %", "Velocity change", "Interval")
     ]
     lines = {line.get_label(): line for line in axes[0].lines}
-    assert lines["blows"].get_xdata().tolist() == [1, 1, 3, 3, 4, 4]
+    assert lines["blows"].get_xdata().tolist() == [file for file in (1, 3, 4, 5, 6, 7) for _ in range(2)]
     assert lines["mean"].get_ydata() == pytest.approx(4500.0, rel=0.01)
     run, rise = (np.ptp(data) for data in lines["trend"].get_data())
     assert rise / run == pytest.approx(campaign.trends["peak"].slope / 9.80665)
+    few = campaigns.trend(summed([files[0], *files[2:4]])).axes[0]  # of three files none stands out
+    assert "trend" not in {line.get_label() for line in few.lines}
     none = campaigns.trend(summed([files[1]]))
     assert texts(none) == ["no file gave a value: 1 file left out"]
+
+
+def test_bounds_of_positive_peaks_are_drawn_above_zero():
+    """Of two files that differ much, Student's t would have the mean below zero."""
+    campaign = summed([blows(1, peak, path=str(peak)) for peak in (1000.0, 5000.0)])
+    assert campaign.statistics["peak"].low < 0.0
+    axes = campaigns.trend(campaign).axes[0]
+    [bounds] = axes.collections
+    assert min(bounds.get_paths()[0].vertices[:, 1]) == 0.0
 
 
 def test_response_spectrum_shows_both_sides_in_g():

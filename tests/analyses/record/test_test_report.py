@@ -2,11 +2,13 @@
 
 import csv
 import dataclasses
+import hashlib
 import html
 import io
 import json
 import re
 import tomllib
+from importlib import resources
 
 import numpy as np
 import pytest
@@ -244,3 +246,38 @@ def test_without_a_specification_or_a_test_there_is_no_test_report(strikewave, t
     with pytest.raises(StrikewaveError, match="a test report needs a verdict"):
         sw.record(folder / "xp1.csv").test_report(tmp_path)
     assert result.test_report(tmp_path).name == "test-report.html"
+
+
+def test_a_shock_of_which_nothing_can_be_said_is_counted_named_and_told_why(tmp_path):
+    """A peak of 59 g with 5 % lies across the limit of 60 g."""
+    for name, peak in (("a", 50.0), ("b", 59.0), ("c", 66.0)):
+        write_shock(tmp_path / f"{name}.csv", peak)
+    found = sw.record(sorted(tmp_path.glob("*.csv")), spec=SPEC, decision="guarded", uncertainty=0.05, direction="+x")
+    page = report_of_test(found.of_test(NO_TEST))
+    assert re.search(r"<dt>cannot tell</dt><dd>1</dd>", page)
+    assert "nothing can be said (b.csv, blow 1): peak" in page
+    rows = tables_of(page)[f"Each shock{DOUBT}"]
+    assert rows[2][-1].endswith("the uncertainty reaches over the limit")
+
+
+def test_the_annex_has_the_budget_and_the_hashes_of_what_was_judged_by(tmp_path, folder):
+    """Specification of one's own, budget and test file, each by the SHA-256 of its bytes."""
+    origin = (resources.files("strikewave.specifications.published") / "iec-60068-2-27.toml").read_text("utf-8")
+    budget = 'schema = 1\ntitle = "Channel 1"\nstatus = "normative"\nsource = "certificate 4711"\n[[contribution]]\n'
+    texts = {
+        "own.toml": origin.replace('tolerance = "20 %"', 'tolerance = "10 %"'),
+        "budget.toml": budget + 'kind = "sensitivity"\nvalue = "3 %"\ncoverage = 2\n',
+        "test.toml": 'item = "board 7"\n',
+    }
+    for name, text in texts.items():
+        (tmp_path / name).write_text(text, "utf-8")
+    spec = f"{tmp_path / 'own.toml'}:50g-11ms"
+    found = sw.record(folder / "xp1.csv", spec=spec, uncertainty=tmp_path / "budget.toml", test=tmp_path / "test.toml")
+    page = report_of_test(found)
+    tables = tables_of(page)
+    digests = {name: hashlib.sha256((tmp_path / name).read_bytes()).hexdigest() for name in texts}
+    assert {row[2] for row in tables["Judged by"][1:]} == set(digests.values())
+    assert ["sensitivity", "sensitivity", "3 %, k = 2", "normative: certificate 4711"] in tables[
+        "What is stated, and by whom"
+    ]
+    assert "own.toml, made from IEC 60068-2-27, test Ea, half-sine, with changes" in page

@@ -162,14 +162,25 @@ def verdict_of(judged: Sequence[Judged]) -> str | None:
     return together(one.verdict for one in judged) if judged else None
 
 
-def limit_notices(judged: Sequence[Judged]) -> tuple[Notice, ...]:
-    """Return a failed check for each limit that is not kept, or that nothing can be said of."""
+def limit_notices(judged: Sequence[Judged], expanded: Mapping[str, float]) -> tuple[Notice, ...]:
+    """Return a failed check for each limit that is not kept, or that nothing can be said of.
+
+    Of one that is kept by less than the expanded uncertainty, known for some metrics, that is said: a value alone
+    decides.
+    """
     notices = []
     for one in judged:
         if one.verdict == PASS:
+            doubt, unit = expanded.get(one.limit.metric, 0.0), METRICS[one.limit.metric][0]
+            if one.margin < doubt:
+                message = (
+                    f"{one.limit.typed}: {value_words(one.value, unit)} passes by its value alone; its U (k = 2), "
+                    f"{value_words(doubt, unit)}, reaches over the limit"
+                )
+                notices.append(Notice("limit-in-doubt", message, doubt))
             continue
         message = f"{one.limit.typed}: {METRICS[one.limit.metric][1]} "
         value = value_words(one.value, METRICS[one.limit.metric][0])
         message += f"is {value}" if one.verdict == FAIL else "has no value here, so there is no verdict"
-        notices.append(Notice(f"limit-{one.limit.metric}", message, one.value, one.limit.value, FAILED))
+        notices.append(Notice(f"limit-{one.limit.metric}", message, one.value, severity=FAILED))
     return tuple(notices)

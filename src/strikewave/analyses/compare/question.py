@@ -25,7 +25,7 @@ from strikewave.base.result import INFO, Notice, Result, Source
 from strikewave.base.units import si_value
 from strikewave.reporting import measured_files as measured
 from strikewave.reporting.clause_words import budget_notices
-from strikewave.reporting.decision_options import read_budget
+from strikewave.reporting.decision_options import budget_in_python
 from strikewave.reporting.low_pass import low_pass_of
 from strikewave.reporting.numbers import listed, percent
 from strikewave.reporting.options import wrong_choice
@@ -137,7 +137,7 @@ def compare(
     calibration = {"unit": unit, "sensitivity": sensitivity}
     stated = measured.MeasurementOptions.in_python((), calibration, rate, None, None)
     between = tuple(None if one is None else si_value(one, "s", name) for one, name in ((begin, "begin"), (end, "end")))
-    budget = None if uncertainty is None else read_budget(str(uncertainty), "uncertainty")
+    budget = budget_in_python(uncertainty)
     request = CompareRequest(
         SourceOptions(stated.calibration(), stated.reading(), low_pass_of(filter), band, budget),
         align,
@@ -255,7 +255,7 @@ def compared_curves(
     notices = (
         *(() if request.reading.budget is None else budget_notices(request.reading.budget)),
         *failed,
-        *limit_notices(judged),
+        *limit_notices(judged, result.expanded),
         *_notices(first, second, found, result),
         *first.notices,
         *second.notices,

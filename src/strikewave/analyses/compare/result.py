@@ -108,6 +108,13 @@ class CompareResult(AskedResult):
             for name, key in names.items()
         }
 
+    @property
+    def expanded(self) -> dict[str, float]:
+        """Expanded uncertainties, k = 2, of what limits are of, as far as they are known."""
+        known = {name: pair.uncertainty for name, pair in self.figures.items()}
+        known |= {"shift": self.agreement.shift.uncertainty} if self.align != "none" else {}
+        return {name: 2.0 * one for name, one in known.items() if math.isfinite(one)}
+
     @functools.cached_property
     def values(self) -> dict[str, float]:
         """What a limit can be of, by its name: differences as sizes."""

@@ -17,7 +17,7 @@ from strikewave.reporting.clause_words import (
     tag_of,
     verdict_sentence,
 )
-from strikewave.reporting.numbers import axis_unit, band_text, headed, percent, shown, with_unit
+from strikewave.reporting.numbers import NO_DOUBT, axis_unit, band_text, doubted, headed, percent, shown, with_unit
 from strikewave.reporting.parts import NONE, Cell, Table, Tag, written
 from strikewave.signal.iso18571 import RATE, SAMPLES
 from strikewave.specifications.decisions import CANNOT_TELL, COVERAGE, FAIL, PASS
@@ -165,8 +165,13 @@ def limit_table(result: CompareResult) -> Table:
             return value_words(value, unit)
 
         words, verdict = METRICS[one.limit.metric][1], tag_of(one.verdict)
-        rows.append([one.limit.typed, verdict, cell(one.value), cell(one.margin), words])
-    return Table("Limits", ["limit", "verdict", "value", "margin", "of"], rows)
+        doubt = result.expanded.get(one.limit.metric, 0.0)
+        value = cell(one.value)
+        if math.isfinite(one.value) and doubt > NO_DOUBT * abs(one.value):
+            size, name = axis_unit("s", "us") if unit == "s" else (0.01, unit)
+            value = f"{' ± '.join(doubted(one.value / size, doubt / size))} {name}"
+        rows.append([one.limit.typed, verdict, value, cell(one.margin), words])
+    return Table("Limits", ["limit", "verdict", "value ± U", "margin", "of"], rows)
 
 
 def band_table(result: CompareResult) -> Table:

@@ -14,7 +14,7 @@ from strikewave.records.budget.propagation import COVERAGE, NORMAL, RECTANGULAR
 from strikewave.records.reading import ChannelReading
 from strikewave.records.record import Channel
 from strikewave.reporting.clause_words import held_words
-from strikewave.reporting.numbers import listed, with_unit
+from strikewave.reporting.numbers import doubted, listed, with_unit
 from strikewave.reporting.parts import NONE, Cell, Section, Table, written
 
 MOST_ROWS = 60
@@ -27,15 +27,18 @@ WHOLE = ("resonance", "coupling", "response")
 """Kinds whose number is a share of an effect, of which the budget states the whole."""
 
 
-def with_doubt(value: str, name: str, unit: str, expanded: float) -> str:
+def with_doubt(value: float, name: str, unit: str, expanded: float) -> str:
     """Write a figure with its expanded uncertainty behind it.
 
     Examples
     --------
-    >>> with_doubt("510 g", "peak", "m/s^2", 196.133)
-    '510 g ± 20 g'
+    >>> with_doubt(5001.4, "peak", "m/s^2", 196.133), with_doubt(490.3325, "peak", "m/s^2", 18.9)
+    ('510 ± 20 g', '50.0 ± 1.9 g')
     """
-    return f"{value} ± {amount(name, unit, expanded, 2)}" if math.isfinite(expanded) else f"{value} ± ?"
+    scale, _, shown = figure_unit(name, unit)
+    if not math.isfinite(expanded):
+        return f"{amount(name, unit, value)} ± ?"
+    return f"{' ± '.join(doubted(value / scale, expanded / scale))} {shown}".rstrip()
 
 
 def mean_expanded(reading: ChannelReading, name: str) -> float:
@@ -70,9 +73,8 @@ def uncertainty_table(result: RecordResult, names: Names) -> Table:
 
 
 def _figure_words(one: FigureUncertainty, name: str, unit: str) -> str:
-    value = amount(name, unit, one.value, 4)
     factor = "" if abs(one.coverage - COVERAGE) < SAME_COVERAGE else f" (k = {one.coverage:.2g})"
-    return with_doubt(value, name, unit, one.expanded) + factor * math.isfinite(one.expanded)
+    return with_doubt(one.value, name, unit, one.expanded) + factor * math.isfinite(one.expanded)
 
 
 def share_table(found: BlowUncertainty) -> Table:

@@ -8,7 +8,13 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, ClassVar
 
-from strikewave.analyses.record.budget_chapter import budget_lines, mean_expanded, share_table, uncertainty_table
+from strikewave.analyses.record.budget_chapter import (
+    budget_lines,
+    mean_expanded,
+    share_table,
+    uncertainty_table,
+    with_doubt,
+)
 from strikewave.analyses.record.chosen import advised_filter
 from strikewave.analyses.record.figures.campaigns import figure_unit
 from strikewave.analyses.record.motion_chapter import motion_table
@@ -22,8 +28,7 @@ from strikewave.analyses.record.result import (
     name_of,
 )
 from strikewave.analyses.record.sensor_chapter import MORE_COLUMNS, sensor_table
-from strikewave.analyses.record.tables import amount, rows_of, short_names
-from strikewave.analyses.record.tables import number as figure_number
+from strikewave.analyses.record.tables import rows_of, short_names
 from strikewave.analyses.record.verdicts.screen import print_verdict
 from strikewave.analyses.record.words import named, record_words
 from strikewave.base.result import Source
@@ -393,27 +398,30 @@ def _rows(file: FileReading, name: str) -> list[list[str]]:
                 reading.channel.name,
                 worst((*file.findings, *reading.findings)),
                 str(len(reading.pulses)),
-                *_doubted(reading, "peak", _value(means["peak"], unit)),
+                *_doubted(reading, "peak", means["peak"], _value(means["peak"], unit)),
                 number(means["rise"], "s", "us"),
-                *_doubted(reading, "width", number(means["width"], "s", "us")),
-                *_doubted(reading, "velocity_change", _integral(means["velocity_change"], unit)),
+                *_doubted(reading, "width", means["width"], number(means["width"], "s", "us")),
+                *_doubted(
+                    reading,
+                    "velocity_change",
+                    means["velocity_change"],
+                    _integral(means["velocity_change"], unit),
+                ),
             ]
         )
     return rows
 
 
-def _doubted(reading: ChannelReading, name: str, value: str) -> list[str]:
-    """Return a mean with its expanded uncertainty, where a budget gives one."""
+def _doubted(reading: ChannelReading, name: str, mean: float, text: str) -> list[str]:
+    """Return a mean, as ``text`` has it, or with its expanded uncertainty, where a budget gives one."""
     if not reading.uncertainties:
-        return [value]
+        return [text]
     expanded = mean_expanded(reading, name)
+    if not math.isfinite(expanded):
+        return [f"{text} ± ?"]
+    value = with_doubt(mean, name, reading.channel.unit, expanded)
     bare = name == "width" or reading.channel.unit == ""
-    doubt = (
-        figure_number(name, reading.channel.unit, expanded, 2)
-        if bare
-        else amount(name, reading.channel.unit, expanded, 2)
-    )
-    return [f"{value} ± {doubt}" if math.isfinite(expanded) else f"{value} ± ?"]
+    return [value.rpartition(" ")[0] if bare else value]
 
 
 def _mean(values: Sequence[float]) -> float:

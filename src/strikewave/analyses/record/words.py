@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 from strikewave.analyses.record.pair_chapter import pair_words
 from strikewave.analyses.record.response_chapter import response_words
 from strikewave.analyses.record.result import RecordResult
 from strikewave.analyses.record.tables import amount, between, called, percent, rows_of, short_names, unit_of
 from strikewave.analyses.record.verdicts.words import sentence
-from strikewave.records.campaign import Campaign
+from strikewave.records.campaign import Campaign, Outlier
 from strikewave.records.health_notice import STATUSES
 from strikewave.records.reading import FileReading
 from strikewave.reporting.numbers import listed
@@ -37,7 +37,7 @@ def record_words(result: RecordResult) -> str:
     words += [pair_words(result.pairs)] if result.pair else []
     words += [f"{len(files)} files: {listed(counted(files))}." if len(files) != 1 else f"One file, {files[0].status}."]
     for campaign in campaigns:
-        words.append(_campaign_words(campaign, unit_of(files, campaign), len(campaigns) > 1))
+        words.append(_campaign_words(campaign, unit_of(files, campaign), names, len(campaigns) > 1))
     words += [] if result.sensor is None else [result.sensor.sentence()]
     answers = response_words(result.response_summaries)
     words += [answers] if answers else []
@@ -73,7 +73,13 @@ def _of_blows(count: int) -> str:
     return f"the mean peak of {count} blows is" if count > 1 else "the peak is"
 
 
-def _campaign_words(campaign: Campaign, unit: str, several: bool) -> str:
+def _odd_words(one: Outlier, names: Mapping[str, str], unit: str) -> str:
+    """Say which file disagrees with the others, and by which figure."""
+    ratio = f"{one.ratio:.3g} times the median of the others" if math.isfinite(one.ratio) else "unlike the others"
+    return f"{called(one.figure, unit)} of {names[one.path]} left out ({ratio})"
+
+
+def _campaign_words(campaign: Campaign, unit: str, names: Mapping[str, str], several: bool) -> str:
     where = f"{campaign.channel}: " if several else ""
     statistics = campaign.statistics
     rigid = statistics.get("rigid_peak")
@@ -91,8 +97,9 @@ def _campaign_words(campaign: Campaign, unit: str, several: bool) -> str:
         if name in statistics:
             text += f", {called(name, unit)} {amount(name, unit, statistics[name].mean)}"
     line = campaign.trends.get("peak")
-    odd = len({outlier.path for outlier in campaign.outliers})
-    text += f"; {odd} file{'s' if odd > 1 else ''} that disagree{'' if odd > 1 else 's'} left out" if odd else ""
+    odd = {one.path: one for one in reversed(campaign.outliers)}  # the first of each file
+    if odd:
+        text += "; " + named([_odd_words(one, names, unit) for one in reversed(odd.values())])
     if line is None or not math.isfinite(line.low):
         return f"{text}.{without}"
     if not line.significant:

@@ -50,15 +50,17 @@ def effects_of_level(pulse: RecordedPulse, level: float, after_peak: bool = Fals
 
 
 def with_unit(value: float, unit: str) -> str:
-    r"""Write a value with its SI unit: accelerations in g.
+    r"""Write a value with its SI unit: accelerations in g, times in us or ms.
 
     Examples
     --------
-    >>> with_unit(9806.65, "m/s^2"), with_unit(3.0, "")
-    ('1000\xa0g', '3')
+    >>> with_unit(9806.65, "m/s^2"), with_unit(3.0, ""), with_unit(0.01032, "s")
+    ('1000\xa0g', '3', '10.32\xa0ms')
     """
     if unit == "m/s^2":
         return f"{in_unit(value, 'm/s^2', 'g'):.5g}\xa0g"
+    if unit == "s":
+        return f"{1e6 * value:.4g}\xa0us" if abs(value) < 1e-3 else f"{1e3 * value:.4g}\xa0ms"
     if unit == "1":
         return f"{1e6 * value:.5g} ustrain"
     return f"{value:.5g} {unit}".strip()

@@ -8,7 +8,7 @@ import math
 import numpy as np
 
 from strikewave.base.percents import percent
-from strikewave.records.health.examined import BLOW, FEWEST_OF_PART, Examined
+from strikewave.records.health.examined import BLOW, FEWEST_OF_PART, Examined, with_unit
 from strikewave.records.health_notice import HARMED, HealthNotice, by_effect
 from strikewave.records.measuring import RecordedPulse, one_sided, stretch_of
 from strikewave.records.rigid_pulse import POOR
@@ -59,7 +59,7 @@ def _ringing_of(record: Examined, pulse: RecordedPulse) -> HealthNotice | None:
             return None
         message = (
             f"the blow at {pulse.time:.6g}\xa0s rings at {rigid.frequency:.4g}\xa0Hz; without it the peak is "
-            f"{record.text(rigid.peak)}, the width {1e6 * rigid.width:.4g}\xa0us; with it"
+            f"{record.text(rigid.peak)}, the width {with_unit(rigid.width, 's')}; with it"
         )
         doubt = {name: getattr(rigid, f"{name}_uncertainty") / abs(getattr(rigid, name)) for name in effects}
         return by_effect("ringing", message, share, effects, doubt=doubt, start=pulse.begin)

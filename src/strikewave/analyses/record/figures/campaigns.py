@@ -28,7 +28,7 @@ PURE = {"ratio": (1.0, "peak over base", ""), "damping": (0.01, "damping ratio",
 
 
 def trend(campaign: Campaign, unit: str = "m/s^2", count: int = 0) -> Figure:
-    """Draw peak, width, velocity change and interval over the files, with mean, its 95 % bounds, and trend.
+    """Draw peak, width, velocity change and interval over the files, with mean, its 95 % bounds, and a clear trend.
 
     Parameters
     ----------
@@ -66,15 +66,15 @@ def draw_trend(axes: Any, campaign: Campaign, name: str, unit: str, count: int =
     if np.isfinite(mean.low):
         axes.fill_between(
             ends,
-            mean.low / scale,
-            mean.high / scale,
+            max(mean.low / scale, 0.0) if y.min() > 0.0 else mean.low / scale,  # none can be on the other side
+            min(mean.high / scale, 0.0) if y.max() < 0.0 else mean.high / scale,
             color=BLUE,
             alpha=0.15,
             linewidth=0,
             label="95 % bounds of the mean",
         )
     axes.plot(ends, [mean.mean / scale] * 2, color=BLUE, linewidth=1.2, label="mean")
-    if name in campaign.trends:
+    if name in campaign.trends and campaign.trends[name].significant:
         slope = campaign.trends[name].slope / scale
         along = np.array([x.min(), x.max()])
         axes.plot(along, np.median(y - slope * x) + slope * along, "--", color=RED, linewidth=1.4, label="trend")

@@ -7,6 +7,7 @@ from dataclasses import replace
 from pathlib import Path
 
 from strikewave._version import __version__
+from strikewave.analyses.record.budget_chapter import source_table
 from strikewave.analyses.record.result import RecordResult
 from strikewave.analyses.record.tables import short_names, status_tag
 from strikewave.analyses.record.test_report.asked import NORM, missing
@@ -26,11 +27,12 @@ from strikewave.analyses.record.verdicts.words import sentence, tag_of_records
 from strikewave.analyses.record.words import named
 from strikewave.cases.stated_test import NO_TEST, CaseTable, StatedTest
 from strikewave.reporting import chapters
+from strikewave.reporting.clause_words import clause_name
 from strikewave.reporting.measured_files import digests_of
 from strikewave.reporting.numbers import listed
 from strikewave.reporting.page import Head, whole_page
 from strikewave.reporting.parts import NONE, Cell, Code, Part, Photo, Picture, Section, SignatureLines, Table, Tag
-from strikewave.specifications.decisions import FAIL, NOT_JUDGED, PASS
+from strikewave.specifications.decisions import CANNOT_TELL, FAIL, NOT_JUDGED, PASS
 from strikewave.specifications.judged_records import RecordsVerdict
 
 FILE = "test-report.html"
@@ -83,7 +85,7 @@ def report_of_test(result: RecordResult) -> str:
         _deviations(result, found, stated, names),
         _conclusions(found, stated, names),
         _signatures(stated),
-        _annex(result),
+        _annex(result, found, stated),
         _not_stated(stated, found),
         Section(f"End of test report {number}", ""),
     ]
@@ -134,6 +136,8 @@ def _key_numbers(found: RecordsVerdict) -> list[tuple[str, str]]:
     verdicts = blow_verdicts(found.shocks)
     nominal = {clause.clause: asked_words(clause) for clause in asked_clauses(found.specification)}
     counts = [("shocks", len(verdicts)), ("pass", verdicts.count(PASS)), ("fail", verdicts.count(FAIL))]
+    unclear = verdicts.count(CANNOT_TELL)
+    counts += [("cannot tell", unclear)] if unclear else []
     return [
         *((name, str(count)) for name, count in counts),
         *((name, nominal[name]) for name in ("nominal peak", "nominal duration") if name in nominal),
@@ -193,7 +197,7 @@ def _items(stated: StatedTest) -> Section:
 def _specification(found: RecordsVerdict) -> Section:
     file = found.specification.file
     rows: list[list[Cell]] = [
-        [clause.clause, asked_words(clause), status_cell(clause.status)]
+        [clause_name(clause.clause), asked_words(clause), status_cell(clause.status)]
         for clause in asked_clauses(found.specification)
     ]
     if found.limits.band is not None:
@@ -321,7 +325,23 @@ def _signatures(stated: StatedTest) -> Section:
     return Section("Signatures", "", [SignatureLines(rows)], alone=True)
 
 
-def _annex(result: RecordResult) -> Section:
+def _judged_by(result: RecordResult, found: RecordsVerdict, stated: StatedTest) -> list[Part]:
+    """Return the files by which the records were judged, with their SHA-256, and the uncertainty budget."""
+    budget = result.budget
+    stated_in = [
+        ("specification", found.specification.path),
+        ("uncertainty budget", "" if budget is None else budget.file),
+        ("test", stated.file),
+    ]
+    digests = digests_of([Path(file) for _, file in stated_in if file])
+    rows: list[list[Cell]] = [
+        [what, file, digests[str(Path(file))]] for what, file in stated_in if file and str(Path(file)) in digests
+    ]
+    tables: list[Part] = [Table("Judged by", ["what", "file", "SHA-256"], rows)] if rows else []
+    return tables if budget is None else [*tables, source_table(budget)]
+
+
+def _annex(result: RecordResult, found: RecordsVerdict, stated: StatedTest) -> Section:
     source = result.source
     files: list[list[Cell]] = [[name, digest] for name, digest in list(source.digests.items())[:MOST_FILES]]
     left = len(source.digests) - MOST_FILES
@@ -331,13 +351,14 @@ def _annex(result: RecordResult) -> Section:
     calibrations: list[list[Cell]] = [list(pair) for pair in result.calibrations[:MOST_FINDINGS]]
     parts: list[Part] = [
         Table(caption, ["file", "SHA-256"], files, "The files were not hashed."),
+        *_judged_by(result, found, stated),
         Table("Calibration of the channels", ["where it is stated", "what"], calibrations, "The files state it alone."),
         *([Code(source.asked)] if source.asked else []),
         *chapters.warnings(result.notices).parts,
     ]
     command = ", by the command below" if source.asked else ""
     text = f"Evaluated with strikewave {__version__}{command}, from these files."
-    return Section("Annex: records, software, warnings", text, parts)
+    return Section("Annex: records, uncertainty budget, software, warnings", text, parts)
 
 
 def _not_stated(stated: StatedTest, found: RecordsVerdict) -> Section:

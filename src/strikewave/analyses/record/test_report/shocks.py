@@ -7,8 +7,9 @@ import re
 from collections.abc import Iterator, Sequence
 from statistics import fmean, stdev
 
+from strikewave.analyses.record.verdicts.words import WHY_HEAD, why_of_shock
 from strikewave.base.percents import percent
-from strikewave.reporting.clause_words import amount, doubted_words, limit_words, tag_of, value_words
+from strikewave.reporting.clause_words import amount, clause_name, doubted_words, limit_words, tag_of, value_words
 from strikewave.reporting.numbers import with_unit
 from strikewave.reporting.parts import NONE, Cell, Table
 from strikewave.specifications.decisions import CANNOT_TELL, FAIL, PASS, together
@@ -34,19 +35,9 @@ def figures_of(shock: JudgedShock) -> list[Clause]:
     found = []
     for (name, unit), value in zip(FIGURES, values, strict=True):
         own = [clause for clause in shock.found.clauses if clause.clause.startswith(name)]
-        called = f"{name} at 10 %" if unit == "s" else name
+        called = {"s": f"{name} at 10 %", "m/s": f"{name}, foot to foot"}.get(unit, name)
         found += own[:1] or [judged(called, value, Limits(value, value, NORMATIVE), unit)]
     return found
-
-
-def why(shock: JudgedShock) -> str:
-    """Say which clauses a shock fails or, where it fails none, of which nothing can be said, and why."""
-    for verdict in (FAIL, CANNOT_TELL):
-        clauses = [clause for clause in shock.found.clauses if clause.verdict == verdict]
-        if clauses:
-            names = ", ".join(clause.clause for clause in clauses)
-            return f"{names}: {clauses[0].reason}" if verdict == CANNOT_TELL and clauses[0].reason else names
-    return NONE
 
 
 def groups(found: RecordsVerdict) -> Iterator[tuple[str, str, list[JudgedShock]]]:
@@ -136,11 +127,11 @@ def _listed(
                 *map(doubted_words, figures_of(shock)),
                 value_words(inside[0]) if inside else NONE,
                 tag_of(shock.found.verdict),
-                why(shock),
+                why_of_shock(shock),
             ]
         )
     heads = ["#", "direction", "record", *(["channel"] if several else []), "blow", "time"]
-    heads += [*(clause.clause for clause in _model(found)), "band", "verdict", "fails, or why nothing can be said"]
+    heads += [*(clause_name(clause.clause) for clause in _model(found)), "band", "verdict", WHY_HEAD]
     empty = [place for place, head in enumerate(heads) if head == "band" and all(row[place] == NONE for row in rows)]
     kept = [place for place in range(len(heads)) if place not in empty]
     return Table(caption, *_units_in_heads([heads[k] for k in kept], [[row[k] for k in kept] for row in rows]), "None.")
@@ -180,7 +171,9 @@ def _summary(found: RecordsVerdict) -> Table:
             mean, model = fmean(values), clauses[0]
             ends = [amount(model, value) for value in (min(values), mean, max(values))]
             scatter = percent(stdev(values) / mean, 2) if len(values) > 1 and mean else NONE
-            rows.append([group_name(direction, channel, several), model.clause, len(values), *ends, scatter])
+            rows.append(
+                [group_name(direction, channel, several), clause_name(model.clause), len(values), *ends, scatter]
+            )
     heads = ["shocks", "figure", "number", "smallest", "mean", "largest", "scatter (CV)"]
     return Table("All shocks, by direction", heads, rows)
 

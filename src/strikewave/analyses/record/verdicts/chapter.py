@@ -3,10 +3,18 @@
 from __future__ import annotations
 
 from strikewave.analyses.record.verdicts.figures import shock_figure
-from strikewave.analyses.record.verdicts.words import name_of_shock
-from strikewave.reporting.clause_words import CLAUSE_HEADS, SHOWN, clause_cells, decision_words, doubted_words, tag_of
+from strikewave.analyses.record.verdicts.words import WHY_HEAD, name_of_shock, why_of_shock
+from strikewave.reporting.clause_words import (
+    CLAUSE_HEADS,
+    SHOWN,
+    clause_cells,
+    clause_name,
+    decision_words,
+    doubted_words,
+    tag_of,
+)
 from strikewave.reporting.parts import NONE, Cell, Part, Picture, Section, Table
-from strikewave.specifications.decisions import FAIL, NOT_JUDGED, WORST_FIRST
+from strikewave.specifications.decisions import NOT_JUDGED, WORST_FIRST
 from strikewave.specifications.judged_records import JudgedShock, RecordsVerdict
 
 MOST_DRAWN = 12
@@ -68,17 +76,16 @@ def _shock_table(found: RecordsVerdict, names: dict[str, str], several: bool) ->
     rows: list[list[Cell]] = []
     for shock in found.shocks[:MOST_ROWS]:
         clauses = {clause.clause: clause for clause in shock.found.clauses}
-        failed = [clause.clause for clause in shock.found.clauses if clause.verdict == FAIL]
         rows.append(
             [
                 name_of_shock(shock, names, several),
                 tag_of(shock.found.verdict),
                 *([shock.direction or NONE] if directed else []),
                 *[doubted_words(clauses[name]) if name in clauses else NONE for name in by_name],
-                ", ".join(failed) or NONE,
+                why_of_shock(shock),
             ]
         )
-    heads = ["shock", "verdict", *(["direction"] if directed else []), *by_name, "fails"]
+    heads = ["shock", "verdict", *(["direction"] if directed else []), *map(clause_name, by_name), WHY_HEAD]
     left = f", the first {MOST_ROWS} of {len(found.shocks)}" if len(found.shocks) > MOST_ROWS else ""
     return Table(f"Shocks{left}", heads, rows)
 

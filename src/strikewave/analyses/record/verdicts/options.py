@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Self, get_args
 import typer
 
 from strikewave.base.errors import InputError
-from strikewave.reporting.decision_options import Decision, Uncertainty, read_budget
+from strikewave.reporting.decision_options import Decision, Uncertainty, budget_in_python
 from strikewave.reporting.options import wrong_choice
 from strikewave.specifications.decisions import Rule
 
@@ -61,7 +61,7 @@ class SpecificationOptions:
         """
         if decision not in get_args(Rule):
             raise wrong_choice(decision, "decision", get_args(Rule))
-        budget = None if uncertainty is None else read_budget(str(uncertainty), "uncertainty")
+        budget = budget_in_python(uncertainty)
         several = {name: [more[name]] if isinstance(more[name], str | int) else more[name] for name in more}
         lists = {name: [str(one) for one in values] or None for name, values in several.items()}
         return cls(spec, decision, budget, strict, **lists)

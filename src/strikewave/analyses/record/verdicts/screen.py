@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from strikewave.analyses.record.verdicts.words import name_of_shock
+from strikewave.analyses.record.verdicts.words import WHY_HEAD, name_of_shock, why_of_shock
 from strikewave.reporting.clause_words import (
     SHOWN,
+    clause_name,
     decision_words,
     doubted_words,
     limit_words,
@@ -15,7 +16,7 @@ from strikewave.reporting.clause_words import (
 from strikewave.reporting.layout import MORE, keys, numerals, texts
 from strikewave.reporting.parts import NONE
 from strikewave.reporting.terminal import table, tell
-from strikewave.specifications.decisions import FAIL, WORST_FIRST
+from strikewave.specifications.decisions import WORST_FIRST
 from strikewave.specifications.judged_records import RecordsVerdict
 from strikewave.specifications.judging import Clause
 
@@ -46,7 +47,7 @@ def print_verdict(found: RecordsVerdict, names: dict[str, str]) -> None:
 def clause_row(clause: Clause) -> list[str]:
     """Return clause, limit, value, its expanded uncertainty, margin, verdict and status."""
     values = [limit_words(clause), doubted_words(clause), margin_words(clause)]
-    return [clause.clause, *values, SHOWN[clause.verdict], share_words(clause), clause.status]
+    return [clause_name(clause.clause), *values, SHOWN[clause.verdict], share_words(clause), clause.status]
 
 
 def _print_shocks(found: RecordsVerdict, names: dict[str, str], several: bool) -> None:
@@ -57,17 +58,16 @@ def _print_shocks(found: RecordsVerdict, names: dict[str, str], several: bool) -
     rows = []
     for shock in shocks[:MOST_SHOCKS]:
         clauses = {clause.clause: clause for clause in shock.found.clauses}
-        failed = [clause.clause for clause in shock.found.clauses if clause.verdict == FAIL]
         rows.append(
             [
                 name_of_shock(shock, names, several),
                 *([shock.direction or NONE] if directed else []),
                 *[value_words(clauses[name]) if name in clauses else NONE for name in figures],
                 SHOWN[shock.found.verdict],
-                ", ".join(failed) or NONE,
+                why_of_shock(shock),
             ]
         )
-    columns = [*keys("shock"), *(texts("direction") if directed else []), *numerals(*figures)]
-    columns += [*texts("verdict"), *texts("fails", priority=MORE)]
+    columns = [*keys("shock"), *(texts("direction") if directed else []), *numerals(*map(clause_name, figures))]
+    columns += [*texts("verdict"), *texts(WHY_HEAD, priority=MORE)]
     left = f", the first {MOST_SHOCKS} of {len(shocks)}" if len(shocks) > MOST_SHOCKS else ""
     table(f"Shocks, those that fail first{left}", columns, rows)

@@ -6,6 +6,7 @@ import math
 
 from strikewave.cases.stated_test import StatedTest
 from strikewave.reporting.clause_words import (
+    clause_name,
     first_upper,
     not_judged_names,
     share_words,
@@ -18,6 +19,8 @@ from strikewave.reporting.parts import NONE, Tag
 from strikewave.specifications.decisions import CANNOT_TELL, FAIL, PASS
 from strikewave.specifications.judged_records import JudgedShock, RecordsVerdict
 
+WHY_HEAD = "fails, or why nothing can be said"
+"""Head of a column of `why_of_shock`."""
 MOST_NAMED = 3
 """Shocks that a sentence names."""
 
@@ -28,6 +31,16 @@ def name_of_shock(shock: JudgedShock | None, names: dict[str, str], several: boo
         return NONE
     channel = f", {shock.reading.channel.name}" if several else ""
     return f"{names[shock.file]}{channel}, blow {shock.number}"
+
+
+def why_of_shock(shock: JudgedShock) -> str:
+    """Say which clauses a shock fails or, where it fails none, of which nothing can be said, and why."""
+    for verdict in (FAIL, CANNOT_TELL):
+        clauses = [clause for clause in shock.found.clauses if clause.verdict == verdict]
+        if clauses:
+            names = ", ".join(clause.clause for clause in clauses)
+            return f"{names}: {clauses[0].reason}" if verdict == CANNOT_TELL and clauses[0].reason else names
+    return NONE
 
 
 def tag_of_records(found: RecordsVerdict, stated: StatedTest | None = None) -> Tag:
@@ -49,7 +62,7 @@ def sentence(found: RecordsVerdict, names: dict[str, str]) -> str:
     wrong = [(c, s) for c, s in found.clauses if c.verdict == found.verdict and c.verdict in (FAIL, CANNOT_TELL)]
     for clause, shock in wrong[:MOST_NAMED]:
         where = f" of {name_of_shock(shock, names, several)}" if shock is not None and count > 1 else ""
-        words.append(f"{first_upper(clause.clause)}{where}: {why_words(clause)}.")
+        words.append(f"{first_upper(clause_name(clause.clause))}{where}: {why_words(clause)}.")
     if found.verdict == PASS:
         tight = [(c, s) for c, s in found.clauses if c.verdict == PASS and math.isfinite(c.share)]
         if tight:
@@ -59,6 +72,11 @@ def sentence(found: RecordsVerdict, names: dict[str, str]) -> str:
     failed = sum(shock.found.verdict == FAIL for shock in found.shocks)
     if count > 1 and failed:
         words.append(f"{failed} of {count} shocks fail.")
+    unclear = [shock for shock in found.shocks if shock.found.verdict == CANNOT_TELL]
+    if count > 1 and unclear and found.verdict != CANNOT_TELL:
+        more = f" and {len(unclear) - MOST_NAMED} more" if len(unclear) > MOST_NAMED else ""
+        where = "; ".join(name_of_shock(shock, names, several) for shock in unclear[:MOST_NAMED])
+        words.append(f"Of {len(unclear)} of {count} nothing can be said ({where}{more}): {why_of_shock(unclear[0])}.")
     skipped = not_judged_names(clauses)
     if skipped and found.verdict != PASS:
         words.append(f"Not judged: {listed(skipped)}.")
