@@ -86,3 +86,17 @@ def test_coverage_over_shapes_rates_and_noise(shape, samples, noise, coloured):
     # of 60 draws of 95 %, 85 % is three standard deviations; the peak of a plateau is hardest
     assert np.all(covered >= [0.75, 0.85, 0.8])
     assert np.all(np.abs(error.mean(axis=0)) < [1.5 * stated[:, 0].mean(), stated[:, 1].mean(), stated[:, 2].mean()])
+
+
+def test_velocity_change_over_a_longer_window_is_as_uncertain_as_noise_makes_it():
+    """Over 1.2 durations of white noise: their root, and the error of the baseline from 30 widths before."""
+    missed = []
+    for seed in range(60):
+        values, step = drawn("half-sine", 100, 0.02, 930_000 + seed)
+        [pulse] = find_pulses(values, step)
+        first = round((pulse.time - 0.6 * DURATION) / step)
+        window = values[first : first + 120] - pulse.offset
+        missed.append((np.sum(window) * step - 2.0 / math.pi * DURATION, pulse.area_uncertainty(1.2 * DURATION)))
+    error, stated = np.array(missed).T
+    assert np.count_nonzero(np.abs(error) <= 2.0 * stated) >= 52  # of 95 %: once in a hundred fewer
+    assert np.sqrt(np.mean(stated**2)) == pytest.approx(np.std(error), rel=0.3)  # 9 % by 60 draws

@@ -162,12 +162,19 @@ def test_two_poles_at_10_khz_take_off_a_half_sine_of_100_us_what_the_conventions
     assert 1.0 - effect_on_half_sine(Filter(10e3, 2, "both"), 100e-6).peak == pytest.approx(0.049, abs=5e-4)
 
 
-def test_advised_cutoff_takes_two_percent_off_the_half_sine_it_is_for():
+def test_advised_cutoff_changes_no_figure_of_the_half_sine_it_is_for_by_more_than_two_percent():
     from strikewave.signal.filters import advised_cutoff
 
     width = 200e-6 * (1.0 - 2.0 * math.asin(0.1) / math.pi)
     cutoff = advised_cutoff(math.nan, width)
-    assert 1.0 - effect_on_half_sine(Filter(cutoff), 200e-6).peak == pytest.approx(0.02, abs=1e-4)
+    effect = effect_on_half_sine(Filter(cutoff), 200e-6)
+    assert effect.largest == pytest.approx(0.02, abs=1e-4)
+    assert effect.width == pytest.approx(1.02, abs=1e-4)  # the width grows first
+    for higher in (1.2, 2.0, 4.0):
+        assert effect_on_half_sine(Filter(higher * cutoff), 200e-6).largest < 0.02
+    alone = effect_on_half_sine(Filter(advised_cutoff(math.nan, width, peak_alone=True)), 200e-6)
+    assert alone.peak == pytest.approx(0.98, abs=1e-4)
+    assert alone.width > 1.1
     # a rise twice as steep asks for twice the cutoff
     assert advised_cutoff(0.5 * 200e-6 * (math.asin(0.9) - math.asin(0.1)) / math.pi, width) == pytest.approx(
         2 * cutoff

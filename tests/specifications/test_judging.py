@@ -2,6 +2,7 @@
 
 import functools
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -286,6 +287,24 @@ def test_guarded_decisions_state_nothing_where_the_uncertainty_is_not_known():
     stated = shock_of(1000.0, figures=shock.figures, uncertainty=0.05)
     assert only(stated, PEAK, rule="guarded").verdict == "pass"
     assert only(shock, PEAK).verdict == "pass"
+
+
+def test_a_guarded_width_at_another_level_is_not_stated_for_a_record_whose_width_there_has_no_uncertainty():
+    width = PULSE.width(0.5)
+    limits = PulseLimits(PULSE, "quoted", level=0.5, width=Limits(0.9 * width, 1.1 * width, "quoted"))
+    shock = shock_of(1000.0, figures={"width": MeasuredFigure(PULSE.width(0.1), 1e-9)})
+    clause = only(shock, limits, rule="guarded")
+    assert (clause.verdict, clause.reason) == ("cannot-tell", "its uncertainty is not known")
+    assert only(shock, limits).verdict == "pass"
+    assert only(shock_of(1000.0), limits, rule="guarded").verdict == "pass"  # simulated: nothing was measured
+
+
+def test_a_guarded_cross_axis_clause_leaves_twice_the_noise_of_its_channels():
+    limits = PulseLimits(PULSE, "quoted", cross_axis=Limits(-math.inf, 200.0, "quoted"))
+    shock = replace(shock_of(1000.0), cross_axis_noise=5.0)
+    across = {size: {"y": size / 1000.0 * shock.values} for size in (185.0, 195.0, 205.0, 215.0)}
+    verdicts = [only(replace(shock, cross_axis=one), limits, rule="guarded").verdict for one in across.values()]
+    assert verdicts == ["pass", "cannot-tell", "cannot-tell", "fail"]
 
 
 def test_a_guarded_band_needs_room_for_what_the_filter_takes_and_for_the_uncertainty():

@@ -3,10 +3,13 @@
 from __future__ import annotations
 
 import math
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
+
+if TYPE_CHECKING:
+    from strikewave.signal.filters import Effect, Filter
 
 Array = NDArray[np.float64]
 
@@ -28,6 +31,8 @@ INSIDE = 1e-6
 """How far within its bounds the guess must lie, as the method asks."""
 
 
+FILTERED, BESIDE_FILTERED = 400, 3.0
+"""Samples of a pulse that a filter is tried on, and times one over the cutoff to either side of it."""
 DERIVATIVE = 1e-4
 """Share of a parameter by which it is changed for a derivative: squared, it is far below an uncertainty."""
 
@@ -145,6 +150,22 @@ class SmoothPulse(NamedTuple):
         """Return the directions in which the pulse moves at some times with its five parameters, unit columns."""
         columns = [np.subtract(more.at(time), less.at(time)) for more, less, _ in self._changed()]
         return np.array(columns).T / [np.linalg.norm(column) or 1.0 for column in columns]
+
+    def through(self, filter_: Filter) -> Effect:
+        """Return what a filter leaves of the pulse.
+
+        Examples
+        --------
+        >>> from strikewave.signal.filters import Filter
+        >>> round(SmoothPulse(1.0, 0.0, 1e-3, 0.5, 1.0).through(Filter(2500.0)).width, 3)
+        1.019
+        """
+        from strikewave.signal.filters import effect_on_pulse
+
+        step = min(self.length / FILTERED, 0.02 / filter_.cutoff)
+        beside = self.length + BESIDE_FILTERED / filter_.cutoff
+        time = np.arange(self.begin - beside, self.begin + self.length + beside, step)
+        return effect_on_pulse(filter_, np.abs(self.at(time)), step)
 
     def _changed(self) -> list[tuple[SmoothPulse, SmoothPulse, float]]:
         """Return pulses with a little more and a little less of each parameter, and by how much they differ in it."""

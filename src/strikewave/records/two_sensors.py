@@ -226,7 +226,7 @@ def paired_motion(
     against = differential[near]
     in_band = math.nan
     if pulse is not None:
-        cutoff = min(advised_cutoff(pulse.smooth.rise(), pulse.smooth.width()), 0.4 / step)
+        cutoff = min(advised_cutoff(pulse.smooth.rise(), pulse.smooth.width(), peak_alone=True), 0.4 / step)
         low = Filter(cutoff).apply(differential, step)[_near(pulse, step, start, first.size)]
         in_band = float(np.max(np.abs(low)))
     doubt = math.hypot(_rigid(pulse)[1], in_band / math.sqrt(3.0)) if pulse is not None else math.nan

@@ -28,12 +28,14 @@ HALF_SINE_SAMPLES, CUTOFF_STEP, REACH = 400, 0.02, 3.0
 """Samples of a half-sine on which a filter is tried, at least, the longest step as a share of one over the cutoff, and
 how many times one over the cutoff the history goes on to either side: peak and width are then good to 1e-6 (measured at
 five times the cutoff)."""
-ADVISED_LOSS, LOSSES = 0.02, (1e-6, 0.5)
-"""Share of a peak that a filter may take unless said otherwise, about what a calibrated chain is uncertain by; and the
-shares that can be asked for: below 1e-6 the trial itself is off by as much, beyond a half the pulse is another one."""
-CUTOFFS, CUTOFF_ROUNDING = (0.3, 20.0), 1e-4
-"""Cutoffs of a half-sine of 1 s that are searched, Hz, for losses from a half (0.36) to 1e-6 (5.0, measured), and how
-exactly: a cutoff is stated to three digits."""
+ADVISED_LOSS, LOSSES = 0.02, (5e-3, 0.5)
+"""Share by which a filter may change a figure unless said otherwise, about what a calibrated chain is uncertain by; and
+the shares that can be asked for: a width stays off by 4e-3 at ten cutoffs, beyond a half the pulse is another one."""
+CUTOFFS, CUTOFFS_TRIED, CUTOFF_ROUNDING = (0.3, 20.0), 40, 1e-4
+"""Cutoffs of a half-sine of 1 s that are searched, Hz, how many of them at first, and how exactly: a cutoff is stated
+to three digits."""
+FEET = 0.02
+"""Share of the peak from which on a pulse is integrated, as a record is measured."""
 
 
 def low_pass(values: ArrayLike, step: float, cutoff: float, order: int = 4, axis: int = -1) -> Array:
@@ -230,10 +232,37 @@ class HighPass(_ZeroPhase):
 
 
 class Effect(NamedTuple):
-    """What a filter leaves of a half-sine: shares of its peak and of its width at 10 %."""
+    """What a filter leaves of a pulse: shares of its peak, of its width at 10 %, and of its integral.
+
+    The integral is taken from foot to foot, where 2 % of the peak is left: a filter moves the feet.
+    """
 
     peak: float
     width: float
+    velocity_change: float
+
+    @property
+    def largest(self) -> float:
+        """Largest change of any of them."""
+        return max(abs(share - 1.0) for share in self)
+
+
+def effect_on_pulse(filter_: Filter, pulse: Array, step: float) -> Effect:
+    """Return what a filter leaves of a pulse, given with enough zeros on both sides.
+
+    Examples
+    --------
+    >>> pulse = np.pad(np.sin(np.pi * np.linspace(0.0, 1.0, 401)), 2000)
+    >>> [round(share, 3) for share in effect_on_pulse(Filter(2.5 / 400.0), pulse, 1.0)]
+    [0.997, 1.019, 1.004]
+    """
+    gain = filter_.gain(np.fft.rfftfreq(pulse.size, step), step)
+    before, after = (
+        (measured.peak, measured.width, measure_pulse(h, step, fraction=FEET).area)
+        for h in (pulse, np.fft.irfft(gain * np.fft.rfft(pulse), pulse.size))
+        for measured in [measure_pulse(h, step)]
+    )
+    return Effect(*(new / old for new, old in zip(after, before, strict=True)))
 
 
 def effect_on_half_sine(filter_: Filter, duration: float, samples: int = HALF_SINE_SAMPLES) -> Effect:
@@ -260,13 +289,13 @@ def effect_on_half_sine(filter_: Filter, duration: float, samples: int = HALF_SI
     reach = count + math.ceil(REACH / (filter_.cutoff * step))
     places = np.arange(-reach, count + reach + 1)
     pulse = np.where((places > 0) & (places < count), np.sin(np.pi * places / count), 0.0)
-    gain = filter_.gain(np.fft.rfftfreq(pulse.size, step), step)
-    before, after = (measure_pulse(h, step) for h in (pulse, np.fft.irfft(gain * np.fft.rfft(pulse), pulse.size)))
-    return Effect(after.peak / before.peak, after.width / before.width)
+    return effect_on_pulse(filter_, pulse, step)
 
 
-def advised_cutoff(rise: float, width: float, loss: float = ADVISED_LOSS) -> float:
-    """Return the lowest cutoff of a 4-pole zero-phase filter that takes at most ``loss`` off a pulse's peak, Hz.
+def advised_cutoff(rise: float, width: float, loss: float = ADVISED_LOSS, peak_alone: bool = False) -> float:
+    """Return the cutoff of a 4-pole zero-phase filter from which on it changes a pulse by at most ``loss``, Hz.
+
+    Of peak, width and velocity change the one that it changes most counts: the width of a half-sine grows first.
 
     The pulse is taken as the half-sine that is as steep: of a half-sine of duration T, the rise from 10 to 90 %
     is (asin 0.9 - asin 0.1) T / pi and the width at 10 % is T (1 - 2 asin(0.1) / pi).
@@ -276,7 +305,9 @@ def advised_cutoff(rise: float, width: float, loss: float = ADVISED_LOSS) -> flo
     rise, width : float
         From 10 to 90 % of the peak, and at 10 % of it, s; NaN where it is not known.
     loss : float, optional
-        Share of the peak that may be lost.
+        Share by which peak, width and velocity change may change.
+    peak_alone : bool, optional
+        Whether the peak alone counts.
 
     Raises
     ------
@@ -286,8 +317,8 @@ def advised_cutoff(rise: float, width: float, loss: float = ADVISED_LOSS) -> flo
     Examples
     --------
     >>> cutoff = advised_cutoff(math.nan, 187.25e-6)
-    >>> round(effect_on_half_sine(Filter(cutoff), 200e-6).peak, 3)
-    0.98
+    >>> [round(share, 3) for share in effect_on_half_sine(Filter(cutoff), 200e-6)]
+    [0.997, 1.02, 1.004]
     """
     durations = [duration for duration in (rise / HALF_SINE_RISE, width / HALF_SINE_WIDTH) if duration > 0.0]
     least, most = LOSSES
@@ -295,18 +326,21 @@ def advised_cutoff(rise: float, width: float, loss: float = ADVISED_LOSS) -> flo
         raise ValueError(f"the loss of a cutoff lies between {least:g} and {most:g}, got {loss!r}")
     if not durations:
         raise ValueError("a cutoff needs the rise or the width of the pulse")
-    return _cutoff_times_duration(loss) / min(durations)
+    return _cutoff_times_duration(loss, peak_alone) / min(durations)
 
 
 @functools.lru_cache(maxsize=32)
-def _cutoff_times_duration(loss: float) -> float:
+def _cutoff_times_duration(loss: float, peak_alone: bool) -> float:
     """Return the cutoff of a half-sine of 1 s, Hz."""
     from scipy.optimize import brentq
 
     def excess(cutoff: float) -> float:
-        return 1.0 - effect_on_half_sine(Filter(cutoff), 1.0).peak - loss
+        effect = effect_on_half_sine(Filter(cutoff), 1.0)
+        return (1.0 - effect.peak if peak_alone else effect.largest) - loss
 
-    return float(brentq(excess, *CUTOFFS, xtol=CUTOFF_ROUNDING))
+    tried = np.geomspace(*CUTOFFS, CUTOFFS_TRIED)
+    last = max((k for k in range(CUTOFFS_TRIED - 1) if excess(float(tried[k])) > 0.0), default=0)
+    return float(brentq(excess, float(tried[last]), float(tried[last + 1]), xtol=CUTOFF_ROUNDING))
 
 
 def _butterworth(cutoff: float, step: float, order: int, widened: float = 1.0, kind: str = "lowpass") -> Array:

@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from strikewave.base.errors import InputError, nearest
 from strikewave.records.budget.blows import BlowUncertainty
@@ -16,7 +17,7 @@ from strikewave.records.budget.contributions import RECORD, Budget
 from strikewave.records.health_notice import HealthNotice
 from strikewave.records.measuring import RecordedPulse
 from strikewave.records.reading import ChannelReading, FileReading
-from strikewave.records.smooth_pulse import PulseUncertainty
+from strikewave.records.smooth_pulse import PulseUncertainty, SmoothPulse
 from strikewave.signal.filters import Filter
 from strikewave.specifications.decisions import CANNOT_TELL, COVERAGE, FAIL, PASS, Rule, together
 from strikewave.specifications.ideal_pulses import IdealPulse
@@ -45,6 +46,8 @@ from strikewave.specifications.shock_directions import (
     direction_fits,
 )
 
+Array = NDArray[np.float64]
+
 JUDGED_AS_IT_IS = (
     "polarity",
     "polarity-differs",
@@ -59,6 +62,10 @@ JUDGED_AS_IT_IS = (
 """Findings on what machine, specimen or direction do: a specification judges it, it is no fault of the record."""
 HIDES_PEAKS = ("clipped", "flat-top", "slew-rate")
 """Findings on a cross-axis channel by which its true values may be larger."""
+FEWEST_QUIET = 16
+"""Samples before a shock that tell the noise of a cross-axis channel, at least: it is then good to a fifth."""
+LEFT_BEFORE = 0.25
+"""Lengths of a blow before it that are left out of them: what crosses over may begin earlier."""
 FINEST_FILTERED = 1.0 / 200.0
 """Share of the duration between samples on which a filter is tried on the ideal pulse, where the record is coarser."""
 
@@ -362,8 +369,10 @@ def shock_of(
     time = begin + channel.step * np.arange(high - low)
     beside = {one.channel.name: np.interp(time, one.channel.time, one.channel.values) - one.baseline for one in across}
     values = {"peak": abs(pulse.peak), "velocity_change": abs(pulse.velocity_change), "width": pulse.width}
+    window = (1.0 + sum(limits.window)) * limits.pulse.duration
+    noise = pulse.uncertainty._replace(velocity_change=pulse.area_uncertainty(window))
     figures = {
-        name: measured_figure(name, value, pulse.uncertainty, known)
+        name: measured_figure(name, value, noise, known)
         for name, value in values.items()
         if name != "width" or value > 0.0
     }
@@ -378,8 +387,23 @@ def shock_of(
         math.nan if filter_ is None else filter_.half_power(channel.step),
         troubles or {},
         beside,
+        _noise_before(beside, time < pulse.begin - LEFT_BEFORE * (pulse.end - pulse.begin)),
         share,
+        1.0 if filter_ is None else before_filter(reading, pulse).through(filter_).width,
     )
+
+
+def _noise_before(channels: Mapping[str, Array], quiet: NDArray[np.bool_]) -> float:
+    """Return the standard deviation of the noisiest channel where it is quiet; NaN where too little is, 0 of none."""
+    if channels and np.count_nonzero(quiet) < FEWEST_QUIET:
+        return math.nan
+    return max((float(np.std(values[quiet])) for values in channels.values()), default=0.0)
+
+
+def before_filter(reading: ChannelReading, pulse: RecordedPulse) -> SmoothPulse:
+    """Return the smooth pulse of a blow as it was before the filter, where it was found then."""
+    near = min(reading.unfiltered, key=lambda one: abs(one.time - pulse.time), default=pulse)
+    return near.smooth if abs(near.time - pulse.time) <= pulse.end - pulse.begin else pulse.smooth
 
 
 def measured_figure(

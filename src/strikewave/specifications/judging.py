@@ -117,8 +117,12 @@ class Shock:
         Why a figure is not to be trusted: by peak, width, velocity_change and cross_axis.
     cross_axis : mapping of str to ndarray
         Accelerations of cross-axis channels at the same times, by name.
+    cross_axis_noise : float
+        Standard deviation of the noisiest of them before the shock; NaN where it is not known.
     uncertainty : float
         Expanded uncertainty, k = 2, of the acceleration as a share of it: of figures whose own is not whole.
+    filter_width : float
+        Width of the smooth pulse of the blow that the filter makes of it, over that before.
     """
 
     values: Array
@@ -130,7 +134,9 @@ class Shock:
     filter_cutoff: float = math.nan
     troubles: Mapping[str, str] = field(default_factory=dict)
     cross_axis: Mapping[str, Array] = field(default_factory=dict)
+    cross_axis_noise: float = 0.0
     uncertainty: float = 0.0
+    filter_width: float = 1.0
 
     @property
     def time(self) -> Array:
@@ -280,7 +286,7 @@ def judge_shock(shock: Shock, limits: PulseLimits, rule: Rule = "simple", strict
     if limits.width is not None:
         name = f"pulse width at {100.0 * limits.level:g} %"
         reason = shock.troubles.get("width", "") or coarse or _filtered_away(shock)
-        clauses.append(judged(name, width.value, limits.width, "s", COVERAGE * width.uncertainty, rule, reason))
+        clauses.append(_width_clause(shock, name, width, limits.width, rule, reason))
     if limits.velocity_change is not None:
         clauses.append(_velocity_clause(shock, limits, start, rule, coarse))
     if limits.band is not None and placement is not None:
@@ -358,6 +364,17 @@ def _through_filter(shock: Shock, name: str, figure: MeasuredFigure, limits: Lim
     return clause
 
 
+def _width_clause(shock: Shock, name: str, width: MeasuredFigure, limits: Limits, rule: Rule, reason: str) -> Clause:
+    """Return the clause of a pulse width that a filter may have changed: both widths must have the same verdict."""
+    doubt = COVERAGE * width.uncertainty
+    clause = judged(name, width.value, limits, "s", doubt, rule, reason)
+    without = judged(name, width.value / shock.filter_width, limits, "s", doubt, rule, reason)
+    if not reason and without.verdict != clause.verdict:
+        words = f"the filter alone makes the width {percent(shock.filter_width)} of that of the pulse without it"
+        return replace(clause, verdict=CANNOT_TELL, reason=words)
+    return clause
+
+
 def _velocity_clause(shock: Shock, limits: PulseLimits, start: float, rule: Rule, coarse: str) -> Clause:
     """Return the clause of the velocity change: the integral over the ideal pulse and a little more."""
     pulse, (before, after) = limits.pulse, limits.window
@@ -431,7 +448,8 @@ def _cross_clause(shock: Shock, limits: Limits, pulse: IdealPulse, start: float,
     time = shock.time
     inside = (time >= start - 0.1 * pulse.duration) & (time <= start + 1.1 * pulse.duration)
     largest = float(np.max([np.max(np.abs(values[inside]), initial=0.0) for values in shock.cross_axis.values()]))
-    clause = judged("cross-axis", largest, limits, "m/s^2", _relative(shock, MeasuredFigure(largest)), rule)
+    uncertainty = _relative(shock, MeasuredFigure(largest, shock.cross_axis_noise))
+    clause = judged("cross-axis", largest, limits, "m/s^2", uncertainty, rule)
     trouble = shock.troubles.get("cross_axis", "")
     return replace(clause, verdict=CANNOT_TELL, reason=trouble) if trouble and clause.verdict == PASS else clause
 

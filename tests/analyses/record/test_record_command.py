@@ -413,8 +413,8 @@ def test_screen_report_and_document_advise_the_same_filter(strikewave):
     assert found["advised_cutoff"] == pytest.approx(1e3 * shown, rel=1e-12)
     each = [file["channels"][0]["advised_cutoff"] for file in found["files"][:2]]
     assert found["advised_cutoff"] == pytest.approx(max(each), rel=1e-2)  # three digits, rounded up
-    # a half-sine of 1 ms loses 2 % to a cutoff of 1.045 over its length; the ringing one is fitted within some percent
-    assert found["advised_cutoff"] == pytest.approx(1045.0, rel=0.15)
+    # a half-sine of 1 ms widens by 2 % at a cutoff of 2.47 over its length; the ringing one is fitted within some percent
+    assert found["advised_cutoff"] == pytest.approx(2470.0, rel=0.15)
 
 
 @pytest.mark.parametrize(

@@ -12,6 +12,7 @@ from strikewave.base.errors import InputError
 from strikewave.signal.filters import Filter, effect_on_half_sine
 from strikewave.specifications.ideal_pulses import IdealPulse
 from strikewave.specifications.judged_records import filter_leaves
+from strikewave.specifications.judging import Limits, MeasuredFigure, Shock, _width_clause
 from strikewave.specifications.reading import load_specification
 from strikewave.specifications.spectrum_limits import SpectrumLimits
 
@@ -217,6 +218,18 @@ def test_what_a_filter_leaves_of_the_ideal_pulse_is_that_of_a_half_sine():
     low_pass = Filter(300.0)
     expected = effect_on_half_sine(low_pass, 11e-3).peak
     assert filter_leaves(low_pass, IdealPulse("half-sine", 5.0, 11e-3), 1e-5) == pytest.approx(expected, abs=2e-5)
+
+
+def test_a_width_that_the_filter_alone_carries_over_its_limit_cannot_be_told():
+    """A cutoff that leaves 98 % of the peak widens a half-sine by a seventh."""
+    low_pass = Filter(100.0)
+    assert effect_on_half_sine(low_pass, 11e-3).width > 1.1
+    limits = Limits(0.9 * 10.3e-3, 1.1 * 10.3e-3, "quoted")
+    width = MeasuredFigure(10.3e-3 * effect_on_half_sine(low_pass, 11e-3).width)
+    for share, verdict in ((effect_on_half_sine(low_pass, 11e-3).width, "cannot-tell"), (1.0, "fail")):
+        shock = Shock(np.zeros(3), 1e-5, 0.0, 1, filter_width=share)
+        clause = _width_clause(shock, "pulse width at 10 %", width, limits, "simple", "")
+        assert (clause.verdict, "filter" in clause.reason) == (verdict, share > 1.0)
 
 
 def test_report_and_screen_have_the_verdict_and_draw_the_band(strikewave):

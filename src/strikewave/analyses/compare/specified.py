@@ -13,7 +13,8 @@ from strikewave.base.result import FAILED, WARNING, Notice
 from strikewave.records.budget.contributions import Budget
 from strikewave.reporting.clause_words import clause_words, decision_words
 from strikewave.signal.alignment import EvenHistory
-from strikewave.signal.filters import Filter
+from strikewave.signal.filters import Filter, effect_on_half_sine
+from strikewave.signal.pulse import HALF_SINE_WIDTH
 from strikewave.specifications.decisions import CANNOT_TELL, FAIL, Rule
 from strikewave.specifications.judged_records import Asked, clause_document, filter_leaves, rests_on_indicative
 from strikewave.specifications.judging import (
@@ -149,6 +150,9 @@ def judged_by(
         1.0 if low_pass is None else filter_leaves(low_pass, limits.pulse, history.step),
         math.nan if low_pass is None else low_pass.half_power(history.step),
         dict(curve.troubles),
+        filter_width=1.0
+        if low_pass is None or not pulse.width > 0.0
+        else effect_on_half_sine(low_pass, pulse.width / HALF_SINE_WIDTH).width,
     )
     found = judge_shock(shock, limits, rule)
     return SpecificationVerdict(specification, limits, found, rule, budget, curve.measured is not None)

@@ -263,8 +263,8 @@ def filter_section(files: Sequence[FileReading], names: Names, filter_: Filter |
     else:
         text = (
             "No filter was used: all figures are those of the records as they are. The table says what filters would "
-            "do; the advised cutoff is the lowest that takes at most 2 % off the peak of the steepest blow that enters "
-            "the means, 4 poles a pass, zero-phase."
+            "do; from the advised cutoff on, peak, pulse width and velocity change of the steepest blow that enters "
+            "the means are changed by at most 2 %, 4 poles a pass, zero-phase."
         )
         parts, filters = [], [("", Filter.sae_j211(k)) for k in (1000, 600)]
     widths = [pulse.width for pulse in pulses if pulse.width > 0.0]

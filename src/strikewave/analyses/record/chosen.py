@@ -34,7 +34,7 @@ def shown_response(files: Sequence[FileReading]) -> tuple[FileReading, ChannelRe
 
 
 def advised_filter(files: Sequence[FileReading]) -> Filter | None:
-    """Return the filter that is advised for all files: the lowest that takes at most 2 % off the steepest blow.
+    """Return the filter that is advised for all files: it changes the steepest blow by at most 2 %.
 
     Its cutoff has three digits, rounded up. Only blows whose widths enter the means count, where there are any: what is
     no blow is often the steepest. None where no channel is sampled fast enough for one.

@@ -423,6 +423,8 @@ def filter_effect(reading: ChannelReading, filter_: Filter) -> dict[str, Any]:
         "width_left": [after.width / before.width for before, after in same],
         "half_sine_peak_left": None if effect is None else effect.peak,
         "half_sine_width_left": None if effect is None else effect.width,
+        "half_sine_velocity_change_left": None if effect is None else effect.velocity_change,
+        "effect": [pulse.smooth.through(filter_)._asdict() for pulse in reading.unfiltered],
     }
 
 

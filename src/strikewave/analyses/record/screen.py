@@ -498,7 +498,10 @@ def _print_filter(files: Sequence[FileReading], filter_: Filter | None) -> None:
         advised = advised_filter(files)
         if advised is not None:
             kilohertz = significant(advised.cutoff / 1e3, 3)
-            tell(f"a low-pass of {kilohertz} kHz or more (--filter) leaves 98 % of a half-sine as steep as these")
+            tell(
+                f"a low-pass of {kilohertz} kHz or more (--filter) changes peak, pulse width and velocity change "
+                "of a half-sine as steep as these by at most 2 %"
+            )
         return
     for file, reading in rows_of(files):
         effect = filter_effect(reading, filter_)
@@ -509,4 +512,8 @@ def _print_filter(files: Sequence[FileReading], filter_: Filter | None) -> None:
             sentence += f" leaves {percent(peak)} of the peak, {percent(width)} of the width"
         if effect["half_sine_peak_left"] is not None:
             sentence += f" (of a half-sine as wide {percent(effect['half_sine_peak_left'])})"
+        if effect["effect"]:
+            figures = (("peak", "peak"), ("width", "width"), ("velocity_change", "velocity change"))
+            shares = [f"{words} {percent(_mean([one[key] for one in effect['effect']]))}" for key, words in figures]
+            sentence += f"; filter effect on the smooth pulse alone: {', '.join(shares)} left"
         tell(sentence)

@@ -68,11 +68,14 @@ class ResidualBlock(NamedTuple):
         for residuals that are independent.
     shot : int
         Number of the shot that they are of.
+    offset : float
+        Variance of what is added to all of them: of the baseline of a record.
     """
 
     rows: slice
     correlation: Array
     shot: int
+    offset: float = 0.0
 
 
 @dataclass(frozen=True)
@@ -296,6 +299,7 @@ def spread_of_slopes(residuals: Array, jacobian: Array, blocks: Sequence[Residua
         lags = np.zeros(part.shape[0])
         lags[: block.correlation.size] = block.correlation[: lags.size]
         total += part.T @ (matmul_toeplitz(lags, part) if block.correlation.size > 1 else lags[0] * part)
+        total += block.offset * np.outer(part.sum(axis=0), part.sum(axis=0))
     return total
 
 

@@ -16,8 +16,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from strikewave.analyses.compare.agreement import BESIDE
-from strikewave.analyses.compare.curve import ComparedCurve
+from strikewave.analyses.compare.curve import FOOT, ComparedCurve
 from strikewave.base.errors import InputError
+from strikewave.records.baseline import MEDIAN
 from strikewave.signal.alignment import EvenHistory
 from strikewave.signal.filters import Filter
 from strikewave.signal.pulse import RISE_LOW, crossing
@@ -130,6 +131,12 @@ class MeasuredPulse:
         return self.record.name
 
     @property
+    def offset(self) -> float:
+        """Variance of its baseline over that of its noise: of a median of the quiet before the pulse; 0 if unknown."""
+        memory = 1.0 + 2.0 * float(np.sum(self.correlation[1:]))
+        return MEDIAN * max(memory, 0.0) / self.quiet if self.quiet else 0.0
+
+    @property
     def unit(self) -> str:
         """SI unit."""
         return self.record.unit
@@ -145,6 +152,10 @@ class MeasuredPulse:
 
         curve = run.history(self.part, self.blow, self.record.unit).filtered(self.low_pass)
         fine, step = _finer(curve.history, self.step)
+        if abs(fine[0]) <= FOOT * np.max(
+            np.abs(fine)
+        ):  # the zero of a record is what it reads before, in free fall too
+            fine = fine - fine[0]
         at, computed = _laid(self.values, CubicSpline(np.arange(fine.size), fine), fine.size - 1.0, self.step / step)
         return LaidPulse(self.time, self.values, computed, float(self.time[0]) - (curve.history.start + at * step))
 

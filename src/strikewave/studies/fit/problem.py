@@ -154,7 +154,8 @@ class Problem:
             correlation = one.correlation
             if misfit.more_than_noise:
                 correlation = misfit.size**2 * autocorrelation(residuals[rows])
-            blocks.append(ResidualBlock(rows, correlation, next(shots)))
+            offset = one.offset if isinstance(one, MeasuredPulse) else 0.0
+            blocks.append(ResidualBlock(rows, correlation, next(shots), offset))
         return blocks
 
     def freedom(self, residuals: Array) -> float:
