@@ -106,6 +106,13 @@ def test_the_quiet_zero_of_a_coarse_recorder_is_no_clipping():
     assert codes(values) == []
 
 
+@pytest.mark.parametrize("share", [0.05, 0.3])
+def test_zeros_before_and_after_a_blow_that_fills_its_record_are_no_clipping(share):
+    zeros = np.zeros(int(share * 400))
+    values = np.concatenate([zeros, 500.0 * np.sin(np.pi * np.arange(400) / 400.0), zeros])
+    assert "clipped" not in [code for code, _ in codes(values)]
+
+
 def test_a_top_that_turns_within_a_step_of_the_converter_is_no_clipping():
     """Three samples at the top, by chance one beside: the parabola through both sides turns within the step."""
     values = np.round(in_bits(blow(noise=1e-4), 12))
@@ -450,7 +457,7 @@ def test_a_dead_channel(level):
 
 def test_noise_alone_holds_no_blow(rng):
     finding = found(rng.normal(size=SIZE), "no-pulse")
-    assert (finding.severity, finding.harms) == ("bad", (*BLOW, "interval"))
+    assert (finding.severity, finding.harms) == ("bad", (*BLOW, "interval", "spectrum"))
 
 
 def test_a_record_that_swings_higher_than_its_blow():

@@ -117,7 +117,8 @@ def _without_blow(readings: list[tuple[int, ChannelReading]]) -> Iterator[tuple[
             )
             message += ", and comes again in the period of the mains" if mains else ""
             if _scaled(1.0 / ratio, 0.0) is None or wider > 1.0 + SAME_WIDTH:
-                yield k, HealthNotice("no-pulse", message, 1.0 / ratio, severity="bad", harms=(*BLOW, "interval"))
+                harms = (*BLOW, "interval", "spectrum")
+                yield k, HealthNotice("no-pulse", message, 1.0 / ratio, severity="bad", harms=harms)
 
 
 def _of_mains(reading: ChannelReading) -> bool:

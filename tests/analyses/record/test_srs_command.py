@@ -222,3 +222,16 @@ def test_a_folder_appears_whole(strikewave, shot, read_page):
     largest = f"{max(found['absolute']) / 9.80665:.4g} g"
     assert any("largest absolute response" in label and value == largest for label, value in page.numbers.items())
     assert page.pictures == 4
+
+
+def test_a_record_that_swings_is_good_for_a_spectrum(strikewave):
+    """What is no one-sided blow is no fault of a spectrum: a pyroshock swings."""
+    k = np.maximum(np.arange(-4000.0, 36_000.0), 0.0)
+    values = 5000.0 * np.exp(-k / 3000.0) * np.sin(k / 20.0) * (1.0 - np.exp(-k / 1500.0))
+    rows = [f"{STEP * n:.6f},{value:.9g}" for n, value in enumerate(values)]
+    with open("pyro.csv", "w") as file:
+        file.write("time [s],board [m/s^2]\n" + "\n".join(rows) + "\n")
+    _, out, _ = strikewave("srs", "pyro.csv")
+    assert "The record is good." in " ".join(out.split())
+    _, out, _ = strikewave("record", "pyro.csv")
+    assert "One file, bad." in out

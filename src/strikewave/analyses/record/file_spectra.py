@@ -16,7 +16,9 @@ from strikewave.analyses.record.spectrum import (
     harm_of,
     response_of,
     rms_of,
+    spectrum_findings,
     spectrum_of,
+    status_of,
     uncertainty_of,
 )
 from strikewave.analyses.record.words import named
@@ -222,7 +224,7 @@ def _shock(
     """
     more, kinds, channel = wanted.options, wanted.kinds, reading.channel
     frequencies, scope = over
-    left_out = next((f.message for f in reading.findings if f.severity == "bad" or f.code in LEFT_OUT), "")
+    left_out = next((f.message for f in spectrum_findings(reading) if f.severity == "bad" or f.code in LEFT_OUT), "")
     response, rolling = None, None
     if more.response is not None and not (left_out and several):
         natural = _below(more.response, "--response", channel.sampling_rate)
@@ -238,7 +240,7 @@ def _shock(
     return ShockSpectra(
         file,
         channel.name,
-        reading.status,
+        status_of(reading),
         reading.baseline,
         [_lowest(one, len(frequencies)) for one in spectra],
         {kind: rms_of(reading, kind, frequencies, wanted.q, more.initial) for kind in kinds if more.rms},

@@ -15,6 +15,7 @@ from numpy.typing import ArrayLike, NDArray
 from strikewave.analyses.record.rolling_window import Rolling
 from strikewave.records import ChannelReading
 from strikewave.records.budget.spectra import SpectrumUncertainty, spectrum_uncertainty
+from strikewave.records.health_notice import HealthNotice, worst
 from strikewave.reporting import measured_files as measured
 from strikewave.reporting.columns import HISTORY_DIGITS, Column, csv_table
 from strikewave.reporting.numbers import axis_unit, with_unit
@@ -125,10 +126,20 @@ class ShockSpectra(NamedTuple):
         return f"{Path(self.file).name}, {self.channel}"
 
 
+def spectrum_findings(reading: ChannelReading) -> list[HealthNotice]:
+    """Return what was found on a record, without that it swings rather than being struck: so does a pyroshock."""
+    return [one for one in reading.findings if one.code != "no-pulse" or "spectrum" in one.harms]
+
+
+def status_of(reading: ChannelReading) -> str:
+    """Return how good a record is for a spectrum."""
+    return worst(spectrum_findings(reading))
+
+
 def harm_of(reading: ChannelReading) -> str:
     """Return why a spectrum is not to be judged; that no one-sided blow stands out is how a pyroshock is."""
-    for one in reading.findings:
-        if (one.severity == "bad" and one.code != "no-pulse") or one.code in LEFT_OUT or "spectrum" in one.harms:
+    for one in spectrum_findings(reading):
+        if one.severity == "bad" or one.code in LEFT_OUT or "spectrum" in one.harms:
             return one.message
     return ""
 
@@ -218,7 +229,7 @@ class SpectrumResult(measured.AskedResult):
     def _all(self) -> Sequence[ShockSpectra]:
         """All channels; one alone, too."""
         reading = self.reading
-        of = (self.file, reading.channel.name, reading.status, reading.baseline, self.spectra, self.rms, "")
+        of = (self.file, reading.channel.name, status_of(reading), reading.baseline, self.spectra, self.rms, "")
         return self.shocks or (ShockSpectra(*of, self.response, self.rolling, uncertainties=self.uncertainties),)
 
     def expanded(self, place: int) -> Array | None:
@@ -267,7 +278,7 @@ class SpectrumResult(measured.AskedResult):
         return {
             "file": self.file,
             "channel": reading.channel.name,
-            "status": reading.status,
+            "status": status_of(reading),
             "calibration": reading.calibration.stated(),
             "zero_line": reading.baseline,
             "q": first.q if math.isfinite(first.q) else "inf",

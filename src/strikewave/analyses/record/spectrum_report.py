@@ -10,12 +10,12 @@ import numpy as np
 from strikewave.analyses.record.figures import records
 from strikewave.analyses.record.figures.many_spectra import MOST_NAMES, response_figure, rolling_figure, several_figure
 from strikewave.analyses.record.figures.spectra import srs_figure, tripartite
-from strikewave.analyses.record.spectrum import KIND_UNITS, SHOWN_UNITS, SpectrumResult
+from strikewave.analyses.record.spectrum import KIND_UNITS, SHOWN_UNITS, SpectrumResult, spectrum_findings, status_of
 from strikewave.analyses.record.tables import squeezed, status_tag
 from strikewave.analyses.record.verdicts.judged_spectra import spectra_section, spectra_sentence
 from strikewave.analyses.record.words import named
 from strikewave.reporting import chapters
-from strikewave.reporting.clause_words import held_words, tag_of
+from strikewave.reporting.clause_words import held_words, verdict_tag
 from strikewave.reporting.numbers import headed, one_in, percent, shown, spelled, with_unit
 from strikewave.reporting.parts import NONE, Cell, Part, Picture, Section, Table, Tag, written
 from strikewave.signal.envelopes import FEWEST
@@ -56,8 +56,9 @@ def spectrum_report(result: SpectrumResult) -> str:
         chapters.warnings(result.notices),
         _calibration_section(result),
     ]
-    status = result.reading.status
-    tag = status_tag(status, f"record {status}") if result.verdict is None else tag_of(result.verdict.verdict)
+    status = status_of(result.reading)
+    found = result.verdict
+    tag = status_tag(status, f"record {status}") if found is None else verdict_tag(found.verdict, found.by_indicative)
     summary = chapters.Summary("Report of a shock response spectrum", spectrum_words(result), _key_numbers(result), tag)
     return chapters.result_page(result, summary, sections)
 
@@ -115,7 +116,8 @@ def _report_of_several(result: SpectrumResult) -> str:
     ]
     pairs = [("spectra", str(len(result.shocks))), *result.highlights()]
     tag = Tag(f"{count} of {len(result.shocks)} used", "good" if count == len(result.shocks) else "warned")
-    tag = tag if result.verdict is None else tag_of(result.verdict.verdict)
+    found = result.verdict
+    tag = tag if found is None else verdict_tag(found.verdict, found.by_indicative)
     summary = chapters.Summary("Report of shock response spectra", spectrum_words(result), pairs, tag)
     return chapters.result_page(result, summary, sections)
 
@@ -165,7 +167,10 @@ def spectrum_words(result: SpectrumResult) -> str:
         f"{_hertz(one.frequency[k])}."
         for one, k in ((one, _largest(one, result.side)) for one in result.spectra)
     ]
-    words.append(f"The record is {reading.status}.")
+    status = status_of(reading)
+    bad = [one.message for one in spectrum_findings(reading) if one.severity == status != "good"]
+    why = f": {bad[0]}" if bad else ""
+    words.append(f"The record is {status}{why}.")
     return judged + " ".join(words)
 
 
@@ -222,7 +227,7 @@ def _record_section(result: SpectrumResult) -> Section:
     if not records.drawable(reading):
         return Section("Record", "The record holds nothing that could be drawn.")
     count = len(reading.pulses)
-    caption = f"The record: {count} blow{'' if count == 1 else 's'}, {reading.status}."
+    caption = f"The record: {count} blow{'' if count == 1 else 's'}, {status_of(reading)}."
     return Section("Record", "", [Picture(records.history(reading), caption)])
 
 

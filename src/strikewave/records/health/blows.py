@@ -27,9 +27,11 @@ def no_pulse(record: Examined) -> list[HealthNotice]:
     reach = float(np.ptp(record.values))
     if reach > SPANS_NOISE * record.noise:
         message = f"the record spans {record.text(reach)}, but no one-sided blow stands out: it drifts, or swings"
+        harms: tuple[str, ...] = (*BLOW, "interval")  # its spectrum is sound: so is that of a pyroshock
     else:
         message = "no blow stands out of the noise"
-    return [HealthNotice("no-pulse", message, 0.0, severity="bad", harms=(*BLOW, "interval"))]
+        harms = (*BLOW, "interval", "spectrum")
+    return [HealthNotice("no-pulse", message, 0.0, severity="bad", harms=harms)]
 
 
 def polarity(record: Examined) -> list[HealthNotice]:

@@ -100,6 +100,8 @@ def clipped(record: Examined) -> list[HealthNotice]:
         if not at.size:
             continue
         level = float(record.values[at[0]])
+        if level == 0.0 and 0.0 in (record.values[0], record.values[-1]):
+            continue  # zeros before or after a blow, as a simulation or an edited record has them
         struck = [p for p in record.pulses if np.any((at >= record.place(p.begin)) & (at <= record.place(p.end)))]
         where = f"in {len(struck)} of {len(record.pulses)} blows" if struck else "outside the blows"
         message = (
