@@ -3,12 +3,10 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
-
-Array = NDArray[np.float64]
+from numpy.typing import ArrayLike
 
 
-def zero_before(time: Array, values: Array, touch: float = 0.0) -> float:
+def zero_before(time: ArrayLike, values: ArrayLike, touch: float = 0.0) -> float:
     """Return the last value not after a first touch: zero of a sensor whose baseline is taken before the blow.
 
     A table in its fall has the acceleration of gravity, and a fed object that of its carriage; a recorder takes that as
@@ -16,7 +14,7 @@ def zero_before(time: Array, values: Array, touch: float = 0.0) -> float:
 
     Parameters
     ----------
-    time, values : ndarray
+    time, values : array_like
         Rising times, s, and an acceleration.
     touch : float, optional
         Time of the first touch, s.
@@ -26,5 +24,6 @@ def zero_before(time: Array, values: Array, touch: float = 0.0) -> float:
     >>> zero_before(np.array([-1e-5, 0.0, 1e-5]), np.array([-9.8, -9.8, 40.0]))
     -9.8
     """
-    place = int(np.searchsorted(time, touch, side="right")) - 1
-    return float(values[place]) if place >= 0 and np.isfinite(values[place]) else 0.0
+    place = int(np.searchsorted(np.asarray(time, dtype=float), touch, side="right")) - 1
+    last = float(np.asarray(values, dtype=float)[place]) if place >= 0 else 0.0
+    return last if np.isfinite(last) else 0.0
