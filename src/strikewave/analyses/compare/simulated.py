@@ -8,6 +8,7 @@ from __future__ import annotations
 import functools
 import re
 from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -21,6 +22,7 @@ from strikewave.base.variables import LabelledArrays, open_result
 from strikewave.cases.case import load_case
 from strikewave.reporting.terminal import say
 from strikewave.signal.alignment import EvenHistory
+from strikewave.signal.zero import zero_before
 
 Array = NDArray[np.float64]
 
@@ -28,6 +30,8 @@ _READING = re.compile(r"(?:what sensor|reading of the sensor) (.*?)(?: reads)?",
 HELD = 0.5
 """Share of the window of a blow that its pulse may last: of a longer one the window does not hold what follows."""
 _AXIS = re.compile(r"\.[xyz]$")
+_OF_PULSE = {"peak": "peak", "width": "width", "velocity_change": "area"}
+"""What `Pulse` calls the figures of bands."""
 MOST_NAMED = 12
 """Parts that a line names."""
 _FEM = {"mean_acceleration": "acceleration", "mean_force": "force"}
@@ -51,6 +55,8 @@ class SimulatedPart(NamedTuple):
         Its number; 0 where it is not of one blow.
     band : mapping of str to Band
         Of its peak, width and velocity change.
+    zero : float
+        What a sensor there reads as zero: its baseline is taken before the first blow.
     """
 
     part: str
@@ -60,6 +66,7 @@ class SimulatedPart(NamedTuple):
     values: Array
     blow: int = 0
     band: Mapping[str, Band] = {}
+    zero: float = 0.0
 
 
 def simulated_curve(option: str, place: str, part: str, blow: int, unit: str, band: bool) -> ComparedCurve:
@@ -132,8 +139,21 @@ def _curve(
     chosen = _chosen(option, name, parts, part, blow, unit)
     words = f"{name}:{chosen.part}" + (f".{chosen.quantity}" if chosen.quantity != "acceleration" else "")
     words += f"@{chosen.blow}" if chosen.blow and len({one.blow for one in parts}) > 1 else ""
-    history = _from_rest(even_history(chosen.time, chosen.values))
-    return ComparedCurve(words, "simulation", history, chosen.unit, band=chosen.band, notices=tuple(notices))
+    history = even_history(chosen.time, chosen.values - chosen.zero)
+    curve = ComparedCurve(words, "simulation", _from_rest(history), chosen.unit, notices=tuple(notices))
+    return replace(curve, band=_of_sensor(chosen, curve) if chosen.zero else chosen.band)
+
+
+def _of_sensor(part: SimulatedPart, curve: ComparedCurve) -> Mapping[str, Band]:
+    """Return bands moved by as much as the zero of a sensor moves each figure."""
+    if not part.band:
+        return part.band
+    pulse = curve.pulse
+    whole = replace(curve, history=even_history(part.time, part.values)).pulse
+    moved = {key: getattr(pulse, name) - getattr(whole, name) for key, name in _OF_PULSE.items()}
+    return {
+        key: replace(band, low=band.low + moved[key], high=band.high + moved[key]) for key, band in part.band.items()
+    }
 
 
 def _from_rest(history: EvenHistory) -> EvenHistory:
@@ -235,6 +255,11 @@ def _machine_parts(arrays: LabelledArrays, bands: Mapping[str, Band]) -> Iterato
     time, numbers = arrays["pulse_time"].values, [int(one) for one in arrays["blow"].values]
     names = {"peak": "rigid_peak", "width": "width", "velocity_change": "velocity_change"}
     first = True
+    zeros: dict[str, float] = {}  # one of each part for all blows, as `strikewave record` takes one baseline
+
+    def sensed(part: SimulatedPart) -> SimulatedPart:
+        return part._replace(zero=zeros.setdefault(part.part, zero_before(part.time, part.values)))
+
     for row, blow in enumerate(numbers):
         if not np.any(np.isfinite(arrays["pulse_acceleration"].values[row])):
             continue
@@ -244,18 +269,20 @@ def _machine_parts(arrays: LabelledArrays, bands: Mapping[str, Band]) -> Iterato
             if not arrays["blow_width"].values[row] < HELD * time[-1]:  # the window does not hold the pulse
                 clock, values = _of_train(arrays, row, quantity)
             known = of if quantity == "acceleration" else {}
-            yield SimulatedPart("rigid", quantity, unit, *_span(clock, values), blow, known)
+            part = SimulatedPart("rigid", quantity, unit, *_span(clock, values), blow, known)
+            yield sensed(part) if quantity == "acceleration" else part
         for variable, sensor in _sensors(arrays):
             values, begin = variable.values[row], float(arrays[f"{sensor.key}_start"].values[row])
             clock = begin + float(variable.attrs["step"]) * np.arange(values.size)
             peak = _peak_band(bands if first else {}, f"sensor.{sensor.name}.peak")
             if np.any(np.isfinite(values)):
-                yield SimulatedPart(sensor.name, "acceleration", "m/s^2", *_span(clock, values), blow, peak)
+                yield sensed(SimulatedPart(sensor.name, "acceleration", "m/s^2", *_span(clock, values), blow, peak))
         for k, tap in enumerate(arrays["tap"].values if "tap" in arrays else ()):
             for quantity, unit in (("acceleration", "m/s^2"), ("force", "N"), ("velocity", "m/s")):
                 values = arrays[f"tap_{'speed' if quantity == 'velocity' else quantity}"].values[row, k]
                 if np.any(np.isfinite(values)):
-                    yield SimulatedPart(str(tap), quantity, unit, *_span(time, values), blow)
+                    part = SimulatedPart(str(tap), quantity, unit, *_span(time, values), blow)
+                    yield sensed(part) if quantity == "acceleration" else part
         first = False
 
 

@@ -58,10 +58,7 @@ def noisy(record: Examined) -> list[HealthNotice]:
 
 def uncertain(record: Examined) -> list[HealthNotice]:
     """Find noise of any colour, or hum, that moves the figures of a blow, from what it does before the blow."""
-    worst: dict[str, float] = {}
-    for pulse in record.pulses:
-        for name, effect in _effects(record, pulse).items():
-            worst[name] = max(worst.get(name, 0.0), effect)
+    worst = _worst_effects(record)
     hum = mains_hum(record)
     peak = min((abs(pulse.peak) for pulse in record.pulses), default=math.nan)
     if hum is not None and not hum[1] <= NOTED_HUM * peak:
@@ -89,6 +86,20 @@ def short_before(record: Examined) -> list[HealthNotice]:
         "figures cannot be known"
     )
     return [HealthNotice("short-pretrigger", message, pulse.baseline.widths, severity="good", end=pulse.begin)]
+
+
+def _worst_effects(record: Examined) -> dict[str, float]:
+    """Return by how much of itself noise may falsify each figure of the smallest blow.
+
+    The noise of a record is one, but what each blow tells of it scatters, and the largest of many is not their worst
+    but their luck: the median over the blows counts, each times its peak, as noise matters less to a larger blow.
+    """
+    over_peaks: dict[str, list[float]] = {}
+    for pulse in record.pulses:
+        for name, effect in _effects(record, pulse).items():
+            over_peaks.setdefault(name, []).append(effect * abs(pulse.peak))
+    smallest = min((abs(pulse.peak) for pulse in record.pulses if pulse.peak), default=math.nan)
+    return {name: float(np.median(each)) / smallest for name, each in over_peaks.items()}
 
 
 def _effects(record: Examined, pulse: RecordedPulse) -> dict[str, float]:

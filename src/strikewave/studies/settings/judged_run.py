@@ -8,6 +8,7 @@ import numpy as np
 
 from strikewave.machines import MachineRun
 from strikewave.signal.pulse import crossing, refine_peak
+from strikewave.signal.zero import zero_before
 from strikewave.specifications.judging import PulseLimits, Shock
 
 SAMPLES = 2000
@@ -43,7 +44,7 @@ def shock_about(run: MachineRun, touch: float, limits: PulseLimits, falls: bool 
     begin = float(run.spans[0].begin)
     values = run.sample(np.clip(touch + since, begin, run.end)).rigid_acceleration
     if falls:
-        values = np.where(since < 0.0, 0.0, values - float(run.sample(np.array([begin])).rigid_acceleration[0]))
+        values = np.where(since < 0.0, 0.0, values - zero_before(since, values))
     inside = (since >= 0.0) & (since <= 2.0 * duration)
     place = int(np.argmax(np.where(inside, values, -math.inf)))
     return Shock(np.asarray(values, dtype=np.float64), step, float(since[0]), place)

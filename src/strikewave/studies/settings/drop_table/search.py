@@ -303,9 +303,6 @@ class DropDesign:
     def read(self, case: Case) -> DropReading | None:
         """Run a case and return what a sensor on its table reads; None where the table is not struck.
 
-        At the tolerance of the case: where it is looser, a stiff frame may ring by itself in the long flight after a
-        long blow.
-
         Raises
         ------
         InputError, InputErrors, IntegrationError, ValueError
