@@ -75,7 +75,7 @@ class Specification:
 
     @property
     def title(self) -> str:
-        """Title, with that of the condition; of a file of one's own it says so, and what it was made from."""
+        """Title, with that of the condition; of a file of one's own with its name and what it was made from."""
         title = _title_of_own(self.path, self.file) if self.path else self.file.title
         if self.condition is None:
             return title

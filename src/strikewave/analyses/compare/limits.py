@@ -165,8 +165,7 @@ def verdict_of(judged: Sequence[Judged]) -> str | None:
 def limit_notices(judged: Sequence[Judged], expanded: Mapping[str, float]) -> tuple[Notice, ...]:
     """Return a failed check for each limit that is not kept, or that nothing can be said of.
 
-    Of one that is kept by less than the expanded uncertainty, known for some metrics, that is said: a value alone
-    decides.
+    A limit that is kept by less than the expanded uncertainty, known for some metrics, is reported: a value decides.
     """
     notices = []
     for one in judged:
