@@ -108,3 +108,14 @@ def test_velocity_change_over_a_longer_window_is_as_uncertain_as_noise_makes_it(
     error, stated = np.array(missed).T
     assert np.count_nonzero(np.abs(error) <= 2.0 * stated) >= 52  # of 95 %: once in a hundred fewer
     assert np.sqrt(np.mean(stated**2)) == pytest.approx(np.std(error), rel=0.3)  # 9 % by 60 draws
+
+
+@pytest.mark.parametrize("shape", ["half-sine", "haversine"])
+@pytest.mark.parametrize("samples", [40, 200])
+def test_what_lies_beyond_the_feet_is_in_the_uncertainty_of_the_velocity_change(shape, samples):
+    """Where noise is next to none, the area that a foot at 2 % of the peak cuts off is all that is wrong, and is said."""
+    whole = {"half-sine": 2.0 / math.pi, "haversine": 0.5}[shape] * DURATION
+    for k in range(5):
+        values, step = drawn(shape, samples, 1e-5, 920_000 + k)
+        [pulse] = find_pulses(values, step)
+        assert abs(pulse.velocity_change - whole) < 2.0 * pulse.uncertainty.velocity_change < 0.004 * whole

@@ -389,18 +389,27 @@ def _measure(values: Array, stretch: BlowWindow) -> RecordedPulse | None:
         area = float(np.trapezoid(np.interp(grid, np.arange(raw.size), raw), grid)) * step
         feet = stretch.time(begin + first), stretch.time(begin + last)
     figures = (stretch.time(begin + read.place), sign * read.peak, read.rise * step, read.width * step, sign * area)
-    doubt = _of_record(fitted, feet[1] - feet[0], stretch, read)
+    doubt = _of_record(fitted, feet, stretch, read)
     return RecordedPulse(*figures, *common, "record", *feet, stretch.baseline, doubt, step=step)
 
 
-def _of_record(fitted: SmoothPulse, length: float, stretch: BlowWindow, read: ReadPulse) -> PulseUncertainty:
-    """Return the uncertainty of figures read off the record: the baseline moves under them, and noise beside it."""
+def _of_record(
+    fitted: SmoothPulse, feet: tuple[float, float], stretch: BlowWindow, read: ReadPulse
+) -> PulseUncertainty:
+    """Return the uncertainty of figures read off the record: the baseline moves under them, and noise beside it.
+
+    What the pulse has beyond its feet is not in the velocity change, 0.02 % of it of a half-sine and 0.12 % of a
+    haversine; where samples are few, each foot is known to a sample.
+    """
     baseline, step = stretch.baseline, stretch.step
     shifted = fitted.width_slope() * baseline.wander / fitted.peak
     return PulseUncertainty(
         math.hypot(baseline.wander, read.peak_scatter),
         math.hypot(shifted, read.width_scatter * step),
-        baseline.area_wander(length / step) * step,
+        math.hypot(
+            baseline.area_wander((feet[1] - feet[0]) / step) * step,
+            max(fitted.area_beyond(*feet), FOOT * fitted.peak * step),
+        ),
     )
 
 

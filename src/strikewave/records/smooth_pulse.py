@@ -35,6 +35,8 @@ FILTERED, BESIDE_FILTERED = 400, 3.0
 """Samples of a pulse that a filter is tried on, and times one over the cutoff to either side of it."""
 DERIVATIVE = 1e-4
 """Share of a parameter by which it is changed for a derivative: squared, it is far below an uncertainty."""
+TOE_POINTS = 33
+"""Points at which a toe is integrated: straight lines between them keep 0.1 % of it."""
 
 
 class PulseUncertainty(NamedTuple):
@@ -112,6 +114,18 @@ class SmoothPulse(NamedTuple):
         return (
             self.peak * self.length * math.exp(math.lgamma(half + 0.5) - math.lgamma(half + 1.0)) / math.sqrt(math.pi)
         )
+
+    def area_beyond(self, begin: float, end: float) -> float:
+        """Return the integral of the magnitude before one time and after another, s times its unit.
+
+        Examples
+        --------
+        >>> round(SmoothPulse(1.0, 0.0, 1.0, 0.5, 2.0).area_beyond(0.25, 1.0), 4)  # 1/8 - 1/(4 pi)
+        0.0454
+        """
+        toes = (self.begin, min(begin, self.begin + self.length)), (max(end, self.begin), self.begin + self.length)
+        times = [np.linspace(first, max(first, last), TOE_POINTS) for first, last in toes]
+        return sum(float(np.trapezoid(np.abs(self.at(time)), time)) for time in times)
 
     def width_slope(self, share: float = 0.1, by: float = 0.02) -> float:
         """Return by how much the width falls where the share rises, s: what an error of the baseline does to it.

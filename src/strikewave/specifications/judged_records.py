@@ -387,7 +387,10 @@ def shock_of(
         math.nan if filter_ is None else filter_.half_power(channel.step),
         troubles or {},
         beside,
-        _noise_before(beside, time < pulse.begin - LEFT_BEFORE * (pulse.end - pulse.begin)),
+        math.hypot(
+            _noise_before(beside, time < pulse.begin - LEFT_BEFORE * (pulse.end - pulse.begin)),
+            0.0 if known is None else known.amount,
+        ),
         share,
         1.0 if filter_ is None else before_filter(reading, pulse).through(filter_).width,
     )

@@ -118,7 +118,8 @@ class Shock:
     cross_axis : mapping of str to ndarray
         Accelerations of cross-axis channels at the same times, by name.
     cross_axis_noise : float
-        Standard deviation of the noisiest of them before the shock; NaN where it is not known.
+        Standard uncertainty of them, whatever they read: the noise of the noisiest before the shock, and amounts of a
+        budget; NaN where it is not known.
     uncertainty : float
         Expanded uncertainty, k = 2, of the acceleration as a share of it: of figures whose own is not whole.
     filter_width : float

@@ -110,6 +110,22 @@ def test_cross_axis_channels_are_judged_and_are_no_shocks(judged):
     assert (cross["verdict"], cross["value"]) == ("fail", pytest.approx(0.4 * 50 * GRAVITY, rel=0.02))
 
 
+def test_an_amount_of_a_budget_is_as_uncertain_across_as_along(judged):
+    """A zero known to 10 g: 8 g of cross-axis motion under a limit of 15 g cannot be told to pass, 3 g can."""
+    Path("zero.toml").write_text(
+        'schema = 1\ntitle = "zero"\nstatus = "normative"\nsource = "certificate"\n'
+        '[[contribution]]\nname = "zero"\nkind = "offset"\nvalue = "10 g"\ndistribution = "rectangular"\n'
+    )
+    verdicts = []
+    for across in (0.06, 0.16):
+        write_shot("two.csv", across=across)
+        words = (*IEC, "--cross-axis", "y", "--decision", "guarded", "--uncertainty", "zero.toml")
+        cross = clauses_of(judged("record", "two.csv", *words)[1])["cross-axis"]
+        assert cross["uncertainty"] > 2.0 * 10.0 * GRAVITY / 3.0**0.5
+        verdicts.append(cross["verdict"])
+    assert verdicts == ["pass", "cannot-tell"]
+
+
 def test_shocks_are_counted_by_direction_from_options_or_the_test(judged):
     for k in range(3):
         write_shot(f"up{k}.csv")

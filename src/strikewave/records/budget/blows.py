@@ -123,11 +123,14 @@ class BlowUncertainty:
         Trials of Monte Carlo, where it was done for this blow; else 0.
     validated : mapping of str to bool
         Whether Monte Carlo validates the law of propagation, by figure; empty where it was not done.
+    amount : float
+        Standard uncertainty of any acceleration by amounts that are added to it, in the unit of the record.
     """
 
     figures: Mapping[str, FigureUncertainty]
     trials: int = 0
     validated: Mapping[str, bool] = field(default_factory=dict)
+    amount: float = 0.0
 
     def alike(self, checked: BlowUncertainty) -> BlowUncertainty:
         """Return it as Monte Carlo has it, where that did not validate the law of propagation for a blow like this one.
@@ -147,7 +150,7 @@ class BlowUncertainty:
                     method=BY_TRIALS,
                 )
             figures[name] = one
-        return BlowUncertainty(figures)
+        return replace(self, figures=figures)
 
 
 class ReadOff(NamedTuple):
@@ -326,7 +329,7 @@ def blow_uncertainty(
     model, quantities = _model(measured, inputs.contributions), inputs.quantities
     propagated = law_of_propagation(model, quantities)
     simulated = monte_carlo(model, quantities, seed) if trials else None
-    return _summed(measured, inputs, propagated, simulated)
+    return replace(_summed(measured, inputs, propagated, simulated), amount=budget.amount)
 
 
 def _summed(

@@ -130,6 +130,18 @@ class Budget(NamedTuple):
     file: str = ""
 
     @property
+    def amount(self) -> float:
+        """Standard uncertainty of an acceleration by what is added to it in amounts, not in shares, whatever its size.
+
+        Examples
+        --------
+        >>> Budget((Contribution("offset", "zero", 3.0, relative=False), Contribution("noise", "n", 0.02))).amount
+        3.0
+        """
+        amounts = [one.input.standard for one in self.contributions if one.kind in ADDED and not one.relative]
+        return math.hypot(*amounts)
+
+    @property
     def not_stated(self) -> tuple[str, ...]:
         """What a budget holds as a rule, and this one does not.
 
