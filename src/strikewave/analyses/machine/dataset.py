@@ -59,9 +59,11 @@ def build_dataset(case: Case, seen: Observed) -> LabelledArrays:
             force[row, window], acceleration[row, window] = (v[: pulse_time.size - first] for v in (f, a))
     recorder, begun = case.impact().recorder, case.time_zero
     record_time = recorder.begin + np.arange(int(recorder.memory.si)) / recorder.sampling_rate.si
-    inside = (record_time >= 0.0) & (record_time <= run.end)
-    record = np.zeros(record_time.size)
-    record[inside] = run.sample(record_time[inside]).rigid_acceleration
+    inside = (record_time >= (-np.inf if case.launched() else 0.0)) & (record_time <= run.end)
+    record = np.zeros(
+        record_time.size
+    )  # a launched machine is in flight before, at the acceleration that it begins with
+    record[inside] = run.sample(np.maximum(record_time[inside], 0.0)).rigid_acceleration
     variables = {
         "contact_force": quantity("time", train.contact_force, "N", "contact force"),
         "rigid_acceleration": quantity("time", train.rigid_acceleration, "m/s^2", "rigid-body acceleration"),

@@ -72,6 +72,11 @@ class Programmer:
         return self.name != LINEAR
 
     @property
+    def assumed(self) -> bool:
+        """Whether its law is assumed altogether: a pad that is tried by default without a material."""
+        return self.own and self.is_pad and self.name not in cushion_materials()
+
+    @property
     def law(self) -> str:
         """Its law."""
         if not self.is_pad:

@@ -80,14 +80,19 @@ class DropCommand(Command[DropStudy]):
         met = sum(one.meets for one in result.candidates)
         print_rows(f"{met} of {len(result.candidates)} designs give {goal_words(result.goal)}", DROP_COLUMNS, rows)
         tell("peak, width: as a sensor reads them whose zero is taken in the fall; margin: least of all clauses")
+        reasons: dict[str, list[str]] = {}
+        for row in rows:
+            if not row.one.meets:
+                reasons.setdefault(row.one.obstacles, []).append(f"#{row.place}")
+        for obstacles, places in list(reasons.items())[:MOST_REASONS]:
+            tell(f"{', '.join(places)}: {obstacles}")
+        for name in dict.fromkeys(row.one.programmer.name for row in rows if row.one.programmer.assumed):
+            tell(f"{name}: its law is assumed, nobody measured it")
         print_clauses("Clauses of the first", first.verdict.clauses)
         print_rows("Limits of the first", LIMIT_COLUMNS, first.limits)
         values = first.case.values()
         inputs = [[path, str(value.typed), value.provenance] for path, value in values.items() if path in _INPUTS]
         table("Its inputs", [*keys("field"), *numerals("value"), *texts("provenance")], inputs)
-        lacking = [one for one in leading if not one.meets and one is not first]
-        for one in lacking[:MOST_REASONS]:
-            tell(f"{one.programmer.name}: {one.obstacles}")
         for why in result.failed[:MOST_REASONS]:
             tell(f"no result, {why}")
 

@@ -37,7 +37,7 @@ from strikewave.studies.settings.drop_table.programmers import (
     power_estimate,
     thickness_for,
 )
-from strikewave.studies.settings.judged_run import followed, peak_and_width, shock_about
+from strikewave.studies.settings.judged_run import ROOM, beside, followed, peak_and_width, shock_about
 from strikewave.studies.settings.search import chosen, reason_of
 
 Array = NDArray[np.float64]
@@ -247,6 +247,14 @@ class DropDesign:
             document["machine"]["follow"] = needed.document()
         step = chosen("solver.output_step", self.goal.pulse.duration / OUTPUT_STEPS, self.note)
         document["solver"]["output_step"] = step.document()
+        before = (beside(self.goal.limits)[0] + ROOM) * self.goal.pulse.duration
+        follow = max(self.base.values()["machine.follow"].si, needed.si)
+        recorder = self.base.impact().recorder
+        if recorder.pre_trigger.si < before:
+            document["recorder"]["pre_trigger"] = chosen("recorder.pre_trigger", before, self.note).document()
+        samples = math.floor((before + follow) * recorder.sampling_rate.si)
+        if recorder.memory.si < samples:
+            document["recorder"]["memory"] = chosen("recorder.memory", samples, self.note).document()
         document["machine"].pop("until", None)
         if self.table_mass is not None:
             document["object"]["mass"] = chosen("object.mass", self.table_mass, self.note).document()
@@ -373,15 +381,27 @@ def limits_of(case: Case, design: DropDesign, reading: DropReading) -> tuple[Lim
     return tuple(limits)
 
 
-def drop_rank(candidate: DropCandidate) -> tuple[bool, float, float, float]:
+def drop_rank(candidate: DropCandidate) -> tuple[bool, bool, float, float, float]:
     """Return what candidates are ordered by.
 
-    First those that meet the goal, by the least margin of their clauses, the largest first, and by the departure from
-    the ideal pulse, both in steps of 1 %, then by height; then the others by how far they are: a limit that is not kept
-    by its factor.
+    First those that meet the goal, an assumed law behind those with a source, by the least margin of their clauses, the
+    largest first, and by the departure from the ideal pulse, both in steps of 1 %, then by height; then the others by
+    how far they are: a limit that is not kept by its factor.
     """
     if candidate.meets:
-        return False, -round(candidate.margin, 2), round(candidate.departure, 2), candidate.height
+        return (
+            False,
+            candidate.programmer.assumed,
+            -round(candidate.margin, 2),
+            round(candidate.departure, 2),
+            candidate.height,
+        )
     over = sum(limit.value / limit.limit - 1.0 for limit in candidate.broken)
     failed = sum(clause.verdict != PASS for clause in candidate.verdict.clauses)
-    return True, min(candidate.largest_miss, 1e6) + over + failed, candidate.departure, candidate.height
+    return (
+        True,
+        candidate.programmer.assumed,
+        min(candidate.largest_miss, 1e6) + over + failed,
+        candidate.departure,
+        candidate.height,
+    )

@@ -13,6 +13,7 @@ from typing import Any, ClassVar
 
 import numpy as np
 
+from strikewave.base.constants import STANDARD_GRAVITY
 from strikewave.base.errors import InputError, InputErrors
 from strikewave.base.result import Notice, Source
 from strikewave.cases.case import Case, dump_case
@@ -351,7 +352,7 @@ def design_drop_table(
     ranked = tuple(sorted((one for _, one in tried if isinstance(one, DropCandidate)), key=drop_rank))
     if not ranked:
         raise InputErrors(list(failed)[:MOST_REASONS])
-    return DropStudy(case, goal, choice, ranked, failed, notices=tuple(_notices(ranked[0])), citations=SOURCES)
+    return DropStudy(case, goal, choice, ranked, failed, notices=tuple(_notices(ranked)), citations=SOURCES)
 
 
 def _diameters(programmer: Programmer, case: Case, choice: DropChoices) -> Sequence[float | None]:
@@ -375,19 +376,24 @@ def _check_height(designs: Sequence[DropDesign], goal: DropGoal) -> None:
     least = min(heights)
     if least <= SURELY * goal.stroke:
         return
-    programmer, change = heights[least].programmer, goal.pulse.velocity_change
-    reached = change * np.sqrt(goal.stroke / least)
+    easiest, change, stroke = heights[least], goal.pulse.velocity_change, goal.stroke * 1e3
+    restitution = easiest.template.impact().contact.restitution.si
+    reached = (1.0 + restitution) * np.sqrt(2.0 * STANDARD_GRAVITY * (1.0 - easiest.friction) * goal.stroke)
     raise InputError(
-        "--spec",
-        f"{goal.specification.asked}, a velocity change of {change:.4g} m/s",
-        f"at most {reached:.4g} m/s, which a fall of {goal.stroke:.4g} m gives with {programmer.name}",
-        f"it needs a drop height of about {least:.4g} m: --stroke, a programmer that gives back more, a driven table",
+        "--stroke",
+        f"{stroke:.4g} mm",
+        f"about {least * 1e3:.4g} mm or more for {goal.specification.asked}, a velocity change of {change:.4g} m/s",
+        f"a fall of {stroke:.4g} mm gives at most {reached:.4g} m/s with {easiest.programmer.name}: a longer stroke, a "
+        "programmer that gives back more, or a driven table",
     )
 
 
-def _notices(first: DropCandidate) -> list[Notice]:
-    """Return the warnings on the first candidate."""
-    notices = []
+def _notices(ranked: Sequence[DropCandidate]) -> list[Notice]:
+    """Return the warnings on the first candidate, and on programmers of an assumed law."""
+    notices, first = [], ranked[0]
+    for name in dict.fromkeys(one.programmer.name for one in ranked if one.programmer.assumed):
+        message = f"the law of {name} is assumed, nobody measured it: it stands after those that have a source"
+        notices.append(Notice("assumed-law", message))
     if not first.meets:
         message = f"the nearest design misses the goal: {first.obstacles}"
         notices.append(Notice("not-met", message, first.largest_miss, WITHIN))
