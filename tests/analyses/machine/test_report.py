@@ -11,9 +11,9 @@ import numpy as np
 import pytest
 from matplotlib.figure import Figure
 
-from strikewave import run_wave
+from strikewave import load_case, run_case, run_wave
 from strikewave.analyses.machine.columns import shown_in
-from strikewave.analyses.machine.figures.pulses import chosen
+from strikewave.analyses.machine.figures.pulses import chosen, rigid_acceleration, whole_train
 from strikewave.analyses.machine.report import report
 from strikewave.analyses.machine.result import load_solution
 from strikewave.analyses.wave.report import wave_report
@@ -447,3 +447,23 @@ def test_a_stack_without_machine_has_a_report_too():
     assert steps[:4] == ["upper", "compliant joint", "lower", "free end"]
     assert "A layered bar under its load" in read.text
     assert "strikewave wave case.toml" in page
+
+
+def test_a_pulse_longer_than_the_window_of_a_blow_is_drawn_whole_and_marked_at_its_peak():
+    """11 ms on a spring of 1.655 kN/mm: the stored window ends at 1.5 ms, and the mark stood at first touch."""
+    spring = (
+        "contact.law=power",
+        "contact.exponent=1",
+        "contact.reference_force=1655 N",
+        "contact.reference_depth=1 mm",
+    )
+    solution = run_case(
+        load_case("jesd22-b111-b", [*spring, "machine.height=143.8 mm", "machine.follow=30 ms"]), band=False
+    )
+    time, values = rigid_acceleration(solution).axes[0].lines[0].get_data()
+    blow = solution.blows[0]
+    assert time[-1] == pytest.approx(2.2e6 * blow.width, rel=1e-3)
+    assert np.max(values) == pytest.approx(in_unit(blow.rigid_peak, "m/s^2", "g"), rel=1e-4)
+    # within a tenth of a width of its middle: a half-sine
+    mark = whole_train(solution).axes[0].lines[1].get_xdata()[0]
+    assert mark * 1e-3 == pytest.approx(blow.time + 0.5 * blow.width, abs=0.1 * blow.width)

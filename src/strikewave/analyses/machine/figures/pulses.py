@@ -10,6 +10,10 @@ from numpy.typing import NDArray
 from strikewave.analyses.machine.figures.summary import (
     KIND_COLOURS,
     MOST_LABELS,
+    SHOWN_WIDTHS,
+    blow_history,
+    few_ticks,
+    peak_time,
     published_marks,
     since_touch,
     time_words,
@@ -41,6 +45,7 @@ def contact_force(solution: Solution, row: int = 0) -> Figure:
     size, _ = axis_unit("N", "kN")
     axes.plot(time, force / size, color=BLUE, linewidth=1.4)
     quiet(axes, f"Contact force, blow {solution.blows[row].index}", since_touch(), headed("force", "N", "kN"))
+    few_ticks(axes)
     return figure
 
 
@@ -56,6 +61,7 @@ def rigid_acceleration(solution: Solution, row: int = 0) -> Figure:
         published_marks(solution, axes, time, acceleration)
     title = f"Rigid-body acceleration, blow {blow.index}"
     quiet(axes, title, since_touch(), headed("acceleration", "m/s^2", "g"))
+    few_ticks(axes)
     if len(axes.get_legend_handles_labels()[0]) > 1:
         axes.legend(frameon=False, fontsize=8, loc="upper right")
     return figure
@@ -102,11 +108,18 @@ def whole_train(solution: Solution) -> Figure:
         if blows:
             heights = [0.0 if kind == "missed" else blow.rigid_peak / size for blow in blows]
             shape = "o" if kind == "full" else "D" if kind == "double" else "s" if kind == "glancing" else "x"
-            axes.plot([blow.time / unit for blow in blows], heights, shape, color=colour, markersize=4, label=kind)
+            axes.plot(
+                [peak_time(solution, blow) / unit for blow in blows],
+                heights,
+                shape,
+                color=colour,
+                markersize=4,
+                label=kind,
+            )
     if len(solution.blows) <= MOST_LABELS:
         for blow in solution.blows:
             height = 0.0 if blow.kind == "missed" else blow.rigid_peak / size
-            place = (blow.time / unit, height)
+            place = (peak_time(solution, blow) / unit, height)
             axes.annotate(str(blow.index), place, xytext=(0, 5), textcoords="offset points", ha="center", fontsize=8)
     if kinds - {"full"}:
         put_legend(axes, *axes.get_legend_handles_labels())
@@ -141,9 +154,9 @@ def _sheet(size: tuple[float, float]) -> tuple[Figure, Any]:
 
 def _window(solution: Solution, row: int, name: str, width: float) -> tuple[Array, Array]:
     """Return time (as shown) and values (SI) of a blow, cut where a pulse of this width (s) is over."""
-    time, (unit, _) = solution.arrays["pulse_time"].values, axis_unit("s", "us")
-    values = solution.arrays[name].values[row]
-    shown = np.isfinite(values) & (time <= (2.2 * width if width > 0.0 else time[-1]))
+    unit, _ = axis_unit("s", "us")
+    time, values = blow_history(solution.arrays, row, name, width)
+    shown = np.isfinite(values) & (time <= (SHOWN_WIDTHS * width if width > 0.0 else time[-1]))
     return time[shown] / unit, values[shown]
 
 

@@ -6,16 +6,23 @@ import math
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from strikewave.analyses.machine.result import Solution
+from strikewave.base.variables import LabelledArrays
+from strikewave.machines import Blow
 from strikewave.reporting.numbers import axis_unit, headed
 from strikewave.reporting.style import BLUE, GREY, ORANGE, RED, quiet, sheet_title
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
+Array = NDArray[np.float64]
+
 KIND_COLOURS = {"full": BLUE, "glancing": ORANGE, "double": RED, "missed": GREY}
 MOST_LABELS = 16
+SHOWN_WIDTHS = 2.2
+"""Widths of its pulse that are shown of a blow."""
 
 
 def summary(solution: Solution) -> Figure:
@@ -48,12 +55,11 @@ def summary(solution: Solution) -> Figure:
 def _first_blow(solution: Solution, row: int, force_axes: Any, acceleration_axes: Any) -> None:
     data, blow = solution.arrays, solution.blows[row]
     unit, newtons, size = axis_unit("s", "us")[0], axis_unit("N", "kN")[0], axis_unit("m/s^2", "g")[0]
-    time = data["pulse_time"].values / unit
-    force = data["pulse_force"].values[row] / newtons
-    acceleration = data["pulse_acceleration"].values[row] / size
-    last = 2.2 * blow.width / unit if blow.width > 0.0 else time[-1]
-    shown = time <= last
-    force_axes.plot(time[shown], force[shown], color=BLUE, linewidth=1.4)
+    time, force = blow_history(data, row, "pulse_force", blow.width)
+    acceleration = blow_history(data, row, "pulse_acceleration", blow.width)[1] / size
+    shown = time <= (SHOWN_WIDTHS * blow.width if blow.width > 0.0 else time[-1])
+    time = time / unit
+    force_axes.plot(time[shown], force[shown] / newtons, color=BLUE, linewidth=1.4)
     quiet(force_axes, f"Contact force, blow {blow.index}", since_touch(), headed("force", "N", "kN"))
     acceleration_axes.plot(time[shown], acceleration[shown], color=BLUE, linewidth=1.4, label="computed")
     quiet(
@@ -62,10 +68,38 @@ def _first_blow(solution: Solution, row: int, force_axes: Any, acceleration_axes
         since_touch(),
         headed("acceleration", "m/s^2", "g"),
     )
+    for axes in (force_axes, acceleration_axes):
+        few_ticks(axes)
     if not solution.case.changed_fields():
         published_marks(solution, acceleration_axes, time[shown], acceleration[shown])
     if len(acceleration_axes.get_legend_handles_labels()[0]) > 1:
         acceleration_axes.legend(frameon=False, fontsize=8, loc="upper right")
+
+
+def few_ticks(axes: Any) -> None:
+    """Give a half sheet fewer times where they have five digits, so that they do not run into one another."""
+    if axes.dataLim.x1 >= 1e4:
+        axes.locator_params(axis="x", nbins=5)
+
+
+def blow_history(data: LabelledArrays, row: int, name: str, width: float) -> tuple[Array, Array]:
+    """Return times after first touch, s, and values of a blow: of the whole run where its window ends in the pulse."""
+    time, values = data["pulse_time"].values, data[name].values[row]
+    whole = {"pulse_force": "contact_force", "pulse_acceleration": "rigid_acceleration"}[name]
+    if not width > time[-1] / SHOWN_WIDTHS or not {"time", whole, "blow_time"} <= set(data.variables):
+        return time, values
+    touches = data["blow_time"].values
+    before = max(touches[row] + time[0], touches[row - 1] if row else -math.inf)
+    end = min(touches[row] + SHOWN_WIDTHS * width, touches[row + 1] if row + 1 < touches.size else math.inf)
+    kept = (data["time"].values >= before) & (data["time"].values <= end)
+    return data["time"].values[kept] - touches[row], data[whole].values[kept]
+
+
+def peak_time(solution: Solution, blow: Blow) -> float:
+    """Return when the acceleration of a blow is largest, s after time zero; its first touch where none is."""
+    time, values = solution.arrays["time"].values, solution.arrays["rigid_acceleration"].values
+    begin, end = np.searchsorted(time, (blow.time, blow.time + (blow.width if blow.width > 0.0 else 0.0)))
+    return float(time[begin + np.argmax(values[begin:end])]) if end > begin else blow.time
 
 
 def published_marks(solution: Solution, axes: Any, time: Any, acceleration: Any) -> None:
@@ -76,7 +110,7 @@ def published_marks(solution: Solution, axes: Any, time: Any, acceleration: Any)
     (unit, _), (size, _) = axis_unit("s", "us"), axis_unit("m/s^2", "g")
     styles = {"measured": (RED, "o"), "simulated": (GREY, "s"), "specified": (ORANGE, "D")}
     values = {(c.quantity, c.measured_or_simulated): c.published for c in solution.published}
-    peak_time = time[int(np.nanargmax(acceleration))]
+    top = time[int(np.nanargmax(acceleration))]
     above = time[acceleration >= 0.1 * np.nanmax(acceleration)]
     for origin, (colour, marker) in styles.items():
         peak = values.get(("first.rigid_peak", origin))
@@ -84,9 +118,7 @@ def published_marks(solution: Solution, axes: Any, time: Any, acceleration: Any)
         if peak is None:
             continue
         height = peak / size
-        axes.plot(
-            [peak_time], [height], marker, color=colour, markersize=6, fillstyle="none", label=f"published, {origin}"
-        )
+        axes.plot([top], [height], marker, color=colour, markersize=6, fillstyle="none", label=f"published, {origin}")
         if width is not None and above.size:
             axes.plot(
                 [above[0], above[0] + width / unit], [0.1 * height] * 2, "|-", color=colour, linewidth=1.2, markersize=9
@@ -116,11 +148,10 @@ def _train(solution: Solution, axes: Any) -> None:
     free = -math.inf
     for blow in solution.blows:
         height = 0.0 if blow.kind == "missed" else blow.rigid_peak / size
-        axes.plot([blow.time / unit], [height], "o", color=KIND_COLOURS[blow.kind], markersize=4)
+        place = (peak_time(solution, blow) / unit, height)
+        axes.plot(*([one] for one in place), "o", color=KIND_COLOURS[blow.kind], markersize=4)
         if (labelled and blow.kind == "full") or (blow.kind != "full" and blow.time >= free):
             free = blow.time + (room if blow.kind != "full" else 0.0)
             text = str(blow.index) if blow.kind == "full" else f"{blow.index} {blow.kind}"
-            axes.annotate(
-                text, (blow.time / unit, height), xytext=(0, 5), textcoords="offset points", ha="center", fontsize=8
-            )
+            axes.annotate(text, place, xytext=(0, 5), textcoords="offset points", ha="center", fontsize=8)
     axes.margins(y=0.14)
