@@ -464,6 +464,7 @@ def test_a_pulse_longer_than_the_window_of_a_blow_is_drawn_whole_and_marked_at_i
     blow = solution.blows[0]
     assert time[-1] == pytest.approx(2.2e6 * blow.width, rel=1e-3)
     assert np.max(values) == pytest.approx(in_unit(blow.rigid_peak, "m/s^2", "g"), rel=1e-4)
+    assert max(solution.preview().x) * 1e-3 == pytest.approx(2.2 * blow.width, rel=1e-2)
     # within a tenth of a width of its middle: a half-sine
     mark = whole_train(solution).axes[0].lines[1].get_xdata()[0]
     assert mark * 1e-3 == pytest.approx(blow.time + 0.5 * blow.width, abs=0.1 * blow.width)

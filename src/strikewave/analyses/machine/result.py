@@ -17,6 +17,9 @@ from pathlib import Path
 from statistics import median
 from typing import TYPE_CHECKING, Any, ClassVar
 
+import numpy as np
+from numpy.typing import NDArray
+
 from strikewave._version import __version__
 from strikewave.analyses.machine.columns import BLOW_SI, BLOW_UNITS, HIDDEN, shown_in
 from strikewave.analyses.machine.contact_answers import ANSWER_UNITS, ContactAnswer, ContactAnswers
@@ -240,10 +243,10 @@ class Solution(ShownResult):
         place = next((k for k, blow in enumerate(self.blows) if blow.kind != "missed"), None)
         if place is None:
             return None
-        blow, time = self.blows[place], self.arrays["pulse_time"].values
+        blow = self.blows[place]
+        time, values = blow_history(self.arrays, place, "pulse_acceleration", blow.width)
         kept = time <= (SHOWN_WIDTHS * blow.width if blow.width > 0.0 else time[-1])
-        acceleration = self.arrays["pulse_acceleration"].values[place][kept]
-        return history_curve(time[kept], acceleration, "m/s^2", "g", f"rigid-body acceleration, blow {blow.index}")
+        return history_curve(time[kept], values[kept], "m/s^2", "g", f"rigid-body acceleration, blow {blow.index}")
 
     def tables(self) -> dict[str, str]:
         """Return the table of blows as CSV text, every column with its unit."""
@@ -301,6 +304,21 @@ class Solution(ShownResult):
             "tables": json.dumps(state),
         }
         return self.arrays.with_attributes(attributes)
+
+
+def blow_history(
+    data: LabelledArrays, row: int, name: str, width: float
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Return times after first touch, s, and values of a blow: of the whole run where its window ends in the pulse."""
+    time, values = data["pulse_time"].values, data[name].values[row]
+    whole = {"pulse_force": "contact_force", "pulse_acceleration": "rigid_acceleration"}[name]
+    if not width > time[-1] / SHOWN_WIDTHS or not {"time", whole, "blow_time"} <= set(data.variables):
+        return time, values
+    touches = data["blow_time"].values
+    before = max(touches[row] + time[0], touches[row - 1] if row else -np.inf)
+    end = min(touches[row] + SHOWN_WIDTHS * width, touches[row + 1] if row + 1 < touches.size else np.inf)
+    kept = (data["time"].values >= before) & (data["time"].values <= end)
+    return data["time"].values[kept] - touches[row], data[whole].values[kept]
 
 
 def load_solution(path: Path | str) -> Solution:

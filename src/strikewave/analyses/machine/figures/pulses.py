@@ -10,14 +10,13 @@ from numpy.typing import NDArray
 from strikewave.analyses.machine.figures.summary import (
     KIND_COLOURS,
     MOST_LABELS,
-    SHOWN_WIDTHS,
-    blow_history,
     few_ticks,
     peak_time,
     published_marks,
     since_touch,
     time_words,
 )
+from strikewave.analyses.machine.result import SHOWN_WIDTHS, blow_history
 from strikewave.reporting.curves import MOST_PULSES, put_legend, thin
 from strikewave.reporting.numbers import axis_unit, headed
 from strikewave.reporting.style import BLUE, GREY, HALF, WHOLE, quiet

@@ -6,10 +6,8 @@ import math
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
 
-from strikewave.analyses.machine.result import Solution
-from strikewave.base.variables import LabelledArrays
+from strikewave.analyses.machine.result import SHOWN_WIDTHS, Solution, blow_history
 from strikewave.machines import Blow
 from strikewave.reporting.numbers import axis_unit, headed
 from strikewave.reporting.style import BLUE, GREY, ORANGE, RED, quiet, sheet_title
@@ -17,12 +15,8 @@ from strikewave.reporting.style import BLUE, GREY, ORANGE, RED, quiet, sheet_tit
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-Array = NDArray[np.float64]
-
 KIND_COLOURS = {"full": BLUE, "glancing": ORANGE, "double": RED, "missed": GREY}
 MOST_LABELS = 16
-SHOWN_WIDTHS = 2.2
-"""Widths of its pulse that are shown of a blow."""
 
 
 def summary(solution: Solution) -> Figure:
@@ -80,19 +74,6 @@ def few_ticks(axes: Any) -> None:
     """Give a half sheet fewer times where they have five digits, so that they do not run into one another."""
     if axes.dataLim.x1 >= 1e4:
         axes.locator_params(axis="x", nbins=5)
-
-
-def blow_history(data: LabelledArrays, row: int, name: str, width: float) -> tuple[Array, Array]:
-    """Return times after first touch, s, and values of a blow: of the whole run where its window ends in the pulse."""
-    time, values = data["pulse_time"].values, data[name].values[row]
-    whole = {"pulse_force": "contact_force", "pulse_acceleration": "rigid_acceleration"}[name]
-    if not width > time[-1] / SHOWN_WIDTHS or not {"time", whole, "blow_time"} <= set(data.variables):
-        return time, values
-    touches = data["blow_time"].values
-    before = max(touches[row] + time[0], touches[row - 1] if row else -math.inf)
-    end = min(touches[row] + SHOWN_WIDTHS * width, touches[row + 1] if row + 1 < touches.size else math.inf)
-    kept = (data["time"].values >= before) & (data["time"].values <= end)
-    return data["time"].values[kept] - touches[row], data[whole].values[kept]
 
 
 def peak_time(solution: Solution, blow: Blow) -> float:
