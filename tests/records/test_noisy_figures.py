@@ -3,6 +3,7 @@
 Shapes, noise and seeds are not those that anything was chosen by.
 """
 
+import itertools
 import math
 
 import numpy as np
@@ -74,26 +75,35 @@ def test_figures_of_a_clean_blow_are_as_they_are():
     assert np.all(np.abs(found[:, 0]) < [5e-5, 2e-4, 1e-3])
 
 
+SHARP = pytest.mark.xfail(reason="sides of few samples, and the highest value of a plateau")
+PEAK, PLATEAU = 0.75, 0.6
+"""Least share of draws whose peak is within twice its stated uncertainty: 95 % is meant. A plateau's highest value is its
+noise's as much as its own."""
+
+
+NOISES = (0.005, 0.02, 0.05)
+CELLS = [
+    *itertools.product(("half-sine", "haversine", "lopsided"), (20, 50, 200, 1000), NOISES),
+    *itertools.product(["flat"], (200, 1000), NOISES),
+    *(("flat", 50, noise) for noise in NOISES[1:]),
+    *(pytest.param("flat", *cell, marks=SHARP) for cell in [(50, NOISES[0]), *itertools.product([20], NOISES)]),
+]
+
+
 @pytest.mark.verify
 @pytest.mark.parametrize("coloured", [False, True])
-@pytest.mark.parametrize("noise", [0.005, 0.02, 0.05])
-@pytest.mark.parametrize("samples", [20, 50, 200, 1000])
-@pytest.mark.parametrize(
-    "shape",
-    [
-        "half-sine",
-        "haversine",
-        "lopsided",
-        pytest.param("flat", marks=pytest.mark.xfail(reason="sides of few samples, highest value of a plateau")),
-    ],
-)
+@pytest.mark.parametrize(("shape", "samples", "noise"), CELLS)
 def test_coverage_over_shapes_rates_and_noise(shape, samples, noise, coloured):
     found = errors(shape, samples, noise, 60 if samples < 500 else 25, 920_000, coloured)
     error, stated = found[:, 0], found[:, 1]
     covered = np.mean(np.abs(error) <= 2.0 * stated, axis=0)
-    # of 60 draws of 95 %, 85 % is three standard deviations; the peak of a plateau is hardest
-    assert np.all(covered >= [0.75, 0.85, 0.8])
-    assert np.all(np.abs(error.mean(axis=0)) < [1.5 * stated[:, 0].mean(), stated[:, 1].mean(), stated[:, 2].mean()])
+    if shape == "flat":
+        assert np.all(covered >= [PLATEAU, 0.7, 0.8])
+        assert np.all(np.abs(error.mean(axis=0)) < [2.0, 1.5, 1.0] * stated.mean(axis=0))
+        return
+    # of 60 draws of 95 %, 85 % is three standard deviations
+    assert np.all(covered >= [PEAK, 0.85, 0.8])
+    assert np.all(np.abs(error.mean(axis=0)) < [1.5, 1.0, 1.0] * stated.mean(axis=0))
 
 
 def test_velocity_change_over_a_longer_window_is_as_uncertain_as_noise_makes_it():

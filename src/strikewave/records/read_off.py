@@ -137,7 +137,7 @@ def read_pulse(about: Surroundings, smooth: SmoothPulse, noise: Array) -> ReadPu
         off, least = _spread(figures_of(again + taken.over(rest), box) - start)
         off_finer, scatter = _spread(figures_of(again + finer.over(rest), box) - start)
         other = figures_of((pulse + finer.over(raw - pulse))[None, near], box)[0] - off_finer
-        found = found - off
+        found = found - np.array([0.0, *off[1:]])  # on a plateau noise moves the highest value anywhere
         apart = np.nan_to_num(other - found)
         of_peak = math.hypot(scatter[1], apart[1])  # a tip is the sharpest detail there is
         of_width = max(scatter[3], math.hypot(least[3], apart[3]))
