@@ -1,7 +1,8 @@
 """What a case is fitted to, as it is typed: records and numbers, each with the settings at which it was measured.
 
-``shot.csv`` is a record of the usual part, ``PART=shot.csv`` of another one; ``first.rigid_peak=4151 g`` a number, with
-its standard uncertainty behind ``±`` or ``+-``. Settings follow after semicolons: ``shot.csv; machine.speed=500 rpm``.
+``shot.csv`` is a record of the usual part, ``PART=shot.csv`` of another one; ``first.rigid_peak=4151 g`` a number.
+Behind ``±`` or ``+-`` stands the standard uncertainty of a number, or by which share the amplitude of such records
+scatters from shot to shot. Settings follow after semicolons: ``shot.csv; machine.speed=500 rpm``.
 ``@FILE`` stands for the lines of a text file.
 """
 
@@ -49,12 +50,15 @@ class Target:
         Settings, ``path=value`` each.
     is_number : bool
         Whether it is a number.
+    scatter : float
+        Standard deviation of the amplitude of records from shot to shot, as a share; 0 where it is not stated.
     """
 
     left: str
     right: str
     changes: tuple[str, ...] = ()
     is_number: bool = False
+    scatter: float = 0.0
 
 
 def target_words(words: Sequence[str]) -> list[str]:
@@ -91,7 +95,9 @@ def parse_target(word: str, case: Case) -> Target:
     --------
     >>> from strikewave import load_case
     >>> parse_target("sensor=shot.csv#2; machine.speed=500 rpm", load_case("li-ma-2019"))
-    Target(left='sensor', right='shot.csv#2', changes=('machine.speed=500 rpm',), is_number=False)
+    Target(left='sensor', right='shot.csv#2', changes=('machine.speed=500 rpm',), is_number=False, scatter=0.0)
+    >>> parse_target("shot.csv +- 2 %", load_case("li-ma-2019")).scatter
+    0.02
     """
     first, *rest = (part.strip() for part in word.split(";")) if not os.path.lexists(word) else (word,)
     for change in rest:
@@ -99,12 +105,19 @@ def parse_target(word: str, case: Case) -> Target:
             raise InputError("--to", change, "path=value behind a semicolon", "such as machine.speed=500 rpm")
     left, equals, right = (part.strip() for part in first.partition("="))
     if not equals or _is_place(first):
-        return Target("", first, tuple(rest))
+        return _records("", first, tuple(rest))
     if left.split(" ")[0] in number_units(case):
         return Target(left, right, tuple(rest), is_number=True)
     if not _is_place(right) and re.match(r"[-+.\d]", right):
         checked_number(case, left)
-    return Target(left, right, tuple(rest))
+    return _records(left, right, tuple(rest))
+
+
+def _records(part: str, word: str, changes: tuple[str, ...]) -> Target:
+    """Return a target of records, with the scatter of their amplitude where it is stated."""
+    name, *scatter = _UNCERTAIN.split(word, maxsplit=1) if not _is_place(word) else [word]
+    share = read_share(scatter[0].strip(), f"--to {name}") if scatter else 0.0
+    return Target(part, name, changes, scatter=share)
 
 
 def _is_place(word: str) -> bool:
@@ -192,23 +205,31 @@ def read_targets(
             if changed.values().get(field.path) != case.values()[field.path]:
                 raise InputError(option, "; ".join(changes), f"settings that leave {field.path} free: it is fitted")
         numbers = [read_number(changed, one) for one in members if one.is_number]
-        records = list[tuple[str, int, ComparedCurve]]()
+        records = list[tuple[Target, ComparedCurve]]()
         for one in members:
             if one.is_number:
                 continue
             curves, left = read_shots(option, one.right, reading)
-            part, blow = _part(one.left)
-            records += [(part, blow, curve) for curve in curves]
+            records += [(one, curve) for curve in curves]
             notices += [*left, *(notice for curve in curves for notice in curve.notices)]
             paths += paths_of(parse_name(one.right))
         if len(records) > MOST_RECORDS:
             raise InputError(option, f"{len(records)} records", f"at most {MOST_RECORDS}")
-        quick = quick_case(changed, _blows(numbers, [blow for _, blow, _ in records]))
+        quick = quick_case(changed, _blows(numbers, [_part(one.left)[1] for one, _ in records]))
         run = Simulation(quick)
-        pulses = [measured_pulse(curve, run, part, blow, reading.low_pass) for part, blow, curve in records]
+        pulses = [
+            measured_pulse(curve, run, *_part(one.left), reading.low_pass, _shot(one, curve), one.scatter)
+            for one, curve in records
+        ]
         measured: tuple[Measured, ...] = (*numbers, *pulses)
         experiments.append(Experiment(quick, changes, measured))
     return ReadTargets(tuple(experiments), tuple(dict.fromkeys(notices)), tuple(dict.fromkeys(paths)))
+
+
+def _shot(target: Target, curve: ComparedCurve) -> str:
+    """Return the file and blow that a record is of, whatever its channel."""
+    channel, blow = _part(curve.name)
+    return f"{os.path.dirname(parse_name(target.right).place)}/{channel.rpartition('#')[0]}@{blow}"
 
 
 def _part(left: str) -> tuple[str, int]:
