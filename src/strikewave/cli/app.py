@@ -67,8 +67,9 @@ def _run() -> int:
     try:
         code = int(app(prog_name="strikewave", standalone_mode=False) or 0)
         sys.stdout.flush()
-    except (typer.Abort, KeyboardInterrupt):
-        code = INTERRUPTED
+    except (typer.Abort, KeyboardInterrupt) as stop:
+        complain(f"stopped; {_what_stands(stop)}")
+        return INTERRUPTED
     except StrikewaveError as error:
         complain(str(error))
         return 2
@@ -88,6 +89,10 @@ def _run() -> int:
             raise
         complain(f"internal error ({type(error).__name__}: {error}); please report it, with STRIKEWAVE_TRACE=1 set")
         return 1
-    if code == INTERRUPTED:
-        complain("stopped; nothing was written")
     return code
+
+
+def _what_stands(stop: BaseException) -> str:
+    """Say what a run that was stopped left, as it noted itself."""
+    cause = stop.__cause__ or stop  # typer makes one of its own of Ctrl-C
+    return next(iter(getattr(cause, "__notes__", ())), "nothing was written")
