@@ -7,7 +7,7 @@ from typing import get_args
 import pytest
 
 from strikewave.base.errors import InputError, InputErrors
-from strikewave.records.budget.contributions import FIELDS_OF_KINDS as CHANGES
+from strikewave.records.budget.contributions import KINDS as CHANGES
 from strikewave.records.budget.contributions import TOPICS
 from strikewave.specifications.budget_file import FIELDS_OF_KINDS, ContributionTable, Kind, load_budget
 
