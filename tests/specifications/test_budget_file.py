@@ -111,7 +111,7 @@ def test_each_kind_reaches_its_contribution(tmp_path):
     assert by_kind["temperature"].input.standard == pytest.approx(0.01 / math.sqrt(3.0))
     assert by_kind["transverse"].input.standard == pytest.approx(0.03 * 0.3 / math.sqrt(2.0))
     assert by_kind["response"].tolerances == ((1e3, 0.01), (1e4, 0.05))
-    assert (by_kind["resonance"].frequency, by_kind["resonance"].order) == (4e4, 30.0)
+    assert (by_kind["resonance"].frequency, by_kind["resonance"].quality) == (4e4, 30.0)
     assert (by_kind["resonance"].status, by_kind["resonance"].source) == ("quoted", "data sheet, by a dealer")
     assert (by_kind["filter"].frequency, by_kind["filter"].order) == (2e4, 4.0)
     assert (by_kind["offset"].spread, by_kind["offset"].relative) == (pytest.approx(5 * 9.80665), False)
