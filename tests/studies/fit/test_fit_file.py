@@ -1,15 +1,18 @@
 """The file of a whole fit: the same result as the command line, and wrong or hostile files in one line."""
 
 import json
+from pathlib import Path
 
 import numpy as np
 import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from strikewave.base.errors import StrikewaveError
+from strikewave import load_case
+from strikewave.base.errors import InputError, StrikewaveError
 from strikewave.studies.fit.fit_file import is_fit_file, load_fit
 from strikewave.studies.fit.study import fit
+from strikewave.studies.fit.targets import parse_targets, read_targets
 
 WHOLE = """
 schema = 1
@@ -54,6 +57,15 @@ TYPED = [
 ]  # fmt: skip
 
 
+FREE = ["contact.reference_force=600 kN:900 kN"]
+NUMBER = """
+schema = 1
+case = "jesd22-b111-b"
+free = [{ path = "contact.reference_force", low = "600 kN", high = "900 kN" }]
+number = [{ name = "first.rigid_peak", value = "1500 g", uncertainty = "1 %" }]
+"""
+
+
 @pytest.fixture
 def whole(tmp_path):
     """The file, and beside it a half-sine of 450 us and 1100 g, sampled at 50 kHz without a time column, upside down."""
@@ -66,16 +78,34 @@ def whole(tmp_path):
     return tmp_path / "study.toml"
 
 
-def test_a_file_comes_to_what_the_command_line_comes_to(whole, strikewave):
+def test_a_file_asks_what_the_command_line_asks(whole, strikewave, monkeypatch):
+    """The same case, fields, targets and reading: what `requested` gets decides the result."""
+    asked = []
+
+    def ask(case, request, progress):
+        asked.append((case, request))
+        raise InputError("stop", "here", "no run")
+
+    monkeypatch.setattr("strikewave.studies.fit.screen.requested", ask)
     record = str(whole.parent / "shots" / "a.csv")
-    answers = [strikewave("fit", *words, "--json") for words in ([str(whole)], [word.format(record) for word in TYPED])]
-    assert [code for code, *_ in answers] == [0, 0]
-    first, second = (json.loads(out) for _, out, _ in answers)
-    assert first == second
-    assert len(first["parameters"]) == 2
-    assert len(first["checks"]["figures"]) == 1
-    study = fit(whole)
-    assert [one.value for one in study.parameters] == [one["value"] for one in first["parameters"]]
+    for words in ([str(whole)], [word.format(record) for word in TYPED]):
+        assert strikewave("fit", *words, "--json")[0] == 2
+    (case, request), (other, typed) = asked
+    assert case == other
+    assert (request.free, request.tries, request.reading) == (typed.free, typed.tries, typed.reading)
+    for one, words in ((request.to, typed.to), (request.check_on, typed.check_on)):
+        assert parse_targets(one, case) == parse_targets(words, case)
+    assert read_targets("--to", case, parse_targets(request.to, case), (), request.reading).pulses[0].unit == "m/s^2"
+
+
+def test_a_file_is_fitted(whole, strikewave):
+    """One number, one field: the same bits as typed; the file is named beside the result with its SHA-256."""
+    whole.write_text(NUMBER)
+    code, _, words = strikewave("fit", whole, "--out", "written")
+    assert code == 0, words
+    assert str(whole) in Path("written/record.toml").read_text()
+    (typed,) = fit(load_case("jesd22-b111-b"), ["first.rigid_peak=1500 g +- 1 %"], FREE).parameters
+    assert json.loads(Path("written/fit.json").read_text())["parameters"][0]["value"] == typed.value
 
 
 def test_a_file_is_told_from_a_case(whole, tmp_path):
