@@ -14,12 +14,13 @@ from pathlib import Path
 from strikewave.analyses.fem.result import of_blow
 from strikewave.base.errors import InputError
 from strikewave.base.folder_claim import refusal
+from strikewave.base.interrupts import exit_code
 from strikewave.base.result import Notice
 from strikewave.fem.mesh import Mesh
 from strikewave.fem.run import FieldFrame
 from strikewave.fem.vtkhdf import FieldWriter
 from strikewave.reporting.numbers import with_unit
-from strikewave.reporting.terminal import INTERRUPTED, say
+from strikewave.reporting.terminal import say
 
 OWN = re.compile(r"(case|state|field)(-\d+)?(\.|$)")
 """Names of what a run under way writes."""
@@ -61,7 +62,7 @@ def unfinished(folder: Path, text: str, restart: bool, anew: bool) -> Iterator[P
         else:
             say(f"stopped; kept: {home}/; to go on from there: {_command('--restart')}")
             if isinstance(stop, KeyboardInterrupt):
-                raise SystemExit(INTERRUPTED) from None
+                raise SystemExit(exit_code(stop)) from None
         if reason:
             raise InputError("--out", str(home), "a place that can be written", reason) from stop
         raise
