@@ -204,7 +204,7 @@ def test_what_another_observer_saw_is_refused(kept, tmp_path):
     solve(model(2.5e-6), RunOptions(checkpoint=Checkpoint(path, 2), observer=seen))
     seen.skin = dataclasses.replace(seen.skin, elements=seen.skin.elements[:-1])
     with pytest.raises(InputError, match="not of this mesh"):
-        read_restart(path, Engine(model()), observer=seen)
+        read_restart(path, Engine(model()), restore=seen.restore)
 
 
 def test_another_version_does_not_go_on(kept, monkeypatch):

@@ -7,9 +7,9 @@ with those of the model before anything is read, and what numbers point to has t
 from __future__ import annotations
 
 import os
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
@@ -18,9 +18,6 @@ from strikewave.base.hdf5_files import content_digest, enduring_file
 from strikewave.fem._contact_kernels import ContactState, NodeContacts
 from strikewave.fem.engine import COLLAPSED, Engine
 from strikewave.fem.run import Rest
-
-if TYPE_CHECKING:
-    from strikewave.fem.solve import Observer
 
 LARGEST = 40_000_000_000
 """Bytes of a restart file at most: several times that of the largest mesh that is run; a larger one is none of ours."""
@@ -50,6 +47,9 @@ SEARCHED = ("start", "candidates")
 """Arrays of a contact whose length is that of the last search."""
 SURFACE = (*SEARCHED, "size", "radius", "place", "moving", "inverse_mass", "travel", "offset")
 """Other arrays of a contact or wall that a step begins with."""
+
+Restore = Callable[[Mapping[str, np.ndarray]], None]
+"""Takes what an observer had seen; raises ValueError or KeyError for what it never wrote."""
 
 
 def state_of(engine: Engine) -> dict[str, np.ndarray]:
@@ -180,8 +180,8 @@ def _damaged(path: Path, error: Exception) -> InputError:
     return InputError("restart", str(path), ALLOWED, f"it is damaged ({error}): run without it")
 
 
-def read_restart(path: Path, engine: Engine, blow: int = 1, observer: Observer | None = None) -> None:
-    """Bring an engine that has not begun, and its observer, to the state that a file keeps of a blow.
+def read_restart(path: Path, engine: Engine, blow: int = 1, restore: Restore | None = None) -> None:
+    """Bring an engine that has not begun to the state that a file keeps of a blow, and hand on what was seen of it.
 
     Raises
     ------
@@ -202,8 +202,8 @@ def read_restart(path: Path, engine: Engine, blow: int = 1, observer: Observer |
         if content_digest(state) != told:
             raise ValueError("its numbers are not those that were written")
         seen = {name.removeprefix(SEEN): value for name, value in state.items() if name.startswith(SEEN)}
-        if observer is not None and seen:
-            observer.restore(seen)
+        if restore is not None and seen:
+            restore(seen)
     except (OSError, KeyError, TypeError, ValueError, RuntimeError, MemoryError) as error:
         if isinstance(error, InputError):
             raise

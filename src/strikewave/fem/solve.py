@@ -151,7 +151,8 @@ def solve_blows(model: Model, options: RunOptions | None = None) -> tuple[FemRun
         for blow in range(1, model.controls.blows + 1):
             if blow in resumed:
                 engine = Engine(model, engine.pool)
-                read_restart(resumed[blow], engine, blow, options.observer if blow == 1 else None)
+                observer = options.observer if blow == 1 else None
+                read_restart(resumed[blow], engine, blow, observer.restore if observer else None)
             elif blow > 1:
                 engine = next_blow(engine, runs[-1].energy_in_play)
             runs.append(_one_blow(engine, _of_blow(options, blow, model.controls)))
