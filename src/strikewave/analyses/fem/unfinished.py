@@ -12,10 +12,11 @@ from pathlib import Path
 
 from strikewave.analyses.fem.result import of_blow
 from strikewave.base.errors import InputError
+from strikewave.base.interrupts import exit_code
 from strikewave.fem.mesh import Mesh
 from strikewave.fem.run import FieldFrame
 from strikewave.fem.vtkhdf import FieldWriter
-from strikewave.reporting.terminal import INTERRUPTED, say
+from strikewave.reporting.terminal import say
 
 OWN = re.compile(r"(case|state|field)(-\d+)?(\.|$)")
 """Names of what a run under way writes."""
@@ -58,7 +59,7 @@ def unfinished(folder: Path, text: str, restart: bool, anew: bool) -> Iterator[P
             raise
         say(f"stopped; kept: {home}/; to go on from there: {_command('--restart')}")
         if isinstance(stop, KeyboardInterrupt):
-            raise SystemExit(INTERRUPTED) from None
+            raise SystemExit(exit_code(stop)) from None
         raise
     _clear(home)
 
