@@ -21,7 +21,7 @@ from scipy.signal import lfilter
 from strikewave import load_case
 from strikewave.cases.case import Case
 from strikewave.signal.resampling import resampled
-from strikewave.studies.fit.simulation import Simulation
+from strikewave.studies.simulation import Simulation
 from strikewave.studies.fit.study import fit
 
 QUIET = 0.02
