@@ -10,7 +10,7 @@ from __future__ import annotations
 import os
 import re
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 
 from strikewave.analyses.compare.curve import ComparedCurve
@@ -23,6 +23,7 @@ from strikewave.reporting.options import read_share
 from strikewave.studies.fit.free_fields import FreeField, changed_case
 from strikewave.studies.fit.measured import Measured, MeasuredNumber, MeasuredPulse, measured_pulse
 from strikewave.studies.fit.problem import Experiment
+from strikewave.studies.fit.stated import stated_at
 from strikewave.studies.simulation import Simulation, checked_number, number_units, quick_case
 from strikewave.uncertainty.known import LEAST, MOST, half_a_digit
 
@@ -49,12 +50,23 @@ class Target:
         Settings, ``path=value`` each.
     is_number : bool
         Whether it is a number.
+    stated : str
+        Table of a file that states it; empty where it was typed.
     """
 
     left: str
     right: str
     changes: tuple[str, ...] = ()
     is_number: bool = False
+    stated: str = field(default="", repr=False, compare=False)
+
+
+def parse_targets(words: Sequence[str | Target], case: Case) -> list[Target]:
+    """Return targets taken apart, with those of the lines of ``@FILE``; see `target_words` and `parse_target`."""
+    parsed = []
+    for word in words:
+        parsed += [word] if isinstance(word, Target) else [parse_target(one, case) for one in target_words([word])]
+    return parsed
 
 
 def target_words(words: Sequence[str]) -> list[str]:
@@ -137,17 +149,17 @@ def read_number(case: Case, target: Target) -> MeasuredNumber:
     """
     name, sensor, unit = checked_number(case, target.left)
     typed, *uncertain = _UNCERTAIN.split(target.right, maxsplit=1)
-    field = f"--to {target.left}"
-    value = _read(typed, unit, field)
+    option = f"--to {target.left}"
+    value = _read(typed, unit, option)
     if value.si == 0.0:
-        raise InputError(field, typed, "a number that is not 0", "its uncertainty is a share of it")
+        raise InputError(option, typed, "a number that is not 0", "its uncertainty is a share of it")
     share = min(max(LEAST, half_a_digit(value.typed)), MOST)
     size = share * abs(value.si)
     if uncertain:
         word = uncertain[0].strip()
-        size = read_share(word, field) * abs(value.si) if word.endswith("%") else _read(word, unit, field).si
+        size = read_share(word, option) * abs(value.si) if word.endswith("%") else _read(word, unit, option).si
         if not size > 0.0:
-            raise InputError(field, word, "a standard uncertainty above 0, such as 2 %")
+            raise InputError(option, word, "a standard uncertainty above 0, such as 2 %")
     return MeasuredNumber(name, sensor, unit, value.si, size, typed, ", ".join(target.changes))
 
 
@@ -187,25 +199,28 @@ def read_targets(
         grouped.setdefault(target.changes, []).append(target)
     experiments, notices, paths = list[Experiment](), list[Notice](), list[Path]()
     for changes, members in grouped.items():
-        changed = changed_case(case, changes)
-        for field in fields:
-            if changed.values().get(field.path) != case.values()[field.path]:
-                raise InputError(option, "; ".join(changes), f"settings that leave {field.path} free: it is fitted")
-        numbers = [read_number(changed, one) for one in members if one.is_number]
-        records = list[tuple[str, int, ComparedCurve]]()
+        with stated_at(members[0].stated):
+            changed = changed_case(case, changes)
+            for free in fields:
+                if changed.values().get(free.path) != case.values()[free.path]:
+                    raise InputError(option, "; ".join(changes), f"settings that leave {free.path} free: it is fitted")
+        numbers, records = list[MeasuredNumber](), list[tuple[Target, ComparedCurve]]()
         for one in members:
-            if one.is_number:
-                continue
-            curves, left = read_shots(option, one.right, reading)
-            part, blow = _part(one.left)
-            records += [(part, blow, curve) for curve in curves]
+            with stated_at(one.stated):
+                if one.is_number:
+                    numbers.append(read_number(changed, one))
+                    continue
+                curves, left = read_shots(option, one.right, reading)
+            records += [(one, curve) for curve in curves]
             notices += [*left, *(notice for curve in curves for notice in curve.notices)]
             paths += paths_of(parse_name(one.right))
         if len(records) > MOST_RECORDS:
             raise InputError(option, f"{len(records)} records", f"at most {MOST_RECORDS}")
-        quick = quick_case(changed, _blows(numbers, [blow for _, blow, _ in records]))
-        run = Simulation(quick)
-        pulses = [measured_pulse(curve, run, part, blow, reading.low_pass) for part, blow, curve in records]
+        quick = quick_case(changed, _blows(numbers, [_part(one.left)[1] for one, _ in records]))
+        run, pulses = Simulation(quick), list[MeasuredPulse]()
+        for one, curve in records:
+            with stated_at(one.stated):
+                pulses.append(measured_pulse(curve, run, *_part(one.left), reading.low_pass))
         measured: tuple[Measured, ...] = (*numbers, *pulses)
         experiments.append(Experiment(quick, changes, measured))
     return ReadTargets(tuple(experiments), tuple(dict.fromkeys(notices)), tuple(dict.fromkeys(paths)))
