@@ -11,13 +11,14 @@ from pathlib import Path
 from typing import ClassVar
 
 from strikewave.base.errors import InputError
+from strikewave.base.interrupts import exit_code
 from strikewave.base.json_document import head, plain
 from strikewave.cases.case import dump_case
 from strikewave.reporting.histories import write_parquet
 from strikewave.reporting.measured_files import asked
 from strikewave.reporting.options import Output
 from strikewave.reporting.run_and_write import Command, case_folder, run_and_write
-from strikewave.reporting.terminal import INTERRUPTED, print_json, print_rows, progress_bar, say, tell
+from strikewave.reporting.terminal import print_json, print_rows, progress_bar, say, tell
 from strikewave.studies.engine.pools import Pool
 from strikewave.studies.engine.runner import StudyProgress
 from strikewave.studies.engine.store import RunStore, runs_beside
@@ -108,10 +109,10 @@ class SweepCommand(Command[SweepStudy]):
                     report(done.share, done.words)
 
                 study = make_sweep(self.plan, store, self.pool(), advance)
-        except KeyboardInterrupt:
+        except KeyboardInterrupt as stop:
             kept = f"{last.done} of {last.total} runs are kept in {store.folder}: the same command goes on there"
             say("stopped; " + (kept if last.done and self.store is not None else "nothing was written"))
-            raise SystemExit(INTERRUPTED) from None
+            raise SystemExit(exit_code(stop)) from None
         return dataclasses.replace(study, asked=asked())
 
     def summary(self, result: SweepStudy) -> str:
