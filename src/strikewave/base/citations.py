@@ -21,6 +21,10 @@ SOURCES: dict[str, str] = {
         "K.-Y. Liang, S. L. Zeger, Longitudinal Data Analysis Using Generalized Linear Models, Biometrika 73 (1986) "
         "13-22, doi:10.1093/biomet/73.1.13"
     ),
+    "bell-mccaffrey-2002": (
+        "R. M. Bell, D. F. McCaffrey, Bias Reduction in Standard Errors for Linear Regression with Multi-Stage "
+        "Samples, Survey Methodology 28 (2002) 169-181"
+    ),
     "raue-2009": (
         "A. Raue et al., Structural and Practical Identifiability Analysis of Partially Observed Dynamical Models by "
         "Exploiting the Profile Likelihood, Bioinformatics 25 (2009) 1923-1929, doi:10.1093/bioinformatics/btp358"
@@ -227,6 +231,10 @@ SOURCES: dict[str, str] = {
     "friedman-1991": (
         "J. H. Friedman, Multivariate Adaptive Regression Splines, The Annals of Statistics 19 (1991) 1-67, "
         "doi:10.1214/aos/1176347963 (from memory)"
+    ),
+    "kelley-1935": (
+        "T. L. Kelley, An Unbiased Correlation Ratio Measure, Proceedings of the National Academy of Sciences 21 "
+        "(1935) 554-559 (from memory)"
     ),
     "mckay-1979": (
         "M. D. McKay, R. J. Beckman, W. J. Conover, A Comparison of Three Methods for Selecting Values of Input "

@@ -70,7 +70,7 @@ def _run() -> int:
         code = int(app(prog_name="strikewave", standalone_mode=False) or 0)
         sys.stdout.flush()
     except (Stopped, typer.Abort, KeyboardInterrupt) as stop:
-        complain("stopped; nothing was written")
+        complain(f"stopped; {_what_stands(stop)}")
         return exit_code(stop.__cause__ or stop)
     except StrikewaveError as error:
         complain(str(error))
@@ -92,3 +92,9 @@ def _run() -> int:
         complain(f"internal error ({type(error).__name__}: {error}); please report it, with STRIKEWAVE_TRACE=1 set")
         return 1
     return code
+
+
+def _what_stands(stop: BaseException) -> str:
+    """Say what a run that was stopped left, as it noted itself."""
+    cause = stop.__cause__ or stop  # typer makes one of its own of Ctrl-C
+    return next(iter(getattr(cause, "__notes__", ())), "nothing was written")
