@@ -99,7 +99,7 @@ def number_units(case: Case) -> dict[str, str]:
     return {}
 
 
-def checked_number(case: Case, word: str) -> tuple[str, str, str]:
+def checked_number(case: Case, word: str, option: str = "--to") -> tuple[str, str, str]:
     """Return name, sensor and SI unit of a number that a case gives: ``first.sensor_peak NAME`` is that of a sensor.
 
     Raises
@@ -111,15 +111,15 @@ def checked_number(case: Case, word: str) -> tuple[str, str, str]:
     units = number_units(case)
     if name not in units:
         if not units:
-            raise InputError("--to", word, "a record: elements are fitted to histories")
-        raise InputError("--to", name, "a number that the case gives", nearest(name, units))
+            raise InputError(option, word, "a record: elements are fitted to histories")
+        raise InputError(option, name, "a number that the case gives", nearest(name, units))
     sensors = [one.name for one in case.sensor]
     if "sensor_" in name:
         if sensor.strip() not in sensors:
             hint = nearest(sensor.strip() or "?", sensors) if sensors else "the case has no sensor"
-            raise InputError("--to", word, f'"{name} SENSOR=VALUE" with the name of a sensor', hint)
+            raise InputError(option, word, f'"{name} SENSOR" with the name of a sensor', hint)
     elif sensor:
-        raise InputError("--to", word, f"{name}=VALUE", "no sensor stands there")
+        raise InputError(option, word, f"{name} alone", "no sensor stands there")
     return name, sensor.strip(), units[name]
 
 

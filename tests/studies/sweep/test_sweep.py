@@ -159,7 +159,7 @@ def test_many_settings_are_drawn_by_their_shares():
 STUDY = """
 schema = 1
 case = "li-ma-2019"
-set = ["feed.blows=1"]
+set = { feed.blows = 1 }
 keep = ["first.rigid_peak", "cv"]
 analysis = "fast"
 [vary]
@@ -176,6 +176,14 @@ def test_a_study_file_asks_the_same(tmp_path):
     assert plan.evaluation.names == ("count",)
     assert plan.evaluation.analysis == "fast"
     assert request.loaded.values()["object.damper"].si == 5.0
+    assert request.loaded.values()["feed.blows"].si == 1.0
+
+
+def test_a_study_file_need_not_vary(tmp_path):
+    """Of draws within tolerances, the case says what moves."""
+    (tmp_path / "drawn.toml").write_text('schema = 1\ncase = "li-ma-2019"\ndesign = "tolerances"\nruns = 4')
+    request = read_request(str(tmp_path / "drawn.toml"), (), SweepRequest())
+    assert len(request.plan(request.loaded).rows) == 4
 
 
 @pytest.mark.parametrize(
