@@ -163,9 +163,23 @@ def test_an_index_that_is_damaged_or_of_something_else_is_refused(tmp_path, dama
     with pytest.raises(InputError, match="another program" if damage == "other" else "--fresh"):
         RunStore(folder)
     assert (folder / INDEX).read_bytes() == before
-    if damage == "newer":
+    if damage != "other":
         with RunStore(folder, fresh=True) as store:
             assert store.known() == set()
+
+
+def test_pages_of_an_index_that_are_damaged_are_begun_anew(tmp_path):
+    """Its head is whole, so that SQLite opens it; the pages of its tables are not."""
+    with RunStore(tmp_path / "s") as store:
+        run(store, 50, 70)
+    index = tmp_path / "s" / INDEX
+    content = index.read_bytes()
+    index.write_bytes(content[:4096] + bytes(0xA5 for _ in content[4096:]))
+    with pytest.raises(InputError, match="--fresh"), RunStore(tmp_path / "s") as store:
+        store.known()
+    with RunStore(tmp_path / "s", fresh=True) as store:
+        run(store, 50, 70)
+        assert len(store.known()) == 2
 
 
 def test_a_folder_with_other_files_and_a_file_are_refused(tmp_path):

@@ -131,6 +131,8 @@ class RunStore:
         if not index.exists() and any(not path.match(CHUNK.format("*")) for path in self.folder.iterdir()):
             allowed = "an empty or new folder, or one with finished runs"
             raise InputError(self._option, str(self.folder), allowed, f"it holds other files, and no {INDEX}")
+        if fresh:
+            _remove_damaged(index)
         base = sqlite3.connect(index, isolation_level=None, timeout=0.0)
         try:
             self._check_mark(base, fresh)
@@ -243,7 +245,8 @@ class RunStore:
                     if done.rowcount:
                         self._keep_histories(key, outcome.histories)
             except BaseException:
-                self._base.execute("ROLLBACK")
+                with contextlib.suppress(sqlite3.OperationalError):  # of a full disk SQLite has rolled back itself
+                    self._base.execute("ROLLBACK")
                 raise
             self._base.execute("COMMIT")
             if self._waiting >= CHUNK_BYTES:
@@ -342,6 +345,22 @@ class RunStore:
             raise InputError(self._option, place, "finished runs; their index is damaged", _HINT) from None
         except OSError as error:
             raise InputError(self._option, place, "a place that can be written", error.strerror or "") from None
+
+
+def _remove_damaged(index: Path) -> None:
+    """Remove an index that SQLite cannot read, so that another can be begun."""
+    if not index.is_file():
+        return
+    base = sqlite3.connect(index, timeout=0.0)
+    try:
+        sound = base.execute("PRAGMA quick_check(1)").fetchone() == ("ok",)
+    except sqlite3.DatabaseError as error:
+        sound = type(error) is not sqlite3.DatabaseError  # locked, or out of reach
+    finally:
+        base.close()
+    if not sound:
+        for path in (index, *(index.with_name(f"{index.name}{end}") for end in ("-wal", "-shm"))):
+            path.unlink(missing_ok=True)
 
 
 def _history(name: str, unit: str, blow: int, start: float | None, step: float | None, values: Array) -> KeptHistory:
