@@ -21,6 +21,10 @@ SOURCES: dict[str, str] = {
         "K.-Y. Liang, S. L. Zeger, Longitudinal Data Analysis Using Generalized Linear Models, Biometrika 73 (1986) "
         "13-22, doi:10.1093/biomet/73.1.13"
     ),
+    "bell-mccaffrey-2002": (
+        "R. M. Bell, D. F. McCaffrey, Bias Reduction in Standard Errors for Linear Regression with Multi-Stage "
+        "Samples, Survey Methodology 28 (2002) 169-181"
+    ),
     "raue-2009": (
         "A. Raue et al., Structural and Practical Identifiability Analysis of Partially Observed Dynamical Models by "
         "Exploiting the Profile Likelihood, Bioinformatics 25 (2009) 1923-1929, doi:10.1093/bioinformatics/btp358"

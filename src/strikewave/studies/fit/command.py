@@ -8,11 +8,13 @@ import typer
 
 from strikewave.reporting import measured_files as measured
 from strikewave.reporting.low_pass import LowPassOptions
-from strikewave.reporting.options import CaseName, Changes, Output
+from strikewave.reporting.options import Changes, Output, case_name
+
+STATES_ALL = "the file of a whole fit states them: beside it there is only --set, of its case"
 
 
 def command(
-    case: CaseName,
+    case: Annotated[str, case_name("CASE", "A case file, the name of a built-in case, or the file of a whole fit.")],
     *,
     to: Annotated[
         list[str] | None,
@@ -66,9 +68,16 @@ def command(
     no files are written unless --out is given.
     """
     from strikewave.analyses.compare.sources import SourceOptions
+    from strikewave.base.errors import InputError
     from strikewave.cases.case import load_case
-    from strikewave.studies.fit.screen import FitRequest, run_fit
+    from strikewave.studies.fit.fit_file import is_fit_file
+    from strikewave.studies.fit.request import FitRequest
+    from strikewave.studies.fit.screen import run_fit, run_fit_file
 
     reading = SourceOptions(measurement.calibration(), measurement.reading(), filtering.low_pass(), band=False)
     asked = FitRequest(tuple(to or ()), tuple(free or ()), tries, tuple(check_on or ()), reading)
+    if is_fit_file(case):
+        if asked != FitRequest(reading=SourceOptions(band=False)):
+            raise InputError("CASE", case, "a case, where records, fields or their reading are typed", STATES_ALL)
+        return run_fit_file(case, changes or (), output)
     return run_fit(output.tested(load_case(case, changes or ())), changes or (), asked, output)

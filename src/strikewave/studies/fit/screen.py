@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import ClassVar
 
-from strikewave.analyses.compare.sources import SourceOptions, parse_name, paths_of
+from strikewave.analyses.compare.sources import parse_name, paths_of
 from strikewave.base.result import Source
 from strikewave.cases.case import Case, dump_case
 from strikewave.reporting import measured_files as measured
@@ -26,9 +26,11 @@ from strikewave.studies.fit.columns import (
     fit_words,
     residual_rows,
 )
+from strikewave.studies.fit.fit_file import load_fit
+from strikewave.studies.fit.request import FitRequest
 from strikewave.studies.fit.result import FitStudy
-from strikewave.studies.fit.study import fit
-from strikewave.studies.fit.targets import parse_target, target_words
+from strikewave.studies.fit.study import requested
+from strikewave.studies.fit.targets import parse_targets
 
 MOST_ROWS = 20
 """Residuals that the screen lists: more fill it."""
@@ -36,15 +38,17 @@ EXPECTED = 60
 """Runs that a fit takes for each free field, roughly: for the bar alone."""
 
 
-@dataclass(frozen=True)
-class FitRequest:
-    """What is asked of a fit: targets, free fields, choices tried, what is kept out, how records are read."""
+def run_fit_file(path: str, changes: Sequence[str], output: Output) -> int:
+    """Do the fit of a file, write and print the result, and return the exit code.
 
-    to: tuple[str, ...]
-    free: tuple[str, ...]
-    tries: str
-    check_on: tuple[str, ...]
-    reading: SourceOptions
+    Raises
+    ------
+    InputError, InputErrors, StrikewaveError
+        What `load_fit` and `requested` raise, or if the place is taken.
+    """
+    read = load_fit(path, changes)
+    usual = f"fit-{case_folder(read.path.stem, read.path.read_text('utf-8'), changes)}"
+    return _run(output.tested(read.case), read.request, output, usual, [read.path])
 
 
 def run_fit(case: Case, changes: Sequence[str], request: FitRequest, output: Output) -> int:
@@ -53,11 +57,14 @@ def run_fit(case: Case, changes: Sequence[str], request: FitRequest, output: Out
     Raises
     ------
     InputError, StrikewaveError
-        What `fit` raises, or if the place is taken.
+        What `requested` raises, or if the place is taken.
     """
-    usual = f"fit-{case_folder(case.name, dump_case(case), changes)}"
-    targets = [parse_target(word, case) for word in target_words([*request.to, *request.check_on])]
-    paths = [path for one in targets if not one.is_number for path in paths_of(parse_name(one.right))]
+    return _run(case, request, output, f"fit-{case_folder(case.name, dump_case(case), changes)}")
+
+
+def _run(case: Case, request: FitRequest, output: Output, usual: str, files: Sequence[Path] = ()) -> int:
+    targets = parse_targets([*request.to, *request.check_on], case)
+    paths = [*files, *(path for one in targets if not one.is_number for path in paths_of(parse_name(one.right)))]
     origin = measured.source_of(
         "fit", case.name, list(dict.fromkeys(paths)) if output.writes(usual) else [], output.stated_test()
     )
@@ -82,16 +89,7 @@ class FitCommand(Command[FitStudy]):
                 whole = EXPECTED * max(len(self.request.free), 2)
                 report(min(runs / whole, 0.99), f"{runs} runs, sum of squares {misfit:.4g}")
 
-            asked = self.request
-            study = fit(
-                self.case,
-                asked.to,
-                asked.free,
-                tries=asked.tries,
-                check_on=asked.check_on,
-                reading=asked.reading,
-                progress=advance,
-            )
+            study = requested(self.case, self.request, advance)
         return dataclasses.replace(study, origin=self.origin)
 
     def summary(self, result: FitStudy) -> str:

@@ -17,21 +17,22 @@ from strikewave.cases.case import Case
 from strikewave.reporting.measured_files import digests_of
 from strikewave.studies.fit.checking import check
 from strikewave.studies.fit.estimation import is_quadratic, profile
+from strikewave.studies.fit.fit_file import load_fit
 from strikewave.studies.fit.fitted_case import FittedTo, fitted_case
 from strikewave.studies.fit.free_fields import FreeField, changed_case, free_fields
 from strikewave.studies.fit.measured import LaidPulse, MeasuredNumber, MeasuredPulse
 from strikewave.studies.fit.notices import fit_notices
 from strikewave.studies.fit.problem import Problem, Solved, solve
+from strikewave.studies.fit.request import FitRequest
 from strikewave.studies.fit.result import FitStudy, FittedParameter
 from strikewave.studies.fit.separating import separating
 from strikewave.studies.fit.simulation import Simulation
 from strikewave.studies.fit.targets import (
     ReadTargets,
     Target,
-    parse_target,
+    parse_targets,
     published_targets,
     read_targets,
-    target_words,
 )
 from strikewave.studies.fit.trying import TriedChoice, read_tries, tried
 
@@ -43,7 +44,7 @@ MOST_NAMED = 6
 
 @compiling_shown()
 def fit(
-    case: Case,
+    case: Case | str | Path,
     to: Sequence[str] = (),
     free: Sequence[str] = (),
     *,
@@ -56,8 +57,9 @@ def fit(
 
     Parameters
     ----------
-    case : Case
-        Of a machine, a layered bar, or elements; the search begins at its values.
+    case : Case, str or Path
+        Of a machine, a layered bar, or elements; the search begins at its values. Or the path of a file of a whole fit,
+        which states all else.
     to : sequence of str, optional
         Records and numbers, as ``--to`` takes them; the published numbers that the case was fitted to by default.
     free : sequence of str, optional
@@ -84,13 +86,25 @@ def fit(
     >>> round(study.parameters[0].standard_error / study.parameters[0].value, 2)
     0.02
     """
-    reading = reading or SourceOptions()
-    if not tries:
-        return _fit(case, to, free, check_on, reading, progress)
+    if isinstance(case, Case):
+        request = FitRequest(tuple(to), tuple(free), tries, tuple(check_on), reading or SourceOptions())
+        return requested(case, request, progress)
+    if to or free or tries or check_on or reading is not None:
+        raise InputError("case", str(case), "the path of a file alone: it states all else", "or a case: load_case(...)")
+    read = load_fit(case)
+    return requested(read.case, read.request, progress)
+
+
+def requested(case: Case, request: FitRequest, progress: Callable[[int, float], None] | None = None) -> FitStudy:
+    """Return the fit that is asked for; see `fit`."""
+    if not request.tries:
+        return _fit(case, request, progress)
+    with request.stated("try"):
+        changes = read_tries(case, request.tries)
     studies, rows = dict[str, FitStudy](), list[TriedChoice]()
-    for change in read_tries(case, tries):
+    for change in changes:
         try:
-            studies[change] = _fit(changed_case(case, [change]), to, free, check_on, reading, progress)
+            studies[change] = _fit(changed_case(case, [change]), request, progress)
             rows.append(tried(change, studies[change].solved))
         except StrikewaveError as error:
             rows.append(TriedChoice(change, failure=str(error).partition("\n")[0]))
@@ -100,26 +114,18 @@ def fit(
     return dataclasses.replace(studies[rows[0].choice], tries=tuple(rows))
 
 
-def _fit(
-    case: Case,
-    to: Sequence[str],
-    free: Sequence[str],
-    check_on: Sequence[str],
-    reading: SourceOptions,
-    progress: Callable[[int, float], None] | None,
-) -> FitStudy:
+def _fit(case: Case, request: FitRequest, progress: Callable[[int, float], None] | None) -> FitStudy:
     """Return the fit of one case."""
-    fields = free_fields(case, free)
-    targets = [parse_target(word, case) for word in target_words(to)] or published_targets(case)
+    with request.stated("free"):
+        fields = free_fields(case, request.free)
+    targets = parse_targets(request.to, case) or published_targets(case)
     if not targets:
         hint = 'such as --to shot.csv or --to first.rigid_peak="4000 g"'
         raise InputError("--to", "none", "a record or a number: the case holds none that it was fitted to", hint)
-    read = read_targets("--to", case, targets, fields, reading)
-    kept_out = read_targets(
-        "--check-on", case, [parse_target(word, case) for word in target_words(check_on)], fields, reading
-    )
+    read = read_targets("--to", case, targets, fields, request.reading)
+    kept_out = read_targets("--check-on", case, parse_targets(request.check_on, case), fields, request.reading)
     study = fitted_study(case, fields, read, targets, progress)
-    if not check_on:
+    if not request.check_on:
         return study
     checks = check(study.solved, kept_out.experiments)
     return dataclasses.replace(study, checks=checks, notices=(*study.notices, *kept_out.notices))
@@ -152,7 +158,7 @@ def fitted_study(
         pulses=tuple(_laid(solved.problem, runs)),
         computed=_computed(solved.problem, runs),
         separating=tuple(separating(solved)),
-        citations=("liang-zeger-1986", "raue-2009"),
+        citations=("liang-zeger-1986", "bell-mccaffrey-2002", "raue-2009"),
     )
     return dataclasses.replace(study, notices=(*fit_notices(study), *read.notices))
 
@@ -200,6 +206,7 @@ def _parameter(solved: Solved, k: int, field: FreeField) -> FittedParameter:
     followed = None
     if not solved.stopped and not found.groups() and not is_quadratic(solved.search, found, k):
         followed = profile(solved.search, found, k)
-    low, high = (place - found.reach * error, place + found.reach * error) if followed is None else followed[:2]
+    reach = float(found.reach[k]) * error
+    low, high = (place - reach, place + reach) if followed is None else followed[:2]
     ends = field.si(max(low, 0.0)), field.si(min(high, 1.0))
     return FittedParameter(field, value, field.error(value, error), *ends, followed)

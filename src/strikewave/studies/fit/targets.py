@@ -1,7 +1,8 @@
 """What a case is fitted to, as it is typed: records and numbers, each with the settings at which it was measured.
 
-``shot.csv`` is a record of the usual part, ``PART=shot.csv`` of another one; ``first.rigid_peak=4151 g`` a number, with
-its standard uncertainty behind ``±`` or ``+-``. Settings follow after semicolons: ``shot.csv; machine.speed=500 rpm``.
+``shot.csv`` is a record of the usual part, ``PART=shot.csv`` of another one; ``first.rigid_peak=4151 g`` a number.
+Behind ``±`` or ``+-`` stands the standard uncertainty of a number, or by which share the amplitude of such records
+scatters from shot to shot. Settings follow after semicolons: ``shot.csv; machine.speed=500 rpm``.
 ``@FILE`` stands for the lines of a text file.
 """
 
@@ -10,7 +11,7 @@ from __future__ import annotations
 import os
 import re
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 
 from strikewave.analyses.compare.curve import ComparedCurve
@@ -24,6 +25,7 @@ from strikewave.studies.fit.free_fields import FreeField, changed_case
 from strikewave.studies.fit.measured import Measured, MeasuredNumber, MeasuredPulse, measured_pulse
 from strikewave.studies.fit.problem import Experiment
 from strikewave.studies.fit.simulation import Simulation, checked_number, number_units, quick_case
+from strikewave.studies.fit.stated import stated_at
 from strikewave.uncertainty.known import LEAST, MOST, half_a_digit
 
 MOST_RECORDS = 200
@@ -49,12 +51,26 @@ class Target:
         Settings, ``path=value`` each.
     is_number : bool
         Whether it is a number.
+    scatter : float
+        Standard deviation of the amplitude of records from shot to shot, as a share; 0 where it is not stated.
+    stated : str
+        Table of a file that states it; empty where it was typed.
     """
 
     left: str
     right: str
     changes: tuple[str, ...] = ()
     is_number: bool = False
+    scatter: float = 0.0
+    stated: str = field(default="", repr=False, compare=False)
+
+
+def parse_targets(words: Sequence[str | Target], case: Case) -> list[Target]:
+    """Return targets taken apart, with those of the lines of ``@FILE``; see `target_words` and `parse_target`."""
+    parsed = []
+    for word in words:
+        parsed += [word] if isinstance(word, Target) else [parse_target(one, case) for one in target_words([word])]
+    return parsed
 
 
 def target_words(words: Sequence[str]) -> list[str]:
@@ -91,7 +107,9 @@ def parse_target(word: str, case: Case) -> Target:
     --------
     >>> from strikewave import load_case
     >>> parse_target("sensor=shot.csv#2; machine.speed=500 rpm", load_case("li-ma-2019"))
-    Target(left='sensor', right='shot.csv#2', changes=('machine.speed=500 rpm',), is_number=False)
+    Target(left='sensor', right='shot.csv#2', changes=('machine.speed=500 rpm',), is_number=False, scatter=0.0)
+    >>> parse_target("shot.csv +- 2 %", load_case("li-ma-2019")).scatter
+    0.02
     """
     first, *rest = (part.strip() for part in word.split(";")) if not os.path.lexists(word) else (word,)
     for change in rest:
@@ -99,12 +117,19 @@ def parse_target(word: str, case: Case) -> Target:
             raise InputError("--to", change, "path=value behind a semicolon", "such as machine.speed=500 rpm")
     left, equals, right = (part.strip() for part in first.partition("="))
     if not equals or _is_place(first):
-        return Target("", first, tuple(rest))
+        return _records("", first, tuple(rest))
     if left.split(" ")[0] in number_units(case):
         return Target(left, right, tuple(rest), is_number=True)
     if not _is_place(right) and re.match(r"[-+.\d]", right):
         checked_number(case, left)
-    return Target(left, right, tuple(rest))
+    return _records(left, right, tuple(rest))
+
+
+def _records(part: str, word: str, changes: tuple[str, ...]) -> Target:
+    """Return a target of records, with the scatter of their amplitude where it is stated."""
+    name, *scatter = _UNCERTAIN.split(word, maxsplit=1) if not _is_place(word) else [word]
+    share = read_share(scatter[0].strip(), f"--to {name}") if scatter else 0.0
+    return Target(part, name, changes, scatter=share)
 
 
 def _is_place(word: str) -> bool:
@@ -137,17 +162,17 @@ def read_number(case: Case, target: Target) -> MeasuredNumber:
     """
     name, sensor, unit = checked_number(case, target.left)
     typed, *uncertain = _UNCERTAIN.split(target.right, maxsplit=1)
-    field = f"--to {target.left}"
-    value = _read(typed, unit, field)
+    option = f"--to {target.left}"
+    value = _read(typed, unit, option)
     if value.si == 0.0:
-        raise InputError(field, typed, "a number that is not 0", "its uncertainty is a share of it")
+        raise InputError(option, typed, "a number that is not 0", "its uncertainty is a share of it")
     share = min(max(LEAST, half_a_digit(value.typed)), MOST)
     size = share * abs(value.si)
     if uncertain:
         word = uncertain[0].strip()
-        size = read_share(word, field) * abs(value.si) if word.endswith("%") else _read(word, unit, field).si
+        size = read_share(word, option) * abs(value.si) if word.endswith("%") else _read(word, unit, option).si
         if not size > 0.0:
-            raise InputError(field, word, "a standard uncertainty above 0, such as 2 %")
+            raise InputError(option, word, "a standard uncertainty above 0, such as 2 %")
     return MeasuredNumber(name, sensor, unit, value.si, size, typed, ", ".join(target.changes))
 
 
@@ -187,28 +212,38 @@ def read_targets(
         grouped.setdefault(target.changes, []).append(target)
     experiments, notices, paths = list[Experiment](), list[Notice](), list[Path]()
     for changes, members in grouped.items():
-        changed = changed_case(case, changes)
-        for field in fields:
-            if changed.values().get(field.path) != case.values()[field.path]:
-                raise InputError(option, "; ".join(changes), f"settings that leave {field.path} free: it is fitted")
-        numbers = [read_number(changed, one) for one in members if one.is_number]
-        records = list[tuple[str, int, ComparedCurve]]()
+        with stated_at(members[0].stated):
+            changed = changed_case(case, changes)
+            for free in fields:
+                if changed.values().get(free.path) != case.values()[free.path]:
+                    raise InputError(option, "; ".join(changes), f"settings that leave {free.path} free: it is fitted")
+        numbers, records = list[MeasuredNumber](), list[tuple[Target, ComparedCurve]]()
         for one in members:
-            if one.is_number:
-                continue
-            curves, left = read_shots(option, one.right, reading)
-            part, blow = _part(one.left)
-            records += [(part, blow, curve) for curve in curves]
+            with stated_at(one.stated):
+                if one.is_number:
+                    numbers.append(read_number(changed, one))
+                    continue
+                curves, left = read_shots(option, one.right, reading)
+            records += [(one, curve) for curve in curves]
             notices += [*left, *(notice for curve in curves for notice in curve.notices)]
             paths += paths_of(parse_name(one.right))
         if len(records) > MOST_RECORDS:
             raise InputError(option, f"{len(records)} records", f"at most {MOST_RECORDS}")
-        quick = quick_case(changed, _blows(numbers, [blow for _, blow, _ in records]))
-        run = Simulation(quick)
-        pulses = [measured_pulse(curve, run, part, blow, reading.low_pass) for part, blow, curve in records]
+        quick = quick_case(changed, _blows(numbers, [_part(one.left)[1] for one, _ in records]))
+        run, pulses = Simulation(quick), list[MeasuredPulse]()
+        for one, curve in records:
+            with stated_at(one.stated):
+                shot, low_pass = _shot(one, curve), reading.low_pass
+                pulses.append(measured_pulse(curve, run, *_part(one.left), low_pass, shot, one.scatter))
         measured: tuple[Measured, ...] = (*numbers, *pulses)
         experiments.append(Experiment(quick, changes, measured))
     return ReadTargets(tuple(experiments), tuple(dict.fromkeys(notices)), tuple(dict.fromkeys(paths)))
+
+
+def _shot(target: Target, curve: ComparedCurve) -> str:
+    """Return the file and blow that a record is of, whatever its channel."""
+    channel, blow = _part(curve.name)
+    return f"{os.path.dirname(parse_name(target.right).place)}/{channel.rpartition('#')[0]}@{blow}"
 
 
 def _part(left: str) -> tuple[str, int]:

@@ -1,0 +1,282 @@
+"""The file of a whole fit: the case, what is free, and records and numbers, each with its settings.
+
+What it states is what the options of the command say, and comes to the same result. Its files lie beside it, or else
+where we work.
+"""
+
+from __future__ import annotations
+
+import os
+import tomllib
+from collections.abc import Iterator, Mapping, Sequence
+from pathlib import Path
+from typing import Annotated, Any, Literal, NamedTuple, Self
+
+from pydantic import BeforeValidator, Field, ValidationError, model_validator
+
+from strikewave.analyses.compare.sources import SourceOptions
+from strikewave.base.errors import MISSING, InputError, InputErrors, StrikewaveError
+from strikewave.cases.case import Case, bundled_cases, load_case
+from strikewave.cases.paths import Form
+from strikewave.cases.performed_test import Line
+from strikewave.cases.small_file import LARGEST_FILE, read_small_file
+from strikewave.cases.tables import CaseTable
+from strikewave.reporting.low_pass import low_pass_of
+from strikewave.reporting.measured_files import MeasurementOptions
+from strikewave.studies.fit.request import FitRequest
+from strikewave.studies.fit.stated import stated_at
+from strikewave.studies.fit.targets import Target
+
+ALLOWED = "a TOML file with the case, and [[record]] or [[number]]"
+MOST_TARGETS, MOST_SET, DEEPEST = 1000, 100, 8
+"""Records and numbers of a file, settings of one, and tables within one another: no test has as many."""
+OF_FIT = ("free", "record", "number", "try", "reading")
+"""Tables that a case has not: a file with one of them, or with ``case``, is that of a fit."""
+OF_CALIBRATION = ("unit", "sensitivity", "gain", "excitation", "rated_excitation", "count", "polarity")
+
+
+def _quantity(raw: Any) -> str | int | float:
+    """Return a quantity as typed: a text, or a bare number."""
+    if isinstance(raw, bool) or not isinstance(raw, str | int | float):
+        raise InputError("", raw, 'a quantity, such as "0.5 m", or a bare number')
+    return raw
+
+
+def _settings(raw: Any) -> tuple[str, ...]:
+    """Return settings, ``path=value`` each; a path is a key in quotes, or keys within one another."""
+    changes = [f"{path}={value}" for path, value in _leaves(raw, "")]
+    if len(changes) > MOST_SET:
+        raise InputError("", f"{len(changes)} settings", f"at most {MOST_SET}")
+    return tuple(changes)
+
+
+def _leaves(raw: Any, path: str, depth: int = 0) -> Iterator[tuple[str, Any]]:
+    if isinstance(raw, Mapping):
+        if depth > DEEPEST:
+            raise InputError(path, "tables within tables", "paths of a case")
+        for key, value in raw.items():
+            yield from _leaves(value, f"{path}.{key}".lstrip("."), depth + 1)
+    elif not path or isinstance(raw, bool) or not isinstance(raw, str | int | float):
+        raise InputError(path, raw, 'paths with their values, such as machine.height = "0.5 m"')
+    else:
+        yield path, raw
+
+
+def _words(raw: Any) -> list[str]:
+    """Return a value of the calibration as options have it: for all channels, or channel by channel."""
+    if isinstance(raw, Mapping):
+        return [f"{channel}={_quantity(value)}" for channel, value in raw.items()]
+    return [str(_quantity(raw))]
+
+
+Quantity = Annotated[str | int | float, BeforeValidator(_quantity)]
+Settings = Annotated[tuple[str, ...], BeforeValidator(_settings)]
+Calibration = Annotated[list[str] | None, BeforeValidator(_words)]
+
+
+class FreeTable(CaseTable):
+    """[[free]]: a field that is fitted, with bounds or without."""
+
+    path: Line
+    low: Quantity | None = None
+    high: Quantity | None = None
+
+    @model_validator(mode="after")
+    def _whole(self) -> Self:
+        for name in ("low", "high"):
+            if getattr(self, name) is None and (self.low, self.high) != (None, None):
+                raise InputError(name, MISSING, "both bounds, or none")
+        return self
+
+    @property
+    def word(self) -> str:
+        """As the option has it."""
+        return self.path if self.low is None else f"{self.path}={self.low}:{self.high}"
+
+
+class MeasuredTable(CaseTable):
+    """What was measured: ``set`` are the settings; what is ``kept_out`` is predicted, not fitted to."""
+
+    set: Settings = ()
+    kept_out: bool = False
+
+    def target(self, folder: Path, stated: str) -> Target:
+        """Return it as a target."""
+        raise NotImplementedError
+
+
+class RecordTable(MeasuredTable):
+    """[[record]]: a measured file, or several by a pattern.
+
+    ``channel`` and ``blow`` are those of the file, ``part`` and ``of_blow`` those of the run.
+    """
+
+    file: Line
+    channel: Line | int = ""
+    blow: Annotated[int, Field(ge=1, le=999_999)] | Literal["all"] | None = None
+    part: Line = ""
+    of_blow: Annotated[int | None, Field(ge=1, le=999_999)] = None
+
+    def target(self, folder: Path, stated: str) -> Target:
+        """Return it as a target."""
+        place = beside(self.file, folder)
+        channel = f"#{self.channel}" if self.channel != "" else ""
+        blow = f"@{self.blow}" if self.blow is not None else ""
+        part = self.part + (f"@{self.of_blow}" if self.of_blow is not None else "")
+        return Target(part, f"{place}{channel}{blow}", self.set, stated=stated)
+
+
+class NumberTable(MeasuredTable):
+    """[[number]]: a stated number, with its standard uncertainty; ``sensor`` where it is that of one."""
+
+    name: Line
+    sensor: Line = ""
+    value: Quantity
+    uncertainty: Quantity | None = None
+
+    def target(self, folder: Path, stated: str) -> Target:
+        """Return it as a target."""
+        uncertain = f" +- {self.uncertainty}" if self.uncertainty is not None else ""
+        left = f"{self.name} {self.sensor}".strip()
+        return Target(left, f"{self.value}{uncertain}", self.set, is_number=True, stated=stated)
+
+
+class TryTable(CaseTable):
+    """[try]: choices of a field that are fitted each."""
+
+    path: Line
+    choices: tuple[Quantity, ...]
+
+    @property
+    def word(self) -> str:
+        """As the option has it."""
+        return f"{self.path}={','.join(map(str, self.choices))}"
+
+
+class ReadingTable(CaseTable):
+    """[reading]: how the records are read, as the options of `strikewave record` say it."""
+
+    channel: Line | int = ""
+    unit: Calibration = None
+    sensitivity: Calibration = None
+    gain: Calibration = None
+    excitation: Calibration = None
+    rated_excitation: Calibration = None
+    count: Calibration = None
+    polarity: Calibration = None
+    rate: Quantity | None = None
+    time: Line | int = ""
+    time_unit: Line = ""
+    filter: Quantity | None = None
+
+    def options(self) -> SourceOptions:
+        """Return it as commands have it."""
+        measurement = MeasurementOptions.in_python(
+            [self.channel] if self.channel != "" else [],
+            {},
+            self.rate,
+            None if self.time == "" else self.time,
+            self.time_unit or None,
+        )
+        stated = MeasurementOptions(**{name: getattr(self, name) for name in OF_CALIBRATION}).calibration()
+        return SourceOptions(stated, measurement.reading(), low_pass_of(self.filter), band=False)
+
+
+class FitFile(CaseTable):
+    """The file of a whole fit."""
+
+    schema_: Annotated[Literal[1], Field(alias="schema")]
+    title: Line = ""
+    case: Line
+    set: Settings = ()
+    free: tuple[FreeTable, ...] = ()
+    record: tuple[RecordTable, ...] = ()
+    number: tuple[NumberTable, ...] = ()
+    try_: Annotated[TryTable | None, Field(alias="try")] = None
+    reading: ReadingTable = ReadingTable()
+
+    @model_validator(mode="after")
+    def _counted(self) -> Self:
+        count = len(self.record) + len(self.number)
+        if count > MOST_TARGETS:
+            raise InputError("record", f"{count} records and numbers", f"at most {MOST_TARGETS}")
+        return self
+
+
+FORM = Form(FitFile, "fit", 'record.0.file="shot.csv"')
+
+
+class ReadFit(NamedTuple):
+    """A file of a fit that was read: the case, what is asked, and the file itself."""
+
+    case: Case
+    request: FitRequest
+    path: Path
+
+
+def beside(word: str, folder: Path) -> str:
+    """Return a file or a pattern beside the file of a fit, or else from where we work."""
+    place = str(folder / word)
+    is_pattern = any(mark in word for mark in "*?[")
+    return place if is_pattern or os.path.lexists(place) else word
+
+
+def is_fit_file(name: str) -> bool:
+    """Tell whether a name is that of a file of a whole fit: one with a case, or with what only a fit has.
+
+    Examples
+    --------
+    >>> is_fit_file("li-ma-2019"), is_fit_file("nowhere.toml")
+    (False, False)
+    """
+    if name in bundled_cases() or not name.lower().endswith(".toml") or not os.path.isfile(name):
+        return False
+    try:
+        with open(name, "rb") as file:
+            document = tomllib.loads(file.read(LARGEST_FILE + 1).decode("utf-8"))
+    except (OSError, ValueError, RecursionError):
+        return False
+    return isinstance(document.get("case"), str) or any(table in document for table in OF_FIT)
+
+
+def load_fit(path: str | Path, changes: Sequence[str] = ()) -> ReadFit:
+    """Read a file of a whole fit; ``changes`` of its case go before those that it states.
+
+    Raises
+    ------
+    InputError, InputErrors
+        With one line for each thing that is wrong: file, table and key, and what is allowed.
+    """
+    path = Path(path)
+    document = read_small_file(path, "FILE", ALLOWED)
+    try:
+        file = FitFile.model_validate(document)
+    except ValidationError as error:
+        raise InputErrors(f"{path.name}: {line}" for line in FORM.lines(error)) from None
+    place = file.case if file.case in bundled_cases() else beside(file.case, path.parent)
+    with stated_at(path.name):
+        case = load_case(place)
+    with stated_at(f"{path.name}: set"):
+        case = load_case(place, (*file.set, *changes))
+    with stated_at(f"{path.name}: reading"):
+        try:
+            reading = file.reading.options()
+        except StrikewaveError:
+            raise
+        except ValueError as error:
+            raise InputErrors([str(error)]) from None
+    measured: dict[str, tuple[MeasuredTable, ...]] = {"record": file.record, "number": file.number}
+    targets = [
+        (one.kept_out, one.target(path.parent, f"{path.name}: {table}.{k}"))
+        for table, rows in measured.items()
+        for k, one in enumerate(rows)
+    ]
+    request = FitRequest(
+        to=tuple(target for kept_out, target in targets if not kept_out),
+        free=tuple(one.word for one in file.free),
+        tries=file.try_.word if file.try_ is not None else "",
+        check_on=tuple(target for kept_out, target in targets if kept_out),
+        reading=reading,
+        file=path.name,
+    )
+    return ReadFit(case, request, path)
