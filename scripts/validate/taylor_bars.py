@@ -7,10 +7,8 @@ docs/taylor-bars.md and its pictures: final length, diameter of the foot, diamet
 
 import argparse
 import dataclasses
-import re
 from concurrent.futures import ProcessPoolExecutor
 from multiprocessing import get_context
-from pathlib import Path
 
 import numpy as np
 from kit import DATA as MEASURED
