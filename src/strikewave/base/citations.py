@@ -232,6 +232,10 @@ SOURCES: dict[str, str] = {
         "J. H. Friedman, Multivariate Adaptive Regression Splines, The Annals of Statistics 19 (1991) 1-67, "
         "doi:10.1214/aos/1176347963 (from memory)"
     ),
+    "kelley-1935": (
+        "T. L. Kelley, An Unbiased Correlation Ratio Measure, Proceedings of the National Academy of Sciences 21 "
+        "(1935) 554-559 (from memory)"
+    ),
     "mckay-1979": (
         "M. D. McKay, R. J. Beckman, W. J. Conover, A Comparison of Three Methods for Selecting Values of Input "
         "Variables in the Analysis of Output from a Computer Code, Technometrics 21 (1979) 239-245, "

@@ -101,6 +101,21 @@ class Workers:
                 for future in wait(running, return_when=FIRST_COMPLETED).done:
                     yield running.pop(future), future.result()
 
+    def submit(self, function: Callable[[Item], Result], item: Item) -> Future[Result]:
+        """Begin a call, whose future the caller awaits; in this process it is done when this returns.
+
+        Examples
+        --------
+        >>> with Workers(1) as workers:
+        ...     workers.submit(abs, -1).result()
+        1
+        """
+        if self._pool is not None:
+            return self._submitted(self._pool, function, [item])[0]
+        done: Future[Result] = Future()
+        done.set_result(function(item))
+        return done
+
     @staticmethod
     def _submitted(
         pool: ProcessPoolExecutor, function: Callable[[Item], Result], items: Iterable[Item]

@@ -13,9 +13,9 @@ from strikewave.base.quantities import Value
 from strikewave.cases.case import dump_case, parse_case
 from strikewave.signal.resampling import resampled
 from strikewave.studies.fit.problem import Problem
-from strikewave.studies.fit.simulation import Simulation
 from strikewave.studies.fit.study import fit
 from strikewave.studies.fit.targets import parse_target, read_targets
+from strikewave.studies.simulation import Simulation
 from strikewave.uncertainty.bands import latin_hypercube
 from strikewave.uncertainty.draws import drawn
 from strikewave.uncertainty.known import FITTED_BASIS, known_inputs

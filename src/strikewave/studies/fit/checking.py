@@ -15,7 +15,7 @@ from strikewave.signal.pulse import Pulse
 from strikewave.studies.fit.covariance import Estimate
 from strikewave.studies.fit.measured import MeasuredNumber, MeasuredPulse
 from strikewave.studies.fit.problem import Experiment, Problem, Solved
-from strikewave.studies.fit.simulation import Simulation
+from strikewave.studies.simulation import Simulation
 from strikewave.uncertainty.bands import latin_hypercube
 from strikewave.uncertainty.draws import normal_quantile
 from strikewave.uncertainty.runs import on_threads

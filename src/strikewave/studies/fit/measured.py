@@ -24,7 +24,7 @@ from strikewave.signal.filters import Filter
 from strikewave.signal.pulse import RISE_LOW, crossing
 from strikewave.signal.resampling import REACH, resampled
 from strikewave.studies.fit.noise import autocorrelation
-from strikewave.studies.fit.simulation import Simulation
+from strikewave.studies.simulation import Simulation
 
 Array = NDArray[np.float64]
 

@@ -18,7 +18,7 @@ from strikewave.studies.fit.estimation import FINAL_STEP, Search
 from strikewave.studies.fit.free_fields import FreeField, case_at
 from strikewave.studies.fit.measured import Measured, MeasuredNumber, MeasuredPulse
 from strikewave.studies.fit.noise import independent_count
-from strikewave.studies.fit.simulation import Simulation
+from strikewave.studies.simulation import Simulation
 
 Array = NDArray[np.float64]
 

@@ -26,7 +26,6 @@ from strikewave.studies.fit.problem import Problem, Solved, solve
 from strikewave.studies.fit.request import FitRequest
 from strikewave.studies.fit.result import FitStudy, FittedParameter
 from strikewave.studies.fit.separating import separating
-from strikewave.studies.fit.simulation import Simulation
 from strikewave.studies.fit.targets import (
     ReadTargets,
     Target,
@@ -35,6 +34,7 @@ from strikewave.studies.fit.targets import (
     read_targets,
 )
 from strikewave.studies.fit.trying import TriedChoice, read_tries, tried
+from strikewave.studies.simulation import Simulation
 
 Array = NDArray[np.float64]
 

@@ -33,7 +33,8 @@ class Simulation:
         self.case = case
 
     @functools.cached_property
-    def _seen(self) -> Any:
+    def observed(self) -> Any:
+        """The run of a machine as it is looked at: see `strikewave.analyses.machine.observe`."""
         from strikewave.analyses.machine.observe import observe
 
         return observe(self.case)
@@ -45,23 +46,29 @@ class Simulation:
         return run_wave(self.case)
 
     @functools.cached_property
+    def elements(self) -> Any:
+        """The result of a model of elements."""
+        from strikewave.analyses.fem.run import run_fem
+
+        return run_fem(self.case)
+
+    @functools.cached_property
     def _arrays(self) -> LabelledArrays | None:
         if self.case.command == "run":
             from strikewave.analyses.machine.dataset import build_dataset
 
-            return build_dataset(self.case, self._seen)
+            return build_dataset(self.case, self.observed)
         if self.case.command == "wave":
             return self._bar.arrays
-        from strikewave.analyses.fem.run import run_fem
-
-        return run_fem(self.case).arrays
+        arrays: LabelledArrays | None = self.elements.arrays
+        return arrays
 
     def number(self, name: str, sensor: str = "") -> float | None:
         """Return a number, SI; None where this run has none, such as the width of a blow that missed."""
         if self.case.command == "run":
             from strikewave.analyses.machine.run import published_value
 
-            return published_value(name, self._seen.blows, self._seen.readings, sensor)
+            return published_value(name, self.observed.blows, self.observed.readings, sensor)
         figures: Mapping[str, float] = self._bar.figures
         return figures.get(name)
 
