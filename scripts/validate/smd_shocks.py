@@ -72,7 +72,7 @@ def words_of(study: FitStudy) -> str:
     """Return the fitted values in words."""
     texts = []
     for one in study.parameters:
-        path = one.field.path.rpartition(".")[2].replace("_", " ")
+        path = one.field.path.rpartition(".")[2].replace("_", " ").replace("restitution", "coefficient of restitution")
         ended = not one.field.low * 1.001 < one.value < one.field.high * 0.999
         known = "at its bound" if ended else f"± {100 * one.standard_error / one.value:.1f} %"
         texts.append(f"{path} {one.field.shown(one.value, 3)} ({known if one.determined else 'open'})")
@@ -100,6 +100,7 @@ def predictions(found: dict[str, tuple[FitStudy, TriedChoice]], names: list[str]
             half = np.mean([(one.high - one.low) / (2.0 * one.predicted) for one in own])
             spread = np.std([one.measured for one in own], ddof=1) / np.mean([one.measured for one in own])
             cells = f"{100 * bias:+.1f} %", f"{inside[figure]} of {len(own)}", f"± {100 * half:.0f} %"
+            figure = figure.replace("width", "pulse width at 10 %")
             rows.append([name, figure, *cells, f"{100 * spread:.1f} %"])
         scores = [one.rating.overall for _, one in checks.agreements]
         words = f"{np.mean(scores):.2f} ({min(scores):.2f} to {max(scores):.2f})"
