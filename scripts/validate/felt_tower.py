@@ -38,8 +38,10 @@ FELT = (
 CORDS = ("machine.cord_force=10 N:20 kN", "machine.cord_stiffness=10 N/m:100 kN/m")
 TABLE = ("object.frame_stiffness=0.5 GN/m:200 GN/m",)
 STIFF = ("object.frame_stiffness=200 GN/m",)
+LONGER = "machine.follow=2 ms"
 STRUCTURES = {
-    "free fall": (("machine.cord_force=1 N", "machine.cord_stiffness=1 N/m"), (*FELT, *TABLE)),
+    "free fall": (("machine.cord_force=1 N", "machine.cord_stiffness=1 N/m", LONGER), (*FELT, *TABLE)),
+    "constant pull, table that gives way": (("machine.cord_stiffness=1 N/m",), (*FELT, *CORDS[:1], *TABLE)),
     "cords, stiff table": (STIFF, (*FELT, *CORDS)),
     "cords, table that gives way": ((), (*FELT, *CORDS, *TABLE)),
 }
@@ -141,7 +143,7 @@ def predictions(studies: dict[str, FitStudy]) -> str:
             cells.append(f"{middle:.0f} ({low:.0f} to {high:.0f})")
             cells.append(f"{width.predicted * 1e3:.3f} ({width.low * 1e3:.3f} to {width.high * 1e3:.3f})")
         rows.append(cells)
-    heads = [f"{what}, {name}" for name in studies for what in ("peak (g)", "width (ms)")]
+    heads = [f"{what}, {name}" for name in studies for what in ("peak (g)", "pulse width (ms)")]
     return table(["setting", *heads], rows)
 
 
@@ -174,6 +176,7 @@ def draw(blows: Blows, study: FitStudy, path: Path) -> None:
             words = f"predicted, felt of {thickness} in" if k else None
             axes.errorbar(height, one.predicted / size, ends, fmt="s", capsize=4, color=colours[thickness], label=words)
         axes.set_ylim(bottom=0.0)
+        axes.set_xlim(12.0, 28.0)
         quiet(axes, title.partition(" ")[0].capitalize(), "drop height (in)", title)
     legend_below(figure)
     save(figure, path)
@@ -193,16 +196,17 @@ def main() -> None:
         )
     best = {name: fitted(BEST, own) for name, own in blows.items()}
     first = best["as read"]
-    heads = ["height", "felt", "blows", "peak (g)", "fitted", "width (ms)", "fitted", "2AT/π over √(2gh)"]
+    heads = ["height", "felt", "blows", "peak (g)", "fitted", "pulse width (ms)", "fitted", "2AT/π over √(2gh)"]
     texts = {"felt": table(heads, means(first)), "unseen blows": predictions(best)}
     for name, text in texts.items():
         print(f"\n{text}", flush=True)
         write_into(PAGE, name, text)
     draw(blows["as read"], first, IMAGES / "fit-felt.svg")
     others = {name: fitted(name, blows["as read"]) for name in STRUCTURES if name != BEST}
-    text = structures({**others, BEST: first})
-    print(f"\n{text}\n{first.undetermined}")
-    write_into(PAGE, "tower", text)
+    texts = {"tower": structures({**others, BEST: first}), "other towers": predictions(others)}
+    for name, text in texts.items():
+        print(f"\n{text}", flush=True)
+        write_into(PAGE, name, text)
 
 
 if __name__ == "__main__":
