@@ -14,6 +14,7 @@ from strikewave.base.errors import InputError
 from strikewave.cases.case import Case
 from strikewave.studies.fit.estimation import (
     FINAL_STEP,
+    ROUGH,
     Estimate,
     ResidualBlock,
     Search,
@@ -104,6 +105,11 @@ class Problem:
     def measured(self) -> list[Measured]:
         """All that was measured, in the order of the residuals."""
         return [one for experiment in self.experiments for one in experiment.measured]
+
+    @property
+    def slow(self) -> bool:
+        """Whether a run takes seconds: of elements."""
+        return any(one.case.command == "fem" for one in self.experiments)
 
     @property
     def start(self) -> Array:
@@ -220,7 +226,7 @@ def solve(problem: Problem, advance: Callable[[int, float], None] | None = None)
     first = search.begin(problem.start)
     try:
         _check_felt(problem, search, first)
-        ends = search.wide(problem.start)
+        ends = [search.descend(problem.start, accuracy=ROUGH)] if problem.slow else search.wide(problem.start)
         place, residuals = _nearest(ends, problem.start)
         heavier = problem.reweighted(residuals)
         if len(problem.measured) > 1 and any(one.more_than_noise for one in problem.misfits(residuals)):

@@ -18,6 +18,8 @@ OF_BAR = {
     "peak_force": "N", "peak_stress": "Pa", "peak_velocity": "m/s", "peak_acceleration": "m/s^2", "peak": "m/s^2",
 }  # fmt: skip
 """SI unit of a result of a layered bar by the last part of its name."""
+OF_CONTACT, OF_BODY = ("first.peak_force", "first.force_width"), ("first.rigid_peak", "first.width")
+"""Numbers of elements: of the first contact, and of a part or group."""
 
 
 class Simulation:
@@ -45,6 +47,12 @@ class Simulation:
         return run_wave(self.case)
 
     @functools.cached_property
+    def _elements(self) -> Any:
+        from strikewave.analyses.fem.run import run_fem
+
+        return run_fem(self.case)
+
+    @functools.cached_property
     def _arrays(self) -> LabelledArrays | None:
         if self.case.command == "run":
             from strikewave.analyses.machine.dataset import build_dataset
@@ -52,9 +60,8 @@ class Simulation:
             return build_dataset(self.case, self._seen)
         if self.case.command == "wave":
             return self._bar.arrays
-        from strikewave.analyses.fem.run import run_fem
-
-        return run_fem(self.case).arrays
+        arrays: LabelledArrays = self._elements.arrays
+        return arrays
 
     def number(self, name: str, sensor: str = "") -> float | None:
         """Return a number, SI; None where this run has none, such as the width of a blow that missed."""
@@ -62,6 +69,9 @@ class Simulation:
             from strikewave.analyses.machine.run import published_value
 
             return published_value(name, self._seen.blows, self._seen.readings, sensor)
+        if self.case.command == "fem":
+            number: float | None = self._elements.number(name, sensor)
+            return number
         figures: Mapping[str, float] = self._bar.figures
         return figures.get(name)
 
@@ -89,11 +99,31 @@ def number_units(case: Case) -> dict[str, str]:
         names = [f"tap.{tap.name}.{what}" for tap in case.tap for what in OF_BAR if what != "peak"]
         names += [f"sensor.{sensor.name}.peak" for sensor in case.sensor]
         return {name: OF_BAR[name.rpartition(".")[2]] for name in names}
-    return {}
+    return {name: PUBLISHED_QUANTITIES[name] for name in (*OF_CONTACT, *OF_BODY)}
+
+
+def owners(case: Case, name: str) -> list[str] | None:
+    """Return what may stand behind a number that is of a sensor, or of a part of elements; None of any other.
+
+    Examples
+    --------
+    >>> from strikewave import load_case
+    >>> owners(load_case("two-bars-fem"), "first.width")
+    ['striker', 'bar']
+    """
+    if "sensor_" in name:
+        return [one.name for one in case.sensor]
+    if case.command == "fem" and name in OF_BODY:
+        assert case.mesh is not None
+        assert case.fem is not None
+        return [one.name for one in (*case.mesh.part, *case.fem.group)]
+    return None
 
 
 def checked_number(case: Case, word: str) -> tuple[str, str, str]:
     """Return name, sensor and SI unit of a number that a case gives: ``first.sensor_peak NAME`` is that of a sensor.
+
+    Of elements, ``first.width NAME`` is that of a part.
 
     Raises
     ------
@@ -103,16 +133,14 @@ def checked_number(case: Case, word: str) -> tuple[str, str, str]:
     name, _, sensor = word.strip().partition(" ")
     units = number_units(case)
     if name not in units:
-        if not units:
-            raise InputError("--to", word, "a record: elements are fitted to histories")
         raise InputError("--to", name, "a number that the case gives", nearest(name, units))
-    sensors = [one.name for one in case.sensor]
-    if "sensor_" in name:
-        if sensor.strip() not in sensors:
-            hint = nearest(sensor.strip() or "?", sensors) if sensors else "the case has no sensor"
-            raise InputError("--to", word, f'"{name} SENSOR=VALUE" with the name of a sensor', hint)
-    elif sensor:
-        raise InputError("--to", word, f"{name}=VALUE", "no sensor stands there")
+    of = owners(case, name)
+    if of is None and sensor:
+        raise InputError("--to", word, f"{name}=VALUE", "no name stands there")
+    if of is not None and sensor.strip() not in of:
+        what = "sensor" if "sensor_" in name else "part"
+        hint = nearest(sensor.strip() or "?", of) if of else f"the case has no {what}"
+        raise InputError("--to", word, f'"{name} {what.upper()}=VALUE" with the name of a {what}', hint)
     return name, sensor.strip(), units[name]
 
 
