@@ -21,6 +21,14 @@ SOURCES: dict[str, str] = {
         "K.-Y. Liang, S. L. Zeger, Longitudinal Data Analysis Using Generalized Linear Models, Biometrika 73 (1986) "
         "13-22, doi:10.1093/biomet/73.1.13"
     ),
+    "foreman-mackey-2013": (
+        "D. Foreman-Mackey, D. W. Hogg, D. Lang, J. Goodman, emcee: The MCMC Hammer, Publications of the Astronomical "
+        "Society of the Pacific 125 (2013) 306-312, doi:10.1086/670067"
+    ),
+    "ribatet-2012": (
+        "M. Ribatet, D. Cooley, A. C. Davison, Bayesian Inference from Composite Likelihoods, with an Application to "
+        "Spatial Extremes, Statistica Sinica 22 (2012) 813-845, doi:10.5705/ss.2009.248"
+    ),
     "raue-2009": (
         "A. Raue et al., Structural and Practical Identifiability Analysis of Partially Observed Dynamical Models by "
         "Exploiting the Profile Likelihood, Bioinformatics 25 (2009) 1923-1929, doi:10.1093/bioinformatics/btp358"
