@@ -21,8 +21,8 @@ from scipy.signal import lfilter
 from strikewave import load_case
 from strikewave.cases.case import Case
 from strikewave.signal.resampling import resampled
-from strikewave.studies.fit.simulation import Simulation
 from strikewave.studies.fit.study import fit
+from strikewave.studies.simulation import Simulation
 
 QUIET = 0.02
 """Noise before the run begins that is recorded too, s: what is known of its colour comes from there."""

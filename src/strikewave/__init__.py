@@ -53,6 +53,8 @@ if TYPE_CHECKING:  # for type checkers and editors; at run time a name is import
     from strikewave.studies.scatter.study import scatter as scatter
     from strikewave.studies.settings.drop_table.question import drop_table as drop_table
     from strikewave.studies.settings.question import settings as settings
+    from strikewave.studies.sweep.question import sweep as sweep
+    from strikewave.studies.sweep.study import SweepStudy as SweepStudy
 
 _HOMES = {
     "Band": "base.result",
@@ -68,6 +70,7 @@ _HOMES = {
     "SpectrumResult": "analyses.record.spectrum",
     "Solution": "analyses.machine.result",
     "StrikewaveError": "base.errors",
+    "SweepStudy": "studies.sweep.study",
     "WaveSolution": "analyses.wave.result",
     "buffer": "studies.buffer.question",
     "compare": "analyses.compare.question",
@@ -93,6 +96,7 @@ _HOMES = {
     "settings": "studies.settings.question",
     "solve_impact": "contact.impact",
     "srs": "signal.srs",
+    "sweep": "studies.sweep.question",
     "synthesize": "analyses.record.synthesis.result",
 }
 """Modules of the public names. A test holds this table and the imports above equal."""

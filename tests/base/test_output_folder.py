@@ -1,13 +1,18 @@
-"""Kernel cache: an unwritable place is survived with a word."""
+"""Kernel cache: an unwritable place is survived with a word. Result folders: whole or not at all, and never another's."""
 
+import contextlib
+import errno
 import shutil
 import subprocess
 import sys
+from pathlib import Path
 
 import pytest
 
 from strikewave.base.compiled import PACKAGE, kernel_key
-from strikewave.base.output_folder import keep_true_files
+from strikewave.base.errors import InputError
+from strikewave.base.folder_claim import claimed
+from strikewave.base.output_folder import atomic_folder, check_place, keep_true_files
 
 
 def test_unwritable_kernel_cache_is_survived_with_a_word(tmp_path, environment):
@@ -64,3 +69,75 @@ def test_rerun_keeps_the_animation_of_the_same_numbers_and_units_and_names_what_
     assert keep_true_files(old, new, identity) == (kept, removed)
     assert (new / "machine.html").exists() == bool(kept)
     assert (old / "machine.html").read_text() == "before"
+
+
+def names(folder: Path) -> list[str]:
+    return sorted(p.name for p in folder.iterdir())
+
+
+@contextlib.contextmanager
+def written(folder, identity, force=False):
+    """A result folder written as a command does."""
+    check_place(folder, identity, force)
+    with claimed(folder) as claim, atomic_folder(claim, identity, force) as place:
+        yield place
+
+
+@pytest.mark.parametrize("error", [KeyboardInterrupt, RuntimeError, OSError(errno.ENOSPC, "No space left on device")])
+def test_an_interrupted_result_leaves_nothing(tmp_path, error):
+    with pytest.raises((KeyboardInterrupt, RuntimeError, InputError)), written(tmp_path / "out", "x") as place:
+        (place / "half").write_text("half")
+        raise error
+    assert names(tmp_path) == []
+
+
+def test_an_interrupted_result_keeps_the_old_one(tmp_path):
+    with written(tmp_path / "out", "x") as place:
+        (place / "case.toml").write_text("x")
+    with pytest.raises(KeyboardInterrupt), written(tmp_path / "out", "x") as place:
+        (place / "case.toml").write_text("half")
+        raise KeyboardInterrupt
+    assert names(tmp_path) == ["out"]
+    assert (tmp_path / "out" / "case.toml").read_text() == "x"
+
+
+def test_another_result_is_only_replaced_by_force(tmp_path):
+    def write(identity, force=False):
+        with written(tmp_path / "out", identity, force) as place:
+            (place / "case.toml").write_text(identity)
+
+    write("one")
+    write("one")
+    with pytest.raises(InputError, match="--force"):
+        write("two")
+    write("two", force=True)
+    assert (tmp_path / "out" / "case.toml").read_text() == "two"
+    assert names(tmp_path) == ["out"]
+
+
+def test_a_result_with_files_of_others_is_never_replaced(tmp_path):
+    with written(tmp_path / "out", "x") as place:
+        (place / "case.toml").write_text("x")
+    (tmp_path / "out" / "notes.txt").write_text("mine")
+    for force in (False, True):
+        with pytest.raises(InputError, match=r"notes\.txt"), written(tmp_path / "out", "x", force):
+            pass
+    assert (tmp_path / "out" / "notes.txt").read_text() == "mine"
+
+
+def test_a_place_taken_meanwhile_is_not_replaced(tmp_path):
+    with pytest.raises(InputError, match=r"thesis"), written(tmp_path / "out", "x") as place:
+        (place / "case.toml").write_text("x")
+        (tmp_path / "out").mkdir()
+        (tmp_path / "out" / "thesis.txt").write_text("years of work")
+    assert names(tmp_path) == ["out"]
+
+
+def test_what_is_no_result_is_never_replaced(tmp_path):
+    (tmp_path / "out").mkdir()
+    (tmp_path / "out" / "thesis.docx").write_text("years of work")
+    (tmp_path / "file").write_text("")
+    for place in ("out", "file"):
+        with pytest.raises(InputError), written(tmp_path / place, "x", force=True):
+            pass
+    assert (tmp_path / "out" / "thesis.docx").read_text() == "years of work"

@@ -107,7 +107,7 @@ def completed(words, environment):
 @pytest.mark.parametrize(
     ("words", "offered"),
     [
-        ("strikewave s", ["srs", "spec", "settings", "scatter"]),
+        ("strikewave s", ["srs", "spec", "settings", "sweep", "scatter"]),
         ("strikewave run li-ma-2019-eq", ["li-ma-2019-equal-blows"]),
         ("strikewave run li-ma-2019 --an", ["--animate"]),
         ("strikewave wave x --field ", ["stress", "force", "velocity"]),

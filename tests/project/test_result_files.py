@@ -22,6 +22,7 @@ PAGES = (
     "sensors",
     "settings",
     "specifications",
+    "sweep",
     "waves",
 )
 """Pages of the commands that write folders."""
@@ -61,12 +62,23 @@ def test_a_command_writes_only_what_the_docs_list_for_it(strikewave):
         "impact": [*impact, "--xlsx"],
         "map": ["li-ma-2019", "--points", "3x3", "--x", "machine.speed", "--y", "object.spring", "--xlsx"],
         "fit": ["jesd22-b111-b", "--to", "first.width=0.4 ms", "--free", "contact.reference_force", "--xlsx"],
+        "sweep": [
+            "li-ma-2019",
+            "--vary",
+            "machine.speed=600..700rpm:2",
+            "--analysis",
+            "fast",
+            "--keep",
+            "blows",
+            "--xlsx",
+        ],
         "scatter": ["li-ma-2019-equal-blows", "--runs", 16, "--xlsx"],
     }
     for command, words in calls.items():
         code, _, err = strikewave(command, *words, "--out", f"of-{command}", "-q")
         assert code in (0, 3), err
         written = {path.name for path in Path(f"of-{command}").iterdir()}
+        written = {re.sub(r"-\d+(?=\.parquet)", "", name) for name in written}
         assert len(written) > 2
         rows = [files for files, commands in listed() if re.search(rf"`{command}`|^ ?(all|the same)", commands)]
         assert written <= set().union(*rows), command

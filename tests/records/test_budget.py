@@ -160,8 +160,7 @@ def test_an_offset_moves_the_width_by_the_slopes_at_a_tenth():
 def test_changes_of_the_spectrum_are_their_gain_for_a_slow_swing(kind):
     time = np.arange(20_000) * 1e-6
     swing = BlowStretch(np.sin(2.0 * np.pi * 1e3 * time), 1e-6, 1.0, 0.0, 19_999.0)
-    one = Contribution(kind, kind, 1.0, frequency=8e3, order=2.0, tolerances=((500.0, 0.01), (2e3, 0.05)))
-    one = replace(one, order=30.0) if kind == "resonance" else one
+    one = Contribution(kind, kind, 1.0, frequency=8e3, order=2.0, quality=30.0, tolerances=((500.0, 0.01), (2e3, 0.05)))
     found = float(np.max(changed(swing, [one], np.array([[0.1]]))[0, 5_000:15_000]))
     ratio = 1.0 / 8.0
     wanted = {
@@ -198,7 +197,7 @@ def test_noise_of_each_sample_goes_into_the_area_by_its_root():
 WHOLE = (
     GAIN,
     Contribution("linearity", "linearity", 0.01, "rectangular"),
-    Contribution("resonance", "mounting", 1.0, "rectangular", frequency=60e3, order=30.0),
+    Contribution("resonance", "mounting", 1.0, "rectangular", frequency=60e3, quality=30.0),
     Contribution("filter", "anti-alias filter", 0.1, "rectangular", frequency=10e3, order=4.0),
     Contribution("offset", "zero", 0.005, "rectangular"),
     Contribution("clock", "clock", 1e-4, "rectangular"),

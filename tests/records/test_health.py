@@ -11,6 +11,7 @@ from strikewave.base.percents import percent
 from strikewave.records import Channel, Record, Request, read_file
 from strikewave.records.health import BLOW, Examined, examine
 from strikewave.records.health_notice import FIGURES
+from strikewave.signal.filters import Filter
 
 STEP, PEAK, LENGTH = 1e-6, 1000.0, 100
 """Of the clean half-sine: s, m/s^2, samples."""
@@ -631,3 +632,13 @@ def test_blips_in_step_with_the_mains_are_suspect_and_blows_of_a_machine_are_not
     assert (finding.severity, finding.harms) == ("suspect", (*BLOW, "interval"))
     assert finding.value == pytest.approx(1.0 / 60.0)
     assert "mains" not in dict(codes(record(0.03), step=5e-6))
+
+
+def test_ringing_that_a_filter_takes_off_harms_nothing():
+    """At 53 kHz by a fifth of the peak; a filter at 30 kHz leaves a hundredth of it, and widens the pulse of 100 us."""
+    values = blow(ringing=0.2)
+    assert {"peak", "width"} <= set(found(values, "ringing").harms)
+    reading = read(values, filter=Filter(30e3))
+    [(_, harms)] = [(finding.code, finding.harms) for finding in reading.findings if finding.code == "ringing"]
+    assert "peak" not in harms
+    assert reading.pulses[0].peak == pytest.approx(PEAK, rel=0.01)

@@ -9,7 +9,7 @@ import pytest
 from strikewave.base.errors import InputError, InputErrors
 from strikewave.records.budget.contributions import KINDS as CHANGES
 from strikewave.records.budget.contributions import TOPICS
-from strikewave.specifications.budget_file import KINDS, ContributionTable, Kind, load_budget
+from strikewave.specifications.budget_file import FIELDS_OF_KINDS, ContributionTable, Kind, load_budget
 
 HEAD = 'schema = 1\ntitle = "t"\nstatus = "normative"\nsource = "certificate 17"\n'
 
@@ -106,12 +106,12 @@ def test_each_kind_reaches_its_contribution(tmp_path):
     file.write_text(HEAD + "".join(f"[[contribution]]\n{row}\n" for row in rows))
     budget = load_budget(str(file))
     by_kind = {one.kind: one for one in budget.contributions}
-    assert set(KINDS) <= set(by_kind)
+    assert set(FIELDS_OF_KINDS) <= set(by_kind)
     assert by_kind["sensitivity"].input.standard == 0.01
     assert by_kind["temperature"].input.standard == pytest.approx(0.01 / math.sqrt(3.0))
     assert by_kind["transverse"].input.standard == pytest.approx(0.03 * 0.3 / math.sqrt(2.0))
     assert by_kind["response"].tolerances == ((1e3, 0.01), (1e4, 0.05))
-    assert (by_kind["resonance"].frequency, by_kind["resonance"].order) == (4e4, 30.0)
+    assert (by_kind["resonance"].frequency, by_kind["resonance"].quality) == (4e4, 30.0)
     assert (by_kind["resonance"].status, by_kind["resonance"].source) == ("quoted", "data sheet, by a dealer")
     assert (by_kind["filter"].frequency, by_kind["filter"].order) == (2e4, 4.0)
     assert (by_kind["offset"].spread, by_kind["offset"].relative) == (pytest.approx(5 * 9.80665), False)
@@ -130,4 +130,4 @@ def test_each_kind_changes_a_record_is_listed_and_stands_in_the_docs():
 
 
 def test_every_field_of_a_kind_is_one_of_the_table():
-    assert {name for fields in KINDS.values() for name in fields.needs} <= set(ContributionTable.model_fields)
+    assert {name for fields in FIELDS_OF_KINDS.values() for name in fields.needs} <= set(ContributionTable.model_fields)

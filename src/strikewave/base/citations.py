@@ -29,6 +29,10 @@ SOURCES: dict[str, str] = {
         "M. Ribatet, D. Cooley, A. C. Davison, Bayesian Inference from Composite Likelihoods, with an Application to "
         "Spatial Extremes, Statistica Sinica 22 (2012) 813-845, doi:10.5705/ss.2009.248"
     ),
+    "bell-mccaffrey-2002": (
+        "R. M. Bell, D. F. McCaffrey, Bias Reduction in Standard Errors for Linear Regression with Multi-Stage "
+        "Samples, Survey Methodology 28 (2002) 169-181"
+    ),
     "raue-2009": (
         "A. Raue et al., Structural and Practical Identifiability Analysis of Partially Observed Dynamical Models by "
         "Exploiting the Profile Likelihood, Bioinformatics 25 (2009) 1923-1929, doi:10.1093/bioinformatics/btp358"
@@ -235,6 +239,10 @@ SOURCES: dict[str, str] = {
     "friedman-1991": (
         "J. H. Friedman, Multivariate Adaptive Regression Splines, The Annals of Statistics 19 (1991) 1-67, "
         "doi:10.1214/aos/1176347963 (from memory)"
+    ),
+    "kelley-1935": (
+        "T. L. Kelley, An Unbiased Correlation Ratio Measure, Proceedings of the National Academy of Sciences 21 "
+        "(1935) 554-559 (from memory)"
     ),
     "mckay-1979": (
         "M. D. McKay, R. J. Beckman, W. J. Conover, A Comparison of Three Methods for Selecting Values of Input "

@@ -13,11 +13,11 @@ import importlib
 import os
 import subprocess
 import sys
-import threading
 import time
 from collections.abc import Iterator
 from pathlib import Path
 
+from strikewave.base.child_process import end_after, environment, python_command
 from strikewave.base.compile_progress import compiling_shown
 
 PATIENCE = 120.0
@@ -83,18 +83,17 @@ def _worth_it(kernel: str) -> bool:
 
 def _started(job: str) -> subprocess.Popen[bytes] | None:
     """Start the process; its standard input closes when this one ends, however that happens."""
-    environment = {**os.environ, "PYTHONPATH": os.pathsep.join(filter(None, sys.path))}
-    command = [sys.executable, "-c", f"from {__name__} import work; work()", job]
+    command = python_command("-c", f"from {__name__} import work; work()", job)
     pipe, nowhere = subprocess.PIPE, subprocess.DEVNULL
     try:
-        return subprocess.Popen(command, stdin=pipe, stdout=pipe, stderr=nowhere, env=environment)
+        return subprocess.Popen(command, stdin=pipe, stdout=pipe, stderr=nowhere, env=environment())
     except OSError:
         return None
 
 
 def work() -> None:
     """Do in the second process the job that its first argument names, and write a line for each kernel."""
-    threading.Thread(target=_end_with_the_first, daemon=True).start()
+    end_after(lambda: os.read(0, 1))  # returns at the end of the first process. sys.stdin would be locked at exit
     gc.set_threshold(50_000)  # as the command line does: at Python's own 700 compiling takes a twelfth longer
     module, _, name = sys.argv[1].partition(":")
     function = getattr(importlib.import_module(module), name)
@@ -105,8 +104,3 @@ def work() -> None:
 
     with compiling_shown(tell):
         function()
-
-
-def _end_with_the_first() -> None:
-    os.read(0, 1)  # nothing is ever written: it returns at the end of the file. sys.stdin would be locked at exit
-    os._exit(1)

@@ -11,6 +11,7 @@ from collections.abc import Iterator, Sequence
 from pathlib import Path
 
 from strikewave.base.errors import InputError, show
+from strikewave.base.folder_claim import Claim, hidden_beside, refusal
 
 MARKS = ("case.toml", "record.toml")
 """One of these files marks a folder as a result; its text distinguishes one result from another."""
@@ -59,6 +60,10 @@ RESULT_FILES = (
     "parameters.csv",
     "residuals.csv",
     "runs.csv",
+    "runs.parquet",
+    "run-histories.parquet",
+    "sweep.json",
+    "sweep.svg",
     "scatter.json",
     "scatter.svg",
     "map.json",
@@ -104,9 +109,8 @@ RESULT_FILES = (
 """What a result consists of; a folder that holds anything else is never replaced, for it may be the user's own."""
 ANIMATIONS = ("machine.html", "machine.gif", "animation.html", "animation.gif")
 """Files that take long to make and depend on the inputs alone: a rerun that does not make them keeps them."""
-_LONGEST_NAME, _RANDOM_BYTES = 60, 6
-"""Characters of a name that its hidden neighbour takes over, well within the 255 bytes of file systems in any script;
-and random bytes behind them, of which no two runs ever share."""
+_RANDOM_BYTES = 6
+"""Random bytes behind the name of a file that is being written, of which no two runs ever share."""
 
 
 _NUMBER = re.compile(r"[-_]\d+\.")
@@ -157,8 +161,8 @@ def _check(folder: Path, identity: str, force: bool, own: Sequence[str]) -> None
 
 
 @contextlib.contextmanager
-def atomic_folder(folder: Path, identity: str, force: bool = False, own: Sequence[str] = ()) -> Iterator[Path]:
-    """Give a temporary folder to write into; it takes the place of ``folder`` once all is written.
+def atomic_folder(claim: Claim, identity: str, force: bool = False, own: Sequence[str] = ()) -> Iterator[Path]:
+    """Give a temporary folder to write into; it takes the place of the claimed one once all is written.
 
     On any error, Ctrl-C or a full disk included, the temporary folder goes and the old result stays.
 
@@ -170,27 +174,24 @@ def atomic_folder(folder: Path, identity: str, force: bool = False, own: Sequenc
     Examples
     --------
     >>> import tempfile
+    >>> from strikewave.base.folder_claim import claimed
     >>> with tempfile.TemporaryDirectory() as home:
-    ...     with atomic_folder(Path(home) / "out", identity="") as place:
+    ...     with claimed(Path(home) / "out") as claim, atomic_folder(claim, identity="") as place:
     ...         _ = (place / "case.toml").write_text("")
-    ...     [p.name for p in (Path(home) / "out").iterdir()]
-    ['case.toml']
+    ...     [p.name for p in (Path(home) / "out").iterdir()], len(list(Path(home).iterdir()))
+    (['case.toml'], 1)
     """
-    check_place(folder, identity, force, own)
-    folder = folder.absolute()
-    place = None
+    check_place(claim.folder, identity, force, own)
     try:
-        folder.parent.mkdir(parents=True, exist_ok=True)
-        place = _beside(folder)
-        place.mkdir()
-        yield place
-        check_place(folder, identity, force, own)
-        _swap(place, folder)
+        claim.begin()
+        yield claim.place
+        check_place(claim.folder, identity, force, own)
+        claim.swap()
     except OSError as error:
-        raise InputError("--out", str(folder), "a place that can be written", error.strerror or str(error)) from error
+        allowed, reason = "a place that can be written", refusal(error, claim.folder)
+        raise InputError("--out", str(claim.folder), allowed, reason) from error
     finally:
-        if place is not None:
-            shutil.rmtree(place, ignore_errors=True)
+        shutil.rmtree(claim.place, ignore_errors=True)
 
 
 def keep_true_files(old: Path, new: Path, identity: str) -> tuple[list[str], list[str]]:
@@ -212,21 +213,6 @@ def keep_true_files(old: Path, new: Path, identity: str) -> tuple[list[str], lis
     return kept, [name for name in rest if name not in kept]
 
 
-def _swap(place: Path, folder: Path) -> None:
-    """Move a finished folder into its place; an old one is put aside first and back if that fails."""
-    if not folder.exists():
-        place.rename(folder)
-        return
-    old = _beside(folder)
-    folder.rename(old)
-    try:
-        place.rename(folder)
-    except BaseException:
-        old.rename(folder)
-        raise
-    shutil.rmtree(old, ignore_errors=True)
-
-
 def write_atomically(path: Path, text: str) -> None:
     """Write a text file that appears whole or not at all.
 
@@ -235,17 +221,12 @@ def write_atomically(path: Path, text: str) -> None:
     InputError
         If the place cannot be written.
     """
-    partial = _beside(path)
+    partial = hidden_beside(path, secrets.token_hex(_RANDOM_BYTES))
     try:
         with partial.open("x", encoding="utf-8") as file:
             file.write(text)
         partial.replace(path)
     except OSError as error:
-        raise InputError("FILE", str(path), "a place that can be written", error.strerror or str(error)) from None
+        raise InputError("FILE", str(path), "a place that can be written", refusal(error, path)) from None
     finally:
         partial.unlink(missing_ok=True)
-
-
-def _beside(path: Path) -> Path:
-    """Return a hidden name beside a path that nobody else has."""
-    return path.with_name(f".{path.name[:_LONGEST_NAME]}-{secrets.token_hex(_RANDOM_BYTES)}")

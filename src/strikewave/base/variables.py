@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 
 from strikewave.base.errors import InputError
+from strikewave.base.hdf5_files import enduring_file
 
 if TYPE_CHECKING:
     import xarray
@@ -117,7 +118,7 @@ class LabelledArrays:
         import h5netcdf
         import h5py
 
-        with h5netcdf.File(path, "w") as file:
+        with enduring_file(path) as disk, h5netcdf.File(disk, "w") as file:
             file.dimensions = self.sizes
             for name, (dims, values, attrs) in self.variables.items():
                 kind = h5py.string_dtype() if values.dtype.kind in "OU" else values.dtype

@@ -107,7 +107,7 @@ class RotaryTables(NamedTuple):
 class Case(CaseTable):
     """A case as read: frozen, every quantity in SI with its provenance."""
 
-    model_config = ConfigDict(frozen=True, extra="forbid", populate_by_name=True)
+    model_config = ConfigDict(frozen=True, extra="forbid", populate_by_name=True, defer_build=True)
 
     schema_version: Literal[1] = Field(alias="schema")
     name: Annotated[str, BeforeValidator(case_name)] = ""

@@ -123,7 +123,7 @@ path still fit a line."""
 class CaseTable(BaseModel):
     """What every table of a case is: frozen, without unknown keys."""
 
-    model_config = ConfigDict(frozen=True, extra="forbid")
+    model_config = ConfigDict(frozen=True, extra="forbid", defer_build=True)
 
 
 class MachineTable(CaseTable):

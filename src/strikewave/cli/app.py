@@ -1,6 +1,6 @@
 """The command ``strikewave``: runs a command, and turns errors into one line and an exit code.
 
-Exit codes: 0 done, 1 our fault, 2 bad input, 3 done but a check failed.
+Exit codes: 0 done, 1 our fault, 2 bad input, 3 done but a check failed, 128 + n stopped by signal n (Ctrl-C is 2).
 """
 
 from __future__ import annotations
@@ -15,9 +15,10 @@ import typer
 
 from strikewave._version import __version__
 from strikewave.base.errors import StrikewaveError, StrikewaveWarning
+from strikewave.base.interrupts import Stopped, exit_code, heed
 from strikewave.cli.group import SETTINGS, CommandGroup
 from strikewave.cli.usage import usage_line
-from strikewave.reporting.terminal import INTERRUPTED, complain, say
+from strikewave.reporting.terminal import complain, say
 
 app = typer.Typer(
     name="strikewave",
@@ -51,6 +52,7 @@ modules are imported and pictures drawn, which takes 9 % of a run with its files
 def main() -> None:
     """Run the command line and exit."""
     gc.set_threshold(YOUNG_OBJECTS, *gc.get_threshold()[1:])
+    heed()
     warnings.showwarning = _show_warning
     if len(sys.argv) == 1:
         sys.argv.append("--help")
@@ -67,8 +69,9 @@ def _run() -> int:
     try:
         code = int(app(prog_name="strikewave", standalone_mode=False) or 0)
         sys.stdout.flush()
-    except (typer.Abort, KeyboardInterrupt):
-        code = INTERRUPTED
+    except (Stopped, typer.Abort, KeyboardInterrupt) as stop:
+        complain(f"stopped; {_what_stands(stop)}")
+        return exit_code(stop.__cause__ or stop)
     except StrikewaveError as error:
         complain(str(error))
         return 2
@@ -88,6 +91,10 @@ def _run() -> int:
             raise
         complain(f"internal error ({type(error).__name__}: {error}); please report it, with STRIKEWAVE_TRACE=1 set")
         return 1
-    if code == INTERRUPTED:
-        complain("stopped; nothing was written")
     return code
+
+
+def _what_stands(stop: BaseException) -> str:
+    """Say what a run that was stopped left, as it noted itself."""
+    cause = stop.__cause__ or stop  # typer makes one of its own of Ctrl-C
+    return next(iter(getattr(cause, "__notes__", ())), "nothing was written")

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import typer
 from typer.core import TyperCommand, TyperGroup
 
+from strikewave.base.interrupts import Stopped
 from strikewave.cli.option_groups import spread
 
 if TYPE_CHECKING:
@@ -35,6 +36,7 @@ PANELS: dict[str, dict[str, tuple[str, str]]] = {
     "Design": {
         "fit": ("strikewave.studies.fit.command", "Fit values of a case to measurements."),
         "settings": ("strikewave.studies.settings.command", "Find machine settings for wanted blows."),
+        "sweep": ("strikewave.studies.sweep.command", "Run a case over any of its settings."),
         "map": ("strikewave.studies.map.command", "Map a machine over two of its settings."),
         "scatter": ("strikewave.studies.scatter.command", "Propagate tolerances to the blows."),
         "buffer": ("strikewave.studies.buffer.command", "Rank gasket stacks under a sensor."),
@@ -160,6 +162,13 @@ class CommandGroup(WholeWords, TyperGroup):
         for name, entry in entries().items():
             self.add_command(LazyCommand(name, entry))
         self.add_command(LazyCommand("help", HELP, hidden=True))
+
+    def invoke(self, ctx: Context) -> Any:
+        """Run the command that is named."""
+        try:
+            return super().invoke(ctx)
+        except KeyboardInterrupt as stop:
+            raise Stopped from stop
 
     def format_commands(self, ctx: Context, formatter: HelpFormatter) -> None:
         """Write a section a panel, all in one column."""

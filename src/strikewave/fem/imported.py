@@ -9,10 +9,8 @@ from __future__ import annotations
 import importlib.util
 import json
 import math
-import os
 import re
 import subprocess
-import sys
 import tempfile
 from collections.abc import Iterator, Sequence
 from pathlib import Path
@@ -20,6 +18,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
+from strikewave.base.child_process import environment, python_command
 from strikewave.base.errors import EXISTING_FILE, InputError
 from strikewave.fem import meshio_child
 from strikewave.fem.abaqus import read_abaqus
@@ -211,14 +210,15 @@ def _read_meshio(file: Path, kind: str) -> RawMesh:
     with tempfile.TemporaryDirectory() as folder:
         target = Path(folder) / "mesh.npz"
         memory = LEAST_MEMORY + MEMORY_PER_BYTE * size
-        command = [sys.executable, "-P", meshio_child.__file__, kind, str(file.resolve()), str(target), str(memory)]
+        seconds = math.ceil(LEAST_TIME + size / BYTES_PER_SECOND)
+        words = (kind, str(file.resolve()), str(target), str(memory), str(seconds))
         try:
             done = subprocess.run(
-                command,
+                python_command(meshio_child.__file__, *words),
                 capture_output=True,
                 text=True,
-                timeout=LEAST_TIME + size / BYTES_PER_SECOND,
-                env=os.environ | ONE_THREAD,
+                timeout=seconds,
+                env=environment(**ONE_THREAD),
                 check=False,
             )
             reason = done.stderr[-LONGEST_HINT:] or f"the reader ended with {done.returncode}"

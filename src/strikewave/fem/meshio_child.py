@@ -22,9 +22,9 @@ NOT_SOLID = ("vertex", "line", "triangle", "quad", "polygon")
 """Beginnings of the names of cells that are no solids."""
 
 
-def main(kind: str, source: str, target: str, largest_memory: str) -> int:
+def main(kind: str, source: str, target: str, largest_memory: str, most_seconds: str) -> int:
     """Write nodes, hexahedra, quadrilaterals and their names to an npz; return 0, or 1 with a word on stderr."""
-    _bound_memory(int(largest_memory))
+    _bound(int(largest_memory), int(most_seconds))
     try:
         with contextlib.redirect_stdout(io.StringIO()), contextlib.redirect_stderr(io.StringIO()):
             arrays = contents(importlib.import_module(f"meshio.{kind}").read(source), kind)
@@ -94,13 +94,14 @@ def _rows(groups: dict[str, Any]) -> Any:
     return np.concatenate([np.empty((0, 2), np.int64), *rows])
 
 
-def _bound_memory(largest: int) -> None:
-    """Let the process take no more memory than that, where the system can bound it."""
+def _bound(memory: int, seconds: int) -> None:
+    """Let the process take no more memory and computing time than that, where the system can bound them."""
     try:
         import resource
     except ImportError:
         return
-    resource.setrlimit(resource.RLIMIT_AS, (largest, largest))
+    resource.setrlimit(resource.RLIMIT_AS, (memory, memory))
+    resource.setrlimit(resource.RLIMIT_CPU, (seconds, seconds))
 
 
 if __name__ == "__main__":

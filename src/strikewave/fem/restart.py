@@ -7,13 +7,14 @@ with those of the model before anything is read, and what numbers point to has t
 from __future__ import annotations
 
 import os
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from strikewave.base.errors import InputError
+from strikewave.base.hdf5_files import content_digest, enduring_file
 from strikewave.fem._contact_kernels import ContactState, NodeContacts
 from strikewave.fem.engine import COLLAPSED, Engine
 from strikewave.fem.run import Rest
@@ -34,6 +35,8 @@ SHORTEST = 0.4
 A file with less was not written by a run, and would take for ever."""
 LARGEST_OF_REST = 1e15
 """Largest number of how bodies came to rest: energies, lengths and steps stay far below."""
+SEEN = "seen/"
+"""How the names of what an observer has seen begin."""
 ROUNDING = 1e-9
 """Share by which the steps of a file may exceed what its smallest step allows: they were summed in floating point."""
 BODY = ("centre", "velocity", "spin", "turned")
@@ -44,6 +47,9 @@ SEARCHED = ("start", "candidates")
 """Arrays of a contact whose length is that of the last search."""
 SURFACE = (*SEARCHED, "size", "radius", "place", "moving", "inverse_mass", "travel", "offset")
 """Other arrays of a contact or wall that a step begins with."""
+
+Restore = Callable[[Mapping[str, np.ndarray]], None]
+"""Takes what an observer had seen; raises ValueError or KeyError for what it never wrote."""
 
 
 def state_of(engine: Engine) -> dict[str, np.ndarray]:
@@ -98,16 +104,27 @@ def _rest(row: np.ndarray) -> Rest:
     return Rest(int(row[0]), int(row[1]), *(float(value) for value in row[2:]))
 
 
-def write_restart(path: Path, engine: Engine) -> None:
-    """Write the state of a run; the file of before stays whole until this one is."""
+def write_restart(path: Path, engine: Engine, seen: Mapping[str, np.ndarray] | None = None) -> None:
+    """Write the state of a run, and what an observer has seen of it; the file of before stays whole until this one is.
+
+    Raises
+    ------
+    OSError
+        If the disk refuses it.
+    """
     import h5py
 
     beside = path.with_name(path.name + ".new")
-    with h5py.File(beside, "w") as file:
-        file.attrs["fingerprint"], file.attrs["blow"] = engine.fingerprint, engine.blow
-        for name, value in state_of(engine).items():
-            file[name] = value
-    os.replace(beside, path)
+    state = state_of(engine) | {f"{SEEN}{name}": value for name, value in (seen or {}).items()}
+    try:
+        with enduring_file(beside) as disk, h5py.File(disk, "w") as file:
+            file.attrs["fingerprint"], file.attrs["blow"] = engine.fingerprint, engine.blow
+            file.attrs["sha256"] = content_digest(state)
+            for name, value in state.items():
+                file[name] = value
+        os.replace(beside, path)
+    finally:
+        beside.unlink(missing_ok=True)
 
 
 def path_of_blow(path: Path, blow: int) -> Path:
@@ -163,13 +180,13 @@ def _damaged(path: Path, error: Exception) -> InputError:
     return InputError("restart", str(path), ALLOWED, f"it is damaged ({error}): run without it")
 
 
-def read_restart(path: Path, engine: Engine, blow: int = 1) -> None:
-    """Bring an engine that has not begun to the state that a file keeps of a blow.
+def read_restart(path: Path, engine: Engine, blow: int = 1, restore: Restore | None = None) -> None:
+    """Bring an engine that has not begun to the state that a file keeps of a blow, and hand on what was seen of it.
 
     Raises
     ------
     InputError
-        If the file is not there, not a restart file, or that of another model.
+        If the file is not there, not a restart file, that of another model, or not as it was written.
     """
     import h5py
 
@@ -180,8 +197,13 @@ def read_restart(path: Path, engine: Engine, blow: int = 1) -> None:
                 raise InputError(
                     "restart", str(path), ALLOWED, "the case has changed since, or strikewave: run without it"
                 )
-            state = _read(file, engine, path.stat().st_size)
+            state, told = _read(file, engine, path.stat().st_size), file.attrs.get("sha256")
         _check(engine, state, blow)
+        if content_digest(state) != told:
+            raise ValueError("its numbers are not those that were written")
+        seen = {name.removeprefix(SEEN): value for name, value in state.items() if name.startswith(SEEN)}
+        if restore is not None and seen:
+            restore(seen)
     except (OSError, KeyError, TypeError, ValueError, RuntimeError, MemoryError) as error:
         if isinstance(error, InputError):
             raise
@@ -196,15 +218,18 @@ def _read(file: Any, engine: Engine, most: int) -> dict[str, np.ndarray]:
     items: dict[str, Any] = {}
     file.visititems(lambda name, item: items.update({name: item}) if hasattr(item, "shape") else None)
     wanted = state_of(engine)
-    if items.keys() != wanted.keys():
-        raise ValueError(f"{min(items.keys() ^ wanted.keys())} is missing or unknown")
+    own = {name for name in items if not name.startswith(SEEN)}
+    if own != wanted.keys():
+        raise ValueError(f"{min(own ^ wanted.keys())} is missing or unknown")
+    if sum(item.nbytes for item in items.values()) > most:
+        raise ValueError("it claims more than it holds")
     rows = 0
-    for name in sorted(wanted, key=lambda name: name != "instant"):
-        item, like = items[name], wanted[name]
+    for name in sorted(items, key=lambda name: name != "instant"):
+        item, like = items[name], wanted.get(name, items[name])
         shape = (rows, *like.shape[1:]) if name.startswith("row/") else like.shape
         if name.startswith("contact/") and name.endswith("/candidates"):
             shape = item.shape[:1]
-        plain = item.chunks is None and item.external is None and item.id.get_storage_size() == item.nbytes <= most
+        plain = item.chunks is None and item.external is None and item.id.get_storage_size() == item.nbytes
         if not (plain and item.dtype == like.dtype and item.shape == shape):
             raise ValueError(f"{name} has another shape or type")
         if name == "instant":

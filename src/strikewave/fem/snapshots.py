@@ -7,7 +7,7 @@ wave; and that of the largest stress. Their number is bounded: where too many co
 from __future__ import annotations
 
 import itertools
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, NamedTuple
 
@@ -39,6 +39,10 @@ LARGER = 1.02
 Stress that grows throughout a run would have a snapshot at every instant; 2 % is not seen in a picture."""
 EARLY = 1e-6
 """Share of the time between snapshots of the wave by which one may come early, so that rounding does not skip it."""
+
+
+FIELDS = ("von_mises", "plastic_strain")
+"""What the largest value in any element is noted of."""
 
 
 class Snapshot(NamedTuple):
@@ -156,13 +160,61 @@ class SnapshotRecorder:
         if worse:
             self._largest, self.worst = largest, still
 
+    def state(self) -> dict[str, np.ndarray]:
+        """Return all that it has seen, as arrays; each snapshot once."""
+        rows = self.snapshots
+        place = {snapshot.time: k for k, snapshot in enumerate(rows)}
+        lists = {"whole": self.whole.kept, "contact": self.contact.kept, "wave": self.wave}
+        ends = {name: [one] if one is not None else [] for name, one in (("worst", self.worst), ("last", self.last))}
+        state: dict[str, np.ndarray] = {
+            name: np.array([place[one.time] for one in kept], np.int64) for name, kept in (lists | ends).items()
+        }
+        state["thinned"] = np.array([(one.every, one.offered) for one in (self.whole, self.contact)], np.int64)
+        state["touch"] = np.array([np.nan if self.touched is None else self.touched, self.missed, self._largest])
+        peaks = [self.largest.get(name, FieldPeak(0.0, 0.0, -1)) for name in FIELDS]
+        state["largest"] = np.array(peaks, float)
+        state["time"] = np.array([one.time for one in rows], float)
+        for k, (name, columns) in enumerate(self._columns().items(), start=1):
+            state[name] = np.array([one[k] for one in rows], np.float32).reshape(len(rows), *columns)
+        return state
+
+    def restore(self, state: Mapping[str, np.ndarray]) -> None:
+        """Take what it had seen of a run that goes on.
+
+        Raises
+        ------
+        ValueError
+            If that is not what `state` gives of the same skin.
+        """
+        rows = len(state["time"])
+        for name, columns in self._columns().items():
+            if state[name].shape != (rows, *columns):
+                raise ValueError(f"{name} is not of this mesh")
+        named = zip(state["time"].tolist(), *(state[name] for name in self._columns()), strict=True)
+        stills = [Snapshot(*row) for row in named]
+        self.whole.kept, self.contact.kept, self.wave, worst, last = (
+            [stills[k] for k in state[name]] for name in ("whole", "contact", "wave", "worst", "last")
+        )
+        self.worst, self.last = (one[0] if one else None for one in (worst, last))
+        for thinned, (every, offered) in zip((self.whole, self.contact), state["thinned"].tolist(), strict=True):
+            thinned.every, thinned.offered = every, offered
+        touched, missed, self._largest = state["touch"].tolist()
+        self.touched, self.missed = None if np.isnan(touched) else touched, bool(missed)
+        peaks = zip(FIELDS, state["largest"].tolist(), strict=True)
+        self.largest = {name: FieldPeak(value, time, int(k)) for name, (value, time, k) in peaks if k >= 0}
+
+    def _columns(self) -> dict[str, tuple[int, ...]]:
+        """Return the shapes of the fields of a snapshot, in their order there."""
+        nodes, elements = len(self.skin.nodes), len(self.skin.elements)
+        return {"displacement": (nodes, 3), "stress": (elements, 6), "plastic_strain": (elements,)}
+
     def _next_wave(self) -> float:
         """Return when the next instant that follows the wave is due, s."""
         return (self.touched or 0.0) + (len(self.wave) + 1 - EARLY) * self.transit / PER_TRANSIT
 
     def _still(self, frame: FieldFrame) -> Snapshot:
         skin = self.skin
-        for name, values in (("von_mises", von_mises(frame.stress)), ("plastic_strain", frame.plastic_strain)):
+        for name, values in zip(FIELDS, (von_mises(frame.stress), frame.plastic_strain), strict=True):
             element = int(np.argmax(values))
             if float(values[element]) > (self.largest[name].value if name in self.largest else 0.0):
                 self.largest[name] = FieldPeak(float(values[element]), frame.time, element)

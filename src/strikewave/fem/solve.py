@@ -8,7 +8,7 @@ nodes move.
 from __future__ import annotations
 
 import time as clock
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
 from pathlib import Path
@@ -61,6 +61,12 @@ class Observer(Protocol):
 
     def observe(self, engine: Engine, last: bool) -> None:
         """Look; ``last`` where the run ends here."""
+
+    def state(self) -> Mapping[str, np.ndarray]:
+        """Return what it has seen, to be kept with the state of the run."""
+
+    def restore(self, state: Mapping[str, np.ndarray]) -> None:
+        """Take what it had seen of a run that goes on; raise ValueError for what it never wrote."""
 
 
 class Checkpoint(NamedTuple):
@@ -145,7 +151,8 @@ def solve_blows(model: Model, options: RunOptions | None = None) -> tuple[FemRun
         for blow in range(1, model.controls.blows + 1):
             if blow in resumed:
                 engine = Engine(model, engine.pool)
-                read_restart(resumed[blow], engine, blow)
+                observer = options.observer if blow == 1 else None
+                read_restart(resumed[blow], engine, blow, observer.restore if observer else None)
             elif blow > 1:
                 engine = next_blow(engine, runs[-1].energy_in_play)
             runs.append(_one_blow(engine, _of_blow(options, blow, model.controls)))
@@ -157,10 +164,21 @@ def solve_blows(model: Model, options: RunOptions | None = None) -> tuple[FemRun
 def _one_blow(engine: Engine, options: RunOptions) -> FemRun:
     """Run an engine to the end of its blow."""
     begun, instants = clock.perf_counter(), engine.model.controls.intervals
-    wanted = set(np.linspace(0, instants, options.frames).round().astype(int).tolist()) if options.frames else set()
+    wanted = set(frame_instants(engine.model.controls, options.frames))
     frames: list[FieldFrame] = []
     stopped = _follow(engine, instants, options, wanted, frames, begun)
     return engine.result(clock.perf_counter() - begun, stopped, tuple(frames))
+
+
+def frame_instants(controls: Controls, frames: int) -> list[int]:
+    """Return the instants of the histories at which whole fields are kept.
+
+    Examples
+    --------
+    >>> frame_instants(Controls(4e-6, 0.5e-6), 3)
+    [0, 4, 8]
+    """
+    return sorted(set(np.linspace(0, controls.intervals, frames).round().astype(int).tolist())) if frames else []
 
 
 def _of_blow(options: RunOptions, blow: int, controls: Controls) -> RunOptions:
@@ -201,9 +219,14 @@ def _follow(
         engine.to_next_instant()
         if options.checkpoint is not None and engine.goes_on:
             if engine.instant % options.checkpoint.every == 0:
-                write_restart(options.checkpoint.path, engine)
+                write_restart(options.checkpoint.path, engine, _seen(options))
             if engine.instant == instants and engine.blow < engine.model.controls.blows:
-                write_restart(path_of_blow(options.checkpoint.path, engine.blow), engine)
+                write_restart(path_of_blow(options.checkpoint.path, engine.blow), engine, _seen(options))
+
+
+def _seen(options: RunOptions) -> Mapping[str, np.ndarray]:
+    """Return what is kept of the observer of a run."""
+    return {} if options.observer is None else options.observer.state()
 
 
 def check_controls(model: Model) -> int:

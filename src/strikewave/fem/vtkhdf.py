@@ -25,6 +25,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from strikewave.base.errors import InputError
+from strikewave.base.folder_claim import refusal
+from strikewave.base.hdf5_files import EnduringFile
 from strikewave.fem.invariants import pressure, von_mises
 from strikewave.fem.run import FieldFrame
 
@@ -106,7 +108,7 @@ class FieldWriter:
     def __init__(self, path: Path, mesh: Mesh) -> None:
         self._begin(path, mesh)
         with self._reported():
-            self._file = _opened(self._partial, "w")
+            self._open("w")
             _write_mesh(self._file, mesh)
             self._file.flush()
 
@@ -131,14 +133,16 @@ class FieldWriter:
         with writer._reported():
             if not writer._partial.exists():
                 shutil.copyfile(path, writer._partial)
-            writer._file = _opened(writer._partial, "r+")
+            writer._open("r+")
         try:
-            grid = _checked_grid(path, writer._file)
-            _check_same_mesh(path, grid, mesh)
-            times = grid["Steps/Values"][: writer.frames_of(grid)]
-            writer._keep(int(np.searchsorted(times, before)))
+            with writer._reported():
+                grid = _checked_grid(path, writer._file)
+                _check_same_mesh(path, grid, mesh)
+                times = grid["Steps/Values"][: writer.frames_of(grid)]
+                writer._keep(int(np.searchsorted(times, before)))
+                _check_whole(path, grid)
         except BaseException:
-            writer._file.close()
+            writer.abandon()
             raise
         return writer
 
@@ -146,7 +150,12 @@ class FieldWriter:
         self.path = path
         self.frames = 0
         self._partial = path.with_name(path.name + ".part")
+        self._disk: EnduringFile | None = None
         self._sizes = {"PointData": len(mesh.points), "CellData": len(mesh.hexahedra)}
+
+    def _open(self, mode: str) -> None:
+        self._disk = EnduringFile(self._partial, "w+" if mode == "w" else mode)
+        self._file = _opened(self._disk, mode)
 
     @staticmethod
     def frames_of(grid: Any) -> int:
@@ -202,12 +211,15 @@ class FieldWriter:
             If the place cannot be written.
         """
         with self._reported():
-            self._file.close()
+            self.abandon()
+        with self._reported():
             self._partial.replace(self.path)
 
     def abandon(self) -> None:
         """Leave the file as a part, to be taken up by `restored`."""
         self._file.close()
+        if self._disk is not None:
+            self._disk.close()
 
     def __enter__(self) -> Self:
         return self
@@ -222,10 +234,14 @@ class FieldWriter:
     def _reported(self) -> Iterator[None]:
         """Turn what the disk refuses into an `InputError`."""
         try:
-            yield
+            try:
+                yield
+            finally:
+                if self._disk is not None:
+                    self._disk.check()
         except OSError as error:
-            reason = error.strerror or str(error)
-            raise InputError("FILE", str(self.path), "a place that can be written, with room", reason) from error
+            allowed = "a place that can be written, with room"
+            raise InputError("FILE", str(self.path), allowed, refusal(error, self.path)) from error
 
 
 def stored_frames(path: Path) -> Iterator[FieldFrame]:
@@ -255,8 +271,8 @@ def stored_frames(path: Path) -> Iterator[FieldFrame]:
             )
 
 
-def _opened(path: Path, mode: str) -> Any:
-    return _h5py().File(path, mode)
+def _opened(place: Path | EnduringFile, mode: str) -> Any:
+    return _h5py().File(place, mode)
 
 
 def _h5py() -> Any:
@@ -354,6 +370,18 @@ def _own(file: Any, name: str, components: int = 1) -> int:
     if not inside or place.dtype.kind not in "iuf" or place.shape[1:] != across:
         raise ValueError(f"{name} is not a table of numbers in the shape it should have")
     return int(place.shape[0])
+
+
+def _check_whole(path: Path, grid: Any) -> None:
+    """Refuse fields that cannot be unpacked: each chunk has a check sum, by gzip."""
+    for field in FIELDS:
+        table = grid[f"{field.home}/{field.name}"]
+        try:
+            for chunk in table.iter_chunks() if len(table) else ():
+                table[chunk]
+        except OSError as error:
+            what = f"{field.name}: {error}"[:LONGEST_HINT]
+            raise InputError("FILE", str(path), "fields as strikewave writes them, whole", what) from None
 
 
 def _check_same_mesh(path: Path, grid: Any, mesh: Mesh) -> None:

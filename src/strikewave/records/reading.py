@@ -17,7 +17,7 @@ from strikewave.records.budget.blows import BlowUncertainty
 from strikewave.records.calibration import Calibration, calibrated
 from strikewave.records.clock import even
 from strikewave.records.coupling import uncoupled
-from strikewave.records.health import Examined, examine, level_step
+from strikewave.records.health import Examined, examine, level_step, ringing
 from strikewave.records.health_notice import FIGURES, RESPONSE_FIGURES, STATUSES, HealthNotice, worst, worst_first
 from strikewave.records.measuring import FEWEST, RecordedPulse, contacts_of, find_pulses
 from strikewave.records.record import Array, Channel
@@ -222,6 +222,11 @@ def read_channel(channel: Channel, number: int, calibration: Calibration, reques
                 dataclasses.replace(after, ringing_frequency=before.ringing_frequency, rigid=before.rigid)
                 for after, before in pairs
             )
+            if any(
+                finding.code == "ringing" for finding in findings
+            ):  # what rings no more after the filter harms nothing
+                findings = [finding for finding in findings if finding.code != "ringing"]
+                findings += ringing(dataclasses.replace(examined, values=channel.values, pulses=pulses))
     return ChannelReading(channel, number, pulses, tuple(findings), calibration, unfiltered)
 
 

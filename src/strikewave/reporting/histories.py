@@ -5,7 +5,7 @@ from __future__ import annotations
 import importlib
 import itertools
 import re
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
@@ -62,7 +62,7 @@ def write_histories(result: Result, folder: Path, form: HistoryFormat) -> list[s
         if form == "csv":
             (folder / name).write_text(csv_table(columns, HISTORY_DIGITS), "utf-8", newline="\n")
         else:
-            _write_parquet(columns, folder / name)
+            write_parquet(columns, folder / name)
         names.append(name)
     return names
 
@@ -102,9 +102,21 @@ def _named(name: str, data: LabelledArrays, at: Mapping[str, int], attributes: M
     return f"{name} of {', '.join(labels)}" if labels else name
 
 
-def _write_parquet(columns: list[Column], path: Path) -> None:
-    """Write columns as Parquet, the unit of each in its name and in its metadata."""
+def write_parquet(columns: Sequence[Column], path: Path) -> None:
+    """Write columns as Parquet, the unit of each in its name and in its metadata; texts and counts stay what they are.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     write_parquet([Column("run", [1, 2]), Column("kind", ["full", "missed"])], Path(folder) / "runs.parquet")
+    """
     pyarrow, parquet = importlib.import_module("pyarrow"), importlib.import_module("pyarrow.parquet")
-    arrays = [pyarrow.array(np.asarray(column.converted(), dtype=float)) for column in columns]
-    fields = [pyarrow.field(one.head, pyarrow.float64(), metadata={"unit": one.unit}) for one in columns]
+    arrays = [
+        pyarrow.array(np.asarray(one.converted(), dtype=float) if one.unit else list(one.values)) for one in columns
+    ]
+    fields = [
+        pyarrow.field(one.head, array.type, metadata={"unit": one.unit})
+        for one, array in zip(columns, arrays, strict=True)
+    ]
     parquet.write_table(pyarrow.Table.from_arrays(arrays, schema=pyarrow.schema(fields)), path)

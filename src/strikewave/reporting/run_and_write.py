@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import ClassVar, Generic, TypeVar
 
 from strikewave.base.errors import InputError
+from strikewave.base.folder_claim import Claim, claimed
 from strikewave.base.output_folder import atomic_folder, check_place, keep_true_files
 from strikewave.base.result import Notice, Result
 from strikewave.reporting.bands import band_words
@@ -104,31 +105,60 @@ def _run_and_write(
     command: Command[R], output: Output, usual: str | None, identity: str | None, own: Sequence[str]
 ) -> int:
     """Do what `run_and_write` says, in the units shown."""
-    place, names, kept, removed = output.place(usual), list[str](), list[str](), list[str]()
+    place = output.place(usual)
     if place.folder is None:
+        return _print(command, output, command.solve(), timed=usual is not None)
+    check_place(place.folder, identity or "", place.replace or identity is None, own)
+    with claimed(place.folder) as claim:
+        try:
+            result, words = _written(command, output, claim, place.replace, own)
+            return _print(command, output, result, timed=True, words=words)
+        except KeyboardInterrupt as stop:
+            if claim.written:
+                stop.add_note(f"the result is whole: {claim.typed}")
+            raise
+
+
+def _written(
+    command: Command[R], output: Output, claim: Claim, replace: bool, own: Sequence[str]
+) -> tuple[R, list[str]]:
+    """Solve, write the folder whole, and return the result and what is said of its files."""
+    late = None
+    with command.under_way(claim.typed):
         result = command.solve()
-    else:
-        check_place(place.folder, identity or "", place.replace or identity is None, own)
-        with command.under_way(place.folder):
-            result = command.solve()
-            with atomic_folder(place.folder, result.source.text, place.replace, own) as folder:
+        try:
+            with atomic_folder(claim, result.source.text, replace, own) as folder:
                 names = [
                     *command.draw(result, folder),
                     *write_files(result, folder),
                     *output.write_more(result, folder),
                 ]
                 names += command.hand_over(folder)
-                kept, removed = keep_true_files(place.folder, folder, result.source.text)
+                kept, removed = keep_true_files(claim.folder, folder, result.source.text)
+        except KeyboardInterrupt as stop:
+            if not claim.written:
+                raise
+            late = stop  # nothing is left to go on with: unfinished work goes as after any run
+    if late is not None:
+        raise late
+    words = [f"written: {str(claim.typed).rstrip('/')}/ ({', '.join(names)})"]
+    words += [
+        f"{verb}: {', '.join(files)} (of the run before)"
+        for verb, files in (("kept", kept), ("removed", removed))
+        if files
+    ]
+    return result, words
+
+
+def _print(command: Command[R], output: Output, result: R, timed: bool, words: Sequence[str] = ()) -> int:
+    """Print a result and where it went, and return the exit code; a question answered at once needs no clock."""
     if output.json:
         print_json(result.document(), indent=command.indent)
     else:
         print_result(command, result)
-    if place.folder is not None:
-        say(f"written: {str(place.folder).rstrip('/')}/ ({', '.join(names)})")
-    for words, files in (("kept", kept), ("removed", removed)):
-        if files:
-            say(f"{words}: {', '.join(files)} (of the run before)")
-    if usual is not None or place.folder is not None:  # a question that is answered at once needs no clock
+    for line in words:
+        say(line)
+    if timed:
         say(f"done in {time.perf_counter() - STARTED:.2f} s{most_memory()}")
     if not result.broken:
         return 0

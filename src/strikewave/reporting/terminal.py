@@ -50,8 +50,6 @@ Row = TypeVar("Row")
 
 STARTED = time.perf_counter()
 """When the program started, but for what is imported before this module."""
-INTERRUPTED = 130
-"""Exit code after Ctrl-C: 128 and the number of the signal, as shells have it."""
 SELDOM = 10.0
 """Seconds between two lines of progress, at least, where stderr is no terminal."""
 PIPE_WIDTH = 80

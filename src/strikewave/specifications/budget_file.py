@@ -60,7 +60,7 @@ class KindFields(NamedTuple):
     distribution: str = ""
 
 
-KINDS: dict[str, KindFields] = {
+FIELDS_OF_KINDS: dict[str, KindFields] = {
     "temperature": KindFields(("per_kelvin", "range")),
     "transverse": KindFields(("value", "motion"), U_SHAPED),
     "response": KindFields(("bands",)),
@@ -69,7 +69,7 @@ KINDS: dict[str, KindFields] = {
     "coupling": KindFields(("time_constant",), RECTANGULAR),
 }
 """What kinds hold that are not one share, or amount, alone."""
-OF_KINDS = (
+FIELDS = (
     "value",
     "per_kelvin",
     "range",
@@ -130,8 +130,8 @@ class ContributionTable(SpecificationTable):
 
     @model_validator(mode="after")
     def _whole(self) -> Self:
-        fields = KINDS.get(self.kind, KindFields())
-        for name in OF_KINDS:
+        fields = FIELDS_OF_KINDS.get(self.kind, KindFields())
+        for name in FIELDS:
             given = bool(getattr(self, name))
             if given and name not in fields.needs:
                 typed = getattr(getattr(self, name), "typed", name)
@@ -241,7 +241,7 @@ def example_budget() -> str:
 
 def _contribution(table: ContributionTable, file: BudgetFile) -> Contribution:
     """Return what a table states, in SI."""
-    stated = [number for name in OF_KINDS[:-1] if isinstance(number := getattr(table, name), StatedNumber)]
+    stated = [number for name in FIELDS[:-1] if isinstance(number := getattr(table, name), StatedNumber)]
     stated += [table.time_constant] if table.time_constant is not None else []
     stated += [number for pair in table.bands for number in pair]
     known = [standing(number, table, file) for number in stated]
@@ -251,11 +251,9 @@ def _contribution(table: ContributionTable, file: BudgetFile) -> Contribution:
         spread = table.per_kelvin.si * table.range.si
     elif table.value is not None:
         spread = table.value.si * (table.motion.si if table.motion is not None else 1.0)
-    distribution = KINDS.get(table.kind, KindFields()).distribution or table.distribution or NORMAL
+    distribution = FIELDS_OF_KINDS.get(table.kind, KindFields()).distribution or table.distribution or NORMAL
     if table.coverage is not None:
         spread /= table.coverage.si
-    at = table.frequency or table.cutoff
-    order = table.quality or table.order
     return Contribution(
         table.kind,
         _name(table),
@@ -265,8 +263,9 @@ def _contribution(table: ContributionTable, file: BudgetFile) -> Contribution:
         status,
         source,
         _typed(table, stated),
-        _si(at),
-        _si(order),
+        _si(table.frequency or table.cutoff),
+        _si(table.order),
+        _si(table.quality),
         tuple((frequency.si, share.si) for frequency, share in table.bands),
         _si(table.time_constant),
     )

@@ -16,8 +16,6 @@ Rule = Literal["simple", "guarded"]
 PASS, FAIL, CANNOT_TELL, NOT_JUDGED = "pass", "fail", "cannot-tell", "not-judged"
 """Verdicts; what is not judged lacks what only the user can say, such as the directions of the shocks."""
 WORST_FIRST = (FAIL, CANNOT_TELL, PASS)
-COVERAGE = 2.0
-"""k of an expanded uncertainty: 95 % of a normal distribution."""
 
 
 def decide(margin: float, uncertainty: float = 0.0, rule: Rule = "simple") -> str:

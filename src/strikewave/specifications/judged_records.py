@@ -11,6 +11,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from strikewave.base.constants import COVERAGE
 from strikewave.base.errors import InputError, nearest
 from strikewave.records.budget.blows import BlowUncertainty
 from strikewave.records.budget.contributions import RECORD, Budget
@@ -19,7 +20,7 @@ from strikewave.records.measuring import RecordedPulse
 from strikewave.records.reading import ChannelReading, FileReading
 from strikewave.records.smooth_pulse import PulseUncertainty, SmoothPulse
 from strikewave.signal.filters import Filter
-from strikewave.specifications.decisions import CANNOT_TELL, COVERAGE, FAIL, PASS, Rule, together
+from strikewave.specifications.decisions import CANNOT_TELL, FAIL, PASS, Rule, together
 from strikewave.specifications.ideal_pulses import IdealPulse
 from strikewave.specifications.judging import (
     INDICATIVE,

@@ -14,9 +14,10 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from strikewave.base.constants import COVERAGE
 from strikewave.base.percents import percent
 from strikewave.signal.pulse import FEWEST_INTERVALS, crossing, refine_peak
-from strikewave.specifications.decisions import CANNOT_TELL, COVERAGE, FAIL, NOT_JUDGED, PASS, Rule, decide, together
+from strikewave.specifications.decisions import CANNOT_TELL, FAIL, NOT_JUDGED, PASS, Rule, decide, together
 from strikewave.specifications.ideal_pulses import IdealPulse
 from strikewave.specifications.pulse_bands import Placement, PulseBand
 

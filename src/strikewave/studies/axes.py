@@ -84,8 +84,27 @@ def axis_of(case: Case, path: str, ends: tuple[Value, Value] | None, points: int
     values = case.values()
     if path not in values:
         raise InputError(path, path, "a quantity of the case", nearest(path, values))
-    unit, si_unit = units_of(path, ends[0] if ends else values[path])
-    low, high = (end.si for end in ends) if ends else (share * values[path].si for share in HALF_TO_TWICE)
+    if ends is None:
+        low, high = (values[path].model_copy(update={"si": share * values[path].si}) for share in HALF_TO_TWICE)
+        ends = low, high
+    return range_axis(path, ends, points, log)
+
+
+def range_axis(path: str, ends: tuple[Value, Value], points: int, log: bool) -> Axis:
+    """Return an axis from one value to another, in the unit in which the first was typed.
+
+    Raises
+    ------
+    InputError
+        If that is no range.
+
+    Examples
+    --------
+    >>> range_axis("machine.strikers", (Value(si=2.0, typed=2), Value(si=4.0, typed=4)), 3, False).values
+    (2.0, 3.0, 4.0)
+    """
+    unit, si_unit = units_of(path, ends[0])
+    low, high = (end.si for end in ends)
     if not low < high:
         raise InputError(
             path, f"{low:g} to {high:g}", "a range whose end lies above its begin, SI", "such as 400 rpm:1000 rpm"

@@ -1,4 +1,7 @@
-"""Work shared among processes: started without a way to be torn by Ctrl-C, and ended at once when one is wanted."""
+"""Work shared among processes: started without a way to be torn by Ctrl-C, and ended at once when one is wanted.
+
+They import nothing from the folder they run in, and end with the process that started them, even where that is killed.
+"""
 
 from __future__ import annotations
 
@@ -12,17 +15,22 @@ from concurrent.futures.process import BrokenProcessPool
 from types import TracebackType
 from typing import Any, TypeVar
 
+from strikewave.base.child_process import end_after, safe_path
 from strikewave.base.errors import StrikewaveError
+from strikewave.base.interrupts import OTHERS
 
 Item = TypeVar("Item")
 Result = TypeVar("Result")
+
+INTERRUPTS = (signal.SIGINT, *OTHERS)
+"""Signals that the parent alone answers; SIGTERM still ends a process that is ready, as the pool itself may want it."""
 
 
 class Workers:
     """Processes that run functions; a context manager. With one, everything runs in this process.
 
-    Ctrl-C is answered by the parent alone: an error in the ``with`` block ends the processes at once, whatever they
-    do, so they must write nothing.
+    Ctrl-C and the signals that act as it does are answered by the parent alone: an error in the ``with`` block ends the
+    processes at once, whatever they do, and so does the end of the parent; so they must write nothing.
 
     Parameters
     ----------
@@ -40,7 +48,8 @@ class Workers:
         count = min(count, os.cpu_count() or 1)
         if count > 1:
             spawn = multiprocessing.get_context("spawn")
-            self._pool = ProcessPoolExecutor(count, spawn, _begin, (begin, arguments))
+            with safe_path():  # its locks start a process that watches over them
+                self._pool = ProcessPoolExecutor(count, spawn, _begin, (begin, arguments))
         elif begin is not None:
             begin(*arguments)
 
@@ -55,7 +64,7 @@ class Workers:
         if kind is not None:
             for process in multiprocessing.active_children():
                 if process.pid not in self._before:
-                    process.terminate()
+                    process.kill()
         self._pool.shutdown(wait=True, cancel_futures=True)
 
     def in_order(self, function: Callable[[Item], Result], items: Iterable[Item]) -> Iterator[Result]:
@@ -92,28 +101,47 @@ class Workers:
                 for future in wait(running, return_when=FIRST_COMPLETED).done:
                     yield running.pop(future), future.result()
 
+    def submit(self, function: Callable[[Item], Result], item: Item) -> Future[Result]:
+        """Begin a call, whose future the caller awaits; in this process it is done when this returns.
+
+        Examples
+        --------
+        >>> with Workers(1) as workers:
+        ...     workers.submit(abs, -1).result()
+        1
+        """
+        if self._pool is not None:
+            return self._submitted(self._pool, function, [item])[0]
+        done: Future[Result] = Future()
+        done.set_result(function(item))
+        return done
+
     @staticmethod
     def _submitted(
         pool: ProcessPoolExecutor, function: Callable[[Item], Result], items: Iterable[Item]
     ) -> list[Future[Result]]:
-        with _interrupts_later():
+        with safe_path(), _interrupts_later():
             return [pool.submit(function, item) for item in items]
 
 
 def _begin(begin: Callable[..., None] | None, arguments: tuple[Any, ...]) -> None:
-    """Make a process ready, and let the parent alone answer Ctrl-C."""
-    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    """Make a process ready that ends with its parent, and let the parent alone answer Ctrl-C and a closed terminal."""
+    end_after(multiprocessing.parent_process().join)  # type: ignore[union-attr]  # it has one
+    for number in {*INTERRUPTS} - {signal.SIGTERM}:
+        signal.signal(number, signal.SIG_IGN)
+    if hasattr(signal, "pthread_sigmask"):
+        signal.pthread_sigmask(signal.SIG_UNBLOCK, INTERRUPTS)
     if begin is not None:
         begin(*arguments)
 
 
 @contextlib.contextmanager
 def _interrupts_later() -> Iterator[None]:
-    """Block Ctrl-C while processes are started; they inherit the block, and ignore Ctrl-C once they run."""
+    """Block Ctrl-C and its kin while processes are started; they inherit the block until they are ready."""
     if not hasattr(signal, "pthread_sigmask"):
         yield
         return
-    before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
+    before = signal.pthread_sigmask(signal.SIG_BLOCK, INTERRUPTS)
     try:
         yield
     finally:

@@ -11,6 +11,9 @@ import threading
 from collections.abc import Callable, Iterator
 from typing import NoReturn, TypeVar
 
+from strikewave.base.child_process import end_after
+from strikewave.base.interrupts import OTHERS
+
 Result = TypeVar("Result")
 
 
@@ -37,14 +40,19 @@ def computed_beside(function: Callable[[], Result]) -> Iterator[Callable[[], Res
         yield lambda: None
         return
     receiving, sending = os.pipe()
+    watched, held = os.pipe()
     process = os.fork()
     if process == 0:
+        os.close(held)
+        end_after(lambda: os.read(watched, 1))  # nothing is ever written: it returns when the first process has ended
         _answer(function, sending)
+    os.close(watched)
     os.close(sending)
     with open(receiving, "rb") as pipe:
         try:
             yield lambda: _read(pipe.read())
         finally:
+            os.close(held)
             os.kill(process, signal.SIGKILL)
             os.waitpid(process, 0)
 
@@ -52,7 +60,8 @@ def computed_beside(function: Callable[[], Result]) -> Iterator[Callable[[], Res
 def _answer(function: Callable[[], Result], sending: int) -> NoReturn:
     """Compute in the copy, send the result, and end without what Python does at its end, which is the first one's."""
     try:
-        signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C is answered by the first process alone
+        for number in (signal.SIGINT, *OTHERS):  # they are answered by the first process alone
+            signal.signal(number, signal.SIG_IGN)
         answer = pickle.dumps(function())
         with open(sending, "wb") as pipe:
             pipe.write(answer)

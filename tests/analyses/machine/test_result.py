@@ -2,11 +2,9 @@
 
 import csv
 import dataclasses
-import errno
 import io
 import json
 import math
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -14,7 +12,6 @@ import pytest
 from strikewave import load_solution
 from strikewave.base.errors import InputError
 from strikewave.base.json_document import plain
-from strikewave.base.output_folder import atomic_folder
 from strikewave.base.units import DIMENSIONS, convertible
 from strikewave.base.variables import LabelledArrays
 from strikewave.reporting.numbers import ShownUnits, showing
@@ -136,70 +133,6 @@ def test_foreign_netcdf_is_refused(tmp_path):
         load_solution(path)
     with pytest.raises(InputError):
         load_solution(tmp_path / "absent.nc")
-
-
-def names(folder: Path) -> list[str]:
-    return sorted(p.name for p in folder.iterdir())
-
-
-@pytest.mark.parametrize("error", [KeyboardInterrupt, RuntimeError, OSError(errno.ENOSPC, "No space left on device")])
-def test_an_interrupted_result_leaves_nothing(tmp_path, error):
-    with pytest.raises((KeyboardInterrupt, RuntimeError, InputError)), atomic_folder(tmp_path / "out", "x") as place:
-        (place / "half").write_text("half")
-        raise error
-    assert names(tmp_path) == []
-
-
-def test_an_interrupted_result_keeps_the_old_one(tmp_path):
-    with atomic_folder(tmp_path / "out", "x") as place:
-        (place / "case.toml").write_text("x")
-    with pytest.raises(KeyboardInterrupt), atomic_folder(tmp_path / "out", "x") as place:
-        (place / "case.toml").write_text("half")
-        raise KeyboardInterrupt
-    assert names(tmp_path) == ["out"]
-    assert (tmp_path / "out" / "case.toml").read_text() == "x"
-
-
-def test_another_result_is_only_replaced_by_force(tmp_path):
-    def write(identity, force=False):
-        with atomic_folder(tmp_path / "out", identity, force) as place:
-            (place / "case.toml").write_text(identity)
-
-    write("one")
-    write("one")
-    with pytest.raises(InputError, match="--force"):
-        write("two")
-    write("two", force=True)
-    assert (tmp_path / "out" / "case.toml").read_text() == "two"
-    assert names(tmp_path) == ["out"]
-
-
-def test_a_result_with_files_of_others_is_never_replaced(tmp_path):
-    with atomic_folder(tmp_path / "out", "x") as place:
-        (place / "case.toml").write_text("x")
-    (tmp_path / "out" / "notes.txt").write_text("mine")
-    for force in (False, True):
-        with pytest.raises(InputError, match=r"notes\.txt"), atomic_folder(tmp_path / "out", "x", force):
-            pass
-    assert (tmp_path / "out" / "notes.txt").read_text() == "mine"
-
-
-def test_a_place_taken_meanwhile_is_not_replaced(tmp_path):
-    with pytest.raises(InputError, match=r"thesis"), atomic_folder(tmp_path / "out", "x") as place:
-        (place / "case.toml").write_text("x")
-        (tmp_path / "out").mkdir()
-        (tmp_path / "out" / "thesis.txt").write_text("years of work")
-    assert names(tmp_path) == ["out"]
-
-
-def test_what_is_no_result_is_never_replaced(tmp_path):
-    (tmp_path / "out").mkdir()
-    (tmp_path / "out" / "thesis.docx").write_text("years of work")
-    (tmp_path / "file").write_text("")
-    for place in ("out", "file"):
-        with pytest.raises(InputError), atomic_folder(tmp_path / place, "x", force=True):
-            pass
-    assert (tmp_path / "out" / "thesis.docx").read_text() == "years of work"
 
 
 def test_first_blow_without_a_width_is_still_drawn(solution):

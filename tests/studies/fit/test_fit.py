@@ -7,12 +7,15 @@ import numpy as np
 import pytest
 
 from strikewave import load_case, run_case
+from strikewave.analyses.compare.sources import SourceOptions
 from strikewave.base.errors import InputError, StrikewaveError
 from strikewave.base.quantities import Value
 from strikewave.cases.case import dump_case, parse_case
 from strikewave.signal.resampling import resampled
-from strikewave.studies.fit.simulation import Simulation
+from strikewave.studies.fit.problem import Problem
 from strikewave.studies.fit.study import fit
+from strikewave.studies.fit.targets import parse_target, read_targets
+from strikewave.studies.simulation import Simulation
 from strikewave.uncertainty.bands import latin_hypercube
 from strikewave.uncertainty.draws import drawn
 from strikewave.uncertainty.known import FITTED_BASIS, known_inputs
@@ -152,11 +155,56 @@ def test_a_bar_is_fitted_to_the_record_of_a_tap(tmp_path):
     assert "load.duration" in study.case.fit[0].under
 
 
-def test_another_law_leaves_more_than_noise(tmp_path):
-    """Hertz's exponent in the record, a linear contact in the case: told, and the errors grow by it."""
-    record = write_record(tmp_path / "a.csv", load_case(DROP, ["contact.exponent=1.5", "contact.restitution=0.7"]), 1)
-    study = fit(load_case(DROP, ["contact.restitution=0.7"]), [record], FIELDS[:1])
-    assert [notice.code for notice in study.notices] == ["residual-not-noise"]
+def test_what_another_law_leaves_is_in_the_errors_and_does_not_average_out(tmp_path):
+    """Hertz's exponent in two records, a linear contact in the case: told, and the errors of both are those of one.
+
+    Noise moves them by a tenth; weighted as noise, the second record would take them to an eighth.
+    """
+    truth = load_case(DROP, ["contact.exponent=1.5", "contact.restitution=0.7"])
+    records = [write_record(tmp_path / f"{k}.csv", truth, k) for k in range(2)]
+    case = load_case(DROP, ["contact.restitution=0.7"])
+    one, both = (fit(case, records[:count], FIELDS[:1]) for count in (1, 2))
+    for study in (one, both):
+        assert [notice.code for notice in study.notices] == ["residual-not-noise"]
+    assert both.parameters[0].standard_error == pytest.approx(one.parameters[0].standard_error, rel=0.1)
+
+
+def test_records_that_differ_from_shot_to_shot_are_told_from_a_model_that_lacks_something(tmp_path):
+    """Three forces, 2 % apart: the error of their mean is 2 %/sqrt(3), and each record alone leaves noise."""
+    forces = 800e3 * np.array([0.98, 1.0, 1.02])
+    cases = [
+        load_case(DROP, ["contact.restitution=0.7", f"contact.reference_force={float(one)!r} N"]) for one in forces
+    ]
+    records = [write_record(tmp_path / f"{k}.csv", case, k, noise=0.002) for k, case in enumerate(cases)]
+    study = fit(load_case(DROP, ["contact.restitution=0.7"]), records, FIELDS[:1])
+    (one,) = study.parameters
+    assert [notice.code for notice in study.notices] == ["shots-scatter"]
+    assert study.content()["misfit"]["shots"] == 3
+    assert one.standard_error / one.value == pytest.approx(0.02 / math.sqrt(3.0), rel=0.05)  # noise, and the logarithm
+    assert one.high - one.value == pytest.approx(4.303 * one.standard_error, rel=0.1)  # Student's t of two degrees
+
+
+def test_channels_of_a_file_and_numbers_of_a_setting_are_one_shot(tmp_path):
+    """Two numbers of a blow with its record are one shot; another record, setting, or value of a number is another."""
+    case = load_case(DROP, ["contact.restitution=0.7"])
+    for name in "ab":
+        write_record(tmp_path / f"{name}.csv", case, 1)
+    to = [
+        "first.rigid_peak=1500 g",
+        "first.width=450 us",
+        "first.width=455 us",
+        f"{tmp_path}/a.csv",
+        f"rigid={tmp_path}/a.csv#board",
+        f"{tmp_path}/b.csv +- 2 %",
+        "first.width=500 us; machine.height=0.3 m",
+    ]
+    read = read_targets("--to", case, [parse_target(one, case) for one in to], [], SourceOptions(band=False))
+    problem = Problem(read.experiments, [])
+    shots = dict(
+        zip([(one.called, number) for number, one in enumerate(problem.measured)], problem.shots(), strict=True)
+    )
+    assert list(shots.values()) == [0, 0, 1, 0, 0, 1, 2]
+    assert [one.scatter for one in read.pulses] == [0.0, 0.0, 0.02]
 
 
 def test_a_fitted_case_reads_back_and_its_bands_know_the_fit(tmp_path):

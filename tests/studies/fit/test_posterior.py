@@ -10,13 +10,12 @@ from scipy.stats import norm, t, truncnorm
 
 from strikewave import load_case
 from strikewave.base.errors import InputError
-from strikewave.studies.fit.estimation import Estimate
+from strikewave.studies.fit.covariance import Estimate
 from strikewave.studies.fit.posterior import LONG, WALKERS, Posterior, sample
 from strikewave.studies.fit.study import fit
 
 SLOPES = np.array([[40.0, 5.0], [-12.0, 30.0], [8.0, 25.0], [20.0, -9.0]])
 BEST = np.array([0.45, 0.55])
-NONE_LOST = np.zeros((2, 0))
 
 
 def residuals(place):
@@ -24,9 +23,9 @@ def residuals(place):
     return SLOPES @ (place - BEST)
 
 
-def linear(covariance=None, freedom=np.inf, lost=NONE_LOST):
+def linear(covariance=None, reach=1.96):
     covariance = np.linalg.inv(SLOPES.T @ SLOPES) if covariance is None else covariance
-    return Estimate(BEST, residuals(BEST), SLOPES, covariance, lost, freedom)
+    return Estimate(BEST, residuals(BEST), SLOPES, covariance, np.zeros((2, 0)), np.full(2, reach))
 
 
 def errors_of(posterior):
@@ -34,31 +33,29 @@ def errors_of(posterior):
     return np.sqrt(0.025 * 0.975 / posterior.independent) / norm.pdf(1.96)
 
 
-@pytest.mark.parametrize("freedom", [np.inf, 6.0])
+@pytest.mark.parametrize("reach", [1.96, t.ppf(0.975, 6.0)])
 @pytest.mark.parametrize("scale", [1.0, 3.0])
-def test_the_posterior_of_a_linear_model_is_that_of_the_closed_form(freedom, scale):
-    """Normal, or Student's t, with the covariance of the fit, also where that is not 1/J'J: within 4 errors of chance."""
+def test_the_posterior_of_a_linear_model_is_that_of_the_closed_form(reach, scale):
+    """Normal with the 95 % of the fit, Student's t or not, also where its covariance is not 1/J'J: within 4 errors of chance."""
     shape = np.array([[scale, 0.3], [0.3, 1.0]])
     root = np.linalg.inv(SLOPES.T @ SLOPES)
-    found = linear(shape @ root @ shape.T, freedom)
+    found = linear(shape @ root @ shape.T, reach)
     posterior = sample(residuals, found)
     assert not posterior.too_short
     assert posterior.steps >= LONG * posterior.memory
     deviations, chance = np.sqrt(np.diag(found.covariance)), errors_of(posterior)
-    reach = t.ppf(0.975, freedom) if np.isfinite(freedom) else norm.ppf(0.975)
-    assert posterior.quantiles(0.5) == pytest.approx(BEST, abs=4.0 * chance * deviations.max())
+    assert posterior.quantiles(0.5) == pytest.approx(BEST, abs=4.0 * chance * deviations.max() * reach / 1.96)
     for side, share in ((-1.0, 0.025), (1.0, 0.975)):
         apart = (posterior.quantiles(share) - BEST) / deviations
         assert apart == pytest.approx(np.full(2, side * reach), abs=4.0 * chance * reach / 1.96)
-    kept = posterior.draws[np.all(np.abs(posterior.draws - BEST) < 4.0 * deviations, axis=1)]
     expected = found.covariance[0, 1] / np.prod(deviations)
-    assert np.corrcoef(kept.T)[0, 1] == pytest.approx(expected, abs=4.0 / np.sqrt(posterior.independent))
+    assert np.corrcoef(posterior.draws.T)[0, 1] == pytest.approx(expected, abs=4.0 / np.sqrt(posterior.independent))
 
 
 def test_bounds_cut_the_posterior_off():
     """A best place at a bound: half a normal distribution."""
     slope, best = np.array([[20.0]]), np.array([0.0])
-    found = Estimate(best, np.zeros(1), slope, np.array([[1.0 / 400.0]]), np.zeros((1, 0)), np.inf)
+    found = Estimate(best, np.zeros(1), slope, np.array([[1.0 / 400.0]]), np.zeros((1, 0)), np.full(1, 1.96))
     posterior = sample(lambda place: slope @ (place - best), found)
     assert posterior.draws.min() >= 0.0
     half = truncnorm(0.0, np.inf, scale=0.05)
@@ -72,7 +69,7 @@ def test_what_is_not_determined_is_as_likely_as_its_prior():
     slopes = np.array([[60.0, 60.0]])
     best, along = np.array([0.5, 0.5]), np.array([[np.sqrt(0.5)], [-np.sqrt(0.5)]])
     across = np.full((2, 2), 0.5) / (2.0 * 3600.0)
-    found = Estimate(best, np.zeros(1), slopes, across, along, np.inf)
+    found = Estimate(best, np.zeros(1), slopes, across, along, np.full(2, 1.96))
     posterior = sample(lambda place: slopes @ (place - best), found)
     assert np.sum(posterior.draws, axis=1).std() == pytest.approx(1.0 / 60.0, rel=0.1)
     for share in (0.025, 0.25, 0.75):  # four errors of chance of a share
@@ -131,7 +128,7 @@ def test_intervals_of_a_planted_drop_are_those_of_least_squares(tmp_path, strike
 def test_a_posterior_of_numbers_has_its_pictures_and_tables(monkeypatch, tmp_path, strikewave):
     """Two numbers, two fields, chains cut short: it is said, and written whole."""
     monkeypatch.setattr("strikewave.studies.fit.posterior.MOST_RUNS", 25 * WALKERS)
-    monkeypatch.setattr("strikewave.studies.fit.simulation.Simulation.number", _closed_form)
+    monkeypatch.setattr("strikewave.studies.simulation.Simulation.number", _closed_form)
     to = ["--to", "first.rigid_peak=1500 g +- 1 %", "--to", "first.width=450 us +- 2 %", "--out", "written"]
     free = ["--free", "contact.reference_force", "--free", "contact.restitution"]
     code, out, err = strikewave("fit", "jesd22-b111-b", "--set", "contact.restitution=0.65", *to, *free, "--bayes")

@@ -8,6 +8,7 @@ from strikewave.analyses.compare.agreement import PairOfFigures
 from strikewave.analyses.compare.limits import METRICS, value_words, verdict_of
 from strikewave.analyses.compare.result import INTEGRALS, NAMES, CompareResult, shift_words
 from strikewave.analyses.compare.specified import SpecificationVerdict
+from strikewave.base.constants import COVERAGE
 from strikewave.reporting.clause_words import (
     CLAUSE_HEADS,
     SHOWN,
@@ -20,7 +21,7 @@ from strikewave.reporting.clause_words import (
 from strikewave.reporting.numbers import NO_DOUBT, axis_unit, band_text, doubted, headed, percent, shown, with_unit
 from strikewave.reporting.parts import NONE, Cell, Table, Tag, written
 from strikewave.signal.iso18571 import RATE, SAMPLES
-from strikewave.specifications.decisions import CANNOT_TELL, COVERAGE, FAIL, PASS
+from strikewave.specifications.decisions import CANNOT_TELL, FAIL, PASS
 
 LEAST_SHOWN = 5e-5
 """Uncertainty of a difference from which on it is shown: 0.01 % rounded."""

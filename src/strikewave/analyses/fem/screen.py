@@ -29,7 +29,7 @@ from strikewave.fem.model import Model
 from strikewave.fem.quality import UNWARPED, PartQuality, quality_report
 from strikewave.fem.run import ENERGIES
 from strikewave.fem.snapshots import SNAPSHOTS
-from strikewave.fem.solve import Checkpoint, Progress, RunOptions
+from strikewave.fem.solve import Checkpoint, Progress, RunOptions, frame_instants
 from strikewave.reporting.bands import NO_BAND_OF_ELEMENTS
 from strikewave.reporting.layout import KEY, MORE, keys, numerals
 from strikewave.reporting.numbers import headed, with_unit
@@ -120,17 +120,20 @@ class FemCommand(Command[FemSolution]):
     @contextlib.contextmanager
     def under_way(self, folder: Path) -> Iterator[None]:
         """Checkpoint state and fields beside the folder until all is written."""
-        restart = self.choice.restart
+        controls, frames = self.model.controls, int(self.case.fem.frames.si) if self.case.fem else 0
+        instants = [instant * controls.interval for instant in frame_instants(controls, frames)]
         with (
-            unfinished(folder, dump_case(self.case), restart, self.anew) as self.home,
-            FieldFiles(self.home, self.model.mesh, restart) as self.fields,
+            unfinished(folder, dump_case(self.case), self.choice.restart, self.anew) as self.home,
+            FieldFiles(self.home, self.model.mesh, instants) as self.fields,
         ):
             yield
 
     def solve(self) -> FemSolution:
         """Return the solution, with a bar on stderr."""
         with progress() as report:
-            return run_model(self.case, self.model, self._asked()._replace(report=report), self._stills())
+            solution = run_model(self.case, self.model, self._asked()._replace(report=report), self._stills())
+        lost = self.fields.notices if self.fields else ()
+        return dataclasses.replace(solution, notices=(*solution.notices, *lost))
 
     def _asked(self) -> RunOptions:
         """Return what is asked of the run besides its histories."""
@@ -166,7 +169,7 @@ class FemCommand(Command[FemSolution]):
         return draw_result(result, folder, self.choice.report, self.choice.animate)
 
     def hand_over(self, folder: Path) -> list[str]:
-        """Move the fields: last, for a run that is stopped before goes on with them."""
+        """Put the fields into the folder."""
         return self.fields.hand_over(folder) if self.fields else []
 
 

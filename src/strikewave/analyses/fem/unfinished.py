@@ -3,19 +3,24 @@
 from __future__ import annotations
 
 import contextlib
+import os
 import re
 import shlex
 import shutil
 import sys
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 
 from strikewave.analyses.fem.result import of_blow
 from strikewave.base.errors import InputError
+from strikewave.base.folder_claim import refusal
+from strikewave.base.interrupts import exit_code
+from strikewave.base.result import Notice
 from strikewave.fem.mesh import Mesh
 from strikewave.fem.run import FieldFrame
 from strikewave.fem.vtkhdf import FieldWriter
-from strikewave.reporting.terminal import INTERRUPTED, say
+from strikewave.reporting.numbers import with_unit
+from strikewave.reporting.terminal import say
 
 OWN = re.compile(r"(case|state|field)(-\d+)?(\.|$)")
 """Names of what a run under way writes."""
@@ -50,15 +55,16 @@ def unfinished(folder: Path, text: str, restart: bool, anew: bool) -> Iterator[P
             home.mkdir(parents=True)
             case.write_text(text, "utf-8")
         yield home
-    except OSError as error:
-        raise InputError("--out", str(home), "a place that can be written", error.strerror or str(error)) from error
     except BaseException as stop:
+        reason = refusal(stop, home) if isinstance(stop, OSError) else ""
         if not (home / STATE).is_file():
             _clear(home)
-            raise
-        say(f"stopped; kept: {home}/; to go on from there: {_command('--restart')}")
-        if isinstance(stop, KeyboardInterrupt):
-            raise SystemExit(INTERRUPTED) from None
+        else:
+            say(f"stopped; kept: {home}/; to go on from there: {_command('--restart')}")
+            if isinstance(stop, KeyboardInterrupt):
+                raise SystemExit(exit_code(stop)) from None
+        if reason:
+            raise InputError("--out", str(home), "a place that can be written", reason) from stop
         raise
     _clear(home)
 
@@ -81,26 +87,52 @@ def _clear(home: Path) -> None:
 
 
 class FieldFile:
-    """The fields of a blow: begun with the first frame, or taken up with it where a run goes on."""
+    """The fields of a blow: begun with the first frame, or taken up with it where a run goes on.
 
-    def __init__(self, path: Path, mesh: Mesh, resumed: bool) -> None:
-        self.path, self.mesh, self.resumed = path, mesh, resumed
+    ``instants`` are the times of the frames of the whole blow, s.
+    """
+
+    def __init__(self, path: Path, mesh: Mesh, instants: Sequence[float]) -> None:
+        self.path, self.mesh, self.instants = path, mesh, instants
         self.writer: FieldWriter | None = None
+        self.notices: list[Notice] = []
 
     def add(self, frame: FieldFrame) -> None:
         """Write a frame; what an interrupted run wrote beyond the state that it goes on from is dropped."""
         if self.writer is None:
-            begun = self.resumed and self.path.with_name(self.path.name + ".part").is_file()
-            again = FieldWriter.restored(self.path, self.mesh, frame.time) if begun else None
+            earlier = sum(time < frame.time for time in self.instants)
+            again = self._taken_up(frame.time, earlier) if earlier else None
             self.writer = again or FieldWriter(self.path, self.mesh)
         self.writer.add(frame)
 
+    def _taken_up(self, time: float, earlier: int) -> FieldWriter | None:
+        """Return the writer of the frames before, None where none can be used; what is lost is noted."""
+        try:
+            writer, reason = FieldWriter.restored(self.path, self.mesh, time), "the others are not there"
+        except InputError as error:
+            writer, reason = None, error.hint
+        count = 0 if writer is None else writer.frames
+        if count < earlier:
+            message = (
+                f"{self.path.name} holds {count} of the {earlier} frames before {with_unit(time, 's', 'us')}, where "
+                f"the run went on ({reason}); all else is whole; run anew, with --force, for all frames"
+            )
+            self.notices.append(Notice("frames-lost", message, float(count), float(earlier)))
+        return writer
+
     def hand_over(self, place: Path) -> list[str]:
-        """Close the file, move it into a folder and return its name; nothing where no frame came."""
+        """Close the file, put it into a folder and return its name; nothing where no frame came.
+
+        It stays here as well, under a second name, until the whole result is in its place: a run that is stopped
+        before goes on with it.
+        """
         if self.writer is None:
             return []
         self.writer.close()
-        shutil.move(self.path, place)
+        try:
+            os.link(self.path, place / self.path.name)
+        except OSError:  # a file system without second names
+            shutil.copyfile(self.path, place / self.path.name)
         return [self.path.name]
 
     def abandon(self) -> None:
@@ -112,18 +144,23 @@ class FieldFile:
 class FieldFiles:
     """field.vtkhdf of the first blow, field-2.vtkhdf of the second, and so on."""
 
-    def __init__(self, home: Path, mesh: Mesh, resumed: bool) -> None:
-        self.home, self.mesh, self.resumed = home, mesh, resumed
+    def __init__(self, home: Path, mesh: Mesh, instants: Sequence[float]) -> None:
+        self.home, self.mesh, self.instants = home, mesh, instants
         self.files: list[FieldFile] = []
 
     def of_blow(self, blow: int) -> FieldFile:
         """Return the file of a blow, which is not there before."""
         path = self.home / of_blow("field.vtkhdf", blow)
-        self.files.append(FieldFile(path, self.mesh, self.resumed))
+        self.files.append(FieldFile(path, self.mesh, self.instants))
         return self.files[-1]
 
+    @property
+    def notices(self) -> tuple[Notice, ...]:
+        """What was lost of the frames before a run went on."""
+        return tuple(notice for file in self.files for notice in file.notices)
+
     def hand_over(self, place: Path) -> list[str]:
-        """Close all files, move them into a folder and return their names."""
+        """Close all files, put them into a folder and return their names."""
         return [name for file in self.files for name in file.hand_over(place)]
 
     def __enter__(self) -> FieldFiles:

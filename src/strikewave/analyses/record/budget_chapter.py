@@ -8,9 +8,10 @@ from collections.abc import Sequence
 from strikewave.analyses.record.figures.campaigns import figure_unit
 from strikewave.analyses.record.result import RecordResult
 from strikewave.analyses.record.tables import Names, amount, called, percent, rows_of
+from strikewave.base.constants import COVERAGE
 from strikewave.records.budget.blows import FIGURES, BlowUncertainty, BudgetLine, FigureUncertainty
 from strikewave.records.budget.contributions import ADDED, RECORD, SAMPLING, Budget, Contribution
-from strikewave.records.budget.propagation import COVERAGE, NORMAL, RECTANGULAR
+from strikewave.records.budget.propagation import NORMAL, RECTANGULAR
 from strikewave.records.reading import ChannelReading
 from strikewave.records.record import Channel
 from strikewave.reporting.clause_words import held_words

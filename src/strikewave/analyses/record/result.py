@@ -18,12 +18,12 @@ from strikewave.analyses.record.paired import OF_CHANNEL as PAIR_OF_CHANNEL
 from strikewave.analyses.record.paired import PAIR_UNITS, RecordPair, all_pairs, pair_columns, transfer_columns
 from strikewave.analyses.record.responses import ResponseSummary, responding, response_columns, summaries
 from strikewave.analyses.record.shock_columns import shock_columns
+from strikewave.base.constants import COVERAGE
 from strikewave.base.errors import StrikewaveError
 from strikewave.base.output_folder import write_atomically
 from strikewave.base.result import FAILED, Notice
 from strikewave.records.band_split import BandSplit
 from strikewave.records.budget.contributions import RECORD
-from strikewave.records.budget.propagation import COVERAGE
 from strikewave.records.campaign import Campaign
 from strikewave.records.health_notice import STATUSES, HealthNotice
 from strikewave.records.measuring import RecordedPulse

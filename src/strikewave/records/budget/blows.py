@@ -10,6 +10,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from strikewave.base.constants import COVERAGE
 from strikewave.records.budget.contributions import (
     RECORD,
     BlowStretch,
@@ -21,7 +22,6 @@ from strikewave.records.budget.contributions import (
     sampling,
 )
 from strikewave.records.budget.propagation import (
-    COVERAGE,
     InputQuantity,
     Model,
     Propagated,

@@ -16,7 +16,8 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from strikewave.records.budget.propagation import COVERAGE, NORMAL, RECTANGULAR, InputQuantity
+from strikewave.base.constants import COVERAGE
+from strikewave.records.budget.propagation import NORMAL, RECTANGULAR, InputQuantity
 
 Array = NDArray[np.float64]
 
@@ -70,7 +71,7 @@ class Contribution:
         The number as it stands in the budget.
     frequency : float
         Cutoff of a filter, lowest resonance, Hz.
-    order : float
+    order, quality : float
         Poles of the filter; quality factor of the resonance.
     tolerances : tuple of (float, float)
         Frequency, Hz, and share by which the response may be off there.
@@ -88,6 +89,7 @@ class Contribution:
     typed: str = ""
     frequency: float = math.nan
     order: float = math.nan
+    quality: float = math.nan
     tolerances: tuple[tuple[float, float], ...] = ()
     time_constant: float = math.nan
 
@@ -106,7 +108,7 @@ class Contribution:
             return np.asarray(np.log1p(e * at))
         over = frequency / self.frequency
         if self.kind == "resonance":
-            size = -0.5 * np.log((1.0 - over**2) ** 2 + (over / self.order) ** 2)
+            size = -0.5 * np.log((1.0 - over**2) ** 2 + (over / self.quality) ** 2)
             return np.asarray(e * np.maximum(size, 0.0))
         power = 2.0 * self.order
         with np.errstate(over="ignore"):

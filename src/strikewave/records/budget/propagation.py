@@ -28,8 +28,6 @@ PROBABILITY = 0.95
 """Coverage probability of intervals."""
 NORMAL_FACTOR = 1.959964
 """Coverage factor of a normal distribution for it."""
-COVERAGE = 2.0
-"""Coverage factor of what is shown as expanded uncertainty: 95.45 % of a normal distribution."""
 TRIALS = 10_000
 """Trials that are added at a time: JCGM 101, 7.9.4 b, asks for max(100/(1 - p), 10 000)."""
 MOST_TRIALS = 1_000_000

@@ -14,6 +14,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from strikewave.base.constants import COVERAGE
 from strikewave.records.budget.contributions import (
     GAINS,
     RECORD,
@@ -23,7 +24,6 @@ from strikewave.records.budget.contributions import (
     changed,
     sampling,
 )
-from strikewave.records.budget.propagation import COVERAGE
 from strikewave.records.measuring import RecordedPulse
 from strikewave.records.record import Channel
 

@@ -18,7 +18,7 @@ from strikewave.records.health.train import double_hit, mains_blips, missing_blo
 from strikewave.records.health.zero import ac_coupling, level_step, no_foot, not_settled, velocity_drift, zero_shift
 from strikewave.records.health_notice import FIGURES, HealthNotice, worst_first
 
-__all__ = ["BLOW", "CHECKS", "Examined", "clipped", "examine", "level_step"]
+__all__ = ["BLOW", "CHECKS", "Examined", "clipped", "examine", "level_step", "ringing"]
 
 CHECKS = (
     no_pulse,

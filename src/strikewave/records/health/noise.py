@@ -8,6 +8,7 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
+from strikewave.base.constants import COVERAGE
 from strikewave.base.percents import percent
 from strikewave.records.health.examined import Examined
 from strikewave.records.health_notice import HealthNotice, by_effect
@@ -17,8 +18,6 @@ Array = NDArray[np.float64]
 
 NOISY = 15.0
 """Ratio of peak to noise, dB, below which a fitted pulse is suspect too: noise of a fifth of the peak."""
-COVERAGE = 2.0
-"""Standard uncertainties that the effect of noise is: nineteen of twenty figures are off by less."""
 NOTED_NOISE = 0.02
 """Effect on a figure from which on noise is worth a word."""
 MAINS = (50.0, 60.0)

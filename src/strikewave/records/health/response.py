@@ -17,10 +17,11 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from strikewave.base.constants import COVERAGE
 from strikewave.base.percents import percent
 from strikewave.records.correlation import alike_as_one
 from strikewave.records.health.examined import SampledRecord
-from strikewave.records.health.noise import COVERAGE, NOTED_HUM, NOTED_NOISE, hum_beside
+from strikewave.records.health.noise import NOTED_HUM, NOTED_NOISE, hum_beside
 from strikewave.records.health.range import rail
 from strikewave.records.health.sampling import folded_level
 from strikewave.records.health_notice import HARMED, RESPONSE_FIGURES, HealthNotice, by_effect, worst_first

@@ -9,6 +9,7 @@ from __future__ import annotations
 import dataclasses
 import importlib
 import json
+import math
 import os
 import subprocess
 import sys
@@ -18,6 +19,7 @@ from typing import Any
 
 import numpy as np
 
+from strikewave.base.child_process import environment, python_command
 from strikewave.base.errors import InputError
 from strikewave.records.health_notice import HealthNotice
 from strikewave.records.readers import LARGEST_ARRAY, Options
@@ -50,6 +52,7 @@ def isolated(reader: str, path: Path, options: Options) -> Record:
         What the user states about it.
     """
     size = path.stat().st_size
+    seconds = SECONDS + size / BYTES_PER_SECOND
     with tempfile.TemporaryDirectory(prefix="strikewave-", ignore_cleanup_errors=True) as folder:
         task = {
             "reader": reader,
@@ -57,18 +60,17 @@ def isolated(reader: str, path: Path, options: Options) -> Record:
             "folder": folder,
             "options": options._asdict(),
             "memory": min(MEMORY + MEMORY_PER_BYTE * size, 2 * LARGEST_ARRAY),
+            "seconds": math.ceil(seconds),
         }
         few = dict.fromkeys(("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "NUMEXPR_MAX_THREADS"), "1")
-        environment = {**os.environ, **few, "PYTHONPATH": os.pathsep.join(filter(None, sys.path))}
-        command = [sys.executable, "-c", f"from {__name__} import work; work()"]
         try:
             subprocess.run(
-                command,
+                python_command("-c", f"from {__name__} import work; work()"),
                 input=json.dumps(task).encode(),
                 stdout=subprocess.DEVNULL,
                 stderr=subprocess.DEVNULL,
-                env=environment,
-                timeout=SECONDS + size / BYTES_PER_SECOND,
+                env=environment(**few),
+                timeout=seconds,
                 check=True,
             )
             answer = json.loads((Path(folder) / "answer.json").read_text("utf-8"))
@@ -100,7 +102,7 @@ def work() -> None:
     """Do in the child what standard input asks for."""
     task = json.loads(sys.stdin.read())
     folder = Path(task["folder"])
-    _limit(task["memory"])
+    _limit(task["memory"], task["seconds"])
     stated = task["options"]
     options = Options(**{**stated, "channels": tuple(stated["channels"])})
     try:
@@ -122,12 +124,14 @@ def _failed(path: str, allowed: str, hint: str) -> dict[str, Any]:
     return {"error": {"field": "FILE", "got": path, "allowed": allowed, "hint": hint}}
 
 
-def _limit(memory: int) -> None:
+def _limit(memory: int, seconds: int) -> None:
+    """Bound memory, and time too: of a first process that was killed, nobody else ends a reader that hangs."""
     try:
         import resource
     except ImportError:
         return
     resource.setrlimit(resource.RLIMIT_DATA, (memory, memory))
+    resource.setrlimit(resource.RLIMIT_CPU, (seconds, seconds))
     resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
 
 

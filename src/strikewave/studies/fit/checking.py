@@ -12,10 +12,10 @@ from numpy.typing import NDArray
 from strikewave.analyses.compare.agreement import CurveAgreement, agreement
 from strikewave.analyses.compare.curve import FIGURES, ComparedCurve
 from strikewave.signal.pulse import Pulse
-from strikewave.studies.fit.estimation import Estimate
+from strikewave.studies.fit.covariance import Estimate
 from strikewave.studies.fit.measured import MeasuredNumber, MeasuredPulse
 from strikewave.studies.fit.problem import Experiment, Problem, Solved
-from strikewave.studies.fit.simulation import Simulation
+from strikewave.studies.simulation import Simulation
 from strikewave.uncertainty.bands import latin_hypercube
 from strikewave.uncertainty.draws import normal_quantile
 from strikewave.uncertainty.runs import on_threads
@@ -102,7 +102,7 @@ def check(solved: Solved, experiments: Sequence[Experiment]) -> Checks:
             for name, unit, measured, doubt in _figures(one):
                 predicted, values = nominal[place], [draw[place] for draw in draws]
                 spread = float(np.std(values) / abs(np.mean(values))) if len(values) > 1 else 0.0
-                shares = found.reach * spread, left.get(_kind(one, name), 0.0), NORMAL * doubt / abs(measured)
+                shares = found.widest * spread, left.get(_kind(one, name), 0.0), NORMAL * doubt / abs(measured)
                 half = abs(predicted) * math.hypot(*shares)
                 ends = predicted - half, predicted + half
                 figures.append(PredictedFigure(one.called, name, unit, measured, predicted, *ends))

@@ -1,19 +1,19 @@
-"""Least squares in the unit cube: the best place, and how far the data fix it.
+"""Least squares in the unit cube: the best place, and how the misfit rises about it.
 
 Every coordinate is the place of a value between its bounds, 0 to 1, so that all have one scale and a standard error of
-a tenth means the same for each. Residuals are over their standard uncertainty; how they go together is said by blocks.
+a tenth means the same for each. Residuals are over their standard uncertainty.
 """
 
 from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
+from strikewave.studies.fit.covariance import Estimate
 from strikewave.uncertainty.bands import latin_hypercube
 from strikewave.uncertainty.runs import on_threads, or_none
 
@@ -37,16 +37,6 @@ ROUGH = 1e-4
 """The same for searches from other places: enough to see where they end."""
 MOST_STEPS = 40
 """Steps of a search: a smooth one takes five to fifteen."""
-RANK = 1e-8
-"""Information along a direction, over the largest, below which slopes of `FINAL_STEP` cannot tell it from none."""
-UNDETERMINED = 0.125
-"""Standard error in the unit cube from which on a direction counts as undetermined: 95 % then covers half of all that
-was allowed, so that hardly more is known than before."""
-NAMED = 0.05
-"""Share of a coordinate in an undetermined direction, squared, from which on it takes part."""
-MOST_ORDER, LONGEST, FAINT = 40, 4096, 1e-4
-"""Highest order of the autoregression of noise, the lags that it is followed over, and the correlation at which it
-ends: what mains and amplifiers leave in a record takes two coefficients each."""
 FAILED_OVER = 10.0
 """What a place that cannot be run has for residuals, over the largest at the start: worse than any that can be."""
 QUADRATIC = 0.3
@@ -54,88 +44,6 @@ QUADRATIC = 0.3
 bound moves by half of it."""
 PROFILE_STEPS = 12
 """Halvings of the interval in which an end of a profile lies: to 1e-3 of it and better."""
-
-
-class ResidualBlock(NamedTuple):
-    """Residuals that go together.
-
-    Attributes
-    ----------
-    rows : slice
-        Where they stand.
-    correlation : ndarray
-        Autocorrelation of their noise by lag, from 1 at 0 (or above, where the residual is more than noise); one number
-        for residuals that are independent.
-    shot : int
-        Number of the shot that they are of.
-    offset : float
-        Variance of what is added to all of them: of the baseline of a record.
-    """
-
-    rows: slice
-    correlation: Array
-    shot: int
-    offset: float = 0.0
-
-
-@dataclass(frozen=True)
-class Estimate:
-    """The best place, and what the data say of it.
-
-    Attributes
-    ----------
-    place : ndarray
-        In the unit cube.
-    residuals, jacobian : ndarray
-        There; the slopes have a column for each coordinate.
-    covariance : ndarray
-        Of the place, in the directions that are determined.
-    undetermined : ndarray
-        Directions that are not, a column each; orthonormal.
-    freedom : float
-        Degrees of freedom of the covariance; infinite where it rests on stated uncertainties alone.
-    """
-
-    place: Array
-    residuals: Array
-    jacobian: Array
-    covariance: Array
-    undetermined: Array
-    freedom: float
-
-    @property
-    def misfit(self) -> float:
-        """Sum of squares of the residuals."""
-        return float(self.residuals @ self.residuals)
-
-    @property
-    def errors(self) -> Array:
-        """Standard error of each coordinate; infinite where it takes part in an undetermined direction."""
-        errors = np.sqrt(np.diag(self.covariance))
-        for group in self.groups():
-            errors[group] = math.inf
-        return np.asarray(errors)
-
-    @property
-    def reach(self) -> float:
-        """Standard errors that 95 % lie within, to either side."""
-        from scipy.stats import norm, t
-
-        return float(norm.ppf(0.975) if math.isinf(self.freedom) else t.ppf(0.975, self.freedom))
-
-    def groups(self) -> list[list[int]]:
-        """Return the coordinates that are not determined, those together that only their combination is."""
-        projector = self.undetermined @ self.undetermined.T
-        left = [k for k in range(self.place.size) if projector[k, k] > NAMED]
-        groups: list[list[int]] = []
-        while left:
-            group, left = [left[0]], left[1:]
-            for one in group:  # it grows as its neighbours are found
-                near = [k for k in left if abs(projector[one, k]) > NAMED * projector[one, one]]
-                group += near
-                left = [k for k in left if k not in near]
-            groups.append(sorted(group))
-        return groups
 
 
 class Search:
@@ -251,112 +159,6 @@ class Search:
         return ends if ends[0][0] is start else [self.descend(ends[0][0]), *ends[1:]]
 
 
-def estimate(
-    place: Array, residuals: Array, jacobian: Array, blocks: Sequence[ResidualBlock], freedom: float
-) -> Estimate:
-    """Return what the data say of a place: A = J'J is the information, and B = J'CJ what noise makes of J'r.
-
-    The covariance is A^-1 B A^-1: that of least squares under noise whose correlation C the weights do not know. Where
-    there are enough shots, B is the sum over them of (J'r)(J'r)' with n/(n - p) (Liang & Zeger 1986): it holds what
-    differs from shot to shot, whatever it is. Directions without information are left out of it.
-    """
-    size = place.size
-    information = jacobian.T @ jacobian
-    values, vectors = np.linalg.eigh(information)
-    known = vectors[:, values > RANK * max(float(values[-1]), np.finfo(float).tiny)]
-    inverse = known @ np.linalg.inv(known.T @ information @ known) @ known.T if known.size else np.zeros((size, size))
-    covariance = inverse @ spread_of_slopes(residuals, jacobian, blocks) @ inverse
-    values, vectors = np.linalg.eigh(covariance)
-    sure = vectors[:, values <= UNDETERMINED**2]
-    inside = sure @ sure.T
-    inside = inside @ (known @ known.T) @ inside
-    values, vectors = np.linalg.eigh(inside)
-    kept, lost = vectors[:, values > 0.5], vectors[:, values <= 0.5]
-    projected = kept @ kept.T @ covariance @ kept @ kept.T
-    return Estimate(place, residuals, jacobian, projected, lost, freedom)
-
-
-def enough_shots(blocks: Sequence[ResidualBlock], size: int) -> bool:
-    """Tell whether there are enough shots for their scatter: three more than values."""
-    return len({block.shot for block in blocks}) >= size + 3
-
-
-def spread_of_slopes(residuals: Array, jacobian: Array, blocks: Sequence[ResidualBlock]) -> Array:
-    """Return the covariance of J'r, from the noise of each block, or from shot to shot where there are enough."""
-    from scipy.linalg import matmul_toeplitz
-
-    size = jacobian.shape[1]
-    shots = {block.shot for block in blocks}
-    total = np.zeros((size, size))
-    if enough_shots(blocks, size):
-        for shot in shots:
-            rows = [block.rows for block in blocks if block.shot == shot]
-            push = np.sum([jacobian[one].T @ residuals[one] for one in rows], axis=0)
-            total += np.outer(push, push)
-        return total * len(shots) / (len(shots) - size)
-    for block in blocks:
-        part = jacobian[block.rows]
-        lags = np.zeros(part.shape[0])
-        lags[: block.correlation.size] = block.correlation[: lags.size]
-        total += part.T @ (matmul_toeplitz(lags, part) if block.correlation.size > 1 else lags[0] * part)
-        total += block.offset * np.outer(part.sum(axis=0), part.sum(axis=0))
-    return total
-
-
-def autocorrelation(noise: Array) -> Array:
-    """Return the autocorrelation of noise by lag, that of the autoregression which explains it best, until it dies out.
-
-    Burg's autoregression of each order up to a tenth of the samples is tried, and the one with the least corrected
-    information criterion of Akaike taken (Hurvich & Tsai 1989): sums of products over a few hundred samples of coloured
-    noise would err by as much as they are.
-
-    Examples
-    --------
-    >>> source = np.random.default_rng(1).standard_normal(4000)
-    >>> walk = np.convolve(source, 0.8 ** np.arange(60))[:4000]
-    >>> bool(np.max(np.abs(autocorrelation(walk)[:10] - 0.8 ** np.arange(10))) < 0.06)
-    True
-    """
-    from scipy.signal import correlate, lfilter
-
-    centred = noise - np.mean(noise)
-    count, power = centred.size, float(np.mean(centred**2))
-    if power == 0.0:
-        return np.ones(1)
-    forward, backward, weights = centred.copy(), centred.copy(), np.ones(1)
-    best, chosen = count * math.log(power) + 2.0 * count / (count - 2.0), weights
-    for order in range(1, min(count // 10, MOST_ORDER) + 1):
-        ahead, behind = forward[1:], backward[:-1]
-        reflected = -2.0 * float(ahead @ behind) / float(ahead @ ahead + behind @ behind)
-        weights = np.append(weights, 0.0) + reflected * np.append(weights, 0.0)[::-1]
-        forward, backward = ahead + reflected * behind, behind + reflected * ahead
-        power *= 1.0 - reflected**2
-        if power <= 0.0:
-            break
-        criterion = count * math.log(power) + 2.0 * (order + 1) * count / (count - order - 2.0)
-        if criterion < best:
-            best, chosen = criterion, weights
-    impulse = np.zeros(LONGEST)
-    impulse[0] = 1.0
-    answer = lfilter([1.0], chosen, impulse)
-    lags = correlate(answer, answer, "full", "fft")[LONGEST - 1 :]
-    lags = lags / lags[0]
-    kept = np.flatnonzero(np.abs(lags) > FAINT)
-    return np.asarray(lags[: int(kept[-1]) + 1])
-
-
-def independent_count(samples: int, correlation: Array) -> float:
-    """Return how many independent samples have as sure a mean square as so many correlated ones.
-
-    Examples
-    --------
-    >>> independent_count(100, np.ones(1))
-    100.0
-    """
-    shape = correlation / correlation[0]
-    return samples / (1.0 + 2.0 * float(np.sum(shape[1:] ** 2)))
-
-
 class ProfileEnds(NamedTuple):
     """Ends of the interval of a coordinate along its profile, and the profile: places and standard errors there."""
 
@@ -380,7 +182,7 @@ def profile(search: Search, found: Estimate, coordinate: int) -> ProfileEnds:
         alone -= float((cross.T @ np.linalg.pinv(information[np.ix_(others, others)]) @ cross)[0, 0])
     per = max(float(alone) * variance, np.finfo(float).tiny)
     points: dict[float, float] = {float(found.place[coordinate]): 0.0}
-    base, middle = found.misfit, float(found.place[coordinate])
+    base, middle, reach = found.misfit, float(found.place[coordinate]), float(found.reach[coordinate])
 
     def deviations(value: float, near: Array) -> tuple[float, Array]:
         place = near.copy()
@@ -392,7 +194,7 @@ def profile(search: Search, found: Estimate, coordinate: int) -> ProfileEnds:
 
     ends = []
     for sign in (-1.0, 1.0):
-        bound, reach = (0.0 if sign < 0.0 else 1.0), found.reach
+        bound = 0.0 if sign < 0.0 else 1.0
         inner, outer, near = middle, middle, found.place
         for factor in (1.0, 2.0, 4.0, 8.0, math.inf):
             far = middle + sign * factor * reach * math.sqrt(variance)

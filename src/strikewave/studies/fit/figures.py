@@ -125,11 +125,10 @@ def values_figure(study: FitStudy) -> Figure:
 
 def profile_figures(study: FitStudy) -> list[tuple[Figure, str]]:
     """Return a picture of each profile that was followed, with its caption."""
-    reach = study.solved.estimate.reach
     words = "Rise of the misfit with all other values at their best; the 95 % interval ends at the dotted line."
     return [
-        (one_diagram(lambda axes, one=one: draw_profile(axes, one, reach), HALF), words)  # type: ignore[misc]
-        for one in study.parameters
+        (one_diagram(lambda axes, one=one, reach=reach: draw_profile(axes, one, float(reach)), HALF), words)  # type: ignore[misc]
+        for one, reach in zip(study.parameters, study.solved.estimate.reach, strict=True)
         if one.profile is not None
     ]
 

@@ -23,8 +23,8 @@ from strikewave.signal.alignment import EvenHistory
 from strikewave.signal.filters import Filter
 from strikewave.signal.pulse import RISE_LOW, crossing
 from strikewave.signal.resampling import REACH, resampled
-from strikewave.studies.fit.estimation import autocorrelation
-from strikewave.studies.fit.simulation import Simulation
+from strikewave.studies.fit.noise import autocorrelation
+from strikewave.studies.simulation import Simulation
 
 Array = NDArray[np.float64]
 
@@ -113,6 +113,12 @@ class MeasuredPulse:
         Autocorrelation of the noise by lag.
     low_pass : Filter or None
         What both go through.
+    shot : str
+        File and blow that it is of: other channels of the same are no other shot.
+    scatter : float
+        Standard deviation of its amplitude from shot to shot, as a share; 0 where it is not stated.
+    left : float
+        What residuals are weighted by: root mean square of what is left over the noise; 1 for the noise alone.
     """
 
     record: ComparedCurve
@@ -124,6 +130,9 @@ class MeasuredPulse:
     quiet: int
     correlation: Array
     low_pass: Filter | None = None
+    shot: str = ""
+    scatter: float = 0.0
+    left: float = 1.0
 
     @property
     def called(self) -> str:
@@ -131,10 +140,12 @@ class MeasuredPulse:
         return self.record.name
 
     @property
-    def offset(self) -> float:
-        """Variance of its baseline over that of its noise: of a median of the quiet before the pulse; 0 if unknown."""
+    def shared(self) -> Array:
+        """What all residuals may be off together: by the baseline, a median of the quiet, and by the amplitude."""
         memory = 1.0 + 2.0 * float(np.sum(self.correlation[1:]))
-        return MEDIAN * max(memory, 0.0) / self.quiet if self.quiet else 0.0
+        baseline = math.sqrt(MEDIAN * max(memory, 0.0) / self.quiet) if self.quiet else 0.0
+        amplitude = self.scatter * self.values / self.deviation
+        return np.column_stack([np.full(self.values.size, baseline), amplitude]) / self.left
 
     @property
     def unit(self) -> str:
@@ -160,25 +171,27 @@ class MeasuredPulse:
         return LaidPulse(self.time, self.values, computed, float(self.time[0]) - (curve.history.start + at * step))
 
     def residuals(self, run: Simulation) -> Array:
-        """Return by how much a run is above it, sample by sample, in standard deviations of the noise."""
+        """Return by how much a run is above it, sample by sample, in standard deviations of the noise times `left`."""
         laid = self.laid(run)
-        return (laid.computed - laid.measured) / self.deviation
+        return (laid.computed - laid.measured) / (self.deviation * self.left)
 
     def band_limited(self, curve: ComparedCurve) -> ComparedCurve:
         """Return a history of a run without what samples of the record cannot hold."""
         fine, step = _finer(curve.history, self.record.history.step)
         return replace(curve, history=curve.history._replace(values=fine, step=step))
 
-    def reweighted(self, deviation: float) -> MeasuredPulse:
-        """Return it with another deviation."""
-        return replace(self, deviation=deviation)
-
 
 Measured = MeasuredNumber | MeasuredPulse
 
 
 def measured_pulse(
-    record: ComparedCurve, run: Simulation, part: str, blow: int, low_pass: Filter | None
+    record: ComparedCurve,
+    run: Simulation,
+    part: str,
+    blow: int,
+    low_pass: Filter | None,
+    shot: str = "",
+    scatter: float = 0.0,
 ) -> MeasuredPulse:
     """Return the pulse of a record as it is held against runs such as this one.
 
@@ -217,6 +230,8 @@ def measured_pulse(
         before.size if known else 0,
         autocorrelation(before) if known else np.ones(1),
         low_pass,
+        shot,
+        scatter,
     )
     turned = replace(found, values=-found.values)
     misfits = [float(np.sum(one.residuals(run) ** 2)) for one in (found, turned)]

@@ -42,7 +42,7 @@ def fit_notices(study: FitStudy) -> list[Notice]:
     for group in found.groups():
         words = f"{combination_words(study, group)}; {separating_words(study, group)}"
         notices.append(Notice("not-determined", words, float(len(group)), 0.0))
-    broken = [one for one in study.solved.misfits if one.more_than_noise]
+    broken = [one for one in study.solved.misfits if one.more_than_noise and not one.scatters]
     if broken:
         worst = max(broken, key=lambda one: one.size)
         known = "times its noise" if worst.noise_known else "times 1e-4 of its peak, for it shows no noise"
@@ -52,6 +52,15 @@ def fit_notices(study: FitStudy) -> list[Notice]:
             f"{worst.size:.3g} {known}; the model lacks something, and standard errors are those of what is left"
         )
         notices.append(Notice("residual-not-noise", message, worst.size, 1.0))
+    apart = [one for one in study.solved.misfits if one.scatters]
+    if apart:
+        worst = max(apart, key=lambda one: one.size)
+        message = (
+            f"{len(apart)} of {len(study.pulses)} records differ by more than noise, {worst.called} by "
+            f"{percent(worst.share, 1)} of the peak (RMS), and each can be fitted alone: the shots scatter, and "
+            "standard errors hold that"
+        )
+        notices.append(Notice("shots-scatter", message, worst.size, 1.0, INFO))
     missed = [one for one in study.solved.misfits if one.is_number and one.size > MET]
     if missed:
         worst = max(missed, key=lambda one: one.size)

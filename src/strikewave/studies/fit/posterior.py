@@ -2,8 +2,8 @@
 
 The likelihood is that of the fit: the rise of its sum of squares, adjusted so that its curvature is the covariance of
 the fit (Ribatet, Cooley & Davison 2012), in which the colour of the noise, what is left beyond it, and the scatter from
-shot to shot are; with Student's t where that covariance has few degrees of freedom. What the data do not determine is
-left to the prior.
+shot to shot are; as wide as the intervals of the fit have it by Student's t. What the data do not determine is left to
+the prior.
 """
 
 from __future__ import annotations
@@ -18,7 +18,8 @@ from numpy.typing import NDArray
 
 from strikewave.base.errors import MISSING, InputError
 from strikewave.studies.fit.checking import DRAWS, drawn_places
-from strikewave.studies.fit.estimation import Estimate, Residuals
+from strikewave.studies.fit.covariance import NORMAL, Estimate
+from strikewave.studies.fit.estimation import Residuals
 from strikewave.studies.fit.measured import MeasuredPulse
 from strikewave.studies.fit.problem import Solved
 from strikewave.uncertainty.runs import on_threads
@@ -107,14 +108,20 @@ def check_sampler() -> None:
         raise InputError("--bayes", MISSING, "emcee", "pip install 'strikewave[bayes]'") from None
 
 
+def widened(found: Estimate) -> Array:
+    """Return the covariance of a normal distribution whose 95 % are those of the fit, where that has Student's t."""
+    wider = np.where(np.isfinite(found.errors), found.reach / NORMAL, 1.0)
+    return np.asarray(found.covariance * np.outer(wider, wider))
+
+
 def adjustment(found: Estimate) -> Array:
-    """Return A, with which misfit(best + A (place - best)) has the covariance V of the fit: A'HA = 1/V, H = J'J.
+    """Return A, with which misfit(best + A (place - best)) has the covariance V of `widened`: A'HA = 1/V, H = J'J.
 
     Examples
     --------
     >>> slopes, none = np.array([[1.0, 0.0], [0.0, 2.0]]), np.zeros((2, 0))
-    >>> found = Estimate(np.ones(2), np.zeros(2), slopes, 4.0 * np.linalg.inv(slopes.T @ slopes), none, 9.0)
-    >>> adjustment(found).round(12).tolist()
+    >>> covariance, reach = 4.0 * np.linalg.inv(slopes.T @ slopes), np.full(2, NORMAL)
+    >>> adjustment(Estimate(np.ones(2), np.zeros(2), slopes, covariance, none, reach)).round(12).tolist()
     [[0.5, 0.0], [0.0, 0.5]]
     """
     size = found.place.size
@@ -122,7 +129,7 @@ def adjustment(found: Estimate) -> Array:
     values, vectors = np.linalg.eigh(np.eye(size) - lost)
     kept = vectors[:, values > 0.5]
     information = kept.T @ found.jacobian.T @ found.jacobian @ kept
-    covariance = kept.T @ found.covariance @ kept
+    covariance = kept.T @ widened(found) @ kept
     return np.asarray(lost + kept @ _root(information) @ _root(covariance) @ kept.T)
 
 
@@ -133,21 +140,12 @@ def _root(matrix: Array) -> Array:
 
 
 def log_likelihood(residuals: Residuals, found: Estimate) -> Callable[[Array], float]:
-    """Return the logarithm of the likelihood at a place of the unit cube, but for a constant.
-
-    With the rise S of the adjusted sum of squares it is -S/2, or -(f + p)/2 log(1 + S/f) where the covariance of the p
-    fields that are determined has f degrees of freedom: that of Student's t, its scale integrated over.
-    """
+    """Return the logarithm of the likelihood at a place, but for a constant: -S/2 with S the rise of the misfit."""
     adjusted, best = adjustment(found), found.misfit
-    count = found.place.size - found.undetermined.shape[1]
 
     def at(place: Array) -> float:
-        moved = np.clip(found.place + adjusted @ (place - found.place), 0.0, 1.0)
-        left = residuals(moved)
-        rise = float(left @ left) - best
-        if math.isinf(found.freedom):
-            return -0.5 * rise
-        return -0.5 * (found.freedom + count) * math.log1p(max(rise / found.freedom, -0.5))
+        left = residuals(np.clip(found.place + adjusted @ (place - found.place), 0.0, 1.0))
+        return -0.5 * (float(left @ left) - best)
 
     return at
 
@@ -212,7 +210,7 @@ def _moves(found: Estimate) -> Any:
     ensemble = [(emcee.moves.StretchMove(), 0.5), (emcee.moves.DEMove(), 0.5)]
     if found.undetermined.shape[1]:
         return ensemble
-    values, vectors = np.linalg.eigh(found.covariance)
+    values, vectors = np.linalg.eigh(widened(found))
     scale = np.sqrt(np.maximum(values, SMALLEST))
     size = found.place.size
 
@@ -252,6 +250,6 @@ def predictive_bands(solved: Solved, posterior: Posterior, most: int) -> list[tu
     bands = []
     for k, pulse in enumerate(pulses):
         low, middle, high = np.quantile([one[k] for one in found], (0.025, 0.5, 0.975), axis=0)
-        noise = 1.96 * pulse.deviation
+        noise = NORMAL * pulse.deviation
         bands.append((middle - np.hypot(middle - low, noise), middle + np.hypot(high - middle, noise)))
     return bands

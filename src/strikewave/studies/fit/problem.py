@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections import Counter
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from itertools import pairwise
@@ -12,20 +13,12 @@ from numpy.typing import NDArray
 
 from strikewave.base.errors import InputError
 from strikewave.cases.case import Case
-from strikewave.studies.fit.estimation import (
-    FINAL_STEP,
-    ROUGH,
-    Estimate,
-    ResidualBlock,
-    Search,
-    autocorrelation,
-    enough_shots,
-    estimate,
-    independent_count,
-)
+from strikewave.studies.fit.covariance import Estimate, ResidualBlock, estimate
+from strikewave.studies.fit.estimation import FINAL_STEP, ROUGH, Search
 from strikewave.studies.fit.free_fields import FreeField, case_at
 from strikewave.studies.fit.measured import Measured, MeasuredNumber, MeasuredPulse
-from strikewave.studies.fit.simulation import Simulation
+from strikewave.studies.fit.noise import independent_count
+from strikewave.studies.simulation import Simulation
 
 Array = NDArray[np.float64]
 
@@ -33,6 +26,8 @@ CHANCE = 1e-3
 """Probability with which noise alone makes a residual that is said to be more than noise."""
 ALIKE = 1e-2
 """Share by which sums of squares may differ, or number where they are below 1, and be the same: far below chance."""
+FAINT_SLOPE = 1e-4
+"""Slope of a record along a direction, over the largest, from which on its own best values follow the residual."""
 UNFELT = 1e-7
 """Slope of the residuals along a field, over the largest, below which it changes nothing that was measured."""
 
@@ -76,6 +71,8 @@ class Misfit:
         Whether it is a stated number, not a record.
     noise_known : bool
         Whether the noise of the record is known; else it is taken as `strikewave.studies.fit.measured.QUIETEST`.
+    scatters : bool
+        Whether it is noise with values of its own: then the shots differ, and the model need lack nothing.
     """
 
     called: str
@@ -85,6 +82,7 @@ class Misfit:
     more_than_noise: bool
     is_number: bool = False
     noise_known: bool = True
+    scatters: bool = False
 
 
 class Problem:
@@ -134,76 +132,129 @@ class Problem:
         ends = np.cumsum([0, *(1 if isinstance(one, MeasuredNumber) else one.time.size for one in self.measured)])
         return [slice(int(a), int(b)) for a, b in pairwise(ends)]
 
-    def misfits(self, residuals: Array) -> list[Misfit]:
-        """Return what is left of each measured thing, and whether that is more than noise."""
-        from scipy.stats import f
+    def shots(self) -> list[int]:
+        """Return the number of the shot that each measured thing is of.
 
+        What records of one file show of one blow is one shot; so are all numbers of one setting, of one record there if
+        there is one. Another record at that setting, or the same number once more, is another shot.
+        """
+        shots, known = list[int](), dict[tuple[int, int], int]()
+        for setting, experiment in enumerate(self.experiments):
+            files, names = list[str](), Counter[str]()
+            for one in experiment.measured:
+                if isinstance(one, MeasuredPulse):
+                    if one.shot not in files:
+                        files.append(one.shot)
+                    repeat = files.index(one.shot)
+                else:
+                    repeat = names[one.called]
+                    names[one.called] += 1
+                shots.append(known.setdefault((setting, repeat), len(known)))
+        return shots
+
+    def misfits(self, residuals: Array, alone: Array | None = None) -> list[Misfit]:
+        """Return what is left of each measured thing, and whether that is more than noise.
+
+        ``alone`` has the residuals with the values at their best for each record by itself.
+        """
         found = []
         for one, rows in zip(self.measured, self.rows(), strict=True):
             left = residuals[rows]
-            size = math.sqrt(float(left @ left) / left.size)
             if isinstance(one, MeasuredNumber):
+                size = abs(float(left[0]))
                 found.append(Misfit(one.called, size, size * one.uncertainty / abs(one.value), 1.0, False, True))
                 continue
-            count = max(independent_count(left.size, one.correlation) - 1.0, 1.0)  # the shift takes one
-            quiet = independent_count(one.quiet, one.correlation) if one.quiet else math.inf
-            limit = float(f.ppf(1.0 - CHANCE, count, min(quiet, 1e9)))
-            share = size * one.deviation / float(np.max(np.abs(one.values)))
-            found.append(Misfit(one.called, size, share, count, size**2 > limit, noise_known=bool(one.quiet)))
+            size, more = one.left * _root_mean_square(left), more_than_noise(one, left)
+            found.append(
+                Misfit(
+                    one.called,
+                    size,
+                    share=size * one.deviation / float(np.max(np.abs(one.values))),
+                    independent=_independent(one, left),
+                    more_than_noise=more,
+                    noise_known=bool(one.quiet),
+                    scatters=more and alone is not None and not more_than_noise(one, alone[rows]),
+                )
+            )
         return found
 
-    def blocks(self, residuals: Array) -> list[ResidualBlock]:
-        """Return the correlation of the residuals: that of the noise, or of what is left where that is more."""
-        blocks = []
-        shots = iter(range(len(self.measured)))
-        for one, rows, misfit in zip(self.measured, self.rows(), self.misfits(residuals), strict=True):
-            correlation = one.correlation
-            if misfit.more_than_noise:
-                correlation = misfit.size**2 * autocorrelation(residuals[rows])
-            offset = one.offset if isinstance(one, MeasuredPulse) else 0.0
-            blocks.append(ResidualBlock(rows, correlation, next(shots), offset))
+    def alone(self, residuals: Array, jacobian: Array) -> Array:
+        """Return the residuals of each record with the values at their best for it alone, by the slopes."""
+        found = residuals.copy()
+        for one, rows in zip(self.measured, self.rows(), strict=True):
+            if isinstance(one, MeasuredPulse):
+                part = jacobian[rows]
+                found[rows] -= part @ np.linalg.lstsq(part, residuals[rows], FAINT_SLOPE)[0]
+        return found
+
+    def blocks(self, residuals: Array, jacobian: Array) -> list[ResidualBlock]:
+        """Return the blocks of the residuals: their noise, and what is left of them where that is more."""
+        alone, missed, blocks = self.alone(residuals, jacobian), self._missed(residuals), []
+        for one, rows, shot in zip(self.measured, self.rows(), self.shots(), strict=True):
+            if isinstance(one, MeasuredNumber):
+                blocks.append(ResidualBlock(rows, np.ones(1), shot, missed))
+                continue
+            left = alone[rows] if more_than_noise(one, alone[rows]) else None
+            quiet = independent_count(one.quiet, one.correlation) if one.quiet else math.inf
+            blocks.append(ResidualBlock(rows, one.correlation / one.left**2, shot, left, one.shared, quiet))
         return blocks
 
-    def freedom(self, residuals: Array) -> float:
-        """Return the degrees of freedom of the covariance."""
-        blocks, size = self.blocks(residuals), len(self.fields)
-        if enough_shots(blocks, size):
-            return float(len(blocks) - size)
-        misfits = [one for one in self.misfits(residuals) if one.more_than_noise]
-        if not misfits:  # as well as the noise is known that the quiet before the pulse shows
-            quiet = [
-                independent_count(one.quiet, one.correlation)
-                for one in self.measured
-                if isinstance(one, MeasuredPulse) and one.quiet
-            ]
-            return sum(quiet) or math.inf
-        left = [
-            independent_count(residuals[block.rows].size, block.correlation)
-            for block in blocks
-            if block.correlation.size > 1
-        ]
-        return max(sum(left) - size, 1.0)
+    def _missed(self, residuals: Array) -> Array | None:
+        """Return the root mean square of the numbers where they are missed by more than chance (Birge 1932)."""
+        from scipy.stats import chi2
 
-    def reweighted(self, residuals: Array) -> Problem:
-        """Return the problem with records weighted by what is left of them, where that is more than their noise."""
-        misfits = iter(self.misfits(residuals))
-        experiments = []
-        for experiment in self.experiments:
-            measured: list[Measured] = []
-            for one in experiment.measured:
-                misfit = next(misfits)
-                heavy = isinstance(one, MeasuredPulse) and misfit.more_than_noise
-                measured.append(one.reweighted(one.deviation * misfit.size) if heavy else one)  # type: ignore[union-attr]
-            experiments.append(replace(experiment, measured=tuple(measured)))
+        pairs = zip(self.measured, self.rows(), strict=True)
+        missed = np.array([float(residuals[rows][0]) for one, rows in pairs if isinstance(one, MeasuredNumber)])
+        freedom = missed.size - len(self.fields)
+        if freedom < 1 or float(missed @ missed) <= float(chi2.ppf(1.0 - CHANCE, freedom)):
+            return None
+        return np.array([_root_mean_square(missed)])
+
+    def weighted(self, misfits: Sequence[Misfit]) -> Problem:
+        """Return the problem with the records of each part weighted by what is left of them all, over their peaks.
+
+        Weighted by its own alone, a record that led the fit, or lies in the middle of those that scatter, would lead it
+        the more, and their scatter would look the smaller.
+        """
+        shares: dict[str, list[float]] = {}
+        for one, misfit in zip(self.measured, misfits, strict=True):
+            if isinstance(one, MeasuredPulse):
+                shares.setdefault(one.part, []).append(misfit.share)
+
+        def heavier(one: Measured) -> Measured:
+            if isinstance(one, MeasuredNumber):
+                return one
+            left = _root_mean_square(np.array(shares[one.part])) * float(np.max(np.abs(one.values)))
+            return replace(one, left=max(left / one.deviation, 1.0))
+
+        experiments = [replace(one, measured=tuple(map(heavier, one.measured))) for one in self.experiments]
         return Problem(experiments, self.fields)
+
+
+def _root_mean_square(values: Array) -> float:
+    return math.sqrt(float(values @ values) / values.size)
+
+
+def _independent(one: MeasuredPulse, left: Array) -> float:
+    """Return how many independent samples what is left of a record has; laying the run on it takes one."""
+    return max(independent_count(left.size, one.correlation) - 1.0, 1.0)
+
+
+def more_than_noise(one: MeasuredPulse, left: Array) -> bool:
+    """Tell whether noise, and the stated scatter of the amplitude, leave so much once in a thousand times at most."""
+    from scipy.stats import f, norm
+
+    quiet = independent_count(one.quiet, one.correlation) if one.quiet else math.inf
+    limit = float(f.ppf(1.0 - CHANCE, _independent(one, left), min(quiet, 1e9)))
+    scatter = float(norm.ppf(1.0 - 0.5 * CHANCE)) * one.scatter * _root_mean_square(one.values) / one.deviation
+    return bool(one.left * _root_mean_square(left) > math.hypot(math.sqrt(limit), scatter))
 
 
 @dataclass(frozen=True, eq=False)
 class Solved:
-    """A problem, as weighted and as stated, with its best place, other places that fit as well, and its runs."""
+    """A problem, as weighted, with its best place, other places that fit as well, and its runs."""
 
     problem: Problem
-    stated: Problem
     estimate: Estimate
     misfits: tuple[Misfit, ...]
     others: tuple[Array, ...]
@@ -228,24 +279,26 @@ def solve(problem: Problem, advance: Callable[[int, float], None] | None = None)
         _check_felt(problem, search, first)
         ends = [search.descend(problem.start, accuracy=ROUGH)] if problem.slow else search.wide(problem.start)
         place, residuals = _nearest(ends, problem.start)
-        heavier = problem.reweighted(residuals)
-        if len(problem.measured) > 1 and any(one.more_than_noise for one in problem.misfits(residuals)):
-            again = Search(heavier.residuals, len(problem.fields), advance)
+        used, misfits = problem, problem.misfits(residuals)
+        if len(misfits) > 1 and any(one.more_than_noise for one in misfits):
+            used = problem.weighted(misfits)
+            again = Search(used.residuals, len(problem.fields), advance)
             again.begin(place)
             place, _ = again.descend(place)
             again.runs += search.runs
-            search, used = again, heavier
-        else:
-            used = problem
+            search = again
     except KeyboardInterrupt:
         assert search.best is not None
         place, stopped, used = search.best[1], True, problem
     residuals = used.residuals(place)
-    jacobian = search.slopes(place, residuals, FINAL_STEP, both=True)
-    found = estimate(place, residuals, jacobian, used.blocks(residuals), used.freedom(residuals))
-    others = _others(ends, found)
-    own = residuals if used is problem else problem.residuals(place)  # misfits are over the noise, not the new weights
-    return Solved(used, problem, found, tuple(problem.misfits(own)), others, search.runs, stopped, search)
+    try:
+        jacobian = search.slopes(place, residuals, FINAL_STEP, both=True)
+    except KeyboardInterrupt:  # the values are found, their errors are not
+        jacobian, stopped = np.zeros((residuals.size, place.size)), True
+    found = estimate(place, residuals, jacobian, used.blocks(residuals, jacobian))
+    left = used.misfits(residuals, used.alone(residuals, jacobian))
+    base = residuals if used is problem else problem.residuals(place)  # other ends have the weights of the search
+    return Solved(used, found, tuple(left), _others(ends, found, base), search.runs, stopped, search)
 
 
 def _check_felt(problem: Problem, search: Search, first: Array) -> None:
@@ -263,14 +316,18 @@ def _nearest(ends: Sequence[tuple[Array, Array]], start: Array) -> tuple[Array, 
     return min(alike, key=lambda end: float(np.linalg.norm(end[0] - start)))
 
 
-def _others(ends: Sequence[tuple[Array, Array]], found: Estimate) -> tuple[Array, ...]:
-    """Return ends of other searches that fit as well within chance and lie apart along what is determined."""
+def _others(ends: Sequence[tuple[Array, Array]], found: Estimate, base: Array) -> tuple[Array, ...]:
+    """Return ends of other searches that fit as well within chance and lie apart along what is determined.
+
+    ``base`` has the residuals of the best place, weighted as those of the ends.
+    """
     others: list[Array] = []
     kept = np.eye(found.place.size) - found.undetermined @ found.undetermined.T
-    scale = max(found.misfit / max(found.residuals.size, 1), 1.0)
+    misfit = float(base @ base)
+    scale = max(misfit / base.size, 1.0)
     for place, residuals in ends:
-        rise = float(residuals @ residuals) - found.misfit
+        rise = float(residuals @ residuals) - misfit
         apart = float(np.linalg.norm(kept @ (place - found.place)))
-        if rise < found.reach**2 * scale and apart > max(10.0 * math.sqrt(np.trace(found.covariance)), 1e-3):
+        if rise < found.widest**2 * scale and apart > max(10.0 * math.sqrt(np.trace(found.covariance)), 1e-3):
             others.append(place)
     return tuple(others)

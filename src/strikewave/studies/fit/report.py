@@ -58,8 +58,8 @@ def _values(study: FitStudy) -> Section:
     parts += [Picture(figure, words) for figure, words in profile_figures(study)]
     parts.append(Link("fitted.toml", "The fitted case, fitted.toml"))
     text = (
-        "Standard errors hold the noise of the records with its colour, or what is left where that is more; with three "
-        "shots more than values, what differs from shot to shot. They hold no error of fields that were not free."
+        "Standard errors hold the noise of the records with its colour, what is left where that is more, and what "
+        f"differs from shot to shot: {_shots(study)}. They hold no error of fields that were not free."
     )
     return Section("Fitted values", text, parts)
 
@@ -76,6 +76,15 @@ def _posterior(study: FitStudy, posterior: Posterior) -> Section:
     )
     table = page_table(POSTERIOR_TITLE, POSTERIOR_COLUMNS, study.posterior_values())
     return Section("Posterior", text, [table, Picture(corner_figure(study), caption)])
+
+
+def _shots(study: FitStudy) -> str:
+    """Say what is known of the scatter of shots."""
+    count = len(set(study.solved.problem.shots()))
+    if count > 1:
+        return f"the scatter of {count} shots shows it, and intervals are as wide as Student's t has them"
+    stated = any(pulse.scatter for pulse, _ in study.pulses)
+    return "as stated" if stated else "nothing, for one shot does not show it, and none is stated"
 
 
 def _records(study: FitStudy) -> Section:

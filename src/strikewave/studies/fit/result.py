@@ -150,6 +150,7 @@ class FitStudy(AskedResult):
             "low": "as the field",
             "high": "as the field",
             "start": "as the field",
+            "reach": "standard errors",
             "correlation": "1",
             "size": "standard deviations of the noise",
             "share": "1",
@@ -185,8 +186,9 @@ class FitStudy(AskedResult):
                     "start": one.field.value.si,
                     "bounds": [one.field.low, one.field.high],
                     "interval": "profile" if one.profile is not None else "quadratic" if one.determined else "bounds",
+                    "reach": float(reach) if one.determined else None,
                 }
-                for one in self.parameters
+                for one, reach in zip(self.parameters, found.reach, strict=True)
             ],
             "correlation": self.correlation.tolist(),
             "undetermined": self.undetermined,
@@ -195,7 +197,7 @@ class FitStudy(AskedResult):
             "misfit": {
                 "chi_squared": found.misfit,
                 "residuals": int(found.residuals.size),
-                "freedom": found.freedom if math.isfinite(found.freedom) else None,
+                "shots": len(set(self.solved.problem.shots())),
                 "measured": [vars(one) for one in self.solved.misfits],
             },
             "numbers": [

@@ -27,7 +27,6 @@ from strikewave.studies.fit.problem import Problem, Solved, solve
 from strikewave.studies.fit.request import FitRequest
 from strikewave.studies.fit.result import FitStudy, FittedParameter
 from strikewave.studies.fit.separating import separating
-from strikewave.studies.fit.simulation import Simulation
 from strikewave.studies.fit.targets import (
     ReadTargets,
     Target,
@@ -36,6 +35,7 @@ from strikewave.studies.fit.targets import (
     read_targets,
 )
 from strikewave.studies.fit.trying import TriedChoice, read_tries, tried
+from strikewave.studies.simulation import Simulation
 
 Array = NDArray[np.float64]
 
@@ -188,7 +188,7 @@ def fitted_study(
         pulses=tuple(_laid(solved.problem, runs)),
         computed=_computed(solved.problem, runs),
         separating=tuple(separating(solved)),
-        citations=("liang-zeger-1986", "raue-2009"),
+        citations=("liang-zeger-1986", "bell-mccaffrey-2002", "raue-2009"),
     )
     return dataclasses.replace(study, notices=(*fit_notices(study), *read.notices))
 
@@ -236,6 +236,7 @@ def _parameter(solved: Solved, k: int, field: FreeField) -> FittedParameter:
     followed = None
     if not solved.stopped and not found.groups() and not is_quadratic(solved.search, found, k):
         followed = profile(solved.search, found, k)
-    low, high = (place - found.reach * error, place + found.reach * error) if followed is None else followed[:2]
+    reach = float(found.reach[k]) * error
+    low, high = (place - reach, place + reach) if followed is None else followed[:2]
     ends = field.si(max(low, 0.0)), field.si(min(high, 1.0))
     return FittedParameter(field, value, field.error(value, error), *ends, followed)

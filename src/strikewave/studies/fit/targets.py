@@ -1,7 +1,8 @@
 """What a case is fitted to, as it is typed: records and numbers, each with the settings at which it was measured.
 
-``shot.csv`` is a record of the usual part, ``PART=shot.csv`` of another one; ``first.rigid_peak=4151 g`` a number, with
-its standard uncertainty behind ``±`` or ``+-``. Settings follow after semicolons: ``shot.csv; machine.speed=500 rpm``.
+``shot.csv`` is a record of the usual part, ``PART=shot.csv`` of another one; ``first.rigid_peak=4151 g`` a number.
+Behind ``±`` or ``+-`` stands the standard uncertainty of a number, or by which share the amplitude of such records
+scatters from shot to shot. Settings follow after semicolons: ``shot.csv; machine.speed=500 rpm``.
 ``@FILE`` stands for the lines of a text file.
 """
 
@@ -23,8 +24,8 @@ from strikewave.reporting.options import read_share
 from strikewave.studies.fit.free_fields import FreeField, changed_case
 from strikewave.studies.fit.measured import Measured, MeasuredNumber, MeasuredPulse, measured_pulse
 from strikewave.studies.fit.problem import Experiment
-from strikewave.studies.fit.simulation import Simulation, checked_number, number_units, quick_case
 from strikewave.studies.fit.stated import stated_at
+from strikewave.studies.simulation import Simulation, checked_number, number_units, quick_case
 from strikewave.uncertainty.known import LEAST, MOST, half_a_digit
 
 MOST_RECORDS = 200
@@ -50,6 +51,8 @@ class Target:
         Settings, ``path=value`` each.
     is_number : bool
         Whether it is a number.
+    scatter : float
+        Standard deviation of the amplitude of records from shot to shot, as a share; 0 where it is not stated.
     stated : str
         Table of a file that states it; empty where it was typed.
     """
@@ -58,6 +61,7 @@ class Target:
     right: str
     changes: tuple[str, ...] = ()
     is_number: bool = False
+    scatter: float = 0.0
     stated: str = field(default="", repr=False, compare=False)
 
 
@@ -103,7 +107,9 @@ def parse_target(word: str, case: Case) -> Target:
     --------
     >>> from strikewave import load_case
     >>> parse_target("sensor=shot.csv#2; machine.speed=500 rpm", load_case("li-ma-2019"))
-    Target(left='sensor', right='shot.csv#2', changes=('machine.speed=500 rpm',), is_number=False)
+    Target(left='sensor', right='shot.csv#2', changes=('machine.speed=500 rpm',), is_number=False, scatter=0.0)
+    >>> parse_target("shot.csv +- 2 %", load_case("li-ma-2019")).scatter
+    0.02
     """
     first, *rest = (part.strip() for part in word.split(";")) if not os.path.lexists(word) else (word,)
     for change in rest:
@@ -111,12 +117,19 @@ def parse_target(word: str, case: Case) -> Target:
             raise InputError("--to", change, "path=value behind a semicolon", "such as machine.speed=500 rpm")
     left, equals, right = (part.strip() for part in first.partition("="))
     if not equals or _is_place(first):
-        return Target("", first, tuple(rest))
+        return _records("", first, tuple(rest))
     if left.split(" ")[0] in number_units(case):
         return Target(left, right, tuple(rest), is_number=True)
     if not _is_place(right) and re.match(r"[-+.\d]", right):
         checked_number(case, left)
-    return Target(left, right, tuple(rest))
+    return _records(left, right, tuple(rest))
+
+
+def _records(part: str, word: str, changes: tuple[str, ...]) -> Target:
+    """Return a target of records, with the scatter of their amplitude where it is stated."""
+    name, *scatter = _UNCERTAIN.split(word, maxsplit=1) if not _is_place(word) else [word]
+    share = read_share(scatter[0].strip(), f"--to {name}") if scatter else 0.0
+    return Target(part, name, changes, scatter=share)
 
 
 def _is_place(word: str) -> bool:
@@ -220,10 +233,17 @@ def read_targets(
         run, pulses = Simulation(quick), list[MeasuredPulse]()
         for one, curve in records:
             with stated_at(one.stated):
-                pulses.append(measured_pulse(curve, run, *_part(one.left), reading.low_pass))
+                shot, low_pass = _shot(one, curve), reading.low_pass
+                pulses.append(measured_pulse(curve, run, *_part(one.left), low_pass, shot, one.scatter))
         measured: tuple[Measured, ...] = (*numbers, *pulses)
         experiments.append(Experiment(quick, changes, measured))
     return ReadTargets(tuple(experiments), tuple(dict.fromkeys(notices)), tuple(dict.fromkeys(paths)))
+
+
+def _shot(target: Target, curve: ComparedCurve) -> str:
+    """Return the file and blow that a record is of, whatever its channel."""
+    channel, blow = _part(curve.name)
+    return f"{os.path.dirname(parse_name(target.right).place)}/{channel.rpartition('#')[0]}@{blow}"
 
 
 def _part(left: str) -> tuple[str, int]:

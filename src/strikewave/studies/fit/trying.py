@@ -90,7 +90,7 @@ def _mean(sizes: Sequence[float]) -> float:
 
 def _kept_out(solved: Solved) -> float:
     """Return the root mean square residual of records that each fit was without."""
-    problem = solved.stated
+    problem = solved.problem
     shots = [one for one in problem.measured if isinstance(one, MeasuredPulse)]
     if len(shots) < FEWEST_SHOTS or solved.stopped:
         return math.nan
@@ -106,7 +106,7 @@ def _kept_out(solved: Solved) -> float:
 
 
 def _without(problem: Problem, shots: Sequence[MeasuredPulse], keep: bool) -> Problem:
-    """Return a problem with these records alone, or without them; weighted by their noise again."""
+    """Return a problem with these records alone, or without them."""
     out = set(map(id, shots))
     experiments = [
         replace(one, measured=tuple(thing for thing in one.measured if (id(thing) in out) == keep))

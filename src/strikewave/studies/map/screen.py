@@ -9,11 +9,12 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import ClassVar
 
+from strikewave.base.interrupts import exit_code
 from strikewave.reporting.layout import keys, numerals
 from strikewave.reporting.measured_files import asked
 from strikewave.reporting.options import Output
 from strikewave.reporting.run_and_write import Command, case_folder, run_and_write
-from strikewave.reporting.terminal import INTERRUPTED, print_rows, progress_bar, say, table, tell
+from strikewave.reporting.terminal import print_rows, progress_bar, say, table, tell
 from strikewave.studies.map.cells import MapPlan
 from strikewave.studies.map.columns import at_words, setting_columns, setting_rows
 from strikewave.studies.map.store import Store, rows_beside
@@ -76,12 +77,12 @@ class MapCommand(Command[MapStudy]):
         try:
             with progress_bar("map", float(store.done.mean()), ("left",)) as report:
                 study = make_map(self.plan, self.wanted, self.workers, store, report)
-        except KeyboardInterrupt:
+        except KeyboardInterrupt as stop:
             resumption = (
                 f"{store.done.sum()} of {store.done.size} rows are kept in {store.path}: the same command goes on there"
             )
             say("stopped; " + (resumption if store.path is not None and store.done.any() else "nothing was written"))
-            raise SystemExit(INTERRUPTED) from None
+            raise SystemExit(exit_code(stop)) from None
         return dataclasses.replace(study, asked=asked())
 
     def summary(self, result: MapStudy) -> str:

@@ -35,7 +35,8 @@ class Simulation:
         self.case = case
 
     @functools.cached_property
-    def _seen(self) -> Any:
+    def observed(self) -> Any:
+        """The run of a machine as it is looked at: see `strikewave.analyses.machine.observe`."""
         from strikewave.analyses.machine.observe import observe
 
         return observe(self.case)
@@ -47,7 +48,8 @@ class Simulation:
         return run_wave(self.case)
 
     @functools.cached_property
-    def _elements(self) -> Any:
+    def elements(self) -> Any:
+        """The result of a model of elements."""
         from strikewave.analyses.fem.run import run_fem
 
         return run_fem(self.case)
@@ -57,10 +59,10 @@ class Simulation:
         if self.case.command == "run":
             from strikewave.analyses.machine.dataset import build_dataset
 
-            return build_dataset(self.case, self._seen)
+            return build_dataset(self.case, self.observed)
         if self.case.command == "wave":
             return self._bar.arrays
-        arrays: LabelledArrays = self._elements.arrays
+        arrays: LabelledArrays | None = self.elements.arrays
         return arrays
 
     def number(self, name: str, sensor: str = "") -> float | None:
@@ -68,9 +70,9 @@ class Simulation:
         if self.case.command == "run":
             from strikewave.analyses.machine.run import published_value
 
-            return published_value(name, self._seen.blows, self._seen.readings, sensor)
+            return published_value(name, self.observed.blows, self.observed.readings, sensor)
         if self.case.command == "fem":
-            number: float | None = self._elements.number(name, sensor)
+            number: float | None = self.elements.number(name, sensor)
             return number
         figures: Mapping[str, float] = self._bar.figures
         return figures.get(name)

@@ -1,0 +1,1 @@
+"""Many runs of a case: what is varied, what is kept of each, where it is kept, and who runs them."""

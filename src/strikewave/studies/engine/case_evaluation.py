@@ -1,0 +1,327 @@
+"""The numbers that each analysis gives of a case, by the names that fits and published values use; its histories."""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from strikewave.analyses.machine.figures_of import OF_A_BLOW, figures_of
+from strikewave.base.errors import InputError, nearest
+from strikewave.cases.case import Case
+from strikewave.machines.blows import KINDS
+from strikewave.studies.engine.evaluation import KeptHistory, RunOutcome, ordered
+from strikewave.studies.simulation import Simulation, checked_number, number_units
+from strikewave.uncertainty.statistics import variation
+
+if TYPE_CHECKING:
+    from strikewave.machines import Blow
+    from strikewave.machines.fast_train import FastTrain
+
+ANALYSES = ("run", "fast", "wave", "fem", "impact")
+"""What may be computed of a case: its run; the fast run of a rotary machine, its object as whole bodies; a layered bar;
+elements; one impact on a free rigid object by the contact law alone."""
+HISTORIES = ("blows", "pulses")
+"""What may be kept beside numbers: the table of blows; the acceleration of each blow, or of a bar or elements."""
+OF_TRAIN = {
+    "typical.velocity_change": "m/s", "interval": "s", "cv": "1", "cv_later": "1", "missed": "1",
+    "largest_displacement": "m", "energy_error": "1",
+}  # fmt: skip
+"""Further numbers of a machine's blows, and their SI units: `NUMBER_WORDS` says what they are."""
+OF_FAST = {"stop_force": "N"}
+"""Numbers that the fast run alone has."""
+OF_CONTACT = ("contact_time", "rebound_speed", "restitution", "indentation", "residual_indentation")
+NOT_FAST = ("total_peak", "wave_peak", "sensor_peak", "sensor_width", "peak_force", *OF_CONTACT)
+"""Numbers of the first blow that the fast run has not."""
+OF_IMPACT = {"approach_speed": "m/s", "peak_force": "N", "peak_acceleration": "m/s^2", "duration": "s"}
+OF_ELEMENTS = {"contact_force_peak": "N", "energy_error": "1", "momentum_error": "1", "hourglass_share": "1"}
+OF_PART = {
+    "rigid_peak": "m/s^2", "width": "s", "velocity_change": "m/s", "von_mises": "Pa", "plastic_strain": "1",
+}  # fmt: skip
+"""Numbers of an impact, of a model of elements, and of each of its parts, with their SI units."""
+BLOW_UNITS = {
+    "time": "s", "rigid_peak": "m/s^2", "width": "s", "velocity_change": "m/s", "approach_speed": "m/s",
+    "largest_displacement": "m", "kind": "1",
+}  # fmt: skip
+"""What the table of blows holds, and SI units; kinds by their place in `KINDS`."""
+PULSE_DIGITS = np.float32
+"""Histories are kept to seven digits, beyond the 1e-6 of their balances: packed, they take a third of the room."""
+MOST_KEPT = 500
+"""Most numbers of a run: a row of SQLite takes two thousand."""
+
+
+def numbers_of(case: Case, analysis: str) -> dict[str, str]:
+    """Return the names of the numbers that an analysis gives of a case, with their SI units.
+
+    Examples
+    --------
+    >>> from strikewave import load_case
+    >>> case = load_case("li-ma-2019")
+    >>> numbers_of(case, "run")["cv"], "first.wave_peak" in numbers_of(case, "fast")
+    ('1', False)
+    """
+    if analysis in ("run", "wave"):
+        return number_units(case) | (OF_TRAIN if analysis == "run" else {})
+    if analysis == "fast":
+        units = number_units(case) | OF_TRAIN | OF_FAST
+        return {name: unit for name, unit in units.items() if name.partition(".")[2] not in NOT_FAST}
+    if analysis == "impact":
+        return OF_IMPACT
+    parts = [part.name for part in case.mesh.part] if case.mesh is not None else []
+    return OF_ELEMENTS | {f"part.{part}.{name}": unit for part in parts for name, unit in OF_PART.items()}
+
+
+def checked_analysis(case: Case, analysis: str) -> str:
+    """Return the analysis, that of the case where none is named.
+
+    Raises
+    ------
+    InputError
+        If there is none of that name, or it is not for this case.
+    """
+    own = case.command
+    name = analysis or own
+    if name not in ANALYSES:
+        raise InputError("--analysis", name, "one of " + ", ".join(ANALYSES), nearest(name, ANALYSES))
+    if name in ("fast", "impact"):
+        if own != "run" or (name == "fast" and case.launched() is not None):
+            what = "a rotary machine" if name == "fast" else "a machine"
+            raise InputError("--analysis", name, f"{own}: this case is not that of {what}")
+    elif name != own:
+        raise InputError("--analysis", name, f"{own}, which this case is for")
+    return name
+
+
+def usual_numbers(case: Case, analysis: str) -> tuple[str, ...]:
+    """Return what is kept of a case where nothing is asked for: the first blow, and how equal several blows are."""
+    names = numbers_of(case, analysis)
+    of_blow = ("first.rigid_peak", "first.width")
+    wanted: dict[str, tuple[str, ...]] = {"run": of_blow, "fast": of_blow}
+    wanted |= {"impact": ("peak_force", "duration"), "fem": ("contact_force_peak",)}
+    several = analysis in ("run", "fast") and case.feed is not None and case.feed.blows.si > 1.0
+    chosen = wanted.get(analysis, tuple(names)[:2])
+    return chosen + (("cv",) if several else ())
+
+
+@dataclass(frozen=True)
+class CaseEvaluation:
+    """An analysis of a case, and what is kept of it.
+
+    Attributes
+    ----------
+    analysis : str
+        One of `ANALYSES`.
+    names : tuple of str
+        Of the numbers that are kept.
+    histories : tuple of str
+        Of `HISTORIES`.
+    """
+
+    analysis: str
+    names: tuple[str, ...]
+    histories: tuple[str, ...] = ()
+
+    def __call__(self, case: Case) -> RunOutcome:
+        """Return what is kept of a case."""
+        numbers, histories = EVALUATED[self.analysis](self, case)
+        return RunOutcome(ordered(numbers, self.names), tuple(histories))
+
+
+def read_kept(case: Case, analysis: str, words: Sequence[str]) -> CaseEvaluation:
+    """Return the evaluation that keeps what is named.
+
+    Raises
+    ------
+    InputError
+        If the analysis gives no such number of the case.
+
+    Examples
+    --------
+    >>> from strikewave import load_case
+    >>> read_kept(load_case("li-ma-2019"), "fast", ["cv", "blows"])
+    CaseEvaluation(analysis='fast', names=('cv',), histories=('blows',))
+    """
+    kept = tuple(dict.fromkeys(word.strip() for word in words if word.strip()))
+    histories = tuple(word for word in kept if word in HISTORIES)
+    names = tuple(word for word in kept if word not in HISTORIES) or usual_numbers(case, analysis)
+    if len(names) > MOST_KEPT:
+        raise InputError("--keep", f"{len(names)} numbers", f"at most {MOST_KEPT}")
+    known = numbers_of(case, analysis)
+    for name in names:
+        first = name.partition(" ")[0]
+        if "sensor_" in first and first in known:
+            checked_number(case, name)
+        elif name not in known:
+            raise InputError("--keep", name, f"a number that {analysis} gives", nearest(name, [*known, *HISTORIES]))
+    if "blows" in histories and analysis not in ("run", "fast"):
+        raise InputError("--keep", "blows", "pulses: only a machine has a table of blows")
+    if "pulses" in histories and analysis in ("fast", "impact"):
+        raise InputError("--keep", "pulses", "none here: this analysis follows no history", "blows has peak and width")
+    return CaseEvaluation(analysis, names, histories)
+
+
+def unit_of(case: Case, analysis: str, name: str) -> str:
+    """Return the SI unit of a number."""
+    return numbers_of(case, analysis)[name.partition(" ")[0] if "sensor_" in name else name] or "1"
+
+
+Evaluated = tuple[dict[str, float | None], Sequence[KeptHistory]]
+
+
+def _machine(wanted: CaseEvaluation, case: Case) -> Evaluated:
+    """Run a machine; its waves and sensors are computed only where something of them is kept."""
+    seen = [name for name in wanted.names if any(word in name for word in ("total_peak", "wave_peak", "sensor_"))]
+    run: Any
+    if seen or "pulses" in wanted.histories:
+        simulation = Simulation(case)
+        run, found = simulation.observed.run, simulation.observed.blows
+    else:
+        from strikewave.analyses.machine.build import build_machine
+        from strikewave.machines import blows, run_machine
+
+        simulation = None
+        run = run_machine(build_machine(case), case.solver.tolerance.si)
+        found = blows(run)
+    numbers = train_numbers(found) | {"energy_error": run.energy_error}
+    if simulation is not None:
+        numbers |= {name: simulation.number(*name.partition(" ")[::2]) for name in seen}
+    histories = _blow_table(found, wanted)
+    if "pulses" in wanted.histories and simulation is not None:
+        struck = [blow.index for blow in found if blow.kind != "missed"]
+        histories += [_pulse(simulation, number) for number in struck]
+    return numbers, histories
+
+
+def _fast(wanted: CaseEvaluation, case: Case) -> Evaluated:
+    from strikewave.analyses.machine.build import build_machine
+    from strikewave.machines.fast_train import fast_train
+
+    run: FastTrain = fast_train(dataclasses.replace(build_machine(case), layered=None))
+    found = run.blows
+    forces = [blow.stop_force for blow in found if math.isfinite(blow.stop_force)]
+    numbers = train_numbers(found) | {"energy_error": run.energy_error, "stop_force": max(forces, default=None)}
+    return numbers, _blow_table(found, wanted)
+
+
+def train_numbers(found: Sequence[Any]) -> dict[str, float | None]:
+    """Return the numbers of the blows of a run, full or fast, by name.
+
+    Examples
+    --------
+    >>> from strikewave import load_case, run_case
+    >>> numbers = train_numbers(run_case(load_case("jesd22-b111-b")).blows)
+    >>> numbers["count"], numbers["missed"], numbers["cv"]
+    (1.0, 0.0, nan)
+    """
+    struck = [blow for blow in found if blow.kind != "missed"]
+    peaks = [blow.rigid_peak for blow in struck]
+    displacements = [b.largest_displacement for b in found if math.isfinite(b.largest_displacement)]
+    numbers: dict[str, float | None] = dict(figures_of(found))
+    if struck:
+        first = struck[0]
+        numbers |= {
+            f"first.{name}": getattr(first, name, None) for name in ("approach_speed", "peak_force", *OF_CONTACT)
+        }
+        numbers["window"] = struck[-1].time - first.time
+    return numbers | {
+        "count": float(len(struck)),
+        "missed": float(len(found) - len(struck)),
+        "cv": variation(peaks),
+        "cv_later": variation(peaks[1:]),
+        "largest_displacement": max(displacements, default=None),
+    }
+
+
+def _blow_table(found: Sequence[Blow | Any], wanted: CaseEvaluation) -> list[KeptHistory]:
+    """Return the table of blows as histories along the blows; none where it is not kept."""
+    if "blows" not in wanted.histories:
+        return []
+
+    def column(name: str) -> list[float]:
+        return [KINDS.index(blow.kind) if name == "kind" else getattr(blow, name) for blow in found]
+
+    return [
+        KeptHistory(f"blows.{name}", unit, 0, math.nan, math.nan, np.array(column(name), dtype=float))
+        for name, unit in BLOW_UNITS.items()
+    ]
+
+
+def _pulse(simulation: Simulation, blow: int = 0) -> KeptHistory:
+    """Return the acceleration of the usual part."""
+    curve = simulation.history("", blow, "m/s^2")
+    history = curve.history
+    values = history.values.astype(PULSE_DIGITS).astype(float)
+    return KeptHistory("pulse", curve.unit, blow, float(history.start), float(history.step), values)
+
+
+def _wave(wanted: CaseEvaluation, case: Case) -> Evaluated:
+    simulation = Simulation(case)
+    numbers = {name: simulation.number(name) for name in wanted.names}
+    return numbers, [_pulse(simulation)] if "pulses" in wanted.histories else []
+
+
+def _elements(wanted: CaseEvaluation, case: Case) -> Evaluated:
+    from strikewave.fem.measures import balance_measure
+
+    simulation = Simulation(case)
+    solution = simulation.elements
+    balance = balance_measure(solution.run)
+    numbers: dict[str, float | None] = {
+        "contact_force_peak": solution.contact_force_peak,
+        "energy_error": balance.energy,
+        "momentum_error": balance.momentum,
+        "hourglass_share": balance.hourglass,
+    }
+    for part, measure in solution.parts.items():
+        numbers |= {f"part.{part}.{name}": getattr(measure, name) for name in OF_PART}
+    return numbers, [_pulse(simulation)] if "pulses" in wanted.histories else []
+
+
+def _impact(wanted: CaseEvaluation, case: Case) -> Evaluated:
+    from strikewave.analyses.machine.build import build_machine
+    from strikewave.analyses.machine.run import rigid_reference
+
+    return dict(dataclasses.asdict(rigid_reference(case, build_machine(case)))), []
+
+
+EVALUATED: Mapping[str, Callable[[CaseEvaluation, Case], Evaluated]] = {
+    "run": _machine,
+    "fast": _fast,
+    "wave": _wave,
+    "fem": _elements,
+    "impact": _impact,
+}
+"""How each analysis is made."""
+OF_FIRST = (*OF_A_BLOW, "peak_force", "approach_speed", *OF_CONTACT)
+NUMBER_WORDS = {
+    **{
+        f"{which}.{name}": f"{name.replace('_', ' ')} of the {which} blow"
+        for which in ("first", "typical")
+        for name in OF_FIRST
+    },
+    "first.width": "pulse width at 10 % of the first blow",
+    "typical.width": "pulse width at 10 % of the typical blow",
+    "cv": "coefficient of variation of the peaks",
+    "cv_later": "coefficient of variation of the peaks, from the second blow",
+    "missed": "missed blows",
+    "count": "blows that struck",
+    "window": "from the first to the last blow",
+    "interval": "median interval",
+    "stop_force": "largest force of the stop",
+}
+"""What numbers are called in pictures and tables, where their name alone does not say it."""
+
+
+def called(name: str) -> str:
+    """Return what a number is called.
+
+    Examples
+    --------
+    >>> called("first.rigid_peak"), called("part.ball.von_mises")
+    ('rigid peak of the first blow', 'part ball von mises')
+    """
+    return NUMBER_WORDS.get(name, name.replace(".", " ").replace("_", " "))

@@ -1,0 +1,132 @@
+"""What is done with each of many cases, and what is kept of it: numbers, histories, or why there are none."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, replace
+from typing import NamedTuple, Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from strikewave.base.errors import StrikewaveError, show
+from strikewave.cases.case import Case
+
+Array = NDArray[np.float64]
+Row = tuple[float, ...]
+"""Place of a run: a value (SI), or the number of a word, of each thing that is varied."""
+
+MOST_REASON = 200
+"""Characters of the reason why a run failed, so that it stays in a cell of a table."""
+
+
+class KeptHistory(NamedTuple):
+    """Values of a run along time, or along its blows.
+
+    Attributes
+    ----------
+    name : str
+        What they are of.
+    unit : str
+        SI.
+    blow : int
+        Number of the blow; 0 where they are not of one blow.
+    start, step : float
+        Time of the first value and between two, s; NaN where there is no time.
+    values : ndarray
+        SI.
+    """
+
+    name: str
+    unit: str
+    blow: int
+    start: float
+    step: float
+    values: Array
+
+
+@dataclass(frozen=True)
+class RunOutcome:
+    """What a run came to.
+
+    Attributes
+    ----------
+    numbers : tuple of float
+        In the order of the names of its evaluation, SI; NaN where the run has none. Empty where it failed.
+    histories : tuple of KeptHistory
+        What else is kept.
+    failure : str
+        Why there is nothing; empty where there is.
+    seconds : float
+        How long it took.
+    """
+
+    numbers: tuple[float, ...] = ()
+    histories: tuple[KeptHistory, ...] = ()
+    failure: str = ""
+    seconds: float = 0.0
+
+
+class Evaluation(Protocol):
+    """What is computed of a case: picklable, and its ``repr`` tells it from all others."""
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Of its numbers."""
+        ...
+
+    def __call__(self, case: Case) -> RunOutcome:
+        """Return what a case comes to; raises what makes it fail."""
+        ...
+
+
+class Variation(Protocol):
+    """What is varied: picklable."""
+
+    def case_of(self, row: Row) -> Case:
+        """Return the case of a row."""
+        ...
+
+
+@dataclass(frozen=True)
+class Job:
+    """An evaluation of the cases of a variation: what a process is given with its rows."""
+
+    variation: Variation
+    evaluation: Evaluation
+
+    def __call__(self, rows: Iterable[Row]) -> list[RunOutcome]:
+        """Return what some rows come to, each computed alone, so that no bit depends on what it is computed with."""
+        return [self._outcome(row) for row in rows]
+
+    def _outcome(self, row: Row) -> RunOutcome:
+        begin = time.perf_counter()
+        try:
+            outcome = self.evaluation(self.variation.case_of(row))
+        except (StrikewaveError, ValueError, ArithmeticError, MemoryError) as error:
+            outcome = failed(str(error) or type(error).__name__)
+        return replace(outcome, seconds=time.perf_counter() - begin)
+
+
+def failed(reason: str) -> RunOutcome:
+    """Return the outcome of a run that failed.
+
+    Examples
+    --------
+    >>> failed("at 1 ms the turntable stalls").failure
+    'at 1 ms the turntable stalls'
+    """
+    return RunOutcome(failure=show("; ".join(reason.splitlines()), MOST_REASON).strip('"'))
+
+
+def ordered(numbers: dict[str, float | None], names: Sequence[str]) -> tuple[float, ...]:
+    """Return numbers in the order of their names; NaN where there is none.
+
+    Examples
+    --------
+    >>> ordered({"a": 1.0, "b": None}, ["b", "a"])
+    (nan, 1.0)
+    """
+    found = (numbers.get(name) for name in names)
+    return tuple(np.nan if value is None else float(value) for value in found)

@@ -1,0 +1,201 @@
+"""The rows of a job that are not finished yet, run batch by batch on a pool, and kept as they come back.
+
+Few batches are out at a time, so that neither side holds more than it works on. A batch that was with a process that
+ended is run again alone, in halves if that ends too: the run that a process dies of is found, and becomes a row.
+"""
+
+from __future__ import annotations
+
+import time
+from collections import deque
+from collections.abc import Callable, Sequence
+from concurrent.futures import FIRST_COMPLETED, Future, wait
+from typing import NamedTuple
+
+from strikewave.base.compiled import is_cold
+from strikewave.studies.engine.evaluation import Job, Row, RunOutcome, failed
+from strikewave.studies.engine.pools import Pool
+from strikewave.studies.engine.store import RunStore, run_key
+
+BATCH_SECONDS = 0.25
+"""About how long a batch takes: handing it over, some 2 ms, then costs a hundredth, and a study that is killed has lost
+no more than that of each process."""
+MOST_IN_BATCH = 256
+"""Most runs of a batch: what it keeps stays small."""
+QUEUED = 2
+"""Batches that are out, for each that runs at a time: the next one waits where the last one ends."""
+MOST_DEATHS = 3
+"""How often a process may end with a run: then the run has ended it, not someone who needed the memory."""
+
+
+class StudyProgress(NamedTuple):
+    """How far a job is: runs in all, finished, of these failed, and how many are finished in a second."""
+
+    total: int
+    done: int
+    failed: int
+    rate: float
+
+    @property
+    def share(self) -> float:
+        """Share of the runs that are finished."""
+        return self.done / self.total if self.total else 1.0
+
+    @property
+    def words(self) -> str:
+        """Rate and failures, for a line of progress.
+
+        Examples
+        --------
+        >>> StudyProgress(100, 50, 2, 12.345).words
+        '12.3 runs/s, 2 failed'
+        """
+        rate = f"{self.rate:.3g} runs/s" if self.rate else ""
+        return ", ".join(filter(None, [rate, f"{self.failed} failed" if self.failed else ""]))
+
+
+class Finished(NamedTuple):
+    """Keys of the rows of a job, in their order, and how many of them were there already."""
+
+    keys: list[bytes]
+    reused: int
+
+
+def carry_out(
+    job: Job,
+    rows: Sequence[Row],
+    store: RunStore,
+    pool: Pool,
+    advance: Callable[[StudyProgress], None] | None = None,
+) -> Finished:
+    """Run all rows of a job that a store does not have, and keep them there.
+
+    Parameters
+    ----------
+    job : Job
+        What is run.
+    rows : sequence of tuple
+        Where; equal ones are run once.
+    store : RunStore
+        What is finished.
+    pool : Pool
+        Who runs them.
+    advance : callable, optional
+        Called as batches come back.
+
+    Returns
+    -------
+    Finished
+        Keys by which the store has the rows.
+
+    Raises
+    ------
+    InputError
+        If the store cannot be written.
+    StrikewaveError
+        If the pool is lost.
+    """
+    keys = [run_key(job.variation.case_of(row), job.evaluation) for row in rows]
+    known = store.known()
+    todo = {key: row for key, row in zip(keys, rows, strict=True) if key not in known}
+    work = _Work(job, todo, store, len(set(keys)), advance)
+    with pool:
+        work.all_on(pool)
+    return Finished(keys, len(set(keys)) - len(todo))
+
+
+class _Work:
+    """What is left of a job, and what is out."""
+
+    def __init__(
+        self,
+        job: Job,
+        todo: dict[bytes, Row],
+        store: RunStore,
+        total: int,
+        advance: Callable[[StudyProgress], None] | None,
+    ) -> None:
+        self._job, self._store, self._advance = job, store, advance
+        self._rows, self._left = todo, deque(todo)
+        self._out = dict[Future[list[RunOutcome]], list[bytes]]()
+        self._suspects = deque[list[bytes]]()
+        self._deaths = dict[bytes, int]()
+        self._begin, self._reused, self._total = time.perf_counter(), total - len(todo), total
+        self._done = self._failed = 0
+        self._seconds = 0.0
+
+    def all_on(self, pool: Pool) -> None:
+        """Run what is left on a pool."""
+        if is_cold() and self._left:  # one process compiles the kernels, and the others find them on the disk
+            self._submit(pool, [self._left.popleft()])
+            self._take(pool)
+        while self._left or self._out or self._suspects:
+            if self._suspects and not self._out:
+                self._submit(pool, self._suspects.popleft())
+            while self._left and not self._suspects and len(self._out) < QUEUED * pool.width:
+                self._submit(pool, self._next_batch(pool))
+            self._take(pool)
+
+    def _next_batch(self, pool: Pool) -> list[bytes]:
+        """Return the keys of some rows: fewer at the end, so that no process waits long for the last."""
+        each = self._seconds / self._done if self._done else BATCH_SECONDS
+        size = min(int(BATCH_SECONDS / max(each, 1e-9)), MOST_IN_BATCH, len(self._left) // (QUEUED * pool.width))
+        return [self._left.popleft() for _ in range(max(size, 1))]
+
+    def _submit(self, pool: Pool, keys: list[bytes]) -> None:
+        try:
+            future = pool.submit(self._job, [self._rows[key] for key in keys])
+        except Exception as error:
+            if not pool.is_loss(error):
+                raise
+            future = Future()
+            future.set_exception(error)
+        self._out[future] = keys
+
+    def _take(self, pool: Pool) -> None:
+        """Wait for a batch, and keep all that are there."""
+        if not self._out:
+            return
+        lost, alone = False, len(self._out) == 1
+        for future in wait(self._out, return_when=FIRST_COMPLETED).done:
+            lost |= self._kept(pool, future)
+        if lost:
+            for future in wait(self._out).done:  # what breaks a pool ends all that is out
+                self._kept(pool, future)
+            if alone:
+                self._blame(self._suspects.pop())
+            pool.renew()
+
+    def _kept(self, pool: Pool, future: Future[list[RunOutcome]]) -> bool:
+        """Keep a batch that came back, and tell whether it was lost instead."""
+        keys = self._out.pop(future)
+        error = future.exception()
+        if error is not None:
+            if not pool.is_loss(error):
+                raise error
+            self._suspects.append(keys)
+            return True
+        self._finish(keys, future.result())
+        return False
+
+    def _blame(self, keys: list[bytes]) -> None:
+        """Look closer at a batch that was lost while nothing else was out: it, or one of its halves, is run again."""
+        if len(keys) > 1:
+            self._suspects.extendleft([keys[len(keys) // 2 :], keys[: len(keys) // 2]])
+            return
+        (key,) = keys
+        self._deaths[key] = self._deaths.get(key, 0) + 1
+        if self._deaths[key] < MOST_DEATHS:
+            self._suspects.appendleft(keys)
+            return
+        reason = f"its process ended {MOST_DEATHS} times before it did: killed, or out of memory"
+        self._finish(keys, [failed(reason)])
+
+    def _finish(self, keys: list[bytes], outcomes: list[RunOutcome]) -> None:
+        self._store.keep(self._job.evaluation.names, zip(keys, outcomes, strict=True))
+        self._done += len(keys)
+        self._failed += sum(bool(one.failure) for one in outcomes)
+        self._seconds += sum(one.seconds for one in outcomes)
+        if self._advance is not None:
+            rate = self._done / max(time.perf_counter() - self._begin, 1e-9)
+            self._advance(StudyProgress(self._total, self._reused + self._done, self._failed, rate))

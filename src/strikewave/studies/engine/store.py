@@ -1,0 +1,354 @@
+"""The finished runs of a study in a folder, so that one that was stopped goes on where it was and repeats nothing.
+
+``index.sqlite`` holds a row a run: its key, its numbers (SI), or why it failed. A key is the SHA-256 of the case as it
+runs, of what is computed of it, and of the version; a folder may hold runs of several studies. Histories go into
+``run-histories-N.parquet`` once there are enough for a file; till then they stand in the index. One process writes,
+each batch of runs in one transaction: what was finished stays, whatever ends the program.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import functools
+import hashlib
+import importlib
+import sqlite3
+import tempfile
+from collections.abc import Iterable, Iterator, Sequence
+from pathlib import Path
+from types import TracebackType
+
+import numpy as np
+from numpy.typing import NDArray
+
+from strikewave._version import __version__
+from strikewave.base.compiled import PACKAGE, kernel_key
+from strikewave.base.errors import InputError
+from strikewave.cases.case import Case
+from strikewave.studies.engine.evaluation import Evaluation, KeptHistory, RunOutcome
+
+Array = NDArray[np.float64]
+
+INDEX = "index.sqlite"
+CHUNK = "run-histories-{}.parquet"
+"""Names of the files in the folder."""
+APPLICATION, FORMAT = 0x5354524B, 1
+"""What tells the index from other files of SQLite ("STRK"), and its version."""
+CHUNK_BYTES = 32_000_000
+"""Bytes of histories in a file. Chosen: some 2000 runs of eleven blows, which a process holds without noticing, and
+100 000 of them make fifty files."""
+LONGEST_NAME = 200
+"""Characters of a folder's name that the store takes over: a file system takes 255 bytes, dot and ending included."""
+_HINT = "begin anew with --fresh, or choose another folder"
+
+
+@functools.cache
+def program_key() -> str:
+    """Return what a result depends on beside its case: the version, and the source of the kernels."""
+    return f"{__version__} {kernel_key(PACKAGE)}"
+
+
+def run_key(case: Case, evaluation: Evaluation) -> bytes:
+    """Return the key of a run: the SHA-256 of its case with the files it names, its evaluation, and the version.
+
+    Examples
+    --------
+    >>> from strikewave import load_case
+    >>> from strikewave.studies.engine.case_evaluation import CaseEvaluation
+    >>> case, peak = load_case("li-ma-2019"), CaseEvaluation("run", ("first.rigid_peak",))
+    >>> run_key(case, peak) == run_key(load_case("li-ma-2019"), peak)
+    True
+    >>> run_key(case, peak) == run_key(load_case("li-ma-2019", ["machine.speed=700 rpm"]), peak)
+    False
+    """
+    digest = hashlib.sha256(f"{program_key()} {evaluation!r}\n".encode())
+    digest.update(case.model_dump_json().encode())
+    for file in case_files(case):
+        digest.update(_file_digest(file, file.stat().st_mtime_ns))
+    return digest.digest()
+
+
+def case_files(case: Case) -> list[Path]:
+    """Return the files that a case names: of its load, and of parts of its mesh."""
+    names = [case.load.file] if case.load is not None else []
+    names += [getattr(part, "file", "") for part in (case.mesh.part if case.mesh is not None else ())]
+    return [path for path in map(Path, filter(None, names)) if path.is_file()]
+
+
+@functools.lru_cache(maxsize=64)
+def _file_digest(path: Path, changed: int) -> bytes:
+    with path.open("rb") as file:
+        return hashlib.file_digest(file, "sha256").digest()
+
+
+def runs_beside(folder: Path) -> Path:
+    """Return where the finished runs of the study in a folder are kept till all is written.
+
+    Examples
+    --------
+    >>> str(runs_beside(Path("out/map")))
+    'out/.map.runs'
+    """
+    return folder.with_name(f".{folder.name[:LONGEST_NAME]}.runs")
+
+
+class RunStore:
+    """Finished runs; a context manager that holds the folder for this process alone.
+
+    Parameters
+    ----------
+    folder : Path or None
+        Made where it is not there; None for a temporary one.
+    fresh : bool, optional
+        Whether what is there is removed.
+
+    Raises
+    ------
+    InputError
+        If the folder cannot be written, holds something else, is damaged, or another study writes there.
+    """
+
+    def __init__(self, folder: Path | None, fresh: bool = False) -> None:
+        self._temporary = tempfile.TemporaryDirectory(prefix="strikewave-") if folder is None else None
+        self.folder = Path(self._temporary.name) if self._temporary is not None else Path(str(folder))
+        self._waiting = 0  # bytes of histories in the index
+        self._columns = set[str]()
+        with self._in_words():
+            if self.folder.is_symlink() or (self.folder.exists() and not self.folder.is_dir()):
+                raise InputError(
+                    "--out", str(self.folder), "a folder for the finished runs", "this is a file or a link"
+                )
+            self.folder.mkdir(parents=True, exist_ok=True)
+            self._base = self._opened(fresh)
+
+    def _opened(self, fresh: bool) -> sqlite3.Connection:
+        index = self.folder / INDEX
+        if not index.exists() and any(self.folder.iterdir()):
+            allowed = "an empty or new folder, or one with finished runs"
+            raise InputError("--out", str(self.folder), allowed, f"it holds other files, and no {INDEX}")
+        base = sqlite3.connect(index, isolation_level=None, timeout=0.0)
+        try:
+            base.execute("PRAGMA locking_mode = EXCLUSIVE")
+            base.execute("PRAGMA journal_mode = WAL")
+            base.execute("PRAGMA synchronous = NORMAL")
+            base.execute("BEGIN EXCLUSIVE")
+            if fresh:
+                self._empty(base)
+            self._prepare(base)
+            base.execute("COMMIT")
+            self._drop_unknown_chunks(base)
+        except BaseException:
+            base.close()
+            raise
+        return base
+
+    @staticmethod
+    def _empty(base: sqlite3.Connection) -> None:
+        (mark,) = base.execute("PRAGMA application_id").fetchone()
+        if mark == APPLICATION:
+            for table in ("runs", "histories", "chunks"):
+                base.execute(f"DROP TABLE IF EXISTS {table}")
+
+    def _prepare(self, base: sqlite3.Connection) -> None:
+        """Make the tables where there are none, and learn what is there."""
+        (mark,), (version,) = (base.execute(f"PRAGMA {what}").fetchone() for what in ("application_id", "user_version"))
+        tables = base.execute("SELECT count(*) FROM sqlite_master").fetchone()[0]
+        if (tables and mark != APPLICATION) or version > FORMAT:
+            raise InputError("--out", str(self.folder / INDEX), "an index of this version of strikewave", _HINT)
+        base.execute(f"PRAGMA application_id = {APPLICATION}")
+        base.execute(f"PRAGMA user_version = {FORMAT}")
+        base.execute(
+            "CREATE TABLE IF NOT EXISTS runs "
+            "(key BLOB PRIMARY KEY, failure TEXT NOT NULL, seconds REAL NOT NULL) WITHOUT ROWID"
+        )
+        base.execute(
+            "CREATE TABLE IF NOT EXISTS histories (key BLOB NOT NULL, name TEXT NOT NULL, unit TEXT NOT NULL, "
+            'blow INTEGER NOT NULL, start REAL, step REAL, "values" BLOB NOT NULL)'
+        )
+        base.execute("CREATE TABLE IF NOT EXISTS chunks (number INTEGER PRIMARY KEY)")
+        self._columns = {row[1] for row in base.execute("PRAGMA table_info(runs)")}
+        (self._waiting,) = base.execute('SELECT coalesce(sum(length("values")), 0) FROM histories').fetchone()
+
+    def _drop_unknown_chunks(self, base: sqlite3.Connection) -> None:
+        """Remove files of histories that the index does not know: their writing was not finished."""
+        known = {CHUNK.format(number) for (number,) in base.execute("SELECT number FROM chunks")}
+        for path in self.folder.glob(CHUNK.format("*")):
+            if path.name not in known:
+                path.unlink()
+        for path in self.folder.glob(f".{CHUNK.format('*')}.partial"):
+            path.unlink()
+
+    def __enter__(self) -> RunStore:
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        self.close()
+
+    def close(self) -> None:
+        """Let the folder go; what is in it stays, unless it is a temporary one."""
+        self._base.close()
+        if self._temporary is not None:
+            self._temporary.cleanup()
+
+    def remove(self) -> None:
+        """Remove index and files: the study is written elsewhere."""
+        self.close()
+        for path in [*self.chunks, *(self.folder / f"{INDEX}{end}" for end in ("", "-wal", "-shm"))]:
+            path.unlink(missing_ok=True)
+        with contextlib.suppress(OSError):
+            self.folder.rmdir()
+
+    def known(self) -> set[bytes]:
+        """Return the keys of all finished runs, failed ones among them."""
+        with self._in_words():
+            return {key for (key,) in self._base.execute("SELECT key FROM runs")}
+
+    def keep(self, names: Sequence[str], finished: Iterable[tuple[bytes, RunOutcome]]) -> None:
+        """Keep finished runs, all of them or none; one that is there already stays as it is.
+
+        Raises
+        ------
+        InputError
+            If the disk is full, or the place cannot be written.
+        """
+        with self._in_words():
+            self._add_columns(names)
+            places = "".join(f", {_quoted(name)}" for name in names)
+            marks = ", ?" * len(names)
+            self._base.execute("BEGIN")
+            try:
+                for key, outcome in finished:
+                    numbers = outcome.numbers or (None,) * len(names)
+                    done = self._base.execute(
+                        f"INSERT OR IGNORE INTO runs (key, failure, seconds{places}) VALUES (?, ?, ?{marks})",
+                        (key, outcome.failure, outcome.seconds, *numbers),
+                    )
+                    if done.rowcount:
+                        self._keep_histories(key, outcome.histories)
+            except BaseException:
+                self._base.execute("ROLLBACK")
+                raise
+            self._base.execute("COMMIT")
+            if self._waiting >= CHUNK_BYTES:
+                self.write_chunk()
+
+    def _add_columns(self, names: Sequence[str]) -> None:
+        for name in names:
+            if name not in self._columns:
+                self._base.execute(f"ALTER TABLE runs ADD COLUMN {_quoted(name)} REAL")
+                self._columns.add(name)
+
+    def _keep_histories(self, key: bytes, histories: Iterable[KeptHistory]) -> None:
+        for one in histories:
+            values = np.ascontiguousarray(one.values, "<f8").tobytes()
+            row = (key, one.name, one.unit, one.blow, one.start, one.step, values)
+            self._base.execute("INSERT INTO histories VALUES (?, ?, ?, ?, ?, ?, ?)", row)
+            self._waiting += len(values)
+
+    def write_chunk(self) -> None:
+        """Move the histories that wait in the index into a file of their own."""
+        with self._in_words():
+            rows = self._base.execute("SELECT * FROM histories").fetchall()
+            if not rows:
+                return
+            (number,) = self._base.execute("SELECT coalesce(max(number), 0) + 1 FROM chunks").fetchone()
+            _write_parquet(rows, self.folder / CHUNK.format(number))
+            self._base.execute("BEGIN")
+            self._base.execute("INSERT INTO chunks VALUES (?)", (number,))
+            self._base.execute("DELETE FROM histories")
+            self._base.execute("COMMIT")
+            self._waiting = 0
+
+    @property
+    def chunks(self) -> list[Path]:
+        """The files of histories, in their order."""
+        paths = self.folder.glob(CHUNK.format("*"))
+        return sorted(paths, key=lambda path: int(path.stem.rpartition("-")[2]))
+
+    def table(self, names: Sequence[str], keys: Sequence[bytes]) -> tuple[Array, list[str], Array]:
+        """Return numbers (runs, names), failures and seconds of runs that are there; NaN where there is no number."""
+        with self._in_words():
+            self._add_columns(names)
+            wanted = {key: place for place, key in enumerate(keys)}
+            numbers, failures = np.full((len(wanted), len(names)), np.nan), [""] * len(wanted)
+            seconds = np.zeros(len(wanted))
+            columns = "".join(f", {_quoted(name)}" for name in names)
+            for key, failure, time, *found in self._base.execute(f"SELECT key, failure, seconds{columns} FROM runs"):
+                place = wanted.get(key)
+                if place is not None:
+                    numbers[place] = [np.nan if value is None else value for value in found]
+                    failures[place], seconds[place] = failure, time
+        at = [wanted[key] for key in keys]
+        return numbers[at], [failures[place] for place in at], seconds[at]
+
+    def histories(self) -> Iterator[tuple[bytes, KeptHistory]]:
+        """Yield all histories with the keys of their runs, one file after the other."""
+        parquet = importlib.import_module("pyarrow.parquet")
+        for path in self.chunks:
+            for batch in parquet.ParquetFile(path).iter_batches(batch_size=256):
+                values = batch.column("values")
+                for place, row in enumerate(batch.drop_columns(["values"]).to_pylist()):
+                    of_run = values[place].values.to_numpy(zero_copy_only=False)
+                    yield row.pop("key"), _history(**row, values=np.asarray(of_run, dtype=float))
+        for key, name, unit, blow, start, step, values in self._base.execute("SELECT * FROM histories"):
+            yield key, _history(name, unit, blow, start, step, np.frombuffer(values, "<f8"))
+
+    @contextlib.contextmanager
+    def _in_words(self) -> Iterator[None]:
+        """Say in words what SQLite and the file system refuse."""
+        place = str(self.folder)
+        try:
+            yield
+        except sqlite3.OperationalError as error:
+            if "locked" in str(error):
+                raise InputError(
+                    "--out", place, "a folder that no other study writes to", "wait till it has ended"
+                ) from None
+            raise InputError("--out", place, "a place that can be written", str(error)) from None
+        except sqlite3.DatabaseError as error:
+            if type(error) is not sqlite3.DatabaseError:  # a fault of ours
+                raise
+            raise InputError("--out", place, "finished runs; their index is damaged", _HINT) from None
+        except OSError as error:
+            raise InputError("--out", place, "a place that can be written", error.strerror or "") from None
+
+
+def _history(name: str, unit: str, blow: int, start: float | None, step: float | None, values: Array) -> KeptHistory:
+    """Return a history from its row: SQLite has no NaN, and gives None."""
+    begin, each = (np.nan if one is None else float(one) for one in (start, step))
+    return KeptHistory(name, unit, blow, begin, each, values)
+
+
+def _quoted(name: str) -> str:
+    """Return the name of a column as SQL has it."""
+    return '"' + name.replace('"', '""') + '"'
+
+
+def _write_parquet(rows: Sequence[tuple[bytes, str, str, int, float, float, bytes]], path: Path) -> None:
+    """Write histories as one table, a row a history; whole or not at all."""
+    pa, parquet = (importlib.import_module(name) for name in ("pyarrow", "pyarrow.parquet"))
+    keys, names, units, blows, starts, steps, values = zip(*rows, strict=True)
+    offsets = np.concatenate([[0], np.cumsum([len(one) // 8 for one in values])]).astype(np.int32)
+    flat = pa.Array.from_buffers(pa.float64(), int(offsets[-1]), [None, pa.py_buffer(b"".join(values))])
+    table = pa.table(
+        {
+            "key": pa.array(keys, pa.binary()),
+            "name": pa.array(names).dictionary_encode(),
+            "unit": pa.array(units).dictionary_encode(),
+            "blow": pa.array(blows, pa.int32()),
+            "start": pa.array(starts, pa.float64()),
+            "step": pa.array(steps, pa.float64()),
+            "values": pa.ListArray.from_arrays(pa.array(offsets), flat),
+        }
+    )
+    partial = path.with_name(f".{path.name}.partial")
+    parquet.write_table(
+        table,
+        partial,
+        compression="zstd",
+        use_dictionary=["key", "name", "unit"],
+        column_encoding={"values.list.element": "BYTE_STREAM_SPLIT"},
+    )
+    partial.replace(path)

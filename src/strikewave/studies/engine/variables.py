@@ -1,0 +1,208 @@
+"""What is varied, as it is typed: ``machine.speed=400..900 rpm:11``, ``object.damper=10, 20 N s/m``, words of a case.
+
+A range has as many values as stand behind its colon, ``log`` behind them for logarithmic spacing; a list has its own.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from strikewave.analyses.check import check
+from strikewave.base.errors import InputError, nearest
+from strikewave.base.quantities import Range, Value
+from strikewave.base.units import DIMENSIONS
+from strikewave.cases.case import Case, dump_case, parse_case
+from strikewave.reporting.numbers import with_unit
+from strikewave.studies.axes import Axis, range_axis, units_of
+from strikewave.uncertainty.draws import range_of
+
+POINTS = 11
+"""Values of a range where no number of them stands behind it: eleven show a curve."""
+MOST_VALUES = 100_000
+"""Most values of one variable."""
+EXAMPLE = 'such as machine.speed="400..900 rpm:11" or contact.damping=hunt-crossley,exact'
+_RANGE = re.compile(r"(?P<low>[^:]*?)\s*\.\.\s*(?P<high>[^:]+?)\s*(:\s*(?P<count>\d{1,7})?\s*(?P<log>log)?\s*)?")
+_NUMBER = re.compile(r"\s*[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d+)?\s*")
+
+
+@dataclass(frozen=True)
+class StudyVariable:
+    """What is varied: a quantity with its values, or one of some words.
+
+    Attributes
+    ----------
+    axis : Axis
+        Path, units and values (SI) of a quantity; of words their places, 0 and on.
+    words : tuple of str
+        Empty for a quantity.
+    is_range : bool
+        Whether all between its first and last value is meant.
+    """
+
+    axis: Axis
+    words: tuple[str, ...] = ()
+    is_range: bool = False
+
+    @property
+    def path(self) -> str:
+        """In the case."""
+        return self.axis.path
+
+    def at(self, share: float) -> float:
+        """Return the value at a share of the range from 0 to 1, or that of the list.
+
+        Examples
+        --------
+        >>> speed = StudyVariable(Axis("machine.speed", "rpm", "rad/s", (50.0, 100.0)), is_range=True)
+        >>> speed.at(0.5), StudyVariable(Axis("feed.blows", "", "", (1.0, 5.0))).at(0.5)
+        (75.0, 5.0)
+        """
+        values = self.axis.values
+        if not self.is_range:
+            return values[min(int(share * len(values)), len(values) - 1)]
+        low, high = values[0], values[-1]
+        return float(low * (high / low) ** share if self.axis.log else low + share * (high - low))
+
+    def shown(self, value: float) -> str:
+        """Return a value as a case file has it."""
+        return self.words[int(value)] if self.words else str(self.axis.typed(value))
+
+    def brief(self, value: float) -> str:
+        """Return a value as a reader takes it in, to four digits.
+
+        Examples
+        --------
+        >>> StudyVariable(Axis("machine.speed", "rpm", "rad/s", (50.0,))).brief(76.4454212)
+        '730 rpm'
+        """
+        return (
+            self.words[int(value)] if self.words else with_unit(value, self.axis.si_unit or "1", self.axis.unit or "1")
+        )
+
+    @property
+    def label(self) -> str:
+        """What of what, and the unit in which it is shown; words have none."""
+        return self.axis.label.removesuffix(" (1)") if self.words else self.axis.label
+
+
+def read_variable(case: Case, text: str, points: int = POINTS) -> StudyVariable:
+    """Read what is varied.
+
+    Parameters
+    ----------
+    case : Case
+        Whose quantity or word it is.
+    text : str
+        As typed.
+    points : int, optional
+        Values of a range that names no number of them.
+
+    Raises
+    ------
+    InputError
+        If the case has no such quantity, or the values are none that it takes.
+
+    Examples
+    --------
+    >>> from strikewave import load_case
+    >>> variable = read_variable(load_case("li-ma-2019"), "machine.speed=400..900rpm:3")
+    >>> [variable.axis.typed(value) for value in variable.axis.values]
+    ['400 rpm', '650 rpm', '900 rpm']
+    """
+    path, equals, given = (part.strip() for part in text.partition("="))
+    if not equals or not given:
+        raise InputError("--vary", text, "setting=values", EXAMPLE)
+    if path in case.values():
+        return _quantity(case, path, given, points)
+    words = case.entries()
+    if path not in words:
+        raise InputError("--vary", path, "a quantity or a word of the case", nearest(path, words))
+    names = tuple(dict.fromkeys(part.strip() for part in given.split(",") if part.strip()))
+    for name in names:
+        with_word(case, path, name)
+    return StudyVariable(Axis(path, "", "", tuple(float(k) for k in range(len(names)))), names)
+
+
+def with_word(case: Case, path: str, word: str) -> Case:
+    """Return a case with another word, such as another law.
+
+    Raises
+    ------
+    InputError, InputErrors
+        If it takes no such word.
+    """
+    changed = parse_case(dump_case(case), case.name, [f"{path}={word}"])
+    check(changed)
+    return changed
+
+
+def _quantity(case: Case, path: str, given: str, points: int) -> StudyVariable:
+    found = _RANGE.fullmatch(given)
+    if found is None:
+        values = _listed(case, path, given)
+        unit, si_unit = units_of(path, values[-1])
+        numbers = sorted({value.si for value in values})
+        return StudyVariable(Axis(path, unit, si_unit, tuple(numbers)))
+    low, high = _with_unit([found["low"], found["high"]])
+    ends = typed_value(case, path, low), typed_value(case, path, high)
+    count = int(found["count"] or points)
+    if not 2 <= count <= MOST_VALUES:
+        raise InputError("--vary", given, f"2 to {MOST_VALUES} values of a range")
+    axis = range_axis(path, ends, count, bool(found["log"]))
+    if range_of(case, path).unit == "count":
+        whole = sorted({float(round(value)) for value in axis.values})
+        return StudyVariable(Axis(path, "", "", tuple(whole), axis.log))
+    typed = tuple(typed_value(case, path, str(axis.typed(value))).si for value in axis.values)
+    return StudyVariable(replace(axis, values=typed), is_range=True)  # each is what --set with its text would give
+
+
+def _listed(case: Case, path: str, given: str) -> list[Value]:
+    parts = [part for part in given.split(",") if part.strip()]
+    if len(parts) > MOST_VALUES:
+        raise InputError("--vary", f"{len(parts)} values", f"at most {MOST_VALUES}")
+    return [typed_value(case, path, part) for part in _with_unit(parts)]
+
+
+def _with_unit(parts: Sequence[str]) -> list[str]:
+    """Return quantities, bare ones with the unit of the last one.
+
+    Examples
+    --------
+    >>> _with_unit(["400", "900rpm"]), _with_unit(["1", "2"])
+    (['400 rpm', '900rpm'], ['1', '2'])
+    """
+    number = _NUMBER.match(parts[-1])
+    unit = "" if number is None else parts[-1][number.end() :].strip()
+    return [f"{part.strip()} {unit}".strip() if _NUMBER.fullmatch(part) else part for part in parts]
+
+
+def typed_value(case: Case, path: str, text: str) -> Value:
+    """Return a value of a quantity of a case as its file would take it; a bare number is SI.
+
+    Raises
+    ------
+    InputError
+        If it takes no such value.
+    """
+    allowed: Range = range_of(case, path)
+    bare = text.strip()
+    is_bare = _NUMBER.fullmatch(bare) is not None
+    try:
+        return allowed.read(f"{bare} {allowed.unit}" if is_bare and allowed.unit in DIMENSIONS else _plain(bare))
+    except InputError as error:
+        raise InputError(path, error.got, error.allowed, error.hint) from None
+
+
+def _plain(text: str) -> str | float:
+    return float(text) if _NUMBER.fullmatch(text) else text
+
+
+def spread_evenly(axis: Axis) -> bool:
+    """Tell whether the values of an axis lie at equal distances, or equal ratios where it is logarithmic."""
+    values = np.log(axis.values) if axis.log else np.array(axis.values)
+    steps = np.diff(values)
+    return bool(steps.size == 0 or np.ptp(steps) <= 1e-9 * abs(steps).max())

@@ -1,0 +1,287 @@
+"""How far residuals fix a place: by noise, by what is left beyond noise, and by what differs from shot to shot.
+
+With J the slopes of the residuals and A = J'J, least squares has the covariance A^-1 B A^-1 under any noise, with B the
+covariance of J'r. Three things are known of B, and each holds something that the others cannot see: the noise of each
+record; what a model leaves that is no noise; the scatter of J'r over shots. The covariance stated is above all three.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from strikewave.studies.fit.noise import autocorrelation, independent_count
+
+Array = NDArray[np.float64]
+
+RANK = 1e-8
+"""Information along a direction, over the largest, below which slopes by steps cannot tell it from none."""
+ALONE = 1.0 - 1e-6
+"""Share of the information along a direction that one shot has, from which on the others say nothing of its scatter."""
+UNDETERMINED = 0.125
+"""Standard error in the unit cube from which on a direction counts as undetermined: 95 % then covers half of all that
+was allowed, so that hardly more is known than before."""
+NAMED = 0.05
+"""Share of a coordinate in an undetermined direction, squared, from which on it takes part."""
+NORMAL = 1.96
+"""Standard deviations that 95 % lie within, where they are known."""
+NONE = np.zeros((1, 0))
+
+
+class ResidualBlock(NamedTuple):
+    """Residuals that go together.
+
+    Attributes
+    ----------
+    rows : slice
+        Where they stand.
+    noise : ndarray
+        Autocovariance of their noise by lag; one number for residuals that are independent.
+    shot : int
+        Number of the shot that they are of.
+    left : ndarray or None
+        What is left of them with the values at their best for this block alone, where that is more than noise.
+    shared : ndarray
+        What all of them may be off together, by one standard deviation: a column for the baseline of a record, one for
+        its amplitude.
+    quiet : float
+        Independent samples from which the noise is known.
+    """
+
+    rows: slice
+    noise: Array
+    shot: int
+    left: Array | None = None
+    shared: Array = NONE
+    quiet: float = math.inf
+
+
+class Spread(NamedTuple):
+    """A covariance of the place, and the degrees of freedom of each of its variances."""
+
+    covariance: Array
+    freedom: Array
+
+
+@dataclass(frozen=True)
+class Estimate:
+    """The best place, and what the data say of it.
+
+    Attributes
+    ----------
+    place : ndarray
+        In the unit cube.
+    residuals, jacobian : ndarray
+        There; the slopes have a column for each coordinate.
+    covariance : ndarray
+        Of the place, in the directions that are determined.
+    undetermined : ndarray
+        Directions that are not, a column each; orthonormal.
+    reach : ndarray
+        Standard errors that 95 % lie within, to either side, of each coordinate.
+    """
+
+    place: Array
+    residuals: Array
+    jacobian: Array
+    covariance: Array
+    undetermined: Array
+    reach: Array
+
+    @property
+    def misfit(self) -> float:
+        """Sum of squares of the residuals."""
+        return float(self.residuals @ self.residuals)
+
+    @property
+    def errors(self) -> Array:
+        """Standard error of each coordinate; infinite where it takes part in an undetermined direction."""
+        errors = np.sqrt(np.diag(self.covariance))
+        for group in self.groups():
+            errors[group] = math.inf
+        return np.asarray(errors)
+
+    @property
+    def widest(self) -> float:
+        """Largest reach of what is determined: that of a prediction, which depends on all of it."""
+        determined = self.reach[np.isfinite(self.errors)]
+        return float(np.max(determined)) if determined.size else NORMAL
+
+    def groups(self) -> list[list[int]]:
+        """Return the coordinates that are not determined, those together that only their combination is."""
+        projector = self.undetermined @ self.undetermined.T
+        left = [k for k in range(self.place.size) if projector[k, k] > NAMED]
+        groups: list[list[int]] = []
+        while left:
+            group, left = [left[0]], left[1:]
+            for one in group:  # it grows as its neighbours are found
+                near = [k for k in left if abs(projector[one, k]) > NAMED * projector[one, one]]
+                group += near
+                left = [k for k in left if k not in near]
+            groups.append(sorted(group))
+        return groups
+
+
+def estimate(place: Array, residuals: Array, jacobian: Array, blocks: Sequence[ResidualBlock]) -> Estimate:
+    """Return what the data say of a place; directions without information are left out of the covariance.
+
+    The interval of a coordinate is the widest of those by noise, by what is left, and by shots, each with Student's t.
+    """
+    values, vectors = np.linalg.eigh(jacobian.T @ jacobian)
+    known = vectors[:, values > RANK * max(float(values[-1]), np.finfo(float).tiny)]
+    spreads = [by_noise(jacobian, known, blocks)]
+    if any(block.left is not None for block in blocks):
+        spreads.append(by_what_is_left(jacobian, known, blocks))
+    if len({block.shot for block in blocks}) > 1:
+        spreads.append(scatter_of_shots(residuals, jacobian, known, blocks))
+    covariance = spreads[0].covariance
+    for spread in spreads[1:]:
+        covariance = larger(covariance, spread.covariance)
+    values, vectors = np.linalg.eigh(covariance)
+    sure = vectors[:, values <= UNDETERMINED**2]
+    inside = sure @ sure.T
+    inside = inside @ (known @ known.T) @ inside
+    values, vectors = np.linalg.eigh(inside)
+    kept, lost = vectors[:, values > 0.5], vectors[:, values <= 0.5]
+    projected = kept @ kept.T @ covariance @ kept @ kept.T
+    return Estimate(place, residuals, jacobian, projected, lost, _reach(covariance, spreads))
+
+
+def _reach(covariance: Array, spreads: Sequence[Spread]) -> Array:
+    """Return the half width of the 95 % interval of each coordinate over its standard error."""
+    from scipy.stats import t
+
+    whole = np.maximum(np.diag(covariance), np.finfo(float).tiny)
+    shares = [np.sqrt(np.maximum(np.diag(one.covariance), 0.0) / whole) for one in spreads]
+    ends = [t.ppf(0.975, one.freedom) * share for one, share in zip(spreads, shares, strict=True)]
+    return np.asarray(np.max([np.full(whole.size, NORMAL), *ends], axis=0))
+
+
+def _sandwich(jacobian: Array, known: Array, middle: Array) -> Array:
+    """Return A^-1 B A^-1 in the directions that are known."""
+    inverse = known @ np.linalg.inv(known.T @ jacobian.T @ jacobian @ known) @ known.T
+    return np.asarray(inverse @ middle @ inverse)
+
+
+def _pushed(part: Array, covariance: Array) -> Array:
+    """Return the covariance of J'r of residuals with an autocovariance by lag."""
+    from scipy.linalg import matmul_toeplitz
+
+    lags = np.zeros(part.shape[0])
+    lags[: covariance.size] = covariance[: lags.size]
+    return np.asarray(part.T @ (matmul_toeplitz(lags, part) if covariance.size > 1 else lags[0] * part))
+
+
+def by_noise(jacobian: Array, known: Array, blocks: Sequence[ResidualBlock]) -> Spread:
+    """Return the covariance by the noise of each block and by what its residuals share.
+
+    Its freedom is that of the noise: as many independent samples as show it, infinite where it is stated.
+    """
+    size = jacobian.shape[1]
+    middle = np.zeros((size, size))
+    for block in blocks:
+        part = jacobian[block.rows]
+        middle += _pushed(part, block.noise)
+        if block.shared.size:
+            shared = part.T @ block.shared
+            middle += shared @ shared.T
+    shown = [block.quiet for block in blocks if math.isfinite(block.quiet)]
+    return Spread(_sandwich(jacobian, known, middle), np.full(size, sum(shown) or math.inf))
+
+
+def by_what_is_left(jacobian: Array, known: Array, blocks: Sequence[ResidualBlock]) -> Spread:
+    """Return the covariance by what is left of residuals beyond noise, as if any of its phases were as likely.
+
+    What repeats from record to record does not average out: `design_effect` times the sum over independent records. Of
+    as many independent samples the fit has taken one for each value, so that what it left is raised by their number.
+    """
+    size = jacobian.shape[1]
+    noise, left, count = np.zeros((size, size)), np.zeros((size, size)), 0.0
+    effect = design_effect([block.left for block in blocks if block.left is not None and block.left.size > 1])
+    for block in blocks:
+        part = jacobian[block.rows]
+        if block.left is None:
+            noise += _pushed(part, block.noise)
+            continue
+        repeats = effect if block.left.size > 1 else 1.0  # numbers have no shape that may repeat
+        covariance = float(block.left @ block.left) / block.left.size * autocorrelation(block.left)
+        left += repeats * _pushed(part, covariance)
+        count += independent_count(block.left.size, covariance) / repeats
+    freedom = max(count - size, 1.0)
+    return Spread(_sandwich(jacobian, known, noise + left * max(count / freedom, 1.0)), np.full(size, freedom))
+
+
+def design_effect(residuals: Sequence[Array]) -> float:
+    """Return by how much the variance of a mean over records is above that of independent ones: 1 + (n - 1) rho.
+
+    rho is the correlation of what is left of two records, pulse laid on pulse (Kish 1965): n where all leave the same,
+    1 where they have nothing in common.
+
+    Examples
+    --------
+    >>> wave = np.sin(np.linspace(0.0, 9.0, 60))
+    >>> round(design_effect([wave, wave, 2.0 * wave]), 9), design_effect([wave, -wave])
+    (3.0, 1.0)
+    """
+    if len(residuals) < 2:
+        return 1.0
+    count = min(one.size for one in residuals)
+    along = np.linspace(0.0, 1.0, count)
+    rows = np.array([np.interp(along, np.linspace(0.0, 1.0, one.size), one) for one in residuals])
+    rows /= np.linalg.norm(rows, axis=1, keepdims=True)
+    return min(max(float(np.sum(np.sum(rows, axis=0) ** 2)) / len(rows), 1.0), float(len(rows)))
+
+
+def scatter_of_shots(residuals: Array, jacobian: Array, known: Array, blocks: Sequence[ResidualBlock]) -> Spread:
+    """Return the covariance by the scatter of J'r over shots (Liang & Zeger 1986), unbiased (Bell & McCaffrey 2002).
+
+    It holds whatever differs from shot to shot. With M_i = A^-1/2 J_i'J_i A^-1/2, the share of shot i in what is known,
+    its J'r is divided by (I - M_i)^1/2, for the fit has followed it; of equal shots that is n/(n - 1). The degrees of
+    freedom are Satterthwaite's, n - 1 of equal shots. Where one shot alone informs, the others say nothing of scatter.
+    """
+    size = jacobian.shape[1]
+    values, vectors = np.linalg.eigh(known.T @ jacobian.T @ jacobian @ known)
+    root = known @ (vectors / np.sqrt(values))  # A^-1 = root root'
+    middle, shares, spreads = np.zeros((values.size, values.size)), list[Array](), list[Array]()
+    for shot in sorted({block.shot for block in blocks}):
+        rows = np.concatenate([np.arange(residuals.size)[block.rows] for block in blocks if block.shot == shot])
+        part = jacobian[rows] @ root
+        share, axes = np.linalg.eigh(part.T @ part)
+        others = np.where(share < ALONE, 1.0 / np.sqrt(np.maximum(1.0 - share, 1.0 - ALONE)), 0.0)
+        spread = (axes * others) @ axes.T
+        push = spread @ (part.T @ residuals[rows])
+        middle += np.outer(push, push)
+        shares.append(part.T @ part)
+        spreads.append(spread)
+    freedom = np.ones(size)
+    for k in range(size):
+        ways = [spread @ root[k] for spread in spreads]
+        felt = np.array([share @ way for share, way in zip(shares, ways, strict=True)])
+        shape = np.diag(np.sum(felt * np.array(ways), axis=1)) - felt @ felt.T
+        square = float(np.sum(shape**2))
+        freedom[k] = max(float(np.trace(shape)) ** 2 / square, 1.0) if square > 0.0 else 1.0
+    return Spread(root @ middle @ root.T, freedom)
+
+
+def larger(one: Array, other: Array) -> Array:
+    """Return a covariance that is above both: in no direction is its variance smaller than either's.
+
+    In the coordinates in which the first is the unit matrix, the variances of the second below 1 are raised to it.
+
+    Examples
+    --------
+    >>> larger(np.diag([1.0, 4.0]), np.diag([9.0, 1.0]))
+    array([[9., 0.],
+           [0., 4.]])
+    """
+    values, vectors = np.linalg.eigh(one)
+    kept = values > RANK**2 * max(float(values[-1]), np.finfo(float).tiny)
+    root, back = vectors[:, kept] * np.sqrt(values[kept]), vectors[:, kept] / np.sqrt(values[kept])
+    sizes, axes = np.linalg.eigh(back.T @ other @ back)
+    raised = root @ axes
+    return np.asarray((raised * np.maximum(sizes, 1.0)) @ raised.T)

@@ -1,0 +1,111 @@
+"""``strikewave sweep``: any case over any of its settings."""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+from typing import Annotated, Literal
+
+import typer
+
+from strikewave.reporting.options import Changes, Output, case_name
+
+
+def command(
+    case: Annotated[str, case_name("CASE", "A case file, a built-in case, or a study file with the table [vary].")],
+    *,
+    vary: Annotated[
+        list[str] | None,
+        typer.Option(
+            "--vary",
+            metavar="SETTING=VALUES",
+            help=(
+                "Setting with a range, such as machine.speed='400..900 rpm:11' (log behind it for logarithmic "
+                "spacing), a list, or words; may be repeated; those of the study file by default."
+            ),
+            show_default=False,
+        ),
+    ] = None,
+    keep: Annotated[
+        list[str] | None,
+        typer.Option(
+            "--keep",
+            metavar="NAME,...",
+            help=(
+                "Numbers to keep of each run, such as first.rigid_peak,cv, and histories: blows, pulses; the peak and "
+                "width of the first blow, and cv, by default."
+            ),
+            show_default=False,
+        ),
+    ] = None,
+    analysis: Annotated[
+        Literal["run", "fast", "wave", "fem", "impact"] | None,
+        typer.Option("--analysis", help="What each run is; that of the case by default.", show_default=False),
+    ] = None,
+    design: Annotated[
+        Literal["grid", "latin-hypercube", "sobol", "tolerances"] | None,
+        typer.Option("--design", help="How runs are chosen; grid by default.", show_default=False),
+    ] = None,
+    runs: Annotated[
+        int | None,
+        typer.Option(
+            "--runs",
+            metavar="COUNT",
+            help="Number of runs of a design that is no grid; 128 by default.",
+            show_default=False,
+        ),
+    ] = None,
+    seed: Annotated[
+        int | None,
+        typer.Option(
+            "--seed",
+            metavar="NUMBER",
+            help="Random seed of a design that is no grid; 1 by default.",
+            show_default=False,
+        ),
+    ] = None,
+    workers: Annotated[
+        int, typer.Option("--workers", metavar="COUNT", min=1, max=256, help="Processes, one a core at most.")
+    ] = 2,
+    store: Annotated[
+        Path | None,
+        typer.Option(
+            "--store",
+            metavar="DIR",
+            help="Folder that keeps finished runs for later sweeps; beside the result, till it is written, by default.",
+            show_default=False,
+        ),
+    ] = None,
+    fresh: Annotated[bool, typer.Option("--fresh", help="Run the finished runs of a stopped sweep again.")] = False,
+    dry_run: Annotated[
+        bool, typer.Option("--dry-run", help="Say how many runs there are and how long they take, and make none.")
+    ] = False,
+    changes: Changes = None,
+    output: Output,
+) -> int:
+    """Run a case over any of its settings.
+
+    One setting gives a line plot, two a map, more parallel coordinates and main effects; runs.csv and runs.parquet hold
+    a row a run. A sweep that is stopped is continued by the same command. A run that fails is a row with its reason.
+    The same can stand in a study file: case, set, vary, keep, analysis, design, runs, seed. With --json, no files are
+    written unless --out is given.
+    """
+    os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # for arrays this small, threads wait longer than they work
+    from strikewave.studies.engine.pools import ProcessPool
+    from strikewave.studies.sweep.screen import SweepCommand, run_sweep, show_estimate
+    from strikewave.studies.sweep.study_file import SweepRequest, read_request
+
+    typed = SweepRequest(
+        vary=tuple(vary or ()),
+        keep=tuple(keep or ()),
+        analysis=analysis or "",
+        design=design or "",
+        runs=runs,
+        seed=seed,
+    )
+    request = read_request(case, changes or (), typed)
+    plan = request.plan(output.tested(request.loaded))
+    count = min(workers, os.cpu_count() or 1)
+    if dry_run:
+        return show_estimate(plan, store, count, output.json)
+    return run_sweep(plan, request.changes, SweepCommand(plan, lambda: ProcessPool(count), store, fresh), output)

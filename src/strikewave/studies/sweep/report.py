@@ -1,0 +1,119 @@
+"""The report of a sweep: its picture, the range of each number, main effects, and what was varied."""
+
+from __future__ import annotations
+
+from strikewave.reporting import chapters
+from strikewave.reporting.parts import Cell, Link, Part, Picture, Section, Table
+from strikewave.reporting.table_columns import page_table
+from strikewave.studies.engine.case_evaluation import called
+from strikewave.studies.engine.plan import GRID, HYPERCUBE, SOBOL, TOLERANCES
+from strikewave.studies.sweep.columns import EFFECT_COLUMNS, NUMBER_COLUMNS, effect_rows, number_rows
+from strikewave.studies.sweep.figures import MOST_NUMBERS, MOST_SETTINGS, sweep_picture
+from strikewave.studies.sweep.study import SweepStudy
+
+CHOSEN = {
+    GRID: "all values of each setting with all of the others",
+    HYPERCUBE: "one in each n-th of the range of every setting (Latin hypercube)",
+    SOBOL: "Sobol's sequence, scrambled",
+    TOLERANCES: "drawn within the tolerances of the case",
+}
+"""How rows are chosen, in words, by design."""
+ANALYSES = {
+    "run": "a full run of the machine",
+    "fast": "the fast run of the machine, its object as whole bodies",
+    "wave": "the layered bar under its load",
+    "fem": "explicit finite elements",
+    "impact": "one impact on a free rigid object, by the contact law alone",
+}
+"""What each run is."""
+MOST_REASONS = 12
+"""Reasons of failures that a table lists."""
+
+
+def sweep_report(study: SweepStudy) -> str:
+    """Return the report of a sweep as one HTML page: no script, nothing fetched, the same bytes each time."""
+    sections = [
+        Section("Picture", "", [Picture(sweep_picture(study), _caption(study), _caption(study))]),
+        _number_section(study),
+        *([_effect_section(study)] if study.effects else []),
+        chapters.warnings(study.notices),
+        _plan_section(study),
+        chapters.inputs(study.case),
+    ]
+    summary = chapters.Summary("Report of a sweep", sweep_words(study), study.highlights())
+    return chapters.result_page(study, summary, sections)
+
+
+def sweep_words(study: SweepStudy) -> str:
+    """Say in words what came out."""
+    plan = study.plan
+    words = [f"{plan.words}." if not study.failed else f"{plan.words}; {study.failed} failed."]
+    for one in plan.kept[:1]:
+        ends = study.best(one.name)
+        if ends is None:
+            words.append(f"No run has a {called(one.name)}.")
+            continue
+        low, high = (one.words(float(study.number(one.name)[run])) for run in ends)
+        words.append(f"{called(one.name).capitalize()}: {low} ({study.at(ends[0])}) to {high} ({study.at(ends[1])}).")
+    rows = [row for row in effect_rows(study) if row.share == row.share]
+    if rows:
+        words.append(f"Of its variance, {row_words(rows[0].share)} comes from {rows[0].path} alone.")
+    return " ".join(words)
+
+
+def row_words(share: float) -> str:
+    """Write a share without decimals."""
+    return f"{100.0 * share:.0f} %"
+
+
+def _caption(study: SweepStudy) -> str:
+    count = len(study.plan.variables)
+    more = f" The first {MOST_NUMBERS} numbers are drawn." if len(study.plan.kept) > MOST_NUMBERS else ""
+    failed = " Marks in red are runs that failed." if study.failed else ""
+    if count == 1:
+        return f"Each number over {study.plan.variables[0].path}, a dot a run.{failed}{more}"
+    if count == 2:
+        over = " and ".join(variable.path for variable in study.plan.variables)
+        return f"Each number in colour over {over}.{failed}{more}"
+    most = f" The {MOST_SETTINGS} settings with the largest shares are drawn." if count > MOST_SETTINGS else ""
+    return (
+        "Above, a line a run through its settings, in the colour of the first number. Below, each run as a dot over "
+        f"each setting, and the means over it, its main effect.{most}{failed}{more}"
+    )
+
+
+def _number_section(study: SweepStudy) -> Section:
+    parts: list[Part] = [page_table("Each number over all runs", NUMBER_COLUMNS, number_rows(study))]
+    parts.append(Link("runs.csv", "All runs, runs.csv"))
+    parts.append(Link("runs.parquet", "The same as Parquet, runs.parquet"))
+    return Section("Numbers", "", parts)
+
+
+def _effect_section(study: SweepStudy) -> Section:
+    text = (
+        "The share is that of the variance of the means over a setting in the variance of all runs (the correlation "
+        "ratio). What is left comes from settings together"
+        + (
+            "."
+            if study.plan.design == GRID
+            else ", or from chance: in runs that are no grid, the share expected by chance is taken off."
+        )
+    )
+    return Section("Main effects", text, [page_table("Main effects", EFFECT_COLUMNS, effect_rows(study))])
+
+
+def _plan_section(study: SweepStudy) -> Section:
+    rows: list[list[Cell]] = []
+    for variable in study.plan.variables:
+        if variable.words:
+            rows.append([variable.path, "words", ", ".join(variable.words), "", len(variable.words)])
+            continue
+        ends = (variable.brief(variable.axis.values[0]), variable.brief(variable.axis.values[-1]))
+        rows.append([variable.path, "logarithmic" if variable.axis.log else "linear", *ends, len(variable.axis.values)])
+    random = "" if study.plan.design == GRID else f", random seed {study.plan.seed}"
+    text = f"Each run is {ANALYSES[study.plan.evaluation.analysis]}. Runs: {CHOSEN[study.plan.design]}{random}."
+    tables: list[Part] = [Table("What was varied", ["setting", "spacing", "from", "to", "values"], rows)]
+    failures: list[list[Cell]] = [[reason, count] for reason, count in list(study.reasons.items())[:MOST_REASONS]]
+    if failures:
+        tables.append(Table("Runs that failed", ["why", "runs"], failures))
+    return Section("What was varied", text, tables)

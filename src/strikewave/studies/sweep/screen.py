@@ -1,0 +1,151 @@
+"""A sweep as a command: run, print, draw; one that is stopped goes on where it was."""
+
+from __future__ import annotations
+
+import contextlib
+import dataclasses
+import shutil
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import ClassVar
+
+from strikewave.base.errors import InputError
+from strikewave.base.interrupts import exit_code
+from strikewave.base.json_document import head, plain
+from strikewave.cases.case import dump_case
+from strikewave.reporting.histories import write_parquet
+from strikewave.reporting.measured_files import asked
+from strikewave.reporting.options import Output
+from strikewave.reporting.run_and_write import Command, case_folder, run_and_write
+from strikewave.reporting.terminal import print_json, print_rows, progress_bar, say, tell
+from strikewave.studies.engine.pools import Pool
+from strikewave.studies.engine.runner import StudyProgress
+from strikewave.studies.engine.store import RunStore, runs_beside
+from strikewave.studies.sweep.columns import EFFECT_COLUMNS, NUMBER_COLUMNS, effect_rows, number_rows
+from strikewave.studies.sweep.estimate import estimated
+from strikewave.studies.sweep.study import SweepPlan, SweepStudy, make_sweep
+
+PoolMaker = Callable[[], Pool]
+
+
+def run_sweep(plan: SweepPlan, changes: Sequence[str], command: SweepCommand, output: Output) -> int:
+    """Make a sweep, write and print it, and return the exit code.
+
+    Raises
+    ------
+    InputError
+        If the place is taken, or histories have no folder.
+    """
+    usual = f"sweep-{case_folder(plan.case.name, dump_case(plan.case), changes)}"
+    if plan.evaluation.histories and command.place is None and not output.writes(usual):
+        kept = ", ".join(plan.evaluation.histories)
+        raise InputError("--keep", f"{kept} with --json", "a folder for the histories", "add --out DIR or --store DIR")
+    return run_and_write(command, output, usual, plan.text)
+
+
+def show_estimate(plan: SweepPlan, place: Path | None, workers: int, as_json: bool) -> int:
+    """Print how many runs a sweep has and about how long it takes, and return the exit code."""
+    with RunStore(place if place is not None and place.is_dir() else None) as store:
+        found = estimated(plan, store, workers)
+    if as_json:
+        print_json(plain({**head({"run_seconds": "s", "seconds": "s"}), **found._asdict()}))
+    else:
+        tell(f"{plan.words}. {found.words}.")
+    return 0
+
+
+@dataclass
+class SweepCommand(Command[SweepStudy]):
+    """A sweep.
+
+    Attributes
+    ----------
+    plan : SweepPlan
+        What is run.
+    pool : callable
+        Makes what runs it.
+    place : Path or None
+        Folder that keeps finished runs for good; None for one beside the result, till that is written.
+    fresh : bool
+        Whether finished runs of a stopped sweep are run anew.
+    """
+
+    indent: ClassVar[int | None] = None
+
+    plan: SweepPlan
+    pool: PoolMaker
+    place: Path | None = None
+    fresh: bool = False
+    store: RunStore | None = field(default=None, init=False)
+
+    @contextlib.contextmanager
+    def under_way(self, folder: Path) -> Iterator[None]:
+        """Keep finished runs beside the folder until all is written, or in a folder of their own."""
+        beside = self.place is None
+        self.store = RunStore(runs_beside(folder.absolute()) if self.place is None else self.place, self.fresh)
+        with self.store:
+            yield
+            if beside:
+                self.store.remove()
+
+    def solve(self) -> SweepStudy:
+        """Return the sweep, with a bar on stderr; where it is stopped, finished runs are kept, and said to be."""
+        if self.store is not None:
+            return self._solved(self.store)
+        with RunStore(self.place, self.fresh) as store:
+            return self._solved(store)
+
+    def _solved(self, store: RunStore) -> SweepStudy:
+        say(self.plan.words)
+        last = StudyProgress(len(self.plan.rows), 0, 0, 0.0)
+
+        try:
+            with progress_bar("sweep", clocks=("elapsed", "left")) as report:
+
+                def advance(done: StudyProgress) -> None:
+                    nonlocal last
+                    last = done
+                    report(done.share, done.words)
+
+                study = make_sweep(self.plan, store, self.pool(), advance)
+        except KeyboardInterrupt as stop:
+            kept = f"{last.done} of {last.total} runs are kept in {store.folder}: the same command goes on there"
+            say("stopped; " + (kept if last.done and self.store is not None else "nothing was written"))
+            raise SystemExit(exit_code(stop)) from None
+        return dataclasses.replace(study, asked=asked())
+
+    def summary(self, result: SweepStudy) -> str:
+        """Say over what the first number goes, and which setting matters most."""
+        from strikewave.studies.sweep.report import sweep_words
+
+        return sweep_words(result)
+
+    def show(self, result: SweepStudy) -> None:
+        """Print the range of each number, and the main effects."""
+        print_rows("Each number over all runs", NUMBER_COLUMNS, number_rows(result))
+        if result.effects:
+            print_rows("Main effects", EFFECT_COLUMNS, effect_rows(result))
+        for reason, count in list(result.reasons.items())[:3]:
+            tell(f"{count} runs failed: {reason}")
+
+    def draw(self, result: SweepStudy, folder: Path) -> list[str]:
+        """Write the page, the picture, and the table as Parquet."""
+        from strikewave.reporting.style import save
+        from strikewave.studies.sweep.figures import sweep_picture
+        from strikewave.studies.sweep.report import sweep_report
+
+        save(sweep_picture(result), folder / "sweep.svg")
+        (folder / "report.html").write_text(sweep_report(result), "utf-8", newline="\n")
+        write_parquet(result.columns(), folder / "runs.parquet")
+        return ["report.html", "sweep.svg", "runs.parquet"]
+
+    def hand_over(self, folder: Path) -> list[str]:
+        """Move the histories of the runs into the folder; those of a folder of their own are copied."""
+        if self.store is None or not self.plan.evaluation.histories:
+            return []
+        self.store.write_chunk()
+        move = shutil.move if self.place is None else shutil.copyfile
+        for chunk in self.store.chunks:
+            move(chunk, folder / chunk.name)
+        return [path.name for path in sorted(folder.glob("run-histories-*.parquet"))]
