@@ -35,6 +35,7 @@ OF_TRAIN = {
 OF_FAST = {"stop_force": "N"}
 """Numbers that the fast run alone has."""
 OF_CONTACT = ("contact_time", "rebound_speed", "restitution", "indentation", "residual_indentation")
+"""Numbers of the contact of the first blow."""
 NOT_FAST = ("total_peak", "wave_peak", "sensor_peak", "sensor_width", "peak_force", *OF_CONTACT)
 """Numbers of the first blow that the fast run has not."""
 OF_IMPACT = {"approach_speed": "m/s", "peak_force": "N", "peak_acceleration": "m/s^2", "duration": "s"}
