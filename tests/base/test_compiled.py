@@ -3,10 +3,14 @@
 import ast
 import os
 import shutil
+import stat
 import subprocess
 import sys
 
+import pytest
+
 from strikewave.base import compiled
+from strikewave.base.kernel_files import own_folder
 
 
 def test_cold_without_a_kernel_of_that_name(tmp_path, monkeypatch):
@@ -110,6 +114,83 @@ def test_a_kernel_from_disk_runs_raises_and_is_linked_by_one_compiled_after_it(t
     alone, together = "[16.0, array([2.])]", "[(array([2.]), 16.0)]"
     error = "('below zero', 7)"
     assert said == [[alone, f"{error} 0"], [alone, f"{error} 1"], [together, f"{error} 0"], [together, f"{error} 1"]]
+
+
+KEPT = """
+from strikewave.base.compiled import called_kernel, inner_kernel, kernel
+@inner_kernel
+def cubed(x):
+    return x * x * x
+@kernel
+def both(x):
+    return cubed(x) + 1.0
+"""
+PROGRAM = "import kept; print(kept.both(2.0), sum(kept.both.stats.cache_hits.values()))"
+
+
+@pytest.fixture
+def run_kept(tmp_path, environment):
+    """Return what calls a kernel that is kept in a process of its own, and gives what it printed and warned."""
+    (tmp_path / "kept.py").write_text(KEPT)
+    own = {**environment, "NUMBA_CACHE_DIR": str(tmp_path / "cache")}
+    own["PYTHONPATH"] = os.pathsep.join(filter(None, [str(tmp_path), own.get("PYTHONPATH")]))
+
+    def run(before=""):
+        command = [sys.executable, "-W", "always", "-c", before + PROGRAM]
+        done = subprocess.run(command, env=own, capture_output=True, text=True, check=True)
+        return done.stdout.strip(), done.stderr.count("StrikewaveWarning: compiled kernels"), done.stderr
+
+    return run
+
+
+DAMAGE = (
+    lambda data: b"",
+    lambda data: data[: len(data) // 2],
+    lambda data: data[:-50] + bytes([data[-50] ^ 4]) + data[-49:],
+)
+"""A file emptied, cut, and with another bit."""
+
+
+@pytest.mark.parametrize("first", [0, *(pytest.param(k, marks=pytest.mark.verify) for k in (1, 2))])
+def test_damaged_kernels_are_dropped_with_a_word_and_the_next_run_has_none_to_say(run_kept, tmp_path, first):
+    assert run_kept()[:2] == ("9.0 0", 0)
+    files = sorted(path for path in (tmp_path / "cache").rglob("*") if path.suffix in (".nbi", ".nbc"))
+    assert len(files) == 4  # an index and the data of the kernel, and of its part
+    for k, path in enumerate(files):
+        path.write_bytes(DAMAGE[(first + k) % 3](path.read_bytes()))
+    printed, warnings, words = run_kept()
+    assert (printed, warnings) == ("9.0 0", 1), words
+    assert "dropped, and compiled anew" in words
+    assert run_kept()[:2] == ("9.0 1", 0)
+
+
+def test_a_full_disk_of_the_cache_is_survived_with_a_word(run_kept):
+    """RLIMIT_FSIZE refuses a write as a full disk does."""
+    limit = "import resource; resource.setrlimit(resource.RLIMIT_FSIZE, (1000, 1000)); "
+    printed, warnings, words = run_kept(limit)
+    assert (printed, warnings) == ("9.0 0", 1), words
+    assert "cannot be kept" in words
+    assert run_kept()[:2] == ("9.0 0", 0)
+
+
+def test_the_folder_of_compiled_kernels_is_the_users_own(tmp_path, monkeypatch):
+    """They are pickles: what others could put there would be run."""
+    folder = tmp_path / "a" / "kernels"
+    own_folder(folder)
+    assert stat.S_IMODE(folder.stat().st_mode) == 0o700
+    (folder / "mine").touch()
+    for mode, left in ((0o755, ["mine"]), (0o777, []), (0o720, [])):
+        folder.chmod(mode)
+        own_folder(folder)
+        assert stat.S_IMODE(folder.stat().st_mode) == 0o700
+        assert [path.name for path in folder.iterdir()] == left
+    (tmp_path / "link").symlink_to(folder)
+    with pytest.raises(PermissionError, match="a link"):
+        own_folder(tmp_path / "link")
+    user = os.geteuid()
+    monkeypatch.setattr(os, "geteuid", lambda: user + 1)
+    with pytest.raises(PermissionError, match="another user"):
+        own_folder(folder)
 
 
 def _squared(x):

@@ -27,6 +27,7 @@ from numba.core.registry import CPUDispatcher
 from numba.core.runtime import _nrt_python  # type: ignore[attr-defined]
 
 from strikewave.base.errors import StrikewaveWarning
+from strikewave.base.kernel_files import KernelFiles, own_folder, report_unkept
 
 F = TypeVar("F", bound=Callable[..., Any])
 PACKAGE = Path(__file__).absolute().parents[1]
@@ -47,7 +48,8 @@ LOCATORS = ("UserWideCacheLocator", "IPythonCacheLocator", "ZipCacheLocator")
 def kernel_key(package: Path) -> str:
     """Return a key made of numba's version and the source of every kernel in a package folder."""
     digest = hashlib.sha256(numba.__version__.encode())
-    for source in sorted([*package.glob("**/_[a-z]*.py"), *package.glob("base/compiled.py")]):
+    keeping = (package / "base" / name for name in ("compiled.py", "kernel_files.py"))
+    for source in sorted([*package.glob("**/_[a-z]*.py"), *keeping]):
         digest.update(source.read_bytes())
     return digest.hexdigest()[:KEY_DIGITS]
 
@@ -69,7 +71,7 @@ def cache_folder() -> str | None:
     base = Path(chosen) if chosen else Path(platformdirs.user_cache_dir("strikewave", appauthor=False))
     folder = base / f"kernels-{kernel_key(PACKAGE)}"
     try:
-        folder.mkdir(parents=True, exist_ok=True)
+        own_folder(folder)
         with tempfile.TemporaryFile(dir=folder):
             pass
     except OSError as error:
@@ -320,11 +322,23 @@ class _KernelCache(FunctionCache):
 
     _impl_class: Any = _KeptKernels
 
+    def __init__(self, function: Any) -> None:
+        super().__init__(function)
+        files = self._cache_path, self._impl.filename_base, self._impl.locator.get_source_stamp()
+        self._cache_file: Any = KernelFiles(*files)
+
     def load_overload(self, sig: Any, target_context: Any) -> Any:
         """Return a kernel for arguments of some types, or None where none is kept."""
         _name_runtime()
         with self._guard_against_spurious_io_errors():
             return self._load_overload(sig, target_context)
+
+    def save_overload(self, sig: Any, data: Any) -> None:
+        """Keep a kernel; what the disk refuses is reported, and compiled anew in the next process."""
+        try:
+            super().save_overload(sig, data)
+        except OSError as error:
+            report_unkept(self._cache_path, error)
 
 
 class _PartCache(_KernelCache):
