@@ -44,7 +44,7 @@ EXPECTED = 60
 
 
 def run_fit_file(path: str, changes: Sequence[str], output: Output, bayes: bool = False) -> int:
-    """Do the fit of a file, write and print the result, and return the exit code; ``bayes`` is added to what the file asks for.
+    """Do the fit of a file, with its posterior if asked; write and print it, and return the exit code.
 
     Raises
     ------
