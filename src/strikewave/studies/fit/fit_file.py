@@ -233,7 +233,7 @@ def is_fit_file(name: str) -> bool:
         return False
     try:
         with open(name, "rb") as file:
-            document = tomllib.loads(file.read(LARGEST_FILE + 1).decode("utf-8"))
+            document = tomllib.loads(file.read(LARGEST_FILE + 1).decode("utf-8-sig"))
     except (OSError, ValueError, RecursionError):
         return False
     return isinstance(document.get("case"), str) or any(table in document for table in OF_FIT)

@@ -47,7 +47,7 @@ def run_fit_file(path: str, changes: Sequence[str], output: Output) -> int:
         What `load_fit` and `requested` raise, or if the place is taken.
     """
     read = load_fit(path, changes)
-    usual = f"fit-{case_folder(read.path.stem, read.path.read_text('utf-8'), changes)}"
+    usual = f"fit-{case_folder(read.path.stem, read.path.read_text('utf-8-sig'), changes)}"
     return _run(output.tested(read.case), read.request, output, usual, [read.path])
 
 
