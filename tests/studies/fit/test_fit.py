@@ -277,6 +277,19 @@ WRONG = {
     "another unit": (["contact.restitution"], ["first.width=1 g"], "a time with its unit"),
     "no uncertainty": (["contact.restitution"], ["first.width=1 ms +- 0 s"], "a standard uncertainty above 0"),
     "no sensor": (["contact.restitution"], ["first.sensor_peak x=1 g"], "the case has no sensor"),
+    "unstated": (["object.friction"], ["first.width=1 ms"], "give it a start: --set object.friction=VALUE"),
+    "a table": (["contact"], ["first.width=1 ms"], "a quantity of the case"),
+    "no field named": ([""], ["first.width=1 ms"], "a quantity of the case"),
+    "bounds that are one": (["contact.restitution=0.7:0.7"], ["first.width=1 ms"], "the first is the smaller one"),
+    "bounds beyond": (["contact.restitution=0.1:5"], ["first.width=1 ms"], "at least 0.01, at most 1"),
+    "bounds that are none": (["contact.restitution=nan:1"], ["first.width=1 ms"], "at least 0.01, at most 1"),
+    "negative stiffness": (["contact.reference_force=-1 kN:9 kN"], ["first.width=1 ms"], "above 0 N"),
+    "not a number": (["contact.restitution"], ["first.width=nan ms"], "a time with its unit"),
+    "infinite": (["contact.restitution"], ["first.width=1e400 s"], "the value is not finite"),
+    "nothing": (["contact.restitution"], ["first.width="], "a time with its unit"),
+    "zero": (["contact.restitution"], ["first.rigid_peak=0 g"], "a number that is not 0"),
+    "negative time": (["contact.restitution"], ["first.width=-1 ms"], "a time above 0"),
+    "negative uncertainty": (["contact.restitution"], ["first.width=1 ms +- -2 %"], "a share above 0"),
     "no file": (["contact.restitution"], ["shots.csv"], "a measured file"),
     "a case": (["contact.restitution"], ["li-ma-2019"], "this is simulated"),
     "no list": (["contact.restitution"], ["@nowhere.txt"], "a text file with a target a line"),
@@ -304,11 +317,26 @@ def test_records_that_cannot_be_held_against_the_run_are_answered_in_one_line(tm
     head, *rows = text.splitlines()
     turned = [",".join((t, str(-float(v)))) for t, v in (row.split(",") for row in rows)]
     (tmp_path / "turned.csv").write_text("\n".join([head, *turned]))
+    (tmp_path / "empty.csv").write_text("")
+    (tmp_path / "head.csv").write_text(head)
+    (tmp_path / "none.csv").write_text("\n".join([head, *(row.split(",")[0] + ",nan" for row in rows)]))
+    (tmp_path / "flat.csv").write_text("\n".join([head, *(row.split(",")[0] + ",0" for row in rows)]))
+    (tmp_path / "short.csv").write_text("\n".join([head, *rows[:3]]))
+    (tmp_path / "bytes.csv").write_bytes(bytes(range(256)))
     for name, words in (
+        ("empty.csv", "it is empty"),
+        ("head.csv", "no line of it holds numbers only"),
+        ("none.csv", "a channel besides time"),
+        ("flat.csv", "a history with a pulse"),
+        ("short.csv", "8 samples or more"),
+        ("bytes.csv", "a known format"),
+        ("a.csv#bord", '--to: got "a.csv#bord"; allowed: a name, or a number from 1 to 1; did you mean "board"?'),
+        ("a.csv@7", "a blow from 1 to 1"),
+        ("a.csv +- 200 %", "a share above 0 and below 1"),
+        ("a.csv +- 0", "a share above 0 and below 1"),
         ("force.csv", "a record in m/s^2"),
         ("bare.csv", "state --unit"),
         ("turned.csv", "--polarity -1"),
-        ("a.csv#other", "other"),
     ):
         with pytest.raises(StrikewaveError, match=r"\w") as error:
             fit(case, [str(tmp_path / name)], ["contact.restitution"])

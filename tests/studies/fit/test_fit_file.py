@@ -30,6 +30,7 @@ path = "contact.reference_force"
 [[record]]
 file = "shots/a.csv"
 channel = "board"
+scatter = "2 %"
 set = { machine.height = "0.25 m" }
 
 [[number]]
@@ -51,7 +52,7 @@ unit = "g"
 """
 TYPED = [
     "jesd22-b111-b", "--set", "contact.restitution=0.65", "--free", "contact.restitution=0.4:0.9",
-    "--free", "contact.reference_force", "--to", "{}#board; machine.height=0.25 m",
+    "--free", "contact.reference_force", "--to", "{}#board +- 2 %; machine.height=0.25 m",
     "--to", "first.width=380 us +- 2 %; machine.height=0.35 m", "--check-on", "first.rigid_peak=1600 g",
     "--filter", "10 kHz", "--rate", "50 kHz", "--polarity", "board=-1", "--unit", "g",
 ]  # fmt: skip
@@ -126,7 +127,8 @@ WRONG = {
     "settings": ('{ machine.height = "0.25 m" }', "[1]", "study.toml: record.0.set: got [1]; allowed: paths with their"),
     "number": ("first.width", "first.wdith", 'study.toml: number.0: got "first.wdith"; allowed: a number that the case'),
     "unit": ("380 us", "380", 'study.toml: number.0: first.width: got "380"; allowed: a time with its unit'),
-    "uncertainty": ('"2 %"', "true", "study.toml: number.0.uncertainty: got True; allowed: a quantity"),
+    "scatter": ('scatter = "2 %"', 'scatter = "200 %"', 'study.toml: record.0.scatter: got "200 %"; allowed: a share above 0'),
+    "uncertainty": ('uncertainty = "2 %"', "uncertainty = true", "study.toml: number.0.uncertainty: got True; allowed: a quantity"),
     "record": ("shots/a.csv", "shots/b.csv", "study.toml: record.0: got "),
     "channel": ('channel = "board"', 'channel = "bord"', "board"),
     "blow": ('channel = "board"', "blow = 0", "study.toml: record.0.blow"),

@@ -7,7 +7,6 @@ where we work.
 from __future__ import annotations
 
 import os
-import tomllib
 from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Annotated, Any, Literal, NamedTuple, Self
@@ -16,6 +15,7 @@ from pydantic import BeforeValidator, Field, ValidationError, model_validator
 
 from strikewave.analyses.compare.sources import SourceOptions
 from strikewave.base.errors import MISSING, InputError, InputErrors, StrikewaveError
+from strikewave.base.toml_text import read_toml
 from strikewave.cases.case import Case, bundled_cases, load_case
 from strikewave.cases.paths import Form
 from strikewave.cases.performed_test import Line
@@ -23,6 +23,7 @@ from strikewave.cases.small_file import LARGEST_FILE, read_small_file
 from strikewave.cases.tables import CaseTable
 from strikewave.reporting.low_pass import low_pass_of
 from strikewave.reporting.measured_files import MeasurementOptions
+from strikewave.reporting.options import read_share
 from strikewave.studies.fit.request import FitRequest
 from strikewave.studies.fit.stated import stated_at
 from strikewave.studies.fit.targets import Target
@@ -70,6 +71,7 @@ def _words(raw: Any) -> list[str]:
 
 
 Quantity = Annotated[str | int | float, BeforeValidator(_quantity)]
+Share = Annotated[float, BeforeValidator(lambda raw: read_share(str(_quantity(raw)), ""))]
 Settings = Annotated[tuple[str, ...], BeforeValidator(_settings)]
 Calibration = Annotated[list[str] | None, BeforeValidator(_words)]
 
@@ -108,7 +110,8 @@ class MeasuredTable(CaseTable):
 class RecordTable(MeasuredTable):
     """[[record]]: a measured file, or several by a pattern.
 
-    ``channel`` and ``blow`` are those of the file, ``part`` and ``of_blow`` those of the run.
+    ``channel`` and ``blow`` are those of the file, ``part`` and ``of_blow`` those of the run; ``scatter`` is by which
+    share the amplitude scatters from shot to shot.
     """
 
     file: Line
@@ -116,6 +119,7 @@ class RecordTable(MeasuredTable):
     blow: Annotated[int, Field(ge=1, le=999_999)] | Literal["all"] | None = None
     part: Line = ""
     of_blow: Annotated[int | None, Field(ge=1, le=999_999)] = None
+    scatter: Share = 0.0
 
     def target(self, folder: Path, stated: str) -> Target:
         """Return it as a target."""
@@ -123,7 +127,7 @@ class RecordTable(MeasuredTable):
         channel = f"#{self.channel}" if self.channel != "" else ""
         blow = f"@{self.blow}" if self.blow is not None else ""
         part = self.part + (f"@{self.of_blow}" if self.of_blow is not None else "")
-        return Target(part, f"{place}{channel}{blow}", self.set, stated=stated)
+        return Target(part, f"{place}{channel}{blow}", self.set, scatter=self.scatter, stated=stated)
 
 
 class NumberTable(MeasuredTable):
@@ -233,8 +237,8 @@ def is_fit_file(name: str) -> bool:
         return False
     try:
         with open(name, "rb") as file:
-            document = tomllib.loads(file.read(LARGEST_FILE + 1).decode("utf-8-sig"))
-    except (OSError, ValueError, RecursionError):
+            document = read_toml(file.read(LARGEST_FILE + 1).decode("utf-8-sig"))
+    except (OSError, ValueError):
         return False
     return isinstance(document.get("case"), str) or any(table in document for table in OF_FIT)
 

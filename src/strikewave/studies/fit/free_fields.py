@@ -14,7 +14,7 @@ from strikewave.base.quantities import Provenance, Range, Value
 from strikewave.cases.case import Case, dump_case, parse_case
 from strikewave.cases.plausible import PLAUSIBLE
 from strikewave.studies.axes import Axis, units_of
-from strikewave.uncertainty.draws import range_of
+from strikewave.uncertainty.draws import allowed_at, range_of
 from strikewave.uncertainty.known import field_of
 
 Array = NDArray[np.float64]
@@ -128,6 +128,9 @@ def _free_field(case: Case, word: str) -> FreeField:
     path, equals, ends = (part.strip() for part in word.partition("="))
     values = case.values()
     if path not in values:
+        if allowed_at(case, path) is not None:
+            hint = f"give it a start: --set {path}=VALUE"
+            raise InputError("--free", path, "a quantity that the case states: the search begins there", hint)
         choice = "" if path not in case.entries() else "; a choice is tried by --try"
         raise InputError("--free", path, f"a quantity of the case{choice}", nearest(path, values))
     value, allowed = values[path], range_of(case, path)
