@@ -198,6 +198,7 @@ class FitFile(CaseTable):
     number: tuple[NumberTable, ...] = ()
     try_: Annotated[TryTable | None, Field(alias="try")] = None
     reading: ReadingTable = ReadingTable()
+    bayes: bool = False
 
     @model_validator(mode="after")
     def _counted(self) -> Self:
@@ -281,6 +282,7 @@ def load_fit(path: str | Path, changes: Sequence[str] = ()) -> ReadFit:
         tries=file.try_.word if file.try_ is not None else "",
         check_on=tuple(target for kept_out, target in targets if kept_out),
         reading=reading,
+        bayes=file.bayes,
         file=path.name,
     )
     return ReadFit(case, request, path)

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from strikewave.base.errors import InputError
 from strikewave.cases.case import Case
 from strikewave.studies.fit.covariance import Estimate, ResidualBlock, estimate
-from strikewave.studies.fit.estimation import FINAL_STEP, Search
+from strikewave.studies.fit.estimation import FINAL_STEP, ROUGH, Search
 from strikewave.studies.fit.free_fields import FreeField, case_at
 from strikewave.studies.fit.measured import Measured, MeasuredNumber, MeasuredPulse
 from strikewave.studies.fit.noise import independent_count
@@ -103,6 +103,11 @@ class Problem:
     def measured(self) -> list[Measured]:
         """All that was measured, in the order of the residuals."""
         return [one for experiment in self.experiments for one in experiment.measured]
+
+    @property
+    def slow(self) -> bool:
+        """Whether a run takes seconds: of elements."""
+        return any(one.case.command == "fem" for one in self.experiments)
 
     @property
     def start(self) -> Array:
@@ -272,7 +277,7 @@ def solve(problem: Problem, advance: Callable[[int, float], None] | None = None)
     first = search.begin(problem.start)
     try:
         _check_felt(problem, search, first)
-        ends = search.wide(problem.start)
+        ends = [search.descend(problem.start, accuracy=ROUGH)] if problem.slow else search.wide(problem.start)
         place, residuals = _nearest(ends, problem.start)
         used, misfits = problem, problem.misfits(residuals)
         if len(misfits) > 1 and any(one.more_than_noise for one in misfits):
