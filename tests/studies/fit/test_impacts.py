@@ -12,7 +12,9 @@ from strikewave.contact import Contact, exact, impact_history, solve_impact
 from strikewave.studies.fit.study import fit
 
 DOCS = Path(__file__).parents[3] / "docs" / "fit.md"
-IMPACT = next(text for text in DOCS.read_text("utf-8").split("```toml\n") if "gas-gun" in text).partition("```")[0]
+BLOCKS = [text.partition("```")[0] for text in DOCS.read_text("utf-8").split("```toml\n")[1:]]
+IMPACT = next(text for text in BLOCKS if "gas-gun" in text)
+"""A case of the docs."""
 TRUTH = {"contact.reference_force": 15e3, "contact.restitution": 0.6}
 
 
