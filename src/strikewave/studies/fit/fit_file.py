@@ -238,7 +238,7 @@ def is_fit_file(name: str) -> bool:
         return False
     try:
         with open(name, "rb") as file:
-            document = read_toml(file.read(LARGEST_FILE + 1).decode("utf-8"))
+            document = read_toml(file.read(LARGEST_FILE + 1).decode("utf-8-sig"))
     except (OSError, ValueError):
         return False
     return isinstance(document.get("case"), str) or any(table in document for table in OF_FIT)

@@ -52,7 +52,7 @@ def run_fit_file(path: str, changes: Sequence[str], output: Output, bayes: bool 
         What `load_fit` and `requested` raise, or if the place is taken.
     """
     read = load_fit(path, changes)
-    usual = f"fit-{case_folder(read.path.stem, read.path.read_text('utf-8'), changes)}"
+    usual = f"fit-{case_folder(read.path.stem, read.path.read_text('utf-8-sig'), changes)}"
     request = dataclasses.replace(read.request, bayes=read.request.bayes or bayes)
     return _run(output.tested(read.case), request, output, usual, [read.path])
 
