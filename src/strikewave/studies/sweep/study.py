@@ -107,7 +107,8 @@ class SweepPlan:
         """What is run, in words."""
         over = ", ".join(variable.path for variable in self.variables[:3])
         more = f" and {len(self.variables) - 3} more" if len(self.variables) > 3 else ""
-        return f"{len(self.rows)} runs ({self.evaluation.analysis}), {self.design}, over {over}{more}"
+        runs = "one run" if len(self.rows) == 1 else f"{len(self.rows)} runs"
+        return f"{runs} ({self.evaluation.analysis}), {self.design}, over {over}{more}"
 
     @cached_property
     def text(self) -> str:
