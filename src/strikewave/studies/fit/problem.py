@@ -173,6 +173,12 @@ class Problem:
             )
         return found
 
+    def explained(self, residuals: Array) -> bool:
+        """Tell whether noise explains what is left of each record, and numbers are missed by less than is expected."""
+        found = self.misfits(residuals)
+        missed = [one.size for one in found if one.is_number]
+        return not any(one.more_than_noise for one in found) and float(np.sum(np.square(missed))) <= len(missed)
+
     def alone(self, residuals: Array, jacobian: Array) -> Array:
         """Return the residuals of each record with the values at their best for it alone, by the slopes."""
         found = residuals.copy()
@@ -272,7 +278,7 @@ def solve(problem: Problem, advance: Callable[[int, float], None] | None = None)
     first = search.begin(problem.start)
     try:
         _check_felt(problem, search, first)
-        ends = search.wide(problem.start)
+        ends = search.wide(problem.start, problem.explained)
         place, residuals = _nearest(ends, problem.start)
         used, misfits = problem, problem.misfits(residuals)
         if len(misfits) > 1 and any(one.more_than_noise for one in misfits):
