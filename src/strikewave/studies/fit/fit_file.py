@@ -7,7 +7,6 @@ where we work.
 from __future__ import annotations
 
 import os
-import tomllib
 from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Annotated, Any, Literal, NamedTuple, Self
@@ -16,6 +15,7 @@ from pydantic import BeforeValidator, Field, ValidationError, model_validator
 
 from strikewave.analyses.compare.sources import SourceOptions
 from strikewave.base.errors import MISSING, InputError, InputErrors, StrikewaveError
+from strikewave.base.toml_text import read_toml
 from strikewave.cases.case import Case, bundled_cases, load_case
 from strikewave.cases.paths import Form
 from strikewave.cases.performed_test import Line
@@ -198,6 +198,7 @@ class FitFile(CaseTable):
     number: tuple[NumberTable, ...] = ()
     try_: Annotated[TryTable | None, Field(alias="try")] = None
     reading: ReadingTable = ReadingTable()
+    bayes: bool = False
 
     @model_validator(mode="after")
     def _counted(self) -> Self:
@@ -237,8 +238,8 @@ def is_fit_file(name: str) -> bool:
         return False
     try:
         with open(name, "rb") as file:
-            document = tomllib.loads(file.read(LARGEST_FILE + 1).decode("utf-8"))
-    except (OSError, ValueError, RecursionError):
+            document = read_toml(file.read(LARGEST_FILE + 1).decode("utf-8-sig"))
+    except (OSError, ValueError):
         return False
     return isinstance(document.get("case"), str) or any(table in document for table in OF_FIT)
 
@@ -281,6 +282,7 @@ def load_fit(path: str | Path, changes: Sequence[str] = ()) -> ReadFit:
         tries=file.try_.word if file.try_ is not None else "",
         check_on=tuple(target for kept_out, target in targets if kept_out),
         reading=reading,
+        bayes=file.bayes,
         file=path.name,
     )
     return ReadFit(case, request, path)
