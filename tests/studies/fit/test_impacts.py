@@ -68,7 +68,7 @@ def test_a_planted_speed_of_elements_is_found_in_few_runs():
     ("free", "to", "words"),
     [
         ("mesh.part.bar.length", "first.peak_force=1 kN", "a quantity of what was tested"),
-        ("mesh.part.striker.velocity.z", "first.width=20 us", '"first.width PART=VALUE" with the name of a part'),
+        ("mesh.part.striker.velocity.z", "first.width=20 us", '"first.width PART" with the name of a part'),
         ("mesh.part.striker.velocity.z", "first.width bra=20 us", 'did you mean "bar"?'),
         ("mesh.part.striker.velocity.z", "first.restitution=0.5", "a number that the case gives"),
     ],
