@@ -430,7 +430,7 @@ def read_case_text(name: str) -> tuple[str, str]:
     if len(data) > LARGEST_FILE:
         raise InputError("case", name, f"a case file of at most {LARGEST_FILE // 1000} kB")
     try:
-        return data.decode("utf-8"), path.stem
+        return data.decode("utf-8-sig"), path.stem
     except UnicodeDecodeError:
         raise InputError("case", name, "a text file in UTF-8") from None
 

@@ -23,7 +23,7 @@ def read_small_file(file: Path, field: str, allowed: str) -> dict[str, Any]:
     try:
         with file.open("rb") as opened:
             data = opened.read(LARGEST_FILE + 1)
-        document = read_toml(data.decode("utf-8"))
+        document = read_toml(data.decode("utf-8-sig"))
     except FileNotFoundError:
         raise InputError(field, str(file), EXISTING_FILE) from None
     except OSError as error:

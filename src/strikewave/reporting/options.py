@@ -368,10 +368,14 @@ REPORTS = ("report.html", "test-report.html")
 
 @dataclass(frozen=True)
 class Place:
-    """The folder of a result, None where none is written, and whether it may replace another one there."""
+    """The folder of a result, None where none is written, and whether it may replace another one there.
+
+    ``force`` is false where nobody said that what was changed by hand there may go.
+    """
 
     folder: Path | None
     replace: bool
+    force: bool = True
 
 
 @dataclass(frozen=True)
@@ -535,7 +539,7 @@ class Output(Shown):
     def place(self, usual: str | None) -> Place:
         """Return the folder: the one asked for, or ``out/USUAL``, which always holds the last result of that name."""
         if self.out is None and usual is not None and not self.json:
-            return Place(Path("out") / folder_name(usual), True)
+            return Place(Path("out") / folder_name(usual), replace=True, force=self.force)
         return Place(self.out, self.force)
 
 

@@ -366,6 +366,23 @@ def test_what_is_kept_out_is_predicted_within_its_bands(tmp_path):
     assert study.content()["checks"]["inside"] == study.checks.inside
 
 
+def test_a_band_of_values_that_are_not_determined_ends_where_the_data_do():
+    """One peak to 2 % for two values: it is predicted to twice that, though places far along fit nothing.
+
+    Within the 95 % of two values it moves by 2.45 standard deviations at most, which 1.96 times as much cannot exceed.
+    """
+    study = fit(
+        load_case(DROP, ["contact.restitution=0.7"]),
+        ["first.rigid_peak=1500 g +- 2 %"],
+        ["contact.reference_force", "contact.exponent=1:3"],
+        check_on=["first.rigid_peak=1500 g +- 0.01 %"],
+    )
+    assert study.undetermined
+    (figure,) = study.checks.figures
+    half = (figure.high - figure.low) / (2.0 * figure.predicted)
+    assert 0.03 < half < 1.96 * 2.45 * 0.02
+
+
 def test_of_tried_laws_the_one_of_the_records_is_kept(tmp_path):
     """Three records of Hertz's exponent; of the others one leaves more than noise, one cannot be."""
     truth = load_case(DROP, ["contact.exponent=1.5", "contact.restitution=0.7"])

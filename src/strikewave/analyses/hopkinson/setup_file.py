@@ -79,7 +79,7 @@ def load_setup(path: str, changes: Iterable[str] = ()) -> HopkinsonCase:
         file = file / "case.toml" if file.is_dir() else file
         with file.open("rb") as opened:
             data = opened.read(LARGEST_FILE + 1)
-        text = data.decode("utf-8")
+        text = data.decode("utf-8-sig")
     except UnicodeDecodeError:
         raise InputError("SETUP", path, "a text file in UTF-8") from None
     except (OSError, ValueError) as error:

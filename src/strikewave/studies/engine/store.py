@@ -126,6 +126,8 @@ class RunStore:
         if not index.exists() and any(self.folder.iterdir()):
             allowed = "an empty or new folder, or one with finished runs"
             raise InputError("--out", str(self.folder), allowed, f"it holds other files, and no {INDEX}")
+        if fresh:
+            _remove_damaged(index)
         base = sqlite3.connect(index, isolation_level=None, timeout=0.0)
         try:
             base.execute("PRAGMA locking_mode = EXCLUSIVE")
@@ -228,7 +230,8 @@ class RunStore:
                     if done.rowcount:
                         self._keep_histories(key, outcome.histories)
             except BaseException:
-                self._base.execute("ROLLBACK")
+                with contextlib.suppress(sqlite3.OperationalError):  # of a full disk SQLite has rolled back itself
+                    self._base.execute("ROLLBACK")
                 raise
             self._base.execute("COMMIT")
             if self._waiting >= CHUNK_BYTES:
@@ -313,6 +316,21 @@ class RunStore:
             raise InputError("--out", place, "finished runs; their index is damaged", _HINT) from None
         except OSError as error:
             raise InputError("--out", place, "a place that can be written", error.strerror or "") from None
+
+
+def _remove_damaged(index: Path) -> None:
+    """Remove an index that SQLite cannot read, so that another can be begun."""
+    if not index.is_file():
+        return
+    base = sqlite3.connect(index, timeout=0.0)
+    try:
+        base.execute("SELECT count(*) FROM sqlite_master")
+    except sqlite3.DatabaseError as error:
+        if type(error) is sqlite3.DatabaseError:  # neither locked nor out of reach
+            for path in (index, *(index.with_name(f"{index.name}{end}") for end in ("-wal", "-shm"))):
+                path.unlink(missing_ok=True)
+    finally:
+        base.close()
 
 
 def _history(name: str, unit: str, blow: int, start: float | None, step: float | None, values: Array) -> KeptHistory:

@@ -198,6 +198,7 @@ class FitFile(CaseTable):
     number: tuple[NumberTable, ...] = ()
     try_: Annotated[TryTable | None, Field(alias="try")] = None
     reading: ReadingTable = ReadingTable()
+    bayes: bool = False
 
     @model_validator(mode="after")
     def _counted(self) -> Self:
@@ -237,7 +238,7 @@ def is_fit_file(name: str) -> bool:
         return False
     try:
         with open(name, "rb") as file:
-            document = read_toml(file.read(LARGEST_FILE + 1).decode("utf-8"))
+            document = read_toml(file.read(LARGEST_FILE + 1).decode("utf-8-sig"))
     except (OSError, ValueError):
         return False
     return isinstance(document.get("case"), str) or any(table in document for table in OF_FIT)
@@ -281,6 +282,7 @@ def load_fit(path: str | Path, changes: Sequence[str] = ()) -> ReadFit:
         tries=file.try_.word if file.try_ is not None else "",
         check_on=tuple(target for kept_out, target in targets if kept_out),
         reading=reading,
+        bayes=file.bayes,
         file=path.name,
     )
     return ReadFit(case, request, path)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -25,8 +26,9 @@ off by a unit's prefix, and what is further away is another machine."""
 WIDE = 5.0
 """Half widths of the plausible range within which a field is sought that may be of either sign."""
 ASIDE = ("solver", "recorder", "tap", "mesh", "fem")
-"""Tables that say how a case is solved and looked at, not what is tested; elements are too slow to be fitted by their
-meshes."""
+"""Tables that say how a case is solved and looked at, not what is tested."""
+OF_ELEMENTS = re.compile(r"mesh\.part\..+\.(?:solid|velocity)\..+|fem\.(?:contact|wall)\..+\.friction")
+"""What of elements is fitted: solids, speeds and friction. A size would change the mesh, and the result in steps."""
 MOST = 12
 """Most free fields: each start takes as many runs more, and data that fix a dozen values are rare."""
 
@@ -134,7 +136,7 @@ def _free_field(case: Case, word: str) -> FreeField:
         choice = "" if path not in case.entries() else "; a choice is tried by --try"
         raise InputError("--free", path, f"a quantity of the case{choice}", nearest(path, values))
     value, allowed = values[path], range_of(case, path)
-    if path.partition(".")[0] in ASIDE:
+    if path.partition(".")[0] in ASIDE and not OF_ELEMENTS.fullmatch(path):
         raise InputError("--free", path, f"a quantity of what was tested: [{path.partition('.')[0]}] is none")
     if allowed.unit == "count":
         raise InputError("--free", path, "a quantity that may be any number: this one is counted", "try it by --set")

@@ -11,10 +11,10 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
-from strikewave.base.errors import InputError
+from strikewave.base.errors import InputError, StrikewaveError
 from strikewave.cases.case import Case
 from strikewave.studies.fit.covariance import Estimate, ResidualBlock, estimate
-from strikewave.studies.fit.estimation import FINAL_STEP, Search
+from strikewave.studies.fit.estimation import FINAL_STEP, ROUGH, Search
 from strikewave.studies.fit.free_fields import FreeField, case_at
 from strikewave.studies.fit.measured import Measured, MeasuredNumber, MeasuredPulse
 from strikewave.studies.fit.noise import independent_count
@@ -103,6 +103,11 @@ class Problem:
     def measured(self) -> list[Measured]:
         """All that was measured, in the order of the residuals."""
         return [one for experiment in self.experiments for one in experiment.measured]
+
+    @property
+    def slow(self) -> bool:
+        """Whether a run takes seconds: of elements."""
+        return any(one.case.command == "fem" for one in self.experiments)
 
     @property
     def start(self) -> Array:
@@ -269,10 +274,10 @@ def solve(problem: Problem, advance: Callable[[int, float], None] | None = None)
         If the case itself cannot be run, or a field changes nothing that was measured.
     """
     search, stopped, ends = Search(problem.residuals, len(problem.fields), advance), False, list[tuple[Array, Array]]()
-    first = search.begin(problem.start)
+    first = _begun(search, problem)
     try:
         _check_felt(problem, search, first)
-        ends = search.wide(problem.start)
+        ends = [search.descend(problem.start, accuracy=ROUGH)] if problem.slow else search.wide(problem.start)
         place, residuals = _nearest(ends, problem.start)
         used, misfits = problem, problem.misfits(residuals)
         if len(misfits) > 1 and any(one.more_than_noise for one in misfits):
@@ -294,6 +299,17 @@ def solve(problem: Problem, advance: Callable[[int, float], None] | None = None)
     left = used.misfits(residuals, used.alone(residuals, jacobian))
     base = residuals if used is problem else problem.residuals(place)  # other ends have the weights of the search
     return Solved(used, found, tuple(left), _others(ends, found, base), search.runs, stopped, search)
+
+
+def _begun(search: Search, problem: Problem) -> Array:
+    """Return the residuals where the search begins, which need all that was measured."""
+    try:
+        return search.begin(problem.start)
+    except StrikewaveError:
+        raise
+    except ValueError as error:
+        hint = "begin elsewhere (--set), or follow the blow for longer"
+        raise InputError("--to", str(error), "what the case gives where the search begins", hint) from None
 
 
 def _check_felt(problem: Problem, search: Search, first: Array) -> None:
