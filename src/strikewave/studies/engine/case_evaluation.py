@@ -155,7 +155,7 @@ def read_kept(case: Case, analysis: str, words: Sequence[str]) -> CaseEvaluation
     for name in names:
         first = name.partition(" ")[0]
         if "sensor_" in first and first in known:
-            checked_number(case, name)
+            checked_number(case, name, "--keep")
         elif name not in known:
             raise InputError("--keep", name, f"a number that {analysis} gives", nearest(name, [*known, *HISTORIES]))
     if "blows" in histories and analysis not in ("run", "fast"):
