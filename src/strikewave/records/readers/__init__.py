@@ -124,7 +124,7 @@ def read_record(path: str | Path, options: Options = Options()) -> Record:  # no
 def _check_steps(record: Record) -> None:
     """Refuse a record whose samples lie closer together, or further apart, than any recorder takes them.
 
-    That time does not go on at all is told with what else is wrong with it.
+    Time that does not go on at all is left to the checks of health.
     """
     for channel in record.channels:
         step, stamps = channel.step, channel.stamps
