@@ -40,7 +40,8 @@ class Simulation:
         return observe(self.case)
 
     @functools.cached_property
-    def _bar(self) -> Any:
+    def bar(self) -> Any:
+        """The solution of a layered bar."""
         from strikewave.analyses.wave.run import run_wave
 
         return run_wave(self.case)
@@ -59,7 +60,7 @@ class Simulation:
 
             return build_dataset(self.case, self.observed)
         if self.case.command == "wave":
-            return self._bar.arrays
+            return self.bar.arrays
         arrays: LabelledArrays | None = self.elements.arrays
         return arrays
 
@@ -69,7 +70,7 @@ class Simulation:
             from strikewave.analyses.machine.run import published_value
 
             return published_value(name, self.observed.blows, self.observed.readings, sensor)
-        figures: Mapping[str, float] = self._bar.figures
+        figures: Mapping[str, float] = self.bar.figures
         return figures.get(name)
 
     def history(self, part: str, blow: int = 0, unit: str = "") -> ComparedCurve:

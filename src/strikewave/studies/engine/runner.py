@@ -95,12 +95,22 @@ def carry_out(
     StrikewaveError
         If the pool is lost.
     """
+    with pool:
+        return carry_on(job, rows, store, pool, advance)
+
+
+def carry_on(
+    job: Job,
+    rows: Sequence[Row],
+    store: RunStore,
+    pool: Pool,
+    advance: Callable[[StudyProgress], None] | None = None,
+) -> Finished:
+    """Do what `carry_out` does on a pool that stays open: a search asks for rows again and again."""
     keys = [run_key(job.variation.case_of(row), job.evaluation) for row in rows]
     known = store.known()
     todo = {key: row for key, row in zip(keys, rows, strict=True) if key not in known}
-    work = _Work(job, todo, store, len(set(keys)), advance)
-    with pool:
-        work.all_on(pool)
+    _Work(job, todo, store, len(set(keys)), advance).all_on(pool)
     return Finished(keys, len(set(keys)) - len(todo))
 
 
