@@ -3,10 +3,11 @@
 import subprocess
 import sys
 
+import h5py
 import numpy as np
 import pytest
 
-from strikewave.base.hdf5_files import content_digest
+from strikewave.base.hdf5_files import check_sealed, enduring_file, is_sealed
 
 PROGRAM = """
 import resource, sys
@@ -39,15 +40,26 @@ def test_a_file_that_finds_no_room_is_refused_and_the_process_lives(tmp_path, en
     assert done.stdout == ("written\n" if size == 10_000_000 else "refused 27\n")  # EFBIG
 
 
-def test_each_bit_name_type_and_shape_counts():
-    values = np.arange(6.0)
-    whole = content_digest({"x": values, "words": np.array(["a", "bc"])})
-    others = [
-        {"x": np.nextafter(values, np.inf), "words": np.array(["a", "bc"])},
-        {"y": values, "words": np.array(["a", "bc"])},
-        {"x": values.reshape(2, 3), "words": np.array(["a", "bc"])},
-        {"x": values.astype("f4"), "words": np.array(["a", "bc"])},
-        {"x": values, "words": np.array(["ab", "c"])},
-        {"x": values},
-    ]
-    assert whole not in {content_digest(other) for other in others}
+def test_a_file_is_refused_unless_it_is_as_it_was_sealed(tmp_path):
+    path = tmp_path / "a.h5"
+    with enduring_file(path) as disk, h5py.File(disk, "w") as file:
+        file["x"] = np.arange(100.0)
+    whole = path.read_bytes()
+    check_sealed(path)
+    with h5py.File(path) as file:
+        assert file["x"][7] == 7.0  # HDF5 does not see the seal
+    rng = np.random.default_rng(0)
+    for place in (0, len(whole) - 1, *rng.integers(0, len(whole), 200)):
+        path.write_bytes(whole[:place] + bytes([whole[place] ^ 1]) + whole[place + 1 :])
+        with pytest.raises(ValueError, match=r"check sum is missing|bytes of it have changed"):
+            check_sealed(path)
+    for end in (0, 10, len(whole) - 1):
+        path.write_bytes(whole[:end])
+        assert not is_sealed(path)
+        with pytest.raises(ValueError, match="check sum is missing"):
+            check_sealed(path)
+    path.write_bytes(whole)
+    with h5py.File(path, "r+") as file:
+        file["x"][7] = 8.0
+    with pytest.raises(ValueError, match=r"check sum is missing|bytes of it have changed"):
+        check_sealed(path)

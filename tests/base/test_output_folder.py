@@ -2,6 +2,7 @@
 
 import contextlib
 import errno
+import os
 import shutil
 import subprocess
 import sys
@@ -12,7 +13,7 @@ import pytest
 from strikewave.base.compiled import PACKAGE, kernel_key
 from strikewave.base.errors import InputError
 from strikewave.base.folder_claim import claimed
-from strikewave.base.output_folder import atomic_folder, check_place, keep_true_files
+from strikewave.base.output_folder import atomic_folder, check_place, check_unchanged, keep_true_files
 
 
 def test_unwritable_kernel_cache_is_survived_with_a_word(tmp_path, environment):
@@ -141,3 +142,18 @@ def test_what_is_no_result_is_never_replaced(tmp_path):
         with pytest.raises(InputError), written(tmp_path / place, "x", force=True):
             pass
     assert (tmp_path / "out" / "thesis.docx").read_text() == "years of work"
+
+
+def test_a_case_changed_by_hand_in_a_result_is_not_replaced_unasked(tmp_path):
+    folder = tmp_path / "out"
+    with written(folder, "x") as place:
+        (place / "blows.csv").write_text("1")
+        (place / "case.toml").write_text("x")
+    check_unchanged(folder, "another case of that name")  # as its run wrote it
+    mark = folder / "case.toml"
+    mark.write_text("y")
+    later = mark.stat().st_mtime + 10.0
+    os.utime(mark, (later, later))
+    with pytest.raises(InputError, match="was changed after the run"):
+        check_unchanged(folder, "x")
+    check_unchanged(folder, "y")  # what would be written is what stands there

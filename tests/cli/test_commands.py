@@ -10,7 +10,7 @@ from xml.etree import ElementTree
 import pytest
 
 BLOW_KEYS = {
-    "index", "kind", "time", "contacts", "approach_speed", "rebound_speed", "impulse", "peak_force", "rigid_peak", "width",
+    "index", "kind", "time", "contacts", "approach_speed", "rebound_speed", "contact_time", "impulse", "peak_force", "rigid_peak", "width",
     "velocity_change", "largest_displacement", "wave_peak", "total_peak", "bandwidth", "turntable_speed", "sensors", "restitution", "indentation",
     "residual_indentation", "contact_stiffness", "flattening", "side_force",
     "side_impulse", "friction_heat",

@@ -8,12 +8,12 @@ import numpy as np
 import pytest
 
 from strikewave.base.errors import InputError
-from strikewave.base.hdf5_files import content_digest
+from strikewave.base.hdf5_files import seal
 from strikewave.fem import engine as engine_module
 from strikewave.fem.engine import Engine
 from strikewave.fem.mesh import joined
 from strikewave.fem.model import Controls, Model, RigidWall, SurfaceContact
-from strikewave.fem.restart import kept_blows, read_restart, state_of
+from strikewave.fem.restart import kept_blows, read_restart
 from strikewave.fem.shapes import block, moved
 from strikewave.fem.snapshots import snapshot_recorder
 from strikewave.fem.solve import Checkpoint, RunOptions, solve
@@ -118,8 +118,8 @@ def test_a_forged_file_is_refused(kept, tmp_path, change):
     shutil.copy(kept, path)
     with h5py.File(path, "r+") as file:
         change(file)
-    # by what it claims, not by its check sum, which a stranger may write as well
-    with pytest.raises(InputError, match=r"damaged \((?!its numbers)"):
+    seal(path)  # as a stranger may, so that it is refused by what it claims
+    with pytest.raises(InputError, match="damaged"):
         read_restart(path, Engine(model()))
 
 
@@ -129,6 +129,7 @@ def test_a_blow_that_is_none_is_refused(kept, tmp_path, blow):
     shutil.copy(kept, path)
     with h5py.File(path, "r+") as file:
         file.attrs["blow"] = blow
+    seal(path)
     with pytest.raises(InputError, match="damaged"):
         kept_blows(path)
 
@@ -157,6 +158,7 @@ def test_bytes_that_changed_end_in_one_word(kept, tmp_path):
         for place in rng.integers(0, min(len(data), 30_000), rng.integers(1, 20)):
             data[place] = rng.integers(0, 256)
         path.write_bytes(data[: rng.integers(0, len(data))] if k % 4 == 0 else data)
+        seal(path)
         try:
             read_restart(path, engine)
         except InputError:
@@ -164,24 +166,16 @@ def test_bytes_that_changed_end_in_one_word(kept, tmp_path):
     assert refused > 25
 
 
-def test_one_bit_that_changed_is_refused_or_changes_no_number(kept, tmp_path):
+def test_one_bit_that_changed_is_refused(kept, tmp_path):
     """HDF5 checks no number: without a check sum most of these go on with other histories."""
-    rng, raw = np.random.default_rng(1), kept.read_bytes()
-    engine, path, refused = Engine(model()), tmp_path / "changed.h5", 0
-    read_restart(kept, engine)
-    whole = content_digest(state_of(engine))
-    for place in rng.integers(0, len(raw), 24):
+    rng, raw, path = np.random.default_rng(1), kept.read_bytes(), tmp_path / "changed.h5"
+    engine = Engine(model())
+    for place in (0, len(raw) - 1, *rng.integers(0, len(raw), 60)):
         data = bytearray(raw)
         data[place] ^= 1 << int(rng.integers(8))
         path.write_bytes(data)
-        again = Engine(model())
-        try:
-            read_restart(path, again)
-        except InputError:
-            refused += 1
-        else:
-            assert content_digest(state_of(again)) == whole
-    assert refused > 12
+        with pytest.raises(InputError, match="damaged"):
+            read_restart(path, engine)
 
 
 def test_what_an_observer_has_seen_goes_on_with_the_run(tmp_path):

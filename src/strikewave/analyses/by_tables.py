@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-import tomllib
 from collections.abc import Sequence
 
 from strikewave.base.errors import InputError
+from strikewave.base.toml_text import read_toml
 from strikewave.cases.case import load_case, read_case_text
 from strikewave.reporting.options import Output
 
@@ -54,7 +54,7 @@ def holds_setup(text: str) -> bool:
     (True, False, False)
     """
     try:
-        bar = tomllib.loads(text).get("bar")
-    except (ValueError, RecursionError):
+        bar = read_toml(text).get("bar")
+    except ValueError:
         return False
     return isinstance(bar, dict) and "incident" in bar

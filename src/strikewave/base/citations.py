@@ -21,6 +21,14 @@ SOURCES: dict[str, str] = {
         "K.-Y. Liang, S. L. Zeger, Longitudinal Data Analysis Using Generalized Linear Models, Biometrika 73 (1986) "
         "13-22, doi:10.1093/biomet/73.1.13"
     ),
+    "foreman-mackey-2013": (
+        "D. Foreman-Mackey, D. W. Hogg, D. Lang, J. Goodman, emcee: The MCMC Hammer, Publications of the Astronomical "
+        "Society of the Pacific 125 (2013) 306-312, doi:10.1086/670067"
+    ),
+    "ribatet-2012": (
+        "M. Ribatet, D. Cooley, A. C. Davison, Bayesian Inference from Composite Likelihoods, with an Application to "
+        "Spatial Extremes, Statistica Sinica 22 (2012) 813-845, doi:10.5705/ss.2009.248"
+    ),
     "bell-mccaffrey-2002": (
         "R. M. Bell, D. F. McCaffrey, Bias Reduction in Standard Errors for Linear Regression with Multi-Stage "
         "Samples, Survey Methodology 28 (2002) 169-181"

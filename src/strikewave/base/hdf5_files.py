@@ -6,12 +6,14 @@ import contextlib
 import hashlib
 import io
 import os
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator
 from pathlib import Path
-from typing import Any
+from typing import IO, Any
 
-import numpy as np
-from numpy.typing import NDArray
+SEAL, SUM = b"\nstrikewave sha256 ", 2 * hashlib.sha256().digest_size
+"""What stands behind the end of a file, before its check sum, and the digits of that."""
+BLOCK = 1 << 20
+"""Bytes that are read at once for a check sum."""
 
 
 class EnduringFile(io.RawIOBase):
@@ -104,7 +106,7 @@ class EnduringFile(io.RawIOBase):
 
 @contextlib.contextmanager
 def enduring_file(path: Path) -> Iterator[EnduringFile]:
-    """Give a new file to write HDF5 into.
+    """Give a new file to write HDF5 into, which is sealed at its end.
 
     Raises
     ------
@@ -117,6 +119,7 @@ def enduring_file(path: Path) -> Iterator[EnduringFile]:
     >>> with tempfile.TemporaryDirectory() as home:
     ...     with enduring_file(Path(home) / "a.h5") as disk, h5py.File(disk, "w") as file:
     ...         file["x"] = [1, 2]
+    ...     check_sealed(Path(home) / "a.h5")
     ...     with h5py.File(Path(home) / "a.h5") as file:
     ...         file["x"][:].tolist()
     [1, 2]
@@ -130,24 +133,66 @@ def enduring_file(path: Path) -> Iterator[EnduringFile]:
     finally:
         file.close()
     file.check()
+    seal(path)
 
 
-def content_digest(arrays: Mapping[str, NDArray[Any]], *words: str) -> str:
-    """Return a SHA-256 of arrays with their names, types and shapes, and of some words.
+def seal(path: Path) -> None:
+    """Write the SHA-256 of a file behind its end, where HDF5 does not look: see `check_sealed`.
 
-    HDF5 checks neither numbers nor words: a bit that changed on the disk gives another number, and no error.
-
-    Examples
-    --------
-    >>> one = content_digest({"x": np.arange(3.0)}, "run")
-    >>> one == content_digest({"x": np.arange(3.0)}, "run"), one == content_digest({"x": np.arange(3.0)}, "walk")
-    (True, False)
+    Raises
+    ------
+    OSError
+        If the disk refuses it.
     """
-    digest = hashlib.sha256(repr(words).encode("utf-8", "replace"))
-    for name in sorted(arrays):
-        values = np.asarray(arrays[name])
-        if values.dtype.kind in "OUS":
-            values = np.frombuffer(repr(values.tolist()).encode("utf-8", "replace"), np.uint8)
-        digest.update(repr((name, values.dtype.str, values.shape)).encode())
-        digest.update(np.ascontiguousarray(values).data)
-    return digest.hexdigest()
+    with path.open("r+b") as file:
+        file.write(SEAL + _sum(file, path.stat().st_size))
+
+
+def is_sealed(path: Path) -> bool:
+    """Tell whether a file ends as `seal` leaves one, which says nothing of the rest.
+
+    Raises
+    ------
+    OSError
+        If it cannot be read.
+    """
+    with path.open("rb") as file:
+        return _seal_of(file, path.stat().st_size) is not None
+
+
+def check_sealed(path: Path) -> None:
+    """Refuse a file that is not, to the bit, as it was sealed, before HDF5 reads it.
+
+    HDF5 checks no numbers: another bit is another number, or a search without end in its own tables.
+
+    Raises
+    ------
+    OSError
+        If it cannot be read.
+    ValueError
+        If it is not as it was written.
+    """
+    size = path.stat().st_size
+    with path.open("rb") as file:
+        kept = _seal_of(file, size)
+        if kept is None:
+            raise ValueError("its check sum is missing: it was cut, rewritten, or an older strikewave wrote it")
+        file.seek(0)
+        if _sum(file, size - len(SEAL) - SUM) != kept:
+            raise ValueError("it is not as it was written: bytes of it have changed")
+
+
+def _seal_of(file: IO[bytes], size: int) -> bytes | None:
+    """Return the check sum at the end of a file; None where there is none."""
+    file.seek(max(0, size - len(SEAL) - SUM))
+    end = file.read()
+    return end[-SUM:] if end.startswith(SEAL) and len(end) == len(SEAL) + SUM else None
+
+
+def _sum(file: IO[bytes], size: int) -> bytes:
+    """Return the check sum of so many bytes from where a file stands, as text."""
+    digest, left = hashlib.sha256(), size
+    while left > 0 and (block := file.read(min(left, BLOCK))):
+        digest.update(block)
+        left -= len(block)
+    return digest.hexdigest().encode()

@@ -8,6 +8,7 @@ from collections.abc import Sequence
 from typing import Any
 
 from strikewave._version import __version__
+from strikewave.base.control_characters import escaped
 
 SCHEMA = 1
 """Version of every JSON document: from release 0.1.0 on it rises when a key changes its meaning or goes."""
@@ -27,7 +28,7 @@ def json_text(document: dict[str, Any], indent: int | None = None) -> str:
     '{"message": "5 kN"}\n'
     """
     text = json.dumps(document, indent=indent, allow_nan=False, ensure_ascii=False)
-    return text.replace("\N{NO-BREAK SPACE}", " ") + "\n"
+    return escaped(text.replace("\N{NO-BREAK SPACE}", " ")) + "\n"
 
 
 def without(row: dict[str, Any], *keys: str) -> dict[str, Any]:

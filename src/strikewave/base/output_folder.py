@@ -162,6 +162,29 @@ def _check(folder: Path, identity: str, force: bool, own: Sequence[str]) -> None
         )
 
 
+LATER = 2.0
+"""Seconds by which a file is newer than all others where it was changed after the run: a run writes the text that marks
+its folder before tables and PDF, and some file systems keep times to 2 s."""
+
+
+def check_unchanged(folder: Path, identity: str) -> None:
+    """Refuse to replace a result whose ``case.toml`` was changed by hand after the run: it may be someone's only copy.
+
+    Raises
+    ------
+    InputError
+        If the text that marks the folder is another one, and newer than all else there.
+    """
+    with contextlib.suppress(OSError):
+        mark = next((folder / name for name in MARKS if (folder / name).is_file()), None)
+        if mark is None or mark.read_text("utf-8", errors="replace") == identity:
+            return
+        others = [entry.stat().st_mtime for entry in folder.iterdir() if entry.name != mark.name]
+        if others and mark.stat().st_mtime > max(others) + LATER:
+            hint = f"{mark} was changed after the run: copy it to run it, or add --force to replace it"
+            raise InputError("--out", str(folder), "a result as its run wrote it", hint)
+
+
 @contextlib.contextmanager
 def atomic_folder(claim: Claim, identity: str, force: bool = False, own: Sequence[str] = ()) -> Iterator[Path]:
     """Give a temporary folder to write into; it takes the place of the claimed one once all is written.

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 
 from strikewave.base.errors import InputError
-from strikewave.base.hdf5_files import enduring_file
+from strikewave.base.hdf5_files import check_sealed, enduring_file
 
 if TYPE_CHECKING:
     import xarray
@@ -137,11 +137,13 @@ def open_result(path: Path, allowed: str) -> Iterator[xarray.Dataset]:
     Raises
     ------
     InputError
-        If it takes more than 4 GB in memory, or what is done with it raises whatever a damaged file may.
+        If it is not as it was written, takes more than 4 GB in memory, or what is done with it raises whatever a
+        damaged file may.
     """
     import xarray
 
     try:
+        check_sealed(path)
         with xarray.open_dataset(path, engine="h5netcdf") as opened:
             if opened.nbytes > LARGEST_LOAD:
                 raise InputError("solution", str(path), "a file of at most 4 GB in memory")

@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import functools
 import re
-import tomllib
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from importlib import resources
 from pathlib import Path
@@ -27,6 +26,7 @@ from pydantic import (
 
 from strikewave.base.errors import EXISTING_FILE, MISSING, InputError, InputErrors, nearest, show
 from strikewave.base.quantities import Provenance, ToleranceBand, Value
+from strikewave.base.toml_text import read_toml
 from strikewave.cases.fem_tables import FemTable
 from strikewave.cases.fits import FitTable, StaleFit, changed_since, check_fit
 from strikewave.cases.machine_tables import AnyMachine
@@ -430,7 +430,7 @@ def read_case_text(name: str) -> tuple[str, str]:
     if len(data) > LARGEST_FILE:
         raise InputError("case", name, f"a case file of at most {LARGEST_FILE // 1000} kB")
     try:
-        return data.decode("utf-8"), path.stem
+        return data.decode("utf-8-sig"), path.stem
     except UnicodeDecodeError:
         raise InputError("case", name, "a text file in UTF-8") from None
 
@@ -501,9 +501,9 @@ def parse_case(text: str, name: str = "", changes: Iterable[str] = ()) -> Case:
 def _parse(text: str, name: str, changes: Iterable[str], built_in: bool = False) -> Case:
     """Check the TOML text of a case; a built-in one says of every value itself where it comes from."""
     try:
-        document = tomllib.loads(text)
-    except (ValueError, RecursionError) as error:
-        reason = show(str(error) or "nested too deeply", LONGEST_REASON).strip('"')
+        document = read_toml(text)
+    except ValueError as error:
+        reason = show(str(error), LONGEST_REASON).strip('"')
         hint = "values with a unit stand in quotes; `strikewave new` writes an example"
         raise InputErrors([f"{name or 'case'}: not a TOML file: {reason}; {hint}"]) from None
     _check_schema(document)

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-import tomllib
 from pathlib import Path
 from typing import Any
 
 from strikewave.base.errors import EXISTING_FILE, InputError, show
+from strikewave.base.toml_text import read_toml
 
 LARGEST_FILE = 100_000
 """A file above this many bytes is refused: no table of such fields comes near."""
@@ -23,12 +23,12 @@ def read_small_file(file: Path, field: str, allowed: str) -> dict[str, Any]:
     try:
         with file.open("rb") as opened:
             data = opened.read(LARGEST_FILE + 1)
-        document = tomllib.loads(data.decode("utf-8"))
+        document = read_toml(data.decode("utf-8-sig"))
     except FileNotFoundError:
         raise InputError(field, str(file), EXISTING_FILE) from None
     except OSError as error:
         raise InputError(field, str(file), "a file that can be read", error.strerror or "") from None
-    except (ValueError, RecursionError) as error:
+    except ValueError as error:
         raise InputError(field, str(file), allowed, show(str(error), 120).strip('"')) from None
     if len(data) > LARGEST_FILE:
         raise InputError(field, str(file), f"a file of at most {LARGEST_FILE // 1000} kB")

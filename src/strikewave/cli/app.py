@@ -5,16 +5,19 @@ Exit codes: 0 done, 1 our fault, 2 bad input, 3 done but a check failed, 128 + n
 
 from __future__ import annotations
 
+import errno
 import gc
 import os
 import sys
 import warnings
+from pathlib import Path
 from typing import Any
 
 import typer
 
 from strikewave._version import __version__
 from strikewave.base.errors import StrikewaveError, StrikewaveWarning
+from strikewave.base.folder_claim import FULL, refusal
 from strikewave.base.interrupts import Stopped, exit_code, heed
 from strikewave.cli.group import SETTINGS, CommandGroup
 from strikewave.cli.usage import usage_line
@@ -51,12 +54,24 @@ modules are imported and pictures drawn, which takes 9 % of a run with its files
 
 def main() -> None:
     """Run the command line and exit."""
+    _open_closed_streams()
     gc.set_threshold(YOUNG_OBJECTS, *gc.get_threshold()[1:])
     heed()
     warnings.showwarning = _show_warning
     if len(sys.argv) == 1:
         sys.argv.append("--help")
     sys.exit(_run())
+
+
+def _open_closed_streams() -> None:
+    """Let what the caller closed lead nowhere: else the next file that is opened takes its number, and what is printed.
+
+    The system gives the lowest number that is free.
+    """
+    for number, name in enumerate(("stdin", "stdout", "stderr")):
+        if getattr(sys, name) is None:
+            os.open(os.devnull, os.O_RDWR)
+            setattr(sys, name, open(number, "w" if number else "r", encoding="utf-8", closefd=False))  # noqa: SIM115 (until the end)
 
 
 def _show_warning(message: Warning | str, category: type[Warning], *rest: Any, **more: Any) -> None:
@@ -76,14 +91,14 @@ def _run() -> int:
         complain(str(error))
         return 2
     except BrokenPipeError:
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        _drop_output()
         return 0
     except MemoryError:
         less = "a smaller recorder.memory, a larger solver.output_step or step, or fewer taps take less"
         complain(f"out of memory: {less}")
         return 2
     except Exception as error:
-        wrong = usage_line(error)
+        wrong = usage_line(error) or _limit_line(error)
         if wrong is not None:
             complain(wrong)
             return 2
@@ -92,6 +107,25 @@ def _run() -> int:
         complain(f"internal error ({type(error).__name__}: {error}); please report it, with STRIKEWAVE_TRACE=1 set")
         return 1
     return code
+
+
+def _drop_output() -> None:
+    """Let what was printed and not taken lead nowhere, so that Python does not try once more at its end."""
+    os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+
+
+LIMITS = {*FULL, errno.EFBIG, errno.EMFILE, errno.ENFILE, errno.EROFS, errno.EIO}
+"""What the system may refuse anywhere, and no input is to blame for: room, numbers of open files, a disk."""
+
+
+def _limit_line(error: Exception) -> str | None:
+    """Return the line for what the system refused; None where it is another error."""
+    if not isinstance(error, OSError) or error.errno not in LIMITS:
+        return None
+    if error.filename is not None:
+        return f"{error.filename}: {refusal(error, Path(os.fsdecode(error.filename)))}"
+    _drop_output()
+    return f"the system refused what was to be printed or written: {error.strerror}"
 
 
 def _what_stands(stop: BaseException) -> str:

@@ -51,6 +51,8 @@ class Blow:
     approach_speed, rebound_speed : float
         Closing speed at first touch, parting speed at the release that ends the blow: the last one of a double blow,
         else the last one before a gap longer than the pulse, after which the striker only touches lightly.
+    contact_time : float
+        From first touch to the release that ends the blow, gaps between contacts included, s.
     restitution : float
         Of the contact: square root of the work that it gives back over the work that it takes (Stronge).
     indentation, residual_indentation : float
@@ -90,6 +92,7 @@ class Blow:
     contacts: int
     approach_speed: float
     rebound_speed: float
+    contact_time: float
     restitution: float
     indentation: float
     residual_indentation: float
@@ -169,7 +172,7 @@ def pulse_window(
 def _missed(run: MachineRun, index: int, number: int, time: float) -> Blow:
     nothing = dict.fromkeys(
         (
-            *("approach_speed", "rebound_speed", "restitution", "rigid_peak", "width", "rise"),
+            *("approach_speed", "rebound_speed", "contact_time", "restitution", "rigid_peak", "width", "rise"),
             *("indentation", "residual_indentation", "contact_stiffness", "flattening", "momentum_error"),
         ),
         math.nan,
@@ -224,6 +227,7 @@ def _struck(run: MachineRun, index: int, rows: Array, until: float) -> Blow:
         contacts=len(rows),
         approach_speed=float(rows[0, 2]),
         rebound_speed=rebound,
+        contact_time=end - begin,
         restitution=restitution,
         indentation=deep,
         residual_indentation=spot.residual_indentation,

@@ -11,7 +11,6 @@ from __future__ import annotations
 import dataclasses
 import math
 import re
-import tomllib
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -20,6 +19,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from strikewave.base.errors import InputError, nearest
+from strikewave.base.toml_text import read_toml
 from strikewave.base.units import convertible, parse_quantity
 from strikewave.records.health_notice import HealthNotice
 from strikewave.records.record import Channel
@@ -30,8 +30,6 @@ FOLDER_FILE = "calibration.toml"
 """The file that calibrates all records of its folder; FILE.toml calibrates FILE alone and goes first."""
 LARGEST_FILE = 100_000
 """Bytes of a calibration file: a few lines for each of hundreds of channels."""
-MOST_DOTS = 40
-"""In one line of such a file: keys nested thousands deep take gigabytes to read."""
 LONGEST_UNIT = 80
 """Characters of a unit that are looked at."""
 _MULTIPLE = re.compile(r"(\d{1,20}(?:\.\d{0,20})?(?:[eE][+-]?\d{1,2})?)\s*([^\d\s].*)")
@@ -353,12 +351,10 @@ def read_calibrations(file: Path) -> dict[str, dict[str, Any]]:
         if file.stat().st_size > LARGEST_FILE:
             raise InputError(str(file), f"{file.stat().st_size} bytes", f"at most {LARGEST_FILE} bytes")
         text = file.read_text("utf-8-sig")
-        if max(line.split("#")[0].count(".") for line in text.split("\n")) > MOST_DOTS:
-            raise InputError(str(file), "a key of many parts", "tables [all] and [channel.NAME]")
-        data = tomllib.loads(text)
+        data = read_toml(text)
     except InputError:
         raise
-    except (OSError, ValueError, RecursionError) as error:
+    except (OSError, ValueError) as error:
         raise InputError(str(file), str(error)[:60], "a calibration in TOML") from None
     schema = data.pop("schema", 1)
     if schema != 1 or isinstance(schema, bool):

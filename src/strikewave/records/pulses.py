@@ -11,7 +11,7 @@ belong to the blow before is for `strikewave.records.trains` to tell.
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -111,6 +111,39 @@ class Box(NamedTuple):
         return self.width * self.mean
 
 
+class BoxGrid:
+    """Boxes by the place where they begin: those near another are found in the same time, however many there are.
+
+    Parameters
+    ----------
+    widest : int
+        Largest width of a box.
+
+    Examples
+    --------
+    >>> grid = BoxGrid(10)
+    >>> for first in range(0, 100_000, 20):
+    ...     grid.add(Box(first, 10, 1.0))
+    >>> [box.first for box in grid.near(Box(495, 20, 1.0), 5.0)]
+    [480, 500, 520]
+    """
+
+    def __init__(self, widest: int) -> None:
+        self.widest = widest
+        self._cells: dict[int, list[Box]] = {}
+
+    def add(self, box: Box) -> None:
+        """Take in a box."""
+        self._cells.setdefault(box.first // self.widest, []).append(box)
+
+    def near(self, box: Box, reach: float) -> Iterator[Box]:
+        """Yield the boxes no more than ``reach`` samples from another one, and the few others of the same cells."""
+        first = math.floor(box.first - reach) - self.widest
+        last = math.ceil(box.last + reach)
+        for cell in range(first // self.widest, last // self.widest + 1):
+            yield from self._cells.get(cell, ())
+
+
 def robust_line(values: Array, blocks: int = LINE_BLOCKS) -> Baseline:
     """Fit a line that blows do not bend: repeated medians over the medians of equal blocks.
 
@@ -192,17 +225,22 @@ def find_boxes(values: Array, line: Baseline, single: float) -> tuple[int, list[
     alike.sort(key=_energy, reverse=True)
     large: list[Box] = []
     small: list[Box] = []
-    claimed: list[Box] = []
+    widest = math.ceil(SCALES * top.width)
+    claimed, kept = BoxGrid(widest), BoxGrid(widest)
     for found, least, most in ((large, SMALLEST_AREA, math.inf), (small, SMALLEST_CONTACT, SMALLEST_AREA)):
         for box in alike:
             if not least <= box.area / top.area < most or _touches(box, claimed):
                 continue
-            claimed.append(box)
-            if box.first >= 0.5 * box.width and not _swings(values, line, chosen, box, large + small, single):
+            claimed.add(box)
+            if box.first >= 0.5 * box.width and not _swings(values, line, chosen, box, kept, single):
                 found.append(box)
+                kept.add(box)
     parts = sorted(part for box in large for part in _hits_of(values, line, chosen, box, single))
     hits = _without_lobes(values, line, chosen, parts, single)
-    return chosen, hits, sorted(box for box in small if _rises_again(values, line, chosen, box, hits))
+    beside = BoxGrid(max((hit.width for hit in hits), default=1))
+    for hit in hits:
+        beside.add(hit)
+    return chosen, hits, sorted(box for box in small if _rises_again(values, line, chosen, box, beside))
 
 
 def _hits_of(values: Array, line: Baseline, sign: int, box: Box, single: float) -> list[Box]:
@@ -260,9 +298,9 @@ def _without_lobes(values: Array, line: Baseline, sign: int, boxes: Sequence[Box
     return left
 
 
-def _rises_again(values: Array, line: Baseline, sign: int, box: Box, others: Sequence[Box]) -> bool:
+def _rises_again(values: Array, line: Baseline, sign: int, box: Box, others: BoxGrid) -> bool:
     """Tell whether a small box stands over what lies between it and the hits beside it, so that it is no tail."""
-    for other in others:
+    for other in others.near(box, TAIL_WIDTHS * others.widest):
         begin, end = (other.last, box.first) if other.first < box.first else (box.last, other.first)
         if end - begin < TAIL_WIDTHS * other.width:
             between = sign * (values[begin:end] - line.at(np.arange(begin, end)))
@@ -290,8 +328,9 @@ def _hump_box(part: Array, raw: Array, top: int, valley: int) -> Box:
     return Box(first, width, float(np.mean(raw[first : first + width])))
 
 
-def _touches(box: Box, others: list[Box]) -> bool:
-    return any(box.first < o.last + APART * o.width and o.first - APART * o.width < box.last for o in others)
+def _touches(box: Box, others: BoxGrid) -> bool:
+    near = others.near(box, APART * others.widest)
+    return any(box.first < o.last + APART * o.width and o.first - APART * o.width < box.last for o in near)
 
 
 def _energy(box: Box | None) -> float:
@@ -338,10 +377,11 @@ def _threshold(places: float) -> float:
     return float(-ndtri(FALSE_ALARM / (TRIALS * max(places, 1.0))))
 
 
-def _swings(values: Array, line: Baseline, sign: int, box: Box, others: list[Box], single: float) -> bool:
+def _swings(values: Array, line: Baseline, sign: int, box: Box, others: BoxGrid, single: float) -> bool:
     """Tell whether a box is one lobe of something that swings: what lies beside it is as deep as it is high."""
-    begin = max([box.first - BESIDE * box.width, 0, *(o.last for o in others if o.last <= box.first)])
-    end = min([box.last + BESIDE * box.width, values.size, *(o.first for o in others if o.first >= box.last)])
+    near = list(others.near(box, BESIDE * box.width))
+    begin = max([box.first - BESIDE * box.width, 0, *(o.last for o in near if o.last <= box.first)])
+    end = min([box.last + BESIDE * box.width, values.size, *(o.first for o in near if o.first >= box.last)])
     half = max(box.width // 2, 2)
     noise = SURE * single / math.sqrt(half)
     before = _deepest(values, line, sign, begin, box.first, half) - noise

@@ -278,7 +278,7 @@ def result_page(result: Result, summary: Summary, sections: Sequence[Section]) -
 
 
 def status(notices: Sequence[Notice]) -> Tag:
-    """Return which checks failed, or that all passed, and how many warnings there are."""
+    """Return which checks failed, or how many warnings there are, or that all checks passed."""
     failed = [notice.code for notice in notices if notice.broken]
     return failed_checks(failed) if failed else passed_checks(sum(notice.severity == WARNING for notice in notices))
 
@@ -295,15 +295,16 @@ def failed_checks(codes: Sequence[str]) -> Tag:
 
 
 def passed_checks(warnings: int) -> Tag:
-    """Return the status of a result of which all checks passed, with the number of its warnings.
+    """Return the status of a result of which no check failed: all passed only where nothing is warned of.
 
     Examples
     --------
     >>> passed_checks(0).text, passed_checks(2).text
-    ('all checks passed', 'all checks passed; 2 warnings, see below')
+    ('all checks passed', '2 warnings, see below')
     """
-    number = f"; {warnings} warning{'s' if warnings > 1 else ''}, see below" if warnings else ""
-    return Tag(f"all checks passed{number}", "warned" if warnings else "good")
+    if not warnings:
+        return Tag("all checks passed", "good")
+    return Tag(f"{warnings} warning{'s' if warnings > 1 else ''}, see below", "warned")
 
 
 def balance_table(balance: Mapping[str, float]) -> Table:

@@ -11,6 +11,7 @@ from typing import Any, NamedTuple, cast
 import numpy as np
 from numpy.typing import NDArray
 
+from strikewave.base import control_characters
 from strikewave.base.units import in_unit
 from strikewave.reporting.numbers import shown_unit
 
@@ -106,5 +107,6 @@ def _cell(value: Any, digits: int | None) -> Any:
             return ""
         return repr(float(value)) if digits is None else f"{value:.{digits}g}"
     if isinstance(value, str):
-        return f"'{value}" if value.startswith(FORMULA) else value
+        text = control_characters.shown(value)
+        return f"'{text}" if text.startswith(FORMULA) else text
     return "" if value is None else value

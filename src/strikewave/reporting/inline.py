@@ -14,6 +14,8 @@ import warnings
 from typing import TYPE_CHECKING, Any
 from xml.etree import ElementTree
 
+from strikewave.base import control_characters
+
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
@@ -23,7 +25,6 @@ _SETTINGS: dict[Any, Any] = {
     "font.family": "sans-serif",
     "font.sans-serif": ["DejaVu Sans", "Verdana", "Arial", "sans-serif"],
 }
-_CONTROL = re.compile("[\x00-\x08\x0b\x0c\x0e-\x1f\ufffe\uffff]")
 _LONG_FRACTION = re.compile(r"-?\d+\.\d{3,}")
 _NAMED = re.compile(r"url\(#([^)]+)\)")
 
@@ -56,7 +57,7 @@ def inline_svg(figure: Figure, name: str, label: str = "") -> str:
         warnings.filterwarnings("ignore", "Glyph .* missing")  # the browser has a font for it
         no_metadata = dict.fromkeys(("Creator", "Date", "Format", "Type"))
         figure.savefig(buffer, format="svg", metadata=no_metadata)
-    root = ElementTree.fromstring(_CONTROL.sub("\ufffd", buffer.getvalue()))
+    root = ElementTree.fromstring(control_characters.shown(buffer.getvalue()))
     _tidy(root, name)
     box, width = root.get("viewBox", ""), figure.get_figwidth() * 96.0
     root.attrib.clear()

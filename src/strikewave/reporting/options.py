@@ -7,6 +7,7 @@ need none: a ``Literal``, or ``typer.Option("--runs", min=10)``.
 from __future__ import annotations
 
 import functools
+import hashlib
 import math
 from collections.abc import Callable, Sequence
 from contextlib import AbstractContextManager
@@ -17,6 +18,7 @@ from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal, NamedTuple
 
 import typer
 
+from strikewave.base import control_characters
 from strikewave.base.errors import InputError, nearest
 from strikewave.base.units import DIMENSIONS, parse_quantity, parse_typed
 from strikewave.reporting.numbers import ShownUnits
@@ -28,6 +30,8 @@ if TYPE_CHECKING:
     from strikewave.cases.case import Case
     from strikewave.cases.stated_test import StatedTest
 
+LONGEST_FOLDER = 150
+"""Bytes of the name of a folder that nobody asked for: file systems take 255, and a hidden one beside it has more."""
 Read = Callable[[str, str], Any]
 """Takes a typed word and the name of its option; returns the value or raises `InputError`."""
 
@@ -364,10 +368,14 @@ REPORTS = ("report.html", "test-report.html")
 
 @dataclass(frozen=True)
 class Place:
-    """The folder of a result, None where none is written, and whether it may replace another one there."""
+    """The folder of a result, None where none is written, and whether it may replace another one there.
+
+    ``force`` is false where nobody said that what was changed by hand there may go.
+    """
 
     folder: Path | None
     replace: bool
+    force: bool = True
 
 
 @dataclass(frozen=True)
@@ -531,8 +539,21 @@ class Output(Shown):
     def place(self, usual: str | None) -> Place:
         """Return the folder: the one asked for, or ``out/USUAL``, which always holds the last result of that name."""
         if self.out is None and usual is not None and not self.json:
-            return Place(Path("out") / usual, True)
+            return Place(Path("out") / folder_name(usual), replace=True, force=self.force)
         return Place(self.out, self.force)
+
+
+def folder_name(name: str) -> str:
+    r"""Return a name that any file system takes, and any terminal shows; a longer one ends with a mark of the whole.
+
+    Examples
+    --------
+    >>> folder_name("srs-shot 1"), folder_name("srs-a\x1bb"), len(folder_name("a" * 5000))
+    ('srs-shot 1', 'srs-a-b', 159)
+    """
+    plain = control_characters.shown(name, "-")
+    begin = plain.encode()[:LONGEST_FOLDER].decode(errors="ignore")
+    return plain if begin == plain else f"{begin}-{hashlib.sha256(plain.encode()).hexdigest()[:8]}"
 
 
 @dataclass(frozen=True)

@@ -6,7 +6,6 @@ Everything on it is a `Section`; the template knows four kinds of parts and noth
 from __future__ import annotations
 
 import functools
-import re
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from html import unescape
@@ -15,6 +14,7 @@ from typing import TYPE_CHECKING, Any
 from xml.etree import ElementTree
 
 from strikewave._version import __version__
+from strikewave.base import control_characters
 from strikewave.reporting.layout import tokens
 from strikewave.reporting.numbers import NO_BREAK, in_shown_units
 from strikewave.reporting.parts import Formula, Photo, Picture, Section, Tag
@@ -27,7 +27,6 @@ WIDEST_SHARED = 5.5
 """Width of a figure, inches, up to which it shares its line with the next: a page is 9.8 wide."""
 LONGEST_WHOLE = 16
 """Letters of the longest word of a table that no line ever breaks: words of English, names of most files."""
-_CONTROL = re.compile("[\x00-\x08\x0b\x0c\x0e-\x1f\x7f\ud800-\udfff]")
 
 
 @dataclass(frozen=True)
@@ -71,7 +70,7 @@ class Head:
 def whole_page(head: Head, sections: Sequence[Section]) -> str:
     """Return a page: its head, a summary, the sections in their order."""
     page = _template().render(vars(head), version=__version__, css=_css(), sections=list(_numbered(sections)))
-    return _CONTROL.sub("\ufffd", page)
+    return control_characters.shown(page)
 
 
 @functools.cache

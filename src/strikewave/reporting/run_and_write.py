@@ -11,7 +11,7 @@ from typing import ClassVar, Generic, TypeVar
 
 from strikewave.base.errors import InputError
 from strikewave.base.folder_claim import Claim, claimed
-from strikewave.base.output_folder import atomic_folder, check_place, keep_true_files
+from strikewave.base.output_folder import atomic_folder, check_place, check_unchanged, keep_true_files
 from strikewave.base.result import Notice, Result
 from strikewave.reporting.bands import band_words
 from strikewave.reporting.numbers import showing
@@ -109,6 +109,8 @@ def _run_and_write(
     if place.folder is None:
         return _print(command, output, command.solve(), timed=usual is not None)
     check_place(place.folder, identity or "", place.replace or identity is None, own)
+    if not place.force and identity is not None:
+        check_unchanged(place.folder, identity)
     with claimed(place.folder) as claim:
         try:
             result, words = _written(command, output, claim, place.replace, own)

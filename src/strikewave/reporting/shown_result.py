@@ -278,8 +278,8 @@ class ShownResult(Result):
     def _repr_html_(self) -> str:
         failed = list(dict.fromkeys(notice.code for notice in self.notices if notice.broken))
         count = sum(notice.severity == WARNING for notice in self.notices)
-        state = f"check failed: {', '.join(failed)}" if failed else "all checks passed"
-        state += f"; {count} warning{'s' if count > 1 else ''}: see notices" if count and not failed else ""
+        warned = f"{count} warning{'s' if count > 1 else ''}: see notices" if count else "all checks passed"
+        state = f"check failed: {', '.join(failed)}" if failed else warned
         numbers = "".join(_row("th", "td", [label, value]) for label, value in self.highlights())
         curve = self.preview()
         beside = [f"<table>{numbers}</table>"] * bool(numbers) + ([_svg(curve)] if curve is not None else [])

@@ -7,6 +7,8 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from strikewave.base import control_characters
+
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
@@ -36,7 +38,10 @@ def quiet(axes: Any, title: str, x: str, y: str) -> None:
 def save(figure: Any, path: Path) -> None:
     """Write a figure; the same figure gives the same bytes (no date, fixed identifiers)."""
     import matplotlib
+    from matplotlib.text import Text
 
+    for text in figure.findobj(Text):
+        text.set_text(control_characters.shown(text.get_text()))
     with matplotlib.rc_context({"svg.hashsalt": "strikewave"}):
         figure.savefig(path, metadata={"Date": None} if path.suffix == ".svg" else None)
 

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 import re
-import tomllib
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cache
@@ -15,6 +14,7 @@ from typing import Any, NamedTuple
 from pydantic import ValidationError
 
 from strikewave.base.errors import EXISTING_FILE, InputError, InputErrors, nearest, show
+from strikewave.base.toml_text import read_toml
 from strikewave.cases.paths import Form
 from strikewave.specifications.ideal_pulses import IdealPulse, from_width
 from strikewave.specifications.judging import Limits, PulseLimits, weakest
@@ -29,10 +29,9 @@ from strikewave.specifications.tables import (
 )
 
 FORM = Form(SpecificationFile, "specification", 'pulse.peak="50 g"')
-LARGEST_FILE, MOST_DOTS = 200_000, 12
-"""Bytes of a file, and dots of a line outside of texts: keys nested thousands deep take gigabytes to read."""
+LARGEST_FILE = 200_000
+"""Bytes of a file."""
 _FILE = re.compile(r"(?P<file>.*\.toml)(?::(?P<condition>[^:/\\]*))?", re.IGNORECASE | re.DOTALL)
-_TEXTS = re.compile(r'"(?:[^"\\\n]|\\.)*"' + r"|'[^'\n]*'|#[^\n]*")
 
 
 class ShockCount(NamedTuple):
@@ -410,11 +409,9 @@ def parse_specification(text: str, where: str) -> SpecificationFile:
     InputError, InputErrors
         With one line for each thing that is wrong, after ``where``.
     """
-    if max(line.count(".") for line in _TEXTS.sub("", text).split("\n")) > MOST_DOTS:
-        raise InputError(where, "a key of many parts", "tables such as [pulse] and [[condition]]")
     try:
-        document: Mapping[str, Any] = tomllib.loads(text)
-    except (ValueError, RecursionError) as error:
+        document: Mapping[str, Any] = read_toml(text)
+    except ValueError as error:
         raise InputError(where, show(str(error), 120).strip('"'), "a specification in TOML") from None
     try:
         return SpecificationFile.model_validate(document)

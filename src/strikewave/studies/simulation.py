@@ -18,6 +18,8 @@ OF_BAR = {
     "peak_force": "N", "peak_stress": "Pa", "peak_velocity": "m/s", "peak_acceleration": "m/s^2", "peak": "m/s^2",
 }  # fmt: skip
 """SI unit of a result of a layered bar by the last part of its name."""
+OF_CONTACT, OF_BODY = ("first.peak_force", "first.force_width"), ("first.rigid_peak", "first.width")
+"""Numbers of elements: of the first contact, and of a part or group."""
 
 
 class Simulation:
@@ -70,6 +72,9 @@ class Simulation:
             from strikewave.analyses.machine.run import published_value
 
             return published_value(name, self.observed.blows, self.observed.readings, sensor)
+        if self.case.command == "fem":
+            number: float | None = self.elements.number(name, sensor)
+            return number
         figures: Mapping[str, float] = self.bar.figures
         return figures.get(name)
 
@@ -97,11 +102,31 @@ def number_units(case: Case) -> dict[str, str]:
         names = [f"tap.{tap.name}.{what}" for tap in case.tap for what in OF_BAR if what != "peak"]
         names += [f"sensor.{sensor.name}.peak" for sensor in case.sensor]
         return {name: OF_BAR[name.rpartition(".")[2]] for name in names}
-    return {}
+    return {name: PUBLISHED_QUANTITIES[name] for name in (*OF_CONTACT, *OF_BODY)}
 
 
-def checked_number(case: Case, word: str) -> tuple[str, str, str]:
+def owners(case: Case, name: str) -> list[str] | None:
+    """Return what may stand behind a number that is of a sensor, or of a part of elements; None of any other.
+
+    Examples
+    --------
+    >>> from strikewave import load_case
+    >>> owners(load_case("two-bars-fem"), "first.width")
+    ['striker', 'bar']
+    """
+    if "sensor_" in name:
+        return [one.name for one in case.sensor]
+    if case.command == "fem" and name in OF_BODY:
+        assert case.mesh is not None
+        assert case.fem is not None
+        return [one.name for one in (*case.mesh.part, *case.fem.group)]
+    return None
+
+
+def checked_number(case: Case, word: str, option: str = "--to") -> tuple[str, str, str]:
     """Return name, sensor and SI unit of a number that a case gives: ``first.sensor_peak NAME`` is that of a sensor.
+
+    Of elements, ``first.width NAME`` is that of a part.
 
     Raises
     ------
@@ -111,16 +136,14 @@ def checked_number(case: Case, word: str) -> tuple[str, str, str]:
     name, _, sensor = word.strip().partition(" ")
     units = number_units(case)
     if name not in units:
-        if not units:
-            raise InputError("--to", word, "a record: elements are fitted to histories")
-        raise InputError("--to", name, "a number that the case gives", nearest(name, units))
-    sensors = [one.name for one in case.sensor]
-    if "sensor_" in name:
-        if sensor.strip() not in sensors:
-            hint = nearest(sensor.strip() or "?", sensors) if sensors else "the case has no sensor"
-            raise InputError("--to", word, f'"{name} SENSOR=VALUE" with the name of a sensor', hint)
-    elif sensor:
-        raise InputError("--to", word, f"{name}=VALUE", "no sensor stands there")
+        raise InputError(option, name, "a number that the case gives", nearest(name, units))
+    of = owners(case, name)
+    if of is None and sensor:
+        raise InputError(option, word, f"{name} alone", "no name stands there")
+    if of is not None and sensor.strip() not in of:
+        what = "sensor" if "sensor_" in name else "part"
+        hint = nearest(sensor.strip() or "?", of) if of else f"the case has no {what}"
+        raise InputError(option, word, f'"{name} {what.upper()}" with the name of a {what}', hint)
     return name, sensor.strip(), units[name]
 
 

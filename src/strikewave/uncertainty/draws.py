@@ -155,12 +155,20 @@ def stated(path: str, value: Value, allowed: Range, strikers: tuple[int, ...] = 
 
 def range_of(case: Case, path: str) -> Range:
     """Return what a quantity of a case may be."""
-    table, *places = path.split(".")
-    part = getattr(case, table)
-    models = [type(part)] if isinstance(part, BaseModel) else []
-    allowed = Form(models[0], table, "").range_at(places) if models else FORM.range_at([table, *places])
+    allowed = allowed_at(case, path)
     assert allowed is not None
     return allowed
+
+
+def allowed_at(case: Case, path: str) -> Range | None:
+    """Return what the quantity at a path may be, stated or not; None where there can be none."""
+    table, *places = path.split(".")
+    if not places:
+        return None
+    part = getattr(case, table, None)
+    if isinstance(part, BaseModel):
+        return Form(type(part), table, "").range_at(places)
+    return FORM.range_at([table, *places])
 
 
 def drawn_strikers(case: Case, path: str) -> tuple[int, ...] | None:

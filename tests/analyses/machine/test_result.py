@@ -11,6 +11,7 @@ import pytest
 
 from strikewave import load_solution
 from strikewave.base.errors import InputError
+from strikewave.base.hdf5_files import seal
 from strikewave.base.json_document import plain
 from strikewave.base.units import DIMENSIONS, convertible
 from strikewave.base.variables import LabelledArrays
@@ -94,23 +95,18 @@ def test_damaged_files_are_refused(tmp_path, content):
         load_solution(path)
 
 
-@pytest.mark.filterwarnings("ignore::pytest.PytestUnraisableExceptionWarning")  # of the readers
-@pytest.mark.parametrize("files", [30, pytest.param(150, marks=pytest.mark.verify)])
-def test_flipped_bytes_are_refused_or_read_but_never_crash(solution, tmp_path, rng, files):
+def test_flipped_bits_are_refused_before_hdf5_reads_them(solution, tmp_path, rng):
+    """HDF5 takes most of them for other numbers, and does not come to an end on some."""
     path = tmp_path / "solution.nc"
     few = solution.data.isel(time=slice(0, 50), record_time=slice(0, 50))
-    small = dataclasses.replace(solution, sampled=LabelledArrays.of_xarray(few))
-    small.save(path)
+    dataclasses.replace(solution, sampled=LabelledArrays.of_xarray(few)).save(path)
     whole = path.read_bytes()
-    for _ in range(files):
+    for place in rng.integers(0, len(whole), 200):
         data = bytearray(whole)
-        for place in rng.integers(0, min(len(data), 20000), 3):
-            data[place] ^= int(rng.integers(1, 256))
-        path.write_bytes(bytes(data))
-        try:
+        data[place] ^= 1 << int(rng.integers(8))
+        path.write_bytes(data)
+        with pytest.raises(InputError, match=r"check sum is missing|bytes of it have changed"):
             load_solution(path)
-        except InputError as error:
-            assert "strikewave run" in str(error) or "schema" in str(error)
 
 
 @pytest.mark.parametrize(("schema", "words"), [(3, "run the case.toml beside it again"), (99, "update strikewave")])
@@ -120,6 +116,7 @@ def test_a_file_of_another_schema_is_refused_with_what_to_do(solution, tmp_path,
     solution.save(tmp_path / "whole.nc")
     with xarray.open_dataset(tmp_path / "whole.nc", engine="h5netcdf") as whole:
         whole.load().assign_attrs(strikewave_schema=schema).to_netcdf(tmp_path / "solution.nc", engine="h5netcdf")
+    seal(tmp_path / "solution.nc")
     with pytest.raises(InputError, match=words):
         load_solution(tmp_path)
 

@@ -18,7 +18,7 @@ from strikewave.studies.engine.evaluation import Job, KeptHistory, RunOutcome
 from strikewave.studies.engine.plan import drawn_rows, filled, grid, sobol_sequence, varied
 from strikewave.studies.engine.pools import GivenPool, ProcessPool
 from strikewave.studies.engine.runner import MOST_DEATHS, carry_out
-from strikewave.studies.engine.store import INDEX, RunStore, run_key
+from strikewave.studies.engine.store import APPLICATION, INDEX, RunStore, run_key
 from strikewave.studies.engine.variables import read_variable
 from strikewave.uncertainty.draws import tolerances_of
 
@@ -109,6 +109,25 @@ def test_a_file_of_histories_whose_writing_was_not_finished_goes(tmp_path):
     assert not list((tmp_path / "s").glob(".*"))
 
 
+def test_histories_that_are_handed_over_stay_till_the_store_goes(tmp_path):
+    """Who is stopped between both goes on with all of them; without one of them the store is refused."""
+    (tmp_path / "result").mkdir()
+    with RunStore(tmp_path / "s") as store:
+        run(store, 50)
+        (name,) = store.hand_over(tmp_path / "result")
+    with RunStore(tmp_path / "s") as store:
+        assert len(list(store.histories())) == 1
+        (tmp_path / "s" / INDEX).rename(tmp_path / "index")
+        store.remove()  # killed in the middle of it, after the index
+    (tmp_path / "s").mkdir()
+    (tmp_path / "s" / name).write_bytes((tmp_path / "result" / name).read_bytes())
+    with RunStore(tmp_path / "s") as store:
+        assert (store.known(), store.chunks) == (set(), [])
+    (tmp_path / "index").rename(tmp_path / "s" / INDEX)
+    with pytest.raises(InputError, match=f"{name} is gone"):
+        RunStore(tmp_path / "s")
+
+
 def test_a_transaction_that_fails_keeps_nothing_of_it(tmp_path):
     job, rows = speeds(50, 70)
     outcomes = job(rows)
@@ -135,13 +154,32 @@ def test_an_index_that_is_damaged_or_of_something_else_is_refused(tmp_path, dama
     else:
         base = sqlite3.connect(folder / INDEX)
         base.execute("CREATE TABLE mine (x)")
-        base.execute(f"PRAGMA user_version = {9 if damage == 'newer' else 0}")
+        if damage == "newer":
+            base.execute(f"PRAGMA application_id = {APPLICATION}")
+            base.execute("PRAGMA user_version = 9")
         base.commit()
         base.close()
     before = (folder / INDEX).read_bytes()
-    with pytest.raises(InputError, match="--fresh"):
+    with pytest.raises(InputError, match="another program" if damage == "other" else "--fresh"):
         RunStore(folder)
-    assert (folder / INDEX).read_bytes()[200:] == before[200:]
+    assert (folder / INDEX).read_bytes() == before
+    if damage != "other":
+        with RunStore(folder, fresh=True) as store:
+            assert store.known() == set()
+
+
+def test_pages_of_an_index_that_are_damaged_are_begun_anew(tmp_path):
+    """Its head is whole, so that SQLite opens it; the pages of its tables are not."""
+    with RunStore(tmp_path / "s") as store:
+        run(store, 50, 70)
+    index = tmp_path / "s" / INDEX
+    content = index.read_bytes()
+    index.write_bytes(content[:4096] + bytes(0xA5 for _ in content[4096:]))
+    with pytest.raises(InputError, match="--fresh"), RunStore(tmp_path / "s") as store:
+        store.known()
+    with RunStore(tmp_path / "s", fresh=True) as store:
+        run(store, 50, 70)
+        assert len(store.known()) == 2
 
 
 def test_a_folder_with_other_files_and_a_file_are_refused(tmp_path):

@@ -1,6 +1,7 @@
 """The file of a whole fit: the same result as the command line, and wrong or hostile files in one line."""
 
 import json
+import tomllib
 from pathlib import Path
 
 import numpy as np
@@ -10,7 +11,7 @@ from hypothesis import strategies as st
 
 from strikewave import load_case
 from strikewave.base.errors import InputError, StrikewaveError
-from strikewave.studies.fit.fit_file import is_fit_file, load_fit
+from strikewave.studies.fit.fit_file import FitFile, is_fit_file, load_fit
 from strikewave.studies.fit.study import fit
 from strikewave.studies.fit.targets import parse_targets, read_targets
 
@@ -30,6 +31,7 @@ path = "contact.reference_force"
 [[record]]
 file = "shots/a.csv"
 channel = "board"
+scatter = "2 %"
 set = { machine.height = "0.25 m" }
 
 [[number]]
@@ -51,7 +53,7 @@ unit = "g"
 """
 TYPED = [
     "jesd22-b111-b", "--set", "contact.restitution=0.65", "--free", "contact.restitution=0.4:0.9",
-    "--free", "contact.reference_force", "--to", "{}#board; machine.height=0.25 m",
+    "--free", "contact.reference_force", "--to", "{}#board +- 2 %; machine.height=0.25 m",
     "--to", "first.width=380 us +- 2 %; machine.height=0.35 m", "--check-on", "first.rigid_peak=1600 g",
     "--filter", "10 kHz", "--rate", "50 kHz", "--polarity", "board=-1", "--unit", "g",
 ]  # fmt: skip
@@ -126,7 +128,8 @@ WRONG = {
     "settings": ('{ machine.height = "0.25 m" }', "[1]", "study.toml: record.0.set: got [1]; allowed: paths with their"),
     "number": ("first.width", "first.wdith", 'study.toml: number.0: got "first.wdith"; allowed: a number that the case'),
     "unit": ("380 us", "380", 'study.toml: number.0: first.width: got "380"; allowed: a time with its unit'),
-    "uncertainty": ('"2 %"', "true", "study.toml: number.0.uncertainty: got True; allowed: a quantity"),
+    "scatter": ('scatter = "2 %"', 'scatter = "200 %"', 'study.toml: record.0.scatter: got "200 %"; allowed: a share above 0'),
+    "uncertainty": ('uncertainty = "2 %"', "uncertainty = true", "study.toml: number.0.uncertainty: got True; allowed: a quantity"),
     "record": ("shots/a.csv", "shots/b.csv", "study.toml: record.0: got "),
     "channel": ('channel = "board"', 'channel = "bord"', "board"),
     "blow": ('channel = "board"', "blow = 0", "study.toml: record.0.blow"),
@@ -153,9 +156,25 @@ def test_what_the_file_states_is_not_typed_beside_it(whole, strikewave):
     assert "the file of a whole fit states them" in words
 
 
+def test_the_example_of_the_docs_is_a_file_of_a_fit():
+    docs = Path(__file__).parents[3] / "docs" / "fit.md"
+    text = next(text for text in docs.read_text("utf-8").split("```toml\n") if "[[free]]" in text).partition("```")[0]
+    file = FitFile.model_validate(tomllib.loads(text))
+    assert file.free[0].word == "contact.restitution=0.3:0.9"
+    assert [one.kept_out for one in file.record] == [False, True]
+    assert file.reading.options().low_pass is not None
+
+
 KEYS = st.sampled_from(["case", "set", "free", "record", "number", "try", "reading", "file", "path", "x", "a\0", "a=b"])
 LEAVES = st.one_of(st.text(max_size=8), st.integers(), st.floats(), st.booleans(), st.just("jesd22-b111-b"))
-TREES = st.recursive(LEAVES, lambda x: st.one_of(st.lists(x, max_size=3), st.dictionaries(KEYS, x, max_size=3)))
+
+
+def within(inner):
+    """What stands alone, in a list, or in a table."""
+    return st.one_of(inner, st.lists(inner, max_size=3), st.dictionaries(KEYS, inner, max_size=3))
+
+
+TREES = within(within(LEAVES))
 
 
 @settings(max_examples=60, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])

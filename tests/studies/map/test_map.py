@@ -14,6 +14,7 @@ from strikewave.base.quantities import Range, ToleranceBand, Value
 from strikewave.machines import StruckObject, blows, run_machine
 from strikewave.machines.fast_train import fast_train
 from strikewave.studies.axes import axis_of, case_at
+from strikewave.studies.engine.store import RunStore
 from strikewave.studies.map.cells import (
     FIELDS,
     PLACE,
@@ -22,12 +23,9 @@ from strikewave.studies.map.cells import (
     machine_of,
     measured,
     own_blows,
-    row_of,
-    start_worker,
 )
 from strikewave.studies.map.regimes import IRREGULAR, MISSES, NO_RETURN, UNKNOWN, period_of, regime_of
 from strikewave.studies.map.return_time import arrivals, bounce_time
-from strikewave.studies.map.store import Store, rows_beside
 from strikewave.studies.map.study import MapStudy, check_plan, confirmed, in_full, make_map, plan_of
 from strikewave.studies.workers import Workers
 from strikewave.uncertainty.statistics import variation
@@ -183,15 +181,16 @@ def test_default_range_is_half_to_twice_in_the_unit_of_the_case():
 
 def test_cell_is_the_fast_run_of_its_case():
     plan = small()
-    start_worker(plan)
-    row = row_of(1)
+    place = 1 * 4 + 2  # of the second row, the third cell
+    (outcome,) = plan.job([plan.rows[place]])
+    cell = np.array(outcome.numbers)
     at = (plan.axes[0].values[2], plan.axes[1].values[1])
     case = case_at(load_case("li-ma-2019", ["feed.blows=3"]), plan.axes, at, "a cell")
     run = fast_train(machine_of(case), 12)
     peaks = run.column("rigid_peak")[:3]
-    assert row[2, PLACE["cv"]] == variation(peaks) == np.std(peaks, ddof=1) / np.mean(peaks)
-    assert row[2, PLACE["peak"]] == peaks.mean()
-    assert row[2, PLACE["largest_displacement"]] == run.column("largest_displacement")[:3].max()
+    assert cell[PLACE["cv"]] == variation(peaks) == np.std(peaks, ddof=1) / np.mean(peaks)
+    assert cell[PLACE["peak"]] == peaks.mean()
+    assert cell[PLACE["largest_displacement"]] == run.column("largest_displacement")[:3].max()
 
 
 def test_missed_blows_are_left_out_of_the_variation_but_are_never_even():
@@ -241,81 +240,34 @@ def test_work_keeps_its_order_or_comes_as_it_is_finished():
 
 
 def test_stopped_map_goes_on_to_the_same_end(tmp_path):
-    """Stopped after the first row is kept; what is there is not run again, and the end is the same to the bit."""
-    plan, shares = small(), []
+    """Stopped after the first cells are kept; what is there is not run again, and the end is the same to the bit."""
+    plan, later = small(), []
 
     class StoppedError(Exception):
         pass
 
-    def stop(share):
+    def stop(progress):
         raise StoppedError
 
-    with pytest.raises(StoppedError):
-        make_map(plan, 0.02, 1, Store(plan, tmp_path / "rows"), stop)
-    kept = Store(plan, tmp_path / "rows")
-    assert kept.done.tolist() == [True, False, False]
-    resumed = make_map(plan, 0.02, 1, kept, shares.append)
-    assert len(shares) == 2
+    with RunStore(tmp_path / "s") as store, pytest.raises(StoppedError):
+        make_map(plan, 0.02, 1, store, stop)
+    with RunStore(tmp_path / "s") as store:
+        kept = len(store.known())
+        assert 0 < kept < 12
+        resumed = make_map(plan, 0.02, 1, store, later.append)
+    assert later[0].done > kept
+    assert later[-1].done == later[-1].total == 12
     assert np.array_equal(resumed.values, make_map(plan, 0.02).values, equal_nan=True)
 
 
-def kept_rows(plan, path):
-    """A file with two rows of a plan, and what it holds."""
-    store = Store(plan, path)
-    for row in (0, 2):
-        store.keep(row, np.full((4, len(FIELDS)), row + 0.5))
-    return path.read_bytes()
-
-
-def test_rows_are_read_as_they_were_kept(tmp_path):
-    plan, path = small(), rows_beside(tmp_path / "out" / "map")
-    kept_rows(plan, path)
-    found = Store(plan, path)
-    assert found.done.tolist() == [True, False, True]
-    assert (found.data[2] == 2.5).all()
-    assert not Store(plan, path, fresh=True).done.any()
-    found.remove()
-    assert not list(path.parent.iterdir())
-
-
-@pytest.mark.parametrize("lost", [1, 100, 500])
-def test_row_cut_off_by_a_full_disk_is_left_aside_and_the_map_goes_on(tmp_path, lost):
-    """Cut into the last row, by a full disk or a kill: the rows before it stand, and later ones are read again."""
-    plan, path = small(), tmp_path / "rows"
-    path.write_bytes(kept_rows(plan, path)[:-lost])
-    going = Store(plan, path)
-    assert going.done.sum() == (1 if lost < 8 + 8 * 4 * len(FIELDS) + 4 else 0)
-    going.keep(1, np.ones((4, len(FIELDS))))
-    again = Store(plan, path)
-    assert again.done[1]
-    assert (again.data[1] == 1.0).all()
-
-
-def test_rows_of_another_map_and_damaged_ones_are_refused(tmp_path):
-    plan, path = small(), tmp_path / "rows"
-    text = kept_rows(plan, path)
-    with pytest.raises(InputError, match="of another"):
-        Store(small(train=13), path)
-    flipped = bytearray(text)
-    flipped[120] ^= 1
-    for damage in (b"PK" + text, b"not a map", bytes(flipped), text + 30 * text[90:]):
-        path.write_bytes(damage)
-        with pytest.raises(InputError, match="damaged"):
-            Store(plan, path)
-    (tmp_path / "link").symlink_to(path)
-    for place in (tmp_path / "link", tmp_path):
-        with pytest.raises(InputError, match="folder or a link"):
-            Store(plan, place)
-
-
-def test_large_file_of_rows_is_refused_unread(tmp_path):
-    """A terabyte that begins as it should: refused by its size, without being read."""
-    plan, path = small(), tmp_path / "rows"
-    kept_rows(plan, path)
-    with path.open("r+b") as file:
-        file.truncate(10**12)
-    with pytest.raises(InputError, match="damaged"):
-        Store(plan, path)
+def test_cells_of_another_map_are_not_taken(tmp_path):
+    """Another train is another question: its cells lie in the same folder, and are run."""
+    with RunStore(tmp_path / "s") as store:
+        one = make_map(small(), 0.02, 1, store)
+        other = make_map(small(train=13), 0.02, 1, store)
+        assert len(store.known()) == 24
+    assert np.array_equal(one.values, make_map(small(), 0.02).values, equal_nan=True)
+    assert other.plan.train == 13
 
 
 def test_nearest_even_setting_is_the_nearest_and_keeps_the_limit_in_full():

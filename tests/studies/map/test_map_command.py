@@ -17,10 +17,10 @@ import xarray
 from strikewave import load_case
 from strikewave.base.compile_progress import WORDS
 from strikewave.studies.axes import axis_of
+from strikewave.studies.engine.store import INDEX, runs_beside
 from strikewave.studies.map.cells import FIELDS, PLACE
 from strikewave.studies.map.figures import map_figure
 from strikewave.studies.map.regimes import FAILED
-from strikewave.studies.map.store import rows_beside
 from strikewave.studies.map.study import MapStudy, make_map, plan_of
 
 FEW = ("map", "li-ma-2019", "--points", "4x3", "--workers", "1", "--train", "0", "--set", "feed.blows=3")
@@ -117,22 +117,28 @@ def begun(environment, *words, **more):
     return subprocess.Popen(command, env=environment, stderr=subprocess.PIPE, text=True, start_new_session=True, **more)
 
 
-def wait_for(path, going):
-    limit = time.monotonic() + 120.0
-    while not path.exists() and going.poll() is None and time.monotonic() < limit:
+SOME_CELLS = 60_000
+"""Bytes of the log of an index in which some cells stand: its tables and each batch take a few pages of 4 kB."""
+
+
+def wait_for_cells(folder, going):
+    """Wait until some cells of a map that is under way are kept."""
+    log, limit = runs_beside(Path(folder)) / f"{INDEX}-wal", time.monotonic() + 120.0
+    while going.poll() is None and time.monotonic() < limit and not (log.exists() and log.stat().st_size > SOME_CELLS):
         time.sleep(0.01)
-    assert path.exists()
+    assert log.exists()
 
 
 def test_killed_map_goes_on_to_the_same_end(strikewave, environment):
-    """SIGKILL once a row is kept: the same command finishes, and every number is that of a map never stopped."""
+    """SIGKILL once cells are kept: the same command finishes, and every number is that of a map never stopped."""
     words = (*FEW[:2], "--points", "14x20", "--workers", "1", "--train", "0", "--set", "feed.blows=3")
     going = begun(environment, *words, "--out", "killed")
-    wait_for(rows_beside(Path("killed")), going)
+    wait_for_cells("killed", going)
     going.kill()
     going.communicate()
     _, _, err = strikewave(*words, "--out", "killed")
-    assert "of 20 rows are there already" in err
+    assert "of 280 cells are there already" in err
+    assert not runs_beside(Path("killed")).exists()
     strikewave(*words, "--out", "whole")
     with xarray.open_dataset("killed/map.nc") as one, xarray.open_dataset("whole/map.nc") as other:
         assert one.identical(other)
@@ -159,21 +165,34 @@ def test_interrupt_ends_all_processes_at_once(strikewave, environment, after):
 @pytest.mark.verify
 def test_interrupted_map_says_what_is_kept(strikewave, environment):
     going = begun(environment, "map", "li-ma-2019", "--points", "8x400", "--train", "0", "--out", "here")
-    wait_for(rows_beside(Path("here")), going)
+    wait_for_cells("here", going)
     os.killpg(going.pid, signal.SIGINT)
     _, err = going.communicate(timeout=60.0)
-    assert "of 400 rows are kept in" in err
+    assert "of 3200 cells are kept in" in err
     assert "nothing was written" not in err
 
 
 @pytest.mark.verify
 def test_full_disk_is_told_and_the_same_command_goes_on(strikewave, environment):
-    """Files of 4 kB at most, a row being 1.3: told in words, and with room again the rows that stand are not run."""
-    words = ("map", "li-ma-2019", "--points", "12x9", "--workers", "1", "--train", "0", "--blows", "3", "--out", "here")
+    """Files of 80 kB at most: told in words, and with room again the cells that stand are not run."""
+    words = (
+        "map",
+        "li-ma-2019",
+        "--points",
+        "24x20",
+        "--workers",
+        "1",
+        "--train",
+        "0",
+        "--blows",
+        "3",
+        "--out",
+        "here",
+    )
 
     def small():
         signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
-        resource.setrlimit(resource.RLIMIT_FSIZE, (4000, resource.RLIM_INFINITY))
+        resource.setrlimit(resource.RLIMIT_FSIZE, (80_000, resource.RLIM_INFINITY))
 
     strikewave(*FEW, "--out", "warm")
     going = begun({**environment, "PYTHONDONTWRITEBYTECODE": "1"}, *words, preexec_fn=small)
@@ -182,16 +201,23 @@ def test_full_disk_is_told_and_the_same_command_goes_on(strikewave, environment)
     assert "a place that can be written" in err
     code, _, err = strikewave(*words)
     assert code in (0, 3)
-    assert "of 9 rows are there already" in err
+    assert "of 480 cells are there already" in err
 
 
-def test_rows_of_another_map_are_refused_until_fresh(strikewave):
-    rows_beside(Path("here")).write_bytes(b"not a map")
-    code, _, err = strikewave(*FEW, "--out", "here", "--force")
+def test_a_folder_of_something_else_and_a_damaged_index_are_refused(strikewave):
+    place = runs_beside(Path("here"))
+    place.mkdir()
+    (place / "notes.txt").write_text("mine")
+    code, _, err = strikewave(*FEW, "--out", "here")
+    assert code == 2
+    assert "other files" in err
+    (place / "notes.txt").rename(place / INDEX)
+    (place / INDEX).write_text("no index " * 1000)
+    code, _, err = strikewave(*FEW, "--out", "here")
     assert code == 2
     assert "--fresh" in err
-    code, _, _ = strikewave(*FEW, "--out", "here", "--force", "--fresh")
-    assert code in (0, 3)
+    assert strikewave(*FEW, "--out", "here", "--fresh")[0] in (0, 3)
+    assert not place.exists()
 
 
 def test_compiling_is_told_as_by_other_commands(strikewave, monkeypatch):

@@ -88,6 +88,17 @@ def test_main_effects_of_a_known_function():
     assert math.isnan(main_effect(a, np.ones(9), True).share)
 
 
+def test_a_fine_grid_is_parted_by_its_values():
+    """y = a over thirteen values of a and two of b: all of the variance is that of a, however many values it has."""
+    a, b = (axis.ravel() for axis in np.meshgrid(np.arange(13.0), [0.0, 1.0]))
+    effect = main_effect(a, a, True)
+    assert effect.share == pytest.approx(1.0, rel=1e-12)
+    assert effect.places.tolist() == effect.means.tolist() == effect.lows.tolist() == list(range(13))
+    assert main_effect(b, a, True).share == pytest.approx(0.0, abs=1e-12)
+    assert main_effect(a, b, True).share == pytest.approx(0.0, abs=1e-12)
+    assert main_effect(a, np.full(26, np.nan), True).means.size == 0
+
+
 def test_share_of_random_runs_is_that_of_the_analysis_of_variance(rng):
     """epsilon squared = (F - 1) (k - 1) / (F (k - 1) + n - k), with F of scipy's one-way analysis of variance."""
     x = rng.integers(0, 4, 60).astype(float)
@@ -148,7 +159,7 @@ def test_many_settings_are_drawn_by_their_shares():
 STUDY = """
 schema = 1
 case = "li-ma-2019"
-set = ["feed.blows=1"]
+set = { feed.blows = 1 }
 keep = ["first.rigid_peak", "cv"]
 analysis = "fast"
 [vary]
@@ -165,6 +176,14 @@ def test_a_study_file_asks_the_same(tmp_path):
     assert plan.evaluation.names == ("count",)
     assert plan.evaluation.analysis == "fast"
     assert request.loaded.values()["object.damper"].si == 5.0
+    assert request.loaded.values()["feed.blows"].si == 1.0
+
+
+def test_a_study_file_need_not_vary(tmp_path):
+    """Of draws within tolerances, the case says what moves."""
+    (tmp_path / "drawn.toml").write_text('schema = 1\ncase = "li-ma-2019"\ndesign = "tolerances"\nruns = 4')
+    request = read_request(str(tmp_path / "drawn.toml"), (), SweepRequest())
+    assert len(request.plan(request.loaded).rows) == 4
 
 
 @pytest.mark.parametrize(

@@ -122,7 +122,7 @@ def test_a_worker_that_is_killed_loses_no_run(tmp_path, environment):
     while process.poll() is None and killed < 3:
         time.sleep(2.0)
         children = subprocess.run(
-            ["ps", "-o", "pid=,args=", "--ppid", str(process.pid)], capture_output=True, text=True, check=False
+            ["ps", "-ww", "-o", "pid=,args=", "--ppid", str(process.pid)], capture_output=True, text=True, check=False
         ).stdout.splitlines()
         workers = [line for line in children if "spawn_main" in line]
         if len(workers) == 2:

@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 
 from strikewave.analyses.compare.curve import FOOT, QUANTITIES, ComparedCurve, even_history
 from strikewave.base.errors import InputError, nearest
+from strikewave.base.hdf5_files import is_sealed
 from strikewave.base.result import Band, Notice, Result
 from strikewave.base.variables import LabelledArrays, open_result
 from strikewave.cases.case import load_case
@@ -220,11 +221,8 @@ def _run(place: str, band: bool) -> tuple[str, list[SimulatedPart], list[Notice]
 
 def is_solution(path: Path) -> bool:
     """Tell whether a NetCDF file is one that run, wave or fem wrote."""
-    import h5py
-
     try:
-        with h5py.File(path, "r") as file:
-            return "strikewave_schema" in file.attrs
+        return is_sealed(path)
     except OSError:
         return False
 

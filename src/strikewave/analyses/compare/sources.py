@@ -176,7 +176,12 @@ def _record(
 ) -> list[ComparedCurve]:
     """Return one channel of a measured file: one of its blows, or all; one that is bad is refused in a campaign."""
     options = reading.options._replace(channels=(name.part,) if name.part else reading.options.channels[:1])
-    record, found = measured.read_channels(file, reading.stated, options, Request(filter=reading.low_pass))
+    try:
+        record, found = measured.read_channels(file, reading.stated, options, Request(filter=reading.low_pass))
+    except InputError as error:
+        if error.field != "--channel" or not name.part:
+            raise
+        raise InputError(option, f"{Path(file).name}#{name.part}", error.allowed, error.hint) from None
     one = found.channels[0]
     if not options.channels and len(record.channels) > 1 and not of_campaign:
         say(f"{option} is {one.channel.name} of {Path(file).name}; {Path(file).name}#CHANNEL takes another")

@@ -131,15 +131,20 @@ class FemSolution(ShownResult):
         return comparisons(self.case, self._computed)
 
     def _computed(self, entry: Published) -> float | None:
-        """Return what a published number is set beside; None where the model has no such thing.
+        """Return what a published number is set beside; None where the model has no such thing."""
+        return self.number(entry.quantity, entry.sensor)
 
-        Forces are those of the first contact of the case, of the whole bodies where sectors match.
+    def number(self, name: str, body: str = "") -> float | None:
+        """Return a number of the first blow by its name as published ones have it; None where there is no such thing.
+
+        Forces are those of the first contact of the case, of the whole bodies where sectors match; ``body`` is the
+        part or group that others are of.
         """
-        which, _, quantity = entry.quantity.partition(".")
-        name = next(iter(self.contacts), None)
-        touched = None if name is None else self.contacts[name]
-        part = {**self.parts, **self.groups}.get(entry.sensor)
-        whole = None if name is None else self.wholes[name]
+        which, _, quantity = name.partition(".")
+        first = next(iter(self.contacts), None)
+        touched = None if first is None else self.contacts[first]
+        part = {**self.parts, **self.groups}.get(body)
+        whole = None if first is None else self.wholes[first]
         peak = whole.peak if whole is not None else touched.peak if touched is not None else None
         value: float | None = None
         if which != "first" or peak is None or touched is None:
@@ -149,7 +154,7 @@ class FemSolution(ShownResult):
         elif quantity == "force_width":
             value = touched.duration
         elif part is not None and quantity == "force_over_mass":
-            value = peak / (part.mass * (1 if whole is None else self.sectors[entry.sensor].pieces))
+            value = peak / (part.mass * (1 if whole is None else self.sectors[body].pieces))
         elif part is not None and quantity in ("rigid_peak", "width"):
             value = getattr(part, quantity)
         return None if value is None or math.isnan(value) else value

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import re
-import tomllib
 from collections.abc import Iterable, Iterator, Mapping
 from importlib import resources
 from pathlib import Path
@@ -13,6 +12,7 @@ from pydantic import BaseModel, ValidationError
 
 from strikewave.base.errors import MISSING, InputError, InputErrors, show
 from strikewave.base.quantities import Value
+from strikewave.base.toml_text import read_toml
 from strikewave.cases.hopkinson_tables import HopkinsonSetup
 from strikewave.cases.paths import Form
 from strikewave.cases.performed_test import PerformedTest
@@ -79,7 +79,7 @@ def load_setup(path: str, changes: Iterable[str] = ()) -> HopkinsonCase:
         file = file / "case.toml" if file.is_dir() else file
         with file.open("rb") as opened:
             data = opened.read(LARGEST_FILE + 1)
-        text = data.decode("utf-8")
+        text = data.decode("utf-8-sig")
     except UnicodeDecodeError:
         raise InputError("SETUP", path, "a text file in UTF-8") from None
     except (OSError, ValueError) as error:
@@ -95,9 +95,9 @@ def parse_setup(text: str, name: str = "", changes: Iterable[str] = (), folder: 
     import tomlkit
 
     try:
-        document = tomllib.loads(text)
-    except (ValueError, RecursionError) as error:
-        reason = show(str(error) or "nested too deeply", 120).strip('"')
+        document = read_toml(text)
+    except ValueError as error:
+        reason = show(str(error), 120).strip('"')
         raise InputErrors([f"{name or 'set-up'}: not a TOML file: {reason}"]) from None
     schema = document.get("schema", MISSING)
     if schema is MISSING or isinstance(schema, bool) or schema != 1:

@@ -53,6 +53,7 @@ COLUMNS = (
     BlowColumn("time", "s", "ms", 3, "blows"),
     BlowColumn("approach_speed", "m/s", "m/s", 3, "blows, contact", priority=MORE),
     BlowColumn("rebound_speed", "m/s", "m/s", 3, "contact", priority=MORE),
+    BlowColumn("contact_time", "s", "us", 1, "contact", priority=MORE),
     BlowColumn("restitution", "1", "1", 4, "contact"),
     BlowColumn("indentation", "m", "um", 2, "contact"),
     BlowColumn("residual_indentation", "m", "um", 2, "contact", priority=MORE + 1),

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import importlib
 import math
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections import Counter
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -103,6 +104,12 @@ def extra(module: str, path: Path) -> Any:
     except ImportError:
         hint = "install the readers of this format: pip install 'strikewave[formats]'"
         raise InputError("FILE", str(path), f"a format whose reader is installed (no {module})", hint) from None
+
+
+def check_count(path: Path, count: int) -> None:
+    """Refuse a file with more than `MOST_ARRAYS` arrays."""
+    if count > MOST_ARRAYS:
+        raise damaged(path, f"it has {count}", f"a file with at most {MOST_ARRAYS} arrays")
 
 
 def guard(path: Path, claimed: float, compressed: bool = True) -> None:
@@ -265,11 +272,9 @@ def assemble(
     columns = [column for column in columns if column.size]
     if not columns:
         raise damaged(path, "it has no arrays of numbers", "a file with samples")
-    if len(columns) > MOST_ARRAYS:
-        raise damaged(path, f"it has {len(columns)}", f"a file with at most {MOST_ARRAYS} arrays")
+    check_count(path, len(columns))
     clocks = _clocks(columns, options)
-    rest = [column for column in columns if all(column is not clock for clock in clocks)]
-    with_clock = [(column, _clock_of(column, clocks)) for column in rest]
+    with_clock = list(_with_clocks(_others(columns, clocks), clocks))
     channels_with_clock, ignored = _kept(with_clock, bool(clocks) and options.rate is None)
     if not channels_with_clock:
         raise damaged(path, "it has nothing but time", "a file with samples")
@@ -307,8 +312,13 @@ def one_each(names: Sequence[str]) -> list[str]:
     ['a', 'b', 'a (2)']
     """
     taken: dict[str, None] = {}
+    times: Counter[str] = Counter()
     for name in names:
-        taken[next(n for n in (name, *(f"{name} ({k})" for k in range(2, len(names) + 2))) if n not in taken)] = None
+        unique = name
+        while unique in taken:
+            times[name] += 1
+            unique = f"{name} ({times[name] + 1})"
+        taken[unique] = None
     return list(taken)
 
 
@@ -330,12 +340,25 @@ def _clocks(columns: Sequence[ArrayColumn], options: Options) -> list[ArrayColum
     named = [column for column, word in zip(columns, lowered, strict=True) if word in TIMES]
     if not marked + named:
         named = [c for c, word in zip(columns, lowered, strict=True) if word not in _AXES and is_time(word, "")]
-    return marked + [column for column in named if all(column is not clock for clock in marked)]
+    return marked + _others(named, marked)
 
 
-def _clock_of(column: ArrayColumn, clocks: Sequence[ArrayColumn]) -> ArrayColumn | None:
-    fitting = [clock for clock in clocks if clock.size == column.size]
-    return next((clock for clock in fitting if clock.folder == column.folder), fitting[0] if fitting else None)
+def _others(columns: Iterable[ArrayColumn], left: Iterable[ArrayColumn]) -> list[ArrayColumn]:
+    """Return columns without those that are left out."""
+    without = {id(column) for column in left}
+    return [column for column in columns if id(column) not in without]
+
+
+def _with_clocks(
+    columns: Iterable[ArrayColumn], clocks: Iterable[ArrayColumn]
+) -> Iterator[tuple[ArrayColumn, ArrayColumn | None]]:
+    """Yield columns with the first clock of their size in their folder, or else in any; None without one."""
+    first: dict[tuple[int, str | None], ArrayColumn] = {}
+    for clock in clocks:
+        first.setdefault((clock.size, clock.folder), clock)
+        first.setdefault((clock.size, None), clock)
+    for column in columns:
+        yield column, first.get((column.size, column.folder)) or first.get((column.size, None))
 
 
 def _kept(
@@ -344,10 +367,10 @@ def _kept(
     """Keep the arrays over time; without time those with a grid of their own, else those of the fullest length."""
     keep = [pair for pair in with_clock if pair[1] is not None or not math.isnan(pair[0].step)]
     if not keep:
-        sizes = [column.size for column, _ in with_clock]
-        fullest = max(set(sizes), key=lambda size: (size * sizes.count(size), size), default=0)
+        sizes = Counter(column.size for column, _ in with_clock)
+        fullest = max(sizes, key=lambda size: (size * sizes[size], size), default=0)
         keep = [pair for pair in with_clock if pair[0].size == fullest and not timed]
-    return keep, [column for column, _ in with_clock if all(column is not pair[0] for pair in keep)]
+    return keep, _others((column for column, _ in with_clock), (column for column, _ in keep))
 
 
 def _wanted(path: Path, names: Sequence[str], columns: Sequence[ArrayColumn], options: Options) -> list[bool]:

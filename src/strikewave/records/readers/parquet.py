@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from strikewave.records.readers import Options
-from strikewave.records.readers.common import ArrayColumn, assemble, floats, grid_of, left_out, text
+from strikewave.records.readers.common import ArrayColumn, assemble, check_count, floats, grid_of, left_out, text
 from strikewave.records.record import Record
 
 _BATCH = 2**18
@@ -27,13 +27,14 @@ def read(path: Path, options: Options) -> Record:
     """Read the numeric columns of a Parquet file, one at a time."""
     arrow, parquet = importlib.import_module("pyarrow"), importlib.import_module("pyarrow.parquet")
     with parquet.ParquetFile(path, memory_map=True) as file:
+        check_count(path, file.metadata.num_columns)
         rows, schema = file.metadata.num_rows, file.schema_arrow
         columns, skipped = [], []
-        for k, field in enumerate(schema):
+        for field in schema:
             if _numeric(arrow.types, field.type):
                 named = _decoded(field.metadata)
                 unit = named.get("units", named.get("unit", ""))
-                columns.append(ArrayColumn(field.name, rows, _loader(file, schema.names, k, rows), unit))
+                columns.append(ArrayColumn(field.name, rows, _loader(file, field.name, rows), unit))
             else:
                 skipped.append(field.name)
         grid = grid_of(_decoded(schema.metadata).items())
@@ -49,13 +50,13 @@ def _decoded(metadata: dict[bytes, bytes] | None) -> dict[str, str]:
     return {text(name).lower(): text(value) for name, value in (metadata or {}).items() if len(value) < _LONGEST_VALUE}
 
 
-def _loader(file: Any, names: list[str], k: int, rows: int) -> Any:
+def _loader(file: Any, name: str, rows: int) -> Any:
     """Return the function that loads one column, part by part."""
 
     def load() -> Any:
         out, at = np.empty(rows), 0
         parts = []
-        for batch in file.iter_batches(_BATCH, columns=[names[k]], use_threads=False):
+        for batch in file.iter_batches(_BATCH, columns=[name], use_threads=False):
             values = batch.column(0).to_numpy(zero_copy_only=False)
             if values.dtype.kind in "mM":
                 parts.append(values)

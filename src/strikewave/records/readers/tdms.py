@@ -7,8 +7,16 @@ from pathlib import Path
 from typing import Any
 
 from strikewave.records.readers import Options
+from strikewave.records.readers.child import isolated
 from strikewave.records.readers.common import ArrayColumn, assemble, extra, guard, left_out, number, text
 from strikewave.records.record import Record
+
+MANY_SEGMENTS = 1000
+"""Segments, each with a head and samples of some channels, above which a file is read with limits of time and memory:
+npTDMS looks at each of them for each channel, which takes minutes where there are 10 000 of both."""
+_HEAD, _BIG_ENDIAN = 28, 1 << 6
+"""Bytes of the head of a segment: its mark, flags, version, and how far the next one and its samples are; the flag of
+big-endian numbers."""
 
 
 def sniff(head: bytes) -> bool:
@@ -17,6 +25,26 @@ def sniff(head: bytes) -> bool:
 
 
 def read(path: Path, options: Options) -> Record:
+    """Read the numeric channels of a TDMS file, in a child process where it has many segments."""
+    extra("nptdms", path)
+    return isolated("tdms", path, options) if _has_many_segments(path) else parse(path, options)
+
+
+def _has_many_segments(path: Path) -> bool:
+    """Tell whether a file has more than `MANY_SEGMENTS`, by the heads with which they begin."""
+    size, place = path.stat().st_size, 0
+    with path.open("rb") as file:
+        for _ in range(MANY_SEGMENTS):
+            file.seek(place)
+            head = file.read(_HEAD)
+            if place >= size or len(head) < _HEAD or head[:4] != b"TDSm":
+                return False
+            flags, length = int.from_bytes(head[4:8], "little"), head[12:20]
+            place += _HEAD + int.from_bytes(length, "big" if flags & _BIG_ENDIAN else "little")
+    return place < size
+
+
+def parse(path: Path, options: Options) -> Record:
     """Read the numeric channels of a TDMS file; an index file beside it is not looked at."""
     nptdms = extra("nptdms", path)
     logging.getLogger("nptdms").setLevel(logging.CRITICAL)

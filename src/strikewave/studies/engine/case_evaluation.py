@@ -28,14 +28,15 @@ elements; one impact on a free rigid object by the contact law alone."""
 HISTORIES = ("blows", "pulses")
 """What may be kept beside numbers: the table of blows; the acceleration of each blow, or of a bar or elements."""
 OF_TRAIN = {
-    "first.velocity_change": "m/s", "first.approach_speed": "m/s", "first.peak_force": "N",
     "typical.velocity_change": "m/s", "interval": "s", "cv": "1", "cv_later": "1", "missed": "1",
     "largest_displacement": "m", "energy_error": "1",
 }  # fmt: skip
 """Further numbers of a machine's blows, and their SI units: `NUMBER_WORDS` says what they are."""
 OF_FAST = {"stop_force": "N"}
 """Numbers that the fast run alone has."""
-NOT_FAST = ("total_peak", "wave_peak", "sensor_peak", "sensor_width", "peak_force")
+OF_CONTACT = ("contact_time", "rebound_speed", "restitution", "indentation", "residual_indentation")
+"""Numbers of the contact of the first blow."""
+NOT_FAST = ("total_peak", "wave_peak", "sensor_peak", "sensor_width", "peak_force", *OF_CONTACT)
 """Numbers of the first blow that the fast run has not."""
 OF_IMPACT = {"approach_speed": "m/s", "peak_force": "N", "peak_acceleration": "m/s^2", "duration": "s"}
 OF_ELEMENTS = {"contact_force_peak": "N", "energy_error": "1", "momentum_error": "1", "hourglass_share": "1"}
@@ -154,7 +155,7 @@ def read_kept(case: Case, analysis: str, words: Sequence[str]) -> CaseEvaluation
     for name in names:
         first = name.partition(" ")[0]
         if "sensor_" in first and first in known:
-            checked_number(case, name)
+            checked_number(case, name, "--keep")
         elif name not in known:
             raise InputError("--keep", name, f"a number that {analysis} gives", nearest(name, [*known, *HISTORIES]))
     if "blows" in histories and analysis not in ("run", "fast"):
@@ -223,7 +224,9 @@ def train_numbers(found: Sequence[Any]) -> dict[str, float | None]:
     numbers: dict[str, float | None] = dict(figures_of(found))
     if struck:
         first = struck[0]
-        numbers |= {f"first.{name}": getattr(first, name, None) for name in ("approach_speed", "peak_force")}
+        numbers |= {
+            f"first.{name}": getattr(first, name, None) for name in ("approach_speed", "peak_force", *OF_CONTACT)
+        }
         numbers["window"] = struck[-1].time - first.time
     return numbers | {
         "count": float(len(struck)),
@@ -294,7 +297,7 @@ EVALUATED: Mapping[str, Callable[[CaseEvaluation, Case], Evaluated]] = {
     "impact": _impact,
 }
 """How each analysis is made."""
-OF_FIRST = (*OF_A_BLOW, "peak_force", "approach_speed")
+OF_FIRST = (*OF_A_BLOW, "peak_force", "approach_speed", *OF_CONTACT)
 NUMBER_WORDS = {
     **{
         f"{which}.{name}": f"{name.replace('_', ' ')} of the {which} blow"

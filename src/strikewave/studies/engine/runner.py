@@ -107,50 +107,86 @@ def carry_on(
     advance: Callable[[StudyProgress], None] | None = None,
 ) -> Finished:
     """Do what `carry_out` does on a pool that stays open: a search asks for rows again and again."""
-    keys = [run_key(job.variation.case_of(row), job.evaluation) for row in rows]
+    work = _Work(job, rows, store, advance)
+    work.all_on(pool)
+    return Finished(work.keys, work.reused)
+
+
+def finished_before(job: Job, rows: Sequence[Row], store: RunStore) -> int:
+    """Return how many rows of a job a store has already."""
     known = store.known()
-    todo = {key: row for key, row in zip(keys, rows, strict=True) if key not in known}
-    _Work(job, todo, store, len(set(keys)), advance).all_on(pool)
-    return Finished(keys, len(set(keys)) - len(todo))
+    return sum(key_of(job, row) in known for row in rows) if known else 0
+
+
+def key_of(job: Job, row: Row) -> bytes:
+    """Return the key of a row."""
+    return run_key(job.variation.case_of(row), job.evaluation)
 
 
 class _Work:
-    """What is left of a job, and what is out."""
+    """What is left of a job, and what is out; keys are made as rows are taken, while processes run those before."""
 
     def __init__(
         self,
         job: Job,
-        todo: dict[bytes, Row],
+        rows: Sequence[Row],
         store: RunStore,
-        total: int,
         advance: Callable[[StudyProgress], None] | None,
     ) -> None:
         self._job, self._store, self._advance = job, store, advance
-        self._rows, self._left = todo, deque(todo)
+        self.keys, self.reused = list[bytes](), 0
+        self._all, self._known = rows, store.known()
+        self._rows = dict[bytes, Row]()  # that are out
+        self._next: bytes | None = None
         self._out = dict[Future[list[RunOutcome]], list[bytes]]()
         self._suspects = deque[list[bytes]]()
         self._deaths = dict[bytes, int]()
-        self._begin, self._reused, self._total = time.perf_counter(), total - len(todo), total
+        self._begin = time.perf_counter()
         self._done = self._failed = 0
         self._seconds = 0.0
+        self._look_ahead()
+
+    def _look_ahead(self) -> None:
+        """Find the next row that is not finished; equal ones are run once."""
+        self._next = None
+        while self._next is None and len(self.keys) < len(self._all):
+            row = self._all[len(self.keys)]
+            key = key_of(self._job, row)
+            self.keys.append(key)
+            if key in self._known:
+                self.reused += 1
+                continue
+            self._known.add(key)
+            self._rows[key] = row
+            self._next = key
+
+    def _taken(self) -> bytes:
+        key = self._next
+        assert key is not None
+        self._look_ahead()
+        return key
 
     def all_on(self, pool: Pool) -> None:
         """Run what is left on a pool."""
-        if is_cold() and self._left:  # one process compiles the kernels, and the others find them on the disk
-            self._submit(pool, [self._left.popleft()])
+        if is_cold() and self._next:  # one process compiles the kernels, and the others find them on the disk
+            self._submit(pool, [self._taken()])
             self._take(pool)
-        while self._left or self._out or self._suspects:
+        while self._next or self._out or self._suspects:
             if self._suspects and not self._out:
                 self._submit(pool, self._suspects.popleft())
-            while self._left and not self._suspects and len(self._out) < QUEUED * pool.width:
+            while self._next and not self._suspects and len(self._out) < QUEUED * pool.width:
                 self._submit(pool, self._next_batch(pool))
             self._take(pool)
 
     def _next_batch(self, pool: Pool) -> list[bytes]:
         """Return the keys of some rows: fewer at the end, so that no process waits long for the last."""
         each = self._seconds / self._done if self._done else BATCH_SECONDS
-        size = min(int(BATCH_SECONDS / max(each, 1e-9)), MOST_IN_BATCH, len(self._left) // (QUEUED * pool.width))
-        return [self._left.popleft() for _ in range(max(size, 1))]
+        left = len(self._all) - len(self.keys) + 1
+        size = min(int(BATCH_SECONDS / max(each, 1e-9)), MOST_IN_BATCH, left // (QUEUED * pool.width))
+        batch = [self._taken()]
+        while self._next and len(batch) < size:
+            batch.append(self._taken())
+        return batch
 
     def _submit(self, pool: Pool, keys: list[bytes]) -> None:
         try:
@@ -203,9 +239,11 @@ class _Work:
 
     def _finish(self, keys: list[bytes], outcomes: list[RunOutcome]) -> None:
         self._store.keep(self._job.evaluation.names, zip(keys, outcomes, strict=True))
+        for key in keys:
+            del self._rows[key]
         self._done += len(keys)
         self._failed += sum(bool(one.failure) for one in outcomes)
         self._seconds += sum(one.seconds for one in outcomes)
         if self._advance is not None:
             rate = self._done / max(time.perf_counter() - self._begin, 1e-9)
-            self._advance(StudyProgress(self._total, self._reused + self._done, self._failed, rate))
+            self._advance(StudyProgress(len(self._all), self.reused + self._done, self._failed, rate))

@@ -14,8 +14,15 @@ from strikewave.reporting.parts import Tag
 from strikewave.reporting.table_columns import TableColumn
 from strikewave.studies.fit.checking import Checks, PredictedFigure
 from strikewave.studies.fit.notices import MET
+from strikewave.studies.fit.posterior import SEED, WALKERS, Posterior
 from strikewave.studies.fit.problem import Misfit
-from strikewave.studies.fit.result import FitStudy, FittedParameter, combination_words, value_words
+from strikewave.studies.fit.result import (
+    FitStudy,
+    FittedParameter,
+    PosteriorValue,
+    combination_words,
+    value_words,
+)
 from strikewave.studies.fit.trying import TriedChoice
 
 USUAL = {**SHOWN_IN, "s": "us"}
@@ -59,8 +66,12 @@ def _capital(words: str) -> str:
     return words[0].upper() + words[1:]
 
 
+def _between(one: FittedParameter, low: float, high: float) -> str:
+    return f"{one.field.axis.shown(low):.5g} to {one.field.shown(high)}"
+
+
 def _interval(one: FittedParameter) -> str:
-    words = f"{one.field.axis.shown(one.low):.5g} to {one.field.shown(one.high)}"
+    words = _between(one, one.low, one.high)
     return words if one.determined else f"{words} (bounds)"
 
 
@@ -77,6 +88,25 @@ PARAMETER_COLUMNS: tuple[TableColumn[FittedParameter], ...] = (
     TableColumn("interval from", _state, priority=MORE, words=True),
     TableColumn("began at", lambda one: one.field.shown(one.field.value.si), priority=MORE, words=True),
 )
+
+
+POSTERIOR_TITLE = "Posterior beside least squares"
+POSTERIOR_COLUMNS: tuple[TableColumn[PosteriorValue], ...] = (
+    TableColumn("field", lambda one: one.value.field.path, priority=KEY, words=True),
+    TableColumn("median", lambda one: one.value.field.shown(one.median), priority=KEY, words=True),
+    TableColumn("95 % of the posterior", lambda one: _between(one.value, one.low, one.high), priority=KEY, words=True),
+    TableColumn("least squares", lambda one: one.value.field.shown(one.value.value), priority=MORE, words=True),
+    TableColumn("95 % of least squares", lambda one: _interval(one.value), words=True),
+)
+
+
+def posterior_words(posterior: Posterior) -> str:
+    """Say how the posterior was sampled, and how well."""
+    return (
+        f"{WALKERS} chains of {posterior.steps} steps, {posterior.steps / posterior.memory:.0f} autocorrelation times "
+        f"of {posterior.memory:.3g} steps: about {posterior.independent:.0f} independent draws; "
+        f"{percent(posterior.accepted, 0)} of moves accepted; seed {SEED}."
+    )
 
 
 class CorrelationRow(NamedTuple):

@@ -10,7 +10,7 @@ from strikewave.reporting import measured_files as measured
 from strikewave.reporting.low_pass import LowPassOptions
 from strikewave.reporting.options import Changes, Output, case_name
 
-STATES_ALL = "the file of a whole fit states them: beside it there is only --set, of its case"
+STATES_ALL = "the file of a whole fit states them: beside it there are only --set, of its case, and --bayes"
 
 
 def command(
@@ -55,6 +55,13 @@ def command(
             show_default=False,
         ),
     ] = None,
+    bayes: Annotated[
+        bool,
+        typer.Option(
+            "--bayes",
+            help="Also sample the posterior, bounds being flat priors; needs pip install 'strikewave[bayes]'.",
+        ),
+    ] = False,
     changes: Changes = None,
     measurement: measured.MeasurementOptions,
     filtering: LowPassOptions,
@@ -75,9 +82,9 @@ def command(
     from strikewave.studies.fit.screen import run_fit, run_fit_file
 
     reading = SourceOptions(measurement.calibration(), measurement.reading(), filtering.low_pass(), band=False)
-    asked = FitRequest(tuple(to or ()), tuple(free or ()), tries, tuple(check_on or ()), reading)
+    asked = FitRequest(tuple(to or ()), tuple(free or ()), tries, tuple(check_on or ()), reading, bayes)
     if is_fit_file(case):
-        if asked != FitRequest(reading=SourceOptions(band=False)):
+        if asked != FitRequest(reading=SourceOptions(band=False), bayes=bayes):
             raise InputError("CASE", case, "a case, where records, fields or their reading are typed", STATES_ALL)
-        return run_fit_file(case, changes or (), output)
+        return run_fit_file(case, changes or (), output, bayes)
     return run_fit(output.tested(load_case(case, changes or ())), changes or (), asked, output)

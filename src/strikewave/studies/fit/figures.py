@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from strikewave.analyses.compare.curve import QUANTITIES, SHOWN_IN
 from strikewave.reporting.curves import thin
@@ -29,19 +31,27 @@ from strikewave.studies.fit.result import FitStudy, FittedParameter
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
+Array = NDArray[np.float64]
+
 MOST_DRAWN = 6
 """Most records that are drawn over one another: more hide each other."""
 LONGEST = 60
 """Letters of a name in a legend."""
 
 
-def draw_overlay(axes: Any, pulses: list[tuple[MeasuredPulse, LaidPulse]]) -> None:
-    """Draw records, and the run laid on each."""
+def draw_overlay(
+    axes: Any, pulses: list[tuple[MeasuredPulse, LaidPulse]], bands: Sequence[tuple[Array, Array]] = ()
+) -> None:
+    """Draw records, and the run laid on each, with the predictive bands of a posterior."""
     unit = pulses[0][0].unit
     size, _ = axis_unit(unit, SHOWN_IN.get(unit, unit))
     second, name = time_unit(max(float(np.ptp(laid.time)) for _, laid in pulses))
     for number, (pulse, laid) in enumerate(pulses):
         time = (laid.time - laid.time[0]) / second
+        if number < len(bands):
+            words = "95 % of the posterior and the noise" if number == 0 else None
+            low, high = bands[number]
+            axes.fill_between(time, low / size, high / size, color=RED, alpha=0.18, linewidth=0.0, label=words)
         label = plain(pulse.called, LONGEST) if len(pulses) < 3 or number == 0 else None
         axes.plot(*thin(time, laid.measured / size), color=BLUE, linewidth=1.2, alpha=0.8, label=label)
         fitted = "fitted run" if number == 0 else None
@@ -103,7 +113,7 @@ def overlay(study: FitStudy) -> Figure:
     figure = new_figure((WHOLE[0], 6.0))
     grid = figure.add_gridspec(2, 1, height_ratios=(1.6, 1.0))
     pulses = list(study.pulses[:MOST_DRAWN])
-    draw_overlay(figure.add_subplot(grid[0]), pulses)
+    draw_overlay(figure.add_subplot(grid[0]), pulses, study.bands)
     draw_residual(figure.add_subplot(grid[1]), pulses)
     return legend_below(figure)
 
@@ -131,7 +141,7 @@ def fit_figure(study: FitStudy) -> Figure:
     grid = figure.add_gridspec(rows, 1, height_ratios=heights)
     pulses = list(study.pulses[:MOST_DRAWN])
     if pulses:
-        draw_overlay(figure.add_subplot(grid[0]), pulses)
+        draw_overlay(figure.add_subplot(grid[0]), pulses, study.bands)
         draw_residual(figure.add_subplot(grid[1]), pulses)
     draw_values(figure.add_subplot(grid[rows - 1]), study)
     return titled(legend_below(figure), study.title)

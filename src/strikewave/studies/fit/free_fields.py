@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -14,7 +15,7 @@ from strikewave.base.quantities import Provenance, Range, Value
 from strikewave.cases.case import Case, dump_case, parse_case
 from strikewave.cases.plausible import PLAUSIBLE
 from strikewave.studies.axes import Axis, units_of
-from strikewave.uncertainty.draws import range_of
+from strikewave.uncertainty.draws import allowed_at, range_of
 from strikewave.uncertainty.known import field_of
 
 Array = NDArray[np.float64]
@@ -25,8 +26,9 @@ off by a unit's prefix, and what is further away is another machine."""
 WIDE = 5.0
 """Half widths of the plausible range within which a field is sought that may be of either sign."""
 ASIDE = ("solver", "recorder", "tap", "mesh", "fem")
-"""Tables that say how a case is solved and looked at, not what is tested; elements are too slow to be fitted by their
-meshes."""
+"""Tables that say how a case is solved and looked at, not what is tested."""
+OF_ELEMENTS = re.compile(r"mesh\.part\..+\.(?:solid|velocity)\..+|fem\.(?:contact|wall)\..+\.friction")
+"""What of elements is fitted: solids, speeds and friction. A size would change the mesh, and the result in steps."""
 MOST = 12
 """Most free fields: each start takes as many runs more, and data that fix a dozen values are rare."""
 
@@ -128,10 +130,13 @@ def _free_field(case: Case, word: str) -> FreeField:
     path, equals, ends = (part.strip() for part in word.partition("="))
     values = case.values()
     if path not in values:
+        if allowed_at(case, path) is not None:
+            hint = f"give it a start: --set {path}=VALUE"
+            raise InputError("--free", path, "a quantity that the case states: the search begins there", hint)
         choice = "" if path not in case.entries() else "; a choice is tried by --try"
         raise InputError("--free", path, f"a quantity of the case{choice}", nearest(path, values))
     value, allowed = values[path], range_of(case, path)
-    if path.partition(".")[0] in ASIDE:
+    if path.partition(".")[0] in ASIDE and not OF_ELEMENTS.fullmatch(path):
         raise InputError("--free", path, f"a quantity of what was tested: [{path.partition('.')[0]}] is none")
     if allowed.unit == "count":
         raise InputError("--free", path, "a quantity that may be any number: this one is counted", "try it by --set")

@@ -7,16 +7,31 @@ from numpy.typing import NDArray
 
 from strikewave.base.result import FAILED, INFO, Notice
 from strikewave.reporting.numbers import percent
+from strikewave.studies.fit.posterior import ENOUGH, LONG, Posterior
 from strikewave.studies.fit.result import FitStudy, combination_words, separating_words, value_words
 
 Array = NDArray[np.float64]
 
+NOT_SAMPLED = Notice("not-sampled", "stopped before the posterior was sampled: intervals are those of least squares")
 MET = 2.0
 """Standard uncertainties of a number within which the fit meets it: 95 %."""
 AT_BOUND = 1e-4
 """Distance from a bound, over the width of the bounds, at which a value stands at it."""
 ALIKE = 0.98
 """Correlation of two values beyond which the report says that they are known together far better than each."""
+
+
+def posterior_notices(posterior: Posterior) -> list[Notice]:
+    """Return what the user should know of a posterior: of chains that are too short to be trusted."""
+    if not posterior.too_short:
+        return []
+    why = "stopped: " if posterior.stopped else ""
+    message = (
+        f"{why}chains of {posterior.steps} steps are too short for an autocorrelation time of {posterior.memory:.3g} "
+        f"steps: about {posterior.independent:.0f} independent draws, {ENOUGH:.0f} and {LONG:.0f} times that are "
+        "needed; ends of its intervals may be off"
+    )
+    return [Notice("chains-too-short", message, posterior.steps / posterior.memory, LONG)]
 
 
 def fit_notices(study: FitStudy) -> list[Notice]:

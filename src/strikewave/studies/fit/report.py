@@ -11,15 +11,20 @@ from strikewave.studies.fit.columns import (
     CHECK_COLUMNS,
     CORRELATION_TITLE,
     PARAMETER_COLUMNS,
+    POSTERIOR_COLUMNS,
+    POSTERIOR_TITLE,
     RESIDUAL_COLUMNS,
     TRIED_COLUMNS,
     check_words,
     correlation_columns,
     correlation_rows,
     fit_words,
+    posterior_words,
     residual_rows,
 )
+from strikewave.studies.fit.corner import corner_figure
 from strikewave.studies.fit.figures import MOST_DRAWN, overlay, profile_figures, values_figure
+from strikewave.studies.fit.posterior import Posterior
 from strikewave.studies.fit.result import FitStudy
 
 
@@ -27,6 +32,7 @@ def fit_report(study: FitStudy) -> str:
     """Return the report of a fit as one HTML page: no script, nothing fetched, the same bytes each time."""
     sections = [
         _values(study),
+        *([_posterior(study, study.posterior)] if study.posterior is not None else []),
         *([_records(study)] if study.pulses else []),
         Section(
             "Residuals",
@@ -58,6 +64,20 @@ def _values(study: FitStudy) -> Section:
     return Section("Fitted values", text, parts)
 
 
+def _posterior(study: FitStudy, posterior: Posterior) -> Section:
+    caption = (
+        "Posterior of each value (median, 95 %) and of each pair (contours of 68 and 95 % of the draws); red: the "
+        "least-squares values."
+    )
+    text = (
+        "Bounds are flat priors on the scale on which each value is searched: the logarithm of stiffnesses, masses and "
+        "other scales. The likelihood has the covariance of the fit, so that colour of the noise, what is left beyond "
+        f"it, and scatter from shot to shot are in it. {posterior_words(posterior)}"
+    )
+    table = page_table(POSTERIOR_TITLE, POSTERIOR_COLUMNS, study.posterior_values())
+    return Section("Posterior", text, [table, Picture(corner_figure(study), caption)])
+
+
 def _shots(study: FitStudy) -> str:
     """Say what is known of the scatter of shots."""
     count = len(set(study.solved.problem.shots()))
@@ -69,7 +89,8 @@ def _shots(study: FitStudy) -> str:
 
 def _records(study: FitStudy) -> Section:
     shown = f" The first {MOST_DRAWN} of {len(study.pulses)} are drawn." if len(study.pulses) > MOST_DRAWN else ""
-    words = f"Records and fitted runs, laid on one another by least squares; below, what is left.{shown}"
+    band = " The band has 95 % of what the posterior and the noise predict." if study.bands else ""
+    words = f"Records and fitted runs, laid on one another by least squares; below, what is left.{band}{shown}"
     return Section("Records", "", [Picture(overlay(study), words)])
 
 

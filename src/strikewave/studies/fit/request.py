@@ -24,6 +24,8 @@ class FitRequest:
         Choices that are fitted each.
     reading : SourceOptions
         How records are read.
+    bayes : bool
+        Whether the posterior is sampled.
     file : str
         The file that states all this; empty where it was typed.
     """
@@ -33,6 +35,7 @@ class FitRequest:
     tries: str = ""
     check_on: tuple[str | Target, ...] = ()
     reading: SourceOptions = field(default_factory=SourceOptions)
+    bayes: bool = False
     file: str = ""
 
     def stated(self, table: str) -> contextlib.AbstractContextManager[None]:

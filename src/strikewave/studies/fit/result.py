@@ -6,7 +6,7 @@ import functools
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any, ClassVar
+from typing import Any, ClassVar, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,12 +21,15 @@ from strikewave.studies.fit.checking import Checks
 from strikewave.studies.fit.estimation import ProfileEnds
 from strikewave.studies.fit.free_fields import FreeField
 from strikewave.studies.fit.measured import LaidPulse, MeasuredNumber, MeasuredPulse
+from strikewave.studies.fit.posterior import SEED, WALKERS, Posterior
 from strikewave.studies.fit.problem import Solved
 from strikewave.studies.fit.separating import SeparatingNumber
 from strikewave.studies.fit.trying import TriedChoice
 
 Array = NDArray[np.float64]
 
+KEPT_DRAWS = 2000
+"""Draws of a posterior that are written: as many as are independent at least."""
 WHOLE_POWER = 5e-3
 """Difference of a power from 1 below which it is not written: slopes know it no better."""
 
@@ -62,6 +65,15 @@ class FittedParameter:
         return math.isfinite(self.standard_error)
 
 
+class PosteriorValue(NamedTuple):
+    """A fitted value with the median and the 95 % interval of its posterior, SI."""
+
+    value: FittedParameter
+    median: float
+    low: float
+    high: float
+
+
 @dataclass(frozen=True, kw_only=True, eq=False)
 class FitStudy(AskedResult):
     """A fitted case; see `fit`, and `Result` for what it shares with others.
@@ -86,6 +98,10 @@ class FitStudy(AskedResult):
         Predictions of what was kept out.
     tries : tuple of TriedChoice
         Choices of a field that were fitted, the best first: that of this case.
+    posterior : Posterior or None
+        Draws of the values, where they were asked for.
+    bands : tuple of (ndarray, ndarray)
+        Ends of the 95 % predictive band of the first ``pulses``, on their samples, SI.
     """
 
     command: ClassVar[str] = "fit"
@@ -99,6 +115,8 @@ class FitStudy(AskedResult):
     separating: tuple[SeparatingNumber, ...] = ()
     checks: Checks | None = None
     tries: tuple[TriedChoice, ...] = ()
+    posterior: Posterior | None = None
+    bands: tuple[tuple[Array, Array], ...] = ()
 
     @property
     def title(self) -> str:
@@ -146,6 +164,9 @@ class FitStudy(AskedResult):
             "iso18571": "1",
             "rms": "1",
             "errors": "1",
+            "median": "as the field",
+            "autocorrelation_time": "1",
+            "accepted": "1",
             "kept_out": "standard deviations of the noise",
         }
 
@@ -190,11 +211,38 @@ class FitStudy(AskedResult):
                 for one, computed in zip(self.numbers, self.computed, strict=True)
             ],
             "tries": [vars(one) for one in self.tries],
+            "posterior": None if self.posterior is None else self._posterior_document(self.posterior),
             "checks": None if self.checks is None else _checks_document(self.checks),
             "other_solutions": [self._values_at(place) for place in self.solved.others],
             "runs": self.solved.runs,
             "stopped": self.solved.stopped,
         }
+
+    def _posterior_document(self, posterior: Posterior) -> dict[str, Any]:
+        """Return the posterior for the JSON document."""
+        return {
+            "parameters": [
+                {"field": one.value.field.path, "median": one.median, "low": one.low, "high": one.high}
+                for one in self.posterior_values()
+            ],
+            "walkers": WALKERS,
+            "steps": posterior.steps,
+            "autocorrelation_time": posterior.memory if math.isfinite(posterior.memory) else None,
+            "independent_draws": posterior.independent,
+            "accepted": posterior.accepted,
+            "too_short": posterior.too_short,
+            "seed": SEED,
+        }
+
+    def posterior_values(self) -> list[PosteriorValue]:
+        """Return median and 95 % interval of each value, SI; none where no posterior was sampled."""
+        if self.posterior is None:
+            return []
+        places = [self.posterior.quantiles(share) for share in (0.5, 0.025, 0.975)]
+        return [
+            PosteriorValue(one, *(one.field.si(float(place[k])) for place in places))
+            for k, one in enumerate(self.parameters)
+        ]
 
     def _values_at(self, place: Array) -> dict[str, float]:
         fields = [one.field for one in self.parameters]
@@ -207,6 +255,13 @@ class FitStudy(AskedResult):
     def tables(self) -> dict[str, str]:
         """Return the values, and record and fitted run over time, as CSV text."""
         tables = {"parameters.csv": csv_table(self.columns())}
+        if self.posterior is not None:
+            draws = np.array(self.posterior.some(KEPT_DRAWS)).T
+            rows = [
+                Column(one.field.path, [one.field.si(float(place)) for place in places], one.field.axis.si_unit or "1")
+                for one, places in zip(self.parameters, draws, strict=True)
+            ]
+            tables["posterior.csv"] = csv_table(rows)
         if not self.pulses:
             return tables
         units = {pulse.unit for pulse, _ in self.pulses}

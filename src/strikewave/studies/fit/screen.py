@@ -19,11 +19,14 @@ from strikewave.studies.fit.columns import (
     CHECK_COLUMNS,
     CORRELATION_TITLE,
     PARAMETER_COLUMNS,
+    POSTERIOR_COLUMNS,
+    POSTERIOR_TITLE,
     RESIDUAL_COLUMNS,
     TRIED_COLUMNS,
     correlation_columns,
     correlation_rows,
     fit_words,
+    posterior_words,
     residual_rows,
 )
 from strikewave.studies.fit.fit_file import load_fit
@@ -34,12 +37,14 @@ from strikewave.studies.fit.targets import parse_targets
 
 MOST_ROWS = 20
 """Residuals that the screen lists: more fill it."""
+SAMPLED = 5000
+"""Runs that a posterior takes, roughly: for the bar alone."""
 EXPECTED = 60
 """Runs that a fit takes for each free field, roughly: for the bar alone."""
 
 
-def run_fit_file(path: str, changes: Sequence[str], output: Output) -> int:
-    """Do the fit of a file, write and print the result, and return the exit code.
+def run_fit_file(path: str, changes: Sequence[str], output: Output, bayes: bool = False) -> int:
+    """Do the fit of a file, with its posterior if asked; write and print it, and return the exit code.
 
     Raises
     ------
@@ -47,8 +52,9 @@ def run_fit_file(path: str, changes: Sequence[str], output: Output) -> int:
         What `load_fit` and `requested` raise, or if the place is taken.
     """
     read = load_fit(path, changes)
-    usual = f"fit-{case_folder(read.path.stem, read.path.read_text('utf-8'), changes)}"
-    return _run(output.tested(read.case), read.request, output, usual, [read.path])
+    usual = f"fit-{case_folder(read.path.stem, read.path.read_text('utf-8-sig'), changes)}"
+    request = dataclasses.replace(read.request, bayes=read.request.bayes or bayes)
+    return _run(output.tested(read.case), request, output, usual, [read.path])
 
 
 def run_fit(case: Case, changes: Sequence[str], request: FitRequest, output: Output) -> int:
@@ -86,7 +92,7 @@ class FitCommand(Command[FitStudy]):
         with progress_bar("fitting") as report:
 
             def advance(runs: int, misfit: float) -> None:
-                whole = EXPECTED * max(len(self.request.free), 2)
+                whole = EXPECTED * max(len(self.request.free), 2) + SAMPLED * self.request.bayes
                 report(min(runs / whole, 0.99), f"{runs} runs, sum of squares {misfit:.4g}")
 
             study = requested(self.case, self.request, advance)
@@ -101,6 +107,9 @@ class FitCommand(Command[FitStudy]):
         print_rows("Fitted values", PARAMETER_COLUMNS, result.parameters)
         if len(result.parameters) > 1:
             print_rows(CORRELATION_TITLE, correlation_columns(result), correlation_rows(result))
+        if result.posterior is not None:
+            print_rows(POSTERIOR_TITLE, POSTERIOR_COLUMNS, result.posterior_values())
+            tell(posterior_words(result.posterior))
         rows = residual_rows(result)
         if len(rows) > MOST_ROWS:
             tell(f"of {len(rows)} residuals the {MOST_ROWS} largest; the report and fit.json have all")
@@ -112,10 +121,14 @@ class FitCommand(Command[FitStudy]):
 
     def draw(self, result: FitStudy, folder: Path) -> list[str]:
         """Write page and picture."""
-        from strikewave.reporting.style import save
+        from strikewave.reporting.style import save, titled
+        from strikewave.studies.fit.corner import corner_figure
         from strikewave.studies.fit.figures import fit_figure
         from strikewave.studies.fit.report import fit_report
 
         save(fit_figure(result), folder / "fit.svg")
         (folder / "report.html").write_text(fit_report(result), "utf-8", newline="\n")
-        return ["report.html", "fit.svg"]
+        if result.posterior is None:
+            return ["report.html", "fit.svg"]
+        save(titled(corner_figure(result), f"Posterior: {result.title}"), folder / "posterior.svg")
+        return ["report.html", "fit.svg", "posterior.svg"]

@@ -21,7 +21,8 @@ from strikewave.studies.fit.fit_file import load_fit
 from strikewave.studies.fit.fitted_case import FittedTo, fitted_case
 from strikewave.studies.fit.free_fields import FreeField, changed_case, free_fields
 from strikewave.studies.fit.measured import LaidPulse, MeasuredNumber, MeasuredPulse
-from strikewave.studies.fit.notices import fit_notices
+from strikewave.studies.fit.notices import NOT_SAMPLED, fit_notices, posterior_notices
+from strikewave.studies.fit.posterior import MOST_BANDS, check_sampler, predictive_bands, sample
 from strikewave.studies.fit.problem import Problem, Solved, solve
 from strikewave.studies.fit.request import FitRequest
 from strikewave.studies.fit.result import FitStudy, FittedParameter
@@ -51,6 +52,7 @@ def fit(
     tries: str = "",
     check_on: Sequence[str] = (),
     reading: SourceOptions | None = None,
+    bayes: bool = False,
     progress: Callable[[int, float], None] | None = None,
 ) -> FitStudy:
     """Fit values of a case to measurements.
@@ -70,6 +72,8 @@ def fit(
         Records and numbers that are kept out, and predicted.
     reading : SourceOptions, optional
         How records are read.
+    bayes : bool, optional
+        Also sample the posterior; needs emcee, ``pip install 'strikewave[bayes]'``.
     progress : callable, optional
         Called with the number of runs, and the smallest sum of squares so far.
 
@@ -87,9 +91,9 @@ def fit(
     0.02
     """
     if isinstance(case, Case):
-        request = FitRequest(tuple(to), tuple(free), tries, tuple(check_on), reading or SourceOptions())
+        request = FitRequest(tuple(to), tuple(free), tries, tuple(check_on), reading or SourceOptions(), bayes)
         return requested(case, request, progress)
-    if to or free or tries or check_on or reading is not None:
+    if to or free or tries or check_on or bayes or reading is not None:
         raise InputError("case", str(case), "the path of a file alone: it states all else", "or a case: load_case(...)")
     read = load_fit(case)
     return requested(read.case, read.request, progress)
@@ -97,8 +101,34 @@ def fit(
 
 def requested(case: Case, request: FitRequest, progress: Callable[[int, float], None] | None = None) -> FitStudy:
     """Return the fit that is asked for; see `fit`."""
-    if not request.tries:
-        return _fit(case, request, progress)
+    if request.bayes:
+        check_sampler()
+    study = _tried(case, request, progress) if request.tries else _fit(case, request, progress)
+    return with_posterior(study, progress) if request.bayes and not study.solved.stopped else study
+
+
+def with_posterior(study: FitStudy, progress: Callable[[int, float], None] | None = None) -> FitStudy:
+    """Return a fit with its posterior sampled."""
+    runs = study.solved.runs
+
+    def advance(more: int, misfit: float) -> None:
+        if progress is not None:
+            progress(runs + more, misfit)
+
+    posterior = sample(study.solved.problem.residuals, study.solved.estimate, advance)
+    if posterior is None:
+        return dataclasses.replace(study, notices=(*study.notices, NOT_SAMPLED))
+    return dataclasses.replace(
+        study,
+        posterior=posterior,
+        bands=tuple(predictive_bands(study.solved, posterior, MOST_BANDS)),
+        citations=(*study.citations, "foreman-mackey-2013", "ribatet-2012"),
+        notices=(*study.notices, *posterior_notices(posterior)),
+    )
+
+
+def _tried(case: Case, request: FitRequest, progress: Callable[[int, float], None] | None) -> FitStudy:
+    """Return the fit of the choice that does best, with all of them."""
     with request.stated("try"):
         changes = read_tries(case, request.tries)
     studies, rows = dict[str, FitStudy](), list[TriedChoice]()
@@ -106,6 +136,8 @@ def requested(case: Case, request: FitRequest, progress: Callable[[int, float], 
         try:
             studies[change] = _fit(changed_case(case, [change]), request, progress)
             rows.append(tried(change, studies[change].solved))
+            if studies[change].solved.stopped:
+                break
         except StrikewaveError as error:
             rows.append(TriedChoice(change, failure=str(error).partition("\n")[0]))
     rows.sort(key=lambda row: row.rank)
@@ -141,9 +173,12 @@ def fitted_study(
     """Return the fit of a case to what was read."""
     problem = Problem(read.experiments, fields)
     solved = solve(problem, progress)
-    found = solved.estimate
-    fields = problem.fields
-    parameters = tuple(_parameter(solved, k, field) for k, field in enumerate(fields))
+    try:
+        parameters, separate = _parameters(solved), separating(solved)
+    except KeyboardInterrupt:  # values and errors are found: profiles and advice are left out
+        solved = dataclasses.replace(solved, stopped=True)
+        parameters, separate = _parameters(solved), []
+    found, fields = solved.estimate, problem.fields
     aside = [change.partition("=")[0].strip() for one in targets for change in one.changes]
     sensors = any("sensor" in one.left for one in targets) or any(
         pulse.part.partition(".")[0] in {sensor.name for sensor in case.sensor} for pulse in read.pulses
@@ -157,7 +192,7 @@ def fitted_study(
         parameters=parameters,
         pulses=tuple(_laid(solved.problem, runs)),
         computed=_computed(solved.problem, runs),
-        separating=tuple(separating(solved)),
+        separating=tuple(separate),
         citations=("liang-zeger-1986", "bell-mccaffrey-2002", "raue-2009"),
     )
     return dataclasses.replace(study, notices=(*fit_notices(study), *read.notices))
@@ -194,6 +229,10 @@ def _computed(problem: Problem, runs: Sequence[Simulation]) -> tuple[float, ...]
         for one in experiment.measured
         if isinstance(one, MeasuredNumber)
     )
+
+
+def _parameters(solved: Solved) -> tuple[FittedParameter, ...]:
+    return tuple(_parameter(solved, k, field) for k, field in enumerate(solved.problem.fields))
 
 
 def _parameter(solved: Solved, k: int, field: FreeField) -> FittedParameter:

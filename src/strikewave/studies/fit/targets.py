@@ -121,14 +121,14 @@ def parse_target(word: str, case: Case) -> Target:
         return _records("", first, tuple(rest))
     if left.split(" ")[0] in number_units(case):
         return Target(left, right, tuple(rest), is_number=True)
-    if not _is_place(right) and re.match(r"[-+.\d]", right):
+    if not _is_place(PLUS_MINUS.split(right)[0]) and re.match(r"[-+.\d]", right):
         checked_number(case, left)
     return _records(left, right, tuple(rest))
 
 
 def _records(part: str, word: str, changes: tuple[str, ...]) -> Target:
     """Return a target of records, with the scatter of their amplitude where it is stated."""
-    name, *scatter = PLUS_MINUS.split(word, maxsplit=1) if not _is_place(word) else [word]
+    name, *scatter = PLUS_MINUS.split(word, maxsplit=1) if not os.path.lexists(word) else [word]
     share = read_share(scatter[0].strip(), f"--to {name}") if scatter else 0.0
     return Target(part, name, changes, scatter=share)
 
@@ -167,6 +167,8 @@ def read_number(case: Case, target: Target) -> MeasuredNumber:
     value = _read(typed, unit, option)
     if value.si == 0.0:
         raise InputError(option, typed, "a number that is not 0", "its uncertainty is a share of it")
+    if value.si < 0.0 and unit == "s":
+        raise InputError(option, typed, "a time above 0")
     share = min(max(LEAST, half_a_digit(value.typed)), MOST)
     size = share * abs(value.si)
     if uncertain:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import dataclasses
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,7 +13,10 @@ from strikewave.base.errors import InputError, IntegrationError, StrikewaveError
 from strikewave.cases.case import Case, parse_case
 from strikewave.machines import Machine
 from strikewave.machines.fast_train import FastTrain, fast_train, why_not
-from strikewave.studies.axes import Axis, case_at
+from strikewave.studies.axes import Axis
+from strikewave.studies.engine.evaluation import Job, Row, RunOutcome
+from strikewave.studies.engine.plan import AxisVariation, grid
+from strikewave.studies.engine.variables import StudyVariable
 from strikewave.studies.map.regimes import CYCLES, FAILED, IRREGULAR, UNKNOWN, Regime, regime_of
 from strikewave.studies.map.return_time import arrivals
 from strikewave.uncertainty.statistics import variation
@@ -62,9 +64,6 @@ HALF, QUARTER = 2, 4
 """A train is looked at in its second half, the first being its transient; where that has no period, in its last
 quarter, which may have settled later."""
 
-_worker: dict[str, Any] = {}
-"""Plan and case of the map that this process was made ready for: sent once, not with each row."""
-
 
 @dataclass(frozen=True)
 class MapPlan:
@@ -92,6 +91,18 @@ class MapPlan:
         """Panels, rows (y) and columns (x)."""
         sizes = [len(axis.values) for axis in self.axes]
         return (sizes[2] if len(sizes) > 2 else 1, sizes[1], sizes[0])
+
+    @property
+    def job(self) -> Job:
+        """What is run of each cell."""
+        variables = tuple(StudyVariable(axis) for axis in self.axes)
+        variation = AxisVariation(variables, NOTE, {(): parse_case(self.case)})
+        return Job(variation, CellEvaluation(self.blows, self.train))
+
+    @property
+    def rows(self) -> list[Row]:
+        """The cells, x fastest, then y, then panels."""
+        return grid([StudyVariable(axis) for axis in self.axes])
 
 
 def machine_of(case: Case) -> Machine:
@@ -199,17 +210,18 @@ def _largest(values: Array) -> float:
     return float(known.max()) if known.size else float("nan")
 
 
-def start_worker(plan: MapPlan) -> None:
-    """Make a process ready for rows of a map."""
-    _worker["plan"], _worker["case"] = plan, parse_case(plan.case)
+@dataclass(frozen=True)
+class CellEvaluation:
+    """What is kept of a cell; see `MapPlan` for blows and train."""
 
+    blows: int
+    train: int
 
-def row_of(row: int) -> Array:
-    """Return one row of the map that the worker was made ready for, shape (columns, fields); panels come first."""
-    plan, case = _worker["plan"], _worker["case"]
-    _, rows, _ = plan.shape
-    rest = [plan.axes[1].values[row % rows]]
-    if len(plan.axes) > 2:
-        rest.append(plan.axes[2].values[row // rows])
-    cells = [cell_of(case_at(case, plan.axes, (x, *rest), NOTE), plan.blows, plan.train) for x in plan.axes[0].values]
-    return np.array(cells)
+    @property
+    def names(self) -> tuple[str, ...]:
+        """The fields of a cell."""
+        return tuple(FIELDS)
+
+    def __call__(self, case: Case) -> RunOutcome:
+        """Return what the blows of a case come to: a cell without a result has its reason as a number."""
+        return RunOutcome(tuple(cell_of(case, self.blows, self.train).tolist()))

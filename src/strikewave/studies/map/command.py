@@ -73,7 +73,7 @@ def command(
     workers: Annotated[
         int, typer.Option("--workers", metavar="COUNT", min=1, max=256, help="Processes, one a core at most.")
     ] = 2,
-    fresh: Annotated[bool, typer.Option("--fresh", help="Run the finished rows of a stopped map again.")] = False,
+    fresh: Annotated[bool, typer.Option("--fresh", help="Run the finished cells of a stopped map again.")] = False,
     changes: Changes = None,
     output: Output,
 ) -> int:

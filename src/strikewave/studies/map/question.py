@@ -71,7 +71,8 @@ def map(
     (1, 2, 2)
     """
     plan = plan_of(case, axes_of(case, (x, y, panels), points, log), blows, train)
-    return make_map(plan, want_cv, workers, progress=progress)
+    advance = None if progress is None else (lambda done: progress(done.share))
+    return make_map(plan, want_cv, workers, progress=advance)
 
 
 def axes_of(

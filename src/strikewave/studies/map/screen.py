@@ -1,4 +1,4 @@
-"""A map as a command: run its rows, print, draw."""
+"""A map as a command: run its cells, print, draw."""
 
 from __future__ import annotations
 
@@ -15,9 +15,10 @@ from strikewave.reporting.measured_files import asked
 from strikewave.reporting.options import Output
 from strikewave.reporting.run_and_write import Command, case_folder, run_and_write
 from strikewave.reporting.terminal import print_rows, progress_bar, say, table, tell
+from strikewave.studies.engine.runner import StudyProgress, finished_before
+from strikewave.studies.engine.store import RunStore, runs_beside
 from strikewave.studies.map.cells import MapPlan
 from strikewave.studies.map.columns import at_words, setting_columns, setting_rows
-from strikewave.studies.map.store import Store, rows_beside
 from strikewave.studies.map.study import MapStudy, make_map, marked_text
 
 
@@ -50,7 +51,7 @@ class MapCommand(Command[MapStudy]):
     colour : str
         What the picture shows.
     fresh : bool
-        Whether finished rows of a stopped map are run anew.
+        Whether finished cells of a stopped map are run anew.
     """
 
     indent: ClassVar[int | None] = None
@@ -61,27 +62,39 @@ class MapCommand(Command[MapStudy]):
     seconds: float
     colour: str
     fresh: bool
-    store: Store | None = field(default=None, init=False)
+    store: RunStore | None = field(default=None, init=False)
 
     @contextlib.contextmanager
     def under_way(self, folder: Path) -> Iterator[None]:
-        """Keep finished rows beside the folder until all is written."""
-        self.store = Store(self.plan, rows_beside(folder.absolute()), self.fresh)
-        yield
-        self.store.remove()
+        """Keep finished cells beside the folder until all is written."""
+        self.store = RunStore(runs_beside(folder.absolute()), self.fresh)
+        with self.store:
+            yield
+            self.store.remove()
 
     def solve(self) -> MapStudy:
-        """Return the map, with a bar on stderr; where it is stopped, finished rows are kept, and said to be."""
-        store = self.store or Store(self.plan, None, self.fresh)
-        say(_words(self.plan, self.seconds, store))
+        """Return the map, with a bar on stderr; where it is stopped, finished cells are kept, and said to be."""
+        if self.store is not None:
+            return self._solved(self.store)
+        with RunStore(None) as store:
+            return self._solved(store)
+
+    def _solved(self, store: RunStore) -> MapStudy:
+        rows = self.plan.rows
+        done = finished_before(self.plan.job, rows, store)
+        say(_words(self.plan, self.seconds, done))
+
+        def advance(now: StudyProgress) -> None:
+            nonlocal done
+            done = now.done
+            report(now.share, now.words)
+
         try:
-            with progress_bar("map", float(store.done.mean()), ("left",)) as report:
-                study = make_map(self.plan, self.wanted, self.workers, store, report)
+            with progress_bar("map", done / len(rows), ("left",)) as report:
+                study = make_map(self.plan, self.wanted, self.workers, store, advance)
         except KeyboardInterrupt as stop:
-            resumption = (
-                f"{store.done.sum()} of {store.done.size} rows are kept in {store.path}: the same command goes on there"
-            )
-            say("stopped; " + (resumption if store.path is not None and store.done.any() else "nothing was written"))
+            kept = f"{done} of {len(rows)} cells are kept in {store.folder}: the same command goes on there"
+            say("stopped; " + (kept if self.store is not None and done else "nothing was written"))
             raise SystemExit(exit_code(stop)) from None
         return dataclasses.replace(study, asked=asked())
 
@@ -108,12 +121,13 @@ class MapCommand(Command[MapStudy]):
         return ["report.html", "map.svg", "map.png"]
 
 
-def _words(plan: MapPlan, seconds: float, store: Store) -> str:
+def _words(plan: MapPlan, seconds: float, done: int) -> str:
     """Return what is about to be run, in words."""
     panels, rows, columns = plan.shape
     size = f"{columns} x {rows}" + (f" x {panels}" if panels > 1 else "")
-    left = 1.0 - float(store.done.mean())
-    stored = f", {store.done.sum()} of {store.done.size} rows are there already" if store.done.any() else ""
+    cells = panels * rows * columns
+    left = 1.0 - done / cells
+    stored = f", {done} of {cells} cells are there already" if done else ""
     trains = f" and trains of {plan.train}" if plan.train else ""
     return f"{size} machines, {plan.blows} blows{trains}: about {max(left * seconds, 1.0):.0f} s on free cores{stored}"
 

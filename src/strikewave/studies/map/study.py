@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import dataclasses
 import hashlib
 import math
@@ -24,6 +25,9 @@ from strikewave.reporting.numbers import percent
 from strikewave.reporting.shown_result import ShownResult
 from strikewave.studies.accuracy import RUN_TOLERANCE
 from strikewave.studies.axes import HALF_TO_TWICE, Axis, case_at
+from strikewave.studies.engine.pools import ProcessPool
+from strikewave.studies.engine.runner import StudyProgress, carry_out
+from strikewave.studies.engine.store import RunStore
 from strikewave.studies.map.cells import (
     FIELDS,
     NOTE,
@@ -32,13 +36,9 @@ from strikewave.studies.map.cells import (
     MapPlan,
     cell_of,
     machine_of,
-    row_of,
-    start_worker,
 )
 from strikewave.studies.map.defaults import TRAIN
 from strikewave.studies.map.regimes import NAMES
-from strikewave.studies.map.store import Store
-from strikewave.studies.workers import Workers
 from strikewave.uncertainty.statistics import variation
 
 Array = NDArray[np.float64]
@@ -372,8 +372,8 @@ def make_map(
     plan: MapPlan,
     wanted: float,
     workers: int = 1,
-    store: Store | None = None,
-    progress: Callable[[float], None] | None = None,
+    store: RunStore | None = None,
+    progress: Callable[[StudyProgress], None] | None = None,
 ) -> MapStudy:
     """Make a map: every cell run fast, and the nearest even setting tried in full.
 
@@ -385,10 +385,10 @@ def make_map(
         Coefficient of variation below which blows count as even.
     workers : int, optional
         Processes.
-    store : Store, optional
-        Finished rows; what it holds is not run again.
+    store : RunStore, optional
+        Finished cells; what it holds is not run again.
     progress : callable, optional
-        Called with the share done, 0 to 1.
+        Called as cells come back.
 
     Raises
     ------
@@ -400,15 +400,11 @@ def make_map(
     check_plan(plan, workers)
     case = parse_case(plan.case)
     machine_of(case)
-    rows = Store(plan, None) if store is None else store
     present = dict(zip(FIELDS, cell_of(case, plan.blows, plan.train).tolist(), strict=True))
-    todo = [int(row) for row in np.flatnonzero(~rows.done)]
-    with Workers(min(workers, len(todo)), start_worker, (plan,)) as pool:
-        for row, cells in pool.as_finished(row_of, todo):
-            rows.keep(row, cells)
-            if progress is not None:
-                progress(float(rows.done.mean()))
-    study = MapStudy(plan, rows.data.reshape(*plan.shape, len(FIELDS)), wanted, present)
+    with contextlib.nullcontext(store) if store is not None else RunStore(None) as kept:
+        finished = carry_out(plan.job, plan.rows, kept, ProcessPool(workers), progress)
+        cells, _, _ = kept.table(tuple(FIELDS), finished.keys)
+    study = MapStudy(plan, cells.reshape(*plan.shape, len(FIELDS)), wanted, present)
     setting, refused = confirmed(study)
     study = dataclasses.replace(study, setting=setting, refused=refused)
     return dataclasses.replace(study, notices=tuple(range_notices(study)))

@@ -15,6 +15,7 @@ from strikewave.cases.case import SCHEMA, Case, bundled_cases, load_case, read_c
 from strikewave.cases.paths import Form
 from strikewave.cases.tables import CaseTable
 from strikewave.studies.engine.plan import GRID
+from strikewave.studies.stated import Settings, case_place, states_a_study
 from strikewave.studies.sweep.question import plan_of
 from strikewave.studies.sweep.study import SweepPlan
 
@@ -24,7 +25,7 @@ class SweepFile(CaseTable):
 
     schema_version: int = Field(alias="schema")
     case: str
-    changes: tuple[str, ...] = Field(default=(), alias="set")
+    set: Settings = ()
     vary: dict[str, Any] = Field(default_factory=dict)
     keep: tuple[str, ...] = ()
     analysis: str = ""
@@ -92,7 +93,7 @@ def read_request(name: str, changes: Sequence[str], typed: SweepRequest) -> Swee
     """
     text, _ = read_case_text(name)
     document = _document(text)
-    if name in bundled_cases() or "vary" not in document:
+    if name in bundled_cases() or not states_a_study(document, ("vary",)):
         return replace(typed, changes=tuple(changes), case=load_case(name, changes))
     try:
         file = SweepFile.model_validate(document)
@@ -100,9 +101,8 @@ def read_request(name: str, changes: Sequence[str], typed: SweepRequest) -> Swee
         raise InputErrors(FORM.lines(error)) from None
     if file.schema_version != SCHEMA:
         raise InputError("schema", file.schema_version, f"schema = {SCHEMA}")
-    whole = (*file.changes, *changes)
-    beside = Path(name).parent / file.case
-    case = load_case(str(beside) if beside.exists() and file.case not in bundled_cases() else file.case, whole)
+    whole = (*file.set, *changes)
+    case = load_case(case_place(file.case, Path(name).parent), whole)
     return SweepRequest(
         vary=typed.vary or tuple(varied_texts(file.vary)),
         keep=typed.keep or file.keep,

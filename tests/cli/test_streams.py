@@ -1,0 +1,55 @@
+"""What is printed where nobody takes it: a full disk, a closed stream, a reader that has seen enough; and Ctrl-C."""
+
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+IMPACT = ("impact", "--stiffness", "4.7e9", "--exponent", "1.5", "-e", "0.5", "--m1", "1", "--m2", "2", "--speed", "1")
+
+
+def shell(line, environment):
+    words = f'"{sys.executable}" -m strikewave'
+    return subprocess.run(
+        line.replace("strikewave", words), check=False, shell=True, env=environment, capture_output=True, text=True
+    )
+
+
+@pytest.mark.skipif(not Path("/dev/full").exists(), reason="a disk without room, of Linux")
+def test_a_full_disk_under_stdout_is_one_line(environment):
+    done = shell("strikewave materials > /dev/full", environment)
+    assert done.returncode == 2
+    assert done.stderr == "the system refused what was to be printed or written: No space left on device\n"
+
+
+def test_closed_streams_are_no_fault(environment):
+    done = shell("strikewave materials <&- >&-", environment)
+    assert (done.returncode, done.stderr) == (0, "")
+
+
+def test_a_reader_that_has_seen_enough_ends_it_quietly(environment):
+    done = shell("strikewave materials --json | head -1", environment)
+    assert done.stdout.startswith("{\n")
+    assert done.stderr == ""
+
+
+def test_ctrl_c_after_the_result_says_that_it_is_whole(strikewave, monkeypatch):
+    def stopped(*_):
+        raise KeyboardInterrupt
+
+    with monkeypatch.context() as patch:
+        patch.setattr("strikewave.reporting.run_and_write.print_result", stopped)
+        assert strikewave(*IMPACT, "--out", "x") == (130, "", "stopped; the result is whole: x\n")
+    assert Path("x/impact.json").is_file()
+    with monkeypatch.context() as patch:
+        patch.setattr("strikewave.reporting.run_and_write.write_files", stopped)
+        assert strikewave(*IMPACT, "--out", "y") == (130, "", "stopped; nothing was written\n")
+    assert [path.name for path in Path().iterdir()] == ["x"]
+
+
+def test_a_case_that_begins_with_a_byte_order_mark_is_read(strikewave):
+    """As an editor of Windows saves it."""
+    assert strikewave("new", "a.toml")[0] == 0
+    Path("a.toml").write_bytes(b"\xef\xbb\xbf" + Path("a.toml").read_bytes())
+    assert strikewave("validate", "a.toml")[0] == 0

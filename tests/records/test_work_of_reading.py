@@ -1,0 +1,95 @@
+"""A file of twice the size takes twice the work: no small one keeps a program busy for minutes, or takes gigabytes."""
+
+import tracemalloc
+
+import numpy as np
+import pytest
+
+from strikewave.base.errors import InputError
+from strikewave.records.pulses import Baseline, find_boxes
+from strikewave.records.readers import Options, common, read_record, tdms
+from strikewave.records.readers.common import ArrayColumn, assemble, one_each
+
+from ..counted_work import lines_run
+
+LINEAR = 2.3
+"""Most that twice as much may take of the work: 2 but for what a file costs by itself; what is quadratic takes 4."""
+
+
+def write_csv(path, columns):
+    rows = [",".join(f"{row + 1e-3 * k:.3f}" for k in range(columns)) for row in range(6)]
+    path.write_text("\n".join(rows) + "\n")
+
+
+def write_parquet(path, columns):
+    import pyarrow as pa
+    import pyarrow.parquet as pq
+
+    pq.write_table(pa.table({f"column {k}": np.arange(6.0) for k in range(columns)}), path)
+
+
+@pytest.mark.parametrize("write", [write_csv, write_parquet])
+def test_work_grows_with_the_number_of_columns(tmp_path, write):
+    lines, bytes_held = [], []
+    for columns in (8, 200, 400):  # the first one imports what is needed
+        path = tmp_path / f"{columns} columns"
+        write(path, columns)
+        lines.append(lines_run(read_record, path))
+        tracemalloc.start()
+        read_record(path)
+        bytes_held.append(tracemalloc.get_traced_memory()[1])
+        tracemalloc.stop()
+    assert lines[2] / lines[1] < LINEAR
+    assert bytes_held[2] / bytes_held[1] < LINEAR
+
+
+@pytest.mark.parametrize("name", ["a", "time"])
+def test_work_grows_with_the_number_of_arrays_of_one_name(tmp_path, name):
+    def arrays(count):
+        named = [ArrayColumn(name, 6, lambda: np.arange(6.0), folder=f"{k}/") for k in range(count)]
+        return [*named, ArrayColumn("b", 6, lambda: np.arange(6.0), step=1e-6, folder="0/")]
+
+    lines = [lines_run(assemble, tmp_path, "any", arrays(count), Options()) for count in (200, 400)]
+    assert lines[1] / lines[0] < LINEAR
+
+
+def test_names_that_come_again_get_the_first_number_that_is_free():
+    assert one_each(["a", "a (2)", "a", "a", "a (2)"]) == ["a", "a (2)", "a (3)", "a (4)", "a (2) (2)"]
+
+
+def test_parquet_of_too_many_columns_is_refused_before_one_is_looked_at(tmp_path, monkeypatch):
+    monkeypatch.setattr(common, "MOST_ARRAYS", 5)
+    monkeypatch.setattr("strikewave.records.readers.parquet._numeric", None)
+    write_parquet(tmp_path / "wide", 6)
+    with pytest.raises(InputError, match="a file with at most 5 arrays"):
+        read_record(tmp_path / "wide")
+
+
+def test_tdms_of_many_segments_is_read_within_limits(tmp_path, monkeypatch):
+    """Its first segments alone are counted; what is read is the same either way."""
+    nptdms = pytest.importorskip("nptdms")
+    with nptdms.TdmsWriter(str(tmp_path / "many")) as file:
+        for k in range(12):
+            file.write_segment([nptdms.ChannelObject("g", "b", np.arange(5.0) + k, {"wf_increment": 1e-6})])
+    whole = read_record(tmp_path / "many").channels[0].values
+    asked = []
+    monkeypatch.setattr(tdms, "isolated", lambda *words: asked.append(words[0]) or tdms.parse(*words[1:]))
+    for most, in_child in ((13, []), (12, []), (11, ["tdms"]), (1, ["tdms"])):
+        asked.clear()
+        monkeypatch.setattr(tdms, "MANY_SEGMENTS", most)
+        assert np.array_equal(read_record(tmp_path / "many").channels[0].values, whole)
+        assert asked == in_child
+
+
+def test_work_grows_with_the_number_of_blows():
+    def spikes(count):
+        values = np.random.default_rng(1).normal(size=600 * count)
+        for k in range(count):
+            values[600 * k + 200 : 600 * k + 240] += 500.0 * np.sin(np.linspace(0.0, np.pi, 40))
+        return values
+
+    def found(values):
+        assert len(find_boxes(values, Baseline(0.0, 0.0), 1.0)[1]) == values.size // 600
+
+    lines = [lines_run(found, spikes(count)) for count in (50, 100, 200)]
+    assert lines[2] / lines[1] < LINEAR

@@ -1,0 +1,156 @@
+"""The sampled posterior against closed forms: normal, Student's t, truncated by bounds, and along what is not known."""
+
+import json
+import sys
+from xml.etree import ElementTree
+
+import numpy as np
+import pytest
+from scipy.stats import norm, t, truncnorm
+
+from strikewave import load_case
+from strikewave.base.errors import InputError
+from strikewave.studies.fit.covariance import Estimate
+from strikewave.studies.fit.posterior import LONG, WALKERS, Posterior, sample
+from strikewave.studies.fit.study import fit
+
+SLOPES = np.array([[40.0, 5.0], [-12.0, 30.0], [8.0, 25.0], [20.0, -9.0]])
+BEST = np.array([0.45, 0.55])
+
+
+def residuals(place):
+    """A linear model whose best place leaves nothing."""
+    return SLOPES @ (place - BEST)
+
+
+def linear(covariance=None, reach=1.96):
+    covariance = np.linalg.inv(SLOPES.T @ SLOPES) if covariance is None else covariance
+    return Estimate(BEST, residuals(BEST), SLOPES, covariance, np.zeros((2, 0)), np.full(2, reach))
+
+
+def errors_of(posterior):
+    """Monte Carlo error of a quantile, in standard deviations: of 2.5 % it is sqrt(p (1 - p)/n) over the density there."""
+    return np.sqrt(0.025 * 0.975 / posterior.independent) / norm.pdf(1.96)
+
+
+@pytest.mark.parametrize("reach", [1.96, t.ppf(0.975, 6.0)])
+@pytest.mark.parametrize("scale", [1.0, 3.0])
+def test_the_posterior_of_a_linear_model_is_that_of_the_closed_form(reach, scale):
+    """Normal with the 95 % of the fit, Student's t or not, also where its covariance is not 1/J'J: within 4 errors of chance."""
+    shape = np.array([[scale, 0.3], [0.3, 1.0]])
+    root = np.linalg.inv(SLOPES.T @ SLOPES)
+    found = linear(shape @ root @ shape.T, reach)
+    posterior = sample(residuals, found)
+    assert not posterior.too_short
+    assert posterior.steps >= LONG * posterior.memory
+    deviations, chance = np.sqrt(np.diag(found.covariance)), errors_of(posterior)
+    assert posterior.quantiles(0.5) == pytest.approx(BEST, abs=4.0 * chance * deviations.max() * reach / 1.96)
+    for side, share in ((-1.0, 0.025), (1.0, 0.975)):
+        apart = (posterior.quantiles(share) - BEST) / deviations
+        assert apart == pytest.approx(np.full(2, side * reach), abs=4.0 * chance * reach / 1.96)
+    expected = found.covariance[0, 1] / np.prod(deviations)
+    assert np.corrcoef(posterior.draws.T)[0, 1] == pytest.approx(expected, abs=4.0 / np.sqrt(posterior.independent))
+
+
+def test_bounds_cut_the_posterior_off():
+    """A best place at a bound: half a normal distribution."""
+    slope, best = np.array([[20.0]]), np.array([0.0])
+    found = Estimate(best, np.zeros(1), slope, np.array([[1.0 / 400.0]]), np.zeros((1, 0)), np.full(1, 1.96))
+    posterior = sample(lambda place: slope @ (place - best), found)
+    assert posterior.draws.min() >= 0.0
+    half = truncnorm(0.0, np.inf, scale=0.05)
+    assert posterior.quantiles(0.975)[0] == pytest.approx(half.ppf(0.975), abs=4.0 * 0.05 * errors_of(posterior))
+    assert posterior.quantiles(0.5)[0] == pytest.approx(half.ppf(0.5), abs=4.0 * 0.05 * errors_of(posterior))
+
+
+@pytest.mark.verify
+def test_what_is_not_determined_is_as_likely_as_its_prior():
+    """Only the sum of two places is known: each is even over the bounds, but where the other would lie beyond."""
+    slopes = np.array([[60.0, 60.0]])
+    best, along = np.array([0.5, 0.5]), np.array([[np.sqrt(0.5)], [-np.sqrt(0.5)]])
+    across = np.full((2, 2), 0.5) / (2.0 * 3600.0)
+    found = Estimate(best, np.zeros(1), slopes, across, along, np.full(2, 1.96))
+    posterior = sample(lambda place: slopes @ (place - best), found)
+    assert np.sum(posterior.draws, axis=1).std() == pytest.approx(1.0 / 60.0, rel=0.1)
+    for share in (0.025, 0.25, 0.75):  # four errors of chance of a share
+        chance = 4.0 * np.sqrt(share * (1.0 - share) / posterior.independent)
+        assert posterior.quantiles(share)[0] == pytest.approx(share, abs=chance + 0.01)
+
+
+def test_chains_are_the_same_bit_for_bit_and_short_ones_are_told(monkeypatch):
+    monkeypatch.setattr("strikewave.studies.fit.posterior.MOST_RUNS", 50 * WALKERS)
+    first, second, other = (sample(residuals, linear(), seed=seed) for seed in (1, 1, 2))
+    assert first.too_short
+    assert np.array_equal(first.draws, second.draws)
+    assert not np.array_equal(first.draws[:50], other.draws[:50])
+    assert Posterior(first.draws, 100, 10.0, 0.5, 1).too_short
+
+
+def test_an_interrupt_keeps_the_chains_so_far():
+    def interrupt(runs, misfit):
+        if runs > 2000:
+            raise KeyboardInterrupt
+
+    posterior = sample(residuals, linear(), interrupt)
+    assert posterior.stopped
+    assert posterior.too_short
+    assert sample(residuals, linear(), lambda runs, _: interrupt(2000 + runs, 0.0) if runs > 40 else None) is None
+
+
+def test_without_the_extra_one_line_says_what_to_install(monkeypatch):
+    monkeypatch.setitem(sys.modules, "emcee", None)
+    with pytest.raises(InputError) as error:
+        fit(load_case("li-ma-2019"), bayes=True)
+    assert str(error.value) == "--bayes: missing; needed: emcee; pip install 'strikewave[bayes]'"
+
+
+@pytest.mark.verify
+def test_intervals_of_a_planted_drop_are_those_of_least_squares(tmp_path, strikewave, monkeypatch):
+    """A record of 1 % of white noise: 95 % intervals within 15 % of those of the standard errors, medians within one.
+
+    Of 800 independent draws, of which 2000 are usual, an interval is good to 4 %.
+    """
+    monkeypatch.setattr("strikewave.studies.fit.posterior.LONG", 25.0)
+    monkeypatch.setattr("strikewave.studies.fit.posterior.ENOUGH", 800.0)
+    from .test_fit import DROP, FIELDS, write_record
+
+    truth = load_case(DROP, ["contact.reference_force=900 kN", "contact.restitution=0.72"])
+    record = write_record(tmp_path / "a.csv", truth, 0)
+    free = [word for path in FIELDS for word in ("--free", path)]
+    words = ("fit", DROP, "--set", "contact.restitution=0.6", "--to", record, *free, "--bayes", "--out", "written")
+    assert strikewave(*words)[0] == 0
+    document = json.loads((tmp_path / "written" / "fit.json").read_text())
+    assert not document["posterior"]["too_short"]
+    for one, fitted in zip(document["posterior"]["parameters"], document["parameters"], strict=True):
+        assert one["high"] - one["low"] == pytest.approx(fitted["high"] - fitted["low"], rel=0.15)
+        assert abs(one["median"] - fitted["value"]) < fitted["standard_error"]
+    page = (tmp_path / "written" / "report.html").read_text()
+    assert "Posterior beside least squares" in page
+    assert (tmp_path / "written" / "posterior.svg").is_file()
+    assert len((tmp_path / "written" / "posterior.csv").read_text().splitlines()) > 800
+
+
+def test_a_posterior_of_numbers_has_its_pictures_and_tables(monkeypatch, tmp_path, strikewave):
+    """Two numbers, two fields, chains cut short: it is said, and written whole."""
+    monkeypatch.setattr("strikewave.studies.fit.posterior.MOST_RUNS", 25 * WALKERS)
+    monkeypatch.setattr("strikewave.studies.simulation.Simulation.number", _closed_form)
+    to = ["--to", "first.rigid_peak=1500 g +- 1 %", "--to", "first.width=450 us +- 2 %", "--out", "written"]
+    free = ["--free", "contact.reference_force", "--free", "contact.restitution"]
+    code, out, err = strikewave("fit", "jesd22-b111-b", "--set", "contact.restitution=0.65", *to, *free, "--bayes")
+    assert code == 0, err
+    assert "Posterior beside least squares" in out
+    assert "chains of 25 steps are too short" in err
+    found = ElementTree.parse(tmp_path / "written" / "posterior.svg").getroot()
+    assert found.tag.endswith("svg")
+    document = json.loads((tmp_path / "written" / "fit.json").read_text())
+    assert document["posterior"]["too_short"]
+    assert document["posterior"]["seed"] == 20
+
+
+def _closed_form(self, name, sensor=""):
+    """Stand for the run: a spring and a loss, both in each number."""
+    force = self.case.contact.reference_force.si / 789.6e3
+    loss = self.case.contact.restitution.si
+    return {"first.rigid_peak": 14700.0 * force**0.5 * (1.2 - 0.3 * loss), "first.width": 450e-6 * (0.6 + 0.6 * loss)}[
+        name
+    ]
