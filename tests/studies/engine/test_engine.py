@@ -12,10 +12,11 @@ from hypothesis import strategies as st
 
 from strikewave import load_case
 from strikewave.base.errors import InputError, StrikewaveError
+from strikewave.cases.case import bundled_cases
 from strikewave.studies.engine import store as stores
 from strikewave.studies.engine.case_evaluation import CaseEvaluation, read_kept
 from strikewave.studies.engine.evaluation import Job, KeptHistory, RunOutcome
-from strikewave.studies.engine.plan import drawn_rows, filled, grid, sobol_sequence, varied
+from strikewave.studies.engine.plan import DrawVariation, drawn_rows, filled, grid, sobol_sequence, varied
 from strikewave.studies.engine.pools import GivenPool, ProcessPool
 from strikewave.studies.engine.runner import MOST_DEATHS, carry_out
 from strikewave.studies.engine.store import APPLICATION, INDEX, RunStore, run_key
@@ -46,7 +47,8 @@ def speeds(*values):
 
 def run(store, *values, pool=None, job=None):
     made, rows = speeds(*values)
-    found = carry_out(job or made, rows, store, ProcessPool(1) if pool is None else pool)
+    with ProcessPool(1) if pool is None else pool as ready:
+        found = carry_out(job or made, rows, store, ready)
     return found, store.table(("speed", "twice"), found.keys)
 
 
@@ -70,6 +72,17 @@ def test_what_is_finished_is_not_run_again_whatever_the_order(tmp_path):
         assert numbers[:, 0][[0, 1, 3]].tolist() == [40.0, 50.0, 70.0]
         assert failures[2]
         assert len(store.known()) == 4
+
+
+def test_equal_rows_are_run_once_and_all_have_their_numbers():
+    job, _ = speeds(50)
+    with RunStore(None) as store, ProcessPool(1) as pool:
+        found = carry_out(job, [(70.0,), (80.0,), (70.0,), (60.0,), (70.0,)], store, pool)
+        numbers, failures, _ = store.table(("speed",), found.keys)
+        assert len(store.known()) == 3
+    assert numbers[:, 0].tolist()[:3] == [70.0, 80.0, 70.0]
+    assert numbers[4, 0] == 70.0
+    assert [bool(failure) for failure in failures] == [False, False, False, True, False]
 
 
 def test_histories_come_back_as_they_were_from_index_and_files(tmp_path, monkeypatch):
@@ -216,6 +229,30 @@ def test_the_key_holds_case_evaluation_version_and_files(monkeypatch, tmp_path):
     assert run_key(bar, one) != with_file
     monkeypatch.setattr(stores, "program_key", lambda: "another version")
     assert run_key(CASE, one) != key
+
+
+@pytest.mark.parametrize("name", bundled_cases())
+def test_every_quantity_of_every_built_in_case_tells_its_runs_apart(name):
+    """One that is left out of the key would take the result of another run for its own."""
+    case, one = load_case(name), CaseEvaluation("run", ("cv",))
+    values = case.values()
+    keys = {
+        run_key(case.with_values({path: value.model_copy(update={"si": value.si + 1.0})}), one)
+        for path, value in values.items()
+    }
+    assert len({*keys, run_key(case, one)}) == len(values) + 1
+
+
+def test_what_is_drawn_of_single_strikers_tells_runs_apart():
+    case, one = load_case("li-ma-2019-equal-blows"), CaseEvaluation("run", ("cv",))
+    inputs = tolerances_of(case)
+    middle = [value.value.si for value in inputs for _ in range(value.count)]
+    rows = [
+        tuple(middle),
+        *(tuple(v + (1e-9 * abs(v) + 1e-12) * (k == j) for j, v in enumerate(middle)) for k in range(len(middle))),
+    ]
+    variation = DrawVariation(case, inputs)
+    assert len({run_key(variation.case_of(row), one) for row in rows}) == len(rows)
 
 
 @dataclass

@@ -77,6 +77,13 @@ def test_a_run_that_fails_is_a_row_with_its_reason_and_a_mark():
     assert next(iter(study.reasons)) in unescape(sweep_report(study))
 
 
+def test_numbers_without_a_unit_are_written_without_one():
+    study = sweep(ONE, {"contact.restitution": [0.5]}, analysis="fast", keep=["count", "first.rigid_peak"])
+    assert study.plan.kept[0].words(3.0) == "3"
+    assert study.at(0) == "contact.restitution = 0.5"
+    assert study.plan.words == "one run (fast), grid, over contact.restitution"
+
+
 def test_main_effects_of_a_known_function():
     """y = 2 a + b over a full grid of -1, 0, 1: variances 4, 1 of 5, and a a b adds nothing to either mean."""
     a, b = (axis.ravel() for axis in np.meshgrid([-1.0, 0.0, 1.0], [-1.0, 0.0, 1.0]))

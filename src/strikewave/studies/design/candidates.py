@@ -15,7 +15,7 @@ from strikewave.studies.design.search import DesignRuns
 from strikewave.studies.engine.evaluation import Job, Row
 from strikewave.studies.engine.plan import DrawVariation, drawn_rows
 from strikewave.studies.engine.pools import Pool
-from strikewave.studies.engine.runner import carry_on
+from strikewave.studies.engine.runner import carry_out
 from strikewave.studies.engine.store import RunStore
 from strikewave.uncertainty.draws import tolerances_of
 
@@ -128,7 +128,7 @@ def verified(plan: DesignPlan, rows: Sequence[Row], store: RunStore, pool: Pool)
     if plan.verifying is None:
         return None, [""] * len(rows)
     better, _ = plan.verifying
-    finished = carry_on(better.job, rows, store, pool)
+    finished = carry_out(better.job, rows, store, pool)
     numbers, failures, _ = store.table(better.evaluation.names, finished.keys)
     margins = np.full((len(rows), len(plan.goals)), np.nan)
     shares = shares_of(better.goals, better.evaluation.names, numbers)
@@ -152,7 +152,7 @@ def robustness_of(plan: DesignPlan, row: Row, store: RunStore, pool: Pool) -> Ro
     case = plan.case_of(row)
     inputs = tolerances_of(case)
     drawn = drawn_rows(inputs, plan.robust, plan.seed)
-    finished = carry_on(Job(DrawVariation(case, inputs), plan.evaluation), drawn, store, pool)
+    finished = carry_out(Job(DrawVariation(case, inputs), plan.evaluation), drawn, store, pool)
     numbers, _, _ = store.table(plan.evaluation.names, finished.keys)
     least = shares_of(plan.goals, plan.evaluation.names, numbers).min(axis=1, initial=math.inf)
     met = int(np.sum(least >= 0.0))

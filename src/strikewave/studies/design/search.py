@@ -20,7 +20,7 @@ from strikewave.studies.design.plan import DesignPlan
 from strikewave.studies.engine.evaluation import Row
 from strikewave.studies.engine.plan import sobol_sequence
 from strikewave.studies.engine.pools import Pool
-from strikewave.studies.engine.runner import StudyProgress, carry_on
+from strikewave.studies.engine.runner import StudyProgress, carry_out
 from strikewave.studies.engine.store import RunStore
 
 Array = NDArray[np.float64]
@@ -73,7 +73,7 @@ class DesignRuns:
         new = [row for row in dict.fromkeys(rows) if row not in self._places]
         if new:
             names = self.plan.evaluation.names
-            finished = carry_on(self.plan.job, new, self._store, self._pool, self._told)
+            finished = carry_out(self.plan.job, new, self._store, self._pool, self._told)
             numbers, failures, _ = self._store.table(names, finished.keys)
             for row, found, failure in zip(new, numbers, failures, strict=True):
                 self._places[row] = len(self.rows)

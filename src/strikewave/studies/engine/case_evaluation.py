@@ -104,7 +104,8 @@ def usual_numbers(case: Case, analysis: str) -> tuple[str, ...]:
     wanted: dict[str, tuple[str, ...]] = {"run": of_blow, "fast": of_blow}
     wanted |= {"impact": ("peak_force", "duration"), "fem": ("contact_force_peak",)}
     several = analysis in ("run", "fast") and case.feed is not None and case.feed.blows.si > 1.0
-    chosen = wanted.get(analysis, tuple(names)[:2])
+    of_bar = tuple(name for name in names if name.endswith(("peak_force", ".peak")))
+    chosen = wanted.get(analysis, of_bar[:2])
     return chosen + (("cv",) if several else ())
 
 

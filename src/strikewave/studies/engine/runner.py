@@ -79,7 +79,7 @@ def carry_out(
     store : RunStore
         What is finished.
     pool : Pool
-        Who runs them.
+        Who runs them; whoever made it ends it.
     advance : callable, optional
         Called as batches come back.
 
@@ -95,18 +95,6 @@ def carry_out(
     StrikewaveError
         If the pool is lost.
     """
-    with pool:
-        return carry_on(job, rows, store, pool, advance)
-
-
-def carry_on(
-    job: Job,
-    rows: Sequence[Row],
-    store: RunStore,
-    pool: Pool,
-    advance: Callable[[StudyProgress], None] | None = None,
-) -> Finished:
-    """Do what `carry_out` does on a pool that stays open: a search asks for rows again and again."""
     work = _Work(job, rows, store, advance)
     work.all_on(pool)
     return Finished(work.keys, work.reused)

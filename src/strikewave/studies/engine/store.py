@@ -64,7 +64,7 @@ def run_key(case: Case, evaluation: Evaluation) -> bytes:
     False
     """
     digest = hashlib.sha256(f"{program_key()} {evaluation!r}\n".encode())
-    digest.update(case.model_dump_json().encode())
+    digest.update(case.model_dump_json(serialize_as_any=True).encode())  # a field of a table's own kind counts too
     for file in case_files(case):
         digest.update(_file_digest(file, file.stat().st_mtime_ns))
     return digest.digest()
@@ -303,7 +303,7 @@ class RunStore:
         """Return numbers (runs, names), failures and seconds of runs that are there; NaN where there is no number."""
         with self._in_words():
             self._add_columns(names)
-            wanted = {key: place for place, key in enumerate(keys)}
+            wanted = {key: place for place, key in enumerate(dict.fromkeys(keys))}
             numbers, failures = np.full((len(wanted), len(names)), np.nan), [""] * len(wanted)
             seconds = np.zeros(len(wanted))
             columns = "".join(f", {_quoted(name)}" for name in names)

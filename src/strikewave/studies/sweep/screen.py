@@ -135,8 +135,9 @@ class SweepCommand(Command[SweepStudy]):
     def show(self, result: SweepStudy) -> None:
         """Print the range of each number, and the main effects."""
         print_rows("Each number over all runs", NUMBER_COLUMNS, number_rows(result))
-        if result.effects:
-            print_rows("Main effects", EFFECT_COLUMNS, effect_rows(result))
+        rows = effect_rows(result)
+        if rows:
+            print_rows("Main effects", EFFECT_COLUMNS, rows)
         for reason, count in list(result.reasons.items())[:3]:
             tell(f"{count} runs failed: {reason}")
 

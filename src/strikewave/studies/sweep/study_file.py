@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import tomllib
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
@@ -11,6 +10,7 @@ from typing import Any
 from pydantic import Field, ValidationError
 
 from strikewave.base.errors import MISSING, InputError, InputErrors
+from strikewave.base.toml_text import read_toml
 from strikewave.cases.case import SCHEMA, Case, bundled_cases, load_case, read_case_text
 from strikewave.cases.paths import Form
 from strikewave.cases.tables import CaseTable
@@ -118,8 +118,8 @@ def read_request(name: str, changes: Sequence[str], typed: SweepRequest) -> Swee
 def _document(text: str) -> Mapping[str, Any]:
     """Return the tables of a file; none where it is no TOML, which the reader of cases then says."""
     try:
-        return tomllib.loads(text)
-    except (ValueError, RecursionError):
+        return read_toml(text)
+    except ValueError:
         return {}
 
 
