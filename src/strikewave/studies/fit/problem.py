@@ -178,6 +178,12 @@ class Problem:
             )
         return found
 
+    def explained(self, residuals: Array) -> bool:
+        """Tell whether noise explains what is left of each record, and numbers are missed by less than is expected."""
+        found = self.misfits(residuals)
+        missed = [one.size for one in found if one.is_number]
+        return not any(one.more_than_noise for one in found) and float(np.sum(np.square(missed))) <= len(missed)
+
     def alone(self, residuals: Array, jacobian: Array) -> Array:
         """Return the residuals of each record with the values at their best for it alone, by the slopes."""
         found = residuals.copy()
@@ -277,7 +283,10 @@ def solve(problem: Problem, advance: Callable[[int, float], None] | None = None)
     first = _begun(search, problem)
     try:
         _check_felt(problem, search, first)
-        ends = [search.descend(problem.start, accuracy=ROUGH)] if problem.slow else search.wide(problem.start)
+        if problem.slow:
+            ends = [search.descend(problem.start, accuracy=ROUGH)]
+        else:
+            ends = search.wide(problem.start, problem.explained)
         place, residuals = _nearest(ends, problem.start)
         used, misfits = problem, problem.misfits(residuals)
         if len(misfits) > 1 and any(one.more_than_noise for one in misfits):
