@@ -4,16 +4,15 @@ Writes out/validate/compare.csv; docs/compare.md has the numbers. Half a minute.
 """
 
 import csv
-import lzma
 import tempfile
 from pathlib import Path
 
 import numpy as np
+from kit import DATA, unpacked
 
 from strikewave import compare, load_case, run_case, run_wave
 from strikewave.base.constants import STANDARD_GRAVITY
 
-DATA = Path(__file__).parents[2] / "tests" / "data" / "smd-5kg-impacts"
 CHANGES = {
     "as it is": lambda time, values: (time, values),
     "peak x 1.1": lambda time, values: (time, 1.1 * values),
@@ -58,9 +57,8 @@ def row(what, found):
 
 def campaign(folder):
     """Yield each good blow against the corridor of the others."""
-    for packed in sorted(DATA.glob("*.lvm.xz")):
-        (folder / packed.stem).write_bytes(lzma.decompress(packed.read_bytes()))
-    files = [path for path in sorted(folder.glob("*.lvm")) if path.stem not in ("impact_00", "impact_01")]
+    files = [path for path in unpacked(DATA / "smd-5kg-impacts", folder) if path.suffix == ".lvm"]
+    files = [path for path in files if path.stem not in ("impact_00", "impact_01")]
     for left in files:
         left.rename(folder / "left.txt")
         yield row(

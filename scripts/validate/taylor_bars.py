@@ -7,12 +7,12 @@ docs/taylor-bars.md and its pictures: final length, diameter of the foot, diamet
 
 import argparse
 import dataclasses
-import re
 from concurrent.futures import ProcessPoolExecutor
 from multiprocessing import get_context
-from pathlib import Path
 
 import numpy as np
+from kit import DATA as MEASURED
+from kit import IMAGES, ROOT, write_into
 
 from strikewave.fem.model import Controls, Model, RigidWall, Symmetry
 from strikewave.fem.round_shapes import cylinder
@@ -20,10 +20,8 @@ from strikewave.fem.solids import HeatedSolid, JohnsonCook, ZerilliArmstrong
 from strikewave.fem.solve import RunOptions, solve
 from strikewave.reporting.style import BLUE, RED, legend_below, new_figure, quiet, save
 
-ROOT = Path(__file__).parents[2]
-DATA = ROOT / "tests" / "data" / "taylor-bars"
+DATA = MEASURED / "taylor-bars"
 PAGE = ROOT / "docs" / "taylor-bars.md"
-IMAGES = ROOT / "docs" / "images"
 PROCESSES = 2
 
 COPPER = {"density": 8960.0, "youngs_modulus": 124e9, "poissons_ratio": 0.34}
@@ -313,11 +311,7 @@ def main() -> None:
         for name in asked:
             text = PARTS[name](pool.map)
             if text:
-                page = PAGE.read_text("utf-8")
-                marked = rf"(<!-- {name} -->\n).*?(<!-- end -->)"
-                PAGE.write_text(
-                    re.sub(marked, lambda m, text=text: f"{m[1]}\n{text}\n\n{m[2]}", page, flags=re.DOTALL), "utf-8"
-                )
+                write_into(PAGE, name, text)
 
 
 if __name__ == "__main__":

@@ -41,6 +41,7 @@ CHEAP = {
     "identify": ("pulse.csv", "--m1", "0.2", "--m2", "0.4"),
     "compare": ("pulse.csv", "pulse.csv", "--limit", "iso18571 > 0.8"),
     "fit": ("jesd22-b111-b", "--to", "first.rigid_peak=1500 g", "--free", "contact.reference_force"),
+    "sweep": ("jesd22-b111-b", "--vary", "machine.height=0.2..0.3 m:2", "--workers", "1"),
     "map": ("li-ma-2019", "--points", "3x2", "--workers", "1", "--train", "0", *TWO),
     "buffer": ("li-ma-2019-fig5", "--sensor", "buffered", "--limit", "7000 g", *GASKETS),
     "deck": ("block.toml",),

@@ -16,6 +16,7 @@ from strikewave.machines.launch import (
     GunBarrel,
     MacheteHammer,
     RigidPendulum,
+    corded_fall,
     drop_for_half_sine,
     fall_speed,
     half_sine_pulse,
@@ -61,6 +62,23 @@ def test_fall_against_the_equation_of_motion(height, share, viscous, drag, guide
     pull = G * (1.0 - share)
     end = reached(lambda _, y: [y[1], pull - viscous * y[1] - drag * y[1] ** 2], 500.0, [0.0, 0.0], 0, height)
     assert speed == pytest.approx(end[1], rel=1e-8)  # the integrator's tolerance and its event
+
+
+@given(
+    height=st.floats(0.01, 5.0),
+    mass=st.floats(0.5, 500.0),
+    share=st.floats(0.0, 0.5),
+    force=st.floats(0.0, 5000.0),
+    stiffness=st.one_of(st.just(0.0), st.floats(1e-3, 1e4)),
+)
+def test_fall_with_cords_against_the_equation_of_motion(height, mass, share, force, stiffness):
+    speed, time = corded_fall(height, mass, force, stiffness, share)
+
+    def rate(_, y):
+        return [y[1], G * (1.0 - share) + (force + stiffness * (height - y[0])) / mass, 1.0]
+
+    end = reached(rate, 500.0, [0.0, 0.0, 0.0], 0, height)
+    assert (speed, time) == pytest.approx((end[1], end[2]), rel=1e-8)  # the integrator's tolerance and its event
 
 
 @pytest.mark.parametrize("law", ["viscous", "drag"])

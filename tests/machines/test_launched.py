@@ -80,6 +80,14 @@ def test_a_table_meets_the_anvil_with_the_energy_of_its_fall(height, friction):
     assert blow.approach_speed == pytest.approx(math.sqrt(2.0 * G * (1.0 - friction) * height), rel=1e-9)
 
 
+def test_cords_add_their_work_to_the_fall_of_a_table():
+    case = load_case(KINDS["drop"], ["machine.cord_force=2 kN", "machine.cord_stiffness=5 kN/m"])
+    machine, _, blow = struck(case)
+    height = case.machine.height.si
+    work = machine.struck.mass * G * height + 2000.0 * height + 0.5 * 5000.0 * height**2
+    assert blow.approach_speed == pytest.approx(math.sqrt(2.0 * work / machine.struck.mass), rel=1e-9)
+
+
 @pytest.mark.parametrize("height", [0.02, 1.0])
 def test_a_ball_meets_the_object_with_the_speed_of_its_fall(height):
     _, _, blow = struck(load_case(KINDS["falling-ball"], [f"machine.height={height} m"]))

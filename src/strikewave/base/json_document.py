@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import math
+import re
 from collections.abc import Sequence
 from typing import Any
 
@@ -19,16 +20,19 @@ def head(units: dict[str, str], warnings: Sequence[dict[str, Any]] = ()) -> dict
     return {"schema": SCHEMA, "version": __version__, "units": units, "warnings": list(warnings)}
 
 
-def json_text(document: dict[str, Any], indent: int | None = None) -> str:
+def json_text(document: dict[str, Any], indent: int | None = None, ascii_only: bool = False) -> str:
     r"""Return a JSON document as the text of a file: words with their usual spaces, a line end last.
 
     Examples
     --------
     >>> json_text({"message": "5\N{NO-BREAK SPACE}kN"})
     '{"message": "5 kN"}\n'
+    >>> print(json_text({"length": "5 µm"}, ascii_only=True), end="")
+    {"length": "5 \u00b5m"}
     """
     text = json.dumps(document, indent=indent, allow_nan=False, ensure_ascii=False)
-    return escaped(text.replace("\N{NO-BREAK SPACE}", " ")) + "\n"
+    text = escaped(text.replace("\N{NO-BREAK SPACE}", " ")) + "\n"
+    return re.sub("[^\x00-\x7f]", lambda found: json.dumps(found[0])[1:-1], text) if ascii_only else text
 
 
 def without(row: dict[str, Any], *keys: str) -> dict[str, Any]:

@@ -87,6 +87,7 @@ _DAMPING = "damping of joints is a guess of a few per cent of critical, and diff
 _RUBBER = "a grade of rubber is sold within 5 IRHD, some 20 % of its modulus, and stiffens by half under a fast load"
 _RESTITUTION = "restitution of metals falls from about 0.9 to 0.6 as speed and yield grow; pads scatter as much"
 _GUIDES = "friction of guides and seals about doubles from well aligned and greased to not"
+_CORDS = "rubber cords differ by a fifth with age, temperature and how far they were stretched before"
 _LOSS = "loss factors of one polymer differ by half between tables, with temperature and frequency"
 _PAD_MODULUS = "moduli of polymers and pads differ by a fifth between batches and with temperature"
 _QUALITY = "the sharpness of a resonance is seldom stated, and halves with another mounting"
@@ -107,6 +108,8 @@ PLAUSIBLE: Mapping[str, PlausibleRange] = {
     "machine.speed_ripple": _factor(2.0, "what an encoder shows of it depends on its averaging"),
     "machine.ripple_phase": _width(math.pi, "where the ripple stands when the valve opens is not recorded"),
     "machine.friction": _factor(2.0, _GUIDES),
+    "machine.cord_force": _share(0.2, _CORDS),
+    "machine.cord_stiffness": _share(0.2, _CORDS),
     "machine.restitution": _width(0.1, _RESTITUTION),
     "machine.body.restitution": _width(0.1, _RESTITUTION),
     "machine.shaper_restitution": _width(0.1, _RESTITUTION),

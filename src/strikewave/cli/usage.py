@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+import errno
 import sys
 from typing import TYPE_CHECKING, Any
 
 import typer
 
-from strikewave.base.errors import MISSING, InputError
+from strikewave.base.errors import LONGEST_SHOWN, MISSING, InputError, show
 from strikewave.cli.group import entries
 from strikewave.reporting.options import one_of_words, wrong_choice
 
@@ -15,8 +16,19 @@ if TYPE_CHECKING:
     from typer.core import TyperArgument, TyperOption
 
 
+REFUSED_NAMES = (errno.ENAMETOOLONG, errno.ELOOP)
+"""Numbers of the errors of a system that takes a path for no name at all."""
+
+
+def shortened(word: str) -> str:
+    """Return a word, without its end where it is longer than an error shows."""
+    return word if len(word) <= LONGEST_SHOWN else word[:LONGEST_SHOWN] + "..."
+
+
 def usage_line(error: Exception) -> str | None:
     """Return the line that tells of an error that typer found; None for any other error."""
+    if isinstance(error, OSError) and error.errno in REFUSED_NAMES:
+        return f"{show(str(error.filename))}: {error.strerror}"
     if not hasattr(error, "format_message"):
         return None
     context = getattr(error, "ctx", None)
@@ -26,7 +38,7 @@ def usage_line(error: Exception) -> str | None:
         wrong = _of_option(error, error.param, help_of)
         if wrong is not None:
             return str(wrong)
-    words = " ".join(str(error.format_message()).split()).rstrip(".")
+    words = " ".join(shortened(word) for word in str(error.format_message()).rstrip(". ").split())
     if "unexpected extra argument" in words:  # as the shell cuts --set machine.height=60 cm
         words += ": put quotes around a value that has a space"
     return f"{path}: {words} ({help_of})"

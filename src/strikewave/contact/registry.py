@@ -13,8 +13,8 @@ from __future__ import annotations
 
 import warnings
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
-from functools import cache
+from dataclasses import dataclass, replace
+from functools import cache, wraps
 from importlib.metadata import entry_points
 from typing import Any, ClassVar, TypeVar
 
@@ -25,7 +25,7 @@ from strikewave.base.citations import CHECKED as CHECKED
 from strikewave.base.citations import FROM_MEMORY as FROM_MEMORY
 from strikewave.base.citations import QUOTED as QUOTED
 from strikewave.base.citations import SOURCES
-from strikewave.base.errors import InputError, StrikewaveWarning, nearest
+from strikewave.base.errors import InputError, StrikewaveError, StrikewaveWarning, nearest
 
 
 @dataclass(frozen=True)
@@ -190,10 +190,26 @@ def _added(group: str, kind: str) -> dict[str, Any]:
             _leave_out(point.name, f"{type(error).__name__}: {error}")
             continue
         if type(law).__name__ == kind and isinstance(law, Law):
-            laws[law.name] = law
+            laws[law.name] = replace(law, function=_named(law))
         else:
             _leave_out(point.name, f"it is a {type(law).__name__}, not a {kind}")
     return laws
+
+
+def _named(law: Law) -> Callable[..., Any]:
+    """Return the function of a law of an installed package; whatever it does wrong is reported as its own."""
+
+    @wraps(law.function)
+    def function(*arguments: Any, **sizes: Any) -> Any:
+        try:
+            return law.function(*arguments, **sizes)
+        except StrikewaveError:
+            raise
+        except Exception as error:
+            failed = f"the contact law {law.name!r} of an installed package failed ({type(error).__name__}: {error})"
+            raise StrikewaveError(failed) from error
+
+    return function
 
 
 def _leave_out(name: str, why: str) -> None:

@@ -95,6 +95,53 @@ def _viscous_share(x: Array) -> Array:
     return np.where(p < _NEAR_BRANCH, np.sqrt(_saturation(x)) * series, whole)
 
 
+def corded_fall(
+    height: float, mass: float, force: float = 0.0, stiffness: float = 0.0, friction: float = 0.0
+) -> tuple[float, float]:
+    """Return speed (m/s) and time (s) of a fall from rest that elastic cords pull along.
+
+    With the pull F = F0 + k (h - x) after the way x, v^2 = 2 g (1 - friction) h + (2 F0 h + k h^2)/m. The acceleration
+    a0 + k (h - x)/m makes x = (a/c) (1 - cos(sqrt(c) t)), a = a0 + c h, c = k/m.
+
+    Parameters
+    ----------
+    height : float
+        h, m.
+    mass : float
+        What falls, m, kg.
+    force : float, optional
+        Pull of all cords where the fall ends, F0, N.
+    stiffness : float, optional
+        Of all cords, k, N/m.
+    friction : float, optional
+        Friction of the guide as a share of the weight, 0 to 1.
+
+    Raises
+    ------
+    ValueError
+        If a number is out of range.
+
+    Notes
+    -----
+    Source: Newton's law, m v dv/dx = m g (1 - friction) + F, integrated.
+
+    Examples
+    --------
+    >>> speed, time = corded_fall(0.5, 20.0, force=400.0, stiffness=2000.0)
+    >>> round(speed, 4), round(time, 4)
+    (7.4032, 0.1188)
+    """
+    free = float(fall_speed(height, friction=friction))
+    m, end, k = positive("the mass", mass), not_negative("the force", force), not_negative("the stiffness", stiffness)
+    speed = math.sqrt(free**2 + float(2.0 * end * height + k * height**2) / float(m))
+    last = STANDARD_GRAVITY * (1.0 - friction) + float(end / m)
+    ratio = float(k / m) * height / last
+    # 1 - cos = ratio/(1 + ratio); by the half angle, which keeps its digits where the cords are soft
+    angle = 2.0 * math.asin(math.sqrt(0.5 * ratio / (1.0 + ratio)))
+    time = angle / math.sqrt(float(k / m)) if k > 0.0 else 2.0 * height / speed
+    return speed, time
+
+
 @dataclass(frozen=True)
 class RigidPendulum:
     """A rigid pendulum that strikes.

@@ -350,16 +350,19 @@ def listed(words: list[str]) -> str:
 
 
 def with_unit(value: float | None, si: str, usual: str, digits: int = 4) -> str:
-    """Write an SI value with the unit it is shown in; a dash where there is none, or where a time is not positive.
+    """Write an SI value with the unit it is shown in, where it has one.
+
+    A dash stands for no value, and for a time that is not positive.
 
     Examples
     --------
-    >>> with_unit(40709.86, "m/s^2", "g"), with_unit(0.0, "s", "us")
-    ('4151 g', '–')
+    >>> with_unit(40709.86, "m/s^2", "g"), with_unit(0.0, "s", "us"), with_unit(3.0, "1", "1")
+    ('4151 g', '–', '3')
     """
     if value is None or math.isnan(value) or (si == "s" and value <= 0.0):
         return NONE
-    return f"{written(shown(value, si, usual), digits)} {spelled(shown_unit(si, usual))}"
+    number, unit = written(shown(value, si, usual), digits), shown_unit(si, usual)
+    return number if unit == "1" else f"{number} {spelled(unit)}"
 
 
 def in_shown_units(text: str) -> str:

@@ -140,7 +140,7 @@ def _write(lines: Iterable[Line], stream: TextIO) -> None:
 
 def print_json(document: dict[str, Any], indent: int | None = 2) -> None:
     """Print one JSON document on stdout; without indentation where it holds long histories."""
-    sys.stdout.write(json_text(document, indent))
+    sys.stdout.write(json_text(document, indent, ascii_only=_shows_only_ascii(sys.stdout)))
 
 
 def tell(text: str, indent: str = "") -> None:

@@ -122,7 +122,7 @@ def owners(case: Case, name: str) -> list[str] | None:
     return None
 
 
-def checked_number(case: Case, word: str) -> tuple[str, str, str]:
+def checked_number(case: Case, word: str, option: str = "--to") -> tuple[str, str, str]:
     """Return name, sensor and SI unit of a number that a case gives: ``first.sensor_peak NAME`` is that of a sensor.
 
     Of elements, ``first.width NAME`` is that of a part.
@@ -135,14 +135,14 @@ def checked_number(case: Case, word: str) -> tuple[str, str, str]:
     name, _, sensor = word.strip().partition(" ")
     units = number_units(case)
     if name not in units:
-        raise InputError("--to", name, "a number that the case gives", nearest(name, units))
+        raise InputError(option, name, "a number that the case gives", nearest(name, units))
     of = owners(case, name)
     if of is None and sensor:
-        raise InputError("--to", word, f"{name}=VALUE", "no name stands there")
+        raise InputError(option, word, f"{name} alone", "no name stands there")
     if of is not None and sensor.strip() not in of:
         what = "sensor" if "sensor_" in name else "part"
         hint = nearest(sensor.strip() or "?", of) if of else f"the case has no {what}"
-        raise InputError("--to", word, f'"{name} {what.upper()}=VALUE" with the name of a {what}', hint)
+        raise InputError(option, word, f'"{name} {what.upper()}" with the name of a {what}', hint)
     return name, sensor.strip(), units[name]
 
 

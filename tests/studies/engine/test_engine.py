@@ -12,13 +12,14 @@ from hypothesis import strategies as st
 
 from strikewave import load_case
 from strikewave.base.errors import InputError, StrikewaveError
+from strikewave.cases.case import bundled_cases
 from strikewave.studies.engine import store as stores
 from strikewave.studies.engine.case_evaluation import CaseEvaluation, read_kept
 from strikewave.studies.engine.evaluation import Job, KeptHistory, RunOutcome
-from strikewave.studies.engine.plan import drawn_rows, filled, grid, sobol_sequence, varied
+from strikewave.studies.engine.plan import DrawVariation, drawn_rows, filled, grid, sobol_sequence, varied
 from strikewave.studies.engine.pools import GivenPool, ProcessPool
 from strikewave.studies.engine.runner import MOST_DEATHS, carry_out
-from strikewave.studies.engine.store import INDEX, RunStore, run_key
+from strikewave.studies.engine.store import APPLICATION, INDEX, RunStore, run_key
 from strikewave.studies.engine.variables import read_variable
 from strikewave.uncertainty.draws import tolerances_of
 
@@ -46,7 +47,8 @@ def speeds(*values):
 
 def run(store, *values, pool=None, job=None):
     made, rows = speeds(*values)
-    found = carry_out(job or made, rows, store, ProcessPool(1) if pool is None else pool)
+    with ProcessPool(1) if pool is None else pool as ready:
+        found = carry_out(job or made, rows, store, ready)
     return found, store.table(("speed", "twice"), found.keys)
 
 
@@ -70,6 +72,17 @@ def test_what_is_finished_is_not_run_again_whatever_the_order(tmp_path):
         assert numbers[:, 0][[0, 1, 3]].tolist() == [40.0, 50.0, 70.0]
         assert failures[2]
         assert len(store.known()) == 4
+
+
+def test_equal_rows_are_run_once_and_all_have_their_numbers():
+    job, _ = speeds(50)
+    with RunStore(None) as store, ProcessPool(1) as pool:
+        found = carry_out(job, [(70.0,), (80.0,), (70.0,), (60.0,), (70.0,)], store, pool)
+        numbers, failures, _ = store.table(("speed",), found.keys)
+        assert len(store.known()) == 3
+    assert numbers[:, 0].tolist()[:3] == [70.0, 80.0, 70.0]
+    assert numbers[4, 0] == 70.0
+    assert [bool(failure) for failure in failures] == [False, False, False, True, False]
 
 
 def test_histories_come_back_as_they_were_from_index_and_files(tmp_path, monkeypatch):
@@ -109,6 +122,25 @@ def test_a_file_of_histories_whose_writing_was_not_finished_goes(tmp_path):
     assert not list((tmp_path / "s").glob(".*"))
 
 
+def test_histories_that_are_handed_over_stay_till_the_store_goes(tmp_path):
+    """Who is stopped between both goes on with all of them; without one of them the store is refused."""
+    (tmp_path / "result").mkdir()
+    with RunStore(tmp_path / "s") as store:
+        run(store, 50)
+        (name,) = store.hand_over(tmp_path / "result")
+    with RunStore(tmp_path / "s") as store:
+        assert len(list(store.histories())) == 1
+        (tmp_path / "s" / INDEX).rename(tmp_path / "index")
+        store.remove()  # killed in the middle of it, after the index
+    (tmp_path / "s").mkdir()
+    (tmp_path / "s" / name).write_bytes((tmp_path / "result" / name).read_bytes())
+    with RunStore(tmp_path / "s") as store:
+        assert (store.known(), store.chunks) == (set(), [])
+    (tmp_path / "index").rename(tmp_path / "s" / INDEX)
+    with pytest.raises(InputError, match=f"{name} is gone"):
+        RunStore(tmp_path / "s")
+
+
 def test_a_transaction_that_fails_keeps_nothing_of_it(tmp_path):
     job, rows = speeds(50, 70)
     outcomes = job(rows)
@@ -135,13 +167,32 @@ def test_an_index_that_is_damaged_or_of_something_else_is_refused(tmp_path, dama
     else:
         base = sqlite3.connect(folder / INDEX)
         base.execute("CREATE TABLE mine (x)")
-        base.execute(f"PRAGMA user_version = {9 if damage == 'newer' else 0}")
+        if damage == "newer":
+            base.execute(f"PRAGMA application_id = {APPLICATION}")
+            base.execute("PRAGMA user_version = 9")
         base.commit()
         base.close()
     before = (folder / INDEX).read_bytes()
-    with pytest.raises(InputError, match="--fresh"):
+    with pytest.raises(InputError, match="another program" if damage == "other" else "--fresh"):
         RunStore(folder)
-    assert (folder / INDEX).read_bytes()[200:] == before[200:]
+    assert (folder / INDEX).read_bytes() == before
+    if damage != "other":
+        with RunStore(folder, fresh=True) as store:
+            assert store.known() == set()
+
+
+def test_pages_of_an_index_that_are_damaged_are_begun_anew(tmp_path):
+    """Its head is whole, so that SQLite opens it; the pages of its tables are not."""
+    with RunStore(tmp_path / "s") as store:
+        run(store, 50, 70)
+    index = tmp_path / "s" / INDEX
+    content = index.read_bytes()
+    index.write_bytes(content[:4096] + bytes(0xA5 for _ in content[4096:]))
+    with pytest.raises(InputError, match="--fresh"), RunStore(tmp_path / "s") as store:
+        store.known()
+    with RunStore(tmp_path / "s", fresh=True) as store:
+        run(store, 50, 70)
+        assert len(store.known()) == 2
 
 
 def test_a_folder_with_other_files_and_a_file_are_refused(tmp_path):
@@ -178,6 +229,30 @@ def test_the_key_holds_case_evaluation_version_and_files(monkeypatch, tmp_path):
     assert run_key(bar, one) != with_file
     monkeypatch.setattr(stores, "program_key", lambda: "another version")
     assert run_key(CASE, one) != key
+
+
+@pytest.mark.parametrize("name", bundled_cases())
+def test_every_quantity_of_every_built_in_case_tells_its_runs_apart(name):
+    """One that is left out of the key would take the result of another run for its own."""
+    case, one = load_case(name), CaseEvaluation("run", ("cv",))
+    values = case.values()
+    keys = {
+        run_key(case.with_values({path: value.model_copy(update={"si": value.si + 1.0})}), one)
+        for path, value in values.items()
+    }
+    assert len({*keys, run_key(case, one)}) == len(values) + 1
+
+
+def test_what_is_drawn_of_single_strikers_tells_runs_apart():
+    case, one = load_case("li-ma-2019-equal-blows"), CaseEvaluation("run", ("cv",))
+    inputs = tolerances_of(case)
+    middle = [value.value.si for value in inputs for _ in range(value.count)]
+    rows = [
+        tuple(middle),
+        *(tuple(v + (1e-9 * abs(v) + 1e-12) * (k == j) for j, v in enumerate(middle)) for k in range(len(middle))),
+    ]
+    variation = DrawVariation(case, inputs)
+    assert len({run_key(variation.case_of(row), one) for row in rows}) == len(rows)
 
 
 @dataclass

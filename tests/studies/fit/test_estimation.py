@@ -89,6 +89,18 @@ def test_a_profile_gives_the_interval_that_a_parabola_does_not():
     assert [ends.low, ends.high] == pytest.approx(np.sqrt(0.25 + np.array([-1.96, 1.96]) * uncertainty), abs=3e-3)
 
 
+def test_of_two_valleys_the_deeper_is_found():
+    """100 (x - 0.2)^2 (x - 0.75)^2 + (x - 0.75)^2: a search from the shallow one stays there, several starts do not."""
+
+    def residuals(place):
+        return np.array([10.0 * (place[0] - 0.2) * (place[0] - 0.75), place[0] - 0.75, place[1] - 0.5])
+
+    search, start = Search(residuals, 2), np.array([0.15, 0.4])
+    search.begin(start)
+    assert search.descend(start)[0][0] == pytest.approx(0.2, abs=0.03)
+    assert search.wide(start)[0][0] == pytest.approx([0.75, 0.5], abs=1e-5)
+
+
 def test_a_place_that_cannot_be_run_turns_the_search_back():
     """Half of the cube fails: the best place beside it is found from several starts, of which some fail."""
 

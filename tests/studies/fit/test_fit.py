@@ -12,10 +12,12 @@ from strikewave.base.errors import InputError, StrikewaveError
 from strikewave.base.quantities import Value
 from strikewave.cases.case import dump_case, parse_case
 from strikewave.signal.resampling import resampled
-from strikewave.studies.fit.problem import Problem
+from strikewave.studies.fit.estimation import Search
+from strikewave.studies.fit.free_fields import free_fields
+from strikewave.studies.fit.problem import Problem, more_than_noise
 from strikewave.studies.fit.study import fit
 from strikewave.studies.fit.targets import parse_target, read_targets
-from strikewave.studies.simulation import Simulation
+from strikewave.studies.simulation import Simulation, quick_case
 from strikewave.uncertainty.bands import latin_hypercube
 from strikewave.uncertainty.draws import drawn
 from strikewave.uncertainty.known import FITTED_BASIS, known_inputs
@@ -366,6 +368,23 @@ def test_what_is_kept_out_is_predicted_within_its_bands(tmp_path):
     assert study.content()["checks"]["inside"] == study.checks.inside
 
 
+def test_a_band_of_values_that_are_not_determined_ends_where_the_data_do():
+    """One peak to 2 % for two values: it is predicted to twice that, though places far along fit nothing.
+
+    Within the 95 % of two values it moves by 2.45 standard deviations at most, which 1.96 times as much cannot exceed.
+    """
+    study = fit(
+        load_case(DROP, ["contact.restitution=0.7"]),
+        ["first.rigid_peak=1500 g +- 2 %"],
+        ["contact.reference_force", "contact.exponent=1:3"],
+        check_on=["first.rigid_peak=1500 g +- 0.01 %"],
+    )
+    assert study.undetermined
+    (figure,) = study.checks.figures
+    half = (figure.high - figure.low) / (2.0 * figure.predicted)
+    assert 0.03 < half < 1.96 * 2.45 * 0.02
+
+
 def test_of_tried_laws_the_one_of_the_records_is_kept(tmp_path):
     """Three records of Hertz's exponent; of the others one leaves more than noise, one cannot be."""
     truth = load_case(DROP, ["contact.exponent=1.5", "contact.restitution=0.7"])
@@ -398,21 +417,68 @@ def test_intervals_of_planted_drops_hold_the_truth(tmp_path):
     assert 108 <= inside <= 119
 
 
-def test_an_interrupt_keeps_the_best_so_far(monkeypatch):
-    """Ctrl-C in the middle of the search: the case has values that fit better than where it began."""
-    case = load_case(DROP, ["contact.reference_force=500 kN", "contact.restitution=0.7"])
-    calls = []
+def test_an_interrupt_keeps_the_best_so_far_from_which_a_fit_goes_on():
+    """Ctrl-C in the middle of the search: the case has a value that fits better; a fit of it meets the number."""
+    case, to, free, calls = load_case(DROP), ["first.rigid_peak=1500 g +- 1 %"], ["machine.height=0.2 m:1 m"], []
 
     def progress(runs, misfit):
         calls.append(misfit)
-        if len(calls) == 30:
+        if len(calls) == 6:
             raise KeyboardInterrupt
 
-    study = fit(case, ["first.rigid_peak=1500 g", "first.width=450 us"], FIELDS, progress=progress)
+    study = fit(case, to, free, progress=progress)
     assert study.solved.stopped
     assert study.broken
     assert study.solved.estimate.misfit < calls[0]
     assert dataclasses.asdict(study.notices[0])["code"] == "stopped"
+    assert fit(study.case, to, free).computed == pytest.approx((1500.0 * 9.80665,), rel=1e-6)
+
+
+@pytest.mark.parametrize("after", ["search", "errors"])
+def test_an_interrupt_after_the_search_keeps_what_was_found(monkeypatch, after):
+    """In the slopes of the end the value is there without its error, in the profile with it."""
+
+    def stopped(*arguments, **options):
+        if after == "errors" or options.get("both"):
+            raise KeyboardInterrupt
+        return slopes(*arguments, **options)
+
+    slopes = Search.slopes
+    if after == "search":
+        monkeypatch.setattr(Search, "slopes", stopped)
+    else:
+        monkeypatch.setattr("strikewave.studies.fit.study.is_quadratic", stopped)
+    study = fit(load_case(DROP), ["first.rigid_peak=1500 g +- 1 %"], ["machine.height=0.2 m:1 m"])
+    assert study.solved.stopped
+    assert study.computed == pytest.approx((1500.0 * 9.80665,), rel=1e-6)
+    assert study.parameters[0].determined == (after == "errors")
+
+
+def test_bounds_and_scales_come_from_the_case():
+    """A stiffness over a decade to either side, on a logarithm; a share over all that it may be; what is allowed cuts."""
+    stiffness, share, exponent = free_fields(load_case(DROP), [*FIELDS, "contact.exponent"])
+    assert (stiffness.low, stiffness.high, stiffness.log) == pytest.approx((78.96e3, 7896e3, True))
+    assert stiffness.place(789.6e3) == pytest.approx(0.5)
+    assert stiffness.si(0.25) == pytest.approx(78.96e3 * np.sqrt(10.0))
+    assert (share.low, share.high, share.log) == (0.01, 1.0, False)
+    assert share.si(0.5) == pytest.approx(0.505)
+    assert (exponent.low, exponent.high) == (1.0, 10.0)  # none is below 1
+
+
+def test_a_record_is_held_against_what_its_samples_and_the_chain_of_the_sensor_let_through(tmp_path):
+    """The published shaft and its buffered sensor: the run that a record is of leaves its noise and no more.
+
+    Sampled coarsely, the record has lost what the run holds beyond; held against the sensor without a buffer, what
+    the buffer takes away is left, and is called more than noise.
+    """
+    case = quick_case(load_case("li-ma-2019-fig5"), 1)
+    run, options = Simulation(case), SourceOptions(band=False)
+    for rate in (200e3, 2e6):
+        record = write_record(tmp_path / f"{rate:.0f}.csv", case, 1, rate=rate, part="buffered")
+        for part in ("buffered", "direct"):
+            target = parse_target(f"{part}={record}", case)
+            (pulse,) = read_targets("--to", case, [target], (), options).pulses
+            assert more_than_noise(pulse, pulse.residuals(run)) == (part == "direct")
 
 
 @pytest.mark.parametrize("name", [DROP, "li-ma-2019"])

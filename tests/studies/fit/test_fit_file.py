@@ -1,6 +1,7 @@
 """The file of a whole fit: the same result as the command line, and wrong or hostile files in one line."""
 
 import json
+import tomllib
 from pathlib import Path
 
 import numpy as np
@@ -10,7 +11,7 @@ from hypothesis import strategies as st
 
 from strikewave import load_case
 from strikewave.base.errors import InputError, StrikewaveError
-from strikewave.studies.fit.fit_file import is_fit_file, load_fit
+from strikewave.studies.fit.fit_file import FitFile, is_fit_file, load_fit
 from strikewave.studies.fit.study import fit
 from strikewave.studies.fit.targets import parse_targets, read_targets
 
@@ -155,9 +156,25 @@ def test_what_the_file_states_is_not_typed_beside_it(whole, strikewave):
     assert "the file of a whole fit states them" in words
 
 
+def test_the_example_of_the_docs_is_a_file_of_a_fit():
+    docs = Path(__file__).parents[3] / "docs" / "fit.md"
+    text = next(text for text in docs.read_text("utf-8").split("```toml\n") if "[[free]]" in text).partition("```")[0]
+    file = FitFile.model_validate(tomllib.loads(text))
+    assert file.free[0].word == "contact.restitution=0.3:0.9"
+    assert [one.kept_out for one in file.record] == [False, True]
+    assert file.reading.options().low_pass is not None
+
+
 KEYS = st.sampled_from(["case", "set", "free", "record", "number", "try", "reading", "file", "path", "x", "a\0", "a=b"])
 LEAVES = st.one_of(st.text(max_size=8), st.integers(), st.floats(), st.booleans(), st.just("jesd22-b111-b"))
-TREES = st.recursive(LEAVES, lambda x: st.one_of(st.lists(x, max_size=3), st.dictionaries(KEYS, x, max_size=3)))
+
+
+def within(inner):
+    """What stands alone, in a list, or in a table."""
+    return st.one_of(inner, st.lists(inner, max_size=3), st.dictionaries(KEYS, inner, max_size=3))
+
+
+TREES = within(within(LEAVES))
 
 
 @settings(max_examples=60, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])

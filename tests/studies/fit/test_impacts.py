@@ -1,5 +1,7 @@
 """Impacts of two free bodies fitted to stated numbers and to a force pulse, both in closed form; and elements."""
 
+from pathlib import Path
+
 import numpy as np
 import pytest
 
@@ -9,40 +11,10 @@ from strikewave.cases.case import parse_case
 from strikewave.contact import Contact, exact, impact_history, solve_impact
 from strikewave.studies.fit.study import fit
 
-IMPACT = """
-schema = 1
-name = "impact"
-
-[machine]
-kind = "gas-gun"
-speed = "2 m/s"
-follow = "0.2 ms"
-
-[striker]
-mass = "0.2 kg"
-material = "65Mn"
-
-[object]  # one body: a frame so stiff that it bends by 1e-3 of the indentation
-mass = "0.459 kg"
-material = "65Mn"
-nose_mass = "0.2 kg"
-frame_stiffness = "1e11 N/m"
-frame_damping = "5e4 N s/m"
-
-[contact]
-law = "power"
-reference_force = "10 kN"
-reference_depth = "100 um"
-exponent = 1.5
-restitution = 0.7
-slowest_approach = "0.01 m/s"
-
-[recorder]
-sampling_rate = "1 MHz"
-delay = "0 s"
-pre_trigger = "0 s"
-memory = 1000
-"""
+DOCS = Path(__file__).parents[3] / "docs" / "fit.md"
+BLOCKS = [text.partition("```")[0] for text in DOCS.read_text("utf-8").split("```toml\n")[1:]]
+IMPACT = next(text for text in BLOCKS if "gas-gun" in text)
+"""A case of the docs."""
 TRUTH = {"contact.reference_force": 15e3, "contact.restitution": 0.6}
 
 
@@ -96,7 +68,7 @@ def test_a_planted_speed_of_elements_is_found_in_few_runs():
     ("free", "to", "words"),
     [
         ("mesh.part.bar.length", "first.peak_force=1 kN", "a quantity of what was tested"),
-        ("mesh.part.striker.velocity.z", "first.width=20 us", '"first.width PART=VALUE" with the name of a part'),
+        ("mesh.part.striker.velocity.z", "first.width=20 us", '"first.width PART" with the name of a part'),
         ("mesh.part.striker.velocity.z", "first.width bra=20 us", 'did you mean "bar"?'),
         ("mesh.part.striker.velocity.z", "first.restitution=0.5", "a number that the case gives"),
     ],

@@ -105,8 +105,13 @@ def test_without_the_extra_one_line_says_what_to_install(monkeypatch):
 
 
 @pytest.mark.verify
-def test_intervals_of_a_planted_drop_are_those_of_least_squares(tmp_path, strikewave):
-    """A record of 1 % of white noise: 95 % intervals within 15 % of those of the standard errors, medians within one."""
+def test_intervals_of_a_planted_drop_are_those_of_least_squares(tmp_path, strikewave, monkeypatch):
+    """A record of 1 % of white noise: 95 % intervals within 15 % of those of the standard errors, medians within one.
+
+    Of 800 independent draws, of which 2000 are usual, an interval is good to 4 %.
+    """
+    monkeypatch.setattr("strikewave.studies.fit.posterior.LONG", 25.0)
+    monkeypatch.setattr("strikewave.studies.fit.posterior.ENOUGH", 800.0)
     from .test_fit import DROP, FIELDS, write_record
 
     truth = load_case(DROP, ["contact.reference_force=900 kN", "contact.restitution=0.72"])
@@ -122,7 +127,7 @@ def test_intervals_of_a_planted_drop_are_those_of_least_squares(tmp_path, strike
     page = (tmp_path / "written" / "report.html").read_text()
     assert "Posterior beside least squares" in page
     assert (tmp_path / "written" / "posterior.svg").is_file()
-    assert len((tmp_path / "written" / "posterior.csv").read_text().splitlines()) == 2001
+    assert len((tmp_path / "written" / "posterior.csv").read_text().splitlines()) > 800
 
 
 def test_a_posterior_of_numbers_has_its_pictures_and_tables(monkeypatch, tmp_path, strikewave):

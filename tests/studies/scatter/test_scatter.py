@@ -14,6 +14,8 @@ from strikewave.base.errors import InputError, IntegrationError
 from strikewave.base.quantities import Range
 from strikewave.cases.case import dump_case, load_case, parse_case
 from strikewave.machines import blows, run_machine
+from strikewave.studies.engine.pools import ProcessPool
+from strikewave.studies.engine.store import RunStore
 from strikewave.studies.scatter.runs import Runner, RunResult, of_blows, run_result
 from strikewave.studies.scatter.study import ScatterPlan, scatter
 from strikewave.studies.settings.candidate import supply
@@ -426,6 +428,6 @@ def test_a_runner_keeps_the_order_of_its_rows():
     case = case_with("machine.engagement.tolerance=10 %", "feed.blows=1")
     tolerances = tolerances_of(case)
     rows = np.linspace(0.005, 0.006, 9)[:, None]
-    with Runner(case, tolerances) as runner:
-        peaks = [run.peak[0] for run in runner(rows)]
+    with ProcessPool(1) as pool, RunStore(None) as store:
+        peaks = [run.peak[0] for run in Runner(case, tolerances, store, pool)(rows)]
     assert peaks == sorted(peaks)

@@ -77,6 +77,13 @@ def test_a_run_that_fails_is_a_row_with_its_reason_and_a_mark():
     assert next(iter(study.reasons)) in unescape(sweep_report(study))
 
 
+def test_numbers_without_a_unit_are_written_without_one():
+    study = sweep(ONE, {"contact.restitution": [0.5]}, analysis="fast", keep=["count", "first.rigid_peak"])
+    assert study.plan.kept[0].words(3.0) == "3"
+    assert study.at(0) == "contact.restitution = 0.5"
+    assert study.plan.words == "one run (fast), grid, over contact.restitution"
+
+
 def test_main_effects_of_a_known_function():
     """y = 2 a + b over a full grid of -1, 0, 1: variances 4, 1 of 5, and a a b adds nothing to either mean."""
     a, b = (axis.ravel() for axis in np.meshgrid([-1.0, 0.0, 1.0], [-1.0, 0.0, 1.0]))
@@ -86,6 +93,17 @@ def test_main_effects_of_a_known_function():
     assert main_effect(a, a * b, True).share == pytest.approx(0.0, abs=1e-12)
     assert main_effect(a, y, True).means.tolist() == [-2.0, 0.0, 2.0]
     assert math.isnan(main_effect(a, np.ones(9), True).share)
+
+
+def test_a_fine_grid_is_parted_by_its_values():
+    """y = a over thirteen values of a and two of b: all of the variance is that of a, however many values it has."""
+    a, b = (axis.ravel() for axis in np.meshgrid(np.arange(13.0), [0.0, 1.0]))
+    effect = main_effect(a, a, True)
+    assert effect.share == pytest.approx(1.0, rel=1e-12)
+    assert effect.places.tolist() == effect.means.tolist() == effect.lows.tolist() == list(range(13))
+    assert main_effect(b, a, True).share == pytest.approx(0.0, abs=1e-12)
+    assert main_effect(a, b, True).share == pytest.approx(0.0, abs=1e-12)
+    assert main_effect(a, np.full(26, np.nan), True).means.size == 0
 
 
 def test_share_of_random_runs_is_that_of_the_analysis_of_variance(rng):
@@ -148,7 +166,7 @@ def test_many_settings_are_drawn_by_their_shares():
 STUDY = """
 schema = 1
 case = "li-ma-2019"
-set = ["feed.blows=1"]
+set = { feed.blows = 1 }
 keep = ["first.rigid_peak", "cv"]
 analysis = "fast"
 [vary]
@@ -165,6 +183,14 @@ def test_a_study_file_asks_the_same(tmp_path):
     assert plan.evaluation.names == ("count",)
     assert plan.evaluation.analysis == "fast"
     assert request.loaded.values()["object.damper"].si == 5.0
+    assert request.loaded.values()["feed.blows"].si == 1.0
+
+
+def test_a_study_file_need_not_vary(tmp_path):
+    """Of draws within tolerances, the case says what moves."""
+    (tmp_path / "drawn.toml").write_text('schema = 1\ncase = "li-ma-2019"\ndesign = "tolerances"\nruns = 4')
+    request = read_request(str(tmp_path / "drawn.toml"), (), SweepRequest())
+    assert len(request.plan(request.loaded).rows) == 4
 
 
 @pytest.mark.parametrize(

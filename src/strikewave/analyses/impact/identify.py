@@ -80,7 +80,8 @@ def command(
 
     It is the law F = K d^n (1 + chi d'/v0) of two free bodies, fitted to the largest blow of a record. What is known
     (masses, speed, stiffness, n, e) is given; the rest is found with its standard error, or it is reported why it
-    cannot be. The exit code is 3 where the law does not describe the blow.
+    cannot be. The exit code is 3 where the law does not describe the blow. `strikewave fit` does the same of a case:
+    with a frame, a sensor, another law, or several records.
     """
     from strikewave.analyses.impact.identified import Given
     from strikewave.analyses.impact.identified_screen import identify_contact

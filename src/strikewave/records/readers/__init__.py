@@ -9,7 +9,6 @@ wrong with it ends in an `InputError`.
 from __future__ import annotations
 
 import importlib
-import math
 from collections import Counter
 from pathlib import Path
 from typing import NamedTuple
@@ -38,6 +37,11 @@ HEAD = 8192
 LARGEST_ARRAY = 16 * 2**30
 """A file whose channels would take more bytes in memory is refused: 2 thousand million samples, what a workstation
 holds."""
+
+
+SHORTEST_STEP, LONGEST_STEP = 1e-15, 1e6
+"""Between two samples, s: the fastest oscilloscopes take one in 4e-12 s, and a million seconds are twelve days. Beyond,
+powers of a step leave the range of numbers."""
 
 
 class Options(NamedTuple):
@@ -87,8 +91,10 @@ def read_record(path: str | Path, options: Options = Options()) -> Record:  # no
     [('board', 'g', [1.0, 5.0, 2.0, 1.0], 1e-05)]
     """
     file = Path(path)
-    if options.rate is not None and not 0.0 < options.rate < math.inf:
-        raise InputError("--rate", options.rate, "a sampling rate above zero")
+    if options.rate is not None and not 1.0 / LONGEST_STEP <= options.rate <= 1.0 / SHORTEST_STEP:
+        raise InputError(
+            "--rate", options.rate, f"a sampling rate of {1.0 / LONGEST_STEP:g} to {1.0 / SHORTEST_STEP:g} Hz"
+        )
     if options.time_unit is not None and options.rate is not None:
         raise InputError(
             "--time-unit", f"{options.time_unit:g} s", "none beside --rate", "the rate overrules all times"
@@ -104,13 +110,29 @@ def read_record(path: str | Path, options: Options = Options()) -> Record:  # no
         hint = "it holds nothing but zeros or blanks" if head else "it is empty"
         raise InputError("FILE", str(path), "a file with samples", hint)
     try:
-        return _reader(path, head).read(file, options)
+        record: Record = _reader(path, head).read(file, options)
+        _check_steps(record)
+        return record
     except StrikewaveError:
         raise
     except MemoryError:
         raise InputError("FILE", str(path), "a file that fits into memory", "read fewer channels") from None
     except Exception as error:
         raise InputError("FILE", str(path), "a file that is whole", f"{type(error).__name__}: {error}"[:200]) from None
+
+
+def _check_steps(record: Record) -> None:
+    """Refuse a record whose samples lie closer together, or further apart, than any recorder takes them.
+
+    Time that does not go on at all is left to the checks of health.
+    """
+    for channel in record.channels:
+        step, stamps = channel.step, channel.stamps
+        if stamps is not None and stamps.size > 1:
+            step = (float(stamps[-1]) - float(stamps[0])) / (stamps.size - 1)
+        if 0.0 < abs(step) < SHORTEST_STEP or abs(step) > LONGEST_STEP:
+            allowed = f"a time of {SHORTEST_STEP:g} to {LONGEST_STEP:g} s between two samples"
+            raise InputError("FILE", record.path, allowed, f"channel {show(channel.name)} has {step:.4g} s")
 
 
 def _reader(path: str | Path, head: bytes):  # type: ignore[no-untyped-def]  # a module

@@ -104,7 +104,8 @@ def usual_numbers(case: Case, analysis: str) -> tuple[str, ...]:
     wanted: dict[str, tuple[str, ...]] = {"run": of_blow, "fast": of_blow}
     wanted |= {"impact": ("peak_force", "duration"), "fem": ("contact_force_peak",)}
     several = analysis in ("run", "fast") and case.feed is not None and case.feed.blows.si > 1.0
-    chosen = wanted.get(analysis, tuple(names)[:2])
+    of_bar = tuple(name for name in names if name.endswith(("peak_force", ".peak")))
+    chosen = wanted.get(analysis, of_bar[:2])
     return chosen + (("cv",) if several else ())
 
 
@@ -155,7 +156,7 @@ def read_kept(case: Case, analysis: str, words: Sequence[str]) -> CaseEvaluation
     for name in names:
         first = name.partition(" ")[0]
         if "sensor_" in first and first in known:
-            checked_number(case, name)
+            checked_number(case, name, "--keep")
         elif name not in known:
             raise InputError("--keep", name, f"a number that {analysis} gives", nearest(name, [*known, *HISTORIES]))
     if "blows" in histories and analysis not in ("run", "fast"):

@@ -79,7 +79,7 @@ def carry_out(
     store : RunStore
         What is finished.
     pool : Pool
-        Who runs them.
+        Who runs them; whoever made it ends it.
     advance : callable, optional
         Called as batches come back.
 
@@ -96,8 +96,7 @@ def carry_out(
         If the pool is lost.
     """
     work = _Work(job, rows, store, advance)
-    with pool:
-        work.all_on(pool)
+    work.all_on(pool)
     return Finished(work.keys, work.reused)
 
 

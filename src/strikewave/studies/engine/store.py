@@ -12,6 +12,8 @@ import contextlib
 import functools
 import hashlib
 import importlib
+import os
+import shutil
 import sqlite3
 import tempfile
 from collections.abc import Iterable, Iterator, Sequence
@@ -62,7 +64,7 @@ def run_key(case: Case, evaluation: Evaluation) -> bytes:
     False
     """
     digest = hashlib.sha256(f"{program_key()} {evaluation!r}\n".encode())
-    digest.update(case.model_dump_json().encode())
+    digest.update(case.model_dump_json(serialize_as_any=True).encode())  # a field of a table's own kind counts too
     for file in case_files(case):
         digest.update(_file_digest(file, file.stat().st_mtime_ns))
     return digest.digest()
@@ -101,6 +103,8 @@ class RunStore:
         Made where it is not there; None for a temporary one.
     fresh : bool, optional
         Whether what is there is removed.
+    option : str, optional
+        What names the folder, for errors.
 
     Raises
     ------
@@ -108,7 +112,8 @@ class RunStore:
         If the folder cannot be written, holds something else, is damaged, or another study writes there.
     """
 
-    def __init__(self, folder: Path | None, fresh: bool = False) -> None:
+    def __init__(self, folder: Path | None, fresh: bool = False, option: str = "--out") -> None:
+        self._option = option
         self._temporary = tempfile.TemporaryDirectory(prefix="strikewave-") if folder is None else None
         self.folder = Path(self._temporary.name) if self._temporary is not None else Path(str(folder))
         self._waiting = 0  # bytes of histories in the index
@@ -116,20 +121,21 @@ class RunStore:
         with self._in_words():
             if self.folder.is_symlink() or (self.folder.exists() and not self.folder.is_dir()):
                 raise InputError(
-                    "--out", str(self.folder), "a folder for the finished runs", "this is a file or a link"
+                    self._option, str(self.folder), "a folder for the finished runs", "this is a file or a link"
                 )
             self.folder.mkdir(parents=True, exist_ok=True)
             self._base = self._opened(fresh)
 
     def _opened(self, fresh: bool) -> sqlite3.Connection:
         index = self.folder / INDEX
-        if not index.exists() and any(self.folder.iterdir()):
+        if not index.exists() and any(not path.match(CHUNK.format("*")) for path in self.folder.iterdir()):
             allowed = "an empty or new folder, or one with finished runs"
-            raise InputError("--out", str(self.folder), allowed, f"it holds other files, and no {INDEX}")
+            raise InputError(self._option, str(self.folder), allowed, f"it holds other files, and no {INDEX}")
         if fresh:
             _remove_damaged(index)
         base = sqlite3.connect(index, isolation_level=None, timeout=0.0)
         try:
+            self._check_mark(base, fresh)
             base.execute("PRAGMA locking_mode = EXCLUSIVE")
             base.execute("PRAGMA journal_mode = WAL")
             base.execute("PRAGMA synchronous = NORMAL")
@@ -138,25 +144,29 @@ class RunStore:
                 self._empty(base)
             self._prepare(base)
             base.execute("COMMIT")
-            self._drop_unknown_chunks(base)
+            self._check_chunks(base)
         except BaseException:
             base.close()
             raise
         return base
 
+    def _check_mark(self, base: sqlite3.Connection, fresh: bool) -> None:
+        """Refuse an index of something else, before anything of it is changed."""
+        (mark,), (version,) = (base.execute(f"PRAGMA {what}").fetchone() for what in ("application_id", "user_version"))
+        tables = base.execute("SELECT count(*) FROM sqlite_master").fetchone()[0]
+        index, allowed = str(self.folder / INDEX), "an index of this version of strikewave"
+        if tables and mark != APPLICATION:
+            raise InputError(self._option, index, allowed, "choose another folder: this one is of another program")
+        if version > FORMAT and not fresh:
+            raise InputError(self._option, index, allowed, _HINT)
+
     @staticmethod
     def _empty(base: sqlite3.Connection) -> None:
-        (mark,) = base.execute("PRAGMA application_id").fetchone()
-        if mark == APPLICATION:
-            for table in ("runs", "histories", "chunks"):
-                base.execute(f"DROP TABLE IF EXISTS {table}")
+        for (table,) in base.execute("SELECT name FROM sqlite_master WHERE type = 'table'").fetchall():
+            base.execute(f"DROP TABLE {_quoted(table)}")
 
     def _prepare(self, base: sqlite3.Connection) -> None:
         """Make the tables where there are none, and learn what is there."""
-        (mark,), (version,) = (base.execute(f"PRAGMA {what}").fetchone() for what in ("application_id", "user_version"))
-        tables = base.execute("SELECT count(*) FROM sqlite_master").fetchone()[0]
-        if (tables and mark != APPLICATION) or version > FORMAT:
-            raise InputError("--out", str(self.folder / INDEX), "an index of this version of strikewave", _HINT)
         base.execute(f"PRAGMA application_id = {APPLICATION}")
         base.execute(f"PRAGMA user_version = {FORMAT}")
         base.execute(
@@ -171,9 +181,14 @@ class RunStore:
         self._columns = {row[1] for row in base.execute("PRAGMA table_info(runs)")}
         (self._waiting,) = base.execute('SELECT coalesce(sum(length("values")), 0) FROM histories').fetchone()
 
-    def _drop_unknown_chunks(self, base: sqlite3.Connection) -> None:
+    def _check_chunks(self, base: sqlite3.Connection) -> None:
         """Remove files of histories that the index does not know: their writing was not finished."""
         known = {CHUNK.format(number) for (number,) in base.execute("SELECT number FROM chunks")}
+        lost = next((name for name in sorted(known) if not (self.folder / name).is_file()), None)
+        if lost is not None:
+            raise InputError(
+                self._option, str(self.folder), f"finished runs with their histories; {lost} is gone", _HINT
+            )
         for path in self.folder.glob(CHUNK.format("*")):
             if path.name not in known:
                 path.unlink()
@@ -195,9 +210,9 @@ class RunStore:
             self._temporary.cleanup()
 
     def remove(self) -> None:
-        """Remove index and files: the study is written elsewhere."""
+        """Remove index and files, the index first, so that it never names a file that is gone."""
         self.close()
-        for path in [*self.chunks, *(self.folder / f"{INDEX}{end}" for end in ("", "-wal", "-shm"))]:
+        for path in [*(self.folder / f"{INDEX}{end}" for end in ("", "-wal", "-shm")), *self.chunks]:
             path.unlink(missing_ok=True)
         with contextlib.suppress(OSError):
             self.folder.rmdir()
@@ -270,11 +285,25 @@ class RunStore:
         paths = self.folder.glob(CHUNK.format("*"))
         return sorted(paths, key=lambda path: int(path.stem.rpartition("-")[2]))
 
+    def hand_over(self, folder: Path) -> list[str]:
+        """Give all files of histories a second name in another folder, and return their names.
+
+        They stay here too: till the result stands in its place, they are all that is left of their runs. Where the file
+        system has no second names, they are copied.
+        """
+        self.write_chunk()
+        for path in self.chunks:
+            try:
+                os.link(path, folder / path.name)
+            except OSError:
+                shutil.copyfile(path, folder / path.name)
+        return [path.name for path in self.chunks]
+
     def table(self, names: Sequence[str], keys: Sequence[bytes]) -> tuple[Array, list[str], Array]:
         """Return numbers (runs, names), failures and seconds of runs that are there; NaN where there is no number."""
         with self._in_words():
             self._add_columns(names)
-            wanted = {key: place for place, key in enumerate(keys)}
+            wanted = {key: place for place, key in enumerate(dict.fromkeys(keys))}
             numbers, failures = np.full((len(wanted), len(names)), np.nan), [""] * len(wanted)
             seconds = np.zeros(len(wanted))
             columns = "".join(f", {_quoted(name)}" for name in names)
@@ -307,15 +336,15 @@ class RunStore:
         except sqlite3.OperationalError as error:
             if "locked" in str(error):
                 raise InputError(
-                    "--out", place, "a folder that no other study writes to", "wait till it has ended"
+                    self._option, place, "a folder that no other study writes to", "wait till it has ended"
                 ) from None
-            raise InputError("--out", place, "a place that can be written", str(error)) from None
+            raise InputError(self._option, place, "a place that can be written", str(error)) from None
         except sqlite3.DatabaseError as error:
             if type(error) is not sqlite3.DatabaseError:  # a fault of ours
                 raise
-            raise InputError("--out", place, "finished runs; their index is damaged", _HINT) from None
+            raise InputError(self._option, place, "finished runs; their index is damaged", _HINT) from None
         except OSError as error:
-            raise InputError("--out", place, "a place that can be written", error.strerror or "") from None
+            raise InputError(self._option, place, "a place that can be written", error.strerror or "") from None
 
 
 def _remove_damaged(index: Path) -> None:
@@ -324,13 +353,14 @@ def _remove_damaged(index: Path) -> None:
         return
     base = sqlite3.connect(index, timeout=0.0)
     try:
-        base.execute("SELECT count(*) FROM sqlite_master")
+        sound = base.execute("PRAGMA quick_check(1)").fetchone() == ("ok",)
     except sqlite3.DatabaseError as error:
-        if type(error) is sqlite3.DatabaseError:  # neither locked nor out of reach
-            for path in (index, *(index.with_name(f"{index.name}{end}") for end in ("-wal", "-shm"))):
-                path.unlink(missing_ok=True)
+        sound = type(error) is not sqlite3.DatabaseError  # locked, or out of reach
     finally:
         base.close()
+    if not sound:
+        for path in (index, *(index.with_name(f"{index.name}{end}") for end in ("-wal", "-shm"))):
+            path.unlink(missing_ok=True)
 
 
 def _history(name: str, unit: str, blow: int, start: float | None, step: float | None, values: Array) -> KeptHistory:

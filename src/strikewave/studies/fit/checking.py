@@ -26,6 +26,8 @@ DRAWS = 32
 """Runs at drawn values for each setting: a standard deviation of so many is good to an eighth."""
 NORMAL = 1.96
 """Standard uncertainties that 95 % lie within."""
+HALVINGS = 12
+"""Times that a drawn place is halved towards the best one at most: to 1/4000 of the bounds."""
 CHECK_STREAM = 31
 """Key of the draws."""
 
@@ -82,11 +84,12 @@ class Checks:
 def check(solved: Solved, experiments: Sequence[Experiment]) -> Checks:
     """Predict what was kept out.
 
-    The band of a figure has the values drawn from the fit (over all of their bounds where they are not determined),
+    The band of a figure has the values drawn from the fit (as far as the data allow where they are not determined),
     what the same figure was off in the records of the fit, root mean square, and the noise of the record itself.
     """
     problem, found = solved.problem, solved.estimate
-    places = [found.place, *drawn_places(found)]
+    drawn = drawn_places(found)
+    places = [found.place, *(allowed_places(solved, drawn) if found.undetermined.size else drawn)]
     left = _left_over(problem, found.place)
     kept_out = Problem(experiments, problem.fields)
     runs = on_threads(lambda place: _predicted(kept_out, place), places)
@@ -101,7 +104,8 @@ def check(solved: Solved, experiments: Sequence[Experiment]) -> Checks:
                 agreements.append((one.called, agreement(one.record, curve, "correlation")))
             for name, unit, measured, doubt in _figures(one):
                 predicted, values = nominal[place], [draw[place] for draw in draws]
-                spread = float(np.std(values) / abs(np.mean(values))) if len(values) > 1 else 0.0
+                off = np.array(values) / predicted - 1.0  # about the prediction: draws may lie to one side of it
+                spread = math.sqrt(float(np.mean(off**2))) if len(values) > 1 else 0.0
                 shares = found.widest * spread, left.get(_kind(one, name), 0.0), NORMAL * doubt / abs(measured)
                 half = abs(predicted) * math.hypot(*shares)
                 ends = predicted - half, predicted + half
@@ -127,6 +131,30 @@ def drawn_places(found: Estimate) -> list[Array]:
             place = np.clip(place + (low + share * (high - low)) * direction, 0.0, 1.0)
         places.append(place)
     return places
+
+
+def allowed_places(solved: Solved, places: Sequence[Array]) -> list[Array]:
+    """Return drawn places, those that fit worse than 95 % may halved towards the best until they do not.
+
+    A direction that is not determined is flat near the best place alone: far along it most places fit nothing. What
+    one standard deviation of the determined directions adds to the misfit counts as one.
+    """
+    from scipy.stats import chi2
+
+    found, size = solved.estimate, solved.estimate.place.size
+    known = size - found.undetermined.shape[1]
+    alone = float(np.sum((found.jacobian.T @ found.jacobian) * found.covariance))
+    per = max(alone / known, 1.0) if known else 1.0
+    limit = found.misfit + per * float(chi2.ppf(0.95, size)) * (found.widest / NORMAL) ** 2
+    kept, left = [np.asarray(place) for place in places], list(range(len(places)))
+    for _ in range(HALVINGS):
+        residuals = on_threads(solved.problem.residuals, [kept[k] for k in left])
+        left = [k for k, one in zip(left, residuals, strict=True) if one is None or float(one @ one) > limit]
+        if not left:
+            break
+        for k in left:
+            kept[k] = found.place + 0.5 * (kept[k] - found.place)
+    return kept
 
 
 def _predicted(problem: Problem, place: Array) -> list[float]:

@@ -24,8 +24,11 @@ Residuals = Callable[[Array], Array]
 SCREENED, MOST_SCREENED = 8, 32
 """Places tried before the search, for each coordinate and at most: chosen so that a valley a fifth as wide as the
 bounds is met, at the cost of one search."""
-STARTS = 3
-"""Searches: from the place of the case, and from the best of those tried."""
+STARTS, MOST_STARTS = 3, 8
+"""Searches: from the place of the case, and from the best of those tried; at most, where they end apart and none
+well."""
+ALIKE = 0.01
+"""Distance of two ends that count as one: an undetermined direction or a rough end apart, searches agree better."""
 APART = 0.1
 """Distance of two places that count as different starts."""
 STEP, FINAL_STEP = 1e-4, 5e-4
@@ -146,17 +149,31 @@ class Search:
         )
         return whole(answer.x), answer.fun
 
-    def wide(self, start: Array) -> list[tuple[Array, Array]]:
-        """Return where searches from several starts end, the best first."""
+    def wide(
+        self, start: Array, explained: Callable[[Array], bool] = lambda residuals: True
+    ) -> list[tuple[Array, Array]]:
+        """Return where searches from several starts end, the best first.
+
+        They are `STARTS`, and more while their ends differ and none leaves residuals that are ``explained`` by noise.
+        """
         tried = [*latin_hypercube(self.size, min(SCREENED * self.size, MOST_SCREENED))]
         found = [(float(r @ r), u) for u, r in zip(tried, self.many(tried), strict=True) if r is not None]
-        starts = [start]
+        starts, ends = [start], list[tuple[Array, Array]]()
         for _, place in sorted(found, key=lambda one: one[0]):
-            if len(starts) < STARTS and all(np.linalg.norm(place - one) > APART for one in starts):
+            if len(starts) < MOST_STARTS and all(np.linalg.norm(place - one) > APART for one in starts):
                 starts.append(place)
-        ends = [self.descend(one, accuracy=ACCURACY if one is start else ROUGH) for one in starts]
+        for one in starts:
+            if len(ends) >= STARTS and (_agree(ends) or any(explained(left) for _, left in ends)):
+                break
+            ends.append(self.descend(one, accuracy=ACCURACY if one is start else ROUGH))
+        own = ends[0][0]
         ends.sort(key=lambda one: float(one[1] @ one[1]))
-        return ends if ends[0][0] is start else [self.descend(ends[0][0]), *ends[1:]]
+        return ends if ends[0][0] is own else [self.descend(ends[0][0]), *ends[1:]]
+
+
+def _agree(ends: Sequence[tuple[Array, Array]]) -> bool:
+    """Tell whether searches ended at one place."""
+    return all(float(np.linalg.norm(place - ends[0][0])) < ALIKE for place, _ in ends)
 
 
 class ProfileEnds(NamedTuple):

@@ -7,7 +7,7 @@ where we work.
 from __future__ import annotations
 
 import os
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Annotated, Any, Literal, NamedTuple, Self
 
@@ -27,52 +27,24 @@ from strikewave.reporting.options import read_share
 from strikewave.studies.fit.request import FitRequest
 from strikewave.studies.fit.stated import stated_at
 from strikewave.studies.fit.targets import Target
+from strikewave.studies.stated import Quantity, Settings, beside, case_place, quantity, states_a_study
 
 ALLOWED = "a TOML file with the case, and [[record]] or [[number]]"
-MOST_TARGETS, MOST_SET, DEEPEST = 1000, 100, 8
-"""Records and numbers of a file, settings of one, and tables within one another: no test has as many."""
+MOST_TARGETS = 1000
+"""Records and numbers of a file: no test has as many."""
 OF_FIT = ("free", "record", "number", "try", "reading")
-"""Tables that a case has not: a file with one of them, or with ``case``, is that of a fit."""
+"""Tables that a case has not."""
 OF_CALIBRATION = ("unit", "sensitivity", "gain", "excitation", "rated_excitation", "count", "polarity")
-
-
-def _quantity(raw: Any) -> str | int | float:
-    """Return a quantity as typed: a text, or a bare number."""
-    if isinstance(raw, bool) or not isinstance(raw, str | int | float):
-        raise InputError("", raw, 'a quantity, such as "0.5 m", or a bare number')
-    return raw
-
-
-def _settings(raw: Any) -> tuple[str, ...]:
-    """Return settings, ``path=value`` each; a path is a key in quotes, or keys within one another."""
-    changes = [f"{path}={value}" for path, value in _leaves(raw, "")]
-    if len(changes) > MOST_SET:
-        raise InputError("", f"{len(changes)} settings", f"at most {MOST_SET}")
-    return tuple(changes)
-
-
-def _leaves(raw: Any, path: str, depth: int = 0) -> Iterator[tuple[str, Any]]:
-    if isinstance(raw, Mapping):
-        if depth > DEEPEST:
-            raise InputError(path, "tables within tables", "paths of a case")
-        for key, value in raw.items():
-            yield from _leaves(value, f"{path}.{key}".lstrip("."), depth + 1)
-    elif not path or isinstance(raw, bool) or not isinstance(raw, str | int | float):
-        raise InputError(path, raw, 'paths with their values, such as machine.height = "0.5 m"')
-    else:
-        yield path, raw
 
 
 def _words(raw: Any) -> list[str]:
     """Return a value of the calibration as options have it: for all channels, or channel by channel."""
     if isinstance(raw, Mapping):
-        return [f"{channel}={_quantity(value)}" for channel, value in raw.items()]
-    return [str(_quantity(raw))]
+        return [f"{channel}={quantity(value)}" for channel, value in raw.items()]
+    return [str(quantity(raw))]
 
 
-Quantity = Annotated[str | int | float, BeforeValidator(_quantity)]
-Share = Annotated[float, BeforeValidator(lambda raw: read_share(str(_quantity(raw)), ""))]
-Settings = Annotated[tuple[str, ...], BeforeValidator(_settings)]
+Share = Annotated[float, BeforeValidator(lambda raw: read_share(str(quantity(raw)), ""))]
 Calibration = Annotated[list[str] | None, BeforeValidator(_words)]
 
 
@@ -219,13 +191,6 @@ class ReadFit(NamedTuple):
     path: Path
 
 
-def beside(word: str, folder: Path) -> str:
-    """Return a file or a pattern beside the file of a fit, or else from where we work."""
-    place = str(folder / word)
-    is_pattern = any(mark in word for mark in "*?[")
-    return place if is_pattern or os.path.lexists(place) else word
-
-
 def is_fit_file(name: str) -> bool:
     """Tell whether a name is that of a file of a whole fit: one with a case, or with what only a fit has.
 
@@ -241,7 +206,7 @@ def is_fit_file(name: str) -> bool:
             document = read_toml(file.read(LARGEST_FILE + 1).decode("utf-8-sig"))
     except (OSError, ValueError):
         return False
-    return isinstance(document.get("case"), str) or any(table in document for table in OF_FIT)
+    return states_a_study(document, OF_FIT)
 
 
 def load_fit(path: str | Path, changes: Sequence[str] = ()) -> ReadFit:
@@ -258,7 +223,7 @@ def load_fit(path: str | Path, changes: Sequence[str] = ()) -> ReadFit:
         file = FitFile.model_validate(document)
     except ValidationError as error:
         raise InputErrors(f"{path.name}: {line}" for line in FORM.lines(error)) from None
-    place = file.case if file.case in bundled_cases() else beside(file.case, path.parent)
+    place = case_place(file.case, path.parent)
     with stated_at(path.name):
         case = load_case(place)
     with stated_at(f"{path.name}: set"):

@@ -11,7 +11,7 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
-from strikewave.base.errors import InputError
+from strikewave.base.errors import InputError, StrikewaveError
 from strikewave.cases.case import Case
 from strikewave.studies.fit.covariance import Estimate, ResidualBlock, estimate
 from strikewave.studies.fit.estimation import FINAL_STEP, ROUGH, Search
@@ -178,6 +178,12 @@ class Problem:
             )
         return found
 
+    def explained(self, residuals: Array) -> bool:
+        """Tell whether noise explains what is left of each record, and numbers are missed by less than is expected."""
+        found = self.misfits(residuals)
+        missed = [one.size for one in found if one.is_number]
+        return not any(one.more_than_noise for one in found) and float(np.sum(np.square(missed))) <= len(missed)
+
     def alone(self, residuals: Array, jacobian: Array) -> Array:
         """Return the residuals of each record with the values at their best for it alone, by the slopes."""
         found = residuals.copy()
@@ -274,10 +280,13 @@ def solve(problem: Problem, advance: Callable[[int, float], None] | None = None)
         If the case itself cannot be run, or a field changes nothing that was measured.
     """
     search, stopped, ends = Search(problem.residuals, len(problem.fields), advance), False, list[tuple[Array, Array]]()
-    first = search.begin(problem.start)
+    first = _begun(search, problem)
     try:
         _check_felt(problem, search, first)
-        ends = [search.descend(problem.start, accuracy=ROUGH)] if problem.slow else search.wide(problem.start)
+        if problem.slow:
+            ends = [search.descend(problem.start, accuracy=ROUGH)]
+        else:
+            ends = search.wide(problem.start, problem.explained)
         place, residuals = _nearest(ends, problem.start)
         used, misfits = problem, problem.misfits(residuals)
         if len(misfits) > 1 and any(one.more_than_noise for one in misfits):
@@ -299,6 +308,17 @@ def solve(problem: Problem, advance: Callable[[int, float], None] | None = None)
     left = used.misfits(residuals, used.alone(residuals, jacobian))
     base = residuals if used is problem else problem.residuals(place)  # other ends have the weights of the search
     return Solved(used, found, tuple(left), _others(ends, found, base), search.runs, stopped, search)
+
+
+def _begun(search: Search, problem: Problem) -> Array:
+    """Return the residuals where the search begins, which need all that was measured."""
+    try:
+        return search.begin(problem.start)
+    except StrikewaveError:
+        raise
+    except ValueError as error:
+        hint = "begin elsewhere (--set), or follow the blow for longer"
+        raise InputError("--to", str(error), "what the case gives where the search begins", hint) from None
 
 
 def _check_felt(problem: Problem, search: Search, first: Array) -> None:

@@ -136,6 +136,8 @@ def _tried(case: Case, request: FitRequest, progress: Callable[[int, float], Non
         try:
             studies[change] = _fit(changed_case(case, [change]), request, progress)
             rows.append(tried(change, studies[change].solved))
+            if studies[change].solved.stopped:
+                break
         except StrikewaveError as error:
             rows.append(TriedChoice(change, failure=str(error).partition("\n")[0]))
     rows.sort(key=lambda row: row.rank)
@@ -171,9 +173,12 @@ def fitted_study(
     """Return the fit of a case to what was read."""
     problem = Problem(read.experiments, fields)
     solved = solve(problem, progress)
-    found = solved.estimate
-    fields = problem.fields
-    parameters = tuple(_parameter(solved, k, field) for k, field in enumerate(fields))
+    try:
+        parameters, separate = _parameters(solved), separating(solved)
+    except KeyboardInterrupt:  # values and errors are found: profiles and advice are left out
+        solved = dataclasses.replace(solved, stopped=True)
+        parameters, separate = _parameters(solved), []
+    found, fields = solved.estimate, problem.fields
     aside = [change.partition("=")[0].strip() for one in targets for change in one.changes]
     sensors = any("sensor" in one.left for one in targets) or any(
         pulse.part.partition(".")[0] in {sensor.name for sensor in case.sensor} for pulse in read.pulses
@@ -187,7 +192,7 @@ def fitted_study(
         parameters=parameters,
         pulses=tuple(_laid(solved.problem, runs)),
         computed=_computed(solved.problem, runs),
-        separating=tuple(separating(solved)),
+        separating=tuple(separate),
         citations=("liang-zeger-1986", "bell-mccaffrey-2002", "raue-2009"),
     )
     return dataclasses.replace(study, notices=(*fit_notices(study), *read.notices))
@@ -224,6 +229,10 @@ def _computed(problem: Problem, runs: Sequence[Simulation]) -> tuple[float, ...]
         for one in experiment.measured
         if isinstance(one, MeasuredNumber)
     )
+
+
+def _parameters(solved: Solved) -> tuple[FittedParameter, ...]:
+    return tuple(_parameter(solved, k, field) for k, field in enumerate(solved.problem.fields))
 
 
 def _parameter(solved: Solved, k: int, field: FreeField) -> FittedParameter:

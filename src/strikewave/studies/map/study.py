@@ -402,7 +402,8 @@ def make_map(
     machine_of(case)
     present = dict(zip(FIELDS, cell_of(case, plan.blows, plan.train).tolist(), strict=True))
     with contextlib.nullcontext(store) if store is not None else RunStore(None) as kept:
-        finished = carry_out(plan.job, plan.rows, kept, ProcessPool(workers), progress)
+        with ProcessPool(workers) as pool:
+            finished = carry_out(plan.job, plan.rows, kept, pool, progress)
         cells, _, _ = kept.table(tuple(FIELDS), finished.keys)
     study = MapStudy(plan, cells.reshape(*plan.shape, len(FIELDS)), wanted, present)
     setting, refused = confirmed(study)

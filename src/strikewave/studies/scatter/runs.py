@@ -2,10 +2,8 @@
 
 from __future__ import annotations
 
-import functools
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
-from types import TracebackType
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,22 +12,24 @@ from strikewave.analyses.machine.build import build_machine
 from strikewave.base.errors import InputError, InputErrors, IntegrationError, show
 from strikewave.cases.case import Case
 from strikewave.machines import Blow, Machine, MachineRun, blows, run_machine
+from strikewave.machines.blows import KINDS
 from strikewave.studies.accuracy import FINER_TOLERANCE, RUN_TOLERANCE
-from strikewave.studies.workers import Workers
-from strikewave.uncertainty.draws import UncertainInput, drawn_case
+from strikewave.studies.engine.evaluation import MOST_REASON, Job, KeptHistory, RunOutcome
+from strikewave.studies.engine.plan import DrawVariation
+from strikewave.studies.engine.pools import Pool
+from strikewave.studies.engine.runner import StudyProgress, carry_out
+from strikewave.studies.engine.store import RunStore
+from strikewave.uncertainty.draws import UncertainInput
 from strikewave.uncertainty.statistics import variation
 
 Array = NDArray[np.float64]
 
-CHUNK = 4
-"""Runs that a process is given at a time: some 0.3 s of work, so that handing it over costs little, and progress still
-moves and the last process ends soon after the others."""
 FIGURES = ("peak", "width", "interval", "velocity_change")
 """Figures of each blow: attributes of `RunResult` and of `Blow`, whose ``rigid_peak`` is called peak here."""
+UNITS = {"kind": "1", "peak": "m/s^2", "width": "s", "interval": "s", "velocity_change": "m/s"}
+"""SI units of what is kept of each blow; kinds by their place in `KINDS`."""
 TYPICAL_KINDS = ("full", "double")
 """Kinds of blow that may be typical: a glancing or missed one has no pulse of the whole striker."""
-MOST_REASON = 200
-"""Characters of the reason why a run failed, so that it stays in a cell of a table."""
 
 
 def _none() -> Array:
@@ -124,12 +124,25 @@ def of_blows(train: Sequence[Blow]) -> RunResult:
     )
 
 
-def _run_chunk(case: Case, tolerances: tuple[UncertainInput, ...], rows: Array) -> list[RunResult]:
-    return [run_result(drawn_case(case, tolerances, row)) for row in rows]
+@dataclass(frozen=True)
+class TrainEvaluation:
+    """What is kept of a full run: kind and figures of each blow."""
+
+    names: tuple[str, ...] = ("largest_displacement",)
+
+    def __call__(self, case: Case) -> RunOutcome:
+        """Return what the blows of a case are; a run that cannot be made says why."""
+        run = run_result(case)
+        if run.failure:
+            return RunOutcome(failure=run.failure)
+        kinds = np.array([KINDS.index(kind) for kind in run.kinds], dtype=float)
+        kept = {"kind": kinds, **{name: getattr(run, name) for name in FIGURES}}
+        histories = [KeptHistory(name, UNITS[name], 0, np.nan, np.nan, values) for name, values in kept.items()]
+        return RunOutcome((run.largest_displacement,), tuple(histories))
 
 
 class Runner:
-    """Runs a case at drawn values; a context manager that holds its processes.
+    """Runs a case at drawn values.
 
     Parameters
     ----------
@@ -137,8 +150,10 @@ class Runner:
         Of a machine.
     tolerances : tuple of UncertainInput
         What is drawn.
-    workers : int, optional
-        Processes; with 1 everything runs in this one. Each run is computed alone, so that their number changes no bit.
+    store : RunStore
+        Finished runs.
+    pool : Pool
+        Who runs them. Each run is computed alone, so that no number depends on it.
     advance : callable, optional
         Called with the number of runs done so far.
     """
@@ -147,21 +162,14 @@ class Runner:
         self,
         case: Case,
         tolerances: tuple[UncertainInput, ...],
-        workers: int = 1,
+        store: RunStore,
+        pool: Pool,
         advance: Callable[[int], None] | None = None,
     ) -> None:
-        self._run_chunk = functools.partial(_run_chunk, case, tolerances)
+        self._job = Job(DrawVariation(case, tolerances), TrainEvaluation())
+        self._store, self._pool = store, pool
         self._advance = advance
         self._done = 0
-        self._workers = Workers(workers)
-
-    def __enter__(self) -> Runner:
-        return self
-
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
-    ) -> None:
-        self._workers.__exit__(kind, error, trace)
 
     def __call__(self, rows: Array) -> list[RunResult]:
         """Return a run for each row of drawn values, in their order.
@@ -169,13 +177,41 @@ class Runner:
         Raises
         ------
         StrikewaveError
-            If a process came to an end before its time.
+            If no process can be started again for one that came to an end before its time.
         """
-        chunks = [rows[k : k + CHUNK] for k in range(0, len(rows), CHUNK)]
-        results: list[RunResult] = []
-        for part in self._workers.in_order(self._run_chunk, chunks):
-            results += part
-            self._done += len(part)
+
+        def advance(progress: StudyProgress) -> None:
             if self._advance is not None:
-                self._advance(self._done)
-        return results
+                self._advance(self._done + progress.done)
+
+        places = [tuple(row) for row in rows.tolist()]
+        finished = carry_out(self._job, places, self._store, self._pool, advance)
+        self._done += len(places)
+        return kept_runs(self._store, finished.keys)
+
+
+def kept_runs(store: RunStore, keys: Sequence[bytes]) -> list[RunResult]:
+    """Return runs that a store has, in the order of their keys."""
+    wanted = dict.fromkeys(keys)
+    blows: dict[bytes, dict[str, Array]] = {key: {} for key in wanted}
+    for key, history in store.histories():
+        if key in wanted:
+            blows[key][history.name] = history.values
+    numbers, failures, _ = store.table(TrainEvaluation().names, keys)
+    runs = []
+    for key, (displacement,), failure in zip(keys, numbers, failures, strict=True):
+        if failure:
+            runs.append(RunResult(failure=failure))
+            continue
+        of_run = blows[key]
+        runs.append(
+            RunResult(
+                kinds=tuple(KINDS[int(code)] for code in of_run["kind"]),
+                peak=of_run["peak"],
+                width=of_run["width"],
+                interval=of_run["interval"],
+                velocity_change=of_run["velocity_change"],
+                largest_displacement=float(displacement),
+            )
+        )
+    return runs

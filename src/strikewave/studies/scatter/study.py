@@ -7,6 +7,7 @@ where the one before has left it.
 from __future__ import annotations
 
 import dataclasses
+import itertools
 import math
 from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
@@ -25,8 +26,10 @@ from strikewave.records.campaign import Statistic, statistic
 from strikewave.reporting.columns import Column, csv_table
 from strikewave.reporting.numbers import axis_unit, percent, with_unit
 from strikewave.reporting.shown_result import Curve, ShownResult
-from strikewave.studies.scatter.runs import FIGURES, Runner, RunResult
-from strikewave.uncertainty.draws import UncertainInput, drawn, nominal, quantiles, tolerances_of, unfelt
+from strikewave.studies.engine.pools import ProcessPool
+from strikewave.studies.engine.store import RunStore
+from strikewave.studies.scatter.runs import FIGURES, Runner, RunResult, run_result
+from strikewave.uncertainty.draws import UncertainInput, drawn, drawn_case, nominal, quantiles, tolerances_of, unfelt
 from strikewave.uncertainty.shares import (
     Shares,
     mixtures,
@@ -369,12 +372,12 @@ def scatter(
     whole = plan.all_runs(len(tolerances))
     points = quantiles(tolerances, plan.runs, plan.seed)
     numbers = drawn(tolerances, points)
-    alone = Runner(case, tolerances)
-    (nominal_run,) = alone(nominal(tolerances))
+    nominal_run = run_result(drawn_case(case, tolerances, nominal(tolerances)[0].tolist()))
     if nominal_run.failure or not nominal_run.struck.any():
         raise InputError("case", nominal_run.failure or "no blow", "a case whose nominal run strikes")
     advance = None if progress is None else (lambda done: progress((1 + done) / whole))
-    with Runner(case, tolerances, plan.workers, advance) as runner:
+    with ProcessPool(plan.workers) as pool, RunStore(None) as store:
+        runner = Runner(case, tolerances, store, pool, advance)
         runs = runner(numbers)
         sobol = ("saltelli-2010", "jansen-1999") if plan.shares == "sobol" else ()
         citations = ("vangel-1996", "wilks-1941", *sobol)
@@ -393,9 +396,8 @@ def _shares_of(study: ScatterStudy, points: Array, runner: Runner) -> tuple[Shar
     if plan.shares == "none":
         return ()
     if plan.shares == "sobol":
-        samples = mixtures(sobol_points(sum(sizes), count, plan.seed), sizes)
-        a, b = (runner(drawn(tolerances, part)) for part in samples[:2])
-        mixed = [runner(drawn(tolerances, part)) for part in samples[2]]
+        first, second, mixtures_of = mixtures(sobol_points(sum(sizes), count, plan.seed), sizes)
+        a, b, *mixed = _in_parts(runner, [drawn(tolerances, part) for part in (first, second, *mixtures_of)])
         return tuple(
             sobol_shares(of, paths, read(a), read(b), np.array([read(one) for one in mixed]), plan.seed)
             for of, read in (
@@ -404,12 +406,13 @@ def _shares_of(study: ScatterStudy, points: Array, runner: Runner) -> tuple[Shar
             )
         )
     rows = np.repeat(nominal(tolerances), count, axis=0)
-    alone, place = [], 0
+    parts, place = [], 0
     for size in sizes:
         part = rows.copy()
         part[:, place : place + size] = study.numbers[:count, place : place + size]
-        alone.append(runner(part))
+        parts.append(part)
         place += size
+    alone = _in_parts(runner, parts)
     whole = study.runs[:count]
     return (
         variance_shares(BETWEEN, paths, _typical(whole), np.array([_typical(runs) for runs in alone]), plan.seed),
@@ -421,6 +424,12 @@ def _shares_of(study: ScatterStudy, points: Array, runner: Runner) -> tuple[Shar
             plan.seed,
         ),
     )
+
+
+def _in_parts(runner: Runner, parts: Sequence[Array]) -> list[list[RunResult]]:
+    """Return the runs of several samples, made together so that no process waits for the end of each."""
+    runs = iter(runner(np.vstack(parts)))
+    return [list(itertools.islice(runs, len(part))) for part in parts]
 
 
 def _typical(runs: Sequence[RunResult]) -> Array:

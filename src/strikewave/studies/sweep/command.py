@@ -107,5 +107,5 @@ def command(
     plan = request.plan(output.tested(request.loaded))
     count = min(workers, os.cpu_count() or 1)
     if dry_run:
-        return show_estimate(plan, store, count, output.json)
+        return show_estimate(plan, request.changes, store, count, output)
     return run_sweep(plan, request.changes, SweepCommand(plan, lambda: ProcessPool(count), store, fresh), output)

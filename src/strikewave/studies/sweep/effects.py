@@ -10,8 +10,8 @@ from numpy.typing import ArrayLike, NDArray
 Array = NDArray[np.float64]
 
 MOST_LEVELS = 12
-"""Most values of a setting that are told apart; of more, and of random ones, as many groups of equal size are made as
-`GROUPS` says."""
+"""Most values of a setting that are told apart where the runs are no full grid; of more, and of random ones, as many
+groups of equal size are made as `GROUPS` says."""
 GROUPS = 8
 """Groups of runs of a setting without levels. Chosen: enough for one bend, and few enough that a hundred runs leave
 twelve in each."""
@@ -60,28 +60,32 @@ def main_effect(setting: ArrayLike, number: ArrayLike, grid: bool) -> MainEffect
     x, y = np.asarray(setting, dtype=float), np.asarray(number, dtype=float)
     known = np.isfinite(y)
     x, y = x[known], y[known]
-    groups = _groups(x)
-    members = [y[groups == k] for k in range(int(groups.max(initial=-1)) + 1)]
-    means = np.array([one.mean() for one in members])
-    sizes = np.array([one.size for one in members])
+    groups = _groups(x, grid)
+    order = np.argsort(groups, kind="stable")
+    begins = np.flatnonzero(np.diff(groups[order], prepend=-1))
+    x, y, sizes = x[order], y[order], np.diff(begins, append=y.size)
+    means = np.add.reduceat(y, begins) / sizes
     total = float(np.sum((y - y.mean()) ** 2)) if y.size else 0.0
     between = float(np.sum(sizes * (means - y.mean()) ** 2)) if y.size else 0.0
-    free = y.size - len(members)
+    free = y.size - begins.size
     if not grid and free > 0:
-        between -= (len(members) - 1) * (total - between) / free
+        between -= (begins.size - 1) * (total - between) / free
     return MainEffect(
-        np.array([x[groups == k].mean() for k in range(len(members))]),
+        np.add.reduceat(x, begins) / sizes,
         means,
-        np.array([one.min() for one in members]),
-        np.array([one.max() for one in members]),
+        np.minimum.reduceat(y, begins),
+        np.maximum.reduceat(y, begins),
         between / total if total > 0.0 else float("nan"),
     )
 
 
-def _groups(x: Array) -> NDArray[np.int64]:
-    """Return the number of the group of each run: by its value, or by its rank where there are many values."""
+def _groups(x: Array, grid: bool) -> NDArray[np.int64]:
+    """Return the number of the group of each run: by its value, or by its rank where there are many values.
+
+    In a grid always by its value: groups of equal size would part the runs of one value, and so mix settings.
+    """
     levels, place = np.unique(x, return_inverse=True)
-    if levels.size <= MOST_LEVELS:
+    if grid or levels.size <= MOST_LEVELS:
         return place
     rank = np.empty(x.size, dtype=np.int64)
     rank[np.argsort(x, kind="stable")] = np.arange(x.size)

@@ -97,7 +97,7 @@ def sweep(
     plan = plan_of(case, vary, keep, analysis, design, runs, seed)
     pool: Pool = GivenPool(executor) if executor is not None else ProcessPool(workers)
     advance = None if progress is None else (lambda done: progress(done.share))
-    with RunStore(None if store is None else Path(store)) as finished:
+    with RunStore(None if store is None else Path(store), option="store") as finished:
         return make_sweep(plan, finished, pool, advance)
 
 

@@ -55,7 +55,7 @@ def sweep_words(study: SweepStudy) -> str:
             continue
         low, high = (one.words(float(study.number(one.name)[run])) for run in ends)
         words.append(f"{called(one.name).capitalize()}: {low} ({study.at(ends[0])}) to {high} ({study.at(ends[1])}).")
-    rows = [row for row in effect_rows(study) if row.share == row.share]
+    rows = [row for row in effect_rows(study) if row.share > 0.0 and row.number == plan.kept[0]]
     if rows:
         words.append(f"Of its variance, {row_words(rows[0].share)} comes from {rows[0].path} alone.")
     return " ".join(words)

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import contextlib
 import dataclasses
-import shutil
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -37,18 +36,28 @@ def run_sweep(plan: SweepPlan, changes: Sequence[str], command: SweepCommand, ou
     InputError
         If the place is taken, or histories have no folder.
     """
-    usual = f"sweep-{case_folder(plan.case.name, dump_case(plan.case), changes)}"
+    usual = _usual(plan, changes)
     if plan.evaluation.histories and command.place is None and not output.writes(usual):
         kept = ", ".join(plan.evaluation.histories)
         raise InputError("--keep", f"{kept} with --json", "a folder for the histories", "add --out DIR or --store DIR")
     return run_and_write(command, output, usual, plan.text)
 
 
-def show_estimate(plan: SweepPlan, place: Path | None, workers: int, as_json: bool) -> int:
-    """Print how many runs a sweep has and about how long it takes, and return the exit code."""
-    with RunStore(place if place is not None and place.is_dir() else None) as store:
+def _usual(plan: SweepPlan, changes: Sequence[str]) -> str:
+    return f"sweep-{case_folder(plan.case.name, dump_case(plan.case), changes)}"
+
+
+def show_estimate(plan: SweepPlan, changes: Sequence[str], place: Path | None, workers: int, output: Output) -> int:
+    """Print how many runs a sweep has and about how long it takes, and return the exit code.
+
+    What is finished is looked for where the sweep itself would: in a folder of its own, or beside the result.
+    """
+    folder = output.place(_usual(plan, changes)).folder
+    if place is None and folder is not None:
+        place = runs_beside(folder.absolute())
+    with RunStore(place if place is not None and place.is_dir() else None, option="--dry-run") as store:
         found = estimated(plan, store, workers)
-    if as_json:
+    if output.json:
         print_json(plain({**head({"run_seconds": "s", "seconds": "s"}), **found._asdict()}))
     else:
         tell(f"{plan.words}. {found.words}.")
@@ -82,19 +91,21 @@ class SweepCommand(Command[SweepStudy]):
     @contextlib.contextmanager
     def under_way(self, folder: Path) -> Iterator[None]:
         """Keep finished runs beside the folder until all is written, or in a folder of their own."""
-        beside = self.place is None
-        self.store = RunStore(runs_beside(folder.absolute()) if self.place is None else self.place, self.fresh)
+        self.store = self._opened(runs_beside(folder.absolute()) if self.place is None else self.place)
         with self.store:
             yield
-            if beside:
+            if self.place is None:
                 self.store.remove()
 
     def solve(self) -> SweepStudy:
         """Return the sweep, with a bar on stderr; where it is stopped, finished runs are kept, and said to be."""
         if self.store is not None:
             return self._solved(self.store)
-        with RunStore(self.place, self.fresh) as store:
+        with self._opened(self.place) as store:
             return self._solved(store)
+
+    def _opened(self, folder: Path | None) -> RunStore:
+        return RunStore(folder, self.fresh, option="--out" if self.place is None else "--store")
 
     def _solved(self, store: RunStore) -> SweepStudy:
         say(self.plan.words)
@@ -124,8 +135,9 @@ class SweepCommand(Command[SweepStudy]):
     def show(self, result: SweepStudy) -> None:
         """Print the range of each number, and the main effects."""
         print_rows("Each number over all runs", NUMBER_COLUMNS, number_rows(result))
-        if result.effects:
-            print_rows("Main effects", EFFECT_COLUMNS, effect_rows(result))
+        rows = effect_rows(result)
+        if rows:
+            print_rows("Main effects", EFFECT_COLUMNS, rows)
         for reason, count in list(result.reasons.items())[:3]:
             tell(f"{count} runs failed: {reason}")
 
@@ -141,11 +153,7 @@ class SweepCommand(Command[SweepStudy]):
         return ["report.html", "sweep.svg", "runs.parquet"]
 
     def hand_over(self, folder: Path) -> list[str]:
-        """Move the histories of the runs into the folder; those of a folder of their own are copied."""
+        """Put the histories of the runs into the folder."""
         if self.store is None or not self.plan.evaluation.histories:
             return []
-        self.store.write_chunk()
-        move = shutil.move if self.place is None else shutil.copyfile
-        for chunk in self.store.chunks:
-            move(chunk, folder / chunk.name)
-        return [path.name for path in sorted(folder.glob("run-histories-*.parquet"))]
+        return self.store.hand_over(folder)

@@ -107,7 +107,8 @@ class SweepPlan:
         """What is run, in words."""
         over = ", ".join(variable.path for variable in self.variables[:3])
         more = f" and {len(self.variables) - 3} more" if len(self.variables) > 3 else ""
-        return f"{len(self.rows)} runs ({self.evaluation.analysis}), {self.design}, over {over}{more}"
+        runs = "one run" if len(self.rows) == 1 else f"{len(self.rows)} runs"
+        return f"{runs} ({self.evaluation.analysis}), {self.design}, over {over}{more}"
 
     @cached_property
     def text(self) -> str:
@@ -320,7 +321,7 @@ def make_sweep(
     store : RunStore
         Finished runs.
     pool : Pool, optional
-        Who runs them; this process where it is left out.
+        Who runs them, and is ended here; this process where it is left out.
     advance : callable, optional
         Called as runs come back.
 
@@ -331,7 +332,8 @@ def make_sweep(
     StrikewaveError
         If the pool is lost.
     """
-    finished = carry_out(plan.job, plan.rows, store, ProcessPool(1) if pool is None else pool, advance)
+    with ProcessPool(1) if pool is None else pool as ready:
+        finished = carry_out(plan.job, plan.rows, store, ready, advance)
     numbers, failures, _ = store.table(plan.evaluation.names, finished.keys)
     keys = tuple(key.hex() for key in finished.keys)
     sources = {"latin-hypercube": ("mckay-1979",)}.get(plan.design, ())

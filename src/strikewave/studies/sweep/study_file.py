@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import tomllib
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
@@ -11,10 +10,12 @@ from typing import Any
 from pydantic import Field, ValidationError
 
 from strikewave.base.errors import MISSING, InputError, InputErrors
+from strikewave.base.toml_text import read_toml
 from strikewave.cases.case import SCHEMA, Case, bundled_cases, load_case, read_case_text
 from strikewave.cases.paths import Form
 from strikewave.cases.tables import CaseTable
 from strikewave.studies.engine.plan import GRID
+from strikewave.studies.stated import Settings, case_place, states_a_study
 from strikewave.studies.sweep.question import plan_of
 from strikewave.studies.sweep.study import SweepPlan
 
@@ -24,7 +25,7 @@ class SweepFile(CaseTable):
 
     schema_version: int = Field(alias="schema")
     case: str
-    changes: tuple[str, ...] = Field(default=(), alias="set")
+    set: Settings = ()
     vary: dict[str, Any] = Field(default_factory=dict)
     keep: tuple[str, ...] = ()
     analysis: str = ""
@@ -92,7 +93,7 @@ def read_request(name: str, changes: Sequence[str], typed: SweepRequest) -> Swee
     """
     text, _ = read_case_text(name)
     document = _document(text)
-    if name in bundled_cases() or "vary" not in document:
+    if name in bundled_cases() or not states_a_study(document, ("vary",)):
         return replace(typed, changes=tuple(changes), case=load_case(name, changes))
     try:
         file = SweepFile.model_validate(document)
@@ -100,9 +101,8 @@ def read_request(name: str, changes: Sequence[str], typed: SweepRequest) -> Swee
         raise InputErrors(FORM.lines(error)) from None
     if file.schema_version != SCHEMA:
         raise InputError("schema", file.schema_version, f"schema = {SCHEMA}")
-    whole = (*file.changes, *changes)
-    beside = Path(name).parent / file.case
-    case = load_case(str(beside) if beside.exists() and file.case not in bundled_cases() else file.case, whole)
+    whole = (*file.set, *changes)
+    case = load_case(case_place(file.case, Path(name).parent), whole)
     return SweepRequest(
         vary=typed.vary or tuple(f"{path}={values}" for path, values in _flat(file.vary)),
         keep=typed.keep or file.keep,
@@ -118,8 +118,8 @@ def read_request(name: str, changes: Sequence[str], typed: SweepRequest) -> Swee
 def _document(text: str) -> Mapping[str, Any]:
     """Return the tables of a file; none where it is no TOML, which the reader of cases then says."""
     try:
-        return tomllib.loads(text)
-    except (ValueError, RecursionError):
+        return read_toml(text)
+    except ValueError:
         return {}
 
 

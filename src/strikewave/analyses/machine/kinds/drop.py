@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, ClassVar, Literal
 
 from strikewave.analyses.machine.kind import Drawing, LaunchedKind, PartEntry, Release, ShownSetting
-from strikewave.base.quantities import Length, MaybeShare
+from strikewave.base.quantities import Length, MaybePositiveForce, MaybeShare, MaybeSpringRate
 
 if TYPE_CHECKING:
     from strikewave.cases.case import Case
@@ -15,12 +15,15 @@ class Drop(LaunchedKind):
     """[machine]: a table that falls with the object on an anvil; [contact] is the pulse shaper between them.
 
     [object] is the table with what it carries, [striker] the anvil, on its mount to the ground or free to move.
-    ``friction`` is that of the guides as a share of the weight (0).
+    ``friction`` is that of the guides as a share of the weight (0). Elastic cords may pull the table down: all together
+    with ``cord_force`` where it meets the anvil, and by ``cord_stiffness`` more the higher it hangs.
     """
 
     kind: Literal["drop"]
     height: Length
     friction: MaybeShare = None
+    cord_force: MaybePositiveForce = None
+    cord_stiffness: MaybeSpringRate = None
 
     description: ClassVar[str] = (
         "A drop table: it falls with what it carries on an anvil; the pulse shaper between them is the contact. "
@@ -36,18 +39,24 @@ class Drop(LaunchedKind):
     mount: ClassVar = "optional"
 
     def release(self, case: Case, mass: float) -> Release:
-        """Return a table at v = sqrt(2 g (1 - friction) h), downwards."""
-        from strikewave.analyses.machine.falling import fall
+        """Return a table at v = sqrt(2 g (1 - friction) h), or faster where cords pull it, downwards."""
+        from strikewave.base.errors import checked
+        from strikewave.cases.contact_of_case import or_else
+        from strikewave.machines.launch import corded_fall
 
-        speed, travel, energy = fall(self.height, self.friction, mass)
-        return Release(energy, travel, object=-speed)
+        pull = or_else(self.cord_force, 0.0), or_else(self.cord_stiffness, 0.0)
+        friction = or_else(self.friction, 0.0)
+        speed, travel = checked("machine.friction", lambda: corded_fall(self.height.si, mass, *pull, friction))
+        return Release(0.5 * mass * speed**2, travel, object=-speed)
 
     def drawing(self, case: Case) -> Drawing:
         """Return a schematic."""
         from strikewave.analyses.machine.figures import schematic as s
-        from strikewave.analyses.machine.figures.parts import quantity, shown
+        from strikewave.analyses.machine.figures.parts import quantity, shown, stiffness
 
         drop = [*quantity("drop height", self.height, "m", "m"), *quantity("friction of weight", self.friction)]
+        drop += quantity("cords, force at the anvil", self.cord_force, "N", "N")
+        drop += stiffness("cords, stiffness", self.cord_stiffness)
         parts = [PartEntry("fall", "fall", drop), s.object_part(case, "table with load")]
         sketch = s.Schematic([*parts, s.contact_part(case, "shaper"), s.striker_part(case, "anvil")])
         for x in (2.4, 7.6):

@@ -1,0 +1,213 @@
+"""Eighty-two blows of a drop tower on felt: tower and felt fitted at once, and blows predicted that were never read.
+
+    python scripts/validate/felt_tower.py [--data FOLDER]
+
+Heights, thicknesses, peaks and widths are those of Yount et al. (Dataset 14). The velocity changes by more than a
+rebound can make of a free fall; three structures are fitted: a free fall, a table that elastic cords pull down, and the
+same with a table that gives way too. The last predicts peak and width, as read and as filtered, at three settings of
+which no blow is here. Prints the tables, writes them into docs/fit-measured.md and the picture beside it. Ten minutes
+on two cores.
+"""
+
+from __future__ import annotations
+
+import argparse
+import csv
+import math
+from collections import defaultdict
+from pathlib import Path
+
+import numpy as np
+from kit import DATA, IMAGES, PAGE, table, write_into
+
+from strikewave import FitStudy, fit, load_case
+from strikewave.base.constants import STANDARD_GRAVITY
+from strikewave.reporting.style import BLUE, GREEN, RED, legend_below, new_figure, quiet, save
+
+CASE = Path(__file__).parent / "cases" / "felt-tower.toml"
+INCH = 0.0254
+FELTS = {"1/16th": 0.0625, "1/8th": 0.125, "1/4th": 0.25}
+"""Thickness in inch of each felt of the table."""
+READ = {"as read": ("peak_g", "width_ms"), "filtered": ("peak_filtered_g", "width_filtered_ms")}
+"""Columns of peak and width."""
+FELT = (
+    "contact.cushion.stress=10 MPa:900 GPa",
+    "contact.cushion.exponent=1:6",
+    "contact.cushion.retardation=0.1 us:200 us",
+)
+CORDS = ("machine.cord_force=10 N:20 kN", "machine.cord_stiffness=10 N/m:100 kN/m")
+TABLE = ("object.frame_stiffness=0.5 GN/m:200 GN/m",)
+STIFF = ("object.frame_stiffness=200 GN/m",)
+LONGER = "machine.follow=2 ms"
+STRUCTURES = {
+    "free fall": (("machine.cord_force=1 N", "machine.cord_stiffness=1 N/m", LONGER), (*FELT, *TABLE)),
+    "constant pull, table that gives way": (("machine.cord_stiffness=1 N/m",), (*FELT, *CORDS[:1], *TABLE)),
+    "cords, stiff table": (STIFF, (*FELT, *CORDS)),
+    "cords, table that gives way": ((), (*FELT, *CORDS, *TABLE)),
+}
+"""Settings of the case and free fields."""
+BEST = "cords, table that gives way"
+ASKED = ((15.5, 0.125), (19.0, 0.0625), (27.5, 0.25))
+"""Height and thickness, inch, of blows that are kept apart."""
+
+Blows = dict[tuple[float, float], list[tuple[float, float]]]
+"""Peak (g) and width (ms) of each blow by height and thickness (inch)."""
+
+
+def read(path: Path, columns: tuple[str, str]) -> Blows:
+    """Return the blows of each setting."""
+    blows: Blows = defaultdict(list)
+    with path.open(encoding="utf-8", newline="") as file:
+        for row in csv.DictReader(file):
+            key = float(row["height_in"]), FELTS[row["mitigator"]]
+            blows[key].append((float(row[columns[0]]), float(row[columns[1]])))
+    return blows
+
+
+def scatter(blows: Blows) -> list[float]:
+    """Return the standard deviation of peak and width from blow to blow of one setting, as a share."""
+    left = [(np.array(own) / np.mean(own, axis=0) - 1.0) for own in blows.values()]
+    freedom = sum(len(one) - 1 for one in left)
+    return [math.sqrt(sum(float(np.sum(one[:, k] ** 2)) for one in left) / freedom) for k in (0, 1)]
+
+
+def at(height: float, thickness: float) -> str:
+    """Return a setting as ``--to`` takes it."""
+    return f"; machine.height={height} in; contact.cushion.thickness={thickness} in"
+
+
+def targets(blows: Blows) -> list[str]:
+    """Return peak and width of each blow, each as sure as blows repeat."""
+    doubts = [100.0 * one for one in scatter(blows)]
+    return [
+        f"{name}={value} {unit} +- {doubt:.2f} %{at(*setting)}"
+        for setting, own in blows.items()
+        for blow in own
+        for name, value, unit, doubt in zip(("first.rigid_peak", "first.width"), blow, ("g", "ms"), doubts, strict=True)
+    ]
+
+
+def fitted(name: str, blows: Blows) -> FitStudy:
+    """Return a structure fitted to all blows, with predictions, in which the numbers beside them have no part."""
+    changes, fields = STRUCTURES[name]
+    asked = [
+        f"{what}{at(*setting)}"
+        for setting in ASKED
+        for what in ("first.rigid_peak=5000 g +- 0.01 %", "first.width=0.2 ms +- 0.01 %")
+    ]
+    return fit(load_case(CASE, changes), targets(blows), fields, check_on=asked)
+
+
+def means(study: FitStudy) -> list[list[str]]:
+    """Return measured means and the fit, a row a setting."""
+    groups: dict[str, dict[str, list[float]]] = defaultdict(lambda: defaultdict(list))
+    for one, computed in zip(study.numbers, study.computed, strict=True):
+        groups[one.setting][one.name].append(one.value)
+        groups[one.setting][f"{one.name} fitted"] = [computed]
+    rows = []
+    for setting, own in sorted(groups.items(), key=lambda item: item[0].split(", ")[::-1]):
+        height, thickness = (word.rpartition("=")[2] for word in setting.split(", "))
+        number = {name: float(np.mean(values)) for name, values in own.items()}
+        peak, width = number["first.rigid_peak"], number["first.width"]
+        fall = math.sqrt(2.0 * STANDARD_GRAVITY * float(height.split()[0]) * INCH)
+        cells = [height, thickness, str(len(own["first.rigid_peak"]))]
+        cells += [f"{peak / STANDARD_GRAVITY:.0f}", f"{number['first.rigid_peak fitted'] / STANDARD_GRAVITY:.0f}"]
+        cells += [f"{width * 1e3:.3f}", f"{number['first.width fitted'] * 1e3:.3f}"]
+        rows.append([*cells, f"{2.0 * peak * width / math.pi / fall:.2f}"])
+    return rows
+
+
+def structures(found: dict[str, FitStudy]) -> str:
+    """Return the table of structures: misfit, values, what is open."""
+    rows = []
+    for name, study in found.items():
+        texts = []
+        for one in study.parameters:
+            path = one.field.path.rpartition(".")[2].replace("_", " ")
+            share = 100.0 * one.standard_error / one.value
+            texts.append(f"{path} {one.field.shown(one.value, 3)} ({f'± {share:.0f} %' if one.determined else 'open'})")
+        count = len(study.numbers) - len(study.parameters)
+        rows.append([name, f"{study.solved.estimate.misfit:.0f} for {count}", ", ".join(texts)])
+    return table(["structure", "chi squared for degrees of freedom", "values"], rows)
+
+
+def predictions(studies: dict[str, FitStudy]) -> str:
+    """Return the table of predictions of one blow each, with 95 % bands."""
+    rows = []
+    for k, (height, thickness) in enumerate(ASKED):
+        cells = [f"{height} in on {thickness} in"]
+        for study in studies.values():
+            assert study.checks is not None
+            peak, width = study.checks.figures[2 * k : 2 * k + 2]
+            low, middle, high = (size / STANDARD_GRAVITY for size in (peak.low, peak.predicted, peak.high))
+            cells.append(f"{middle:.0f} ({low:.0f} to {high:.0f})")
+            cells.append(f"{width.predicted * 1e3:.3f} ({width.low * 1e3:.3f} to {width.high * 1e3:.3f})")
+        rows.append(cells)
+    heads = [f"{what}, {name}" for name in studies for what in ("peak (g)", "pulse width (ms)")]
+    return table(["setting", *heads], rows)
+
+
+def draw(blows: Blows, study: FitStudy, path: Path) -> None:
+    """Draw the blows, the fit, and the predictions over the drop height."""
+    figure = new_figure((9.0, 4.0))
+    colours = dict(zip(FELTS.values(), (BLUE, GREEN, RED), strict=True))
+    rows = means(study)
+    for k, (axes, title) in enumerate(zip(figure.subplots(1, 2), ("peak (g)", "width (ms)"), strict=True)):
+        for thickness, colour in colours.items():
+            own = [(height, blow[k]) for (height, felt), all_ in blows.items() if felt == thickness for blow in all_]
+            if own:
+                axes.plot(
+                    *zip(*own, strict=True),
+                    ".",
+                    color=colour,
+                    alpha=0.5,
+                    label=f"felt of {thickness} in" if k else None,
+                )
+            line = [(float(row[0].split()[0]), float(row[4 + 2 * k])) for row in rows if row[1] == f"{thickness} in"]
+            if line:
+                axes.plot(
+                    *zip(*sorted(line), strict=True), color=colour, label="fitted" if k and thickness == 0.25 else None
+                )
+        assert study.checks is not None
+        for number, (height, thickness) in enumerate(ASKED):
+            one = study.checks.figures[2 * number + k]
+            size = STANDARD_GRAVITY if k == 0 else 1e-3
+            ends = [[(one.predicted - one.low) / size], [(one.high - one.predicted) / size]]
+            words = f"predicted, felt of {thickness} in" if k else None
+            axes.errorbar(height, one.predicted / size, ends, fmt="s", capsize=4, color=colours[thickness], label=words)
+        axes.set_ylim(bottom=0.0)
+        axes.set_xlim(12.0, 28.0)
+        quiet(axes, title.partition(" ")[0].capitalize(), "drop height (in)", title)
+    legend_below(figure)
+    save(figure, path)
+
+
+def main() -> None:
+    """Fit, predict, print and write."""
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--data", type=Path, default=DATA / "drop-tower-felt", help="folder of shots.csv")
+    asked = parser.parse_args()
+    blows = {name: read(asked.data / "shots.csv", columns) for name, columns in READ.items()}
+    for name, own in blows.items():
+        peak, width = scatter(own)
+        print(
+            f"{name}: blows of one setting scatter by {100 * peak:.1f} % (peak), {100 * width:.1f} % (width)",
+            flush=True,
+        )
+    best = {name: fitted(BEST, own) for name, own in blows.items()}
+    first = best["as read"]
+    heads = ["height", "felt", "blows", "peak (g)", "fitted", "pulse width (ms)", "fitted", "2AT/π over √(2gh)"]
+    texts = {"felt": table(heads, means(first)), "unseen blows": predictions(best)}
+    for name, text in texts.items():
+        print(f"\n{text}", flush=True)
+        write_into(PAGE, name, text)
+    draw(blows["as read"], first, IMAGES / "fit-felt.svg")
+    others = {name: fitted(name, blows["as read"]) for name in STRUCTURES if name != BEST}
+    texts = {"tower": structures({**others, BEST: first}), "other towers": predictions(others)}
+    for name, text in texts.items():
+        print(f"\n{text}", flush=True)
+        write_into(PAGE, name, text)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,70 @@
+"""What files that state a study have in common: settings of the case, and the files that they name."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterator, Mapping, Sequence
+from pathlib import Path
+from typing import Annotated, Any
+
+from pydantic import BeforeValidator
+
+from strikewave.base.errors import InputError
+from strikewave.cases.case import bundled_cases
+
+MOST_SET, DEEPEST = 100, 8
+"""Settings of one table, and tables within one another: no test has as many."""
+
+
+def states_a_study(document: Mapping[str, Any], tables: Sequence[str]) -> bool:
+    """Tell whether a document is that of a study: it names a case, or has a table that only such a study has.
+
+    Examples
+    --------
+    >>> states_a_study({"schema": 1, "case": "li-ma-2019"}, ["vary"]), states_a_study({"machine": {}}, ["vary"])
+    (True, False)
+    """
+    return isinstance(document.get("case"), str) or any(table in document for table in tables)
+
+
+def quantity(raw: Any) -> str | int | float:
+    """Return a quantity as typed: a text, or a bare number."""
+    if isinstance(raw, bool) or not isinstance(raw, str | int | float):
+        raise InputError("", raw, 'a quantity, such as "0.5 m", or a bare number')
+    return raw
+
+
+def _settings(raw: Any) -> tuple[str, ...]:
+    """Return settings, ``path=value`` each; a path is a key in quotes, or keys within one another."""
+    changes = [f"{path}={value}" for path, value in _leaves(raw, "")]
+    if len(changes) > MOST_SET:
+        raise InputError("", f"{len(changes)} settings", f"at most {MOST_SET}")
+    return tuple(changes)
+
+
+def _leaves(raw: Any, path: str, depth: int = 0) -> Iterator[tuple[str, Any]]:
+    if isinstance(raw, Mapping):
+        if depth > DEEPEST:
+            raise InputError(path, "tables within tables", "paths of a case")
+        for key, value in raw.items():
+            yield from _leaves(value, f"{path}.{key}".lstrip("."), depth + 1)
+    elif not path or isinstance(raw, bool) or not isinstance(raw, str | int | float):
+        raise InputError(path, raw, 'paths with their values, such as machine.height = "0.5 m"')
+    else:
+        yield path, raw
+
+
+Quantity = Annotated[str | int | float, BeforeValidator(quantity)]
+Settings = Annotated[tuple[str, ...], BeforeValidator(_settings)]
+
+
+def beside(word: str, folder: Path) -> str:
+    """Return a file or a pattern beside the file of a study, or else from where we work."""
+    place = str(folder / word)
+    is_pattern = any(mark in word for mark in "*?[")
+    return place if is_pattern or os.path.lexists(place) else word
+
+
+def case_place(name: str, folder: Path) -> str:
+    """Return a built-in case, or the file of a case beside the file of a study."""
+    return name if name in bundled_cases() else beside(name, folder)
