@@ -41,7 +41,10 @@ STIFF = ("object.frame_stiffness=200 GN/m",)
 LONGER = "machine.follow=2 ms"
 STRUCTURES = {
     "free fall": (("machine.cord_force=1 N", "machine.cord_stiffness=1 N/m", LONGER), (*FELT, *TABLE)),
-    "constant pull, table that gives way": (("machine.cord_stiffness=1 N/m",), (*FELT, *CORDS[:1], *TABLE)),
+    "constant pull, table that gives way": (
+        ("machine.cord_force=2 kN", "machine.cord_stiffness=1 N/m"),
+        (*FELT, *CORDS[:1], *TABLE),
+    ),
     "cords, stiff table": (STIFF, (*FELT, *CORDS)),
     "cords, table that gives way": ((), (*FELT, *CORDS, *TABLE)),
 }

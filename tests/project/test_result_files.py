@@ -11,6 +11,7 @@ DOCS = Path(__file__).parents[2] / "docs"
 LINK = "reports.md#the-files-of-a-result"
 PAGES = (
     "compare",
+    "design",
     "exchange",
     "fit",
     "fem",

@@ -244,6 +244,22 @@ SOURCES: dict[str, str] = {
         "T. L. Kelley, An Unbiased Correlation Ratio Measure, Proceedings of the National Academy of Sciences 21 "
         "(1935) 554-559 (from memory)"
     ),
+    "storn-price-1997": (
+        "R. Storn, K. Price, Differential Evolution: A Simple and Efficient Heuristic for Global Optimization over "
+        "Continuous Spaces, Journal of Global Optimization 11 (1997) 341-359, doi:10.1023/A:1008202821328 (from memory)"
+    ),
+    "deb-2000": (
+        "K. Deb, An efficient constraint handling method for genetic algorithms, Computer Methods in Applied Mechanics "
+        "and Engineering 186 (2000) 311-338, doi:10.1016/S0045-7825(99)00389-8 (from memory)"
+    ),
+    "chinneck-dravnieks-1991": (
+        "J. W. Chinneck, E. W. Dravnieks, Locating Minimal Infeasible Constraint Sets in Linear Programs, ORSA Journal "
+        "on Computing 3 (1991) 157-168, doi:10.1287/ijoc.3.2.157 (from memory)"
+    ),
+    "clopper-pearson-1934": (
+        "C. J. Clopper, E. S. Pearson, The use of confidence or fiducial limits illustrated in the case of the "
+        "binomial, Biometrika 26 (1934) 404-413, doi:10.1093/biomet/26.4.404 (from memory)"
+    ),
     "mckay-1979": (
         "M. D. McKay, R. J. Beckman, W. J. Conover, A Comparison of Three Methods for Selecting Values of Input "
         "Variables in the Analysis of Output from a Computer Code, Technometrics 21 (1979) 239-245, "

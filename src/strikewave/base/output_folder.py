@@ -62,6 +62,8 @@ RESULT_FILES = (
     "runs.csv",
     "runs.parquet",
     "run-histories.parquet",
+    "design.json",
+    "design.svg",
     "sweep.json",
     "sweep.svg",
     "scatter.json",

@@ -210,6 +210,16 @@ class ShockVerdict(NamedTuple):
         """Of all clauses together."""
         return together(clause.verdict for clause in self.clauses)
 
+    def least_margin(self, limits: PulseLimits) -> float:
+        """Return the least margin of the clauses on the pulse as a share of half their tolerance; NaN without any.
+
+        That of a band is a share of its amplitude; sampling rate and cutoff are none of the pulse.
+        """
+        shares = [clause.share for clause in self.clauses if clause.unit != "Hz" and math.isfinite(clause.share)]
+        if self.placement is not None and limits.band is not None:
+            shares.append(self.placement.margin / (limits.band.amplitude * limits.pulse.peak))
+        return min(shares, default=math.nan)
+
 
 def weakest(*statuses: str) -> str:
     """Return the weakest of statuses.

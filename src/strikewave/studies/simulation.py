@@ -42,7 +42,8 @@ class Simulation:
         return observe(self.case)
 
     @functools.cached_property
-    def _bar(self) -> Any:
+    def bar(self) -> Any:
+        """The solution of a layered bar."""
         from strikewave.analyses.wave.run import run_wave
 
         return run_wave(self.case)
@@ -61,7 +62,7 @@ class Simulation:
 
             return build_dataset(self.case, self.observed)
         if self.case.command == "wave":
-            return self._bar.arrays
+            return self.bar.arrays
         arrays: LabelledArrays | None = self.elements.arrays
         return arrays
 
@@ -74,7 +75,7 @@ class Simulation:
         if self.case.command == "fem":
             number: float | None = self.elements.number(name, sensor)
             return number
-        figures: Mapping[str, float] = self._bar.figures
+        figures: Mapping[str, float] = self.bar.figures
         return figures.get(name)
 
     def history(self, part: str, blow: int = 0, unit: str = "") -> ComparedCurve:

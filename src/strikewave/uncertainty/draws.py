@@ -32,8 +32,8 @@ OF_EACH_STRIKER = {
     "contact.restitution": "restitution",
 }
 """What is drawn for each striker separately, and where it stands in a row of [[striker.each]]."""
-FELT = ("machine", "striker", "feed", "object", "contact", "stack")
-"""Tables that a blow feels: a tolerance anywhere else changes no run."""
+FELT = ("machine", "striker", "feed", "object", "contact", "stack", "load", "mesh", "fem")
+"""Tables that a blow, a bar or elements feel: a tolerance anywhere else changes no run."""
 EXAMPLE = 'mass = { value = "1 kg", tolerance = "2 %" } in [striker], or --set striker.mass.tolerance="2 %"'
 """A tolerance, for the error line where a case has none."""
 
@@ -183,12 +183,12 @@ def drawn_strikers(case: Case, path: str) -> tuple[int, ...] | None:
 
 
 def tolerances_of(case: Case) -> tuple[UncertainInput, ...]:
-    """Return the tolerances of a machine case that its blows feel, by path.
+    """Return the tolerances of a case that its run feels, by path.
 
     Raises
     ------
     InputError
-        If the case is that of a bar alone, or has none.
+        If the case has none.
 
     Examples
     --------
@@ -197,7 +197,6 @@ def tolerances_of(case: Case) -> tuple[UncertainInput, ...]:
     >>> len(found), found["feed.arrival"], found["striker.mass"]
     (24, 1, 4)
     """
-    case.rotary_tables()
     inputs = []
     for path, value in sorted(case.values().items()):
         if value.tolerance is None or path.partition(".")[0] not in FELT:
@@ -206,7 +205,7 @@ def tolerances_of(case: Case) -> tuple[UncertainInput, ...]:
         if strikers != ():
             inputs.append(stated(path, value, range_of(case, path), strikers or ()))
     if not inputs:
-        raise InputError("tolerance", MISSING, "a tolerance on at least one quantity that a blow feels", EXAMPLE)
+        raise InputError("tolerance", MISSING, "a tolerance on at least one quantity that the run feels", EXAMPLE)
     return tuple(inputs)
 
 

@@ -184,7 +184,7 @@ def test_runs_without_a_limit_count_as_beyond_it(study):
     ("words", "told"),
     [
         (("scatter", "bare.toml"), 'striker.mass.tolerance="2 %"'),
-        (("scatter", "bare.toml", "--set", "recorder.pre_trigger.tolerance=10 %"), "quantity that a blow feels"),
+        (("scatter", "bare.toml", "--set", "recorder.pre_trigger.tolerance=10 %"), "quantity that the run feels"),
         (("scatter", "li-ma-2019-fig13-bar"), "strikewave wave"),
         ((*QUICK, *TWO, "--runs", "1"), "--runs: got 1; allowed: a whole number from 10"),
         ((*QUICK, *TWO, "--shares", "half"), '--shares: got "half"; allowed: one of alone, sobol, none'),

@@ -1,6 +1,6 @@
 """What is varied, as it is typed: ``machine.speed=400..900 rpm:11``, ``object.damper=10, 20 N s/m``, words of a case.
 
-A range has as many values as stand behind its colon, ``log`` behind them for logarithmic spacing; a list has its own.
+A range has as many values as stand behind its colon, ``log`` at its end for logarithmic spacing; a list has its own.
 """
 
 from __future__ import annotations
@@ -25,7 +25,9 @@ POINTS = 11
 MOST_VALUES = 100_000
 """Most values of one variable."""
 EXAMPLE = 'such as machine.speed="400..900 rpm:11" or contact.damping=hunt-crossley,exact'
-_RANGE = re.compile(r"(?P<low>[^:]*?)\s*\.\.\s*(?P<high>[^:]+?)\s*(:\s*(?P<count>\d{1,7})?\s*(?P<log>log)?\s*)?")
+_RANGE = re.compile(
+    r"(?P<low>[^:]*?)\s*\.\.\s*(?P<high>[^:]+?)\s*(:\s*(?P<count>\d{1,7})?)?\s*(?P<log>(?<=[\s:\d])log)?\s*"
+)
 _NUMBER = re.compile(r"\s*[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d+)?\s*")
 
 

@@ -8,7 +8,7 @@ from collections.abc import Iterator
 
 from strikewave.base.errors import InputError, InputErrors
 
-_OPTION = re.compile(r"--(?:to|free|try|set|check-on|filter)(?:: | |$)")
+_OPTION = re.compile(r"--(?:to|free|try|set|check-on|filter|vary|analysis)(?:: | |$)")
 
 
 @contextlib.contextmanager

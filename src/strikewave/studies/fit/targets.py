@@ -32,7 +32,8 @@ MOST_RECORDS = 200
 """Most records of a fit: each of them is read, and aligned at each run."""
 LARGEST_LIST = 1_000_000
 """Characters of a list of targets that are read: far more than the records of a fit need."""
-_UNCERTAIN = re.compile(r"\s*(?:±|\+-|\+/-)\s*")
+PLUS_MINUS = re.compile(r"\s*(?:±|\+-|\+/-)\s*")
+"""What stands between a value and how far it may be off."""
 _BLOW = re.compile(r"(.*)@([1-9]\d{0,5})", re.DOTALL)
 _SETTING = re.compile(r"\s*([A-Za-z_][\w.+ -]*)=(.+)", re.DOTALL)
 
@@ -120,14 +121,14 @@ def parse_target(word: str, case: Case) -> Target:
         return _records("", first, tuple(rest))
     if left.split(" ")[0] in number_units(case):
         return Target(left, right, tuple(rest), is_number=True)
-    if not _is_place(_UNCERTAIN.split(right)[0]) and re.match(r"[-+.\d]", right):
+    if not _is_place(PLUS_MINUS.split(right)[0]) and re.match(r"[-+.\d]", right):
         checked_number(case, left)
     return _records(left, right, tuple(rest))
 
 
 def _records(part: str, word: str, changes: tuple[str, ...]) -> Target:
     """Return a target of records, with the scatter of their amplitude where it is stated."""
-    name, *scatter = _UNCERTAIN.split(word, maxsplit=1) if not os.path.lexists(word) else [word]
+    name, *scatter = PLUS_MINUS.split(word, maxsplit=1) if not os.path.lexists(word) else [word]
     share = read_share(scatter[0].strip(), f"--to {name}") if scatter else 0.0
     return Target(part, name, changes, scatter=share)
 
@@ -161,7 +162,7 @@ def read_number(case: Case, target: Target) -> MeasuredNumber:
     4.0
     """
     name, sensor, unit = checked_number(case, target.left)
-    typed, *uncertain = _UNCERTAIN.split(target.right, maxsplit=1)
+    typed, *uncertain = PLUS_MINUS.split(target.right, maxsplit=1)
     option = f"--to {target.left}"
     value = _read(typed, unit, option)
     if value.si == 0.0:

@@ -368,6 +368,7 @@ def scatter(
     """
     plan = ScatterPlan() if plan is None else plan
     plan.check()
+    case.rotary_tables()
     tolerances = tolerances_of(case)
     whole = plan.all_runs(len(tolerances))
     points = quantiles(tolerances, plan.runs, plan.seed)

@@ -120,8 +120,7 @@ def plan_of(
     if design not in DESIGNS:
         raise InputError("--design", design, "one of " + ", ".join(DESIGNS), nearest(design, DESIGNS))
     evaluation = read_kept(case, checked_analysis(case, analysis), keep)
-    texts = [f"{path}={_typed(values)}" for path, values in vary.items()] if isinstance(vary, Mapping) else list(vary)
-    variables = tuple(read_variable(case, text) for text in texts)
+    variables = tuple(read_variable(case, text) for text in vary_texts(vary))
     variation, rows = _cases(case, variables, design, runs, seed)
     if design == TOLERANCES:
         variables = _drawn_variables(variation.inputs)  # type: ignore[attr-defined]  # a DrawVariation
@@ -162,6 +161,17 @@ def _drawn_variables(inputs: Sequence[UncertainInput]) -> tuple[StudyVariable, .
         for name in one.names:
             variables.append(StudyVariable(Axis(name, unit, unit, (one.low, one.high)), is_range=True))
     return tuple(variables)
+
+
+def vary_texts(vary: Vary) -> list[str]:
+    """Return what is varied as texts.
+
+    Examples
+    --------
+    >>> vary_texts({"machine.speed": [40.0, 50.0]})
+    ['machine.speed=40.0, 50.0']
+    """
+    return [f"{path}={_typed(values)}" for path, values in vary.items()] if isinstance(vary, Mapping) else list(vary)
 
 
 def _typed(values: Any) -> str:

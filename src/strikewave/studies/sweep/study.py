@@ -57,6 +57,20 @@ class KeptNumber(NamedTuple):
         return percent(value, 2) if self.usual == "%" else with_unit(value, self.si, self.usual)
 
 
+def kept_number(case: Case, analysis: str, name: str) -> KeptNumber:
+    """Return a number of an analysis of a case, with the units in which it is kept and shown.
+
+    Examples
+    --------
+    >>> from strikewave import load_case
+    >>> kept_number(load_case("li-ma-2019"), "run", "interval")
+    KeptNumber(name='interval', si='s', usual='ms')
+    """
+    si = unit_of(case, analysis, name)
+    usual = "%" if name in SHARES else "ms" if name in SLOW else USUAL.get(si, si)
+    return KeptNumber(name, si, usual)
+
+
 @dataclass(frozen=True)
 class SweepPlan:
     """What a sweep is of.
@@ -95,12 +109,7 @@ class SweepPlan:
     @cached_property
     def kept(self) -> tuple[KeptNumber, ...]:
         """The numbers that are kept of each run."""
-        numbers = []
-        for name in self.evaluation.names:
-            si = unit_of(self.case, self.evaluation.analysis, name)
-            usual = "%" if name in SHARES else "ms" if name in SLOW else USUAL.get(si, si)
-            numbers.append(KeptNumber(name, si, usual))
-        return tuple(numbers)
+        return tuple(kept_number(self.case, self.evaluation.analysis, name) for name in self.evaluation.names)
 
     @property
     def words(self) -> str:

@@ -104,7 +104,7 @@ def read_request(name: str, changes: Sequence[str], typed: SweepRequest) -> Swee
     whole = (*file.set, *changes)
     case = load_case(case_place(file.case, Path(name).parent), whole)
     return SweepRequest(
-        vary=typed.vary or tuple(f"{path}={values}" for path, values in _flat(file.vary)),
+        vary=typed.vary or tuple(varied_texts(file.vary)),
         keep=typed.keep or file.keep,
         analysis=typed.analysis or file.analysis,
         design=typed.design or file.design,
@@ -121,6 +121,22 @@ def _document(text: str) -> Mapping[str, Any]:
         return read_toml(text)
     except ValueError:
         return {}
+
+
+def varied_texts(table: Mapping[str, Any]) -> list[str]:
+    """Return the settings of [vary] with their values as they are typed on the command line.
+
+    Raises
+    ------
+    InputError
+        If one has no values.
+
+    Examples
+    --------
+    >>> varied_texts({"machine": {"speed": "400..900 rpm"}, "feed.blows": [1, 3]})
+    ['machine.speed=400..900 rpm', 'feed.blows=1, 3']
+    """
+    return [f"{path}={values}" for path, values in _flat(table)]
 
 
 def _flat(table: Mapping[str, Any], path: str = "") -> Iterator[tuple[str, str]]:

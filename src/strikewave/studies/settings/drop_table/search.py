@@ -154,11 +154,7 @@ class DropCandidate:
     @property
     def margin(self) -> float:
         """Least margin of the clauses as a share of half their tolerance."""
-        pulse = [clause.share for clause in self.verdict.clauses if clause.unit != "Hz"]
-        shares, band = [share for share in pulse if math.isfinite(share)], self.verdict.placement
-        if band is not None and self.goal.limits.band is not None:
-            shares.append(band.margin / (self.goal.limits.band.amplitude * self.goal.pulse.peak))
-        return min(shares, default=math.nan)
+        return self.verdict.least_margin(self.goal.limits)
 
     @property
     def velocity_change(self) -> float:

@@ -1,0 +1,80 @@
+"""``strikewave design``: settings of a case for goals on its numbers."""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from strikewave.reporting.options import Changes, Output
+
+
+def command(
+    file: Annotated[
+        Path, typer.Argument(metavar="FILE.toml", help="A design file: case, goals, and the table [vary].")
+    ],
+    *,
+    runs: Annotated[
+        int | None,
+        typer.Option(
+            "--runs", metavar="COUNT", help="Most runs of a search; that of the file, or 600, by default.",
+            show_default=False,
+        ),
+    ] = None,
+    seed: Annotated[
+        int | None,
+        typer.Option(
+            "--seed", metavar="NUMBER", help="Random seed of the search; that of the file, or 1, by default.",
+            show_default=False,
+        ),
+    ] = None,
+    robust: Annotated[
+        int | None,
+        typer.Option(
+            "--robust", metavar="COUNT",
+            help="Draws within tolerances for each ranked setting; those of the file, or none, by default.",
+            show_default=False,
+        ),
+    ] = None,
+    workers: Annotated[
+        int, typer.Option("--workers", metavar="COUNT", min=1, max=256, help="Processes, one a core at most.")
+    ] = 2,
+    store: Annotated[
+        Path | None,
+        typer.Option(
+            "--store",
+            metavar="DIR",
+            help="Folder that keeps finished runs for later designs; beside the result while it runs, by default.",
+            show_default=False,
+        ),
+    ] = None,
+    fresh: Annotated[bool, typer.Option("--fresh", help="Run the finished runs of a stopped design again.")] = False,
+    dry_run: Annotated[
+        bool, typer.Option("--dry-run", help="Say how many runs there are and how long they take, and search nothing.")
+    ] = False,
+    changes: Changes = None,
+    output: Output,
+) -> int:  # fmt: skip
+    """Find settings of a case for wanted results.
+
+    The file states goals in words of the results, such as "first.rigid_peak = 4000 g +- 5 %" or "cv < 3 %", and what
+    may be chosen. Settings that meet them are ranked by their margins and verified; where none does, it is said which
+    goals exclude each other and by how much, and the exit code is 3. A design that is stopped is continued by the same
+    command. With --json, no files are written unless --out is given.
+    """
+    os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # for arrays this small, threads wait longer than they work
+    from strikewave.cases.case import dump_case
+    from strikewave.reporting.run_and_write import case_folder, run_and_write
+    from strikewave.studies.design.design_file import load_design
+    from strikewave.studies.design.screen import DesignCommand, show_estimate
+    from strikewave.studies.engine.pools import ProcessPool
+
+    request = load_design(file, changes or (), runs=runs, seed=seed, robust=robust)
+    plan = request.plan(output.tested(request.case))
+    count = min(workers, os.cpu_count() or 1)
+    if dry_run:
+        return show_estimate(plan, count, output.json)
+    usual = f"design-{case_folder(plan.case.name, dump_case(plan.case), request.changes)}"
+    return run_and_write(DesignCommand(plan, lambda: ProcessPool(count), store, fresh), output, usual, plan.text)

@@ -1,0 +1,230 @@
+"""Goals in words of the results, and how far a number lies inside them.
+
+``first.rigid_peak = 4000 g +- 5 %``, ``first.width = 180..220 us``, ``cv < 3 %``, ``first.peak_force < 0.8 yield``,
+``spec:mil-std-810h passes``, ``sensor clips never``; ``stop_force smallest`` is no goal but an objective.
+"""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from strikewave.base.errors import InputError, nearest
+from strikewave.base.quantities import Range
+from strikewave.base.units import DIMENSIONS
+from strikewave.cases.case import Case
+from strikewave.specifications.reading import load_specification
+from strikewave.studies.design.evaluation import CLIPS, OF_YIELD, SPEC, YIELDING, stress_names, yield_of
+from strikewave.studies.engine.case_evaluation import numbers_of, read_kept, unit_of
+from strikewave.studies.fit.targets import PLUS_MINUS
+
+Array = NDArray[np.float64]
+
+EXAMPLES = 'such as "first.rigid_peak = 4000 g +- 5 %", "cv < 3 %", "sensor clips never" or "cv smallest"'
+WHOLE = ("count", "missed")
+"""Numbers that are whole: they alone may be asked for exactly."""
+FULL_RUN = ("run", "wave")
+"""Analyses that follow the history that a specification judges and a sensor reads."""
+SENSES = {"smallest": 1.0, "largest": -1.0}
+_RELATION = re.compile(r"(?P<number>[^<>=]+?)\s*(?P<relation><=|>=|<|>|=)\s*(?P<value>[^<>=]+)")
+_PASSES = re.compile(r"spec:(?P<name>\S+)\s+passes")
+_CLIPS = re.compile(r"(?P<sensor>\S.*?)\s+clips\s+never")
+_SENSE = re.compile(r"(?P<number>[^<>=]+?)\s+(?P<sense>smallest|largest)")
+_RANGE = re.compile(r"(?P<low>[^.]*(?:\.\d+)?[^.]*?)\s*\.\.\s*(?P<high>.+)")
+_BARE = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d+)?")
+
+
+class Goal(NamedTuple):
+    """What a number of a run must lie within.
+
+    Attributes
+    ----------
+    typed : str
+        As it was typed.
+    number : str
+        Name of the number.
+    low, high : float
+        Limits, SI; infinite where there is none.
+    """
+
+    typed: str
+    number: str
+    low: float
+    high: float
+
+    @property
+    def scale(self) -> float:
+        """What a margin is a share of: half the distance of the limits, or the one limit; 1 where that is 0."""
+        half = 0.5 * (self.high - self.low)
+        limit = self.high if math.isfinite(self.high) else self.low
+        return half if math.isfinite(half) else abs(limit) or 1.0
+
+    def share(self, values: Array) -> Array:
+        """Return the margins of values: the distance to the nearer limit over `scale`, below 0 outside.
+
+        It is what clauses of specifications have as theirs. A run without the number has none: NaN.
+
+        Examples
+        --------
+        >>> Goal("cv < 4 %", "cv", -math.inf, 0.04).share(np.array([0.01, 0.04, 0.06])).round(9).tolist()
+        [0.75, 0.0, -0.5]
+        """
+        return np.asarray(np.minimum(values - self.low, self.high - values) / self.scale)
+
+    @property
+    def nearest_limit(self) -> float:
+        """The limit where there is one alone; of a band its middle."""
+        ends = [end for end in (self.low, self.high) if math.isfinite(end)]
+        return sum(ends) / len(ends)
+
+
+class Objective(NamedTuple):
+    """A number that shall be as small (``sign`` 1) or as large (-1) as the goals let it be."""
+
+    typed: str
+    number: str
+    sign: float
+
+
+Aim = Goal | Objective
+
+
+def read_aim(case: Case, analysis: str, text: str, field: str = "goals") -> Aim:
+    """Read a goal or an objective.
+
+    Raises
+    ------
+    InputError
+        If it is neither, the analysis gives no such number, or its value has no such unit.
+
+    Examples
+    --------
+    >>> from strikewave import load_case
+    >>> case = load_case("li-ma-2019")
+    >>> read_aim(case, "run", "first.width = 200 us +- 10 %")[1:]
+    ('first.width', 0.00018, 0.00022)
+    >>> read_aim(case, "fast", "cv smallest")
+    Objective(typed='cv smallest', number='cv', sign=1.0)
+    """
+    typed = " ".join(text.split())
+    if found := _PASSES.fullmatch(typed):
+        _needs_history(case, analysis, typed, field)
+        load_specification(found["name"], field).pulse_limits()
+        return Goal(typed, SPEC + found["name"], 0.0, math.inf)
+    if found := _CLIPS.fullmatch(typed):
+        return _never_clips(case, analysis, typed, found["sensor"], field)
+    if found := _SENSE.fullmatch(typed):
+        return Objective(typed, _number(case, analysis, found["number"], field), SENSES[found["sense"]])
+    found = _RELATION.fullmatch(typed)
+    if found is None:
+        raise InputError(field, text, "a goal or an objective", EXAMPLES)
+    return _limited(case, analysis, typed, found, field)
+
+
+def _needs_history(case: Case, analysis: str, typed: str, field: str) -> None:
+    if analysis not in FULL_RUN:
+        raise InputError(field, typed, 'analysis = "run" or "wave" beside it', f'"{analysis}" follows no history')
+
+
+def _never_clips(case: Case, analysis: str, typed: str, sensor: str, field: str) -> Goal:
+    _needs_history(case, analysis, typed, field)
+    names = [one.name for one in case.sensor]
+    if not names or sensor not in ("sensor", *names):
+        hint = nearest(sensor, [*names, "sensor"]) if names else "the case has no sensor"
+        raise InputError(field, typed, 'the name of a sensor, or "sensor" for all', hint)
+    return Goal(typed, CLIPS if sensor == "sensor" else f"{CLIPS} {sensor}", -math.inf, 1.0)
+
+
+def _number(case: Case, analysis: str, name: str, field: str) -> str:
+    """Return the name of a number that the analysis gives of the case."""
+    try:
+        read_kept(case, analysis, [name])
+    except InputError as error:
+        raise InputError(field, error.got, error.allowed, error.hint) from None
+    return name
+
+
+def _limited(case: Case, analysis: str, typed: str, found: re.Match[str], field: str) -> Goal:
+    """Return the goal of a number with a relation and a value."""
+    name, relation, value = (found[key].strip() for key in ("number", "relation", "value"))
+    if value.endswith(" yield"):
+        return _of_yield(case, analysis, typed, found, field)
+    if name == YIELDING:
+        raise InputError(field, typed, 'a share of the yield strength, such as "stress < 0.8 yield"')
+    known = _number(case, analysis, name, field)
+    unit = unit_of(case, analysis, known)
+    if relation != "=":
+        limit = _read(value, unit, field)
+        if limit == 0.0 and unit != "1":
+            raise InputError(field, typed, "a limit other than 0: margins are shares of it")
+        return Goal(typed, known, *((-math.inf, limit) if relation.startswith("<") else (limit, math.inf)))
+    return Goal(typed, known, *_band(value, unit, typed, field, name in WHOLE))
+
+
+def _of_yield(case: Case, analysis: str, typed: str, found: re.Match[str], field: str) -> Goal:
+    """Return the goal of a load or stress as a share of that at which its material yields."""
+    name, value = found["number"].strip(), found["value"].strip().removesuffix("yield")
+    stresses = stress_names(numbers_of(case, analysis))
+    if name != YIELDING and yield_of(case, name) is None:
+        known = [one for one in numbers_of(case, analysis) if yield_of(case, one) is not None]
+        known += [YIELDING] if stresses else []
+        hint = nearest(name, known) if known else "nothing of this case has a yield strength that is known"
+        raise InputError(field, name, "a force or stress whose yield is known", hint)
+    if name == YIELDING and not stresses:
+        raise InputError(field, name, "stresses, which a bar or elements have", "first.peak_force of a machine")
+    if not found["relation"].startswith("<"):
+        raise InputError(field, typed, f"< or <= of {name}", "what yields is no goal")
+    share = _read(value.strip(), "1", field)
+    if not share > 0.0:
+        raise InputError(field, typed, "a share above 0, such as 0.8 yield")
+    return Goal(typed, f"{name}{OF_YIELD}", -math.inf, share)
+
+
+def _band(value: str, unit: str, typed: str, field: str, whole: bool) -> tuple[float, float]:
+    """Return the limits of a value with its tolerance, or of a range."""
+    nominal, *tolerance = PLUS_MINUS.split(value, maxsplit=1)
+    if tolerance:
+        middle, word = _read(nominal, unit, field), tolerance[0].strip()
+        half = _read(word, "1", field) * abs(middle) if word.endswith("%") else _read(word, unit, field)
+        if not half > 0.0:
+            raise InputError(field, typed, "a tolerance above 0, such as +- 5 %")
+        return middle - half, middle + half
+    between = _RANGE.fullmatch(value)
+    if between is not None:
+        high = between["high"]
+        end = _BARE.match(high)
+        of_high = high[end.end() :].strip() if end else ""
+        low = f"{between['low']} {of_high}".strip() if _BARE.fullmatch(between["low"]) else between["low"]
+        ends = _read(low, unit, field), _read(high, unit, field)
+        if not ends[0] < ends[1]:
+            raise InputError(field, typed, "a range whose end lies above its begin")
+        return ends
+    if whole:
+        middle = _read(value, unit, field)
+        return middle - 0.5, middle + 0.5
+    raise InputError(field, typed, "a value with its tolerance", f'such as "{nominal} +- 5 %", or "low..high"')
+
+
+def _read(text: str, unit: str, field: str) -> float:
+    """Return a value, SI: with its unit, or a bare number or per cent where it has none."""
+    word = text.strip()
+    bare = word.removesuffix("%").strip()
+    is_ratio = unit == "1" or unit not in DIMENSIONS
+    if is_ratio and _BARE.fullmatch(bare):
+        return float(bare) * (0.01 if bare != word else 1.0)
+    try:
+        return Range(unit).read(word).si
+    except InputError as error:
+        allowed = "a number without unit, or per cent, such as 0.03 or 3 %" if is_ratio else error.allowed
+        raise InputError(field, error.got, allowed, "" if is_ratio else error.hint) from None
+
+
+def shares_of(goals: Sequence[Goal], names: Sequence[str], numbers: Array) -> Array:
+    """Return the margins of runs, shape (runs, goals), from their numbers, shape (runs, names)."""
+    columns = [goal.share(numbers[:, names.index(goal.number)]) for goal in goals]
+    return np.column_stack(columns) if columns else np.empty((len(numbers), 0))

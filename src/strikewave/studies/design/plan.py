@@ -1,0 +1,224 @@
+"""What a design is of: a case, what may be chosen, goals and objectives; and the places of a search as rows of runs."""
+
+from __future__ import annotations
+
+import hashlib
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from strikewave.base.errors import MISSING, InputError
+from strikewave.base.quantities import Value
+from strikewave.base.units import in_unit
+from strikewave.cases.case import Case, dump_case
+from strikewave.studies.axes import case_at
+from strikewave.studies.design.evaluation import DesignEvaluation, evaluation_of, is_derived
+from strikewave.studies.design.goals import EXAMPLES, Aim, Goal, Objective, read_aim
+from strikewave.studies.engine.case_evaluation import checked_analysis, numbers_of
+from strikewave.studies.engine.evaluation import Job, Row
+from strikewave.studies.engine.plan import AxisVariation, varied
+from strikewave.studies.engine.variables import EXAMPLE, StudyVariable, read_variable, typed_value
+
+Array = NDArray[np.float64]
+
+NOTE = "chosen by strikewave design"
+"""What a case says of a value that a design has chosen."""
+RUNS = 600
+"""Runs of a search where no number of them is stated. Chosen: forty generations of fifteen settings of the one or two
+that most designs vary, in which the best margin settles to a hundredth."""
+MOST_RUNS = 100_000
+"""Most runs of a search."""
+LEAST_RUNS = 16
+"""Fewest: one generation of the smallest search."""
+RESOLUTION = 1000.0
+"""Steps of a linear range between which no settings are tried: no part is made more exactly, and what is found reads
+as it would be typed."""
+DIGITS = 4
+"""Significant digits of a setting on a logarithmic range, for the same reason."""
+MOST_AIMS = 30
+"""Most goals and objectives: where none can be met, each of them takes a search of its own."""
+MOST_DRAWS = 10_000
+"""Most draws within tolerances for each of the settings that are ranked."""
+
+
+@dataclass(frozen=True)
+class DesignPlan:
+    """What a design is of.
+
+    Attributes
+    ----------
+    case : Case
+        What is designed.
+    variables : tuple of StudyVariable
+        What may be chosen; of a range, all between its ends.
+    aims : tuple of Goal or Objective
+        What shall be reached.
+    analysis : str
+        What each run is.
+    runs : int
+        Most runs of a search.
+    seed : int
+        Of the search and of draws.
+    robust : int
+        Draws within tolerances for each ranked setting; 0 for none.
+    variation : AxisVariation
+        What makes a case of a row.
+    """
+
+    case: Case
+    variables: tuple[StudyVariable, ...]
+    aims: tuple[Aim, ...]
+    analysis: str
+    runs: int
+    seed: int
+    robust: int
+    variation: AxisVariation
+
+    @cached_property
+    def goals(self) -> tuple[Goal, ...]:
+        """What must be met."""
+        return tuple(aim for aim in self.aims if isinstance(aim, Goal))
+
+    @cached_property
+    def objectives(self) -> tuple[Objective, ...]:
+        """What shall be small or large where all goals are met."""
+        return tuple(aim for aim in self.aims if isinstance(aim, Objective))
+
+    @cached_property
+    def evaluation(self) -> DesignEvaluation:
+        """What is kept of each run."""
+        return evaluation_of(self.case, self.analysis, [aim.number for aim in self.aims])
+
+    @property
+    def job(self) -> Job:
+        """What is run."""
+        return Job(self.variation, self.evaluation)
+
+    @cached_property
+    def bounds(self) -> list[tuple[float, float]]:
+        """Ends of the places of each variable: from 0 to 1 in a range, else the first and last of its values."""
+        return [(0.0, 1.0) if one.is_range else (0.0, float(len(one.axis.values) - 1)) for one in self.variables]
+
+    @property
+    def whole(self) -> list[bool]:
+        """Which places are whole numbers."""
+        return [not one.is_range for one in self.variables]
+
+    def row_at(self, place: Sequence[float] | Array) -> Row:
+        """Return the row of a place: values as they would be typed, of a list the one at that number."""
+        pairs = zip(self.variables, place, strict=True)
+        return tuple(
+            self._rounded(one, one.at(min(max(float(x), 0.0), 1.0))) if one.is_range else one.axis.values[round(x)]
+            for one, x in pairs
+        )
+
+    def _rounded(self, one: StudyVariable, value: float) -> float:
+        axis = one.axis
+        low, high = axis.values[0], axis.values[-1]
+        if axis.log:
+            typed = f"{in_unit(value, axis.si_unit, axis.unit) if axis.unit else value:.{DIGITS}g}"
+        else:
+            ends = [in_unit(end, axis.si_unit, axis.unit) if axis.unit else end for end in (low, high, value)]
+            step = 10.0 ** math.floor(math.log10((ends[1] - ends[0]) / RESOLUTION))
+            typed = f"{round(ends[2] / step) * step:.12g}"
+        read = typed_value(self.case, one.path, f"{typed} {axis.unit}".strip()).si
+        return min(max(read, low), high)
+
+    def place_of(self, row: Row) -> Array:
+        """Return the place of a row."""
+        places = []
+        for one, value in zip(self.variables, row, strict=True):
+            values = one.axis.values
+            if not one.is_range:
+                places.append(float(values.index(value)))
+            elif one.axis.log:
+                places.append(math.log(value / values[0]) / math.log(values[-1] / values[0]))
+            else:
+                places.append((value - values[0]) / (values[-1] - values[0]))
+        return np.array(places)
+
+    def case_of(self, row: Row, keep_tolerances: bool = True) -> Case:
+        """Return the case of a row, with the tolerances that the case has."""
+        pairs = list(zip(self.variables, row, strict=True))
+        words = tuple(value for one, value in pairs if one.words)
+        numbers = [(one.axis, value) for one, value in pairs if not one.words]
+        axes, values = [axis for axis, _ in numbers], [value for _, value in numbers]
+        return case_at(self.variation.cases[words], axes, values, NOTE, keep_tolerances)
+
+    @cached_property
+    def verifying(self) -> tuple[DesignPlan, str] | None:
+        """The plan by which the best settings are verified, and what it is; None where there is nothing better.
+
+        Of a fast run the full one; of a full run of a machine one of a tenth of its tolerance.
+        """
+        if self.analysis == "fast":
+            return self._with("run", self.case), "a full run"
+        if self.analysis == "run":
+            tolerance = FINER * self.case.solver.tolerance.si
+            finer = self.case.with_values({"solver.tolerance": Value(si=tolerance, typed=float(f"{tolerance:.3g}"))})
+            return self._with("run", finer), "a run of a tenth of the tolerance"
+        return None
+
+    def _with(self, analysis: str, case: Case) -> DesignPlan:
+        known = numbers_of(case, analysis)
+        aims = tuple(aim for aim in self.aims if is_derived(aim.number) or aim.number.split(" ")[0] in known)
+        variation = varied(case, self.variables, NOTE)
+        return DesignPlan(case, self.variables, aims, analysis, self.runs, self.seed, 0, variation)
+
+    @property
+    def words(self) -> str:
+        """What is asked, in words."""
+        over = ", ".join(one.path for one in self.variables[:3])
+        more = f" and {len(self.variables) - 3} more" if len(self.variables) > 3 else ""
+        return f"{'; '.join(aim.typed for aim in self.aims)}; over {over}{more} ({self.analysis})"
+
+    @cached_property
+    def text(self) -> str:
+        """The case as text, and above it what was asked: another question is another result."""
+        asked = repr((self.aims, self.runs, self.seed, self.robust, self.analysis))
+        asked += repr([(one.axis, one.words) for one in self.variables])
+        key = hashlib.sha256(asked.encode()).hexdigest()[:12]
+        return f"# strikewave design: {self.words}; plan {key}\n{dump_case(self.case)}"
+
+
+FINER = 0.1
+"""Tolerance of a run that verifies another, over that of the other."""
+
+
+def plan_of(
+    case: Case,
+    vary: Sequence[str],
+    aims: Sequence[str],
+    analysis: str = "",
+    runs: int | None = None,
+    seed: int = 1,
+    robust: int = 0,
+) -> DesignPlan:
+    """Return the plan of a design.
+
+    Raises
+    ------
+    InputError, InputErrors
+        If the case has no such setting or number, or there is nothing to reach or to choose.
+    """
+    chosen = checked_analysis(case, analysis)
+    if not aims:
+        raise InputError("goals", MISSING, "at least one goal or objective", EXAMPLES)
+    if not vary:
+        raise InputError("vary", MISSING, "a setting with its range", EXAMPLE)
+    if len(aims) > MOST_AIMS:
+        raise InputError("goals", f"{len(aims)} goals", f"at most {MOST_AIMS}")
+    count = RUNS if runs is None else runs
+    if not LEAST_RUNS <= count <= MOST_RUNS:
+        raise InputError("runs", count, f"a whole number from {LEAST_RUNS} to {MOST_RUNS}")
+    if not 0 <= robust <= MOST_DRAWS:
+        raise InputError("robust", robust, f"a whole number from 0 (no draws) to {MOST_DRAWS}")
+    if not 0 <= seed < 2**63:
+        raise InputError("seed", seed, "a whole number from 0 to 2^63 - 1")
+    read = tuple(read_aim(case, chosen, text, f"goals.{k}") for k, text in enumerate(aims))
+    variables = tuple(read_variable(case, text) for text in vary)
+    return DesignPlan(case, variables, read, chosen, count, seed, robust, varied(case, variables, NOTE))

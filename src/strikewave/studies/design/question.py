@@ -1,0 +1,80 @@
+"""A design asked for in plain values: settings with their ranges and goals as texts, as its file has them."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from concurrent.futures import Executor
+from pathlib import Path
+
+from strikewave.cases.case import Case
+from strikewave.studies.design.plan import plan_of
+from strikewave.studies.design.study import DesignStudy, make_design
+from strikewave.studies.engine.pools import GivenPool, Pool, ProcessPool
+from strikewave.studies.engine.store import RunStore
+from strikewave.studies.sweep.question import Vary, vary_texts
+
+
+def design(
+    case: Case,
+    vary: Vary,
+    goals: Sequence[str],
+    *,
+    analysis: str = "",
+    runs: int | None = None,
+    seed: int = 1,
+    robust: int = 0,
+    workers: int = 1,
+    executor: Executor | None = None,
+    store: Path | str | None = None,
+    progress: Callable[[float], None] | None = None,
+) -> DesignStudy:
+    """Find settings of a case for goals on its numbers, or which goals exclude each other.
+
+    Equal arguments give equal settings, bit for bit, whatever the number of processes.
+
+    Parameters
+    ----------
+    case : Case
+        What is designed.
+    vary : sequence of str, or mapping
+        What may be chosen: ``machine.speed=400..900 rpm``, ``object.spring=10..160 kN/m log``,
+        ``contact.damping=LAW, LAW``; or the values by the settings.
+    goals : sequence of str
+        ``first.rigid_peak = 4000 g +- 5 %``, ``cv < 3 %``, ``spec:mil-std-810h passes``, ``sensor clips never``; and
+        objectives, such as ``stop_force smallest``.
+    analysis : str, optional
+        ``run``, ``fast``, ``wave``, ``fem`` or ``impact``; that of the case where it is left out.
+    runs : int, optional
+        Most runs of a search; 600 where it is left out.
+    seed : int, optional
+        Of the search and of draws.
+    robust : int, optional
+        Draws within the tolerances of the case for each ranked setting; none where it is left out.
+    workers : int, optional
+        Processes. With more than one, call it below ``if __name__ == "__main__":``.
+    executor : Executor, optional
+        Who runs instead: any executor of `concurrent.futures`, or one that acts as these do, such as that of Dask.
+    store : path, optional
+        Folder that keeps finished runs: what it holds is not run again.
+    progress : callable, optional
+        Called with the share done, 0 to 1.
+
+    Raises
+    ------
+    InputError, InputErrors
+        If the case has no such setting or number, a goal is none, or the store cannot be used.
+
+    Examples
+    --------
+    >>> import strikewave
+    >>> case = strikewave.load_case("li-ma-2019", ["feed.blows=1"])
+    >>> goals = ["peak_force = 30 kN +- 2 %"]
+    >>> study = strikewave.design(case, ["machine.speed=200..900 rpm"], goals, analysis="impact", runs=48)
+    >>> study.best.meets, study.conflict
+    (True, None)
+    """
+    plan = plan_of(case, vary_texts(vary), goals, analysis, runs, seed, robust)
+    pool: Pool = GivenPool(executor) if executor is not None else ProcessPool(workers)
+    advance = None if progress is None else (lambda done: progress(done.share))
+    with RunStore(None if store is None else Path(store)) as finished:
+        return make_design(plan, finished, pool, advance)

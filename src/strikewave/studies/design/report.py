@@ -1,0 +1,124 @@
+"""The report of a design: its picture, ranked settings, goals, sensitivities, or which goals exclude each other."""
+
+from __future__ import annotations
+
+from strikewave.reporting import chapters
+from strikewave.reporting.parts import Cell, Link, Part, Picture, Section, Table
+from strikewave.reporting.table_columns import page_table
+from strikewave.studies.design.columns import (
+    GOAL_COLUMNS,
+    REACH_COLUMNS,
+    SENSITIVITY_COLUMNS,
+    goal_rows,
+    ranked_columns,
+    ranked_rows,
+    reach_rows,
+    sensitivity_rows,
+)
+from strikewave.studies.design.figures import design_picture
+from strikewave.studies.design.study import DesignStudy, conflict_words
+from strikewave.studies.sweep.report import ANALYSES
+
+MOST_FRONT = 20
+"""Runs of a front that a table lists, evenly spread over it."""
+
+
+def design_report(study: DesignStudy) -> str:
+    """Return the report of a design as one HTML page: no script, nothing fetched, the same bytes each time."""
+    caption = (
+        "Each dot is a run: over two of the numbers, with the area in which their goals are met, and over two of the "
+        "settings. Diamonds are the ranked settings with their places."
+    )
+    sections = [
+        Section("Picture", "", [Picture(design_picture(study), caption, caption)]),
+        *([_conflict_section(study)] if study.conflict is not None else []),
+        _ranked_section(study),
+        *([_front_section(study)] if study.front else []),
+        *([_sensitivity_section(study)] if study.sensitivities else []),
+        chapters.warnings(study.notices),
+        _question_section(study),
+        chapters.inputs(study.case_of()),
+    ]
+    summary = chapters.Summary("Report of a design", design_words(study), study.highlights())
+    return chapters.result_page(study, summary, sections)
+
+
+def design_words(study: DesignStudy) -> str:
+    """Say in words what came out."""
+    first = study.candidates[0]
+    count = f"{len(study.rows)} runs, {study.met} of them meet all goals."
+    if study.conflict is not None:
+        return f"No setting was found that meets all goals: {conflict_words(study)}. Nearest: {study.at(first.row)}."
+    checked = study.plan.verifying
+    held = "" if checked is None else f", {'verified' if first.holds else 'not held'} by {checked[1]}"
+    drawn = first.robustness
+    robust = f" Of {drawn.drawn} draws within tolerances, {drawn.met} meet all goals." if drawn is not None else ""
+    return f"Best: {study.at(first.row)}{held}. {count}{robust}"
+
+
+def _conflict_section(study: DesignStudy) -> Section:
+    text = (
+        "Of these goals no one can be met together with all the others, and without any one of them the others can, as "
+        "far as the searches found. The table says what each comes to at best while the others are met."
+    )
+    alone = "This goal cannot be reached by itself. The table says what it comes to at best."
+    single = study.conflict is not None and len(study.conflict.goals) == 1
+    table = page_table("Goals that exclude each other", REACH_COLUMNS, reach_rows(study))
+    return Section("Goals that exclude each other", alone if single else text, [table])
+
+
+def _ranked_section(study: DesignStudy) -> Section:
+    by = "the objective" if len(study.plan.objectives) == 1 else "the least of the margins"
+    text = (
+        f"Ranked by {by}. A margin is the distance of a number to its nearer limit, as a share of half the band, or of "
+        "the limit where there is one. Ranked settings differ by at least a tenth of a range."
+    )
+    if study.plan.verifying is not None:
+        text += f" Each was verified by {study.plan.verifying[1]}."
+    if study.plan.robust:
+        text += f" The most robust of {study.plan.robust} draws each comes first; shares with their interval of 95 %."
+    parts: list[Part] = [page_table("Ranked settings", ranked_columns(study), ranked_rows(study))]
+    if study.plan.goals:
+        parts.append(page_table("Goals at the first setting", GOAL_COLUMNS, goal_rows(study)))
+    parts.append(Link("runs.csv", "All runs, runs.csv"))
+    return Section("Settings", text, parts)
+
+
+def _front_section(study: DesignStudy) -> Section:
+    names = [one.number for one in study.plan.objectives]
+    places = sorted({round(k * (len(study.front) - 1) / (MOST_FRONT - 1)) for k in range(MOST_FRONT)})
+    rows: list[list[Cell]] = [
+        [study.at(study.rows[run]), *(study.value_words(name, study.value(run, name)) for name in names)]
+        for run in (study.front[place] for place in places)
+    ]
+    text = (
+        f"{len(study.front)} runs that meet all goals are Pareto-optimal among all runs: none is better in one "
+        "objective without being worse in another. Its ends were searched for, and of two objectives points between."
+    )
+    return Section("Trade-off", text, [Table("Pareto-optimal runs", ["settings", *names], rows)])
+
+
+def _sensitivity_section(study: DesignStudy) -> Section:
+    text = (
+        "By runs one hundredth of a range to either side of the first setting. The last columns say how far a setting "
+        "alone may be moved till the first goal is missed, if the numbers go on as they do here."
+    )
+    table = page_table("Sensitivities at the first setting", SENSITIVITY_COLUMNS, sensitivity_rows(study))
+    return Section("Sensitivity", text, [table])
+
+
+def _question_section(study: DesignStudy) -> Section:
+    plan = study.plan
+    rows: list[list[Cell]] = []
+    for one in plan.variables:
+        if one.is_range:
+            kind = "logarithmic" if one.axis.log else "linear"
+            ends = (one.brief(one.axis.values[0]), one.brief(one.axis.values[-1]))
+            rows.append([one.path, kind, f"{ends[0]} to {ends[1]}"])
+        else:
+            rows.append([one.path, "list", ", ".join(one.brief(value) for value in one.axis.values[:12])])
+    text = (
+        f"Each run is {ANALYSES[plan.analysis]}. Differential evolution, up to {plan.runs} runs a search, random seed "
+        f"{plan.seed}. Goals: {'; '.join(aim.typed for aim in plan.aims)}."
+    )
+    return Section("What was asked", text, [Table("What may be chosen", ["setting", "kind", "values"], rows)])

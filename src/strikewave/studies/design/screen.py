@@ -1,0 +1,170 @@
+"""A design as a command: search, print, draw; one that is stopped goes on where it was."""
+
+from __future__ import annotations
+
+import contextlib
+import dataclasses
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import ClassVar, NamedTuple
+
+import numpy as np
+
+from strikewave.base.interrupts import exit_code
+from strikewave.base.json_document import head, plain
+from strikewave.reporting.measured_files import asked
+from strikewave.reporting.run_and_write import Command
+from strikewave.reporting.terminal import print_json, print_rows, progress_bar, say, tell
+from strikewave.studies.design.columns import (
+    GOAL_COLUMNS,
+    REACH_COLUMNS,
+    SENSITIVITY_COLUMNS,
+    goal_rows,
+    ranked_columns,
+    ranked_rows,
+    reach_rows,
+    sensitivity_rows,
+)
+from strikewave.studies.design.plan import DesignPlan
+from strikewave.studies.design.study import DesignStudy, make_design
+from strikewave.studies.engine.pools import Pool
+from strikewave.studies.engine.runner import StudyProgress
+from strikewave.studies.engine.store import RunStore, runs_beside
+from strikewave.studies.sweep.estimate import lasting
+
+PoolMaker = Callable[[], Pool]
+TRIED = 3
+"""Runs that are timed for an estimate, after one that loads what a process needs: both ends and the middle."""
+
+
+class DesignEstimate(NamedTuple):
+    """How long a design takes.
+
+    Attributes
+    ----------
+    runs : int
+        Most runs of the first search.
+    at_most : int
+        Most runs of all searches, draws and what verifies, where nothing meets all goals or there are objectives.
+    run_seconds : float
+        About how long one takes, s.
+    seconds : float
+        About how long the first search takes at most, s.
+    """
+
+    runs: int
+    at_most: int
+    run_seconds: float
+    seconds: float
+
+
+def estimated(plan: DesignPlan, workers: int) -> DesignEstimate:
+    """Return how long a design takes, by some runs that are made and thrown away."""
+    places = [[low + share * (high - low) for low, high in plan.bounds] for share in np.linspace(0.0, 1.0, TRIED)]
+    rows = [plan.row_at(place) for place in places]
+    plan.job(rows[:1])
+    each = float(np.mean([outcome.seconds for outcome in plan.job(rows)]))
+    searches = 1 + max(2 * len(plan.goals), 2 * len(plan.objectives) + 1 if plan.objectives else 0)
+    return DesignEstimate(plan.runs, searches * plan.runs, each, each * plan.runs / workers)
+
+
+def show_estimate(plan: DesignPlan, workers: int, as_json: bool) -> int:
+    """Print what a design is of and about how long it takes, and return the exit code."""
+    found = estimated(plan, workers)
+    if as_json:
+        print_json(plain({**head({"run_seconds": "s", "seconds": "s"}), **found._asdict()}))
+    else:
+        processes = f"{workers} processes" if workers > 1 else "one process"
+        tell(
+            f"{plan.words}. Up to {found.runs} runs of a search: about {lasting(found.seconds)}, "
+            f"{found.run_seconds:.2g} s each on {processes}; with further searches where nothing meets all "
+            f"goals or objectives compete, up to {found.at_most} runs."
+        )
+    return 0
+
+
+@dataclass
+class DesignCommand(Command[DesignStudy]):
+    """A design.
+
+    Attributes
+    ----------
+    plan : DesignPlan
+        What is asked.
+    pool : callable
+        Makes what runs it.
+    place : Path or None
+        Folder that keeps finished runs for good; None for one beside the result, till that is written.
+    fresh : bool
+        Whether finished runs of a stopped design are run anew.
+    """
+
+    indent: ClassVar[int | None] = None
+
+    plan: DesignPlan
+    pool: PoolMaker
+    place: Path | None = None
+    fresh: bool = False
+    store: RunStore | None = field(default=None, init=False)
+
+    @contextlib.contextmanager
+    def under_way(self, folder: Path) -> Iterator[None]:
+        """Keep finished runs beside the folder until all is written, or in a folder of their own."""
+        beside = self.place is None
+        self.store = RunStore(runs_beside(folder.absolute()) if self.place is None else self.place, self.fresh)
+        with self.store:
+            yield
+            if beside:
+                self.store.remove()
+
+    def solve(self) -> DesignStudy:
+        """Return the design, with a bar on stderr; where it is stopped, finished runs are kept, and said to be."""
+        if self.store is not None:
+            return self._solved(self.store)
+        with RunStore(self.place, self.fresh) as store:
+            return self._solved(store)
+
+    def _solved(self, store: RunStore) -> DesignStudy:
+        say(self.plan.words)
+        last = StudyProgress(self.plan.runs, 0, 0, 0.0)
+        try:
+            with progress_bar("design", clocks=("elapsed",)) as report:
+
+                def advance(done: StudyProgress) -> None:
+                    nonlocal last
+                    last = done
+                    report(done.share, f"{done.done} runs, {done.words}")
+
+                study = make_design(self.plan, store, self.pool(), advance)
+        except KeyboardInterrupt as stop:
+            kept = f"{last.done} runs are kept in {store.folder}: the same command goes on there"
+            say("stopped; " + (kept if last.done and self.store is not None else "nothing was written"))
+            raise SystemExit(exit_code(stop)) from None
+        return dataclasses.replace(study, asked=asked())
+
+    def summary(self, result: DesignStudy) -> str:
+        """Say which settings are best, or which goals exclude each other."""
+        from strikewave.studies.design.report import design_words
+
+        return design_words(result)
+
+    def show(self, result: DesignStudy) -> None:
+        """Print ranked settings, goals, sensitivities, and what excludes what."""
+        if result.conflict is not None:
+            print_rows("Goals that exclude each other", REACH_COLUMNS, reach_rows(result))
+        print_rows("Ranked settings", ranked_columns(result), ranked_rows(result))
+        if result.plan.goals:
+            print_rows("Goals at the first setting", GOAL_COLUMNS, goal_rows(result))
+        if result.sensitivities:
+            print_rows("Sensitivities at the first setting", SENSITIVITY_COLUMNS, sensitivity_rows(result))
+
+    def draw(self, result: DesignStudy, folder: Path) -> list[str]:
+        """Write the page and the picture."""
+        from strikewave.reporting.style import save
+        from strikewave.studies.design.figures import design_picture
+        from strikewave.studies.design.report import design_report
+
+        save(design_picture(result), folder / "design.svg")
+        (folder / "report.html").write_text(design_report(result), "utf-8", newline="\n")
+        return ["report.html", "design.svg"]

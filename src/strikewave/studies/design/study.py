@@ -1,0 +1,437 @@
+"""A design: settings of a case at which its numbers are as they shall be, ranked and verified; or why there is none."""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any, ClassVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from strikewave.base.citations import citation
+from strikewave.base.compile_progress import compiling_shown
+from strikewave.base.result import FAILED, Notice, Source
+from strikewave.cases.case import Case, dump_case
+from strikewave.reporting.columns import HISTORY_DIGITS, Column, csv_table
+from strikewave.reporting.numbers import percent
+from strikewave.reporting.shown_result import ShownResult
+from strikewave.studies.design.candidates import (
+    DesignCandidate,
+    Robustness,
+    Sensitivity,
+    chosen_runs,
+    front,
+    robustness_of,
+    sensitivities,
+    verified,
+)
+from strikewave.studies.design.conflict import Conflict, conflict_of
+from strikewave.studies.design.evaluation import is_derived
+from strikewave.studies.design.goals import Goal, Objective, shares_of
+from strikewave.studies.design.plan import DesignPlan
+from strikewave.studies.design.search import (
+    INFEASIBLE,
+    Advance,
+    DesignRuns,
+    Merit,
+    margin_merit,
+    objective_merit,
+    search,
+    under,
+)
+from strikewave.studies.engine.evaluation import Row
+from strikewave.studies.engine.pools import Pool, ProcessPool
+from strikewave.studies.engine.store import RunStore
+from strikewave.studies.sweep.study import KeptNumber, kept_number
+
+Array = NDArray[np.float64]
+
+SOURCES = ("storn-price-1997", "deb-2000")
+"""Keys of the sources of the search."""
+WEIGHTS = (0.25, 0.5, 0.75)
+"""Weights of the first of two objectives, between the ends of their front, at which it is searched for besides."""
+
+
+@dataclass(frozen=True, eq=False)
+class DesignStudy(ShownResult):
+    """A design; see `Result` for what it shares with others.
+
+    Attributes
+    ----------
+    plan : DesignPlan
+        What it is of.
+    rows : tuple of tuple
+        Settings of all runs, in their order.
+    numbers : ndarray
+        SI, shape (runs, names of the evaluation); NaN where a run has none.
+    failures : tuple of str
+        Why each run failed; empty where it did not.
+    candidates : tuple of DesignCandidate
+        The best first; where nothing meets all goals, the nearest alone.
+    sensitivities : tuple of Sensitivity
+        Of the first candidate.
+    front : tuple of int
+        Runs that no other one beats in all objectives; empty with fewer than two of them.
+    conflict : Conflict or None
+        Goals that exclude each other, where nothing meets all.
+    asked : str
+        Command line that gives it again, where one does.
+    """
+
+    command: ClassVar[str] = "design"
+    table_name: ClassVar[str] = "settings"
+
+    plan: DesignPlan
+    rows: tuple[Row, ...]
+    numbers: Array
+    failures: tuple[str, ...]
+    candidates: tuple[DesignCandidate, ...]
+    sensitivities: tuple[Sensitivity, ...] = ()
+    front: tuple[int, ...] = ()
+    conflict: Conflict | None = None
+    asked: str = ""
+
+    @property
+    def case(self) -> Case:
+        """What was designed, as it came."""
+        return self.plan.case
+
+    @property
+    def best(self) -> DesignCandidate | None:
+        """The first setting, where it meets all goals."""
+        return self.candidates[0] if self.candidates[0].meets else None
+
+    @property
+    def broken(self) -> bool:
+        """Whether no setting meets all goals."""
+        return self.best is None
+
+    @property
+    def title(self) -> str:
+        """The title of the case."""
+        return self.case.title or self.case.name
+
+    @property
+    def test(self) -> Mapping[str, str]:
+        """What the case says of the test."""
+        return self.case.test.stated()
+
+    def case_of(self, place: int = 0) -> Case:
+        """Return the case of a candidate, without published numbers to compare with."""
+        name = f"{self.case.name or 'case'}-design"
+        return self.plan.case_of(self.candidates[place].row).model_copy(update={"name": name, "published": ()})
+
+    @cached_property
+    def source(self) -> Source:
+        """The case at the best settings, and above it what was asked."""
+        head = self.plan.text.partition("\n")[0]
+        return Source("case", self.case.name, f"{head}\n{dump_case(self.case_of())}", asked=self.asked)
+
+    def kept(self, name: str) -> KeptNumber:
+        """Return a number with the units in which it is kept and shown."""
+        if is_derived(name):
+            return KeptNumber(name, "1", "%")
+        return kept_number(self.case, self.plan.analysis, name)
+
+    def value(self, run: int, name: str) -> float:
+        """Return a number of a run, SI."""
+        return float(self.numbers[run, self.plan.evaluation.names.index(name)])
+
+    def value_words(self, name: str, value: float) -> str:
+        """Write a number with its unit."""
+        return self.kept(name).words(value) if math.isfinite(value) else "none"
+
+    def at(self, row: Row) -> str:
+        """Return settings in words."""
+        pairs = zip(self.plan.variables, row, strict=True)
+        return ", ".join(f"{one.path} = {one.shown(value)}" for one, value in pairs)
+
+    @cached_property
+    def settings(self) -> Array:
+        """The settings of all runs, shape (runs, variables): SI, of words their places."""
+        return np.array(self.rows, dtype=float).reshape(len(self.rows), len(self.plan.variables))
+
+    @cached_property
+    def shares(self) -> Array:
+        """Margins of all runs, shape (runs, goals)."""
+        return shares_of(self.plan.goals, self.plan.evaluation.names, self.numbers)
+
+    @cached_property
+    def margins(self) -> Array:
+        """The least margin of each run; infinite where there is no goal, NaN where a run lacks a number."""
+        return np.asarray(self.shares.min(axis=1, initial=math.inf))
+
+    @property
+    def met(self) -> int:
+        """How many runs meet all goals."""
+        return int(np.sum(self.margins >= 0.0))
+
+    def found_notices(self) -> tuple[Notice, ...]:
+        """Return what should be known: goals that are not met, settings that do not hold, runs that failed."""
+        notices = []
+        first = self.candidates[0]
+        if first.margin < 0.0 or math.isnan(first.margin):
+            message = f"no setting was found that meets all goals: {conflict_words(self)}"
+            notices.append(Notice("not-met", message, first.margin, 0.0, FAILED))
+        elif not first.holds:
+            message = f"the setting does not hold when it is verified: {first.failure or 'a goal is missed'}"
+            notices.append(Notice("not-verified", message, 0.0, 0.0, FAILED))
+        failed = sum(map(bool, self.failures))
+        if failed:
+            reason = next(filter(None, self.failures))
+            message = f"{failed} of {len(self.failures)} runs failed, such as: {reason}"
+            notices.append(Notice("runs-failed", message, float(failed), 0.0))
+        return tuple(notices)
+
+    def highlights(self) -> list[tuple[str, str]]:
+        """Return how many runs meet all goals, and the first setting."""
+        first = self.candidates[0]
+        numbers = [("runs", str(len(self.rows))), ("runs that meet all goals", str(self.met))]
+        pairs = list(zip(self.plan.variables, first.row, strict=True))[:3]
+        numbers += [(one.path, one.shown(value)) for one, value in pairs]
+        if math.isfinite(first.margin):
+            numbers.append(("least margin", percent(first.margin, 1)))
+        return numbers
+
+    def units(self) -> dict[str, str]:
+        """Return the unit of each key of the JSON document."""
+        settings = {one.path: one.axis.si_unit or "1" for one in self.plan.variables if not one.words}
+        numbers = {name: self.kept(name).si for name in self.plan.evaluation.names}
+        return {**settings, **numbers, "margin": "1", "margins": "1", "share": "1"}
+
+    def content(self) -> dict[str, Any]:
+        """Return what the JSON document holds beside its head."""
+        plan = self.plan
+        return {
+            "case": self.case.name,
+            "analysis": plan.analysis,
+            "goals": [
+                {"goal": one.typed, "number": one.number, "low": one.low, "high": one.high} for one in plan.goals
+            ],
+            "objectives": [one.typed for one in plan.objectives],
+            "seed": plan.seed,
+            "runs": len(self.rows),
+            "failed": sum(map(bool, self.failures)),
+            "meeting_all_goals": self.met,
+            "met": not self.broken,
+            "candidates": [self._candidate(one) for one in self.candidates],
+            "sensitivities": [self._sensitivity(one) for one in self.sensitivities],
+            "front": [self._run(run) for run in self.front],
+            "conflict": None if self.conflict is None else self._conflict(self.conflict),
+            "sources": [citation(key) for key in self.citations],
+        }
+
+    def setting(self, row: Row) -> dict[str, Any]:
+        """Return settings by their paths: SI, or words."""
+        pairs = zip(self.plan.variables, row, strict=True)
+        return {one.path: one.words[int(value)] if one.words else value for one, value in pairs}
+
+    def _run(self, run: int) -> dict[str, Any]:
+        numbers = dict(zip(self.plan.evaluation.names, self.numbers[run].tolist(), strict=True))
+        return {"run": run + 1, "settings": self.setting(self.rows[run]), "numbers": numbers}
+
+    def _candidate(self, one: DesignCandidate) -> dict[str, Any]:
+        goals = [goal.typed for goal in self.plan.goals]
+        checked = None if one.verified is None else dict(zip(goals, one.verified.tolist(), strict=True))
+        return {
+            **self._run(one.run),
+            "meets": one.meets,
+            "margin": one.margin,
+            "margins": dict(zip(goals, one.shares.tolist(), strict=True)),
+            "verified_margins": checked,
+            "failure": one.failure,
+            "robust": None if one.robustness is None else _robust(one.robustness),
+        }
+
+    def _sensitivity(self, one: Sensitivity) -> dict[str, Any]:
+        slopes = dict(zip(self.plan.evaluation.names, one.changes.tolist(), strict=True))
+        return {"setting": one.path, "changes_per_hundredth_of_range": slopes, "room": list(one.room)}
+
+    def _conflict(self, conflict: Conflict) -> dict[str, Any]:
+        return {
+            "goals": [goal.typed for goal in conflict.goals],
+            "reachable": [
+                {"without": one.goal.typed, "value": one.value, "lacks": one.lacks, **self._run(one.run)}
+                for one in conflict.reaches
+            ],
+        }
+
+    def texts(self) -> dict[str, str]:
+        """Return the JSON document as a file."""
+        return {"design.json": self.document_text()}
+
+    def tables(self) -> dict[str, str]:
+        """Return the table of all runs."""
+        columns = [Column("run", range(1, len(self.rows) + 1)), *self._columns(list(range(len(self.rows))))]
+        return {"runs.csv": csv_table([*columns, Column("failure", self.failures)], HISTORY_DIGITS)}
+
+    def _columns(self, runs: list[int]) -> list[Column]:
+        columns = []
+        for one in self.plan.variables:
+            values = [self.setting(self.rows[run])[one.path] for run in runs]
+            columns.append(Column(one.path, values, *(() if one.words else (one.axis.si_unit or "1", one.axis.unit))))
+        for k, name in enumerate(self.plan.evaluation.names):
+            columns.append(Column(name, self.numbers[runs, k], self.kept(name).si))
+        return [*columns, Column("margin", self.margins[runs], "1")] if self.plan.goals else columns
+
+    def columns(self) -> list[Column]:
+        """Return the ranked settings."""
+        runs = [one.run for one in self.candidates]
+        return [Column("place", range(1, len(runs) + 1)), *self._columns(runs)]
+
+    def brief(self) -> dict[str, str]:
+        """Return settings, numbers and margin."""
+        settings = {one.path: one.axis.unit or "1" for one in self.plan.variables[:4]}
+        numbers = {name: self.kept(name).usual.replace("%", "1") for name in self.plan.evaluation.names[:4]}
+        return {"place": "", **settings, **numbers, **({"margin": "1"} if self.plan.goals else {})}
+
+
+def _robust(one: Robustness) -> dict[str, Any]:
+    return {"met": one.met, "drawn": one.drawn, "share": one.share, "interval": [one.low, one.high]}
+
+
+def conflict_words(study: DesignStudy) -> str:
+    """Say which goals exclude each other, and what each comes to under the others."""
+    conflict = study.conflict
+    if conflict is None:
+        return "the search ended too soon"
+    words = []
+    for one in conflict.reaches:
+        value = study.value_words(one.goal.number, one.value)
+        others = "with the others met" if len(conflict.goals) > 1 else "at best"
+        words.append(f'"{one.goal.typed}" comes to {value} {others}')
+    which = " and ".join(f'"{goal.typed}"' for goal in conflict.goals)
+    head = f"{which} exclude each other" if len(conflict.goals) > 1 else f"{which} cannot be reached alone"
+    return f"{head}: {'; '.join(words)}"
+
+
+@compiling_shown()
+def make_design(
+    plan: DesignPlan, store: RunStore, pool: Pool | None = None, advance: Advance | None = None
+) -> DesignStudy:
+    """Search for settings, rank and verify them; where none meets all goals, find out which exclude each other.
+
+    Parameters
+    ----------
+    plan : DesignPlan
+        What is asked.
+    store : RunStore
+        Finished runs.
+    pool : Pool, optional
+        Who runs the others; this process where it is left out.
+    advance : callable, optional
+        Called as runs come back.
+
+    Raises
+    ------
+    InputError
+        If the store cannot be written, or draws are asked for and nothing has a tolerance.
+    StrikewaveError
+        If the pool is lost.
+    """
+    with ProcessPool(1) if pool is None else pool as open_pool:
+        runs = DesignRuns(plan, store, open_pool, advance)
+        able = _goals_met(runs)
+        conflict = None if able else conflict_of(runs)
+        merit = _ranking(runs, able)
+        ranked = chosen_runs(runs, merit(runs.numbers))
+        candidates = _candidates(runs, ranked, store, open_pool)
+        moved = sensitivities(runs, candidates[0].run)
+        on_front = front(runs, plan.objectives) if len(plan.objectives) > 1 and able else []
+    sources = (*SOURCES, *(("chinneck-dravnieks-1991",) if conflict else ()))
+    sources += ("clopper-pearson-1934",) if plan.robust else ()
+    study = DesignStudy(
+        plan=plan,
+        rows=tuple(runs.rows),
+        numbers=runs.numbers,
+        failures=tuple(runs.failures),
+        candidates=candidates,
+        sensitivities=moved,
+        front=tuple(on_front),
+        conflict=conflict,
+        citations=sources,
+    )
+    return dataclasses.replace(study, notices=study.found_notices())
+
+
+def _goals_met(runs: DesignRuns) -> bool:
+    """Search for what meets all goals, and tell whether it was found; without objectives, with the largest margin."""
+    plan = runs.plan
+    if not plan.goals:
+        return True
+    merit = margin_merit(plan.goals, plan.evaluation.names)
+    enough = 0.0 if plan.objectives else -math.inf
+    best = search(runs, merit, enough)
+    return float(merit(runs.numbers)[best]) <= 0.0
+
+
+def _ranking(runs: DesignRuns, able: bool) -> Merit:
+    """Return the merit by which settings are ranked, after the searches that the objectives need."""
+    plan, names = runs.plan, runs.plan.evaluation.names
+    if not able or not plan.objectives:
+        return margin_merit(plan.goals, names)
+    salt = 2 * len(plan.goals) + 1
+    merits = [objective_merit(one, plan.goals, names) for one in plan.objectives]
+    for number, merit in enumerate(merits):
+        search(runs, merit, salt=salt + number)
+    if len(merits) == 1:
+        return merits[0]
+    ends = front(runs, plan.objectives)
+    salt += len(merits)
+    between = [weighted_merit(runs, plan.objectives, ends, weight) for weight in WEIGHTS]
+    for number, merit in enumerate(between if len(merits) == 2 else between[1:2]):
+        search(runs, merit, salt=salt + number)
+    return between[1]
+
+
+def weighted_merit(runs: DesignRuns, objectives: tuple[Objective, ...], ends: list[int], weight: float) -> Merit:
+    """Return the merit of several objectives together: the largest of them, each over its extent on the Pareto front.
+
+    The first has the weight, the others share the rest (Tchebycheff's norm, which reaches every point of a front).
+    """
+    names, goals = runs.plan.evaluation.names, runs.plan.goals
+    places = [names.index(one.number) for one in objectives]
+    signs = np.array([one.sign for one in objectives])
+    known = runs.numbers[ends][:, places] * signs
+    low, extent = known.min(axis=0), np.ptp(known, axis=0)
+    weights = np.array([weight, *[(1.0 - weight) / (len(places) - 1)] * (len(places) - 1)])
+    scale = weights / np.where(extent > 0.0, extent, 1.0)
+
+    def merit(numbers: Array) -> Array:
+        value = ((numbers[:, places] * signs - low) * scale).max(axis=1)
+        return under(np.nan_to_num(value, nan=INFEASIBLE), goals, names, numbers)
+
+    return merit
+
+
+def _candidates(runs: DesignRuns, ranked: list[int], store: RunStore, pool: Pool) -> tuple[DesignCandidate, ...]:
+    """Return the ranked settings with what verifies them; those that hold first, the most robust of them first."""
+    plan = runs.plan
+    rows = [runs.rows[run] for run in ranked]
+    margins, failures = verified(plan, rows, store, pool)
+    shares = shares_of(plan.goals, plan.evaluation.names, runs.numbers)
+    found = [
+        DesignCandidate(
+            run,
+            row,
+            runs.numbers[run],
+            shares[run],
+            None if margins is None else margins[k],
+            failures[k],
+            robustness_of(plan, row, store, pool) if plan.robust else None,
+        )
+        for k, (run, row) in enumerate(zip(ranked, rows, strict=True))
+    ]
+    return tuple(sorted(found, key=lambda one: (not one.holds, -one.robustness.share if one.robustness else 0.0)))
+
+
+Progress = Callable[[float], None]
+
+
+def goal_of(study: DesignStudy, name: str) -> Goal | None:
+    """Return the goal of a number, the first of several; None where it has none."""
+    return next((goal for goal in study.plan.goals if goal.number == name), None)
