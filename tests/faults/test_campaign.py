@@ -1,6 +1,7 @@
 """Faults that befall commands: see `campaign`. The whole campaign is that program; here stands a sample of it."""
 
 import importlib.util
+import sys
 from pathlib import Path
 
 import pytest
@@ -11,7 +12,7 @@ FILE = Path(__file__).with_name("campaign.py")
 @pytest.fixture(scope="module")
 def campaign():
     spec = importlib.util.spec_from_file_location("campaign", FILE)
-    module = importlib.util.module_from_spec(spec)
+    module = sys.modules["campaign"] = importlib.util.module_from_spec(spec)  # dataclasses look for theirs there
     spec.loader.exec_module(module)
     return module
 
