@@ -10,7 +10,7 @@ from scipy.stats import f_oneway
 import strikewave
 from strikewave import load_case
 from strikewave.base.errors import InputError, InputErrors
-from strikewave.studies.sweep.effects import main_effect
+from strikewave.studies.sweep.effects import main_effect, share_by_chance
 from strikewave.studies.sweep.figures import drawn_settings, sweep_picture
 from strikewave.studies.sweep.question import plan_of, sweep
 from strikewave.studies.sweep.report import sweep_report
@@ -118,6 +118,13 @@ def test_chance_has_no_share(rng):
     """Of a setting that does nothing, the share of 200 trials of 100 runs is 0 on the mean: within four standard errors."""
     shares = [main_effect(rng.random(100), rng.normal(size=100), False).share for _ in range(200)]
     assert abs(np.mean(shares)) < 4.0 * np.std(shares) / math.sqrt(200)
+
+
+def test_settings_that_do_nothing_are_named_in_a_twentieth_of_studies(rng):
+    """The largest of ten shares of 64 random runs, 400 times: 5 % of them lie above, within three standard errors."""
+    largest = [max(main_effect(rng.random(64), y, False).share for _ in range(10)) for y in rng.normal(size=(400, 64))]
+    above = np.mean(np.array(largest) > share_by_chance(64, 8, 10))
+    assert abs(above - 0.05) < 3.0 * math.sqrt(0.05 * 0.95 / 400)
 
 
 def test_ishigami_first_order_indices():
