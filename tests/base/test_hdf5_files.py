@@ -40,6 +40,36 @@ def test_a_file_that_finds_no_room_is_refused_and_the_process_lives(tmp_path, en
     assert done.stdout == ("written\n" if size == 10_000_000 else "refused 27\n")  # EFBIG
 
 
+FIELDS = """
+import resource, sys
+from pathlib import Path
+import numpy as np
+from strikewave.base.errors import InputError
+from strikewave.fem.shapes import block
+from strikewave.fem.run import FieldFrame
+from strikewave.fem.vtkhdf import FieldWriter
+mesh = block("b", (6e-3, 6e-3, 6e-3), 1e-3, 1e-3, 1e-3)
+size = int(sys.argv[1])
+resource.setrlimit(resource.RLIMIT_FSIZE, (size, size))
+rng, nodes, cells = np.random.default_rng(0), len(mesh.points), len(mesh.hexahedra)
+try:
+    with FieldWriter(Path(sys.argv[2]), mesh) as writer:
+        for k in range(5):
+            writer.add(FieldFrame(float(k), *(rng.random(s) for s in ((nodes, 3), (nodes, 3), (cells, 6), (cells,)))))
+except InputError as error:
+    print("refused", "File too large" in str(error))
+else:
+    print("written")
+"""
+
+
+@pytest.mark.parametrize("size", [1_000, *(pytest.param(n, marks=pytest.mark.verify) for n in (8_000, 30_000, 80_000))])
+def test_fields_that_find_no_room_are_refused_and_the_process_lives(tmp_path, environment, size):
+    command = [sys.executable, "-c", FIELDS, str(size), str(tmp_path / "f.vtkhdf")]
+    done = subprocess.run(command, env=environment, capture_output=True, text=True, check=False)
+    assert (done.returncode, done.stdout, done.stderr) == (0, "refused True\n", "")
+
+
 def test_a_file_is_refused_unless_it_is_as_it_was_sealed(tmp_path):
     path = tmp_path / "a.h5"
     with enduring_file(path) as disk, h5py.File(disk, "w") as file:

@@ -28,6 +28,15 @@ side = "rod.z-"
 normal = "z"
 """
 """A block on a wall."""
+DESIGN = """
+schema = 1
+case = "jesd22-b111-b"
+analysis = "impact"
+goals = ["peak_acceleration = 1500 g +- 10 %"]
+runs = 16
+[vary]
+machine.height = "0.2..2 m"
+"""
 CHEAP = {
     "run": ("jesd22-b111-b", "--no-band"),
     "wave": ("li-ma-2019-fig13-bar", "--no-band"),
@@ -41,6 +50,7 @@ CHEAP = {
     "identify": ("pulse.csv", "--m1", "0.2", "--m2", "0.4"),
     "compare": ("pulse.csv", "pulse.csv", "--limit", "iso18571 > 0.8"),
     "fit": ("jesd22-b111-b", "--to", "first.rigid_peak=1500 g", "--free", "contact.reference_force"),
+    "design": ("design.toml", "--workers", "1"),
     "sweep": ("jesd22-b111-b", "--vary", "machine.height=0.2..0.3 m:2", "--workers", "1"),
     "map": ("li-ma-2019", "--points", "3x2", "--workers", "1", "--train", "0", *TWO),
     "buffer": ("li-ma-2019-fig5", "--sensor", "buffered", "--limit", "7000 g", *GASKETS),
@@ -72,4 +82,5 @@ def write_inputs(strikewave):
     lines = [f"{t:.6f},{a:.4f}" for t, a in zip(time, pulse, strict=True)]
     Path("pulse.csv").write_text("\n".join(["time [s],acceleration [g]", *lines]) + "\n")
     Path("block.toml").write_text(BLOCK)
+    Path("design.toml").write_text(DESIGN)
     assert strikewave("new", "shot", "--from", "hopkinson")[0] == 0

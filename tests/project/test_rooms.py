@@ -15,7 +15,7 @@ import strikewave
 ROOT = Path(__file__).parents[2]
 PACKAGE = ROOT / "src" / "strikewave"
 PAGES = [ROOT / "README.md", ROOT / "CONTRIBUTING.md", *sorted((ROOT / "docs").glob("*.md"))]
-NOT_ROOMS = {"data", "project"}
+NOT_ROOMS = {"data", "faults", "project"}
 """Folders of tests that mirror no room: what was measured, and the project as a whole."""
 GROUPS = {"strikewave.damping_laws", "strikewave.damper_laws", "strikewave.stiffness_laws", "strikewave.cushion_laws"}
 """Entry points under which other packages add laws: names, no modules."""

@@ -107,10 +107,14 @@ class FieldWriter:
 
     def __init__(self, path: Path, mesh: Mesh) -> None:
         self._begin(path, mesh)
-        with self._reported():
-            self._open("w")
-            _write_mesh(self._file, mesh)
-            self._file.flush()
+        try:
+            with self._reported():
+                self._open("w")
+                _write_mesh(self._file, mesh)
+                self._file.flush()
+        except BaseException:
+            self.abandon()  # left open, HDF5 would write at the end of the process, into a file that is gone
+            raise
 
     @classmethod
     def restored(cls, path: Path, mesh: Mesh, before: float) -> Self:
@@ -130,11 +134,11 @@ class FieldWriter:
         """
         writer = cls.__new__(cls)
         writer._begin(path, mesh)
-        with writer._reported():
-            if not writer._partial.exists():
-                shutil.copyfile(path, writer._partial)
-            writer._open("r+")
         try:
+            with writer._reported():
+                if not writer._partial.exists():
+                    shutil.copyfile(path, writer._partial)
+                writer._open("r+")
             with writer._reported():
                 grid = _checked_grid(path, writer._file)
                 _check_same_mesh(path, grid, mesh)
@@ -151,6 +155,7 @@ class FieldWriter:
         self.frames = 0
         self._partial = path.with_name(path.name + ".part")
         self._disk: EnduringFile | None = None
+        self._file: Any = None
         self._sizes = {"PointData": len(mesh.points), "CellData": len(mesh.hexahedra)}
 
     def _open(self, mode: str) -> None:
@@ -217,7 +222,8 @@ class FieldWriter:
 
     def abandon(self) -> None:
         """Leave the file as a part, to be taken up by `restored`."""
-        self._file.close()
+        if self._file is not None:
+            self._file.close()
         if self._disk is not None:
             self._disk.close()
 
