@@ -190,6 +190,7 @@ def test_json_draws_nothing_and_imports_no_library_for_it(words, band, environme
     assert run.stderr.splitlines()[-1] == "[]"
 
 
+@pytest.mark.verify
 def test_files_and_page_of_a_run_are_written_without_xarray(environment, tmp_path):
     """xarray and pandas take a third of a second to import: only who reads histories in Python needs them."""
     program = (

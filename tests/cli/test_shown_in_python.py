@@ -49,6 +49,7 @@ def write_pulse():
     Path("pulse.csv").write_text("\n".join(["time [s],acceleration [g]", *lines]) + "\n")
 
 
+@pytest.mark.verify
 @pytest.mark.parametrize("words", COMMANDS, ids=lambda words: words[0])
 def test_the_result_of_a_command_shows_itself_and_writes_the_same_report(result_of, words):
     write_pulse()

@@ -165,6 +165,7 @@ def test_the_gradient_at_the_centre_fails_the_patch_test(rng):
 # Rotation
 
 
+@pytest.mark.verify
 @pytest.mark.parametrize("sort", SORTS)
 @pytest.mark.parametrize("steps", [3, 12, 400])
 def test_a_whole_turn_brings_stress_and_forces_back(rng, sort, steps):

@@ -226,6 +226,7 @@ def test_measures_of_a_blow(dented):
     assert found.restitution[CONTACT] == restitution(dented[1], CONTACT, ("ball.round", "base.top"))
 
 
+@pytest.mark.verify
 def test_threads_change_no_bit():
     """Rest, way back and both blows are sums in one order."""
     model = ball_on_base(Ball(size=8e-4, base=SOFT, speed=3.0))

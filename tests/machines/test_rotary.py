@@ -85,6 +85,7 @@ def independent_blow(machine, speed, slowest, duration=400e-6):
     return np.array(acceleration)
 
 
+@pytest.mark.verify
 @settings(max_examples=10)
 @given(
     mass=st.floats(0.3, 3.0),
@@ -173,6 +174,7 @@ def test_halving_every_tolerance_changes_no_rigid_peak(published, solution):
         assert a.rigid_peak == pytest.approx(b.rigid_peak, rel=1e-6)
 
 
+@pytest.mark.verify
 @settings(max_examples=20)
 @given(
     speed=st.floats(20.0, 120.0),

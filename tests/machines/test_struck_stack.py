@@ -184,6 +184,7 @@ def struck_stacks(draw):
     return Stack(layers, tuple(joints)), first
 
 
+@pytest.mark.verify
 @settings(max_examples=25)
 @given(drawn=struck_stacks())
 def test_balances_hold_whatever_the_stack(base, drawn):

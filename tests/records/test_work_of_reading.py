@@ -28,6 +28,7 @@ def write_parquet(path, columns):
     pq.write_table(pa.table({f"column {k}": np.arange(6.0) for k in range(columns)}), path)
 
 
+@pytest.mark.verify
 @pytest.mark.parametrize("write", [write_csv, write_parquet])
 def test_work_grows_with_the_number_of_columns(tmp_path, write):
     lines, bytes_held = [], []

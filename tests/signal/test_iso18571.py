@@ -130,6 +130,7 @@ def assert_as_the_package(pairs, size=400):
         assert list(rate(reference, compared)[:5]) == pytest.approx(expected, abs=1e-6)
 
 
+@pytest.mark.verify
 def test_scores_are_those_of_the_package_of_tu_graz():
     assert_as_the_package(4)
 

@@ -78,6 +78,7 @@ def test_a_width_at_another_share_than_a_tenth_has_no_known_uncertainty():
     assert (guarded.verdict, guarded.reason) == ("cannot-tell", "its uncertainty is not known")
 
 
+@pytest.mark.verify
 def test_500_random_pulses_have_the_verdicts_of_a_second_judge():
     """Margins within rounding of a limit are left out: the second judge compares 600 times, to 2.5e-4 D."""
     random = np.random.default_rng(20261124)

@@ -116,6 +116,7 @@ def rounded_stacks(draw):
     return stack, load, taps, duration, draw(st.integers(max(2, most // 2), most))
 
 
+@pytest.mark.verify
 @settings(max_examples=60)
 @given(rounded_stacks())
 def test_bound_is_never_exceeded(case):

@@ -122,6 +122,7 @@ def test_all_blows_of_a_record_are_a_campaign(strikewave):
     assert compare("train.csv@3", "b.csv").figures["peak"].a == pytest.approx(520.0 * G, rel=1e-3)
 
 
+@pytest.mark.verify
 def test_a_case_is_run_and_its_band_held_against_the_record(strikewave):
     """The record is the simulation itself, one per cent higher: it lies within the band of the peak.
 
@@ -142,6 +143,7 @@ def test_a_case_is_run_and_its_band_held_against_the_record(strikewave):
         assert compare("record.csv", again).agreement.rating == found.agreement.rating
 
 
+@pytest.mark.verify
 def test_a_part_of_a_kept_bar_is_taken_in_the_quantity_of_the_record(strikewave):
     assert strikewave("wave", "li-ma-2019-fig13-bar", "--no-band", "--out", "bar")[0] == 0
     assert compare("bar:sensor", "bar").quantity == "acceleration"
@@ -167,6 +169,7 @@ def test_limits_decide_verdict_and_exit_code(strikewave):
     }  # fmt: skip
 
 
+@pytest.mark.verify
 def test_a_limit_kept_by_less_than_its_uncertainty_says_so_and_one_missed_is_told_in_its_own_unit(strikewave):
     """Peaks 2 % apart pass by 1 % where 5 % are known; the message has no share beside a percentage."""
     write("a.csv", bell(TIME)), write("b.csv", bell(TIME, 1e-3, 510.0))
@@ -313,7 +316,7 @@ REFUSED = [
     (("a.csv", "bare.csv"), "--unit: got", "state --unit"),
     (("a.csv", "zero.csv"), "B: got", "zero throughout"),
     (("a.csv", "short.csv"), "B: got", "8 samples or more"),
-    (("a.csv", "a.csv#fram"), "--channel: got", 'did you mean "frame"?'),
+    (("a.csv", "a.csv#fram"), "B: got", 'did you mean "frame"?'),
     (("a.csv", "a.csv@3"), "B: got", "a blow from 1 to 1"),
     (("a.csv", "a.csv@0"), "B: got", 'did you mean "a.csv"?'),
     (("a.csv", "@2"), "B: got", "a measured file"),

@@ -139,6 +139,7 @@ def test_most_instants_are_those_in_contact(solution):
     assert times[-1] == pytest.approx(40e-6, rel=1e-9)
 
 
+@pytest.mark.verify
 def test_the_gif_has_its_pictures_and_they_move(movie, tmp_path, monkeypatch):
     monkeypatch.setattr(fem_animation, "GIF_PICTURES", 10)
     seen: list[float] = []

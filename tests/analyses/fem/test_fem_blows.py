@@ -117,6 +117,7 @@ def test_a_run_interrupted_in_its_second_blow_goes_on_to_the_same_files(strikewa
                 assert np.array_equal(one[f"VTKHDF/{path}"], other[f"VTKHDF/{path}"])
 
 
+@pytest.mark.verify
 def test_a_result_of_several_blows_takes_the_place_of_an_older_one(strikewave, rod):
     command = ("fem", rod, "--blows", "2", "--no-report", "--out", "again")
     assert strikewave(*command)[0] == 0

@@ -111,6 +111,7 @@ def test_two_bars_press_each_other_as_plane_waves_say(bars):
     assert not bars.broken
 
 
+@pytest.mark.verify
 def test_a_ball_presses_a_half_space_as_hertz_says():
     """Johnson 1985, ch. 11.4: F = K^(2/5) (5/4 m v^2)^(3/5) and 2.9432 d/v, less the ends below a tenth of the peak.
 
@@ -335,6 +336,7 @@ def test_the_step_that_is_said_before_is_the_one_that_is_taken(bars):
     assert first_step(bars.model) == pytest.approx(bars.run.step, rel=0.01)  # the mesh hardly deforms
 
 
+@pytest.mark.verify
 def test_a_run_that_is_stopped_while_it_draws_keeps_its_fields(strikewave, small, monkeypatch):
     """The fields are handed over last: what goes on after the run has all of them."""
     import h5py

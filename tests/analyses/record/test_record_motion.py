@@ -73,6 +73,7 @@ def test_a_displacement_below_its_drift_is_lost_from_there_to_the_end():
     assert math.isnan(RecordMotion("a.csv", "x", time, IntegratedMotion(none, way + 2.0, none, drift)).lost)
 
 
+@pytest.mark.verify
 def test_the_command_gives_histories_and_where_they_end(strikewave):
     rng = np.random.default_rng(4)
     values = blow() + 5.0 * rng.normal(size=SIZE)

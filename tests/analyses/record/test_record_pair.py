@@ -31,6 +31,7 @@ def shots(tmp_path, rng):
     return files
 
 
+@pytest.mark.verify
 def test_delay_and_gain_stand_in_json_and_tables(strikewave, shots):
     words = [str(path) for path in shots]
     code, out, err = strikewave("record", *words, "--unit", "g", "--pair", "left,2", "--out", "x", "--json")
@@ -66,6 +67,7 @@ def test_screen_and_report_say_who_leads(strikewave, shots, read_page):
     assert "Two sensors" in read_page("x/report.html").sections
 
 
+@pytest.mark.verify
 def test_several_files_are_answered_together_at_the_head(strikewave, shots):
     out = strikewave("record", *map(str, shots), "--unit", "g", "--pair", "1,2", "--out", "x")[1]
     assert " ".join(out.split()).startswith("left and right do not move as one rigid body")

@@ -76,6 +76,7 @@ def test_the_report_has_a_chapter_with_picture_and_tables(train):
     assert ">Response channels</h2>" not in record_report(record(train))
 
 
+@pytest.mark.verify
 def test_the_screen_lists_responses_and_the_document_has_them(train, strikewave):
     code, shown, err = strikewave("record", train, "--base", "frame", "--out", "a")
     assert code == 0, err

@@ -59,6 +59,7 @@ def test_filters_motion_and_test_are_those_of_the_command(result_of):
     assert called.motions[0].motion.velocity.tolist() == command.motions[0].motion.velocity.tolist()
 
 
+@pytest.mark.verify
 def test_shock_spectra_are_those_of_the_command(result_of):
     files = [shot("a.csv"), shot("b.csv", 1e-3), shot("c.csv", 2e-3)]
     said = ("--q", "25", "--from", "100 Hz", "--to", "4 kHz", "--per-octave", "3", "--kind", "pseudo-velocity")

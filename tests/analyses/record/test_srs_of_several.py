@@ -155,6 +155,7 @@ def test_rolling_response_rms_and_beginning_are_those_of_the_library(found):
         assert document["initial"] == initial
 
 
+@pytest.mark.verify
 def test_channels_and_files_have_rolling_spectra_and_responses_each(strikewave, found):
     write("two.csv", x=half_sine(1000.0), y=half_sine(500.0, 700))
     write("late.csv", x=half_sine(300.0, 900), y=half_sine(0.0))
@@ -197,6 +198,7 @@ def test_files_share_the_frequencies_that_the_slowest_can_carry_in_any_order(str
     assert "half the sampling rate of slow.csv, 5000 Hz" in err
 
 
+@pytest.mark.verify
 def test_files_of_all_of_it(strikewave, shots):
     for turn in ("first", "again"):  # every file that it wrote is one of a result, and may be replaced
         words = ("--rolling", "10 ms", "--response", "1 kHz", "--out", "one")

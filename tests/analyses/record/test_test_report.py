@@ -222,6 +222,7 @@ def test_the_sheets_have_number_and_count_of_pages_and_all_that_is_signed(result
     assert sum("Authorized by: D. Head" in text.replace("\n", " ") for text in words) == 1
 
 
+@pytest.mark.verify
 def test_one_command_writes_the_report_and_a_line_a_shock(strikewave, tmp_path, folder, read_page):
     (tmp_path / "test.toml").write_text('[report]\nnumber = "TR-17"\n')
     files = [folder / f"{name}.csv" for name in ("xp1", "xn2")]
@@ -238,6 +239,7 @@ def test_one_command_writes_the_report_and_a_line_a_shock(strikewave, tmp_path, 
     assert float(rows[1]["peak margin [m/s^2]"]) == pytest.approx(-6 * 9.80665, rel=0.05)
 
 
+@pytest.mark.verify
 def test_without_a_specification_or_a_test_there_is_no_test_report(strikewave, tmp_path, folder, result):
     (tmp_path / "test.toml").write_text('item = "board 7"\n')
     assert strikewave("record", folder / "xp1.csv", "--test", "test.toml", "--out", "a")[0] == 0

@@ -112,6 +112,7 @@ def test_a_guarded_verdict_takes_the_whole_and_says_what_it_holds(folder):
     assert plain.document()["uncertainty_holds"] == ["noise and baseline"]
 
 
+@pytest.mark.verify
 def test_the_screen_of_a_verdict_has_its_rule_and_its_uncertainty(folder, strikewave, monkeypatch):
     monkeypatch.chdir(folder)
     options = ("--spec", "iec-60068-2-27:50g-11ms", "--decision", "guarded", "--uncertainty", "budget.toml")

@@ -448,6 +448,7 @@ def test_a_large_field_makes_a_page_of_bounded_size():
     assert len(wave_page(field, "large")) < 1.5e6
 
 
+@pytest.mark.verify
 def test_the_gif_has_its_frames_and_moves(jump, tmp_path, monkeypatch):
     from PIL import Image
 

@@ -50,6 +50,8 @@ from strikewave.papers.li_ma_2019.runs import (
 from strikewave.reporting.curves import Trace
 from strikewave.reporting.parts import Tag
 
+pytestmark = pytest.mark.verify
+
 COMMAND = "strikewave reproduce li-ma-2019 --without elements"
 
 

@@ -63,6 +63,7 @@ def test_an_objective_goes_to_the_limit_of_a_goal():
     assert force == pytest.approx(force_at(4.0), rel=3.0 * 0.6 * LAST)  # F goes with h^(3/5)
 
 
+@pytest.mark.verify
 def test_goals_that_exclude_each_other_are_named_with_what_each_comes_to():
     """With v >= 4 m/s, F is F(4 m/s) at least; with F <= 15 kN, v is v(15 kN) at most; a third goal stays out."""
     goals = ["approach_speed > 4 m/s", "peak_force < 15 kN", "duration < 1 s"]
@@ -330,6 +331,7 @@ def test_a_clipping_number_is_the_reading_over_the_range():
     assert (number > 1.0) == any(notice.code == "sensor-clipped" for notice in solution.notices)
 
 
+@pytest.mark.verify
 def test_a_specification_is_judged_as_a_comparison_judges_it():
     case = load_case("iec-60068-2-27-rubber")
     asked = "spec:iec-60068-2-27:100g-6ms"

@@ -51,6 +51,7 @@ def test_a_design_writes_its_settings_and_a_report(strikewave, written, read_pag
     assert json.loads(out)["numbers"]["peak_force"][0] == pytest.approx(best["numbers"]["peak_force"], rel=1e-8)
 
 
+@pytest.mark.verify
 def test_goals_that_exclude_each_other_end_with_3_and_are_named(strikewave, written):
     written(DESIGN.replace('"approach_speed largest"', '"approach_speed > 50 m/s"'))
     code, out, _ = strikewave("design", "d.toml", "--workers", 1, "--json")

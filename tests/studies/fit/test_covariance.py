@@ -93,6 +93,7 @@ def test_patterns_of_their_own_average_out_as_noise_does():
     assert (errors > 0.9 * made).all()
 
 
+@pytest.mark.verify
 @pytest.mark.parametrize("count", [1, 5])
 def test_intervals_of_shots_that_do_not_scatter_hold_the_truth(count):
     """Noise alone: 95 of 100 hold of one record; of five a few more, for the wider of two intervals is taken."""

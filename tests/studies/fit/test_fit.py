@@ -144,6 +144,7 @@ def test_the_number_that_would_separate_two_fields_does():
     assert promised.errors == pytest.approx(errors, rel=0.5)  # the promise leaves out the error of the product
 
 
+@pytest.mark.verify
 def test_a_bar_is_fitted_to_the_record_of_a_tap(tmp_path):
     """The published bar under its front: its load, 20 % off, within 4 standard errors; 1 % of noise, 2 MHz."""
     truth = load_case("li-ma-2019-fig13-bar")
@@ -157,6 +158,7 @@ def test_a_bar_is_fitted_to_the_record_of_a_tap(tmp_path):
     assert "load.duration" in study.case.fit[0].under
 
 
+@pytest.mark.verify
 def test_what_another_law_leaves_is_in_the_errors_and_does_not_average_out(tmp_path):
     """Hertz's exponent in two records, a linear contact in the case: told, and the errors of both are those of one.
 
@@ -252,6 +254,7 @@ def _toml(value):
     return f'"{value}"' if isinstance(value, str) else repr(value)
 
 
+@pytest.mark.verify
 def test_a_fit_is_recorded_under_what_the_case_has_now():
     """Fitted anew under another speed: the record follows it, and a later change is noticed again."""
     case = load_case("li-ma-2019", ["machine.speed=700 rpm"])
@@ -348,6 +351,7 @@ def test_records_that_cannot_be_held_against_the_run_are_answered_in_one_line(tm
         fit(case, [f"anvil={record}"], ["contact.restitution"])
 
 
+@pytest.mark.verify
 def test_what_is_kept_out_is_predicted_within_its_bands(tmp_path):
     """Fitted to a drop from 0.25 m, told of one from 0.35 m: three figures and a number, one of 20 beyond by chance."""
     truth = load_case(DROP, ["contact.reference_force=900 kN", "contact.restitution=0.72"])
@@ -385,6 +389,7 @@ def test_a_band_of_values_that_are_not_determined_ends_where_the_data_do():
     assert 0.03 < half < 1.96 * 2.45 * 0.02
 
 
+@pytest.mark.verify
 def test_of_tried_laws_the_one_of_the_records_is_kept(tmp_path):
     """Three records of Hertz's exponent; of the others one leaves more than noise, one cannot be."""
     truth = load_case(DROP, ["contact.exponent=1.5", "contact.restitution=0.7"])

@@ -46,6 +46,7 @@ def test_files_agree_and_the_nearest_case_reads_back(strikewave, read_page):
     assert "strikewave map li-ma-2019 --points 4x3" in page.text
 
 
+@pytest.mark.verify
 def test_changed_case_never_replaces_the_unchanged_one(strikewave):
     """Without --out each has a folder of its own, as those of other commands."""
     strikewave(*FEW[:8], "--blows", "3")
@@ -129,6 +130,7 @@ def wait_for_cells(folder, going):
     assert log.exists()
 
 
+@pytest.mark.verify
 def test_killed_map_goes_on_to_the_same_end(strikewave, environment):
     """SIGKILL once cells are kept: the same command finishes, and every number is that of a map never stopped."""
     words = (*FEW[:2], "--points", "14x20", "--workers", "1", "--train", "0", "--set", "feed.blows=3")

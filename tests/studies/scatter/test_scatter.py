@@ -314,6 +314,7 @@ def test_an_untouched_blow_has_no_share_of_the_dynamics():
 # The whole study
 
 
+@pytest.mark.verify
 def test_the_number_of_processes_changes_no_bit():
     case = case_with(*ANGLES, "contact.restitution.tolerance=0.05", *FEW_BLOWS)
     one, two = (scatter(case, ScatterPlan(12, 4, "alone", workers)) for workers in (1, 2))
@@ -375,6 +376,7 @@ EQUAL = "li-ma-2019-equal-blows"
 LARGEST_CV, LARGEST_STOP_FORCE = 0.02, 2e3
 
 
+@pytest.mark.verify
 @pytest.mark.parametrize(
     ("spring", "runs"),
     [

@@ -232,6 +232,7 @@ def test_written_case_meets_the_goal(studies, which):
     assert median(np.diff([blow.time for blow in found])) == pytest.approx(wanted.interval, rel=5e-3)
 
 
+@pytest.mark.verify
 def test_what_is_stated_is_that_of_an_independent_run(studies):
     """First, typical and worst peak, scatter and largest_displacement are those of the run of the case file, to rounding."""
     best = studies[0].best

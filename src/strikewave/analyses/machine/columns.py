@@ -118,7 +118,7 @@ def blow_columns(table: str, bands: Mapping[str, Band] | None = None) -> tuple[T
     Examples
     --------
     >>> [column.head for column in blow_columns("contact")][:4]
-    ['#', 'approach speed (m/s)', 'rebound speed (m/s)', 'coefficient of restitution']
+    ['#', 'approach speed (m/s)', 'rebound speed (m/s)', 'contact time (µs)']
     """
     priorities = [column.priority for column in COLUMNS if table in column.tables]
     number: TableColumn[Blow] = TableColumn("#", lambda blow: str(blow.index), priority=KEY)
