@@ -51,8 +51,17 @@ FAULTS = (
 )
 
 
+OF_KERNELS = ("compiled kernels damaged", "compiled kernels on a full disk")
+"""Tried with the command that compiles the fewest."""
+TRIED = [
+    (name, words)
+    for name in ("impact", "run", "fem")
+    for words in FAULTS
+    if name == "impact" or words not in OF_KERNELS
+]
+
+
 @pytest.mark.verify
-@pytest.mark.parametrize("words", FAULTS)
-@pytest.mark.parametrize("name", ["impact", "run", "fem"])
+@pytest.mark.parametrize(("name", "words"), TRIED)
 def test_nothing_is_lost(campaign, bench, name, words):
     assert fate(campaign, bench, name, words) == ""
