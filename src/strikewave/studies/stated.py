@@ -1,19 +1,23 @@
-"""What files that state a study have in common: settings of the case, and the files that they name."""
+"""What files that state a study have in common: settings, the files that they name, and where errors say it stands."""
 
 from __future__ import annotations
 
+import contextlib
 import os
+import re
 from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Annotated, Any
 
 from pydantic import BeforeValidator
 
-from strikewave.base.errors import InputError
+from strikewave.base.errors import InputError, InputErrors
 from strikewave.cases.case import bundled_cases
 
 MOST_SET, DEEPEST = 100, 8
 """Settings of one table, and tables within one another: no test has as many."""
+
+_OPTION = re.compile(r"--(?:to|free|try|set|check-on|filter|vary|analysis)(?:: | |$)")
 
 
 def states_a_study(document: Mapping[str, Any], tables: Sequence[str]) -> bool:
@@ -68,3 +72,23 @@ def beside(word: str, folder: Path) -> str:
 def case_place(name: str, folder: Path) -> str:
     """Return a built-in case, or the file of a case beside the file of a study."""
     return name if name in bundled_cases() else beside(name, folder)
+
+
+@contextlib.contextmanager
+def stated_at(place: str) -> Iterator[None]:
+    """Name the place of a file in an error that would name the option of the command; nothing where it is empty.
+
+    Examples
+    --------
+    >>> with stated_at("fit.toml: number.0"):
+    ...     raise InputError("--to first.width", "1", "a time with its unit")
+    Traceback (most recent call last):
+    strikewave.base.errors.InputErrors: fit.toml: number.0: first.width: got "1"; allowed: a time with its unit
+    """
+    try:
+        yield
+    except (InputError, InputErrors) as error:
+        if not place:
+            raise
+        lines = error.lines if isinstance(error, InputErrors) else (str(error),)
+        raise InputErrors(f"{place}: {_OPTION.sub('', line, count=1)}" for line in lines) from None

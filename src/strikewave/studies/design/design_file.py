@@ -9,14 +9,13 @@ from typing import Annotated, Any, Literal, NamedTuple
 from pydantic import Field, ValidationError
 
 from strikewave.base.errors import InputErrors
-from strikewave.cases.case import Case, bundled_cases, load_case
+from strikewave.cases.case import Case, load_case
 from strikewave.cases.paths import Form
 from strikewave.cases.small_file import read_small_file
 from strikewave.cases.tables import CaseTable
 from strikewave.studies.design.plan import DesignPlan, plan_of
 from strikewave.studies.engine.variables import read_variable
-from strikewave.studies.fit.fit_file import beside
-from strikewave.studies.fit.stated import stated_at
+from strikewave.studies.stated import case_place, stated_at
 from strikewave.studies.sweep.study_file import varied_texts
 
 ALLOWED = "a TOML file with the case, goals and [vary]"
@@ -81,7 +80,7 @@ def load_design(path: str | Path, changes: Sequence[str] = (), **options: int | 
         file = DesignFile.model_validate(document)
     except ValidationError as error:
         raise InputErrors(f"{path.name}: {line}" for line in FORM.lines(error)) from None
-    place = file.case if file.case in bundled_cases() else beside(file.case, path.parent)
+    place = case_place(file.case, path.parent)
     whole = (*file.changes, *changes)
     with stated_at(f"{path.name}: case"):
         load_case(place)

@@ -25,9 +25,8 @@ from strikewave.reporting.low_pass import low_pass_of
 from strikewave.reporting.measured_files import MeasurementOptions
 from strikewave.reporting.options import read_share
 from strikewave.studies.fit.request import FitRequest
-from strikewave.studies.fit.stated import stated_at
 from strikewave.studies.fit.targets import Target
-from strikewave.studies.stated import Quantity, Settings, beside, case_place, quantity, states_a_study
+from strikewave.studies.stated import Quantity, Settings, beside, case_place, quantity, stated_at, states_a_study
 
 ALLOWED = "a TOML file with the case, and [[record]] or [[number]]"
 MOST_TARGETS = 1000
@@ -73,10 +72,6 @@ class MeasuredTable(CaseTable):
 
     set: Settings = ()
     kept_out: bool = False
-
-    def target(self, folder: Path, stated: str) -> Target:
-        """Return it as a target."""
-        raise NotImplementedError
 
 
 class RecordTable(MeasuredTable):
@@ -235,7 +230,7 @@ def load_fit(path: str | Path, changes: Sequence[str] = ()) -> ReadFit:
             raise
         except ValueError as error:
             raise InputErrors([str(error)]) from None
-    measured: dict[str, tuple[MeasuredTable, ...]] = {"record": file.record, "number": file.number}
+    measured: dict[str, tuple[RecordTable | NumberTable, ...]] = {"record": file.record, "number": file.number}
     targets = [
         (one.kept_out, one.target(path.parent, f"{path.name}: {table}.{k}"))
         for table, rows in measured.items()

@@ -24,8 +24,8 @@ from strikewave.reporting.options import read_share
 from strikewave.studies.fit.free_fields import FreeField, changed_case
 from strikewave.studies.fit.measured import Measured, MeasuredNumber, MeasuredPulse, measured_pulse
 from strikewave.studies.fit.problem import Experiment
-from strikewave.studies.fit.stated import stated_at
 from strikewave.studies.simulation import Simulation, checked_number, number_units, quick_case
+from strikewave.studies.stated import stated_at
 from strikewave.uncertainty.known import LEAST, MOST, half_a_digit
 
 MOST_RECORDS = 200
