@@ -77,4 +77,6 @@ def command(
     if dry_run:
         return show_estimate(plan, count, output.json)
     usual = f"design-{case_folder(plan.case.name, dump_case(plan.case), request.changes)}"
-    return run_and_write(DesignCommand(plan, lambda: ProcessPool(count), store, fresh), output, usual, plan.text)
+    return run_and_write(
+        DesignCommand(plan, lambda: ProcessPool(count), place=store, fresh=fresh), output, usual, plan.text
+    )

@@ -2,19 +2,16 @@
 
 from __future__ import annotations
 
-import contextlib
 import dataclasses
-from collections.abc import Callable, Iterator
-from dataclasses import dataclass, field
+from collections.abc import Callable
+from dataclasses import dataclass
 from pathlib import Path
-from typing import ClassVar, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
-from strikewave.base.interrupts import exit_code
 from strikewave.base.json_document import head, plain
 from strikewave.reporting.measured_files import asked
-from strikewave.reporting.run_and_write import Command
 from strikewave.reporting.terminal import print_json, print_rows, progress_bar, say, tell
 from strikewave.studies.design.columns import (
     GOAL_COLUMNS,
@@ -30,7 +27,8 @@ from strikewave.studies.design.plan import DesignPlan
 from strikewave.studies.design.study import DesignStudy, make_design
 from strikewave.studies.engine.pools import Pool
 from strikewave.studies.engine.runner import StudyProgress
-from strikewave.studies.engine.store import RunStore, runs_beside
+from strikewave.studies.engine.store import RunStore
+from strikewave.studies.resumable import ResumableCommand
 from strikewave.studies.sweep.estimate import lasting
 
 PoolMaker = Callable[[], Pool]
@@ -85,7 +83,7 @@ def show_estimate(plan: DesignPlan, workers: int, as_json: bool) -> int:
 
 
 @dataclass
-class DesignCommand(Command[DesignStudy]):
+class DesignCommand(ResumableCommand[DesignStudy]):
     """A design.
 
     Attributes
@@ -94,38 +92,13 @@ class DesignCommand(Command[DesignStudy]):
         What is asked.
     pool : callable
         Makes what runs it.
-    place : Path or None
-        Folder that keeps finished runs for good; None for one beside the result, till that is written.
-    fresh : bool
-        Whether finished runs of a stopped design are run anew.
     """
-
-    indent: ClassVar[int | None] = None
 
     plan: DesignPlan
     pool: PoolMaker
-    place: Path | None = None
-    fresh: bool = False
-    store: RunStore | None = field(default=None, init=False)
 
-    @contextlib.contextmanager
-    def under_way(self, folder: Path) -> Iterator[None]:
-        """Keep finished runs beside the folder until all is written, or in a folder of their own."""
-        beside = self.place is None
-        self.store = RunStore(runs_beside(folder.absolute()) if self.place is None else self.place, self.fresh)
-        with self.store:
-            yield
-            if beside:
-                self.store.remove()
-
-    def solve(self) -> DesignStudy:
+    def solved(self, store: RunStore) -> DesignStudy:
         """Return the design, with a bar on stderr; where it is stopped, finished runs are kept, and said to be."""
-        if self.store is not None:
-            return self._solved(self.store)
-        with RunStore(self.place, self.fresh) as store:
-            return self._solved(store)
-
-    def _solved(self, store: RunStore) -> DesignStudy:
         say(self.plan.words)
         last = StudyProgress(self.plan.runs, 0, 0, 0.0)
         try:
@@ -138,9 +111,7 @@ class DesignCommand(Command[DesignStudy]):
 
                 study = make_design(self.plan, store, self.pool(), advance)
         except KeyboardInterrupt as stop:
-            kept = f"{last.done} runs are kept in {store.folder}: the same command goes on there"
-            say("stopped; " + (kept if last.done and self.store is not None else "nothing was written"))
-            raise SystemExit(exit_code(stop)) from None
+            self.stopped(stop, store, f"{last.done} runs" if last.done else "")
         return dataclasses.replace(study, asked=asked())
 
     def summary(self, result: DesignStudy) -> str:

@@ -91,5 +91,5 @@ def command(
     loaded = output.tested(load_case(case, changes or ()))
     plan = plan_of(loaded, axes_of(loaded, (x, y, panels), points, log or []), blows, train)
     count = min(workers, os.cpu_count() or 1)
-    making = MapCommand(plan, want_cv, count, check_plan(plan, count), colour, fresh)
+    making = MapCommand(plan, want_cv, count, check_plan(plan, count), colour, fresh=fresh)
     return run_map(plan, loaded.name, changes or (), making, output)

@@ -2,24 +2,22 @@
 
 from __future__ import annotations
 
-import contextlib
 import dataclasses
-from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, field
+from collections.abc import Sequence
+from dataclasses import dataclass
 from pathlib import Path
-from typing import ClassVar
 
-from strikewave.base.interrupts import exit_code
 from strikewave.reporting.layout import keys, numerals
 from strikewave.reporting.measured_files import asked
 from strikewave.reporting.options import Output
-from strikewave.reporting.run_and_write import Command, case_folder, run_and_write
+from strikewave.reporting.run_and_write import case_folder, run_and_write
 from strikewave.reporting.terminal import print_rows, progress_bar, say, table, tell
 from strikewave.studies.engine.runner import StudyProgress, finished_before
-from strikewave.studies.engine.store import RunStore, runs_beside
+from strikewave.studies.engine.store import RunStore
 from strikewave.studies.map.cells import MapPlan
 from strikewave.studies.map.columns import at_words, setting_columns, setting_rows
 from strikewave.studies.map.study import MapStudy, make_map, marked_text
+from strikewave.studies.resumable import ResumableCommand
 
 
 def run_map(plan: MapPlan, name: str, changes: Sequence[str], command: MapCommand, output: Output) -> int:
@@ -35,7 +33,7 @@ def run_map(plan: MapPlan, name: str, changes: Sequence[str], command: MapComman
 
 
 @dataclass
-class MapCommand(Command[MapStudy]):
+class MapCommand(ResumableCommand[MapStudy]):
     """A map; one that is stopped goes on where it was.
 
     Attributes
@@ -50,36 +48,16 @@ class MapCommand(Command[MapStudy]):
         About how long it takes.
     colour : str
         What the picture shows.
-    fresh : bool
-        Whether finished cells of a stopped map are run anew.
     """
-
-    indent: ClassVar[int | None] = None
 
     plan: MapPlan
     wanted: float
     workers: int
     seconds: float
     colour: str
-    fresh: bool
-    store: RunStore | None = field(default=None, init=False)
 
-    @contextlib.contextmanager
-    def under_way(self, folder: Path) -> Iterator[None]:
-        """Keep finished cells beside the folder until all is written."""
-        self.store = RunStore(runs_beside(folder.absolute()), self.fresh)
-        with self.store:
-            yield
-            self.store.remove()
-
-    def solve(self) -> MapStudy:
+    def solved(self, store: RunStore) -> MapStudy:
         """Return the map, with a bar on stderr; where it is stopped, finished cells are kept, and said to be."""
-        if self.store is not None:
-            return self._solved(self.store)
-        with RunStore(None) as store:
-            return self._solved(store)
-
-    def _solved(self, store: RunStore) -> MapStudy:
         rows = self.plan.rows
         done = finished_before(self.plan.job, rows, store)
         say(_words(self.plan, self.seconds, done))
@@ -93,9 +71,7 @@ class MapCommand(Command[MapStudy]):
             with progress_bar("map", done / len(rows), ("left",)) as report:
                 study = make_map(self.plan, self.wanted, self.workers, store, advance)
         except KeyboardInterrupt as stop:
-            kept = f"{done} of {len(rows)} cells are kept in {store.folder}: the same command goes on there"
-            say("stopped; " + (kept if self.store is not None and done else "nothing was written"))
-            raise SystemExit(exit_code(stop)) from None
+            self.stopped(stop, store, f"{done} of {len(rows)} cells" if done else "")
         return dataclasses.replace(study, asked=asked())
 
     def summary(self, result: MapStudy) -> str:

@@ -108,4 +108,6 @@ def command(
     count = min(workers, os.cpu_count() or 1)
     if dry_run:
         return show_estimate(plan, request.changes, store, count, output)
-    return run_sweep(plan, request.changes, SweepCommand(plan, lambda: ProcessPool(count), store, fresh), output)
+    return run_sweep(
+        plan, request.changes, SweepCommand(plan, lambda: ProcessPool(count), place=store, fresh=fresh), output
+    )

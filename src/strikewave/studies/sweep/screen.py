@@ -2,25 +2,23 @@
 
 from __future__ import annotations
 
-import contextlib
 import dataclasses
-from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass, field
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
 from pathlib import Path
-from typing import ClassVar
 
 from strikewave.base.errors import InputError
-from strikewave.base.interrupts import exit_code
 from strikewave.base.json_document import head, plain
 from strikewave.cases.case import dump_case
 from strikewave.reporting.histories import write_parquet
 from strikewave.reporting.measured_files import asked
 from strikewave.reporting.options import Output
-from strikewave.reporting.run_and_write import Command, case_folder, run_and_write
+from strikewave.reporting.run_and_write import case_folder, run_and_write
 from strikewave.reporting.terminal import print_json, print_rows, progress_bar, say, tell
 from strikewave.studies.engine.pools import Pool
 from strikewave.studies.engine.runner import StudyProgress
 from strikewave.studies.engine.store import RunStore, runs_beside
+from strikewave.studies.resumable import ResumableCommand
 from strikewave.studies.sweep.columns import EFFECT_COLUMNS, NUMBER_COLUMNS, effect_rows, number_rows
 from strikewave.studies.sweep.estimate import estimated
 from strikewave.studies.sweep.study import SweepPlan, SweepStudy, make_sweep
@@ -65,7 +63,7 @@ def show_estimate(plan: SweepPlan, changes: Sequence[str], place: Path | None, w
 
 
 @dataclass
-class SweepCommand(Command[SweepStudy]):
+class SweepCommand(ResumableCommand[SweepStudy]):
     """A sweep.
 
     Attributes
@@ -74,40 +72,13 @@ class SweepCommand(Command[SweepStudy]):
         What is run.
     pool : callable
         Makes what runs it.
-    place : Path or None
-        Folder that keeps finished runs for good; None for one beside the result, till that is written.
-    fresh : bool
-        Whether finished runs of a stopped sweep are run anew.
     """
-
-    indent: ClassVar[int | None] = None
 
     plan: SweepPlan
     pool: PoolMaker
-    place: Path | None = None
-    fresh: bool = False
-    store: RunStore | None = field(default=None, init=False)
 
-    @contextlib.contextmanager
-    def under_way(self, folder: Path) -> Iterator[None]:
-        """Keep finished runs beside the folder until all is written, or in a folder of their own."""
-        self.store = self._opened(runs_beside(folder.absolute()) if self.place is None else self.place)
-        with self.store:
-            yield
-            if self.place is None:
-                self.store.remove()
-
-    def solve(self) -> SweepStudy:
+    def solved(self, store: RunStore) -> SweepStudy:
         """Return the sweep, with a bar on stderr; where it is stopped, finished runs are kept, and said to be."""
-        if self.store is not None:
-            return self._solved(self.store)
-        with self._opened(self.place) as store:
-            return self._solved(store)
-
-    def _opened(self, folder: Path | None) -> RunStore:
-        return RunStore(folder, self.fresh, option="--out" if self.place is None else "--store")
-
-    def _solved(self, store: RunStore) -> SweepStudy:
         say(self.plan.words)
         last = StudyProgress(len(self.plan.rows), 0, 0, 0.0)
 
@@ -121,9 +92,7 @@ class SweepCommand(Command[SweepStudy]):
 
                 study = make_sweep(self.plan, store, self.pool(), advance)
         except KeyboardInterrupt as stop:
-            kept = f"{last.done} of {last.total} runs are kept in {store.folder}: the same command goes on there"
-            say("stopped; " + (kept if last.done and self.store is not None else "nothing was written"))
-            raise SystemExit(exit_code(stop)) from None
+            self.stopped(stop, store, f"{last.done} of {last.total} runs" if last.done else "")
         return dataclasses.replace(study, asked=asked())
 
     def summary(self, result: SweepStudy) -> str:

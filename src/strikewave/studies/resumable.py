@@ -1,0 +1,66 @@
+"""Commands of studies that go on where they were stopped: their finished runs outlast the process."""
+
+from __future__ import annotations
+
+import contextlib
+from abc import abstractmethod
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import ClassVar, NoReturn, TypeVar
+
+from strikewave.base.interrupts import exit_code
+from strikewave.base.result import Result
+from strikewave.reporting.run_and_write import Command
+from strikewave.reporting.terminal import say
+from strikewave.studies.engine.store import RunStore, runs_beside
+
+Study = TypeVar("Study", bound=Result)
+
+
+@dataclass(kw_only=True)
+class ResumableCommand(Command[Study]):
+    """A study that keeps its finished runs beside the result until that is written, or in a folder of their own.
+
+    Attributes
+    ----------
+    place : Path or None
+        Folder that keeps finished runs for good; None for one beside the result, till that is written.
+    fresh : bool
+        Whether finished runs of a stopped study are run anew.
+    """
+
+    indent: ClassVar[int | None] = None
+
+    place: Path | None = None
+    fresh: bool = False
+    store: RunStore | None = field(default=None, init=False)
+
+    @abstractmethod
+    def solved(self, store: RunStore) -> Study:
+        """Return the study, with a bar on stderr; where it is stopped, end with `stopped`."""
+
+    @contextlib.contextmanager
+    def under_way(self, folder: Path) -> Iterator[None]:
+        """Keep finished runs beside the folder until all is written, or in a folder of their own."""
+        self.store = self._opened(runs_beside(folder.absolute()) if self.place is None else self.place)
+        with self.store:
+            yield
+            if self.place is None:
+                self.store.remove()
+
+    def solve(self) -> Study:
+        """Return the study; its runs are kept for as long as it takes where nothing is written."""
+        if self.store is not None:
+            return self.solved(self.store)
+        with self._opened(self.place) as store:
+            return self.solved(store)
+
+    def stopped(self, stop: KeyboardInterrupt, store: RunStore, finished: str) -> NoReturn:
+        """Say what of a stopped study is kept, such as "12 of 20 runs", and exit; empty where none has finished."""
+        kept = f"{finished} are kept in {store.folder}: the same command goes on there"
+        say("stopped; " + (kept if finished and self.store is not None else "nothing was written"))
+        raise SystemExit(exit_code(stop)) from None
+
+    def _opened(self, folder: Path | None) -> RunStore:
+        return RunStore(folder, self.fresh, option="--out" if self.place is None else "--store")
