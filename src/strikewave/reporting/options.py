@@ -305,6 +305,9 @@ Changes = Annotated[
         show_default=False,
     ),
 ]
+Processes = Annotated[
+    int, typer.Option("--workers", metavar="COUNT", min=1, max=256, help="Processes, one a core at most.")
+]
 WithBand = Annotated[
     bool,
     typer.Option(

@@ -1,4 +1,4 @@
-"""What files that state a study have in common: settings, the files that they name, and where errors say it stands."""
+"""What files that state a study have in common: how they are read, and what settings, files and errors they name."""
 
 from __future__ import annotations
 
@@ -7,17 +7,48 @@ import os
 import re
 from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated, Any, TypeVar
 
-from pydantic import BeforeValidator
+from pydantic import BeforeValidator, ValidationError
 
 from strikewave.base.errors import InputError, InputErrors
 from strikewave.cases.case import bundled_cases
+from strikewave.cases.paths import Form
+from strikewave.cases.small_file import read_small_file
+from strikewave.cases.tables import CaseTable
+
+Stated = TypeVar("Stated", bound=CaseTable)
 
 MOST_SET, DEEPEST = 100, 8
 """Settings of one table, and tables within one another: no test has as many."""
 
 _OPTION = re.compile(r"--(?:to|free|try|set|check-on|filter|vary|analysis)(?:: | |$)")
+
+
+def read_study(path: Path, table: type[Stated], form: Form, allowed: str) -> Stated:
+    """Return the tables of the file of a study.
+
+    Parameters
+    ----------
+    path : Path
+        The file.
+    table : type
+        What it is to hold.
+    form : Form
+        Of the same, for words.
+    allowed : str
+        What the file is to be.
+
+    Raises
+    ------
+    InputError, InputErrors
+        With one line for each thing that is wrong: file, table and key, and what is allowed.
+    """
+    document = read_small_file(path, "FILE", allowed)
+    try:
+        return table.model_validate(document)
+    except ValidationError as error:
+        raise InputErrors(f"{path.name}: {line}" for line in form.lines(error)) from None
 
 
 def states_a_study(document: Mapping[str, Any], tables: Sequence[str]) -> bool:

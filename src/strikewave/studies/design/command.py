@@ -8,7 +8,7 @@ from typing import Annotated
 
 import typer
 
-from strikewave.reporting.options import Changes, Output
+from strikewave.reporting.options import Changes, Output, Processes
 
 
 def command(
@@ -38,9 +38,7 @@ def command(
             show_default=False,
         ),
     ] = None,
-    workers: Annotated[
-        int, typer.Option("--workers", metavar="COUNT", min=1, max=256, help="Processes, one a core at most.")
-    ] = 2,
+    workers: Processes = 2,
     store: Annotated[
         Path | None,
         typer.Option(

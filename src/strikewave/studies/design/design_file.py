@@ -6,16 +6,14 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Annotated, Any, Literal, NamedTuple
 
-from pydantic import Field, ValidationError
+from pydantic import Field
 
-from strikewave.base.errors import InputErrors
 from strikewave.cases.case import Case, load_case
 from strikewave.cases.paths import Form
-from strikewave.cases.small_file import read_small_file
 from strikewave.cases.tables import CaseTable
 from strikewave.studies.design.plan import DesignPlan, plan_of
 from strikewave.studies.engine.variables import read_variable
-from strikewave.studies.stated import case_place, stated_at
+from strikewave.studies.stated import case_place, read_study, stated_at
 from strikewave.studies.sweep.study_file import varied_texts
 
 ALLOWED = "a TOML file with the case, goals and [vary]"
@@ -75,11 +73,7 @@ def load_design(path: str | Path, changes: Sequence[str] = (), **options: int | 
         With one line for each thing that is wrong: file, table and key, and what is allowed.
     """
     path = Path(path)
-    document = read_small_file(path, "FILE", ALLOWED)
-    try:
-        file = DesignFile.model_validate(document)
-    except ValidationError as error:
-        raise InputErrors(f"{path.name}: {line}" for line in FORM.lines(error)) from None
+    file = read_study(path, DesignFile, FORM, ALLOWED)
     place = case_place(file.case, path.parent)
     whole = (*file.changes, *changes)
     with stated_at(f"{path.name}: case"):

@@ -9,7 +9,7 @@ from pathlib import Path
 from strikewave.cases.case import Case
 from strikewave.studies.design.plan import plan_of
 from strikewave.studies.design.study import DesignStudy, make_design
-from strikewave.studies.engine.pools import GivenPool, Pool, ProcessPool
+from strikewave.studies.engine.pools import pool_of
 from strikewave.studies.engine.store import RunStore
 from strikewave.studies.sweep.question import Vary, vary_texts
 
@@ -74,7 +74,6 @@ def design(
     (True, None)
     """
     plan = plan_of(case, vary_texts(vary), goals, analysis, runs, seed, robust)
-    pool: Pool = GivenPool(executor) if executor is not None else ProcessPool(workers)
     advance = None if progress is None else (lambda done: progress(done.share))
     with RunStore(None if store is None else Path(store)) as finished:
-        return make_design(plan, finished, pool, advance)
+        return make_design(plan, finished, pool_of(executor, workers), advance)

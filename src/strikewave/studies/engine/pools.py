@@ -124,3 +124,14 @@ class GivenPool:
         """
         if getattr(self._executor, "_broken", False):
             raise StrikewaveError("a process of the executor ended before its time: give another one, which goes on")
+
+
+def pool_of(executor: Executor | None, workers: int) -> Pool:
+    """Return the pool of an executor that is given, or of so many processes of this machine.
+
+    Examples
+    --------
+    >>> pool_of(None, 1).width
+    1
+    """
+    return GivenPool(executor) if executor is not None else ProcessPool(workers)

@@ -11,7 +11,7 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Annotated, Any, Literal, NamedTuple, Self
 
-from pydantic import BeforeValidator, Field, ValidationError, model_validator
+from pydantic import BeforeValidator, Field, model_validator
 
 from strikewave.analyses.compare.sources import SourceOptions
 from strikewave.base.errors import MISSING, InputError, InputErrors, StrikewaveError
@@ -19,14 +19,23 @@ from strikewave.base.toml_text import read_toml
 from strikewave.cases.case import Case, bundled_cases, load_case
 from strikewave.cases.paths import Form
 from strikewave.cases.performed_test import Line
-from strikewave.cases.small_file import LARGEST_FILE, read_small_file
+from strikewave.cases.small_file import LARGEST_FILE
 from strikewave.cases.tables import CaseTable
 from strikewave.reporting.low_pass import low_pass_of
 from strikewave.reporting.measured_files import MeasurementOptions
 from strikewave.reporting.options import read_share
 from strikewave.studies.fit.request import FitRequest
 from strikewave.studies.fit.targets import Target
-from strikewave.studies.stated import Quantity, Settings, beside, case_place, quantity, stated_at, states_a_study
+from strikewave.studies.stated import (
+    Quantity,
+    Settings,
+    beside,
+    case_place,
+    quantity,
+    read_study,
+    stated_at,
+    states_a_study,
+)
 
 ALLOWED = "a TOML file with the case, and [[record]] or [[number]]"
 MOST_TARGETS = 1000
@@ -213,11 +222,7 @@ def load_fit(path: str | Path, changes: Sequence[str] = ()) -> ReadFit:
         With one line for each thing that is wrong: file, table and key, and what is allowed.
     """
     path = Path(path)
-    document = read_small_file(path, "FILE", ALLOWED)
-    try:
-        file = FitFile.model_validate(document)
-    except ValidationError as error:
-        raise InputErrors(f"{path.name}: {line}" for line in FORM.lines(error)) from None
+    file = read_study(path, FitFile, FORM, ALLOWED)
     place = case_place(file.case, path.parent)
     with stated_at(path.name):
         case = load_case(place)

@@ -7,7 +7,7 @@ from typing import Annotated, Literal
 
 import typer
 
-from strikewave.reporting.options import CaseName, Changes, Output, Size, grid_size, one_of, share
+from strikewave.reporting.options import CaseName, Changes, Output, Processes, Size, grid_size, one_of, share
 from strikewave.studies.map.defaults import EQUAL, POINTS, TRAIN, X, Y
 
 SIZE = Size(*POINTS)
@@ -70,9 +70,7 @@ def command(
     want_cv: Annotated[
         float, share("--want-cv", help="Largest coefficient of variation of equal blows; 2 % by default.")
     ] = EQUAL,
-    workers: Annotated[
-        int, typer.Option("--workers", metavar="COUNT", min=1, max=256, help="Processes, one a core at most.")
-    ] = 2,
+    workers: Processes = 2,
     fresh: Annotated[bool, typer.Option("--fresh", help="Run the finished cells of a stopped map again.")] = False,
     changes: Changes = None,
     output: Output,

@@ -8,7 +8,7 @@ from typing import Annotated, Literal
 
 import typer
 
-from strikewave.reporting.options import Changes, Output, case_name
+from strikewave.reporting.options import Changes, Output, Processes, case_name
 
 
 def command(
@@ -64,9 +64,7 @@ def command(
             show_default=False,
         ),
     ] = None,
-    workers: Annotated[
-        int, typer.Option("--workers", metavar="COUNT", min=1, max=256, help="Processes, one a core at most.")
-    ] = 2,
+    workers: Processes = 2,
     store: Annotated[
         Path | None,
         typer.Option(

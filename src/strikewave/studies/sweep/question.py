@@ -24,7 +24,7 @@ from strikewave.studies.engine.plan import (
     grid,
     varied,
 )
-from strikewave.studies.engine.pools import GivenPool, Pool, ProcessPool
+from strikewave.studies.engine.pools import pool_of
 from strikewave.studies.engine.store import RunStore
 from strikewave.studies.engine.variables import EXAMPLE, StudyVariable, read_variable
 from strikewave.studies.sweep.study import NOTE, SweepPlan, SweepStudy, make_sweep
@@ -95,10 +95,9 @@ def sweep(
     ((3,), 0)
     """
     plan = plan_of(case, vary, keep, analysis, design, runs, seed)
-    pool: Pool = GivenPool(executor) if executor is not None else ProcessPool(workers)
     advance = None if progress is None else (lambda done: progress(done.share))
     with RunStore(None if store is None else Path(store), option="store") as finished:
-        return make_sweep(plan, finished, pool, advance)
+        return make_sweep(plan, finished, pool_of(executor, workers), advance)
 
 
 def plan_of(
