@@ -318,7 +318,7 @@ Out = Annotated[
     Path | None,
     typer.Option("--out", metavar="DIR", help="Folder of the result; out/NAME by default.", show_default=False),
 ]
-Force = Annotated[bool, typer.Option("--force", help="Replace the result of another case in that folder.")]
+Force = Annotated[bool, typer.Option("--force", help="Replace another result in that folder.")]
 TestFile = Annotated[
     Path | None,
     typer.Option(

@@ -29,7 +29,7 @@ from strikewave.studies.design.candidates import (
     sensitivities,
     verified,
 )
-from strikewave.studies.design.conflict import Conflict, conflict_of
+from strikewave.studies.design.conflict import Conflict, Reach, conflict_of
 from strikewave.studies.design.evaluation import is_derived
 from strikewave.studies.design.goals import Goal, Objective, shares_of
 from strikewave.studies.design.plan import DesignPlan
@@ -301,12 +301,20 @@ def conflict_words(study: DesignStudy) -> str:
         return "the search ended too soon"
     words = []
     for one in conflict.reaches:
-        value = study.value_words(one.goal.number, one.value)
-        others = "with the others met" if len(conflict.goals) > 1 else "at best"
-        words.append(f'"{one.goal.typed}" comes to {value} {others}')
+        words.append(f'"{one.goal.typed}" {_reach_words(study, one, len(conflict.goals) > 1)}')
     which = " and ".join(f'"{goal.typed}"' for goal in conflict.goals)
     head = f"{which} exclude each other" if len(conflict.goals) > 1 else f"{which} cannot be reached alone"
     return f"{head}: {'; '.join(words)}"
+
+
+def _reach_words(study: DesignStudy, reach: Reach, others: bool) -> str:
+    """Say what the number of a goal comes to at best; or that no run has it, or met the other goals."""
+    name = reach.goal.number
+    if np.isnan(study.numbers[:, study.plan.evaluation.names.index(name)]).all():
+        return "cannot be told: no run has this number"
+    if not math.isfinite(reach.value):
+        return "cannot be told: no run met the others"
+    return f"comes to {study.value_words(name, reach.value)} {'with the others met' if others else 'at best'}"
 
 
 @compiling_shown()

@@ -223,7 +223,7 @@ class _Work:
             self._suspects.appendleft(keys)
             return
         reason = f"its process ended {MOST_DEATHS} times before it did: killed, or out of memory"
-        self._finish(keys, [failed(reason)])
+        self._finish(keys, [failed(reason, retry=True)])
 
     def _finish(self, keys: list[bytes], outcomes: list[RunOutcome]) -> None:
         self._store.keep(self._job.evaluation.names, zip(keys, outcomes, strict=True))

@@ -121,8 +121,8 @@ class SweepCommand(ResumableCommand[SweepStudy]):
         write_parquet(result.columns(), folder / "runs.parquet")
         return ["report.html", "sweep.svg", "runs.parquet"]
 
-    def hand_over(self, folder: Path) -> list[str]:
+    def hand_over(self, result: SweepStudy, folder: Path) -> list[str]:
         """Put the histories of the runs into the folder."""
         if self.store is None or not self.plan.evaluation.histories:
             return []
-        return self.store.hand_over(folder)
+        return self.store.hand_over(folder, map(bytes.fromhex, result.keys))
