@@ -18,7 +18,7 @@ from strikewave.studies.engine import store as stores
 from strikewave.studies.engine.case_evaluation import CaseEvaluation, read_kept
 from strikewave.studies.engine.evaluation import Job, KeptHistory, RunOutcome
 from strikewave.studies.engine.plan import DrawVariation, drawn_rows, filled, grid, sobol_sequence, varied
-from strikewave.studies.engine.pools import GivenPool, ProcessPool
+from strikewave.studies.engine.pools import GivenPool, Loss, ProcessPool
 from strikewave.studies.engine.runner import MOST_DEATHS, carry_out
 from strikewave.studies.engine.store import APPLICATION, INDEX, RunStore, run_key
 from strikewave.studies.engine.variables import read_variable
@@ -327,8 +327,8 @@ class Mortal:
     def __exit__(self, *_):
         return None
 
-    def is_loss(self, error):
-        return isinstance(error, BrokenProcessPool)
+    def loss(self, error):
+        return Loss.BY_ANY if isinstance(error, BrokenProcessPool) else None
 
     def renew(self):
         self.renewed, self.is_broken, self.out = self.renewed + 1, False, []

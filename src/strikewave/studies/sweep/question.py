@@ -49,6 +49,7 @@ def sweep(
     seed: int = 1,
     workers: int = 1,
     executor: Executor | None = None,
+    cluster: str | None = None,
     store: Path | str | None = None,
     progress: Callable[[float], None] | None = None,
 ) -> SweepStudy:
@@ -75,7 +76,9 @@ def sweep(
     workers : int, optional
         Processes. With more than one, call it below ``if __name__ == "__main__":``.
     executor : Executor, optional
-        Who runs instead: any executor of `concurrent.futures`, or one that acts as these do, such as that of Dask.
+        Who runs instead: any executor of `concurrent.futures`, or one that acts as these do.
+    cluster : str, optional
+        Address of a Dask scheduler that shares the runs among machines, such as ``tcp://host:8786``.
     store : path, optional
         Folder that keeps finished runs: what it holds is not run again.
     progress : callable, optional
@@ -97,7 +100,7 @@ def sweep(
     plan = plan_of(case, vary, keep, analysis, design, runs, seed)
     advance = None if progress is None else (lambda done: progress(done.share))
     with RunStore(None if store is None else Path(store), option="store") as finished:
-        return make_sweep(plan, finished, pool_of(executor, workers), advance)
+        return make_sweep(plan, finished, pool_of(executor, workers, cluster), advance)
 
 
 def plan_of(
