@@ -324,6 +324,21 @@ def test_the_number_of_processes_changes_no_bit():
 
 
 @pytest.mark.verify
+def test_a_stopped_study_goes_on_and_ends_as_an_undisturbed_one(tmp_path):
+    case, plan = case_with(*ANGLES, "feed.blows=1"), ScatterPlan(12, 4, "alone")
+
+    def stop(share):
+        if share > 0.3:
+            raise KeyboardInterrupt
+
+    with RunStore(tmp_path / "s") as store, pytest.raises(KeyboardInterrupt):
+        scatter(case, plan, stop, store)
+    with RunStore(tmp_path / "s") as store:
+        assert 0 < len(store.known()) < plan.all_runs(len(tolerances_of(case))) - 1
+        assert scatter(case, plan, None, store).tables() == scatter(case, plan).tables()
+
+
+@pytest.mark.verify
 def test_progress_ends_at_one():
     seen = []
     case = case_with(*ANGLES, "feed.blows=1")

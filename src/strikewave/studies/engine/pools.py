@@ -103,7 +103,8 @@ class GivenPool:
 
     def __init__(self, executor: Executor, width: int = 0) -> None:
         self._executor = executor
-        self.width = width or int(getattr(executor, "_max_workers", 0) or os.cpu_count() or 1)
+        named = getattr(executor, "_max_workers", 0) or getattr(executor, "max_workers", 0)
+        self.width = width or int(named or os.cpu_count() or 1)
         self._running = set[Future[Any]]()
 
     def __enter__(self) -> GivenPool:
