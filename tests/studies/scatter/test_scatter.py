@@ -14,6 +14,7 @@ from strikewave.base.errors import InputError, IntegrationError
 from strikewave.base.quantities import Range
 from strikewave.cases.case import dump_case, load_case, parse_case
 from strikewave.machines import blows, run_machine
+from strikewave.machines.fast_train import fast_train
 from strikewave.studies.engine.pools import ProcessPool
 from strikewave.studies.engine.store import RunStore
 from strikewave.studies.scatter.runs import Runner, RunResult, of_blows, run_result
@@ -229,6 +230,35 @@ def test_sobol_indices_of_ishigami():
     found = sobol_indices(ishigami(a), ishigami(b), ishigami(mixed))
     np.testing.assert_allclose(found.first, first, atol=2e-3)
     np.testing.assert_allclose(found.total, total, atol=2e-3)
+
+
+def test_sobol_indices_of_ishigami_and_of_a_machine_are_those_of_scipy():
+    """The estimators of scipy at the same points, and so equal but for rounding; of the machine, two settings."""
+    case = load_case("li-ma-2019", ["feed.blows=1"])
+
+    def peaks(points):
+        flat = points.reshape(-1, 2)
+        cases = (
+            case.with_values(
+                {path: case.values()[path].model_copy(update={"si": si * scale}) for path, si, scale in row}
+            )
+            for row in (
+                (
+                    ("machine.speed", case.machine.speed.si, 0.9 + 0.2 * x),
+                    ("machine.engagement", case.machine.engagement.si, 0.9 + 0.2 * y),
+                )
+                for x, y in flat
+            )
+        )
+        found = [fast_train(build_machine(one)).column("rigid_peak")[0] for one in cases]
+        return np.reshape(found, points.shape[:-1])
+
+    for model, dimensions, runs in ((ishigami, 3, 2**8), (peaks, 2, 2**4)):
+        a, b, mixed = (model(part) for part in mixtures(sobol_points(dimensions, runs, 3), (1,) * dimensions))
+        found = sobol_indices(a, b, mixed)
+        theirs = stats.sobol_indices(func={"f_A": a[None], "f_B": b[None], "f_AB": mixed[:, None]}, n=runs)
+        np.testing.assert_allclose(found.first, theirs.first_order, rtol=1e-9, atol=1e-12)
+        np.testing.assert_allclose(found.total, theirs.total_order, rtol=1e-9)
 
 
 def test_sobol_estimates_converge():
