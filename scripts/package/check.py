@@ -3,8 +3,8 @@
 What is built twice, from the tree and from the source distribution, must be equal to the bit. The wheel must hold every
 file of `src/strikewave` as git has it, and nothing else; the source distribution every file of the project but the
 tests. In an empty environment of each Python it must give the numbers that the tree gives, to the last digit.
-`--python 3.12` (or a path; may be repeated) names one; a Python that is not at hand is named. `--platforms` asks the index whether
-there are wheels of everything for other systems.
+`--python 3.12` (or a path; may be repeated) names one; a Python that is not at hand is named. `--platforms` asks the
+index whether there are wheels of everything for other systems.
 """
 
 import argparse

@@ -1,9 +1,9 @@
 """What the built package says of itself: the README as an index shows it, and where the project lives.
 
-Files of a repository have no address on an index, so that its pictures and links would lead nowhere. Who publishes names
-the repository (`STRIKEWAVE_REPOSITORY=https://host/owner/strikewave make package`): pictures and links then lead to the
-files of that version, and the address stands in the metadata. Where none is named, no host is made up: pictures with
-their captions are left out, and links to files are plain text.
+Files of a repository have no address on an index, so that its pictures and links would lead nowhere. Who publishes
+names the repository (`STRIKEWAVE_REPOSITORY=https://host/owner/strikewave make package`): pictures and links then lead
+to the files of that version, and the address stands in the metadata. Where none is named, no host is made up: pictures
+with their captions are left out, and links to files are plain text.
 """
 
 import os
