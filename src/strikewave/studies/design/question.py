@@ -9,7 +9,7 @@ from pathlib import Path
 from strikewave.cases.case import Case
 from strikewave.studies.design.plan import plan_of
 from strikewave.studies.design.study import DesignStudy, make_design
-from strikewave.studies.engine.pools import pool_of
+from strikewave.studies.engine.chosen_pool import pool_of
 from strikewave.studies.engine.store import RunStore
 from strikewave.studies.sweep.question import Vary, vary_texts
 

@@ -137,20 +137,3 @@ class GivenPool:
         """
         if getattr(self._executor, "_broken", False):
             raise StrikewaveError("a process of the executor ended before its time: give another one, which goes on")
-
-
-def pool_of(executor: Executor | None, workers: int, cluster: str | None = None) -> Pool:
-    """Return the pool of an executor that is given, of a scheduler, or of so many processes of this machine.
-
-    Examples
-    --------
-    >>> pool_of(None, 1).width
-    1
-    """
-    if executor is not None:
-        return GivenPool(executor)
-    if cluster:
-        from strikewave.studies.engine.cluster import ClusterPool
-
-        return ClusterPool(cluster)
-    return ProcessPool(workers)

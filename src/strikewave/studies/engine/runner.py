@@ -17,9 +17,10 @@ from strikewave.studies.engine.evaluation import Job, Row, RunOutcome, failed
 from strikewave.studies.engine.pools import Loss, Pool
 from strikewave.studies.engine.store import RunStore, run_key
 
-BATCH_SECONDS = 0.25
+BATCH_SECONDS, OF_A_HUNDRED = 0.25, 1.6
 """About how long a batch takes: handing it over, some 2 ms, then costs a hundredth, and a study that is killed has lost
-no more than that of each process."""
+no more than that of each process. With more than sixteen workers it takes as long for every hundred of them: a scheduler
+of Dask works 8 ms on a batch (measured), half of its time then."""
 MOST_IN_BATCH = 256
 """Most runs of a batch: what it keeps stays small."""
 QUEUED = 2
@@ -170,7 +171,9 @@ class _Work:
         """Return the keys of some rows: fewer at the end, so that no process waits long for the last."""
         each = self._seconds / self._done if self._done else BATCH_SECONDS
         left = len(self._all) - len(self.keys) + 1
-        size = min(int(BATCH_SECONDS / max(each, 1e-9)), MOST_IN_BATCH, left // (QUEUED * pool.width))
+        width = pool.width
+        wanted = max(BATCH_SECONDS, OF_A_HUNDRED * width / 100.0)
+        size = min(int(wanted / max(each, 1e-9)), MOST_IN_BATCH, left // (QUEUED * width))
         batch = [self._taken()]
         while self._next and len(batch) < size:
             batch.append(self._taken())

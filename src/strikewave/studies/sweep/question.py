@@ -12,6 +12,7 @@ from strikewave.base.quantities import Value
 from strikewave.cases.case import Case
 from strikewave.studies.axes import Axis
 from strikewave.studies.engine.case_evaluation import checked_analysis, read_kept
+from strikewave.studies.engine.chosen_pool import pool_of
 from strikewave.studies.engine.evaluation import Row, Variation
 from strikewave.studies.engine.plan import (
     DESIGNS,
@@ -24,7 +25,6 @@ from strikewave.studies.engine.plan import (
     grid,
     varied,
 )
-from strikewave.studies.engine.pools import pool_of
 from strikewave.studies.engine.store import RunStore
 from strikewave.studies.engine.variables import EXAMPLE, StudyVariable, read_variable
 from strikewave.studies.sweep.study import NOTE, SweepPlan, SweepStudy, make_sweep
