@@ -19,8 +19,8 @@ from strikewave.studies.engine.store import RunStore, run_key
 
 BATCH_SECONDS, OF_A_HUNDRED = 0.25, 1.6
 """About how long a batch takes: handing it over, some 2 ms, then costs a hundredth, and a study that is killed has lost
-no more than that of each process. With more than sixteen workers it takes as long for every hundred of them: a scheduler
-of Dask works 8 ms on a batch (measured), half of its time then."""
+no more than that of each process. With more than sixteen workers 1.6 s for every hundred of them: a scheduler of Dask
+works 8 ms on a batch (measured), half of its time then."""
 MOST_IN_BATCH = 256
 """Most runs of a batch: what it keeps stays small."""
 QUEUED = 2
