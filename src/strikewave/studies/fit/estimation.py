@@ -69,6 +69,17 @@ class Search:
         self._failed: Array | None = None
         self._last: dict[bytes, Array] = {}
 
+    @property
+    def residuals(self) -> Residuals:
+        """What is searched; of what others gave only the best place is kept."""
+        return self._residuals
+
+    @residuals.setter
+    def residuals(self, other: Residuals) -> None:
+        if other != self._residuals:
+            self._residuals, self._last = other, {}
+            self.best = self.best and (math.inf, self.best[1])
+
     def many(self, places: Sequence[Array]) -> list[Array | None]:
         """Return the residuals at some places; None where they cannot be found."""
         alone = len(places) == 1  # threads would take longer to begin
