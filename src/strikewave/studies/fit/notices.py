@@ -17,6 +17,8 @@ MET = 2.0
 """Standard uncertainties of a number within which the fit meets it: 95 %."""
 AT_BOUND = 1e-4
 """Distance from a bound, over the width of the bounds, at which a value stands at it."""
+ON_STAIRS = 0.5
+"""Steps in which a value moves the run, over its standard error, beyond which they are a good part of it."""
 ALIKE = 0.98
 """Correlation of two values beyond which the report says that they are known together far better than each."""
 
@@ -73,6 +75,14 @@ def fit_notices(study: FitStudy) -> list[Notice]:
         if min(at, 1.0 - at) < AT_BOUND:
             message = f"{value.field.path} stands at a bound, {value_words(value)}: its best value may lie beyond"
             notices.append(Notice("at-bound", message, value.value))
+    for value in study.parameters:
+        if value.stair > ON_STAIRS * value.standard_error and value.determined:
+            steps = value.field.shown(value.stair, 2)
+            message = (
+                f"{value.field.path} moves the run in steps of {steps}, those of waves through its layer: it cannot be "
+                "known better; a smaller solver.step makes them finer"
+            )
+            notices.append(Notice("on-stairs", message, value.stair, ON_STAIRS * value.standard_error))
     for place in study.solved.others:
         words = ", ".join(
             f"{value.field.path} = {value.field.shown(value.field.si(float(at)), 4)}"

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 import math
 from collections import Counter
 from collections.abc import Callable, Sequence
@@ -20,6 +21,7 @@ from strikewave.studies.fit.fast_run import FastRun, runs_fast
 from strikewave.studies.fit.free_fields import FreeField, case_at
 from strikewave.studies.fit.measured import Measured, MeasuredNumber, MeasuredPulse
 from strikewave.studies.fit.noise import independent_count
+from strikewave.studies.fit.transits import stair
 from strikewave.studies.simulation import Simulation
 from strikewave.uncertainty.runs import or_none
 
@@ -136,6 +138,13 @@ class Problem:
     def start(self) -> Array:
         """Place of the case in the unit cube."""
         return np.array([field.place(field.value.si) for field in self.fields])
+
+    @functools.cached_property
+    def stairs(self) -> Array:
+        """By how much each field moves until the runs feel it, in the unit cube: see `transits.stair`."""
+        shares = [max(stair(one.case, field.path) for one in self.experiments) for field in self.fields]
+        sizes = [(1.0 if field.log else abs(field.value.si)) / field.width for field in self.fields]
+        return np.multiply(shares, sizes)
 
     def runs(self, place: Array) -> list[Simulation]:
         """Return a run of each experiment at a place."""
@@ -302,7 +311,8 @@ def solve(problem: Problem, advance: Callable[[int, float], None] | None = None)
     InputError
         If the case itself cannot be run, or a field changes nothing that was measured.
     """
-    search, stopped, ends = Search(problem.residuals, len(problem.fields), advance), False, list[tuple[Array, Array]]()
+    search = Search(problem.residuals, len(problem.fields), advance, problem.stairs)
+    stopped, ends = False, list[tuple[Array, Array]]()
     first = _begun(search, problem)
     try:
         _check_felt(problem, search, first)
@@ -319,7 +329,7 @@ def solve(problem: Problem, advance: Callable[[int, float], None] | None = None)
         used, misfits = problem, problem.misfits(residuals)
         if len(misfits) > 1 and any(one.more_than_noise for one in misfits):
             used = problem.weighted(misfits)
-            again = Search(used.residuals, len(problem.fields), advance)
+            again = Search(used.residuals, len(problem.fields), advance, problem.stairs)
             again.begin(place)
             place, _ = again.descend(place)
             again.runs += search.runs
@@ -333,6 +343,8 @@ def solve(problem: Problem, advance: Callable[[int, float], None] | None = None)
     except KeyboardInterrupt:  # the values are found, their errors are not
         jacobian, stopped = np.zeros((residuals.size, place.size)), True
     found = estimate(place, residuals, jacobian, used.blocks(residuals, jacobian))
+    on_stairs = np.diag(problem.stairs**2 / 3.0)  # anywhere within one to either side fits as well
+    found = replace(found, covariance=found.covariance + on_stairs)
     left = used.misfits(residuals, used.alone(residuals, jacobian))
     base = residuals if used is problem else problem.residuals(place)  # other ends have the weights of the search
     return Solved(used, found, tuple(left), _others(ends, found, base), search.runs, stopped, search)

@@ -240,12 +240,13 @@ def _parameter(solved: Solved, k: int, field: FreeField) -> FittedParameter:
     found = solved.estimate
     place, error = float(found.place[k]), float(found.errors[k])
     value = field.si(place)
+    stair = field.error(value, float(solved.problem.stairs[k]))
     if not math.isfinite(error):
-        return FittedParameter(field, value, math.inf, field.low, field.high)
+        return FittedParameter(field, value, math.inf, field.low, field.high, stair=stair)
     followed = None
     if not solved.stopped and not found.groups() and not is_quadratic(solved.search, found, k):
         followed = profile(solved.search, found, k)
     reach = float(found.reach[k]) * error
     low, high = (place - reach, place + reach) if followed is None else followed[:2]
     ends = field.si(max(low, 0.0)), field.si(min(high, 1.0))
-    return FittedParameter(field, value, field.error(value, error), *ends, followed)
+    return FittedParameter(field, value, field.error(value, error), *ends, followed, stair)
