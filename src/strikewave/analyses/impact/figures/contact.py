@@ -241,7 +241,7 @@ def _indentations(
 def _depths(stiffness: Stiffness | LogarithmicStiffness, force: Array) -> Array:
     contact = stiffness.contact()
     depths = np.array([indentation_under(contact, float(f)) for f in force])
-    end = stiffness.load / math.e if isinstance(stiffness, LogarithmicStiffness) else math.inf
+    end = stiffness.load / math.e if isinstance(stiffness, LogarithmicStiffness) else np.inf
     return np.where(force <= end, depths, np.nan)
 
 
