@@ -159,7 +159,9 @@ def test_a_bar_is_fitted_to_the_record_of_a_tap(tmp_path):
 
 
 @pytest.mark.verify
-@pytest.mark.parametrize(("settings", "within"), [((), 1e-3), (("solver.method=delay lines", "solver.step=50 ns"), 0.03)])
+@pytest.mark.parametrize(
+    ("settings", "within"), [((), 1e-3), (("solver.method=delay lines", "solver.step=50 ns"), 0.03)]
+)
 def test_the_length_of_a_layer_is_found_by_a_spectrum_and_as_well_as_time_steps_let_by_delay_lines(
     tmp_path, settings, within
 ):
