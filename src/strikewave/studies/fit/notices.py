@@ -6,7 +6,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from strikewave.base.result import FAILED, INFO, Notice
-from strikewave.reporting.numbers import percent
+from strikewave.cases.case import Case
+from strikewave.reporting.numbers import listed, percent
 from strikewave.studies.fit.posterior import ENOUGH, LONG, Posterior
 from strikewave.studies.fit.result import FitStudy, combination_words, separating_words, value_words
 
@@ -34,6 +35,29 @@ def posterior_notices(posterior: Posterior) -> list[Notice]:
         "needed; ends of its intervals may be off"
     )
     return [Notice("chains-too-short", message, posterior.steps / posterior.memory, LONG)]
+
+
+def held_notices(case: Case) -> list[Notice]:
+    """Return which values of an earlier fit are held, where the fields are those that the case marks as fitted.
+
+    Examples
+    --------
+    >>> from strikewave import load_case
+    >>> held_notices(load_case("li-ma-2019", ["machine.engagement=6 mm"]))[0].code
+    'held'
+    """
+    values = case.values()
+    paths = dict.fromkeys(path for fit in case.fit for path in fit.fields if path in values)
+    held = [path for path in paths if values[path].provenance != "fitted"]
+    if not held:
+        return []
+    words = (
+        "is held as it was set, though it was fitted before"
+        if len(held) == 1
+        else "are held as set, though fitted before"
+    )
+    message = f"{listed(held)} {words}: name every field to fit by --free"
+    return [Notice("held", message, float(len(held)), 0.0)]
 
 
 def fit_notices(study: FitStudy) -> list[Notice]:

@@ -21,7 +21,7 @@ from strikewave.studies.fit.fit_file import load_fit
 from strikewave.studies.fit.fitted_case import FittedTo, fitted_case
 from strikewave.studies.fit.free_fields import FreeField, changed_case, free_fields
 from strikewave.studies.fit.measured import LaidPulse, MeasuredNumber, MeasuredPulse
-from strikewave.studies.fit.notices import NOT_SAMPLED, fit_notices, posterior_notices
+from strikewave.studies.fit.notices import NOT_SAMPLED, fit_notices, held_notices, posterior_notices
 from strikewave.studies.fit.posterior import MOST_BANDS, check_sampler, predictive_bands, sample
 from strikewave.studies.fit.problem import Problem, Solved, solve
 from strikewave.studies.fit.request import FitRequest
@@ -157,6 +157,8 @@ def _fit(case: Case, request: FitRequest, progress: Callable[[int, float], None]
     read = read_targets("--to", case, targets, fields, request.reading)
     kept_out = read_targets("--check-on", case, parse_targets(request.check_on, case), fields, request.reading)
     study = fitted_study(case, fields, read, targets, progress)
+    if not request.free:
+        study = dataclasses.replace(study, notices=(*study.notices, *held_notices(case)))
     if not request.check_on:
         return study
     checks = check(study.solved, kept_out.experiments)

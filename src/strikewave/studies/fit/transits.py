@@ -44,7 +44,7 @@ def stair(case: Case, path: str) -> float:
     >>> from strikewave import load_case
     >>> bar = load_case("li-ma-2019-fig13-bar", ["solver.method=delay lines", "solver.step=50 ns"])
     >>> round(stair(bar, "stack.layer.upper.length"), 4), stair(bar, "load.peak")
-    (0.0105, 0.0)
+    (0.0104, 0.0)
     """
     found = OF_TRANSIT.fullmatch(path)
     waves = _waves(case) if found else None
