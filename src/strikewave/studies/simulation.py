@@ -18,6 +18,8 @@ OF_BAR = {
     "peak_force": "N", "peak_stress": "Pa", "peak_velocity": "m/s", "peak_acceleration": "m/s^2", "peak": "m/s^2",
 }  # fmt: skip
 """SI unit of a result of a layered bar by the last part of its name."""
+STRESS = ".peak_stress"
+"""End of the name of the stress at a tap of a bar."""
 OF_MODEL = {
     "first.peak_force": "N", "first.force_width": "s",
     "contact_force_peak": "N", "energy_error": "1", "momentum_error": "1", "hourglass_share": "1",
@@ -81,8 +83,17 @@ class Simulation:
             return published_value(name, self.observed.blows, self.observed.readings, sensor)
         if self.case.command == "fem":
             return self._of_elements(name, sensor)
+        return self._of_bar(name)
+
+    def _of_bar(self, name: str) -> float | None:
+        """Return a number of a layered bar; a stress is the force over the area of the layer of its tap."""
         figures: Mapping[str, float] = self.bar.figures
-        return figures.get(name)
+        if not name.endswith(STRESS):
+            return figures.get(name)
+        force = figures.get(f"{name.removesuffix(STRESS)}.peak_force")
+        layers = {f"tap.{tap}": place.layer for tap, place in self.bar.taps}
+        area = float(self.bar.run.stack.layers[layers[name.removesuffix(STRESS)]].area)
+        return None if force is None else force / area
 
     def _of_elements(self, name: str, body: str) -> float | None:
         """Return a number of a model of elements, or of one of its parts or groups."""

@@ -80,6 +80,13 @@ def test_a_run_that_fails_is_a_row_with_its_reason_and_a_mark():
     assert next(iter(study.reasons)) in unescape(sweep_report(study))
 
 
+def test_the_stress_of_a_bar_is_the_force_over_its_area():
+    case = load_case("li-ma-2019-fig13-bar")
+    (layer,) = [one for one in case.stack.layer if one.name == next(t.layer for t in case.tap if t.name == "sensor")]
+    force, stress = read_kept(case, "wave", ["tap.sensor.peak_force", "tap.sensor.peak_stress"])(case).numbers
+    assert stress == pytest.approx(force / (math.pi / 4.0 * layer.diameter.si**2), rel=1e-14)
+
+
 def test_a_study_whose_runs_all_fail_is_broken():
     study = sweep(ONE, {"machine.engagement": ["400 mm", "410 mm"]}, analysis="fast")
     assert study.failed == 2

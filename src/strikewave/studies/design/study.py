@@ -141,6 +141,10 @@ class DesignStudy(ShownResult):
         """Return a number of a run, SI."""
         return float(self.numbers[run, self.plan.evaluation.names.index(name)])
 
+    def lacks(self, name: str) -> bool:
+        """Tell whether no run has a number, such as where all failed, or a theory allows none to be quoted."""
+        return bool(np.isnan(self.numbers[:, self.plan.evaluation.names.index(name)]).all())
+
     def value_words(self, name: str, value: float) -> str:
         """Write a number with its unit."""
         return self.kept(name).words(value) if math.isfinite(value) else "none"
@@ -299,6 +303,9 @@ def conflict_words(study: DesignStudy) -> str:
     conflict = study.conflict
     if conflict is None:
         return "the search ended too soon"
+    lacking = dict.fromkeys(goal.number for goal in conflict.goals if study.lacks(goal.number))
+    if lacking:
+        return f"no run has {' or '.join(lacking)}"
     words = []
     for one in conflict.reaches:
         words.append(f'"{one.goal.typed}" {_reach_words(study, one, len(conflict.goals) > 1)}')
@@ -308,13 +315,11 @@ def conflict_words(study: DesignStudy) -> str:
 
 
 def _reach_words(study: DesignStudy, reach: Reach, others: bool) -> str:
-    """Say what the number of a goal comes to at best; or that no run has it, or met the other goals."""
-    name = reach.goal.number
-    if np.isnan(study.numbers[:, study.plan.evaluation.names.index(name)]).all():
-        return "cannot be told: no run has this number"
+    """Say what the number of a goal comes to at best, or that no run met the other goals."""
     if not math.isfinite(reach.value):
-        return "cannot be told: no run met the others"
-    return f"comes to {study.value_words(name, reach.value)} {'with the others met' if others else 'at best'}"
+        return "is unknown: no run met the others"
+    value = study.value_words(reach.goal.number, reach.value)
+    return f"comes to {value} {'with the others met' if others else 'at best'}"
 
 
 @compiling_shown()
