@@ -30,6 +30,7 @@ def fitted(residuals, blocks, start=(0.4, 0.6)):
     return search, estimate(place, left, search.slopes(place, left, FINAL_STEP, both=True), blocks)
 
 
+@pytest.mark.verify
 @pytest.mark.parametrize("share", [0.0, 0.9])
 def test_intervals_hold_planted_values_in_95_of_100_fits(share):
     """In white noise, and in noise of 20 samples' memory that weights know nothing of: 60 fits of 2 values each.

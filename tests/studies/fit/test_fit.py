@@ -58,6 +58,7 @@ def test_stored_values_of_the_published_machine_are_found_again(shares):
     assert not study.undetermined
 
 
+@pytest.mark.verify
 def test_engagement_of_the_two_sensor_case_is_found_again():
     """From 10 % off, fitted to the buffered sensor's first peak alone; the directly mounted one is no target."""
     stored = load_case("li-ma-2019-fig5")
@@ -67,6 +68,7 @@ def test_engagement_of_the_two_sensor_case_is_found_again():
     assert [one.called for one in study.numbers] == ["first.sensor_peak buffered"]
 
 
+@pytest.mark.verify
 def test_a_machine_of_ones_own_with_six_strikers_is_fitted():
     """Far from the published settings, where many of the places tried cannot be run: they turn the search back."""
     case = load_case("li-ma-2019", ["machine.strikers=6", "striker.mass=1.2 kg", "machine.speed=500 rpm"])
@@ -78,6 +80,7 @@ def test_a_machine_of_ones_own_with_six_strikers_is_fitted():
         assert one.value == pytest.approx(truth.values()[one.field.path].si, rel=1e-5)
 
 
+@pytest.mark.verify
 def test_planted_values_lie_within_their_errors(tmp_path):
     """Two records of two heights: both values within 4 standard errors (1 in 8000 by chance), no residual beyond noise."""
     truth = load_case(DROP, ["contact.reference_force=900 kN", "contact.restitution=0.72"])
@@ -100,6 +103,7 @@ def moved_height(case, height):
     return parse_case(dump_case(case), case.name, [f"machine.height={height}"])
 
 
+@pytest.mark.verify
 def test_many_targets_come_from_a_file(tmp_path):
     """Peaks of the closed form of a linear contact over height, each at its setting: as if they were typed."""
     heights, peaks = ("0.1 m", "0.2 m", "0.3 m"), []
@@ -113,6 +117,7 @@ def test_many_targets_come_from_a_file(tmp_path):
     assert [one.called for one in study.numbers] == [f"first.rigid_peak (machine.height={one})" for one in heights]
 
 
+@pytest.mark.verify
 def test_two_fields_that_are_one_are_named_as_their_quotient(tmp_path):
     """A linear contact knows its force over its depth alone."""
     truth = load_case(DROP, ["contact.restitution=0.7"])
@@ -126,6 +131,7 @@ def test_two_fields_that_are_one_are_named_as_their_quotient(tmp_path):
     assert values["contact.restitution"].provenance == "fitted"
 
 
+@pytest.mark.verify
 def test_the_number_that_would_separate_two_fields_does():
     """The peak of a drop on a spring goes with the root of height times stiffness, its width with the stiffness alone.
 
@@ -173,6 +179,7 @@ def test_what_another_law_leaves_is_in_the_errors_and_does_not_average_out(tmp_p
     assert both.parameters[0].standard_error == pytest.approx(one.parameters[0].standard_error, rel=0.1)
 
 
+@pytest.mark.verify
 def test_records_that_differ_from_shot_to_shot_are_told_from_a_model_that_lacks_something(tmp_path):
     """Three forces, 2 % apart: the error of their mean is 2 %/sqrt(3), and each record alone leaves noise."""
     forces = 800e3 * np.array([0.98, 1.0, 1.02])
@@ -211,6 +218,7 @@ def test_channels_of_a_file_and_numbers_of_a_setting_are_one_shot(tmp_path):
     assert [one.scatter for one in read.pulses] == [0.0, 0.0, 0.02]
 
 
+@pytest.mark.verify
 def test_a_fitted_case_reads_back_and_its_bands_know_the_fit(tmp_path):
     truth = load_case(DROP, ["contact.restitution=0.72"])
     study = fit(load_case(DROP, ["contact.restitution=0.65"]), [write_record(tmp_path / "a.csv", truth, 3)], FIELDS)
@@ -372,6 +380,7 @@ def test_what_is_kept_out_is_predicted_within_its_bands(tmp_path):
     assert study.content()["checks"]["inside"] == study.checks.inside
 
 
+@pytest.mark.verify
 def test_a_band_of_values_that_are_not_determined_ends_where_the_data_do():
     """One peak to 2 % for two values: it is predicted to twice that, though places far along fit nothing.
 
@@ -470,6 +479,7 @@ def test_bounds_and_scales_come_from_the_case():
     assert (exponent.low, exponent.high) == (1.0, 10.0)  # none is below 1
 
 
+@pytest.mark.verify
 def test_a_record_is_held_against_what_its_samples_and_the_chain_of_the_sensor_let_through(tmp_path):
     """The published shaft and its buffered sensor: the run that a record is of leaves its noise and no more.
 
