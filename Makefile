@@ -12,7 +12,7 @@ COMPILE = .uv/bin/uv pip compile --quiet pyproject.toml requirements/build.in --
 JOBS ?= 2
 CASES ?= li-ma-2019 li-ma-2019-fig13
 
-.PHONY: demo test verify validate pictures lint requirements bench clean help
+.PHONY: demo test verify validate package pictures lint requirements bench clean help
 .DEFAULT_GOAL := help
 
 help:
@@ -20,6 +20,7 @@ help:
 	@echo "make test    set up, then run the tests but for those of make verify"
 	@echo "make verify  set up, then the longer checks: damaged files of every format, all planted records, equal blows, elements (with CalculiX and gmsh where they are installed), the whole reproduction"
 	@echo "make validate  set up, then studies that run once, outside CI: finer maps over what a paper leaves open (writes out/validate)"
+	@echo "make package  set up, then build wheel and source distribution (dist), check both, install and run the wheel alone with each of PYTHONS"
 	@echo "make pictures  set up, then draw the screens and photograph the report that README and docs show (docs/images; the report with Chromium)"
 	@echo "make lint    set up, then style, types and import contract; whether packages fit together, and are known to be vulnerable"
 	@echo "make requirements  write requirements/ anew, the packages with their SHA-256, from constraints.txt (with uv)"
@@ -41,6 +42,9 @@ verify: $(VENV)/dev
 validate: $(VENV)/core
 	@for study in scripts/validate/*.py; do echo "$$study"; $(BIN)/python "$$study" || exit 1; done
 
+package: $(VENV)/package
+	$(BIN)/python scripts/package/check.py --platforms $(PYTHONS:%=--python %)
+
 pictures: $(VENV)/core
 	$(BIN)/python scripts/draw_pictures.py
 
@@ -56,7 +60,7 @@ lint: $(VENV)/dev
 requirements: pyproject.toml constraints.txt
 	@$(PYTHON) -m venv .uv && .uv/bin/python -m pip install --quiet uv
 	@$(COMPILE) -o requirements/core.txt
-	@$(COMPILE) --extra dev --extra formats --extra mesh --extra pdf --extra bayes -o requirements/dev.txt
+	@$(COMPILE) --extra dev --extra formats --extra mesh --extra pdf --extra bayes --extra app --extra cluster -o requirements/dev.txt
 
 bench: $(BENCH)/peers
 	$(BENCH)/bin/python benchmarks/bench.py
@@ -68,7 +72,7 @@ bench: $(BENCH)/peers
 	@$(PYTHON) -c 'import venv, ensurepip' 2>/dev/null || { \
 		echo "$(PYTHON) lacks the module venv: install it (Debian, Ubuntu: apt-get install python3-venv; Fedora: dnf install python3), then run make again"; exit 1; }
 	@echo "setting up $* (once; about a minute)"
-	@rm -f $*/core $*/dev $*/peers
+	@rm -f $*/core $*/dev $*/package $*/peers
 	@$(PYTHON) -m venv $*
 	@$*/bin/python -m pip $(INSTALL) --require-hashes -r requirements/core.txt
 	@$*/bin/python -m pip $(INSTALL) --no-build-isolation -e .
@@ -77,6 +81,11 @@ bench: $(BENCH)/peers
 $(VENV)/dev: $(VENV)/core requirements/dev.txt
 	@echo "adding the tools for tests (once)"
 	@$(BIN)/python -m pip $(INSTALL) --require-hashes -r requirements/dev.txt
+	@touch $@
+
+$(VENV)/package: $(VENV)/core
+	@echo "adding the tools that build and check the package (once)"
+	@PIP_CONSTRAINT="$(CURDIR)/constraints.txt" $(BIN)/python -m pip install --quiet --disable-pip-version-check -e '.[package]'
 	@touch $@
 
 # one after the other, so that one that cannot be had keeps no other away; what failed is tried again next time

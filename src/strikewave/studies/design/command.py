@@ -8,7 +8,7 @@ from typing import Annotated
 
 import typer
 
-from strikewave.reporting.options import Changes, Output, Processes
+from strikewave.reporting.options import Changes, Cluster, Output, Processes
 
 
 def command(
@@ -39,6 +39,7 @@ def command(
         ),
     ] = None,
     workers: Processes = 2,
+    cluster: Cluster = None,
     store: Annotated[
         Path | None,
         typer.Option(
@@ -62,12 +63,11 @@ def command(
     goals exclude each other and by how much, and the exit code is 3. A design that is stopped is continued by the same
     command. With --json, no files are written unless --out is given.
     """
-    os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # for arrays this small, threads wait longer than they work
     from strikewave.cases.case import dump_case
     from strikewave.reporting.run_and_write import case_folder, run_and_write
     from strikewave.studies.design.design_file import load_design
     from strikewave.studies.design.screen import DesignCommand, show_estimate
-    from strikewave.studies.engine.pools import ProcessPool
+    from strikewave.studies.engine.chosen_pool import pool_of
 
     request = load_design(file, changes or (), runs=runs, seed=seed, robust=robust)
     plan = request.plan(output.tested(request.case))
@@ -75,6 +75,5 @@ def command(
     if dry_run:
         return show_estimate(plan, count, output.json)
     usual = f"design-{case_folder(plan.case.name, dump_case(plan.case), request.changes)}"
-    return run_and_write(
-        DesignCommand(plan, lambda: ProcessPool(count), place=store, fresh=fresh), output, usual, plan.text
-    )
+    searching = DesignCommand(plan, pool_of(None, count, cluster), place=store, fresh=fresh)
+    return run_and_write(searching, output, usual, plan.text)

@@ -50,6 +50,8 @@ class FittedParameter:
         Ends of its 95 % interval, SI; its bounds where it is not determined.
     profile : ProfileEnds or None
         Where the interval is that of its profile, as the misfit is no parabola.
+    stair : float
+        By how much it moves until the run feels it, SI; 0 where it does smoothly.
     """
 
     field: FreeField
@@ -58,6 +60,7 @@ class FittedParameter:
     low: float
     high: float
     profile: ProfileEnds | None = None
+    stair: float = 0.0
 
     @property
     def determined(self) -> bool:
@@ -325,7 +328,7 @@ def value_words(one: FittedParameter) -> str:
     --------
     >>> from strikewave import load_case
     >>> from strikewave.studies.fit.free_fields import free_fields
-    >>> field = free_fields(load_case("li-ma-2019"), ["machine.engagement=5 mm:12 mm"])[0]
+    >>> field = free_fields(load_case("li-ma-2019"), ["machine.engagement=5 mm..12 mm"])[0]
     >>> value_words(FittedParameter(field, 0.00804, 0.00002, 0.008, 0.00808))
     '8.04 ± 0.02 mm'
     """
