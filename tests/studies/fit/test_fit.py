@@ -310,9 +310,9 @@ WRONG = {
     "a choice": (["contact.law"], ["first.width=1 ms"], "a quantity of the case"),
     "a setting": (["solver.tolerance"], ["first.width=1 ms"], "a quantity of what was tested"),
     "unfelt": (["object.frame_damping", "machine.follow"], ["first.rigid_peak=1000 g"], "changes what was measured"),
-    "bounds crossed": (["striker.mass=3 kg:1 kg"], ["first.width=1 ms"], "the first is the smaller one"),
-    "bounds beside": (["striker.mass=1 kg:3 kg"], ["first.width=1 ms"], "bounds that hold the value of the case"),
-    "bounds without unit": (["contact.restitution=0.5"], ["first.width=1 ms"], "PATH or PATH=LOW:HIGH"),
+    "bounds crossed": (["striker.mass=3 kg..1 kg"], ["first.width=1 ms"], "the first is the smaller one"),
+    "bounds beside": (["striker.mass=1 kg..3 kg"], ["first.width=1 ms"], "bounds that hold the value of the case"),
+    "bounds without unit": (["contact.restitution=0.5"], ["first.width=1 ms"], "PATH or PATH=LOW..HIGH"),
     "no target": (["contact.restitution"], ["first.wdith=1 ms"], 'did you mean "first.width"'),
     "no unit": (["contact.restitution"], ["first.width=1"], "a time with its unit"),
     "another unit": (["contact.restitution"], ["first.width=1 g"], "a time with its unit"),
@@ -321,10 +321,10 @@ WRONG = {
     "unstated": (["object.friction"], ["first.width=1 ms"], "give it a start: --set object.friction=VALUE"),
     "a table": (["contact"], ["first.width=1 ms"], "a quantity of the case"),
     "no field named": ([""], ["first.width=1 ms"], "a quantity of the case"),
-    "bounds that are one": (["contact.restitution=0.7:0.7"], ["first.width=1 ms"], "the first is the smaller one"),
-    "bounds beyond": (["contact.restitution=0.1:5"], ["first.width=1 ms"], "at least 0.01, at most 1"),
-    "bounds that are none": (["contact.restitution=nan:1"], ["first.width=1 ms"], "at least 0.01, at most 1"),
-    "negative stiffness": (["contact.reference_force=-1 kN:9 kN"], ["first.width=1 ms"], "above 0 N"),
+    "bounds that are one": (["contact.restitution=0.7..0.7"], ["first.width=1 ms"], "the first is the smaller one"),
+    "bounds beyond": (["contact.restitution=0.1..5"], ["first.width=1 ms"], "at least 0.01, at most 1"),
+    "bounds that are none": (["contact.restitution=nan..1"], ["first.width=1 ms"], "at least 0.01, at most 1"),
+    "negative stiffness": (["contact.reference_force=-1 kN..9 kN"], ["first.width=1 ms"], "above 0 N"),
     "not a number": (["contact.restitution"], ["first.width=nan ms"], "a time with its unit"),
     "infinite": (["contact.restitution"], ["first.width=1e400 s"], "the value is not finite"),
     "nothing": (["contact.restitution"], ["first.width="], "a time with its unit"),
@@ -417,7 +417,7 @@ def test_a_band_of_values_that_are_not_determined_ends_where_the_data_do():
     study = fit(
         load_case(DROP, ["contact.restitution=0.7"]),
         ["first.rigid_peak=1500 g +- 2 %"],
-        ["contact.reference_force", "contact.exponent=1:3"],
+        ["contact.reference_force", "contact.exponent=1..3"],
         check_on=["first.rigid_peak=1500 g +- 0.01 %"],
     )
     assert study.undetermined
@@ -443,7 +443,7 @@ def test_of_tried_laws_the_one_of_the_records_is_kept(tmp_path):
 
 def test_an_interrupt_keeps_the_best_so_far_from_which_a_fit_goes_on():
     """Ctrl-C in the middle of the search: the case has a value that fits better; a fit of it meets the number."""
-    case, to, free, calls = load_case(DROP), ["first.rigid_peak=1500 g +- 1 %"], ["machine.height=0.2 m:1 m"], []
+    case, to, free, calls = load_case(DROP), ["first.rigid_peak=1500 g +- 1 %"], ["machine.height=0.2 m..1 m"], []
 
     def progress(runs, misfit):
         calls.append(misfit)
@@ -472,7 +472,7 @@ def test_an_interrupt_after_the_search_keeps_what_was_found(monkeypatch, after):
         monkeypatch.setattr(Search, "slopes", stopped)
     else:
         monkeypatch.setattr("strikewave.studies.fit.study.is_quadratic", stopped)
-    study = fit(load_case(DROP), ["first.rigid_peak=1500 g +- 1 %"], ["machine.height=0.2 m:1 m"])
+    study = fit(load_case(DROP), ["first.rigid_peak=1500 g +- 1 %"], ["machine.height=0.2 m..1 m"])
     assert study.solved.stopped
     assert study.computed == pytest.approx((1500.0 * 9.80665,), rel=1e-6)
     assert study.parameters[0].determined == (after == "errors")
