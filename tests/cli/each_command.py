@@ -61,14 +61,18 @@ CHEAP = {
     "diff": ("li-ma-2019", "li-ma-2019-equal-blows"),
     "cases": (),
     "materials": (),
+    "doctor": ("--no-speed",),
 }
 DEAR = {
+    "examples": ("mine",),
     "run": ("li-ma-2019-fig5", *TWO),  # with bands of a stack and its sensors
     "wave": ("togami-1996-bar",),
     "reproduce": ("li-ma-2019", "--without", "elements", "--without", "studies"),
     "settings": (*GOAL, "--blows", "3"),
     "scatter": ("li-ma-2019-equal-blows", "--runs", "10", "--workers", "1", "--shares", "none", *TWO),
 }
+SERVED = {"app"}
+"""What serves until it is stopped, and prints no result; `tests/web` has it."""
 COMMANDS = [
     *(pytest.param(name, words, id=name) for name, words in CHEAP.items()),
     *(pytest.param(name, words, id=f"{name}-dear", marks=pytest.mark.verify) for name, words in DEAR.items()),

@@ -46,12 +46,17 @@ PANELS: dict[str, dict[str, tuple[str, str]]] = {
         "deck": ("strikewave.analyses.fem.deck", "Write a model for LS-DYNA or OpenRadioss."),
         "ls-dyna": ("strikewave.analyses.fem.ls_dyna.command", "Read the results of an LS-DYNA run."),
     },
+    "Look": {
+        "app": ("strikewave.web.command", "Open the app in a browser."),
+    },
     "Cases": {
         "new": ("strikewave.cli.new", "Write a new case file to edit."),
         "validate": ("strikewave.cli.validate", "Check a case without running it."),
         "diff": ("strikewave.cli.diff", "List the differences of two cases."),
         "cases": ("strikewave.cli.cases", "List the built-in cases."),
         "materials": ("strikewave.cli.materials", "List the materials with their sources."),
+        "examples": ("strikewave.cli.examples", "Copy notebooks, sample records and cases."),
+        "doctor": ("strikewave.cli.doctor", "Say what is installed, missing and cached."),
     },
 }
 """Panel of the help, name of a command, its module (its function is ``command``) and its summary.
