@@ -139,7 +139,9 @@ def test_summary_says_means_with_bounds_and_what_is_bad(files, page):
 def test_what_is_bad_in_one_of_several_channels_is_named_with_its_channel():
     silent = (Channel("b", np.zeros(100), STEP, unit="m/s^2"),)
     files = read(*(record(count=0, path=f"runs/{k}.csv", extra=silent) for k in (1, 2)))
-    text = record_words(record_result(files, [summed(files, 1), summed(files, 2)], origin=Source("records", "runs", "", "record.toml")))
+    text = record_words(
+        record_result(files, [summed(files, 1), summed(files, 2)], origin=Source("records", "runs", "", "record.toml"))
+    )
     assert f"{files[0].channels[0].channel.name} of 1.csv and" in text
     assert ",," not in text
 

@@ -80,9 +80,10 @@ def _ringing_of(record: Examined, pulse: RecordedPulse) -> HealthNotice | None:
         return HealthNotice("ringing", message, share, severity=severity, harms=harms, start=pulse.end)
     smooth = {"peak": pulse.smooth.peak, "width": pulse.smooth.width(), "velocity_change": pulse.smooth.area()}
     effects = {name: getattr(pulse, name) / value - 1.0 for name, value in smooth.items() if value}
+    of_peak = percent(max(share, pulse.smooth.misfit), 0)
     message = (
-        f"the blow rings at about {with_unit(frequency, 'Hz')}, by {percent(max(share, pulse.smooth.misfit), 0)} of the "
-        "peak, and no single mode explains it; against the smooth pulse"
+        f"the blow rings at about {with_unit(frequency, 'Hz')}, by {of_peak} of the peak, "
+        "and no single mode explains it; against the smooth pulse"
     )
     return by_effect("ringing", message, share, effects, doubt=_doubt_of_smooth(pulse, frequency), start=pulse.end)
 
