@@ -70,7 +70,7 @@ class Simulation:
 
             return build_dataset(self.case, self.observed)
         if self.case.command == "wave":
-            bar: LabelledArrays = self.bar.histories()
+            bar: LabelledArrays = self.bar.labelled_histories()
             return bar
         arrays: LabelledArrays | None = self.elements.arrays
         return arrays

@@ -131,7 +131,7 @@ def _free_field(case: Case, word: str) -> FreeField:
     path, equals, ends = (part.strip() for part in word.partition("="))
     values = case.values()
     if path not in values:
-        if allowed_at(case, path) is not None:
+        if allowed_at(case, path) is not None and _has_table(case, path):
             hint = f"give it a start: --set {path}=VALUE"
             raise InputError("--free", path, "a quantity that the case states: the search begins there", hint)
         choice = "" if path not in case.entries() else "; a choice is tried by --try"
@@ -161,6 +161,12 @@ def _typed_bounds(case: Case, path: str, ends: str) -> tuple[float, float]:
         raise InputError("--free", f"{path}={ends}", "PATH or PATH=LOW..HIGH", hint)
     low, high = (end.si for end in found)
     return low, high
+
+
+def _has_table(case: Case, path: str) -> bool:
+    """Tell whether the case has the table of a field: a layer of another name is none of its own."""
+    table = path.rpartition(".")[0]
+    return "." not in table or any(entry.startswith(f"{table}.") for entry in case.entries())
 
 
 def _is_scale(case: Case, path: str) -> bool:
