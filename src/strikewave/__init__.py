@@ -8,16 +8,12 @@ Examples
 'full'
 """
 
-from __future__ import annotations
-
 from importlib import import_module
+from typing import TYPE_CHECKING, Any
 
 from strikewave._version import __version__
 
-TYPE_CHECKING = False  # typing is not imported: `python -m strikewave` would take it from the folder it is run in
 if TYPE_CHECKING:  # for type checkers and editors; at run time a name is imported when it is first used
-    from typing import Any
-
     from strikewave.analyses.compare.question import compare as compare
     from strikewave.analyses.compare.result import CompareResult as CompareResult
     from strikewave.analyses.fem.result import FemSolution as FemSolution
