@@ -357,6 +357,34 @@ def test_a_run_that_is_stopped_while_it_draws_keeps_its_fields(strikewave, small
 
 
 @pytest.mark.verify
+@pytest.mark.parametrize("fault", ["removed", "cut"])
+def test_frames_that_are_lost_are_reported_and_nothing_else_is_lost(strikewave, small, monkeypatch, fault):
+    from strikewave.analyses.fem import unfinished as fem
+
+    add, seen = fem.FieldFile.add, []
+
+    def interrupted(self, frame):
+        seen.append(frame.time)
+        if len(seen) == 4:
+            raise KeyboardInterrupt
+        add(self, frame)
+
+    with monkeypatch.context() as patch:
+        patch.setattr(fem.FieldFile, "add", interrupted)
+        assert strikewave("fem", small, "--out", "f", "--no-report")[0] == 130
+    (field,) = Path("f.unfinished").glob("field*")
+    if fault == "removed":
+        field.unlink()
+    else:
+        field.write_bytes(field.read_bytes()[:2000])
+    code, _, err = strikewave("fem", small, "--out", "f", "--restart", "--no-report", "--verbose")
+    assert code == 0
+    assert "field.vtkhdf holds 0 of the 3 frames before" in err
+    assert strikewave("fem", small, "--out", "whole", "--no-report")[0] == 0
+    assert Path("f/histories.csv").read_bytes() == Path("whole/histories.csv").read_bytes()
+
+
+@pytest.mark.verify
 def test_an_interrupted_run_goes_on_to_the_same_numbers(strikewave, small, monkeypatch):
     import h5py
 
