@@ -485,7 +485,7 @@ def main() -> int:
         print("stopped: the table has what was tried")
     finally:
         shutil.rmtree(home, ignore_errors=True)
-    rows = [(words, len(seen), seen.count("")) for words, seen in fates.items()]
+    rows = [(words, len(seen), seen.count("")) for words, seen in fates.items() if seen]
     tried, survived = (sum(column) for column in zip(*(row[1:] for row in rows), strict=True))
     sys.path.append(str(Path(__file__).parents[2] / "scripts/validate"))
     from kit import table, write_into
