@@ -9,7 +9,7 @@ BENCH = .bench/venv
 JOBS ?= 2
 CASES ?= li-ma-2019 li-ma-2019-fig13
 
-.PHONY: demo test verify validate package pictures lint bench clean help
+.PHONY: demo test verify validate docs package pictures lint bench clean help
 .DEFAULT_GOAL := help
 
 help:
@@ -17,6 +17,7 @@ help:
 	@echo "make test    set up, then run the tests but for those of make verify"
 	@echo "make verify  set up, then the longer checks: damaged files of every format, all planted records, equal blows, elements (with CalculiX and gmsh where they are installed), the whole reproduction"
 	@echo "make validate  set up, then studies that run once, outside CI: finer maps over what a paper leaves open (writes out/validate)"
+	@echo "make docs     set up, then build the site (docs/_build/html) and the man page (docs/_build/man); notebooks and pages are run, warnings are errors"
 	@echo "make package  set up, then build wheel and source distribution (dist), check both, install and run the wheel alone with each of PYTHONS"
 	@echo "make pictures  set up, then draw the screens and photograph the report that README and docs show (docs/images; the report with Chromium)"
 	@echo "make lint    set up, then style, types and import contract"
@@ -37,6 +38,12 @@ verify: $(VENV)/dev
 # one file a study, in the order of their names; each prints what it found and writes its tables and pictures
 validate: $(VENV)/core
 	@for study in scripts/validate/*.py; do echo "$$study"; $(BIN)/python "$$study" || exit 1; done
+
+# equations, links and cells are checked by the build: what is wrong there ends it
+docs: $(VENV)/docs
+	$(BIN)/python -m sphinx -W --keep-going -q -j $(JOBS) -b html -d docs/_build/doctrees docs docs/_build/html
+	$(BIN)/python -m sphinx -W -q -b man -d docs/_build/doctrees docs docs/_build/man
+	@echo "open in a browser: docs/_build/html/index.html"
 
 package: $(VENV)/package
 	$(BIN)/python scripts/package/check.py --platforms $(PYTHONS:%=--python %)
@@ -59,7 +66,7 @@ bench: $(BENCH)/peers
 	@$(PYTHON) -c 'import venv, ensurepip' 2>/dev/null || { \
 		echo "$(PYTHON) lacks the module venv: install it (Debian, Ubuntu: apt-get install python3-venv; Fedora: dnf install python3), then run make again"; exit 1; }
 	@echo "setting up $* (once; about a minute)"
-	@rm -f $*/core $*/dev $*/package $*/peers
+	@rm -f $*/core $*/dev $*/docs $*/package $*/peers
 	@$(PYTHON) -m venv $*
 	@PIP_CONSTRAINT="$(CURDIR)/constraints.txt" $*/bin/python -m pip install --quiet --disable-pip-version-check -e .
 	@touch $@
@@ -67,6 +74,11 @@ bench: $(BENCH)/peers
 $(VENV)/dev: $(VENV)/core
 	@echo "adding the tools for tests (once)"
 	@PIP_CONSTRAINT="$(CURDIR)/constraints.txt" $(BIN)/python -m pip install --quiet --disable-pip-version-check -e '.[dev,formats,mesh,pdf,bayes]'
+	@touch $@
+
+$(VENV)/docs: $(VENV)/core
+	@echo "adding the tools that build the site (once)"
+	@PIP_CONSTRAINT="$(CURDIR)/constraints.txt" $(BIN)/python -m pip install --quiet --disable-pip-version-check -e '.[docs]'
 	@touch $@
 
 $(VENV)/package: $(VENV)/core
@@ -86,4 +98,4 @@ $(BENCH)/peers: $(BENCH)/core benchmarks/requirements.txt benchmarks/constraints
 	[ -n "$$failed" ] || touch $@
 
 clean:
-	rm -rf $(VENV) dist .bench .pytest_cache .mypy_cache .ruff_cache .hypothesis .import_linter_cache
+	rm -rf $(VENV) dist docs/_build docs/examples docs/reference .bench .pytest_cache .mypy_cache .ruff_cache .hypothesis .import_linter_cache
