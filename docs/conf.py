@@ -43,6 +43,8 @@ man_pages = [("commands", "strikewave", "predict, measure and design high-g impa
 
 html_theme = "furo"
 html_math_renderer = "mathml"
+html_static_path = ["_static"]
+html_css_files = ["site.css"]
 html_title = "strikewave"
 html_show_sphinx = False
 html_copy_source = False

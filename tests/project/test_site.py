@@ -1,5 +1,6 @@
 """The site and the code know of each other: numbered equations, public names, pages."""
 
+import json
 import re
 from pathlib import Path
 
@@ -27,3 +28,10 @@ def test_every_page_and_notebook_stands_in_the_table_of_contents():
     pages = {path.stem for path in DOCS.glob("*.md")} - {"index"}
     notebooks = {path.stem for path in (ROOT / "src/strikewave/examples/notebooks").glob("*.ipynb")}
     assert pages | {f"examples/notebooks/{name}" for name in notebooks} <= entries
+
+
+def test_the_validation_page_is_what_its_record_says(monkeypatch):
+    monkeypatch.syspath_prepend(ROOT / "scripts" / "validate")
+    from published import PAGE, RECORD, page
+
+    assert PAGE.read_text("utf-8") == page(json.loads(RECORD.read_text("utf-8")))
