@@ -40,6 +40,7 @@ def test_notebooks_are_valid_and_kept_without_outputs(path):
             assert cell.execution_count is None
 
 
+@pytest.mark.verify
 def test_a_result_and_a_study_show_a_table_and_a_curve(first_run):
     cells, _ = first_run
     for name in ("run", "record", "scatter"):
