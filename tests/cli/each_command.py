@@ -71,6 +71,8 @@ DEAR = {
     "settings": (*GOAL, "--blows", "3"),
     "scatter": ("li-ma-2019-equal-blows", "--runs", "10", "--workers", "1", "--shares", "none", *TWO),
 }
+SERVED = {"app"}
+"""What serves until it is stopped, and prints no result; `tests/web` has it."""
 COMMANDS = [
     *(pytest.param(name, words, id=name) for name, words in CHEAP.items()),
     *(pytest.param(name, words, id=f"{name}-dear", marks=pytest.mark.verify) for name, words in DEAR.items()),

@@ -11,7 +11,7 @@ from strikewave.reporting.layout import length
 from strikewave.reporting.options import Output, Place
 from strikewave.reporting.terminal import Screen, screen
 
-from .each_command import CHEAP, COMMANDS, DEAR, write_inputs
+from .each_command import CHEAP, COMMANDS, DEAR, SERVED, write_inputs
 
 WIDTHS = (60, 80, 100, 160)
 ENDLESS = 5000
@@ -67,7 +67,7 @@ SAID_OF_WIDTH = words_of("not shown: (--wide) shortened to a line each: -v shows
 
 
 def test_every_command_is_shown_here():
-    assert {*CHEAP, *DEAR} == set(entries())
+    assert {*CHEAP, *DEAR, *SERVED} == set(entries())
 
 
 @pytest.mark.parametrize(("name", "words"), COMMANDS)

@@ -47,7 +47,7 @@ def test_the_table_of_rooms_is_that_of_the_folders():
 def test_every_room_of_the_layers_contract_is_a_folder_and_every_folder_stands_there():
     text = (ROOT / "pyproject.toml").read_text("utf-8")
     layers = re.search(r"layers = \[(.*?)\n\]", text, re.DOTALL)[1]
-    named = set(re.findall(r"strikewave\.([a-z_]+)", layers.replace("(strikewave.web)", "")))
+    named = set(re.findall(r"strikewave\.([a-z_]+)", layers))
     assert named == {path.name for path in PACKAGE.iterdir() if (path / "__init__.py").exists()}
 
 

@@ -46,6 +46,9 @@ PANELS: dict[str, dict[str, tuple[str, str]]] = {
         "deck": ("strikewave.analyses.fem.deck", "Write a model for LS-DYNA or OpenRadioss."),
         "ls-dyna": ("strikewave.analyses.fem.ls_dyna.command", "Read the results of an LS-DYNA run."),
     },
+    "Look": {
+        "app": ("strikewave.web.command", "Open the app in a browser."),
+    },
     "Cases": {
         "new": ("strikewave.cli.new", "Write a new case file to edit."),
         "validate": ("strikewave.cli.validate", "Check a case without running it."),

@@ -1,0 +1,158 @@
+"""What a page shows of a case: which one, what is changed in it; as an address, as a command line, in Python."""
+
+from __future__ import annotations
+
+import base64
+import shlex
+import zlib
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+from typing import NamedTuple
+from urllib.parse import urlencode
+
+from strikewave.base.errors import InputError
+
+LARGEST_TEXT = 1_000_000
+"""Most bytes that a case may have, as a file and in an address."""
+LONGEST_LINK = 6000
+"""Characters of an address that browsers, mail and proxies all leave whole."""
+MOST_CHANGES = 200
+LONGEST_CHANGE = 300
+"""Bounds of what an address may ask for: more than all fields of the largest built-in case."""
+
+
+class CaseSource(NamedTuple):
+    """A case as plain values for another process: a built-in one by name, or a text; and the folder of its files."""
+
+    name: str
+    text: str
+    changes: tuple[str, ...]
+    folder: str
+
+
+@dataclass(frozen=True)
+class CaseState:
+    """A case with changes, as a page shows it.
+
+    Attributes
+    ----------
+    name : str
+        Of a built-in case, or of a file that was dropped.
+    text : str
+        Of the dropped file; empty for a built-in case.
+    changes : mapping of str to str
+        What is set, by path.
+    """
+
+    name: str
+    text: str = ""
+    changes: Mapping[str, str] = field(default_factory=dict)
+
+    def source(self, folder: Path | str = "") -> CaseSource:
+        """Return it as plain values."""
+        return CaseSource(self.name, self.text, tuple(f"{p}={v}" for p, v in self.changes.items()), str(folder))
+
+    def changed(self, path: str, value: str) -> CaseState:
+        """Return it with one more change, in the place of an earlier one of that path."""
+        return replace(self, changes={**self.changes, path: value})
+
+    def without(self, path: str) -> CaseState:
+        """Return it with the case's own value of a path."""
+        return replace(self, changes={p: v for p, v in self.changes.items() if p != path})
+
+    def query(self, changes_key: str = "set") -> list[tuple[str, str]]:
+        """Return it as the parts of an address; a dropped file that is too long for one is left out.
+
+        Examples
+        --------
+        >>> CaseState("li-ma-2019", changes={"machine.speed": "700 rpm"}).query()
+        [('case', 'li-ma-2019'), ('set', 'machine.speed=700 rpm')]
+        """
+        packed = base64.urlsafe_b64encode(zlib.compress(self.text.encode(), 9)).decode() if self.text else ""
+        parts = [("case", self.name)]
+        if packed and len(packed) <= LONGEST_LINK:
+            parts.append(("toml", packed))
+        return parts + [(changes_key, f"{path}={value}") for path, value in self.changes.items()]
+
+    @classmethod
+    def read(cls, parts: Iterable[tuple[str, str]], usual: str, changes_key: str = "set") -> CaseState:
+        """Return what an address says.
+
+        Raises
+        ------
+        InputError
+            If what it holds is damaged, or too much.
+
+        Examples
+        --------
+        >>> state = CaseState("mine", 'schema = 1', {"machine.speed": "700 rpm"})
+        >>> CaseState.read(state.query(), "li-ma-2019") == state
+        True
+        """
+        listed = list(parts)
+        values = dict(reversed(listed))
+        changes = [value for key, value in listed if key == changes_key]
+        if len(changes) > MOST_CHANGES or any(len(change) > LONGEST_CHANGE for change in changes):
+            raise InputError("address", f"{len(changes)} changes", f"at most {MOST_CHANGES} changes of usual length")
+        pairs = (change.partition("=") for change in changes)
+        return cls(values.get("case", usual), _unpacked(values.get("toml", "")), {p: v for p, _, v in pairs if p})
+
+    def command(self, program: str = "run", *more: str) -> str:
+        """Return the command line that gives the same.
+
+        Examples
+        --------
+        >>> CaseState("li-ma-2019", changes={"machine.speed": "700 rpm"}).command()
+        "strikewave run li-ma-2019 --set 'machine.speed=700 rpm'"
+        """
+        words = ["strikewave", program, self.file]
+        for path, value in self.changes.items():
+            words += ["--set", f"{path}={value}"]
+        return shlex.join([*words, *more])
+
+    def python(self, call: str = "run_case", more: str = "") -> str:
+        """Return the Python lines that give the same.
+
+        Examples
+        --------
+        >>> print(CaseState("li-ma-2019", changes={"machine.speed": "700 rpm"}).python())
+        import strikewave
+        <BLANKLINE>
+        case = strikewave.load_case('li-ma-2019', ['machine.speed=700 rpm'])
+        result = strikewave.run_case(case)
+        """
+        changes = list(self.source().changes)
+        given = f"{self.file!r}, {changes!r}" if changes else f"{self.file!r}"
+        return f"import strikewave\n\ncase = strikewave.load_case({given})\nresult = strikewave.{call}(case{more})"
+
+    @property
+    def file(self) -> str:
+        """What a command line calls the case: a built-in name, or the file to be saved."""
+        return f"{self.name}.toml" if self.text else self.name
+
+
+def address(page: str, parts: Iterable[tuple[str, str]]) -> str:
+    """Return the address of a page with its state.
+
+    Examples
+    --------
+    >>> address("/machine", [("case", "a b")])
+    '/machine?case=a+b'
+    """
+    words = urlencode(list(parts))
+    return f"{page}?{words}" if words else page
+
+
+def _unpacked(packed: str) -> str:
+    """Return the text of a case from an address; never more of it than a case file may have."""
+    if not packed:
+        return ""
+    try:
+        unpack = zlib.decompressobj()
+        data = unpack.decompress(base64.b64decode(packed.encode(), b"-_", validate=True), LARGEST_TEXT + 1)
+        if len(data) > LARGEST_TEXT or not unpack.eof:
+            raise ValueError("too long")
+        return data.decode()
+    except (ValueError, zlib.error):
+        raise InputError("address", "toml=…", "a whole case as this app wrote it", "drop the file instead") from None

@@ -1,0 +1,211 @@
+"""Diagrams of the pages, in the colours of the reports; ECharts draws them from plain options."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any, NamedTuple
+
+from strikewave.reporting.style import BLUE, GREEN, GREY, ORANGE, RED
+
+COLOURS = (BLUE, RED, GREEN, ORANGE, GREY)
+KIND_COLOURS = {"full": BLUE, "double": RED, "glancing": ORANGE, "missed": GREY}
+INK, SOFT, LINE = "#1a1f24", "#4d5760", "#e4e4e4"
+PALE_BAND = "rgba(0, 114, 178, 0.10)"
+
+
+class ChartLine(NamedTuple):
+    """A curve: its name, points (x, y), colour and dash (``solid``, ``dashed``, ``dotted``)."""
+
+    name: str
+    points: Sequence[Sequence[float]]
+    colour: str = BLUE
+    dash: str = "solid"
+
+
+class MarkedSpan(NamedTuple):
+    """A piece of the axis of time that is marked, with its name."""
+
+    name: str
+    begin: float
+    end: float
+
+
+def line_chart(
+    title: str,
+    x: str,
+    y: str,
+    lines: Sequence[ChartLine],
+    *,
+    log: bool = False,
+    log_y: bool = False,
+    spans: Sequence[MarkedSpan] = (),
+    zoom: bool = False,
+) -> dict[str, Any]:
+    """Return a diagram of curves; a reader who cannot see it hears what it shows.
+
+    Examples
+    --------
+    >>> line_chart("Force", "time (µs)", "force (kN)", [ChartLine("blow 1", [[0.0, 1.0]])])["xAxis"]["name"]
+    'time (µs)'
+    """
+    series = [
+        {
+            "name": line.name,
+            "type": "line",
+            "data": line.points,
+            "showSymbol": False,
+            "lineStyle": {"width": 1.6, "color": line.colour, "type": line.dash},
+            "itemStyle": {"color": line.colour},
+        }
+        for line in lines
+    ]
+    if spans and series:
+        series[0]["markArea"] = {
+            "silent": True,
+            "itemStyle": {"color": PALE_BAND},
+            "label": {"color": SOFT, "fontSize": 10},
+            "data": [[{"name": span.name, "xAxis": span.begin}, {"xAxis": span.end}] for span in spans],
+        }
+    options = _frame(title, x, y, "log" if log else "value", "log" if log_y else "value")
+    options["legend"] = _legend([line.name for line in lines])
+    if zoom:
+        options["dataZoom"] = [{"type": "inside", "filterMode": "none"}, {"type": "slider", "height": 14, "bottom": 2}]
+        options["grid"]["bottom"] = 54
+    return {**options, "series": series}
+
+
+def train_chart(
+    title: str,
+    unit: str,
+    bars: Sequence[Sequence[Any]],
+    band: Sequence[float] | None,
+    beside: Sequence[Sequence[Any]] = (),
+) -> dict[str, Any]:
+    """Return the peaks of a train of blows as bars, coloured by their kinds, before the band of the later ones.
+
+    Examples
+    --------
+    >>> train_chart("Train", "g", [[1, 4151.0, "full"]], None)["series"][0]["data"][0]["value"]
+    4151.0
+    """
+    options = _frame(title, "blow", f"rigid peak ({unit})", "category", "value")
+    options["xAxis"]["data"] = [str(index) for index, _, _ in bars]
+    kinds = list(dict.fromkeys(kind for _, _, kind in bars))
+    drawn: dict[str, Any] = {
+        "name": "rigid peak",
+        "type": "bar",
+        "barMaxWidth": 26,
+        "data": [
+            {"value": peak, "itemStyle": {"color": KIND_COLOURS.get(kind, GREY)}, "name": kind}
+            for _, peak, kind in bars
+        ],
+    }
+    if band is not None:
+        drawn["markArea"] = {
+            "silent": True,
+            "itemStyle": {"color": PALE_BAND},
+            "data": [[{"yAxis": band[0], "name": "95 % band of the later blows"}, {"yAxis": band[1]}]],
+            "label": {"color": SOFT, "fontSize": 10, "position": "insideTop"},
+        }
+    series = [drawn]
+    if beside:
+        series.append(
+            {
+                "name": "kept beside",
+                "type": "bar",
+                "barMaxWidth": 26,
+                "itemStyle": {"color": "#c9ced3"},
+                "data": [peak for _, peak, _ in beside],
+            }
+        )
+    if len(kinds) > 1 or kinds not in ([], ["full"]):
+        options["title"]["text"] = f"{title}: {', '.join(kinds)}"
+    return {**options, "series": series}
+
+
+def bar_chart(title: str, names: Sequence[str], values: Sequence[float], x: str) -> dict[str, Any]:
+    """Return lying bars, the first one uppermost.
+
+    Examples
+    --------
+    >>> bar_chart("Shares", ["speed"], [0.4], "share (%)")["yAxis"]["data"]
+    ['speed']
+    """
+    options = _frame(title, x, "", "value", "category")
+    options["yAxis"] |= {"data": list(names), "inverse": True}
+    options["grid"]["left"] = 170
+    drawn = {"type": "bar", "data": list(values), "itemStyle": {"color": BLUE}, "barMaxWidth": 16}
+    return {**options, "series": [drawn]}
+
+
+def heat_chart(
+    title: str, x: str, y: str, times: Sequence[str], places: Sequence[str], cells: Sequence[Sequence[float]], unit: str
+) -> dict[str, Any]:
+    """Return a field over time and place in colours that a colour-blind reader can tell apart: blue to red over white.
+
+    Examples
+    --------
+    >>> heat_chart("x-t", "time", "place", ["0"], ["0"], [[0, 0, 1.0]], "MPa")["visualMap"]["max"]
+    1.0
+    """
+    largest = max((abs(cell[2]) for cell in cells), default=0.0) or 1.0
+    options = _frame(title, x, y, "category", "category")
+    options["xAxis"]["data"], options["yAxis"]["data"] = list(times), list(places)
+    options["grid"] |= {"right": 84}
+    options["visualMap"] = {
+        "min": -largest,
+        "max": largest,
+        "calculable": True,
+        "orient": "vertical",
+        "right": 0,
+        "top": "middle",
+        "inRange": {"color": [RED, "#f4c9b0", "#ffffff", "#a9d0e6", BLUE]},
+        "text": [unit, ""],
+        "textStyle": {"color": SOFT, "fontSize": 10},
+        "itemHeight": 110,
+    }
+    return {**options, "series": [{"type": "heatmap", "data": cells, "progressive": 0}]}
+
+
+def _legend(names: Sequence[str]) -> dict[str, Any]:
+    return {
+        "show": len(names) > 1,
+        "top": 22,
+        "left": 8,
+        "itemWidth": 18,
+        "itemHeight": 8,
+        "type": "scroll",
+        "textStyle": {"fontSize": 11},
+    }
+
+
+def _frame(title: str, x: str, y: str, x_kind: str, y_kind: str) -> dict[str, Any]:
+    """Return quiet axes with their labels: no box, a faint grid, and a picture that can be taken away."""
+    axis = {
+        "nameLocation": "middle",
+        "nameTextStyle": {"color": SOFT, "fontSize": 11},
+        "axisLabel": {"fontSize": 10, "hideOverlap": True},
+    }
+    return {
+        "animation": False,
+        "aria": {"enabled": True, "label": {"description": f"{title}. Horizontal: {x}. Vertical: {y}."}},
+        "title": {"text": title, "left": 8, "top": 2, "textStyle": {"fontSize": 13, "fontWeight": 600, "color": INK}},
+        "grid": {"left": 58, "right": 22, "top": 44, "bottom": 42},
+        "tooltip": {"trigger": "axis" if x_kind != "category" else "item", "confine": True},
+        "toolbox": {
+            "right": 6,
+            "top": 0,
+            "itemSize": 13,
+            "feature": {"saveAsImage": {"title": "save as PNG", "pixelRatio": 2}},
+        },
+        "xAxis": {
+            **axis,
+            "type": x_kind,
+            "name": x,
+            "nameGap": 26,
+            **({"min": "dataMin"} if x_kind != "category" else {}),
+            "splitLine": {"show": False},
+            "scale": True,
+        },
+        "yAxis": {**axis, "type": y_kind, "name": y, "nameGap": 42, "splitLine": {"lineStyle": {"color": LINE}}},
+    }

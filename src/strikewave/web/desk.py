@@ -1,0 +1,115 @@
+"""What all pages of one server share: sessions, lookers, how ready the kernels are."""
+
+from __future__ import annotations
+
+import asyncio
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+from nicegui import app, background_tasks, context, ui
+
+from strikewave.base.errors import StrikewaveError
+from strikewave.web import jobs
+from strikewave.web.jobs import PATIENCE, Lookers, PageJob, Say
+from strikewave.web.sessions import Session, Sessions
+
+VIEW = "strikewave.web.machine_view"
+SWEEP = 600.0
+"""Time between two looks for sessions to end, s."""
+
+
+@dataclass
+class Desk:
+    """What all pages share.
+
+    Attributes
+    ----------
+    sessions : Sessions
+        Who uses the app.
+    lookers : Lookers
+        What answers at once.
+    word : str
+        What all should know: that kernels are being compiled, and how many are.
+    """
+
+    sessions: Sessions
+    lookers: Lookers = field(default_factory=Lookers)
+    word: str = ""
+
+    async def warm(self) -> None:
+        """Compile the kernels of machines where that was not done yet, and say how far it is."""
+
+        def show(share: float | None, words: str) -> None:
+            self.word = words
+
+        self.word = "getting ready"
+        try:
+            await self.lookers.warm()
+            await PageJob(f"{VIEW}:warm_kernels").result(show)
+        except StrikewaveError as error:
+            self.word = str(error)
+            return
+        self.word = ""
+        self.lookers.patience = PATIENCE
+
+    async def sweep(self) -> None:
+        """End idle sessions from time to time."""
+        while True:
+            await asyncio.sleep(SWEEP)
+            self.sessions.end_idle()
+
+    def session(self) -> Session:
+        """Return the session of the page that is being built, which counts as seen as long as the page is open.
+
+        Raises
+        ------
+        FullError
+            If there is no room for one more.
+        """
+        session = self.sessions.of(str(app.storage.browser["id"]))
+        client = context.client
+        session.pages += 1
+
+        def left() -> None:
+            session.pages -= 1
+            session.touch()
+
+        client.on_delete(left)
+        return session
+
+    def show_word(self, label: ui.label) -> None:
+        """Keep a label on the word for all."""
+        ui.timer(0.5, lambda: label.set_text(self.word))
+
+
+async def work(session: Session, function: str, *arguments: Any, progress: Say | None = None) -> Any:
+    """Do a piece of work for a session, which ends with it."""
+    return await started(session, PageJob(function, *arguments), progress)
+
+
+async def started(session: Session, job: PageJob, progress: Say | None = None) -> Any:
+    """Await a job of a session."""
+    session.jobs.add(job)
+    try:
+        return await job.result(progress)
+    finally:
+        session.jobs.discard(job)
+
+
+def make_desk(folder: Path | None) -> Desk:
+    """Return what all pages of a server share, and have it begin and end with the server."""
+    jobs.prepare()
+    desk = Desk(Sessions(folder))
+
+    def begin() -> None:
+        background_tasks.create(desk.warm(), name="warm")
+        background_tasks.create(desk.sweep(), name="sweep")
+
+    def end() -> None:
+        desk.lookers.end()
+        desk.sessions.end()
+
+    app.on_startup(begin)
+    app.on_shutdown(end)
+    return desk

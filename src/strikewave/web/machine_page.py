@@ -1,0 +1,471 @@
+"""The page of machines: settings on the left, what they do on the right, at once."""
+
+from __future__ import annotations
+
+import asyncio
+import functools
+from typing import Any
+
+from nicegui import Client, background_tasks, ui
+from nicegui.events import GenericEventArguments
+from starlette.requests import Request
+
+from strikewave.base.errors import StrikewaveError
+from strikewave.reporting.style import BLUE, GREY
+from strikewave.web import parts
+from strikewave.web.case_state import CaseSource, CaseState, address
+from strikewave.web.charts import ChartLine, line_chart, train_chart
+from strikewave.web.desk import VIEW, Desk, started
+from strikewave.web.edited_field import EditedField
+from strikewave.web.jobs import CancelledError, PageJob
+from strikewave.web.sessions import Session, clean_name
+
+USUAL = "li-ma-2019"
+REST = 0.6
+"""Time without a change after which the full run begins, s: a hand that pauses on a slider pauses for less."""
+MOST_UNDONE = 100
+BESIDE = "beside"
+"""Key of the address for the changes of the state that is kept beside."""
+_important: dict[str, list[str]] = {}
+"""Fields that matter most by case, as its last full run found them."""
+MOST_REMEMBERED = 64
+
+
+def add(desk: Desk) -> None:
+    """Add the page to the app."""
+
+    @ui.page("/")
+    async def machine(request: Request, client: Client) -> None:
+        with parts.page_frame("/") as word:
+            desk.show_word(word)
+        try:
+            session = desk.session()
+            given = list(request.query_params.multi_items())
+            state, kept = CaseState.read(given, USUAL), CaseState.read(given, USUAL, BESIDE).changes
+            with parts.waiting("getting ready"):
+                await client.connected()
+                if client.is_deleted:
+                    return
+                opened = await desk.lookers.ask(f"{VIEW}:opened", state.source(session.folder))
+        except StrikewaveError as error:
+            parts.refusal(str(error))
+            return
+        page = MachinePage(desk, session, state, opened)
+        page.beside_changes = dict(kept) if any(key == BESIDE for key, _ in given) else None
+        page.build()
+        page.begin()
+
+
+class MachinePage:
+    """One open page: its state, and what of it is shown."""
+
+    def __init__(self, desk: Desk, session: Session, state: CaseState, opened: dict[str, Any]) -> None:
+        self.desk, self.session, self.state = desk, session, state
+        self.titles: dict[str, str] = opened["titles"]
+        self.fields: dict[str, EditedField] = opened["fields"]
+        self.values: dict[str, float] = opened["values"]
+        self.undone: list[CaseState] = []
+        self.beside_changes: dict[str, str] | None = None
+        self.beside: dict[str, Any] | None = None
+        self.view: dict[str, Any] = {}
+        self.sliders: dict[str, ui.slider] = {}
+        self.inputs: dict[str, ui.input] = {}
+        self._looking = self._again = False
+        self._rest: asyncio.TimerHandle | None = None
+        self._job: PageJob | None = None
+
+    def _source(self, state: CaseState | None = None) -> CaseSource:
+        return (state or self.state).source(self.session.folder)
+
+    # what is on the page
+
+    def build(self) -> None:
+        """Put everything on the page."""
+        with ui.element("main").classes("sw-page").props('id="main"'):
+            with ui.element("div").classes("sw-side"):
+                self._choice()
+                self.side = ui.element("div").classes("sw-side")
+            with ui.element("div").classes("sw-main"):
+                self.state_word = ui.label("").classes("sw-state").props('role="status"')
+                self.key = ui.element("div").style("width:100%")
+                self.refused = ui.element("div").style("width:100%")
+                with ui.element("div").classes("sw-charts"):
+                    self.force = parts.chart(line_chart("Contact force", "", "", []), "contact force of the first blow")
+                    label = "rigid-body acceleration of the first blow"
+                    self.acceleration = parts.chart(line_chart("Rigid-body acceleration", "", "", []), label)
+                    self.train = parts.chart(
+                        train_chart("Train of blows", "g", [], None), "peaks of all blows", wide=True
+                    )
+                self.table = ui.element("div").style("width:100%")
+                self.more = ui.element("div").classes("sw-main")
+                self.take = ui.element("div").style("width:100%")
+                self.drawing = ui.expansion("Drawing of the machine", on_value_change=self._draw)
+                self.same = ui.element("div").classes("sw-main")
+        ui.keyboard(self._key, ignore=["input", "select", "textarea"])
+        self._fields()
+        self._buttons()
+        self._same()
+
+    def _choice(self) -> None:
+        with parts.box("Case"):
+            titles = self.titles
+            options = (
+                titles
+                if self.state.name in titles and not self.state.text
+                else {self.state.name: self.state.name, **titles}
+            )
+            ui.select(options, value=self.state.name, label="built-in case", on_change=self._choose).props(
+                "dense outlined options-dense"
+            ).style("width:100%")
+            parts.drop_zone("or drop a case file (.toml)", self._dropped, multiple=True)
+            with ui.element("div").classes("sw-row").style("margin-top:.5rem"):
+                ui.button("undo", icon="undo", on_click=self.undo).props("flat dense no-caps").tooltip("Ctrl+Z")
+                ui.button("as the case", icon="restart_alt", on_click=self.reset).props("flat dense no-caps")
+                ui.button("keep beside", icon="compare", on_click=self.keep_beside).props("flat dense no-caps").tooltip(
+                    "keep this state, and compare with what you change next"
+                )
+
+    def _fields(self) -> None:
+        """Put the fields on the page: those that matter most with sliders, the rest folded by tables."""
+        self.side.clear()
+        self.sliders, self.inputs = {}, {}
+        important = [path for path in _important.get(self._key_of_case(), []) if path in self.fields]
+        usual = [p for p in ("machine.speed", "machine.height", "machine.engagement", "striker.mass", "object.mass",
+                             "object.frame_stiffness", "contact.restitution") if p in self.fields]  # fmt: skip
+        first = important or usual
+        with self.side:
+            with parts.box("What matters most" if important else "Main settings"):
+                if important:
+                    ui.label("from the shares of the bands of the results, the largest first").classes("sw-soft")
+                for path in first:
+                    self._field(path, slider=True)
+            for table in dict.fromkeys(path.partition(".")[0] for path in self.fields):
+                rest = [p for p in self.fields if p.partition(".")[0] == table and p not in first]
+                if rest:
+                    with ui.expansion(table.capitalize()).props("dense"):
+                        for path in rest:
+                            self._field(path, slider=table not in ("solver", "recorder"))
+
+    def _field(self, path: str, slider: bool) -> None:
+        """Put one field on the page."""
+        one = self.fields[path]
+        typed = self.state.changes.get(path, one.typed)
+        with ui.element("div").classes("sw-field"):
+            label = ui.html(f"<label>{parts.html.escape(one.label)}</label>", sanitize=False)
+            label.tooltip(f"{one.what}. How to get it: {one.how}. Here: {one.provenance}.")
+            box = ui.input(value=typed).props(f'dense outlined aria-label="{parts.html.escape(path)}"')
+            box.on("keydown.enter", lambda: self.set(path, box.value)).on("blur", lambda: self.set(path, box.value))
+            self.inputs[path] = box
+            if slider and one.high > one.low:
+                moved = ui.slider(min=one.low, max=one.high, step=one.step, value=self._number(path))
+                moved.props(f'aria-label="{parts.html.escape(path)}" color=primary')
+                moved.on("update:model-value", functools.partial(self._slide, path), throttle=0.05)
+                moved.on("change", self._rested)
+                self.sliders[path] = moved
+
+    def _number(self, path: str) -> float:
+        """Return the value of a field in the unit of its slider."""
+        one = self.fields[path]
+        return one.shown(self.values[path]) if path in self.values else one.value
+
+    def _buttons(self) -> None:
+        with self.take, parts.box("Take away"), ui.element("div").classes("sw-row"):
+            for name, icon, press in (
+                ("case (.toml)", "description", self._save_case),
+                ("blows (.csv)", "table_chart", self._save_csv),
+                ("report (.html)", "article", functools.partial(self._save_file, "report.html")),
+                ("report (.pdf)", "picture_as_pdf", functools.partial(self._save_file, "report.pdf")),
+                ("histories (.nc)", "data_array", functools.partial(self._save_file, "solution.nc")),
+            ):
+                ui.button(name, icon=icon, on_click=press).props("outline dense no-caps")
+
+    def _same(self) -> None:
+        """Show the command and the lines that give the same."""
+        self.same.clear()
+        with self.same, parts.box("The same without this page"):
+            if self.state.text:
+                ui.label(f"save the case as {self.state.file} first").classes("sw-soft")
+            parts.code("command line", self.state.command())
+            parts.code("Python", self.state.python(more=", band=True"))
+
+    # what the user does
+
+    async def _choose(self, event: Any) -> None:
+        await self._show_other(CaseState(str(event.value)))
+
+    async def _dropped(self, event: Any) -> None:
+        cases = []
+        for file in event.files:
+            content = await file.read()
+            try:
+                self.session.keep(file.name, content)
+                if clean_name(file.name).lower().endswith(".toml"):
+                    text = content.decode("utf-8-sig")
+                    cases.append(CaseState(clean_name(file.name)[: -len(".toml")], text))
+            except UnicodeDecodeError:
+                ui.notify(f"refused: {clean_name(file.name)}: a text file in UTF-8 is wanted", type="warning")
+            except StrikewaveError as error:
+                ui.notify(f"refused: {error}", type="warning")
+        if cases:
+            await self._show_other(cases[-1])
+        elif event.files:
+            ui.notify("kept; a case that names these files can be dropped now", type="info")
+
+    async def _show_other(self, state: CaseState) -> None:
+        """Show another case, on a page of its own address; one that is refused leaves this page as it is."""
+        try:
+            await self.desk.lookers.ask(f"{VIEW}:opened", self._source(state))
+        except StrikewaveError as error:
+            ui.notify(f"refused: {error}"[:400], type="warning", multi_line=True, close_button="close", timeout=15000)
+            return
+        ui.navigate.to(address("/", state.query()))
+
+    def _slide(self, path: str, event: GenericEventArguments) -> None:
+        one = self.fields[path]
+        text = one.text(float(event.args))
+        self._remember()
+        self.inputs[path].value = text
+        self.change(self.state.without(path) if text == one.typed else self.state.changed(path, text))
+
+    async def set(self, path: str, text: Any) -> None:
+        """Set a field to what was typed; what is refused says why, and the field keeps what it had."""
+        typed = str(text or "").strip()
+        before = self.state.changes.get(path, self.fields[path].typed)
+        if typed == before:
+            return
+        new = self.state.without(path) if typed == self.fields[path].typed else self.state.changed(path, typed)
+        try:
+            self.values = await self.desk.lookers.ask(f"{VIEW}:values", self._source(new))
+        except StrikewaveError as error:
+            ui.notify(f"refused: {error}"[:300], type="warning", multi_line=True, close_button="close", timeout=12000)
+            self.inputs[path].value = before
+            return
+        self._remember(whole=True)
+        if path in self.sliders:
+            self.sliders[path].value = self._number(path)
+        self.change(new)
+        self._rested()
+
+    def _remember(self, whole: bool = False) -> None:
+        """Keep the state for undo: one a movement of a slider, not one a step of it."""
+        if whole or self._rest is None:
+            self.undone = [*self.undone[-MOST_UNDONE + 1 :], self.state]
+
+    async def undo(self) -> None:
+        """Go back by one change."""
+        if not self.undone:
+            ui.notify("nothing to undo")
+            return
+        await self._restore(self.undone.pop())
+
+    async def reset(self) -> None:
+        """Go back to the case as it is."""
+        self._remember(whole=True)
+        await self._restore(CaseState(self.state.name, self.state.text))
+
+    async def _restore(self, state: CaseState) -> None:
+        self.state = state
+        self.values = await self.desk.lookers.ask(f"{VIEW}:values", self._source(state))
+        for path, box in self.inputs.items():
+            box.value = state.changes.get(path, self.fields[path].typed)
+        for path, moved in self.sliders.items():
+            moved.value = self._number(path)
+        self.change(state)
+        self._rested()
+
+    async def _key(self, event: Any) -> None:
+        if event.action.keydown and event.key == "z" and (event.modifiers.ctrl or event.modifiers.meta):
+            await self.undo()
+
+    def keep_beside(self) -> None:
+        """Keep this state, to be compared with what is changed next; a second press lets it go."""
+        if self.beside_changes is None:
+            self.beside_changes, self.beside = dict(self.state.changes), dict(self.view)
+        else:
+            self.beside_changes = self.beside = None
+        self._link()
+        self.show()
+
+    # what follows from it
+
+    def begin(self) -> None:
+        """Show the first look, then the full run."""
+        self.change(self.state)
+        self._rested()
+
+    def change(self, state: CaseState) -> None:
+        """Show another state by a first look; where one is under way, the last state is looked at after it."""
+        self.state = state
+        if self._job is not None:
+            self._job.cancel()
+        self._again = True
+        if not self._looking:
+            background_tasks.create(self._look(), name="look")
+        self._rested()
+
+    async def _look(self) -> None:
+        self._looking = True
+        try:
+            while self._again:
+                self._again = False
+                source = self._source()
+                try:
+                    if self.beside_changes is not None and self.beside is None:
+                        kept = CaseState(self.state.name, self.state.text, self.beside_changes)
+                        self.beside = await self.desk.lookers.ask(f"{VIEW}:look", self._source(kept))
+                    view = await self.desk.lookers.ask(f"{VIEW}:look", source)
+                except StrikewaveError as error:
+                    self._refuse(str(error))
+                    continue
+                self.view = view
+                self._say(f"shown: {view['by']}; the full run follows when you pause")
+                self.show()
+        finally:
+            self._looking = False
+
+    def _rested(self) -> None:
+        """Begin the full run once nothing has been changed for a moment."""
+        if self._rest is not None:
+            self._rest.cancel()
+        self._rest = asyncio.get_running_loop().call_later(REST, self._full_soon)
+
+    def _full_soon(self) -> None:
+        self._rest = None
+        background_tasks.create(self._full(), name="full run")
+
+    async def _full(self) -> None:
+        state, job = self.state, PageJob(f"{VIEW}:full", self._source())
+        if self._job is not None:
+            self._job.cancel()
+        self._job = job
+        self._link()
+
+        def progress(share: float | None, words: str) -> None:
+            if state is self.state:
+                done = "" if share is None else f" {100.0 * share:.0f} %"
+                self._say(f"shown: {self.view.get('by', 'nothing yet')}; under way: {words}{done}")
+
+        try:
+            view = await started(self.session, job, progress)
+        except CancelledError:
+            return
+        except StrikewaveError as error:
+            if state is self.state:
+                self._refuse(str(error))
+            return
+        finally:
+            if self._job is job:
+                self._job = None
+        if state is not self.state:
+            return
+        self.view = view
+        self._say(f"shown: {view['by']}")
+        if self._key_of_case() not in _important and view["important"]:
+            if len(_important) >= MOST_REMEMBERED:
+                _important.pop(next(iter(_important)))
+            _important[self._key_of_case()] = view["important"]
+            self._fields()
+        self.show()
+
+    def _key_of_case(self) -> str:
+        return self.state.text or self.state.name
+
+    def _link(self) -> None:
+        """Have the address hold the state, and the command lines with it."""
+        query = self.state.query()
+        if self.beside_changes is not None:
+            query += [(BESIDE, f"{path}={value}") for path, value in self.beside_changes.items()] or [(BESIDE, "")]
+        with self.same:
+            ui.navigate.history.replace(address("/", query))
+        self._same()
+
+    def _say(self, text: str) -> None:
+        self.state_word.text = text
+
+    def _refuse(self, message: str) -> None:
+        self._say("shown: the last state that could be run")
+        self.refused.clear()
+        with self.refused:
+            parts.refusal(message)
+
+    def show(self) -> None:
+        """Show the view that is there."""
+        view, beside = self.view, self.beside
+        if not view:
+            return
+        self.refused.clear()
+        for name, drawn, title in (
+            ("force", self.force, "Contact force, first blow"),
+            ("acceleration", self.acceleration, "Rigid-body acceleration, first blow"),
+        ):
+            y, points = view["pulse"][name]
+            lines = [ChartLine("now", points, BLUE)]
+            if beside:
+                lines.append(ChartLine("kept beside", beside["pulse"][name][1], GREY, "dashed"))
+            parts.replace_options(drawn, line_chart(title, view["pulse"]["time"], y, lines))
+        train = view["train"]
+        kept = beside["train"]["bars"] if beside else ()
+        parts.replace_options(
+            self.train, train_chart("Train of blows", train["unit"], train["bars"], train["band"], kept)
+        )
+        self.key.clear()
+        with self.key:
+            if beside:
+                now, then = dict(view["figures"]), dict(beside["figures"])
+                rows = [[name, now.get(name, "–"), then.get(name, "–")] for name in {**now, **then}]
+                parts.table("compared", ["", "now", "kept beside"], rows)
+            elif view["figures"]:
+                parts.key_numbers(view["figures"])
+            else:
+                ui.label("No striker touches the object: more engagement, or another arrival of the feed.").classes(
+                    "sw-empty"
+                )
+        self.table.clear()
+        with self.table, parts.box("Blows"):
+            parts.table("blows", view["heads"], view["rows"])
+        self.more.clear()
+        with self.more:
+            if view.get("notices") or view.get("balance"):
+                with parts.box("Checks and warnings"):
+                    balance = "; ".join(f"{name} {value}" for name, value in view["balance"])
+                    ui.label(f"balances: {balance} (a run that is off by 1e-6 fails)").classes("sw-soft")
+                    parts.notices(view["notices"])
+            if view.get("compared"):
+                with parts.box("Compared with published values"):
+                    parts.table("published", ["quantity", "origin", "difference", "role"], view["compared"], (0, 1, 3))
+
+    # what is taken away
+
+    async def _save_case(self) -> None:
+        text = await parts.tried(lambda: self.desk.lookers.ask(f"{VIEW}:saved", self._source()))
+        if text is not None:
+            ui.download.content(text, f"{clean_name(self.state.name)}.toml")
+
+    def _save_csv(self) -> None:
+        if "csv" in self.view:
+            ui.download.content(self.view["csv"], "blows.csv")
+        else:
+            ui.notify("the full run is under way: a moment")
+
+    async def _save_file(self, wanted: str) -> None:
+        note = ui.notification(f"making {wanted}", spinner=True, timeout=None)
+        job = PageJob(f"{VIEW}:files", self._source(), wanted)
+        content = await parts.tried(lambda: started(self.session, job))
+        note.dismiss()
+        if content is not None:
+            ui.download.content(content, wanted)
+
+    async def _draw(self, event: Any) -> None:
+        if not event.value:
+            return
+        self.drawing.clear()
+        with self.drawing:
+            ui.spinner()
+        job = PageJob(f"{VIEW}:drawings", self._source())
+        pictures = await parts.tried(lambda: started(self.session, job))
+        self.drawing.clear()
+        with self.drawing:
+            if not pictures:
+                ui.label("this kind of machine is not drawn").classes("sw-soft")
+            for svg, caption in pictures or ():
+                parts.svg_picture(svg, caption)

@@ -1,0 +1,256 @@
+"""What the page of machines shows of a run, as plain values; it runs in processes of the app."""
+
+from __future__ import annotations
+
+import dataclasses
+import functools
+import io
+import tempfile
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from strikewave.analyses.machine.columns import blow_columns
+from strikewave.analyses.machine.figures_of import figures_of
+from strikewave.analyses.machine.kind import kind_of
+from strikewave.analyses.machine.quick_look import quick_look
+from strikewave.analyses.machine.result import SHOWN_WIDTHS, Solution, blow_history
+from strikewave.analyses.machine.run import run_case
+from strikewave.base.compiled import is_cold
+from strikewave.base.result import Band
+from strikewave.cases.case import bundled_cases, dump_case, load_case
+from strikewave.machines.blows import Blow
+from strikewave.reporting.curves import thin
+from strikewave.reporting.numbers import axis_unit, time_unit, with_band
+from strikewave.reporting.parts import NONE
+from strikewave.web.case_loading import loaded
+from strikewave.web.case_state import CaseSource
+from strikewave.web.fields import edited_fields
+from strikewave.web.jobs import Say
+
+FIGURES = (
+    ("first.rigid_peak", "peak, first blow", "m/s^2", "g", 4),
+    ("first.width", "pulse width at 10 %", "s", "us", 4),
+    ("first.velocity_change", "velocity change", "m/s", "m/s", 3),
+    ("typical.rigid_peak", "peak, later blows", "m/s^2", "g", 4),
+    ("interval", "interval of the blows", "s", "ms", 4),
+)
+"""The key numbers: name, words, SI unit, unit shown, digits."""
+KINDS = ("full", "double", "glancing", "missed")
+MOST_IMPORTANT = 6
+"""Fields with a slider: as many as a screen shows beside the pictures."""
+CURVE_COLUMNS = 300
+"""Columns of pixels of a curve on a page."""
+
+
+def opened(source: CaseSource) -> dict[str, Any]:
+    """Return what a page needs to be built: the built-in cases with their titles, and the fields of this one."""
+    plain = loaded(source._replace(changes=()))
+    plain.impact()
+    return {"titles": titles(), "fields": edited_fields(plain), "values": values(source)}
+
+
+@functools.lru_cache(maxsize=1)
+def titles() -> dict[str, str]:
+    """Return the built-in cases of machines with their titles.
+
+    Examples
+    --------
+    >>> "li-ma-2019" in titles()
+    True
+    """
+    cases = {name: load_case(name) for name in bundled_cases()}
+    return {name: f"{name}: {case.title}" for name, case in cases.items() if case.command == "run"}
+
+
+def values(source: CaseSource) -> dict[str, float]:
+    """Return every quantity of a case, SI, by path: what a change would make of it."""
+    return {path: value.si for path, value in loaded(source).values().items()}
+
+
+def saved(source: CaseSource) -> str:
+    """Return a case as a file, which gives the same numbers."""
+    return dump_case(loaded(source))
+
+
+def warm_kernels(say: Say) -> None:
+    """Run once what needs all kernels of machines, where they are not in the cache."""
+    if is_cold("run_train"):
+        source = CaseSource("li-ma-2019", "", (), "")
+        look(source)
+        full(source)
+
+
+def look(source: CaseSource) -> dict[str, Any]:
+    """Return a first look at a machine; see `strikewave.analyses.machine.quick_look`."""
+    seen = quick_look(loaded(source))
+    left_out = "; bodies only, without the waves of the stack" if seen.bodies_only else ""
+    by = ("the fast engine" if seen.fast else "a full run of its bodies") + left_out
+    heads, rows = blow_rows(seen.blows, {})
+    return {
+        "by": by,
+        "figures": shown_figures(figures_of(seen.blows), {}),
+        "pulse": pulse(seen.since, seen.force, seen.acceleration),
+        "train": train(seen.blows, {}),
+        "heads": heads,
+        "rows": rows,
+    }
+
+
+def full(source: CaseSource, say: Say | None = None) -> dict[str, Any]:
+    """Return a full run of a machine with the bands of its results."""
+    words = iter(("the run", "the bands of its results"))
+    word, last = next(words), 0.0
+
+    def progress(share: float) -> None:
+        nonlocal word, last
+        if share < last:
+            word = next(words, word)
+        last = share
+        if say is not None:
+            say(share, word)
+
+    solution = run_case(loaded(source), progress, band=True)
+    heads, rows = blow_rows(solution.blows, solution.band)
+    place = next((k for k, blow in enumerate(solution.blows) if blow.kind != "missed"), None)
+    return {
+        "by": f"a full run; every check {'passed' if not solution.broken else 'but those below passed'}",
+        "figures": shown_figures(solution.figures, solution.band),
+        "pulse": pulse(*_first_pulse(solution, place)),
+        "train": train(solution.blows, solution.band),
+        "heads": heads,
+        "rows": rows,
+        "notices": [(one.severity, one.code, one.message) for one in solution.notices],
+        "balance": [(name.replace("_", " "), f"{value:.1e}") for name, value in solution.balance.items()],
+        "compared": compared(solution),
+        "important": important(solution.band),
+        "csv": solution.tables()["blows.csv"],
+    }
+
+
+def files(source: CaseSource, wanted: str, say: Say | None = None) -> bytes:
+    """Return a file of a full run: ``report.html``, ``report.pdf`` or ``solution.nc``."""
+    case = loaded(source)
+    solution = run_case(case, None if say is None else lambda share: say(share, "the run"), band=True)
+    with tempfile.TemporaryDirectory() as folder:
+        place = Path(folder) / wanted
+        if wanted == "solution.nc":
+            solution.save(place)
+            return place.read_bytes()
+        if say is not None:
+            say(None, "the report")
+        page = solution.report(Path(folder) / "report.html").read_text("utf-8")
+    if wanted != "report.pdf":
+        return page.encode()
+    from strikewave.reporting.pdf import check_pdf, pdf_of
+
+    check_pdf("report.pdf", "PDF")
+    return pdf_of(page, "A4")
+
+
+def drawings(source: CaseSource) -> list[tuple[bytes, str]]:
+    """Return the drawings of a machine as SVG, each with what it shows in words; none where it is not drawn."""
+    case = loaded(source)
+    drawing = kind_of(case).drawing(case)
+    found = []
+    for picture in () if drawing is None else drawing.pictures:
+        with io.BytesIO() as file:
+            picture.figure.savefig(file, format="svg")
+            found.append((file.getvalue(), picture.caption))
+    return found
+
+
+def _first_pulse(solution: Solution, place: int | None) -> tuple[Any, Any, Any]:
+    if place is None:
+        return (np.zeros(0),) * 3
+    width = solution.blows[place].width
+    time, force = blow_history(solution.arrays, place, "pulse_force", width)
+    acceleration = blow_history(solution.arrays, place, "pulse_acceleration", width)[1]
+    kept = time <= (SHOWN_WIDTHS * width if width > 0.0 else time[-1])
+    return time[kept], force[kept], acceleration[kept]
+
+
+def pulse(since: Any, force: Any, acceleration: Any) -> dict[str, Any]:
+    """Return the first pulse in the units shown, with as many samples as a page shows."""
+    (second, time_name), (newton, force_name) = (
+        time_unit(float(np.ptp(since)) if since.size else 0.0),
+        axis_unit("N", "kN"),
+    )
+    size, name = axis_unit("m/s^2", "g")
+    return {
+        "time": f"time after first touch ({time_name})",
+        "force": (f"contact force ({force_name})", _points(since / second, force / newton)),
+        "acceleration": (f"rigid-body acceleration ({name})", _points(since / second, acceleration / size)),
+    }
+
+
+def _points(x: Any, y: Any) -> list[list[float]]:
+    kept = np.isfinite(y)
+    x, y = thin(x[kept], y[kept], CURVE_COLUMNS)
+    return np.round(np.column_stack([x, y]), 4).tolist()
+
+
+def train(found: Sequence[Any], bands: Mapping[str, Band]) -> dict[str, Any]:
+    """Return the peaks of all blows, and the band of the later ones, in the units shown."""
+    size, name = axis_unit("m/s^2", "g")
+    band = bands.get("typical.rigid_peak")
+    return {
+        "unit": name,
+        "bars": [[b.index, round(b.rigid_peak / size, 2) if b.kind != "missed" else 0.0, b.kind] for b in found],
+        "band": None if band is None else [band.low / size, band.high / size],
+    }
+
+
+def blow_rows(found: Sequence[Any], bands: Mapping[str, Band]) -> tuple[list[str], list[list[str]]]:
+    """Return heads and rows of the table of blows; a first look has fewer columns."""
+    columns = blow_columns("blows", bands)
+    if found and not isinstance(found[0], Blow):
+        there = {one.name for one in dataclasses.fields(found[0])}
+        columns = tuple(c for c in columns if c.si == "" or _field(c.name) in there)
+    return [column.head for column in columns], [[column.text(blow) for column in columns] for blow in found]
+
+
+def _field(name: str) -> str:
+    return {"pulse width at 10 %": "width"}.get(name, name.replace(" ", "_"))
+
+
+def shown_figures(figures: Mapping[str, float], bands: Mapping[str, Band]) -> list[tuple[str, str]]:
+    """Return the key numbers, each in words with its band where one is known."""
+    return [
+        (words, with_band(figures[name], bands.get(name), si, usual, digits))
+        for name, words, si, usual, digits in FIGURES
+        if name in figures
+    ]
+
+
+def important(bands: Mapping[str, Band]) -> list[str]:
+    """Return the fields to which the bands of the results owe most, the largest share first."""
+    shares: dict[str, float] = {}
+    for band in bands.values():
+        for one in band.inputs:
+            shares[one.field] = shares.get(one.field, 0.0) + one.share
+    return sorted(shares, key=lambda path: -shares[path])[:MOST_IMPORTANT]
+
+
+def compared(solution: Solution) -> list[list[str]]:
+    """Return the comparison with published values as rows of words."""
+    return [
+        [one.quantity, one.measured_or_simulated, signed_percent(one.difference), one.role]
+        for one in solution.comparisons
+    ]
+
+
+def signed_percent(share: float | None) -> str:
+    """Return a difference in percent.
+
+    Examples
+    --------
+    >>> signed_percent(-0.0004), signed_percent(0.0123), signed_percent(None)
+    ('0.0 %', '+1.2 %', '–')
+    """
+    if share is None:
+        return NONE
+    rounded = round(100.0 * share, 1)
+    return f"{rounded:+.1f} %" if rounded else "0.0 %"

@@ -1,0 +1,4 @@
+"""What the processes of the app need: imported once, in the process that they are copied from."""
+
+from strikewave.analyses.machine import drawn as drawn
+from strikewave.web import machine_view as machine_view

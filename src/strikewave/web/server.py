@@ -1,0 +1,125 @@
+"""The server of the app: pages, guard, address, and the browser that is opened on it."""
+
+from __future__ import annotations
+
+import contextlib
+import ipaddress
+import secrets
+import socket
+import threading
+import time
+import webbrowser
+from pathlib import Path
+
+import uvicorn
+from fastapi import FastAPI
+from nicegui import ui
+
+from strikewave.base.errors import InputError
+from strikewave.reporting.terminal import say
+from strikewave.web import machine_page
+from strikewave.web.desk import make_desk
+from strikewave.web.guard import Guard
+
+FAVICON = (
+    '<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 32 32"><rect width="32" height="32" rx="6" fill="#0072b2"/>'
+    '<path d="M3 24h7c3 0 3-16 6-16s3 16 6 16h7" fill="none" stroke="#fff" stroke-width="3"/></svg>'
+)
+RECONNECT = 30.0
+"""Time that a browser may be away before its page is forgotten, s: a lid that was closed for a moment."""
+LARGEST_MESSAGE = 1 << 20
+"""Most bytes of one message of a page: a case file may have as many."""
+
+
+def is_loopback(host: str) -> bool:
+    """Tell whether only this machine can come to a host.
+
+    Examples
+    --------
+    >>> is_loopback("127.0.0.1"), is_loopback("localhost"), is_loopback("0.0.0.0"), is_loopback("192.168.1.4")
+    (True, True, False, False)
+    """
+    if host == "localhost":
+        return True
+    try:
+        return ipaddress.ip_address(host).is_loopback
+    except ValueError:
+        return False
+
+
+def make_app(folder: Path | None, token: str = "") -> Guard:
+    """Return the app, guarded."""
+    desk = make_desk(folder)
+    machine_page.add(desk)
+    server = FastAPI(openapi_url=None, docs_url=None, redoc_url=None)
+    ui.run_with(
+        server,
+        title="strikewave",
+        favicon=FAVICON,
+        reconnect_timeout=RECONNECT,
+        tailwind=False,
+        storage_secret=desk.sessions.secret,
+        session_middleware_kwargs={"same_site": "strict", "max_age": 30 * 24 * 3600},
+        show_welcome_message=False,
+    )
+    return Guard(server, token)
+
+
+def serve(host: str, port: int, folder: Path | None, browser: bool) -> None:
+    """Serve the app until it is stopped.
+
+    Raises
+    ------
+    InputError
+        If the port is taken, or the host is none of this machine.
+    """
+    listening = _listen(host, port)
+    port = listening.getsockname()[1]
+    token = "" if is_loopback(host) else secrets.token_urlsafe(16)
+    app = make_app(folder, token)
+    shown = f"[{host}]" if ":" in host else ("127.0.0.1" if host == "0.0.0.0" else host)
+    address = f"http://{shown}:{port}/" + (f"?token={token}" if token else "")
+    if token:
+        say(
+            f"warning: {host} can be reached by other machines, and what is sent is not encrypted. "
+            "Whoever has the address below can run cases here; give it to nobody else"
+        )
+    say(f"strikewave app: {address}  (Ctrl-C ends it)")
+    config = uvicorn.Config(
+        app,
+        log_level="error",
+        ws_max_size=LARGEST_MESSAGE,
+        timeout_graceful_shutdown=2,
+        server_header=False,
+        loop="asyncio",
+    )
+    server = uvicorn.Server(config)
+    if browser:
+        threading.Thread(target=_open_browser, args=(server, address), daemon=True).start()
+    with contextlib.suppress(KeyboardInterrupt):
+        server.run(sockets=[listening])
+
+
+def _open_browser(server: uvicorn.Server, address: str) -> None:
+    """Open the browser once the server answers."""
+    while not server.started and not server.should_exit:
+        time.sleep(0.02)
+    if not server.should_exit:
+        webbrowser.open(address)
+
+
+def _listen(host: str, port: int) -> socket.socket:
+    """Return the socket on which the server listens, taken before anything else is done."""
+    try:
+        family, kind, _, _, place = socket.getaddrinfo(host, port, type=socket.SOCK_STREAM, flags=socket.AI_PASSIVE)[0]
+        listening = socket.socket(family, kind)
+    except OSError as error:
+        raise InputError("--host", host, "a host of this machine", error.strerror or "") from None
+    listening.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+    try:
+        listening.bind(place)
+    except OSError as error:
+        listening.close()
+        hint = "another program has this port: choose another by --port, or 0 for any that is free"
+        raise InputError("--port", str(port), "a free port of this machine", f"{error.strerror}; {hint}") from None
+    return listening

@@ -1,0 +1,172 @@
+"""Who uses the app: a session a browser, with a folder of its own, and an end."""
+
+from __future__ import annotations
+
+import hashlib
+import re
+import secrets
+import shutil
+import tempfile
+import time
+import unicodedata
+from pathlib import Path
+from typing import Any
+
+from strikewave.base.errors import StrikewaveError
+
+MOST_SESSIONS = 64
+"""Sessions at a time. A new one ends the one that nobody has looked at for longest; one that is looked at is kept."""
+IDLE = 4 * 3600.0
+"""Time after which a session that nobody looks at ends, s: longer than a lunch, shorter than a night."""
+MOST_KEPT = 2 << 30
+"""Most bytes of all files that one session keeps."""
+LONGEST_NAME = 80
+SECRET = "session-secret"
+
+
+class FullError(StrikewaveError):
+    """There is no room: the message says of what, for a page."""
+
+
+def clean_name(name: str) -> str:
+    r"""Return the name of a file that somebody sent as one that leads nowhere and hides nothing.
+
+    Examples
+    --------
+    >>> clean_name("../../etc/passwd"), clean_name("C:\\a\\shot 1.csv"), clean_name("<img src=x>.csv")
+    ('passwd', 'shot 1.csv', '_img src=x_.csv')
+    >>> clean_name("..."), clean_name("a\u202eb.csv\n"), clean_name(".hidden")
+    ('file', 'a_b.csv_', 'hidden')
+    """
+    last = re.split(r"[/\\]", unicodedata.normalize("NFC", name))[-1]
+    plain = "".join(letter if letter.isprintable() and letter not in "<>:\"|?*&'`$" else "_" for letter in last)
+    plain = plain.strip(" .")
+    stem, dot, kind = plain.rpartition(".")
+    if len(plain) > LONGEST_NAME:
+        plain = f"{stem[: LONGEST_NAME - len(kind) - 1]}{dot}{kind}" if len(kind) < 10 else plain[:LONGEST_NAME]
+    return plain or "file"
+
+
+class Session:
+    """What the app keeps of one browser: a folder, and how many of its pages are open.
+
+    Parameters
+    ----------
+    folder : Path
+        For its files alone; made when the first is kept.
+    """
+
+    def __init__(self, folder: Path) -> None:
+        self.folder = folder
+        self.seen = time.monotonic()
+        self.pages = 0
+        self.jobs: set[Any] = set()
+
+    def touch(self) -> None:
+        """Note that somebody is there."""
+        self.seen = time.monotonic()
+
+    def place(self, *names: str) -> Path:
+        """Return a folder below its own, made where it is not there; names are cleaned."""
+        place = self.folder.joinpath(*map(clean_name, names))
+        place.mkdir(parents=True, exist_ok=True, mode=0o700)
+        return place
+
+    def keep(self, name: str, content: bytes, *below: str) -> Path:
+        """Keep a file that was sent, under its cleaned name.
+
+        Raises
+        ------
+        FullError
+            If the session would keep too much.
+        """
+        if self.size() + len(content) > MOST_KEPT:
+            raise FullError(
+                f"{clean_name(name)}: a session keeps {MOST_KEPT >> 30} GB at most; remove other files first"
+            )
+        path = self.place(*below) / clean_name(name)
+        path.write_bytes(content)
+        return path
+
+    def size(self) -> int:
+        """Return how many bytes its files take."""
+        return sum(path.stat().st_size for path in self.folder.rglob("*") if path.is_file())
+
+    def end(self) -> None:
+        """Stop its work."""
+        for job in list(self.jobs):
+            job.cancel()
+
+
+class Sessions:
+    """All sessions.
+
+    Parameters
+    ----------
+    folder : Path, optional
+        Where their folders are kept, for good; in a temporary folder that goes with the app where it is left out.
+    """
+
+    def __init__(self, folder: Path | None = None) -> None:
+        self._kept = folder is not None
+        self._home = Path(tempfile.mkdtemp(prefix="strikewave-")) if folder is None else folder
+        self._home.mkdir(parents=True, exist_ok=True)
+        self._open: dict[str, Session] = {}
+        self.secret = self._secret()
+
+    def _secret(self) -> str:
+        """Return what signs the cookies: kept beside kept results, so that a restart knows the browsers again."""
+        place = self._home / SECRET
+        if self._kept and place.is_file():
+            return place.read_text("ascii").strip()
+        secret = secrets.token_urlsafe(32)
+        if self._kept:
+            place.touch(mode=0o600)
+            place.write_text(secret, "ascii")
+        return secret
+
+    def of(self, browser: str) -> Session:
+        """Return the session of a browser, by what its cookie says.
+
+        Raises
+        ------
+        FullError
+            If there are as many as may be, and somebody looks at each.
+        """
+        name = "session-" + hashlib.sha256(browser.encode()).hexdigest()[:16]
+        if name not in self._open:
+            self.end_idle()
+            if len(self._open) >= MOST_SESSIONS:
+                self._end_oldest()
+            self._open[name] = Session(self._home / name)
+        session = self._open[name]
+        session.touch()
+        return session
+
+    def __len__(self) -> int:
+        return len(self._open)
+
+    def _end_oldest(self) -> None:
+        unseen = [name for name, session in self._open.items() if not session.pages]
+        if not unseen:
+            raise FullError(f"{MOST_SESSIONS} browsers use this app now, which is all it takes: try again later")
+        self._end(min(unseen, key=lambda name: self._open[name].seen))
+
+    def end_idle(self) -> None:
+        """End those that nobody has looked at for long."""
+        now = time.monotonic()
+        for name in [n for n, session in self._open.items() if not session.pages and now - session.seen > IDLE]:
+            self._end(name)
+
+    def _end(self, name: str) -> None:
+        session = self._open.pop(name)
+        session.end()
+        if not self._kept:
+            shutil.rmtree(session.folder, ignore_errors=True)
+
+    def end(self) -> None:
+        """End all."""
+        for name in list(self._open):
+            self._end(name)
+        if not self._kept:
+            shutil.rmtree(self._home, ignore_errors=True)
