@@ -112,4 +112,4 @@ $(BENCH)/peers: $(BENCH)/core benchmarks/requirements.txt benchmarks/constraints
 	[ -n "$$failed" ] || touch $@
 
 clean:
-	rm -rf $(VENV) .bench .uv .audit .pytest_cache .mypy_cache .ruff_cache .hypothesis .import_linter_cache
+	rm -rf $(VENV) dist docs/_build docs/examples docs/reference .bench .uv .audit .pytest_cache .mypy_cache .ruff_cache .hypothesis .import_linter_cache
