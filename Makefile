@@ -17,7 +17,7 @@ help:
 	@echo "make test    set up, then run the tests but for those of make verify"
 	@echo "make verify  set up, then the longer checks: damaged files of every format, all planted records, equal blows, elements (with CalculiX and gmsh where they are installed), the whole reproduction"
 	@echo "make validate  set up, then studies that run once, outside CI: finer maps over what a paper leaves open (writes out/validate)"
-	@echo "make pictures  set up, then draw the screens and photograph the report that README and docs show (docs/images; the report with Chromium)"
+	@echo "make pictures  set up, then draw the screens and photograph the report that README and docs show (docs/images; report and app with Chromium)"
 	@echo "make lint    set up, then style, types and import contract"
 	@echo "make bench   set up with the peers ($(BENCH)), then time everything beside them (writes docs/benchmarks.md)"
 	@echo "make clean   remove the environment and caches"
@@ -37,8 +37,9 @@ verify: $(VENV)/dev
 validate: $(VENV)/core
 	@for study in scripts/validate/*.py; do echo "$$study"; $(BIN)/python "$$study" || exit 1; done
 
-pictures: $(VENV)/core
+pictures: $(VENV)/dev
 	$(BIN)/python scripts/draw_pictures.py
+	$(BIN)/python scripts/draw_app_pictures.py
 
 lint: $(VENV)/dev
 	$(BIN)/ruff check .

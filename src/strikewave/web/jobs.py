@@ -99,7 +99,7 @@ class PageJob:
         Parameters
         ----------
         progress : callable, optional
-            Told how far it is.
+            Called with how far it is.
         plain : bool, optional
             Whether the function takes no ``say``.
 
