@@ -9,7 +9,7 @@ BENCH = .bench/venv
 JOBS ?= 2
 CASES ?= li-ma-2019 li-ma-2019-fig13
 
-.PHONY: demo test verify validate pictures lint bench clean help
+.PHONY: demo test verify validate package pictures lint bench clean help
 .DEFAULT_GOAL := help
 
 help:
@@ -17,6 +17,7 @@ help:
 	@echo "make test    set up, then run the tests but for those of make verify"
 	@echo "make verify  set up, then the longer checks: damaged files of every format, all planted records, equal blows, elements (with CalculiX and gmsh where they are installed), the whole reproduction"
 	@echo "make validate  set up, then studies that run once, outside CI: finer maps over what a paper leaves open (writes out/validate)"
+	@echo "make package  set up, then build wheel and source distribution (dist), check both, install and run the wheel alone with each of PYTHONS"
 	@echo "make pictures  set up, then draw the screens and photograph the report that README and docs show (docs/images; report and app with Chromium)"
 	@echo "make lint    set up, then style, types and import contract"
 	@echo "make bench   set up with the peers ($(BENCH)), then time everything beside them (writes docs/benchmarks.md)"
@@ -37,6 +38,9 @@ verify: $(VENV)/dev
 validate: $(VENV)/core
 	@for study in scripts/validate/*.py; do echo "$$study"; $(BIN)/python "$$study" || exit 1; done
 
+package: $(VENV)/package
+	$(BIN)/python scripts/package/check.py --platforms $(PYTHONS:%=--python %)
+
 pictures: $(VENV)/dev
 	$(BIN)/python scripts/draw_pictures.py
 	$(BIN)/python scripts/draw_app_pictures.py
@@ -56,7 +60,7 @@ bench: $(BENCH)/peers
 	@$(PYTHON) -c 'import venv, ensurepip' 2>/dev/null || { \
 		echo "$(PYTHON) lacks the module venv: install it (Debian, Ubuntu: apt-get install python3-venv; Fedora: dnf install python3), then run make again"; exit 1; }
 	@echo "setting up $* (once; about a minute)"
-	@rm -f $*/core $*/dev $*/peers
+	@rm -f $*/core $*/dev $*/package $*/peers
 	@$(PYTHON) -m venv $*
 	@PIP_CONSTRAINT="$(CURDIR)/constraints.txt" $*/bin/python -m pip install --quiet --disable-pip-version-check -e .
 	@touch $@
@@ -64,6 +68,11 @@ bench: $(BENCH)/peers
 $(VENV)/dev: $(VENV)/core
 	@echo "adding the tools for tests (once)"
 	@PIP_CONSTRAINT="$(CURDIR)/constraints.txt" $(BIN)/python -m pip install --quiet --disable-pip-version-check -e '.[dev,formats,mesh,pdf,bayes,app]'
+	@touch $@
+
+$(VENV)/package: $(VENV)/core
+	@echo "adding the tools that build and check the package (once)"
+	@PIP_CONSTRAINT="$(CURDIR)/constraints.txt" $(BIN)/python -m pip install --quiet --disable-pip-version-check -e '.[package]'
 	@touch $@
 
 # one after the other, so that one that cannot be had keeps no other away; what failed is tried again next time
@@ -78,4 +87,4 @@ $(BENCH)/peers: $(BENCH)/core benchmarks/requirements.txt benchmarks/constraints
 	[ -n "$$failed" ] || touch $@
 
 clean:
-	rm -rf $(VENV) .bench .pytest_cache .mypy_cache .ruff_cache .hypothesis .import_linter_cache
+	rm -rf $(VENV) dist .bench .pytest_cache .mypy_cache .ruff_cache .hypothesis .import_linter_cache

@@ -45,6 +45,7 @@ def started(tmp_path, monkeypatch):
     return processes
 
 
+@pytest.mark.verify
 def test_kernels_of_the_second_process_count_as_those_of_the_first(started):
     told = []
     with compiling_shown(lambda *what: told.append(what)), compiled_beside("any", "jobs_of_a_test:two"):

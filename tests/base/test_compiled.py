@@ -24,6 +24,7 @@ def test_cold_without_a_kernel_of_that_name(tmp_path, monkeypatch):
     assert compiled.is_cold("run_train")
 
 
+@pytest.mark.verify
 def test_a_package_that_lies_elsewhere_takes_the_same_compiled_kernels(tmp_path, environment):
     """A fresh clone, or a second environment, compiles nothing that this machine has compiled."""
     program = (
@@ -59,6 +60,7 @@ def test_a_part_called_by_python_gives_what_it_gives_within_a_kernel():
     assert (squared(3.0), cubed(3.0)) == (9.0, 27.0)
 
 
+@pytest.mark.verify
 def test_parts_are_kept_for_the_kernels_of_another_process(tmp_path, environment):
     """As bitcode alone, in files of their own: those of the same kernels as a whole hold machine code."""
     program = (
@@ -77,6 +79,7 @@ def test_parts_are_kept_for_the_kernels_of_another_process(tmp_path, environment
     assert [".part." in path.name for path in tmp_path.rglob("*evaluate*.nbc")] == [True]
 
 
+@pytest.mark.verify
 def test_a_kernel_from_disk_runs_raises_and_is_linked_by_one_compiled_after_it(tmp_path, environment):
     """Of a kernel that is kept only what runs is read at once: its code for linking, and its words, must still be there."""
     (tmp_path / "kept.py").write_text(
@@ -164,6 +167,7 @@ def test_damaged_kernels_are_dropped_with_a_word_and_the_next_run_has_none_to_sa
     assert run_kept()[:2] == ("9.0 1", 0)
 
 
+@pytest.mark.verify
 def test_a_full_disk_of_the_cache_is_survived_with_a_word(run_kept):
     """RLIMIT_FSIZE refuses a write as a full disk does."""
     limit = "import resource; resource.setrlimit(resource.RLIMIT_FSIZE, (1000, 1000)); "
@@ -201,6 +205,7 @@ def _cubed(x):
     return x * x * x
 
 
+@pytest.mark.verify
 def test_all_that_is_compiled_stands_in_files_whose_text_is_the_key_of_the_cache():
     """What a kernel is made of stands in ``_*.py`` or here: a change elsewhere would be answered from an old cache."""
     own = {path.relative_to(compiled.PACKAGE.parent) for path in compiled.PACKAGE.rglob("_[a-z]*.py")}

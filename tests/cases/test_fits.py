@@ -75,6 +75,7 @@ def test_a_file_keeps_its_fits_without_its_source():
     assert [one.field for one in parse_case(text).stale_fits()] == FITTED
 
 
+@pytest.mark.verify
 def test_the_fields_of_the_fit_are_those_that_move_the_first_pulse():
     """A tenth of any other quantity, or a nudge where it is 0, moves neither peak nor width by half a per mille."""
     case = load_case("li-ma-2019", ["feed.blows=1"])

@@ -90,6 +90,7 @@ def test_a_set_up_takes_a_test_and_is_written_with_it():
     assert with_test(case, {}) is case
 
 
+@pytest.mark.verify
 def test_the_test_heads_page_document_and_case_of_a_run_escaped(strikewave, tmp_path):
     case, out = tmp_path / "case.toml", tmp_path / "out"
     case.write_text(dump_case(with_stated()))
@@ -105,6 +106,7 @@ def test_the_test_heads_page_document_and_case_of_a_run_escaped(strikewave, tmp_
     assert tomllib.loads((out / "case.toml").read_text())["test"] == STATED
 
 
+@pytest.mark.verify
 def test_measured_files_get_their_test_from_the_command_line(strikewave, tmp_path):
     record, item = tmp_path / "shot.csv", tmp_path / "item.toml"
     rows = [f"{1e-5 * k:.6f},{1000.0 if 40 < k < 60 else 0.0}" for k in range(400)]

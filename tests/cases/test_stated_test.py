@@ -188,6 +188,7 @@ def test_a_calibration_holds_from_its_day_to_the_day_on_which_it_is_due(date, la
     assert [notice.code for notice in found.notices()] == ["calibration-overdue"] * lapsed
 
 
+@pytest.mark.verify
 def test_a_measured_file_carries_all_tables_of_its_test_and_warns_of_a_lapsed_calibration(strikewave, tmp_path):
     rows = [f"{1e-5 * k:.6f},{1000.0 if 40 < k < 60 else 0.0}" for k in range(400)]
     (tmp_path / "shot.csv").write_text("\n".join(["time (s),a (g)", *rows]))

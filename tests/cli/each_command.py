@@ -61,8 +61,10 @@ CHEAP = {
     "diff": ("li-ma-2019", "li-ma-2019-equal-blows"),
     "cases": (),
     "materials": (),
+    "doctor": ("--no-speed",),
 }
 DEAR = {
+    "examples": ("mine",),
     "run": ("li-ma-2019-fig5", *TWO),  # with bands of a stack and its sensors
     "wave": ("togami-1996-bar",),
     "reproduce": ("li-ma-2019", "--without", "elements", "--without", "studies"),

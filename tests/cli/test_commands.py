@@ -60,6 +60,7 @@ def test_run_writes_a_whole_result_that_runs_again_to_the_same_numbers(strikewav
     ElementTree.parse("a/summary.svg")
 
 
+@pytest.mark.verify
 def test_run_refuses_the_folder_of_another_result(strikewave):
     assert strikewave("run", "--no-band", "li-ma-2019", "--set", "feed.blows=1", "--out", "a", "--json")[0] == 0
     code, out, err = strikewave("run", "--no-band", "li-ma-2019", "--set", "feed.blows=2", "--out", "a", "--json")
@@ -68,12 +69,14 @@ def test_run_refuses_the_folder_of_another_result(strikewave):
     assert strikewave("run", "--no-band", "li-ma-2019", "--set", "feed.blows=2", "--out", "a", "--force")[0] == 0
 
 
+@pytest.mark.verify
 def test_changed_case_goes_to_a_folder_of_its_own(strikewave):
     assert strikewave("run", "--no-band", "li-ma-2019", "--set", "feed.blows=1")[0] == 0
     assert strikewave("run", "--no-band", "li-ma-2019", "--set", "feed.blows=2")[0] == 0
     assert len(os.listdir("out")) == 2
 
 
+@pytest.mark.verify
 def test_out_name_holds_the_last_run_of_that_name(strikewave):
     """new, run, change, run: nobody has to type --force for the folder that the command chose itself."""
     assert strikewave("new", "mine")[0] == 0
@@ -85,6 +88,7 @@ def test_out_name_holds_the_last_run_of_that_name(strikewave):
     assert "700 rpm" in open("out/mine/case.toml").read()
 
 
+@pytest.mark.verify
 def test_a_changed_case_says_so(strikewave):
     code, out, err = strikewave(
         "run", "--no-band", "li-ma-2019", "--set", "machine.speed=700 rpm", "--set", "feed.blows=2"
@@ -98,6 +102,7 @@ def test_a_changed_case_says_so(strikewave):
     assert any(line.startswith("li-ma-2019: 700 rpm, 4 strikers") for line in out.splitlines())
 
 
+@pytest.mark.verify
 def test_fewer_or_more_blows_than_wanted_break_a_limit(strikewave):
     code, _, err = strikewave(
         "run", "--no-band", "li-ma-2019", "--set", "feed.retract_time=200 ms", "--set", "feed.blows=2"
@@ -235,6 +240,7 @@ def test_our_own_fault_exits_with_1_in_one_line(strikewave, monkeypatch):
     assert "please report it" in err
 
 
+@pytest.mark.verify
 def test_full_disk_leaves_nothing_half_written(strikewave, monkeypatch, tmp_path):
     def full(*_, **__):
         raise OSError(28, "No space left on device")
@@ -246,6 +252,7 @@ def test_full_disk_leaves_nothing_half_written(strikewave, monkeypatch, tmp_path
     assert os.listdir(tmp_path) == []
 
 
+@pytest.mark.verify
 @pytest.mark.skipif(os.name == "nt", reason="signals of POSIX")
 def test_interrupt_leaves_nothing_half_written(tmp_path, environment):
     """Ctrl-C while the result is being written."""

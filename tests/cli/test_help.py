@@ -175,6 +175,7 @@ FILES_ONLY = ("xarray", "pandas", "pyarrow", "h5py", "h5netcdf", "matplotlib", "
 ONE_BLOW = ["run", "li-ma-2019", "--set", "feed.blows=1"]
 
 
+@pytest.mark.verify
 @pytest.mark.parametrize("band", [[], ["--no-band"]])
 @pytest.mark.parametrize("words", [ONE_BLOW, ["wave", "li-ma-2019-fig13-bar"]])
 def test_json_draws_nothing_and_imports_no_library_for_it(words, band, environment, tmp_path):

@@ -67,6 +67,7 @@ def test_the_result_of_a_command_shows_itself_and_writes_the_same_report(result_
     assert result.report("again.html").read_text("utf-8") == (folder / "report.html").read_text("utf-8")
 
 
+@pytest.mark.verify
 def test_records_in_python_are_those_of_the_command(result_of):
     """The same document, whatever is said of reading, calibration and filter; and the same refusals."""
     write_pulse()

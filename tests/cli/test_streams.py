@@ -34,6 +34,7 @@ def test_a_reader_that_has_seen_enough_ends_it_quietly(environment):
     assert done.stderr == ""
 
 
+@pytest.mark.verify
 def test_ctrl_c_after_the_result_says_that_it_is_whole(strikewave, monkeypatch):
     def stopped(*_):
         raise KeyboardInterrupt

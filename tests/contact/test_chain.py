@@ -144,6 +144,7 @@ def test_stop_gives_its_restitution_and_never_pulls(asked):
     assert motion.forces(np.linspace(0, duration, 2001)).min() >= 0.0
 
 
+@pytest.mark.verify
 @given(st.floats(0.0, 5.0))
 def test_cut_off_restitution_against_its_time_integral(zeta):
     """Integrate m x'' + c x' + k x = 0 with unit constants until the force is zero; compare speeds."""

@@ -88,6 +88,7 @@ def written(tmp_path, ours, solution):
     return write
 
 
+@pytest.mark.verify
 def test_our_forces_measured_anew_are_those_of_our_own_report(solution, ours):
     own = contact_measure(solution.run, NAME)
     found = pulse_of(ours.forces[NAME])

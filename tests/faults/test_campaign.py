@@ -30,6 +30,7 @@ def fate(campaign, bench, name, words):
     return lost
 
 
+@pytest.mark.verify
 def test_an_impact_survives_a_limit_on_files(campaign, bench):
     assert fate(campaign, bench, "impact", "files limited to a few kB") == ""
 

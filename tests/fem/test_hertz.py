@@ -79,6 +79,7 @@ def below(model, run, instant, case):
     return -middle[near, 2], np.einsum("i,nij,j->n", up, tensors(frame.stress[chosen][near]), up)
 
 
+@pytest.mark.verify
 def test_line_contact_has_the_stress_of_mcewen_below_it_with_rate_2():
     """The stress of a one-point element is that of its middle, and a linear field is exact: second order."""
     errors = [pressed(Roller(size)) for size in (2e-4, 1e-4, 5e-5)]

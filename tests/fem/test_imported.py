@@ -365,6 +365,7 @@ def test_tetrahedra_are_refused_with_their_count(meshio, tmp_path):
         read_mesh(path)
 
 
+@pytest.mark.verify
 def test_a_packed_file_that_unpacks_to_more_than_the_bound_is_refused(meshio, tmp_path, monkeypatch):
     from strikewave.fem import imported
 
@@ -403,6 +404,7 @@ $EndElements
         read_mesh(written(tmp_path, text, "far.msh"))
 
 
+@pytest.mark.verify
 @pytest.mark.parametrize("kind", ["msh", "vtk", "vtu", "inp"])
 def test_a_file_that_is_cut_off_or_garbled_ends_in_an_input_error(meshio, tmp_path, rng, kind):
     cube = block("a", (1.0, 1.0, 1.0), 0.5, 0.5, 0.5)

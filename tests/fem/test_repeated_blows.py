@@ -190,6 +190,7 @@ def test_each_blow_of_the_same_speed_yields_less_and_rebounds_more(dented):
     assert 0.0 < back[0] < back[-1] < 1.0
 
 
+@pytest.mark.verify
 def test_what_is_kept_only_grows(dented):
     """Plastic strain nowhere falls, and the dent gets no shallower; it begins with the dent that was left."""
     for sooner, later in itertools.pairwise(dented):

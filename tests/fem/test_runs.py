@@ -72,6 +72,7 @@ def killed_in_the_middle(path):
     solve(yielding_ball(), RunOptions(checkpoint=Checkpoint(path, 2), report=lambda progress: time.sleep(0.02)))
 
 
+@pytest.mark.verify
 def test_a_run_killed_in_the_middle_goes_on_to_the_same_bits(tmp_path):
     path = tmp_path / "restart.h5"
     words = f"import sys, pathlib; sys.path.insert(0, {str(Path(__file__).parents[1])!r}); "

@@ -7,16 +7,18 @@ import nbformat
 import pytest
 from nbclient import NotebookClient
 
+import strikewave
+
 pytestmark = pytest.mark.verify
 
-NOTEBOOKS = sorted((Path(__file__).parents[2] / "docs" / "notebooks").glob("*.ipynb"))
+NOTEBOOKS = sorted((Path(strikewave.__file__).parent / "examples" / "notebooks").glob("*.ipynb"))
 
 
 @pytest.fixture(scope="module")
 def first_run(tmp_path_factory):
     """Return the executed cells of the first notebook by their ids, and the folder in which they ran."""
     folder = tmp_path_factory.mktemp("notebook")
-    notebook = nbformat.read(next(path for path in NOTEBOOKS if path.stem == "first-run"), 4)
+    notebook = nbformat.read(next(path for path in NOTEBOOKS if path.stem == "first-blow"), 4)
     client = NotebookClient(notebook, timeout=300, kernel_name="python3", resources={"metadata": {"path": str(folder)}})
     client.execute()
     return {cell.id: cell for cell in notebook.cells}, folder
@@ -38,6 +40,7 @@ def test_notebooks_are_valid_and_kept_without_outputs(path):
             assert cell.execution_count is None
 
 
+@pytest.mark.verify
 def test_a_result_and_a_study_show_a_table_and_a_curve(first_run):
     cells, _ = first_run
     for name in ("run", "record", "scatter"):
@@ -74,7 +77,7 @@ def test_dataframe_and_report_are_there(first_run):
     cells, folder = first_run
     assert "rigid_peak" in shown(cells["dataframe"])["text/html"]
     assert shown(cells["units"])["text/plain"] == "'m/s^2'"
-    assert (folder / "first-run.html").read_text("utf-8").startswith("<!")
+    assert (folder / "first-blow.html").read_text("utf-8").startswith("<!")
 
 
 def test_nothing_of_a_notebook_warns(first_run):

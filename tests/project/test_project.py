@@ -62,3 +62,7 @@ def test_no_module_of_the_benchmarks_needs_itself():
 
 def test_changelog_knows_the_version():
     assert strikewave.__version__ in (ROOT / "CHANGELOG.md").read_text()
+
+
+def test_the_citation_names_the_version():
+    assert f"version: {strikewave.__version__}\n" in (ROOT / "CITATION.cff").read_text("utf-8")

@@ -72,6 +72,7 @@ def test_no_folder_has_a_name_that_tools_pass_over():
     assert not {"build", "dist"} & {part for name in folders(PACKAGE) for part in name.split("/")}
 
 
+@pytest.mark.verify
 def test_doctests_of_all_modules_are_collected():
     """Every module whose docstrings hold an example, counted by their text, is among those that pytest collects."""
     wanted = set()

@@ -384,6 +384,7 @@ def coloured(rng, size, pole):
     return lfilter([math.sqrt(1.0 - pole**2)], [1.0, -pole], rng.normal(size=size + 2000))[2000:]
 
 
+@pytest.mark.verify
 @pytest.mark.parametrize("pole", [0.0, 0.9, 0.99])
 def test_the_uncertainty_of_figures_covers_noise_of_any_colour(pole, rng):
     """Errors over their standard uncertainties: 1 in root mean square; 60 draws know it to 9 %, the baseline to as much."""

@@ -27,7 +27,7 @@ def alarms(found):
 
 @pytest.mark.parametrize("kind", ["clean-board", "clean-board-train"])
 def test_clean_boards_raise_nothing_and_their_figures_are_right(kind):
-    found = planted_boards.judged_class(kind, 12, FIRST)
+    found = planted_boards.judged_class(kind, 4, FIRST)
     assert not alarms(found)
     assert not silent(found)
 
@@ -54,7 +54,7 @@ TOLD = (
 
 @pytest.mark.parametrize("kind", ["board-clipped", "board-saturated", "board-dead", "board-drift", "board-shift"])
 def test_what_a_fault_does_to_a_response_is_told(kind):
-    found = planted_boards.judged_class(kind, 4, FIRST)
+    found = planted_boards.judged_class(kind, 2, FIRST)
     assert not silent(found)
 
 
@@ -66,7 +66,7 @@ def test_no_figure_of_a_response_is_stated_that_a_fault_has_put_more_than_five_p
 
 @pytest.mark.parametrize("kind", ["board-clipped", "board-dead", "board-spike"])
 def test_a_fault_that_spoils_every_figure_makes_the_channel_bad(kind):
-    assert {v.status for v in planted_boards.judged_class(kind, 3, FIRST + 3000)} == {"bad"}
+    assert {v.status for v in planted_boards.judged_class(kind, 2, FIRST + 3000)} == {"bad"}
 
 
 @pytest.mark.parametrize("ratio", [0.5, 1.5, 2.7])

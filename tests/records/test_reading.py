@@ -100,6 +100,7 @@ def test_any_samples_that_bend_give_pulses_without_a_warning(values):
             assert pulse.begin < pulse.end
 
 
+@pytest.mark.verify
 @settings(max_examples=40)
 @given(
     histories(scales=(1.0,)),
@@ -198,6 +199,7 @@ def test_published_impacts_have_their_published_figures(impacts):
     assert [Path(path).name for path, _, _ in campaign.left_out] == ["impact_00.lvm", "impact_01.lvm"]
 
 
+@pytest.mark.verify
 def test_published_impacts_renamed_and_shuffled_are_the_same(impacts, rng, tmp_path):
     order = rng.permutation(len(impacts))
     moved = []
@@ -212,6 +214,7 @@ def test_published_impacts_renamed_and_shuffled_are_the_same(impacts, rng, tmp_p
         assert two.statistics[name] == pytest.approx(found, rel=1e-9, nan_ok=True), name
 
 
+@pytest.mark.verify
 def test_published_impacts_cut_turned_and_clipped_are_named(impacts):
     records = list(impacts)
     values = [record.channels[0].values for record in records]

@@ -136,6 +136,7 @@ def test_a_campaign_has_the_figures_without_ringing(rng):
     assert campaign.statistics["rigid_width"].mean == pytest.approx(0.936 * LENGTH, rel=0.05)
 
 
+@pytest.mark.verify
 def test_its_uncertainty_covers_noise(rng):
     """A swing of 60 % in noise of 2 %: two standard uncertainties hold 19 of 20 peaks; 16 draws allow three beyond."""
     since = np.maximum(TIME - BEGIN, 0.0)

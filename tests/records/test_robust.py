@@ -31,6 +31,7 @@ def test_one_outlier_is_that_of_grubbs():
             assert outliers(values, 0.05) == ([4] if deviation > 1.715 else [])
 
 
+@pytest.mark.verify
 @pytest.mark.parametrize(("n", "most"), [(5, 1.1), (8, 1.9), (12, 1.6), (20, 1.4), (50, 1.2)])
 def test_false_alarms_of_normal_samples_are_those_asked_for(rng, n, most):
     """Rosner gives the level from 25 values on; between 8 and 20 up to 1.9 times of it."""
@@ -56,6 +57,7 @@ def test_fewer_than_five_and_equal_values_have_no_outlier():
     assert outliers([1.0] * 9, 0.01) == []
 
 
+@pytest.mark.verify
 @pytest.mark.parametrize("n", [2, 3, 4, 5, 6, 7, 8, 9, 10, 25])
 def test_the_spread_of_normal_samples_has_no_bias(rng, n):
     """The mean of 20 000 is known to 0.9 / sqrt(20 000) = 0.6 %; five of these."""

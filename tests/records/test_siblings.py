@@ -37,6 +37,7 @@ def codes(file):
     return [finding.code for finding in file.channels[0].findings]
 
 
+@pytest.mark.verify
 def test_files_that_hold_only_mains_stay_without_a_blow():
     """40 shots of 4660 g among 11 files with a 30 g blip each 1/60 s."""
     peaks = scattered(40, 4660.0, 0.027)
@@ -121,6 +122,7 @@ def test_a_campaign_that_is_stepped_on_purpose_keeps_all_its_files():
     assert summed(files).statistics["peak"].n == 12
 
 
+@pytest.mark.verify
 @settings(derandomize=True, max_examples=12, deadline=None)
 @given(count=st.integers(5, 12), cv=st.floats(0.002, 0.08), seed=st.integers(0, 2**16))
 def test_the_order_of_files_changes_no_statistic_but_the_trend(count, cv, seed):

@@ -121,6 +121,7 @@ def test_a_blow_that_rings_strongly_is_one_blow(frequency, share):
     assert len(find_pulses(values, 1.0 / RATE)) == 1
 
 
+@pytest.mark.verify
 def test_ringing_that_is_folded_down_is_no_second_blow():
     """30 shots of a half-sine of 12 samples; 22 kHz, half the peak, sampled at 25.6 kHz: it looks like 3.6 kHz."""
     rate, counts = 25.6e3, []

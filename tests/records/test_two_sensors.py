@@ -38,6 +38,7 @@ def test_a_planted_delay_and_gain_come_back(delay, rng):
     assert found.leads == (0 if abs(delay) < STEP else 1 if delay > 0.0 else 2)
 
 
+@pytest.mark.verify
 def test_the_uncertainty_of_a_delay_is_the_bound_for_white_noise(rng):
     """(s1^2 + s2^2) / sum s'^2, the Cramer-Rao bound of a known pulse, to what 30 draws tell of a scatter (13 %) and the
     band that is taken off tells of the noise."""

@@ -118,6 +118,7 @@ def test_without_the_extra_an_error_says_how_to_install_it(monkeypatch):
         check_pdf("--pdf", "A4")
 
 
+@pytest.mark.verify
 def test_pdf_needs_a_folder_and_a_report(strikewave, tmp_path):
     code, out, err = strikewave("impact", *IMPACT, "--json", "--pdf", "A4")
     assert (code, out) == (2, "")

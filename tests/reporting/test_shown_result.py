@@ -86,6 +86,7 @@ def test_a_failed_check_stands_in_the_line_and_on_the_page(run):
     assert "check failed: energy-balance" in failed._repr_html_()
 
 
+@pytest.mark.verify
 def test_a_notebook_shows_numbers_curve_and_blows_with_no_script_and_no_matplotlib(run):
     page = run._repr_html_()
     tags = Checked(page).tags

@@ -105,6 +105,7 @@ def test_quantity_of_a_message_is_the_same_in_a_chosen_unit_and_the_rest_of_it_s
     )
 
 
+@pytest.mark.verify
 def test_warnings_follow_the_units_shown_on_screen_and_page_but_not_in_json(strikewave, tmp_path):
     run = ["run", "li-ma-2019", "--no-band", "--set", "feed.blows=1", "--out", "o", "--force", "--show", "N"]
     code, _, err = strikewave(*run, "-v")

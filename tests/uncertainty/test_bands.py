@@ -208,6 +208,7 @@ def test_an_arm_is_never_drawn_with_less_inertia_than_a_point_mass_at_its_centre
         assert all(one.goes_with == () for one in known_inputs(apart))
 
 
+@pytest.mark.verify
 @pytest.mark.parametrize("name", [name for name in bundled_cases() if load_case(name).command == "run"])
 def test_hardly_a_draw_of_a_built_in_case_cannot_be_run(name, monkeypatch):
     """A band rests on the runs that are left: at most 2 % of them may fail, 1 of 50."""
@@ -236,6 +237,7 @@ def test_fit_of_another_machine_is_taken_as_assumed():
     assert [basis["machine.engagement"] for basis in bases] == ["no tolerance stated", "plausible range"]
 
 
+@pytest.mark.verify
 def test_bands_are_the_same_on_one_thread_and_on_three_and_survive_the_files(tmp_path):
     case = load_case("jesd22-b111-b")
     solution = run_case(case)

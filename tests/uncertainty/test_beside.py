@@ -69,6 +69,7 @@ def test_no_copy_of_a_process_with_threads(environment):
     assert _run(program, environment).stdout.split("\n")[:2] == ["None", "none left"]
 
 
+@pytest.mark.verify
 def test_bands_of_runs_at_hand_are_those_of_runs_made_on_the_way():
     case = load_case("li-ma-2019", ["feed.blows=2"])
     solution = run_case(case)

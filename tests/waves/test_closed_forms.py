@@ -417,6 +417,7 @@ def scipy_striker(law, mass, speed, z, transit, t):
     return force
 
 
+@pytest.mark.verify
 @pytest.mark.parametrize(
     ("mass", "law"),
     [

@@ -65,6 +65,7 @@ def test_stiffness_rises_as_causality_asks(loss_factor):
     assert math.log10(K[1] / K[0]) == pytest.approx(2.0 / math.pi * math.atan(loss_factor), rel=0.05)
 
 
+@pytest.mark.verify
 def test_work_of_a_cycle_is_that_of_the_loss():
     # the branches as differential equations in time, solved apart from dynamic_stiffness; W = pi Im K X^2
     fit = fit_loss(1.0, 0.3, 1e3, 1e5)

@@ -48,6 +48,9 @@ def _options(
     """Predict, measure and design high-g impact tests."""
 
 
+FEW_THREADS = {"OPENBLAS_NUM_THREADS": "1"}
+"""Threads of linear algebra, where nothing else is asked for: on matrices as small as ours they wait, and by turning,
+which takes fifteen times as long where the cores have other work."""
 YOUNG_OBJECTS = 50_000
 """Objects after which the garbage collector looks for circles. At Python's own 700 it looks a thousand times while
 modules are imported and pictures drawn, which takes 9 % of a run with its files."""
@@ -56,6 +59,8 @@ modules are imported and pictures drawn, which takes 9 % of a run with its files
 def main() -> None:
     """Run the command line and exit."""
     _open_closed_streams()
+    for name, threads in FEW_THREADS.items():  # numpy reads it when it is imported, which is later
+        os.environ.setdefault(name, threads)
     gc.set_threshold(YOUNG_OBJECTS, *gc.get_threshold()[1:])
     heed()
     warnings.showwarning = _show_warning

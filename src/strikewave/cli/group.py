@@ -55,6 +55,8 @@ PANELS: dict[str, dict[str, tuple[str, str]]] = {
         "diff": ("strikewave.cli.diff", "List the differences of two cases."),
         "cases": ("strikewave.cli.cases", "List the built-in cases."),
         "materials": ("strikewave.cli.materials", "List the materials with their sources."),
+        "examples": ("strikewave.cli.examples", "Copy notebooks, sample records and cases."),
+        "doctor": ("strikewave.cli.doctor", "Say what is installed, missing and cached."),
     },
 }
 """Panel of the help, name of a command, its module (its function is ``command``) and its summary.

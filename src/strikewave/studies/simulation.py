@@ -44,9 +44,9 @@ class Simulation:
     @functools.cached_property
     def bar(self) -> Any:
         """The solution of a layered bar."""
-        from strikewave.analyses.wave.run import run_wave
+        from strikewave.analyses.wave.run import followed
 
-        return run_wave(self.case)
+        return followed(self.case)
 
     @functools.cached_property
     def elements(self) -> Any:
@@ -62,7 +62,8 @@ class Simulation:
 
             return build_dataset(self.case, self.observed)
         if self.case.command == "wave":
-            return self.bar.arrays
+            bar: LabelledArrays = self.bar.histories()
+            return bar
         arrays: LabelledArrays | None = self.elements.arrays
         return arrays
 

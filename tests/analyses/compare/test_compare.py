@@ -283,6 +283,7 @@ def test_a_pulse_is_judged_by_a_specification_as_b(strikewave, peak, duration, v
         assert document["metrics"]["iso18571"]["overall"] > 0.99
 
 
+@pytest.mark.verify
 def test_a_simulation_is_judged_by_the_specification_that_it_was_made_for(strikewave):
     """Its pulse lasts longer than the window of a blow: it is taken out of the whole run, and known to begin at rest."""
     code, out, _ = strikewave("compare", "jesd22-b111-b", "spec:jesd22-b111", "--out", "kept")
@@ -380,6 +381,7 @@ def test_samples_that_are_no_numbers_are_refused():
         checked_curve("A", curve(values))
 
 
+@pytest.mark.verify
 def test_a_table_in_its_fall_is_compared_as_a_sensor_reads_it(strikewave):
     """A record of the run, its zero taken in the fall, is the run: at 1 g of 49 g, 2 % of the peak were missing.
 

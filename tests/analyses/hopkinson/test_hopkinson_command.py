@@ -352,6 +352,7 @@ def test_a_striker_takes_what_is_typed_over_its_material(strikewave, shot):
     assert heavy["striker"]["duration_expected"] == pytest.approx(ratio * plain, rel=1e-12)
 
 
+@pytest.mark.verify
 def test_tables_name_the_excess_impulse_and_hold_no_nan(strikewave, shot):
     """A transmitted bar that is said to be stiffer takes more impulse than came."""
     stiff = ("bar.transmitted.density=7800 kg/m^3", "bar.transmitted.speed=6000 m/s")

@@ -192,6 +192,7 @@ def test_a_law_that_fails_is_told_and_left_out(strikewave, install, function):
     assert err.count("the damping law 'own' is left out") == 1
 
 
+@pytest.mark.verify
 def test_out_holds_the_document_and_three_pictures(strikewave, tmp_path):
     code, out, _ = strikewave("laws", "--out", "a", "--json")
     assert code == 0

@@ -232,6 +232,7 @@ def test_where_all_blows_missed_the_machine_still_moves(solution):
     assert "no blow yet" in frame_words(motion_of(none), 0.1, 1.0)
 
 
+@pytest.mark.verify
 def test_the_gif_has_its_frames_and_says_how_slow_it_is(solution, motion, tmp_path, monkeypatch):
     from PIL import Image
 

@@ -238,6 +238,7 @@ def test_hostile_layer_names_are_no_formula_in_the_drawing():
         FigureCanvasAgg(figure).draw()
 
 
+@pytest.mark.verify
 def test_other_cases_have_no_drawing_and_their_reports_leave_it_out(monkeypatch, solution):
     assert machine_drawings(load_case("li-ma-2019-fig13-bar")) == ()
     other = FallingBall.model_construct(kind="falling-ball")
@@ -251,6 +252,7 @@ def test_other_cases_have_no_drawing_and_their_reports_leave_it_out(monkeypatch,
     assert "The machine at first touch" not in report(solution)
 
 
+@pytest.mark.verify
 def test_the_set_up_says_how_the_nose_meets_the_face(solution):
     assert "like a cam" in report(solution)
     oblique = load_case("li-ma-2019", ["machine.blow_angle=30 deg", "machine.face_width=60 mm"])

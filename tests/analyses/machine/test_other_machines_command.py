@@ -49,6 +49,7 @@ def test_validate_lists_the_values_of_each_case(strikewave, name):
     assert document["provenance"].get("fitted", 0) == 0
 
 
+@pytest.mark.verify
 def test_files_and_report_of_an_amplifier(strikewave, tmp_path):
     code, out, _ = strikewave("run", "--no-band", "rodgers-2009-amplifier", "--out", "it")
     assert code == 0

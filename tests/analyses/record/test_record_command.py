@@ -392,6 +392,7 @@ def test_a_unit_that_is_a_mass_is_refused_with_what_may_be_meant(strikewave):
     assert "kg is a mass" in document(out)["warnings"][0]["message"]
 
 
+@pytest.mark.verify
 def test_screen_report_and_document_advise_the_same_filter(strikewave):
     u = np.arange(4000.0)
     ringing = np.where(

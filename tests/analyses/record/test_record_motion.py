@@ -37,6 +37,7 @@ def test_clean_half_sine_moves_by_its_closed_form():
     assert found.displacement_drift[-1] < 5e-4 * WAY
 
 
+@pytest.mark.verify
 @pytest.mark.parametrize("memory", [0.0, 0.95])
 def test_drift_is_what_drawn_noise_does(memory):
     """White noise, and noise that forgets over 20 samples: the ends miss by the drift that is told."""

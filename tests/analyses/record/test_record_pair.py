@@ -57,6 +57,7 @@ def test_delay_and_gain_stand_in_json_and_tables(strikewave, shots):
     assert again == 0, err  # every file that it wrote is one of a result, and may be replaced
 
 
+@pytest.mark.verify
 def test_screen_and_report_say_who_leads(strikewave, shots, read_page):
     code, out, _ = strikewave("record", str(shots[0]), "--unit", "g", "--pair", "1,2", "--out", "x")
     assert code == 0

@@ -117,6 +117,7 @@ def test_page_is_well_formed_offline_and_the_same_each_time(files, page):
     assert page_of(files, [summed(files)], [FEW], **FACTS) == page
 
 
+@pytest.mark.verify
 def test_sixteen_files_stay_small(page):
     assert len(page.encode()) < LARGEST
 
@@ -181,6 +182,7 @@ def test_without_a_filter_the_page_advises_one(page):
     assert float(rows[2][2].rstrip(" %")) == pytest.approx(52.0, abs=2.0)
 
 
+@pytest.mark.verify
 def test_what_a_filter_did_stands_beside_what_was_before():
     used = Filter.sae_j211(1000)
     files = read(record(count=2), filter=used)
@@ -228,6 +230,7 @@ def test_hostile_names_come_out_as_text():
     assert "alert(" in found.text
 
 
+@pytest.mark.verify
 def test_one_file_and_no_file_and_nothing_but_bad_ones():
     one = read(record(count=15))
     text = Page(page_of(one, [summed(one)], **FACTS)).text
@@ -278,6 +281,7 @@ def test_two_channels_stand_apart():
     assert f"frame: 3 blows, peak {mean / 9.80665:.4g} g" in Page(page).text
 
 
+@pytest.mark.verify
 def test_a_long_list_of_blows_is_cut_and_says_so():
     files = read(record(count=8))
     reading = files[0].channels[0]

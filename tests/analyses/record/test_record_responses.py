@@ -62,6 +62,7 @@ def test_blows_are_summed_up_without_what_a_finding_harms(train):
     assert one.statistics["peak"].cv == pytest.approx(np.std(SIZES, ddof=1) / np.mean(SIZES), rel=0.05)
 
 
+@pytest.mark.verify
 def test_the_report_has_a_chapter_with_picture_and_tables(train):
     page = record_report(record(train, base="frame"))
     chapter = page.partition(">Response channels</h2>")[2].partition("<h2")[0]

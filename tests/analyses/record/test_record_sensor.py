@@ -29,6 +29,7 @@ def shot(tmp_path, monkeypatch):
 VERDICTS = ["can take it", "pulse too short for its resonance", "range exceeded"]
 
 
+@pytest.mark.verify
 def test_each_blow_is_tried(strikewave, shot):
     code, out, err = strikewave("record", shot, "--sensor", "endevco 2225", "--json", "--out", "out")
     assert code == 0, err
@@ -47,6 +48,7 @@ def test_each_blow_is_tried(strikewave, shot):
     assert len(Path("out/sensor.csv").read_text("utf-8").splitlines()) == 4
 
 
+@pytest.mark.verify
 def test_the_screen_and_python_say_the_same(strikewave, shot):
     said = "Endevco 2225: can take 1 of 3 blows; pulse too short for its resonance in 1; range exceeded in 1."
     code, out, err = strikewave("record", shot, "--sensor", "Endevco 2225", "--wide")

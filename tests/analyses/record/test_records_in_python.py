@@ -45,6 +45,7 @@ def here(monkeypatch, tmp_path):
     monkeypatch.chdir(tmp_path)
 
 
+@pytest.mark.verify
 def test_filters_motion_and_test_are_those_of_the_command(result_of):
     shot()
     with open("test.toml", "w") as file:

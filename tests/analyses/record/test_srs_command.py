@@ -224,6 +224,7 @@ def test_a_folder_appears_whole(strikewave, shot, read_page):
     assert page.pictures == 4
 
 
+@pytest.mark.verify
 def test_a_record_that_swings_is_good_for_a_spectrum(strikewave):
     """What is no one-sided blow is no fault of a spectrum: a pyroshock swings."""
     k = np.maximum(np.arange(-4000.0, 36_000.0), 0.0)

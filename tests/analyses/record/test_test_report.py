@@ -204,6 +204,7 @@ def test_the_drawn_shocks_are_few_and_have_those_that_fail(result):
     assert drawn_shocks(shocks[:5]) == list(shocks[:5])
 
 
+@pytest.mark.verify
 @pytest.mark.parametrize("paper", ["A4", "letter"])
 def test_the_sheets_have_number_and_count_of_pages_and_all_that_is_signed(result, paper):
     try:

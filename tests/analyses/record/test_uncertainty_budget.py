@@ -66,6 +66,7 @@ def found(folder):
 EXPANDED = 2.0 * math.hypot(0.02 * 50.0, 0.5 / math.sqrt(3.0))
 
 
+@pytest.mark.verify
 def test_the_figures_of_each_blow_have_their_expanded_uncertainty_everywhere(found):
     [one] = found.readings[0].channels[0].uncertainties
     assert one.figures["peak"].expanded / G == pytest.approx(EXPANDED, rel=1e-3)
@@ -148,6 +149,7 @@ def test_a_spectrum_of_which_too_little_lies_before_the_blow_is_not_judged_by_an
     assert "its uncertainty is not known" in judged.verdict.clauses[0].reason
 
 
+@pytest.mark.verify
 def test_a_comparison_has_the_uncertainty_of_what_was_measured(folder):
     found = sw.compare(str(folder / "s0.csv"), str(folder / "s1.csv"), uncertainty=folder / "budget.toml")
     pair = found.figures["peak"]

@@ -110,6 +110,7 @@ def test_cross_axis_channels_are_judged_and_are_no_shocks(judged):
     assert (cross["verdict"], cross["value"]) == ("fail", pytest.approx(0.4 * 50 * GRAVITY, rel=0.02))
 
 
+@pytest.mark.verify
 def test_an_amount_of_a_budget_is_as_uncertain_across_as_along(judged):
     """A zero known to 10 g: 8 g of cross-axis motion under a limit of 15 g cannot be told to pass, 3 g can."""
     Path("zero.toml").write_text(
@@ -155,6 +156,7 @@ def test_a_direction_that_fits_no_file_or_channel_is_refused_with_those_that_the
     assert (code, "FILES#CHANNEL" in err) == (2, True)
 
 
+@pytest.mark.verify
 def test_files_without_a_direction_are_named_and_fail_no_count(strikewave, judged):
     for name in ("up0.csv", "up1.csv", "side.csv"):
         write_shot(name)
@@ -182,6 +184,7 @@ def test_one_file_of_three_axes_states_a_direction_and_cross_axes_for_each_chann
     assert clauses["cross-axis"]["value"] == pytest.approx(5 * GRAVITY, rel=0.05)
 
 
+@pytest.mark.verify
 def test_a_pass_says_at_its_head_what_was_not_judged(strikewave):
     write_shot("good.csv")
     out = strikewave("record", "good.csv", *IEC, "--out", "kept")[1]
@@ -271,6 +274,7 @@ def test_pictures_tell_spectra_of_one_verdict_apart_and_draw_the_limits_of_a_pea
     assert [level[0] for level in dotted if len(level)] == pytest.approx([40.0, 60.0])
 
 
+@pytest.mark.verify
 def test_lines_of_the_filter_name_their_files(strikewave):
     for name in ("a.csv", "b.csv"):
         write_shot(name)

@@ -36,6 +36,7 @@ def test_every_peak_of_taps_and_sensors_stands_in_the_report(struck):
     assert page.count("data:image/png") == 2  # the x-t field and its scale are the only rasters
 
 
+@pytest.mark.verify
 def test_the_summary_says_what_the_specimen_and_the_sensors_felt(struck, bar):
     reading = struck.readings[0]
     page = report(struck)
@@ -67,6 +68,7 @@ def test_insertion_loss_table_is_that_of_the_continuous_layers(struck):
     assert [float(cell) for cell in row[1:]] == pytest.approx(expected, abs=0.051)  # one decimal is written
 
 
+@pytest.mark.verify
 def test_bar_report_lists_the_lengths_used_and_the_bound(bar):
     page = wave_report(bar)
     assert f"velocity {bar.accuracy[0]:.1e}" in page
@@ -77,6 +79,7 @@ def test_bar_report_lists_the_lengths_used_and_the_bound(bar):
     assert re.search(r"SHA-256|sha256", page)
 
 
+@pytest.mark.verify
 def test_names_of_layers_and_taps_are_text_in_the_report(bar):
     hostile = "<script>alert(1)</script>"
     stack = dataclasses.replace(bar.waves, layers=(dataclasses.replace(bar.waves.layers[0], name=hostile),))

@@ -218,6 +218,7 @@ def test_bad_bar_files_are_refused_in_words(strikewave, tmp_path, text, said):
     assert said in err
 
 
+@pytest.mark.verify
 def test_run_takes_a_bar_as_wave_does_and_a_machine_is_sent_from_wave_to_run(strikewave, bar):
     by_run, by_wave = (json.loads(strikewave(command, bar, "--json")[1]) for command in ("run", "wave"))
     assert by_run["taps"] == by_wave["taps"]

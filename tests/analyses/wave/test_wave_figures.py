@@ -314,6 +314,7 @@ def test_a_machine_has_the_same_picture_without_velocity():
         field.values("velocity")
 
 
+@pytest.mark.verify
 def test_the_report_of_a_bar_shows_the_quantity_that_is_asked_for(bar):
     page = wave_report(bar, "velocity")
     assert "velocity (m/s), along the blow above 0" in page

@@ -182,6 +182,7 @@ def test_endless_wall_is_of_order_three_halves():
     assert (last[0] - last[1]) / (last[1] - last[2]) == pytest.approx(2.0**1.5, rel=0.05)
 
 
+@pytest.mark.verify
 def test_column_in_frame_first_blow():
     """Where a stiff column takes the blow: force, width and sensor by masses and layers, nothing fitted."""
     case, solution = coarse_elastic(WAVE, "80 us")

@@ -208,6 +208,7 @@ def test_the_specimen_is_judged_by_the_model_with_the_papers_faces(struck, monke
     assert not text.startswith(f"{peaks[WAVE_ELEMENTS] / STANDARD_GRAVITY:.0f} g")
 
 
+@pytest.mark.verify
 def test_the_head_has_ranges_and_predictions_alone(result, struck):
     for found in (result, struck):
         words = [label for label, _ in key_numbers(found)]
@@ -300,6 +301,7 @@ def test_equations_say_what_their_exact_number_is_and_its_unit(result):
     assert given[1][1] == "2"
 
 
+@pytest.mark.verify
 def test_the_page_puts_no_words_in_the_papers_mouth(struck, page):
     text = elements_section(struck.runs.elements).text
     assert "as in the paper's simulations" not in text

@@ -61,6 +61,7 @@ def test_a_gasket_is_a_case_that_can_be_written_and_read(elastomer):
     assert parse_case(dump_case(elastomer)) == elastomer
 
 
+@pytest.mark.verify
 def test_lossless_gaskets_of_the_case_magnify_and_ring(result):
     """PTFE as assumed: the buffered sensor reads more than the rigid body and rings more, against the paper's words."""
     own = result.unknowns.gaskets.assumed

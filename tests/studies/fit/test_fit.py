@@ -26,7 +26,7 @@ DROP = "jesd22-b111-b"
 FIELDS = ("contact.reference_force", "contact.restitution")
 
 
-def write_record(path, case, seed, noise=0.01, rate=200e3, part=""):
+def write_record(path, case, seed, noise=0.01, rate=200e3, part="", unit="m/s^2"):
     """Write what an ideal recorder makes of a part of a run: band-limited samples at instants of its own, with noise."""
     rng = np.random.default_rng(seed)
     history = Simulation(case).history(part).history
@@ -35,7 +35,7 @@ def write_record(path, case, seed, noise=0.01, rate=200e3, part=""):
     values = resampled(history.values, places, ratio)
     values += noise * np.max(np.abs(values)) * rng.standard_normal(values.size)
     table = np.column_stack([np.arange(values.size) / rate, values])
-    np.savetxt(path, table, delimiter=",", header="time (s),board (m/s^2)", comments="")
+    np.savetxt(path, table, delimiter=",", header=f"time (s),board ({unit})", comments="")
     return str(path)
 
 
@@ -58,6 +58,7 @@ def test_stored_values_of_the_published_machine_are_found_again(shares):
     assert not study.undetermined
 
 
+@pytest.mark.verify
 def test_engagement_of_the_two_sensor_case_is_found_again():
     """From 10 % off, fitted to the buffered sensor's first peak alone; the directly mounted one is no target."""
     stored = load_case("li-ma-2019-fig5")
@@ -67,6 +68,7 @@ def test_engagement_of_the_two_sensor_case_is_found_again():
     assert [one.called for one in study.numbers] == ["first.sensor_peak buffered"]
 
 
+@pytest.mark.verify
 def test_a_machine_of_ones_own_with_six_strikers_is_fitted():
     """Far from the published settings, where many of the places tried cannot be run: they turn the search back."""
     case = load_case("li-ma-2019", ["machine.strikers=6", "striker.mass=1.2 kg", "machine.speed=500 rpm"])
@@ -78,6 +80,7 @@ def test_a_machine_of_ones_own_with_six_strikers_is_fitted():
         assert one.value == pytest.approx(truth.values()[one.field.path].si, rel=1e-5)
 
 
+@pytest.mark.verify
 def test_planted_values_lie_within_their_errors(tmp_path):
     """Two records of two heights: both values within 4 standard errors (1 in 8000 by chance), no residual beyond noise."""
     truth = load_case(DROP, ["contact.reference_force=900 kN", "contact.restitution=0.72"])
@@ -100,6 +103,7 @@ def moved_height(case, height):
     return parse_case(dump_case(case), case.name, [f"machine.height={height}"])
 
 
+@pytest.mark.verify
 def test_many_targets_come_from_a_file(tmp_path):
     """Peaks of the closed form of a linear contact over height, each at its setting: as if they were typed."""
     heights, peaks = ("0.1 m", "0.2 m", "0.3 m"), []
@@ -113,6 +117,7 @@ def test_many_targets_come_from_a_file(tmp_path):
     assert [one.called for one in study.numbers] == [f"first.rigid_peak (machine.height={one})" for one in heights]
 
 
+@pytest.mark.verify
 def test_two_fields_that_are_one_are_named_as_their_quotient(tmp_path):
     """A linear contact knows its force over its depth alone."""
     truth = load_case(DROP, ["contact.restitution=0.7"])
@@ -126,6 +131,7 @@ def test_two_fields_that_are_one_are_named_as_their_quotient(tmp_path):
     assert values["contact.restitution"].provenance == "fitted"
 
 
+@pytest.mark.verify
 def test_the_number_that_would_separate_two_fields_does():
     """The peak of a drop on a spring goes with the root of height times stiffness, its width with the stiffness alone.
 
@@ -159,6 +165,24 @@ def test_a_bar_is_fitted_to_the_record_of_a_tap(tmp_path):
 
 
 @pytest.mark.verify
+@pytest.mark.parametrize(
+    ("settings", "within"), [((), 1e-3), (("solver.method=delay lines", "solver.step=50 ns"), 0.03)]
+)
+def test_the_length_of_a_layer_is_found_by_a_spectrum_and_as_well_as_time_steps_let_by_delay_lines(
+    tmp_path, settings, within
+):
+    """The echo of a free end 11 mm away, with 1 % of noise: by delay lines a step of 50 ns is 2.6 % of 10 mm."""
+    path, length = "stack.layer.lower.length", 0.011
+    truth = load_case("li-ma-2019-fig13-bar", [f"{path}={length}", "solver.method=spectral"])
+    record = write_record(tmp_path / "bar.csv", truth, 3, rate=20e6, part="sensor.force", unit="N")
+    study = fit(load_case("li-ma-2019-fig13-bar", [f"{path}=10 mm", *settings]), [f"sensor.force={record}"], [path])
+    (value,) = study.parameters
+    assert value.low <= length <= value.high
+    assert value.standard_error < within * length
+    assert any(one.code == "on-stairs" for one in study.notices) == bool(settings)
+
+
+@pytest.mark.verify
 def test_what_another_law_leaves_is_in_the_errors_and_does_not_average_out(tmp_path):
     """Hertz's exponent in two records, a linear contact in the case: told, and the errors of both are those of one.
 
@@ -173,6 +197,7 @@ def test_what_another_law_leaves_is_in_the_errors_and_does_not_average_out(tmp_p
     assert both.parameters[0].standard_error == pytest.approx(one.parameters[0].standard_error, rel=0.1)
 
 
+@pytest.mark.verify
 def test_records_that_differ_from_shot_to_shot_are_told_from_a_model_that_lacks_something(tmp_path):
     """Three forces, 2 % apart: the error of their mean is 2 %/sqrt(3), and each record alone leaves noise."""
     forces = 800e3 * np.array([0.98, 1.0, 1.02])
@@ -211,6 +236,7 @@ def test_channels_of_a_file_and_numbers_of_a_setting_are_one_shot(tmp_path):
     assert [one.scatter for one in read.pulses] == [0.0, 0.0, 0.02]
 
 
+@pytest.mark.verify
 def test_a_fitted_case_reads_back_and_its_bands_know_the_fit(tmp_path):
     truth = load_case(DROP, ["contact.restitution=0.72"])
     study = fit(load_case(DROP, ["contact.restitution=0.65"]), [write_record(tmp_path / "a.csv", truth, 3)], FIELDS)
@@ -372,6 +398,7 @@ def test_what_is_kept_out_is_predicted_within_its_bands(tmp_path):
     assert study.content()["checks"]["inside"] == study.checks.inside
 
 
+@pytest.mark.verify
 def test_a_band_of_values_that_are_not_determined_ends_where_the_data_do():
     """One peak to 2 % for two values: it is predicted to twice that, though places far along fit nothing.
 
@@ -402,24 +429,6 @@ def test_of_tried_laws_the_one_of_the_records_is_kept(tmp_path):
     assert first.more_than_noise == 0 < second.more_than_noise
     assert first.kept_out < second.kept_out
     assert last.failure.startswith("contact.exponent: got")
-
-
-@pytest.mark.verify
-def test_intervals_of_planted_drops_hold_the_truth(tmp_path):
-    """60 drops with noise of 1 %: of 120 intervals of 95 %, 108 to 119 (2.4 standard deviations of chance)."""
-    inside = 0
-    for seed in range(60):
-        rng = np.random.default_rng(1000 + seed)
-        truth = {
-            "contact.reference_force": 789.6e3 * math.exp(rng.uniform(-0.3, 0.3)),
-            "contact.restitution": rng.uniform(0.5, 0.9),
-        }
-        changes = [f"{path}={value!r}" + (" N" if "force" in path else "") for path, value in truth.items()]
-        record = write_record(tmp_path / f"{seed}.csv", load_case(DROP, changes), seed)
-        study = fit(load_case(DROP, ["contact.restitution=0.7"]), [record], FIELDS)
-        assert not study.undetermined
-        inside += sum(one.low <= truth[one.field.path] <= one.high for one in study.parameters)
-    assert 108 <= inside <= 119
 
 
 def test_an_interrupt_keeps_the_best_so_far_from_which_a_fit_goes_on():
@@ -470,6 +479,7 @@ def test_bounds_and_scales_come_from_the_case():
     assert (exponent.low, exponent.high) == (1.0, 10.0)  # none is below 1
 
 
+@pytest.mark.verify
 def test_a_record_is_held_against_what_its_samples_and_the_chain_of_the_sensor_let_through(tmp_path):
     """The published shaft and its buffered sensor: the run that a record is of leaves its noise and no more.
 

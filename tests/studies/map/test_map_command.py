@@ -57,6 +57,7 @@ def test_changed_case_never_replaces_the_unchanged_one(strikewave):
     ]
 
 
+@pytest.mark.verify
 def test_tables_fit_into_80_columns(strikewave, monkeypatch):
     monkeypatch.setenv("COLUMNS", "80")
     _, out, _ = strikewave(*FEW, "--want-cv", "20 %", "--panels", "object.damper=10 N s/m, 40 N s/m")
@@ -89,6 +90,7 @@ def test_no_even_setting_is_exit_code_3(strikewave):
     assert "No setting has blows" in out
 
 
+@pytest.mark.verify
 def test_the_same_map_again_replaces_the_old_one(strikewave):
     strikewave(*FEW, "--out", "here")
     first = Path("here/map.nc").read_bytes()

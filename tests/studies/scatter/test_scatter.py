@@ -406,6 +406,7 @@ def test_equal_blows_at_nominal_values(spring):
     assert set(still.kinds) == {"full"}
 
 
+@pytest.mark.verify
 def test_the_stop_of_equal_blows_bears_them():
     """The largest force of the stop stays below 2 kN in ten drawn runs."""
     case = load_case(EQUAL)

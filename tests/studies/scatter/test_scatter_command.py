@@ -85,6 +85,7 @@ def test_published_machine_scatters_by_all_that_is_assumed_and_moves_a_blow():
         assert run_result(case.with_values({path: more})).peak == pytest.approx(peaks, rel=1e-6)
 
 
+@pytest.mark.verify
 def test_the_case_file_of_a_result_runs_again_to_the_same_bits(strikewave):
     strikewave(*QUICK, *TWO, "--shares", "none", "--out", "first")
     strikewave("scatter", "first", "--workers", "1", "--runs", "10", "--shares", "none", "--out", "second")
@@ -93,6 +94,7 @@ def test_the_case_file_of_a_result_runs_again_to_the_same_bits(strikewave):
     assert case.striker.mass.half_width == 0.02
 
 
+@pytest.mark.verify
 def test_another_seed_is_another_result_and_needs_force(strikewave):
     words = (*QUICK, *TWO, "--shares", "none", "--out", "here")
     assert strikewave(*words)[0] == 0
@@ -102,6 +104,7 @@ def test_another_seed_is_another_result_and_needs_force(strikewave):
     assert strikewave(*words, "--seed", "2", "--force")[0] == 0
 
 
+@pytest.mark.verify
 def test_json_alone_writes_no_files(strikewave):
     code, out, _ = strikewave(*QUICK, *TWO, "--json")
     document = json.loads(out)
@@ -125,6 +128,7 @@ def test_sobol_indices_come_with_totals(strikewave):
     assert any("Saltelli" in source for source in document["sources"])
 
 
+@pytest.mark.verify
 def test_changed_case_gets_a_folder_of_its_own(strikewave):
     for change in ("feed.arrival.tolerance=0.05", "feed.arrival.tolerance=0.1"):
         assert strikewave(*QUICK, "--shares", "none", "--set", change)[0] == 0
@@ -164,6 +168,7 @@ def test_narrow_screen_folds_no_row(strikewave, monkeypatch, shares):
         assert [len(cells) for cells in within] == [1 + 1 + 1 + 1 + 3 + 1] * 2
 
 
+@pytest.mark.verify
 def test_runs_without_a_limit_count_as_beyond_it(study):
     """Of 96 runs the 95th is the limit (Wilks): with eight more that failed or missed a blow there is none."""
     from dataclasses import replace

@@ -258,6 +258,7 @@ def test_python_refuses_a_specification_without_an_interval_as_the_command_does(
         strikewave.synthesize("nasa-gevs", by="cosines")
 
 
+@pytest.mark.verify
 def test_the_recorder_of_a_design_holds_what_the_specification_looks_at(strikewave):
     """The record of its run, zero in the fall, is judged as the design is: it ended in the pulse, and began at touch."""
     asked = "iec-60068-2-27:50g-11ms"
@@ -276,6 +277,7 @@ def test_a_stroke_that_is_too_short_is_refused_with_what_its_fall_gives():
         design("iec-60068-2-27:50g-11ms", "linear, restitution=1", stroke=0.05)
 
 
+@pytest.mark.verify
 def test_each_design_that_does_not_meet_has_its_reason_and_an_assumed_law_is_said(strikewave):
     code, out, _ = strikewave("settings", "--spec", "iec-60068-2-27:50g-11ms", "--diameter", "50 mm", "--out", "kept")
     assert code == 0

@@ -270,7 +270,17 @@ class WaveSolution(ShownResult):
 
     @functools.cached_property
     def arrays(self) -> LabelledArrays:
-        """All histories and the x-t field with units."""
+        """All histories and the x-t field with units, and the case."""
+        attributes = {
+            "strikewave_schema": SCHEMA,
+            "strikewave_version": __version__,
+            "case": self.source.text,
+            "route": self.route,
+        }
+        return dataclasses.replace(self.histories(), attrs=attributes)
+
+    def histories(self) -> LabelledArrays:
+        """Return all histories and the x-t field with units."""
         run, where = self.run, ("time", "tap")
         force, stress, velocity, acceleration = (np.column_stack(c) for c in zip(*self._histories(), strict=True))
         variables = {
@@ -298,13 +308,7 @@ class WaveSolution(ShownResult):
             "field_time": quantity("field_time", run.field_time, "s", "time after the start of the load"),
             "tap": ("tap", np.array([name for name, _ in self.taps], dtype=object)),
         }
-        attributes = {
-            "strikewave_schema": SCHEMA,
-            "strikewave_version": __version__,
-            "case": self.source.text,
-            "route": self.route,
-        }
-        return LabelledArrays.of(variables, coordinates, attributes)
+        return LabelledArrays.of(variables, coordinates, {})
 
     def highlights(self) -> list[tuple[str, str]]:
         """Return the peaks at the first tap, and what each sensor reads."""

@@ -69,9 +69,14 @@ def run_wave(case: Case, period: float = math.inf) -> WaveSolution:
     return dataclasses.replace(solution, notices=tuple(layered_bar_notices(solution, *noticed)))
 
 
+def followed(case: Case) -> WaveSolution:
+    """Return the solution of a case by its own route alone, without notices: what studies run many times."""
+    return _follow(case, math.inf, (case.solver.route,))[0]
+
+
 def bar_figures(case: Case) -> dict[str, float]:
-    """Return `WaveSolution.figures` of a case, without what they do not depend on: other routes and notices."""
-    return _follow(case, math.inf, (case.solver.route,))[0].figures
+    """Return `WaveSolution.figures` of a case."""
+    return followed(case).figures
 
 
 def _follow(case: Case, period: float, wanted_routes: Sequence[str]) -> tuple[WaveSolution, Noticed]:

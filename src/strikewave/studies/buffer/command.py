@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 from typing import Annotated, Any, Literal
 
 import typer
@@ -89,7 +88,6 @@ def command(
     They are ranked by what the sensor reads of a blow, and by the bandwidth that is left. The blow is that of a machine
     case or a layered bar at the sensor's tap, or a record. With --json, no files are written unless --out is given.
     """
-    os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # for matrices this small, threads wait longer than they work
     from strikewave.studies.buffer.candidate import BufferGoal
     from strikewave.studies.buffer.question import choices_of
     from strikewave.studies.buffer.screen import BufferCommand, rank_buffers, source_of_case, source_of_record

@@ -62,7 +62,6 @@ def command(
     goals exclude each other and by how much, and the exit code is 3. A design that is stopped is continued by the same
     command. With --json, no files are written unless --out is given.
     """
-    os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # for arrays this small, threads wait longer than they work
     from strikewave.cases.case import dump_case
     from strikewave.reporting.run_and_write import case_folder, run_and_write
     from strikewave.studies.design.design_file import load_design

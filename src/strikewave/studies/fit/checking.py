@@ -139,13 +139,13 @@ def allowed_places(solved: Solved, places: Sequence[Array]) -> list[Array]:
     A direction that is not determined is flat near the best place alone: far along it most places fit nothing. What
     one standard deviation of the determined directions adds to the misfit counts as one.
     """
-    from scipy.stats import chi2
+    from scipy.special import chdtri
 
     found, size = solved.estimate, solved.estimate.place.size
     known = size - found.undetermined.shape[1]
     alone = float(np.sum((found.jacobian.T @ found.jacobian) * found.covariance))
     per = max(alone / known, 1.0) if known else 1.0
-    limit = found.misfit + per * float(chi2.ppf(0.95, size)) * (found.widest / NORMAL) ** 2
+    limit = found.misfit + per * float(chdtri(size, 0.05)) * (found.widest / NORMAL) ** 2
     kept, left = [np.asarray(place) for place in places], list(range(len(places)))
     for _ in range(HALVINGS):
         residuals = on_threads(solved.problem.residuals, [kept[k] for k in left])
@@ -206,7 +206,7 @@ def _left_over(problem: Problem, place: Array) -> dict[str, float]:
 
     Root mean square, with Student's t for as many records.
     """
-    from scipy.stats import t
+    from scipy.special import stdtrit
 
     off: dict[str, list[float]] = {}
     for experiment, run in zip(problem.experiments, problem.runs(place), strict=True):
@@ -214,6 +214,6 @@ def _left_over(problem: Problem, place: Array) -> dict[str, float]:
             for (name, _, measured, _), computed in zip(_figures(one), _computed(one, run), strict=True):
                 off.setdefault(_kind(one, name), []).append(computed / measured - 1.0)
     return {
-        name: float(t.ppf(0.975, len(values))) * math.sqrt(float(np.mean(np.square(values))))
+        name: float(stdtrit(len(values), 0.975)) * math.sqrt(float(np.mean(np.square(values))))
         for name, values in off.items()
     }

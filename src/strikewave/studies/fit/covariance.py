@@ -154,11 +154,11 @@ def estimate(place: Array, residuals: Array, jacobian: Array, blocks: Sequence[R
 
 def _reach(covariance: Array, spreads: Sequence[Spread]) -> Array:
     """Return the half width of the 95 % interval of each coordinate over its standard error."""
-    from scipy.stats import t
+    from scipy.special import stdtrit
 
     whole = np.maximum(np.diag(covariance), np.finfo(float).tiny)
     shares = [np.sqrt(np.maximum(np.diag(one.covariance), 0.0) / whole) for one in spreads]
-    ends = [t.ppf(0.975, one.freedom) * share for one, share in zip(spreads, shares, strict=True)]
+    ends = [stdtrit(one.freedom, 0.975) * share for one, share in zip(spreads, shares, strict=True)]
     return np.asarray(np.max([np.full(whole.size, NORMAL), *ends], axis=0))
 
 

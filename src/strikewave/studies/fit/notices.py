@@ -6,7 +6,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from strikewave.base.result import FAILED, INFO, Notice
-from strikewave.reporting.numbers import percent
+from strikewave.cases.case import Case
+from strikewave.reporting.numbers import listed, percent
 from strikewave.studies.fit.posterior import ENOUGH, LONG, Posterior
 from strikewave.studies.fit.result import FitStudy, combination_words, separating_words, value_words
 
@@ -17,6 +18,8 @@ MET = 2.0
 """Standard uncertainties of a number within which the fit meets it: 95 %."""
 AT_BOUND = 1e-4
 """Distance from a bound, over the width of the bounds, at which a value stands at it."""
+ON_STAIRS = 0.5
+"""Steps in which a value moves the run, over its standard error, beyond which they are a good part of it."""
 ALIKE = 0.98
 """Correlation of two values beyond which the report says that they are known together far better than each."""
 
@@ -32,6 +35,29 @@ def posterior_notices(posterior: Posterior) -> list[Notice]:
         "needed; ends of its intervals may be off"
     )
     return [Notice("chains-too-short", message, posterior.steps / posterior.memory, LONG)]
+
+
+def held_notices(case: Case) -> list[Notice]:
+    """Return which values of an earlier fit are held, where the fields are those that the case marks as fitted.
+
+    Examples
+    --------
+    >>> from strikewave import load_case
+    >>> held_notices(load_case("li-ma-2019", ["machine.engagement=6 mm"]))[0].code
+    'held'
+    """
+    values = case.values()
+    paths = dict.fromkeys(path for fit in case.fit for path in fit.fields if path in values)
+    held = [path for path in paths if values[path].provenance != "fitted"]
+    if not held:
+        return []
+    words = (
+        "is held as it was set, though it was fitted before"
+        if len(held) == 1
+        else "are held as set, though fitted before"
+    )
+    message = f"{listed(held)} {words}: name every field to fit by --free"
+    return [Notice("held", message, float(len(held)), 0.0)]
 
 
 def fit_notices(study: FitStudy) -> list[Notice]:
@@ -73,6 +99,14 @@ def fit_notices(study: FitStudy) -> list[Notice]:
         if min(at, 1.0 - at) < AT_BOUND:
             message = f"{value.field.path} stands at a bound, {value_words(value)}: its best value may lie beyond"
             notices.append(Notice("at-bound", message, value.value))
+    for value in study.parameters:
+        if value.stair > ON_STAIRS * value.standard_error and value.determined:
+            steps = value.field.shown(value.stair, 2)
+            message = (
+                f"{value.field.path} moves the run in steps of {steps}, those of waves through its layer: it cannot be "
+                "known better; a smaller solver.step makes them finer"
+            )
+            notices.append(Notice("on-stairs", message, value.stair, ON_STAIRS * value.standard_error))
     for place in study.solved.others:
         words = ", ".join(
             f"{value.field.path} = {value.field.shown(value.field.si(float(at)), 4)}"

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 import math
 from collections import Counter
 from collections.abc import Callable, Sequence
@@ -13,12 +14,16 @@ from numpy.typing import NDArray
 
 from strikewave.base.errors import InputError, StrikewaveError
 from strikewave.cases.case import Case
+from strikewave.studies.engine.case_evaluation import numbers_of
 from strikewave.studies.fit.covariance import Estimate, ResidualBlock, estimate
 from strikewave.studies.fit.estimation import FINAL_STEP, ROUGH, Search
+from strikewave.studies.fit.fast_run import FastRun, runs_fast
 from strikewave.studies.fit.free_fields import FreeField, case_at
 from strikewave.studies.fit.measured import Measured, MeasuredNumber, MeasuredPulse
 from strikewave.studies.fit.noise import independent_count
+from strikewave.studies.fit.transits import stair
 from strikewave.studies.simulation import Simulation
+from strikewave.uncertainty.runs import or_none
 
 Array = NDArray[np.float64]
 
@@ -94,10 +99,30 @@ class Problem:
         What is fitted to.
     fields : sequence of FreeField
         What is free.
+    simulate : callable, optional
+        Runs a case.
     """
 
-    def __init__(self, experiments: Sequence[Experiment], fields: Sequence[FreeField]) -> None:
-        self.experiments, self.fields = tuple(experiments), tuple(fields)
+    def __init__(
+        self,
+        experiments: Sequence[Experiment],
+        fields: Sequence[FreeField],
+        simulate: Callable[[Case], Simulation] = Simulation,
+    ) -> None:
+        self.experiments, self.fields, self._simulate = tuple(experiments), tuple(fields), simulate
+
+    def fast(self) -> Problem | None:
+        """Return the problem with fast runs, where these give all that was measured; else None."""
+        given = all(
+            runs_fast(experiment.case)
+            and all(
+                isinstance(one, MeasuredNumber) and one.name in numbers_of(experiment.case, "fast")
+                for one in experiment.measured
+            )
+            for experiment in self.experiments
+        )
+        found = Problem(self.experiments, self.fields, FastRun) if given else None
+        return None if found is None or or_none(found.residuals, self.start) is None else found
 
     @property
     def measured(self) -> list[Measured]:
@@ -114,9 +139,16 @@ class Problem:
         """Place of the case in the unit cube."""
         return np.array([field.place(field.value.si) for field in self.fields])
 
+    @functools.cached_property
+    def stairs(self) -> Array:
+        """By how much each field moves until the runs feel it, in the unit cube: see `transits.stair`."""
+        shares = [max(stair(one.case, field.path) for one in self.experiments) for field in self.fields]
+        sizes = [(1.0 if field.log else abs(field.value.si)) / field.width for field in self.fields]
+        return np.multiply(shares, sizes)
+
     def runs(self, place: Array) -> list[Simulation]:
         """Return a run of each experiment at a place."""
-        return [Simulation(case_at(one.case, self.fields, place)) for one in self.experiments]
+        return [self._simulate(case_at(one.case, self.fields, place)) for one in self.experiments]
 
     def residuals(self, place: Array) -> Array:
         """Return all residuals at a place."""
@@ -207,12 +239,12 @@ class Problem:
 
     def _missed(self, residuals: Array) -> Array | None:
         """Return the root mean square of the numbers where they are missed by more than chance (Birge 1932)."""
-        from scipy.stats import chi2
+        from scipy.special import chdtri
 
         pairs = zip(self.measured, self.rows(), strict=True)
         missed = np.array([float(residuals[rows][0]) for one, rows in pairs if isinstance(one, MeasuredNumber)])
         freedom = missed.size - len(self.fields)
-        if freedom < 1 or float(missed @ missed) <= float(chi2.ppf(1.0 - CHANCE, freedom)):
+        if freedom < 1 or float(missed @ missed) <= float(chdtri(freedom, CHANCE)):
             return None
         return np.array([_root_mean_square(missed)])
 
@@ -248,11 +280,11 @@ def _independent(one: MeasuredPulse, left: Array) -> float:
 
 def more_than_noise(one: MeasuredPulse, left: Array) -> bool:
     """Tell whether noise, and the stated scatter of the amplitude, leave so much once in a thousand times at most."""
-    from scipy.stats import f, norm
+    from scipy.special import fdtri, ndtri
 
     quiet = independent_count(one.quiet, one.correlation) if one.quiet else math.inf
-    limit = float(f.ppf(1.0 - CHANCE, _independent(one, left), min(quiet, 1e9)))
-    scatter = float(norm.ppf(1.0 - 0.5 * CHANCE)) * one.scatter * _root_mean_square(one.values) / one.deviation
+    limit = float(fdtri(_independent(one, left), min(quiet, 1e9), 1.0 - CHANCE))
+    scatter = float(ndtri(1.0 - 0.5 * CHANCE)) * one.scatter * _root_mean_square(one.values) / one.deviation
     return bool(one.left * _root_mean_square(left) > math.hypot(math.sqrt(limit), scatter))
 
 
@@ -279,19 +311,25 @@ def solve(problem: Problem, advance: Callable[[int, float], None] | None = None)
     InputError
         If the case itself cannot be run, or a field changes nothing that was measured.
     """
-    search, stopped, ends = Search(problem.residuals, len(problem.fields), advance), False, list[tuple[Array, Array]]()
+    search = Search(problem.residuals, len(problem.fields), advance, problem.stairs)
+    stopped, ends = False, list[tuple[Array, Array]]()
     first = _begun(search, problem)
     try:
         _check_felt(problem, search, first)
         if problem.slow:
             ends = [search.descend(problem.start, accuracy=ROUGH)]
         else:
+            fast = problem.fast()
+            search.residuals = problem.residuals if fast is None else fast.residuals
             ends = search.wide(problem.start, problem.explained)
         place, residuals = _nearest(ends, problem.start)
+        if search.residuals != problem.residuals:  # from the end of fast runs full ones have a step or two to go
+            search.residuals = problem.residuals
+            place, residuals = search.descend(place)
         used, misfits = problem, problem.misfits(residuals)
         if len(misfits) > 1 and any(one.more_than_noise for one in misfits):
             used = problem.weighted(misfits)
-            again = Search(used.residuals, len(problem.fields), advance)
+            again = Search(used.residuals, len(problem.fields), advance, problem.stairs)
             again.begin(place)
             place, _ = again.descend(place)
             again.runs += search.runs
@@ -305,6 +343,8 @@ def solve(problem: Problem, advance: Callable[[int, float], None] | None = None)
     except KeyboardInterrupt:  # the values are found, their errors are not
         jacobian, stopped = np.zeros((residuals.size, place.size)), True
     found = estimate(place, residuals, jacobian, used.blocks(residuals, jacobian))
+    on_stairs = np.diag(problem.stairs**2 / 3.0)  # anywhere within one to either side fits as well
+    found = replace(found, covariance=found.covariance + on_stairs)
     left = used.misfits(residuals, used.alone(residuals, jacobian))
     base = residuals if used is problem else problem.residuals(place)  # other ends have the weights of the search
     return Solved(used, found, tuple(left), _others(ends, found, base), search.runs, stopped, search)

@@ -50,6 +50,8 @@ class FittedParameter:
         Ends of its 95 % interval, SI; its bounds where it is not determined.
     profile : ProfileEnds or None
         Where the interval is that of its profile, as the misfit is no parabola.
+    stair : float
+        By how much it moves until the run feels it, SI; 0 where it does smoothly.
     """
 
     field: FreeField
@@ -58,6 +60,7 @@ class FittedParameter:
     low: float
     high: float
     profile: ProfileEnds | None = None
+    stair: float = 0.0
 
     @property
     def determined(self) -> bool:

@@ -21,7 +21,7 @@ from strikewave.studies.fit.fit_file import load_fit
 from strikewave.studies.fit.fitted_case import FittedTo, fitted_case
 from strikewave.studies.fit.free_fields import FreeField, changed_case, free_fields
 from strikewave.studies.fit.measured import LaidPulse, MeasuredNumber, MeasuredPulse
-from strikewave.studies.fit.notices import NOT_SAMPLED, fit_notices, posterior_notices
+from strikewave.studies.fit.notices import NOT_SAMPLED, fit_notices, held_notices, posterior_notices
 from strikewave.studies.fit.posterior import MOST_BANDS, check_sampler, predictive_bands, sample
 from strikewave.studies.fit.problem import Problem, Solved, solve
 from strikewave.studies.fit.request import FitRequest
@@ -157,6 +157,8 @@ def _fit(case: Case, request: FitRequest, progress: Callable[[int, float], None]
     read = read_targets("--to", case, targets, fields, request.reading)
     kept_out = read_targets("--check-on", case, parse_targets(request.check_on, case), fields, request.reading)
     study = fitted_study(case, fields, read, targets, progress)
+    if not request.free:
+        study = dataclasses.replace(study, notices=(*study.notices, *held_notices(case)))
     if not request.check_on:
         return study
     checks = check(study.solved, kept_out.experiments)
@@ -240,12 +242,13 @@ def _parameter(solved: Solved, k: int, field: FreeField) -> FittedParameter:
     found = solved.estimate
     place, error = float(found.place[k]), float(found.errors[k])
     value = field.si(place)
+    stair = field.error(value, float(solved.problem.stairs[k]))
     if not math.isfinite(error):
-        return FittedParameter(field, value, math.inf, field.low, field.high)
+        return FittedParameter(field, value, math.inf, field.low, field.high, stair=stair)
     followed = None
     if not solved.stopped and not found.groups() and not is_quadratic(solved.search, found, k):
         followed = profile(solved.search, found, k)
     reach = float(found.reach[k]) * error
     low, high = (place - reach, place + reach) if followed is None else followed[:2]
     ends = field.si(max(low, 0.0)), field.si(min(high, 1.0))
-    return FittedParameter(field, value, field.error(value, error), *ends, followed)
+    return FittedParameter(field, value, field.error(value, error), *ends, followed, stair)

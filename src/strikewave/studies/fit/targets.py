@@ -24,6 +24,7 @@ from strikewave.reporting.options import read_share
 from strikewave.studies.fit.free_fields import FreeField, changed_case
 from strikewave.studies.fit.measured import Measured, MeasuredNumber, MeasuredPulse, measured_pulse
 from strikewave.studies.fit.problem import Experiment
+from strikewave.studies.fit.transits import smooth_case
 from strikewave.studies.simulation import Simulation, checked_number, number_units, quick_case
 from strikewave.studies.stated import stated_at
 from strikewave.uncertainty.known import LEAST, MOST, half_a_digit
@@ -233,6 +234,7 @@ def read_targets(
         if len(records) > MOST_RECORDS:
             raise InputError(option, f"{len(records)} records", f"at most {MOST_RECORDS}")
         quick = quick_case(changed, _blows(numbers, [_part(one.left)[1] for one, _ in records]))
+        quick = smooth_case(quick, [free.path for free in fields])
         run, pulses = Simulation(quick), list[MeasuredPulse]()
         for one, curve in records:
             with stated_at(one.stated):

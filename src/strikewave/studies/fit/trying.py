@@ -97,7 +97,7 @@ def _kept_out(solved: Solved) -> float:
     sizes = []
     for fold in range(min(FOLDS, len(shots))):
         out = shots[fold :: min(FOLDS, len(shots))]
-        search = Search(_without(problem, out, keep=False).residuals, len(problem.fields))
+        search = Search(_without(problem, out, keep=False).residuals, len(problem.fields), stairs=problem.stairs)
         search.begin(solved.estimate.place)
         place, _ = search.descend(solved.estimate.place)
         left = _without(problem, out, keep=True)

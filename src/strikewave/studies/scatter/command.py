@@ -34,7 +34,6 @@ def command(
     tolerance in it. A tolerance stands beside a value: { value = "1 kg", tolerance = "2 %" }. With --json, no files
     are written unless --out is given.
     """
-    os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # for arrays this small, threads wait longer than they work
     from strikewave.cases.case import load_case
     from strikewave.studies.scatter.screen import run_scatter
     from strikewave.studies.scatter.study import ScatterPlan

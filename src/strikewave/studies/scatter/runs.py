@@ -187,6 +187,8 @@ class Runner:
         places = [tuple(row) for row in rows.tolist()]
         finished = carry_out(self._job, places, self._store, self._pool, advance)
         self._done += len(places)
+        if self._advance is not None:  # runs that the store had already were not told one by one
+            self._advance(self._done)
         return kept_runs(self._store, finished.keys)
 
 

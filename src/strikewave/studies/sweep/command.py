@@ -88,7 +88,6 @@ def command(
     The same can stand in a study file: case, set, vary, keep, analysis, design, runs, seed. With --json, no files are
     written unless --out is given.
     """
-    os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # for arrays this small, threads wait longer than they work
     from strikewave.studies.engine.pools import ProcessPool
     from strikewave.studies.sweep.screen import SweepCommand, run_sweep, show_estimate
     from strikewave.studies.sweep.study_file import SweepRequest, read_request

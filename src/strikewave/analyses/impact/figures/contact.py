@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Mapping, Sequence
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -240,7 +241,7 @@ def _indentations(
 def _depths(stiffness: Stiffness | LogarithmicStiffness, force: Array) -> Array:
     contact = stiffness.contact()
     depths = np.array([indentation_under(contact, float(f)) for f in force])
-    end = stiffness.load / np.e if isinstance(stiffness, LogarithmicStiffness) else np.inf
+    end = stiffness.load / math.e if isinstance(stiffness, LogarithmicStiffness) else np.inf
     return np.where(force <= end, depths, np.nan)
 
 

@@ -1,0 +1,199 @@
+"""``strikewave doctor``: what is installed, what is missing, what is cached, and how fast the kernels are."""
+
+from __future__ import annotations
+
+import importlib.metadata
+import os
+import platform
+import re
+import shutil
+import time
+from collections.abc import Callable
+from pathlib import Path
+from typing import Annotated, NamedTuple
+
+import typer
+
+from strikewave._version import __version__
+from strikewave.base.json_document import head
+from strikewave.reporting.layout import keys, numerals, texts
+from strikewave.reporting.options import Shown
+from strikewave.reporting.terminal import print_json, say, table, tell
+
+CORE = "core"
+DEVELOPERS = ("dev", "docs", "package")
+"""Extras of who changes strikewave itself: nobody misses them who uses it."""
+PROGRAMS = {
+    "CalculiX": (("ccx",), "the same elements by another code, in tests"),
+    "gmsh": (("gmsh",), "meshes of solids from CAD (strikewave fem)"),
+    "Jupyter": (("jupyter-lab", "jupyter"), "notebooks"),
+}
+"""Programs that are called by name: what finds each, and what for."""
+REPEATS = 3
+"""Times of which the shortest counts: other work on the machine only makes one longer."""
+
+
+class Package(NamedTuple):
+    """A package that strikewave asks for.
+
+    Attributes
+    ----------
+    extra : str
+        The extra that asks for it, or core.
+    name : str
+        Its name.
+    asked : str
+        The versions that do.
+    found : str
+        The version at hand; empty where it is missing.
+    """
+
+    extra: str
+    name: str
+    asked: str
+    found: str
+
+
+def packages() -> list[Package]:
+    """Return what strikewave asks for, as its own metadata state it.
+
+    Examples
+    --------
+    >>> next(one for one in packages() if one.name == "numpy").extra
+    'core'
+    """
+    found = []
+    for line in importlib.metadata.requires("strikewave") or ():
+        requirement, _, marker = line.partition(";")
+        name, asked = re.fullmatch(r"([\w.-]+)(.*)", requirement.strip()).groups()  # type: ignore[union-attr]
+        extra = re.search(r"extra == ['\"]([\w-]+)['\"]", marker)
+        if extra and extra[1] in DEVELOPERS:
+            continue
+        try:
+            version = importlib.metadata.version(name)
+        except importlib.metadata.PackageNotFoundError:
+            version = ""
+        found.append(Package(extra[1] if extra else CORE, name, asked.strip(), version))
+    return found
+
+
+def programs() -> dict[str, str]:
+    """Return where the programs are, by their names; empty where one is missing."""
+    return {
+        name: next((place for word in words if (place := shutil.which(word))), "")
+        for name, (words, _) in PROGRAMS.items()
+    }
+
+
+def pdf_library() -> bool:
+    """Tell whether reports can be written as PDF: WeasyPrint with the libraries of the system that it needs."""
+    try:
+        import weasyprint  # noqa: F401
+    except (ImportError, OSError):
+        return False
+    return True
+
+
+def kept_kernels() -> tuple[str | None, int, int]:
+    """Return the folder of compiled kernels, how many it holds, and its bytes."""
+    from strikewave.base.compiled import cache_folder
+
+    folder = cache_folder()
+    files = list(Path(folder).rglob("*.nb[ic]")) if folder else []
+    return folder, sum(path.suffix == ".nbi" for path in files), sum(path.stat().st_size for path in files)
+
+
+class Speed(NamedTuple):
+    """How fast a kernel is.
+
+    Attributes
+    ----------
+    work : str
+        What is counted.
+    rate : float
+        How many a second, on one core.
+    """
+
+    work: str
+    rate: float
+
+
+def _shortest(call: Callable[[], object]) -> float:
+    """Return the shortest time of the processor in a call, after one that compiles, s."""
+    call()
+    times = []
+    for _ in range(REPEATS):
+        begun = time.process_time()
+        call()
+        times.append(time.process_time() - begun)
+    return min(times)
+
+
+def speeds() -> list[Speed]:
+    """Measure the kernels of impacts, spectra, layered bars and elements, on one core."""
+    import numpy as np
+
+    from strikewave import load_case, run_fem, solve_impact, srs
+    from strikewave.base.materials import material
+    from strikewave.contact import Contact, exact
+    from strikewave.waves import BONDED, End, LoadPulse, Stack, Tap, WantedError, round_bar, run_bar
+
+    contact, speed = Contact(4.7e9, 10 / 9, float(exact(0.5))), np.linspace(1.0, 20.0, 20_000)
+    impacts = _shortest(lambda: solve_impact(contact, 0.2, 0.459, speed))
+    pulse, frequencies = np.sin(np.linspace(0.0, np.pi, 100_000)), np.geomspace(10.0, 1e4, 100)
+    spectrum = _shortest(lambda: srs(pulse, 1e-6, frequencies))
+    layers = tuple(round_bar(f"layer {k}", material("65Mn" if k % 2 else "2A12"), 0.02, 0.03) for k in range(20))
+    stack = Stack(layers, (BONDED,) * 19, End("free"))
+    load, step, duration = LoadPulse("half-sine", 1e4, 20e-6), 20e-9, 2e-3
+    bar = _shortest(lambda: run_bar(stack, load, [Tap(0, 0.5)], duration, WantedError(step=step)))
+    element_run = load_case("two-bars-fem", ["fem.duration=10 us"])
+    elements = max(run_fem(element_run).run.speed for _ in range(REPEATS))
+    return [
+        Speed("impacts", speed.size / impacts),
+        Speed("samples of a spectrum, each frequency", pulse.size * frequencies.size / spectrum),
+        Speed("layer steps of a bar", len(layers) * duration / step / bar),
+        Speed("element steps", elements),
+    ]
+
+
+def command(
+    *,
+    speed: Annotated[bool, typer.Option("--speed/--no-speed", help="Measure the kernels; on by default.")] = True,
+    shown: Shown,
+) -> int:
+    """Say what is installed, missing and cached.
+
+    Also how fast the kernels are on one core. The first time compiles them, which takes a minute at most.
+    """
+    asked, found, pdf = packages(), programs(), pdf_library()
+    folder, kernels, size = kept_kernels()
+    measured = speeds() if speed else []
+    if shown.json:
+        document = {
+            **head({"cache.bytes": "byte", "speeds.rate": "1/s"}),
+            "python": platform.python_version(),
+            "system": platform.platform(),
+            "cores": os.cpu_count(),
+            "packages": [one._asdict() for one in asked],
+            "programs": found,
+            "pdf": pdf,
+            "cache": {"folder": folder, "kernels": kernels, "bytes": size},
+            "speeds": [one._asdict() for one in measured],
+        }
+        print_json(document)
+        return 0
+    tell(
+        f"strikewave {__version__}, Python {platform.python_version()}, {platform.platform()}, {os.cpu_count()} cores. "
+        f"Compiled kernels: {kernels} in {folder or 'no folder that can be written'} ({size / 1e6:.0f}\xa0MB)."
+    )
+    rows = [[one.extra, one.name, one.found or "missing", one.asked] for one in asked]
+    table("Packages", [*keys("of"), *texts("package", "version", "asked for")], rows)
+    places = [[name, place or "missing", PROGRAMS[name][1]] for name, place in found.items()]
+    places.append(["PDF (WeasyPrint, Pango)", "there" if pdf else "missing", "reports as PDF (--pdf)"])
+    table("Programs", [*keys("program"), *texts("where", "for")], places)
+    if measured:
+        table("Kernels, one core", [*keys("work"), *numerals("a second")], [[w, f"{rate:.3g}"] for w, rate in measured])
+    missing = sorted({one.extra for one in asked if not one.found})
+    if missing:
+        say(f"to add what is missing: pip install 'strikewave[{','.join(missing)}]'")
+    return 0
