@@ -1,4 +1,4 @@
-"""The pictures of the app in docs/app.md: every page at the width of a desk and of a telephone, by the system's Chromium.
+"""The pictures of the app in docs/app.md: each page at the width of a desk and of a telephone, by the system's Chromium.
 
 Needs the extra `app`, playwright (of the extra `dev`) and a Chromium. Run it by `make pictures`.
 """
@@ -22,7 +22,7 @@ BLOWS = ROOT / "tests" / "data" / "smd-5kg-impacts"
 BROWSERS = ("chromium-headless-shell", "chromium", "google-chrome")
 WIDTHS = {"": (1280, 720), "-narrow": (390, 844)}
 """Ending of the name of a picture, and width and height of the screen in pixels."""
-COLOURS = 64
+COLOURS = 128
 """Of a picture: text, lines and a few curves."""
 PATIENCE = 300_000.0
 """Longest time of a run, ms."""

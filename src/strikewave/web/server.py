@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import errno
 import ipaddress
 import secrets
 import socket
@@ -124,6 +125,8 @@ def _listen(host: str, port: int) -> socket.socket:
         listening.bind(place)
     except OSError as error:
         listening.close()
+        if error.errno == errno.EADDRNOTAVAIL:
+            raise InputError("--host", host, "an address of this machine", error.strerror or "") from None
         hint = "another program has this port: choose another by --port, or 0 for any that is free"
         raise InputError("--port", str(port), "a free port of this machine", f"{error.strerror}; {hint}") from None
     return listening
