@@ -1,4 +1,4 @@
-"""The pictures of the app in docs/app.md: each page at the width of a desk and of a telephone, by the system's Chromium.
+"""The pictures of the app in docs/app.md: each page at the width of a desk and of a telephone, by a Chromium.
 
 Needs the extra `app`, playwright (of the extra `dev`) and a Chromium. Run it by `make pictures`.
 """
