@@ -40,7 +40,7 @@ def test_records_show_the_pulses_that_are_in_them_and_the_file_that_lies_is_bad_
     view = measure(RecordRequest(str(shots), ("a.csv", "b.csv", "lie.tdms"), spectrum=False), say)
     result = strikewave.record([str(shots / "a.csv"), str(shots / "b.csv")])
     assert dict(view["figures"])["mean peak"] == dict(result.highlights())["mean peak"]
-    health = next(table for table in view["tables"] if table[0] == "Health of the files")
+    health = next(table for table in view["lead"] if table[0] == "Health of the files")
     assert health[2][0][:2] == ["lie.tdms", "bad"]
     assert health[2][0][2]
     overlay = view["charts"][1]["series"]

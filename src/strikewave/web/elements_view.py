@@ -11,6 +11,7 @@ from strikewave.analyses.fem.build import build_model
 from strikewave.analyses.fem.figures.animation import fem_page, movie_of
 from strikewave.analyses.fem.result import FemSolution
 from strikewave.analyses.fem.run import run_fem, run_model
+from strikewave.fem.measures import mean_force, middles
 from strikewave.fem.run import ENERGIES
 from strikewave.fem.solve import Progress, RunOptions
 from strikewave.reporting.numbers import axis_unit, energy_unit, time_unit
@@ -58,7 +59,7 @@ def history_charts(solution: FemSolution) -> list[dict[str, Any]]:
     """Return contact forces and energies over time, in the units shown."""
     time = solution.run.time
     second, time_name = time_unit(float(time[-1]))
-    forces = {name: np.linalg.norm(force, axis=1) for name, force in solution.run.force.items()}
+    forces = {name: np.linalg.norm(mean_force(solution.run, name), axis=1) for name in solution.run.force}
     energies = {name: np.asarray(solution.run.energy[name]) for name in ENERGIES}
     largest = max((float(np.abs(values).max()) for values in energies.values()), default=0.0)
     (newton, force_name), (joule, energy_name) = axis_unit("N", "kN"), energy_unit(largest)
@@ -70,11 +71,11 @@ def history_charts(solution: FemSolution) -> list[dict[str, Any]]:
 
 
 def _lines(time: Any, histories: Mapping[str, Any], size: float) -> list[ChartLine]:
-    """Return curves; forces are means over intervals, so that they stand one to each time but the first."""
+    """Return curves; means over the intervals of the histories stand at their middles."""
     return [
         ChartLine(
             name.replace("_", " "),
-            points(time[time.size - values.size :], values / size),
+            points(time if values.size == time.size else middles(time), values / size),
             COLOURS[k % len(COLOURS)],
             DASHES[k // 5 % 2],
         )

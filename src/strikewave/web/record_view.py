@@ -20,7 +20,7 @@ from strikewave.cases.case import bundled_cases
 from strikewave.records.reading import ChannelReading
 from strikewave.reporting.numbers import axis_unit, time_unit, with_unit
 from strikewave.reporting.shown_result import shown_table
-from strikewave.web.charts import COLOURS, ChartLine, MarkedSpan, line_chart
+from strikewave.web.charts import COLOURS, SOFT, ChartLine, MarkedSpan, line_chart
 from strikewave.web.curves import points
 from strikewave.web.jobs import Say
 from strikewave.web.record_request import RecordRequest
@@ -61,12 +61,13 @@ def measure(request: RecordRequest, say: Say) -> dict[str, Any]:
     say(None, "reading and judging")
     result = strikewave.record(names, spec=request.spec or None, **options)
     charts = [history_chart(result), overlay_chart(result)]
-    tables = [file_table(result), ("Pulses", *shown_table(result), (0, 1)), *campaign_tables(result)]
+    lead = [file_table(result)]
+    tables = [("Pulses", *shown_table(result), (0, 1)), *campaign_tables(result)]
     notices = [(one.severity, one.code, one.message) for one in result.notices]
     verdict = None
     if result.verdict is not None:
         verdict = (str(result.verdict.verdict).upper(), f"by {result.verdict.specification.name}")
-        tables.insert(0, clause_table(result))
+        lead.append(clause_table(result))
     if request.spectrum:
         say(None, "shock response spectra")
         try:
@@ -87,6 +88,7 @@ def measure(request: RecordRequest, say: Say) -> dict[str, Any]:
         "by": f"{len(result.readings)} files read and judged" + filter_words(result),
         "verdict": verdict,
         "figures": [list(row) for row in result.highlights()],
+        "lead": lead,
         "charts": charts,
         "tables": tables,
         "notices": notices,
@@ -244,6 +246,9 @@ def four_axes(result: SpectrumResult) -> dict[str, Any]:
         log_y=True,
     )
     options["legend"]["show"] = False
+    for guide in options["series"][1:]:
+        guide["endLabel"] = {"show": True, "formatter": "{a}", "fontSize": 9, "color": SOFT}
+        guide["silent"] = True
     options["yAxis"] |= {"min": 10.0 ** math.floor(math.log10(low)), "max": 10.0 ** math.ceil(math.log10(high))}
     return options
 

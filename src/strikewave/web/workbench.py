@@ -87,6 +87,7 @@ class Workbench:
                 )
             if view["figures"]:
                 parts.key_numbers(view["figures"])
+            parts.tables(view.get("lead", ()))
             with ui.element("div").classes("sw-charts"):
                 for options in view.get("charts", ()):
                     parts.chart(options, options["title"]["text"], wide=len(view["charts"]) == 1)
