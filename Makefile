@@ -67,7 +67,7 @@ bench: $(BENCH)/peers
 
 $(VENV)/dev: $(VENV)/core
 	@echo "adding the tools for tests (once)"
-	@PIP_CONSTRAINT="$(CURDIR)/constraints.txt" $(BIN)/python -m pip install --quiet --disable-pip-version-check -e '.[dev,formats,mesh,pdf,bayes,app]'
+	@PIP_CONSTRAINT="$(CURDIR)/constraints.txt" $(BIN)/python -m pip install --quiet --disable-pip-version-check -e '.[dev,formats,mesh,pdf,bayes,app,cluster]'
 	@touch $@
 
 $(VENV)/package: $(VENV)/core

@@ -22,6 +22,7 @@ import planted_boards
 import planted_judge
 import reading_bench
 import records_bench
+import studies_bench
 import waves_bench
 from scipy.integrate import solve_ivp
 from timing import best, table, write
@@ -228,6 +229,7 @@ def main():
             table(("work", "time", "target"), processes()),
             FLOOR,
             machine_bench.section(),
+            studies_bench.section(),
             waves_bench.section(),
             elements_bench.section(),
             records_bench.section(),

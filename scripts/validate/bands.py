@@ -91,6 +91,11 @@ def fast_run(item):
         return {}
 
 
+def in_order(workers, function, items):
+    """Return what a function gives of some items."""
+    return [future.result() for future in [workers.submit(function, item) for item in items]]
+
+
 def over_seeds(name, runs, seeds, workers):
     """Print the share of random draws within bands of other seeds, each of as many runs as a band has."""
     source, changes = MACHINES[name]
@@ -98,7 +103,7 @@ def over_seeds(name, runs, seeds, workers):
     count = sum(one.count for one in inputs)
 
     def results(points):
-        found = list(workers.in_order(fast_run, [(source, changes, point) for point in points]))
+        found = in_order(workers, fast_run, [(source, changes, point) for point in points])
         return lambda result: np.array([figures.get(result, np.nan) for figures in found])
 
     others = results(np.random.default_rng(SEED).random((runs, count)))
@@ -132,7 +137,7 @@ def judged(name, runs, workers):
     took = time.perf_counter() - begin
     count = sum(one.count for one in inputs)
     points = np.random.default_rng(SEED).random((runs, count))
-    found = list(workers.in_order(full_run, [(source, changes, point) for point in points]))
+    found = in_order(workers, full_run, [(source, changes, point) for point in points])
     spent = float(np.mean([seconds for _, seconds in found]))
     rows = []
     for result, band in solution.band.items():

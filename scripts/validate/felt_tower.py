@@ -31,12 +31,12 @@ FELTS = {"1/16th": 0.0625, "1/8th": 0.125, "1/4th": 0.25}
 READ = {"as read": ("peak_g", "width_ms"), "filtered": ("peak_filtered_g", "width_filtered_ms")}
 """Columns of peak and width."""
 FELT = (
-    "contact.cushion.stress=10 MPa:900 GPa",
-    "contact.cushion.exponent=1:6",
-    "contact.cushion.retardation=0.1 us:200 us",
+    "contact.cushion.stress=10 MPa..900 GPa",
+    "contact.cushion.exponent=1..6",
+    "contact.cushion.retardation=0.1 us..200 us",
 )
-CORDS = ("machine.cord_force=10 N:20 kN", "machine.cord_stiffness=10 N/m:100 kN/m")
-TABLE = ("object.frame_stiffness=0.5 GN/m:200 GN/m",)
+CORDS = ("machine.cord_force=10 N..20 kN", "machine.cord_stiffness=10 N/m..100 kN/m")
+TABLE = ("object.frame_stiffness=0.5 GN/m..200 GN/m",)
 STIFF = ("object.frame_stiffness=200 GN/m",)
 LONGER = "machine.follow=2 ms"
 STRUCTURES = {

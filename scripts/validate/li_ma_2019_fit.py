@@ -10,6 +10,7 @@ Prints the tables, writes them into docs/fit-measured.md and the picture beside 
 
 from __future__ import annotations
 
+import functools
 import itertools
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -95,6 +96,7 @@ class Machine:
         return [value / unit for value, unit in zip((*self.values, *self.predicted), units, strict=True)]
 
 
+@functools.cache
 def machine(path: str, size: float, begin: tuple[float, float] | None = None) -> Machine:
     """Return the machine with one value, fitted from where another ended."""
     changes = [f"{path}={size!r}", *(f"{one}={value!r}" for one, value in zip(FREE, begin or (), strict=False))]
@@ -107,19 +109,16 @@ def machine(path: str, size: float, begin: tuple[float, float] | None = None) ->
 
 def moved(path: str) -> list[Machine]:
     """Return the machines along the range of what is not given, from its low end to its high one."""
-    middle = load_case(NAME).values()[path].si
-    sides = []
-    for end in NOT_GIVEN[path].ends(middle):
-        begin, side = None, list[Machine]()
-        for step in range(STEPS + 1):
+    values, first, sides = load_case(NAME).values(), next(iter(NOT_GIVEN)), []
+    middle = values[path]
+    for end in NOT_GIVEN[path].ends(middle.si):
+        side = [machine(first, values[first].si)]  # that of the case, whatever moves
+        for step in range(1, STEPS + 1):
             share = step / STEPS
-            size = (
-                middle * (end / middle) ** share
-                if NOT_GIVEN[path].form == "factor"
-                else middle + share * (end - middle)
-            )
-            side.append(machine(path, size, begin))
-            begin = side[-1].values
+            size = middle.si + share * (end - middle.si)
+            if NOT_GIVEN[path].form == "factor":
+                size = middle.si * (end / middle.si) ** share
+            side.append(machine(path, size, side[-1].values))
         sides.append(side)
     return [*sides[0][:0:-1], *sides[1]]
 

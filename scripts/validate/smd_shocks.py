@@ -33,9 +33,9 @@ IN_G = SourceOptions({"all": {"unit": "g"}}, band=False)
 POWER = {"law": "power", "stress": "500 MPa", "exponent": 3}
 TANGENT = {"law": "tangent", "modulus": "50 MPa", "limit_strain": 0.5}
 BOARD = {"name": "board", "resonance": "8 kHz", "quality": 5}
-OF_POWER = ("contact.restitution", "contact.cushion.stress=1 MPa:900 GPa", "contact.cushion.exponent=1:8")
-OF_TANGENT = ("contact.restitution", "contact.cushion.modulus=0.1 MPa:100 GPa", "contact.cushion.limit_strain=0.02:1")
-OF_FRAME = ("object.frame_stiffness=0.3 GN/m:100 GN/m", "object.frame_damping=0.1 kN s/m:1000 kN s/m")
+OF_POWER = ("contact.restitution", "contact.cushion.stress=1 MPa..900 GPa", "contact.cushion.exponent=1..8")
+OF_TANGENT = ("contact.restitution", "contact.cushion.modulus=0.1 MPa..100 GPa", "contact.cushion.limit_strain=0.02..1")
+OF_FRAME = ("object.frame_stiffness=0.3 GN/m..100 GN/m", "object.frame_damping=0.1 kN s/m..1000 kN s/m")
 OF_BOARD = ("sensor.board.resonance=3 kHz:40 kHz", "sensor.board.quality=1:100")
 STRUCTURES = {
     "power law": (POWER, None, OF_POWER),
@@ -57,7 +57,7 @@ def structure(name: str) -> tuple[Case, tuple[str, ...]]:
     document["contact"]["cushion"] = {**pad, **sizes}
     if sensor:
         document["sensor"] = [sensor]
-    return parse_case(tomlkit.dumps(document), CASE.stem), ("machine.height=0.05 m:5 m", *fields)
+    return parse_case(tomlkit.dumps(document), CASE.stem), ("machine.height=0.05 m..5 m", *fields)
 
 
 def fitted(name: str, records: list[str], others: list[str]) -> tuple[FitStudy, TriedChoice]:

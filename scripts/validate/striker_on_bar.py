@@ -39,8 +39,8 @@ LENGTHS = {"copper": 0.127}
 GUESS = 0.208
 """Another one, m: half of what a wave goes in a pulse of 80 us."""
 CONTACTS = {
-    "Hertz": ('kind = "contact"\nlaw = "hertz"\nradius = "1 m"', "stack.joint.striker.radius=10 mm:1000 m"),
-    "linear": ('kind = "unilateral"\nstiffness = "1 GN/m"', "stack.joint.striker.stiffness=10 MN/m:1000 GN/m"),
+    "Hertz": ('kind = "contact"\nlaw = "hertz"\nradius = "1 m"', "stack.joint.striker.radius=10 mm..1000 m"),
+    "linear": ('kind = "unilateral"\nstiffness = "1 GN/m"', "stack.joint.striker.stiffness=10 MN/m..1000 GN/m"),
 }
 """Joint between striker and bar, and its free field."""
 MINI = ((3, 0.10135, "away", 0, "transmitted"), (1, 0.10202, "towards", 2, "incident, from its third pass"))
@@ -86,7 +86,7 @@ def unpacked_file(path: Path, folder: Path) -> Path:
 def fitted(shot: str, contact: str, record: Path) -> FitStudy:
     """Return a shot fitted with a contact."""
     case = parse_case(case_text(shot, contact), "striker-on-bar")
-    return fit(case, [f"gauge.force={record}@1"], ["stack.layer.striker.speed=1 m/s:100 m/s", CONTACTS[contact][1]])
+    return fit(case, [f"gauge.force={record}@1"], ["stack.layer.striker.speed=1 m/s..100 m/s", CONTACTS[contact][1]])
 
 
 def rows_of(found: dict[tuple[str, str], FitStudy]) -> str:

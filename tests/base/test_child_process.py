@@ -60,7 +60,7 @@ if __name__ == "__main__":
     heed()
     try:
         with Workers(2) as workers:
-            print(list(workers.in_order(tell, map(int, sys.argv[1:] or ("1", "2")))))
+            print([future.result() for future in [workers.submit(tell, int(what)) for what in sys.argv[1:] or ("1", "2")]])
     except KeyboardInterrupt as stop:
         sys.exit(exit_code(stop))
 """

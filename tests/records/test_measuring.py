@@ -79,6 +79,17 @@ def test_ringing_frequency_is_that_of_the_swing_after_the_blow(time):
     assert pulse.ringing_frequency == pytest.approx(7e3, abs=40.0)
 
 
+@pytest.mark.parametrize("shape", [lambda u: np.sin(np.pi * u), lambda u: np.sin(np.pi * u) ** 2, lambda u: 1.0 - u])
+@pytest.mark.parametrize("length", [0.15e-3, 0.3e-3, 0.8e-3])
+@pytest.mark.parametrize("noise", [0.2, 2.0])
+def test_the_tail_of_a_blow_is_no_ringing(time, rng, shape, length, noise):
+    """In noise of 4e-5 and 4e-4 of the peak, where a few samples of a tail stand out of it."""
+    share = (time - BEGIN) / length
+    pulse = np.where((share >= 0.0) & (share <= 1.0), shape(np.clip(share, 0.0, 1.0)), 0.0)
+    [found] = find_pulses(HEIGHT * pulse + noise * rng.normal(size=time.size), STEP)
+    assert math.isnan(found.ringing_frequency)
+
+
 @pytest.mark.parametrize("share", [0.2, 1.0])
 def test_a_zero_that_drifts_in_a_straight_line_moves_no_figure(time, share):
     [plain] = find_pulses(half_sine(time), STEP)

@@ -228,6 +228,10 @@ SOURCES: dict[str, str] = {
         "A. Saltelli, P. Annoni, I. Azzini, F. Campolongo, M. Ratto, S. Tarantola, Variance based sensitivity analysis "
         "of model output, Computer Physics Communications 181 (2010) 259-270, doi:10.1016/j.cpc.2009.09.018"
     ),
+    "joe-kuo-2008": (
+        "S. Joe, F. Y. Kuo, Constructing Sobol Sequences with Better Two-Dimensional Projections, SIAM Journal on "
+        "Scientific Computing 30 (2008) 2635-2654, doi:10.1137/070709359 (direction numbers, as scipy has them)"
+    ),
     "blatman-sudret-2011": (
         "G. Blatman, B. Sudret, Adaptive sparse polynomial chaos expansion based on least angle regression, Journal of "
         "Computational Physics 230 (2011) 2345-2367, doi:10.1016/j.jcp.2010.12.021 (abstract read)"

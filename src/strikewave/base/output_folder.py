@@ -157,9 +157,7 @@ def _check(folder: Path, identity: str, force: bool, own: Sequence[str]) -> None
         )
         raise InputError("--out", str(folder), "an empty or new folder", hint)
     if not force and mark.read_text("utf-8", errors="replace") != identity:
-        raise InputError(
-            "--out", str(folder), "a new folder", "it holds the result of another case; add --force to replace it"
-        )
+        raise InputError("--out", str(folder), "a new folder", "it holds another result; add --force to replace it")
 
 
 LATER = 2.0

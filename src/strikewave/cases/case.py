@@ -157,7 +157,7 @@ class Case(CaseTable):
         alone = not any(getattr(self, name) is not None for name in ROTARY_TABLES)
         if alone and not self.stack.layer and lacking:
             needed_tables = "[machine] with its tables, [[stack.layer]] with [load], or [mesh] with [fem]"
-            raise InputError("", MISSING, needed_tables)
+            raise InputError("case", MISSING, needed_tables)
         if self.machine is not None or not (self.stack.layer or (alone and not lacking)):
             lines = [f"{name}: missing; add [{name}]" for name in needed if getattr(self, name) is None]
             if lines:

@@ -47,6 +47,9 @@ EARLIER, LENGTH = 0.15, 1.3
 RINGING_WIDTHS, FEWEST_OF_RINGING = 40, 32
 """Widths after a blow over which its ringing is looked at, and samples without which it is not: four swings of
 eight."""
+TAIL = 0.75
+"""Of the box, how long a blow may go on behind it: up to 0.3 of a half-sine, 0.54 of a haversine, 0.72 of a saw-tooth
+that falls. What is left of it there would be taken for ringing."""
 PERIODS_OF_RINGING = 8.0
 """Swings after a blow that are handed to the fit of its ringing."""
 LOBE = 0.5
@@ -452,7 +455,7 @@ def _ringing(values: Array, stretch: BlowWindow) -> float:
 
     NaN where that peak does not stand out of the noise, or where fewer than four swings fit before the next blow.
     """
-    begin = stretch.box.last + stretch.box.width // 4
+    begin = stretch.box.last + math.ceil(TAIL * stretch.box.width)
     end = min(stretch.latest - stretch.box.width, begin + RINGING_WIDTHS * stretch.box.width, values.size)
     if end - begin < FEWEST_OF_RINGING:
         return math.nan

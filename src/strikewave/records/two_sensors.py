@@ -29,6 +29,7 @@ from scipy.ndimage import uniform_filter1d
 from strikewave.base.percents import percent
 from strikewave.records.band_split import UNKNOWN
 from strikewave.records.correlation import alike_as_one
+from strikewave.records.health.examined import with_unit
 from strikewave.records.measuring import RecordedPulse, find_pulses
 from strikewave.signal.alignment import EvenHistory, by_correlation
 from strikewave.signal.filters import Filter, advised_cutoff
@@ -478,5 +479,5 @@ def _as_one_body(found: PairedMotion, ambiguous: bool, step: float, width: float
         return "cannot-tell", f"{gain_words} and {delay_words}, but no band of the transfer function can be trusted"
     return (
         "yes",
-        f"{gain_words} and {delay_words}; alike within 10 % up to {found.transfer.alike_to:.3g}\xa0Hz",
+        f"{gain_words} and {delay_words}; alike within 10 % up to {with_unit(found.transfer.alike_to, 'Hz')}",
     )

@@ -308,6 +308,15 @@ Changes = Annotated[
 Processes = Annotated[
     int, typer.Option("--workers", metavar="COUNT", min=1, max=256, help="Processes, one a core at most.")
 ]
+Cluster = Annotated[
+    str | None,
+    typer.Option(
+        "--cluster",
+        metavar="tcp://HOST:PORT",
+        help="Dask scheduler that shares the runs among machines; processes of this one (--workers) by default.",
+        show_default=False,
+    ),
+]
 WithBand = Annotated[
     bool,
     typer.Option(
@@ -318,7 +327,7 @@ Out = Annotated[
     Path | None,
     typer.Option("--out", metavar="DIR", help="Folder of the result; out/NAME by default.", show_default=False),
 ]
-Force = Annotated[bool, typer.Option("--force", help="Replace the result of another case in that folder.")]
+Force = Annotated[bool, typer.Option("--force", help="Replace another result in that folder.")]
 TestFile = Annotated[
     Path | None,
     typer.Option(

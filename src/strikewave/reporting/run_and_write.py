@@ -56,7 +56,7 @@ class Command(ABC, Generic[R]):
         """Write page and pictures into a folder, and return the names of the files, the first ones first."""
         return ()
 
-    def hand_over(self, folder: Path) -> Sequence[str]:
+    def hand_over(self, result: R, folder: Path) -> Sequence[str]:
         """Move what was written under way into a folder, last of all, and return the names of the files."""
         return ()
 
@@ -135,7 +135,7 @@ def _written(
                     *write_files(result, folder),
                     *output.write_more(result, folder),
                 ]
-                names += command.hand_over(folder)
+                names += command.hand_over(result, folder)
                 kept, removed = keep_true_files(claim.folder, folder, result.source.text)
         except KeyboardInterrupt as stop:
             if not claim.written:

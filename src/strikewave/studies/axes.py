@@ -107,7 +107,7 @@ def range_axis(path: str, ends: tuple[Value, Value], points: int, log: bool) -> 
     low, high = (end.si for end in ends)
     if not low < high:
         raise InputError(
-            path, f"{low:g} to {high:g}", "a range whose end lies above its begin, SI", "such as 400 rpm:1000 rpm"
+            path, f"{low:g} to {high:g}", "a range whose end lies above its begin, SI", "such as 400..1000 rpm"
         )
     if log and low <= 0.0:
         raise InputError(path, low, "a range above zero on a logarithmic axis")

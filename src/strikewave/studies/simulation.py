@@ -18,8 +18,16 @@ OF_BAR = {
     "peak_force": "N", "peak_stress": "Pa", "peak_velocity": "m/s", "peak_acceleration": "m/s^2", "peak": "m/s^2",
 }  # fmt: skip
 """SI unit of a result of a layered bar by the last part of its name."""
-OF_CONTACT, OF_BODY = ("first.peak_force", "first.force_width"), ("first.rigid_peak", "first.width")
-"""Numbers of elements: of the first contact, and of a part or group."""
+STRESS = ".peak_stress"
+"""End of the name of the stress at a tap of a bar."""
+OF_MODEL = {
+    "first.peak_force": "N", "first.force_width": "s",
+    "contact_force_peak": "N", "energy_error": "1", "momentum_error": "1", "hourglass_share": "1",
+}  # fmt: skip
+OF_BODY = {"first.rigid_peak": "m/s^2", "first.width": "s"}
+OF_PART = {"velocity_change": "m/s", "von_mises": "Pa", "plastic_strain": "1"}
+"""Numbers of elements, and their SI units: of the first contact and the whole model; of a part or group, whose name
+stands behind them; of a part."""
 
 
 class Simulation:
@@ -62,7 +70,7 @@ class Simulation:
 
             return build_dataset(self.case, self.observed)
         if self.case.command == "wave":
-            bar: LabelledArrays = self.bar.histories()
+            bar: LabelledArrays = self.bar.labelled_histories()
             return bar
         arrays: LabelledArrays | None = self.elements.arrays
         return arrays
@@ -74,10 +82,36 @@ class Simulation:
 
             return published_value(name, self.observed.blows, self.observed.readings, sensor)
         if self.case.command == "fem":
-            number: float | None = self.elements.number(name, sensor)
-            return number
+            return self._of_elements(name, sensor)
+        return self._of_bar(name)
+
+    def _of_bar(self, name: str) -> float | None:
+        """Return a number of a layered bar; a stress is the force over the area of the layer of its tap."""
         figures: Mapping[str, float] = self.bar.figures
-        return figures.get(name)
+        if not name.endswith(STRESS):
+            return figures.get(name)
+        force = figures.get(f"{name.removesuffix(STRESS)}.peak_force")
+        layers = {f"tap.{tap}": place.layer for tap, place in self.bar.taps}
+        area = float(self.bar.run.stack.layers[layers[name.removesuffix(STRESS)]].area)
+        return None if force is None else force / area
+
+    def _of_elements(self, name: str, body: str) -> float | None:
+        """Return a number of a model of elements, or of one of its parts or groups."""
+        if name in OF_PART:
+            return float(getattr(self.elements.parts[body], name))
+        if name.startswith("first."):
+            number: float | None = self.elements.number(name, body)
+            return number
+        if name == "contact_force_peak":
+            return float(self.elements.contact_force_peak)
+        from strikewave.fem.measures import balance_measure
+
+        balance = balance_measure(self.elements.run)
+        return {
+            "energy_error": balance.energy,
+            "momentum_error": balance.momentum,
+            "hourglass_share": balance.hourglass,
+        }[name]
 
     def history(self, part: str, blow: int = 0, unit: str = "") -> ComparedCurve:
         """Return the history of a part: PART or PART.QUANTITY, the usual one where it is empty."""
@@ -103,7 +137,22 @@ def number_units(case: Case) -> dict[str, str]:
         names = [f"tap.{tap.name}.{what}" for tap in case.tap for what in OF_BAR if what != "peak"]
         names += [f"sensor.{sensor.name}.peak" for sensor in case.sensor]
         return {name: OF_BAR[name.rpartition(".")[2]] for name in names}
-    return {name: PUBLISHED_QUANTITIES[name] for name in (*OF_CONTACT, *OF_BODY)}
+    return OF_MODEL | OF_BODY | OF_PART
+
+
+def name_and_owner(word: str) -> tuple[str, str]:
+    """Return the name of a number, and the sensor or part that stands behind it; empty where none does.
+
+    Examples
+    --------
+    >>> name_and_owner("first.width bar"), name_and_owner("tap.far end.peak_force")
+    (('first.width', 'bar'), ('tap.far end.peak_force', ''))
+    """
+    whole = word.strip()
+    if whole.startswith(("tap.", "sensor.")):  # of a bar: the name of tap or sensor stands within
+        return whole, ""
+    name, _, owner = whole.partition(" ")
+    return name, owner.strip()
 
 
 def owners(case: Case, name: str) -> list[str] | None:
@@ -117,10 +166,11 @@ def owners(case: Case, name: str) -> list[str] | None:
     """
     if "sensor_" in name:
         return [one.name for one in case.sensor]
-    if case.command == "fem" and name in OF_BODY:
+    if case.command == "fem" and name in OF_BODY | OF_PART:
         assert case.mesh is not None
         assert case.fem is not None
-        return [one.name for one in (*case.mesh.part, *case.fem.group)]
+        groups = case.fem.group if name in OF_BODY else ()
+        return [one.name for one in (*case.mesh.part, *groups)]
     return None
 
 
@@ -134,18 +184,30 @@ def checked_number(case: Case, word: str, option: str = "--to") -> tuple[str, st
     InputError
         If it gives none of that name.
     """
-    name, _, sensor = word.strip().partition(" ")
+    name, _ = name_and_owner(word)
     units = number_units(case)
     if name not in units:
         raise InputError(option, name, "a number that the case gives", nearest(name, units))
+    return name, checked_owner(case, word, option), units[name]
+
+
+def checked_owner(case: Case, word: str, option: str = "--to") -> str:
+    """Return the sensor or part that stands behind the name of a number; empty where none does.
+
+    Raises
+    ------
+    InputError
+        If one is missing, or none of the case, or the number is of none.
+    """
+    name, sensor = name_and_owner(word)
     of = owners(case, name)
     if of is None and sensor:
         raise InputError(option, word, f"{name} alone", "no name stands there")
-    if of is not None and sensor.strip() not in of:
+    if of is not None and sensor not in of:
         what = "sensor" if "sensor_" in name else "part"
-        hint = nearest(sensor.strip() or "?", of) if of else f"the case has no {what}"
+        hint = nearest(sensor or "?", of) if of else f"the case has no {what}"
         raise InputError(option, word, f'"{name} {what.upper()}" with the name of a {what}', hint)
-    return name, sensor.strip(), units[name]
+    return sensor
 
 
 def quick_case(case: Case, blows: int) -> Case:

@@ -9,14 +9,12 @@ import contextlib
 import multiprocessing
 import os
 import signal
-from collections.abc import Callable, Iterable, Iterator
-from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wait
-from concurrent.futures.process import BrokenProcessPool
+from collections.abc import Callable, Iterator
+from concurrent.futures import Future, ProcessPoolExecutor
 from types import TracebackType
 from typing import Any, TypeVar
 
 from strikewave.base.child_process import end_after, safe_path
-from strikewave.base.errors import StrikewaveError
 from strikewave.base.interrupts import OTHERS
 
 Item = TypeVar("Item")
@@ -67,40 +65,6 @@ class Workers:
                     process.kill()
         self._pool.shutdown(wait=True, cancel_futures=True)
 
-    def in_order(self, function: Callable[[Item], Result], items: Iterable[Item]) -> Iterator[Result]:
-        """Yield a result for each item, in their order.
-
-        Raises
-        ------
-        StrikewaveError
-            If a process came to an end before its time.
-
-        Examples
-        --------
-        >>> with Workers(1) as workers:
-        ...     list(workers.in_order(abs, [-1, 2]))
-        [1, 2]
-        """
-        if self._pool is None:
-            yield from map(function, items)
-            return
-        with _broken_reported():
-            for future in self._submitted(self._pool, function, items):
-                yield future.result()
-
-    def as_finished(self, function: Callable[[Item], Result], items: Iterable[Item]) -> Iterator[tuple[Item, Result]]:
-        """Yield items with their results as they are finished; raises as `in_order` does."""
-        if self._pool is None:
-            for item in items:
-                yield item, function(item)
-            return
-        with _broken_reported():
-            todo = list(items)
-            running = dict(zip(self._submitted(self._pool, function, todo), todo, strict=True))
-            while running:
-                for future in wait(running, return_when=FIRST_COMPLETED).done:
-                    yield running.pop(future), future.result()
-
     def submit(self, function: Callable[[Item], Result], item: Item) -> Future[Result]:
         """Begin a call, whose future the caller awaits; in this process it is done when this returns.
 
@@ -111,17 +75,11 @@ class Workers:
         1
         """
         if self._pool is not None:
-            return self._submitted(self._pool, function, [item])[0]
+            with safe_path(), _interrupts_later():
+                return self._pool.submit(function, item)
         done: Future[Result] = Future()
         done.set_result(function(item))
         return done
-
-    @staticmethod
-    def _submitted(
-        pool: ProcessPoolExecutor, function: Callable[[Item], Result], items: Iterable[Item]
-    ) -> list[Future[Result]]:
-        with safe_path(), _interrupts_later():
-            return [pool.submit(function, item) for item in items]
 
 
 def _begin(begin: Callable[..., None] | None, arguments: tuple[Any, ...]) -> None:
@@ -146,11 +104,3 @@ def _interrupts_later() -> Iterator[None]:
         yield
     finally:
         signal.pthread_sigmask(signal.SIG_SETMASK, before)
-
-
-@contextlib.contextmanager
-def _broken_reported() -> Iterator[None]:
-    try:
-        yield
-    except BrokenProcessPool:
-        raise StrikewaveError("a process of --workers ended before its time: try --workers 1") from None

@@ -10,6 +10,7 @@ import pytest
 from strikewave.analyses.record.chapters import MOST_ROWS
 from strikewave.analyses.record.report import record_report
 from strikewave.analyses.record.result import record_result
+from strikewave.analyses.record.words import record_words
 from strikewave.base.result import Notice, Source
 from strikewave.records.campaign import compare, summed
 from strikewave.records.file_reading import read_file
@@ -133,6 +134,16 @@ def test_summary_says_means_with_bounds_and_what_is_bad(files, page):
     assert "silent.csv is bad: no blow stands out of the noise." in text
     assert "clipped.csv is bad: clipped at 4000 g" in text
     assert "Report of measured records" in text
+
+
+def test_what_is_bad_in_one_of_several_channels_is_named_with_its_channel():
+    silent = (Channel("b", np.zeros(100), STEP, unit="m/s^2"),)
+    files = read(*(record(count=0, path=f"runs/{k}.csv", extra=silent) for k in (1, 2)))
+    text = record_words(
+        record_result(files, [summed(files, 1), summed(files, 2)], origin=Source("records", "runs", "", "record.toml"))
+    )
+    assert f"{files[0].channels[0].channel.name} of 1.csv and" in text
+    assert ",," not in text
 
 
 def test_every_file_finding_and_blow_is_listed(files, page):

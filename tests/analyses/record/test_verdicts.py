@@ -261,6 +261,11 @@ def test_report_and_screen_have_the_verdict_and_draw_the_band(strikewave):
     page = Path("judged/report.html").read_text("utf-8")
     assert "Verdict by the specification" in page
     assert page.count("time from the begin of the ideal pulse") == 2
+    places = [
+        page.index(words)
+        for words in ("high.csv, blow 1: FAIL.", "good.csv, blow 1: PASS.", "each where it came out worst")
+    ]
+    assert places == sorted(places)
 
 
 def test_pictures_tell_spectra_of_one_verdict_apart_and_draw_the_limits_of_a_peak_beside_its_band():

@@ -93,6 +93,14 @@ def test_a_goal_that_cannot_be_reached_alone_says_what_it_comes_to():
     assert "cannot be reached alone" in study.notices[0].message
 
 
+def test_a_goal_on_a_number_that_no_run_has_says_so():
+    """One blow has no coefficient of variation."""
+    case = load_case("li-ma-2019", ["feed.blows=1"])
+    study = design(case, ["machine.speed=400..900 rpm"], ["cv < 3 %"], analysis="fast", runs=16)
+    assert "no run has cv" in study.notices[0].message
+    assert study.broken
+
+
 def test_words_lists_and_whole_numbers_are_chosen():
     """With a restitution near 1 the laws of damping all but agree, so that the height decides."""
     study = design(

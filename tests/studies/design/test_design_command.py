@@ -9,7 +9,7 @@ import pytest
 DESIGN = """
 schema = 1
 case = "li-ma-2019"
-set = ["feed.blows=1"]
+set = { feed.blows = 1 }
 analysis = "impact"
 goals = ["peak_force = 30 kN +- 5 %", "approach_speed largest"]
 runs = 32
@@ -87,7 +87,7 @@ def test_a_dry_run_says_how_long(strikewave, written):
             'd.toml: vary: got "machine.sped"; allowed: a quantity or a word of the case; did you mean "machine.speed"?',
         ),
         (("li-ma-2019", "li-ma-2018"), "d.toml: case"),
-        (("feed.blows=1", "feed.blow=1"), "d.toml: set"),
+        (("feed.blows", "feed.blow"), "d.toml: set"),
         (('"200..900 rpm"', "true"), "d.toml: vary"),
         (('"impact"', '"fem"'), "d.toml: "),
         (("[vary]", "[vary"), "d.toml"),

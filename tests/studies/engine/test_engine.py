@@ -6,6 +6,7 @@ from concurrent.futures.process import BrokenProcessPool
 from dataclasses import dataclass, field
 
 import numpy as np
+import pyarrow.parquet as parquet
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
@@ -17,7 +18,7 @@ from strikewave.studies.engine import store as stores
 from strikewave.studies.engine.case_evaluation import CaseEvaluation, read_kept
 from strikewave.studies.engine.evaluation import Job, KeptHistory, RunOutcome
 from strikewave.studies.engine.plan import DrawVariation, drawn_rows, filled, grid, sobol_sequence, varied
-from strikewave.studies.engine.pools import GivenPool, ProcessPool
+from strikewave.studies.engine.pools import GivenPool, Loss, ProcessPool
 from strikewave.studies.engine.runner import MOST_DEATHS, carry_out
 from strikewave.studies.engine.store import APPLICATION, INDEX, RunStore, run_key
 from strikewave.studies.engine.variables import read_variable
@@ -101,6 +102,60 @@ def test_histories_come_back_as_they_were_from_index_and_files(tmp_path, monkeyp
         assert len(dict(store.histories())) == 3
 
 
+def test_only_histories_of_the_runs_that_are_asked_for_are_handed_over(tmp_path):
+    """A file that holds others too is parted; one that holds none of them is left."""
+    (tmp_path / "result").mkdir()
+    with RunStore(tmp_path / "s") as store:
+        first, _ = run(store, 50, 70)
+        store.write_chunk()
+        second, _ = run(store, 80)
+        store.write_chunk()
+        assert store.hand_over(tmp_path / "result", [first.keys[1]]) == ["run-histories-1.parquet"]
+        rows = parquet.read_table(tmp_path / "result" / "run-histories-1.parquet").to_pylist()
+        assert [(row["key"], row["values"]) for row in rows] == [(first.keys[1], [0.0, 70.0, 140.0])]
+        (tmp_path / "other").mkdir()
+        assert store.hand_over(tmp_path / "other", second.keys) == ["run-histories-1.parquet"]
+        held = parquet.read_table(tmp_path / "other" / "run-histories-1.parquet").to_pylist()
+        assert [row["key"] for row in held] == second.keys
+        assert len(dict(store.histories())) == 3
+
+
+def test_runs_that_ended_for_want_of_memory_are_made_again_and_others_not(tmp_path):
+    """The first session has little memory: 80 rad/s takes too much of it, and a process dies of 90."""
+    made = []
+
+    @dataclass(frozen=True)
+    class Hungry(Speed):
+        def __call__(self, case):
+            made.append(case.machine.speed.si)
+            if case.machine.speed.si == 80.0 and made.count(80.0) == 1:
+                raise MemoryError
+            return super().__call__(case)
+
+        def __repr__(self):
+            return "Speed"
+
+    job = Job(speeds(50)[0].variation, Hungry())
+    with RunStore(tmp_path / "s") as store:
+        _, (_, failures, _) = run(store, 60, 70, 80, 90, pool=Mortal({90.0: 99}), job=job)
+        assert [bool(failure) for failure in failures] == [True, False, True, True]
+        assert failures[2] == "out of memory"
+    with RunStore(tmp_path / "s") as store:
+        found, (numbers, failures, _) = run(store, 60, 70, 80, 90, job=job)
+    assert found.reused == 2
+    assert [bool(failure) for failure in failures] == [True, False, False, False]
+    assert numbers[1:, 0].tolist() == [70.0, 80.0, 90.0]
+    assert (made.count(60.0), made.count(80.0)) == (1, 2)
+
+
+def test_a_full_disk_is_named_with_what_is_free(tmp_path):
+    """The index is held to the pages that it has, as a full disk would: SQLite says the same of both."""
+    with RunStore(tmp_path / "s") as store:
+        store._base.execute("PRAGMA max_page_count = 1")
+        with pytest.raises(InputError, match=r"No space left on device: .* MB are free on the disk at"):
+            run(store, *range(30, 130))
+
+
 def test_full_chunks_are_written_by_themselves(tmp_path, monkeypatch):
     monkeypatch.setattr(stores, "CHUNK_BYTES", 48)
     with RunStore(tmp_path / "s") as store:
@@ -127,7 +182,8 @@ def test_histories_that_are_handed_over_stay_till_the_store_goes(tmp_path):
     (tmp_path / "result").mkdir()
     with RunStore(tmp_path / "s") as store:
         run(store, 50)
-        (name,) = store.hand_over(tmp_path / "result")
+        keys = list(store.known())
+        (name,) = store.hand_over(tmp_path / "result", keys)
     with RunStore(tmp_path / "s") as store:
         assert len(list(store.histories())) == 1
         (tmp_path / "s" / INDEX).rename(tmp_path / "index")
@@ -271,8 +327,8 @@ class Mortal:
     def __exit__(self, *_):
         return None
 
-    def is_loss(self, error):
-        return isinstance(error, BrokenProcessPool)
+    def loss(self, error):
+        return Loss.BY_ANY if isinstance(error, BrokenProcessPool) else None
 
     def renew(self):
         self.renewed, self.is_broken, self.out = self.renewed + 1, False, []

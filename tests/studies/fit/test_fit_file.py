@@ -52,14 +52,14 @@ polarity = { board = -1 }
 unit = "g"
 """
 TYPED = [
-    "jesd22-b111-b", "--set", "contact.restitution=0.65", "--free", "contact.restitution=0.4:0.9",
+    "jesd22-b111-b", "--set", "contact.restitution=0.65", "--free", "contact.restitution=0.4..0.9",
     "--free", "contact.reference_force", "--to", "{}#board +- 2 %; machine.height=0.25 m",
     "--to", "first.width=380 us +- 2 %; machine.height=0.35 m", "--check-on", "first.rigid_peak=1600 g",
     "--filter", "10 kHz", "--rate", "50 kHz", "--polarity", "board=-1", "--unit", "g",
 ]  # fmt: skip
 
 
-FREE = ["contact.reference_force=600 kN:900 kN"]
+FREE = ["contact.reference_force=600 kN..900 kN"]
 NUMBER = """
 schema = 1
 case = "jesd22-b111-b"
@@ -160,7 +160,7 @@ def test_the_example_of_the_docs_is_a_file_of_a_fit():
     docs = Path(__file__).parents[3] / "docs" / "fit.md"
     text = next(text for text in docs.read_text("utf-8").split("```toml\n") if "[[free]]" in text).partition("```")[0]
     file = FitFile.model_validate(tomllib.loads(text))
-    assert file.free[0].word == "contact.restitution=0.3:0.9"
+    assert file.free[0].word == "contact.restitution=0.3..0.9"
     assert [one.kept_out for one in file.record] == [False, True]
     assert file.reading.options().low_pass is not None
 

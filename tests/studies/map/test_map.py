@@ -2,7 +2,6 @@
 
 import dataclasses
 import math
-import os
 
 import numpy as np
 import pytest
@@ -27,7 +26,6 @@ from strikewave.studies.map.cells import (
 from strikewave.studies.map.regimes import IRREGULAR, MISSES, NO_RETURN, UNKNOWN, period_of, regime_of
 from strikewave.studies.map.return_time import arrivals, bounce_time
 from strikewave.studies.map.study import MapStudy, check_plan, confirmed, in_full, make_map, plan_of
-from strikewave.studies.workers import Workers
 from strikewave.uncertainty.statistics import variation
 
 ONE = np.ones(1)
@@ -224,19 +222,6 @@ def test_two_processes_give_what_one_gives():
     plan = small()
     one, two = make_map(plan, 0.02, 1), make_map(plan, 0.02, 2)
     assert np.array_equal(one.values, two.values, equal_nan=True)
-
-
-def test_process_that_dies_is_told():
-    """Killed from outside, say for memory: in words that name the option."""
-    with pytest.raises(StrikewaveError, match="--workers"), Workers(2) as pool:
-        list(pool.as_finished(os._exit, [1, 1]))
-
-
-def test_work_keeps_its_order_or_comes_as_it_is_finished():
-    for count in (1, 2):
-        with Workers(count) as pool:
-            assert list(pool.in_order(abs, [-3, 2, -1])) == [3, 2, 1]
-            assert dict(pool.as_finished(abs, [-3, 2, -1])) == {-3: 3, 2: 2, -1: 1}
 
 
 def test_stopped_map_goes_on_to_the_same_end(tmp_path):

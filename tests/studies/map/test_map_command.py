@@ -100,7 +100,7 @@ def test_the_same_map_again_replaces_the_old_one(strikewave):
     assert [path.name for path in Path().iterdir()] == ["here"]
 
 
-@pytest.mark.parametrize("other", [("--set", "machine.radius=190 mm"), ("--x", "machine.speed=500 rpm:600 rpm")])
+@pytest.mark.parametrize("other", [("--set", "machine.radius=190 mm"), ("--x", "machine.speed=500 rpm..600 rpm")])
 def test_other_files_and_other_maps_are_never_replaced(strikewave, other):
     """Another case, or other axes: refused before anything is run."""
     strikewave(*FEW, "--out", "here")
@@ -254,9 +254,9 @@ def test_picture_of_a_map_without_results_says_so():
     ("words", "told"),
     [
         (("--x", "machine.sped"), "did you mean"),
-        (("--x", "machine.speed=400 rpm"), "low:high"),
-        (("--x", "machine.speed=400 kg:900 kg"), "machine.speed"),
-        (("--x", "machine.speed=900 rpm:400 rpm"), "lies above"),
+        (("--x", "machine.speed=400 rpm"), "low..high"),
+        (("--x", "machine.speed=400 kg..900 kg"), "machine.speed"),
+        (("--x", "machine.speed=900 rpm..400 rpm"), "lies above"),
         (("--y", "machine.speed"), "another quantity"),
         (("--points", "1e3"), "two whole numbers"),
         (("--points", "2000"), "2 to 1000"),

@@ -14,6 +14,7 @@ from strikewave.base.errors import InputError, IntegrationError
 from strikewave.base.quantities import Range
 from strikewave.cases.case import dump_case, load_case, parse_case
 from strikewave.machines import blows, run_machine
+from strikewave.machines.fast_train import fast_train
 from strikewave.studies.engine.pools import ProcessPool
 from strikewave.studies.engine.store import RunStore
 from strikewave.studies.scatter.runs import Runner, RunResult, of_blows, run_result
@@ -231,6 +232,35 @@ def test_sobol_indices_of_ishigami():
     np.testing.assert_allclose(found.total, total, atol=2e-3)
 
 
+def test_sobol_indices_of_ishigami_and_of_a_machine_are_those_of_scipy():
+    """The estimators of scipy at the same points, and so equal but for rounding; of the machine, two settings."""
+    case = load_case("li-ma-2019", ["feed.blows=1"])
+
+    def peaks(points):
+        flat = points.reshape(-1, 2)
+        cases = (
+            case.with_values(
+                {path: case.values()[path].model_copy(update={"si": si * scale}) for path, si, scale in row}
+            )
+            for row in (
+                (
+                    ("machine.speed", case.machine.speed.si, 0.9 + 0.2 * x),
+                    ("machine.engagement", case.machine.engagement.si, 0.9 + 0.2 * y),
+                )
+                for x, y in flat
+            )
+        )
+        found = [fast_train(build_machine(one)).column("rigid_peak")[0] for one in cases]
+        return np.reshape(found, points.shape[:-1])
+
+    for model, dimensions, runs in ((ishigami, 3, 2**8), (peaks, 2, 2**4)):
+        a, b, mixed = (model(part) for part in mixtures(sobol_points(dimensions, runs, 3), (1,) * dimensions))
+        found = sobol_indices(a, b, mixed)
+        theirs = stats.sobol_indices(func={"f_A": a[None], "f_B": b[None], "f_AB": mixed[:, None]}, n=runs)
+        np.testing.assert_allclose(found.first, theirs.first_order, rtol=1e-9, atol=1e-12)
+        np.testing.assert_allclose(found.total, theirs.total_order, rtol=1e-9)
+
+
 def test_sobol_estimates_converge():
     """The error of scrambled Sobol points falls faster than 1/sqrt(N): by more than 4 from 2^8 to 2^14 (1/sqrt: 8)."""
     first, total = ishigami_indices()
@@ -321,6 +351,21 @@ def test_the_number_of_processes_changes_no_bit():
     assert one.tables() == two.tables()
     assert one.document() == two.document()
     assert scatter(case, ScatterPlan(12, 5, "none")).tables() != one.tables()
+
+
+@pytest.mark.verify
+def test_a_stopped_study_goes_on_and_ends_as_an_undisturbed_one(tmp_path):
+    case, plan = case_with(*ANGLES, "feed.blows=1"), ScatterPlan(12, 4, "alone")
+
+    def stop(share):
+        if share > 0.3:
+            raise KeyboardInterrupt
+
+    with RunStore(tmp_path / "s") as store, pytest.raises(KeyboardInterrupt):
+        scatter(case, plan, stop, store)
+    with RunStore(tmp_path / "s") as store:
+        assert 0 < len(store.known()) < plan.all_runs(len(tolerances_of(case))) - 1
+        assert scatter(case, plan, None, store).tables() == scatter(case, plan).tables()
 
 
 @pytest.mark.verify

@@ -9,7 +9,10 @@ from scipy.stats import f_oneway
 
 import strikewave
 from strikewave import load_case
+from strikewave.analyses.fem.run import run_fem
 from strikewave.base.errors import InputError, InputErrors
+from strikewave.fem.measures import balance_measure
+from strikewave.studies.engine.case_evaluation import read_kept
 from strikewave.studies.sweep.effects import main_effect, share_by_chance
 from strikewave.studies.sweep.figures import drawn_settings, sweep_picture
 from strikewave.studies.sweep.question import plan_of, sweep
@@ -75,6 +78,36 @@ def test_a_run_that_fails_is_a_row_with_its_reason_and_a_mark():
     assert not study.broken
     assert "run failed" in [text.get_text() for text in sweep_picture(study).legends[0].get_texts()]
     assert next(iter(study.reasons)) in unescape(sweep_report(study))
+
+
+def test_the_stress_of_a_bar_is_the_force_over_its_area():
+    case = load_case("li-ma-2019-fig13-bar")
+    (layer,) = [one for one in case.stack.layer if one.name == next(t.layer for t in case.tap if t.name == "sensor")]
+    force, stress = read_kept(case, "wave", ["tap.sensor.peak_force", "tap.sensor.peak_stress"])(case).numbers
+    assert stress == pytest.approx(force / (math.pi / 4.0 * layer.diameter.si**2), rel=1e-14)
+
+
+def test_a_study_whose_runs_all_fail_is_broken():
+    study = sweep(ONE, {"machine.engagement": ["400 mm", "410 mm"]}, analysis="fast")
+    assert study.failed == 2
+    assert study.broken
+
+
+@pytest.mark.verify
+def test_numbers_of_elements_go_by_the_names_that_fits_use():
+    """One run of a coarse model; the reading of the result itself is the other way."""
+    case = load_case("two-bars-fem", ["mesh.part.striker.size=3 mm", "mesh.part.bar.size=3 mm"])
+    keep = ["first.peak_force", "first.rigid_peak bar", "von_mises bar", "velocity_change striker", "energy_error"]
+    evaluation = read_kept(case, "fem", keep)
+    solution = run_fem(case)
+    bar, striker = solution.parts["bar"], solution.parts["striker"]
+    balance = balance_measure(solution.run).energy
+    numbers = solution.number("first.peak_force"), bar.rigid_peak, bar.von_mises, striker.velocity_change, balance
+    assert evaluation(case).numbers == numbers
+    with pytest.raises(InputError, match='"von_mises PART" with the name of a part'):
+        read_kept(case, "fem", ["von_mises"])
+    with pytest.raises(InputError, match='did you mean "bar"'):
+        read_kept(case, "fem", ["von_mises bra"])
 
 
 def test_numbers_without_a_unit_are_written_without_one():

@@ -168,7 +168,7 @@ class FemCommand(Command[FemSolution]):
 
         return draw_result(result, folder, self.choice.report, self.choice.animate)
 
-    def hand_over(self, folder: Path) -> list[str]:
+    def hand_over(self, result: FemSolution, folder: Path) -> list[str]:
         """Put the fields into the folder."""
         return self.fields.hand_over(folder) if self.fields else []
 

@@ -45,12 +45,13 @@ def record_words(result: RecordResult) -> str:
     several = len(campaigns) > 1
     for file, reading in rows_of(files):
         harmful = [f for f in reading.findings if f.severity == "bad"]
-        bad += [(names[file.path] + (f", {reading.channel.name}," if several else ""), harmful[0])] if harmful else []
+        own = f"{reading.channel.name} of " if several else ""
+        bad += [(own + names[file.path], harmful[0])] if harmful else []
     reasons: dict[str, list[str]] = {}
     for name, finding in bad:
         reasons.setdefault(finding.message, []).append(name)
     for message, where in list(reasons.items())[:MOST_REASONS]:
-        words.append(f"{named(where).rstrip(',')} {'are' if len(where) > 1 else 'is'} bad: {message}.")
+        words.append(f"{named(where)} {'are' if len(where) > 1 else 'is'} bad: {message}.")
     more = sum(map(len, list(reasons.values())[MOST_REASONS:]))
     if more:
         words.append(f"{more} more record{'s are' if more > 1 else ' is'} bad, see below.")

@@ -277,9 +277,9 @@ class WaveSolution(ShownResult):
             "case": self.source.text,
             "route": self.route,
         }
-        return dataclasses.replace(self.histories(), attrs=attributes)
+        return dataclasses.replace(self.labelled_histories(), attrs=attributes)
 
-    def histories(self) -> LabelledArrays:
+    def labelled_histories(self) -> LabelledArrays:
         """Return all histories and the x-t field with units."""
         run, where = self.run, ("time", "tap")
         force, stress, velocity, acceleration = (np.column_stack(c) for c in zip(*self._histories(), strict=True))

@@ -50,17 +50,19 @@ def effects_of_level(pulse: RecordedPulse, level: float, after_peak: bool = Fals
 
 
 def with_unit(value: float, unit: str) -> str:
-    r"""Write a value with its SI unit: accelerations in g, times in us or ms.
+    r"""Write a value with its SI unit: accelerations in g, times in us or ms, frequencies in Hz or kHz.
 
     Examples
     --------
-    >>> with_unit(9806.65, "m/s^2"), with_unit(3.0, ""), with_unit(0.01032, "s")
-    ('1000\xa0g', '3', '10.32\xa0ms')
+    >>> with_unit(9806.65, "m/s^2"), with_unit(3.0, ""), with_unit(0.01032, "s"), with_unit(19893.6, "Hz")
+    ('1000\xa0g', '3', '10.32\xa0ms', '19.89\xa0kHz')
     """
     if unit == "m/s^2":
         return f"{in_unit(value, 'm/s^2', 'g'):.5g}\xa0g"
     if unit == "s":
         return f"{1e6 * value:.4g}\xa0us" if abs(value) < 1e-3 else f"{1e3 * value:.4g}\xa0ms"
+    if unit == "Hz":
+        return f"{value:.4g}\xa0Hz" if abs(value) < 1e4 else f"{1e-3 * value:.4g}\xa0kHz"
     if unit == "1":
         return f"{1e6 * value:.5g} ustrain"
     return f"{value:.5g} {unit}".strip()

@@ -58,7 +58,7 @@ def _ringing_of(record: Examined, pulse: RecordedPulse) -> HealthNotice | None:
         if max(map(abs, effects.values())) < NOTED_EFFECT and share < NOTED_RINGING:
             return None
         message = (
-            f"the blow at {pulse.time:.6g}\xa0s rings at {rigid.frequency:.4g}\xa0Hz; without it the peak is "
+            f"the blow at {pulse.time:.6g}\xa0s rings at {with_unit(rigid.frequency, 'Hz')}; without it the peak is "
             f"{record.text(rigid.peak)}, the width {with_unit(rigid.width, 's')}; with it"
         )
         doubt = {name: getattr(rigid, f"{name}_uncertainty") / abs(getattr(rigid, name)) for name in effects}
@@ -80,8 +80,9 @@ def _ringing_of(record: Examined, pulse: RecordedPulse) -> HealthNotice | None:
         return HealthNotice("ringing", message, share, severity=severity, harms=harms, start=pulse.end)
     smooth = {"peak": pulse.smooth.peak, "width": pulse.smooth.width(), "velocity_change": pulse.smooth.area()}
     effects = {name: getattr(pulse, name) / value - 1.0 for name, value in smooth.items() if value}
+    of_peak = percent(max(share, pulse.smooth.misfit), 0)
     message = (
-        f"the blow rings at about {frequency:.3g}\xa0Hz, by {percent(max(share, pulse.smooth.misfit), 0)} of the peak, "
+        f"the blow rings at about {with_unit(frequency, 'Hz')}, by {of_peak} of the peak, "
         "and no single mode explains it; against the smooth pulse"
     )
     return by_effect("ringing", message, share, effects, doubt=_doubt_of_smooth(pulse, frequency), start=pulse.end)

@@ -8,7 +8,7 @@ from typing import Annotated
 
 import typer
 
-from strikewave.reporting.options import Changes, Output, Processes
+from strikewave.reporting.options import Changes, Cluster, Output, Processes
 
 
 def command(
@@ -39,6 +39,7 @@ def command(
         ),
     ] = None,
     workers: Processes = 2,
+    cluster: Cluster = None,
     store: Annotated[
         Path | None,
         typer.Option(
@@ -66,7 +67,7 @@ def command(
     from strikewave.reporting.run_and_write import case_folder, run_and_write
     from strikewave.studies.design.design_file import load_design
     from strikewave.studies.design.screen import DesignCommand, show_estimate
-    from strikewave.studies.engine.pools import ProcessPool
+    from strikewave.studies.engine.chosen_pool import pool_of
 
     request = load_design(file, changes or (), runs=runs, seed=seed, robust=robust)
     plan = request.plan(output.tested(request.case))
@@ -74,6 +75,5 @@ def command(
     if dry_run:
         return show_estimate(plan, count, output.json)
     usual = f"design-{case_folder(plan.case.name, dump_case(plan.case), request.changes)}"
-    return run_and_write(
-        DesignCommand(plan, lambda: ProcessPool(count), place=store, fresh=fresh), output, usual, plan.text
-    )
+    searching = DesignCommand(plan, pool_of(None, count, cluster), place=store, fresh=fresh)
+    return run_and_write(searching, output, usual, plan.text)

@@ -13,7 +13,7 @@ from strikewave.cases.paths import Form
 from strikewave.cases.tables import CaseTable
 from strikewave.studies.design.plan import DesignPlan, plan_of
 from strikewave.studies.engine.variables import read_variable
-from strikewave.studies.stated import case_place, read_study, stated_at
+from strikewave.studies.stated import Settings, case_place, read_study, stated_at
 from strikewave.studies.sweep.study_file import varied_texts
 
 ALLOWED = "a TOML file with the case, goals and [vary]"
@@ -24,7 +24,7 @@ class DesignFile(CaseTable):
 
     schema_: Annotated[Literal[1], Field(alias="schema")]
     case: str
-    changes: tuple[str, ...] = Field(default=(), alias="set")
+    changes: Settings = Field(default=(), alias="set")
     goals: tuple[str, ...]
     vary: dict[str, Any]
     analysis: str = ""

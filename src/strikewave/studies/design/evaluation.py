@@ -15,13 +15,15 @@ from strikewave.cases.case import Case
 from strikewave.cases.contact_notices import first_yield_of
 from strikewave.specifications.decisions import CANNOT_TELL
 from strikewave.specifications.reading import load_specification
-from strikewave.studies.engine.case_evaluation import CaseEvaluation, numbers_of
+from strikewave.studies.engine.case_evaluation import CaseEvaluation
 from strikewave.studies.engine.evaluation import RunOutcome
-from strikewave.studies.simulation import Simulation
+from strikewave.studies.simulation import Simulation, number_units, owners
 
 SPEC, CLIPS, YIELDING, OF_YIELD = "spec:", "clips", "stress", " / yield"
 """Begin of the name of the least margin of a specification; name of the largest reading over the range of its sensor;
 name of the largest stress anywhere; and end of the name of a load over that at which its material yields."""
+VON_MISES = "von_mises"
+"""Name of the largest stress of a part of elements."""
 
 
 def is_derived(name: str) -> bool:
@@ -69,20 +71,24 @@ def evaluation_of(case: Case, analysis: str, names: Iterable[str]) -> DesignEval
     for name in wanted:
         if name.endswith(OF_YIELD):
             load = name.removesuffix(OF_YIELD)
-            needed += stress_names(numbers_of(case, analysis)) if load == YIELDING else [load]
+            needed += stress_names(case) if load == YIELDING else [load]
     needed = list(dict.fromkeys(needed))
     return DesignEvaluation(CaseEvaluation(analysis, tuple(needed)), (*needed, *filter(is_derived, wanted)))
 
 
-def stress_names(names: Iterable[str]) -> list[str]:
-    """Return the names of the stresses among numbers.
+def stress_names(case: Case) -> list[str]:
+    """Return the names of the stresses that a bar or elements give; a machine has none.
 
     Examples
     --------
-    >>> stress_names(["tap.mid.peak_stress", "tap.mid.peak_force", "part.ball.von_mises"])
-    ['tap.mid.peak_stress', 'part.ball.von_mises']
+    >>> from strikewave import load_case
+    >>> stress_names(load_case("two-bars-fem")), stress_names(load_case("li-ma-2019"))
+    (['von_mises striker', 'von_mises bar'], [])
     """
-    return [name for name in names if name.endswith((".peak_stress", ".von_mises"))]
+    known = number_units(case)
+    if VON_MISES in known:
+        return [f"{VON_MISES} {part}" for part in owners(case, VON_MISES) or ()]
+    return [name for name in known if name.endswith(".peak_stress")]
 
 
 def yield_of(case: Case, name: str) -> float | None:
@@ -92,8 +98,8 @@ def yield_of(case: Case, name: str) -> float | None:
     if kind == "tap" and what == "peak_stress":
         layers = [tap.layer for tap in case.tap if tap.name == place]
         return _strength(next((one.material for one in case.stack.layer if one.name in layers), None))
-    if kind == "part" and what == "von_mises" and case.mesh is not None:
-        part = next((one for one in case.mesh.part if one.name == place), None)
+    if name.startswith(f"{VON_MISES} ") and case.mesh is not None:
+        part = next((one for one in case.mesh.part if one.name == name.partition(" ")[2]), None)
         own: Any = getattr(getattr(part, "solid", None), "yield_strength", None)
         return _strength(getattr(part, "material", None)) if own is None else float(own.si)
     if name == "first.peak_force" and case.command == "run":
@@ -113,7 +119,7 @@ def _derived(name: str, case: Case, numbers: Mapping[str, float], simulation: Si
         return _least_margin(name.removeprefix(SPEC), case, simulation)
     if name.endswith(OF_YIELD):
         load = name.removesuffix(OF_YIELD)
-        loads = stress_names(numbers) if load == YIELDING else [load]
+        loads = stress_names(case) if load == YIELDING else [load]
         shares = [numbers[one] / limit for one in loads if (limit := yield_of(case, one))]
         return float(np.nanmax(shares)) if shares and np.isfinite(shares).any() else math.nan
     return _clipping(name.removeprefix(CLIPS).strip(), case, simulation)

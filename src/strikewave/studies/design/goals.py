@@ -169,9 +169,9 @@ def _limited(case: Case, analysis: str, typed: str, found: re.Match[str], field:
 def _of_yield(case: Case, analysis: str, typed: str, found: re.Match[str], field: str) -> Goal:
     """Return the goal of a load or stress as a share of that at which its material yields."""
     name, value = found["number"].strip(), found["value"].strip().removesuffix("yield")
-    stresses = stress_names(numbers_of(case, analysis))
+    stresses = stress_names(case)
     if name != YIELDING and yield_of(case, name) is None:
-        known = [one for one in numbers_of(case, analysis) if yield_of(case, one) is not None]
+        known = [one for one in (*numbers_of(case, analysis), *stresses) if yield_of(case, one) is not None]
         known += [YIELDING] if stresses else []
         hint = nearest(name, known) if known else "nothing of this case has a yield strength that is known"
         raise InputError(field, name, "a force or stress whose yield is known", hint)

@@ -22,6 +22,7 @@ from strikewave.studies.engine.case_evaluation import checked_analysis, numbers_
 from strikewave.studies.engine.evaluation import Job, Row
 from strikewave.studies.engine.plan import AxisVariation, varied
 from strikewave.studies.engine.variables import EXAMPLE, StudyVariable, read_variable, typed_value
+from strikewave.studies.simulation import name_and_owner
 
 Array = NDArray[np.float64]
 
@@ -165,7 +166,7 @@ class DesignPlan:
 
     def _with(self, analysis: str, case: Case) -> DesignPlan:
         known = numbers_of(case, analysis)
-        aims = tuple(aim for aim in self.aims if is_derived(aim.number) or aim.number.split(" ")[0] in known)
+        aims = tuple(aim for aim in self.aims if is_derived(aim.number) or name_and_owner(aim.number)[0] in known)
         variation = varied(case, self.variables, NOTE)
         return DesignPlan(case, self.variables, aims, analysis, self.runs, self.seed, 0, variation)
 

@@ -9,7 +9,7 @@ from pathlib import Path
 from strikewave.cases.case import Case
 from strikewave.studies.design.plan import plan_of
 from strikewave.studies.design.study import DesignStudy, make_design
-from strikewave.studies.engine.pools import pool_of
+from strikewave.studies.engine.chosen_pool import pool_of
 from strikewave.studies.engine.store import RunStore
 from strikewave.studies.sweep.question import Vary, vary_texts
 
@@ -25,6 +25,7 @@ def design(
     robust: int = 0,
     workers: int = 1,
     executor: Executor | None = None,
+    cluster: str | None = None,
     store: Path | str | None = None,
     progress: Callable[[float], None] | None = None,
 ) -> DesignStudy:
@@ -53,7 +54,9 @@ def design(
     workers : int, optional
         Processes. With more than one, call it below ``if __name__ == "__main__":``.
     executor : Executor, optional
-        Who runs instead: any executor of `concurrent.futures`, or one that acts as these do, such as that of Dask.
+        Who runs instead: any executor of `concurrent.futures`, or one that acts as these do.
+    cluster : str, optional
+        Address of a Dask scheduler that shares the runs among machines, such as ``tcp://host:8786``.
     store : path, optional
         Folder that keeps finished runs: what it holds is not run again.
     progress : callable, optional
@@ -76,4 +79,4 @@ def design(
     plan = plan_of(case, vary_texts(vary), goals, analysis, runs, seed, robust)
     advance = None if progress is None else (lambda done: progress(done.share))
     with RunStore(None if store is None else Path(store)) as finished:
-        return make_design(plan, finished, pool_of(executor, workers), advance)
+        return make_design(plan, finished, pool_of(executor, workers, cluster), advance)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 from typing import NamedTuple
@@ -31,7 +30,6 @@ from strikewave.studies.engine.store import RunStore
 from strikewave.studies.resumable import ResumableCommand
 from strikewave.studies.sweep.estimate import lasting
 
-PoolMaker = Callable[[], Pool]
 TRIED = 3
 """Runs that are timed for an estimate, after one that loads what a process needs: both ends and the middle."""
 
@@ -90,12 +88,12 @@ class DesignCommand(ResumableCommand[DesignStudy]):
     ----------
     plan : DesignPlan
         What is asked.
-    pool : callable
-        Makes what runs it.
+    pool : Pool
+        Who runs it.
     """
 
     plan: DesignPlan
-    pool: PoolMaker
+    pool: Pool
 
     def solved(self, store: RunStore) -> DesignStudy:
         """Return the design, with a bar on stderr; where it is stopped, finished runs are kept, and said to be."""
@@ -109,7 +107,7 @@ class DesignCommand(ResumableCommand[DesignStudy]):
                     last = done
                     report(done.share, f"{done.done} runs, {done.words}")
 
-                study = make_design(self.plan, store, self.pool(), advance)
+                study = make_design(self.plan, store, self.pool, advance)
         except KeyboardInterrupt as stop:
             self.stopped(stop, store, f"{last.done} runs" if last.done else "")
         return dataclasses.replace(study, asked=asked())

@@ -29,7 +29,7 @@ from strikewave.studies.design.candidates import (
     sensitivities,
     verified,
 )
-from strikewave.studies.design.conflict import Conflict, conflict_of
+from strikewave.studies.design.conflict import Conflict, Reach, conflict_of
 from strikewave.studies.design.evaluation import is_derived
 from strikewave.studies.design.goals import Goal, Objective, shares_of
 from strikewave.studies.design.plan import DesignPlan
@@ -140,6 +140,10 @@ class DesignStudy(ShownResult):
     def value(self, run: int, name: str) -> float:
         """Return a number of a run, SI."""
         return float(self.numbers[run, self.plan.evaluation.names.index(name)])
+
+    def lacks(self, name: str) -> bool:
+        """Tell whether no run has a number, such as where all failed, or a theory allows none to be quoted."""
+        return bool(np.isnan(self.numbers[:, self.plan.evaluation.names.index(name)]).all())
 
     def value_words(self, name: str, value: float) -> str:
         """Write a number with its unit."""
@@ -299,14 +303,23 @@ def conflict_words(study: DesignStudy) -> str:
     conflict = study.conflict
     if conflict is None:
         return "the search ended too soon"
+    lacking = dict.fromkeys(goal.number for goal in conflict.goals if study.lacks(goal.number))
+    if lacking:
+        return f"no run has {' or '.join(lacking)}"
     words = []
     for one in conflict.reaches:
-        value = study.value_words(one.goal.number, one.value)
-        others = "with the others met" if len(conflict.goals) > 1 else "at best"
-        words.append(f'"{one.goal.typed}" comes to {value} {others}')
+        words.append(f'"{one.goal.typed}" {_reach_words(study, one, len(conflict.goals) > 1)}')
     which = " and ".join(f'"{goal.typed}"' for goal in conflict.goals)
     head = f"{which} exclude each other" if len(conflict.goals) > 1 else f"{which} cannot be reached alone"
     return f"{head}: {'; '.join(words)}"
+
+
+def _reach_words(study: DesignStudy, reach: Reach, others: bool) -> str:
+    """Say what the number of a goal comes to at best, or that no run met the other goals."""
+    if not math.isfinite(reach.value):
+        return "is unknown: no run met the others"
+    value = study.value_words(reach.goal.number, reach.value)
+    return f"comes to {value} {'with the others met' if others else 'at best'}"
 
 
 @compiling_shown()

@@ -15,7 +15,7 @@ from strikewave.base.errors import InputError, nearest
 from strikewave.cases.case import Case
 from strikewave.machines.blows import KINDS
 from strikewave.studies.engine.evaluation import KeptHistory, RunOutcome, ordered
-from strikewave.studies.simulation import Simulation, checked_number, number_units
+from strikewave.studies.simulation import Simulation, checked_owner, name_and_owner, number_units
 from strikewave.uncertainty.statistics import variation
 
 if TYPE_CHECKING:
@@ -39,11 +39,7 @@ OF_CONTACT = ("contact_time", "rebound_speed", "restitution", "indentation", "re
 NOT_FAST = ("total_peak", "wave_peak", "sensor_peak", "sensor_width", "peak_force", *OF_CONTACT)
 """Numbers of the first blow that the fast run has not."""
 OF_IMPACT = {"approach_speed": "m/s", "peak_force": "N", "peak_acceleration": "m/s^2", "duration": "s"}
-OF_ELEMENTS = {"contact_force_peak": "N", "energy_error": "1", "momentum_error": "1", "hourglass_share": "1"}
-OF_PART = {
-    "rigid_peak": "m/s^2", "width": "s", "velocity_change": "m/s", "von_mises": "Pa", "plastic_strain": "1",
-}  # fmt: skip
-"""Numbers of an impact, of a model of elements, and of each of its parts, with their SI units."""
+"""Numbers of an impact, and their SI units."""
 BLOW_UNITS = {
     "time": "s", "rigid_peak": "m/s^2", "width": "s", "velocity_change": "m/s", "approach_speed": "m/s",
     "largest_displacement": "m", "kind": "1",
@@ -65,15 +61,12 @@ def numbers_of(case: Case, analysis: str) -> dict[str, str]:
     >>> numbers_of(case, "run")["cv"], "first.wave_peak" in numbers_of(case, "fast")
     ('1', False)
     """
-    if analysis in ("run", "wave"):
-        return number_units(case) | (OF_TRAIN if analysis == "run" else {})
     if analysis == "fast":
         units = number_units(case) | OF_TRAIN | OF_FAST
         return {name: unit for name, unit in units.items() if name.partition(".")[2] not in NOT_FAST}
     if analysis == "impact":
         return OF_IMPACT
-    parts = [part.name for part in case.mesh.part] if case.mesh is not None else []
-    return OF_ELEMENTS | {f"part.{part}.{name}": unit for part in parts for name, unit in OF_PART.items()}
+    return number_units(case) | (OF_TRAIN if analysis == "run" else {})
 
 
 def checked_analysis(case: Case, analysis: str) -> str:
@@ -102,7 +95,7 @@ def usual_numbers(case: Case, analysis: str) -> tuple[str, ...]:
     names = numbers_of(case, analysis)
     of_blow = ("first.rigid_peak", "first.width")
     wanted: dict[str, tuple[str, ...]] = {"run": of_blow, "fast": of_blow}
-    wanted |= {"impact": ("peak_force", "duration"), "fem": ("contact_force_peak",)}
+    wanted |= {"impact": ("peak_force", "duration"), "fem": ("first.peak_force",)}
     several = analysis in ("run", "fast") and case.feed is not None and case.feed.blows.si > 1.0
     of_bar = tuple(name for name in names if name.endswith(("peak_force", ".peak")))
     chosen = wanted.get(analysis, of_bar[:2])
@@ -154,11 +147,9 @@ def read_kept(case: Case, analysis: str, words: Sequence[str]) -> CaseEvaluation
         raise InputError("--keep", f"{len(names)} numbers", f"at most {MOST_KEPT}")
     known = numbers_of(case, analysis)
     for name in names:
-        first = name.partition(" ")[0]
-        if "sensor_" in first and first in known:
-            checked_number(case, name, "--keep")
-        elif name not in known:
+        if name_and_owner(name)[0] not in known:
             raise InputError("--keep", name, f"a number that {analysis} gives", nearest(name, [*known, *HISTORIES]))
+        checked_owner(case, name, "--keep")
     if "blows" in histories and analysis not in ("run", "fast"):
         raise InputError("--keep", "blows", "pulses: only a machine has a table of blows")
     if "pulses" in histories and analysis in ("fast", "impact"):
@@ -168,7 +159,7 @@ def read_kept(case: Case, analysis: str, words: Sequence[str]) -> CaseEvaluation
 
 def unit_of(case: Case, analysis: str, name: str) -> str:
     """Return the SI unit of a number."""
-    return numbers_of(case, analysis)[name.partition(" ")[0] if "sensor_" in name else name] or "1"
+    return numbers_of(case, analysis)[name_and_owner(name)[0]] or "1"
 
 
 Evaluated = tuple[dict[str, float | None], Sequence[KeptHistory]]
@@ -190,7 +181,7 @@ def _machine(wanted: CaseEvaluation, case: Case) -> Evaluated:
         found = blows(run)
     numbers = train_numbers(found) | {"energy_error": run.energy_error}
     if simulation is not None:
-        numbers |= {name: simulation.number(*name.partition(" ")[::2]) for name in seen}
+        numbers |= {name: simulation.number(*name_and_owner(name)) for name in seen}
     histories = _blow_table(found, wanted)
     if "pulses" in wanted.histories and simulation is not None:
         struck = [blow.index for blow in found if blow.kind != "missed"]
@@ -260,26 +251,10 @@ def _pulse(simulation: Simulation, blow: int = 0) -> KeptHistory:
     return KeptHistory("pulse", curve.unit, blow, float(history.start), float(history.step), values)
 
 
-def _wave(wanted: CaseEvaluation, case: Case) -> Evaluated:
+def _simulated(wanted: CaseEvaluation, case: Case) -> Evaluated:
+    """Run a layered bar, or elements."""
     simulation = Simulation(case)
-    numbers = {name: simulation.number(name) for name in wanted.names}
-    return numbers, [_pulse(simulation)] if "pulses" in wanted.histories else []
-
-
-def _elements(wanted: CaseEvaluation, case: Case) -> Evaluated:
-    from strikewave.fem.measures import balance_measure
-
-    simulation = Simulation(case)
-    solution = simulation.elements
-    balance = balance_measure(solution.run)
-    numbers: dict[str, float | None] = {
-        "contact_force_peak": solution.contact_force_peak,
-        "energy_error": balance.energy,
-        "momentum_error": balance.momentum,
-        "hourglass_share": balance.hourglass,
-    }
-    for part, measure in solution.parts.items():
-        numbers |= {f"part.{part}.{name}": getattr(measure, name) for name in OF_PART}
+    numbers = {name: simulation.number(*name_and_owner(name)) for name in wanted.names}
     return numbers, [_pulse(simulation)] if "pulses" in wanted.histories else []
 
 
@@ -293,8 +268,8 @@ def _impact(wanted: CaseEvaluation, case: Case) -> Evaluated:
 EVALUATED: Mapping[str, Callable[[CaseEvaluation, Case], Evaluated]] = {
     "run": _machine,
     "fast": _fast,
-    "wave": _wave,
-    "fem": _elements,
+    "wave": _simulated,
+    "fem": _simulated,
     "impact": _impact,
 }
 """How each analysis is made."""
@@ -323,7 +298,7 @@ def called(name: str) -> str:
 
     Examples
     --------
-    >>> called("first.rigid_peak"), called("part.ball.von_mises")
-    ('rigid peak of the first blow', 'part ball von mises')
+    >>> called("first.rigid_peak"), called("von_mises ball")
+    ('rigid peak of the first blow', 'von mises ball')
     """
     return NUMBER_WORDS.get(name, name.replace(".", " ").replace("_", " "))

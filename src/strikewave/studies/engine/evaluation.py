@@ -58,6 +58,8 @@ class RunOutcome:
         What else is kept.
     failure : str
         Why there is nothing; empty where there is.
+    retry : bool
+        Whether another try may end otherwise: it failed for want of memory, or its process was ended.
     seconds : float
         How long it took.
     """
@@ -65,6 +67,7 @@ class RunOutcome:
     numbers: tuple[float, ...] = ()
     histories: tuple[KeptHistory, ...] = ()
     failure: str = ""
+    retry: bool = False
     seconds: float = 0.0
 
 
@@ -104,20 +107,22 @@ class Job:
         begin = time.perf_counter()
         try:
             outcome = self.evaluation(self.variation.case_of(row))
-        except (StrikewaveError, ValueError, ArithmeticError, MemoryError) as error:
+        except MemoryError as error:
+            outcome = failed(str(error) or "out of memory", retry=True)
+        except (StrikewaveError, ValueError, ArithmeticError) as error:
             outcome = failed(str(error) or type(error).__name__)
         return replace(outcome, seconds=time.perf_counter() - begin)
 
 
-def failed(reason: str) -> RunOutcome:
-    """Return the outcome of a run that failed.
+def failed(reason: str, retry: bool = False) -> RunOutcome:
+    """Return the outcome of a run that failed, and whether another try may end otherwise.
 
     Examples
     --------
     >>> failed("at 1 ms the turntable stalls").failure
     'at 1 ms the turntable stalls'
     """
-    return RunOutcome(failure=show("; ".join(reason.splitlines()), MOST_REASON).strip('"'))
+    return RunOutcome(failure=show("; ".join(reason.splitlines()), MOST_REASON).strip('"'), retry=retry)
 
 
 def ordered(numbers: dict[str, float | None], names: Sequence[str]) -> tuple[float, ...]:

@@ -126,7 +126,7 @@ def filled(variables: Sequence[StudyVariable], design: str, runs: int, seed: int
 def sobol_sequence(dimensions: int, runs: int, seed: int) -> Array:
     """Return points of Sobol's scrambled sequence, shape (runs, dimensions).
 
-    Source: ``saltelli-2010``.
+    Source: ``joe-kuo-2008`` for the direction numbers.
 
     Examples
     --------

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import enum
 import os
 from collections.abc import Callable, Sequence
 from concurrent.futures import BrokenExecutor, Executor, Future
@@ -13,6 +14,17 @@ from strikewave.studies.engine.evaluation import Row, RunOutcome
 from strikewave.studies.workers import Workers
 
 Batch = Callable[[Sequence[Row]], list[RunOutcome]]
+
+
+class Loss(enum.Enum):
+    """What ended a batch before its time."""
+
+    BY_ANY = enum.auto()
+    """One of the batches that were out, or someone else: its process ended, and with it all others."""
+    BY_THIS = enum.auto()
+    """The batch itself: workers ended with it several times, while others went on."""
+    BY_NONE = enum.auto()
+    """No batch: the way to the workers was lost."""
 
 
 class Pool(Protocol):
@@ -27,8 +39,8 @@ class Pool(Protocol):
         """Begin a batch."""
         ...
 
-    def is_loss(self, error: BaseException) -> bool:
-        """Tell whether an error is that of a process that ended, not of the batch."""
+    def loss(self, error: BaseException) -> Loss | None:
+        """Return what an error says of a batch that ended before its time; None of an error of ours."""
         ...
 
     def renew(self) -> None:
@@ -68,9 +80,9 @@ class ProcessPool:
         """Begin a batch; in this process it is done when this returns."""
         return self._workers.submit(job, rows)
 
-    def is_loss(self, error: BaseException) -> bool:
+    def loss(self, error: BaseException) -> Loss | None:
         """Tell whether a process ended before its time."""
-        return isinstance(error, BrokenExecutor)
+        return Loss.BY_ANY if isinstance(error, BrokenExecutor) else None
 
     def renew(self) -> None:
         """Start other processes."""
@@ -79,7 +91,7 @@ class ProcessPool:
 
 
 class GivenPool:
-    """An executor that someone else made, and ends; Dask makes up for workers that it loses, others do not.
+    """An executor that someone else made, and ends.
 
     Parameters
     ----------
@@ -91,7 +103,8 @@ class GivenPool:
 
     def __init__(self, executor: Executor, width: int = 0) -> None:
         self._executor = executor
-        self.width = width or int(getattr(executor, "_max_workers", 0) or os.cpu_count() or 1)
+        named = getattr(executor, "_max_workers", 0) or getattr(executor, "max_workers", 0)
+        self.width = width or int(named or os.cpu_count() or 1)
         self._running = set[Future[Any]]()
 
     def __enter__(self) -> GivenPool:
@@ -110,9 +123,9 @@ class GivenPool:
         future.add_done_callback(self._running.discard)
         return future
 
-    def is_loss(self, error: BaseException) -> bool:
-        """Tell whether a worker ended before its time: of Dask, after several of them."""
-        return isinstance(error, BrokenExecutor) or type(error).__name__ == "KilledWorker"
+    def loss(self, error: BaseException) -> Loss | None:
+        """Tell whether a worker ended before its time."""
+        return Loss.BY_ANY if isinstance(error, BrokenExecutor) else None
 
     def renew(self) -> None:
         """Go on where the executor can.
@@ -124,14 +137,3 @@ class GivenPool:
         """
         if getattr(self._executor, "_broken", False):
             raise StrikewaveError("a process of the executor ended before its time: give another one, which goes on")
-
-
-def pool_of(executor: Executor | None, workers: int) -> Pool:
-    """Return the pool of an executor that is given, or of so many processes of this machine.
-
-    Examples
-    --------
-    >>> pool_of(None, 1).width
-    1
-    """
-    return GivenPool(executor) if executor is not None else ProcessPool(workers)

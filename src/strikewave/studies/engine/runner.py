@@ -9,17 +9,18 @@ from __future__ import annotations
 import time
 from collections import deque
 from collections.abc import Callable, Sequence
-from concurrent.futures import FIRST_COMPLETED, Future, wait
+from concurrent.futures import FIRST_COMPLETED, CancelledError, Future, wait
 from typing import NamedTuple
 
 from strikewave.base.compiled import is_cold
 from strikewave.studies.engine.evaluation import Job, Row, RunOutcome, failed
-from strikewave.studies.engine.pools import Pool
+from strikewave.studies.engine.pools import Loss, Pool
 from strikewave.studies.engine.store import RunStore, run_key
 
-BATCH_SECONDS = 0.25
+BATCH_SECONDS, OF_A_HUNDRED = 0.25, 1.6
 """About how long a batch takes: handing it over, some 2 ms, then costs a hundredth, and a study that is killed has lost
-no more than that of each process."""
+no more than that of each process. With more than sixteen workers 1.6 s for every hundred of them: a scheduler of Dask
+works 8 ms on a batch (measured), half of its time then."""
 MOST_IN_BATCH = 256
 """Most runs of a batch: what it keeps stays small."""
 QUEUED = 2
@@ -127,7 +128,7 @@ class _Work:
         self._rows = dict[bytes, Row]()  # that are out
         self._next: bytes | None = None
         self._out = dict[Future[list[RunOutcome]], list[bytes]]()
-        self._suspects = deque[list[bytes]]()
+        self._suspects, self._innocent = deque[list[bytes]](), deque[list[bytes]]()  # to be run again
         self._deaths = dict[bytes, int]()
         self._begin = time.perf_counter()
         self._done = self._failed = 0
@@ -159,18 +160,20 @@ class _Work:
         if is_cold() and self._next:  # one process compiles the kernels, and the others find them on the disk
             self._submit(pool, [self._taken()])
             self._take(pool)
-        while self._next or self._out or self._suspects:
+        while self._next or self._out or self._suspects or self._innocent:
             if self._suspects and not self._out:
                 self._submit(pool, self._suspects.popleft())
-            while self._next and not self._suspects and len(self._out) < QUEUED * pool.width:
-                self._submit(pool, self._next_batch(pool))
+            while (self._next or self._innocent) and not self._suspects and len(self._out) < QUEUED * pool.width:
+                self._submit(pool, self._innocent.popleft() if self._innocent else self._next_batch(pool))
             self._take(pool)
 
     def _next_batch(self, pool: Pool) -> list[bytes]:
         """Return the keys of some rows: fewer at the end, so that no process waits long for the last."""
         each = self._seconds / self._done if self._done else BATCH_SECONDS
         left = len(self._all) - len(self.keys) + 1
-        size = min(int(BATCH_SECONDS / max(each, 1e-9)), MOST_IN_BATCH, left // (QUEUED * pool.width))
+        width = pool.width
+        wanted = max(BATCH_SECONDS, OF_A_HUNDRED * width / 100.0)
+        size = min(int(wanted / max(each, 1e-9)), MOST_IN_BATCH, left // (QUEUED * width))
         batch = [self._taken()]
         while self._next and len(batch) < size:
             batch.append(self._taken())
@@ -180,7 +183,7 @@ class _Work:
         try:
             future = pool.submit(self._job, [self._rows[key] for key in keys])
         except Exception as error:
-            if not pool.is_loss(error):
+            if pool.loss(error) is None:
                 raise
             future = Future()
             future.set_exception(error)
@@ -190,30 +193,36 @@ class _Work:
         """Wait for a batch, and keep all that are there."""
         if not self._out:
             return
-        lost, alone = False, len(self._out) == 1
-        for future in wait(self._out, return_when=FIRST_COMPLETED).done:
-            lost |= self._kept(pool, future)
-        if lost:
+        alone = len(self._out) == 1
+        losses = {self._kept(pool, future) for future in wait(self._out, return_when=FIRST_COMPLETED).done}
+        if Loss.BY_ANY in losses:
             for future in wait(self._out).done:  # what breaks a pool ends all that is out
                 self._kept(pool, future)
             if alone:
                 self._blame(self._suspects.pop())
+        if losses - {None}:
             pool.renew()
 
-    def _kept(self, pool: Pool, future: Future[list[RunOutcome]]) -> bool:
-        """Keep a batch that came back, and tell whether it was lost instead."""
+    def _kept(self, pool: Pool, future: Future[list[RunOutcome]]) -> Loss | None:
+        """Keep a batch that came back; or return what ended it before its time, and have it run again."""
         keys = self._out.pop(future)
-        error = future.exception()
-        if error is not None:
-            if not pool.is_loss(error):
-                raise error
+        error = CancelledError() if future.cancelled() else future.exception()
+        if error is None:
+            self._finish(keys, future.result())
+            return None
+        loss = pool.loss(error)
+        if loss is None:
+            raise error
+        if loss is Loss.BY_ANY:
             self._suspects.append(keys)
-            return True
-        self._finish(keys, future.result())
-        return False
+        elif loss is Loss.BY_NONE:
+            self._innocent.append(keys)
+        else:
+            self._blame(keys)
+        return loss
 
     def _blame(self, keys: list[bytes]) -> None:
-        """Look closer at a batch that was lost while nothing else was out: it, or one of its halves, is run again."""
+        """Look closer at a batch that ended its process: it, or one of its halves, is run again."""
         if len(keys) > 1:
             self._suspects.extendleft([keys[len(keys) // 2 :], keys[: len(keys) // 2]])
             return
@@ -223,7 +232,7 @@ class _Work:
             self._suspects.appendleft(keys)
             return
         reason = f"its process ended {MOST_DEATHS} times before it did: killed, or out of memory"
-        self._finish(keys, [failed(reason)])
+        self._finish(keys, [failed(reason, retry=True)])
 
     def _finish(self, keys: list[bytes], outcomes: list[RunOutcome]) -> None:
         self._store.keep(self._job.evaluation.names, zip(keys, outcomes, strict=True))

@@ -3,12 +3,14 @@
 ``index.sqlite`` holds a row a run: its key, its numbers (SI), or why it failed. A key is the SHA-256 of the case as it
 runs, of what is computed of it, and of the version; a folder may hold runs of several studies. Histories go into
 ``run-histories-N.parquet`` once there are enough for a file; till then they stand in the index. One process writes,
-each batch of runs in one transaction: what was finished stays, whatever ends the program.
+each batch of runs in one transaction: what was finished stays, whatever ends the program. A run that failed is a row
+too; one for want of memory, or whose process was ended, is forgotten when the store is opened again, and made again.
 """
 
 from __future__ import annotations
 
 import contextlib
+import errno
 import functools
 import hashlib
 import importlib
@@ -19,6 +21,7 @@ import tempfile
 from collections.abc import Iterable, Iterator, Sequence
 from pathlib import Path
 from types import TracebackType
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -26,6 +29,7 @@ from numpy.typing import NDArray
 from strikewave._version import __version__
 from strikewave.base.compiled import PACKAGE, kernel_key
 from strikewave.base.errors import InputError
+from strikewave.base.folder_claim import refusal
 from strikewave.cases.case import Case
 from strikewave.studies.engine.evaluation import Evaluation, KeptHistory, RunOutcome
 
@@ -34,7 +38,7 @@ Array = NDArray[np.float64]
 INDEX = "index.sqlite"
 CHUNK = "run-histories-{}.parquet"
 """Names of the files in the folder."""
-APPLICATION, FORMAT = 0x5354524B, 1
+APPLICATION, FORMAT = 0x5354524B, 2
 """What tells the index from other files of SQLite ("STRK"), and its version."""
 CHUNK_BYTES = 32_000_000
 """Bytes of histories in a file. Chosen: some 2000 runs of eleven blows, which a process holds without noticing, and
@@ -157,7 +161,7 @@ class RunStore:
         index, allowed = str(self.folder / INDEX), "an index of this version of strikewave"
         if tables and mark != APPLICATION:
             raise InputError(self._option, index, allowed, "choose another folder: this one is of another program")
-        if version > FORMAT and not fresh:
+        if tables and version != FORMAT and not fresh:
             raise InputError(self._option, index, allowed, _HINT)
 
     @staticmethod
@@ -171,8 +175,9 @@ class RunStore:
         base.execute(f"PRAGMA user_version = {FORMAT}")
         base.execute(
             "CREATE TABLE IF NOT EXISTS runs "
-            "(key BLOB PRIMARY KEY, failure TEXT NOT NULL, seconds REAL NOT NULL) WITHOUT ROWID"
+            "(key BLOB PRIMARY KEY, failure TEXT NOT NULL, retry INTEGER NOT NULL, seconds REAL NOT NULL) WITHOUT ROWID"
         )
+        base.execute("DELETE FROM runs WHERE retry")
         base.execute(
             "CREATE TABLE IF NOT EXISTS histories (key BLOB NOT NULL, name TEXT NOT NULL, unit TEXT NOT NULL, "
             'blow INTEGER NOT NULL, start REAL, step REAL, "values" BLOB NOT NULL)'
@@ -239,8 +244,8 @@ class RunStore:
                 for key, outcome in finished:
                     numbers = outcome.numbers or (None,) * len(names)
                     done = self._base.execute(
-                        f"INSERT OR IGNORE INTO runs (key, failure, seconds{places}) VALUES (?, ?, ?{marks})",
-                        (key, outcome.failure, outcome.seconds, *numbers),
+                        f"INSERT OR IGNORE INTO runs (key, failure, retry, seconds{places}) VALUES (?, ?, ?, ?{marks})",
+                        (key, outcome.failure, outcome.retry, outcome.seconds, *numbers),
                     )
                     if done.rowcount:
                         self._keep_histories(key, outcome.histories)
@@ -285,19 +290,19 @@ class RunStore:
         paths = self.folder.glob(CHUNK.format("*"))
         return sorted(paths, key=lambda path: int(path.stem.rpartition("-")[2]))
 
-    def hand_over(self, folder: Path) -> list[str]:
-        """Give all files of histories a second name in another folder, and return their names.
+    def hand_over(self, folder: Path, keys: Iterable[bytes]) -> list[str]:
+        """Put the histories of some runs into another folder, and return the names of their files.
 
-        They stay here too: till the result stands in its place, they are all that is left of their runs. Where the file
-        system has no second names, they are copied.
+        They stay here too: till the result stands in its place, they are all that is left of their runs. A file that
+        holds nothing else gets a second name there; where the file system has none, it is copied.
         """
         self.write_chunk()
+        wanted, names = set(keys), list[str]()
         for path in self.chunks:
-            try:
-                os.link(path, folder / path.name)
-            except OSError:
-                shutil.copyfile(path, folder / path.name)
-        return [path.name for path in self.chunks]
+            with self._in_words(folder):
+                if _hand_over(path, folder / CHUNK.format(len(names) + 1), wanted):
+                    names.append(CHUNK.format(len(names) + 1))
+        return names
 
     def table(self, names: Sequence[str], keys: Sequence[bytes]) -> tuple[Array, list[str], Array]:
         """Return numbers (runs, names), failures and seconds of runs that are there; NaN where there is no number."""
@@ -328,9 +333,10 @@ class RunStore:
             yield key, _history(name, unit, blow, start, step, np.frombuffer(values, "<f8"))
 
     @contextlib.contextmanager
-    def _in_words(self) -> Iterator[None]:
+    def _in_words(self, folder: Path | None = None) -> Iterator[None]:
         """Say in words what SQLite and the file system refuse."""
-        place = str(self.folder)
+        path = self.folder if folder is None else folder
+        place = str(path)
         try:
             yield
         except sqlite3.OperationalError as error:
@@ -338,13 +344,33 @@ class RunStore:
                 raise InputError(
                     self._option, place, "a folder that no other study writes to", "wait till it has ended"
                 ) from None
-            raise InputError(self._option, place, "a place that can be written", str(error)) from None
+            full = OSError(errno.ENOSPC, os.strerror(errno.ENOSPC)) if "full" in str(error) else None
+            why = str(error) if full is None else refusal(full, path)
+            raise InputError(self._option, place, "a place that can be written", why) from None
         except sqlite3.DatabaseError as error:
             if type(error) is not sqlite3.DatabaseError:  # a fault of ours
                 raise
             raise InputError(self._option, place, "finished runs; their index is damaged", _HINT) from None
         except OSError as error:
-            raise InputError(self._option, place, "a place that can be written", error.strerror or "") from None
+            raise InputError(self._option, place, "a place that can be written", refusal(error, path)) from None
+
+
+def _hand_over(path: Path, other: Path, keys: set[bytes]) -> bool:
+    """Put the histories of some runs that a file holds into another one, and tell whether it holds any."""
+    parquet, compute = (importlib.import_module(f"pyarrow.{name}") for name in ("parquet", "compute"))
+    held = parquet.read_table(path, columns=["key"]).column("key")
+    known = set(compute.unique(held).to_pylist())
+    if not known & keys:
+        return False
+    if known <= keys:
+        try:
+            os.link(path, other)
+        except OSError:
+            shutil.copyfile(path, other)
+        return True
+    chosen = [row.as_py() in keys for row in held]
+    _write_table(parquet.read_table(path).filter(chosen), other)
+    return True
 
 
 def _remove_damaged(index: Path) -> None:
@@ -375,8 +401,8 @@ def _quoted(name: str) -> str:
 
 
 def _write_parquet(rows: Sequence[tuple[bytes, str, str, int, float, float, bytes]], path: Path) -> None:
-    """Write histories as one table, a row a history; whole or not at all."""
-    pa, parquet = (importlib.import_module(name) for name in ("pyarrow", "pyarrow.parquet"))
+    """Write histories as one table, a row a history."""
+    pa = importlib.import_module("pyarrow")
     keys, names, units, blows, starts, steps, values = zip(*rows, strict=True)
     offsets = np.concatenate([[0], np.cumsum([len(one) // 8 for one in values])]).astype(np.int32)
     flat = pa.Array.from_buffers(pa.float64(), int(offsets[-1]), [None, pa.py_buffer(b"".join(values))])
@@ -391,8 +417,13 @@ def _write_parquet(rows: Sequence[tuple[bytes, str, str, int, float, float, byte
             "values": pa.ListArray.from_arrays(pa.array(offsets), flat),
         }
     )
+    _write_table(table, path)
+
+
+def _write_table(table: Any, path: Path) -> None:
+    """Write a table of histories, whole or not at all."""
     partial = path.with_name(f".{path.name}.partial")
-    parquet.write_table(
+    importlib.import_module("pyarrow.parquet").write_table(
         table,
         partial,
         compression="zstd",

@@ -145,12 +145,11 @@ def with_word(case: Case, path: str, word: str) -> Case:
 def _quantity(case: Case, path: str, given: str, points: int) -> StudyVariable:
     found = _RANGE.fullmatch(given)
     if found is None:
-        values = _listed(case, path, given)
+        values = read_list(case, path, given)
         unit, si_unit = units_of(path, values[-1])
         numbers = sorted({value.si for value in values})
         return StudyVariable(Axis(path, unit, si_unit, tuple(numbers)))
-    low, high = _with_unit([found["low"], found["high"]])
-    ends = typed_value(case, path, low), typed_value(case, path, high)
+    ends = _ends(case, path, found["low"], found["high"])
     count = int(found["count"] or points)
     if not 2 <= count <= MOST_VALUES:
         raise InputError("--vary", given, f"2 to {MOST_VALUES} values of a range")
@@ -162,11 +161,41 @@ def _quantity(case: Case, path: str, given: str, points: int) -> StudyVariable:
     return StudyVariable(replace(axis, values=typed), is_range=True)  # each is what --set with its text would give
 
 
-def _listed(case: Case, path: str, given: str) -> list[Value]:
+def read_ends(case: Case, path: str, given: str) -> tuple[Value, Value] | None:
+    """Return the ends of a range of a quantity, such as ``400..900 rpm``; None where that is none.
+
+    Raises
+    ------
+    InputError
+        If the quantity takes no such value.
+
+    Examples
+    --------
+    >>> from strikewave import load_case
+    >>> [end.typed for end in read_ends(load_case("li-ma-2019"), "machine.speed", "400..900 rpm")]
+    ['400 rpm', '900 rpm']
+    """
+    low, dots, high = given.partition("..")
+    return _ends(case, path, low, high) if dots and low.strip() and high.strip() else None
+
+
+def _ends(case: Case, path: str, low: str, high: str) -> tuple[Value, Value]:
+    first, last = _with_unit([low, high])
+    return typed_value(case, path, first), typed_value(case, path, last)
+
+
+def read_list(case: Case, path: str, given: str) -> list[Value]:
+    """Return the values of a list of a quantity, such as ``10, 20 N s/m``.
+
+    Raises
+    ------
+    InputError
+        If the quantity takes no such value, or they are too many.
+    """
     parts = [part for part in given.split(",") if part.strip()]
     if len(parts) > MOST_VALUES:
         raise InputError("--vary", f"{len(parts)} values", f"at most {MOST_VALUES}")
-    return [typed_value(case, path, part) for part in _with_unit(parts)]
+    return [typed_value(case, path, part) for part in _with_unit(parts)] if parts else []
 
 
 def _with_unit(parts: Sequence[str]) -> list[str]:

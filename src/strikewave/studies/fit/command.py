@@ -32,7 +32,7 @@ def command(
         list[str] | None,
         typer.Option(
             "--free",
-            metavar="PATH[=LOW:HIGH]",
+            metavar="PATH[=LOW..HIGH]",
             help="Field to fit, with bounds or without; may be repeated; those marked as fitted by default.",
             show_default=False,
         ),

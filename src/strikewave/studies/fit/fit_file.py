@@ -73,7 +73,7 @@ class FreeTable(CaseTable):
     @property
     def word(self) -> str:
         """As the option has it."""
-        return self.path if self.low is None else f"{self.path}={self.low}:{self.high}"
+        return self.path if self.low is None else f"{self.path}={self.low}..{self.high}"
 
 
 class MeasuredTable(CaseTable):

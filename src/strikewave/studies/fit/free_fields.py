@@ -15,6 +15,7 @@ from strikewave.base.quantities import Provenance, Range, Value
 from strikewave.cases.case import Case, dump_case, parse_case
 from strikewave.cases.plausible import PLAUSIBLE
 from strikewave.studies.axes import Axis, units_of
+from strikewave.studies.engine.variables import read_ends
 from strikewave.uncertainty.draws import allowed_at, range_of
 from strikewave.uncertainty.known import field_of
 
@@ -99,7 +100,7 @@ class FreeField:
 
 
 def free_fields(case: Case, words: Sequence[str]) -> tuple[FreeField, ...]:
-    """Return the fields that are free, each ``path`` or ``path=low:high``; those marked fitted where none are named.
+    """Return the fields that are free, each ``path`` or ``path=low..high``; those marked fitted where none are named.
 
     Raises
     ------
@@ -130,7 +131,7 @@ def _free_field(case: Case, word: str) -> FreeField:
     path, equals, ends = (part.strip() for part in word.partition("="))
     values = case.values()
     if path not in values:
-        if allowed_at(case, path) is not None:
+        if allowed_at(case, path) is not None and _has_table(case, path):
             hint = f"give it a start: --set {path}=VALUE"
             raise InputError("--free", path, "a quantity that the case states: the search begins there", hint)
         choice = "" if path not in case.entries() else "; a choice is tried by --try"
@@ -145,7 +146,7 @@ def _free_field(case: Case, word: str) -> FreeField:
     else:
         low, high = _bounds(case, path, value, allowed)
     if not low < high:
-        raise InputError("--free", word, "bounds of which the first is the smaller one", f"{path}=LOW:HIGH")
+        raise InputError("--free", word, "bounds of which the first is the smaller one", f"{path}=LOW..HIGH")
     if not low <= value.si <= high:
         words = f"bounds that hold the value of the case, {value.typed}"
         raise InputError("--free", word, words, f"or begin elsewhere: --set {path}=VALUE")
@@ -154,12 +155,18 @@ def _free_field(case: Case, word: str) -> FreeField:
 
 def _typed_bounds(case: Case, path: str, ends: str) -> tuple[float, float]:
     """Return bounds that were typed."""
-    parts = ends.split(":")
-    if len(parts) != 2:
-        raise InputError("--free", f"{path}={ends}", "PATH or PATH=LOW:HIGH", f'such as {path}="LOW:HIGH", with units')
-    text = dump_case(case)
-    low, high = (parse_case(text, case.name, [f"{path}={part.strip()}"]).values()[path].si for part in parts)
+    found = read_ends(case, path, ends)
+    if found is None:
+        hint = f'such as {path}="LOW..HIGH", with units'
+        raise InputError("--free", f"{path}={ends}", "PATH or PATH=LOW..HIGH", hint)
+    low, high = (end.si for end in found)
     return low, high
+
+
+def _has_table(case: Case, path: str) -> bool:
+    """Tell whether the case has the table of a field: a layer of another name is none of its own."""
+    table = path.rpartition(".")[0]
+    return "." not in table or any(entry.startswith(f"{table}.") for entry in case.entries())
 
 
 def _is_scale(case: Case, path: str) -> bool:
@@ -178,7 +185,7 @@ def _bounds(case: Case, path: str, value: Value, allowed: Range) -> tuple[float,
     else:
         plausible = PLAUSIBLE.get(field_of(case, path))
         if plausible is None or plausible.form != "width":
-            hint = f"state bounds, {path}=LOW:HIGH, or begin elsewhere than at 0: --set {path}=VALUE"
+            hint = f"state bounds, {path}=LOW..HIGH, or begin elsewhere than at 0: --set {path}=VALUE"
             raise InputError("--free", path, "a field whose bounds are known", hint)
         low, high = value.si - WIDE * plausible.size, value.si + WIDE * plausible.size
     low, high = max(low, allowed.low), min(high, allowed.high)

@@ -337,6 +337,7 @@ def solve(problem: Problem, advance: Callable[[int, float], None] | None = None)
     except KeyboardInterrupt:
         assert search.best is not None
         place, stopped, used = search.best[1], True, problem
+        search.residuals = problem.residuals
     residuals = used.residuals(place)
     try:
         jacobian = search.slopes(place, residuals, FINAL_STEP, both=True)

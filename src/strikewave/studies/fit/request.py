@@ -19,7 +19,7 @@ class FitRequest:
     to, check_on : tuple of (str or Target)
         Records and numbers that are fitted to, and that are kept out, as typed or taken apart.
     free : tuple of str
-        Free fields, ``path`` or ``path=low:high``.
+        Free fields, ``path`` or ``path=low..high``.
     tries : str
         Choices that are fitted each.
     reading : SourceOptions

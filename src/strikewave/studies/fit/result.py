@@ -328,7 +328,7 @@ def value_words(one: FittedParameter) -> str:
     --------
     >>> from strikewave import load_case
     >>> from strikewave.studies.fit.free_fields import free_fields
-    >>> field = free_fields(load_case("li-ma-2019"), ["machine.engagement=5 mm:12 mm"])[0]
+    >>> field = free_fields(load_case("li-ma-2019"), ["machine.engagement=5 mm..12 mm"])[0]
     >>> value_words(FittedParameter(field, 0.00804, 0.00002, 0.008, 0.00808))
     '8.04 ± 0.02 mm'
     """

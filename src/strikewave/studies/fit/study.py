@@ -65,7 +65,7 @@ def fit(
     to : sequence of str, optional
         Records and numbers, as ``--to`` takes them; the published numbers that the case was fitted to by default.
     free : sequence of str, optional
-        Fields, ``path`` or ``path=low:high``; those marked as fitted by default.
+        Fields, ``path`` or ``path=low..high``; those marked as fitted by default.
     tries : str, optional
         Choices of a field that are fitted each, ``law=palmgren,johnson``: the one is kept that predicts best.
     check_on : sequence of str, optional

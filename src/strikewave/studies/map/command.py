@@ -21,15 +21,15 @@ def command(
         str,
         typer.Option(
             "--x",
-            metavar="SETTING[=LOW:HIGH]",
-            help='Setting along x with its range, such as machine.speed="400 rpm:1000 rpm".',
+            metavar="SETTING[=LOW..HIGH]",
+            help='Setting along x with its range, such as machine.speed="400..1000 rpm".',
         ),
     ] = X,
     y: Annotated[
         str,
         typer.Option(
             "--y",
-            metavar="SETTING[=LOW:HIGH]",
+            metavar="SETTING[=LOW..HIGH]",
             help="Setting along y with its range; without one, half to twice the value of the case.",
         ),
     ] = Y,

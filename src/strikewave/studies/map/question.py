@@ -6,9 +6,9 @@ from collections.abc import Callable, Sequence
 
 from strikewave.base.compile_progress import compiling_shown
 from strikewave.base.errors import InputError, nearest
-from strikewave.base.quantities import Value
-from strikewave.cases.case import Case, dump_case, parse_case
+from strikewave.cases.case import Case
 from strikewave.studies.axes import Axis, axis_of, units_of
+from strikewave.studies.engine.variables import read_ends, read_list
 from strikewave.studies.map.defaults import EQUAL, POINTS, TRAIN, X, Y
 from strikewave.studies.map.study import MapStudy, make_map, plan_of
 
@@ -38,7 +38,7 @@ def map(
     case : Case
         Of a rotary machine.
     x, y : str, optional
-        Setting along each axis, with a range or without: ``machine.speed=400 rpm:1000 rpm``. Without one it goes from
+        Setting along each axis, with a range or without: ``machine.speed=400..1000 rpm``. Without one it goes from
         half to twice the value of the case.
     panels : str, optional
         Third setting, with the value of each panel: ``object.damper=10 N s/m, 40 N s/m``.
@@ -66,7 +66,7 @@ def map(
     --------
     >>> import strikewave
     >>> case = strikewave.load_case("li-ma-2019")
-    >>> study = strikewave.map(case, "machine.speed=700 rpm:730 rpm", points=(2, 2), blows=3, train=0)
+    >>> study = strikewave.map(case, "machine.speed=700..730 rpm", points=(2, 2), blows=3, train=0)
     >>> study.field("cv").shape
     (1, 2, 2)
     """
@@ -81,24 +81,23 @@ def axes_of(
     """Return the axes of a map from what was typed."""
     axes = []
     for option, text, size in zip(("x", "y"), given[:2], points, strict=True):
-        path, equals, ends = (part.strip() for part in str(text).partition("="))
-        parts = ends.split(":") if equals else []
-        if equals and len(parts) != 2:
-            raise InputError(f"--{option}", text, "setting=low:high", f'such as --{option} {X}="400 rpm:1000 rpm"')
-        typed = tuple(_value(case, path, part) for part in parts)
-        axes.append(axis_of(case, path, (typed[0], typed[1]) if typed else None, size, option in log))
+        path, equals, typed = (part.strip() for part in str(text).partition("="))
+        _check_path(case, path)
+        ends = read_ends(case, path, typed)
+        if equals and ends is None:
+            raise InputError(f"--{option}", text, "setting=low..high", f'such as --{option} {X}="400..1000 rpm"')
+        axes.append(axis_of(case, path, ends, size, option in log))
     if given[2] is None:
         return tuple(axes)
-    path, _, ends = (part.strip() for part in given[2].partition("="))
-    values = [_value(case, path, part) for part in ends.split(",") if part.strip()]
+    path, _, listed = (part.strip() for part in given[2].partition("="))
+    _check_path(case, path)
+    values = read_list(case, path, listed)
     if not 1 <= len(values) <= MOST_PANELS:
         allowed = f"setting=value,value, with 1 to {MOST_PANELS} values"
         raise InputError("--panels", given[2], allowed, 'such as object.damper="10 N s/m, 40 N s/m"')
     return (*axes, Axis(path, *units_of(path, values[0]), tuple(sorted(v.si for v in values))))
 
 
-def _value(case: Case, path: str, text: str) -> Value:
-    """Return a value of a setting as the case file would take it."""
+def _check_path(case: Case, path: str) -> None:
     if path not in case.values():
-        raise InputError(path, text, "a quantity of the case", nearest(path, case.values()))
-    return parse_case(dump_case(case), case.name, [f"{path}={text.strip()}"]).values()[path]
+        raise InputError(path, path, "a quantity of the case", nearest(path, case.values()))

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 import os
+from pathlib import Path
 from typing import Annotated, Literal
 
 import typer
@@ -25,20 +26,31 @@ def command(
         ),
     ] = "alone",
     workers: Annotated[int, typer.Option("--workers", metavar="COUNT", help="Processes, one a core at most.")] = 2,
+    store: Annotated[
+        Path | None,
+        typer.Option(
+            "--store",
+            metavar="DIR",
+            help="Folder that keeps finished runs for later studies; beside the result while it runs, by default.",
+            show_default=False,
+        ),
+    ] = None,
+    fresh: Annotated[bool, typer.Option("--fresh", help="Run the finished runs of a stopped study again.")] = False,
     changes: Changes = None,
     output: Output,
 ) -> int:
     """Propagate tolerances to the blows.
 
     Runs a machine case many times within its tolerances, and gives the scatter of the blows and the share of each
-    tolerance in it. A tolerance stands beside a value: { value = "1 kg", tolerance = "2 %" }. With --json, no files
-    are written unless --out is given.
+    tolerance in it. A tolerance stands beside a value: { value = "1 kg", tolerance = "2 %" }. A study that is stopped
+    is continued by the same command. With --json, no files are written unless --out is given.
     """
     from strikewave.cases.case import load_case
-    from strikewave.studies.scatter.screen import run_scatter
+    from strikewave.studies.scatter.screen import ScatterCommand, run_scatter
     from strikewave.studies.scatter.study import ScatterPlan
 
     plan = ScatterPlan(runs, seed, shares, workers)
     plan.check()
     plan = dataclasses.replace(plan, workers=min(workers, os.cpu_count() or 1))
-    return run_scatter(output.tested(load_case(case, changes or ())), changes or (), plan, output)
+    loaded = output.tested(load_case(case, changes or ()))
+    return run_scatter(ScatterCommand(loaded, plan, place=store, fresh=fresh), changes or (), output)

@@ -6,13 +6,16 @@ import dataclasses
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from typing import ClassVar
 
 from strikewave.cases.case import Case, dump_case
 from strikewave.reporting.measured_files import asked
 from strikewave.reporting.numbers import with_unit
 from strikewave.reporting.options import Output
-from strikewave.reporting.run_and_write import Command, case_folder, run_and_write
+from strikewave.reporting.run_and_write import case_folder, run_and_write
 from strikewave.reporting.terminal import print_rows, progress_bar, tell
+from strikewave.studies.engine.store import RunStore
+from strikewave.studies.resumable import ResumableCommand
 from strikewave.studies.scatter.columns import (
     MEAN_COLUMNS,
     WITHIN_COLUMNS,
@@ -29,7 +32,7 @@ FEWEST_FOR_LIMIT = 59
 """Runs below which no limit holds for 95 % of all runs with 95 % confidence."""
 
 
-def run_scatter(case: Case, changes: Sequence[str], plan: ScatterPlan, output: Output) -> int:
+def run_scatter(command: ScatterCommand, changes: Sequence[str], output: Output) -> int:
     """Run a case within its tolerances, write and print the scatter, and return the exit code.
 
     Raises
@@ -37,21 +40,37 @@ def run_scatter(case: Case, changes: Sequence[str], plan: ScatterPlan, output: O
     InputError
         If the plan cannot be done, or the case has no tolerance.
     """
+    case = command.case
     usual = f"scatter-{case_folder(case.name, dump_case(case), changes)}"
-    return run_and_write(ScatterCommand(case, plan), output, usual, marked_text(case, plan))
+    return run_and_write(command, output, usual, marked_text(case, command.plan))
 
 
-@dataclass(frozen=True)
-class ScatterCommand(Command[ScatterStudy]):
-    """Runs of a case within its tolerances."""
+@dataclass
+class ScatterCommand(ResumableCommand[ScatterStudy]):
+    """Runs of a case within its tolerances; a study that is stopped goes on where it was.
+
+    Attributes
+    ----------
+    case : Case
+        What is run.
+    plan : ScatterPlan
+        How many runs.
+    """
+
+    indent: ClassVar[int | None] = 2
 
     case: Case
     plan: ScatterPlan
 
-    def solve(self) -> ScatterStudy:
-        """Return the study, with a bar on stderr."""
-        with progress_bar("runs", clocks=("elapsed", "left")) as report:
-            return dataclasses.replace(scatter(self.case, self.plan, report), asked=asked())
+    def solved(self, store: RunStore) -> ScatterStudy:
+        """Return the study, with a bar on stderr; where it is stopped, finished runs are kept, and said to be."""
+        try:
+            with progress_bar("runs", clocks=("elapsed", "left")) as report:
+                study = scatter(self.case, self.plan, report, store)
+        except KeyboardInterrupt as stop:
+            count = len(store.known())
+            self.stopped(stop, store, f"{count} runs" if count else "")
+        return dataclasses.replace(study, asked=asked())
 
     def summary(self, result: ScatterStudy) -> str:
         """Say how much the blows scatter, and which tolerance matters most."""

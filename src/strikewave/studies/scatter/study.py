@@ -6,6 +6,7 @@ where the one before has left it.
 
 from __future__ import annotations
 
+import contextlib
 import dataclasses
 import itertools
 import math
@@ -344,7 +345,10 @@ def marked_text(case: Case, plan: ScatterPlan) -> str:
 
 @compiling_shown()
 def scatter(
-    case: Case, plan: ScatterPlan | None = None, progress: Callable[[float], None] | None = None
+    case: Case,
+    plan: ScatterPlan | None = None,
+    progress: Callable[[float], None] | None = None,
+    store: RunStore | None = None,
 ) -> ScatterStudy:
     """Run a case many times within its tolerances.
 
@@ -358,6 +362,8 @@ def scatter(
         Runs, seed, shares, processes. With more than one process, call it below ``if __name__ == "__main__":``.
     progress : callable, optional
         Called with the share done, 0 to 1.
+    store : RunStore, optional
+        Finished runs; what it holds is not run again.
 
     Raises
     ------
@@ -377,8 +383,11 @@ def scatter(
     if nominal_run.failure or not nominal_run.struck.any():
         raise InputError("case", nominal_run.failure or "no blow", "a case whose nominal run strikes")
     advance = None if progress is None else (lambda done: progress((1 + done) / whole))
-    with ProcessPool(plan.workers) as pool, RunStore(None) as store:
-        runner = Runner(case, tolerances, store, pool, advance)
+    with (
+        contextlib.nullcontext(store) if store is not None else RunStore(None) as kept,
+        ProcessPool(plan.workers) as pool,
+    ):
+        runner = Runner(case, tolerances, kept, pool, advance)
         runs = runner(numbers)
         sobol = ("saltelli-2010", "jansen-1999") if plan.shares == "sobol" else ()
         citations = ("vangel-1996", "wilks-1941", *sobol)

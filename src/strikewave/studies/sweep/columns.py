@@ -62,18 +62,26 @@ class EffectRow(NamedTuple):
     path: str
     number: KeptNumber
     share: float
+    chance: float
     low: float
     high: float
+
+    @property
+    def stands_out(self) -> bool:
+        """Whether the share is beyond chance."""
+        return self.share > self.chance
 
 
 EFFECT_COLUMNS: tuple[TableColumn[EffectRow], ...] = (
     TableColumn("number", lambda row: called(row.number.name), priority=KEY, words=True),
     TableColumn("setting", lambda row: row.path, priority=KEY, words=True),
     TableColumn("share of the variance", lambda row: percent(row.share) if row.share == row.share else None),
+    TableColumn("by chance below", lambda row: percent(row.chance) if row.chance else None),
     TableColumn("smallest mean", lambda row: row.number.words(row.low)),
     TableColumn("largest mean", lambda row: row.number.words(row.high)),
 )
-"""What each setting does to each number."""
+"""What each setting does to each number; of random runs with the share that 95 of 100 studies of settings that do
+nothing stay below."""
 
 
 def effect_rows(study: SweepStudy) -> list[EffectRow]:
@@ -82,7 +90,9 @@ def effect_rows(study: SweepStudy) -> list[EffectRow]:
     for one in study.plan.kept:
         effects = study.effects.get(one.name, {})
         found = [
-            EffectRow(path, one, effect.share, float(effect.means.min()), float(effect.means.max()))
+            EffectRow(
+                path, one, effect.share, study.chance(effect), float(effect.means.min()), float(effect.means.max())
+            )
             for path, effect in effects.items()
             if effect.means.size
         ]

@@ -8,7 +8,7 @@ from typing import Annotated, Literal
 
 import typer
 
-from strikewave.reporting.options import Changes, Output, Processes, case_name
+from strikewave.reporting.options import Changes, Cluster, Output, Processes, case_name
 
 
 def command(
@@ -65,6 +65,7 @@ def command(
         ),
     ] = None,
     workers: Processes = 2,
+    cluster: Cluster = None,
     store: Annotated[
         Path | None,
         typer.Option(
@@ -88,7 +89,7 @@ def command(
     The same can stand in a study file: case, set, vary, keep, analysis, design, runs, seed. With --json, no files are
     written unless --out is given.
     """
-    from strikewave.studies.engine.pools import ProcessPool
+    from strikewave.studies.engine.chosen_pool import pool_of
     from strikewave.studies.sweep.screen import SweepCommand, run_sweep, show_estimate
     from strikewave.studies.sweep.study_file import SweepRequest, read_request
 
@@ -105,6 +106,5 @@ def command(
     count = min(workers, os.cpu_count() or 1)
     if dry_run:
         return show_estimate(plan, request.changes, store, count, output)
-    return run_sweep(
-        plan, request.changes, SweepCommand(plan, lambda: ProcessPool(count), place=store, fresh=fresh), output
-    )
+    making = SweepCommand(plan, pool_of(None, count, cluster), place=store, fresh=fresh)
+    return run_sweep(plan, request.changes, making, output)

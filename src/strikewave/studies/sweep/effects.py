@@ -34,6 +34,8 @@ class MainEffect(NamedTuple):
         Correlation ratio: variance of the means, weighted by their runs, over that of all runs. In a full grid it is
         the share of the setting alone; of groups of random runs the share expected by chance is taken off
         (epsilon squared), so that it may be below 0 by chance.
+    runs : int
+        How many have the number.
     """
 
     places: Array
@@ -41,6 +43,7 @@ class MainEffect(NamedTuple):
     lows: Array
     highs: Array
     share: float
+    runs: int
 
 
 def main_effect(setting: ArrayLike, number: ArrayLike, grid: bool) -> MainEffect:
@@ -80,6 +83,7 @@ def main_effect(setting: ArrayLike, number: ArrayLike, grid: bool) -> MainEffect
         np.minimum.reduceat(y, begins),
         np.maximum.reduceat(y, begins),
         between / total if total > 0.0 else float("nan"),
+        y.size,
     )
 
 

@@ -245,8 +245,10 @@ def _effect(axes: Any, study: SweepStudy, k: int, one: KeptNumber, first: bool) 
     dots = axes.plot(_setting(study, k), shown_number(study, one), ".", color=GREY, markersize=3, alpha=0.35)[0]
     dots.set_rasterized(True)
     axes.plot(x, effect.means / size, "o-", color=ORANGE, markersize=4, linewidth=1.8)
-    share = "no variance" if np.isnan(effect.share) else f"share {100.0 * max(effect.share, 0.0):.0f} %"
-    quiet(axes, share, variable.label.replace(" of the ", "\nof the "), one.label if first else "")
+    share, chance = 100.0 * max(effect.share, 0.0), 100.0 * study.chance(effect)
+    words = "no variance" if np.isnan(effect.share) else f"share {share:.0f} %"
+    words += f" (chance: {chance:.0f} %)" if chance else ""
+    quiet(axes, words, variable.label.replace(" of the ", "\nof the "), one.label if first else "")
     axes.xaxis.label.set_fontsize(8)
     axes.yaxis.label.set_fontsize(8)
     axes.margins(x=0.06, y=0.06)

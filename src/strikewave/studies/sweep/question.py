@@ -12,6 +12,7 @@ from strikewave.base.quantities import Value
 from strikewave.cases.case import Case
 from strikewave.studies.axes import Axis
 from strikewave.studies.engine.case_evaluation import checked_analysis, read_kept
+from strikewave.studies.engine.chosen_pool import pool_of
 from strikewave.studies.engine.evaluation import Row, Variation
 from strikewave.studies.engine.plan import (
     DESIGNS,
@@ -24,7 +25,6 @@ from strikewave.studies.engine.plan import (
     grid,
     varied,
 )
-from strikewave.studies.engine.pools import pool_of
 from strikewave.studies.engine.store import RunStore
 from strikewave.studies.engine.variables import EXAMPLE, StudyVariable, read_variable
 from strikewave.studies.sweep.study import NOTE, SweepPlan, SweepStudy, make_sweep
@@ -49,6 +49,7 @@ def sweep(
     seed: int = 1,
     workers: int = 1,
     executor: Executor | None = None,
+    cluster: str | None = None,
     store: Path | str | None = None,
     progress: Callable[[float], None] | None = None,
 ) -> SweepStudy:
@@ -75,7 +76,9 @@ def sweep(
     workers : int, optional
         Processes. With more than one, call it below ``if __name__ == "__main__":``.
     executor : Executor, optional
-        Who runs instead: any executor of `concurrent.futures`, or one that acts as these do, such as that of Dask.
+        Who runs instead: any executor of `concurrent.futures`, or one that acts as these do.
+    cluster : str, optional
+        Address of a Dask scheduler that shares the runs among machines, such as ``tcp://host:8786``.
     store : path, optional
         Folder that keeps finished runs: what it holds is not run again.
     progress : callable, optional
@@ -97,7 +100,7 @@ def sweep(
     plan = plan_of(case, vary, keep, analysis, design, runs, seed)
     advance = None if progress is None else (lambda done: progress(done.share))
     with RunStore(None if store is None else Path(store), option="store") as finished:
-        return make_sweep(plan, finished, pool_of(executor, workers), advance)
+        return make_sweep(plan, finished, pool_of(executor, workers, cluster), advance)
 
 
 def plan_of(

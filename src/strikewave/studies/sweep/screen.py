@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -22,8 +22,6 @@ from strikewave.studies.resumable import ResumableCommand
 from strikewave.studies.sweep.columns import EFFECT_COLUMNS, NUMBER_COLUMNS, effect_rows, number_rows
 from strikewave.studies.sweep.estimate import estimated
 from strikewave.studies.sweep.study import SweepPlan, SweepStudy, make_sweep
-
-PoolMaker = Callable[[], Pool]
 
 
 def run_sweep(plan: SweepPlan, changes: Sequence[str], command: SweepCommand, output: Output) -> int:
@@ -70,12 +68,12 @@ class SweepCommand(ResumableCommand[SweepStudy]):
     ----------
     plan : SweepPlan
         What is run.
-    pool : callable
-        Makes what runs it.
+    pool : Pool
+        Who runs it.
     """
 
     plan: SweepPlan
-    pool: PoolMaker
+    pool: Pool
 
     def solved(self, store: RunStore) -> SweepStudy:
         """Return the sweep, with a bar on stderr; where it is stopped, finished runs are kept, and said to be."""
@@ -90,7 +88,7 @@ class SweepCommand(ResumableCommand[SweepStudy]):
                     last = done
                     report(done.share, done.words)
 
-                study = make_sweep(self.plan, store, self.pool(), advance)
+                study = make_sweep(self.plan, store, self.pool, advance)
         except KeyboardInterrupt as stop:
             self.stopped(stop, store, f"{last.done} of {last.total} runs" if last.done else "")
         return dataclasses.replace(study, asked=asked())
@@ -121,8 +119,8 @@ class SweepCommand(ResumableCommand[SweepStudy]):
         write_parquet(result.columns(), folder / "runs.parquet")
         return ["report.html", "sweep.svg", "runs.parquet"]
 
-    def hand_over(self, folder: Path) -> list[str]:
+    def hand_over(self, result: SweepStudy, folder: Path) -> list[str]:
         """Put the histories of the runs into the folder."""
         if self.store is None or not self.plan.evaluation.histories:
             return []
-        return self.store.hand_over(folder)
+        return self.store.hand_over(folder, map(bytes.fromhex, result.keys))

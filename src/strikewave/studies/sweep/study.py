@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from strikewave.base.compile_progress import compiling_shown
-from strikewave.base.result import Notice, Source
+from strikewave.base.result import FAILED, WARNING, Notice, Source
 from strikewave.cases.case import Case, dump_case
 from strikewave.reporting.columns import HISTORY_DIGITS, Column, csv_table
 from strikewave.reporting.numbers import headed, percent, with_unit
@@ -20,12 +20,12 @@ from strikewave.reporting.shown_result import ShownResult
 from strikewave.studies.axes import Axis
 from strikewave.studies.engine.case_evaluation import CaseEvaluation, called, unit_of
 from strikewave.studies.engine.evaluation import Job, Row, Variation
-from strikewave.studies.engine.plan import GRID, TOLERANCES
+from strikewave.studies.engine.plan import GRID, HYPERCUBE, SOBOL, TOLERANCES
 from strikewave.studies.engine.pools import Pool, ProcessPool
 from strikewave.studies.engine.runner import StudyProgress, carry_out
 from strikewave.studies.engine.store import RunStore
 from strikewave.studies.engine.variables import StudyVariable
-from strikewave.studies.sweep.effects import MainEffect, main_effect
+from strikewave.studies.sweep.effects import MainEffect, main_effect, share_by_chance
 
 Array = NDArray[np.float64]
 
@@ -37,6 +37,10 @@ SLOW = ("window", "interval")
 """Numbers that are times between blows, which are shown in ms."""
 SHARES = ("cv", "cv_later", "energy_error", "momentum_error", "hourglass_share")
 """Numbers that are shares, which are shown in per cent."""
+
+
+SOURCES = {HYPERCUBE: ("mckay-1979",), SOBOL: ("joe-kuo-2008",)}
+"""Keys of the sources of a design."""
 
 
 class KeptNumber(NamedTuple):
@@ -211,6 +215,12 @@ class SweepStudy(ShownResult):
             for name in self.plan.evaluation.names
         }
 
+    def chance(self, effect: MainEffect) -> float:
+        """Return the share below which an effect may be one of chance; 0 in a grid, which leaves nothing to it."""
+        if self.plan.design == GRID:
+            return 0.0
+        return share_by_chance(effect.runs, effect.means.size, len(self.plan.variables))
+
     def best(self, name: str) -> tuple[int, int] | None:
         """Return which runs have the smallest and the largest value of a number; None where no run has it."""
         values = self.number(name)
@@ -229,7 +239,8 @@ class SweepStudy(ShownResult):
         if self.failed:
             reason = next(iter(self.reasons))
             message = f"{self.failed} of {len(self.failures)} runs failed, most often: {reason}"
-            notices.append(Notice("runs-failed", message, float(self.failed), 0.0))
+            severity = FAILED if self.failed == len(self.failures) else WARNING
+            notices.append(Notice("runs-failed", message, float(self.failed), 0.0, severity))
         for one in self.plan.kept:
             lacking = int(np.sum(np.isnan(self.number(one.name)))) - self.failed
             if lacking > 0:
@@ -252,7 +263,7 @@ class SweepStudy(ShownResult):
         settings = {
             variable.path: variable.axis.si_unit or "1" for variable in self.plan.variables if not variable.words
         }
-        return {**settings, **{one.name: one.si for one in self.plan.kept}, "share": "1"}
+        return {**settings, **{one.name: one.si for one in self.plan.kept}, "share": "1", "share_by_chance": "1"}
 
     def content(self) -> dict[str, Any]:
         """Return what the JSON document holds beside its head."""
@@ -270,7 +281,10 @@ class SweepStudy(ShownResult):
             "numbers": {name: self.number(name) for name in plan.evaluation.names},
             "failures": {str(k + 1): failure for k, failure in enumerate(self.failures) if failure},
             "effects": {
-                name: {path: {"share": effect.share} for path, effect in effects.items()}
+                name: {
+                    path: {"share": effect.share, "share_by_chance": self.chance(effect)}
+                    for path, effect in effects.items()
+                }
                 for name, effects in self.effects.items()
             },
         }
@@ -345,7 +359,7 @@ def make_sweep(
         finished = carry_out(plan.job, plan.rows, store, ready, advance)
     numbers, failures, _ = store.table(plan.evaluation.names, finished.keys)
     keys = tuple(key.hex() for key in finished.keys)
-    sources = {"latin-hypercube": ("mckay-1979",)}.get(plan.design, ())
+    sources = SOURCES.get(plan.design, ())
     study = SweepStudy(plan, numbers, tuple(failures), keys, citations=sources)
     return SweepStudy(plan, numbers, tuple(failures), keys, citations=sources, notices=study.found_notices())
 

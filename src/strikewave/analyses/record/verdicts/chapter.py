@@ -18,7 +18,9 @@ from strikewave.specifications.decisions import NOT_JUDGED, WORST_FIRST
 from strikewave.specifications.judged_records import JudgedShock, RecordsVerdict
 
 MOST_DRAWN = 12
-"""Shocks that are drawn, the failed ones first: each adds some 40 kB to a page that must open at once."""
+"""Shocks that are drawn, those that fail first: each adds some 40 kB to a page that must open at once."""
+DRAWN_FIRST = 2
+"""Of these, before the tables: a row of the page, so that pulse and band are seen at once."""
 MOST_ROWS = 200
 """Shocks that the table lists; JSON has all."""
 
@@ -33,16 +35,15 @@ def verdict_section(found: RecordsVerdict, names: dict[str, str]) -> Section:
         named = many and shock is not None and clause.verdict != NOT_JUDGED
         where = [name_of_shock(shock, names, several)] if named else []
         rows.append([*clause_cells(clause), ": ".join([*where, *([clause.reason] if clause.reason else [])]) or NONE])
-    parts: list[Part] = [Table("Clauses" + (", each where it came out worst" if many else ""), heads, rows)]
+    tables: list[Part] = [Table("Clauses" + (", each where it came out worst" if many else ""), heads, rows)]
     if many:
-        parts.append(_shock_table(found, names, several))
-    worst = sorted(found.shocks, key=lambda shock: WORST_FIRST.index(shock.found.verdict))[:MOST_DRAWN]
-    drawn = [shock for shock in found.shocks if shock in worst] if len(found.shocks) <= MOST_DRAWN else worst
-    parts += [_picture(shock, found, names, several) for shock in drawn]
+        tables.append(_shock_table(found, names, several))
+    drawn = sorted(found.shocks, key=lambda shock: WORST_FIRST.index(shock.found.verdict))[:MOST_DRAWN]
+    pictures = [_picture(shock, found, names, several) for shock in drawn]
     text = _how(found)
     if len(found.shocks) > len(drawn):
         text += f" {len(drawn)} of {len(found.shocks)} shocks are drawn, those that fail first."
-    return Section("Verdict by the specification", text, parts)
+    return Section("Verdict by the specification", text, [*pictures[:DRAWN_FIRST], *tables, *pictures[DRAWN_FIRST:]])
 
 
 def _how(found: RecordsVerdict) -> str:

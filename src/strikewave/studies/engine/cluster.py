@@ -1,0 +1,185 @@
+"""Many machines: a pool whose batches the scheduler of Dask shares among its workers.
+
+A worker that ends loses nothing: the scheduler gives its batches to others. Where the scheduler itself ends, the pool
+waits till it is back at its address, and what was out is run again.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import importlib
+import logging
+import time
+from collections.abc import Sequence
+from concurrent.futures import CancelledError, Future
+from dataclasses import dataclass
+from types import TracebackType
+from typing import Any
+
+from strikewave.base.compiled import is_cold
+from strikewave.base.errors import InputError, StrikewaveError
+from strikewave.studies.engine.evaluation import Row, RunOutcome
+from strikewave.studies.engine.pools import Batch, Loss
+from strikewave.studies.engine.store import program_key
+
+OPTION = "--cluster"
+CONNECT_SECONDS = 10.0
+"""Seconds in which a scheduler must answer: a wrong address is then known before anyone looks away."""
+RETURN_SECONDS = 300.0
+"""Seconds in which a scheduler that ended must be back, with a worker. Chosen: a batch system starts one in minutes."""
+WIDTH_SECONDS = 5.0
+"""Seconds between two looks at how many workers there are, which may come and go."""
+ENDED_WORKER, CLOSED = "KilledWorker", "ClosedClientError"
+"""Names of the errors of Dask: a batch that ended its worker several times; a scheduler that is gone."""
+
+
+@dataclass(frozen=True)
+class OfThisVersion:
+    """A batch that only a worker with the same strikewave runs: one that joins late is not asked before."""
+
+    batch: Batch
+    program: str
+
+    def __call__(self, rows: Sequence[Row]) -> list[RunOutcome]:
+        """Return what some rows come to.
+
+        Raises
+        ------
+        StrikewaveError
+            If the worker has another strikewave.
+        """
+        if program_key() != self.program:
+            raise StrikewaveError(_other_version(program_key(), self.program))
+        return self.batch(rows)
+
+
+class ClusterPool:
+    """The workers of a scheduler of Dask; see `Pool`.
+
+    Parameters
+    ----------
+    address : str
+        Of the scheduler, such as ``tcp://host:8786``.
+
+    Raises
+    ------
+    InputError
+        If Dask is missing, the scheduler cannot be reached, or a worker has another strikewave.
+    """
+
+    def __init__(self, address: str) -> None:
+        self._address = address
+        self._running = set[Future[list[RunOutcome]]]()
+        self._is_warm = False
+        self._client = self._connected(CONNECT_SECONDS)
+        self._executor = self._client.get_executor(pure=False)
+        self._counted, self._width = 0.0, 1
+
+    def _connected(self, seconds: float) -> Any:
+        """Return a client that has a worker, all of whose workers have this strikewave."""
+        try:
+            distributed = importlib.import_module("distributed")
+        except ImportError:
+            raise InputError(OPTION, self._address, "dask.distributed", "pip install 'strikewave[cluster]'") from None
+        logging.getLogger("distributed").setLevel(logging.CRITICAL)  # what it says of lost connections, we say
+        allowed = "the address of a Dask scheduler that can be reached"
+        hint = "such as tcp://host:8786; start one by dask scheduler, and its workers by dask worker ADDRESS"
+        try:
+            client = distributed.Client(self._address, timeout=seconds, set_as_default=False)
+        except (OSError, ValueError, RuntimeError):
+            raise InputError(OPTION, self._address, allowed, hint) from None
+        try:
+            client.wait_for_workers(1, timeout=seconds)
+        except (OSError, RuntimeError):
+            client.close()
+            raise InputError(OPTION, self._address, "a scheduler with a worker", hint) from None
+        for worker, found in client.run(program_key, on_error="return").items():
+            if found != program_key():
+                client.close()
+                raise InputError(OPTION, self._address, f"workers with this strikewave: {worker} has {_said(found)}")
+        return client
+
+    @property
+    def width(self) -> int:
+        """How many batches run at a time: the threads of all workers."""
+        if time.monotonic() > self._counted + WIDTH_SECONDS:
+            with contextlib.suppress(Exception):  # on the way to a scheduler that is gone
+                self._width = max(sum(self._client.nthreads().values()), 1)
+            self._counted = time.monotonic()
+        return self._width
+
+    def submit(self, job: Batch, rows: Sequence[Row]) -> Future[list[RunOutcome]]:
+        """Begin a batch."""
+        if not self._is_warm:
+            self._warm(job, rows)
+        future: Future[list[RunOutcome]] = self._executor.submit(OfThisVersion(job, program_key()), rows)
+        self._running.add(future)
+        future.add_done_callback(self._running.discard)
+        return future
+
+    def _warm(self, job: Batch, rows: Sequence[Row]) -> None:
+        """Let one worker of each machine compile the kernels that are not there; the others find them on its disk."""
+        self._is_warm = True
+        one_each = {worker.rpartition(":")[0]: worker for worker in self._client.nthreads()}
+        cold = [worker for worker, is_new in self._client.run(is_cold, workers=[*one_each.values()]).items() if is_new]
+        if cold:
+            self._client.run(job, rows[:1], workers=cold, on_error="ignore")
+
+    def loss(self, error: BaseException) -> Loss | None:
+        """Return what was lost: with several workers the batch is to blame, with the scheduler none is."""
+        name = type(error).__name__
+        if name == ENDED_WORKER:
+            return Loss.BY_THIS
+        return Loss.BY_NONE if isinstance(error, CancelledError) or name == CLOSED else None
+
+    def renew(self) -> None:
+        """Wait till the scheduler is there again, and has a worker.
+
+        Raises
+        ------
+        StrikewaveError
+            If it does not come back.
+        """
+        if self._client.status == "running":
+            return
+        self._client.close()
+        end = time.monotonic() + RETURN_SECONDS
+        while True:
+            try:
+                self._client = self._connected(CONNECT_SECONDS)
+                break
+            except InputError:
+                if time.monotonic() > end:
+                    gone = f"the scheduler at {self._address} ended, and was not back in {RETURN_SECONDS / 60:.0f} min"
+                    raise StrikewaveError(f"{gone}; what was finished is kept") from None
+        self._executor = self._client.get_executor(pure=False)
+        self._is_warm = False
+
+    def __enter__(self) -> ClusterPool:
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        for future in list(self._running):
+            future.cancel()
+        self._client.close()
+
+
+def _said(found: object) -> str:
+    """Return what a worker has, in words: a key of its program, or an error that says why it has none."""
+    if isinstance(found, str):
+        return _other_version(found, program_key())
+    return f"none that can be used ({found})"
+
+
+def _other_version(found: str, program: str) -> str:
+    """Say how two programs differ: by version, or else by source.
+
+    Examples
+    --------
+    >>> _other_version("0.1.0 ab", "0.2.0 ab"), _other_version("0.2.0 cd", "0.2.0 ab")
+    ('strikewave 0.1.0, not 0.2.0', 'strikewave 0.2.0 with other kernels')
+    """
+    (version, _), (own, _) = (key.split(" ", 1) for key in (found, program))
+    return f"strikewave {version}, not {own}" if version != own else f"strikewave {version} with other kernels"

@@ -1,0 +1,163 @@
+"""A scheduler of Dask and its workers on the loopback: workers and scheduler that are killed, others that are refused."""
+
+import importlib
+import json
+import os
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from strikewave import load_case
+from strikewave.base.errors import InputError
+from strikewave.studies.engine import cluster, store
+from strikewave.studies.engine.cluster import ClusterPool, OfThisVersion
+from strikewave.studies.engine.evaluation import Job
+from strikewave.studies.engine.plan import grid, varied
+from strikewave.studies.engine.runner import carry_out
+from strikewave.studies.engine.store import RunStore
+from strikewave.studies.engine.variables import read_variable
+from strikewave.studies.sweep.question import sweep
+
+CASE = load_case("li-ma-2019", ["feed.blows=1"])
+EVALUATIONS = """
+from dataclasses import dataclass
+from strikewave.studies.engine.evaluation import RunOutcome
+
+@dataclass(frozen=True)
+class Speed:
+    names: tuple[str, ...] = ("speed",)
+
+    def __call__(self, case):
+        return RunOutcome((case.machine.speed.si,))
+"""
+"""A number that is known, by a module that the workers can import."""
+
+
+class Cluster:
+    """A scheduler and its workers, each a process."""
+
+    def __init__(self, folder):
+        self.folder, self.processes = folder, []
+        self.scheduler = self.start("scheduler", "--host", "127.0.0.1", "--port", "0")
+        end = time.monotonic() + 120.0
+        while not self.file.exists():
+            assert time.monotonic() < end, (folder / "scheduler-1.log").read_text()
+            time.sleep(0.05)
+        self.address = json.loads(self.file.read_text())["address"]
+
+    @property
+    def file(self):
+        return self.folder / "scheduler.json"
+
+    def start(self, what, *words):
+        log = self.folder / f"{what}-{len(self.processes) + 1}.log"
+        module = f"distributed.cli.dask_{what}"
+        process = subprocess.Popen(
+            [sys.executable, "-m", module, "--scheduler-file", self.file, "--no-dashboard", *words],
+            env={**os.environ, "PYTHONPATH": os.pathsep.join([str(self.folder), os.environ.get("PYTHONPATH", "")])},
+            cwd=self.folder,
+            stderr=log.open("w"),
+        )
+        self.processes.append(process)
+        return process
+
+    def worker(self):
+        return self.start("worker", "--nthreads", "1", "--no-nanny", "--local-directory", self.folder)
+
+    def end(self):
+        for process in self.processes:
+            process.kill()
+            process.wait()
+
+
+@pytest.fixture
+def of_two(tmp_path, monkeypatch):
+    (tmp_path / "speed_evaluations.py").write_text(EVALUATIONS)
+    monkeypatch.syspath_prepend(tmp_path)
+    monkeypatch.setattr(cluster, "CONNECT_SECONDS", 120.0)  # for workers that are still starting
+    made = Cluster(tmp_path)
+    yield made
+    made.end()
+
+
+def speeds(count):
+    speed = importlib.import_module("speed_evaluations").Speed()
+    variable = read_variable(CASE, f"machine.speed=40..90 rad/s:{count}")
+    return Job(varied(CASE, [variable], "test"), speed), grid([variable])
+
+
+@pytest.mark.verify
+def test_ten_thousand_runs_of_which_a_worker_is_killed_are_each_there_once(of_two):
+    """Each row has its own speed; the worker is killed by -9 once four in ten are there."""
+    first, _ = of_two.worker(), of_two.worker()
+    job, rows = speeds(10_000)
+
+    def advance(done):
+        if done.share > 0.4 and first.poll() is None:
+            first.send_signal(signal.SIGKILL)
+            first.wait()
+
+    with RunStore(None) as kept, ClusterPool(of_two.address) as pool:
+        found = carry_out(job, rows, kept, pool, advance)
+        numbers, failures, _ = kept.table(("speed",), found.keys)
+        assert len(kept.known()) == len(rows)
+    assert first.poll() is not None
+    assert not any(failures)
+    np.testing.assert_array_equal(numbers, rows)
+
+
+@pytest.mark.verify
+def test_a_scheduler_that_is_killed_and_comes_back_loses_no_run(of_two):
+    worker = of_two.worker()
+    job, rows = speeds(600)
+
+    def advance(done):
+        if done.share > 0.3 and of_two.scheduler.poll() is None:
+            of_two.scheduler.kill()
+            of_two.scheduler.wait()
+            worker.kill()
+            host, port = of_two.address.removeprefix("tcp://").split(":")
+            of_two.start("scheduler", "--host", host, "--port", port)
+            of_two.worker()
+
+    with RunStore(None) as kept, ClusterPool(of_two.address) as pool:
+        found = carry_out(job, rows, kept, pool, advance)
+        numbers, failures, _ = kept.table(("speed",), found.keys)
+        assert len(kept.known()) == len(rows)
+    assert of_two.scheduler.poll() is not None
+    assert not any(failures)
+    np.testing.assert_array_equal(numbers, rows)
+
+
+@pytest.mark.verify
+def test_a_sweep_has_the_bits_of_this_process_and_another_version_is_refused(of_two, monkeypatch):
+    of_two.worker()
+    words = CASE, ["machine.speed=600..800 rpm:5"], ["first.rigid_peak", "first.width"]
+    given = sweep(words[0], words[1], keep=words[2], analysis="fast", cluster=of_two.address)
+    own = sweep(words[0], words[1], keep=words[2], analysis="fast")
+    assert np.array_equal(given.numbers, own.numbers)
+    store.program_key.cache_clear()
+    monkeypatch.setattr(store, "__version__", "9.9.9")
+    with pytest.raises(InputError, match=r"--cluster: .* workers with this strikewave: tcp://.* not 9\.9\.9"):
+        ClusterPool(of_two.address)
+    store.program_key.cache_clear()
+
+
+def test_a_worker_that_joins_late_with_another_version_runs_nothing():
+    with pytest.raises(Exception, match=r"strikewave .*, not 9\.9\.9"):
+        OfThisVersion(list, "9.9.9 abc")([(1.0,)])
+
+
+@pytest.mark.parametrize("address", ["tcp://127.0.0.1:9", "nowhere", "http://127.0.0.1:8786", "tcp://"])
+@pytest.mark.verify
+def test_a_scheduler_that_cannot_be_reached_is_refused_in_one_line(address, monkeypatch):
+    monkeypatch.setattr(cluster, "CONNECT_SECONDS", 1.0)
+    with pytest.raises(InputError, match=r"--cluster: .*a Dask scheduler that can be reached") as refused:
+        ClusterPool(address)
+    assert "\n" not in str(refused.value)
+    assert not Path("dask-worker-space").exists()
