@@ -32,7 +32,7 @@ MOST_MARKED = 40
 GRID = "#c9ced3"
 
 
-class Spread(NamedTuple):
+class CampaignFigure(NamedTuple):
     """A figure of a campaign: name, SI unit, unit shown."""
 
     name: str
@@ -42,12 +42,12 @@ class Spread(NamedTuple):
 
 PageTable = tuple[str, list[str], list[list[str]], tuple[int, ...]]
 """Title, heads, rows, and which columns are words."""
-SPREADS = (
-    Spread("peak", "m/s^2", "g"),
-    Spread("rise", "s", "us"),
-    Spread("width", "s", "us"),
-    Spread("velocity_change", "m/s", "m/s"),
-    Spread("interval", "s", "ms"),
+FIGURES = (
+    CampaignFigure("peak", "m/s^2", "g"),
+    CampaignFigure("rise", "s", "us"),
+    CampaignFigure("width", "s", "us"),
+    CampaignFigure("velocity_change", "m/s", "m/s"),
+    CampaignFigure("interval", "s", "ms"),
 )
 
 
@@ -197,7 +197,7 @@ def campaign_tables(result: RecordResult) -> list[PageTable]:
     tables: list[PageTable] = []
     for one in result.campaigns:
         rows = []
-        for figure in SPREADS:
+        for figure in FIGURES:
             found = one.statistics.get(figure.name)
             if found is not None:
                 ends = [with_unit(end, figure.si, figure.usual) for end in (found.mean, found.low, found.high)]
