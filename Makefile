@@ -6,10 +6,13 @@ PYTHON ?= $(shell for p in python3 python3.13 python3.12 python3.11 python; do \
 	$$p -c 'import sys; sys.exit(sys.version_info < (3, 11))' 2>/dev/null && { echo $$p; break; }; done)
 BIN = $(VENV)/bin
 BENCH = .bench/venv
+INSTALL = install --quiet --disable-pip-version-check --no-deps
+COMPILE = .uv/bin/uv pip compile --quiet pyproject.toml requirements/build.in --constraint constraints.txt --universal \
+	--python-version 3.11 --generate-hashes --no-annotate --no-header --default-index https://pypi.org/simple
 JOBS ?= 2
 CASES ?= li-ma-2019 li-ma-2019-fig13
 
-.PHONY: demo test verify validate package pictures lint bench clean help
+.PHONY: demo test verify validate package pictures lint requirements bench clean help
 .DEFAULT_GOAL := help
 
 help:
@@ -19,7 +22,8 @@ help:
 	@echo "make validate  set up, then studies that run once, outside CI: finer maps over what a paper leaves open (writes out/validate)"
 	@echo "make package  set up, then build wheel and source distribution (dist), check both, install and run the wheel alone with each of PYTHONS"
 	@echo "make pictures  set up, then draw the screens and photograph the report that README and docs show (docs/images; report and app with Chromium)"
-	@echo "make lint    set up, then style, types and import contract"
+	@echo "make lint    set up, then style, types and import contract; whether packages fit together, and are known to be vulnerable"
+	@echo "make requirements  write requirements/ anew, the packages with their SHA-256, from constraints.txt (with uv)"
 	@echo "make bench   set up with the peers ($(BENCH)), then time everything beside them (writes docs/benchmarks.md)"
 	@echo "make clean   remove the environment and caches"
 
@@ -50,11 +54,20 @@ lint: $(VENV)/dev
 	$(BIN)/ruff format --check .
 	$(BIN)/mypy
 	$(BIN)/lint-imports
+	$(BIN)/python -m pip check
+	$(BIN)/python scripts/known_vulnerabilities.py
+
+# for a change of constraints.txt or pyproject.toml: uv finds the SHA-256 of all files of each version, for all systems
+requirements: pyproject.toml constraints.txt
+	@$(PYTHON) -m venv .uv && .uv/bin/python -m pip install --quiet uv
+	@$(COMPILE) -o requirements/core.txt
+	@$(COMPILE) --extra dev --extra formats --extra mesh --extra pdf --extra bayes --extra app --extra cluster -o requirements/dev.txt
 
 bench: $(BENCH)/peers
 	$(BENCH)/bin/python benchmarks/bench.py
 
-%/core: pyproject.toml constraints.txt
+# each file has to be one of those whose SHA-256 stand in requirements; `pip check` in `make lint` finds what they lack
+%/core: pyproject.toml requirements/core.txt
 	@if [ -z "$(PYTHON)" ]; then \
 		echo "strikewave needs Python 3.11 or newer: install it (Debian: apt-get install python3 python3-venv), or name it: make demo PYTHON=/path/to/python3"; exit 1; fi
 	@$(PYTHON) -c 'import venv, ensurepip' 2>/dev/null || { \
@@ -62,12 +75,13 @@ bench: $(BENCH)/peers
 	@echo "setting up $* (once; about a minute)"
 	@rm -f $*/core $*/dev $*/package $*/peers
 	@$(PYTHON) -m venv $*
-	@PIP_CONSTRAINT="$(CURDIR)/constraints.txt" $*/bin/python -m pip install --quiet --disable-pip-version-check -e .
+	@$*/bin/python -m pip $(INSTALL) --require-hashes -r requirements/core.txt
+	@$*/bin/python -m pip $(INSTALL) --no-build-isolation -e .
 	@touch $@
 
-$(VENV)/dev: $(VENV)/core
+$(VENV)/dev: $(VENV)/core requirements/dev.txt
 	@echo "adding the tools for tests (once)"
-	@PIP_CONSTRAINT="$(CURDIR)/constraints.txt" $(BIN)/python -m pip install --quiet --disable-pip-version-check -e '.[dev,formats,mesh,pdf,bayes,app,cluster]'
+	@$(BIN)/python -m pip $(INSTALL) --require-hashes -r requirements/dev.txt
 	@touch $@
 
 $(VENV)/package: $(VENV)/core
@@ -87,4 +101,4 @@ $(BENCH)/peers: $(BENCH)/core benchmarks/requirements.txt benchmarks/constraints
 	[ -n "$$failed" ] || touch $@
 
 clean:
-	rm -rf $(VENV) dist .bench .pytest_cache .mypy_cache .ruff_cache .hypothesis .import_linter_cache
+	rm -rf $(VENV) .bench .uv .audit .pytest_cache .mypy_cache .ruff_cache .hypothesis .import_linter_cache

@@ -1,14 +1,18 @@
 """Faults that befall commands that write: a kill, a full disk, a folder that cannot be written, a damaged cache ...
 
-    python tests/faults/campaign.py [ROUNDS [COMMAND ...]]
+    python tests/faults/campaign.py [--rounds N] [--write] [COMMAND ...]
 
-makes each fault ROUNDS times (1) to each command, or to those that are named, with real processes, limits of the system and, for root, a real small disk, and
-prints a table of what was tried and what survived. `survives` is the judge; the tests call it too.
+makes each fault to each command, or to those that are named, with real processes, limits of the system and, for root, a real small disk; what has a
+random moment or size N times (1). It prints a table of what was tried and what survived, and `--write` puts it into docs/faults.md. `Bench.survives` is
+the judge.
 """
 
 from __future__ import annotations
 
+import argparse
+import atexit
 import hashlib
+import importlib
 import math
 import os
 import random
@@ -18,10 +22,13 @@ import signal
 import subprocess
 import sys
 import tempfile
+import threading
 import time
+import traceback
 from collections.abc import Callable, Iterator
 from contextlib import ExitStack, contextmanager, suppress
 from dataclasses import dataclass, field
+from itertools import product
 from pathlib import Path
 
 import h5py
@@ -34,11 +41,20 @@ COMMANDS: dict[str, tuple[str, ...]] = {
     "record": ("record", "blow.csv"),
     "srs": ("srs", "blow.csv", "--per-octave", "3"),
     "compare": ("compare", "blow.csv", "blow.csv"),
-    "fem": ("fem", "two-bars-fem", "--set", "fem.duration=8 us", "--set", "fem.frames=3"),
+    "fem": ("fem", "two-bars-fem", "--set", "fem.duration=8 us", "--set", "fem.frames=3", "--animate"),
+    "deck": ("deck", "two-bars-fem"),
+    "sweep": ("sweep", "jesd22-b111-b", "--vary", "machine.height=0.2..0.3 m:2", "--workers", "2"),
+    "map": ("map", "li-ma-2019", "--points", "2x2", "--workers", "2", "--train", "0", "--set", "feed.blows=2"),
 }
 """A command of each kind that writes a folder, without its --out."""
-LIMIT = 120.0
-"""Seconds after which a command is taken to hang: fifty times what the longest takes."""
+PAGE, TABLE = Path(__file__).parents[2] / "docs/faults.md", "what was tried"
+"""Where the table goes."""
+LIMIT = 600.0
+"""Seconds after which a command is taken to hang: a hundred times what the longest takes on a processor of its own."""
+LINGER = 5.0
+"""Seconds in which processes of a command may end after it."""
+TEXTS, MARKS = (".csv", ".json", ".svg", ".k"), ("case.toml", "record.toml")
+"""Files of a result in which a test makes a difference, and those by which results are told apart."""
 NOISE = ("Traceback", "internal error", "Segmentation")
 """Words of a command that broke."""
 
@@ -52,7 +68,8 @@ class Setting:
     out: Path
     limits: dict[int, int] = field(default_factory=dict)
     stdout: str = os.devnull
-    closed: bool = False
+    closed: tuple[int, ...] = ()
+    umask: int = 0o022
     signal: int = 0
     after: float = 0.0
 
@@ -66,44 +83,101 @@ class Outcome:
     orphans: list[int]
 
 
-def run(command: tuple[str, ...], setting: Setting) -> Outcome:
-    """Run a command in a session of its own, and look for what is left of it."""
+def run(command: tuple[str, ...], setting: Setting, forked: bool = False) -> Outcome:
+    """Run a command in a session of its own, and look for what is left of it.
 
-    def limit() -> None:
-        for which, most in setting.limits.items():
-            resource.setrlimit(which, (most, most))
-        if setting.closed:
-            os.close(1)
+    A forked one begins with the modules that this process has imported: so half its time, or less, goes into imports.
+    """
+    with tempfile.TemporaryFile("w+", errors="replace") as words:
+        child = (fork if forked else start)(command, setting, words.fileno())
+        if setting.signal:
+            time.sleep(setting.after)
+            os.kill(child, setting.signal)
+        code, told = wait(child), ""
+        if code is None:
+            os.killpg(child, signal.SIGKILL)
+            code, told = wait(child), "Traceback: it did not end"
+        end = time.monotonic() + LINGER
+        while (left := of_session(child)) and time.monotonic() < end:
+            time.sleep(0.05)  # workers look after their parent now and then
+        for process in left:
+            with suppress(ProcessLookupError):
+                os.kill(process, signal.SIGKILL)
+        words.seek(0)
+        return Outcome(-signal.SIGKILL if code is None else code, words.read() + told, left)
 
-    with open(setting.stdout, "w") as stdout:
-        child = subprocess.Popen(
-            [sys.executable, "-m", "strikewave", *command, "--out", str(setting.out)],
-            cwd=setting.folder,
-            env=setting.environment,
-            stdin=subprocess.DEVNULL,
-            stdout=stdout,
-            stderr=subprocess.PIPE,
-            start_new_session=True,
-            preexec_fn=limit,  # noqa: PLW1509 (one thread)
-            text=True,
-            errors="replace",
-        )
-    if setting.signal:
-        time.sleep(setting.after)
-        child.send_signal(setting.signal)
+
+def wait(child: int) -> int | None:
+    """Return the exit code of a child, or None where it hangs."""
+    end = time.monotonic() + LIMIT
+    while time.monotonic() < end:
+        ended, status = os.waitpid(child, os.WNOHANG)
+        if ended:
+            return os.waitstatus_to_exitcode(status)
+        time.sleep(0.01)
+    return None
+
+
+def start(command: tuple[str, ...], setting: Setting, words: int) -> int:
+    """Start a command as a program of its own; return its process."""
+    child = os.fork()
+    if not child:
+        enter(setting, words)
+        line = [sys.executable, "-m", "strikewave", *command, "--out", str(setting.out)]
+        os.execve(sys.executable, line, setting.environment)
+    return child
+
+
+def fork(command: tuple[str, ...], setting: Setting, words: int) -> int:
+    """Start a command as a copy of this process; return it."""
+    child = os.fork()
+    if child:
+        return child
+    code: object = 1
     try:
-        _, words = child.communicate(timeout=LIMIT)
-    except subprocess.TimeoutExpired:
-        os.killpg(child.pid, signal.SIGKILL)
-        _, words = child.communicate()
-        words += "\nTraceback: it did not end"
-    end = time.monotonic() + 5.0
-    while (left := of_session(child.pid)) and time.monotonic() < end:
-        time.sleep(0.05)  # workers look after their parent now and then
-    for process in left:
-        with suppress(ProcessLookupError):
-            os.kill(process, signal.SIGKILL)
-    return Outcome(child.returncode, words, left)
+        enter(setting, words)
+        os.environ.clear()
+        os.environ.update(setting.environment)
+        for name, number in (("stdin", 0), ("stdout", 1), ("stderr", 2)):
+            setattr(sys, name, open(number, "w" if number else "r", closefd=False))
+        sys.argv = ["strikewave", *command, "--out", str(setting.out)]
+        importlib.import_module("strikewave.cli.app").main()
+    except SystemExit as end:
+        code = end.code or 0
+    except BaseException:
+        traceback.print_exc()
+    finally:
+        with suppress(BaseException):  # what Python does at its end; this process must not run on as the campaign
+            threading._shutdown()
+            atexit._run_exitfuncs()
+            sys.stdout.flush()
+            sys.stderr.flush()
+        os._exit(int(str(code)))
+
+
+def enter(setting: Setting, words: int) -> None:
+    """Make this process what a setting asks for."""
+    os.setsid()
+    os.chdir(setting.folder)
+    os.umask(setting.umask)
+    os.dup2(os.open(os.devnull, os.O_RDONLY), 0)
+    os.dup2(os.open(setting.stdout, os.O_WRONLY), 1)
+    os.dup2(words, 2)
+    for which, most in setting.limits.items():
+        resource.setrlimit(which, (most, most))
+    for number in setting.closed:
+        os.close(number)
+
+
+def import_what(command: tuple[str, ...], setting: Setting) -> None:
+    """Import into this process all modules that a command imports."""
+    program = "import atexit, sys; from strikewave.cli.app import main; "
+    program += "atexit.register(lambda: print(*sys.modules, file=sys.stderr)); main()"
+    line = [sys.executable, "-P", "-c", program, *command, "--out", str(setting.out)]
+    done = subprocess.run(line, cwd=setting.folder, env=setting.environment, capture_output=True, text=True, check=True)
+    for name in done.stderr.splitlines()[-1].split():
+        with suppress(ImportError):
+            importlib.import_module(name)
 
 
 def of_session(session: int) -> list[int]:
@@ -172,23 +246,33 @@ class Bench:
         return Setting(self.home, dict(self.environment), self.home / "results" / name)
 
     def prepare(self, name: str) -> None:
-        """Make the older result of a command."""
+        """Find what a command gives, and how long a copy of this process takes for it."""
         if name not in self.whole:
-            begun = time.monotonic()
-            made = run(COMMANDS[name], self.setting(name))
-            assert made.code in (0, 3), made.words
-            self.seconds[name] = time.monotonic() - begun
+            import_what(COMMANDS[name], self.setting(name))
             self.whole[name] = state_of(self.home / "results" / name)
+            begun = time.monotonic()
+            made = run(COMMANDS[name], self.setting(name), forked=True)
+            self.seconds[name] = time.monotonic() - begun
+            assert made.code == 0, made.words
+            assert state_of(self.home / "results" / name) == self.whole[name], f"{name} gives other bits each time"
+
+    def age(self, name: str) -> None:
+        """Change the result of a command, so that it is told from a new one, and a mixture of both from either."""
+        folder = self.home / "results" / name
+        if folder.exists():
+            oldest = next(path for path in sorted(folder.iterdir()) if path.suffix in TEXTS and path.name not in MARKS)
+            oldest.write_text(oldest.read_text() + "\n")
 
     def survives(self, name: str, fault: Fault) -> str:
         """Let a fault befall a command; return what was lost, or nothing."""
         self.prepare(name)
+        self.age(name)
         setting = self.setting(name)
         with ExitStack() as stack:
             if not fault(self, stack, setting, name):
                 return "not tried"
             before = state_of(setting.out)
-            ended = run(COMMANDS[name], setting)
+            ended = run(COMMANDS[name], setting, forked=fault in IN_A_COPY)
             after = state_of(setting.out)
         if ended.orphans:
             return f"processes left: {len(ended.orphans)}"
@@ -199,23 +283,26 @@ class Bench:
             whole, before, after = dict.fromkeys(whole, ""), dict.fromkeys(before, ""), dict.fromkeys(after, "")
         if after not in (before, whole):
             return f"half a result: {sorted(after)}"
-        if ended.code in (0, 3) and after != whole:
+        if ended.code == 0 and after != whole:
             return "exit 0 without the result"
         if ended.code == 2 and len([line for line in ended.words.splitlines() if "allowed:" in line]) > 1:
             return "more than one line"
-        return self.goes_on(name)
+        return "" if ended.code == 0 and not self.hidden() else self.goes_on(name)
+
+    def hidden(self) -> list[str]:
+        """Return what stands beside the results."""
+        return [path.name for path in (self.home / "results").iterdir() if path.name not in COMMANDS]
 
     def goes_on(self, name: str) -> str:
         """Run a command again where nothing befalls it; return what is wrong with its result, or nothing."""
         unfinished = self.home / "results" / f"{name}.unfinished"
         more = ("--restart",) if (unfinished / "state.h5").exists() else ()
-        again = run((*COMMANDS[name], *more), self.setting(name))
-        if again.code not in (0, 3):
+        again = run((*COMMANDS[name], *more), self.setting(name), forked=True)
+        if again.code != 0:
             return f"does not go on: {again.words.strip().splitlines()[-1:]}"
         if state_of(self.home / "results" / name) != self.whole[name]:
             return "other bits on the next run"
-        hidden = [path.name for path in (self.home / "results").iterdir() if path.name not in COMMANDS]
-        return f"left behind: {hidden}" if hidden else ""
+        return f"left behind: {self.hidden()}" if self.hidden() else ""
 
 
 Fault = Callable[[Bench, ExitStack, Setting, str], bool]
@@ -301,7 +388,27 @@ def read_only(bench: Bench, stack: ExitStack, setting: Setting, name: str) -> bo
 
 def closed_stdout(bench: Bench, stack: ExitStack, setting: Setting, name: str) -> bool:
     """Close stdout before the command begins."""
-    setting.closed = True
+    setting.closed = (1,)
+    return True
+
+
+def closed_streams(bench: Bench, stack: ExitStack, setting: Setting, name: str) -> bool:
+    """Close stdin, stdout and stderr before the command begins."""
+    setting.closed = (0, 1, 2)
+    return True
+
+
+def nobody_reads(bench: Bench, stack: ExitStack, setting: Setting, name: str) -> bool:
+    """Let the files be readable by nobody."""
+    setting.umask = 0o777
+    return os.geteuid() == 0
+
+
+def settings_beside(bench: Bench, stack: ExitStack, setting: Setting, name: str) -> bool:
+    """Put settings of libraries, which these take from where they are started, beside the data."""
+    for file, text in SETTINGS.items():
+        (bench.home / file).write_text(text)
+        stack.callback((bench.home / file).unlink)
     return True
 
 
@@ -311,48 +418,85 @@ def full_stdout(bench: Bench, stack: ExitStack, setting: Setting, name: str) -> 
     return Path("/dev/full").exists()
 
 
-FAULTS: dict[str, Fault] = {
+SETTINGS = {
+    "matplotlibrc": "lines.linewidth: 20\nsavefig.dpi: 10\naxes.facecolor: black\n",
+    "sitecustomize.py": "raise SystemExit('sitecustomize was executed')\n",
+}
+"""Files of settings by name."""
+BY_CHANCE: dict[str, Fault] = {
     "kill -9 at a random moment": signalled(signal.SIGKILL),
     "SIGTERM at a random moment": signalled(signal.SIGTERM),
     "Ctrl-C at a random moment": signalled(signal.SIGINT),
     "SIGHUP at a random moment": signalled(signal.SIGHUP),
     "a real disk that is full": full_disk,
     "files limited to a few kB": limited(resource.RLIMIT_FSIZE, 1e3, 4e6),
+}
+"""Faults whose moment or size is drawn."""
+IN_A_COPY = frozenset(BY_CHANCE.values())
+"""What befalls a command once it runs; everything else befalls it as it starts."""
+AT_START: dict[str, Fault] = {
     "a disk to be read only": read_only,
     "few file handles": limited(resource.RLIMIT_NOFILE, 8, 64),
     "1 GB of address space": limited(resource.RLIMIT_AS, 1e9, 1.001e9),
     "no HOME": without("HOME", None),
     "a HOME that is not there": without("HOME", "/nowhere"),
     "a TMPDIR that is not there": without("TMPDIR", "/nowhere"),
-    "another locale, stdout in ASCII": without("PYTHONIOENCODING", "ascii"),
+    "no PATH": without("PATH", None),
+    "stdout in ASCII": without("PYTHONIOENCODING", "ascii"),
+    "stdout in code page 437": without("PYTHONIOENCODING", "cp437"),
+    "stdout in code page 932": without("PYTHONIOENCODING", "cp932"),
     "LC_ALL=C": without("LC_ALL", "C"),
     "COLUMNS=0": without("COLUMNS", "0"),
     "stdout closed": closed_stdout,
+    "all streams closed": closed_streams,
     "stdout on a full disk": full_stdout,
+    "files that nobody may read": nobody_reads,
+    "settings of libraries beside the data": settings_beside,
     "compiled kernels damaged": damaged_cache,
     "compiled kernels on a full disk": full_cache,
 }
+"""Faults that a command finds as it starts."""
+FAULTS = {**BY_CHANCE, **AT_START}
+KINDS = {"chance": BY_CHANCE, "start": AT_START}
 
 
-def main(rounds: int = 1, *commands: str) -> int:
-    """Make all faults and print the table; return how many were not survived."""
+def main() -> int:
+    """Make the faults and print the table; return how many were not survived."""
+    parser = argparse.ArgumentParser(description="faults that befall commands")
+    parser.add_argument("commands", nargs="*", choices=[[], *COMMANDS], metavar="COMMAND")
+    parser.add_argument("--rounds", type=int, default=1, help="of faults by chance")
+    parser.add_argument("--only", action="append", choices=[*KINDS, *FAULTS], help="one, or a kind; repeatable")
+    parser.add_argument("--write", action="store_true", help="the table into docs/faults.md")
+    asked = parser.parse_args()
+    signal.signal(signal.SIGINT, signal.default_int_handler)  # shells and nohup let jobs in the background ignore them,
+    signal.signal(signal.SIGHUP, signal.SIG_DFL)  # and commands would inherit that
     home = Path(tempfile.mkdtemp(prefix="strikewave-faults-"))
-    lost, rows, tried = [], [], 0
+    fates: dict[str, list[str]] = {}
+    for words in asked.only or FAULTS:
+        fates |= {one: [] for one in KINDS.get(words, (words,))}
     try:
-        bench = Bench(home, seed=rounds)
-        for words, fault in FAULTS.items():
-            seen = [(name, bench.survives(name, fault)) for name in commands or COMMANDS for _ in range(rounds)]
-            seen = [one for one in seen if one[1] != "not tried"]
-            bad = [f"{name}: {what}" for name, what in seen if what]
-            rows.append(f"| {words} | {len(seen)} | {len(seen) - len(bad)} |")
-            print(rows[-1], *bad, sep="\n    ", flush=True)
-            lost += bad
-            tried += len(seen)
+        bench = Bench(home, seed=asked.rounds)
+        for k, words, name in product(range(asked.rounds), fates, asked.commands or COMMANDS):
+            if k == 0 or words in BY_CHANCE:
+                fate = bench.survives(name, FAULTS[words])
+                print(f"{words} | {name} | {fate or 'survived'}", flush=True)
+                fates[words] += [fate] if fate != "not tried" else []
+    except KeyboardInterrupt:
+        print("stopped: the table has what was tried")
     finally:
         shutil.rmtree(home, ignore_errors=True)
-    print("\n| fault | tried | survived |\n|---|---|---|", *rows, f"| all | {tried} | {tried - len(lost)} |", sep="\n")
-    return len(lost)
+    rows = [(words, len(seen), seen.count("")) for words, seen in fates.items()]
+    tried, survived = (sum(column) for column in zip(*(row[1:] for row in rows), strict=True))
+    sys.path.append(str(Path(__file__).parents[2] / "scripts/validate"))
+    from kit import table, write_into
+
+    rows.append(("all", tried, survived))
+    text = table(("Fault", "tried", "survived"), [[str(cell) for cell in row] for row in rows])
+    print(text)
+    if asked.write:
+        write_into(PAGE, TABLE, text)
+    return tried - survived
 
 
 if __name__ == "__main__":
-    sys.exit(bool(main(int(sys.argv[1]) if sys.argv[1:] else 1, *sys.argv[2:])))
+    sys.exit(bool(main()))

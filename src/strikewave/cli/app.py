@@ -17,7 +17,7 @@ from typing import Any
 import typer
 
 from strikewave._version import __version__
-from strikewave.base.errors import StrikewaveError, StrikewaveWarning
+from strikewave.base.errors import InputError, StrikewaveError, StrikewaveWarning
 from strikewave.base.folder_claim import FULL, refusal
 from strikewave.base.interrupts import Stopped, exit_code, heed
 from strikewave.cli.group import SETTINGS, CommandGroup
@@ -88,9 +88,31 @@ def _show_warning(message: Warning | str, category: type[Warning], *rest: Any, *
         say(f"warning: {message}")
 
 
+def _leave_settings_beside() -> None:
+    """Take no settings of libraries from the folder that the program is run in, which holds data.
+
+    Raises
+    ------
+    InputError
+        If there are some that cannot be left aside: numba reads its file each time it compiles.
+    """
+    if Path(COMPILER_SETTINGS).exists():
+        asked = "no settings of numba in the folder that strikewave is run in: they would change what is computed"
+        raise InputError("folder", COMPILER_SETTINGS, asked)
+    if Path("matplotlibrc").exists():
+        import matplotlib
+
+        matplotlib.rcdefaults()
+
+
+COMPILER_SETTINGS = ".numba_config.yaml"
+"""File from which numba takes settings, wherever a program is run."""
+
+
 def _run() -> int:
     """Run and return the exit code."""
     try:
+        _leave_settings_beside()
         code = int(app(prog_name="strikewave", standalone_mode=False) or 0)
         sys.stdout.flush()
     except (Stopped, typer.Abort, KeyboardInterrupt) as stop:
