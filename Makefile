@@ -22,7 +22,7 @@ help:
 	@echo "make validate  set up, then studies that run once, outside CI: finer maps over what a paper leaves open (writes out/validate)"
 	@echo "make docs     set up, then build the site (docs/_build/html) and the man page (docs/_build/man); notebooks and pages are run, warnings are errors"
 	@echo "make package  set up, then build wheel and source distribution (dist), check both, install and run the wheel alone with each of PYTHONS"
-	@echo "make pictures  set up, then draw the screens and photograph the report that README and docs show (docs/images; the report with Chromium)"
+	@echo "make pictures  set up, then draw the screens and photograph the report that README and docs show (docs/images; report and app with Chromium)"
 	@echo "make lint    set up, then style, types and import contract; whether packages fit together, and are known to be vulnerable"
 	@echo "make requirements  write requirements/ anew, the packages with their SHA-256, from constraints.txt (with uv)"
 	@echo "make bench   set up with the peers ($(BENCH)), then time everything beside them (writes docs/benchmarks.md)"
@@ -52,8 +52,9 @@ docs: $(VENV)/docs
 package: $(VENV)/package
 	$(BIN)/python scripts/package/check.py --platforms $(PYTHONS:%=--python %)
 
-pictures: $(VENV)/core
+pictures: $(VENV)/dev
 	$(BIN)/python scripts/draw_pictures.py
+	$(BIN)/python scripts/draw_app_pictures.py
 
 lint: $(VENV)/dev
 	$(BIN)/ruff check .
