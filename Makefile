@@ -12,7 +12,7 @@ COMPILE = .uv/bin/uv pip compile --quiet pyproject.toml requirements/build.in --
 JOBS ?= 2
 CASES ?= li-ma-2019 li-ma-2019-fig13
 
-.PHONY: demo test verify validate package pictures lint requirements bench clean help
+.PHONY: demo test verify validate docs package pictures lint requirements bench clean help
 .DEFAULT_GOAL := help
 
 help:
@@ -20,8 +20,9 @@ help:
 	@echo "make test    set up, then run the tests but for those of make verify"
 	@echo "make verify  set up, then the longer checks: damaged files of every format, all planted records, equal blows, elements (with CalculiX and gmsh where they are installed), the whole reproduction"
 	@echo "make validate  set up, then studies that run once, outside CI: finer maps over what a paper leaves open (writes out/validate)"
+	@echo "make docs     set up, then build the site (docs/_build/html) and the man page (docs/_build/man); notebooks and pages are run, warnings are errors"
 	@echo "make package  set up, then build wheel and source distribution (dist), check both, install and run the wheel alone with each of PYTHONS"
-	@echo "make pictures  set up, then draw the screens and photograph the report that README and docs show (docs/images; the report with Chromium)"
+	@echo "make pictures  set up, then draw the screens and photograph the report that README and docs show (docs/images; report and app with Chromium)"
 	@echo "make lint    set up, then style, types and import contract; whether packages fit together, and are known to be vulnerable"
 	@echo "make requirements  write requirements/ anew, the packages with their SHA-256, from constraints.txt (with uv)"
 	@echo "make bench   set up with the peers ($(BENCH)), then time everything beside them (writes docs/benchmarks.md)"
@@ -42,11 +43,18 @@ verify: $(VENV)/dev
 validate: $(VENV)/core
 	@for study in scripts/validate/*.py; do echo "$$study"; $(BIN)/python "$$study" || exit 1; done
 
+# equations, links and cells are checked by the build: what is wrong there ends it
+docs: $(VENV)/docs
+	$(BIN)/python -m sphinx -W --keep-going -q -j $(JOBS) -b html -d docs/_build/doctrees docs docs/_build/html
+	$(BIN)/python -m sphinx -W -q -b man -d docs/_build/doctrees docs docs/_build/man
+	@echo "open in a browser: docs/_build/html/index.html"
+
 package: $(VENV)/package
 	$(BIN)/python scripts/package/check.py --platforms $(PYTHONS:%=--python %)
 
-pictures: $(VENV)/core
+pictures: $(VENV)/dev
 	$(BIN)/python scripts/draw_pictures.py
+	$(BIN)/python scripts/draw_app_pictures.py
 
 lint: $(VENV)/dev
 	$(BIN)/ruff check .
@@ -72,7 +80,7 @@ bench: $(BENCH)/peers
 	@$(PYTHON) -c 'import venv, ensurepip' 2>/dev/null || { \
 		echo "$(PYTHON) lacks the module venv: install it (Debian, Ubuntu: apt-get install python3-venv; Fedora: dnf install python3), then run make again"; exit 1; }
 	@echo "setting up $* (once; about a minute)"
-	@rm -f $*/core $*/dev $*/package $*/peers
+	@rm -f $*/core $*/dev $*/docs $*/package $*/peers
 	@$(PYTHON) -m venv $*
 	@$*/bin/python -m pip $(INSTALL) --require-hashes -r requirements/core.txt
 	@$*/bin/python -m pip $(INSTALL) --no-build-isolation -e .
@@ -81,6 +89,11 @@ bench: $(BENCH)/peers
 $(VENV)/dev: $(VENV)/core requirements/dev.txt
 	@echo "adding the tools for tests (once)"
 	@$(BIN)/python -m pip $(INSTALL) --require-hashes -r requirements/dev.txt
+	@touch $@
+
+$(VENV)/docs: $(VENV)/core
+	@echo "adding the tools that build the site (once)"
+	@PIP_CONSTRAINT="$(CURDIR)/constraints.txt" $(BIN)/python -m pip install --quiet --disable-pip-version-check -e '.[docs]'
 	@touch $@
 
 $(VENV)/package: $(VENV)/core
@@ -100,4 +113,4 @@ $(BENCH)/peers: $(BENCH)/core benchmarks/requirements.txt benchmarks/constraints
 	[ -n "$$failed" ] || touch $@
 
 clean:
-	rm -rf $(VENV) .bench .uv .audit .pytest_cache .mypy_cache .ruff_cache .hypothesis .import_linter_cache
+	rm -rf $(VENV) dist docs/_build docs/examples docs/reference .bench .uv .audit .pytest_cache .mypy_cache .ruff_cache .hypothesis .import_linter_cache

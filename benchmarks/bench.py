@@ -11,6 +11,7 @@ import tempfile
 import time
 from pathlib import Path
 
+import app_bench
 import elements_bench
 import machine_bench
 import numba
@@ -233,6 +234,7 @@ def main():
             elements_bench.section(),
             records_bench.section(),
             reading_bench.section(),
+            app_bench.section(),
             "## Planted blows",
             *planted_judge.section(),
             "## Planted response channels",

@@ -147,15 +147,14 @@ def draw(study: FitStudy, found: dict[str, list[Machine]]) -> None:
     for column, (axes, head) in enumerate(zip(figure.subplots(1, 4, sharey=True), heads, strict=True)):
         for place, path in enumerate(order):
             line = [one.shown[column] for one in found[path]]
-            axes.plot(line, [place] * len(line), color=BLUE, linewidth=2.0)
-            axes.plot(line[0], place, "o", color=BLUE, markerfacecolor="white", markersize=6)
-            axes.plot(line[-1], place, "o", color=BLUE, markersize=6)
+            axes.plot(line, [place] * len(line), color=BLUE, linewidth=2.0, clip_on=False)
+            axes.plot(line[0], place, "o", color=BLUE, markerfacecolor="white", markersize=6, clip_on=False)
+            axes.plot(line[-1], place, "o", color=BLUE, markersize=6, clip_on=False)
         nominal = found[order[0]][STEPS].shown[column]
         axes.axvline(nominal, color=GREY, linewidth=0.8)
         if column < 2:
             one, unit = study.parameters[column], UNITS[column]
             axes.axvspan(one.low / unit, one.high / unit, color=RED, alpha=0.15, linewidth=0.0)
-        axes.margins(x=0.1)
         axes.set_yticks(
             range(len(order)),
             [path.replace(".", ": ").replace("_", " ") for path in order],

@@ -61,6 +61,7 @@ def exact(restitution_asked: ArrayLike) -> Array:
     chi is the root of (1 + chi)/(1 - e chi) = exp(chi (1 + e)), found through L = chi (1 + e):
     e = [1 - exp(-L)(1 + L)] / (L - 1 + exp(-L)). Exact for every exponent n. Source: integral of the
     phase plane of Hunt & Crossley's law; the derivation stands in ``contact/_kernels.py``.
+    Theory: :eq:`contact-restitution`.
 
     Raises
     ------
@@ -289,7 +290,7 @@ def li_ma_corrected(restitution_asked: ArrayLike) -> Array:
 def restitution(hysteresis_factor: ArrayLike) -> Array:
     """Return the restitution that a hysteresis factor gives two free bodies, chi >= 0.
 
-    Inverse of `exact`; whatever law the factor came from.
+    Inverse of `exact`; whatever law the factor came from. Theory: :eq:`contact-restitution`.
 
     Raises
     ------

@@ -197,6 +197,8 @@ def solve_impact(
 ) -> Impact:
     """Solve the impact of two free bodies: exactly for a power law with hysteresis, by the integrator for the rest.
 
+    Theory: :eq:`contact-phase-plane`.
+
     All arguments broadcast against each other; a million impacts take one to two seconds in closed form, 15 to
     60 by the integrator.
 

@@ -107,6 +107,8 @@ class RequestedDamping:
 class Contact:
     """The force law of a contact, F = K d^n (1 + chi d'/v0), never negative.
 
+    Theory: :eq:`contact-force`.
+
     Parameters
     ----------
     stiffness : array_like

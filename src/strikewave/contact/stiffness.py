@@ -186,7 +186,7 @@ def hertz(body1: ElasticBody, body2: ElasticBody, radius1: float, radius2: float
     """Return the stiffness of two spheres: K = (4/3) E* sqrt(R), n = 3/2, 1/R = 1/R1 + 1/R2.
 
     Valid for elastic bodies and a contact radius small beside R. ``radius2 = inf`` is a plane.
-    Source: Hertz 1882 in Johnson 1985, eq. 4.23.
+    Source: Hertz 1882 in Johnson 1985, eq. 4.23. Theory: :eq:`contact-hertz`.
 
     Raises
     ------
@@ -219,7 +219,7 @@ def palmgren(body1: ElasticBody, body2: ElasticBody, length: float) -> Stiffness
     d = 3.81 [2 / (pi E')]^0.9 F^0.9 / h^0.8 with E' = 2 / sum((1 - nu^2)/E) = 2 E*, SI units;
     so K = {h^0.8 / (3.81 [2 / (pi E')]^0.9)}^(10/9). The cylinder's radius does not enter.
     Empirical, for steel rollers of bearings. Source: Palmgren as given by Li & Ma 2019, eqs (2)-(4);
-    their eq (5) prints E' upside down (a compliance), which is repaired here.
+    their eq (5) prints E' upside down (a compliance), which is repaired here. Theory: :eq:`contact-palmgren`.
 
     Raises
     ------

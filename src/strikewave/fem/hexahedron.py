@@ -1,5 +1,7 @@
 """The 8-node hexahedron with one integration point (Flanagan & Belytschko 1981): constants, slabs, forces; SI.
 
+The critical step is that of the theory, :eq:`fem-step`.
+
 Gradient. With the amplitudes of the modes 1, xi, eta, zeta, eta zeta, xi zeta, xi eta, xi eta zeta in place of nodal
 values (a Walsh-Hadamard transform of eight numbers), a shape is e1 xi + e2 eta + e3 zeta + h1 eta zeta + h2 xi zeta +
 h3 xi eta + h4 xi eta zeta, and its volume V has the gradient

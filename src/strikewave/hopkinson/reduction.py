@@ -120,7 +120,10 @@ class StressStrainCurve(NamedTuple):
 
 
 def reduce(waves: FaceWaves, bars: tuple[Bar, Bar], specimen: Specimen) -> Reduction:
-    """Return forces and velocities of the faces of the specimen from the waves there."""
+    """Return forces and velocities of the faces of the specimen from the waves there.
+
+    Theory: :eq:`hopkinson-reduction`.
+    """
     ei, er, et = waves.incident, waves.reflected, waves.transmitted
     return Reduction(
         waves=waves,

@@ -35,6 +35,8 @@ WINDOW_BEFORE, WINDOW_AFTER, SAMPLE_STEP = 50e-6, 1.5e-3, 0.25e-6
 class Blow:
     """One pass of one striker, or one of the rebounds of a launched machine, all its re-contacts included; SI.
 
+    Theory of the velocity change: :eq:`machine-velocity-change`.
+
     Attributes
     ----------
     index : int

@@ -197,9 +197,10 @@ def transmission(mounting: Mounting, frequencies: ArrayLike) -> NDArray[np.compl
 
 
 def insertion_loss(mounting: Mounting, frequencies: ArrayLike) -> NDArray[np.float64]:
-    """Return by how much the mounting lowers a sine, -20 log10 |a_sensor / a_surface|, dB.
+    """Return by how much the mounting lowers a sine, ``-20 log10 |a_sensor / a_surface|``, dB.
 
     Positive where it isolates, negative where it magnifies. Exact for the continuous layers; see `transmission`.
+    Theory: :eq:`sensor-loss`.
 
     Examples
     --------

@@ -193,7 +193,7 @@ def srs(
     ValueError
         If a value makes no sense, or a frequency is not below half the sampling rate.
 
-    Sources: ``smallwood-1981``, ``iso-18431-4``.
+    Sources: ``smallwood-1981``, ``iso-18431-4``. Theory: :eq:`signal-oscillator`.
 
     Examples
     --------

@@ -45,7 +45,12 @@ class ResumableCommand(Command[Study]):
         """Keep finished runs beside the folder until all is written, or in a folder of their own."""
         self.store = self._opened(runs_beside(folder.absolute()) if self.place is None else self.place)
         with self.store:
-            yield
+            try:
+                yield
+            except BaseException:
+                if self.place is None and not self.store.known():  # nothing to go on with
+                    self.store.remove()
+                raise
             if self.place is None:
                 self.store.remove()
 

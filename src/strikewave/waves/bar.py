@@ -94,6 +94,7 @@ def run_bar(
     The step is the one asked for, or it is refined until the error bound keeps what is wanted, as far as
     `MOST_LAYER_STEPS` allow; the bound of the last try is reported in any case. Layers that lose energy or disperse,
     layers far thinner than the others, and many layers whose transits suit no common step go to the spectral solver.
+    Theory: :eq:`wave-joint`.
 
     Parameters
     ----------

@@ -57,6 +57,8 @@ class LossFit(NamedTuple):
 class Layer:
     """A prismatic part of a stack.
 
+    Theory: :eq:`wave-force`.
+
     Parameters
     ----------
     name : str

@@ -74,13 +74,7 @@ def line_chart(
     return {**options, "series": series}
 
 
-def train_chart(
-    title: str,
-    unit: str,
-    bars: Sequence[Sequence[Any]],
-    band: Sequence[float] | None,
-    beside: Sequence[Sequence[Any]] = (),
-) -> dict[str, Any]:
+def train_chart(title: str, unit: str, bars: Sequence[Sequence[Any]], band: Sequence[float] | None) -> dict[str, Any]:
     """Return the peaks of a train of blows as bars, coloured by their kinds, before the band of the later ones.
 
     Examples
@@ -108,19 +102,31 @@ def train_chart(
             "label": {"color": SOFT, "fontSize": 10, "position": "insideTop"},
         }
     series = [drawn]
-    if beside:
-        series.append(
-            {
-                "name": "kept beside",
-                "type": "bar",
-                "barMaxWidth": 26,
-                "itemStyle": {"color": "#c9ced3"},
-                "data": [peak for _, peak, _ in beside],
-            }
-        )
     if len(kinds) > 1 or kinds not in ([], ["full"]):
         options["title"]["text"] = f"{title}: {', '.join(kinds)}"
     return {**options, "series": series}
+
+
+def with_beside(options: dict[str, Any], beside: dict[str, Any]) -> dict[str, Any]:
+    """Return a diagram with what another one of its kind shows, in grey behind it.
+
+    Examples
+    --------
+    >>> one, other = (line_chart("F", "t", "F", [ChartLine("now", [[0.0, y]])]) for y in (1.0, 2.0))
+    >>> [series["name"] for series in with_beside(one, other)["series"]]
+    ['now', 'kept beside']
+    """
+    if not beside["series"] or options["series"][0]["type"] == "heatmap":
+        return options
+    grey: dict[str, Any] = {"name": "kept beside", "itemStyle": {"color": "#b6bcc2"}}
+    if beside["series"][0]["type"] == "line":
+        grey |= {"showSymbol": False, "lineStyle": {"width": 1.6, "color": GREY, "type": "dashed"}, "data": []}
+        grey["data"] = beside["series"][0]["data"]
+    else:
+        grey["data"] = [bar["value"] for bar in beside["series"][0]["data"]]
+    kept = {key: value for key, value in beside["series"][0].items() if key in ("type", "barMaxWidth")}
+    series = [*options["series"], {**kept, **grey}]
+    return {**options, "series": series, "legend": _legend([str(one["name"]) for one in series])}
 
 
 def bar_chart(title: str, names: Sequence[str], values: Sequence[float], x: str) -> dict[str, Any]:
@@ -152,6 +158,7 @@ def heat_chart(
     options = _frame(title, x, y, "category", "category")
     options["xAxis"]["data"], options["yAxis"]["data"] = list(times), list(places)
     options["grid"] |= {"right": 84}
+    options["yAxis"]["axisLabel"] = {**options["yAxis"]["axisLabel"], "interval": max(len(places) // 6 - 1, 0)}
     options["visualMap"] = {
         "min": -largest,
         "max": largest,
@@ -164,7 +171,10 @@ def heat_chart(
         "textStyle": {"color": SOFT, "fontSize": 10},
         "itemHeight": 110,
     }
-    return {**options, "series": [{"type": "heatmap", "data": cells, "progressive": 0}]}
+    return {
+        **options,
+        "series": [{"type": "heatmap", "data": cells, "progressive": 0, "progressiveThreshold": len(cells) + 1}],
+    }
 
 
 def _legend(names: Sequence[str]) -> dict[str, Any]:
@@ -203,7 +213,6 @@ def _frame(title: str, x: str, y: str, x_kind: str, y_kind: str) -> dict[str, An
             "type": x_kind,
             "name": x,
             "nameGap": 26,
-            **({"min": "dataMin"} if x_kind != "category" else {}),
             "splitLine": {"show": False},
             "scale": True,
         },

@@ -7,14 +7,19 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
+from fastapi import Request, Response
+from fastapi.responses import FileResponse
 from nicegui import app, background_tasks, context, ui
 
 from strikewave.base.errors import StrikewaveError
 from strikewave.web import jobs
 from strikewave.web.jobs import PATIENCE, Lookers, PageJob, Say
-from strikewave.web.sessions import Session, Sessions
+from strikewave.web.sessions import Session, Sessions, clean_name
 
 VIEW = "strikewave.web.machine_view"
+KEPT_POLICY = (
+    "sandbox allow-scripts; default-src 'none'; script-src 'unsafe-inline'; style-src 'unsafe-inline'; img-src data:"
+)
 SWEEP = 600.0
 """Time between two looks for sessions to end, s."""
 
@@ -109,6 +114,14 @@ def make_desk(folder: Path | None) -> Desk:
     def end() -> None:
         desk.lookers.end()
         desk.sessions.end()
+
+    @app.get("/kept/{name}")
+    def kept(name: str, request: Request) -> Response:
+        """Give a page of the session that asks, which may run its own scripts and reach nothing else."""
+        place = desk.sessions.of(str(request.session.get("id", ""))).place("pages") / clean_name(name)
+        if not place.is_file():
+            return Response("no such page", 404, media_type="text/plain")
+        return FileResponse(place, headers={"content-security-policy": KEPT_POLICY})
 
     app.on_startup(begin)
     app.on_shutdown(end)

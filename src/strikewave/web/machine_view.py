@@ -3,11 +3,8 @@
 from __future__ import annotations
 
 import dataclasses
-import functools
 import io
-import tempfile
 from collections.abc import Mapping, Sequence
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -20,14 +17,14 @@ from strikewave.analyses.machine.result import SHOWN_WIDTHS, Solution, blow_hist
 from strikewave.analyses.machine.run import run_case
 from strikewave.base.compiled import is_cold
 from strikewave.base.result import Band
-from strikewave.cases.case import bundled_cases, dump_case, load_case
 from strikewave.machines.blows import Blow
-from strikewave.reporting.curves import thin
 from strikewave.reporting.numbers import axis_unit, time_unit, with_band
 from strikewave.reporting.parts import NONE
 from strikewave.web.case_loading import loaded
 from strikewave.web.case_state import CaseSource
-from strikewave.web.fields import edited_fields
+from strikewave.web.case_view import by_full_run, result_file, told
+from strikewave.web.charts import ChartLine, line_chart, train_chart
+from strikewave.web.curves import points
 from strikewave.web.jobs import Say
 
 FIGURES = (
@@ -38,41 +35,10 @@ FIGURES = (
     ("interval", "interval of the blows", "s", "ms", 4),
 )
 """The key numbers: name, words, SI unit, unit shown, digits."""
-KINDS = ("full", "double", "glancing", "missed")
+PUBLISHED = ("quantity", "origin", "difference", "role")
+NOTHING = "No striker touches the object: more engagement, or another arrival of the feed."
 MOST_IMPORTANT = 6
 """Fields with a slider: as many as a screen shows beside the pictures."""
-CURVE_COLUMNS = 300
-"""Columns of pixels of a curve on a page."""
-
-
-def opened(source: CaseSource) -> dict[str, Any]:
-    """Return what a page needs to be built: the built-in cases with their titles, and the fields of this one."""
-    plain = loaded(source._replace(changes=()))
-    plain.impact()
-    return {"titles": titles(), "fields": edited_fields(plain), "values": values(source)}
-
-
-@functools.lru_cache(maxsize=1)
-def titles() -> dict[str, str]:
-    """Return the built-in cases of machines with their titles.
-
-    Examples
-    --------
-    >>> "li-ma-2019" in titles()
-    True
-    """
-    cases = {name: load_case(name) for name in bundled_cases()}
-    return {name: f"{name}: {case.title}" for name, case in cases.items() if case.command == "run"}
-
-
-def values(source: CaseSource) -> dict[str, float]:
-    """Return every quantity of a case, SI, by path: what a change would make of it."""
-    return {path: value.si for path, value in loaded(source).values().items()}
-
-
-def saved(source: CaseSource) -> str:
-    """Return a case as a file, which gives the same numbers."""
-    return dump_case(loaded(source))
 
 
 def warm_kernels(say: Say) -> None:
@@ -88,14 +54,12 @@ def look(source: CaseSource) -> dict[str, Any]:
     seen = quick_look(loaded(source))
     left_out = "; bodies only, without the waves of the stack" if seen.bodies_only else ""
     by = ("the fast engine" if seen.fast else "a full run of its bodies") + left_out
-    heads, rows = blow_rows(seen.blows, {})
     return {
         "by": by,
         "figures": shown_figures(figures_of(seen.blows), {}),
-        "pulse": pulse(seen.since, seen.force, seen.acceleration),
-        "train": train(seen.blows, {}),
-        "heads": heads,
-        "rows": rows,
+        "charts": [*pulse_charts(seen.since, seen.force, seen.acceleration), train(seen.blows, {})],
+        "tables": [blow_rows(seen.blows, {})],
+        "nothing": NOTHING,
     }
 
 
@@ -113,20 +77,20 @@ def full(source: CaseSource, say: Say | None = None) -> dict[str, Any]:
             say(share, word)
 
     solution = run_case(loaded(source), progress, band=True)
-    heads, rows = blow_rows(solution.blows, solution.band)
     place = next((k for k, blow in enumerate(solution.blows) if blow.kind != "missed"), None)
+    published = compared(solution)
     return {
-        "by": f"a full run; every check {'passed' if not solution.broken else 'but those below passed'}",
+        "by": by_full_run(solution),
         "figures": shown_figures(solution.figures, solution.band),
-        "pulse": pulse(*_first_pulse(solution, place)),
-        "train": train(solution.blows, solution.band),
-        "heads": heads,
-        "rows": rows,
-        "notices": [(one.severity, one.code, one.message) for one in solution.notices],
-        "balance": [(name.replace("_", " "), f"{value:.1e}") for name, value in solution.balance.items()],
-        "compared": compared(solution),
+        "charts": [*pulse_charts(*_first_pulse(solution, place)), train(solution.blows, solution.band)],
+        "tables": [
+            blow_rows(solution.blows, solution.band),
+            *([("Compared with published values", PUBLISHED, published, (0, 1, 3))] if published else []),
+        ],
+        "nothing": NOTHING,
+        **told(solution, solution.balance),
         "important": important(solution.band),
-        "csv": solution.tables()["blows.csv"],
+        "texts": {"blows.csv": solution.tables()["blows.csv"]},
     }
 
 
@@ -134,20 +98,7 @@ def files(source: CaseSource, wanted: str, say: Say | None = None) -> bytes:
     """Return a file of a full run: ``report.html``, ``report.pdf`` or ``solution.nc``."""
     case = loaded(source)
     solution = run_case(case, None if say is None else lambda share: say(share, "the run"), band=True)
-    with tempfile.TemporaryDirectory() as folder:
-        place = Path(folder) / wanted
-        if wanted == "solution.nc":
-            solution.save(place)
-            return place.read_bytes()
-        if say is not None:
-            say(None, "the report")
-        page = solution.report(Path(folder) / "report.html").read_text("utf-8")
-    if wanted != "report.pdf":
-        return page.encode()
-    from strikewave.reporting.pdf import check_pdf, pdf_of
-
-    check_pdf("report.pdf", "PDF")
-    return pdf_of(page, "A4")
+    return result_file(solution, wanted)
 
 
 def drawings(source: CaseSource) -> list[tuple[bytes, str]]:
@@ -172,44 +123,40 @@ def _first_pulse(solution: Solution, place: int | None) -> tuple[Any, Any, Any]:
     return time[kept], force[kept], acceleration[kept]
 
 
-def pulse(since: Any, force: Any, acceleration: Any) -> dict[str, Any]:
-    """Return the first pulse in the units shown, with as many samples as a page shows."""
-    (second, time_name), (newton, force_name) = (
-        time_unit(float(np.ptp(since)) if since.size else 0.0),
-        axis_unit("N", "kN"),
-    )
-    size, name = axis_unit("m/s^2", "g")
-    return {
-        "time": f"time after first touch ({time_name})",
-        "force": (f"contact force ({force_name})", _points(since / second, force / newton)),
-        "acceleration": (f"rigid-body acceleration ({name})", _points(since / second, acceleration / size)),
-    }
-
-
-def _points(x: Any, y: Any) -> list[list[float]]:
-    kept = np.isfinite(y)
-    x, y = thin(x[kept], y[kept], CURVE_COLUMNS)
-    return np.round(np.column_stack([x, y]), 4).tolist()
+def pulse_charts(since: Any, force: Any, acceleration: Any) -> list[dict[str, Any]]:
+    """Return diagrams of contact force and rigid-body acceleration of the first blow, in the units shown."""
+    second, time_name = time_unit(float(np.ptp(since)) if since.size else 0.0)
+    x = f"time after first touch ({time_name})"
+    charts = []
+    for title, values, si, usual in (
+        ("Contact force", force, "N", "kN"),
+        ("Rigid-body acceleration", acceleration, "m/s^2", "g"),
+    ):
+        size, name = axis_unit(si, usual)
+        lines = [ChartLine("now", points(since / second, values / size))]
+        charts.append(line_chart(f"{title}, first blow", x, f"{title.lower()} ({name})", lines))
+    return charts
 
 
 def train(found: Sequence[Any], bands: Mapping[str, Band]) -> dict[str, Any]:
-    """Return the peaks of all blows, and the band of the later ones, in the units shown."""
+    """Return a diagram of the peaks of all blows, with the band of the later ones."""
     size, name = axis_unit("m/s^2", "g")
     band = bands.get("typical.rigid_peak")
-    return {
-        "unit": name,
-        "bars": [[b.index, round(b.rigid_peak / size, 2) if b.kind != "missed" else 0.0, b.kind] for b in found],
-        "band": None if band is None else [band.low / size, band.high / size],
-    }
+    bars = [[b.index, round(b.rigid_peak / size, 2) if b.kind != "missed" else 0.0, b.kind] for b in found]
+    ends = None if band is None else [band.low / size, band.high / size]
+    return train_chart("Train of blows", name, bars, ends)
 
 
-def blow_rows(found: Sequence[Any], bands: Mapping[str, Band]) -> tuple[list[str], list[list[str]]]:
-    """Return heads and rows of the table of blows; a first look has fewer columns."""
+def blow_rows(
+    found: Sequence[Any], bands: Mapping[str, Band]
+) -> tuple[str, list[str], list[list[str]], tuple[int, ...]]:
+    """Return the table of blows; that of a first look has fewer columns."""
     columns = blow_columns("blows", bands)
     if found and not isinstance(found[0], Blow):
         there = {one.name for one in dataclasses.fields(found[0])}
         columns = tuple(c for c in columns if c.si == "" or _field(c.name) in there)
-    return [column.head for column in columns], [[column.text(blow) for column in columns] for blow in found]
+    rows = [[column.text(blow) for column in columns] for blow in found]
+    return "Blows", [column.head for column in columns], rows, ()
 
 
 def _field(name: str) -> str:

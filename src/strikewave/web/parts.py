@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import base64
+import hashlib
 import html
 from collections.abc import Awaitable, Callable, Iterator, Sequence
 from contextlib import contextmanager
@@ -14,9 +15,14 @@ from nicegui import ui
 from strikewave.base.errors import StrikewaveError
 from strikewave.reporting.style import BLUE, ORANGE
 from strikewave.web.guard import LARGEST_UPLOAD
+from strikewave.web.sessions import Session
 
 PAGES = {
     "/": "Machine",
+    "/target": "Target",
+    "/record": "Record",
+    "/study": "Fit and study",
+    "/elements": "Elements",
 }
 """Address and name of each page."""
 MOST_ROWS = 60
@@ -112,6 +118,32 @@ def refusal(message: str) -> None:
     """Show why something was not done, line by line."""
     with ui.element("div").classes("sw-notice error").props('role="alert"'):
         ui.html(f"<b>refused.</b> {html.escape(message)}", sanitize=False)
+
+
+def tables(listed: Sequence[tuple[str, Sequence[str], Sequence[Sequence[str]], Sequence[int]]]) -> None:
+    """Show tables, each in a box: title, heads, rows, and which columns are words."""
+    for title, heads, rows, words in listed:
+        with box(title):
+            table(title, heads, rows, words)
+
+
+def checks(balance: Sequence[Sequence[str]], found: Sequence[Sequence[str]]) -> None:
+    """Show the errors of balances, and what the user should know."""
+    if not balance and not found:
+        return
+    with box("Checks and warnings"):
+        if balance:
+            listed = "; ".join(f"{name} {value}" for name, value in balance)
+            ui.label(f"balances: {listed} (a run that is off by 1e-6 fails)").classes("sw-soft")
+        notices(found)
+
+
+def kept_page(session: Session, name: str, page: str, title: str) -> None:
+    """Show a whole page within this one: it is kept among the files of the session, and runs apart from all else."""
+    session.keep(name, page.encode(), "pages")
+    mark = hashlib.sha256(page.encode()).hexdigest()[:12]
+    words = f'class="sw-frame" title="{html.escape(title)}" sandbox="allow-scripts" src="/kept/{name}?{mark}"'
+    ui.html(f"<iframe {words}></iframe>", sanitize=False).style("width:100%")
 
 
 def code(label: str, text: str) -> None:

@@ -2,3 +2,4 @@
 
 from strikewave.analyses.machine import drawn as drawn
 from strikewave.web import machine_view as machine_view
+from strikewave.web import target_view as target_view

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import errno
 import ipaddress
 import secrets
 import socket
@@ -17,7 +18,8 @@ from nicegui import ui
 
 from strikewave.base.errors import InputError
 from strikewave.reporting.terminal import say
-from strikewave.web import machine_page
+from strikewave.web import case_page, record_page, study_page
+from strikewave.web.case_kinds import KINDS
 from strikewave.web.desk import make_desk
 from strikewave.web.guard import Guard
 
@@ -50,7 +52,10 @@ def is_loopback(host: str) -> bool:
 def make_app(folder: Path | None, token: str = "") -> Guard:
     """Return the app, guarded."""
     desk = make_desk(folder)
-    machine_page.add(desk)
+    for kind in KINDS:
+        case_page.add(desk, kind)
+    record_page.add(desk)
+    study_page.add(desk)
     server = FastAPI(openapi_url=None, docs_url=None, redoc_url=None)
     ui.run_with(
         server,
@@ -120,6 +125,8 @@ def _listen(host: str, port: int) -> socket.socket:
         listening.bind(place)
     except OSError as error:
         listening.close()
+        if error.errno == errno.EADDRNOTAVAIL:
+            raise InputError("--host", host, "an address of this machine", error.strerror or "") from None
         hint = "another program has this port: choose another by --port, or 0 for any that is free"
         raise InputError("--port", str(port), "a free port of this machine", f"{error.strerror}; {hint}") from None
     return listening

@@ -225,9 +225,9 @@ def test_a_folder_of_something_else_and_a_damaged_index_are_refused(strikewave):
 
 
 def test_compiling_is_told_as_by_other_commands(strikewave, monkeypatch):
-    def compiles_first(*rest):
+    def compiles_first(*rest, **named):
         numba.njit(lambda x: x + 1.0)(2.0)
-        return make_map(*rest)
+        return make_map(*rest, **named)
 
     monkeypatch.setattr("strikewave.studies.map.screen.make_map", compiles_first)
     _, _, err = strikewave(*FEW, "--json")

@@ -138,9 +138,9 @@ def test_changed_case_gets_a_folder_of_its_own(strikewave):
 def test_no_more_processes_than_cores(strikewave, monkeypatch):
     asked = []
 
-    def note(case, plan, report, store):
+    def note(case, plan, report, store, pool):
         asked.append(plan.workers)
-        return scatter(case, ScatterPlan(plan.runs, plan.seed, plan.shares), report, store)
+        return scatter(case, ScatterPlan(plan.runs, plan.seed, plan.shares), report, store, pool)
 
     monkeypatch.setattr("os.cpu_count", lambda: 3)
     monkeypatch.setattr("strikewave.studies.scatter.screen.scatter", note)

@@ -7,7 +7,7 @@ from typing import Annotated, Literal
 
 import typer
 
-from strikewave.reporting.options import CaseName, Changes, Output, Processes, Size, grid_size, one_of, share
+from strikewave.reporting.options import CaseName, Changes, Cluster, Output, Processes, Size, grid_size, one_of, share
 from strikewave.studies.map.defaults import EQUAL, POINTS, TRAIN, X, Y
 
 SIZE = Size(*POINTS)
@@ -71,6 +71,7 @@ def command(
         float, share("--want-cv", help="Largest coefficient of variation of equal blows; 2 % by default.")
     ] = EQUAL,
     workers: Processes = 2,
+    cluster: Cluster = None,
     fresh: Annotated[bool, typer.Option("--fresh", help="Run the finished cells of a stopped map again.")] = False,
     changes: Changes = None,
     output: Output,
@@ -82,6 +83,7 @@ def command(
     where there is none. With --json, no files are written unless --out is given.
     """
     from strikewave.cases.case import load_case
+    from strikewave.studies.engine.chosen_pool import pool_of
     from strikewave.studies.map.question import axes_of
     from strikewave.studies.map.screen import MapCommand, run_map
     from strikewave.studies.map.study import check_plan, plan_of
@@ -89,5 +91,6 @@ def command(
     loaded = output.tested(load_case(case, changes or ()))
     plan = plan_of(loaded, axes_of(loaded, (x, y, panels), points, log or []), blows, train)
     count = min(workers, os.cpu_count() or 1)
-    making = MapCommand(plan, want_cv, count, check_plan(plan, count), colour, fresh=fresh)
+    seconds = check_plan(plan, count)
+    making = MapCommand(plan, want_cv, pool_of(None, count, cluster), seconds, colour, fresh=fresh)
     return run_map(plan, loaded.name, changes or (), making, output)

@@ -12,6 +12,7 @@ from strikewave.reporting.measured_files import asked
 from strikewave.reporting.options import Output
 from strikewave.reporting.run_and_write import case_folder, run_and_write
 from strikewave.reporting.terminal import print_rows, progress_bar, say, table, tell
+from strikewave.studies.engine.pools import Pool
 from strikewave.studies.engine.runner import StudyProgress, finished_before
 from strikewave.studies.engine.store import RunStore
 from strikewave.studies.map.cells import MapPlan
@@ -42,8 +43,8 @@ class MapCommand(ResumableCommand[MapStudy]):
         What is mapped.
     wanted : float
         Coefficient of variation below which blows count as even.
-    workers : int
-        Processes.
+    pool : Pool
+        Who runs it.
     seconds : float
         About how long it takes.
     colour : str
@@ -52,7 +53,7 @@ class MapCommand(ResumableCommand[MapStudy]):
 
     plan: MapPlan
     wanted: float
-    workers: int
+    pool: Pool
     seconds: float
     colour: str
 
@@ -69,7 +70,7 @@ class MapCommand(ResumableCommand[MapStudy]):
 
         try:
             with progress_bar("map", done / len(rows), ("left",)) as report:
-                study = make_map(self.plan, self.wanted, self.workers, store, advance)
+                study = make_map(self.plan, self.wanted, store=store, progress=advance, pool=self.pool)
         except KeyboardInterrupt as stop:
             self.stopped(stop, store, f"{done} of {len(rows)} cells" if done else "")
         return dataclasses.replace(study, asked=asked())

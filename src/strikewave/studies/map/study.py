@@ -25,7 +25,7 @@ from strikewave.reporting.numbers import percent
 from strikewave.reporting.shown_result import ShownResult
 from strikewave.studies.accuracy import RUN_TOLERANCE
 from strikewave.studies.axes import HALF_TO_TWICE, Axis, case_at
-from strikewave.studies.engine.pools import ProcessPool
+from strikewave.studies.engine.pools import Pool, ProcessPool
 from strikewave.studies.engine.runner import StudyProgress, carry_out
 from strikewave.studies.engine.store import RunStore
 from strikewave.studies.map.cells import (
@@ -374,6 +374,7 @@ def make_map(
     workers: int = 1,
     store: RunStore | None = None,
     progress: Callable[[StudyProgress], None] | None = None,
+    pool: Pool | None = None,
 ) -> MapStudy:
     """Make a map: every cell run fast, and the nearest even setting tried in full.
 
@@ -389,6 +390,8 @@ def make_map(
         Finished cells; what it holds is not run again.
     progress : callable, optional
         Called as cells come back.
+    pool : Pool, optional
+        Who runs them instead, and is ended here.
 
     Raises
     ------
@@ -402,8 +405,8 @@ def make_map(
     machine_of(case)
     present = dict(zip(FIELDS, cell_of(case, plan.blows, plan.train).tolist(), strict=True))
     with contextlib.nullcontext(store) if store is not None else RunStore(None) as kept:
-        with ProcessPool(workers) as pool:
-            finished = carry_out(plan.job, plan.rows, kept, pool, progress)
+        with ProcessPool(workers) if pool is None else pool as ready:
+            finished = carry_out(plan.job, plan.rows, kept, ready, progress)
         cells, _, _ = kept.table(tuple(FIELDS), finished.keys)
     study = MapStudy(plan, cells.reshape(*plan.shape, len(FIELDS)), wanted, present)
     setting, refused = confirmed(study)

@@ -9,7 +9,7 @@ from typing import Annotated, Literal
 
 import typer
 
-from strikewave.reporting.options import CaseName, Changes, Output
+from strikewave.reporting.options import CaseName, Changes, Cluster, Output
 
 
 def command(
@@ -26,6 +26,7 @@ def command(
         ),
     ] = "alone",
     workers: Annotated[int, typer.Option("--workers", metavar="COUNT", help="Processes, one a core at most.")] = 2,
+    cluster: Cluster = None,
     store: Annotated[
         Path | None,
         typer.Option(
@@ -46,6 +47,7 @@ def command(
     is continued by the same command. With --json, no files are written unless --out is given.
     """
     from strikewave.cases.case import load_case
+    from strikewave.studies.engine.chosen_pool import pool_of
     from strikewave.studies.scatter.screen import ScatterCommand, run_scatter
     from strikewave.studies.scatter.study import ScatterPlan
 
@@ -53,4 +55,5 @@ def command(
     plan.check()
     plan = dataclasses.replace(plan, workers=min(workers, os.cpu_count() or 1))
     loaded = output.tested(load_case(case, changes or ()))
-    return run_scatter(ScatterCommand(loaded, plan, place=store, fresh=fresh), changes or (), output)
+    pool = pool_of(None, plan.workers, cluster)
+    return run_scatter(ScatterCommand(loaded, plan, pool, place=store, fresh=fresh), changes or (), output)

@@ -14,6 +14,7 @@ from strikewave.reporting.numbers import with_unit
 from strikewave.reporting.options import Output
 from strikewave.reporting.run_and_write import case_folder, run_and_write
 from strikewave.reporting.terminal import print_rows, progress_bar, tell
+from strikewave.studies.engine.pools import Pool
 from strikewave.studies.engine.store import RunStore
 from strikewave.studies.resumable import ResumableCommand
 from strikewave.studies.scatter.columns import (
@@ -26,6 +27,7 @@ from strikewave.studies.scatter.columns import (
     within_rows,
 )
 from strikewave.studies.scatter.study import ScatterPlan, ScatterStudy, marked_text, scatter
+from strikewave.uncertainty.draws import tolerances_of
 from strikewave.uncertainty.shares import Shares
 
 FEWEST_FOR_LIMIT = 59
@@ -41,6 +43,8 @@ def run_scatter(command: ScatterCommand, changes: Sequence[str], output: Output)
         If the plan cannot be done, or the case has no tolerance.
     """
     case = command.case
+    case.rotary_tables()
+    tolerances_of(case)  # refused before a folder is made
     usual = f"scatter-{case_folder(case.name, dump_case(case), changes)}"
     return run_and_write(command, output, usual, marked_text(case, command.plan))
 
@@ -55,18 +59,21 @@ class ScatterCommand(ResumableCommand[ScatterStudy]):
         What is run.
     plan : ScatterPlan
         How many runs.
+    pool : Pool
+        Who runs them.
     """
 
     indent: ClassVar[int | None] = 2
 
     case: Case
     plan: ScatterPlan
+    pool: Pool
 
     def solved(self, store: RunStore) -> ScatterStudy:
         """Return the study, with a bar on stderr; where it is stopped, finished runs are kept, and said to be."""
         try:
             with progress_bar("runs", clocks=("elapsed", "left")) as report:
-                study = scatter(self.case, self.plan, report, store)
+                study = scatter(self.case, self.plan, report, store, self.pool)
         except KeyboardInterrupt as stop:
             count = len(store.known())
             self.stopped(stop, store, f"{count} runs" if count else "")

@@ -27,7 +27,7 @@ from strikewave.records.campaign import Statistic, statistic
 from strikewave.reporting.columns import Column, csv_table
 from strikewave.reporting.numbers import axis_unit, percent, with_unit
 from strikewave.reporting.shown_result import Curve, ShownResult
-from strikewave.studies.engine.pools import ProcessPool
+from strikewave.studies.engine.pools import Pool, ProcessPool
 from strikewave.studies.engine.store import RunStore
 from strikewave.studies.scatter.runs import FIGURES, Runner, RunResult, run_result
 from strikewave.uncertainty.draws import UncertainInput, drawn, drawn_case, nominal, quantiles, tolerances_of, unfelt
@@ -349,6 +349,7 @@ def scatter(
     plan: ScatterPlan | None = None,
     progress: Callable[[float], None] | None = None,
     store: RunStore | None = None,
+    pool: Pool | None = None,
 ) -> ScatterStudy:
     """Run a case many times within its tolerances.
 
@@ -364,6 +365,8 @@ def scatter(
         Called with the share done, 0 to 1.
     store : RunStore, optional
         Finished runs; what it holds is not run again.
+    pool : Pool, optional
+        Who runs the others instead, and is ended here.
 
     Raises
     ------
@@ -385,9 +388,9 @@ def scatter(
     advance = None if progress is None else (lambda done: progress((1 + done) / whole))
     with (
         contextlib.nullcontext(store) if store is not None else RunStore(None) as kept,
-        ProcessPool(plan.workers) as pool,
+        ProcessPool(plan.workers) if pool is None else pool as ready,
     ):
-        runner = Runner(case, tolerances, kept, pool, advance)
+        runner = Runner(case, tolerances, kept, ready, advance)
         runs = runner(numbers)
         sobol = ("saltelli-2010", "jansen-1999") if plan.shares == "sobol" else ()
         citations = ("vangel-1996", "wilks-1941", *sobol)

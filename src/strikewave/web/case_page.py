@@ -1,26 +1,26 @@
-"""The page of machines: settings on the left, what they do on the right, at once."""
+"""A page of one case: settings on the left, what they do on the right."""
 
 from __future__ import annotations
 
 import asyncio
 import functools
-from typing import Any
+from typing import Any, NamedTuple
 
 from nicegui import Client, background_tasks, ui
 from nicegui.events import GenericEventArguments
 from starlette.requests import Request
 
 from strikewave.base.errors import StrikewaveError
-from strikewave.reporting.style import BLUE, GREY
 from strikewave.web import parts
 from strikewave.web.case_state import CaseSource, CaseState, address
-from strikewave.web.charts import ChartLine, line_chart, train_chart
-from strikewave.web.desk import VIEW, Desk, started
+from strikewave.web.charts import line_chart, with_beside
+from strikewave.web.desk import Desk, started
 from strikewave.web.edited_field import EditedField
 from strikewave.web.jobs import CancelledError, PageJob
 from strikewave.web.sessions import Session, clean_name
 
-USUAL = "li-ma-2019"
+CASES = "strikewave.web.case_view"
+"""Module of what all kinds of cases have in common, which runs in processes."""
 REST = 0.6
 """Time without a change after which the full run begins, s: a hand that pauses on a slider pauses for less."""
 MOST_UNDONE = 100
@@ -31,36 +31,76 @@ _important: dict[str, list[str]] = {}
 MOST_REMEMBERED = 64
 
 
-def add(desk: Desk) -> None:
-    """Add the page to the app."""
+class CaseKind(NamedTuple):
+    """A kind of case that has a page.
 
-    @ui.page("/")
-    async def machine(request: Request, client: Client) -> None:
-        with parts.page_frame("/") as word:
+    Attributes
+    ----------
+    place : str
+        Address of the page.
+    usual : str
+        The case that is shown at first.
+    program, call : str
+        The command, and the function of Python, that give the same.
+    view : str
+        Module of its `full`, and its `look`, which run in processes.
+    charts : tuple of (str, bool)
+        What each diagram shows, and whether it is as wide as the page.
+    main : tuple of str
+        Fields with sliders until it is known which matter most.
+    files : tuple of (str, str, str)
+        What can be taken away beside the case: words, icon, name of the file.
+    quick : bool
+        Whether there is a first look.
+    waits : bool
+        Whether a run takes so long that it begins by a button alone.
+    drawn : bool
+        Whether there are drawings.
+    """
+
+    place: str
+    usual: str
+    program: str
+    call: str
+    view: str
+    charts: tuple[tuple[str, bool], ...]
+    main: tuple[str, ...]
+    files: tuple[tuple[str, str, str], ...]
+    quick: bool = False
+    waits: bool = False
+    drawn: bool = False
+
+
+def add(desk: Desk, kind: CaseKind) -> None:
+    """Add the page of a kind of case to the app."""
+
+    @ui.page(kind.place)
+    async def page(request: Request, client: Client) -> None:
+        with parts.page_frame(kind.place) as word:
             desk.show_word(word)
         try:
             session = desk.session()
             given = list(request.query_params.multi_items())
-            state, kept = CaseState.read(given, USUAL), CaseState.read(given, USUAL, BESIDE).changes
+            state, kept = CaseState.read(given, kind.usual), CaseState.read(given, kind.usual, BESIDE).changes
             with parts.waiting("getting ready"):
                 await client.connected()
                 if client.is_deleted:
                     return
-                opened = await desk.lookers.ask(f"{VIEW}:opened", state.source(session.folder))
+                opened = await desk.lookers.ask(f"{CASES}:opened", state.source(session.folder), kind.program)
         except StrikewaveError as error:
             parts.refusal(str(error))
             return
-        page = MachinePage(desk, session, state, opened)
-        page.beside_changes = dict(kept) if any(key == BESIDE for key, _ in given) else None
-        page.build()
-        page.begin()
+        shown = CasePage(desk, session, kind, state, opened)
+        shown.beside_changes = dict(kept) if any(key == BESIDE for key, _ in given) else None
+        shown.build()
+        shown.begin()
 
 
-class MachinePage:
+class CasePage:
     """One open page: its state, and what of it is shown."""
 
-    def __init__(self, desk: Desk, session: Session, state: CaseState, opened: dict[str, Any]) -> None:
-        self.desk, self.session, self.state = desk, session, state
+    def __init__(self, desk: Desk, session: Session, kind: CaseKind, state: CaseState, opened: dict[str, Any]) -> None:
+        self.desk, self.session, self.kind, self.state = desk, session, kind, state
         self.titles: dict[str, str] = opened["titles"]
         self.fields: dict[str, EditedField] = opened["fields"]
         self.values: dict[str, float] = opened["values"]
@@ -89,17 +129,16 @@ class MachinePage:
                 self.state_word = ui.label("").classes("sw-state").props('role="status"')
                 self.key = ui.element("div").style("width:100%")
                 self.refused = ui.element("div").style("width:100%")
-                with ui.element("div").classes("sw-charts"):
-                    self.force = parts.chart(line_chart("Contact force", "", "", []), "contact force of the first blow")
-                    label = "rigid-body acceleration of the first blow"
-                    self.acceleration = parts.chart(line_chart("Rigid-body acceleration", "", "", []), label)
-                    self.train = parts.chart(
-                        train_chart("Train of blows", "g", [], None), "peaks of all blows", wide=True
-                    )
+                self.drawn = ui.element("div").classes("sw-charts")
+                with self.drawn:
+                    empty = line_chart("", "", "", [])
+                    self.charts = [parts.chart(empty, label, wide=wide) for label, wide in self.kind.charts]
+                self.frame = ui.element("div").style("width:100%")
                 self.table = ui.element("div").style("width:100%")
                 self.more = ui.element("div").classes("sw-main")
                 self.take = ui.element("div").style("width:100%")
-                self.drawing = ui.expansion("Drawing of the machine", on_value_change=self._draw)
+                if self.kind.drawn:
+                    self.drawing = ui.expansion("Drawing of the machine", on_value_change=self._draw)
                 self.same = ui.element("div").classes("sw-main")
         ui.keyboard(self._key, ignore=["input", "select", "textarea"])
         self._fields()
@@ -119,6 +158,9 @@ class MachinePage:
             ).style("width:100%")
             parts.drop_zone("or drop a case file (.toml)", self._dropped, multiple=True)
             with ui.element("div").classes("sw-row").style("margin-top:.5rem"):
+                if self.kind.waits:
+                    ui.button("run", icon="play_arrow", on_click=self._full_soon).props("unelevated dense no-caps")
+                    ui.button("stop", icon="stop", on_click=self.stop).props("outline dense no-caps")
                 ui.button("undo", icon="undo", on_click=self.undo).props("flat dense no-caps").tooltip("Ctrl+Z")
                 ui.button("as the case", icon="restart_alt", on_click=self.reset).props("flat dense no-caps")
                 ui.button("keep beside", icon="compare", on_click=self.keep_beside).props("flat dense no-caps").tooltip(
@@ -130,8 +172,8 @@ class MachinePage:
         self.side.clear()
         self.sliders, self.inputs = {}, {}
         important = [path for path in _important.get(self._key_of_case(), []) if path in self.fields]
-        usual = [p for p in ("machine.speed", "machine.height", "machine.engagement", "striker.mass", "object.mass",
-                             "object.frame_stiffness", "contact.restitution") if p in self.fields]  # fmt: skip
+        usual = [path for path in self.kind.main if path in self.fields]
+        usual = usual or [path for path in self.fields if path.endswith((".length", ".velocity"))][:6]
         first = important or usual
         with self.side:
             with parts.box("What matters most" if important else "Main settings"):
@@ -170,13 +212,9 @@ class MachinePage:
 
     def _buttons(self) -> None:
         with self.take, parts.box("Take away"), ui.element("div").classes("sw-row"):
-            for name, icon, press in (
-                ("case (.toml)", "description", self._save_case),
-                ("blows (.csv)", "table_chart", self._save_csv),
-                ("report (.html)", "article", functools.partial(self._save_file, "report.html")),
-                ("report (.pdf)", "picture_as_pdf", functools.partial(self._save_file, "report.pdf")),
-                ("histories (.nc)", "data_array", functools.partial(self._save_file, "solution.nc")),
-            ):
+            ui.button("case (.toml)", icon="description", on_click=self._save_case).props("outline dense no-caps")
+            for name, icon, file in self.kind.files:
+                press = functools.partial(self._save_file, file)
                 ui.button(name, icon=icon, on_click=press).props("outline dense no-caps")
 
     def _same(self) -> None:
@@ -185,8 +223,9 @@ class MachinePage:
         with self.same, parts.box("The same without this page"):
             if self.state.text:
                 ui.label(f"save the case as {self.state.file} first").classes("sw-soft")
-            parts.code("command line", self.state.command())
-            parts.code("Python", self.state.python(more=", band=True"))
+            parts.code("command line", self.state.command(self.kind.program))
+            more = ", band=True" if self.kind.quick else ""
+            parts.code("Python", self.state.python(self.kind.call, more))
 
     # what the user does
 
@@ -214,11 +253,11 @@ class MachinePage:
     async def _show_other(self, state: CaseState) -> None:
         """Show another case, on a page of its own address; one that is refused leaves this page as it is."""
         try:
-            await self.desk.lookers.ask(f"{VIEW}:opened", self._source(state))
+            await self.desk.lookers.ask(f"{CASES}:opened", self._source(state), self.kind.program)
         except StrikewaveError as error:
             ui.notify(f"refused: {error}"[:400], type="warning", multi_line=True, close_button="close", timeout=15000)
             return
-        ui.navigate.to(address("/", state.query()))
+        ui.navigate.to(address(self.kind.place, state.query()))
 
     def _slide(self, path: str, event: GenericEventArguments) -> None:
         one = self.fields[path]
@@ -235,7 +274,7 @@ class MachinePage:
             return
         new = self.state.without(path) if typed == self.fields[path].typed else self.state.changed(path, typed)
         try:
-            self.values = await self.desk.lookers.ask(f"{VIEW}:values", self._source(new))
+            self.values = await self.desk.lookers.ask(f"{CASES}:values", self._source(new))
         except StrikewaveError as error:
             ui.notify(f"refused: {error}"[:300], type="warning", multi_line=True, close_button="close", timeout=12000)
             self.inputs[path].value = before
@@ -265,7 +304,7 @@ class MachinePage:
 
     async def _restore(self, state: CaseState) -> None:
         self.state = state
-        self.values = await self.desk.lookers.ask(f"{VIEW}:values", self._source(state))
+        self.values = await self.desk.lookers.ask(f"{CASES}:values", self._source(state))
         for path, box in self.inputs.items():
             box.value = state.changes.get(path, self.fields[path].typed)
         for path, moved in self.sliders.items():
@@ -290,16 +329,23 @@ class MachinePage:
 
     def begin(self) -> None:
         """Show the first look, then the full run."""
-        self.change(self.state)
-        self._rested()
+        if not self.kind.waits:
+            self.change(self.state)
+        else:
+            self.drawn.set_visibility(False)
+            self._say("nothing is run yet: press run")
 
     def change(self, state: CaseState) -> None:
         """Show another state by a first look; where one is under way, the last state is looked at after it."""
         self.state = state
         if self._job is not None:
             self._job.cancel()
+        if self.kind.waits:
+            self._link()
+            self._say("changed: press run")
+            return
         self._again = True
-        if not self._looking:
+        if self.kind.quick and not self._looking:
             background_tasks.create(self._look(), name="look")
         self._rested()
 
@@ -312,8 +358,8 @@ class MachinePage:
                 try:
                     if self.beside_changes is not None and self.beside is None:
                         kept = CaseState(self.state.name, self.state.text, self.beside_changes)
-                        self.beside = await self.desk.lookers.ask(f"{VIEW}:look", self._source(kept))
-                    view = await self.desk.lookers.ask(f"{VIEW}:look", source)
+                        self.beside = await self.desk.lookers.ask(f"{self.kind.view}:look", self._source(kept))
+                    view = await self.desk.lookers.ask(f"{self.kind.view}:look", source)
                 except StrikewaveError as error:
                     self._refuse(str(error))
                     continue
@@ -325,6 +371,8 @@ class MachinePage:
 
     def _rested(self) -> None:
         """Begin the full run once nothing has been changed for a moment."""
+        if self.kind.waits:
+            return
         if self._rest is not None:
             self._rest.cancel()
         self._rest = asyncio.get_running_loop().call_later(REST, self._full_soon)
@@ -334,7 +382,7 @@ class MachinePage:
         background_tasks.create(self._full(), name="full run")
 
     async def _full(self) -> None:
-        state, job = self.state, PageJob(f"{VIEW}:full", self._source())
+        state, job = self.state, PageJob(f"{self.kind.view}:full", self._source())
         if self._job is not None:
             self._job.cancel()
         self._job = job
@@ -360,12 +408,20 @@ class MachinePage:
             return
         self.view = view
         self._say(f"shown: {view['by']}")
-        if self._key_of_case() not in _important and view["important"]:
+        if self._key_of_case() not in _important and view.get("important"):
             if len(_important) >= MOST_REMEMBERED:
                 _important.pop(next(iter(_important)))
             _important[self._key_of_case()] = view["important"]
             self._fields()
         self.show()
+
+    def stop(self) -> None:
+        """Stop the run that is under way."""
+        if self._job is None:
+            ui.notify("nothing is under way")
+        else:
+            self._job.cancel()
+            self._say("stopped")
 
     def _key_of_case(self) -> str:
         return self.state.text or self.state.name
@@ -376,7 +432,7 @@ class MachinePage:
         if self.beside_changes is not None:
             query += [(BESIDE, f"{path}={value}") for path, value in self.beside_changes.items()] or [(BESIDE, "")]
         with self.same:
-            ui.navigate.history.replace(address("/", query))
+            ui.navigate.history.replace(address(self.kind.place, query))
         self._same()
 
     def _say(self, text: str) -> None:
@@ -394,20 +450,10 @@ class MachinePage:
         if not view:
             return
         self.refused.clear()
-        for name, drawn, title in (
-            ("force", self.force, "Contact force, first blow"),
-            ("acceleration", self.acceleration, "Rigid-body acceleration, first blow"),
-        ):
-            y, points = view["pulse"][name]
-            lines = [ChartLine("now", points, BLUE)]
-            if beside:
-                lines.append(ChartLine("kept beside", beside["pulse"][name][1], GREY, "dashed"))
-            parts.replace_options(drawn, line_chart(title, view["pulse"]["time"], y, lines))
-        train = view["train"]
-        kept = beside["train"]["bars"] if beside else ()
-        parts.replace_options(
-            self.train, train_chart("Train of blows", train["unit"], train["bars"], train["band"], kept)
-        )
+        self.drawn.set_visibility(True)
+        for place, drawn in enumerate(self.charts):
+            options = view["charts"][place]
+            parts.replace_options(drawn, with_beside(options, beside["charts"][place]) if beside else options)
         self.key.clear()
         with self.key:
             if beside:
@@ -420,36 +466,30 @@ class MachinePage:
                 ui.label("No striker touches the object: more engagement, or another arrival of the feed.").classes(
                     "sw-empty"
                 )
+        self.frame.clear()
+        if view.get("page"):
+            with self.frame:
+                parts.kept_page(self.session, "animation.html", view["page"], "the run in motion")
         self.table.clear()
-        with self.table, parts.box("Blows"):
-            parts.table("blows", view["heads"], view["rows"])
+        with self.table:
+            parts.tables(view["tables"])
         self.more.clear()
         with self.more:
-            if view.get("notices") or view.get("balance"):
-                with parts.box("Checks and warnings"):
-                    balance = "; ".join(f"{name} {value}" for name, value in view["balance"])
-                    ui.label(f"balances: {balance} (a run that is off by 1e-6 fails)").classes("sw-soft")
-                    parts.notices(view["notices"])
-            if view.get("compared"):
-                with parts.box("Compared with published values"):
-                    parts.table("published", ["quantity", "origin", "difference", "role"], view["compared"], (0, 1, 3))
+            parts.checks(view.get("balance", ()), view.get("notices", ()))
 
     # what is taken away
 
     async def _save_case(self) -> None:
-        text = await parts.tried(lambda: self.desk.lookers.ask(f"{VIEW}:saved", self._source()))
+        text = await parts.tried(lambda: self.desk.lookers.ask(f"{CASES}:saved", self._source()))
         if text is not None:
             ui.download.content(text, f"{clean_name(self.state.name)}.toml")
 
-    def _save_csv(self) -> None:
-        if "csv" in self.view:
-            ui.download.content(self.view["csv"], "blows.csv")
-        else:
-            ui.notify("the full run is under way: a moment")
-
     async def _save_file(self, wanted: str) -> None:
+        if wanted in self.view.get("texts", {}):
+            ui.download.content(self.view["texts"][wanted], wanted)
+            return
         note = ui.notification(f"making {wanted}", spinner=True, timeout=None)
-        job = PageJob(f"{VIEW}:files", self._source(), wanted)
+        job = PageJob(f"{self.kind.view}:files", self._source(), wanted)
         content = await parts.tried(lambda: started(self.session, job))
         note.dismiss()
         if content is not None:
@@ -461,7 +501,7 @@ class MachinePage:
         self.drawing.clear()
         with self.drawing:
             ui.spinner()
-        job = PageJob(f"{VIEW}:drawings", self._source())
+        job = PageJob(f"{self.kind.view}:drawings", self._source())
         pictures = await parts.tried(lambda: started(self.session, job))
         self.drawing.clear()
         with self.drawing:

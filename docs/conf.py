@@ -1,0 +1,50 @@
+"""The site: `make docs`. Pages are the Markdown files beside this one; notebooks are those of `strikewave examples`.
+
+What is built asks no other host for anything: equations are MathML, fonts those of the reader.
+"""
+
+import shutil
+import sys
+from pathlib import Path
+
+import strikewave
+from strikewave.cli.examples import copy_examples
+
+HERE = Path(__file__).parent
+sys.path.insert(0, str(HERE / "_extensions"))
+EXAMPLES = HERE / "examples"
+"""What `strikewave examples` copies, made anew: the notebooks of the site are those of the package."""
+
+shutil.rmtree(EXAMPLES, ignore_errors=True)
+copy_examples(EXAMPLES)
+
+project = "strikewave"
+author = "The strikewave founders"
+version = release = strikewave.__version__
+extensions = ["myst_nb", "sphinx.ext.autodoc", "sphinx.ext.autosummary", "sphinx.ext.napoleon", "mathml"]
+exclude_patterns = ["_build", "examples/cases", "examples/records"]
+suppress_warnings = ["misc.highlighting_failure"]  # consoles and sketches are shown as they are
+
+myst_enable_extensions = ["dollarmath"]
+myst_heading_anchors = 4
+nb_execution_mode = "force"
+nb_execution_raise_on_error = True
+nb_execution_timeout = 300
+nb_merge_streams = True
+
+autodoc_typehints = "none"  # the docstrings state types with shapes and units
+napoleon_google_docstring = False
+napoleon_use_rtype = False
+napoleon_use_ivar = True
+math_numfig = True
+math_eqref_format = "({number})"
+
+man_pages = [("commands", "strikewave", "predict, measure and design high-g impact tests", author, 1)]
+
+html_theme = "furo"
+html_math_renderer = "mathml"
+html_static_path = ["_static"]
+html_css_files = ["site.css"]
+html_title = "strikewave"
+html_show_sphinx = False
+html_copy_source = False

@@ -1,0 +1,138 @@
+"""The page of records: drop measured files, and see what they say."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from nicegui import Client, ui
+from starlette.requests import Request
+
+from strikewave.base.errors import StrikewaveError
+from strikewave.web import parts
+from strikewave.web.case_state import address
+from strikewave.web.desk import Desk
+from strikewave.web.record_request import RecordRequest
+from strikewave.web.sessions import Session
+from strikewave.web.workbench import Workbench
+
+PLACE = "/record"
+FOLDER = "records"
+TEXTS = {
+    "unit": ("unit of the numbers", "g"),
+    "channel": ("channel, by name or number", "all"),
+    "sensitivity": ("sensitivity", "1.2 mV/g"),
+    "filter": ("low-pass", "10 kHz, or CFC 1000"),
+    "high_pass": ("high-pass", "none"),
+    "q": ("Q of the spectrum", "10"),
+    "beside": ("simulation beside it", "li-ma-2019:rigid"),
+}
+"""Options that are typed: what each is, and what one types."""
+
+
+def add(desk: Desk) -> None:
+    """Add the page to the app."""
+
+    @ui.page(PLACE)
+    async def record(request: Request, client: Client) -> None:
+        with parts.page_frame(PLACE) as word:
+            desk.show_word(word)
+        try:
+            session = desk.session()
+            with parts.waiting("getting ready"):
+                await client.connected()
+                if client.is_deleted:
+                    return
+                specifications = await desk.lookers.ask("strikewave.web.study_view:specifications")
+        except StrikewaveError as error:
+            parts.refusal(str(error))
+            return
+        RecordPage(session, dict(request.query_params), specifications).build()
+
+
+class RecordPage:
+    """One open page of records."""
+
+    def __init__(self, session: Session, given: dict[str, str], specifications: list[str]) -> None:
+        self.session, self.given, self.specifications = session, given, specifications
+        self.boxes: dict[str, Any] = {}
+
+    @property
+    def names(self) -> list[str]:
+        """The files that are kept, in the order of their names."""
+        return sorted(path.name for path in self.session.place(FOLDER).iterdir() if path.is_file())
+
+    def build(self) -> None:
+        """Put everything on the page."""
+        with ui.element("main").classes("sw-page").props('id="main"'):
+            with ui.element("div").classes("sw-side"):
+                with parts.box("Measured files"):
+                    parts.drop_zone("drop files of any format, many at once", self._dropped)
+                    self.listed = ui.element("div").style("width:100%")
+                with parts.box("What they are, and what is asked"):
+                    for key, (label, example) in TEXTS.items():
+                        box = ui.input(label, placeholder=example, value=self.given.get(key, "")).props(
+                            "dense outlined"
+                        )
+                        self.boxes[key] = box.style("width:100%; margin-bottom:.35rem").on("keydown.enter", self.begin)
+                    options = {"": "none", **{name: name for name in self.specifications}}
+                    spec = self.given.get("spec", "")
+                    self.boxes["spec"] = ui.select(
+                        options, value=spec if spec in options else "", label="specification", with_input=True
+                    ).props("dense outlined options-dense")
+                    self.boxes["spec"].style("width:100%")
+                    self.boxes["spectrum"] = ui.checkbox(
+                        "shock response spectrum", value=self.given.get("spectrum") != "no"
+                    )
+                    with ui.element("div").classes("sw-row"):
+                        ui.button("judge", icon="play_arrow", on_click=self.begin).props("unelevated dense no-caps")
+                        ui.button("stop", icon="stop", on_click=self.stop).props("outline dense no-caps")
+            with ui.element("div").classes("sw-main"):
+                words = (
+                    "Drop measured files: CSV, LVM, TDMS, MAT, HDF5, UFF, WAV and more. Nothing leaves this machine."
+                )
+                self.bench = Workbench(self.session, words)
+        self._list()
+        if self.names:
+            self.begin()
+
+    def _list(self) -> None:
+        self.listed.clear()
+        with self.listed:
+            if not self.names:
+                return
+            ui.label(f"{len(self.names)} files: {', '.join(self.names)}").classes("sw-soft")
+            ui.button("remove all", icon="delete", on_click=self.remove).props("flat dense no-caps")
+
+    def remove(self) -> None:
+        """Remove all files."""
+        for path in self.session.place(FOLDER).iterdir():
+            path.unlink(missing_ok=True)
+        self._list()
+
+    async def _dropped(self, event: Any) -> None:
+        for file in event.files:
+            try:
+                self.session.keep(file.name, await file.read(), FOLDER)
+            except StrikewaveError as error:
+                ui.notify(f"refused: {error}", type="warning")
+        self._list()
+        self.begin()
+
+    def stop(self) -> None:
+        """Stop what is under way."""
+        self.bench.stop()
+
+    def request(self) -> RecordRequest:
+        """Return what is asked now."""
+        texts = {key: str(self.boxes[key].value or "").strip() for key in TEXTS}
+        texts["q"] = texts["q"] or "10"
+        spec, spectrum = str(self.boxes["spec"].value or ""), bool(self.boxes["spectrum"].value)
+        return RecordRequest(str(self.session.place(FOLDER)), tuple(self.names), spec=spec, spectrum=spectrum, **texts)
+
+    def begin(self) -> None:
+        """Read and judge the files as is asked now."""
+        asked = self.request()
+        shown = {key: str(self.boxes[key].value or "") for key in (*TEXTS, "spec")}
+        query = [(key, value) for key, value in shown.items() if value]
+        ui.navigate.history.replace(address(PLACE, query + ([] if asked.spectrum else [("spectrum", "no")])))
+        self.bench.begin("strikewave.web.record_view:measure", asked, same=asked.commands())

@@ -1,0 +1,80 @@
+"""What is asked of measured files on their page: as plain values, as a command line, in Python."""
+
+from __future__ import annotations
+
+import shlex
+from typing import Any, NamedTuple
+
+
+class RecordRequest(NamedTuple):
+    """What is asked of measured files.
+
+    Attributes
+    ----------
+    folder : str
+        Where they lie.
+    names : tuple of str
+        Their names, in the order of the test.
+    unit, channel, sensitivity, filter, high_pass : str
+        As the options of `strikewave record` take them; empty for none.
+    spec : str
+        Name of a built-in specification; empty for none.
+    spectrum : bool
+        Whether the shock response spectrum is drawn.
+    q : str
+        Its quality factor.
+    beside : str
+        A built-in case with its part, such as ``li-ma-2019:rigid``; empty for none.
+    """
+
+    folder: str
+    names: tuple[str, ...]
+    unit: str = ""
+    channel: str = ""
+    sensitivity: str = ""
+    filter: str = ""
+    high_pass: str = ""
+    spec: str = ""
+    spectrum: bool = True
+    q: str = "10"
+    beside: str = ""
+
+    def keywords(self) -> dict[str, Any]:
+        """Return the calibration and the filters as Python takes them.
+
+        Examples
+        --------
+        >>> RecordRequest("", ("a.csv",), unit="g", channel="1").keywords()
+        {'unit': 'g', 'channels': ['1']}
+        """
+        plain = {key: getattr(self, key) for key in ("unit", "sensitivity", "filter", "high_pass")}
+        given = {key: value for key, value in plain.items() if value}
+        return {**given, **({"channels": [self.channel]} if self.channel else {})}
+
+    def commands(self) -> list[tuple[str, str]]:
+        """Return the lines that do the same.
+
+        Examples
+        --------
+        >>> print(RecordRequest("", ("a b.csv",), unit="g", filter="CFC 1000").commands()[0][1])
+        strikewave record 'a b.csv' --unit g --cfc 1000
+        strikewave srs 'a b.csv' --unit g --cfc 1000 --kind pseudo-velocity --q 10
+        """
+        shared: list[str] = []
+        for key, option in (("channel", "--channel"), ("unit", "--unit"), ("sensitivity", "--sensitivity")):
+            shared += [option, getattr(self, key)] if getattr(self, key) else []
+        word = self.filter.strip()
+        if word:
+            is_class = word.upper().startswith("CFC")
+            shared += ["--cfc", word[3:].strip()] if is_class else ["--filter", word]
+        shared += ["--high-pass", self.high_pass] if self.high_pass else []
+        lines = [["strikewave", "record", *self.names, *shared, *(["--spec", self.spec] if self.spec else [])]]
+        if self.spectrum:
+            lines.append(["strikewave", "srs", *self.names, *shared, "--kind", "pseudo-velocity", "--q", self.q])
+        if self.beside and self.names:
+            place = f"{self.names[0]}#{self.channel}" if self.channel else self.names[0]
+            lines.append(["strikewave", "compare", place, self.beside, *shared[2 * bool(self.channel) :]])
+        given = "".join(f", {key}={value!r}" for key, value in self.keywords().items())
+        spec = f", spec={self.spec!r}" if self.spec else ""
+        python = f"import strikewave\n\nresult = strikewave.record({list(self.names)!r}{given}{spec})"
+        return [("command line", "\n".join(map(shlex.join, lines))), ("Python", python)]

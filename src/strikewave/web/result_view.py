@@ -1,0 +1,36 @@
+"""What a page shows of any result: key numbers, picture, table, notices, report; it runs in processes of the app."""
+
+from __future__ import annotations
+
+import io
+from typing import Any
+
+from strikewave.base.errors import StrikewaveError
+from strikewave.reporting.shown_result import ShownResult, shown_table
+from strikewave.web.case_view import by_full_run, result_file
+
+
+def result_view(result: ShownResult, title: str) -> dict[str, Any]:
+    """Return what a page shows of a result."""
+    heads, rows = shown_table(result)
+    files: dict[str, str | bytes] = {name: text for name, text in result.tables().items() if isinstance(text, str)}
+    files["report.html"] = result_file(result, "report.html")
+    return {
+        "by": by_full_run(result).replace("a full run", title.lower()),
+        "figures": [list(row) for row in result.highlights()],
+        "pictures": pictures(result, title),
+        "tables": [(title, heads, rows, (0,))],
+        "notices": [(one.severity, one.code, one.message) for one in result.notices],
+        "files": files,
+    }
+
+
+def pictures(result: ShownResult, title: str) -> list[tuple[bytes, str]]:
+    """Return the picture of a result as SVG with its caption; none where there is none."""
+    try:
+        figure = result.plot()
+    except StrikewaveError:
+        return []
+    with io.BytesIO() as file:
+        figure.savefig(file, format="svg")
+        return [(file.getvalue(), title)]

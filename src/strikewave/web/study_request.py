@@ -1,0 +1,121 @@
+"""What is asked of a study on its page: as plain values, as a command line, in Python."""
+
+from __future__ import annotations
+
+import hashlib
+import shlex
+from typing import NamedTuple
+
+from strikewave.web.case_state import CaseSource
+
+
+class StudyText(NamedTuple):
+    """A text of the form: key, label, example, whether it holds a line for each of several."""
+
+    key: str
+    label: str
+    example: str
+    lines: bool = False
+
+
+class StudyKind(NamedTuple):
+    """A kind of study: its command and function, what it does, and the texts of its form."""
+
+    name: str
+    what: str
+    texts: tuple[StudyText, ...]
+
+
+VARY = StudyText("vary", "settings to vary, a line each", 'machine.speed="600..800 rpm:5"', lines=True)
+RUNS = StudyText("runs", "runs", "")
+KINDS = {
+    one.name: one
+    for one in (
+        StudyKind(
+            "fit",
+            "Find values of the case from measured numbers or records.",
+            (
+                StudyText("to", "measured, a line each", "first.rigid_peak=4000 g", lines=True),
+                StudyText("free", "free fields, a line each", "machine.engagement", lines=True),
+            ),
+        ),
+        StudyKind(
+            "sweep",
+            "Run the case over some of its settings.",
+            (VARY, StudyText("keep", "numbers to keep, a line each", "first.rigid_peak", lines=True), RUNS),
+        ),
+        StudyKind(
+            "design",
+            "Find settings for goals, or which goals exclude each other.",
+            (VARY, StudyText("goals", "goals, a line each", "first.rigid_peak = 4000 g +- 5 %", lines=True), RUNS),
+        ),
+        StudyKind(
+            "map",
+            "Show how even the blows of a rotary machine are over two settings.",
+            (
+                StudyText("x", "along x", "machine.speed=600 rpm:800 rpm"),
+                StudyText("y", "along y", "object.spring=20 kN/m:80 kN/m"),
+                StudyText("points", "points along x and y", "20x20"),
+            ),
+        ),
+        StudyKind(
+            "scatter",
+            "See what tolerances do to the blows, and which one matters.",
+            (RUNS,),
+        ),
+    )
+}
+"""The kinds of studies, by name."""
+
+
+class StudyRequest(NamedTuple):
+    """What is asked: the kind, the case, and what was typed, by key; lines of a text apart."""
+
+    kind: str
+    source: CaseSource
+    texts: tuple[tuple[str, tuple[str, ...]], ...]
+
+    def lines(self, key: str) -> list[str]:
+        """Return what was typed of a text, line by line; nothing where it was left empty."""
+        return [line.strip() for name, lines in self.texts if name == key for line in lines if line.strip()]
+
+    def one(self, key: str, usual: str = "") -> str:
+        """Return the one line of a text."""
+        return next(iter(self.lines(key)), usual)
+
+    @property
+    def mark(self) -> str:
+        """A name for what is kept of it, so that it goes on where it was stopped."""
+        return hashlib.sha256(repr(self._replace(source=self.source._replace(folder=""))).encode()).hexdigest()[:16]
+
+    def commands(self) -> list[tuple[str, str]]:
+        """Return the lines that do the same.
+
+        Examples
+        --------
+        >>> source = CaseSource("li-ma-2019", "", (), "")
+        >>> asked = StudyRequest("sweep", source, (("vary", ("machine.speed=600..800 rpm:5",)), ("keep", ("cv",))))
+        >>> asked.commands()[0][1]
+        "strikewave sweep li-ma-2019 --vary 'machine.speed=600..800 rpm:5' --keep cv"
+        """
+        file = f"{self.source.name}.toml" if self.source.text else self.source.name
+        words = ["strikewave", self.kind, file]
+        for change in self.source.changes:
+            words += ["--set", change]
+        named = {"goals": "goal"}
+        for key, _ in self.texts:
+            for line in self.lines(key):
+                words += [f"--{named.get(key, key)}", line]
+        given = "".join(f", {key}={self.lines(key)!r}" for key, _ in self.texts if self.lines(key) and key not in ONE)
+        given += "".join(f", {key}={self.one(key)!r}" for key in ONE if key not in COUNTS and self.one(key))
+        given += "".join(f", {key}={self.one(key)}" for key in COUNTS if self.one(key))
+        case = f"strikewave.load_case({file!r}, {list(self.source.changes)!r})"
+        return [
+            ("command line", shlex.join(words)),
+            ("Python", f"import strikewave\n\nresult = strikewave.{self.kind}({case}{given})"),
+        ]
+
+
+ONE = ("x", "y", "runs")
+COUNTS = ("runs",)
+"""Texts of one line, and those of them that are whole numbers."""

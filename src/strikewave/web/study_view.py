@@ -1,0 +1,110 @@
+"""What the page of studies shows of one, as plain values; it runs in processes of the app."""
+
+from __future__ import annotations
+
+import os
+import re
+from pathlib import Path
+from typing import Any
+
+import strikewave
+from strikewave.base.errors import InputError
+from strikewave.cases.case import bundled_cases
+from strikewave.specifications.reading import asked_names
+from strikewave.studies.map.defaults import X, Y
+from strikewave.studies.scatter.study import ScatterPlan
+from strikewave.web.case_loading import loaded
+from strikewave.web.jobs import Say
+from strikewave.web.result_view import result_view
+from strikewave.web.study_request import StudyRequest
+
+MOST_RUNS = 2000
+MOST_CELLS = 3600
+"""Runs and cells of one study on a page: an hour's work. The command line takes more."""
+MAP_POINTS = "20x20"
+OTHER_FILE = re.compile(r"^@|(?:^|[\s:=@,;\"'])(?:[~/\\]|[A-Za-z]:[\\/])|\.\.[\\/]|\.file\b")
+"""What begins as the path of another folder does, leads upwards, or is read for more lines."""
+
+
+def study(request: StudyRequest, say: Say) -> dict[str, Any]:
+    """Return a study of a case; one that was stopped goes on where it was, where its kind can."""
+    refuse_other_files(request)
+    case = loaded(request.source)
+    os.chdir(request.source.folder)
+    runs = _count(request, "runs", MOST_RUNS)
+    store = Path(request.source.folder) / f"{request.kind}-{request.mark}"
+
+    def progress(share: float) -> None:
+        say(share, request.kind)
+
+    result: Any
+    if request.kind == "fit":
+        result = strikewave.fit(
+            case,
+            request.lines("to"),
+            request.lines("free"),
+            progress=lambda n, misfit: say(None, f"{n} runs, misfit {misfit:.3g}"),
+        )
+    elif request.kind == "sweep":
+        result = strikewave.sweep(
+            case, request.lines("vary"), keep=request.lines("keep"), runs=runs, store=store, progress=progress
+        )
+    elif request.kind == "design":
+        result = strikewave.design(
+            case, request.lines("vary"), request.lines("goals"), runs=runs, store=store, progress=progress
+        )
+    elif request.kind == "map":
+        result = strikewave.map(
+            case, request.one("x", X), request.one("y", Y), points=_points(request), progress=progress
+        )
+    elif request.kind == "scatter":
+        result = strikewave.scatter(case, ScatterPlan() if runs is None else ScatterPlan(runs=runs), progress=progress)
+    else:
+        raise InputError("study", request.kind, "fit, sweep, design, map or scatter")
+    say(None, "pictures and report")
+    return result_view(result, request.kind.capitalize())
+
+
+def refuse_other_files(request: StudyRequest) -> None:
+    """Refuse what names a file beside those that were dropped: relative names mean these alone.
+
+    Examples
+    --------
+    >>> from strikewave.web.case_state import CaseSource
+    >>> source = CaseSource("li-ma-2019", "", (), "")
+    >>> refuse_other_files(StudyRequest("sweep", source, (("vary", ("machine.speed=1 m/s..2 m/s:3",)),)))
+    >>> refuse_other_files(StudyRequest("fit", source, (("to", ("/etc/passwd",)),)))
+    Traceback (most recent call last):
+    strikewave.base.errors.InputError: to: got "/etc/passwd"; allowed: numbers, and files dropped on this page by name
+    """
+    for key, lines in request.texts:
+        for line in lines:
+            if OTHER_FILE.search(line):
+                raise InputError(key, line, "numbers, and files dropped on this page by name")
+
+
+def _count(request: StudyRequest, key: str, most: int) -> int | None:
+    text = request.one(key)
+    if not text:
+        return None
+    if not text.isdigit() or not 1 <= int(text) <= most:
+        raise InputError(key, text, f"a whole number from 1 to {most}", "the command line takes more")
+    return int(text)
+
+
+def _points(request: StudyRequest) -> tuple[int, int]:
+    text = request.one("points", MAP_POINTS)
+    first, _, second = text.partition("x")
+    if not (first.isdigit() and second.isdigit()) or not 4 <= int(first) * int(second) <= MOST_CELLS:
+        raise InputError("points", text, f"two numbers such as {MAP_POINTS}, at most {MOST_CELLS} cells together")
+    return int(first), int(second)
+
+
+def study_cases() -> list[str]:
+    """Return the built-in cases, which studies begin from."""
+    return bundled_cases()
+
+
+def specifications() -> list[str]:
+    """Return the names of the built-in specifications."""
+    return asked_names()

@@ -1,0 +1,109 @@
+"""What the page of layered bars shows of a run, as plain values; it runs in processes of the app."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from strikewave.analyses.wave.field import field_of_solution
+from strikewave.analyses.wave.result import WaveSolution
+from strikewave.analyses.wave.run import run_wave
+from strikewave.reporting.numbers import axis_unit, time_unit, with_unit
+from strikewave.reporting.shown_result import shown_table
+from strikewave.web.case_loading import loaded
+from strikewave.web.case_state import CaseSource
+from strikewave.web.case_view import by_full_run, result_file, told
+from strikewave.web.charts import COLOURS, ChartLine, heat_chart, line_chart
+from strikewave.web.curves import points
+from strikewave.web.jobs import Say
+
+FIELD_TIMES, FIELD_PLACES = 120, 48
+"""Cells of the x-t diagram: each is 7 pixels wide on a desk, and a page of so many opens at once."""
+MOST_TAPS = 5
+"""Taps in one diagram: as many as there are colours."""
+
+
+def full(source: CaseSource, say: Say | None = None) -> dict[str, Any]:
+    """Return a run of a layered bar."""
+    solution = run_wave(loaded(source))
+    heads, rows = shown_table(solution)
+    heads = [head.replace("peaks.", "peak ") for head in heads]
+    figures = [(name, text) for name, text in solution.highlights()]
+    sensors = [
+        [name, with_unit(pulse.peak, "m/s^2", "g"), with_unit(pulse.width, "s", "us"), "yes" if pulse.clipped else "no"]
+        for name, pulse in solution.sensors.items()
+    ]
+    layers = [
+        [one.name, with_unit(one.length_asked, "m", "mm"), with_unit(one.length_used, "m", "mm"), str(one.steps)]
+        for one in solution.waves.layers
+    ]
+    return {
+        "by": by_full_run(solution),
+        "figures": figures,
+        "charts": [field_chart(solution), *tap_charts(solution)],
+        "tables": [
+            ("At the taps", heads, rows, ()),
+            *([("Sensors", ["sensor", "peak", "width", "clipped"], sensors, (0,))] if sensors else []),
+            ("Layers", ["layer", "length asked", "length used", "steps"], layers, (0,)),
+        ],
+        **told(solution, solution.balance),
+        "texts": solution.tables(),
+    }
+
+
+def field_chart(solution: WaveSolution) -> dict[str, Any]:
+    """Return the x-t diagram of stress: compression above zero, the first face at the bottom."""
+    field = field_of_solution(solution)
+    areas = np.array([solution.run.stack.layers[layer].area for layer in field.layer])
+    size, unit = axis_unit("Pa", "MPa")
+    second, time_name = time_unit(float(field.time[-1]))
+    times = _spread(len(field.time), FIELD_TIMES)
+    places = _spread(len(field.position), FIELD_PLACES)
+    stress = field.force / areas / size
+    cells = [
+        [i, j, round(float(stress[row, place]), 3)] for i, row in enumerate(times) for j, place in enumerate(places)
+    ]
+    return heat_chart(
+        "Stress, compression above zero",
+        f"time ({time_name})",
+        "from the first face (mm)",
+        [f"{field.time[row] / second:.3g}" for row in times],
+        [f"{1e3 * field.position[place]:.3g}" for place in places],
+        cells,
+        unit,
+    )
+
+
+def tap_charts(solution: WaveSolution) -> list[dict[str, Any]]:
+    """Return stress and acceleration at the taps, with what the sensors kept."""
+    time = solution.run.time
+    second, time_name = time_unit(float(time[-1]))
+    (pascal, stress_name), (size, name) = axis_unit("Pa", "MPa"), axis_unit("m/s^2", "g")
+    shown = list(enumerate(solution.taps))[:MOST_TAPS]
+    stress = [
+        ChartLine(tap, points(time / second, solution.stress(k) / pascal), COLOURS[k % len(COLOURS)])
+        for k, (tap, _) in shown
+    ]
+    acceleration = [
+        ChartLine(tap, points(time / second, solution.run.acceleration[:, k] / size), COLOURS[k % len(COLOURS)])
+        for k, (tap, _) in shown
+    ]
+    for channel, reading in zip(solution.channels, solution.readings, strict=True):
+        kept = points(reading.time / second, reading.values / size)
+        acceleration.append(ChartLine(f"{channel.sensor.name} reads", kept, COLOURS[len(acceleration) % 5], "dashed"))
+    x = f"time ({time_name})"
+    return [
+        line_chart("Stress at the taps", x, f"stress ({stress_name})", stress),
+        line_chart("Acceleration at the taps", x, f"acceleration ({name})", acceleration),
+    ]
+
+
+def _spread(count: int, most: int) -> list[int]:
+    """Return at most so many places, from the first to the last."""
+    return sorted({round(k) for k in np.linspace(0, count - 1, min(count, most))})
+
+
+def files(source: CaseSource, wanted: str, say: Say | None = None) -> bytes:
+    """Return a file of a run."""
+    return result_file(run_wave(loaded(source)), wanted)

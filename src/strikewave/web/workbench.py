@@ -1,0 +1,103 @@
+"""A page on which work is put together, begun and stopped: its form on the left, what came of it on the right."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+from nicegui import background_tasks, ui
+
+from strikewave.base.errors import StrikewaveError
+from strikewave.web import parts
+from strikewave.web.desk import started
+from strikewave.web.jobs import CancelledError, PageJob
+from strikewave.web.sessions import Session
+
+
+class Workbench:
+    """The right side of such a page, and the work that fills it.
+
+    Parameters
+    ----------
+    session : Session
+        Whose work it is.
+    empty : str
+        What the page says as long as nothing was done.
+    """
+
+    def __init__(self, session: Session, empty: str) -> None:
+        self.session = session
+        self._job: PageJob | None = None
+        self.state = ui.label("").classes("sw-state").props('role="status"')
+        self._result = ui.element("div").classes("sw-main")
+        with self._result:
+            ui.label(empty).classes("sw-empty")
+        self._same = ui.element("div").classes("sw-main")
+
+    def begin(self, function: str, *arguments: Any, same: Sequence[tuple[str, str]] = ()) -> None:
+        """Begin other work in the place of what is under way, and show the lines that do the same."""
+        self.stop(quietly=True)
+        self._same.clear()
+        with self._same, parts.box("The same without this page"):
+            for label, text in same:
+                parts.code(label, text)
+        background_tasks.create(self._work(PageJob(function, *arguments)), name=function)
+
+    async def _work(self, job: PageJob) -> None:
+        self._job = job
+        self.state.text = "under way"
+
+        def progress(share: float | None, words: str) -> None:
+            self.state.text = f"under way: {words}" + ("" if share is None else f" {100.0 * share:.0f} %")
+
+        try:
+            view = await started(self.session, job, progress)
+        except CancelledError:
+            if self._job is job:
+                self.state.text = "stopped; what was there before is still shown"
+            return
+        except StrikewaveError as error:
+            self.state.text = "refused"
+            self._result.clear()
+            with self._result:
+                parts.refusal(str(error))
+            return
+        finally:
+            if self._job is job:
+                self._job = None
+        self.state.text = f"shown: {view['by']}"
+        self.show(view)
+
+    def stop(self, quietly: bool = False) -> None:
+        """Stop the work that is under way."""
+        if self._job is not None:
+            self._job.cancel()
+        elif not quietly:
+            ui.notify("nothing is under way")
+
+    def show(self, view: dict[str, Any]) -> None:
+        """Show what came of it."""
+        self._result.clear()
+        with self._result:
+            if view.get("verdict"):
+                word, text = view["verdict"]
+                look = {"PASS": "good", "FAIL": "failed"}.get(word, "warning")
+                ui.html(f"<b>{parts.html.escape(word)}</b> {parts.html.escape(text)}", sanitize=False).classes(
+                    f"sw-notice {look}"
+                )
+            if view["figures"]:
+                parts.key_numbers(view["figures"])
+            parts.tables(view.get("lead", ()))
+            with ui.element("div").classes("sw-charts"):
+                for options in view.get("charts", ()):
+                    parts.chart(options, options["title"]["text"], wide=len(view["charts"]) == 1)
+            for svg, caption in view.get("pictures", ()):
+                parts.svg_picture(svg, caption)
+            parts.tables(view["tables"])
+            parts.checks((), view["notices"])
+            if view.get("files"):
+                with parts.box("Take away"), ui.element("div").classes("sw-row"):
+                    for name, content in view["files"].items():
+                        ui.button(
+                            name, icon="download", on_click=lambda n=name, c=content: ui.download.content(c, n)
+                        ).props("outline dense no-caps")
