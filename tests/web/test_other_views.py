@@ -1,17 +1,20 @@
 """What the pages of records, bars, elements and studies show is what the commands give."""
 
+import inspect
+
 import numpy as np
 import pytest
 
 import strikewave
 from strikewave import load_case, run_wave
 from strikewave.base.errors import StrikewaveError
+from strikewave.studies.design.design_file import load_design
 from strikewave.web import elements_view, target_view
 from strikewave.web.case_state import CaseSource
 from strikewave.web.case_view import opened
 from strikewave.web.record_request import RecordRequest
 from strikewave.web.record_view import four_axes, measure
-from strikewave.web.study_request import StudyRequest
+from strikewave.web.study_request import KINDS, StudyRequest
 from strikewave.web.study_view import refuse_other_files, study
 
 WIDE = 200e-6
@@ -145,3 +148,32 @@ def test_a_study_that_would_take_days_is_refused_in_words(tmp_path, monkeypatch,
     asked = StudyRequest("sweep", CaseSource("jesd22-b111-b", "", (), str(tmp_path)), ((key, (text,)),))
     with pytest.raises(StrikewaveError, match="the command line takes more"):
         study(asked, say)
+
+
+def test_the_file_that_a_design_shows_is_read_by_its_command(tmp_path):
+    """Quotes around a value, as they are typed in a shell, are not part of it."""
+    vary = ('machine.speed="600..800 rpm"', "machine.engagement = 4..7 mm")
+    source = CaseSource("li-ma-2019", "", ("feed.blows=3",), "")
+    asked = StudyRequest("design", source, (("vary", vary), ("goals", ("cv < 3 %",)), ("runs", ("64",))))
+    lines = dict(asked.commands())
+    (tmp_path / "design.toml").write_text(lines["design.toml"])
+    read = load_design(tmp_path / "design.toml")
+    assert read.case.feed.blows.si == 3.0
+    plan = read.plan(read.case)
+    assert [variable.path for variable in plan.variables] == ["machine.speed", "machine.engagement"]
+    assert (plan.runs, read.file.goals) == (64, ("cv < 3 %",))
+    assert lines["command line"] == "strikewave design design.toml"
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_the_python_lines_of_a_study_are_a_call_that_its_function_takes(kind, monkeypatch):
+    """With the example of each text typed in: names and kinds of what is given are those of the signature."""
+    taken = []
+    real = inspect.signature(getattr(strikewave, kind))
+    monkeypatch.setattr(strikewave, kind, lambda *given, **named: taken.append(real.bind(*given, **named)))
+    texts = tuple((text.key, (text.example or "20",)) for text in KINDS[kind].texts)
+    lines = dict(StudyRequest(kind, CaseSource("li-ma-2019", "", (), ""), texts).commands())
+    exec(compile(lines["Python"], kind, "exec"), {})
+    assert taken[0].arguments["case"].name == "li-ma-2019"
+    if kind == "map":
+        assert taken[0].arguments["points"] == (20, 20)

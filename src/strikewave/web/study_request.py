@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import hashlib
+import json
 import shlex
+from collections.abc import Iterable
 from typing import NamedTuple
 
 from strikewave.web.case_state import CaseSource
@@ -26,7 +28,7 @@ class StudyKind(NamedTuple):
     texts: tuple[StudyText, ...]
 
 
-VARY = StudyText("vary", "settings to vary, a line each", 'machine.speed="600..800 rpm:5"', lines=True)
+VARY = StudyText("vary", "settings to vary, a line each", "machine.speed=600..800 rpm:5", lines=True)
 RUNS = StudyText("runs", "runs", "")
 KINDS = {
     one.name: one
@@ -53,8 +55,8 @@ KINDS = {
             "map",
             "Show how even the blows of a rotary machine are over two settings.",
             (
-                StudyText("x", "along x", "machine.speed=600 rpm:800 rpm"),
-                StudyText("y", "along y", "object.spring=20 kN/m:80 kN/m"),
+                StudyText("x", "along x", "machine.speed=600..800 rpm"),
+                StudyText("y", "along y", "object.spring=20..80 kN/m"),
                 StudyText("points", "points along x and y", "20x20"),
             ),
         ),
@@ -99,23 +101,51 @@ class StudyRequest(NamedTuple):
         "strikewave sweep li-ma-2019 --vary 'machine.speed=600..800 rpm:5' --keep cv"
         """
         file = f"{self.source.name}.toml" if self.source.text else self.source.name
-        words = ["strikewave", self.kind, file]
-        for change in self.source.changes:
-            words += ["--set", change]
-        named = {"goals": "goal"}
-        for key, _ in self.texts:
-            for line in self.lines(key):
-                words += [f"--{named.get(key, key)}", line]
-        given = "".join(f", {key}={self.lines(key)!r}" for key, _ in self.texts if self.lines(key) and key not in ONE)
-        given += "".join(f", {key}={self.one(key)!r}" for key in ONE if key not in COUNTS and self.one(key))
-        given += "".join(f", {key}={self.one(key)}" for key in COUNTS if self.one(key))
+        if self.kind == "design":
+            lines = [("design.toml", self._design_file(file)), ("command line", "strikewave design design.toml")]
+        else:
+            words = ["strikewave", self.kind, file]
+            for change in self.source.changes:
+                words += ["--set", change]
+            for key, _ in self.texts:
+                for line in self.lines(key):
+                    words += [f"--{key}", line]
+            lines = [("command line", shlex.join(words))]
         case = f"strikewave.load_case({file!r}, {list(self.source.changes)!r})"
-        return [
-            ("command line", shlex.join(words)),
-            ("Python", f"import strikewave\n\nresult = strikewave.{self.kind}({case}{given})"),
-        ]
+        call = ", ".join([case, *self._arguments()])
+        return [*lines, ("Python", f"import strikewave\n\nresult = strikewave.{self.kind}({call})")]
+
+    def _arguments(self) -> list[str]:
+        """Return what the function of a kind takes beside the case."""
+        runs = self.one("runs")
+        if self.kind == "scatter":
+            return [f"strikewave.ScatterPlan(runs={runs})"] if runs else []
+        if self.kind == "map":
+            named = [f"{key}={self.one(key)!r}" for key in ("x", "y") if self.one(key)]
+            points = self.one("points").replace("x", ", ")
+            return [*named, f"points=({points})"] if points else named
+        several = [f"{key}={self.lines(key)!r}" for key, _ in self.texts if key != "runs" and self.lines(key)]
+        return [*several, f"runs={runs}"] if runs else several
+
+    def _design_file(self, case: str) -> str:
+        """Return the file that the command of designs reads; a JSON string is one of TOML."""
+        head = ["schema = 1", f"case = {json.dumps(case)}", f"goals = {json.dumps(self.lines('goals'))}"]
+        head += [f"runs = {self.one('runs')}"] if self.one("runs") else []
+        tables = [("set", self.source.changes), ("vary", self.lines("vary"))]
+        return "\n".join(head + [line for name, texts in tables if texts for line in _table(name, texts)])
 
 
-ONE = ("x", "y", "runs")
-COUNTS = ("runs",)
-"""Texts of one line, and those of them that are whole numbers."""
+def _table(name: str, settings: Iterable[str]) -> list[str]:
+    """Return the lines of a table of settings that were typed as ``path=value``.
+
+    Examples
+    --------
+    >>> _table("vary", ['machine.speed="600..800 rpm"'])
+    ['[vary]', 'machine.speed = "600..800 rpm"']
+    """
+    typed = [text.partition("=") for text in settings]
+    return [f"[{name}]", *(f"{path.strip()} = {json.dumps(value.strip().strip(QUOTES))}" for path, _, value in typed)]
+
+
+QUOTES = "\"'"
+"""Around a value that is typed as in a shell."""
