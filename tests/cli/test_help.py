@@ -44,6 +44,7 @@ def test_list_imports_no_command_and_no_heavy_library(words, environment):
     assert run.stdout.splitlines()[-1] == "[]"
 
 
+@pytest.mark.verify
 @pytest.mark.parametrize("name", entries())
 def test_help_of_a_command_runs_nothing_heavy(name, environment):
     program = (
@@ -104,6 +105,7 @@ def completed(words, environment):
     return run.stdout.split()
 
 
+@pytest.mark.verify
 @pytest.mark.parametrize(
     ("words", "offered"),
     [

@@ -70,6 +70,7 @@ def test_every_command_is_shown_here():
     assert {*CHEAP, *DEAR, *SERVED} == set(entries())
 
 
+@pytest.mark.verify
 @pytest.mark.parametrize(("name", "words"), COMMANDS)
 def test_no_line_is_longer_than_the_screen_and_nothing_is_broken(at_widths, name, words):
     shown = at_widths(name, *words)
@@ -117,6 +118,7 @@ TYPED = "under a front of 5 us"
 """Stands in the title of a case."""
 
 
+@pytest.mark.verify
 @pytest.mark.parametrize("name", SHOWABLE)
 def test_what_is_shown_has_the_units_chosen(at_widths, name):
     shown = at_widths(name, *CHEAP[name], "--show", "m/s2,ms,N,in,Pa")

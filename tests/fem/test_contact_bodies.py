@@ -193,6 +193,7 @@ def bars(first, second, shift=(0.0, 0.0), gap=1e-5):
     return joined([below, above]), len(below.points)
 
 
+@pytest.mark.verify
 @pytest.mark.parametrize("s", [0.1, 0.5, 0.8])
 @pytest.mark.parametrize(
     ("first", "second", "shift", "denser"),
@@ -220,6 +221,7 @@ def test_lattices_at_nine_tenths_of_the_critical_step_never_gain_energy(first, s
     assert min(done.gap) > -2e-3
 
 
+@pytest.mark.verify
 @pytest.mark.parametrize("s", [0.5, 0.8, 1.0])
 def test_pressed_lattices_stay_pressed_without_gaining_energy(s):
     """Two bars under a steady force on each end; the contact may only take energy from them."""

@@ -230,6 +230,7 @@ def test_numbers_out_of_range_are_refused(change, field):
         prepare(SurfaceContact("a.top", "b.bottom", **change), mesh)
 
 
+@pytest.mark.verify
 def test_search_of_300_000_faces_finds_what_lies_on_what():
     """A search of all pairs would take minutes and gigabytes; how long it takes stands in the benchmarks."""
     counts = (387, 387, 1)

@@ -98,6 +98,7 @@ ROLLERS = [
 ]
 
 
+@pytest.mark.verify
 @pytest.mark.parametrize("case", ROLLERS)
 def test_line_contact_of_other_radii_speeds_moduli_and_angles(case):
     """3 % of p0 with four or more elements in the contact, as in the case above."""

@@ -196,6 +196,7 @@ def test_nodes_of_a_round_side_lie_on_it_to_rounding(name):
 PLANE_BEST, SPACE_BEST = math.sin(math.radians(120.0)), 4.0 / math.sqrt(27.0)
 
 
+@pytest.mark.verify
 @pytest.mark.parametrize("name", ALL)
 @pytest.mark.parametrize(("h", "share"), [(2e-3, 0.93), (1e-3, 0.96)])
 def test_the_worst_corner_nears_the_best_that_is_possible(name, h, share):

@@ -136,6 +136,7 @@ def test_standard_errors_are_the_scatter_of_records_with_noise(bar, rng):
         assert math.sqrt(np.mean(error**2)) == pytest.approx(off.std(), rel=0.25), name
 
 
+@pytest.mark.verify
 def test_the_scatter_of_the_speed_is_near_to_the_least_possible(rng):
     """A pulse s in noise of standard deviation n is timed to n/sqrt(sum s'^2) at best (Cramer and Rao).
 

@@ -147,6 +147,7 @@ def test_a_wrong_mass_is_told_by_the_reflected_wave():
     assert found.reflected_misfit > 0.05
 
 
+@pytest.mark.verify
 @pytest.mark.parametrize(("strain_noise", "sensor_noise"), [(3e-6, 500.0), (1e-7, 5000.0)])
 def test_scatter_of_the_sensitivity_is_what_repeated_noise_makes(bare, rng, strain_noise, sensor_noise):
     """White noise on gauge and sensor, 40 draws: mean slope within its bias, scatter within a factor 1.6.

@@ -48,6 +48,7 @@ def test_what_is_compiled_ahead_is_what_the_fast_run_calls():
     )
 
 
+@pytest.mark.verify
 @pytest.mark.parametrize(
     ("case", "band", "begun"), [("li-ma-2019", True, 1), ("li-ma-2019", False, 0), ("jesd22-b111-b", True, 0)]
 )

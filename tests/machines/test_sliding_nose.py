@@ -67,6 +67,7 @@ def angular_momentum(run, time):
 # one blow of bodies
 
 
+@pytest.mark.verify
 @pytest.mark.parametrize("name", STRIKES)
 @pytest.mark.parametrize(("friction", "damping"), [(0.3, 0.0), (0.0, 40.0), (0.2, 20.0)])
 def test_turntable_loses_radius_times_impulse_vector(name, friction, damping):

@@ -343,6 +343,7 @@ def test_the_format_is_told_by_content(sample, form):
         assert names(record) == names(expected)
 
 
+@pytest.mark.verify
 @pytest.mark.parametrize("form", sorted(set(FORMATS) - {"text", "lvm"}))
 def test_rate_overrules_and_channels_not_asked_for_cost_nothing(sample, form):
     path = sample(form)

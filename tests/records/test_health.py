@@ -587,6 +587,7 @@ def test_ringing_that_dies_within_the_blow_makes_the_record_go_back(swings):
     assert "peak" in finding.harms
 
 
+@pytest.mark.verify
 @pytest.mark.parametrize("shape", ["half-sine", "haversine", "saw-tooth", "trapezoid"])
 def test_a_pulse_in_noise_does_not_go_back(shape):
     """Noise of 2 % of the peak, white or with a memory, makes a top of hundreds of samples fall and rise by 10 %."""

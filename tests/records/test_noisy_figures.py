@@ -56,6 +56,7 @@ def errors(shape, samples, noise, draws, first, coloured=False):
     return np.array(rows)
 
 
+@pytest.mark.verify
 @pytest.mark.parametrize(
     ("shape", "samples", "noise"), [("half-sine", 200, 0.03), ("half-sine", 50, 0.02), ("lopsided", 200, 0.02)]
 )

@@ -98,6 +98,7 @@ def test_four_of_five_records_whose_fault_looks_like_a_pulse_are_not_silent(kind
     assert len(silent(found)) <= 6, silent(found)
 
 
+@pytest.mark.verify
 @pytest.mark.parametrize("kind", ["rebound", "double-hit", "missing-in-train", "offset", "gain-files"])
 def test_what_a_fault_does_to_a_record_is_told(kind):
     assert not silent(verdicts(kind, 1 if kind.endswith("-files") else 3))

@@ -52,6 +52,7 @@ TOLD = (
 """Classes of faults without a silent miss; the table in docs/benchmarks.md has the others."""
 
 
+@pytest.mark.verify
 @pytest.mark.parametrize("kind", ["board-clipped", "board-saturated", "board-dead", "board-drift", "board-shift"])
 def test_what_a_fault_does_to_a_response_is_told(kind):
     found = planted_boards.judged_class(kind, 2, FIRST)
@@ -64,6 +65,7 @@ def test_no_figure_of_a_response_is_stated_that_a_fault_has_put_more_than_five_p
     assert not silent(planted_boards.judged_class(kind, 40, FIRST + 2000))
 
 
+@pytest.mark.verify
 @pytest.mark.parametrize("kind", ["board-clipped", "board-dead", "board-spike"])
 def test_a_fault_that_spoils_every_figure_makes_the_channel_bad(kind):
     assert {v.status for v in planted_boards.judged_class(kind, 2, FIRST + 3000)} == {"bad"}

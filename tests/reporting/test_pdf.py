@@ -53,6 +53,7 @@ def starts_of(reader):
         yield float(sheet.mediabox.width), float(sheet.mediabox.height), found
 
 
+@pytest.mark.verify
 @pytest.mark.parametrize("paper", ["A4", "letter"])
 def test_sheets_have_the_size_asked_for_their_numbers_and_the_title(paper):
     parts = [Table(f"Table {k}", ["a", "b"], [[f"row {n}", n] for n in range(60)]) for k in range(2)]

@@ -91,6 +91,7 @@ def errors_and_doubts(rate, sizes, draws, noise):
     return math.sqrt(np.mean(errors**2)), math.sqrt(np.mean(doubts**2))
 
 
+@pytest.mark.verify
 @pytest.mark.parametrize(
     ("rate", "span", "other", "draws"),
     [

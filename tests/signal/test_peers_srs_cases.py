@@ -29,6 +29,7 @@ def of_sine(t, w, z, f):
     return np.imag(H * np.exp(1j * drive * t)) + np.exp(-z * w * t) * (a * np.cos(wd * t) + b * np.sin(wd * t))
 
 
+@pytest.mark.verify
 @pytest.mark.parametrize("part", ["primary", "residual", "total"])
 def test_block_of_pyyeti(part):
     """1 from sample 10 to 79 at 800 Hz, Q = 15, 3 to 14.6 Hz; the sides take one step each."""
@@ -49,6 +50,7 @@ def test_block_of_pyyeti(part):
         assert low == pytest.approx(max(-wanted.min(), 0.0), rel=1e-6 if part != "residual" else 2e-3, abs=1e-9)
 
 
+@pytest.mark.verify
 def test_two_sines_on_an_offset_of_pyyeti():
     """12 + sin(2 pi 15 t) + 3 sin(2 pi 35 t) for 5 s at 200 Hz, Q = 50, from the steady state."""
     rate, q, frequency = 200.0, 50.0, [5.0, 10.0, 35.0, 38.0]

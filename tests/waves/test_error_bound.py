@@ -195,6 +195,7 @@ def test_bound_that_cannot_be_kept_is_reported():
     assert len(run.time) <= 20_001
 
 
+@pytest.mark.verify
 @pytest.mark.parametrize("shape", ["rectangle", "half-sine", "triangle", "trapezoid"])
 def test_corner_of_the_load_leaves_the_acceleration_unbounded(shape):
     """Behind a corner the acceleration jumps: its bound stays above the wanted 1e-2 at every step, and says so."""

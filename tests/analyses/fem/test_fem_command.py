@@ -216,6 +216,7 @@ def test_fem_writes_a_whole_result_that_runs_again(strikewave, small):
     assert "report.html" not in os.listdir("f")
 
 
+@pytest.mark.verify
 @pytest.mark.parametrize("frames", [0, 3])
 def test_as_many_fields_are_written_as_asked_for(strikewave, small, frames):
     import h5py

@@ -322,6 +322,7 @@ def _scale_of(low, high):
     return SimpleNamespace(norm=SimpleNamespace(vmin=low, vmax=high))
 
 
+@pytest.mark.verify
 @pytest.mark.parametrize("quantity", sorted(fem_pictures.QUANTITIES))
 def test_every_field_can_be_shown_even_where_it_is_nothing(mesh, quantity):
     for frame in synthetic.frames(mesh, 2):

@@ -24,6 +24,7 @@ def with_fem(text):
     return CASE + text
 
 
+@pytest.mark.verify
 @pytest.mark.parametrize("name", [name for name in bundled_cases() if load_case(name).command == "fem"])
 def test_bundled_cases_of_hexahedra_build(name):
     model = build_model(load_case(name))

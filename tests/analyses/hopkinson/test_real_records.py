@@ -81,6 +81,7 @@ def test_the_two_speeds_of_the_titanium_bars_shift_the_waves_by_the_difference_o
         assert late[0][k] - late[1][k] == pytest.approx(expected, abs=0.3e-6)
 
 
+@pytest.mark.verify
 @pytest.mark.parametrize("name", ["yao_945steel_03", "yao_945steel_sample02"])
 def test_steel_keeps_impulse_and_loses_energy(measured, name):
     """Strain factors of unknown uncertainty: impulses within 5 %. A specimen that yields takes energy."""

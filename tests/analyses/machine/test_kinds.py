@@ -76,6 +76,7 @@ def test_reading_a_case_takes_no_physics():
     assert done.stdout.strip() == "[]"
 
 
+@pytest.mark.verify
 @pytest.mark.parametrize("kind", [kind for kind in KINDS if issubclass(KINDS[kind], LaunchedKind)])
 def test_a_kind_can_be_imported_before_any_case(kind):
     module = KINDS[kind].__module__

@@ -391,6 +391,7 @@ def test_size_stays_small(page):
     assert len(page.encode()) < LARGEST / 10
 
 
+@pytest.mark.verify
 def test_a_thousand_blows_stay_below_the_largest_size(solution):
     """The most blows that a case may ask for: the table holds all, the overlay a choice."""
     many = 1000

@@ -26,6 +26,7 @@ high = "3 dB"
 """
 
 
+@pytest.mark.verify
 @pytest.mark.parametrize("by", ["damped-sines", "wavelets"])
 def test_a_motion_for_a_spectrum_of_ones_own_is_judged_and_written(strikewave, by):
     Path("ours.toml").write_text(SPECTRUM)

@@ -142,6 +142,7 @@ def mesh_of(figure):
     return corners[0, :, 0] * 1e-6, corners[:, 0, 1] * 1e-3, values, mesh
 
 
+@pytest.mark.verify
 @pytest.mark.parametrize("quantity", QUANTITIES)
 def test_the_colours_are_white_at_zero_and_the_scale_is_symmetric(jump, quantity):
     figure = xt_diagram(jump, quantity)

@@ -142,6 +142,7 @@ def test_a_result_is_replaced_by_force_and_other_files_never(strikewave, bar):
     assert os.path.isfile("there/mine.txt")
 
 
+@pytest.mark.verify
 @pytest.mark.parametrize("rank", ["bandwidth", "peak"])
 def test_without_layers_there_is_only_the_direct_mounting(strikewave, bar, rank):
     code, out, err = strikewave("buffer", bar, "--limit", "50000 g", "--layers", "0", "--rank", rank, "--out", "there")

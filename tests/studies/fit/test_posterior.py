@@ -33,6 +33,7 @@ def errors_of(posterior):
     return np.sqrt(0.025 * 0.975 / posterior.independent) / norm.pdf(1.96)
 
 
+@pytest.mark.verify
 @pytest.mark.parametrize("reach", [1.96, t.ppf(0.975, 6.0)])
 @pytest.mark.parametrize("scale", [1.0, 3.0])
 def test_the_posterior_of_a_linear_model_is_that_of_the_closed_form(reach, scale):
@@ -52,6 +53,7 @@ def test_the_posterior_of_a_linear_model_is_that_of_the_closed_form(reach, scale
     assert np.corrcoef(posterior.draws.T)[0, 1] == pytest.approx(expected, abs=4.0 / np.sqrt(posterior.independent))
 
 
+@pytest.mark.verify
 def test_bounds_cut_the_posterior_off():
     """A best place at a bound: half a normal distribution."""
     slope, best = np.array([[20.0]]), np.array([0.0])
@@ -77,6 +79,7 @@ def test_what_is_not_determined_is_as_likely_as_its_prior():
         assert posterior.quantiles(share)[0] == pytest.approx(share, abs=chance + 0.01)
 
 
+@pytest.mark.verify
 def test_chains_are_the_same_bit_for_bit_and_short_ones_are_told(monkeypatch):
     monkeypatch.setattr("strikewave.studies.fit.posterior.MOST_RUNS", 50 * WALKERS)
     first, second, other = (sample(residuals, linear(), seed=seed) for seed in (1, 1, 2))

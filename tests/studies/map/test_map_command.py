@@ -100,6 +100,7 @@ def test_the_same_map_again_replaces_the_old_one(strikewave):
     assert [path.name for path in Path().iterdir()] == ["here"]
 
 
+@pytest.mark.verify
 @pytest.mark.parametrize("other", [("--set", "machine.radius=190 mm"), ("--x", "machine.speed=500 rpm..600 rpm")])
 def test_other_files_and_other_maps_are_never_replaced(strikewave, other):
     """Another case, or other axes: refused before anything is run."""
