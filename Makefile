@@ -18,8 +18,8 @@ CASES ?= li-ma-2019 li-ma-2019-fig13
 help:
 	@echo "make demo    set up, then run the published machine into out/ with a report each ($(CASES))"
 	@echo "make test    set up, then run the tests but for those of make verify"
-	@echo "make verify  set up, then the longer checks: damaged files of every format, all planted records, equal blows, elements (with CalculiX and gmsh where they are installed), the whole reproduction"
-	@echo "make validate  set up, then studies that run once, outside CI: finer maps over what a paper leaves open (writes out/validate)"
+	@echo "make verify  set up, then the longer checks: damaged files of every format, all planted records, equal blows, elements (with CalculiX and gmsh where they are installed), the app in a browser"
+	@echo "make validate  set up, then studies that run once, outside CI: the whole reproduction, finer maps over what a paper leaves open (writes out/validate)"
 	@echo "make docs     set up, then build the site (docs/_build/html) and the man page (docs/_build/man); notebooks and pages are run, warnings are errors"
 	@echo "make package  set up, then build wheel and source distribution (dist), check both, install and run the wheel alone with each of PYTHONS"
 	@echo "make pictures  set up, then draw the screens and photograph the report that README and docs show (docs/images; report and app with Chromium)"

@@ -3,7 +3,6 @@
 import dataclasses
 import html
 import itertools
-import os
 import re
 import shlex
 from html.parser import HTMLParser
@@ -411,23 +410,3 @@ def test_the_struck_bar_of_two_bars_meets_the_closed_form():
     assert pulse.name == "bar"
     gained = float(np.sum(pulse.acceleration) * (pulse.time[1] - pulse.time[0]))
     assert gained == pytest.approx(pulse.measure.velocity_change, rel=0.05)
-
-
-@pytest.mark.verify
-@pytest.mark.longest
-def test_the_whole_reproduction_runs_its_elements():
-    whole = reproduce(Effort(threads=os.cpu_count() or 1))
-    assert [solution.case.name for solution in whole.runs.elements] == list(ELEMENT_CASES)
-    assert not whole.broken
-    for name in (known.DYNA_PEAK, known.DYNA_FORCE, known.DYNA_WAVE_PEAK):
-        assert whole.row(name).best.by.startswith("li-ma-2019-fem")
-    decided = {row.topic: row.verdict for row in whole.findings if "elements" in row.shown_by or "fem" in row.shown_by}
-    assert {
-        word: [v for topic, v in decided.items() if word in topic] for word in ("reflecting", "yielding", "mean")
-    } == {
-        "reflecting": ["not"],
-        "yielding": ["partly"],
-        "mean": ["partly"],
-    }
-    text = html.unescape(reproduction_report(whole))
-    assert all(f"The mesh of {name}" in text for name in (ELEMENT_CASES[0], ELEMENT_CASES[2]))
