@@ -121,7 +121,7 @@ class Reader:
 
 
 EXAMPLES = 2000
-MOST_EXAMPLES = {"mdf": 150, "ide": 500}
+MOST_EXAMPLES = {"mdf": 150, "ide": 150, "rigol": 400}
 """Of formats whose libraries take a fifth of a second and more for a file: 2000 would take many minutes."""
 
 
