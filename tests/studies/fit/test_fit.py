@@ -175,12 +175,15 @@ def test_a_bar_is_fitted_to_the_record_of_a_tap(tmp_path):
 
 @pytest.mark.verify
 @pytest.mark.parametrize(
-    ("settings", "within"), [((), 1e-3), (("solver.method=delay lines", "solver.step=50 ns"), 0.03)]
+    ("settings", "within"), [((), 3e-3), (("solver.method=delay lines", "solver.step=50 ns"), 0.03)]
 )
 def test_the_length_of_a_layer_is_found_by_a_spectrum_and_as_well_as_time_steps_let_by_delay_lines(
     tmp_path, settings, within
 ):
-    """The echo of a free end 11 mm away, with 1 % of noise: by delay lines a step of 50 ns is 2.6 % of 10 mm."""
+    """The echo of a free end 11 mm away, with 1 % of noise: by delay lines a step of 50 ns is 2.6 % of 10 mm.
+
+    By the spectrum six draws of the noise scatter by 0.25 % about the length.
+    """
     path, length = "stack.layer.lower.length", 0.011
     truth = load_case("li-ma-2019-fig13-bar", [f"{path}={length}", "solver.method=spectral"])
     record = write_record(tmp_path / "bar.csv", truth, 3, rate=20e6, part="sensor.force", unit="N")
