@@ -64,14 +64,13 @@ class MapCommand(ResumableCommand[MapStudy]):
         say(_words(self.plan, self.seconds, done))
 
         def advance(now: StudyProgress) -> None:
-            nonlocal done
-            done = now.done
             report(now.share, now.words)
 
         try:
             with progress_bar("map", done / len(rows), ("left",)) as report:
                 study = make_map(self.plan, self.wanted, store=store, progress=advance, pool=self.pool)
         except KeyboardInterrupt as stop:
+            done = finished_before(self.plan.job, rows, store)  # what is kept, told of or not
             self.stopped(stop, store, f"{done} of {len(rows)} cells" if done else "")
         return dataclasses.replace(study, asked=asked())
 
