@@ -29,7 +29,7 @@ NAME = "li-ma-2019"
 FREE = ("machine.engagement", "object.frame_stiffness")
 HEADS, UNITS = ("engagement (mm)", "frame stiffness (MN/m)"), (1e-3, 1e6)
 """How they are shown."""
-BOUNDS = (f"{FREE[0]}=1 mm:20 mm", f"{FREE[1]}=10 MN/m:1 GN/m")
+BOUNDS = (f"{FREE[0]}=1 mm..20 mm", f"{FREE[1]}=10 MN/m..1 GN/m")
 """The same wherever a search begins."""
 OFF = (0.1, 0.3, 0.5)
 """By how much the values are off where a search begins."""
