@@ -62,7 +62,10 @@ class ResumableCommand(Command[Study]):
             return self.solved(store)
 
     def stopped(self, stop: KeyboardInterrupt, store: RunStore, finished: str) -> NoReturn:
-        """Say what of a stopped study is kept, such as "12 of 20 runs", and exit; empty where none has finished."""
+        """Say what of a stopped study is kept, such as "12 of 20 runs", and exit; empty where none has finished.
+
+        What is finished is counted in the store: a batch may be kept there before its progress is told.
+        """
         kept = f"{finished} are kept in {store.folder}: the same command goes on there"
         say("stopped; " + (kept if finished and self.store is not None else "nothing was written"))
         raise SystemExit(exit_code(stop)) from None

@@ -98,18 +98,16 @@ class DesignCommand(ResumableCommand[DesignStudy]):
     def solved(self, store: RunStore) -> DesignStudy:
         """Return the design, with a bar on stderr; where it is stopped, finished runs are kept, and said to be."""
         say(self.plan.words)
-        last = StudyProgress(self.plan.runs, 0, 0, 0.0)
+
+        def advance(now: StudyProgress) -> None:
+            report(now.share, f"{now.done} runs, {now.words}")
+
         try:
             with progress_bar("design", clocks=("elapsed",)) as report:
-
-                def advance(done: StudyProgress) -> None:
-                    nonlocal last
-                    last = done
-                    report(done.share, f"{done.done} runs, {done.words}")
-
                 study = make_design(self.plan, store, self.pool, advance)
         except KeyboardInterrupt as stop:
-            self.stopped(stop, store, f"{last.done} runs" if last.done else "")
+            count = len(store.known())
+            self.stopped(stop, store, f"{count} runs" if count else "")
         return dataclasses.replace(study, asked=asked())
 
     def summary(self, result: DesignStudy) -> str:

@@ -70,7 +70,7 @@ class MapCommand(ResumableCommand[MapStudy]):
             with progress_bar("map", done / len(rows), ("left",)) as report:
                 study = make_map(self.plan, self.wanted, store=store, progress=advance, pool=self.pool)
         except KeyboardInterrupt as stop:
-            done = finished_before(self.plan.job, rows, store)  # what is kept, told of or not
+            done = finished_before(self.plan.job, rows, store)
             self.stopped(stop, store, f"{done} of {len(rows)} cells" if done else "")
         return dataclasses.replace(study, asked=asked())
 

@@ -16,7 +16,7 @@ from strikewave.reporting.options import Output
 from strikewave.reporting.run_and_write import case_folder, run_and_write
 from strikewave.reporting.terminal import print_json, print_rows, progress_bar, say, tell
 from strikewave.studies.engine.pools import Pool
-from strikewave.studies.engine.runner import StudyProgress
+from strikewave.studies.engine.runner import StudyProgress, finished_before
 from strikewave.studies.engine.store import RunStore, runs_beside
 from strikewave.studies.resumable import ResumableCommand
 from strikewave.studies.sweep.columns import EFFECT_COLUMNS, NUMBER_COLUMNS, effect_rows, number_rows
@@ -78,19 +78,17 @@ class SweepCommand(ResumableCommand[SweepStudy]):
     def solved(self, store: RunStore) -> SweepStudy:
         """Return the sweep, with a bar on stderr; where it is stopped, finished runs are kept, and said to be."""
         say(self.plan.words)
-        last = StudyProgress(len(self.plan.rows), 0, 0, 0.0)
+
+        def advance(now: StudyProgress) -> None:
+            report(now.share, now.words)
 
         try:
             with progress_bar("sweep", clocks=("elapsed", "left")) as report:
-
-                def advance(done: StudyProgress) -> None:
-                    nonlocal last
-                    last = done
-                    report(done.share, done.words)
-
                 study = make_sweep(self.plan, store, self.pool, advance)
         except KeyboardInterrupt as stop:
-            self.stopped(stop, store, f"{last.done} of {last.total} runs" if last.done else "")
+            rows = self.plan.rows
+            done = finished_before(self.plan.job, rows, store)
+            self.stopped(stop, store, f"{done} of {len(rows)} runs" if done else "")
         return dataclasses.replace(study, asked=asked())
 
     def summary(self, result: SweepStudy) -> str:
