@@ -11,6 +11,9 @@ from collections.abc import Callable, Iterator
 SAFE = "PYTHONSAFEPATH"
 """Tells Python to leave the folder it is started in, where data lie, out of those that modules are looked for in."""
 
+ONE_THREAD = dict.fromkeys(("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS", "NUMEXPR_MAX_THREADS"), "1")
+"""Environment that keeps the threads of libraries from taking time and memory, in a process that reads a file."""
+
 
 def python_command(*words: str) -> list[str]:
     """Return the command line of a Python that runs a file, or ``-c`` and a program.

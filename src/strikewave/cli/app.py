@@ -48,7 +48,7 @@ def _options(
     """Predict, measure and design high-g impact tests."""
 
 
-FEW_THREADS = {"OPENBLAS_NUM_THREADS": "1"}
+LINEAR_ALGEBRA_THREADS = "1"
 """Threads of linear algebra, where nothing else is asked for: on matrices as small as ours they wait, and by turning,
 which takes fifteen times as long where the cores have other work."""
 YOUNG_OBJECTS = 50_000
@@ -59,8 +59,7 @@ modules are imported and pictures drawn, which takes 9 % of a run with its files
 def main() -> None:
     """Run the command line and exit."""
     _open_closed_streams()
-    for name, threads in FEW_THREADS.items():  # numpy reads it when it is imported, which is later
-        os.environ.setdefault(name, threads)
+    os.environ.setdefault("OPENBLAS_NUM_THREADS", LINEAR_ALGEBRA_THREADS)  # read when numpy is imported, which is later
     gc.set_threshold(YOUNG_OBJECTS, *gc.get_threshold()[1:])
     heed()
     warnings.showwarning = _show_warning
@@ -88,6 +87,10 @@ def _show_warning(message: Warning | str, category: type[Warning], *rest: Any, *
         say(f"warning: {message}")
 
 
+COMPILER_SETTINGS = ".numba_config.yaml"
+"""File from which numba takes settings, wherever a program is run."""
+
+
 def _leave_settings_beside() -> None:
     """Take no settings of libraries from the folder that the program is run in, which holds data.
 
@@ -103,10 +106,6 @@ def _leave_settings_beside() -> None:
         import matplotlib
 
         matplotlib.rcdefaults()
-
-
-COMPILER_SETTINGS = ".numba_config.yaml"
-"""File from which numba takes settings, wherever a program is run."""
 
 
 def _run() -> int:

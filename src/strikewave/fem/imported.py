@@ -18,7 +18,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from strikewave.base.child_process import environment, python_command
+from strikewave.base.child_process import ONE_THREAD, environment, python_command
 from strikewave.base.errors import EXISTING_FILE, InputError
 from strikewave.fem import meshio_child
 from strikewave.fem.abaqus import read_abaqus
@@ -49,9 +49,6 @@ LONGEST_NAME = 60
 
 GMSH_HINT = "; gmsh writes what is read here with Mesh.MshFileVersion 4.1 (or 2.2), SaveAll and SaveParametric 0"
 """Said of a .msh file that meshio refuses."""
-
-ONE_THREAD = dict.fromkeys(("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS"), "1")
-"""Keeps the threads of linear algebra from taking that memory."""
 
 
 def read_mesh(path: str | Path, scale: float = 1.0) -> Mesh:

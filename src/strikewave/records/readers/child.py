@@ -19,7 +19,7 @@ from typing import Any
 
 import numpy as np
 
-from strikewave.base.child_process import environment, python_command
+from strikewave.base.child_process import ONE_THREAD, environment, python_command
 from strikewave.base.errors import InputError
 from strikewave.records.health_notice import HealthNotice
 from strikewave.records.readers import LARGEST_ARRAY, Options
@@ -62,14 +62,13 @@ def isolated(reader: str, path: Path, options: Options) -> Record:
             "memory": min(MEMORY + MEMORY_PER_BYTE * size, 2 * LARGEST_ARRAY),
             "seconds": math.ceil(seconds),
         }
-        few = dict.fromkeys(("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "NUMEXPR_MAX_THREADS"), "1")
         try:
             subprocess.run(
                 python_command("-c", f"from {__name__} import work; work()"),
                 input=json.dumps(task).encode(),
                 stdout=subprocess.DEVNULL,
                 stderr=subprocess.DEVNULL,
-                env=environment(**few),
+                env=environment(**ONE_THREAD),
                 timeout=seconds,
                 check=True,
             )
