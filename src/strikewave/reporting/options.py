@@ -317,6 +317,16 @@ Cluster = Annotated[
         show_default=False,
     ),
 ]
+KeptRuns = Annotated[
+    Path | None,
+    typer.Option(
+        "--store",
+        metavar="DIR",
+        help="Folder that keeps finished runs for later studies; beside the result, till it is written, by default.",
+        show_default=False,
+    ),
+]
+Fresh = Annotated[bool, typer.Option("--fresh", help="Run the finished runs of a stopped study again.")]
 WithBand = Annotated[
     bool,
     typer.Option(

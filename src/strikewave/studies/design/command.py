@@ -8,7 +8,7 @@ from typing import Annotated
 
 import typer
 
-from strikewave.reporting.options import Changes, Cluster, Output, Processes
+from strikewave.reporting.options import Changes, Cluster, Fresh, KeptRuns, Output, Processes
 
 
 def command(
@@ -40,16 +40,8 @@ def command(
     ] = None,
     workers: Processes = 2,
     cluster: Cluster = None,
-    store: Annotated[
-        Path | None,
-        typer.Option(
-            "--store",
-            metavar="DIR",
-            help="Folder that keeps finished runs for later designs; beside the result while it runs, by default.",
-            show_default=False,
-        ),
-    ] = None,
-    fresh: Annotated[bool, typer.Option("--fresh", help="Run the finished runs of a stopped design again.")] = False,
+    store: KeptRuns = None,
+    fresh: Fresh = False,
     dry_run: Annotated[
         bool, typer.Option("--dry-run", help="Say how many runs there are and how long they take, and search nothing.")
     ] = False,

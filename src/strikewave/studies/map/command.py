@@ -7,7 +7,18 @@ from typing import Annotated, Literal
 
 import typer
 
-from strikewave.reporting.options import CaseName, Changes, Cluster, Output, Processes, Size, grid_size, one_of, share
+from strikewave.reporting.options import (
+    CaseName,
+    Changes,
+    Cluster,
+    Fresh,
+    Output,
+    Processes,
+    Size,
+    grid_size,
+    one_of,
+    share,
+)
 from strikewave.studies.map.defaults import EQUAL, POINTS, TRAIN, X, Y
 
 SIZE = Size(*POINTS)
@@ -72,7 +83,7 @@ def command(
     ] = EQUAL,
     workers: Processes = 2,
     cluster: Cluster = None,
-    fresh: Annotated[bool, typer.Option("--fresh", help="Run the finished cells of a stopped map again.")] = False,
+    fresh: Fresh = False,
     changes: Changes = None,
     output: Output,
 ) -> int:

@@ -4,12 +4,11 @@ from __future__ import annotations
 
 import dataclasses
 import os
-from pathlib import Path
 from typing import Annotated, Literal
 
 import typer
 
-from strikewave.reporting.options import CaseName, Changes, Cluster, Output
+from strikewave.reporting.options import CaseName, Changes, Cluster, Fresh, KeptRuns, Output
 
 
 def command(
@@ -27,16 +26,8 @@ def command(
     ] = "alone",
     workers: Annotated[int, typer.Option("--workers", metavar="COUNT", help="Processes, one a core at most.")] = 2,
     cluster: Cluster = None,
-    store: Annotated[
-        Path | None,
-        typer.Option(
-            "--store",
-            metavar="DIR",
-            help="Folder that keeps finished runs for later studies; beside the result while it runs, by default.",
-            show_default=False,
-        ),
-    ] = None,
-    fresh: Annotated[bool, typer.Option("--fresh", help="Run the finished runs of a stopped study again.")] = False,
+    store: KeptRuns = None,
+    fresh: Fresh = False,
     changes: Changes = None,
     output: Output,
 ) -> int:

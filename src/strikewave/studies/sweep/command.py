@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 import os
-from pathlib import Path
 from typing import Annotated, Literal
 
 import typer
 
-from strikewave.reporting.options import Changes, Cluster, Output, Processes, case_name
+from strikewave.reporting.options import Changes, Cluster, Fresh, KeptRuns, Output, Processes, case_name
 
 
 def command(
@@ -66,16 +65,8 @@ def command(
     ] = None,
     workers: Processes = 2,
     cluster: Cluster = None,
-    store: Annotated[
-        Path | None,
-        typer.Option(
-            "--store",
-            metavar="DIR",
-            help="Folder that keeps finished runs for later sweeps; beside the result, till it is written, by default.",
-            show_default=False,
-        ),
-    ] = None,
-    fresh: Annotated[bool, typer.Option("--fresh", help="Run the finished runs of a stopped sweep again.")] = False,
+    store: KeptRuns = None,
+    fresh: Fresh = False,
     dry_run: Annotated[
         bool, typer.Option("--dry-run", help="Say how many runs there are and how long they take, and make none.")
     ] = False,
