@@ -20,6 +20,8 @@ OF_BAR = {
 """SI unit of a result of a layered bar by the last part of its name."""
 STRESS = ".peak_stress"
 """End of the name of the stress at a tap of a bar."""
+BALANCE = {"energy_error": "energy", "momentum_error": "momentum", "hourglass_share": "hourglass"}
+"""Numbers of the balances of elements, and what of `strikewave.fem.measures.BalanceMeasure` each is."""
 OF_MODEL = {
     "first.peak_force": "N", "first.force_width": "s",
     "contact_force_peak": "N", "energy_error": "1", "momentum_error": "1", "hourglass_share": "1",
@@ -104,14 +106,13 @@ class Simulation:
             return number
         if name == "contact_force_peak":
             return float(self.elements.contact_force_peak)
+        return float(getattr(self._balance, BALANCE[name]))
+
+    @functools.cached_property
+    def _balance(self) -> Any:
         from strikewave.fem.measures import balance_measure
 
-        balance = balance_measure(self.elements.run)
-        return {
-            "energy_error": balance.energy,
-            "momentum_error": balance.momentum,
-            "hourglass_share": balance.hourglass,
-        }[name]
+        return balance_measure(self.elements.run)
 
     def history(self, part: str, blow: int = 0, unit: str = "") -> ComparedCurve:
         """Return the history of a part: PART or PART.QUANTITY, the usual one where it is empty."""

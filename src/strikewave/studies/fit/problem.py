@@ -21,7 +21,7 @@ from strikewave.studies.fit.fast_run import FastRun, runs_fast
 from strikewave.studies.fit.free_fields import FreeField, case_at
 from strikewave.studies.fit.measured import Measured, MeasuredNumber, MeasuredPulse
 from strikewave.studies.fit.noise import independent_count
-from strikewave.studies.fit.transits import stair
+from strikewave.studies.fit.transits import stairs
 from strikewave.studies.simulation import Simulation
 from strikewave.uncertainty.runs import or_none
 
@@ -141,8 +141,9 @@ class Problem:
 
     @functools.cached_property
     def stairs(self) -> Array:
-        """By how much each field moves until the runs feel it, in the unit cube: see `transits.stair`."""
-        shares = [max(stair(one.case, field.path) for one in self.experiments) for field in self.fields]
+        """By how much each field moves until the runs feel it, in the unit cube: see `transits.stairs`."""
+        paths = [field.path for field in self.fields]
+        shares = np.max([stairs(one.case, paths) for one in self.experiments], axis=0)
         sizes = [(1.0 if field.log else abs(field.value.si)) / field.width for field in self.fields]
         return np.multiply(shares, sizes)
 

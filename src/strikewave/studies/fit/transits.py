@@ -34,8 +34,8 @@ def smooth_case(case: Case, paths: Sequence[str]) -> Case:
     return changed_case(case, ["solver.method=spectral"]) if is_linear(stack, build_load(case, stack)) else case
 
 
-def stair(case: Case, path: str) -> float:
-    """Return by how much a field moves, as a share, until the run of a case feels it; 0 where it does smoothly.
+def stairs(case: Case, paths: Sequence[str]) -> list[float]:
+    """Return by how much each field moves, as a share, until the run of a case feels it; 0 where it does smoothly.
 
     With a step that is stated, that is one step of the transit of its layer; else what the chosen one misses of it.
 
@@ -43,18 +43,21 @@ def stair(case: Case, path: str) -> float:
     --------
     >>> from strikewave import load_case
     >>> bar = load_case("li-ma-2019-fig13-bar", ["solver.method=delay lines", "solver.step=50 ns"])
-    >>> round(stair(bar, "stack.layer.upper.length"), 4), stair(bar, "load.peak")
-    (0.0104, 0.0)
+    >>> [round(share, 4) for share in stairs(bar, ["stack.layer.upper.length", "load.peak"])]
+    [0.0104, 0.0]
     """
-    found = OF_TRANSIT.fullmatch(path)
-    waves = _waves(case) if found else None
-    if found is None or waves is None:
-        return 0.0
-    layer = next(one for one in waves.layers if one.name == found[1])
+    found = [OF_TRANSIT.fullmatch(path) for path in paths]
+    waves = _waves(case) if any(found) else None
+    return [0.0 if one is None or waves is None else _stair(case, waves, one[1], one[2]) for one in found]
+
+
+def _stair(case: Case, waves: WaveSetup, name: str, field: str) -> float:
+    """Return by how much a field of a layer moves until delay lines feel it, as a share."""
+    layer = next(one for one in waves.layers if one.name == name)
     if not layer.steps:  # by its spectrum
         return 0.0
     share = 1.0 / layer.steps if case.solver.step else 2.0 * waves.mismatch
-    return share * (1.0 if found[2] == "length" else 2.0)  # the transit goes with their square root
+    return share * (1.0 if field == "length" else 2.0)  # the transit goes with their square root
 
 
 def _waves(case: Case) -> WaveSetup | None:
