@@ -15,9 +15,11 @@ from typing import Annotated, NamedTuple
 import typer
 
 from strikewave._version import __version__
+from strikewave.base.errors import InputError
 from strikewave.base.json_document import head
 from strikewave.reporting.layout import keys, numerals, texts
 from strikewave.reporting.options import Shown
+from strikewave.reporting.pdf import check_pdf
 from strikewave.reporting.terminal import print_json, say, table, tell
 
 CORE = "core"
@@ -88,8 +90,8 @@ def programs() -> dict[str, str]:
 def pdf_library() -> bool:
     """Tell whether reports can be written as PDF: WeasyPrint with the libraries of the system that it needs."""
     try:
-        import weasyprint  # noqa: F401
-    except (ImportError, OSError):
+        check_pdf("pdf", "PDF")
+    except InputError:
         return False
     return True
 
