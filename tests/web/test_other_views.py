@@ -124,7 +124,7 @@ def test_a_study_opens_no_file_beside_those_that_were_dropped(key, line):
         ("vary", 'machine.speed="600..800 rpm:5"'),
         ("vary", "object.damper=10 N s/m, 20 N s/m"),
         ("goals", "spec:jesd22-b110:B passes"),
-        ("x", "machine.speed=600 rpm:800 rpm"),
+        ("x", "machine.speed=600..800 rpm"),
     ],
 )
 def test_what_a_study_asks_for_is_let_in(key, line):

@@ -25,6 +25,9 @@ def shots(count):
 def test_a_page_loads_without_an_error_and_fits_its_screen(visit, place, width):
     one = visit(place, width=width)
     one.page.locator("main").wait_for()
+    one.page.wait_for_function(
+        "width => document.documentElement.scrollWidth === width", arg=width
+    )  # once it is laid out
     assert one.page.evaluate("document.documentElement.scrollWidth") == width
     assert one.page.locator("nav a[aria-current=page]").count() == 1
 

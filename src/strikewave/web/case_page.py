@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import functools
+from collections.abc import Mapping
 from typing import Any, NamedTuple
 
 from nicegui import Client, background_tasks, ui
@@ -12,7 +13,7 @@ from starlette.requests import Request
 
 from strikewave.base.errors import StrikewaveError
 from strikewave.web import parts
-from strikewave.web.case_state import CaseSource, CaseState, address
+from strikewave.web.case_state import CaseSource, CaseState, address, is_case
 from strikewave.web.charts import line_chart, with_beside
 from strikewave.web.desk import Desk, started
 from strikewave.web.edited_field import EditedField
@@ -76,21 +77,17 @@ def add(desk: Desk, kind: CaseKind) -> None:
 
     @ui.page(kind.place)
     async def page(request: Request, client: Client) -> None:
-        with parts.page_frame(kind.place) as word:
-            desk.show_word(word)
-        try:
-            session = desk.session()
-            given = list(request.query_params.multi_items())
+        given = list(request.query_params.multi_items())
+
+        async def asked(session: Session) -> tuple[CaseState, Mapping[str, str], dict[str, Any]]:
             state, kept = CaseState.read(given, kind.usual), CaseState.read(given, kind.usual, BESIDE).changes
-            with parts.waiting("getting ready"):
-                await client.connected()
-                if client.is_deleted:
-                    return
-                opened = await desk.lookers.ask(f"{CASES}:opened", state.source(session.folder), kind.program)
-        except StrikewaveError as error:
-            parts.refusal(str(error))
+            return state, kept, await desk.lookers.ask(f"{CASES}:opened", state.source(session.folder), kind.program)
+
+        opened = await desk.open_page(kind.place, client, asked)
+        if opened is None:
             return
-        shown = CasePage(desk, session, kind, state, opened)
+        session, (state, kept, known) = opened
+        shown = CasePage(desk, session, kind, state, known)
         shown.beside_changes = dict(kept) if any(key == BESIDE for key, _ in given) else None
         shown.build()
         shown.begin()
@@ -235,14 +232,10 @@ class CasePage:
     async def _dropped(self, event: Any) -> None:
         cases = []
         for file in event.files:
-            content = await file.read()
             try:
-                self.session.keep(file.name, content)
-                if clean_name(file.name).lower().endswith(".toml"):
-                    text = content.decode("utf-8-sig")
-                    cases.append(CaseState(clean_name(file.name)[: -len(".toml")], text))
-            except UnicodeDecodeError:
-                ui.notify(f"refused: {clean_name(file.name)}: a text file in UTF-8 is wanted", type="warning")
+                path = self.session.keep(file.name, await file.read())
+                if is_case(path):
+                    cases.append(CaseState.of_file(path))
             except StrikewaveError as error:
                 ui.notify(f"refused: {error}", type="warning")
         if cases:
@@ -390,8 +383,7 @@ class CasePage:
 
         def progress(share: float | None, words: str) -> None:
             if state is self.state:
-                done = "" if share is None else f" {100.0 * share:.0f} %"
-                self._say(f"shown: {self.view.get('by', 'nothing yet')}; under way: {words}{done}")
+                self._say(f"shown: {self.view.get('by', 'nothing yet')}; {parts.under_way(share, words)}")
 
         try:
             view = await started(self.session, job, progress)
@@ -463,9 +455,7 @@ class CasePage:
             elif view["figures"]:
                 parts.key_numbers(view["figures"])
             else:
-                ui.label("No striker touches the object: more engagement, or another arrival of the feed.").classes(
-                    "sw-empty"
-                )
+                ui.label(view.get("nothing", "")).classes("sw-empty")
         self.frame.clear()
         if view.get("page"):
             with self.frame:

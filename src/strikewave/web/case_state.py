@@ -11,8 +11,10 @@ from pathlib import Path
 from typing import NamedTuple
 from urllib.parse import urlencode
 
-from strikewave.base.errors import InputError
+from strikewave.base.errors import InputError, StrikewaveError
 
+CASE_FILE = ".toml"
+"""Ending of the name of a case file."""
 LARGEST_TEXT = 1_000_000
 """Most bytes that a case may have, as a file and in an address."""
 LONGEST_LINK = 6000
@@ -48,6 +50,20 @@ class CaseState:
     name: str
     text: str = ""
     changes: Mapping[str, str] = field(default_factory=dict)
+
+    @classmethod
+    def of_file(cls, path: Path) -> CaseState:
+        """Return what a dropped case file says.
+
+        Raises
+        ------
+        StrikewaveError
+            If it is no text.
+        """
+        try:
+            return cls(path.name[: -len(CASE_FILE)], path.read_text("utf-8-sig"))
+        except UnicodeDecodeError:
+            raise StrikewaveError(f"{path.name}: a text file in UTF-8 is wanted") from None
 
     def source(self, folder: Path | str = "") -> CaseSource:
         """Return it as plain values."""
@@ -130,6 +146,11 @@ class CaseState:
     def file(self) -> str:
         """What a command line calls the case: a built-in name, or the file to be saved."""
         return f"{self.name}.toml" if self.text else self.name
+
+
+def is_case(path: Path) -> bool:
+    """Tell whether a dropped file is a case, by its name."""
+    return path.name.lower().endswith(CASE_FILE)
 
 
 def address(page: str, parts: Iterable[tuple[str, str]]) -> str:

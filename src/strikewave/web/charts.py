@@ -13,6 +13,11 @@ INK, SOFT, LINE = "#1a1f24", "#4d5760", "#e4e4e4"
 PALE_BAND = "rgba(0, 114, 178, 0.10)"
 
 
+def colour(place: int) -> str:
+    """Return the colour of a curve by its place; they begin anew where there are more curves than colours."""
+    return COLOURS[place % len(COLOURS)]
+
+
 class ChartLine(NamedTuple):
     """A curve: its name, points (x, y), colour and dash (``solid``, ``dashed``, ``dotted``)."""
 
@@ -127,21 +132,6 @@ def with_beside(options: dict[str, Any], beside: dict[str, Any]) -> dict[str, An
     kept = {key: value for key, value in beside["series"][0].items() if key in ("type", "barMaxWidth")}
     series = [*options["series"], {**kept, **grey}]
     return {**options, "series": series, "legend": _legend([str(one["name"]) for one in series])}
-
-
-def bar_chart(title: str, names: Sequence[str], values: Sequence[float], x: str) -> dict[str, Any]:
-    """Return lying bars, the first one uppermost.
-
-    Examples
-    --------
-    >>> bar_chart("Shares", ["speed"], [0.4], "share (%)")["yAxis"]["data"]
-    ['speed']
-    """
-    options = _frame(title, x, "", "value", "category")
-    options["yAxis"] |= {"data": list(names), "inverse": True}
-    options["grid"]["left"] = 170
-    drawn = {"type": "bar", "data": list(values), "itemStyle": {"color": BLUE}, "barMaxWidth": 16}
-    return {**options, "series": [drawn]}
 
 
 def heat_chart(

@@ -1,7 +1,8 @@
-"""Curves of the pages: as few points as a diagram has pixels, no peak lost."""
+"""Curves and drawings of the pages: as few points as a diagram has pixels, no peak lost; SVG that is shown as it is."""
 
 from __future__ import annotations
 
+import io
 from typing import Any
 
 import numpy as np
@@ -24,3 +25,10 @@ def points(x: Any, y: Any, columns: int = COLUMNS) -> list[list[float]]:
     kept = np.isfinite(y) & np.isfinite(x)
     x, y = thin(x[kept], y[kept], columns)
     return [[float(f"{a:.6g}"), float(f"{b:.6g}")] for a, b in zip(x, y, strict=True)]
+
+
+def svg_of(figure: Any) -> bytes:
+    """Return a figure of matplotlib as SVG."""
+    with io.BytesIO() as file:
+        figure.savefig(file, format="svg")
+        return file.getvalue()

@@ -3,19 +3,21 @@
 from __future__ import annotations
 
 import asyncio
+from collections.abc import Awaitable, Callable
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 
 from fastapi import Request, Response
 from fastapi.responses import FileResponse
-from nicegui import app, background_tasks, context, ui
+from nicegui import Client, app, background_tasks, context, ui
 
 from strikewave.base.errors import StrikewaveError
-from strikewave.web import jobs
+from strikewave.web import jobs, parts
 from strikewave.web.jobs import PATIENCE, Lookers, PageJob, Say
 from strikewave.web.sessions import Session, Sessions, clean_name
 
+Opened = TypeVar("Opened")
 VIEW = "strikewave.web.machine_view"
 KEPT_POLICY = (
     "sandbox allow-scripts; default-src 'none'; script-src 'unsafe-inline'; style-src 'unsafe-inline'; img-src data:"
@@ -83,14 +85,35 @@ class Desk:
         client.on_delete(left)
         return session
 
-    def show_word(self, label: ui.label) -> None:
-        """Keep a label on the word for all."""
-        ui.timer(0.5, lambda: label.set_text(self.word))
+    async def open_page(
+        self, place: str, client: Client, asked: Callable[[Session], Awaitable[Opened]]
+    ) -> tuple[Session, Opened] | None:
+        """Begin a page: its frame, its session, and what must be known to build it.
 
+        Parameters
+        ----------
+        place : str
+            Address of the page.
+        client : Client
+            The browser that opens it.
+        asked : callable
+            Returns what must be known, of a session.
 
-async def work(session: Session, function: str, *arguments: Any, progress: Say | None = None) -> Any:
-    """Do a piece of work for a session, which ends with it."""
-    return await started(session, PageJob(function, *arguments), progress)
+        Returns
+        -------
+        tuple or None
+            The session and what was asked; None where the browser has left, or it was refused: the page says why.
+        """
+        with parts.page_frame(place) as word:
+            ui.timer(0.5, lambda: word.set_text(self.word))
+        try:
+            session = self.session()
+            with parts.waiting("getting ready"):
+                await client.connected()
+                return None if client.is_deleted else (session, await asked(session))
+        except StrikewaveError as error:
+            parts.refusal(str(error))
+            return None
 
 
 async def started(session: Session, job: PageJob, progress: Say | None = None) -> Any:

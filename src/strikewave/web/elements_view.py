@@ -19,7 +19,7 @@ from strikewave.reporting.shown_result import shown_table
 from strikewave.web.case_loading import loaded
 from strikewave.web.case_state import CaseSource
 from strikewave.web.case_view import by_full_run, result_file, told
-from strikewave.web.charts import COLOURS, ChartLine, line_chart
+from strikewave.web.charts import COLOURS, ChartLine, colour, line_chart
 from strikewave.web.curves import points
 from strikewave.web.jobs import Say
 
@@ -76,8 +76,8 @@ def _lines(time: Any, histories: Mapping[str, Any], size: float) -> list[ChartLi
         ChartLine(
             name.replace("_", " "),
             points(time if values.size == time.size else middles(time), values / size),
-            COLOURS[k % len(COLOURS)],
-            DASHES[k // 5 % 2],
+            colour(k),
+            DASHES[k // len(COLOURS) % len(DASHES)],
         )
         for k, (name, values) in enumerate(histories.items())
     ]

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import dataclasses
-import io
 from collections.abc import Mapping, Sequence
 from typing import Any
 
@@ -24,7 +23,7 @@ from strikewave.web.case_loading import loaded
 from strikewave.web.case_state import CaseSource
 from strikewave.web.case_view import by_full_run, result_file, told
 from strikewave.web.charts import ChartLine, line_chart, train_chart
-from strikewave.web.curves import points
+from strikewave.web.curves import points, svg_of
 from strikewave.web.jobs import Say
 
 FIGURES = (
@@ -105,12 +104,7 @@ def drawings(source: CaseSource) -> list[tuple[bytes, str]]:
     """Return the drawings of a machine as SVG, each with what it shows in words; none where it is not drawn."""
     case = loaded(source)
     drawing = kind_of(case).drawing(case)
-    found = []
-    for picture in () if drawing is None else drawing.pictures:
-        with io.BytesIO() as file:
-            picture.figure.savefig(file, format="svg")
-            found.append((file.getvalue(), picture.caption))
-    return found
+    return [(svg_of(one.figure), one.caption) for one in (() if drawing is None else drawing.pictures)]
 
 
 def _first_pulse(solution: Solution, place: int | None) -> tuple[Any, Any, Any]:

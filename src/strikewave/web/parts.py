@@ -48,6 +48,17 @@ def page_frame(current: str) -> Iterator[ui.label]:
     yield word
 
 
+def under_way(share: float | None, words: str) -> str:
+    """Say what is under way, and how much of it is done where that is known.
+
+    Examples
+    --------
+    >>> under_way(0.4, "the run"), under_way(None, "the report")
+    ('under way: the run 40 %', 'under way: the report')
+    """
+    return f"under way: {words}" + ("" if share is None else f" {100.0 * share:.0f} %")
+
+
 @contextmanager
 def waiting(words: str) -> Iterator[None]:
     """Show that something is on its way."""

@@ -16,6 +16,7 @@ from strikewave.web.sessions import Session
 from strikewave.web.workbench import Workbench
 
 PLACE = "/record"
+SPECIFICATIONS = "strikewave.web.study_view:specifications"
 FOLDER = "records"
 TEXTS = {
     "unit": ("unit of the numbers", "g"),
@@ -34,19 +35,10 @@ def add(desk: Desk) -> None:
 
     @ui.page(PLACE)
     async def record(request: Request, client: Client) -> None:
-        with parts.page_frame(PLACE) as word:
-            desk.show_word(word)
-        try:
-            session = desk.session()
-            with parts.waiting("getting ready"):
-                await client.connected()
-                if client.is_deleted:
-                    return
-                specifications = await desk.lookers.ask("strikewave.web.study_view:specifications")
-        except StrikewaveError as error:
-            parts.refusal(str(error))
-            return
-        RecordPage(session, dict(request.query_params), specifications).build()
+        opened = await desk.open_page(PLACE, client, lambda _: desk.lookers.ask(SPECIFICATIONS))
+        if opened is not None:
+            session, specifications = opened
+            RecordPage(session, dict(request.query_params), specifications).build()
 
 
 class RecordPage:

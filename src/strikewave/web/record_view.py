@@ -15,12 +15,13 @@ import strikewave
 from strikewave.analyses.compare.result import CompareResult
 from strikewave.analyses.record.result import RecordResult
 from strikewave.analyses.record.spectrum import SpectrumResult
+from strikewave.base.constants import STANDARD_GRAVITY
 from strikewave.base.errors import InputError, nearest
 from strikewave.cases.case import bundled_cases
 from strikewave.records.reading import ChannelReading
 from strikewave.reporting.numbers import axis_unit, time_unit, with_unit
 from strikewave.reporting.shown_result import shown_table
-from strikewave.web.charts import COLOURS, SOFT, ChartLine, MarkedSpan, line_chart
+from strikewave.web.charts import SOFT, ChartLine, MarkedSpan, colour, line_chart
 from strikewave.web.curves import points
 from strikewave.web.jobs import Say
 from strikewave.web.record_request import RecordRequest
@@ -161,7 +162,12 @@ def history_chart(result: RecordResult) -> dict[str, Any]:
         time = one.channel.time
         dash = "dotted" if one.status == "bad" else "solid"
         lines.append(
-            ChartLine(f"{name} ({one.status})", points(time / second, one.channel.values / size), COLOURS[k % 5], dash)
+            ChartLine(
+                f"{name} ({one.status})",
+                points(time / second, one.channel.values / size),
+                colour(k),
+                dash,
+            )
         )
     marked = [
         MarkedSpan(f"{k}", p.begin / second, p.end / second)
@@ -186,7 +192,9 @@ def overlay_chart(result: RecordResult) -> dict[str, Any]:
         near = (time > -0.5 * pulse.width) & (time < 2.0 * pulse.width)
         lines.append(
             ChartLine(
-                name, points(time[near] / second, (one.channel.values[near] - one.baseline) / size), COLOURS[k % 5]
+                name,
+                points(time[near] / second, (one.channel.values[near] - one.baseline) / size),
+                colour(k),
             )
         )
     return line_chart("First pulses over each other", f"time after onset ({time_name})", f"amplitude ({unit})", lines)
@@ -232,7 +240,7 @@ def four_axes(result: SpectrumResult) -> dict[str, Any]:
     lines = [ChartLine("pseudo-velocity", points(frequency, velocity))]
     for power in range(0, 7):
         g = 10.0**power
-        v = g * 9.80665 / (2.0 * math.pi * frequency)
+        v = g * STANDARD_GRAVITY / (2.0 * math.pi * frequency)
         lines += _guide(f"{g:g} g", frequency, v, low, high)
     for power in range(-7, 1):
         d = 10.0**power

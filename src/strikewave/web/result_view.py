@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-import io
 from typing import Any
 
 from strikewave.base.errors import StrikewaveError
 from strikewave.reporting.shown_result import ShownResult, shown_table
 from strikewave.web.case_view import by_full_run, result_file
+from strikewave.web.curves import svg_of
 
 
 def result_view(result: ShownResult, title: str) -> dict[str, Any]:
@@ -31,6 +31,4 @@ def pictures(result: ShownResult, title: str) -> list[tuple[bytes, str]]:
         figure = result.plot()
     except StrikewaveError:
         return []
-    with io.BytesIO() as file:
-        figure.savefig(file, format="svg")
-        return [(file.getvalue(), title)]
+    return [(svg_of(figure), title)]

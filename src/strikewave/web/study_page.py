@@ -9,9 +9,9 @@ from starlette.requests import Request
 
 from strikewave.base.errors import StrikewaveError
 from strikewave.web import parts
-from strikewave.web.case_state import CaseState, address
+from strikewave.web.case_state import CaseState, address, is_case
 from strikewave.web.desk import Desk
-from strikewave.web.sessions import Session, clean_name
+from strikewave.web.sessions import Session
 from strikewave.web.study_request import KINDS, StudyRequest
 from strikewave.web.workbench import Workbench
 
@@ -24,21 +24,15 @@ def add(desk: Desk) -> None:
 
     @ui.page(PLACE)
     async def study(request: Request, client: Client) -> None:
-        with parts.page_frame(PLACE) as word:
-            desk.show_word(word)
-        try:
-            session = desk.session()
-            given = list(request.query_params.multi_items())
-            state = CaseState.read(given, USUAL)
-            with parts.waiting("getting ready"):
-                await client.connected()
-                if client.is_deleted:
-                    return
-                cases = await desk.lookers.ask(f"{VIEW}:study_cases")
-        except StrikewaveError as error:
-            parts.refusal(str(error))
-            return
-        StudyPage(session, state, given, cases).build()
+        given = list(request.query_params.multi_items())
+
+        async def asked(session: Session) -> tuple[CaseState, list[str]]:
+            return CaseState.read(given, USUAL), await desk.lookers.ask(f"{VIEW}:study_cases")
+
+        opened = await desk.open_page(PLACE, client, asked)
+        if opened is not None:
+            session, (state, cases) = opened
+            StudyPage(session, state, given, cases).build()
 
 
 class StudyPage:
@@ -103,16 +97,13 @@ class StudyPage:
 
     async def _dropped(self, event: Any) -> None:
         for file in event.files:
-            content, name = await file.read(), clean_name(file.name)
             try:
-                self.session.keep(name, content, FOLDER)
-                if name.lower().endswith(".toml"):
-                    self.state = CaseState(name[: -len(".toml")], content.decode("utf-8-sig"))
-                    ui.notify(f"the case is {name} now", type="positive")
+                path = self.session.keep(file.name, await file.read(), FOLDER)
+                if is_case(path):
+                    self.state = CaseState.of_file(path)
+                    ui.notify(f"the case is {path.name} now", type="positive")
                 else:
-                    ui.notify(f"{name} is kept: name it to fit to it", type="positive")
-            except UnicodeDecodeError:
-                ui.notify(f"refused: {name}: a text file in UTF-8 is wanted", type="warning")
+                    ui.notify(f"{path.name} is kept: name it to fit to it", type="positive")
             except StrikewaveError as error:
                 ui.notify(f"refused: {error}", type="warning")
 

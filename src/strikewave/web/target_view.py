@@ -14,7 +14,7 @@ from strikewave.reporting.shown_result import shown_table
 from strikewave.web.case_loading import loaded
 from strikewave.web.case_state import CaseSource
 from strikewave.web.case_view import by_full_run, result_file, told
-from strikewave.web.charts import COLOURS, ChartLine, heat_chart, line_chart
+from strikewave.web.charts import ChartLine, colour, heat_chart, line_chart
 from strikewave.web.curves import points
 from strikewave.web.jobs import Say
 
@@ -81,17 +81,14 @@ def tap_charts(solution: WaveSolution) -> list[dict[str, Any]]:
     second, time_name = time_unit(float(time[-1]))
     (pascal, stress_name), (size, name) = axis_unit("Pa", "MPa"), axis_unit("m/s^2", "g")
     shown = list(enumerate(solution.taps))[:MOST_TAPS]
-    stress = [
-        ChartLine(tap, points(time / second, solution.stress(k) / pascal), COLOURS[k % len(COLOURS)])
-        for k, (tap, _) in shown
-    ]
+    stress = [ChartLine(tap, points(time / second, solution.stress(k) / pascal), colour(k)) for k, (tap, _) in shown]
     acceleration = [
-        ChartLine(tap, points(time / second, solution.run.acceleration[:, k] / size), COLOURS[k % len(COLOURS)])
+        ChartLine(tap, points(time / second, solution.run.acceleration[:, k] / size), colour(k))
         for k, (tap, _) in shown
     ]
     for channel, reading in zip(solution.channels, solution.readings, strict=True):
         kept = points(reading.time / second, reading.values / size)
-        acceleration.append(ChartLine(f"{channel.sensor.name} reads", kept, COLOURS[len(acceleration) % 5], "dashed"))
+        acceleration.append(ChartLine(f"{channel.sensor.name} reads", kept, colour(len(acceleration)), "dashed"))
     x = f"time ({time_name})"
     return [
         line_chart("Stress at the taps", x, f"stress ({stress_name})", stress),

@@ -48,7 +48,7 @@ class Workbench:
         self.state.text = "under way"
 
         def progress(share: float | None, words: str) -> None:
-            self.state.text = f"under way: {words}" + ("" if share is None else f" {100.0 * share:.0f} %")
+            self.state.text = parts.under_way(share, words)
 
         try:
             view = await started(self.session, job, progress)
