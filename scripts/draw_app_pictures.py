@@ -6,20 +6,15 @@ Needs the extra `app`, playwright (of the extra `dev`) and a Chromium. Run it by
 import argparse
 import lzma
 import os
-import shutil
 import signal
 import subprocess
 import sys
 import tempfile
 from pathlib import Path
 
-from PIL import Image
+from draw_pictures import BLOWS, BROWSERS, IMAGES, found_browser, make_small
 from playwright.sync_api import Page, sync_playwright
 
-ROOT = Path(__file__).parents[1]
-IMAGES = ROOT / "docs" / "images"
-BLOWS = ROOT / "tests" / "data" / "smd-5kg-impacts"
-BROWSERS = ("chromium-headless-shell", "chromium", "google-chrome")
 WIDTHS = {"": (1280, 720), "-narrow": (390, 844)}
 """Ending of the name of a picture, and width and height of the screen in pixels."""
 COLOURS = 128
@@ -60,7 +55,7 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("names", nargs="*", choices=[[], *PAGES])
     names = parser.parse_args().names or list(PAGES)
-    browser = next((found for found in map(shutil.which, BROWSERS) if found), None)
+    browser = found_browser()
     if browser is None:
         print(f"the pictures of the app stay as they are: there is none of {', '.join(BROWSERS)}")
         return
@@ -97,10 +92,7 @@ def draw(context, address: str, name: str) -> None:
         page.wait_for_timeout(1000)
         place = IMAGES / f"{name}{ending}.png"
         page.screenshot(path=place)
-        with Image.open(place) as picture:
-            few = picture.convert("RGB").quantize(COLOURS, Image.Quantize.MAXCOVERAGE, dither=Image.Dither.NONE)
-        few.save(place, optimize=True)
-        print(place.relative_to(ROOT))
+        make_small(place, COLOURS)
     context.close()
 
 

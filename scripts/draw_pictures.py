@@ -103,9 +103,22 @@ def screen_svg(name: str, folder: Path) -> str:
     return "\n".join(line.rstrip() for line in svg.split("\n") if line.strip()) + "\n"
 
 
+def found_browser() -> str | None:
+    """Return where a Chromium is."""
+    return next(filter(None, map(shutil.which, BROWSERS)), None)
+
+
+def make_small(place: Path, colours: int) -> None:
+    """Keep a photograph in few colours, and say that it is there."""
+    with Image.open(place) as picture:
+        few = picture.convert("RGB").quantize(colours, Image.Quantize.MAXCOVERAGE, dither=Image.Dither.NONE)
+    few.save(place, optimize=True)
+    print(place.relative_to(ROOT))
+
+
 def photograph(page: Path, name: str) -> None:
     """Write the first screenful of a page as PNG."""
-    browser = next((found for found in map(shutil.which, BROWSERS) if found), None)
+    browser = found_browser()
     if browser is None:
         print(f"{name}.png stays as it is: there is none of {', '.join(BROWSERS)}")
         return
@@ -114,10 +127,7 @@ def photograph(page: Path, name: str) -> None:
     options = ["--headless", "--no-sandbox", "--hide-scrollbars", "--force-device-scale-factor=1"]
     options += [f"--window-size={width},{height}", f"--screenshot={place}", page.as_uri()]
     subprocess.run([browser, *options], check=True, capture_output=True)
-    with Image.open(place) as picture:
-        few = picture.convert("RGB").quantize(COLOURS, Image.Quantize.MAXCOVERAGE, dither=Image.Dither.NONE)
-    few.save(place, optimize=True)
-    print(place.relative_to(ROOT))
+    make_small(place, COLOURS)
 
 
 def main() -> None:

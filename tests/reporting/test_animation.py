@@ -3,9 +3,7 @@
 import dataclasses
 import html
 import json
-import os
 import re
-import shutil
 import subprocess
 
 import numpy as np
@@ -33,8 +31,8 @@ from strikewave.reporting.animation.page import (
     animation_page,
 )
 
-CHROMIUM = shutil.which("chromium-headless-shell") or shutil.which("chromium") or shutil.which("google-chrome")
-HOW_TO_GET = "chromium is not installed; Debian: apt-get install --no-install-recommends chromium-headless-shell"
+from ..chromium import chromium
+
 TIME = np.linspace(0.0, 10e-6, 11)
 KEYS = """
 const answers = [];
@@ -77,8 +75,6 @@ def over_place():
 
 def answers(animation, script, tmp_path, at=""):
     """Return what stood below the pictures after each key; the policy is taken out for the script that presses them."""
-    if CHROMIUM is None:
-        (pytest.fail if os.environ.get("CI") == "true" else pytest.skip)(HOW_TO_GET)
     page = re.sub(r'<meta http-equiv="Content-Security-Policy"[^>]*>', "", animation_page(animation, "test"))
     script = f"{KEYS}{script}\ndocument.body.dataset.answers = JSON.stringify(answers);"
     place = tmp_path / "page.html"
@@ -90,7 +86,7 @@ def answers(animation, script, tmp_path, at=""):
         "--virtual-time-budget=2000",
         "--window-size=900,800",
     ]
-    done = subprocess.run([CHROMIUM, *options, place.as_uri() + at], check=True, capture_output=True, timeout=60)
+    done = subprocess.run([chromium(), *options, place.as_uri() + at], check=True, capture_output=True, timeout=60)
     dom = done.stdout.decode()
     return json.loads(html.unescape(re.search(r'data-answers="([^"]*)"', dom)[1])), dom
 

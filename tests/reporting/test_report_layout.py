@@ -2,9 +2,7 @@
 
 import html
 import json
-import os
 import re
-import shutil
 import subprocess
 
 import numpy as np
@@ -32,10 +30,9 @@ from strikewave.reporting.page import Head, whole_page
 from strikewave.reporting.parts import Formula, Section, Table, Tag
 
 from ..analyses.hopkinson.test_hopkinson_command import SETUP
+from ..chromium import chromium
 from ..hopkinson import bench
 
-CHROMIUM = shutil.which("chromium-headless-shell") or shutil.which("chromium") or shutil.which("google-chrome")
-HOW_TO_GET = "chromium is not installed; Debian: apt-get install --no-install-recommends chromium-headless-shell"
 KINDS = ["machine", "bar", "drop", "fem", "record", "shot", "paper"]
 FIRST_SCREEN = 900
 """Pixels of a page 1280 wide within which the whole of the first data plot lies."""
@@ -68,8 +65,6 @@ def seen(page, tmp_path, width, height):
 
     Hints of scrolling follow the frames drawn, which a busy machine may draw late: the last of many measures counts.
     """
-    if CHROMIUM is None:
-        (pytest.fail if os.environ.get("CI") == "true" else pytest.skip)(HOW_TO_GET)
     place = tmp_path / "page.html"
     text = re.sub(r'<meta http-equiv="Content-Security-Policy"[^>]*>', "", page)
     place.write_text(
@@ -77,7 +72,7 @@ def seen(page, tmp_path, width, height):
     )
     options = ["--no-sandbox", "--hide-scrollbars", "--force-prefers-reduced-motion", "--dump-dom"]
     options += ["--virtual-time-budget=2000", f"--window-size={width},{height}"]
-    done = subprocess.run([CHROMIUM, *options, place.as_uri()], check=True, capture_output=True, timeout=60)
+    done = subprocess.run([chromium(), *options, place.as_uri()], check=True, capture_output=True, timeout=60)
     return json.loads(html.unescape(re.search(r'data-answers="([^"]*)"', done.stdout.decode())[1]))
 
 
@@ -178,8 +173,6 @@ def test_an_animation_and_its_controls_are_in_view_together(solution, size, tmp_
 @pytest.mark.verify
 def test_print_shows_what_is_folded(pages, tmp_path):
     """The text of the PDF holds a value of the inputs, which begin folded away."""
-    if CHROMIUM is None:
-        (pytest.fail if os.environ.get("CI") == "true" else pytest.skip)(HOW_TO_GET)
     (tmp_path / "page.html").write_text(pages["machine"], "utf-8")
     folded = re.sub(r"details::details-content[^}]*}", "", pages["machine"])
     (tmp_path / "folded.html").write_text(folded, "utf-8")
@@ -187,6 +180,6 @@ def test_print_shows_what_is_folded(pages, tmp_path):
     for name in ("page", "folded"):
         options = ["--no-sandbox", "--no-pdf-header-footer", f"--print-to-pdf={tmp_path / name}.pdf"]
         place = (tmp_path / f"{name}.html").as_uri()
-        subprocess.run([CHROMIUM, *options, place], check=True, capture_output=True, timeout=60)
+        subprocess.run([chromium(), *options, place], check=True, capture_output=True, timeout=60)
         sizes.append(len(re.findall(rb"/Type /Page\b", (tmp_path / f"{name}.pdf").read_bytes())))
     assert sizes[0] >= sizes[1] + 2  # two pages of inputs at least

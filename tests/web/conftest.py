@@ -1,7 +1,6 @@
 """A server of the app in a process of its own, and a real browser on it."""
 
 import os
-import shutil
 import signal
 import subprocess
 import sys
@@ -9,8 +8,8 @@ import time
 
 import pytest
 
-CHROMIUM = shutil.which("chromium-headless-shell") or shutil.which("chromium") or shutil.which("google-chrome")
-HOW_TO_GET = "chromium is not installed; Debian: apt-get install --no-install-recommends chromium-headless-shell"
+from ..chromium import chromium
+
 PATIENCE = 90.0
 """Longest time that a page waits for a run while other tests take both cores, s."""
 
@@ -36,13 +35,10 @@ def app_address(tmp_path_factory):
 @pytest.fixture(scope="session")
 def browser():
     """Return the system's own Chromium, driven by playwright, which downloads nothing."""
-    if CHROMIUM is None:
-        if os.environ.get("CI") == "true":
-            pytest.fail(HOW_TO_GET)
-        pytest.skip(HOW_TO_GET)
+    program = chromium()
     sync_api = pytest.importorskip("playwright.sync_api")
     with sync_api.sync_playwright() as play:
-        opened = play.chromium.launch(executable_path=CHROMIUM, args=["--no-sandbox", "--disable-gpu"])
+        opened = play.chromium.launch(executable_path=program, args=["--no-sandbox", "--disable-gpu"])
         yield opened
         opened.close()
 

@@ -1,5 +1,6 @@
 """``strikewave fem``: closed form of two bars, JSON, files, checks, restart, and what wrong input is told."""
 
+import contextlib
 import dataclasses
 import json
 import math
@@ -357,9 +358,9 @@ def test_a_run_that_is_stopped_while_it_draws_keeps_its_fields(strikewave, small
         assert np.array_equal(one["VTKHDF/Steps/Values"], other["VTKHDF/Steps/Values"])
 
 
-@pytest.mark.verify
-@pytest.mark.parametrize("fault", ["removed", "cut"])
-def test_frames_that_are_lost_are_reported_and_nothing_else_is_lost(strikewave, small, monkeypatch, fault):
+@contextlib.contextmanager
+def stopped_at_the_fourth_frame(monkeypatch):
+    """Stop what runs in this block, as Ctrl-C does, when the fourth frame is to be written."""
     from strikewave.analyses.fem import unfinished as fem
 
     add, seen = fem.FieldFile.add, []
@@ -372,6 +373,13 @@ def test_frames_that_are_lost_are_reported_and_nothing_else_is_lost(strikewave, 
 
     with monkeypatch.context() as patch:
         patch.setattr(fem.FieldFile, "add", interrupted)
+        yield
+
+
+@pytest.mark.verify
+@pytest.mark.parametrize("fault", ["removed", "cut"])
+def test_frames_that_are_lost_are_reported_and_nothing_else_is_lost(strikewave, small, monkeypatch, fault):
+    with stopped_at_the_fourth_frame(monkeypatch):
         assert strikewave("fem", small, "--out", "f", "--no-report")[0] == 130
     (field,) = Path("f.unfinished").glob("field*")
     if fault == "removed":
@@ -389,19 +397,8 @@ def test_frames_that_are_lost_are_reported_and_nothing_else_is_lost(strikewave, 
 def test_an_interrupted_run_goes_on_to_the_same_numbers(strikewave, small, monkeypatch):
     import h5py
 
-    from strikewave.analyses.fem import unfinished as fem
-
     assert strikewave("fem", small, "--out", "whole", "--no-report")[0] == 0
-    add, seen = fem.FieldFile.add, []
-
-    def interrupted(self, frame):
-        seen.append(frame.time)
-        if len(seen) == 4:
-            raise KeyboardInterrupt
-        add(self, frame)
-
-    with monkeypatch.context() as patch:
-        patch.setattr(fem.FieldFile, "add", interrupted)
+    with stopped_at_the_fourth_frame(monkeypatch):
         code, _, err = strikewave("fem", small, "--out", "broken", "--no-report")
     assert code == 130
     assert "to go on from there: strikewave fem small.toml --out broken --no-report --restart" in err

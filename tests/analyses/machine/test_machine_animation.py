@@ -8,7 +8,6 @@ import itertools
 import json
 import os
 import re
-import shutil
 import subprocess
 from html.parser import HTMLParser
 
@@ -32,11 +31,11 @@ from strikewave.base.constants import STANDARD_GRAVITY
 from strikewave.base.variables import LabelledArrays
 from strikewave.machines._kernels import stroke_profile
 
+from ...chromium import chromium
+
 HOSTILE = "_</script><img src=x onerror=alert(1)> $\\frac{1}{$ & \u202e\u2028"
 LARGEST = 500_000
 """Bytes of a page, so that it can be sent by mail."""
-CHROMIUM = shutil.which("chromium-headless-shell") or shutil.which("chromium") or shutil.which("google-chrome")
-HOW_TO_GET = "chromium is not installed; Debian: apt-get install --no-install-recommends chromium-headless-shell"
 
 
 class Page(HTMLParser):
@@ -294,11 +293,9 @@ def test_run_animate_writes_page_gif_and_link_and_may_be_repeated(strikewave, mo
 
 def opened(place, width=1280, at=""):
     """Return the page as a browser has it after its script ran."""
-    if CHROMIUM is None:
-        (pytest.fail if os.environ.get("CI") == "true" else pytest.skip)(HOW_TO_GET)
     options = ["--no-sandbox", "--force-prefers-reduced-motion", f"--window-size={width},900", "--dump-dom"]
     done = subprocess.run(
-        [CHROMIUM, *options, "--virtual-time-budget=2000", f"{place.as_uri()}{at}"],
+        [chromium(), *options, "--virtual-time-budget=2000", f"{place.as_uri()}{at}"],
         check=True,
         capture_output=True,
         timeout=60,
