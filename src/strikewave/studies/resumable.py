@@ -64,7 +64,7 @@ class ResumableCommand(Command[Study]):
     def stopped(self, stop: KeyboardInterrupt, store: RunStore, finished: str) -> NoReturn:
         """Say what of a stopped study is kept, such as "12 of 20 runs", and exit; empty where none has finished.
 
-        What is finished is counted in the store: a batch may be kept there before its progress is told.
+        What is finished is counted in the store: a batch may be kept there before its progress is reported.
         """
         kept = f"{finished} are kept in {store.folder}: the same command goes on there"
         say("stopped; " + (kept if finished and self.store is not None else "nothing was written"))
