@@ -14,7 +14,7 @@ from strikewave.machines import blows, run_machine
 
 
 def run_of(count):
-    return run_machine(build_machine(load_case("li-ma-2019", [f"feed.blows={count}"])))
+    return run_machine(build_machine(load_case("li-ma-2019", [f"feed.blows={count}", "solver.output_step=100 us"])))
 
 
 def test_what_was_dropped_comes_back_to_the_bit(monkeypatch):
