@@ -1,8 +1,8 @@
 """Run the integrator and hold what it found: a motion that can be asked for any time afterwards.
 
 A motion is followed in stretches of some hundred steps. Of each is kept where it begins, and its steps until they take
-`_KEPT_BYTES`; of a longer motion, later stretches are followed again from there where they are asked for, which gives
-the same bits: so the memory of a motion of any length is bounded.
+`_KEPT_BYTES`; of a longer motion, later stretches are followed again from there where they are asked for, and come out
+equal to the bit: so the memory of a motion of any length is bounded.
 """
 
 from __future__ import annotations
