@@ -1,9 +1,9 @@
 """What a case is fitted to, as it is typed: records and numbers, each with the settings at which it was measured.
 
-``shot.csv`` is a record of the usual part, ``PART=shot.csv`` of another one; ``first.rigid_peak=4151 g`` a number.
-Behind ``±`` or ``+-`` stands the standard uncertainty of a number, or by which share the amplitude of such records
-scatters from shot to shot. Settings follow after semicolons: ``shot.csv; machine.speed=500 rpm``.
-``@FILE`` stands for the lines of a text file.
+``shot.csv`` is a record of the usual part, ``PART=shot.csv`` of another one; ``first.rigid_peak=4151 g`` a number, and
+so is ``striker.mass=0.459 kg``: what is known of a free field from elsewhere. Behind ``±`` or ``+-`` stands the
+standard uncertainty of a number, or by which share the amplitude of such records scatters from shot to shot. Settings
+follow after semicolons: ``shot.csv; machine.speed=500 rpm``. ``@FILE`` stands for the lines of a text file.
 """
 
 from __future__ import annotations
@@ -27,6 +27,7 @@ from strikewave.studies.fit.problem import Experiment
 from strikewave.studies.fit.transits import smooth_case
 from strikewave.studies.simulation import Simulation, checked_number, number_units, quick_case
 from strikewave.studies.stated import stated_at
+from strikewave.uncertainty.draws import range_of
 from strikewave.uncertainty.known import LEAST, MOST, half_a_digit
 
 MOST_RECORDS = 200
@@ -46,7 +47,7 @@ class Target:
     Attributes
     ----------
     left : str
-        Name of a number, or of a part; empty for the usual part.
+        Name of a number, path of a field, or name of a part; empty for the usual part.
     right : str
         Value of a number, or the name of records.
     changes : tuple of str
@@ -120,7 +121,7 @@ def parse_target(word: str, case: Case) -> Target:
     left, equals, right = (part.strip() for part in first.partition("="))
     if not equals or _is_place(first):
         return _records("", first, tuple(rest))
-    if left.split(" ")[0] in number_units(case):
+    if left.split(" ")[0] in number_units(case) or left in case.values():
         return Target(left, right, tuple(rest), is_number=True)
     if not _is_place(PLUS_MINUS.split(right)[0]) and re.match(r"[-+.\d]", right):
         checked_number(case, left)
@@ -162,27 +163,42 @@ def read_number(case: Case, target: Target) -> MeasuredNumber:
     >>> round(read_number(case, Target("first.width", "200 us +- 4 us", is_number=True)).uncertainty * 1e6, 9)
     4.0
     """
-    name, sensor, unit = checked_number(case, target.left)
+    name, sensor, allowed, of_field = _named(case, target)
     typed, *uncertain = PLUS_MINUS.split(target.right, maxsplit=1)
     option = f"--to {target.left}"
-    value = _read(typed, unit, option)
+    value = _read(typed, allowed, option)
     if value.si == 0.0:
         raise InputError(option, typed, "a number that is not 0", "its uncertainty is a share of it")
-    if value.si < 0.0 and unit == "s":
+    if value.si < 0.0 and allowed.unit == "s":
         raise InputError(option, typed, "a time above 0")
     share = min(max(LEAST, half_a_digit(value.typed)), MOST)
     size = share * abs(value.si)
     if uncertain:
         word = uncertain[0].strip()
-        size = read_share(word, option) * abs(value.si) if word.endswith("%") else _read(word, unit, option).si
+        size = (
+            read_share(word, option) * abs(value.si)
+            if word.endswith("%")
+            else _read(word, Range(allowed.unit), option).si
+        )
         if not size > 0.0:
             raise InputError(option, word, "a standard uncertainty above 0, such as 2 %")
-    return MeasuredNumber(name, sensor, unit, value.si, size, typed, ", ".join(target.changes))
+    return MeasuredNumber(name, sensor, allowed.unit, value.si, size, typed, ", ".join(target.changes), of_field)
 
 
-def _read(word: str, unit: str, field: str) -> Value:
+def _named(case: Case, target: Target) -> tuple[str, str, Range, bool]:
+    """Return name and sensor of a number, what it may be, and whether it is that of a field."""
+    if target.left not in case.values():
+        name, sensor, unit = checked_number(case, target.left)
+        return name, sensor, Range(unit), False
+    if target.changes:
+        words = f"{target.left} without settings: a value of the case holds at all of them"
+        raise InputError("--to", "; ".join(target.changes), words)
+    return target.left, "", range_of(case, target.left), True
+
+
+def _read(word: str, allowed: Range, field: str) -> Value:
     try:
-        return Range(unit).read(word)
+        return allowed.read(word)
     except InputError as error:
         raise InputError(field, error.got, error.allowed, error.hint) from None
 
@@ -226,6 +242,7 @@ def read_targets(
             with stated_at(one.stated):
                 if one.is_number:
                     numbers.append(read_number(changed, one))
+                    _check_free(option, numbers[-1], fields)
                     continue
                 curves, left = read_shots(option, one.right, reading)
             records += [(one, curve) for curve in curves]
@@ -243,6 +260,12 @@ def read_targets(
         measured: tuple[Measured, ...] = (*numbers, *pulses)
         experiments.append(Experiment(quick, changes, measured))
     return ReadTargets(tuple(experiments), tuple(dict.fromkeys(notices)), tuple(dict.fromkeys(paths)))
+
+
+def _check_free(option: str, number: MeasuredNumber, fields: Sequence[FreeField]) -> None:
+    """Refuse a number of a field that is not free: nothing would change it."""
+    if number.of_field and number.name not in [field.path for field in fields]:
+        raise InputError(option, number.name, "a number of the run, or a free field", f"--free {number.name}")
 
 
 def _shot(target: Target, curve: ComparedCurve) -> str:
