@@ -22,7 +22,7 @@ from strikewave.base.result import Notice
 from strikewave.cases.case import Case, bundled_cases
 from strikewave.reporting.options import read_share
 from strikewave.studies.fit.free_fields import FreeField, changed_case
-from strikewave.studies.fit.measured import Measured, MeasuredNumber, MeasuredPulse, measured_pulse
+from strikewave.studies.fit.measured import MeasuredNumber, MeasuredPulse, measured_pulse
 from strikewave.studies.fit.problem import Experiment
 from strikewave.studies.fit.transits import smooth_case
 from strikewave.studies.simulation import Simulation, checked_number, number_units, quick_case
@@ -230,36 +230,44 @@ def read_targets(
     grouped: dict[tuple[str, ...], list[Target]] = {}
     for target in targets:
         grouped.setdefault(target.changes, []).append(target)
-    experiments, notices, paths = list[Experiment](), list[Notice](), list[Path]()
-    for changes, members in grouped.items():
-        with stated_at(members[0].stated):
-            changed = changed_case(case, changes)
-            for free in fields:
-                if changed.values().get(free.path) != case.values()[free.path]:
-                    raise InputError(option, "; ".join(changes), f"settings that leave {free.path} free: it is fitted")
-        numbers, records = list[MeasuredNumber](), list[tuple[Target, ComparedCurve]]()
-        for one in members:
-            with stated_at(one.stated):
-                if one.is_number:
-                    numbers.append(read_number(changed, one))
-                    _check_free(option, numbers[-1], fields)
-                    continue
-                curves, left = read_shots(option, one.right, reading)
-            records += [(one, curve) for curve in curves]
-            notices += [*left, *(notice for curve in curves for notice in curve.notices)]
-            paths += paths_of(parse_name(one.right))
-        if len(records) > MOST_RECORDS:
-            raise InputError(option, f"{len(records)} records", f"at most {MOST_RECORDS}")
-        quick = quick_case(changed, _blows(numbers, [_part(one.left)[1] for one, _ in records]))
-        quick = smooth_case(quick, [free.path for free in fields])
-        run, pulses = Simulation(quick), list[MeasuredPulse]()
-        for one, curve in records:
-            with stated_at(one.stated):
-                shot, low_pass = _shot(one, curve), reading.low_pass
-                pulses.append(measured_pulse(curve, run, *_part(one.left), low_pass, shot, one.scatter))
-        measured: tuple[Measured, ...] = (*numbers, *pulses)
-        experiments.append(Experiment(quick, changes, measured))
-    return ReadTargets(tuple(experiments), tuple(dict.fromkeys(notices)), tuple(dict.fromkeys(paths)))
+    read = [_read_setting(option, case, members, fields, reading) for members in grouped.values()]
+    notices = dict.fromkeys(notice for one in read for notice in one.notices)
+    paths = dict.fromkeys(path for one in read for path in one.paths)
+    return ReadTargets(tuple(test for one in read for test in one.experiments), tuple(notices), tuple(paths))
+
+
+def _read_setting(
+    option: str, case: Case, targets: Sequence[Target], fields: Sequence[FreeField], reading: SourceOptions
+) -> ReadTargets:
+    """Read what was measured at one setting."""
+    changes = targets[0].changes
+    with stated_at(targets[0].stated):
+        changed = changed_case(case, changes)
+        for free in fields:
+            if changed.values().get(free.path) != case.values()[free.path]:
+                raise InputError(option, "; ".join(changes), f"settings that leave {free.path} free: it is fitted")
+    numbers, records = list[MeasuredNumber](), list[tuple[Target, ComparedCurve]]()
+    notices, paths = list[Notice](), list[Path]()
+    for one in targets:
+        with stated_at(one.stated):
+            if one.is_number:
+                numbers.append(read_number(changed, one))
+                _check_free(option, numbers[-1], fields)
+                continue
+            curves, left = read_shots(option, one.right, reading)
+        records += [(one, curve) for curve in curves]
+        notices += [*left, *(notice for curve in curves for notice in curve.notices)]
+        paths += paths_of(parse_name(one.right))
+    if len(records) > MOST_RECORDS:
+        raise InputError(option, f"{len(records)} records", f"at most {MOST_RECORDS}")
+    quick = quick_case(changed, _blows(numbers, [_part(one.left)[1] for one, _ in records]))
+    quick = smooth_case(quick, [free.path for free in fields])
+    run, pulses = Simulation(quick), list[MeasuredPulse]()
+    for one, curve in records:
+        with stated_at(one.stated):
+            shot, low_pass = _shot(one, curve), reading.low_pass
+            pulses.append(measured_pulse(curve, run, *_part(one.left), low_pass, shot, one.scatter))
+    return ReadTargets((Experiment(quick, changes, (*numbers, *pulses)),), tuple(notices), tuple(paths))
 
 
 def _check_free(option: str, number: MeasuredNumber, fields: Sequence[FreeField]) -> None:
@@ -282,6 +290,6 @@ def _part(left: str) -> tuple[str, int]:
 
 def _blows(numbers: Sequence[MeasuredNumber], blows: Sequence[int]) -> int:
     """Return after how many blows a run may end; 0 where all of them count."""
-    if any(not one.name.startswith("first.") for one in numbers):
+    if any(not one.name.startswith("first.") for one in numbers if not one.of_field):
         return 0
     return max([*blows, 1])
