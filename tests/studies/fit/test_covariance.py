@@ -72,6 +72,7 @@ def test_intervals_of_shots_that_scatter_by_2_percent_hold_the_truth(count):
     assert errors == pytest.approx(np.full(2, 0.02 / np.sqrt(count)), rel=0.2)
 
 
+@pytest.mark.verify
 def test_a_pattern_that_repeats_does_not_average_out():
     """What the model cannot follow is the same in each record: the errors of five are those of one, to 10 %.
 

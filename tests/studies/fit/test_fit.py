@@ -47,6 +47,7 @@ def moved(case, shares):
     )
 
 
+@pytest.mark.verify
 @pytest.mark.parametrize("shares", [(1.5, 0.6), pytest.param((1.1, 0.8), marks=pytest.mark.verify)])
 def test_stored_values_of_the_published_machine_are_found_again(shares):
     """From 10 to 50 % off, without being told what to fit: seven digits are stored, and the run is good to 1e-8."""
