@@ -41,7 +41,7 @@ def fall_speed(
 
     With g' = g (1 - friction), v = sqrt(2 g' h); against a viscous guide, v' = g' - r v, the speed is
     (g'/r) (1 + W(-exp(-1 - r^2 h/g'))), W Lambert's function; against a drag, v' = g' - c v^2, it is
-    sqrt(g' (1 - exp(-2 c h))/c).
+    sqrt(g' (1 - exp(-2 c h))/c). Theory: :eq:`machine-fall`.
 
     Parameters
     ----------
@@ -589,6 +589,7 @@ def half_sine_pulse(speed: float, mass: float, stiffness: float, gravity: float 
 
     With w = sqrt(k/m): v w and pi/w, half a sine. Gravity adds its own: the peak is sqrt((v w)^2 + g^2), the table
     leaves the shaper after (2/w) (pi - arctan(v w/g)), and the crush is (g + sqrt((v w)^2 + g^2))/w^2.
+    Theory: :eq:`machine-programmer`.
 
     Parameters
     ----------
