@@ -26,12 +26,11 @@ from fem.test_bars import contact_time, mean_between
 from fem.test_hertz import ALUMINIUM, peak_of, pressed
 from fem.test_hexahedron import lame_frequency
 from fem.test_taylor import taylor
-from strikewave.base.constants import STANDARD_GRAVITY
 from strikewave.base.materials import material
 from strikewave.contact import Contact, exact, hertz, palmgren, point_cap, solve_impact
 from strikewave.fem.solve import solve
 from strikewave.hopkinson import stress_difference
-from strikewave.machines.launch import RigidPendulum, fall_speed, pendulum_speed
+from strikewave.machines.launch import RigidPendulum, pendulum_speed
 from strikewave.signal.srs import srs
 from strikewave.specifications.reading import load_specification, read_built_in
 from strikewave.waves import BONDED, End, Impactor, Layer, LoadPulse, Stack, Tap, WantedError, run_bar
@@ -131,7 +130,7 @@ def waves() -> Iterator[Comparison]:
         262 * step,
         WantedError(step=step),
     )
-    first, second = shot.force[-2]
+    first, second = shot.force[np.argmin(np.abs(shot.time - 250 * step))]  # the middle of the third transit
     alpha = abs(2.0 * (first - second) / (first + second))
     formula = 2.0 * z * (1.0 - z) ** 2 / ((1.0 + z) ** 3 - (1.0 - z) ** 2)
     yield compare(
@@ -183,11 +182,7 @@ def spectra() -> Iterator[Comparison]:
 
 
 def launches() -> Iterator[Comparison]:
-    """Yield speeds and heights that standards print."""
-    energy = 0.5 * 400 * 0.45359237 * fall_speed(5 * 0.3048) ** 2
-    yield compare(
-        "MIL-S-901D hammer, 400 lb from 5 ft", "energy (2000 ft lb)", 2000 * 1.3558179483314, energy, "J", PRINTED
-    )
+    """Yield speeds and velocity changes that standards print."""
     for length, printed in ((0.225, 2.9), (0.390, 3.8)):
         speed = pendulum_speed(RigidPendulum(1.0, length, length**2, length), math.radians(160.0))
         yield compare(
@@ -197,8 +192,6 @@ def launches() -> Iterator[Comparison]:
         pulse = load_specification(f"jesd22-b110:{row.name}").pulse
         what = f"JESD22-B110, condition {row.name}"
         yield compare(what, "velocity change", row.velocity_change.si, pulse.velocity_change, "m/s", PRINTED)
-        height = pulse.velocity_change**2 / (2.0 * STANDARD_GRAVITY)
-        yield compare(what, "drop height without rebound", row.drop_height.si, height, "m", PRINTED)
 
 
 def elements() -> Iterator[Comparison]:

@@ -60,7 +60,10 @@ def test_requirements_hold_each_package_that_the_project_asks_for():
     written = re.findall(r"\$\(COMPILE\)(.*) -o requirements/(\S+)", (ROOT / "Makefile").read_text("utf-8"))
     assert len(written) == len(list((ROOT / "requirements").glob("*.txt")))
     for words, file in written:
-        names = [*project["dependencies"], *(one for extra in re.findall(r"--extra (\w+)", words) for one in extras[extra])]
+        names = [
+            *project["dependencies"],
+            *(one for extra in re.findall(r"--extra (\w+)", words) for one in extras[extra]),
+        ]
         held = pinned(ROOT / "requirements" / file)
         for requirement in map(Requirement, names):
             assert requirement.specifier.contains(held[usual(requirement.name)].removeprefix("==")), requirement
