@@ -48,7 +48,7 @@ class ResumableCommand(Command[Study]):
             try:
                 yield
             except BaseException:
-                if self.place is None and not self.store.known():  # nothing to go on with
+                if self.place is None and self.store.empty:
                     self.store.remove()
                 raise
             if self.place is None:
@@ -69,6 +69,11 @@ class ResumableCommand(Command[Study]):
         kept = f"{finished} are kept in {store.folder}: the same command goes on there"
         say("stopped; " + (kept if finished and self.store is not None else "nothing was written"))
         raise SystemExit(exit_code(stop)) from None
+
+    def stopped_after(self, stop: KeyboardInterrupt, store: RunStore, what: str = "runs") -> NoReturn:
+        """Say how many runs of a stopped study are kept, and exit."""
+        count = len(store.known())
+        self.stopped(stop, store, "" if store.empty else f"{count} {what}" if count else "states of runs")
 
     def _opened(self, folder: Path | None) -> RunStore:
         return RunStore(folder, self.fresh, option="--out" if self.place is None else "--store")

@@ -18,7 +18,7 @@ from strikewave.studies.design.goals import Goal, Objective, read_aim
 from strikewave.studies.design.plan import plan_of
 from strikewave.studies.design.question import design
 from strikewave.studies.design.report import design_report
-from strikewave.studies.design.search import DesignRuns, margin_merit
+from strikewave.studies.design.runs import DesignRuns, margin_merit
 from strikewave.studies.engine.pools import ProcessPool
 from strikewave.studies.engine.store import RunStore
 from strikewave.studies.sweep.question import sweep
@@ -91,6 +91,19 @@ def test_a_goal_that_cannot_be_reached_alone_says_what_it_comes_to():
     assert [goal.typed for goal in study.conflict.goals] == ["approach_speed > 8 m/s"]
     assert study.conflict.reaches[0].value == pytest.approx(math.sqrt(2.0 * G * 2.0), rel=1e-3)
     assert "cannot be reached alone" in study.notices[0].message
+
+
+def test_a_run_beside_the_nearest_setting_that_meets_all_goals_is_the_setting():
+    """Slopes take a step of 1 % beside the nearest of the few runs of a search; the goal is what that comes to."""
+    first = design(BALL, HEIGHT, ["approach_speed = 4 m/s +- 2 %"], analysis="impact", runs=16)
+    beside = first.numbers[-1, 0]
+    assert np.abs(first.numbers[:-1, 0] / beside - 1.0).min() > 1e-3
+    study = design(BALL, HEIGHT, [f"approach_speed = {beside} m/s +- 0.1 %"], analysis="impact", runs=16)
+    assert study.met == 1
+    assert study.best is not None
+    assert study.conflict is None
+    assert not study.notices
+    assert study.best.numbers[0] == beside
 
 
 def test_a_goal_on_a_number_that_no_run_has_says_so():
