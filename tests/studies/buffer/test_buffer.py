@@ -37,6 +37,7 @@ from strikewave.studies.buffer.mounting_site import (
     usual_materials,
 )
 from strikewave.studies.buffer.study import design_buffer
+from strikewave.studies.engine.pools import GivenPool
 from strikewave.studies.engine.store import RunStore
 
 G = STANDARD_GRAVITY
@@ -101,11 +102,11 @@ def study():
     return design_buffer(site(), Blows((half_sine(duration=60e-6),)), RUBBERS, BufferGoal(5e3 * G))
 
 
-def test_stacks_that_a_store_has_are_not_run_again(unasked):
+def test_stacks_that_a_store_has_are_not_run_again(unasked, pickling):
     choice = StackChoices(("rubber",), (mm(0.5),), 2)
     words = site(), Blows((half_sine(duration=60e-6),)), choice, BufferGoal(5e3 * G)
     with RunStore(None) as store:
-        first = design_buffer(*words, store)
+        first = design_buffer(*words, store, GivenPool(pickling))
         again = design_buffer(*words, store, unasked)
         with pytest.raises(AssertionError, match="asked again"):  # another blow is another question
             design_buffer(words[0], Blows((half_sine(duration=61e-6),)), choice, words[3], store, unasked)

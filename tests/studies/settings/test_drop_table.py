@@ -14,6 +14,7 @@ from strikewave.cases.case import load_case
 from strikewave.contact import Contact, solve_impact
 from strikewave.signal.pulse import measure_pulse
 from strikewave.specifications.reading import load_specification
+from strikewave.studies.engine.pools import GivenPool
 from strikewave.studies.engine.store import RunStore
 from strikewave.studies.settings.drop_table.programmers import power_estimate, read_programmer
 from strikewave.studies.settings.drop_table.search import DropDesign, DropGoal, drop_candidate
@@ -33,11 +34,11 @@ def design(asked, programmer, diameters=(), stroke=2.0, masses=()):
     return design_drop_table(load_case("jesd22-b111-b"), goal_of(asked, stroke), choice)
 
 
-def test_a_design_goes_on_with_the_searches_that_a_store_has(unasked):
+def test_a_design_goes_on_with_the_searches_that_a_store_has(unasked, pickling):
     choice = DropChoices((read_programmer("linear"), read_programmer(FELT)), (0.1,))
     words = load_case("jesd22-b111-b"), goal_of("jesd22-b110:A"), choice
     with RunStore(None) as store:
-        first = design_drop_table(*words, store)
+        first = design_drop_table(*words, store, GivenPool(pickling))
         again = design_drop_table(*words, store, unasked)
     assert first.document_text() == again.document_text()
     assert [one.departure for one in first.candidates] == [one.departure for one in again.candidates]

@@ -39,6 +39,8 @@ LEAST_RUNS = 16
 """Fewest: one generation of the smallest search."""
 EVOLUTION, SURROGATE = SEARCHES = ("evolution", "surrogate")
 """How settings are sought: by generations of many runs, or by few, each where a Gaussian process expects the most."""
+LATER = 4
+"""Share of the runs, one in so many, that a search by surrogate has after others: it begins with all of theirs."""
 SLOW = ("fem",)
 """Analyses of which a run takes seconds and more: their settings are sought by surrogate where nothing is stated."""
 RESOLUTION = 1000.0
@@ -92,6 +94,11 @@ class DesignPlan:
     def by_surrogate(self) -> bool:
         """Whether few runs are to do."""
         return self.search == SURROGATE
+
+    @property
+    def later_runs(self) -> int:
+        """Most runs of a search after others."""
+        return max(self.runs // LATER, 1) if self.by_surrogate else self.runs
 
     @cached_property
     def goals(self) -> tuple[Goal, ...]:

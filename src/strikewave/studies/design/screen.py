@@ -63,8 +63,8 @@ def estimated(plan: DesignPlan, workers: int) -> DesignEstimate:
     rows = [plan.row_at(place) for place in places]
     plan.job(rows[:1])
     each = float(np.mean([outcome.seconds for outcome in plan.job(rows)]))
-    searches = 1 + max(2 * len(plan.goals), 2 * len(plan.objectives) + 1 if plan.objectives else 0)
-    return DesignEstimate(plan.runs, searches * plan.runs, each, each * plan.runs / workers)
+    later = max(2 * len(plan.goals), 2 * len(plan.objectives) + 1 if plan.objectives else 0)
+    return DesignEstimate(plan.runs, plan.runs + later * plan.later_runs, each, each * plan.runs / workers)
 
 
 def show_estimate(plan: DesignPlan, workers: int, as_json: bool) -> int:

@@ -25,8 +25,6 @@ BEGIN_PER_SETTING, BEGIN_LEAST = 4, 8
 than half of the ten for each that are usual where a process shall be right everywhere."""
 TOGETHER = 4
 """Runs that are chosen together: the same whatever the workers, so that they change no bit."""
-LATER = 4
-"""Share of the runs, one in so many, that a search has after others: it begins with all of theirs."""
 DRAWS = 32
 """Draws of the numbers at a place: the mean improvement is then known to a fifth, far better than the process is."""
 GENERATIONS, PER_SETTING = 40, 12
@@ -86,7 +84,7 @@ def surrogate_search(runs: DesignRuns, merit: Merit, enough: float, salt: int) -
     Source: ``jones-1998``.
     """
     plan = runs.plan
-    most = len(runs.rows) + (max(plan.runs // LATER, TOGETHER) if runs.rows else plan.runs)
+    most = len(runs.rows) + (plan.later_runs if runs.rows else plan.runs)
     runs.most = most
     source = np.random.Generator(np.random.Philox(np.random.SeedSequence(plan.seed, spawn_key=(salt,))))
     begin = min(2 ** int(np.ceil(np.log2(max(BEGIN_LEAST, BEGIN_PER_SETTING * len(plan.variables))))), most)
