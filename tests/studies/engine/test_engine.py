@@ -482,3 +482,9 @@ def test_unknown_numbers_and_histories_are_refused():
     bar = load_case("li-ma-2019-fig13-bar")
     with pytest.raises(InputError, match="only a machine"):
         read_kept(bar, "wave", ["blows"])
+
+
+@pytest.mark.parametrize("given", ["400:900 rpm", "400rpm:900rpm", "400:50:900 rpm"])
+def test_a_range_as_other_tools_write_it_is_refused_with_the_one_that_is_meant(given):
+    with pytest.raises(InputError, match=r'such as "machine\.speed=400(rpm)?\.\.900 ?rpm:11"'):
+        read_variable(CASE, f"machine.speed={given}")

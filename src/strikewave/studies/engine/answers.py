@@ -17,7 +17,7 @@ from pydantic import TypeAdapter
 
 from strikewave.cases.case import Case
 from strikewave.studies.engine.evaluation import RunOutcome, attempt
-from strikewave.studies.engine.keys import case_text, program_key
+from strikewave.studies.engine.keys import program_key, run_key
 from strikewave.studies.engine.pools import Pool
 from strikewave.studies.engine.runner import Advance, carry_out
 from strikewave.studies.engine.store import RunStore
@@ -69,7 +69,8 @@ class OfCase(Generic[Answer]):
 
     def text(self) -> str:
         """Return all that the answer depends on."""
-        return f"{self.find.__module__}.{self.find.__qualname__} {self.arguments} {case_text(self.case)}"
+        found_by = self.find.__module__, self.find.__qualname__, self.arguments
+        return run_key(self.case, found_by).hex()
 
     def answer(self) -> Answer:
         """Return what the function finds."""
