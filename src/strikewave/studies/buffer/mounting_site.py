@@ -158,7 +158,7 @@ class BaseMotion:
     @cached_property
     def text(self) -> str:
         """All that it is, as a text."""
-        return f"{self} {hashlib.sha256(np.ascontiguousarray(self.acceleration, '<f8')).hexdigest()}"
+        return f"{self} {hashlib.sha256(np.asarray(self.acceleration, '<f8').tobytes()).hexdigest()}"
 
     @property
     def width(self) -> float:

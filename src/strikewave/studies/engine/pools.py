@@ -13,7 +13,8 @@ from typing import Any, Generic, Protocol, TypeVar
 from strikewave.base.errors import StrikewaveError
 from strikewave.studies.workers import Workers
 
-Asked, Answer = TypeVar("Asked"), TypeVar("Answer")
+Asked = TypeVar("Asked")
+Answer = TypeVar("Answer")
 Batch = Callable[[Sequence[Asked]], list[Answer]]
 
 QUEUED = 2
