@@ -93,17 +93,16 @@ def test_a_goal_that_cannot_be_reached_alone_says_what_it_comes_to():
     assert "cannot be reached alone" in study.notices[0].message
 
 
-def test_a_run_beside_the_nearest_setting_that_meets_all_goals_is_the_setting():
-    """Slopes take a step of 1 % beside the nearest of the few runs of a search; the goal is what that comes to."""
-    first = design(BALL, HEIGHT, ["approach_speed = 4 m/s +- 2 %"], analysis="impact", runs=16)
-    beside = first.numbers[-1, 0]
-    assert np.abs(first.numbers[:-1, 0] / beside - 1.0).min() > 1e-3
-    study = design(BALL, HEIGHT, [f"approach_speed = {beside} m/s +- 0.1 %"], analysis="impact", runs=16)
-    assert study.met == 1
+@pytest.mark.parametrize("goal", ["3.0 m/s +- 0.6 %", "2.8 m/s +- 0.6 %", "3.8 m/s +- 1 %"])
+def test_what_any_run_meets_is_no_goal_that_cannot_be_reached(goal):
+    """All runs of the search miss the narrow band; one that says why, or tells the slope of the nearest, meets it."""
+    study = design(BALL, HEIGHT, [f"approach_speed = {goal}"], analysis="impact", runs=16)
+    assert np.all(study.margins[:16] < 0.0)
+    assert study.met > 0
     assert study.best is not None
+    assert study.best.margin == np.nanmax(study.margins[: study.best.run + 1])
     assert study.conflict is None
     assert not study.notices
-    assert study.best.numbers[0] == beside
 
 
 def test_a_goal_on_a_number_that_no_run_has_says_so():
