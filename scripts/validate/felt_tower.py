@@ -23,6 +23,7 @@ from kit import DATA, IMAGES, PAGE, table, write_into
 from strikewave import FitStudy, fit, load_case
 from strikewave.base.constants import STANDARD_GRAVITY
 from strikewave.reporting.style import BLUE, GREEN, RED, legend_below, new_figure, quiet, save
+from strikewave.studies.fit.trying import tried
 
 CASE = Path(__file__).parent / "cases" / "felt-tower.toml"
 INCH = 0.0254
@@ -121,7 +122,7 @@ def means(study: FitStudy) -> list[list[str]]:
 
 
 def structures(found: dict[str, FitStudy]) -> str:
-    """Return the table of structures: misfit, values, what is open."""
+    """Return the table of structures: misfit, that of each setting by a fit to the others, values, what is open."""
     rows = []
     for name, study in found.items():
         texts = []
@@ -129,9 +130,11 @@ def structures(found: dict[str, FitStudy]) -> str:
             path = one.field.path.rpartition(".")[2].replace("_", " ")
             share = 100.0 * one.standard_error / one.value
             texts.append(f"{path} {one.field.shown(one.value, 3)} ({f'± {share:.0f} %' if one.determined else 'open'})")
-        count = len(study.numbers) - len(study.parameters)
-        rows.append([name, f"{study.solved.estimate.misfit:.0f} for {count}", ", ".join(texts)])
-    return table(["structure", "chi squared for degrees of freedom", "values"], rows)
+        row = tried(name, study.solved)
+        lacking = study.solved.problem.excess.between
+        rows.append([name, f"{row.misfit:.2f}", f"{lacking:.2f}", f"{row.kept_out:.2f}", ", ".join(texts)])
+    heads = ["structure", "left", "of that from setting to setting", "settings kept out", "values"]
+    return table(heads, rows)
 
 
 def predictions(studies: dict[str, FitStudy]) -> str:

@@ -23,7 +23,8 @@ from strikewave.studies.fit.checking import DRAWS, drawn_places
 from strikewave.studies.fit.covariance import NORMAL, Estimate
 from strikewave.studies.fit.estimation import Residuals
 from strikewave.studies.fit.measured import MeasuredPulse
-from strikewave.studies.fit.problem import Problem, Solved
+from strikewave.studies.fit.problem import Problem
+from strikewave.studies.fit.solving import Solved
 
 Array = NDArray[np.float64]
 

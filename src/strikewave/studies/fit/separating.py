@@ -16,7 +16,7 @@ from strikewave.studies.fit.batches import each_or_none
 from strikewave.studies.fit.covariance import UNDETERMINED
 from strikewave.studies.fit.estimation import FINAL_STEP
 from strikewave.studies.fit.free_fields import FreeField, case_at
-from strikewave.studies.fit.problem import Solved
+from strikewave.studies.fit.solving import Solved
 from strikewave.studies.simulation import Simulation, number_units
 from strikewave.uncertainty.known import LEAST
 
