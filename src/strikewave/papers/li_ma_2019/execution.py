@@ -40,7 +40,7 @@ def within(report: Report, begin: float, end: float, what: str = "") -> Report:
 
 @dataclass(frozen=True)
 class Execution:
-    """Who makes runs, where finished ones are kept, and who is told.
+    """Who makes runs, where finished ones are kept, and to whom they are reported.
 
     Attributes
     ----------
@@ -51,7 +51,7 @@ class Execution:
     threads : int
         Of elements.
     report : callable
-        Who is told.
+        Takes how far it is.
     """
 
     store: RunStore
@@ -72,11 +72,11 @@ class Execution:
             If one has none.
         """
 
-        def told(now: StudyProgress) -> None:
+        def advance(now: StudyProgress) -> None:
             self.report(now.share, f"{words}: {now.done} of {now.total}")
 
         self.report(0.0, words)
-        found = answers(questions, self.store, self.pool, told)
+        found = answers(questions, self.store, self.pool, advance)
         for one, question in zip(found, questions, strict=True):
             if isinstance(one, Failure):
                 raise StrikewaveError(f"{question.case.name}: {one.reason}")

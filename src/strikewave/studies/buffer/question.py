@@ -19,7 +19,7 @@ from strikewave.studies.buffer.mounting_site import blows_of, choose_sensor, mou
 from strikewave.studies.buffer.result import BufferStudy
 from strikewave.studies.buffer.study import design_buffer
 from strikewave.studies.engine.chosen_pool import pool_of
-from strikewave.studies.engine.runner import shares_told
+from strikewave.studies.engine.runner import share_reporter
 from strikewave.studies.engine.store import RunStore
 
 
@@ -92,7 +92,7 @@ def buffer(
     blows = blows_of(case, site.table, str(blow))
     pool = pool_of(executor, workers, cluster)
     with RunStore(None if store is None else Path(store), option="store") as finished:
-        study = design_buffer(site, blows, choice, goal, finished, pool, shares_told(progress))
+        study = design_buffer(site, blows, choice, goal, finished, pool, share_reporter(progress))
     return dataclasses.replace(study, case=case)
 
 

@@ -41,7 +41,7 @@ from strikewave.studies.buffer.mounting_site import (
 from strikewave.studies.buffer.result import BufferStudy
 from strikewave.studies.buffer.study import LEADING, design_buffer
 from strikewave.studies.engine.pools import Pool
-from strikewave.studies.engine.runner import shares_told
+from strikewave.studies.engine.runner import share_reporter
 from strikewave.studies.engine.store import RunStore
 from strikewave.studies.resumable import ResumableCommand
 
@@ -125,8 +125,8 @@ class BufferCommand(ResumableCommand[BufferStudy]):
                 blows = _blows(source, self.blow, report)
         try:
             with progress_bar("stacks") as report:
-                told = shares_told(report)
-                study = design_buffer(source.site, blows, self.choice, self.goal, store, self.pool, told)
+                advance = share_reporter(report)
+                study = design_buffer(source.site, blows, self.choice, self.goal, store, self.pool, advance)
         except KeyboardInterrupt as stop:
             self.stopped_after(stop, store, "stacks")
         origin = None

@@ -10,7 +10,7 @@ from strikewave.cases.case import Case
 from strikewave.studies.design.plan import plan_of
 from strikewave.studies.design.study import DesignStudy, make_design
 from strikewave.studies.engine.chosen_pool import pool_of
-from strikewave.studies.engine.runner import shares_told
+from strikewave.studies.engine.runner import share_reporter
 from strikewave.studies.engine.store import RunStore
 from strikewave.studies.sweep.question import Vary, vary_texts
 
@@ -82,4 +82,4 @@ def design(
     """
     plan = plan_of(case, vary_texts(vary), goals, analysis, runs, seed, robust, search)
     with RunStore(None if store is None else Path(store)) as finished:
-        return make_design(plan, finished, pool_of(executor, workers, cluster), shares_told(progress))
+        return make_design(plan, finished, pool_of(executor, workers, cluster), share_reporter(progress))

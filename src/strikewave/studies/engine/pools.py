@@ -222,7 +222,7 @@ def each_on(pool: Pool, function: Callable[[Asked], Answer], items: Sequence[Ask
 
 
 def error_of(future: Future[Any]) -> BaseException | None:
-    """Wait for a future, and return what it raised; one that was cancelled says so."""
+    """Wait for a future, and return what it raised, or that it was cancelled."""
     try:
         return future.exception()
     except CancelledError as error:
@@ -230,7 +230,7 @@ def error_of(future: Future[Any]) -> BaseException | None:
 
 
 def begin(pool: Pool, job: Batch[Asked, Answer], items: Sequence[Asked]) -> Future[list[Answer]]:
-    """Begin a batch; where the pool is lost already, its future says so."""
+    """Begin a batch; where the pool is lost already, its future has the error."""
     try:
         return pool.submit(job, items)
     except Exception as error:

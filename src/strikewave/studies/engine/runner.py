@@ -74,13 +74,13 @@ class StudyProgress(NamedTuple):
 Advance = Callable[[StudyProgress], None]
 
 
-def shares_told(progress: Callable[[float], None] | None) -> Advance | None:
-    """Return what tells someone the share of the runs that are finished, 0 to 1; None where nobody asks.
+def share_reporter(progress: Callable[[float], None] | None) -> Advance | None:
+    """Return what reports the share of the runs that are finished, 0 to 1; None where nobody asks.
 
     Examples
     --------
-    >>> told = shares_told(print)
-    >>> told(StudyProgress(4, 1, 0, 2.0)) if told else None
+    >>> report = share_reporter(print)
+    >>> report(StudyProgress(4, 1, 0, 2.0)) if report else None
     0.25
     """
     return None if progress is None else (lambda done: progress(done.share))

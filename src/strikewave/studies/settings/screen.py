@@ -18,7 +18,7 @@ from strikewave.reporting.run_and_write import run_and_write
 from strikewave.reporting.terminal import print_rows, progress_bar, table, tell
 from strikewave.specifications.judging import Clause, worst_clauses
 from strikewave.studies.engine.pools import Pool
-from strikewave.studies.engine.runner import shares_told
+from strikewave.studies.engine.runner import share_reporter
 from strikewave.studies.engine.store import RunStore
 from strikewave.studies.resumable import ResumableCommand
 from strikewave.studies.settings.candidate import BlowGoal, SettingsCandidate
@@ -66,7 +66,7 @@ class SettingsCommand(ResumableCommand[SettingsStudy]):
         """Return the study, with a bar on stderr."""
         try:
             with progress_bar("settings") as report:
-                study = design_settings(self.case, self.goal, self.choice, store, self.pool, shares_told(report))
+                study = design_settings(self.case, self.goal, self.choice, store, self.pool, share_reporter(report))
         except KeyboardInterrupt as stop:
             self.stopped_after(stop, store, "searches")
         return dataclasses.replace(study, asked=measured.asked())

@@ -25,7 +25,7 @@ from strikewave.studies.engine.plan import (
     grid,
     varied,
 )
-from strikewave.studies.engine.runner import shares_told
+from strikewave.studies.engine.runner import share_reporter
 from strikewave.studies.engine.store import RunStore
 from strikewave.studies.engine.variables import EXAMPLE, StudyVariable, read_variable
 from strikewave.studies.sweep.study import NOTE, SweepPlan, SweepStudy, make_sweep
@@ -100,7 +100,7 @@ def sweep(
     """
     plan = plan_of(case, vary, keep, analysis, design, runs, seed)
     with RunStore(None if store is None else Path(store), option="store") as finished:
-        return make_sweep(plan, finished, pool_of(executor, workers, cluster), shares_told(progress))
+        return make_sweep(plan, finished, pool_of(executor, workers, cluster), share_reporter(progress))
 
 
 def plan_of(

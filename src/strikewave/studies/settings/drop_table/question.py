@@ -11,7 +11,7 @@ from strikewave.base.units import si_value
 from strikewave.cases.case import Case, load_case
 from strikewave.specifications.reading import load_specification
 from strikewave.studies.engine.chosen_pool import pool_of
-from strikewave.studies.engine.runner import shares_told
+from strikewave.studies.engine.runner import share_reporter
 from strikewave.studies.engine.store import RunStore
 from strikewave.studies.settings.defaults import DROP_TABLE
 from strikewave.studies.settings.drop_table.programmers import read_programmer
@@ -84,5 +84,5 @@ def drop_table(
     chosen = load_case(DROP_TABLE) if case is None else case
     with RunStore(None if store is None else Path(store), option="store") as finished:
         return design_drop_table(
-            chosen, goal, choice, finished, pool_of(executor, workers, cluster), shares_told(progress)
+            chosen, goal, choice, finished, pool_of(executor, workers, cluster), share_reporter(progress)
         )

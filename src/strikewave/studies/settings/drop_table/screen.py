@@ -13,7 +13,7 @@ from strikewave.reporting.options import Output
 from strikewave.reporting.run_and_write import run_and_write
 from strikewave.reporting.terminal import print_rows, progress_bar, table, tell
 from strikewave.studies.engine.pools import Pool
-from strikewave.studies.engine.runner import shares_told
+from strikewave.studies.engine.runner import share_reporter
 from strikewave.studies.engine.store import RunStore
 from strikewave.studies.resumable import ResumableCommand
 from strikewave.studies.settings.columns import LIMIT_COLUMNS
@@ -65,7 +65,7 @@ class DropCommand(ResumableCommand[DropStudy]):
         """Return the study, with a bar on stderr."""
         try:
             with progress_bar("settings") as report:
-                study = design_drop_table(self.case, self.goal, self.choice, store, self.pool, shares_told(report))
+                study = design_drop_table(self.case, self.goal, self.choice, store, self.pool, share_reporter(report))
         except KeyboardInterrupt as stop:
             self.stopped_after(stop, store, "searches")
         return dataclasses.replace(study, asked=measured.asked())
