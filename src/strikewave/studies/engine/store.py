@@ -85,6 +85,7 @@ class RunStore:
                 raise InputError(
                     self._option, str(self.folder), "a folder for the finished runs", "this is a file or a link"
                 )
+            self._made = [path for path in (self.folder, *self.folder.parents) if not path.exists()]
             self.folder.mkdir(parents=True, exist_ok=True)
             self._base = self._opened(fresh)
 
@@ -176,13 +177,14 @@ class RunStore:
             self._temporary.cleanup()
 
     def remove(self) -> None:
-        """Remove index and files, the index first, so that it never names a file that is gone."""
+        """Remove index and files, the index first, so that it never names a file that is gone; and folders it made."""
         self.close()
         index = [self.folder / f"{INDEX}{end}" for end in ("", "-wal", "-shm")]
         for path in [*index, *self.chunks, *self.folder.glob(STATE.format("*"))]:
             path.unlink(missing_ok=True)
-        with contextlib.suppress(OSError):
-            self.folder.rmdir()
+        with contextlib.suppress(OSError):  # not empty: something else stands there by now
+            for path in self._made or [self.folder]:
+                path.rmdir()
 
     @property
     def empty(self) -> bool:
