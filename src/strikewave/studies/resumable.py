@@ -9,6 +9,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import ClassVar, NoReturn, TypeVar
 
+from strikewave.base.errors import StrikewaveError
 from strikewave.base.interrupts import exit_code
 from strikewave.base.result import Result
 from strikewave.reporting.run_and_write import Command
@@ -47,8 +48,9 @@ class ResumableCommand(Command[Study]):
         with self.store:
             try:
                 yield
-            except BaseException:
-                if self.place is None and self.store.empty:
+            except BaseException as error:
+                refused = isinstance(error, StrikewaveError) and self.store.fruitless  # as nothing can be run
+                if self.place is None and (self.store.empty or refused):
                     self.store.remove()
                 raise
             if self.place is None:

@@ -85,7 +85,6 @@ class RunStore:
                 raise InputError(
                     self._option, str(self.folder), "a folder for the finished runs", "this is a file or a link"
                 )
-            self._made = [path for path in (self.folder, *self.folder.parents) if not path.exists()]
             self.folder.mkdir(parents=True, exist_ok=True)
             self._base = self._opened(fresh)
 
@@ -177,19 +176,24 @@ class RunStore:
             self._temporary.cleanup()
 
     def remove(self) -> None:
-        """Remove index and files, the index first, so that it never names a file that is gone; and folders it made."""
+        """Remove index and files, the index first, so that it never names a file that is gone."""
         self.close()
         index = [self.folder / f"{INDEX}{end}" for end in ("", "-wal", "-shm")]
         for path in [*index, *self.chunks, *self.folder.glob(STATE.format("*"))]:
             path.unlink(missing_ok=True)
-        with contextlib.suppress(OSError):  # not empty: something else stands there by now
-            for path in self._made or [self.folder]:
-                path.rmdir()
+        with contextlib.suppress(OSError):
+            self.folder.rmdir()
 
     @property
     def empty(self) -> bool:
         """Whether it has nothing to go on with: no finished run, and no state of one."""
         return not self.known() and not any(self.folder.glob(STATE.format("*")))
+
+    @property
+    def fruitless(self) -> bool:
+        """Whether no run has come to anything."""
+        with self._in_words():
+            return self._base.execute("SELECT 1 FROM runs WHERE failure = '' LIMIT 1").fetchone() is None
 
     def known(self) -> set[bytes]:
         """Return the keys of all finished runs, failed ones among them."""
