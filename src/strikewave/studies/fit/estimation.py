@@ -93,6 +93,12 @@ class Search:
             self._residuals, self._last = other, {}
             self.best = self.best and (math.inf, self.best[1])
 
+    def of_others(self, residuals: Residuals) -> Search:
+        """Return a search of other residuals of the same cube, which goes on counting the runs."""
+        search = Search(residuals, self.size, self._advance, self._least / STAIRS)
+        search.runs = self.runs
+        return search
+
     def many(self, places: Sequence[Array]) -> list[Array | None]:
         """Return the residuals at some places; None where they cannot be found."""
         alone = len(places) == 1  # threads would take longer to begin
