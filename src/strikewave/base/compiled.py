@@ -347,7 +347,8 @@ class _PartCache(_KernelCache):
 
 def _part(function: F, options: dict[str, Any]) -> F:
     compiled: Any = _compiled(function, options, _PartCache)
-    compiled.__class__ = _Part
+    if not numba.config.DISABLE_JIT:  # type: ignore[attr-defined]
+        compiled.__class__ = _Part
     return cast(F, compiled)
 
 

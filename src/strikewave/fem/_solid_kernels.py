@@ -24,6 +24,7 @@ from strikewave.fem._layout import (
     ROOM,
     SHEAR,
     SIGMA,
+    SIX,
     SPIN,
     STRAIN,
     STRAIN_P,
@@ -290,9 +291,28 @@ def zerilli_armstrong(s, solid, dt, j):
     heated_flow(zerilli_armstrong_still, zerilli_armstrong_flow, s, solid, dt, j)
 
 
+@fused_leaf_kernel
+def moving_yield(s, solid, j):
+    """Return the trial stress to a yield surface that moves, and move it."""
+    back = turned_rows(s, BACK, j)
+    shift = von_mises(s, back, solid, j)
+    for k in range(6):
+        s[HELD + BACK[0] + np.uint64(k) * W + j] = back[k] + shift[k]
+
+
+@fused_leaf_kernel
+def hold_stress(s, j):
+    """Keep the stress of the end of the step."""
+    for k in range(SIX):
+        s[HELD + SIGMA[0] + k * W + j] = s[STRESS[0] + k * W + j]
+
+
 @fused_called_kernel
 def update_stress(s, solid, kind, dt):
-    """Bring the stress of a chunk to the end of the step; writes rows STRESS, WORK and PLASTIC and the held state."""
+    """Bring the stress of a chunk to the end of the step; writes rows STRESS, WORK and PLASTIC and the held state.
+
+    A loop for each law, so that those without branches become vector loops; `stress_of_one` does the same for one lane.
+    """
     lame, shear = solid[LAME], solid[SHEAR]
     for j in range(W):
         elastic(s, lame, shear, j)
@@ -308,9 +328,22 @@ def update_stress(s, solid, kind, dt):
             von_mises(s, STILL, solid, j)
     elif kind == BILINEAR:
         for j in range(W):
-            back = turned_rows(s, BACK, j)
-            shift = von_mises(s, back, solid, j)
-            for k in range(6):
-                s[HELD + BACK[0] + np.uint64(k) * W + j] = back[k] + shift[k]
-    for j in range(np.uint64(6) * W):
+            moving_yield(s, solid, j)
+    for j in range(SIX * W):
         s[HELD + SIGMA[0] + j] = s[STRESS[0] + j]
+
+
+@fused_leaf_kernel
+def stress_of_one(s, solid, kind, dt, j):
+    """Bring the stress of one lane to the end of the step, as `update_stress` does for a chunk."""
+    elastic(s, solid[LAME], solid[SHEAR], j)
+    s[PLASTIC + j] = 0.0
+    if kind == JOHNSON_COOK:
+        johnson_cook(s, solid, dt, j)
+    elif kind == ZERILLI_ARMSTRONG:
+        zerilli_armstrong(s, solid, dt, j)
+    elif kind == BILINEAR and solid[KINEMATIC] == 0.0:
+        von_mises(s, STILL, solid, j)
+    elif kind == BILINEAR:
+        moving_yield(s, solid, j)
+    hold_stress(s, j)
