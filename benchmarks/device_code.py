@@ -116,11 +116,13 @@ def registers(code, folder):
 def main():
     """Print a line for each kernel."""
     elements, others = samples()
-    print("| kernel | registers | bytes spilled | local memory | double operations in the code |\n| --- | --- | --- | --- | --- |")
+    print(
+        "| kernel | registers | bytes spilled | local memory | double operations in the code |\n| --- | --- | --- | --- | --- |"
+    )
     with (
         tempfile.TemporaryDirectory() as folder,
         mock.patch.object(dispatcher, "get_current_device", Gpu),
-        mock.patch.object(cudadrv.nvrtc, "get_arch_option", lambda *cc: "compute_90"),
+        mock.patch.object(cudadrv.nvrtc, "get_arch_option", return_value="compute_90"),
     ):
         for build, group in ((scratch_kernel_of, elements), (kernel_of, others)):
             for body, arguments in group.items():

@@ -11,8 +11,7 @@ import pytest
 
 from strikewave.base.errors import InputError
 from strikewave.fem.device import gpu
-from strikewave.fem.device.devices import Loop, device_named
-from strikewave.fem.device.engine import refuse_unknown
+from strikewave.fem.device.devices import Loop, device_named, refuse_unknown
 from strikewave.fem.mesh import joined
 from strikewave.fem.model import (
     Controls,
@@ -130,7 +129,6 @@ def test_an_interrupted_run_goes_on_there_and_on_the_processor(tmp_path):
         assert_same(whole, solve(impact(), RunOptions(device=device, resume=path)))
 
 
-@pytest.mark.verify
 def test_the_kernels_of_a_gpu_run_in_the_simulator_of_numba():
     environment = {**os.environ, "NUMBA_ENABLE_CUDASIM": "1", "NUMBA_DISABLE_JIT": "1"}
     script = Path(__file__).with_name("simulated_gpu.py")
@@ -140,7 +138,9 @@ def test_the_kernels_of_a_gpu_run_in_the_simulator_of_numba():
 
 def test_without_a_gpu_one_line_says_what_is_missing(monkeypatch):
     monkeypatch.setattr(gpu.cuda, "is_available", lambda: False)
-    with pytest.raises(InputError, match='--device: got "cuda"; allowed: a machine with an NVIDIA GPU and its driver') as error:
+    with pytest.raises(
+        InputError, match='--device: got "cuda"; allowed: a machine with an NVIDIA GPU and its driver'
+    ) as error:
         device_named("cuda")
     assert "\n" not in str(error.value)
 

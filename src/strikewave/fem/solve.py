@@ -19,7 +19,6 @@ import numpy as np
 from strikewave.base.errors import InputErrors
 from strikewave.fem.checks import faults
 from strikewave.fem.device.devices import Device
-from strikewave.fem.device.engine import DeviceEngine
 from strikewave.fem.engine import Engine
 from strikewave.fem.mesh import TINY
 from strikewave.fem.model import Controls, Model
@@ -167,7 +166,11 @@ def solve_blows(model: Model, options: RunOptions | None = None) -> tuple[FemRun
 
 
 def _engine(model: Model, pool: ThreadPoolExecutor | None, device: Device | None) -> Engine:
-    return Engine(model, pool) if device is None else DeviceEngine(model, device)
+    if device is None:
+        return Engine(model, pool)
+    from strikewave.fem.device.engine import DeviceEngine
+
+    return DeviceEngine(model, device)
 
 
 def _one_blow(engine: Engine, options: RunOptions) -> FemRun:

@@ -18,7 +18,9 @@ def command(
     ] = 1,
     device: Annotated[
         Literal["cuda"] | None,
-        typer.Option("--device", help="Take the steps on an NVIDIA GPU; on the processor by default.", show_default=False),
+        typer.Option(
+            "--device", help="Take the steps on an NVIDIA GPU; on the processor by default.", show_default=False
+        ),
     ] = None,
     frames: Annotated[
         int | None,

@@ -24,13 +24,12 @@ from strikewave.base.json_document import head, plain, without
 from strikewave.base.percents import percent
 from strikewave.cases.case import Case, dump_case
 from strikewave.fem.blow_measures import blow_measure
+from strikewave.fem.device.devices import Device, device_named, refuse_unknown
 from strikewave.fem.measures import ENERGY_LIMIT, HOURGLASS_LIMIT, ContactMeasure, balance_measure
 from strikewave.fem.model import Model
 from strikewave.fem.quality import UNWARPED, PartQuality, quality_report
 from strikewave.fem.run import ENERGIES
 from strikewave.fem.snapshots import SNAPSHOTS
-from strikewave.fem.device.devices import Device, device_named
-from strikewave.fem.device.engine import refuse_unknown
 from strikewave.fem.solve import Checkpoint, Progress, RunOptions, frame_instants
 from strikewave.reporting.bands import NO_BAND_OF_ELEMENTS
 from strikewave.reporting.layout import KEY, MORE, keys, numerals
@@ -86,7 +85,7 @@ def run_element_case(case: Case, changes: Sequence[str], output: Output, choice:
         raise InputError("--restart", "no folder", "a run that writes its files", "add --out DIR")
     device = device_named(choice.device) if choice.device else None
     model, _ = _reported_model(case, choice.threads)
-    if device:
+    if device is not None:
         refuse_unknown(model)
     case = output.tested(case)
     text = dump_case(case)

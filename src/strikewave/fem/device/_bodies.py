@@ -206,7 +206,7 @@ def copy_row(i, force, first):
 
 @leaf_kernel
 def book_row(i, nodes, force, before, v, kick, done):
-    """Add work and impulse of a force in the step that led to the velocity v; see `_boundary_kernels.work_and_impulse`."""
+    """Add work and impulse of a force in a step; see `_boundary_kernels.work_and_impulse`."""
     work = 0.0
     for c in range(3):
         work += 0.5 * force[i, c] * (before[i, c] + v[nodes[i], c])
@@ -236,8 +236,8 @@ def speed_node(i, state, middle, square):
 def collect_node(n, state, start, sources, f):
     """Add to f the contact force on a node: that of its own contact, and what others press on the corner that it is.
 
-    ``sources[start[n] : start[n + 1]]`` are the nodes that may meet a face of which it is a corner, ascending: the order
-    of the sums is that of `_contact_kernels.scatter_forces`.
+    ``sources[start[n] : start[n + 1]]`` are the nodes that may meet a face of which it is a corner, ascending, so that
+    the order of the sums is that of `_contact_kernels.scatter_forces`.
     """
     touch, nodal = state.touch, state.nodal
     first = n < touch.first

@@ -1,4 +1,4 @@
-"""Where bodies run, one call for each index: a GPU by CUDA, or a loop here."""
+"""Where bodies run, one call for each index: a GPU, or a loop here; what is not done there yet."""
 
 from __future__ import annotations
 
@@ -9,6 +9,7 @@ import numpy as np
 
 from strikewave.base.errors import InputError
 from strikewave.fem._layout import SCRATCH
+from strikewave.fem.model import Model, Pressure
 
 NAMES = ("cuda",)
 """Devices that can be asked for."""
@@ -43,22 +44,28 @@ class Loop:
         self.scratch = np.zeros(SCRATCH)
 
     def put(self, array: np.ndarray) -> np.ndarray:
+        """Return a copy of an array."""
         return np.array(array)
 
     def get(self, array: np.ndarray) -> np.ndarray:
+        """Return a copy of it."""
         return np.array(array)
 
     def each(self, body: Callable[..., None], count: int, *arguments: Any) -> None:
+        """Call body(i, *arguments) for every i below count."""
         for i in range(count):
             body(i, *arguments)
 
     def each_with_scratch(self, body: Callable[..., None], count: int, *arguments: Any) -> None:
+        """Call body(i, scratch, *arguments) with one scratch for all."""
         self.each(body, count, self.scratch, *arguments)
 
     def least(self, array: np.ndarray) -> float:
+        """Return the least of some numbers."""
         return float(array.min())
 
     def largest(self, array: np.ndarray) -> float:
+        """Return the largest of some numbers."""
         return float(array.max())
 
 
@@ -77,3 +84,23 @@ def device_named(name: str) -> Device:
     except ImportError:
         raise InputError("--device", "cuda", "numba-cuda beside strikewave", "pip install 'strikewave[gpu]'") from None
     return Cuda()
+
+
+def refuse_unknown(model: Model) -> None:
+    """Refuse a model with something that is not done on a device yet.
+
+    Raises
+    ------
+    InputError
+        In one line that names it.
+    """
+    unknown = {
+        "ties": bool(model.ties),
+        "rigid parts": bool(model.rigid),
+        "pressures": any(isinstance(each, Pressure) for each in model.boundaries),
+        "several blows": model.controls.blows > 1,
+    }
+    found = [name for name, there in unknown.items() if there]
+    if found:
+        allowed = "elements of all solids, contact, walls, held and driven sides, non-reflecting sides, gravity"
+        raise InputError("--device", f"a case with {' and '.join(found)}", allowed, "run it without --device")

@@ -4,13 +4,12 @@ from __future__ import annotations
 
 import numpy as np
 
-from strikewave.base.errors import InputError
 from strikewave.fem import _node_kernels as node_kernels
 from strikewave.fem.boundary import Acting, Now
-from strikewave.fem.device.devices import Device
+from strikewave.fem.device.devices import Device, refuse_unknown
 from strikewave.fem.device.parts import DeviceActing, DeviceContact, DeviceElements, DeviceWall, Nodes
 from strikewave.fem.engine import Engine
-from strikewave.fem.model import Model, Pressure
+from strikewave.fem.model import Model
 
 NODES = ("x", "v", "f", "mass", "inverse_mass", "yielding")
 """Arrays of the nodes that a step needs."""
@@ -38,7 +37,7 @@ class DeviceEngine(Engine):
         device = self.device
         self.nodes = Nodes(*(device.put(getattr(self, name)) for name in NODES))
         self.there = [DeviceElements(device, kind, len(self.x)) for kind in self.solid.kinds]
-        self.acts: dict[Acting, DeviceActing] = {each: DeviceActing(device, each) for each in self.acting}
+        self.acts: dict[Acting, DeviceActing] = {each: DeviceActing(device, each, self.mass) for each in self.acting}
         self.met = {name: DeviceContact(device, state) for name, state in self.contacts.items()}
         self.stood = {name: DeviceWall(device, state) for name, state in self.walls.items()}
 
@@ -88,23 +87,3 @@ class DeviceEngine(Engine):
         """Note the instant; return why the run cannot go on, or nothing."""
         self.fetch()
         return super().record()
-
-
-def refuse_unknown(model: Model) -> None:
-    """Refuse a model with something that is not done on a device yet.
-
-    Raises
-    ------
-    InputError
-        In one line that names it.
-    """
-    unknown = {
-        "ties": bool(model.ties),
-        "rigid parts": bool(model.rigid),
-        "pressures": any(isinstance(each, Pressure) for each in model.boundaries),
-        "several blows": model.controls.blows > 1,
-    }
-    found = [name for name, there in unknown.items() if there]
-    if found:
-        allowed = "elements of all solids, contact, walls, held and driven sides, non-reflecting sides, gravity"
-        raise InputError("--device", f"a case with {' and '.join(found)}", allowed, "run it without --device")

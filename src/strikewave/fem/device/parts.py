@@ -88,7 +88,9 @@ class DeviceElements:
         put = self.device.put
         self.blocks = put_fields(self.device, self.here.blocks)
         self.results = bodies.ElementResults(
-            put(np.zeros((3, 8 * self.lanes))), put(np.zeros((layout.SUMS, self.lanes))), put(np.full(self.lanes, np.inf))
+            put(np.zeros((3, 8 * self.lanes))),
+            put(np.zeros((layout.SUMS, self.lanes))),
+            put(np.full(self.lanes, np.inf)),
         )
 
     def fetch(self) -> None:
@@ -103,9 +105,7 @@ class DeviceElements:
     def add_forces(self, nodes: Nodes, dt: float) -> float:
         """Bring the elements to the end of a step and add their forces; return their critical step, s."""
         each, viscous = self.device.each, tuple(float(c) for c in self.here.viscous)
-        self.device.each_with_scratch(
-            self.body, self.lanes, self.blocks, nodes.x, nodes.v, dt, viscous, self.results
-        )
+        self.device.each_with_scratch(self.body, self.lanes, self.blocks, nodes.x, nodes.v, dt, viscous, self.results)
         each(bodies.gather_node, self.nodes, self.start, self.places, self.results.corner, nodes.f)
         return self.device.least(self.results.step)
 
@@ -113,8 +113,8 @@ class DeviceElements:
 class DeviceActing:
     """Weight, held or driven nodes, or dashpots."""
 
-    def __init__(self, device: Device, acting: Acting) -> None:
-        self.device, self.here, self.count = device, acting, len(acting.nodes)
+    def __init__(self, device: Device, acting: Acting, mass: Array) -> None:
+        self.device, self.here, self.mass, self.count = device, acting, mass, len(acting.nodes)
         self.nodes = device.put(acting.nodes)
         self.table = device.put(acting.directions) if isinstance(acting, Held) else None
         self.kick = 0.0
@@ -144,7 +144,7 @@ class DeviceActing:
         elif isinstance(here, Dashpots):
             if now.kick != self.kick:
                 self.kick = now.kick
-                self.table = self.device.put(here.ready_for(now.kick, self.device.get(now.mass)))
+                self.table = self.device.put(here.ready_for(now.kick, self.mass))
             each(boundary_kernels.absorb_node, self.count, self.nodes, self.table, *rest)
 
     def book(self, nodes: Nodes, kick: float) -> None:
