@@ -20,7 +20,7 @@ def model():
         joined([low, moved(up, (0.3 * SIZE, 0.2 * SIZE, SIZE))]),
         {"low": solid, "up": solid},
         Controls(0.2e-6, 0.2e-6),
-        velocity={"up": (0.0, 1.0, -20.0)},
+        velocity={"up": (0.0, 1.0, -60.0)},
         contacts=(SurfaceContact("low.z+", "up.z-", 0.2),),
         boundaries=(Fixed("low.z-"),),
     )

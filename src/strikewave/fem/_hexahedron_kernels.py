@@ -1,5 +1,7 @@
 """Kernels of the one-point hexahedron; `strikewave.fem.hexahedron` explains them, `_layout` the rows."""
 
+import math
+
 import numpy as np
 
 from strikewave.base.compiled import fused_called_kernel, fused_leaf_kernel
@@ -232,7 +234,7 @@ def hourglass_force(s, n, j):
     qy = s[Y[0] + own] + weighted(s, Y[0], row, j)
     qz = s[Z[0] + own] + weighted(s, Z[0], row, j)
     square = qx * qx + qy * qy + qz * qz
-    root = np.sqrt(1.0 + s[FIXED + YIELDING + j] * square)
+    root = math.sqrt(1.0 + s[FIXED + YIELDING + j] * square)
     k = 8.0 * s[FIXED + STIFFNESS + j]
     s[HOURGLASS + j] += k * square / (1.0 + root)
     k /= root
@@ -288,7 +290,7 @@ def viscosity(s, solid, dt, linear, quadratic, j):
     r = s[GX[2] + j], s[GY[2] + j], s[GZ[2] + j]
     largest, longest, straight = steepest(p, q, r)
     trace = dot6(s, GX, GX, j) + dot6(s, GY, GY, j) + dot6(s, GZ, GZ, j)
-    thickness = 2.0 * volume / np.sqrt(longest)
+    thickness = 2.0 * volume / math.sqrt(longest)
     swelling = s[STRAIN[0] + j] + s[STRAIN[1] + j] + s[STRAIN[2] + j]
     rate = swelling / dt
     squeezed = min(rate, 0.0)
@@ -310,7 +312,7 @@ def critical_step(s, solid, j):
     """
     square = (2.0 * solid[SHEAR] * s[STEEPEST + j] + solid[LAME] * s[TRACE + j]) / s[FIXED + MASS + j]
     damping = s[DAMPING + j]
-    step = 4.0 / (damping + np.sqrt(damping * damping + 4.0 * square))
+    step = 4.0 / (damping + math.sqrt(damping * damping + 4.0 * square))
     s[STEP + j] = step if s[VOLUME + j] > 0.0 and step > 0.0 else 0.0
 
 

@@ -1,5 +1,7 @@
 """Kernels of strain and stress in the rows of a chunk (`strikewave.fem._layout`): turned, elastic, plastic."""
 
+import math
+
 import numpy as np
 
 from strikewave.base.compiled import fused_called_kernel, fused_leaf_kernel
@@ -151,7 +153,7 @@ def direction(s, back, j):
     mean = (xx + yy + zz) / 3.0
     a, b, c = xx - mean - back[0], yy - mean - back[1], zz - mean - back[2]
     d, e, f = s[STRESS[3] + j] - back[3], s[STRESS[4] + j] - back[4], s[STRESS[5] + j] - back[5]
-    q = np.sqrt(1.5 * (a * a + b * b + c * c) + 3.0 * (d * d + e * e + f * f))
+    q = math.sqrt(1.5 * (a * a + b * b + c * c) + 3.0 * (d * d + e * e + f * f))
     return q, (a, b, c, d, e, f)
 
 
@@ -208,7 +210,7 @@ def johnson_cook_flow(solid, p, dp, softening, dt):
     """Return softening (A + B (p + dp)^n) (1 + C ln(max(dp / dt, rate) / rate)), and its slope over dp."""
     slowest = solid[RATE] * dt
     hard = solid[JC_B] * (p + dp) ** solid[JC_N]
-    fast = 1.0 + solid[JC_C] * np.log(max(dp / slowest, 1.0))
+    fast = 1.0 + solid[JC_C] * math.log(max(dp / slowest, 1.0))
     cold, steeper = solid[JC_A] + hard, solid[JC_C] / dp if dp > slowest else 0.0
     return softening * cold * fast, softening * (hard * solid[JC_N] / (p + dp) * fast + cold * steeper)
 
@@ -217,7 +219,7 @@ def johnson_cook_flow(solid, p, dp, softening, dt):
 def zerilli_armstrong_still(solid, p, heat):
     """Return the flow stress at the reference rate, and the temperature in kelvin."""
     temperature = solid[ROOM] + heat
-    active = np.exp(-solid[ZA_C3] * temperature) * (solid[ZA_C1] + solid[ZA_C2] * np.sqrt(p))
+    active = math.exp(-solid[ZA_C3] * temperature) * (solid[ZA_C1] + solid[ZA_C2] * math.sqrt(p))
     return solid[ZA_C0] + active + solid[ZA_C5] * p ** solid[ZA_N], temperature
 
 
@@ -225,9 +227,9 @@ def zerilli_armstrong_still(solid, p, heat):
 def zerilli_armstrong_flow(solid, p, dp, temperature, dt):
     """Return C0 + (C1 + C2 sqrt(p)) exp(T (C4 ln(max(dp / dt, rate) / rate) - C3)) + C5 p^n at p + dp, and slope."""
     slowest, strain = solid[RATE] * dt, p + dp
-    root = solid[ZA_C2] * np.sqrt(strain)
+    root = solid[ZA_C2] * math.sqrt(strain)
     hard = solid[ZA_C5] * strain ** solid[ZA_N]
-    active = np.exp(temperature * (solid[ZA_C4] * np.log(max(dp / slowest, 1.0)) - solid[ZA_C3]))
+    active = math.exp(temperature * (solid[ZA_C4] * math.log(max(dp / slowest, 1.0)) - solid[ZA_C3]))
     steeper = temperature * solid[ZA_C4] / dp if dp > slowest else 0.0
     slope = active * (0.5 * root / strain + (solid[ZA_C1] + root) * steeper) + hard * solid[ZA_N] / strain
     return solid[ZA_C0] + active * (solid[ZA_C1] + root) + hard, slope

@@ -102,8 +102,13 @@ def keep_state(state, at, moving, s):
 
 
 @fused_leaf_kernel
-def leave_results(results, chunk, lane, s):
-    """Write what an element leaves: works are added, the hourglass energy is that of now."""
+def leave_results(blocks, results, chunk, lane, s):
+    """Write what an element leaves: works are added, the hourglass energy is that of now.
+
+    Lanes beyond those that are filled repeat the last element, and leave nothing.
+    """
+    if lane >= np.uint64(blocks.filled[chunk]):
+        return
     for k in range(EIGHT):
         place = chunk * EIGHT * W + k * W + lane
         results.corner[0, place] = s[U[0] + k * W]
@@ -121,8 +126,6 @@ def leave_results(results, chunk, lane, s):
 def one_point_element(i, s, blocks, x, v, dt, viscous, results):
     """Bring an element of one point to the end of a step, as `_hexahedron_kernels.chunk_forces` does for a chunk."""
     chunk, lane = np.uint64(i) // W, np.uint64(i) % W
-    if lane >= np.uint64(blocks.filled[chunk]):
-        return
     part = blocks.part[chunk]
     solid, kind = blocks.solids[part], blocks.kinds[part]
     at, moving = chunk * np.uint64(STATES) * W + lane, solid[KINEMATIC] > 0.0
@@ -138,15 +141,13 @@ def one_point_element(i, s, blocks, x, v, dt, viscous, results):
     hourglass_forces(s, ZERO)
     all_nodal_forces(s, ZERO)
     keep_state(blocks.state, at, moving, s)
-    leave_results(results, chunk, lane, s)
+    leave_results(blocks, results, chunk, lane, s)
 
 
 @fused_leaf_kernel
 def full_element(i, s, blocks, x, v, dt, viscous, results):
     """Bring a fully integrated element to the end of a step, as `_full_kernels.chunk_forces` does for a chunk."""
     chunk, lane = np.uint64(i) // W, np.uint64(i) % W
-    if lane >= np.uint64(blocks.filled[chunk]):
-        return
     part = blocks.part[chunk]
     solid, kind = blocks.solids[part], blocks.kinds[part]
     point, moving = np.uint64(STATES) * W, solid[KINEMATIC] > 0.0
@@ -177,7 +178,7 @@ def full_element(i, s, blocks, x, v, dt, viscous, results):
         s[V[0] + k * W] += s[FY[0] + k * W]
         s[T[0] + k * W] += s[FZ[0] + k * W]
     all_nodal_forces(s, ZERO)
-    leave_results(results, chunk, lane, s)
+    leave_results(blocks, results, chunk, lane, s)
 
 
 @leaf_kernel

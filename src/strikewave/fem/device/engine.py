@@ -51,7 +51,8 @@ class DeviceEngine(Engine):
             work, *given_impulse = acts.fetch()
             self.done["external"] += work
             self.impulse_given += given_impulse
-        for name, touch in {**self.met, **self.stood}.items():
+        touching: dict[str, DeviceContact | DeviceWall] = {**self.met, **self.stood}
+        for name, touch in touching.items():
             work, *impulse = touch.fetch()
             self.done["contact"] += work
             self.impulse[name] += impulse
@@ -78,10 +79,11 @@ class DeviceEngine(Engine):
         nodes, dt = self.nodes, self.dt_next
         moving = nodes.x, nodes.v, nodes.f, nodes.inverse_mass, self.kick, dt
         self.device.each(node_kernels.move_node, len(self.x), *moving)
-        for booked in (*self.acts.values(), *self.met.values(), *self.stood.values()):
-            booked.book(nodes, self.kick)
+        booked: list[DeviceActing | DeviceContact | DeviceWall] = [*self.acts.values()]
+        for each in [*booked, *self.met.values(), *self.stood.values()]:
+            each.book(nodes, self.kick)
         self.note_step()
-        self.critical = min((each.add_forces(nodes, dt) for each in self.there), default=np.inf)
+        self.critical = min((kind.add_forces(nodes, dt) for kind in self.there), default=np.inf)
 
     def record(self) -> str:
         """Note the instant; return why the run cannot go on, or nothing."""

@@ -66,7 +66,7 @@ def kernel_of(body: Any) -> Callable[[int, tuple[Any, ...]], None]:
     """Return the function of a kernel whose threads call a body with an index each."""
 
     def run(count: int, arguments: tuple[Any, ...]) -> None:
-        i = cuda.grid(1)
+        i = cuda.grid(1)  # type: ignore[call-arg, var-annotated]
         if i < count:
             body(i, *arguments)
 
@@ -77,7 +77,7 @@ def scratch_kernel_of(body: Any) -> Callable[[int, tuple[Any, ...]], None]:
     """Return the same with a scratch, which the compiler keeps in registers."""
 
     def run(count: int, arguments: tuple[Any, ...]) -> None:
-        i = cuda.grid(1)
+        i = cuda.grid(1)  # type: ignore[call-arg, var-annotated]
         if i < count:
             scratch = cuda.local.array(SCRATCH, np.float64)
             body(i, scratch, *arguments)

@@ -79,7 +79,7 @@ class DeviceElements:
         self.lanes = len(blocks.filled) * layout.LANES
         corners = blocks.nodes.reshape(-1, 8, layout.LANES)
         filled = np.arange(layout.LANES) < blocks.filled[:, None, None]
-        places = np.flatnonzero(np.broadcast_to(filled, corners.shape))
+        places = np.flatnonzero(np.broadcast_to(filled, corners.shape)).astype(np.int32)
         self.start, self.places = (device.put(each) for each in lists(blocks.nodes[places], places, nodes))
         self.send()
 
@@ -164,7 +164,8 @@ class DeviceTouch(Generic[S]):
     """Nodes of a contact or wall, and what they sum up."""
 
     def __init__(self, device: Device, here: S) -> None:
-        self.device, self.here, self.count = device, here, len(here.touch.nodes)
+        self.here: S = here
+        self.device, self.count = device, len(here.touch.nodes)
         self.send()
 
     def send(self) -> None:
