@@ -66,7 +66,7 @@ def samples():
     x, v, f, m = engine.x, engine.v, engine.f, engine.mass
     lists, one = np.zeros(1, np.int32), 1.0
     results = bodies.ElementResults(np.zeros((3, 1)), np.zeros((4, 1)), np.zeros(1))
-    step, nodes, frame, square = Step(one, one, one, one), lists, np.zeros((1, 3, 3)), np.zeros(1)
+    step, nodes, frame = Step(one, one, one, one), lists, np.zeros((1, 3, 3))
     elements = {
         body: (kind.blocks, x, v, one, (one, one), results)
         for body, kind in zip((bodies.one_point_element, bodies.full_element), engine.solid.kinds, strict=True)
@@ -83,7 +83,6 @@ def samples():
         bodies.book_row: (nodes, x, v, v, one, x),
         bodies.book_touch: (touch.touch, v, one, x),
         predict_node: (touch, x, v, f, m, step),
-        bodies.speed_node: (touch, (one, one, one), square),
         bodies.note_travel: (touch, one),
         press_node: (touch, step),
         bodies.collect_node: (touch, lists, lists, f),

@@ -352,7 +352,7 @@ def predict_positions(state, x, v, f, inverse_mass, step, first, last):
         predict_node(i, state, x, v, f, inverse_mass, step)
 
 
-@leaf_kernel
+@called_kernel
 def travel_of(state, dt):
     """Return the travel of the step: the most by which any two nodes of the two surfaces can come closer."""
     middle, nodes = (0.0, 0.0, 0.0), state.moving.shape[0]

@@ -227,13 +227,6 @@ def book_touch(i, touch, v, kick, done):
 
 
 @leaf_kernel
-def speed_node(i, state, middle, square):
-    """Write the square of a node's velocity without contact beside another one."""
-    a, b, c = state.moving[i, 0] - middle[0], state.moving[i, 1] - middle[1], state.moving[i, 2] - middle[2]
-    square[i] = a * a + b * b + c * c
-
-
-@leaf_kernel
 def collect_node(n, state, start, sources, f):
     """Add to f the contact force on a node: that of its own contact, and what others press on the corner that it is.
 

@@ -33,9 +33,6 @@ class Device(Protocol):
     def least(self, array: Any) -> float:
         """Return the least of some numbers."""
 
-    def largest(self, array: Any) -> float:
-        """Return the largest of some numbers."""
-
 
 class Loop:
     """The device of tests: the same bodies, one index after another, on arrays here."""
@@ -63,10 +60,6 @@ class Loop:
     def least(self, array: np.ndarray) -> float:
         """Return the least of some numbers."""
         return float(array.min())
-
-    def largest(self, array: np.ndarray) -> float:
-        """Return the largest of some numbers."""
-        return float(array.max())
 
 
 def device_named(name: str) -> Device:

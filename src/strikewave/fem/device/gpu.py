@@ -29,7 +29,7 @@ class Cuda:
             hint = "run it without --device, on the processor"
             raise InputError("--device", "cuda", "a machine with an NVIDIA GPU and its driver", hint)
         self.kernels: dict[Any, Any] = {}
-        self._least, self._largest = (cuda.reduce(each) for each in (lesser, larger))
+        self._least = cuda.reduce(lesser)
 
     def put(self, array: np.ndarray) -> Any:
         """Return a copy of an array there."""
@@ -56,10 +56,6 @@ class Cuda:
     def least(self, array: Any) -> float:
         """Return the least of some numbers."""
         return float(self._least(array, init=np.inf))
-
-    def largest(self, array: Any) -> float:
-        """Return the largest of some numbers."""
-        return float(self._largest(array, init=-np.inf))
 
 
 def kernel_of(body: Any) -> Callable[[int, tuple[Any, ...]], None]:
@@ -88,8 +84,3 @@ def scratch_kernel_of(body: Any) -> Callable[[int, tuple[Any, ...]], None]:
 def lesser(a: float, b: float) -> float:
     """Return the lesser of two numbers."""
     return min(a, b)
-
-
-def larger(a: float, b: float) -> float:
-    """Return the larger of two numbers."""
-    return max(a, b)

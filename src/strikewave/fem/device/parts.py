@@ -213,17 +213,15 @@ class DeviceContact(DeviceTouch[ContactState]):
         met = np.concatenate([state.faces[state.candidates], state.faces[state.nodal.face[last]]])
         pairs = np.unique(np.column_stack([met.ravel(), np.repeat(np.concatenate([node, last]), 4)]), axis=0)
         self.start, self.sources = (self.device.put(each) for each in lists(pairs[:, 0], pairs[:, 1], self.count))
-        self.square = self.device.put(np.zeros(self.count))
         self.travel = float(state.travel[0])
 
     def add(self, now: Now, nodes: Nodes) -> bool:
         """Add its forces to those of the nodes; return whether the faces must be searched before the next step."""
         each, there = self.device.each, self.there
-        step, split, moving = self.step(now), self.here.touch.first, self.here.moving
-        middle = 0.5 * (moving[:split].mean(axis=0) + moving[split:].mean(axis=0))
+        step = self.step(now)
         each(contact_kernels.predict_node, self.count, there, nodes.x, nodes.v, nodes.f, nodes.yielding, step)
-        each(bodies.speed_node, self.count, there, tuple(middle.tolist()), self.square)
-        travel = 2.0 * now.step * float(np.sqrt(self.device.largest(self.square)))
+        self.here.moving[:] = self.device.get(there.moving)
+        travel = float(contact_kernels.travel_of(self.here, now.step))
         self.travel += travel
         each(bodies.note_travel, 1, there, self.travel)
         each(contact_kernels.press_node, self.count, there, step._replace(travel=travel))
