@@ -14,6 +14,7 @@ def arrays(request):
     return run_case(load_case(request.param, ["feed.blows=1"])).arrays
 
 
+@pytest.mark.verify
 def test_file_is_that_of_xarray(arrays, tmp_path):
     arrays.write(tmp_path / "ours.nc")
     arrays.to_xarray().to_netcdf(tmp_path / "theirs.nc", engine="h5netcdf")

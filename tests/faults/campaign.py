@@ -1,10 +1,10 @@
 """Faults that befall commands that write: a kill, a full disk, a folder that cannot be written, a damaged cache ...
 
-    python tests/faults/campaign.py [--rounds N] [--write] [COMMAND ...]
+    python tests/faults/campaign.py [--rounds N] [--rows FILE] [--write] [COMMAND ...]
 
 makes each fault to each command, or to those that are named, with real processes, limits of the system and, for root, a real small disk; what has a
-random moment or size N times (1). It prints a table of what was tried and what survived, and `--write` puts it into docs/faults.md. `Bench.survives` is
-the judge.
+random moment or size N times (1). It prints a table of what was tried and what survived, and `--write` puts it into docs/faults.md. `--rows` keeps
+what became of each fault in a file, and goes on from what is there. `Bench.survives` is the judge.
 """
 
 from __future__ import annotations
@@ -460,42 +460,60 @@ FAULTS = {**BY_CHANCE, **AT_START}
 KINDS = {"chance": BY_CHANCE, "start": AT_START}
 
 
+def read_rows(text: str) -> list[tuple[str, str, str]]:
+    """Return fault, command and fate of the rows of a run; other lines are left out."""
+    rows = (tuple(line.split(" | ", 2)) for line in text.splitlines())
+    return [(row[0], row[1], row[2]) for row in rows if len(row) == 3 and row[0] in FAULTS]
+
+
+def table_of(rows: list[tuple[str, str, str]]) -> tuple[str, int]:
+    """Return the table of what was tried and what survived, and how many did not."""
+    sys.path.append(str(Path(__file__).parents[2] / "scripts/validate"))
+    from kit import table
+
+    fates = {words: [fate for fault, _, fate in rows if fault == words] for words in FAULTS}
+    counts = [(words, len(seen), seen.count("survived")) for words, seen in fates.items() if seen]
+    tried, survived = (sum(column) for column in zip(*(count[1:] for count in counts), strict=True))
+    counts.append(("all", tried, survived))
+    return table(("Fault", "tried", "survived"), [[str(cell) for cell in count] for count in counts]), tried - survived
+
+
 def main() -> int:
     """Make the faults and print the table; return how many were not survived."""
     parser = argparse.ArgumentParser(description="faults that befall commands")
     parser.add_argument("commands", nargs="*", choices=[[], *COMMANDS], metavar="COMMAND")
     parser.add_argument("--rounds", type=int, default=1, help="of faults by chance")
     parser.add_argument("--only", action="append", choices=[*KINDS, *FAULTS], help="one, or a kind; repeatable")
+    parser.add_argument("--rows", type=Path, default=Path(os.devnull), help="file of rows, gone on with")
     parser.add_argument("--write", action="store_true", help="the table into docs/faults.md")
     asked = parser.parse_args()
     signal.signal(signal.SIGINT, signal.default_int_handler)  # shells and nohup let jobs in the background ignore them,
     signal.signal(signal.SIGHUP, signal.SIG_DFL)  # and commands would inherit that
     home = Path(tempfile.mkdtemp(prefix="strikewave-faults-"))
-    fates: dict[str, list[str]] = {}
-    for words in asked.only or FAULTS:
-        fates |= {one: [] for one in KINDS.get(words, (words,))}
+    chosen = [fault for words in asked.only or FAULTS for fault in KINDS.get(words, (words,))]
+    rows = read_rows(asked.rows.read_text()) if asked.rows.exists() else []
     try:
-        bench = Bench(home, seed=asked.rounds)
-        for k, words, name in product(range(asked.rounds), fates, asked.commands or COMMANDS):
-            if k == 0 or words in BY_CHANCE:
-                fate = bench.survives(name, FAULTS[words])
-                print(f"{words} | {name} | {fate or 'survived'}", flush=True)
-                fates[words] += [fate] if fate != "not tried" else []
+        bench = Bench(home, seed=len(rows))
+        for k, words, name in product(range(asked.rounds), chosen, asked.commands or COMMANDS):
+            if words not in BY_CHANCE and (k > 0 or (words, name) in {row[:2] for row in rows}):
+                continue
+            fate = bench.survives(name, FAULTS[words]) or "survived"
+            print(f"{words} | {name} | {fate}", flush=True)
+            if fate != "not tried":
+                rows.append((words, name, fate))
+                with asked.rows.open("a") as file:
+                    file.write(" | ".join(rows[-1]) + "\n")
     except KeyboardInterrupt:
         print("stopped: the table has what was tried")
     finally:
         shutil.rmtree(home, ignore_errors=True)
-    rows = [(words, len(seen), seen.count("")) for words, seen in fates.items() if seen]
-    tried, survived = (sum(column) for column in zip(*(row[1:] for row in rows), strict=True))
-    sys.path.append(str(Path(__file__).parents[2] / "scripts/validate"))
-    from kit import table, write_into
-
-    rows.append(("all", tried, survived))
-    text = table(("Fault", "tried", "survived"), [[str(cell) for cell in row] for row in rows])
+    text, lost = table_of(rows)
     print(text)
     if asked.write:
+        from kit import write_into
+
         write_into(PAGE, TABLE, text)
-    return tried - survived
+    return lost
 
 
 if __name__ == "__main__":

@@ -71,6 +71,7 @@ def test_rod_on_a_rigid_wall_has_stress_203_mpa_for_77_us(elements):
     assert_balanced(run)
 
 
+@pytest.mark.verify
 def test_rebound_of_the_rod_converges():
     """What the viscosity takes falls at least with the root of the size of the elements, 1.3 a halving, and vanishes
     without it: the scheme itself loses nothing but at the nodes that meet the wall."""

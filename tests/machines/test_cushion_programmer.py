@@ -64,6 +64,7 @@ def test_a_power_cushion_on_a_rigid_table_is_the_closed_form(n):
     assert run.energy_error < 1e-6
 
 
+@pytest.mark.verify
 def test_a_crushing_programmer_keeps_its_set_over_its_rebounds():
     """Caught after three blows: the plateau bears no more, each blow that crushes adds to the set, the balance closes."""
     caught = ["machine.until=brake", "machine.brake_after=3"]

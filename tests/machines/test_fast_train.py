@@ -95,6 +95,7 @@ def test_strikers_each_with_their_own_errors_as_in_full():
     assert np.ptp(run.column("rigid_peak")[4:]) > 0.01 * run.column("rigid_peak")[4:].mean()
 
 
+@pytest.mark.verify
 @given(
     speed=st.floats(300, 800),
     spring=st.floats(15, 120),

@@ -9,10 +9,10 @@ from hypothesis import strategies as st
 from scipy.integrate import quad, solve_ivp
 from scipy.special import beta
 
+from strikewave.base.constants import STANDARD_GRAVITY
 from strikewave.contact import Contact
 from strikewave.hopkinson.bars import Bar, StrikerBar
 from strikewave.machines.launch import (
-    STANDARD_GRAVITY,
     GunBarrel,
     MacheteHammer,
     RigidPendulum,

@@ -269,6 +269,7 @@ STACKS = {
 }
 
 
+@pytest.mark.verify
 @pytest.mark.parametrize("name", STACKS)
 def test_energy_balance_closes_with_the_step(base, name):
     """Second order: the trapezoidal rule everywhere. Between blows the integrator adds its own 1e-10."""

@@ -107,6 +107,7 @@ def test_coverage_over_shapes_rates_and_noise(shape, samples, noise, coloured):
     assert np.all(np.abs(error.mean(axis=0)) < [1.5, 1.0, 1.0] * stated.mean(axis=0))
 
 
+@pytest.mark.verify
 def test_velocity_change_over_a_longer_window_is_as_uncertain_as_noise_makes_it():
     """Over 1.2 durations of white noise: their root, and the error of the baseline from 30 widths before."""
     missed = []

@@ -112,6 +112,7 @@ def test_faults_planted_in_copies_of_measured_shocks_are_judged_right(measured):
     assert not [(fault, file, why) for fault, file, right, why in tried if not right]
 
 
+@pytest.mark.verify
 def test_noise_alone_holds_no_blow(rng):
     from strikewave.records import find_pulses
 

@@ -25,6 +25,7 @@ def alarms(found):
     return {f"{v.kind} {v.seed}": v.alarms for v in found if v.alarms}
 
 
+@pytest.mark.verify
 @pytest.mark.parametrize("kind", ["clean-board", "clean-board-train"])
 def test_clean_boards_raise_nothing_and_their_figures_are_right(kind):
     found = planted_boards.judged_class(kind, 4, FIRST)
@@ -99,6 +100,7 @@ def campaign_of(kind, seed, count, gains):
     return compare(files)
 
 
+@pytest.mark.verify
 def test_a_response_at_half_the_gain_of_its_siblings_is_named():
     files = campaign_of("clean-board", FIRST, 7, {3: 0.5})
     found = [[f.code for f in file.channels[1].findings if f.severity != "good"] for file in files]

@@ -95,6 +95,7 @@ def test_nine_errors_in_ten_lie_within_two_stated_uncertainties(kind, colour):
     assert lost < 0.05
 
 
+@pytest.mark.verify
 def test_the_stated_uncertainty_covers_what_noise_does():
     """60 double draws: three standard deviations of a share of 95 % are 6 %."""
     scores, lost = scores_of("double", "white", 60)

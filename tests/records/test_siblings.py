@@ -55,6 +55,7 @@ def test_files_that_hold_only_mains_stay_without_a_blow():
     assert "interval" not in campaign.statistics
 
 
+@pytest.mark.verify
 def test_files_of_mains_are_known_where_they_are_most():
     files = [file_of(f"shot{k}", shot(4660.0 + 50.0 * k, k)) for k in range(4)]
     files += [file_of(f"empty{k}", blips(100 + k)) for k in range(9)]

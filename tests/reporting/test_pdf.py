@@ -130,6 +130,7 @@ def test_pdf_needs_a_folder_and_a_report(strikewave, tmp_path):
     assert not list(tmp_path.iterdir())
 
 
+@pytest.mark.verify
 def test_report_is_in_the_folder_as_pdf_and_goes_with_a_run_without_it(strikewave, tmp_path):
     code, _, err = strikewave("impact", *IMPACT, "--out", "a", "--pdf", "a4")
     assert code == 0

@@ -162,6 +162,7 @@ def test_the_picture_is_that_of_the_command(run):
     assert [axes.get_title(loc="left") for axes in run.plot().axes][2] == "Rigid-body acceleration, whole train"
 
 
+@pytest.mark.verify
 def test_the_report_is_that_of_the_command_whole_and_nothing_beside_it(run, tmp_path):
     from strikewave.analyses.machine.report import report
 

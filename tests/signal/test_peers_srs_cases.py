@@ -71,6 +71,7 @@ def test_two_sines_on_an_offset_of_pyyeti():
     assert 152.0 < found.max() < 172.0  # as there
 
 
+@pytest.mark.verify
 def test_two_sines_without_their_offset_of_pyyeti():
     """The same record with its first sample, 12, taken off all: what is left begins from rest."""
     rate, q, frequency = 200.0, 50.0, [5.0, 10.0]

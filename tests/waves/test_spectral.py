@@ -245,3 +245,18 @@ def test_delay_lines_refuse_layers_with_loss_or_dispersion():
         run_bar(Stack((lossy,)), bell(2e-5, 4e-6), [Tap(0, 0.5)], 1e-4, WantedError(method="delay lines"))
     with pytest.raises(ValueError, match="Poisson's ratio"):
         dataclasses.replace(LOW, dispersion="love-rayleigh")
+
+
+def test_the_field_of_many_steps_is_looked_at_at_fewer_places(monkeypatch):
+    def run():
+        return run_bar(
+            STACKS["bonded"], bell(1e-5, 2e-6), [Tap(1, 0.5)], 6e-5, WantedError(step=STEP, method="spectral")
+        )
+
+    whole = run()
+    monkeypatch.setattr("strikewave.waves.spectral_bar._FIELD_VALUES", 20 * len(whole.time))
+    sparse = run()
+    assert 20 <= len(sparse.field_position) <= 20 + len(STACKS["bonded"].layers) < len(whole.field_position)
+    ends = [0, -1]
+    np.testing.assert_array_equal(sparse.field_force[:, ends], whole.field_force[:, ends])
+    np.testing.assert_array_equal(sparse.velocity, whole.velocity)

@@ -240,12 +240,12 @@ class ChainMotion:
 
 def contacts(motion: Motion, link: int) -> Array:
     """Return begin, end (s) and approach speed (m/s) of each contact of a link, shape (N, 3)."""
-    record = motion.record
-    closed = np.concatenate([record.mode[:, link] != OPEN, [False]])
+    changes = motion.changes
+    closed = np.concatenate([changes.mode[:, link] != OPEN, [False]])
     edges = np.diff(closed.astype(int), prepend=0)
     begin, end = np.flatnonzero(edges == 1), np.flatnonzero(edges == -1)
-    after = record.time + record.step
-    return np.column_stack([record.time[begin], after[end - 1], record.memory[begin, link]])
+    time = np.append(changes.time, motion.end.time)
+    return np.column_stack([time[begin], time[end], changes.memory[begin, link]])
 
 
 def link_arrays(links: Sequence[Link], nodes: Sequence[str]) -> Links:
@@ -405,13 +405,15 @@ def _check_ends(chain: Chain, links: Links, motion: Motion) -> None:
     ending = [(i, contact) for i, contact in touches if not isinstance(contact, Contact)]
     if not ending:
         return
-    states, _ = motion.sample(np.append(motion.record.time, motion.end.time))
-    times = np.append(motion.record.time, motion.end.time)
-    places = [_bases_at(_shakes(chain), t)[PLACE] for t in times]
-    rows = zip(states[:, : len(chain.bodies)], places, strict=True)
-    indentations = np.array([compressions(links, np.append(row, base)) for row, base in rows])
+    shakes, deepest = _shakes(chain), np.full(len(chain.links), -np.inf)
+    for record in motion.records():
+        for time, state in zip(record.time, record.dense[:, 0], strict=True):
+            nodes = np.append(state[: len(chain.bodies)], _bases_at(shakes, time)[PLACE])
+            deepest = np.maximum(deepest, compressions(links, nodes))
+    nodes = np.append(motion.end.y[: len(chain.bodies)], _bases_at(shakes, motion.end.time)[PLACE])
+    deepest = np.maximum(deepest, compressions(links, nodes))
     for i, contact in ending:
-        check_end(contact, float(indentations[:, i].max()))
+        check_end(contact, float(deepest[i]))
 
 
 def _speed_scale(chain: Chain, links: Links, nodes: Array, speeds: Array) -> float:

@@ -1,9 +1,16 @@
-"""Run the integrator and hold what it found: a motion that can be asked for any time afterwards."""
+"""Run the integrator and hold what it found: a motion that can be asked for any time afterwards.
+
+A motion is followed in stretches of some hundred steps. Of each is kept where it begins, and its steps until they take
+`_KEPT_BYTES`; of a longer motion, later stretches are followed again from there where they are asked for, and come out
+equal to the bit: so the memory of a motion of any length is bounded.
+"""
 
 from __future__ import annotations
 
+import bisect
+import itertools
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -18,14 +25,18 @@ Array = NDArray[np.float64]
 FIRST_STEP = 2e-3
 """First step over the shortest time in which a motion changes: so short that its error, of the 8th power, is rounding;
 the step then grows sixfold at a time."""
-_ROWS = 2048
-"""Steps that are followed at once: some megabytes for a chain of a few bodies."""
-_GROWTH = 8
-"""How many times longer a record becomes when it is full: it is copied, and memory that is new takes as long to get as
-to compute what it holds, so that this happens once in a usual run; what is not filled takes none."""
-_MOST_BYTES = 1_000_000_000
-"""Dense output beyond this is refused: a motion of that size takes minutes, and usually a stiffness or damping is
-wrong."""
+_ROWS = 512
+"""Steps of a stretch: half a blow of a machine, which takes 1.2 MB; few enough that a single time is found again in
+some milliseconds."""
+_KEPT_BYTES = 256_000_000
+"""Steps of a motion that are kept for good: some hundred blows of a machine."""
+_RECENT = 16
+"""Stretches beyond that are kept until others are asked for: what shows one blow is asked for several times."""
+_MOST_STEPS = 5_000_000
+"""Steps beyond which a motion is refused: five times those of a thousand blows. They take a minute, and usually a
+stiffness or damping is wrong."""
+_ROUNDING = 1e-15
+"""Time by which a switch and a step that begins or ends there may differ, s."""
 _SLACK = 1e-9
 """Share of a motion by which a time may lie outside of it: what comes from rounding is taken as its begin or end."""
 
@@ -38,23 +49,127 @@ class MotionState(NamedTuple):
     mode: NDArray[np.int64]
     memory: Array
 
+    def copy(self) -> MotionState:
+        """Return the same in arrays of its own."""
+        return MotionState(self.time, self.y.copy(), self.mode.copy(), self.memory.copy())
+
+
+class Changes(NamedTuple):
+    """Modes and memories of a motion, and since when each row of them holds, s."""
+
+    time: Array
+    mode: NDArray[np.int64]
+    memory: Array
+
+
+class Switched(NamedTuple):
+    """When a switch changed, s, and which."""
+
+    time: Array
+    which: NDArray[np.int64]
+
+
+class _Checkpoint(NamedTuple):
+    """Where a stretch begins, and the step to try there, s."""
+
+    state: MotionState
+    step: float
+
+
+class _Stretch:
+    """Steps in a row with their dense output."""
+
+    def __init__(self, system: Any, record: StepRecord, links: int) -> None:
+        self.record = record
+        self._system, self._links = system, links
+        self._impulses: Array | None = None
+
+    @property
+    def nbytes(self) -> int:
+        """Bytes that it takes."""
+        return sum(array.nbytes for array in self.record) + (0 if self._impulses is None else self._impulses.nbytes)
+
+    def impulses(self) -> Array:
+        """Return the time integral of each link force over each step, N s, shape (steps, links).
+
+        Found by Gauss quadrature of the dense output, independently of the integration of speeds.
+        """
+        if self._impulses is None:
+            self._impulses = np.empty((self.record.time.size, self._links))
+            _integrator.impulses(self._system, self.record, self._impulses)
+        return self._impulses
+
 
 class Motion:
     """A motion with dense output of order 7 between located switches.
 
     Attributes
     ----------
+    begin : float
+        First time, s.
     end : MotionState
         The last state.
-    record : StepRecord
-        Accepted steps and switches.
+    changes : Changes
+        Modes and memories over time; empty where no step was taken.
+    switched : Switched
+        Switches in order of time.
+    links : int
+        How many link forces there are.
     """
 
-    def __init__(self, system: Any, record: StepRecord, end: MotionState, links: int) -> None:
-        self.system = system
-        self.record = record
-        self.end = end
-        self.links = links
+    def __init__(self, system: Any, start: MotionState, control: Control, sizes: tuple[int, int]) -> None:
+        self.links, self._switches = sizes
+        self._system, self._control = system, control
+        self.begin, self.end = start.time, start.copy()
+        self.changes = Changes(np.empty(0), np.empty((0, start.mode.size), np.int64), np.empty((0, start.memory.size)))
+        self.switched = Switched(np.empty(0), np.empty(0, np.int64))
+        self._checkpoints: list[_Checkpoint] = []
+        self._kept: list[_Stretch] = []
+        self._recent: dict[int, _Stretch] = {}
+
+    def follow(self, progress: Callable[[float], None] | None = None) -> None:
+        """Integrate to the end, or to a switch that stops; see `integrate`."""
+        changes, switched = [self.changes], [self.switched]
+        next_one, status, steps, kept = _Checkpoint(self.end, self._control.first_step), FULL, 0, 0
+        while status == FULL:
+            checkpoint = next_one
+            status, record, next_one = self._follow(checkpoint)
+            t, y, *_ = self.end = next_one.state
+            if status == STUCK or not np.all(np.isfinite(y)):
+                raise IntegrationError(
+                    f"the motion could not be followed beyond t = {t:.9g} s (step {next_one.step:.3g} s): "
+                    "a stiffness, damping or mass is extreme; compare the values with the built-in cases"
+                )
+            switched.append(Switched(record.event_time, record.event[:, 0]))
+            if record.time.size:
+                after = np.unique(np.append(record.event[:, 1], 0))
+                after = after[after < record.time.size]  # what changes at the end is of the next stretch
+                changes.append(Changes(*(column[after] for column in (record.time, record.mode, record.memory))))
+                self._checkpoints.append(checkpoint)
+                stretch = _Stretch(self._system, record, self.links)
+                if kept < _KEPT_BYTES:
+                    self._kept.append(stretch)
+                    kept += stretch.nbytes
+            steps += record.time.size
+            if status == FULL and steps >= _MOST_STEPS:
+                raise IntegrationError(
+                    f"more than {_MOST_STEPS:.0e} steps by t = {t:.4g} s of {self._control.end:.4g} s: "
+                    "follow a shorter time, loosen the tolerance, or soften the stiffest spring"
+                )
+            if progress is not None:
+                progress(t)
+        self.changes = Changes(*(np.concatenate(column) for column in zip(*changes, strict=True)))
+        self.switched = Switched(*(np.concatenate(column) for column in zip(*switched, strict=True)))
+
+    @property
+    def nbytes(self) -> int:
+        """Bytes of all that is kept."""
+        arrays = [*self.changes, *self.switched, *(part for point in self._checkpoints for part in point.state[1:])]
+        return sum(held.nbytes for held in (*arrays, *self._kept, *self._recent.values()))
+
+    def records(self) -> Iterator[StepRecord]:
+        """Return the steps in order, some hundred at a time."""
+        return (self._stretch(k).record for k in range(len(self._checkpoints)))
 
     def sample(self, times: float | Array) -> tuple[Array, Array]:
         """Return states (N, n) and link forces (N, links) at times within the motion, s, in any order.
@@ -67,28 +182,68 @@ class Motion:
             If a time lies outside the motion.
         """
         instants = np.array(times, dtype=float, order="C", ndmin=1)
-        first, last = self.record.time[0], self.end.time
-        slack = _SLACK * (last - first)
-        if not np.all((instants >= first - slack) & (instants <= last + slack)):
-            raise ValueError(f"times must lie within the motion, {first:g} to {last:g} s")
-        states = np.empty((instants.size, self.end.y.size))
-        forces = np.empty((instants.size, self.links))
+        slack = _SLACK * (self.end.time - self.begin)
+        if not np.all((instants >= self.begin - slack) & (instants <= self.end.time + slack)):
+            raise ValueError(f"times must lie within the motion, {self.begin:g} to {self.end.time:g} s")
         if np.all(instants[1:] >= instants[:-1]):
-            _integrator.sample(self.system, self.record, instants, states, forces)
-            return states, forces
+            return self._sample_in_order(instants)
         order = np.argsort(instants, kind="stable")
-        _integrator.sample(self.system, self.record, instants[order], states, forces)
+        states, forces = self._sample_in_order(instants[order])
         back = np.argsort(order, kind="stable")
         return states[back], forces[back]
 
-    def impulses(self) -> Array:
-        """Return the time integral of each link force over each step, N s, shape (steps, links).
+    def impulses(self, begin: float, end: float) -> Array:
+        """Return the time integral of each link force over the steps between two switches, N s."""
+        total = np.zeros(self.links)
+        for k in self._stretches_between(begin - _ROUNDING, end + _ROUNDING):
+            stretch = self._stretch(k)
+            time, step = stretch.record.time, stretch.record.step
+            within = (time >= begin - _ROUNDING) & (time + step <= end + _ROUNDING)
+            total += stretch.impulses()[within].sum(axis=0)
+        return total
 
-        Found by Gauss quadrature of the dense output, independently of the integration of speeds.
-        """
-        out = np.empty((self.record.time.size, self.links))
-        _integrator.impulses(self.system, self.record, out)
-        return out
+    def _follow(self, checkpoint: _Checkpoint) -> tuple[int, StepRecord, _Checkpoint]:
+        """Follow a stretch from where it begins; return why it ended, its steps, and where the next one begins."""
+        t, y, mode, memory = checkpoint.state.copy()
+        record = _integrator.empty_record(_ROWS, y.size, mode.size, memory.size)
+        status, t, h, steps, switched = _integrator.advance(
+            self._system, self._control, t, checkpoint.step, y, mode, memory, record, self._switches
+        )
+        *columns, event_time, event = record
+        filled = [column[:steps] for column in columns] + [event_time[:switched], event[:switched]]
+        return status, StepRecord(*filled), _Checkpoint(MotionState(t, y, mode, memory), h)
+
+    def _stretch(self, k: int) -> _Stretch:
+        """Return a stretch: kept, or followed again."""
+        if k < len(self._kept):
+            return self._kept[k]
+        if k not in self._recent:
+            while len(self._recent) >= _RECENT:
+                del self._recent[next(iter(self._recent))]
+            self._recent[k] = _Stretch(self._system, self._follow(self._checkpoints[k])[1], self.links)
+        return self._recent[k]
+
+    def _stretches_between(self, begin: float, end: float) -> range:
+        """Return the stretches that hold two times and what lies between."""
+
+        def holds(time: float) -> int:
+            return max(bisect.bisect_right(self._checkpoints, time, key=lambda point: point.state.time) - 1, 0)
+
+        return range(holds(begin), holds(end) + 1)
+
+    def _sample_in_order(self, instants: Array) -> tuple[Array, Array]:
+        """Return states and link forces at times in order."""
+        states, forces = np.empty((instants.size, self.end.y.size)), np.empty((instants.size, self.links))
+        if not instants.size:
+            return states, forces
+        some = self._stretches_between(float(instants[0]), float(instants[-1]))
+        begins = [self._checkpoints[k].state.time for k in some[1:]]
+        edges = [0, *np.searchsorted(instants, begins), instants.size]
+        for k, (first, last) in zip(some, itertools.pairwise(edges), strict=True):
+            if first < last:
+                part = slice(first, last)
+                _integrator.sample(self._system, self._stretch(k).record, instants[part], states[part], forces[part])
+        return states, forces
 
 
 def integrate(
@@ -111,48 +266,17 @@ def integrate(
     sizes : (int, int)
         Number of links and of switch functions.
     progress : callable, optional
-        Called with the time reached, every few thousand steps.
+        Called with the time reached, every some hundred steps.
 
     Raises
     ------
     ValueError
         If the end is not after the start, or not finite.
     IntegrationError
-        If the step shrinks to nothing, the state is not finite, or the steps would take more than 1 GB.
+        If the step shrinks to nothing, the state is not finite, or there are too many steps.
     """
     if not start.time < control.end < math.inf:
         raise ValueError(f"the motion must end after {start.time:g} s, and end, got {control.end!r}")
-    t, h = start.time, control.first_step
-    y, mode, memory = start.y.copy(), start.mode.copy(), start.memory.copy()
-    record, filled, switched = _integrator.empty_record(_ROWS, y.size, mode.size, memory.size), 0, 0
-    status = FULL
-    while status == FULL:
-        if max(filled, switched) + _ROWS > record.time.size:
-            longer = _integrator.empty_record(_GROWTH * record.time.size, y.size, mode.size, memory.size)
-            for new, old in zip(longer, record, strict=True):
-                new[: len(old)] = old
-            record = longer
-        part = StepRecord(*_rows(record, filled, filled + _ROWS, switched, switched + _ROWS))
-        status, t, h, steps, events = _integrator.advance(system, control, t, h, y, mode, memory, part, sizes[1])
-        part.event[:events, 1] += filled
-        filled, switched = filled + steps, switched + events
-        if status == STUCK or not np.all(np.isfinite(y)):
-            raise IntegrationError(
-                f"the motion could not be followed beyond t = {t:.9g} s (step {h:.3g} s): "
-                "a stiffness, damping or mass is extreme; compare the values with the built-in cases"
-            )
-        if status == FULL and record.dense[:filled].nbytes > _MOST_BYTES:
-            raise IntegrationError(
-                f"more than {_MOST_BYTES / 1e9:.0f} GB of steps by t = {t:.4g} s of {control.end:.4g} s: "
-                "follow a shorter time, loosen the tolerance, or soften the stiffest spring"
-            )
-        if progress is not None:
-            progress(t)
-    whole = StepRecord(*_rows(record, 0, filled, 0, switched))
-    return Motion(system, whole, MotionState(t, y, mode, memory), sizes[0])
-
-
-def _rows(record: StepRecord, first: int, last: int, first_switch: int, last_switch: int) -> list[Any]:
-    """Return a part of a record: some of its steps, and some of its switches."""
-    *steps, event_time, event = record
-    return [*(one[first:last] for one in steps), *(one[first_switch:last_switch] for one in (event_time, event))]
+    motion = Motion(system, start, control, sizes)
+    motion.follow(progress)
+    return motion

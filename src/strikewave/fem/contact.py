@@ -1,7 +1,7 @@
 """Contact between deformable bodies and with rigid walls, by a penalty on the gap to come; SI.
 
 A node is pressed out of a face of the other surface by a force that acts on the **predicted gap** g*, the gap that
-there would be at the end of the step dt if there were no contact:
+there would be at the end of the step dt if there were no contact (theory: :eq:`fem-contact`):
 
     F = s w m* / dt^2 (-g*)  where g* < 0,    g* = (x* - p*) . n,    x* = x + dt (v + dt f/m),
 

@@ -46,6 +46,7 @@ def stress_difference(beta: ArrayLike, transit: ArrayLike) -> Array:
         alpha_k = 2 beta (1 - beta)^(k-1) / [(1 + beta)^k - (1 - beta)^(k-1)]
 
     written with r = (1 - beta)/(1 + beta), so that it neither overflows nor cancels.
+    Theory: :eq:`hopkinson-uniformity`.
 
     Parameters
     ----------

@@ -174,7 +174,7 @@ def run_machine(
     rebounds, ended, braked = machine.rebounds, "", 0.0
     while True:
         motion = integrate(system, state, control, sizes, report)
-        if motion.record.time.size:  # none where the next striker touches at once
+        if motion.changes.time.size:  # none where the next striker touches at once
             spans.append(ChainSpan(machine.struck, at, motion))
         before, state = state, motion.end
         if state.mode[at.edge]:

@@ -21,6 +21,9 @@ from strikewave.machines.struck_object import StruckObject
 
 Array = NDArray[np.float64]
 
+_TIMES_AT_ONCE = 50_000
+"""Times at which a machine's whole state is sampled at once, in 25 MB: two million of them would take 1 GB."""
+
 
 class Moments(NamedTuple):
     """What the machine does at given times, SI, one value a time."""
@@ -57,7 +60,7 @@ class ChainSpan:
     @property
     def begin(self) -> float:
         """First time, s."""
-        return float(self.motion.record.time[0])
+        return float(self.motion.begin)
 
     @property
     def end(self) -> float:
@@ -66,6 +69,9 @@ class ChainSpan:
 
     def sample(self, times: Array) -> Moments:
         """Return what the machine does at times within the span."""
+        if times.size > _TIMES_AT_ONCE:
+            parts = (self.sample(times[k : k + _TIMES_AT_ONCE]) for k in range(0, times.size, _TIMES_AT_ONCE))
+            return Moments(*(np.concatenate(column) for column in zip(*parts, strict=True)))
         states, forces = self.motion.sample(times)
         at, struck = self.layout, self.struck
         x, v = states[:, at.positions], states[:, at.speeds]
@@ -115,31 +121,25 @@ class ChainSpan:
 
     def switches(self) -> Array:
         """Return which of the machine's own switches changed, and when, shape (N, 2)."""
-        record = self.motion.record
-        rows = np.column_stack([record.event[:, 0] - self.layout.own_switches.start, record.event_time])
+        time, which = self.motion.switched
+        rows = np.column_stack([which - self.layout.own_switches.start, time])
         return rows[rows[:, 0] >= 0]
-
-    @functools.cached_property
-    def _per_step(self) -> Array:
-        return self.motion.impulses()
 
     def impulses(self, begin: float, end: float) -> Impulses:
         """Return the impulses on the object between two switches or the span's ends."""
-        record = self.motion.record
         low, high = max(begin, self.begin), min(end, self.end)
         if high <= low:
             return Impulses()
-        within = (record.time >= low - 1e-15) & (record.time + record.step <= high + 1e-15)
-        links = self._per_step[within].sum(axis=0, keepdims=True)
+        links = self.motion.impulses(low, high)[None]
         weight = self.struck.mass * self.struck.gravity * (high - low)
         contact, side = (float(links[:, some].sum()) for some in (self.layout.contacts, self._side))
         return Impulses(contact, float(self._held(links)[0]) + weight, side)
 
     def deepest(self, time: float, striker: int) -> float:
         """Return the depth to which the spot of a striker has yielded by a time, m."""
-        row = int(np.searchsorted(self.motion.record.time, time, side="right")) - 1
+        row = int(np.searchsorted(self.motion.changes.time, time, side="right")) - 1
         last = time >= self.end or row < 0
-        memory = self.motion.end.memory if last else self.motion.record.memory[row]
+        memory = self.motion.end.memory if last else self.motion.changes.memory[row]
         return float(memory[self.layout.depths][striker])
 
     def parting_speed(self, time: float, striker: int) -> float:

@@ -26,6 +26,8 @@ History = Callable[[Floats], Floats]
 
 MOST_TRANSFERS = 100_000
 """Waves that a sum over the transits of a layer may count: some seconds of work; a layer that needs more is a film."""
+MOST_ADDED = 2e7
+"""Waves times instants that a sum may add: a second."""
 ROUTES = ("as printed", "corrected")
 """The two routes by name."""
 _VANISHED, _LOST = 1e-18, 1e-17
@@ -289,23 +291,43 @@ def superposed(rigid: ArrayLike, wave: ArrayLike) -> Floats:
     return np.asarray(np.asarray(rigid, dtype=float) + np.asarray(wave, dtype=float))
 
 
-def _count(sandwich: Sandwich, times: ArrayLike, transfers: int | None) -> int:
-    """Return how many transfers to count by the last time: the k-th wave does not come before (k - 2) t0.
+def waves_that_count(sandwich: Sandwich, times: ArrayLike) -> int:
+    """Return how many transfers count by the last time: the k-th wave does not come before (k - 2) t0.
 
     Waves that echoes have made smaller than rounding are left out.
 
-    Raises
-    ------
-    ValueError
-        If there are very many: the layer is too thin beside the time for a sum over its transits.
+    Examples
+    --------
+    >>> bar = Layer("bar", 8000.0, 200e9, 1e-4, 0.05)
+    >>> waves_that_count(Sandwich(bar, bar, bar), [1.0])  # nothing comes back where all are alike
+    6
     """
     arrived = int(np.max(np.asarray(times, dtype=float), initial=0.0) / sandwich.transit) + 2
     share = abs(sandwich.first_reflection * sandwich.second_reflection)
     if share < 1.0:
         arrived = min(arrived, 2 * math.ceil(math.log(_VANISHED) / math.log(max(share, _VANISHED))) + 4)
-    if arrived > MOST_TRANSFERS:
+    return arrived
+
+
+def too_many(sandwich: Sandwich, times: ArrayLike) -> bool:
+    """Tell whether a sum over the transits of a layer would take long: it is thin, and followed for long or finely."""
+    waves = waves_that_count(sandwich, times)
+    return waves > MOST_TRANSFERS or waves * np.size(times) > MOST_ADDED
+
+
+def _count(sandwich: Sandwich, times: ArrayLike, transfers: int | None) -> int:
+    """Return how many transfers to count.
+
+    Raises
+    ------
+    ValueError
+        If there are `too_many`.
+    """
+    arrived = waves_that_count(sandwich, times)
+    if too_many(sandwich, times):
         raise ValueError(
-            f"layer {sandwich.specimen.name} is too thin for the routes of Li & Ma 2019: {arrived} waves would count"
+            f"layer {sandwich.specimen.name} is too thin for the routes of Li & Ma 2019: {arrived} waves would count, "
+            f"at {np.size(times)} instants"
         )
     return arrived if transfers is None else min(transfers, arrived)
 
@@ -317,5 +339,6 @@ def _added(sandwich: Sandwich, history: History, times: ArrayLike, waves: list[t
     for transits, factor in waves:
         if abs(factor) > least:
             later = np.asarray(times) - transits * sandwich.transit
-            total = total + factor * np.where(later > 0.0, history(np.maximum(later, 0.0)), 0.0)
+            come = later > 0.0
+            total[come] += factor * history(later[come])
     return total

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from strikewave.waves.layers import Stack
-from strikewave.waves.li_ma import Sandwich, acceleration, incident_strain, strain, velocity
+from strikewave.waves.li_ma import Sandwich, acceleration, incident_strain, strain, too_many, velocity
 
 Array = NDArray[np.float64]
 
@@ -29,6 +29,12 @@ def specimen_of(stack: Stack, layer: int) -> Sandwich | None:
     if not 0 < layer < len(stack.layers) - 1:
         return None
     return Sandwich(*stack.layers[layer - 1 : layer + 2])
+
+
+def too_thin(stack: Stack, times: Array) -> list[str]:
+    """Return the layers that no route follows to these times: their waves would be too many."""
+    specimens = (specimen_of(stack, layer) for layer in range(len(stack.layers)))
+    return [one.specimen.name for one in specimens if one is not None and too_many(one, times)]
 
 
 def route_history(

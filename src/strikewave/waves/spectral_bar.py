@@ -20,7 +20,7 @@ from strikewave.waves.times import (
     refuse_samples,
     resolved_period,
 )
-from strikewave.waves.transit import FIELD_ROWS, ErrorBound, TimeGrid, field_nodes
+from strikewave.waves.transit import FIELD_PLACES, FIELD_ROWS, ErrorBound, TimeGrid, field_nodes
 
 Array = NDArray[np.float64]
 
@@ -35,6 +35,8 @@ _TRIES = 4
 """Halvings of the step for the wanted error: 16 times the cost of the first try."""
 _FIELD_LAYERS = 100
 """Layers of an x-t field; each place costs a spectrum here, so that they are fewer than by delay lines."""
+_FIELD_VALUES = 2e7
+"""Places times steps of an x-t field, ten seconds: of more than 100 000 steps fewer places are looked at."""
 _CELLS = 1000
 """Parts of a layer among which the places of a field are chosen: it is cut into no steps that could serve."""
 _ROUNDING = 1e-12
@@ -158,7 +160,9 @@ def _bar_run(
 ) -> BarRun:
     """Return the run with its x-t field."""
     stack, step = spectrum.stack, spectrum.step
-    nodes, position = field_nodes(stack, TimeGrid(step, (_CELLS,) * len(stack.layers), 0.0), _FIELD_LAYERS)
+    number = min(FIELD_PLACES, int(_FIELD_VALUES / spectrum.steps))
+    cells = TimeGrid(step, (_CELLS,) * len(stack.layers), 0.0)
+    nodes, position = field_nodes(stack, cells, min(_FIELD_LAYERS, number // 2), number)
     coarse = max(1, spectrum.steps // FIELD_ROWS)
     rows = (spectrum.steps - 1) // coarse + 1
     force, velocity = np.empty((rows, len(nodes))), np.empty((rows, len(nodes)))

@@ -276,8 +276,10 @@ def nearest_nodes(grid: TimeGrid, places: Sequence[tuple[int, float]]) -> NDArra
     return np.array(rows, dtype=np.int64).reshape(-1, 2)
 
 
-def field_nodes(stack: Stack, grid: TimeGrid, most_layers: int = MOST_FIELD_LAYERS) -> tuple[NDArray[np.int64], Array]:
-    """Return about `FIELD_PLACES` (layer, node), evenly in time of travel, and their places from the first face, m.
+def field_nodes(
+    stack: Stack, grid: TimeGrid, most_layers: int = MOST_FIELD_LAYERS, number: int = FIELD_PLACES
+) -> tuple[NDArray[np.int64], Array]:
+    """Return about so many (layer, node), evenly in time of travel, and their places from the first face, m.
 
     Each layer has two at least; of more layers than the most only some are looked at.
     """
@@ -286,8 +288,8 @@ def field_nodes(stack: Stack, grid: TimeGrid, most_layers: int = MOST_FIELD_LAYE
         if i % every and i != len(stack.layers) - 1:
             begin += layer.length
             continue
-        number = max(2, round(FIELD_PLACES * layer.transit / stack.transit))
-        nodes = np.unique(np.linspace(0, count, number).round().astype(np.int64))
+        here = max(2, round(number * layer.transit / stack.transit))
+        nodes = np.unique(np.linspace(0, count, here).round().astype(np.int64))
         rows.append(np.column_stack([np.full(nodes.size, i), nodes]))
         places.append(begin + layer.length * nodes / count)
         begin += layer.length

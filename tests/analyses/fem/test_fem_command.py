@@ -90,6 +90,7 @@ def bars():
     return run_fem(load_case("two-bars-fem"))
 
 
+@pytest.mark.verify
 def test_two_bars_press_each_other_as_plane_waves_say(bars):
     """Kolsky 1963: rho c0 v A / 2 for 2 l / c0, then the striker rests; A that of the mesh, flat faces for round ones.
 

@@ -107,6 +107,7 @@ def test_files_of_a_sensor_are_whole_and_read_again(strikewave, sensor, tmp_path
     assert rows["reference_acceleration_ms2"].max() == pytest.approx(peak, rel=1e-8)
 
 
+@pytest.mark.verify
 def test_a_rise_that_is_too_steep_is_not_quoted(strikewave, sensor):
     """A rise of 48 us is 1.2 diameters of travel in a bar of 200 mm, and 2 to 5 in one of 60 mm."""
     words = ("hopkinson", sensor, "--set", "solver.bandwidth=100 kHz", "--set")

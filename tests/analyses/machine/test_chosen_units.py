@@ -17,6 +17,7 @@ AS_TYPED = {"Warnings", "Set-up", "Inputs", "How to run this again"}
 """Sections that repeat values as they were typed, and notices, which are worded before anything is shown."""
 
 
+@pytest.mark.verify
 @pytest.mark.parametrize("name", ["li-ma-2019-fig13", "rodgers-2009-amplifier"])
 def test_no_usual_unit_stands_beside_the_chosen_ones(name, capsys):
     solution = run_case(load_case(name, ["feed.blows=1"] if name.startswith("li-ma") else []))

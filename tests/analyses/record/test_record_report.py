@@ -226,6 +226,7 @@ def test_calibration_and_command_are_told(files, page):
     assert "SHA-256 of the files" not in page
 
 
+@pytest.mark.verify
 def test_hostile_names_come_out_as_text():
     extra = (Channel(HOSTILE + "2", np.full(500, np.nan), STEP),)
     files = read(record(path=HOSTILE, name=HOSTILE, unit=HOSTILE[:20], extra=extra))

@@ -47,6 +47,7 @@ def test_a_motion_for_a_spectrum_of_ones_own_is_judged_and_written(strikewave, b
     np.testing.assert_allclose(np.diff(values[:, 0]), 1.0 / document["rate"], rtol=1e-4)
 
 
+@pytest.mark.verify
 def test_srs_judges_the_written_motion_alike(strikewave):
     Path("ours.toml").write_text(SPECTRUM)
     assert strikewave("spec", "synthesize", "ours.toml", "--out", "made")[0] == 0

@@ -251,6 +251,7 @@ def test_a_width_that_the_filter_alone_carries_over_its_limit_cannot_be_told():
         assert (clause.verdict, "filter" in clause.reason) == (verdict, share > 1.0)
 
 
+@pytest.mark.verify
 def test_report_and_screen_have_the_verdict_and_draw_the_band(strikewave):
     write_shot("good.csv")
     write_shot("high.csv", peak=65.0)

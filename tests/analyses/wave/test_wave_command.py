@@ -6,6 +6,9 @@ import os
 import numpy as np
 import pytest
 
+from strikewave import load_case, run_wave
+from strikewave.base.errors import InputErrors
+
 BAR = """
 schema = 1
 [[stack.layer]]
@@ -99,6 +102,16 @@ def test_a_route_of_the_paper_is_named_in_every_output(strikewave, bar, route):
     assert route in out
     page = open("o/report.html", encoding="utf-8").read()
     assert route in page
+
+
+def test_routes_whose_waves_are_too_many_are_left_out_or_refused(monkeypatch):
+    monkeypatch.setattr("strikewave.waves.li_ma.MOST_ADDED", 1000)
+    case = load_case("li-ma-2019-fig13-bar")
+    solution = run_wave(case)
+    assert not solution.routes
+    assert "routes-left-out" in {notice.code for notice in solution.notices}
+    with pytest.raises(InputErrors, match=r"^solver\.route: layer .* is too thin"):
+        run_wave(load_case("li-ma-2019-fig13-bar", ["solver.route=corrected"]))
 
 
 def test_wave_writes_a_whole_result(strikewave, bar):
@@ -335,7 +348,6 @@ def test_a_solution_with_a_stack_reads_back_the_same(fig5, tmp_path):
 
 def test_removing_all_gaskets_returns_the_direct_reading(fig5):
     """Same sensor, same tap: without gaskets and edge the buffered channel reads what the direct one reads, to 1e-9."""
-    from strikewave import load_case
     from strikewave.analyses.machine.observe import observe
 
     case = load_case("li-ma-2019-fig5", ["feed.blows=1"])
@@ -362,7 +374,6 @@ def test_a_peak_beyond_one_dimensional_theory_is_refused_and_the_number_said():
 
 def test_the_paper_by_choice_superposes_rigid_and_wave():
     """By the printed route, total is rigid plus a wave that the contact force drives through endless fixtures."""
-    from strikewave import load_case
     from strikewave.analyses.machine.observe import observe
 
     changes = ["feed.blows=1", "solver.bandwidth=100 kHz"]
@@ -387,7 +398,6 @@ def test_a_route_runs_through_to_the_report_though_a_tap_has_none(strikewave):
 
 
 def test_a_changed_material_makes_another_case(strikewave):
-    from strikewave import load_case
 
     case = load_case("li-ma-2019-fig5", ["sensor.buffered.gasket.0.material=rubber", "recorder.sampling_rate=50 kHz"])
     assert set(case.changed_fields()) == {"sensor.buffered.gasket.0.material", "recorder.sampling_rate"}

@@ -9,7 +9,6 @@ from hypothesis.extra.numpy import arrays
 from strikewave.studies.fit.covariance import (
     NONE,
     ResidualBlock,
-    by_what_is_left,
     design_effect,
     estimate,
     larger,
@@ -73,6 +72,7 @@ def test_intervals_of_shots_that_scatter_by_2_percent_hold_the_truth(count):
     assert errors == pytest.approx(np.full(2, 0.02 / np.sqrt(count)), rel=0.2)
 
 
+@pytest.mark.verify
 def test_a_pattern_that_repeats_does_not_average_out():
     """What the model cannot follow is the same in each record: the errors of five are those of one, to 10 %.
 
@@ -138,14 +138,16 @@ def test_a_direction_that_one_shot_alone_informs_has_no_scatter():
     assert whole.covariance[1, 1] >= np.linalg.inv(design.T @ design)[1, 1] * (1.0 - 1e-9)
 
 
-def test_numbers_missed_by_more_than_stated_have_the_ratio_of_birge():
-    """Three numbers of one value, each missed by ten uncertainties: the variance is chi^2/(n - 1) times 1/n."""
-    values = np.array([-10.0, 0.0, 10.0])
-    left = np.array([np.sqrt(np.mean(values**2))])
-    blocks = [ResidualBlock(slice(k, k + 1), np.ones(1), 0, left) for k in range(3)]
-    found = by_what_is_left(np.ones((3, 1)), np.eye(1), blocks)
-    assert found.covariance == pytest.approx(np.sum(values**2) / 2.0 / 3.0, rel=1e-12)
-    assert found.freedom == pytest.approx([2.0])
+def test_what_is_known_from_elsewhere_is_no_shot():
+    """A mean of four shots, which scatter by s, and a value known to u from elsewhere: s^2/4 and u^2 by their weights."""
+    values, sure = np.array([3.0, 5.0, 4.0, 8.0]), 0.5
+    design = np.append(np.ones(4), 1.0 / sure)[:, None]
+    place = (np.sum(values) + 6.0 / sure**2) / (4.0 + 1.0 / sure**2)
+    residuals = design[:, 0] * (place - np.append(values, 6.0))
+    blocks = [ResidualBlock(slice(k, k + 1), np.ones(1), k if k < 4 else None) for k in range(5)]
+    found = scatter_of_shots(residuals, design, np.eye(1), blocks)
+    push = np.sum((residuals[:4]) ** 2 / (1.0 - 1.0 / 8.0))  # each has an eighth of the information
+    assert found.covariance == pytest.approx((push + 1.0 / sure**2) / 8.0**2, rel=1e-12)
 
 
 SQUARES = arrays(float, (3, 3), elements=st.floats(-3.0, 3.0))

@@ -47,6 +47,7 @@ def moved(case, shares):
     )
 
 
+@pytest.mark.verify
 @pytest.mark.parametrize("shares", [(1.5, 0.6), pytest.param((1.1, 0.8), marks=pytest.mark.verify)])
 def test_stored_values_of_the_published_machine_are_found_again(shares):
     """From 10 to 50 % off, without being told what to fit: seven digits are stored, and the run is good to 1e-8."""
@@ -225,6 +226,21 @@ def test_records_that_differ_from_shot_to_shot_are_told_from_a_model_that_lacks_
     assert one.high - one.value == pytest.approx(4.303 * one.standard_error, rel=0.1)  # Student's t of two degrees
 
 
+@pytest.mark.verify
+def test_what_is_known_of_a_field_closes_what_a_number_leaves_open():
+    """A peak tells force and mass together; a mass weighed to 2 % is told by that alone, and the force by both."""
+    case, free = load_case(DROP, ["contact.restitution=0.7"]), ["contact.reference_force", "object.mass"]
+    peak = f"first.rigid_peak={Simulation(case).number('first.rigid_peak')} m/s^2 +- 1 %"
+    assert fit(case, [peak], free).undetermined == [free]
+    known = fit(case, [peak, f"object.mass={1.1 * case.object.mass.si} kg +- 2 %"], free)
+    force, mass = known.parameters
+    assert not known.undetermined
+    assert mass.value == pytest.approx(1.1 * case.object.mass.si, rel=1e-5)
+    assert mass.standard_error == pytest.approx(0.02 * mass.value, rel=1e-3)
+    assert force.low < case.contact.reference_force.si * 1.1 < force.high  # a spring's peak goes with force over mass
+    assert known.content()["misfit"]["shots"] == 1
+
+
 def test_channels_of_a_file_and_numbers_of_a_setting_are_one_shot(tmp_path):
     """Two numbers of a blow with its record are one shot; another record, setting, or value of a number is another."""
     case = load_case(DROP, ["contact.restitution=0.7"])
@@ -339,6 +355,9 @@ WRONG = {
     "no list": (["contact.restitution"], ["@nowhere.txt"], "a text file with a target a line"),
     "no setting": (["contact.restitution"], ["first.width=1 ms; height"], "path=value behind a semicolon"),
     "setting that is free": (["striker.mass"], ["first.width=1 ms; striker.mass=3 kg"], "it is fitted"),
+    "value of a field that is held": (["striker.mass"], ["object.mass=3 kg"], "a number of the run, or a free field"),
+    "value of a field at a setting": (["striker.mass"], ["striker.mass=3 kg; machine.height=1 m"], "without settings"),
+    "value beyond": (["contact.restitution"], ["contact.restitution=2"], "at most 1"),
     "setting that is none": (["striker.mass"], ["first.width=1 ms; machine.hight=3 m"], "unknown key"),
 }
 

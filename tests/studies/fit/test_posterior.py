@@ -133,6 +133,7 @@ def test_intervals_of_a_planted_drop_are_those_of_least_squares(tmp_path, strike
     assert len((tmp_path / "written" / "posterior.csv").read_text().splitlines()) > 800
 
 
+@pytest.mark.verify
 def test_a_posterior_of_numbers_has_its_pictures_and_tables(monkeypatch, tmp_path, strikewave):
     """Two numbers, two fields, chains cut short: it is said, and written whole."""
     monkeypatch.setattr("strikewave.studies.fit.posterior.MOST_RUNS", 25 * WALKERS)

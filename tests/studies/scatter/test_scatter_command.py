@@ -40,6 +40,7 @@ def study(bare_case, tmp_path_factory):
     return scatter(load_case(str(file), changes), ScatterPlan(12, 3, "alone"))
 
 
+@pytest.mark.verify
 def test_files_appear_whole_and_agree(strikewave, read_page):
     code, out, err = strikewave(*QUICK, *TWO)
     assert code == 0

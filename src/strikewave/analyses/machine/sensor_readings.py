@@ -78,7 +78,7 @@ class BlowHistory(NamedTuple):
     ``since`` is the time after first touch, s; ``rigid`` is at the bandwidth; ``force``, ``speed`` and ``total``
     (at the bandwidth) have one row a tap; ``readings`` one a sensor, each with its own instants; ``routes`` holds
     the wave acceleration (at the bandwidth) by tap and route of the paper; ``front`` is the rise time of the steepest
-    front at any tap, before the filter, s.
+    front at any tap, before the filter, s. Without taps, ``since`` and ``rigid`` are empty.
     """
 
     since: Array
@@ -139,6 +139,8 @@ def blow_history(run: MachineRun, blow: Blow, view: ReadingSetup, routes: bool =
         by_route = dict(zip(by_route, filtered[len(taps) + 1 :], strict=True))
         for history in (force, speed, total):
             history[without] = np.nan
+    else:  # nothing shows more of the blow than the readings: a thousand of them would take 250 MB
+        since = rigid = np.empty(0)
     return BlowHistory(since, rigid, force, speed, total, tuple(readings), by_route, steepest)
 
 

@@ -14,12 +14,18 @@ from strikewave.cases.tables import LoadTable
 from strikewave.sensors.channel import SensorChannel, shortest_period
 from strikewave.waves import Impactor, Load, LoadPulse, Sampled, Stack, WantedError
 from strikewave.waves.load import Prescribed
+from strikewave.waves.routes import EXACT
 
 NO_LOAD = 1e-6
 """Duration of the load of zero of a bar that a moving layer strikes, s: any time does, as the force is zero."""
 ACCELERATION_ERROR = 10.0
 """Wanted error of acceleration over that of velocity, both shares of their peaks: a derivative is less exact."""
 _APPLIED: dict[str, Prescribed] = {"force": "force", "incident wave": "incident"}
+
+
+def of_the_paper(case: Case) -> bool:
+    """Tell whether a case is one of Li & Ma 2019, or asks for a route of theirs."""
+    return case.source.startswith("li-ma-2019") or case.solver.route != EXACT
 
 
 def build_load(case: Case, stack: Stack) -> Load:

@@ -9,9 +9,9 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from strikewave.analyses.wave.build import wanted
+from strikewave.analyses.wave.build import of_the_paper, wanted
 from strikewave.analyses.wave.result import WaveSolution, load_peak
-from strikewave.base.result import BALANCE_LIMIT, FAILED, Notice
+from strikewave.base.result import BALANCE_LIMIT, FAILED, INFO, Notice
 from strikewave.cases.case import Case
 from strikewave.cases.comparisons import origin_notices
 from strikewave.cases.contact_notices import joint_yield_notices, law_notices, yield_notices
@@ -33,6 +33,7 @@ from strikewave.waves.limits import (
     loss_notices,
     rise_notices,
 )
+from strikewave.waves.routes import too_thin
 
 Array = NDArray[np.float64]
 
@@ -77,6 +78,7 @@ def layered_bar_notices(
     yield from channel_notices(solution.channels, [solution.sensors], stack.mass)
     yield from _unresolved(solution.channels, float(run.time[1]))
     yield from _missed_accuracy(case, run, accuracy)
+    yield from _without_routes(case, run)
     yield from sensor_notices(case)
     yield from _contact_notices(case, run)
     yield from joint_size_notices(case)
@@ -143,6 +145,17 @@ def _unresolved(channels: Sequence[SensorChannel], step: float) -> Iterator[Noti
                 f"{period / FEWEST_SAMPLES * 1e9:.3g} ns and a shorter solver.duration"
             )
             yield Notice("sensor-unresolved", message, step, period / FEWEST_SAMPLES)
+
+
+def _without_routes(case: Case, run: BarRun) -> Iterator[Notice]:
+    """Report that the routes of the paper are left out: their sums over the transits of a layer would take long."""
+    layers = too_thin(run.stack, run.time) if of_the_paper(case) else []
+    if layers:
+        message = (
+            f"the routes of Li & Ma 2019 are left out: layer {layers[0]} is crossed too often for them at "
+            f"{len(run.time)} instants; shorten solver.duration, or lengthen load.duration"
+        )
+        yield Notice("routes-left-out", message, float(len(run.time)), 0.0, severity=INFO)
 
 
 def _momentum_balance(run: BarRun) -> list[Notice]:

@@ -10,7 +10,7 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from strikewave.analyses.wave.build import build_load, wanted
+from strikewave.analyses.wave.build import build_load, of_the_paper, wanted
 from strikewave.analyses.wave.notices import Front, layered_bar_notices
 from strikewave.analyses.wave.result import WaveSolution
 from strikewave.base.compile_progress import compiling_shown
@@ -29,7 +29,7 @@ from strikewave.waves.limits import (
     rise_in_diameters,
     rise_limits,
 )
-from strikewave.waves.routes import EXACT, RouteHistory, route_history, specimen_of
+from strikewave.waves.routes import EXACT, RouteHistory, route_history, specimen_of, too_thin
 from strikewave.waves.setup import wave_setup
 
 Array = NDArray[np.float64]
@@ -92,7 +92,9 @@ def _follow(case: Case, period: float, wanted_routes: Sequence[str]) -> tuple[Wa
     if not math.isinf(bandwidth) and not 1.0 / duration <= bandwidth < 0.5 / step:
         allowed = f"{1.0 / duration:.3g} to {0.5 / step:.3g} Hz: one over the duration, half the sampling rate"
         raise InputError("solver.bandwidth", f"{bandwidth:g} Hz", allowed)
-    routes = _routes(stack, taps, run, wanted_routes) if _of_the_paper(case) else {}
+    routes: dict[tuple[str, str], RouteHistory] = {}
+    if case.solver.route != EXACT or (of_the_paper(case) and not too_thin(stack, run.time)):
+        routes = checked("solver.route", lambda: _routes(stack, taps, run, wanted_routes))
     carried = stack.end.value if stack.end.kind in ("mass", "oscillator") else 0.0
     rigid = run.mean_push / (stack.mass - carried)
     accuracy, felt = run.relative_bound, _felt(case.solver.route, taps, run, routes)
@@ -140,11 +142,6 @@ def _reading(sensor: Sensor, recorder: Recorder, felt: Array, step: float) -> Re
     return reading._replace(time=np.maximum(reading.time[kept], 0.0), values=reading.values[kept])
 
 
-def _of_the_paper(case: Case) -> bool:
-    """Tell whether a case is one of Li & Ma 2019, or asks for a route of theirs."""
-    return case.source.startswith("li-ma-2019") or case.solver.route != EXACT
-
-
 def _incident_force(run: BarRun) -> Array:
     """Return the force that goes down the first layer, as if nothing came back, N."""
     load = run.load
@@ -189,7 +186,7 @@ def _from_rest(values: Array, step: float, bandwidth: float) -> Array:
 
 
 def _citations(case: Case, stack: Stack, channels: Sequence[SensorChannel]) -> tuple[str, ...]:
-    origin = ("li-ma-2019",) if _of_the_paper(case) else ()
+    origin = ("li-ma-2019",) if of_the_paper(case) else ()
     theory = {"none": (), "love-rayleigh": ("love-1927",), "pochhammer-chree": ("graff-1975",)}[case.solver.dispersion]
     lossy = any(x.loss for x in stack.layers) or any(x.branches for x in stack.joints)
     loss = ("emmerich-korn-1987",) if lossy else ()

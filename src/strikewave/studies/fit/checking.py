@@ -12,9 +12,10 @@ from numpy.typing import NDArray
 from strikewave.analyses.compare.agreement import CurveAgreement, agreement
 from strikewave.analyses.compare.curve import FIGURES, ComparedCurve
 from strikewave.signal.pulse import Pulse
-from strikewave.studies.fit.covariance import Estimate
+from strikewave.studies.fit.covariance import NORMAL, Estimate
 from strikewave.studies.fit.measured import MeasuredNumber, MeasuredPulse
-from strikewave.studies.fit.problem import Experiment, Problem, Solved
+from strikewave.studies.fit.problem import Experiment, Problem
+from strikewave.studies.fit.solving import Solved
 from strikewave.studies.simulation import Simulation
 from strikewave.uncertainty.bands import latin_hypercube
 from strikewave.uncertainty.draws import normal_quantile
@@ -24,8 +25,6 @@ Array = NDArray[np.float64]
 
 DRAWS = 32
 """Runs at drawn values for each setting: a standard deviation of so many is good to an eighth."""
-NORMAL = 1.96
-"""Standard uncertainties that 95 % lie within."""
 HALVINGS = 12
 """Times that a drawn place is halved towards the best one at most: to 1/4000 of the bounds."""
 CHECK_STREAM = 31
@@ -169,8 +168,7 @@ def _predicted(problem: Problem, place: Array) -> list[float]:
 
 def _computed(one: MeasuredNumber | MeasuredPulse, run: Simulation) -> list[float]:
     if isinstance(one, MeasuredNumber):
-        value = run.number(one.name, one.sensor)
-        return [math.nan if value is None else math.copysign(value, one.value)]
+        return [one.computed(run)]
     curve = run.history(one.part, one.blow, one.unit).filtered(one.low_pass)
     return [float(getattr(_as_sampled(curve, one).pulse, key)) for _, key in names_of(one.unit)]
 
@@ -202,18 +200,25 @@ def names_of(unit: str) -> list[tuple[str, str]]:
 
 
 def _left_over(problem: Problem, place: Array) -> dict[str, float]:
-    """Return how far each figure of a record may be off by those of the fit, 95 %, as a share.
+    """Return how far each figure may be off by those of the fit, 95 %, as a share.
 
-    Root mean square, with Student's t for as many records.
+    Root mean square, with Student's t for as many; of numbers whose model lacks something, no less than one at another
+    setting.
     """
     from scipy.special import stdtrit
 
-    off: dict[str, list[float]] = {}
+    off, stated = dict[str, list[float]](), dict[str, list[float]]()
     for experiment, run in zip(problem.experiments, problem.runs(place), strict=True):
         for one in experiment.measured:
-            for (name, _, measured, _), computed in zip(_figures(one), _computed(one, run), strict=True):
+            for (name, _, measured, doubt), computed in zip(_figures(one), _computed(one, run), strict=True):
                 off.setdefault(_kind(one, name), []).append(computed / measured - 1.0)
+                if isinstance(one, MeasuredNumber) and problem.excess.between:
+                    stated.setdefault(_kind(one, name), []).append(problem.excess.of_another * doubt / measured)
+
+    def reach(shares: Sequence[float], freedom: float) -> float:
+        return float(stdtrit(freedom, 0.975)) * math.sqrt(float(np.mean(np.square(shares)))) if shares else 0.0
+
     return {
-        name: float(stdtrit(len(values), 0.975)) * math.sqrt(float(np.mean(np.square(values))))
-        for name, values in off.items()
+        name: max(reach(shares, len(shares)), reach(stated.get(name, []), problem.excess.freedom))
+        for name, shares in off.items()
     }

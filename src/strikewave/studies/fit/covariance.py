@@ -42,8 +42,8 @@ class ResidualBlock(NamedTuple):
         Where they stand.
     noise : ndarray
         Autocovariance of their noise by lag; one number for residuals that are independent.
-    shot : int
-        Number of the shot that they are of.
+    shot : int or None
+        Number of the shot that they are of; None for what is known from elsewhere.
     left : ndarray or None
         What is left of them with the values at their best for this block alone, where that is more than noise.
     shared : ndarray
@@ -55,7 +55,7 @@ class ResidualBlock(NamedTuple):
 
     rows: slice
     noise: Array
-    shot: int
+    shot: int | None
     left: Array | None = None
     shared: Array = NONE
     quiet: float = math.inf
@@ -131,13 +131,14 @@ def estimate(place: Array, residuals: Array, jacobian: Array, blocks: Sequence[R
     """Return what the data say of a place; directions without information are left out of the covariance.
 
     The interval of a coordinate is the widest of those by noise, by what is left, and by shots, each with Student's t.
+    Theory: :eq:`fit-covariance`.
     """
     values, vectors = np.linalg.eigh(jacobian.T @ jacobian)
     known = vectors[:, values > RANK * max(float(values[-1]), np.finfo(float).tiny)]
     spreads = [by_noise(jacobian, known, blocks)]
     if any(block.left is not None for block in blocks):
         spreads.append(by_what_is_left(jacobian, known, blocks))
-    if len({block.shot for block in blocks}) > 1:
+    if len({block.shot for block in blocks if block.shot is not None}) > 1:
         spreads.append(scatter_of_shots(residuals, jacobian, known, blocks))
     covariance = spreads[0].covariance
     for spread in spreads[1:]:
@@ -202,16 +203,15 @@ def by_what_is_left(jacobian: Array, known: Array, blocks: Sequence[ResidualBloc
     """
     size = jacobian.shape[1]
     noise, left, count = np.zeros((size, size)), np.zeros((size, size)), 0.0
-    effect = design_effect([block.left for block in blocks if block.left is not None and block.left.size > 1])
+    effect = design_effect([block.left for block in blocks if block.left is not None])
     for block in blocks:
         part = jacobian[block.rows]
         if block.left is None:
             noise += _pushed(part, block.noise)
             continue
-        repeats = effect if block.left.size > 1 else 1.0  # numbers have no shape that may repeat
         covariance = float(block.left @ block.left) / block.left.size * autocorrelation(block.left)
-        left += repeats * _pushed(part, covariance)
-        count += independent_count(block.left.size, covariance) / repeats
+        left += effect * _pushed(part, covariance)
+        count += independent_count(block.left.size, covariance) / effect
     freedom = max(count - size, 1.0)
     return Spread(_sandwich(jacobian, known, noise + left * max(count / freedom, 1.0)), np.full(size, freedom))
 
@@ -248,7 +248,11 @@ def scatter_of_shots(residuals: Array, jacobian: Array, known: Array, blocks: Se
     values, vectors = np.linalg.eigh(known.T @ jacobian.T @ jacobian @ known)
     root = known @ (vectors / np.sqrt(values))  # A^-1 = root root'
     middle, shares, spreads = np.zeros((values.size, values.size)), list[Array](), list[Array]()
-    for shot in sorted({block.shot for block in blocks}):
+    for block in blocks:
+        if block.shot is None:  # no scatter shows how far it may be off: that is stated
+            part = jacobian[block.rows] @ root
+            middle += part.T @ part
+    for shot in sorted({block.shot for block in blocks if block.shot is not None}):
         rows = np.concatenate([np.arange(residuals.size)[block.rows] for block in blocks if block.shot == shot])
         part = jacobian[rows] @ root
         share, axes = np.linalg.eigh(part.T @ part)

@@ -214,51 +214,68 @@ def profile(search: Search, found: Estimate, coordinate: int) -> ProfileEnds:
 
     The rise is counted in that of a parabola with the variance of the estimate, so that correlated noise is in it.
     """
-    information = found.jacobian.T @ found.jacobian
-    others = [k for k in range(found.place.size) if k != coordinate]
-    variance = float(found.covariance[coordinate, coordinate])
-    alone = information[coordinate, coordinate]
-    if others:
-        cross = information[np.ix_(others, [coordinate])]
-        alone -= float((cross.T @ np.linalg.pinv(information[np.ix_(others, others)]) @ cross)[0, 0])
-    per = max(float(alone) * variance, np.finfo(float).tiny)
-    points: dict[float, float] = {float(found.place[coordinate]): 0.0}
-    base, middle, reach = found.misfit, float(found.place[coordinate]), float(found.reach[coordinate])
+    followed = _Profile(search, found, coordinate)
+    low, high = (followed.end(sign) for sign in (-1.0, 1.0))
+    order = sorted(followed.points)
+    signed = [math.copysign(followed.points[one], one - followed.middle) for one in order]
+    return ProfileEnds(low, high, np.array(order), np.array(signed))
 
-    def deviations(value: float, near: Array) -> tuple[float, Array]:
+
+class _Profile:
+    """The misfit along one coordinate, the others at their best: by how many standard errors it has risen, by place."""
+
+    def __init__(self, search: Search, found: Estimate, coordinate: int) -> None:
+        self._search, self._found, self._coordinate = search, found, coordinate
+        self._others = [k for k in range(found.place.size) if k != coordinate]
+        self.middle, self.reach = float(found.place[coordinate]), float(found.reach[coordinate])
+        variance = float(found.covariance[coordinate, coordinate])
+        self._error = math.sqrt(variance)
+        self._per = max(self._information() * variance, np.finfo(float).tiny)
+        self.points: dict[float, float] = {self.middle: 0.0}
+
+    def _information(self) -> float:
+        """Return the curvature of the misfit along the coordinate, the others at their best (Schur complement)."""
+        information, one, others = self._found.jacobian.T @ self._found.jacobian, self._coordinate, self._others
+        if not others:
+            return float(information[one, one])
+        cross = information[others, one]
+        return float(information[one, one] - cross @ np.linalg.pinv(information[np.ix_(others, others)]) @ cross)
+
+    def risen(self, value: float, near: Array) -> tuple[float, Array]:
+        """Return by how many standard errors the misfit has risen where the coordinate has a value, and the place."""
         place = near.copy()
-        place[coordinate] = value
-        place, residuals = search.descend(place, others)
-        rise = math.sqrt(max(float(residuals @ residuals) - base, 0.0) / per)
-        points[value] = rise
-        return rise, place
+        place[self._coordinate] = value
+        place, residuals = self._search.descend(place, self._others)
+        self.points[value] = math.sqrt(max(float(residuals @ residuals) - self._found.misfit, 0.0) / self._per)
+        return self.points[value], place
 
-    ends = []
-    for sign in (-1.0, 1.0):
+    def end(self, sign: float) -> float:
+        """Return where it has risen by `reach` to one side: doubled steps until it has, then halved; or the bound."""
         bound = 0.0 if sign < 0.0 else 1.0
-        inner, outer, near = middle, middle, found.place
+        inner, near = self.middle, self._found.place
         for factor in (1.0, 2.0, 4.0, 8.0, math.inf):
-            far = middle + sign * factor * reach * math.sqrt(variance)
-            outer = bound if not 0.0 < far < 1.0 else far
-            risen, place = deviations(outer, near)
-            if risen >= reach or outer == bound:
+            far = self.middle + sign * factor * self.reach * self._error
+            outer = far if 0.0 < far < 1.0 else bound
+            risen, place = self.risen(outer, near)
+            if risen >= self.reach:
+                return self._between(inner, outer, near)
+            if outer == bound:
                 break
             inner, near = outer, place
-        if risen < reach:
-            ends.append(bound)
-            continue
+        return bound
+
+    def _between(self, inner: float, outer: float, near: Array) -> float:
+        """Return where it has risen by `reach` between two places, to 0.5 % of that."""
+        value = outer
         for _ in range(PROFILE_STEPS):
-            low, high = points[inner], points[outer]
-            share = min(max((reach - low) / (high - low), 0.1), 0.9)
+            low, high = self.points[inner], self.points[outer]
+            share = min(max((self.reach - low) / (high - low), 0.1), 0.9)
             value = inner + share * (outer - inner)
-            risen, place = deviations(value, near)
-            if abs(risen - reach) < 0.005 * reach:
+            risen, place = self.risen(value, near)
+            if abs(risen - self.reach) < 0.005 * self.reach:
                 break
-            inner, outer, near = (value, outer, place) if risen < reach else (inner, value, near)
-        ends.append(value)
-    order = sorted(points)
-    signed = [math.copysign(points[one], one - middle) for one in order]
-    return ProfileEnds(ends[0], ends[1], np.array(order), np.array(signed))
+            inner, outer, near = (value, outer, place) if risen < self.reach else (inner, value, near)
+        return value
 
 
 def is_quadratic(search: Search, found: Estimate, coordinate: int) -> bool:

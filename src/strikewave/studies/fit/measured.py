@@ -47,7 +47,26 @@ ROUNDS, CLOSE = 20, 1e-6
 
 @dataclass(frozen=True)
 class MeasuredNumber:
-    """A number that was measured: name, sensor, SI unit, value with standard uncertainty, as typed, settings."""
+    """A number that was measured.
+
+    Attributes
+    ----------
+    name, sensor : str
+        Of a number of the run, and of its sensor where it is of one; or the path of a free field, of which it says what
+        is known from elsewhere.
+    unit : str
+        SI unit.
+    value, uncertainty : float
+        With its standard uncertainty, SI.
+    typed : str
+        As it was typed.
+    setting : str
+        Changes of the case at which it was measured, in words.
+    of_field : bool
+        Whether it is of a free field.
+    left : float
+        What its uncertainty is raised by: see `strikewave.studies.fit.excess.Excess.weight`.
+    """
 
     name: str
     sensor: str
@@ -56,29 +75,34 @@ class MeasuredNumber:
     uncertainty: float
     typed: str
     setting: str = ""
+    of_field: bool = False
+    left: float = 1.0
 
     @property
     def called(self) -> str:
         """What it is called."""
         return f"{self.name} {self.sensor}".strip() + (f" ({self.setting})" if self.setting else "")
 
-    @property
-    def correlation(self) -> Array:
-        """It stands alone."""
-        return np.ones(1)
+    def computed(self, run: Simulation) -> float:
+        """Return what a run gives of it, SI, with the sign that was measured; NaN where it gives none."""
+        if self.of_field:
+            return run.case.values()[self.name].si
+        found = run.number(self.name, self.sensor)
+        return math.nan if found is None else math.copysign(found, self.value)
 
     def residuals(self, run: Simulation) -> Array:
-        """Return by how much a run is above it, in standard uncertainties.
+        """Return by how much a run is above it, in standard uncertainties times `left`.
 
         Raises
         ------
         ValueError
             If the run has no such number.
         """
-        computed = run.number(self.name, self.sensor)
-        if computed is None or not math.isfinite(computed):
+        computed = self.computed(run)
+        if not math.isfinite(computed):
             raise ValueError(f"the run has no {self.called}")
-        return np.array([(abs(computed) - abs(self.value)) / self.uncertainty])
+        side = 1.0 if self.of_field else math.copysign(1.0, self.value)
+        return np.array([side * (computed - self.value) / (self.uncertainty * self.left)])
 
 
 @dataclass(frozen=True, eq=False)

@@ -9,6 +9,8 @@ from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
 
+CHANCE = 1e-3
+"""Probability with which noise alone makes a residual that is said to be more than noise."""
 MOST_ORDER, LONGEST, FAINT = 40, 4096, 1e-4
 """Highest order of the autoregression of noise, the lags that it is followed over, and the correlation at which it
 ends: what mains and amplifiers leave in a record takes two coefficients each."""

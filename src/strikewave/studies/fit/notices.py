@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -62,12 +64,18 @@ def held_notices(case: Case) -> list[Notice]:
 
 def fit_notices(study: FitStudy) -> list[Notice]:
     """Return what the user should know of a fit."""
-    found, notices = study.solved.estimate, list[Notice]()
+    notices = list[Notice]()
     if study.solved.stopped:
         notices.append(Notice("stopped", "stopped: the best so far; fit fitted.toml to go on", severity=FAILED))
-    for group in found.groups():
+    for group in study.solved.estimate.groups():
         words = f"{combination_words(study, group)}; {separating_words(study, group)}"
         notices.append(Notice("not-determined", words, float(len(group)), 0.0))
+    notices += [*_of_records(study), *_of_numbers(study), *_of_values(study), *_of_pairs(study)]
+    return notices
+
+
+def _of_records(study: FitStudy) -> Iterator[Notice]:
+    """Yield what is left of the records beyond noise."""
     broken = [one for one in study.solved.misfits if one.more_than_noise and not one.scatters]
     if broken:
         worst = max(broken, key=lambda one: one.size)
@@ -77,7 +85,7 @@ def fit_notices(study: FitStudy) -> list[Notice]:
             f"the residual of {worst.called} is not noise{others}: its RMS is {percent(worst.share, 1)} of the peak, "
             f"{worst.size:.3g} {known}; the model lacks something, and standard errors are those of what is left"
         )
-        notices.append(Notice("residual-not-noise", message, worst.size, 1.0))
+        yield Notice("residual-not-noise", message, worst.size, 1.0)
     apart = [one for one in study.solved.misfits if one.scatters]
     if apart:
         worst = max(apart, key=lambda one: one.size)
@@ -86,7 +94,21 @@ def fit_notices(study: FitStudy) -> list[Notice]:
             f"{percent(worst.share, 1)} of the peak (RMS), and each can be fitted alone: the shots scatter, and "
             "standard errors hold that"
         )
-        notices.append(Notice("shots-scatter", message, worst.size, 1.0, INFO))
+        yield Notice("shots-scatter", message, worst.size, 1.0, INFO)
+
+
+def _of_numbers(study: FitStudy) -> Iterator[Notice]:
+    """Yield what is left of the stated numbers."""
+    excess = study.solved.problem.excess
+    if excess.between:
+        repeats = " and repeats" if len({one.called for one in study.numbers}) < len(study.numbers) else ""
+        shares = [excess.between * one.uncertainty / abs(one.value) for one in study.numbers if not one.of_field]
+        message = (
+            f"the numbers are off by {percent(float(np.median(shares)), 1)} (standard deviation) from setting to "
+            f"setting, beyond what their uncertainties{repeats} explain: the model lacks something, and standard "
+            "errors and predictions hold that"
+        )
+        yield Notice("lack-of-fit", message, excess.between, 0.0)
     missed = [one for one in study.solved.misfits if one.is_number and one.size > MET]
     if missed:
         worst = max(missed, key=lambda one: one.size)
@@ -94,11 +116,15 @@ def fit_notices(study: FitStudy) -> list[Notice]:
         message = (
             f"{worst.called} is missed by {worst.size:.2g} times its uncertainty, {percent(worst.share, 1)}{others}"
         )
-        notices.append(Notice("not-met", message, worst.size, MET))
-    for value, at in zip(study.parameters, found.place, strict=True):
+        yield Notice("not-met", message, worst.size, MET)
+
+
+def _of_values(study: FitStudy) -> Iterator[Notice]:
+    """Yield values at a bound or on the steps of waves, and other solutions."""
+    for value, at in zip(study.parameters, study.solved.estimate.place, strict=True):
         if min(at, 1.0 - at) < AT_BOUND:
             message = f"{value.field.path} stands at a bound, {value_words(value)}: its best value may lie beyond"
-            notices.append(Notice("at-bound", message, value.value))
+            yield Notice("at-bound", message, value.value)
     for value in study.parameters:
         if value.stair > ON_STAIRS * value.standard_error and value.determined:
             steps = value.field.shown(value.stair, 2)
@@ -106,13 +132,17 @@ def fit_notices(study: FitStudy) -> list[Notice]:
                 f"{value.field.path} moves the run in steps of {steps}, those of waves through its layer: it cannot be "
                 "known better; a smaller solver.step makes them finer"
             )
-            notices.append(Notice("on-stairs", message, value.stair, ON_STAIRS * value.standard_error))
+            yield Notice("on-stairs", message, value.stair, ON_STAIRS * value.standard_error)
     for place in study.solved.others:
         words = ", ".join(
             f"{value.field.path} = {value.field.shown(value.field.si(float(at)), 4)}"
             for value, at in zip(study.parameters, place, strict=True)
         )
-        notices.append(Notice("another-solution", f"another solution fits as well: {words}; bounds or a record decide"))
+        yield Notice("another-solution", f"another solution fits as well: {words}; bounds or a record decide")
+
+
+def _of_pairs(study: FitStudy) -> Iterator[Notice]:
+    """Yield pairs of values that are known together far better than each."""
     size = len(study.parameters)
     for a in range(size):
         for b in range(a):
@@ -122,5 +152,4 @@ def fit_notices(study: FitStudy) -> list[Notice]:
                 message = (
                     f"{both[1].field.path} and {both[0].field.path} are known together only (correlation {share:+.3f})"
                 )
-                notices.append(Notice("correlated", message, abs(float(share)), ALIKE, INFO))
-    return notices
+                yield Notice("correlated", message, abs(float(share)), ALIKE, INFO)

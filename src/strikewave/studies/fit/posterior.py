@@ -21,7 +21,7 @@ from strikewave.studies.fit.checking import DRAWS, drawn_places
 from strikewave.studies.fit.covariance import NORMAL, Estimate
 from strikewave.studies.fit.estimation import Residuals
 from strikewave.studies.fit.measured import MeasuredPulse
-from strikewave.studies.fit.problem import Solved
+from strikewave.studies.fit.solving import Solved
 from strikewave.uncertainty.runs import on_threads
 
 Array = NDArray[np.float64]

@@ -12,29 +12,24 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
-from strikewave.base.errors import InputError, StrikewaveError
 from strikewave.cases.case import Case
 from strikewave.studies.engine.case_evaluation import numbers_of
-from strikewave.studies.fit.covariance import Estimate, ResidualBlock, estimate
-from strikewave.studies.fit.estimation import FINAL_STEP, ROUGH, Search
+from strikewave.studies.fit.covariance import ResidualBlock
+from strikewave.studies.fit.excess import ALONE, Excess, excess_of
 from strikewave.studies.fit.fast_run import FastRun, runs_fast
 from strikewave.studies.fit.free_fields import FreeField, case_at
 from strikewave.studies.fit.measured import Measured, MeasuredNumber, MeasuredPulse
-from strikewave.studies.fit.noise import independent_count
+from strikewave.studies.fit.noise import CHANCE, independent_count
 from strikewave.studies.fit.transits import stairs
 from strikewave.studies.simulation import Simulation
 from strikewave.uncertainty.runs import or_none
 
 Array = NDArray[np.float64]
 
-CHANCE = 1e-3
-"""Probability with which noise alone makes a residual that is said to be more than noise."""
-ALIKE = 1e-2
-"""Share by which sums of squares may differ, or number where they are below 1, and be the same: far below chance."""
+AS_STATED = Excess()
+"""Of numbers that are off by no more than their uncertainties."""
 FAINT_SLOPE = 1e-4
 """Slope of a record along a direction, over the largest, from which on its own best values follow the residual."""
-UNFELT = 1e-7
-"""Slope of the residuals along a field, over the largest, below which it changes nothing that was measured."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -101,6 +96,8 @@ class Problem:
         What is free.
     simulate : callable, optional
         Runs a case.
+    excess : Excess, optional
+        By how much the numbers are off, by which they are weighted.
     """
 
     def __init__(
@@ -108,15 +105,17 @@ class Problem:
         experiments: Sequence[Experiment],
         fields: Sequence[FreeField],
         simulate: Callable[[Case], Simulation] = Simulation,
+        excess: Excess = AS_STATED,
     ) -> None:
         self.experiments, self.fields, self._simulate = tuple(experiments), tuple(fields), simulate
+        self.excess = excess
 
     def fast(self) -> Problem | None:
         """Return the problem with fast runs, where these give all that was measured; else None."""
         given = all(
             runs_fast(experiment.case)
             and all(
-                isinstance(one, MeasuredNumber) and one.name in numbers_of(experiment.case, "fast")
+                isinstance(one, MeasuredNumber) and (one.of_field or one.name in numbers_of(experiment.case, "fast"))
                 for one in experiment.measured
             )
             for experiment in self.experiments
@@ -165,13 +164,13 @@ class Problem:
         ends = np.cumsum([0, *(1 if isinstance(one, MeasuredNumber) else one.time.size for one in self.measured)])
         return [slice(int(a), int(b)) for a, b in pairwise(ends)]
 
-    def shots(self) -> list[int]:
-        """Return the number of the shot that each measured thing is of.
+    def shots(self) -> list[int | None]:
+        """Return the number of the shot that each measured thing is of; None for what is known from elsewhere.
 
         What records of one file show of one blow is one shot; so are all numbers of one setting, of one record there if
         there is one. Another record at that setting, or the same number once more, is another shot.
         """
-        shots, known = list[int](), dict[tuple[int, int], int]()
+        shots, known = list[int | None](), dict[tuple[int, int], int]()
         for setting, experiment in enumerate(self.experiments):
             files, names = list[str](), Counter[str]()
             for one in experiment.measured:
@@ -179,11 +178,19 @@ class Problem:
                     if one.shot not in files:
                         files.append(one.shot)
                     repeat = files.index(one.shot)
+                elif one.of_field:
+                    shots.append(None)
+                    continue
                 else:
                     repeat = names[one.called]
                     names[one.called] += 1
                 shots.append(known.setdefault((setting, repeat), len(known)))
         return shots
+
+    @property
+    def shot_count(self) -> int:
+        """Number of shots."""
+        return len({shot for shot in self.shots() if shot is not None})
 
     def misfits(self, residuals: Array, alone: Array | None = None) -> list[Misfit]:
         """Return what is left of each measured thing, and whether that is more than noise.
@@ -194,7 +201,7 @@ class Problem:
         for one, rows in zip(self.measured, self.rows(), strict=True):
             left = residuals[rows]
             if isinstance(one, MeasuredNumber):
-                size = abs(float(left[0]))
+                size = one.left * abs(float(left[0]))
                 found.append(Misfit(one.called, size, size * one.uncertainty / abs(one.value), 1.0, False, True))
                 continue
             size, more = one.left * _root_mean_square(left), more_than_noise(one, left)
@@ -228,46 +235,59 @@ class Problem:
 
     def blocks(self, residuals: Array, jacobian: Array) -> list[ResidualBlock]:
         """Return the blocks of the residuals: their noise, and what is left of them where that is more."""
-        alone, missed, blocks = self.alone(residuals, jacobian), self._missed(residuals), []
+        alone, blocks = self.alone(residuals, jacobian), []
+        numbers = sum(isinstance(one, MeasuredNumber) for one in self.measured)
         for one, rows, shot in zip(self.measured, self.rows(), self.shots(), strict=True):
             if isinstance(one, MeasuredNumber):
-                blocks.append(ResidualBlock(rows, np.ones(1), shot, missed))
+                blocks.append(ResidualBlock(rows, np.ones(1), shot, quiet=self.excess.freedom / numbers))
                 continue
             left = alone[rows] if more_than_noise(one, alone[rows]) else None
             quiet = independent_count(one.quiet, one.correlation) if one.quiet else math.inf
             blocks.append(ResidualBlock(rows, one.correlation / one.left**2, shot, left, one.shared, quiet))
         return blocks
 
-    def _missed(self, residuals: Array) -> Array | None:
-        """Return the root mean square of the numbers where they are missed by more than chance (Birge 1932)."""
-        from scipy.special import chdtri
+    def excess_at(self, residuals: Array, slopes: Callable[[], Array]) -> Excess:
+        """Return by how much the numbers are off; the slopes of all residuals are asked for where they are needed."""
+        rows, groups, known = list[int](), list[int](), dict[tuple[int, str], int]()
+        place = 0
+        for setting, experiment in enumerate(self.experiments):
+            for one in experiment.measured:
+                if isinstance(one, MeasuredNumber):
+                    rows.append(place)
+                    groups.append(ALONE if one.of_field else known.setdefault((setting, one.called), len(known)))
+                place += 1 if isinstance(one, MeasuredNumber) else one.time.size
+        if len(rows) == len(known) <= len(self.fields):  # values that meet them all
+            return AS_STATED
+        return excess_of(residuals[rows], slopes()[rows], groups)
 
-        pairs = zip(self.measured, self.rows(), strict=True)
-        missed = np.array([float(residuals[rows][0]) for one, rows in pairs if isinstance(one, MeasuredNumber)])
-        freedom = missed.size - len(self.fields)
-        if freedom < 1 or float(missed @ missed) <= float(chdtri(freedom, CHANCE)):
-            return None
-        return np.array([_root_mean_square(missed)])
+    def weighted(self, misfits: Sequence[Misfit], excess: Excess) -> Problem:
+        """Return the problem with what is left in its weights: of the records of each part, and of the numbers.
 
-    def weighted(self, misfits: Sequence[Misfit]) -> Problem:
-        """Return the problem with the records of each part weighted by what is left of them all, over their peaks.
-
-        Weighted by its own alone, a record that led the fit, or lies in the middle of those that scatter, would lead it
-        the more, and their scatter would look the smaller.
+        Records where one is more than noise, by what is left of them all, over their peaks. Weighted by its own alone,
+        a record that led the fit, or lies in the middle of those that scatter, would lead it the more, and their
+        scatter would look the smaller. Numbers by their excess, so that many repeats at one setting do not outweigh
+        what the model lacks there.
         """
         shares: dict[str, list[float]] = {}
-        for one, misfit in zip(self.measured, misfits, strict=True):
-            if isinstance(one, MeasuredPulse):
-                shares.setdefault(one.part, []).append(misfit.share)
+        if any(one.more_than_noise for one in misfits):
+            for one, misfit in zip(self.measured, misfits, strict=True):
+                if isinstance(one, MeasuredPulse):
+                    shares.setdefault(one.part, []).append(misfit.share)
 
-        def heavier(one: Measured) -> Measured:
+        def heavier(one: Measured, repeats: Counter[str]) -> Measured:
             if isinstance(one, MeasuredNumber):
+                return one if one.of_field else replace(one, left=excess.weight(repeats[one.called]))
+            if one.part not in shares:
                 return one
             left = _root_mean_square(np.array(shares[one.part])) * float(np.max(np.abs(one.values)))
             return replace(one, left=max(left / one.deviation, 1.0))
 
-        experiments = [replace(one, measured=tuple(map(heavier, one.measured))) for one in self.experiments]
-        return Problem(experiments, self.fields)
+        experiments = []
+        for experiment in self.experiments:
+            repeats = Counter(one.called for one in experiment.measured)
+            measured = tuple(heavier(one, repeats) for one in experiment.measured)
+            experiments.append(replace(experiment, measured=measured))
+        return Problem(experiments, self.fields, excess=excess)
 
 
 def _root_mean_square(values: Array) -> float:
@@ -287,109 +307,3 @@ def more_than_noise(one: MeasuredPulse, left: Array) -> bool:
     limit = float(fdtri(_independent(one, left), min(quiet, 1e9), 1.0 - CHANCE))
     scatter = float(ndtri(1.0 - 0.5 * CHANCE)) * one.scatter * _root_mean_square(one.values) / one.deviation
     return bool(one.left * _root_mean_square(left) > math.hypot(math.sqrt(limit), scatter))
-
-
-@dataclass(frozen=True, eq=False)
-class Solved:
-    """A problem, as weighted, with its best place, other places that fit as well, and its runs."""
-
-    problem: Problem
-    estimate: Estimate
-    misfits: tuple[Misfit, ...]
-    others: tuple[Array, ...]
-    runs: int
-    stopped: bool
-    search: Search
-
-
-def solve(problem: Problem, advance: Callable[[int, float], None] | None = None) -> Solved:
-    """Find the best place, and what the data say of it.
-
-    Ctrl-C ends the search at the best place so far.
-
-    Raises
-    ------
-    InputError
-        If the case itself cannot be run, or a field changes nothing that was measured.
-    """
-    search = Search(problem.residuals, len(problem.fields), advance, problem.stairs)
-    stopped, ends = False, list[tuple[Array, Array]]()
-    first = _begun(search, problem)
-    try:
-        _check_felt(problem, search, first)
-        if problem.slow:
-            ends = [search.descend(problem.start, accuracy=ROUGH)]
-        else:
-            fast = problem.fast()
-            search.residuals = problem.residuals if fast is None else fast.residuals
-            ends = search.wide(problem.start, problem.explained)
-        place, residuals = _nearest(ends, problem.start)
-        if search.residuals != problem.residuals:  # from the end of fast runs full ones have a step or two to go
-            search.residuals = problem.residuals
-            place, residuals = search.descend(place)
-        used, misfits = problem, problem.misfits(residuals)
-        if len(misfits) > 1 and any(one.more_than_noise for one in misfits):
-            used = problem.weighted(misfits)
-            again = Search(used.residuals, len(problem.fields), advance, problem.stairs)
-            again.begin(place)
-            place, _ = again.descend(place)
-            again.runs += search.runs
-            search = again
-    except KeyboardInterrupt:
-        assert search.best is not None
-        place, stopped, used = search.best[1], True, problem
-        search.residuals = problem.residuals
-    residuals = used.residuals(place)
-    try:
-        jacobian = search.slopes(place, residuals, FINAL_STEP, both=True)
-    except KeyboardInterrupt:  # the values are found, their errors are not
-        jacobian, stopped = np.zeros((residuals.size, place.size)), True
-    found = estimate(place, residuals, jacobian, used.blocks(residuals, jacobian))
-    on_stairs = np.diag(problem.stairs**2 / 3.0)  # anywhere within one to either side fits as well
-    found = replace(found, covariance=found.covariance + on_stairs)
-    left = used.misfits(residuals, used.alone(residuals, jacobian))
-    base = residuals if used is problem else problem.residuals(place)  # other ends have the weights of the search
-    return Solved(used, found, tuple(left), _others(ends, found, base), search.runs, stopped, search)
-
-
-def _begun(search: Search, problem: Problem) -> Array:
-    """Return the residuals where the search begins, which need all that was measured."""
-    try:
-        return search.begin(problem.start)
-    except StrikewaveError:
-        raise
-    except ValueError as error:
-        hint = "begin elsewhere (--set), or follow the blow for longer"
-        raise InputError("--to", str(error), "what the case gives where the search begins", hint) from None
-
-
-def _check_felt(problem: Problem, search: Search, first: Array) -> None:
-    """Refuse a field that changes nothing that was measured."""
-    sizes = np.linalg.norm(search.slopes(problem.start, first, FINAL_STEP), axis=0)
-    for field, size in zip(problem.fields, sizes, strict=True):
-        if size <= UNFELT * max(float(np.max(sizes)), np.finfo(float).tiny):
-            raise InputError("--free", field.path, "a field that changes what was measured", "leave it out")
-
-
-def _nearest(ends: Sequence[tuple[Array, Array]], start: Array) -> tuple[Array, Array]:
-    """Return the end of the searches that fits best; of those that fit as well, the one nearest to the start."""
-    misfits = [float(residuals @ residuals) for _, residuals in ends]
-    alike = [end for end, misfit in zip(ends, misfits, strict=True) if misfit <= min(misfits) * (1.0 + ALIKE) + ALIKE]
-    return min(alike, key=lambda end: float(np.linalg.norm(end[0] - start)))
-
-
-def _others(ends: Sequence[tuple[Array, Array]], found: Estimate, base: Array) -> tuple[Array, ...]:
-    """Return ends of other searches that fit as well within chance and lie apart along what is determined.
-
-    ``base`` has the residuals of the best place, weighted as those of the ends.
-    """
-    others: list[Array] = []
-    kept = np.eye(found.place.size) - found.undetermined @ found.undetermined.T
-    misfit = float(base @ base)
-    scale = max(misfit / base.size, 1.0)
-    for place, residuals in ends:
-        rise = float(residuals @ residuals) - misfit
-        apart = float(np.linalg.norm(kept @ (place - found.place)))
-        if rise < found.widest**2 * scale and apart > max(10.0 * math.sqrt(np.trace(found.covariance)), 1e-3):
-            others.append(place)
-    return tuple(others)

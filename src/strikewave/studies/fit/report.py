@@ -80,7 +80,7 @@ def _posterior(study: FitStudy, posterior: Posterior) -> Section:
 
 def _shots(study: FitStudy) -> str:
     """Say what is known of the scatter of shots."""
-    count = len(set(study.solved.problem.shots()))
+    count = study.solved.problem.shot_count
     if count > 1:
         return f"the scatter of {count} shots shows it, and intervals are as wide as Student's t has them"
     stated = any(pulse.scatter for pulse, _ in study.pulses)

@@ -22,8 +22,8 @@ from strikewave.studies.fit.estimation import ProfileEnds
 from strikewave.studies.fit.free_fields import FreeField
 from strikewave.studies.fit.measured import LaidPulse, MeasuredNumber, MeasuredPulse
 from strikewave.studies.fit.posterior import SEED, WALKERS, Posterior
-from strikewave.studies.fit.problem import Solved
 from strikewave.studies.fit.separating import SeparatingNumber
+from strikewave.studies.fit.solving import Solved
 from strikewave.studies.fit.trying import TriedChoice
 
 Array = NDArray[np.float64]
@@ -157,6 +157,8 @@ class FitStudy(AskedResult):
             "correlation": "1",
             "size": "standard deviations of the noise",
             "share": "1",
+            "within": "standard uncertainties",
+            "between": "standard uncertainties",
             "independent": "1",
             "shift": "s",
             "measured": "as the number",
@@ -175,7 +177,7 @@ class FitStudy(AskedResult):
 
     def content(self) -> dict[str, Any]:
         """Return what the JSON document holds beside its head."""
-        found = self.solved.estimate
+        found, excess = self.solved.estimate, self.solved.problem.excess
         return {
             "case": self.base.name,
             "parameters": [
@@ -200,7 +202,8 @@ class FitStudy(AskedResult):
             "misfit": {
                 "chi_squared": found.misfit,
                 "residuals": int(found.residuals.size),
-                "shots": len(set(self.solved.problem.shots())),
+                "excess": {"within": excess.within, "between": excess.between},
+                "shots": self.solved.problem.shot_count,
                 "measured": [vars(one) for one in self.solved.misfits],
             },
             "numbers": [

@@ -13,7 +13,7 @@ from strikewave.cases.case import Case
 from strikewave.studies.fit.covariance import UNDETERMINED
 from strikewave.studies.fit.estimation import FINAL_STEP
 from strikewave.studies.fit.free_fields import case_at
-from strikewave.studies.fit.problem import Solved
+from strikewave.studies.fit.solving import Solved
 from strikewave.studies.simulation import Simulation, number_units
 from strikewave.uncertainty.known import LEAST
 from strikewave.uncertainty.runs import on_threads

@@ -23,10 +23,11 @@ from strikewave.studies.fit.free_fields import FreeField, changed_case, free_fie
 from strikewave.studies.fit.measured import LaidPulse, MeasuredNumber, MeasuredPulse
 from strikewave.studies.fit.notices import NOT_SAMPLED, fit_notices, held_notices, posterior_notices
 from strikewave.studies.fit.posterior import MOST_BANDS, check_sampler, predictive_bands, sample
-from strikewave.studies.fit.problem import Problem, Solved, solve
+from strikewave.studies.fit.problem import Problem
 from strikewave.studies.fit.request import FitRequest
 from strikewave.studies.fit.result import FitStudy, FittedParameter
 from strikewave.studies.fit.separating import separating
+from strikewave.studies.fit.solving import Solved, solve
 from strikewave.studies.fit.targets import (
     ReadTargets,
     Target,
@@ -226,7 +227,7 @@ def _laid(problem: Problem, runs: Sequence[Simulation]) -> list[tuple[MeasuredPu
 
 def _computed(problem: Problem, runs: Sequence[Simulation]) -> tuple[float, ...]:
     return tuple(
-        float(run.number(one.name, one.sensor) or math.nan)
+        one.computed(run)
         for experiment, run in zip(problem.experiments, runs, strict=True)
         for one in experiment.measured
         if isinstance(one, MeasuredNumber)

@@ -1,9 +1,9 @@
 """What a case is fitted to, as it is typed: records and numbers, each with the settings at which it was measured.
 
-``shot.csv`` is a record of the usual part, ``PART=shot.csv`` of another one; ``first.rigid_peak=4151 g`` a number.
-Behind ``±`` or ``+-`` stands the standard uncertainty of a number, or by which share the amplitude of such records
-scatters from shot to shot. Settings follow after semicolons: ``shot.csv; machine.speed=500 rpm``.
-``@FILE`` stands for the lines of a text file.
+``shot.csv`` is a record of the usual part, ``PART=shot.csv`` of another one; ``first.rigid_peak=4151 g`` a number, and
+so is ``striker.mass=0.459 kg``: what is known of a free field from elsewhere. Behind ``±`` or ``+-`` stands the
+standard uncertainty of a number, or by which share the amplitude of such records scatters from shot to shot. Settings
+follow after semicolons: ``shot.csv; machine.speed=500 rpm``. ``@FILE`` stands for the lines of a text file.
 """
 
 from __future__ import annotations
@@ -22,11 +22,12 @@ from strikewave.base.result import Notice
 from strikewave.cases.case import Case, bundled_cases
 from strikewave.reporting.options import read_share
 from strikewave.studies.fit.free_fields import FreeField, changed_case
-from strikewave.studies.fit.measured import Measured, MeasuredNumber, MeasuredPulse, measured_pulse
+from strikewave.studies.fit.measured import MeasuredNumber, MeasuredPulse, measured_pulse
 from strikewave.studies.fit.problem import Experiment
 from strikewave.studies.fit.transits import smooth_case
 from strikewave.studies.simulation import Simulation, checked_number, number_units, quick_case
 from strikewave.studies.stated import stated_at
+from strikewave.uncertainty.draws import range_of
 from strikewave.uncertainty.known import LEAST, MOST, half_a_digit
 
 MOST_RECORDS = 200
@@ -46,7 +47,7 @@ class Target:
     Attributes
     ----------
     left : str
-        Name of a number, or of a part; empty for the usual part.
+        Name of a number, path of a field, or name of a part; empty for the usual part.
     right : str
         Value of a number, or the name of records.
     changes : tuple of str
@@ -120,7 +121,7 @@ def parse_target(word: str, case: Case) -> Target:
     left, equals, right = (part.strip() for part in first.partition("="))
     if not equals or _is_place(first):
         return _records("", first, tuple(rest))
-    if left.split(" ")[0] in number_units(case):
+    if left.split(" ")[0] in number_units(case) or left in case.values():
         return Target(left, right, tuple(rest), is_number=True)
     if not _is_place(PLUS_MINUS.split(right)[0]) and re.match(r"[-+.\d]", right):
         checked_number(case, left)
@@ -162,27 +163,42 @@ def read_number(case: Case, target: Target) -> MeasuredNumber:
     >>> round(read_number(case, Target("first.width", "200 us +- 4 us", is_number=True)).uncertainty * 1e6, 9)
     4.0
     """
-    name, sensor, unit = checked_number(case, target.left)
+    name, sensor, allowed, of_field = _named(case, target)
     typed, *uncertain = PLUS_MINUS.split(target.right, maxsplit=1)
     option = f"--to {target.left}"
-    value = _read(typed, unit, option)
+    value = _read(typed, allowed, option)
     if value.si == 0.0:
         raise InputError(option, typed, "a number that is not 0", "its uncertainty is a share of it")
-    if value.si < 0.0 and unit == "s":
+    if value.si < 0.0 and allowed.unit == "s":
         raise InputError(option, typed, "a time above 0")
     share = min(max(LEAST, half_a_digit(value.typed)), MOST)
     size = share * abs(value.si)
     if uncertain:
         word = uncertain[0].strip()
-        size = read_share(word, option) * abs(value.si) if word.endswith("%") else _read(word, unit, option).si
+        size = (
+            read_share(word, option) * abs(value.si)
+            if word.endswith("%")
+            else _read(word, Range(allowed.unit), option).si
+        )
         if not size > 0.0:
             raise InputError(option, word, "a standard uncertainty above 0, such as 2 %")
-    return MeasuredNumber(name, sensor, unit, value.si, size, typed, ", ".join(target.changes))
+    return MeasuredNumber(name, sensor, allowed.unit, value.si, size, typed, ", ".join(target.changes), of_field)
 
 
-def _read(word: str, unit: str, field: str) -> Value:
+def _named(case: Case, target: Target) -> tuple[str, str, Range, bool]:
+    """Return name and sensor of a number, what it may be, and whether it is that of a field."""
+    if target.left not in case.values():
+        name, sensor, unit = checked_number(case, target.left)
+        return name, sensor, Range(unit), False
+    if target.changes:
+        words = f"{target.left} without settings: a value of the case holds at all of them"
+        raise InputError("--to", "; ".join(target.changes), words)
+    return target.left, "", range_of(case, target.left), True
+
+
+def _read(word: str, allowed: Range, field: str) -> Value:
     try:
-        return Range(unit).read(word)
+        return allowed.read(word)
     except InputError as error:
         raise InputError(field, error.got, error.allowed, error.hint) from None
 
@@ -214,35 +230,50 @@ def read_targets(
     grouped: dict[tuple[str, ...], list[Target]] = {}
     for target in targets:
         grouped.setdefault(target.changes, []).append(target)
-    experiments, notices, paths = list[Experiment](), list[Notice](), list[Path]()
-    for changes, members in grouped.items():
-        with stated_at(members[0].stated):
-            changed = changed_case(case, changes)
-            for free in fields:
-                if changed.values().get(free.path) != case.values()[free.path]:
-                    raise InputError(option, "; ".join(changes), f"settings that leave {free.path} free: it is fitted")
-        numbers, records = list[MeasuredNumber](), list[tuple[Target, ComparedCurve]]()
-        for one in members:
-            with stated_at(one.stated):
-                if one.is_number:
-                    numbers.append(read_number(changed, one))
-                    continue
-                curves, left = read_shots(option, one.right, reading)
-            records += [(one, curve) for curve in curves]
-            notices += [*left, *(notice for curve in curves for notice in curve.notices)]
-            paths += paths_of(parse_name(one.right))
-        if len(records) > MOST_RECORDS:
-            raise InputError(option, f"{len(records)} records", f"at most {MOST_RECORDS}")
-        quick = quick_case(changed, _blows(numbers, [_part(one.left)[1] for one, _ in records]))
-        quick = smooth_case(quick, [free.path for free in fields])
-        run, pulses = Simulation(quick), list[MeasuredPulse]()
-        for one, curve in records:
-            with stated_at(one.stated):
-                shot, low_pass = _shot(one, curve), reading.low_pass
-                pulses.append(measured_pulse(curve, run, *_part(one.left), low_pass, shot, one.scatter))
-        measured: tuple[Measured, ...] = (*numbers, *pulses)
-        experiments.append(Experiment(quick, changes, measured))
-    return ReadTargets(tuple(experiments), tuple(dict.fromkeys(notices)), tuple(dict.fromkeys(paths)))
+    read = [_read_setting(option, case, members, fields, reading) for members in grouped.values()]
+    notices = dict.fromkeys(notice for one in read for notice in one.notices)
+    paths = dict.fromkeys(path for one in read for path in one.paths)
+    return ReadTargets(tuple(test for one in read for test in one.experiments), tuple(notices), tuple(paths))
+
+
+def _read_setting(
+    option: str, case: Case, targets: Sequence[Target], fields: Sequence[FreeField], reading: SourceOptions
+) -> ReadTargets:
+    """Read what was measured at one setting."""
+    changes = targets[0].changes
+    with stated_at(targets[0].stated):
+        changed = changed_case(case, changes)
+        for free in fields:
+            if changed.values().get(free.path) != case.values()[free.path]:
+                raise InputError(option, "; ".join(changes), f"settings that leave {free.path} free: it is fitted")
+    numbers, records = list[MeasuredNumber](), list[tuple[Target, ComparedCurve]]()
+    notices, paths = list[Notice](), list[Path]()
+    for one in targets:
+        with stated_at(one.stated):
+            if one.is_number:
+                numbers.append(read_number(changed, one))
+                _check_free(option, numbers[-1], fields)
+                continue
+            curves, left = read_shots(option, one.right, reading)
+        records += [(one, curve) for curve in curves]
+        notices += [*left, *(notice for curve in curves for notice in curve.notices)]
+        paths += paths_of(parse_name(one.right))
+    if len(records) > MOST_RECORDS:
+        raise InputError(option, f"{len(records)} records", f"at most {MOST_RECORDS}")
+    quick = quick_case(changed, _blows(numbers, [_part(one.left)[1] for one, _ in records]))
+    quick = smooth_case(quick, [free.path for free in fields])
+    run, pulses = Simulation(quick), list[MeasuredPulse]()
+    for one, curve in records:
+        with stated_at(one.stated):
+            shot, low_pass = _shot(one, curve), reading.low_pass
+            pulses.append(measured_pulse(curve, run, *_part(one.left), low_pass, shot, one.scatter))
+    return ReadTargets((Experiment(quick, changes, (*numbers, *pulses)),), tuple(notices), tuple(paths))
+
+
+def _check_free(option: str, number: MeasuredNumber, fields: Sequence[FreeField]) -> None:
+    """Refuse a number of a field that is not free: nothing would change it."""
+    if number.of_field and number.name not in [field.path for field in fields]:
+        raise InputError(option, number.name, "a number of the run, or a free field", f"--free {number.name}")
 
 
 def _shot(target: Target, curve: ComparedCurve) -> str:
@@ -259,6 +290,6 @@ def _part(left: str) -> tuple[str, int]:
 
 def _blows(numbers: Sequence[MeasuredNumber], blows: Sequence[int]) -> int:
     """Return after how many blows a run may end; 0 where all of them count."""
-    if any(not one.name.startswith("first.") for one in numbers):
+    if any(not one.name.startswith("first.") for one in numbers if not one.of_field):
         return 0
     return max([*blows, 1])

@@ -11,13 +11,15 @@ import numpy as np
 from strikewave.base.errors import InputError, nearest
 from strikewave.cases.case import Case
 from strikewave.studies.fit.estimation import Search
-from strikewave.studies.fit.measured import MeasuredPulse
-from strikewave.studies.fit.problem import Problem, Solved
+from strikewave.studies.fit.measured import Measured, MeasuredNumber, MeasuredPulse
+from strikewave.studies.fit.problem import Problem
+from strikewave.studies.fit.solving import Solved
 
 MOST_TRIED = 20
 """Most choices of one field."""
-FEWEST_SHOTS, FOLDS = 3, 10
-"""Records from which on choices are compared by cross-validation, and parts into which more of them are divided."""
+FEWEST, FOLDS = 3, 10
+"""Records, or settings of numbers, from which on choices are compared by cross-validation, and parts into which more of
+them are divided."""
 
 
 @dataclass(frozen=True)
@@ -31,7 +33,8 @@ class TriedChoice:
     misfit : float
         Root mean square of all residuals over their noise or uncertainty; NaN where it could not be fitted.
     kept_out : float
-        The same of records that each fit was without (cross-validation); NaN below `FEWEST_SHOTS` records.
+        The same of records that each fit was without (cross-validation), or of the numbers of a setting where there
+        are no records; NaN below `FEWEST` of them.
     more_than_noise : int
         Records of which the residual is more than noise.
     failure : str
@@ -89,14 +92,17 @@ def _mean(sizes: Sequence[float]) -> float:
 
 
 def _kept_out(solved: Solved) -> float:
-    """Return the root mean square residual of records that each fit was without."""
+    """Return the root mean square residual of records, or of numbers of a setting, that each fit was without."""
     problem = solved.problem
-    shots = [one for one in problem.measured if isinstance(one, MeasuredPulse)]
-    if len(shots) < FEWEST_SHOTS or solved.stopped:
+    parts: list[list[Measured]] = [[one] for one in problem.measured if isinstance(one, MeasuredPulse)]
+    if not parts:
+        settings = [[one for one in test.measured if not _is_known(one)] for test in problem.experiments]
+        parts = [setting for setting in settings if setting]
+    if len(parts) < FEWEST or solved.stopped:
         return math.nan
-    sizes = []
-    for fold in range(min(FOLDS, len(shots))):
-        out = shots[fold :: min(FOLDS, len(shots))]
+    sizes, folds = list[float](), min(FOLDS, len(parts))
+    for fold in range(folds):
+        out = [one for part in parts[fold::folds] for one in part]
         search = Search(_without(problem, out, keep=False).residuals, len(problem.fields), stairs=problem.stairs)
         search.begin(solved.estimate.place)
         place, _ = search.descend(solved.estimate.place)
@@ -105,9 +111,14 @@ def _kept_out(solved: Solved) -> float:
     return _mean(sizes)
 
 
-def _without(problem: Problem, shots: Sequence[MeasuredPulse], keep: bool) -> Problem:
-    """Return a problem with these records alone, or without them."""
-    out = set(map(id, shots))
+def _is_known(one: Measured) -> bool:
+    """Tell whether it is known of a field from elsewhere: of the fit alone, with any measurements."""
+    return isinstance(one, MeasuredNumber) and one.of_field
+
+
+def _without(problem: Problem, measured: Sequence[Measured], keep: bool) -> Problem:
+    """Return a problem with what was measured here alone, or without it."""
+    out = set(map(id, measured))
     experiments = [
         replace(one, measured=tuple(thing for thing in one.measured if (id(thing) in out) == keep))
         for one in problem.experiments

@@ -1,0 +1,139 @@
+"""The solution of a problem of least squares: searched, weighted by what is left, and what the data say of it."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from strikewave.base.errors import InputError, StrikewaveError
+from strikewave.studies.fit.covariance import Estimate, estimate
+from strikewave.studies.fit.estimation import FINAL_STEP, ROUGH, STEP, Search
+from strikewave.studies.fit.problem import AS_STATED, Misfit, Problem
+
+Array = NDArray[np.float64]
+
+ALIKE = 1e-2
+"""Share by which sums of squares may differ, or number where they are below 1, and be the same: far below chance."""
+UNFELT = 1e-7
+"""Slope of the residuals along a field, over the largest, below which it changes nothing that was measured."""
+
+
+@dataclass(frozen=True, eq=False)
+class Solved:
+    """A problem, as weighted, with its best place, other places that fit as well, and its runs."""
+
+    problem: Problem
+    estimate: Estimate
+    misfits: tuple[Misfit, ...]
+    others: tuple[Array, ...]
+    runs: int
+    stopped: bool
+    search: Search
+
+
+def solve(problem: Problem, advance: Callable[[int, float], None] | None = None) -> Solved:
+    """Find the best place, and what the data say of it.
+
+    Ctrl-C ends the search at the best place so far.
+
+    Raises
+    ------
+    InputError
+        If the case itself cannot be run, or a field changes nothing that was measured.
+    """
+    search = Search(problem.residuals, len(problem.fields), advance, problem.stairs)
+    stopped, used, ends = False, problem, list[tuple[Array, Array]]()
+    first = _begun(search, problem)
+    try:
+        _check_felt(problem, search, first)
+        ends = _searched(problem, search)
+        place, residuals = _nearest(ends, problem.start)
+        if search.residuals != problem.residuals:  # from the end of fast runs full ones have a step or two to go
+            search.residuals = problem.residuals
+            place, residuals = search.descend(place)
+        weighted = _weighted(problem, search, place, residuals)
+        if weighted is not None:
+            again = Search(weighted.residuals, len(problem.fields), advance, problem.stairs)
+            again.begin(place)
+            place, _ = again.descend(place)
+            again.runs += search.runs
+            used, search = weighted, again
+    except KeyboardInterrupt:
+        assert search.best is not None
+        place, stopped = search.best[1], True
+        search.residuals = problem.residuals
+    residuals = used.residuals(place)
+    try:
+        jacobian = search.slopes(place, residuals, FINAL_STEP, both=True)
+    except KeyboardInterrupt:  # the values are found, their errors are not
+        jacobian, stopped = np.zeros((residuals.size, place.size)), True
+    found = estimate(place, residuals, jacobian, used.blocks(residuals, jacobian))
+    on_stairs = np.diag(problem.stairs**2 / 3.0)  # anywhere within one to either side fits as well
+    found = replace(found, covariance=found.covariance + on_stairs)
+    left = used.misfits(residuals, used.alone(residuals, jacobian))
+    base = residuals if used is problem else problem.residuals(place)  # other ends have the weights of the search
+    return Solved(used, found, tuple(left), _others(ends, found, base), search.runs, stopped, search)
+
+
+def _searched(problem: Problem, search: Search) -> list[tuple[Array, Array]]:
+    """Return where searches end: one from the case where runs take seconds, else several, by fast runs if they do."""
+    if problem.slow:
+        return [search.descend(problem.start, accuracy=ROUGH)]
+    fast = problem.fast()
+    search.residuals = problem.residuals if fast is None else fast.residuals
+    return search.wide(problem.start, problem.explained)
+
+
+def _weighted(problem: Problem, search: Search, place: Array, residuals: Array) -> Problem | None:
+    """Return the problem with what is left in its weights; None where that is noise, or of one record alone."""
+    misfits = problem.misfits(residuals)
+    excess = problem.excess_at(residuals, lambda: search.slopes(place, residuals, STEP))
+    is_noise = excess == AS_STATED and not any(one.more_than_noise for one in misfits)
+    return None if is_noise or len(misfits) == 1 else problem.weighted(misfits, excess)
+
+
+def _begun(search: Search, problem: Problem) -> Array:
+    """Return the residuals where the search begins, which need all that was measured."""
+    try:
+        return search.begin(problem.start)
+    except StrikewaveError:
+        raise
+    except ValueError as error:
+        hint = "begin elsewhere (--set), or follow the blow for longer"
+        raise InputError("--to", str(error), "what the case gives where the search begins", hint) from None
+
+
+def _check_felt(problem: Problem, search: Search, first: Array) -> None:
+    """Refuse a field that changes nothing that was measured."""
+    sizes = np.linalg.norm(search.slopes(problem.start, first, FINAL_STEP), axis=0)
+    for field, size in zip(problem.fields, sizes, strict=True):
+        if size <= UNFELT * max(float(np.max(sizes)), np.finfo(float).tiny):
+            raise InputError("--free", field.path, "a field that changes what was measured", "leave it out")
+
+
+def _nearest(ends: Sequence[tuple[Array, Array]], start: Array) -> tuple[Array, Array]:
+    """Return the end of the searches that fits best; of those that fit as well, the one nearest to the start."""
+    misfits = [float(residuals @ residuals) for _, residuals in ends]
+    alike = [end for end, misfit in zip(ends, misfits, strict=True) if misfit <= min(misfits) * (1.0 + ALIKE) + ALIKE]
+    return min(alike, key=lambda end: float(np.linalg.norm(end[0] - start)))
+
+
+def _others(ends: Sequence[tuple[Array, Array]], found: Estimate, base: Array) -> tuple[Array, ...]:
+    """Return ends of other searches that fit as well within chance and lie apart along what is determined.
+
+    ``base`` has the residuals of the best place, weighted as those of the ends.
+    """
+    others: list[Array] = []
+    kept = np.eye(found.place.size) - found.undetermined @ found.undetermined.T
+    misfit = float(base @ base)
+    scale = max(misfit / base.size, 1.0)
+    for place, residuals in ends:
+        rise = float(residuals @ residuals) - misfit
+        apart = float(np.linalg.norm(kept @ (place - found.place)))
+        if rise < found.widest**2 * scale and apart > max(10.0 * math.sqrt(np.trace(found.covariance)), 1e-3):
+            others.append(place)
+    return tuple(others)
