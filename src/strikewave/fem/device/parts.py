@@ -96,6 +96,9 @@ class DeviceElements:
     def fetch(self) -> None:
         """Bring it, and what was summed since, here."""
         self.here.blocks.state[:] = self.device.get(self.blocks.state)
+        if not self.stepped:
+            return  # the hourglass energy, which is no sum, is still that of the last time
+        self.stepped = False
         works = self.device.get(self.results.works).reshape(layout.SUMS, -1, layout.LANES).sum(axis=2)
         by_slab = np.add.reduceat(works, self.here.slabs[:, 0], axis=1).T
         self.here.sums[:, :3] += by_slab[:, :3]
@@ -104,6 +107,7 @@ class DeviceElements:
 
     def add_forces(self, nodes: Nodes, dt: float) -> float:
         """Bring the elements to the end of a step and add their forces; return their critical step, s."""
+        self.stepped = True
         each, viscous = self.device.each, tuple(float(c) for c in self.here.viscous)
         self.device.each_with_scratch(self.body, self.lanes, self.blocks, nodes.x, nodes.v, dt, viscous, self.results)
         each(bodies.gather_node, self.nodes, self.start, self.places, self.results.corner, nodes.f)
