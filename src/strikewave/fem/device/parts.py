@@ -85,7 +85,7 @@ class DeviceElements:
 
     def send(self) -> None:
         """Bring the state of the elements there."""
-        put = self.device.put
+        put, self.stepped = self.device.put, False
         self.blocks = put_fields(self.device, self.here.blocks)
         self.results = bodies.ElementResults(
             put(np.zeros((3, 8 * self.lanes))),
