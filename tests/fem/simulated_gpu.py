@@ -1,6 +1,7 @@
 """A small impact on the GPU that numba simulates, against the processor; nothing is compiled (tests/fem/test_device.py)."""
 
 import numpy as np
+import plain_kernels  # noqa: F401
 
 from strikewave.fem.device.gpu import Cuda
 from strikewave.fem.mesh import joined

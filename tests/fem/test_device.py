@@ -130,8 +130,9 @@ def test_an_interrupted_run_goes_on_there_and_on_the_processor(tmp_path):
 
 
 def test_the_kernels_of_a_gpu_run_in_the_simulator_of_numba():
-    environment = {**os.environ, "NUMBA_ENABLE_CUDASIM": "1", "NUMBA_DISABLE_JIT": "1"}
     script = Path(__file__).with_name("simulated_gpu.py")
+    path = os.pathsep.join([str(script.parents[2] / "benchmarks"), *sys.path])
+    environment = {**os.environ, "NUMBA_ENABLE_CUDASIM": "1", "PYTHONPATH": path}
     found = subprocess.run([sys.executable, script], env=environment, capture_output=True, text=True, check=False)
     assert found.returncode == 0, found.stderr
 

@@ -347,8 +347,7 @@ class _PartCache(_KernelCache):
 
 def _part(function: F, options: dict[str, Any]) -> F:
     compiled: Any = _compiled(function, options, _PartCache)
-    if not numba.config.DISABLE_JIT:  # type: ignore[attr-defined]
-        compiled.__class__ = _Part
+    compiled.__class__ = _Part
     return cast(F, compiled)
 
 
