@@ -11,10 +11,10 @@ checked against each other, p* the closest point of the face, n its normal there
     1/m* = 1/m_node + max(1/(mu A), sum N_i^2/m_i),
 
 A the node's share of the area of its surface, mu the mass of the face's nodes per area, N_i the shape functions at p*.
-The mass of a node is m/(1 - |H n|^2) where boundaries hold it along directions H: what counts is how easily it moves
-along n (for friction: along the sliding, where that is easier). They hold it before contact is found, so that f holds
-their forces, and take afterwards what contact presses onto them. The nodes of a rigid part share the mass of the body:
-`strikewave.fem.rigid.surface_inverse_mass`. Tied nodes count by their own mass.
+The mass of a node is ``m/(1 - |H n|^2)`` where boundaries hold it along directions H: what counts is how easily it
+moves along n (for friction: along the sliding, where that is easier). They hold it before contact is found, so that f
+holds their forces, and take afterwards what contact presses onto them. The nodes of a rigid part share the mass of the
+body: `strikewave.fem.rigid.surface_inverse_mass`. Tied nodes count by their own mass.
 
 The node pushes the corners of the face back by N_i F: the sum of the forces is zero, and as F runs along x* - p* their
 moment is too, within F dt times the velocity that they have beside each other.
@@ -24,9 +24,9 @@ their meshes are: with s = 1 this is contact as a kinematic constraint. Because 
 force is a spring and a damper in one, and takes energy when surfaces meet: their nodes' share of it, which goes to zero
 with the size of the elements. Held by a steady force F the surfaces overlap by (1 - s)/s F dt^2/m*.
 
-Friction is Coulomb's: the force s w m*/dt |v_t*| that would stop the predicted sliding within the step, at most mu F,
-against the sliding. It remembers nothing and can only take energy; what sticks creeps (1 - s)/s dt T/m* a second under
-a steady force T.
+Friction is Coulomb's: the force ``s w m*/dt |v_t*|`` that would stop the predicted sliding within the step, at most mu
+F, against the sliding. It remembers nothing and can only take energy; what sticks creeps (1 - s)/s dt T/m* a second
+under a steady force T.
 
 A node meets one face only, the closest. Behind a valley between two faces it is pressed towards the edge; beyond the
 rim of a surface its force fades away between 1/40 and 1/20 of the size of the face. Nodes deeper than half the element
