@@ -12,15 +12,16 @@ COMPILE = .uv/bin/uv pip compile --quiet pyproject.toml requirements/build.in --
 JOBS ?= 2
 CASES ?= li-ma-2019 li-ma-2019-fig13
 
-.PHONY: demo test verify validate docs package pictures lint requirements bench clean help
+.PHONY: demo test verify validate docs docs-pdf package pictures lint requirements bench clean help
 .DEFAULT_GOAL := help
 
 help:
 	@echo "make demo    set up, then run the published machine into out/ with a report each ($(CASES))"
 	@echo "make test    set up, then run the tests but for those of make verify"
 	@echo "make verify  set up, then the longer checks: damaged files of every format, all planted records, equal blows, elements (with CalculiX and gmsh where they are installed), the app in a browser"
-	@echo "make validate  set up, then studies that run once, outside CI: the whole reproduction, finer maps over what a paper leaves open (writes out/validate)"
+	@echo "make validate  set up, then studies that run once, outside CI: every comparison with what is known (docs/validation.md), the whole reproduction, finer maps (out/validate)"
 	@echo "make docs     set up, then build the site (docs/_build/html) and the man page (docs/_build/man); notebooks and pages are run, warnings are errors"
+	@echo "make docs-pdf  the same, then the manual as one PDF (docs/_build/strikewave-manual.pdf; needs Pango)"
 	@echo "make package  set up, then build wheel and source distribution (dist), check both, install and run the wheel alone with each of PYTHONS"
 	@echo "make pictures  set up, then draw the screens and photograph the report that README and docs show (docs/images; report and app with Chromium)"
 	@echo "make lint    set up, then style, types and import contract; whether packages fit together, and are known to be vulnerable"
@@ -40,7 +41,7 @@ verify: $(VENV)/dev
 	$(BIN)/python -m pytest -n $(JOBS) --dist worksteal -m verify
 
 # one file a study, in the order of their names; each prints what it found and writes its tables and pictures
-validate: $(VENV)/core
+validate: $(VENV)/dev
 	@for study in scripts/validate/*.py; do echo "$$study"; $(BIN)/python "$$study" || exit 1; done
 
 # equations, links and cells are checked by the build: what is wrong there ends it
@@ -48,6 +49,10 @@ docs: $(VENV)/docs
 	$(BIN)/python -m sphinx -W --keep-going -q -j $(JOBS) -b html -d docs/_build/doctrees docs docs/_build/html
 	$(BIN)/python -m sphinx -W -q -b man -d docs/_build/doctrees docs docs/_build/man
 	@echo "open in a browser: docs/_build/html/index.html"
+
+docs-pdf: docs
+	$(BIN)/python -m sphinx -W -q -b singlehtml -D html_theme=basic -d docs/_build/doctrees docs docs/_build/singlehtml
+	$(BIN)/python scripts/manual_pdf.py
 
 package: $(VENV)/package
 	$(BIN)/python scripts/package/check.py --platforms $(PYTHONS:%=--python %)
@@ -69,6 +74,8 @@ requirements: pyproject.toml constraints.txt
 	@$(PYTHON) -m venv .uv && .uv/bin/python -m pip install --quiet uv
 	@$(COMPILE) -o requirements/core.txt
 	@$(COMPILE) --extra dev --extra formats --extra mesh --extra pdf --extra bayes --extra app --extra cluster -o requirements/dev.txt
+	@$(COMPILE) --extra docs -o requirements/docs.txt
+	@$(COMPILE) --extra package -o requirements/package.txt
 
 bench: $(BENCH)/peers
 	$(BENCH)/bin/python benchmarks/bench.py
@@ -91,14 +98,14 @@ $(VENV)/dev: $(VENV)/core requirements/dev.txt
 	@$(BIN)/python -m pip $(INSTALL) --require-hashes -r requirements/dev.txt
 	@touch $@
 
-$(VENV)/docs: $(VENV)/core
+$(VENV)/docs: $(VENV)/core requirements/docs.txt
 	@echo "adding the tools that build the site (once)"
-	@PIP_CONSTRAINT="$(CURDIR)/constraints.txt" $(BIN)/python -m pip install --quiet --disable-pip-version-check -e '.[docs]'
+	@$(BIN)/python -m pip $(INSTALL) --require-hashes -r requirements/docs.txt
 	@touch $@
 
-$(VENV)/package: $(VENV)/core
+$(VENV)/package: $(VENV)/core requirements/package.txt
 	@echo "adding the tools that build and check the package (once)"
-	@PIP_CONSTRAINT="$(CURDIR)/constraints.txt" $(BIN)/python -m pip install --quiet --disable-pip-version-check -e '.[package]'
+	@$(BIN)/python -m pip $(INSTALL) --require-hashes -r requirements/package.txt
 	@touch $@
 
 # one after the other, so that one that cannot be had keeps no other away; what failed is tried again next time

@@ -1,78 +1,173 @@
-"""The app: from a movement of a slider to the new curve on the screen, in a real browser."""
+"""The app: from a movement of a slider to the new curve on the screen, in a real browser, beside Streamlit and Dash."""
 
+import contextlib
 import os
 import shutil
 import signal
+import socket
 import statistics
 import subprocess
 import sys
 import tempfile
+import time
+import urllib.error
+import urllib.request
+from pathlib import Path
 
+import peers
 from timing import table
 
 MOVES = 100
 GOAL = "150 ms"
+CASES = ("li-ma-2019", "jesd22-b111-b")
 BROWSERS = ("chromium-headless-shell", "chromium", "google-chrome")
+PAGES = Path(__file__).parent / "app_peers"
+PAUSE = 100
+"""Between two movements, ms: the full run of the app begins later, so that none is under way."""
 MOVE = """
-async key => {
+async up => {
+  const frame = () => new Promise(requestAnimationFrame);
   const drawn = document.querySelector('.sw-chart');
-  const chart = getElement(Number(drawn.id.slice(1))).chart;
-  const shown = () => JSON.stringify(chart.getOption().series[0].data);
-  const before = shown();
-  const slider = document.querySelector('.sw-side .q-slider__track-container');
-  slider.focus();
+  const chart = drawn && getElement(Number(drawn.id.slice(1))).chart;
+  const middle = (data) => data.get('y', data.count() >> 1);
+  const curve = () => drawn
+    ? middle(chart.getModel().getSeriesByIndex(0).getRawData())
+    : document.querySelector('.js-plotly-plot .js-line')?.getAttribute('d');
+  const before = curve();
   const begun = performance.now();
-  slider.dispatchEvent(new KeyboardEvent('keydown', { keyCode: key, bubbles: true }));
-  while (shown() === before) {
-    await new Promise(requestAnimationFrame);
+  const range = document.querySelector('.sw-side input[type=range]');
+  if (range) {
+    up ? range.stepUp() : range.stepDown();
+    range.dispatchEvent(new Event('input', { bubbles: true }));
+  } else {
+    const slider = document.querySelector('[role=slider]');
+    const [key, keyCode] = up ? ['ArrowRight', 39] : ['ArrowLeft', 37];
+    slider.focus();
+    for (const kind of ['keydown', 'keyup'])
+      slider.dispatchEvent(new KeyboardEvent(kind, { key, keyCode, which: keyCode, code: key, bubbles: true }));
+  }
+  while (Object.is(curve(), before) || curve() === undefined) {
+    await frame();
     if (performance.now() - begun > 20000) throw new Error('nothing is drawn');
   }
-  await new Promise(requestAnimationFrame);
+  await frame();
   return performance.now() - begun;
 }
 """
-"""Press an arrow key on the first slider, and wait until the first diagram holds another curve and a frame is drawn."""
-LEFT, RIGHT = 37, 39
+"""Move the first slider by a step, and wait until the first diagram has another curve and a frame is drawn."""
 
 
-def moved(browser, case):
-    """Return the times of the movements, ms."""
-    from playwright.sync_api import sync_playwright
-
-    command = [sys.executable, "-m", "strikewave", "app", "--no-browser", "--port", "0"]
-    with (
-        tempfile.TemporaryDirectory() as place,
-        subprocess.Popen(command, cwd=place, stderr=subprocess.PIPE, text=True, env=os.environ) as server,
-        sync_playwright() as play,
-    ):
+@contextlib.contextmanager
+def served(words, address=""):
+    """Run a server, and give its address: the one it prints, where none is given, once it answers."""
+    with tempfile.TemporaryDirectory() as place:
+        quiet = subprocess.PIPE if not address else subprocess.DEVNULL
+        server = subprocess.Popen(
+            words, cwd=place, stdout=subprocess.DEVNULL, stderr=quiet, text=True, env=os.environ, start_new_session=True
+        )
         try:
-            address = server.stderr.readline().split()[2].rstrip("/")
-            page = play.chromium.launch(executable_path=browser, args=["--no-sandbox"]).new_page()
-            page.set_default_timeout(120_000)
-            page.goto(f"{address}/?case={case}")
-            page.locator(".sw-state", has_text="a full run").wait_for()
-            page.evaluate(MOVE, RIGHT)
-            times = []
-            for place_of_move in range(MOVES):
-                times.append(page.evaluate(MOVE, RIGHT if place_of_move % 20 < 10 else LEFT))
-                page.wait_for_timeout(100)  # the full run begins later, so that none is under way
-            return times
+            address = address or server.stderr.readline().split()[2].rstrip("/")
+            for _ in range(300):
+                with contextlib.suppress(urllib.error.URLError, ConnectionError):
+                    urllib.request.urlopen(address, timeout=5)
+                    break
+                time.sleep(0.1)
+            yield address
         finally:
             server.send_signal(signal.SIGINT)
+            try:
+                server.wait(10)
+            except subprocess.TimeoutExpired:
+                server.kill()
+                server.wait()
+
+
+def free_port():
+    """Return a port that is free now."""
+    with socket.socket() as one:
+        one.bind(("127.0.0.1", 0))
+        return one.getsockname()[1]
+
+
+def moves(page):
+    """Return the times of the movements, ms; the first, which is not counted, finds all code loaded."""
+    page.evaluate(MOVE, True)
+    times = []
+    for place in range(MOVES):
+        page.wait_for_timeout(PAUSE)
+        times.append(page.evaluate(MOVE, place % 20 < 10))
+    return times
+
+
+def of_app(browser, case):
+    """Return the times of the app, and the field that was slid."""
+    with served([sys.executable, "-m", "strikewave", "app", "--no-browser", "--port", "0"]) as address:
+        page = browser.new_page()
+        page.set_default_timeout(120_000)
+        page.goto(f"{address}/?case={case}")
+        page.locator(".sw-state", has_text="a full run; every check passed").wait_for()
+        page.wait_for_timeout(500)
+        field = page.locator(".sw-side input[type=range]").first.get_attribute("aria-label")
+        times = moves(page)
+        page.close()
+    return times, field
+
+
+def of_peer(browser, peer, case, field):
+    """Return the times of a peer that shows the same."""
+    port = free_port()
+    page = str(PAGES / f"{peer}_page.py")
+    options = ["--server.port", str(port), "--server.headless", "true", "--browser.gatherUsageStats", "false"]
+    words = {
+        "streamlit": ["-m", "streamlit", "run", page, *options, "--", case, field],
+        "dash": [page, case, field, str(port)],
+    }[peer]
+    with served([sys.executable, *words], f"http://127.0.0.1:{port}") as address:
+        page = browser.new_page()
+        page.set_default_timeout(120_000)
+        page.goto(address)
+        page.locator(".js-plotly-plot .js-line").first.wait_for(state="attached")
+        page.wait_for_timeout(1000)
+        times = moves(page)
+        page.close()
+    return times
+
+
+def row(how, case, times):
+    """Return a row of the table."""
+    return [how, case, f"{statistics.median(times):.0f} ms", f"{statistics.quantiles(times, n=20)[-1]:.0f} ms"]
 
 
 def section():
     """Return the section of the page."""
-    browser = next((found for found in map(shutil.which, BROWSERS) if found), None)
-    if browser is None:
-        return f"## The app: slider to plot\n\nNot measured: there is none of {', '.join(BROWSERS)}."
-    heading = ["case", "median", "95th percentile"]
-    rows = []
-    for case in ("li-ma-2019", "jesd22-b111-b"):
-        times = moved(browser, case)
-        rows.append([case, f"{statistics.median(times):.0f} ms", f"{statistics.quantiles(times, n=20)[-1]:.0f} ms"])
-    text = f"{MOVES} movements of a slider by an arrow key, until the new curve is drawn; headless Chromium on the same cores."
-    return f"## The app: slider to plot\n\n{text} Target: {GOAL}.\n\n{table(heading, rows)}"
+    title = "## The app: slider to plot"
+    program = next((found for found in map(shutil.which, BROWSERS) if found), None)
+    if program is None:
+        return f"{title}\n\nNot measured: there is none of {', '.join(BROWSERS)}."
+    try:
+        from playwright.sync_api import sync_playwright
+    except ImportError:
+        return f"{title}\n\nNot measured: playwright is not installed."
+    rows, missing = [], []
+    with sync_playwright() as play:
+        browser = play.chromium.launch(executable_path=program, args=["--no-sandbox"])
+        for case in CASES:
+            times, field = of_app(browser, case)
+            rows.append(row("strikewave app", case, times))
+            for peer in ("streamlit", "dash"):
+                why = peers.absent(peer)
+                if why is None:
+                    rows.append(row(f"{peer} {peers.version(peer)}", case, of_peer(browser, peer, case, field)))
+                elif case == CASES[0]:
+                    missing.append(f"{peer}: {why}.")
+        browser.close()
+    text = (
+        f"{MOVES} movements of a slider by a step, until the new curve is drawn; headless Chromium on the same cores. The peers show "
+        "the same three diagrams of the same first look, computed in their own process, by Plotly, from a page of ten lines each "
+        f"(benchmarks/app_peers). Target: {GOAL}."
+    )
+    shown = table(["how", "case", "median", "95th percentile"], rows)
+    return "\n\n".join([title, text, shown, *missing])
 
 
 if __name__ == "__main__":

@@ -17,6 +17,8 @@ MODULES = {
     "elwaspatid": "elwaspatid",
     "exudyn": "exudyn",
     "mujoco": "mujoco",
+    "streamlit": "streamlit",
+    "dash": "dash",
 }
 """What is run of each peer."""
 
@@ -33,9 +35,14 @@ def absent(peer):
     return None
 
 
+def version(peer):
+    """Return the version of a peer that is installed."""
+    return importlib.metadata.version(peer)
+
+
 def rows():
     """Return each peer with its version, or why it was not run."""
-    found = [(peer, absent(peer) or importlib.metadata.version(peer)) for peer in MODULES]
+    found = [(peer, absent(peer) or version(peer)) for peer in MODULES]
     return [*found, ("CalculiX", calculix.version() or calculix.HOW_TO_GET)]
 
 

@@ -17,6 +17,8 @@ from playwright.sync_api import Page, sync_playwright
 
 WIDTHS = {"": (1280, 720), "-narrow": (390, 844)}
 """Ending of the name of a picture, and width and height of the screen in pixels."""
+SOFTWARE_GL = "--enable-unsafe-swiftshader"
+"""Three dimensions drawn by the processor."""
 COLOURS = 128
 """Of a picture: text, lines and a few curves."""
 PATIENCE = 300_000.0
@@ -66,7 +68,7 @@ def main() -> None:
         sync_playwright() as play,
     ):
         address = server.stderr.readline().split()[2].rstrip("/")
-        chromium = play.chromium.launch(executable_path=browser, args=["--no-sandbox"])
+        chromium = play.chromium.launch(executable_path=browser, args=["--no-sandbox", SOFTWARE_GL])
         for name in names:
             draw(chromium.new_context(), address, name)
         chromium.close()
@@ -86,6 +88,8 @@ def draw(context, address: str, name: str) -> None:
         do(page)
     page.locator(".sw-state", has_text=f"shown: {says}").or_(page.locator(".sw-state", has_text=says)).first.wait_for()
     page.wait_for_function("() => !document.querySelector('.sw-state').innerText.includes('under way')")
+    if name == "app-elements":
+        page.get_by_text("drag to turn").wait_for()
     for ending, (width, height) in WIDTHS.items():
         page.set_viewport_size({"width": width, "height": height})
         page.evaluate("() => { document.activeElement?.blur(); window.scrollTo(0, 0); }")

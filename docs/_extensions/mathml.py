@@ -10,11 +10,12 @@ from sphinx.util.math import get_node_equation_number
 
 
 def mathml(tex: str, display: str) -> str:
-    """Return an equation as an element; what reads it aloud gets its source."""
+    """Return an equation as an element; what reads it aloud gets its source, as does what draws it in the manual."""
     element = convert_to_element(tex, display=display)
     for inner in element.iter():
         inner.text = html.unescape(inner.text or "") or None  # the library writes letters as entities
     element.set("alttext", tex)
+    element.set("data-tex", tex)
     return ElementTree.tostring(element, encoding="unicode")
 
 
@@ -32,7 +33,7 @@ def visit_block(writer: Any, node: nodes.Element) -> None:
         writer.body.append(f'<span class="eqno">({number})')
         writer.add_permalink_ref(node, "Link to this equation")
         writer.body.append("</span>")
-    writer.body.append(mathml(node.astext(), "block") + "</div>")
+    writer.body.append(f'<div class="equation">{mathml(node.astext(), "block")}</div></div>')
     raise nodes.SkipNode
 
 

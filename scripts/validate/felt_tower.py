@@ -1,12 +1,13 @@
 """Eighty-two blows of a drop tower on felt: tower and felt fitted at once, and blows predicted that were never read.
 
     python scripts/validate/felt_tower.py [--data FOLDER]
+    python scripts/validate/felt_tower.py --from-page
 
 Heights, thicknesses, peaks and widths are those of Yount et al. (Dataset 14). The velocity changes by more than a
 rebound can make of a free fall; three structures are fitted: a free fall, a table that elastic cords pull down, and the
 same with a table that gives way too. The last predicts peak and width, as read and as filtered, at three settings of
 which no blow is here. Prints the tables, writes them into docs/fit-measured.md and the picture beside it. Ten minutes
-on two cores.
+on two cores. ``--from-page`` runs nothing: it keeps the comparisons of the table that the page has.
 """
 
 from __future__ import annotations
@@ -18,7 +19,7 @@ from collections import defaultdict
 from pathlib import Path
 
 import numpy as np
-from kit import DATA, IMAGES, PAGE, table, write_into
+from kit import DATA, IMAGES, PAGE, Comparison, cells_of, keep, table, write_into
 
 from strikewave import FitStudy, fit, load_case
 from strikewave.base.constants import STANDARD_GRAVITY
@@ -188,12 +189,30 @@ def draw(blows: Blows, study: FitStudy, path: Path) -> None:
     save(figure, path)
 
 
+def comparisons(cells: list[list[str]]) -> list[Comparison]:
+    """Return what the rows of the table compare: means of all blows of a setting, fitted at once."""
+    rows = []
+    for height, thickness, count, peak, own_peak, width, own_width, _ in cells:
+        what = f"{height} on {thickness} of felt, mean of {count} blows"
+        rows.append(Comparison(what, "peak", "measured", "fitted", float(peak), float(own_peak), "g"))
+        rows.append(Comparison(what, "pulse width", "measured", "fitted", float(width), float(own_width), "ms"))
+    return rows
+
+
 def main() -> None:
-    """Fit, predict, print and write."""
+    """Fit, predict, print and write; or keep what the page has."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--data", type=Path, default=DATA / "drop-tower-felt", help="folder of shots.csv")
+    parser.add_argument("--from-page", action="store_true", help="keep the comparisons of the page, run nothing")
     asked = parser.parse_args()
-    blows = {name: read(asked.data / "shots.csv", columns) for name, columns in READ.items()}
+    if not asked.from_page:
+        run(asked.data)
+    keep("felt", comparisons(cells_of(PAGE, "felt")), asked.from_page)
+
+
+def run(data: Path) -> None:
+    """Fit, predict, print and write."""
+    blows = {name: read(data / "shots.csv", columns) for name, columns in READ.items()}
     for name, own in blows.items():
         peak, width = scatter(own)
         print(

@@ -1,11 +1,12 @@
 """Striker bars on incident bars: what the first pulse of a split-Hopkinson record tells of striker, contact and bar.
 
     python scripts/validate/striker_on_bar.py [--data FOLDER]
+    python scripts/validate/striker_on_bar.py --from-page
 
 Three shots: copper of LANL HopPyBar, and two of 945 steel. The strain of the incident gauge, as a force, is fitted by a
-striker bar whose contact is Hertz's (a rounded face) or linear (a rough one). Speed of waves and attenuation come from
-the echoes of the miniature bars of LANL, by `strikewave.hopkinson.echoes`. Prints the tables, writes them into
-docs/fit-measured.md and the picture beside it. Five minutes on two cores.
+striker bar whose contact is Hertz's (a rounded face) or linear (a rough one). Prints the table, writes it into
+docs/fit-measured.md and the picture beside it. Five minutes on two cores. ``--from-page`` runs nothing: it keeps the
+comparisons of the table that the page has.
 """
 
 from __future__ import annotations
@@ -16,12 +17,11 @@ import tempfile
 from pathlib import Path
 
 import numpy as np
-from kit import DATA, IMAGES, PAGE, table, unpacked, write_into
+from kit import DATA, IMAGES, PAGE, Comparison, cells_of, keep, table, unpacked, write_into
 
 from strikewave import FitStudy, fit, read_record
 from strikewave.cases.case import parse_case
-from strikewave.hopkinson import Bar, Bridge, GaugeTrace
-from strikewave.hopkinson.echoes import calibrate_bar
+from strikewave.hopkinson import Bridge
 from strikewave.records.clock import even
 from strikewave.reporting.style import BLUE, GREEN, RED, legend_below, new_figure, quiet, save
 
@@ -43,8 +43,6 @@ CONTACTS = {
     "linear": ('kind = "unilateral"\nstiffness = "1 GN/m"', "stack.joint.striker.stiffness=10 MN/m..1000 GN/m"),
 }
 """Joint between striker and bar, and its free field."""
-MINI = ((3, 0.10135, "away", 0, "transmitted"), (1, 0.10202, "towards", 2, "incident, from its third pass"))
-"""Channel of the miniature bars, way from the gauge to the specimen (m), first way of the pulse, passes left out."""
 
 
 def case_text(shot: str, contact: str) -> str:
@@ -106,20 +104,6 @@ def rows_of(found: dict[tuple[str, str], FitStudy]) -> str:
     return table([*heads, "2L/c (µs)", "radius, or stiffness", "left, of the peak"], rows)
 
 
-def echoes(folder: Path, data: Path) -> str:
-    """Return the table of wave speeds and attenuations by echoes."""
-    rows = []
-    for channel, distance, way, skip, name in MINI:
-        path = unpacked_file(data / "lanl-kolsky" / f"lanl_PMMA13_Ch{channel}.csv", folder)
-        found = even(read_record(path).channel(1))[0]
-        strain = GaugeTrace(Bridge("half", 2.1, 10.0, 100.0).strain(found.values), found.step, found.start)
-        own = calibrate_bar(strain, Bar(2810.0, 71.7e9, 2.380880043e-3, distance, 0.332713755), way, skip)
-        cells = [f"{own.speed.value:.0f} ± {own.speed.error:.0f}", "5051", f"{own.length.value * 1e3:.1f}"]
-        rows.append([name, *cells, f"{own.attenuation.value:.2f} ± {own.attenuation.error:.2f}"])
-    heads = ["miniature bar", "wave speed (m/s)", "stated (m/s)", "length (mm)", "attenuation (1/m)"]
-    return table(heads, rows)
-
-
 def draw(found: dict[tuple[str, str], FitStudy], path: Path) -> None:
     """Draw each pulse with both contacts."""
     figure = new_figure((9.0, 3.8))
@@ -137,23 +121,41 @@ def draw(found: dict[tuple[str, str], FitStudy], path: Path) -> None:
     save(figure, path)
 
 
+def comparisons(cells: list[list[str]]) -> list[Comparison]:
+    """Return what the rows of the table compare: the whole pulse at the gauge, of which the speed was fitted."""
+    quantity = "force at the gauge, what is left over the peak"
+    return [
+        Comparison(
+            f"{shot}, {contact} contact", quantity, "measured", "fitted", None, None, miss=0.01 * float(left.split()[0])
+        )
+        for shot, contact, _, _, _, left in cells
+    ]
+
+
 def main() -> None:
-    """Fit, print and write."""
+    """Fit, print and write; or keep what the page has."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--data", type=Path, default=DATA, help="folder with those of both sources")
+    parser.add_argument("--from-page", action="store_true", help="keep the comparisons of the page, run nothing")
     asked = parser.parse_args()
+    if not asked.from_page:
+        run(asked.data)
+    keep("strikers", comparisons(cells_of(PAGE, "bars")), asked.from_page)
+
+
+def run(data: Path) -> None:
+    """Fit, print and write."""
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
         found = {}
         for shot in SHOTS:
-            record = write_force(shot, folder, asked.data)
+            record = write_force(shot, folder, data)
             for contact in CONTACTS:
                 found[shot, contact] = fitted(shot, contact, record)
                 print(rows_of({(shot, contact): found[shot, contact]}).splitlines()[-1], flush=True)
-        texts = {"bars": rows_of(found), "echoes": echoes(folder, asked.data)}
-    for name, text in texts.items():
-        print(f"\n{text}")
-        write_into(PAGE, name, text)
+    text = rows_of(found)
+    print(f"\n{text}")
+    write_into(PAGE, "bars", text)
     draw(found, IMAGES / "fit-bars.svg")
 
 

@@ -1,8 +1,9 @@
 """The site and the code know of each other: numbered equations, public names, pages."""
 
-import json
 import re
 from pathlib import Path
+
+import pytest
 
 import strikewave
 
@@ -30,8 +31,31 @@ def test_every_page_and_notebook_stands_in_the_table_of_contents():
     assert pages | {f"examples/notebooks/{name}" for name in notebooks} <= entries
 
 
-def test_the_validation_page_is_what_its_record_says(monkeypatch):
+@pytest.fixture
+def evidence(monkeypatch):
+    """The record of comparisons, as the studies keep it."""
     monkeypatch.syspath_prepend(ROOT / "scripts" / "validate")
-    from published import PAGE, RECORD, page
+    from kit import evidence
 
-    assert PAGE.read_text("utf-8") == page(json.loads(RECORD.read_text("utf-8")))
+    return evidence
+
+
+def test_the_validation_page_and_the_summary_are_what_the_record_says(evidence):
+    record = evidence.read_record()
+    assert evidence.PAGE.read_text("utf-8") == evidence.page(record)
+    readme = evidence.README.read_text("utf-8")
+    summary = evidence.totals(evidence.latest(record))
+    assert re.search(r"<!-- how well it is known -->\n(.*?)<!-- end -->", readme, re.DOTALL)[1].strip() == summary
+
+
+def test_every_study_has_its_script_and_each_script_that_keeps_comparisons_its_study(evidence):
+    scripts = {path.name: path.read_text("utf-8") for path in (ROOT / "scripts" / "validate").glob("*.py")}
+    keeping = {(name, script) for script, text in scripts.items() for name in re.findall(r'keep\("([\w ]+)"', text)}
+    assert keeping == {(name, script) for name, (_, script) in evidence.STUDIES.items()}
+
+
+def test_no_prediction_misses_by_more_than_a_tenth_without_a_reason(evidence):
+    with pytest.raises(ValueError, match="say why"):
+        evidence.Comparison("bar", "length", "measured", "predicted", 1.0, 1.2)
+    assert evidence.Comparison("bar", "length", "measured", "predicted", 4.0, 4.2).miss == pytest.approx(0.05)
+    assert evidence.Comparison("bar", "length", "measured", "fitted", 1.0, 1.2, band=(1.1, 1.3)).held is False

@@ -43,7 +43,7 @@ def licence(package):
     return " ".join([stated, *(one for one in words.get_all("Classifier") or () if one.startswith("License"))])
 
 
-@pytest.mark.parametrize("file", ["core.txt", "dev.txt"])
+@pytest.mark.parametrize("file", ["core.txt", "dev.txt", "docs.txt", "package.txt"])
 def test_requirements_are_the_constraints_with_the_sums_of_their_files(file):
     text = (ROOT / "requirements" / file).read_text("utf-8")
     assert "://" not in text
@@ -57,9 +57,13 @@ def test_requirements_are_the_constraints_with_the_sums_of_their_files(file):
 def test_requirements_hold_each_package_that_the_project_asks_for():
     project = tomllib.loads((ROOT / "pyproject.toml").read_text("utf-8"))["project"]
     extras = project["optional-dependencies"]
-    installed = set(re.findall(r"--extra (\w+)", (ROOT / "Makefile").read_text("utf-8")))
-    asked = {"core.txt": project["dependencies"], "dev.txt": [one for extra in installed for one in extras[extra]]}
-    for file, names in asked.items():
+    written = re.findall(r"\$\(COMPILE\)(.*) -o requirements/(\S+)", (ROOT / "Makefile").read_text("utf-8"))
+    assert len(written) == len(list((ROOT / "requirements").glob("*.txt")))
+    for words, file in written:
+        names = [
+            *project["dependencies"],
+            *(one for extra in re.findall(r"--extra (\w+)", words) for one in extras[extra]),
+        ]
         held = pinned(ROOT / "requirements" / file)
         for requirement in map(Requirement, names):
             assert requirement.specifier.contains(held[usual(requirement.name)].removeprefix("==")), requirement

@@ -10,6 +10,8 @@ import pytest
 
 from ..chromium import chromium
 
+SOFTWARE_GL = "--enable-unsafe-swiftshader"
+"""Three dimensions drawn by the processor: a test machine has no card for them."""
 PATIENCE = 90.0
 """Longest time that a page waits for a run while other tests take both cores, s."""
 
@@ -38,7 +40,7 @@ def browser():
     program = chromium()
     sync_api = pytest.importorskip("playwright.sync_api")
     with sync_api.sync_playwright() as play:
-        opened = play.chromium.launch(executable_path=program, args=["--no-sandbox", "--disable-gpu"])
+        opened = play.chromium.launch(executable_path=program, args=["--no-sandbox", SOFTWARE_GL])
         yield opened
         opened.close()
 

@@ -28,7 +28,7 @@ def test_a_slider_moves_the_plot_and_a_download_runs_again_to_the_same_numbers(v
     one.shows("a full run; every check passed")
     before, peak = one.options()["series"][0]["data"], one.number("peak, first blow")
     slider = one.page.get_by_role("slider", name="machine.height")
-    slider.locator(".q-slider__track-container").press("ArrowRight")  # the keyboard alone will do
+    slider.press("ArrowRight")  # the keyboard alone will do
     one.until(lambda: one.options()["series"][0]["data"] != before, "the plot does not move")
     one.shows("a full run; every check passed")
     assert one.number("peak, first blow") != peak
@@ -68,6 +68,25 @@ def test_a_link_and_a_reload_give_the_view_again_and_undo_goes_back(visit):
     other.until(lambda: settings_of(other.page).get("set") == ["machine.height=1.1 m"], "not set")
     other.page.get_by_role("button", name="undo").click()
     other.until(lambda: settings_of(other.page).get("set") == ["machine.height=1 m"], "not undone")
+
+
+def test_settings_are_found_for_what_is_filled_in_and_a_link_opens_one(visit):
+    one = visit("/?case=li-ma-2019&set=feed.blows%3D3")
+    one.shows("the fast engine")
+    one.page.get_by_text("Find settings: match the period").click()
+    vary = one.page.get_by_label("settings to vary, a line each")
+    one.until(lambda: "object.damper=20..120 N s/m" in vary.input_value(), "nothing is filled in")
+    assert one.page.get_by_label("interval of the blows").input_value().endswith(" ms")
+    one.page.get_by_label("goals, a line each").fill("cv < 20 %")
+    one.page.get_by_label("runs", exact=True).fill("20")
+    one.page.get_by_role("button", name="equal blows", exact=True).click()
+    found = one.page.get_by_role("region", name="Open on its page").get_by_role("link")
+    found.first.wait_for()
+    wanted = dict(pair.split(" = ") for pair in found.first.inner_text().split(", "))
+    found.first.click()
+    one.until(lambda: "object.damper" in urlsplit(one.page.url).query, "the link leads nowhere")
+    asked = dict(change.split("=") for change in settings_of(one.page)["set"])
+    assert asked == {"feed.blows": "3", **wanted}
 
 
 def test_a_dropped_case_is_shown_and_one_that_is_none_is_refused_in_words(visit):

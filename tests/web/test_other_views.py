@@ -1,6 +1,8 @@
 """What the pages of records, bars, elements and studies show is what the commands give."""
 
 import inspect
+import json
+from urllib.parse import parse_qs, urlsplit
 
 import numpy as np
 import pytest
@@ -8,10 +10,12 @@ import pytest
 import strikewave
 from strikewave import load_case, run_wave
 from strikewave.base.errors import StrikewaveError
+from strikewave.cases.case import parse_case
 from strikewave.studies.design.design_file import load_design
 from strikewave.web import elements_view, target_view
 from strikewave.web.case_state import CaseSource
 from strikewave.web.case_view import opened
+from strikewave.web.layer_order import rearranged, stack_rows
 from strikewave.web.record_request import RecordRequest
 from strikewave.web.record_view import four_axes, measure
 from strikewave.web.study_request import KINDS, StudyRequest
@@ -23,6 +27,19 @@ WIDE = 200e-6
 
 def say(share, words):
     pass
+
+
+def surface_of(body):
+    """Return the head of a field of bodies, its faces, and the points at each instant, as its docstring says they lie."""
+    size = int.from_bytes(body[:4], "little")
+    head = json.loads(body[4 : 4 + size])
+    faces = np.frombuffer(body, "<u4", 4 * head["faces"], 4 + size)
+    count = 3 * head["points"] * len(head["time"])
+    points = np.frombuffer(body, "<f4", count, 4 + size + faces.nbytes).reshape(len(head["time"]), -1, 3)
+    assert (
+        len(body) == 4 + size + faces.nbytes + points.nbytes + len(head["fields"]) * len(head["time"]) * head["faces"]
+    )
+    return head, (faces, points)
 
 
 @pytest.fixture
@@ -96,6 +113,12 @@ def test_elements_show_forces_energies_and_the_bodies_in_motion():
     assert dict(view["figures"])["contact force"] == f"{max(y for _, y in forces['series'][0]['data']):.4g} kN"
     assert len(energies["series"]) == 7
     assert view["page"].lower().startswith("<!doctype html>")
+    head, (faces, points) = surface_of(view["body"])
+    assert faces.max() == head["points"] - 1
+    moved = points[-1].mean(axis=0) - points[0].mean(axis=0)
+    along, across = np.array(head["axis"]), np.cross(head["towards"], head["axis"])
+    assert moved @ along > 0.0  # one bar runs into the other
+    assert abs(moved @ across) < 1e-3 * (moved @ along)  # the halves are mirror images across the cut
 
 
 @pytest.mark.parametrize(
@@ -140,6 +163,10 @@ def test_a_sweep_shows_the_numbers_of_the_function_and_goes_on_where_it_was(tmp_
     expected = strikewave.sweep(load_case("jesd22-b111-b"), ["machine.height=0.2..0.3 m:2"], keep=["first.rigid_peak"])
     assert view["files"]["runs.csv"] == expected.tables()["runs.csv"]
     assert study(asked, say)["files"]["runs.csv"] == view["files"]["runs.csv"]
+    heights = [parse_qs(urlsplit(link).query)["set"] for link in view["links"][0]]
+    assert heights == [["machine.height=0.2 m"], ["machine.height=0.3 m"]]
+    peaks = [y for _, y, _ in view["charts"][0]["series"][0]["data"]]
+    assert peaks == pytest.approx(expected.number("first.rigid_peak") / 9.80665, rel=1e-3)  # four digits are sent
 
 
 @pytest.mark.parametrize(("key", "text"), [("runs", "0"), ("runs", "99999999"), ("runs", "many")])
@@ -177,3 +204,76 @@ def test_the_python_lines_of_a_study_are_a_call_that_its_function_takes(kind, mo
     assert taken[0].arguments["case"].name == "li-ma-2019"
     if kind == "map":
         assert taken[0].arguments["points"] == (20, 20)
+
+
+JOINED = """
+schema = 1
+name = "joined"
+[[stack.layer]]
+name = "a"
+material = "65Mn"
+length = "10 mm"
+diameter = "20 mm"
+[[stack.layer]]
+name = "b"
+material = "45 steel"
+length = "20 mm"
+diameter = "20 mm"
+[[stack.layer]]
+name = "c"
+material = "65Mn"
+length = "30 mm"
+diameter = "20 mm"
+[[stack.joint]]
+after = "a"
+kind = "compliant"
+stiffness = "1 GN/m"
+[load]
+shape = "half-sine"
+peak = "1 kN"
+duration = "20 us"
+[[tap]]
+name = "end"
+layer = "c"
+position = 1.0
+[solver]
+duration = "50 us"
+"""
+
+
+def test_layers_change_places_and_a_joint_stays_behind_the_place_that_it_is_given():
+    source = CaseSource("joined", JOINED, (), "")
+    assert [(row.layer, row.joint) for row in stack_rows(source)] == [("a", "a"), ("b", ""), ("c", "")]
+    text = rearranged(source, ["c", "a", "b"], ["", "a", ""])
+    stack = parse_case(text, "joined").stack
+    assert [layer.name for layer in stack.layer] == ["c", "a", "b"]
+    assert [layer.length.si for layer in stack.layer] == pytest.approx([0.03, 0.01, 0.02])
+    assert [(joint.after, joint.kind) for joint in stack.joint] == [("a", "compliant")]
+
+
+@pytest.mark.parametrize(
+    ("layers", "joints"),
+    [
+        (["a", "b"], ["a", ""]),
+        (["a", "b", "b"], ["a", "", ""]),
+        (["a", "b", "c"], ["", "", ""]),
+        (["a", "b", "c"], ["a"]),
+    ],
+)
+def test_an_order_that_loses_a_layer_or_a_joint_is_refused(layers, joints):
+    with pytest.raises(StrikewaveError, match="each of a, b, c once"):
+        rearranged(CaseSource("joined", JOINED, (), ""), layers, joints)
+
+
+@pytest.mark.verify
+def test_readings_at_a_section_are_those_of_a_tap_there():
+    """A tap in the middle of a layer, and the section that is nearest to it, hold the same wave."""
+    source = CaseSource("li-ma-2019-fig13-bar", "", (), "")
+    sections, solution = target_view.full(source)["sections"], run_wave(load_case("li-ma-2019-fig13-bar"))
+    place = sections.nearest(29.0)
+    step = np.diff(sections.position).max()
+    assert abs(sections.position[place] - 29.0) <= 0.5 * step
+    tap = next(k for k, (name, _) in enumerate(solution.taps) if name == "sensor")
+    largest = np.abs(solution.stress(tap)).max() / 1e6
+    # the wave rises over 5 us, 26 mm of steel: half a step beside the tap the peak is the same within a tenth
+    assert np.abs(sections.stress[:, place]).max() == pytest.approx(largest, rel=0.1)

@@ -80,6 +80,63 @@ def test_a_bar_is_changed_and_its_link_shows_it_again(visit):
     assert two.number("force at sensor") == one.number("force at sensor")
 
 
+def test_a_section_is_moved_and_the_link_holds_it(visit):
+    one = visit("/target")
+    one.shows("a full run; every check passed")
+    before = one.options(3)["series"][0]["data"]
+    one.page.get_by_role("slider", name="section").press("Home")
+    one.until(lambda: one.options(3)["series"][0]["data"] != before, "the readings do not follow")
+    one.until(lambda: parse_qs(urlsplit(one.page.url).query).get("section") == ["0 mm"], "the address does not follow")
+    two = visit(urlsplit(one.page.url)._replace(scheme="", netloc="").geturl())
+    two.shows("a full run; every check passed")
+    assert two.options(3)["series"][0]["data"] == one.options(3)["series"][0]["data"]
+
+
+def test_layers_are_put_in_another_order_by_the_keyboard_and_by_dragging(visit):
+    one = visit("/target")
+    one.shows("a full run; every check passed")
+    names = one.page.locator(".sw-layer .sw-grow")
+    assert [text.split(":")[0] for text in names.all_inner_texts()] == ["upper", "sensor", "lower"]
+    one.page.get_by_role("button", name="layer sensor up").press("Enter")
+    one.page.get_by_text("save the case as li-ma-2019-fig13-bar-reordered.toml first").wait_for()
+    one.shows("a full run; every check passed")
+    assert [text.split(":")[0] for text in names.all_inner_texts()] == ["sensor", "upper", "lower"]
+    one.page.locator(".sw-grip").nth(2).drag_to(one.page.locator(".sw-layer").nth(0))
+    one.until(lambda: names.first.inner_text().startswith("lower"), "nothing was dragged")
+    one.shows("a full run; every check passed")
+
+
+def test_a_filter_is_moved_by_its_handle_and_its_cost_and_line_are_shown(visit):
+    one = visit("/record?spectrum=no")
+    drop = one.page.locator("input[type=file]")
+    drop.wait_for(state="attached")
+    drop.set_input_files(shots(2))
+    one.shows("2 files read and judged")
+    handle = one.page.get_by_role("slider", name="filter")
+    for _ in range(10):  # a decade of ten steps below the end, where nothing is filtered
+        handle.press("ArrowLeft")
+    cost = one.page.get_by_role("table", name="What filter and baseline cost")
+    cost.wait_for()
+    peak = cost.locator("tbody tr").first.inner_text().split("\t")
+    assert peak[0] == "peak"
+    assert float(peak[3].split()[0]) < -1.0  # a pulse of 100 us loses by 10 kHz
+    one.page.get_by_text("--filter '10 kHz'").first.wait_for()
+
+
+def test_a_point_of_a_study_opens_its_machine(visit):
+    one = visit("/study?case=jesd22-b111-b&study=sweep&vary=machine.height%3D0.2..0.4+m%3A3&keep=first.rigid_peak")
+    one.page.get_by_role("button", name="begin, or go on").click()
+    one.shows("shown: sweep; every check passed")
+    at = one.page.evaluate(
+        "() => getElement(Number(document.querySelector('.sw-chart').id.slice(1))).chart.convertToPixel("
+        "{ seriesIndex: 0 }, getElement(Number(document.querySelector('.sw-chart').id.slice(1))).chart.getOption()"
+        ".series[0].data[1].slice(0, 2))"
+    )
+    one.page.locator(".sw-chart canvas").first.click(position={"x": at[0], "y": at[1]})
+    one.until(lambda: "machine.height" in urlsplit(one.page.url).query.partition("set=")[2], "nothing opens")
+    assert parse_qs(urlsplit(one.page.url).query)["set"] == ["machine.height=0.3 m"]
+
+
 def test_elements_run_by_a_button_and_are_stopped(visit):
     one = visit("/elements?case=two-bars-fem")
     one.shows("press run")
@@ -87,3 +144,20 @@ def test_elements_run_by_a_button_and_are_stopped(visit):
     one.shows("under way")
     one.page.get_by_role("button", name="stop").click()
     one.shows("stopped")
+
+
+def test_bodies_are_turned_cut_and_shown_at_any_instant(visit):
+    one = visit("/elements?case=two-bars-fem")
+    one.shows("press run")
+    one.page.get_by_role("button", name="run", exact=True).click()
+    one.shows("a full run; every check passed")
+    canvas = one.page.locator(".sw-view canvas")
+    one.page.get_by_text("drag to turn").wait_for()
+    seen = [canvas.screenshot()]
+    canvas.press("ArrowRight")
+    seen.append(canvas.screenshot())
+    one.page.get_by_label("time", exact=True).fill("40")
+    seen.append(canvas.screenshot())
+    one.page.get_by_label("cut across").select_option("z")
+    seen.append(canvas.screenshot())
+    assert len(set(seen)) == 4  # each shows another picture

@@ -1,18 +1,20 @@
-"""What studies share: measured files unpacked, tables, and text written into pages."""
+"""What studies share: measured files unpacked, tables and text in pages, and the record of comparisons."""
 
 from __future__ import annotations
 
 import lzma
-import re
 import shutil
-from collections.abc import Sequence
 from pathlib import Path
 
-ROOT = Path(__file__).parents[3]
+from .evidence import Comparison, keep
+from .pages import ROOT, cells_of, table, write_into
+
+__all__ = ["DATA", "IMAGES", "PAGE", "ROOT", "Comparison", "cells_of", "keep", "table", "unpacked", "write_into"]
+
 DATA = ROOT / "tests" / "data"
 """Measured files that the project carries, a folder a source."""
 PAGE = ROOT / "docs" / "fit-measured.md"
-"""The page of these studies."""
+"""The page of the studies that fit."""
 IMAGES = ROOT / "docs" / "images"
 
 
@@ -27,16 +29,3 @@ def unpacked(source: Path, folder: Path) -> list[Path]:
             shutil.copy(file, place)
         found.append(place)
     return found
-
-
-def table(heads: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
-    """Return a table as pages have it."""
-    ruler = ["---", *["---:"] * (len(heads) - 1)]
-    return "\n".join(f"| {' | '.join(cells)} |" for cells in (heads, ruler, *rows))
-
-
-def write_into(page: Path, name: str, text: str) -> None:
-    """Write text into a page between ``<!-- name -->`` and ``<!-- end -->``."""
-    marked = rf"(<!-- {re.escape(name)} -->\n).*?(<!-- end -->)"
-    written = re.sub(marked, lambda m: f"{m[1]}\n{text}\n\n{m[2]}", page.read_text("utf-8"), flags=re.DOTALL)
-    page.write_text(written, "utf-8")

@@ -314,6 +314,7 @@ def thornton_restitution(speed_ratio: ArrayLike) -> Array:
 
     e = (6 sqrt(3)/5)^(1/2) [1 - s^2/6]^(1/2) {s/[s + 2 sqrt(6/5 - s^2/5)]}^(1/4), s = v_y/v. Source: the integral of
     the law `thornton`, in closed form, which the tests compare with the integrator's; Thornton 1997 was not opened.
+    Theory: :eq:`contact-yield`.
 
     Examples
     --------

@@ -45,7 +45,7 @@ def next_speed(speed: ArrayLike, mass_ratio: ArrayLike, restitution: ArrayLike, 
 
     Notes
     -----
-    Source: Rodgers et al. 2009; momentum and Newton's restitution.
+    Source: Rodgers et al. 2009; momentum and Newton's restitution. Theory: :eq:`machine-amplifier`.
 
     Examples
     --------

@@ -42,7 +42,7 @@ def wave_number(
     none: k = w/c0.
 
     love-rayleigh: k = w/sqrt(c0^2 - nu^2 a^2 w^2/2), the sideways inertia alone (Love 1927, section 278); above
-    w = sqrt(2) c0/(nu a) nothing runs and k is imaginary.
+    w = sqrt(2) c0/(nu a) nothing runs and k is imaginary. Theory: :eq:`wave-dispersion`.
 
     pochhammer-chree: with A^2 = (w a/c1)^2 - (k a)^2 and B^2 = (w a/c2)^2 - (k a)^2 the root of
 

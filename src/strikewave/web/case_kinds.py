@@ -2,8 +2,57 @@
 
 from __future__ import annotations
 
-from strikewave.web.case_page import CaseKind
+from typing import NamedTuple
 
+
+class CaseKind(NamedTuple):
+    """A kind of case that has a page.
+
+    Attributes
+    ----------
+    place : str
+        Address of the page.
+    usual : str
+        The case that is shown at first.
+    program, call : str
+        The command, and the function of Python, that give the same.
+    view : str
+        Module of its `full`, and its `look`, which run in processes.
+    charts : tuple of (str, bool)
+        What each diagram shows, and whether it is as wide as the page.
+    main : tuple of str
+        Fields with sliders until it is known which matter most.
+    files : tuple of (str, str, str)
+        What can be taken away beside the case: words, icon, name of the file.
+    quick : bool
+        Whether there is a first look.
+    waits : bool
+        Whether a run takes so long that it begins by a button alone.
+    drawn : bool
+        Whether there are drawings.
+    has_wishes : bool
+        Whether settings are found for what is wanted of its blows.
+    is_layered : bool
+        Whether it can be read at any section along its layers.
+    """
+
+    place: str
+    usual: str
+    program: str
+    call: str
+    view: str
+    charts: tuple[tuple[str, bool], ...]
+    main: tuple[str, ...]
+    files: tuple[tuple[str, str, str], ...]
+    quick: bool = False
+    waits: bool = False
+    drawn: bool = False
+    has_wishes: bool = False
+    is_layered: bool = False
+
+
+CASES = "strikewave.web.case_view"
+"""Module of what all kinds have in common, which runs in processes."""
 REPORTS = (("report (.html)", "article", "report.html"), ("report (.pdf)", "picture_as_pdf", "report.pdf"))
 MACHINE = CaseKind(
     place="/",
@@ -28,6 +77,7 @@ MACHINE = CaseKind(
     files=(("blows (.csv)", "table_chart", "blows.csv"), *REPORTS, ("histories (.nc)", "data_array", "solution.nc")),
     quick=True,
     drawn=True,
+    has_wishes=True,
 )
 TARGET = CaseKind(
     place="/target",
@@ -42,6 +92,7 @@ TARGET = CaseKind(
     ),
     main=("load.peak", "load.duration"),
     files=(("taps (.csv)", "table_chart", "taps.csv"), *REPORTS, ("waves (.nc)", "data_array", "waves.nc")),
+    is_layered=True,
 )
 ELEMENTS = CaseKind(
     place="/elements",

@@ -7,6 +7,7 @@ import shlex
 import zlib
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 from pathlib import Path
 from typing import NamedTuple
 from urllib.parse import urlencode
@@ -65,6 +66,12 @@ class CaseState:
         except UnicodeDecodeError:
             raise StrikewaveError(f"{path.name}: a text file in UTF-8 is wanted") from None
 
+    @classmethod
+    def of_source(cls, source: CaseSource) -> CaseState:
+        """Return it from plain values."""
+        pairs = (change.partition("=") for change in source.changes)
+        return cls(source.name, source.text, {path: value for path, _, value in pairs})
+
     def source(self, folder: Path | str = "") -> CaseSource:
         """Return it as plain values."""
         return CaseSource(self.name, self.text, tuple(f"{p}={v}" for p, v in self.changes.items()), str(folder))
@@ -85,10 +92,9 @@ class CaseState:
         >>> CaseState("li-ma-2019", changes={"machine.speed": "700 rpm"}).query()
         [('case', 'li-ma-2019'), ('set', 'machine.speed=700 rpm')]
         """
-        packed = base64.urlsafe_b64encode(zlib.compress(self.text.encode(), 9)).decode() if self.text else ""
         parts = [("case", self.name)]
-        if packed and len(packed) <= LONGEST_LINK:
-            parts.append(("toml", packed))
+        if self.text and self.fits_address:
+            parts.append(("toml", self._packed))
         return parts + [(changes_key, f"{path}={value}") for path, value in self.changes.items()]
 
     @classmethod
@@ -141,6 +147,15 @@ class CaseState:
         changes = list(self.source().changes)
         given = f"{self.file!r}, {changes!r}" if changes else f"{self.file!r}"
         return f"import strikewave\n\ncase = strikewave.load_case({given})\nresult = strikewave.{call}(case{more})"
+
+    @cached_property
+    def _packed(self) -> str:
+        return base64.urlsafe_b64encode(zlib.compress(self.text.encode(), 9)).decode()
+
+    @property
+    def fits_address(self) -> bool:
+        """Whether its text is short enough for an address."""
+        return len(self._packed) <= LONGEST_LINK
 
     @property
     def file(self) -> str:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import functools
 import tempfile
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 from strikewave.base.errors import InputError
 from strikewave.base.result import Result
@@ -14,8 +14,21 @@ from strikewave.reporting.shown_result import ShownResult
 from strikewave.web.case_loading import loaded
 from strikewave.web.case_state import CaseSource
 from strikewave.web.fields import edited_fields
+from strikewave.web.layer_order import stack_rows
 
-PAGES_OF = {"run": "Machine", "wave": "Target", "fem": "Elements"}
+
+class PageOfCases(NamedTuple):
+    """A page of cases: its address, and its name."""
+
+    place: str
+    name: str
+
+
+PAGES_OF = {
+    "run": PageOfCases("/", "Machine"),
+    "wave": PageOfCases("/target", "Target"),
+    "fem": PageOfCases("/elements", "Elements"),
+}
 """The page of each command that runs cases."""
 
 
@@ -23,11 +36,16 @@ def opened(source: CaseSource, program: str) -> dict[str, Any]:
     """Return what a page needs to be built: the built-in cases with their titles, and the fields of this one."""
     plain = loaded(source._replace(changes=()))
     if plain.command != program:
-        page = PAGES_OF[plain.command]
+        page = PAGES_OF[plain.command].name if plain.command in PAGES_OF else "Fit and study"
         raise InputError(
             "case", source.name, f"a case that `strikewave {program}` runs", f"the page {page} shows this one"
         )
-    return {"titles": titles(program), "fields": edited_fields(plain), "values": values(source)}
+    return {
+        "titles": titles(program),
+        "fields": edited_fields(plain),
+        "values": values(source),
+        "stack": stack_rows(source) if program == "wave" else [],
+    }
 
 
 @functools.cache

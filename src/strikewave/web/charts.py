@@ -9,6 +9,7 @@ from strikewave.reporting.style import BLUE, GREEN, GREY, ORANGE, RED
 
 COLOURS = (BLUE, RED, GREEN, ORANGE, GREY)
 KIND_COLOURS = {"full": BLUE, "double": RED, "glancing": ORANGE, "missed": GREY}
+SHAPES = ("circle", "diamond", "triangle", "rect", "pin")
 INK, SOFT, LINE = "#1a1f24", "#4d5760", "#e4e4e4"
 PALE_BAND = "rgba(0, 114, 178, 0.10)"
 
@@ -79,6 +80,38 @@ def line_chart(
     return {**options, "series": series}
 
 
+class Dots(NamedTuple):
+    """Dots that belong together: their name, and for each x, y and what else is to be known where it is picked."""
+
+    name: str
+    dots: Sequence[Sequence[float]]
+
+
+def dot_chart(title: str, x: str, y: str, groups: Sequence[Dots]) -> dict[str, Any]:
+    """Return dots by groups, which differ in colour and in shape.
+
+    Examples
+    --------
+    >>> dot_chart("Runs", "speed", "peak", [Dots("ranked", [[1.0, 2.0, 0]])])["series"][0]["symbol"]
+    'circle'
+    """
+    series = [
+        {
+            "name": group.name,
+            "type": "scatter",
+            "data": list(group.dots),
+            "symbol": SHAPES[k % len(SHAPES)],
+            "symbolSize": 9,
+            "itemStyle": {"color": colour(k), "opacity": 0.75},
+        }
+        for k, group in enumerate(groups)
+    ]
+    options = _frame(title, x, y, "value", "value")
+    options["tooltip"]["trigger"] = "item"
+    options["yAxis"]["scale"] = True
+    return {**options, "legend": _legend([group.name for group in groups]), "series": series}
+
+
 def train_chart(title: str, unit: str, bars: Sequence[Sequence[Any]], band: Sequence[float] | None) -> dict[str, Any]:
     """Return the peaks of a train of blows as bars, coloured by their kinds, before the band of the later ones.
 
@@ -135,9 +168,27 @@ def with_beside(options: dict[str, Any], beside: dict[str, Any]) -> dict[str, An
 
 
 def heat_chart(
-    title: str, x: str, y: str, times: Sequence[str], places: Sequence[str], cells: Sequence[Sequence[float]], unit: str
+    title: str,
+    x: str,
+    y: str,
+    columns: Sequence[str],
+    rows: Sequence[str],
+    cells: Sequence[Sequence[float]],
+    unit: str,
+    *,
+    signed: bool = True,
 ) -> dict[str, Any]:
-    """Return a field over time and place in colours that a colour-blind reader can tell apart: blue to red over white.
+    """Return a field in cells, in colours that a colour-blind reader can tell apart: by both signs, or from white on.
+
+    Parameters
+    ----------
+    title, x, y, unit : str
+    columns, rows : sequence of str
+        What stands at the axes.
+    cells : sequence
+        Column, row, value, and what else is to be known where a cell is picked.
+    signed : bool, optional
+        Whether both signs matter, and zero is white in the middle.
 
     Examples
     --------
@@ -146,17 +197,18 @@ def heat_chart(
     """
     largest = max((abs(cell[2]) for cell in cells), default=0.0) or 1.0
     options = _frame(title, x, y, "category", "category")
-    options["xAxis"]["data"], options["yAxis"]["data"] = list(times), list(places)
+    options["xAxis"]["data"], options["yAxis"]["data"] = list(columns), list(rows)
     options["grid"] |= {"right": 84}
-    options["yAxis"]["axisLabel"] = {**options["yAxis"]["axisLabel"], "interval": max(len(places) // 6 - 1, 0)}
+    options["yAxis"]["axisLabel"] = {**options["yAxis"]["axisLabel"], "interval": max(len(rows) // 6 - 1, 0)}
     options["visualMap"] = {
-        "min": -largest,
+        "min": -largest if signed else 0.0,
         "max": largest,
         "calculable": True,
         "orient": "vertical",
         "right": 0,
         "top": "middle",
-        "inRange": {"color": [RED, "#f4c9b0", "#ffffff", "#a9d0e6", BLUE]},
+        "dimension": 2,
+        "inRange": {"color": [RED, "#f4c9b0", "#ffffff", "#a9d0e6", BLUE] if signed else ["#ffffff", "#a9d0e6", BLUE]},
         "text": [unit, ""],
         "textStyle": {"color": SOFT, "fontSize": 10},
         "itemHeight": 110,

@@ -13,7 +13,7 @@ from fastapi.responses import FileResponse
 from nicegui import Client, app, background_tasks, context, ui
 
 from strikewave.base.errors import StrikewaveError
-from strikewave.web import jobs, parts
+from strikewave.web import jobs, markup, parts
 from strikewave.web.jobs import PATIENCE, Lookers, PageJob, Say
 from strikewave.web.sessions import Session, Sessions, clean_name
 
@@ -112,7 +112,7 @@ class Desk:
                 await client.connected()
                 return None if client.is_deleted else (session, await asked(session))
         except StrikewaveError as error:
-            parts.refusal(str(error))
+            parts.shown(markup.refusal(str(error)))
             return None
 
 

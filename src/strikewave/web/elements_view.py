@@ -16,6 +16,7 @@ from strikewave.fem.run import ENERGIES
 from strikewave.fem.solve import Progress, RunOptions
 from strikewave.reporting.numbers import axis_unit, energy_unit, time_unit
 from strikewave.reporting.shown_result import shown_table
+from strikewave.web.body_field import body_field
 from strikewave.web.case_loading import loaded
 from strikewave.web.case_state import CaseSource
 from strikewave.web.case_view import by_full_run, result_file, told
@@ -46,6 +47,7 @@ def full(source: CaseSource, say: Say | None = None) -> dict[str, Any]:
         "figures": list(solution.highlights()),
         "charts": history_charts(solution),
         "tables": [("Parts", heads, rows, (0,))],
+        "body": body_field(solution),
         "page": "" if movie is None else fem_page(movie, solution.title, case.name),
         **told(
             solution,

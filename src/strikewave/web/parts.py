@@ -5,7 +5,7 @@ from __future__ import annotations
 import base64
 import hashlib
 import html
-from collections.abc import Awaitable, Callable, Iterator, Sequence
+from collections.abc import Awaitable, Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
@@ -15,6 +15,7 @@ from nicegui import ui
 from strikewave.base.errors import StrikewaveError
 from strikewave.reporting.style import BLUE, ORANGE
 from strikewave.web.guard import LARGEST_UPLOAD
+from strikewave.web.live.chart import LiveChart
 from strikewave.web.sessions import Session
 
 PAGES = {
@@ -25,8 +26,8 @@ PAGES = {
     "/elements": "Elements",
 }
 """Address and name of each page."""
-MOST_ROWS = 60
-"""Rows of a table on a page; the file has all."""
+LONGEST_NOTE = 400
+"""Characters of a note that passes: as many as are read in its quarter of a minute."""
 CSS = (Path(__file__).parent / "style.css").read_text("utf-8")
 
 
@@ -85,81 +86,27 @@ def box(title: str) -> Iterator[Any]:
         yield section
 
 
-def key_numbers(rows: Sequence[Sequence[str]]) -> None:
-    """Show the key numbers, each below its name, its band in small letters."""
-    cards = []
-    for name, text in rows:
-        number, gap, band = text.partition(" (")
-        small = f" <small>({html.escape(band)}</small>" if gap else ""
-        cards.append(f'<div class="sw-card"><dt>{html.escape(name)}</dt><dd>{html.escape(number)}{small}</dd></div>')
-    ui.html(f'<dl class="sw-key" style="margin:0">{"".join(cards)}</dl>', sanitize=False).classes("w-full").style(
-        "width:100%"
-    )
+def shown(content: str) -> None:
+    """Show markup, which `strikewave.web.markup` makes."""
+    ui.html(content, sanitize=False).classes("sw-main sw-full")
 
 
-def table(caption: str, heads: Sequence[str], rows: Sequence[Sequence[str]], words: Sequence[int] = ()) -> None:
-    """Show a table, which a narrow screen scrolls by itself."""
-
-    def cell(tag: str, place: int, text: object) -> str:
-        kind = ' class="sw-words"' if place in words else ""
-        scope = ' scope="col"' if tag == "th" else ""
-        return f"<{tag}{scope}{kind}>{html.escape(str(text))}</{tag}>"
-
-    head = "".join(cell("th", k, text) for k, text in enumerate(heads))
-    body = "".join(
-        "<tr>" + "".join(cell("td", k, text) for k, text in enumerate(row)) + "</tr>" for row in rows[:MOST_ROWS]
-    )
-    ui.html(
-        f'<table aria-label="{html.escape(caption)}"><thead><tr>{head}</tr></thead><tbody>{body}</tbody></table>',
-        sanitize=False,
-    ).classes("sw-table").props('tabindex="0"')
-    if len(rows) > MOST_ROWS:
-        ui.label(f"{len(rows) - MOST_ROWS} more rows: the file has all").classes("sw-soft")
-
-
-def notices(rows: Sequence[Sequence[str]]) -> None:
-    """Show notices, the gravest first: severity in a word and a colour, code, message."""
-    order = {"failed": 0, "error": 0, "warning": 1}
-    for severity, code, message in sorted(rows, key=lambda row: order.get(row[0], 2)):
-        text = f"<b>{html.escape(severity)}: {html.escape(code.replace('-', ' '))}.</b> {html.escape(message)}"
-        ui.html(text, sanitize=False).classes(f"sw-notice {severity}")
-
-
-def refusal(message: str) -> None:
-    """Show why something was not done, line by line."""
-    with ui.element("div").classes("sw-notice error").props('role="alert"'):
-        ui.html(f"<b>refused.</b> {html.escape(message)}", sanitize=False)
-
-
-def tables(listed: Sequence[tuple[str, Sequence[str], Sequence[Sequence[str]], Sequence[int]]]) -> None:
-    """Show tables, each in a box: title, heads, rows, and which columns are words."""
-    for title, heads, rows, words in listed:
-        with box(title):
-            table(title, heads, rows, words)
-
-
-def checks(balance: Sequence[Sequence[str]], found: Sequence[Sequence[str]]) -> None:
-    """Show the errors of balances, and what the user should know."""
-    if not balance and not found:
-        return
-    with box("Checks and warnings"):
-        if balance:
-            listed = "; ".join(f"{name} {value}" for name, value in balance)
-            ui.label(f"balances: {listed} (a run that is off by 1e-6 fails)").classes("sw-soft")
-        notices(found)
+def kept(session: Session, name: str, content: bytes) -> str:
+    """Keep what a page asks for itself, and return its address."""
+    session.keep(name, content, "pages")
+    return f"/kept/{name}?{hashlib.sha256(content).hexdigest()[:12]}"
 
 
 def kept_page(session: Session, name: str, page: str, title: str) -> None:
     """Show a whole page within this one: it is kept among the files of the session, and runs apart from all else."""
-    session.keep(name, page.encode(), "pages")
-    mark = hashlib.sha256(page.encode()).hexdigest()[:12]
-    words = f'class="sw-frame" title="{html.escape(title)}" sandbox="allow-scripts" src="/kept/{name}?{mark}"'
-    ui.html(f"<iframe {words}></iframe>", sanitize=False).style("width:100%")
+    place = kept(session, name, page.encode())
+    words = f'class="sw-frame" title="{html.escape(title)}" sandbox="allow-scripts" src="{place}"'
+    ui.html(f"<iframe {words}></iframe>", sanitize=False).classes("sw-full")
 
 
 def code(label: str, text: str) -> None:
     """Show lines to be copied."""
-    with ui.element("div").style("width:100%"):
+    with ui.element("div").classes("sw-full"):
         with ui.element("div").classes("sw-row"):
             ui.label(label).classes("sw-soft")
             ui.button(icon="content_copy", on_click=lambda: ui.clipboard.write(text)).props(
@@ -168,17 +115,10 @@ def code(label: str, text: str) -> None:
         ui.html(f"<pre class='sw-code'>{html.escape(text)}</pre>", sanitize=False)
 
 
-def chart(options: dict[str, Any], label: str, wide: bool = False) -> ui.echart:
+def chart(options: dict[str, Any], label: str, wide: bool = False) -> LiveChart:
     """Show a diagram with a label for who cannot see it."""
-    drawn = ui.echart(options).classes("sw-chart" + (" sw-wide" if wide else ""))
+    drawn = LiveChart(options).classes("sw-chart" + (" sw-wide" if wide else ""))
     return drawn.props(f'role="img" aria-label="{html.escape(label)}"')
-
-
-def replace_options(drawn: ui.echart, options: dict[str, Any]) -> None:
-    """Show other curves in a diagram."""
-    drawn.options.clear()
-    drawn.options.update(options)
-    drawn.update()
 
 
 def svg_picture(svg: bytes, caption: str) -> None:
@@ -193,7 +133,7 @@ def svg_picture(svg: bytes, caption: str) -> None:
 
 def drop_zone(label: str, taken: Callable[[Any], Awaitable[None]], multiple: bool = True) -> ui.upload:
     """Return a field that files are dropped on, or chosen in."""
-    with ui.element("div").classes("sw-drop").style("width:100%"):
+    with ui.element("div").classes("sw-drop").classes("sw-full"):
         zone = ui.upload(
             label=label,
             multiple=multiple,
@@ -210,5 +150,7 @@ async def tried(work: Callable[[], Awaitable[Any]]) -> Any:
     try:
         return await work()
     except StrikewaveError as error:
-        ui.notify(f"refused: {error}"[:300], type="warning", multi_line=True, close_button="close", timeout=12000)
+        ui.notify(
+            f"refused: {error}"[:LONGEST_NOTE], type="warning", multi_line=True, close_button="close", timeout=15000
+        )
         return None

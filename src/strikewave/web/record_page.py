@@ -10,6 +10,7 @@ from starlette.requests import Request
 from strikewave.base.errors import StrikewaveError
 from strikewave.web import parts
 from strikewave.web.case_state import address
+from strikewave.web.cutoff_field import CutoffField
 from strikewave.web.desk import Desk
 from strikewave.web.record_request import RecordRequest
 from strikewave.web.sessions import Session
@@ -22,12 +23,20 @@ TEXTS = {
     "unit": ("unit of the numbers", "g"),
     "channel": ("channel, by name or number", "all"),
     "sensitivity": ("sensitivity", "1.2 mV/g"),
-    "filter": ("low-pass", "10 kHz, or CFC 1000"),
-    "high_pass": ("high-pass", "none"),
+    "ac_coupling": ("AC coupling to take off", "auto, 10 ms, or 20 Hz"),
     "q": ("Q of the spectrum", "10"),
     "beside": ("simulation beside it", "li-ma-2019:rigid"),
 }
 """Options that are typed: what each is, and what one types."""
+CUTOFFS = {
+    "filter": (
+        "low-pass",
+        "Zero-phase low-pass before blows are measured: a cutoff, or a class such as CFC 1000",
+        True,
+    ),
+    "high_pass": ("high-pass", "Zero-phase high-pass, which takes a slow baseline off", False),
+}
+"""Options with a handle: what each is, what it does, and whether no filter is at the upper end."""
 
 
 def add(desk: Desk) -> None:
@@ -47,6 +56,7 @@ class RecordPage:
     def __init__(self, session: Session, given: dict[str, str], specifications: list[str]) -> None:
         self.session, self.given, self.specifications = session, given, specifications
         self.boxes: dict[str, Any] = {}
+        self.cutoffs: dict[str, CutoffField] = {}
 
     @property
     def names(self) -> list[str]:
@@ -66,6 +76,11 @@ class RecordPage:
                             "dense outlined"
                         )
                         self.boxes[key] = box.style("width:100%; margin-bottom:.35rem").on("keydown.enter", self.begin)
+                    with parts.box("Filter and baseline"):
+                        ui.label("what they cost stands beside the pulses, with and without them").classes("sw-soft")
+                        for key, (label, what, none_at_top) in CUTOFFS.items():
+                            typed = self.given.get(key, "")
+                            self.cutoffs[key] = CutoffField(key, label, what, typed, none_at_top, self.begin)
                     options = {"": "none", **{name: name for name in self.specifications}}
                     spec = self.given.get("spec", "")
                     self.boxes["spec"] = ui.select(
@@ -118,6 +133,7 @@ class RecordPage:
         """Return what is asked now."""
         texts = {key: str(self.boxes[key].value or "").strip() for key in TEXTS}
         texts["q"] = texts["q"] or "10"
+        texts |= {key: cutoff.value for key, cutoff in self.cutoffs.items()}
         spec, spectrum = str(self.boxes["spec"].value or ""), bool(self.boxes["spectrum"].value)
         return RecordRequest(str(self.session.place(FOLDER)), tuple(self.names), spec=spec, spectrum=spectrum, **texts)
 
@@ -125,6 +141,8 @@ class RecordPage:
         """Read and judge the files as is asked now."""
         asked = self.request()
         shown = {key: str(self.boxes[key].value or "") for key in (*TEXTS, "spec")}
+        shown |= {key: cutoff.value for key, cutoff in self.cutoffs.items()}
         query = [(key, value) for key, value in shown.items() if value]
-        ui.navigate.history.replace(address(PLACE, query + ([] if asked.spectrum else [("spectrum", "no")])))
+        with self.listed:  # a handle that rests has no page of its own to speak to
+            ui.navigate.history.replace(address(PLACE, query + ([] if asked.spectrum else [("spectrum", "no")])))
         self.bench.begin("strikewave.web.record_view:measure", asked, same=asked.commands())

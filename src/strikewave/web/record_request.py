@@ -5,6 +5,9 @@ from __future__ import annotations
 import shlex
 from typing import Any, NamedTuple
 
+FILTERS = ("filter", "high_pass", "ac_coupling")
+"""What changes the record and its baseline before blows are measured."""
+
 
 class RecordRequest(NamedTuple):
     """What is asked of measured files.
@@ -15,7 +18,7 @@ class RecordRequest(NamedTuple):
         Where they lie.
     names : tuple of str
         Their names, in the order of the test.
-    unit, channel, sensitivity, filter, high_pass : str
+    unit, channel, sensitivity, filter, high_pass, ac_coupling : str
         As the options of `strikewave record` take them; empty for none.
     spec : str
         Name of a built-in specification; empty for none.
@@ -34,6 +37,7 @@ class RecordRequest(NamedTuple):
     sensitivity: str = ""
     filter: str = ""
     high_pass: str = ""
+    ac_coupling: str = ""
     spec: str = ""
     spectrum: bool = True
     q: str = "10"
@@ -47,7 +51,7 @@ class RecordRequest(NamedTuple):
         >>> RecordRequest("", ("a.csv",), unit="g", channel="1").keywords()
         {'unit': 'g', 'channels': ['1']}
         """
-        plain = {key: getattr(self, key) for key in ("unit", "sensitivity", "filter", "high_pass")}
+        plain = {key: getattr(self, key) for key in ("unit", "sensitivity", *FILTERS)}
         given = {key: value for key, value in plain.items() if value}
         return {**given, **({"channels": [self.channel]} if self.channel else {})}
 
@@ -67,7 +71,8 @@ class RecordRequest(NamedTuple):
         if word:
             is_class = word.upper().startswith("CFC")
             shared += ["--cfc", word[3:].strip()] if is_class else ["--filter", word]
-        shared += ["--high-pass", self.high_pass] if self.high_pass else []
+        for key, option in (("high_pass", "--high-pass"), ("ac_coupling", "--ac-coupling")):
+            shared += [option, getattr(self, key)] if getattr(self, key) else []
         lines = [["strikewave", "record", *self.names, *shared, *(["--spec", self.spec] if self.spec else [])]]
         if self.spectrum:
             lines.append(["strikewave", "srs", *self.names, *shared, "--kind", "pseudo-velocity", "--q", self.q])

@@ -20,11 +20,13 @@ from strikewave.base.errors import InputError, nearest
 from strikewave.cases.case import bundled_cases
 from strikewave.records.reading import ChannelReading
 from strikewave.reporting.numbers import axis_unit, time_unit, with_unit
+from strikewave.reporting.parts import NONE
 from strikewave.reporting.shown_result import shown_table
-from strikewave.web.charts import SOFT, ChartLine, MarkedSpan, colour, line_chart
+from strikewave.web.charts import GREY, SOFT, ChartLine, MarkedSpan, colour, line_chart
 from strikewave.web.curves import points
 from strikewave.web.jobs import Say
-from strikewave.web.record_request import RecordRequest
+from strikewave.web.markup import PageTable
+from strikewave.web.record_request import FILTERS, RecordRequest
 
 MOST_CURVES = 12
 """Files whose curves are drawn: more cannot be told apart; the table has all."""
@@ -41,8 +43,6 @@ class CampaignFigure(NamedTuple):
     usual: str
 
 
-PageTable = tuple[str, list[str], list[list[str]], tuple[int, ...]]
-"""Title, heads, rows, and which columns are words."""
 FIGURES = (
     CampaignFigure("peak", "m/s^2", "g"),
     CampaignFigure("rise", "s", "us"),
@@ -50,6 +50,8 @@ FIGURES = (
     CampaignFigure("velocity_change", "m/s", "m/s"),
     CampaignFigure("interval", "s", "ms"),
 )
+COST = tuple(figure for figure in FIGURES if figure.name in ("peak", "width", "velocity_change"))
+"""What filters change of a pulse."""
 
 
 def measure(request: RecordRequest, say: Say) -> dict[str, Any]:
@@ -61,8 +63,12 @@ def measure(request: RecordRequest, say: Say) -> dict[str, Any]:
     options = request.keywords()
     say(None, "reading and judging")
     result = strikewave.record(names, spec=request.spec or None, **options)
-    charts = [history_chart(result), overlay_chart(result)]
-    lead = [file_table(result)]
+    plain = None
+    if any(key in options for key in FILTERS):
+        say(None, "the same without the filters")
+        plain = strikewave.record(names, **{key: value for key, value in options.items() if key not in FILTERS})
+    charts = [history_chart(result), overlay_chart(result, plain)]
+    lead = [*([] if plain is None else [cost_table(result, plain)]), file_table(result)]
     tables = [("Pulses", *shown_table(result), (0, 1)), *campaign_tables(result)]
     notices = [(one.severity, one.code, one.message) for one in result.notices]
     verdict = None
@@ -86,7 +92,7 @@ def measure(request: RecordRequest, say: Say) -> dict[str, Any]:
     with tempfile.TemporaryDirectory() as folder:
         report = result.report(Path(folder) / "report.html").read_bytes()
     return {
-        "by": f"{len(result.readings)} files read and judged" + filter_words(result),
+        "by": f"{len(result.readings)} files read and judged",
         "verdict": verdict,
         "figures": [list(row) for row in result.highlights()],
         "lead": lead,
@@ -111,18 +117,21 @@ def _compared(request: RecordRequest, name: str, options: Mapping[str, Any]) -> 
     return strikewave.compare(f"{name}{channel}", request.beside, **kept)
 
 
-def filter_words(result: RecordResult) -> str:
-    """Say what a filter that was taken costs the blows: the change of their mean peak."""
-    if result.filter is None:
-        return ""
-    before = [abs(p.peak) for file in result.readings for channel in file.channels for p in channel.unfiltered]
-    after = [abs(p.peak) for file in result.readings for channel in file.channels for p in channel.pulses]
-    if not before or not after:
-        return f"; filtered at {with_unit(result.filter.cutoff, 'Hz', 'kHz')}"
-    change = 100.0 * (float(np.mean(after)) / float(np.mean(before)) - 1.0)
-    return (
-        f"; filtered at {with_unit(result.filter.cutoff, 'Hz', 'kHz')}, which changes the mean peak by {change:+.1f} %"
-    )
+def cost_table(result: RecordResult, plain: RecordResult) -> PageTable:
+    """Return what the filters cost: the mean of each figure of the pulses with and without them."""
+    rows = []
+    for figure in COST:
+        with_them, without = _mean(result, figure.name), _mean(plain, figure.name)
+        shown = [with_unit(value, figure.si, figure.usual) for value in (without, with_them)]
+        change = f"{100.0 * (with_them / without - 1.0):+.1f} %" if without else NONE
+        rows.append([figure.name.replace("_", " "), *shown, change])
+    return "What filter and baseline cost", ["mean over the pulses", "without", "with", "change"], rows, (0,)
+
+
+def _mean(result: RecordResult, name: str) -> float:
+    """Return the mean of the size of a figure over all pulses; NaN where there are none."""
+    sizes = [abs(getattr(p, name)) for file in result.readings for channel in file.channels for p in channel.pulses]
+    return float(np.mean(sizes)) if sizes else math.nan
 
 
 def file_table(result: RecordResult) -> PageTable:
@@ -179,25 +188,31 @@ def history_chart(result: RecordResult) -> dict[str, Any]:
     )
 
 
-def overlay_chart(result: RecordResult) -> dict[str, Any]:
-    """Return the first pulses of the files over each other, from their onsets; bad files are left out."""
-    lines, second, time_name, unit = [], 1e-6, "µs", "g"
+def overlay_chart(result: RecordResult, plain: RecordResult | None = None) -> dict[str, Any]:
+    """Return the first pulses of the files over each other, from their onsets; bad files are left out.
+
+    Behind them stands the first one without filters, where these were taken.
+    """
+    lines: list[ChartLine] = []
+    second, time_name, unit = 1e-6, "µs", "g"
+    raw = None if plain is None else next((pair for pair in _channels(plain) if pair[1].pulses), None)
     for k, (name, one) in enumerate(_channels(result)):
         if not one.pulses or one.status == "bad":
             continue
         pulse = one.pulses[0]
         size, unit = _unit_of(one)
         second, time_name = time_unit(2.0 * pulse.width)
-        time = one.channel.time - pulse.begin
-        near = (time > -0.5 * pulse.width) & (time < 2.0 * pulse.width)
-        lines.append(
-            ChartLine(
-                name,
-                points(time[near] / second, (one.channel.values[near] - one.baseline) / size),
-                colour(k),
-            )
-        )
+        if raw is not None and not lines:
+            lines.append(ChartLine(f"{raw[0]}, no filter", _near(raw[1], pulse, second, size), GREY, "dashed"))
+        lines.append(ChartLine(name, _near(one, pulse, second, size), colour(k)))
     return line_chart("First pulses over each other", f"time after onset ({time_name})", f"amplitude ({unit})", lines)
+
+
+def _near(one: ChannelReading, pulse: Any, second: float, size: float) -> list[list[float]]:
+    """Return a channel about a pulse, its baseline taken off, from the onset of the pulse."""
+    time = one.channel.time - pulse.begin
+    near = (time > -0.5 * pulse.width) & (time < 2.0 * pulse.width)
+    return points(time[near] / second, (one.channel.values[near] - one.baseline) / size)
 
 
 def campaign_tables(result: RecordResult) -> list[PageTable]:

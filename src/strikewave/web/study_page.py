@@ -49,9 +49,9 @@ class StudyPage:
         with ui.element("main").classes("sw-page").props('id="main"'):
             with ui.element("div").classes("sw-side"):
                 with parts.box("Study"):
-                    ui.toggle({name: name for name in KINDS}, value=self.kind, on_change=self._other_kind).props(
-                        "dense no-caps spread aria-label='kind of study'"
-                    )
+                    ui.select(list(KINDS), value=self.kind, label="kind of study", on_change=self._other_kind).props(
+                        "dense outlined options-dense"
+                    ).classes("sw-full")
                     self.what = ui.label("").classes("sw-soft")
                 with parts.box("Case"):
                     options = [*([] if self.state.name in self.cases else [self.state.name]), *self.cases]

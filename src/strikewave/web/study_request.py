@@ -30,6 +30,8 @@ class StudyKind(NamedTuple):
 
 VARY = StudyText("vary", "settings to vary, a line each", "machine.speed=600..800 rpm:5", lines=True)
 RUNS = StudyText("runs", "runs", "")
+ALONE = ("runs", "analysis")
+"""Texts that hold one word, not a list."""
 KINDS = {
     one.name: one
     for one in (
@@ -49,7 +51,21 @@ KINDS = {
         StudyKind(
             "design",
             "Find settings for goals, or which goals exclude each other.",
-            (VARY, StudyText("goals", "goals, a line each", "first.rigid_peak = 4000 g +- 5 %", lines=True), RUNS),
+            (
+                VARY,
+                StudyText("goals", "goals, a line each", "first.rigid_peak = 4000 g +- 5 %", lines=True),
+                StudyText("analysis", "analysis", "fast"),
+                RUNS,
+            ),
+        ),
+        StudyKind(
+            "settings",
+            "Find settings of a rotary machine for blows of a wanted interval, peak and width.",
+            (
+                StudyText("interval", "interval of the blows", "20 ms"),
+                StudyText("peak", "their peak", "4000 g"),
+                StudyText("width", "their width at 10 % of it", "200 us"),
+            ),
         ),
         StudyKind(
             "map",
@@ -104,7 +120,7 @@ class StudyRequest(NamedTuple):
         if self.kind == "design":
             lines = [("design.toml", self._design_file(file)), ("command line", "strikewave design design.toml")]
         else:
-            words = ["strikewave", self.kind, file]
+            words = ["strikewave", self.kind, *(["--from"] if self.kind == "settings" else []), file]
             for change in self.source.changes:
                 words += ["--set", change]
             for key, _ in self.texts:
@@ -112,7 +128,8 @@ class StudyRequest(NamedTuple):
                     words += [f"--{key}", line]
             lines = [("command line", shlex.join(words))]
         case = f"strikewave.load_case({file!r}, {list(self.source.changes)!r})"
-        call = ", ".join([case, *self._arguments()])
+        first = f"case={case}" if self.kind == "settings" else case
+        call = ", ".join([first, *self._arguments()])
         return [*lines, ("Python", f"import strikewave\n\nresult = strikewave.{self.kind}({call})")]
 
     def _arguments(self) -> list[str]:
@@ -124,12 +141,16 @@ class StudyRequest(NamedTuple):
             named = [f"{key}={self.one(key)!r}" for key in ("x", "y") if self.one(key)]
             points = self.one("points").replace("x", ", ")
             return [*named, f"points=({points})"] if points else named
-        several = [f"{key}={self.lines(key)!r}" for key, _ in self.texts if key != "runs" and self.lines(key)]
+        if self.kind == "settings":
+            return [f"{key}={self.one(key)!r}" for key, _ in self.texts if self.one(key)]
+        several = [f"{key}={self.lines(key)!r}" for key, _ in self.texts if key not in ALONE and self.lines(key)]
+        several += [f"analysis={self.one('analysis')!r}"] if self.one("analysis") else []
         return [*several, f"runs={runs}"] if runs else several
 
     def _design_file(self, case: str) -> str:
         """Return the file that the command of designs reads; a JSON string is one of TOML."""
         head = ["schema = 1", f"case = {json.dumps(case)}", f"goals = {json.dumps(self.lines('goals'))}"]
+        head += [f"analysis = {json.dumps(self.one('analysis'))}"] if self.one("analysis") else []
         head += [f"runs = {self.one('runs')}"] if self.one("runs") else []
         tables = [("set", self.source.changes), ("vary", self.lines("vary"))]
         return "\n".join(head + [line for name, texts in tables if texts for line in _table(name, texts)])

@@ -10,13 +10,14 @@ from typing import Any
 import strikewave
 from strikewave.base.errors import InputError
 from strikewave.cases.case import bundled_cases
+from strikewave.reporting.shown_result import ShownResult
 from strikewave.specifications.reading import asked_names
 from strikewave.studies.map.defaults import X, Y
 from strikewave.studies.scatter.study import ScatterPlan
 from strikewave.web.case_loading import loaded
 from strikewave.web.jobs import Say
 from strikewave.web.result_view import result_view
-from strikewave.web.study_request import StudyRequest
+from strikewave.web.study_request import KINDS, StudyRequest
 
 MOST_RUNS = 2000
 MOST_CELLS = 3600
@@ -37,7 +38,7 @@ def study(request: StudyRequest, say: Say) -> dict[str, Any]:
     def progress(share: float) -> None:
         say(share, request.kind)
 
-    result: Any
+    result: ShownResult
     if request.kind == "fit":
         result = strikewave.fit(
             case,
@@ -51,8 +52,17 @@ def study(request: StudyRequest, say: Say) -> dict[str, Any]:
         )
     elif request.kind == "design":
         result = strikewave.design(
-            case, request.lines("vary"), request.lines("goals"), runs=runs, store=store, progress=progress
+            case,
+            request.lines("vary"),
+            request.lines("goals"),
+            analysis=request.one("analysis"),
+            runs=runs,
+            store=store,
+            progress=progress,
         )
+    elif request.kind == "settings":
+        interval, peak, width = (request.one(key) or None for key in ("interval", "peak", "width"))
+        result = strikewave.settings(interval, peak, width, case, progress=progress)
     elif request.kind == "map":
         result = strikewave.map(
             case, request.one("x", X), request.one("y", Y), points=_points(request), progress=progress
@@ -60,9 +70,9 @@ def study(request: StudyRequest, say: Say) -> dict[str, Any]:
     elif request.kind == "scatter":
         result = strikewave.scatter(case, ScatterPlan() if runs is None else ScatterPlan(runs=runs), progress=progress)
     else:
-        raise InputError("study", request.kind, "fit, sweep, design, map or scatter")
+        raise InputError("study", request.kind, ", ".join(KINDS))
     say(None, "pictures and report")
-    return result_view(result, request.kind.capitalize())
+    return result_view(result, request.kind.capitalize(), request.source)
 
 
 def refuse_other_files(request: StudyRequest) -> None:

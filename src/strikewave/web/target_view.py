@@ -11,6 +11,7 @@ from strikewave.analyses.wave.result import WaveSolution
 from strikewave.analyses.wave.run import run_wave
 from strikewave.reporting.numbers import axis_unit, time_unit, with_unit
 from strikewave.reporting.shown_result import shown_table
+from strikewave.web.bar_sections import BarSections
 from strikewave.web.case_loading import loaded
 from strikewave.web.case_state import CaseSource
 from strikewave.web.case_view import by_full_run, result_file, told
@@ -20,6 +21,8 @@ from strikewave.web.jobs import Say
 
 FIELD_TIMES, FIELD_PLACES = 120, 48
 """Cells of the x-t diagram: each is 7 pixels wide on a desk, and a page of so many opens at once."""
+SECTION_TIMES, SECTION_PLACES = 1000, 120
+"""Instants and places that a page keeps of the field: a megabyte."""
 MOST_TAPS = 5
 """Taps in one diagram: as many as there are colours."""
 
@@ -48,12 +51,16 @@ def full(source: CaseSource, say: Say | None = None) -> dict[str, Any]:
             ("Layers", ["layer", "length asked", "length used", "steps"], layers, (0,)),
         ],
         **told(solution, solution.balance),
+        "sections": sections(solution),
         "texts": solution.tables(),
     }
 
 
 def field_chart(solution: WaveSolution) -> dict[str, Any]:
-    """Return the x-t diagram of stress: compression above zero, the first face at the bottom."""
+    """Return the x-t diagram of stress: compression above zero, the first face at the bottom.
+
+    Each cell ends with its place, mm.
+    """
     field = field_of_solution(solution)
     areas = np.array([solution.run.stack.layers[layer].area for layer in field.layer])
     size, unit = axis_unit("Pa", "MPa")
@@ -62,7 +69,9 @@ def field_chart(solution: WaveSolution) -> dict[str, Any]:
     places = _spread(len(field.position), FIELD_PLACES)
     stress = field.force / areas / size
     cells = [
-        [i, j, round(float(stress[row, place]), 3)] for i, row in enumerate(times) for j, place in enumerate(places)
+        [i, j, round(float(stress[row, place]), 3), round(1e3 * float(field.position[place]), 4)]
+        for i, row in enumerate(times)
+        for j, place in enumerate(places)
     ]
     return heat_chart(
         "Stress, compression above zero",
@@ -72,6 +81,28 @@ def field_chart(solution: WaveSolution) -> dict[str, Any]:
         [f"{1e3 * field.position[place]:.3g}" for place in places],
         cells,
         unit,
+    )
+
+
+def sections(solution: WaveSolution) -> BarSections:
+    """Return stress and velocity along the bar over time, at as many sections as a slider tells apart."""
+    field = field_of_solution(solution)
+    layers = solution.run.stack.layers
+    areas = np.array([layers[layer].area for layer in field.layer])
+    times, places = _spread(len(field.time), SECTION_TIMES), _spread(len(field.position), SECTION_PLACES)
+    (second, time_name), (pascal, stress_name) = time_unit(float(field.time[-1])), axis_unit("Pa", "MPa")
+    speed, speed_name = axis_unit("m/s", "m/s")
+    kept = np.ix_(times, places)
+    velocity = np.zeros_like(field.force) if field.velocity is None else field.velocity
+    labels = (f"time ({time_name})", f"stress ({stress_name})", f"velocity ({speed_name})")
+    names = tuple(layers[field.layer[place]].name for place in places)
+    return BarSections(
+        (field.time[times] / second).astype(np.float32),
+        1e3 * field.position[places],
+        names,
+        (field.force / areas / pascal)[kept].astype(np.float32),
+        (velocity / speed)[kept].astype(np.float32),
+        labels,
     )
 
 

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+import functools
 from collections.abc import Sequence
 from typing import Any
 
 from nicegui import background_tasks, ui
 
 from strikewave.base.errors import StrikewaveError
-from strikewave.web import parts
+from strikewave.web import markup, parts
 from strikewave.web.desk import started
 from strikewave.web.jobs import CancelledError, PageJob
 from strikewave.web.sessions import Session
@@ -60,7 +61,7 @@ class Workbench:
             self.state.text = "refused"
             self._result.clear()
             with self._result:
-                parts.refusal(str(error))
+                parts.shown(markup.refusal(str(error)))
             return
         finally:
             if self._job is job:
@@ -79,25 +80,31 @@ class Workbench:
         """Show what came of it."""
         self._result.clear()
         with self._result:
-            if view.get("verdict"):
-                word, text = view["verdict"]
-                look = {"PASS": "good", "FAIL": "failed"}.get(word, "warning")
-                ui.html(f"<b>{parts.html.escape(word)}</b> {parts.html.escape(text)}", sanitize=False).classes(
-                    f"sw-notice {look}"
-                )
-            if view["figures"]:
-                parts.key_numbers(view["figures"])
-            parts.tables(view.get("lead", ()))
+            parts.shown(
+                (markup.verdict(*view["verdict"]) if view.get("verdict") else "")
+                + (markup.key_numbers(view["figures"]) if view["figures"] else "")
+                + markup.tables(view.get("lead", ()))
+            )
             with ui.element("div").classes("sw-charts"):
-                for options in view.get("charts", ()):
-                    parts.chart(options, options["title"]["text"], wide=len(view["charts"]) == 1)
+                for place, options in enumerate(view.get("charts", ())):
+                    drawn = parts.chart(options, options["title"]["text"], wide=len(view["charts"]) == 1)
+                    if view.get("links"):
+                        drawn.on("pick", functools.partial(self._open, view["links"][place]))
+            if view.get("links"):
+                ui.label("a click on a point opens it on its page").classes("sw-soft")
+            parts.shown(markup.links("Open on its page", view.get("found", ())))
             for svg, caption in view.get("pictures", ()):
                 parts.svg_picture(svg, caption)
-            parts.tables(view["tables"])
-            parts.checks((), view["notices"])
+            parts.shown(markup.tables(view["tables"]) + markup.checks((), view["notices"]))
             if view.get("files"):
                 with parts.box("Take away"), ui.element("div").classes("sw-row"):
                     for name, content in view["files"].items():
                         ui.button(
                             name, icon="download", on_click=lambda n=name, c=content: ui.download.content(c, n)
                         ).props("outline dense no-caps")
+
+    def _open(self, links: Sequence[str], event: Any) -> None:
+        """Open what a point of a diagram is of."""
+        place = event.args[-1] if isinstance(event.args, list) and event.args else None
+        if isinstance(place, int) and 0 <= place < len(links) and links[place]:
+            ui.navigate.to(links[place])

@@ -117,7 +117,7 @@ def linear(pad: Pad, modulus: float) -> Contact:
 def power(pad: Pad, stress: float, exponent: float) -> Contact:
     """Return a pad that bears the stress s x^n: K = A s/h^n.
 
-    A mass m at the speed v presses it to d = ((n + 1) m v^2/(2 K))^(1/(n + 1)).
+    A mass m at the speed v presses it to d = ((n + 1) m v^2/(2 K))^(1/(n + 1)). Theory: :eq:`contact-cushion`.
 
     Examples
     --------

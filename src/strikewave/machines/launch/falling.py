@@ -28,7 +28,7 @@ def fall_speed(
 
     With g' = g (1 - friction), v = sqrt(2 g' h); against a viscous guide, v' = g' - r v, the speed is
     (g'/r) (1 + W(-exp(-1 - r^2 h/g'))), W Lambert's function; against a drag, v' = g' - c v^2, it is
-    sqrt(g' (1 - exp(-2 c h))/c).
+    sqrt(g' (1 - exp(-2 c h))/c). Theory: :eq:`machine-fall`.
 
     Parameters
     ----------

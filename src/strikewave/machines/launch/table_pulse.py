@@ -27,6 +27,7 @@ def half_sine_pulse(speed: float, mass: float, stiffness: float, gravity: float 
 
     With w = sqrt(k/m): v w and pi/w, half a sine. Gravity adds its own: the peak is sqrt((v w)^2 + g^2), the table
     leaves the shaper after (2/w) (pi - arctan(v w/g)), and the crush is (g + sqrt((v w)^2 + g^2))/w^2.
+    Theory: :eq:`machine-programmer`.
 
     Parameters
     ----------

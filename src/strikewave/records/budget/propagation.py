@@ -136,6 +136,8 @@ class Simulated(NamedTuple):
 def law_of_propagation(model: Model, inputs: Sequence[InputQuantity]) -> Propagated:
     """Return estimate and contributions by the law of propagation of uncertainty.
 
+    Theory: :eq:`uncertainty-propagation`.
+
     Parameters
     ----------
     model : callable

@@ -131,6 +131,7 @@ def estimate(place: Array, residuals: Array, jacobian: Array, blocks: Sequence[R
     """Return what the data say of a place; directions without information are left out of the covariance.
 
     The interval of a coordinate is the widest of those by noise, by what is left, and by shots, each with Student's t.
+    Theory: :eq:`fit-covariance`.
     """
     values, vectors = np.linalg.eigh(jacobian.T @ jacobian)
     known = vectors[:, values > RANK * max(float(values[-1]), np.finfo(float).tiny)]
