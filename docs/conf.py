@@ -8,6 +8,7 @@ import sys
 from pathlib import Path
 
 import strikewave
+from strikewave.cli.examples import EXAMPLES as PACKAGED
 from strikewave.cli.examples import copy_examples
 
 HERE = Path(__file__).parent
@@ -17,6 +18,8 @@ EXAMPLES = HERE / "examples"
 
 shutil.rmtree(EXAMPLES, ignore_errors=True)
 copy_examples(EXAMPLES)
+for notebook in EXAMPLES.glob("notebooks/*.ipynb"):  # as old as the package's, so that the next builder runs none again
+    shutil.copystat(PACKAGED / "notebooks" / notebook.name, notebook)
 
 project = "strikewave"
 author = "The strikewave founders"

@@ -33,7 +33,7 @@ def visit_block(writer: Any, node: nodes.Element) -> None:
         writer.body.append(f'<span class="eqno">({number})')
         writer.add_permalink_ref(node, "Link to this equation")
         writer.body.append("</span>")
-    writer.body.append(mathml(node.astext(), "block") + "</div>")
+    writer.body.append(f'<div class="equation">{mathml(node.astext(), "block")}</div></div>')
     raise nodes.SkipNode
 
 

@@ -238,13 +238,14 @@ PARTS = {"impacts": impacts, "waves": waves, "spectra": spectra, "launches": lau
 
 
 def main() -> None:
-    """Compute all of them and keep them; a part alone is printed."""
+    """Compute all of them, print and keep them."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--only", choices=PARTS, action="append", help="print a part; may be repeated")
+    parser.add_argument("--only", choices=PARTS, action="append", help="a part, printed and not kept; may be repeated")
     only = parser.parse_args().only
-    rows = [row for name in only or PARTS for row in PARTS[name]()]
-    for row in rows if only else ():
-        print(f"{row.what}, {row.quantity}: {row.reference} {row.computed} {row.miss:.2e}")
+    rows = []
+    for row in (row for name in only or PARTS for row in PARTS[name]()):
+        rows.append(row)
+        print(f"{row.what}, {row.quantity}: {row.reference} {row.computed} {row.miss:.2e}", flush=True)
     if not only:
         keep("closed forms", rows)
 

@@ -6,22 +6,26 @@ writes gaskets.csv, joints.csv and both pictures into FOLDER (out/validate), and
 """
 
 import csv
+import os
 import sys
 from dataclasses import astuple, fields
 from pathlib import Path
 
 from strikewave.papers.li_ma_2019 import gaskets, joints
+from strikewave.papers.li_ma_2019.execution import executing
 from strikewave.papers.li_ma_2019.map_figures import gasket_figure, joint_figure
 from strikewave.papers.li_ma_2019.published import published_number
 from strikewave.papers.li_ma_2019.report.tables import span_text
 from strikewave.papers.li_ma_2019.unknowns import Unknowns
+from strikewave.studies.engine.pools import ProcessPool
 
 
 def main() -> None:
     """Run both maps and write them."""
     folder = Path(sys.argv[1] if len(sys.argv) > 1 else "out/validate")
     folder.mkdir(parents=True, exist_ok=True)
-    unknowns = Unknowns(gaskets.gasket_study(gaskets.FINE), joints.joint_study(joints.FINE))
+    with executing(pool=ProcessPool(os.cpu_count() or 1)) as execution:
+        unknowns = Unknowns(gaskets.gasket_study(execution, gaskets.FINE), joints.joint_study(execution, joints.FINE))
     heads = [field.name for field in fields(gaskets.GasketCell)]
     _write(folder / "gaskets.csv", heads, [astuple(cell) for cell in unknowns.gaskets.cells])
     heads = ["preload", "stiffness", *(field.name for field in fields(joints.FixtureBlow))]

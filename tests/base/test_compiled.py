@@ -10,6 +10,7 @@ import sys
 import pytest
 
 from strikewave.base import compiled
+from strikewave.base.errors import InputError
 from strikewave.base.kernel_files import own_folder
 
 
@@ -22,6 +23,12 @@ def test_cold_without_a_kernel_of_that_name(tmp_path, monkeypatch):
     assert not compiled.is_cold()
     assert not compiled.is_cold("advance")
     assert compiled.is_cold("run_train")
+
+
+def test_a_compiler_that_is_switched_off_is_refused(monkeypatch):
+    monkeypatch.setattr(compiled.numba.config, "DISABLE_JIT", 1)
+    with pytest.raises(InputError, match=r"^NUMBA_DISABLE_JIT: got 1; allowed: 0, or unset"):
+        compiled.leaf_kernel(lambda x: x)
 
 
 @pytest.mark.verify

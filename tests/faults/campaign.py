@@ -45,6 +45,7 @@ COMMANDS: dict[str, tuple[str, ...]] = {
     "deck": ("deck", "two-bars-fem"),
     "sweep": ("sweep", "jesd22-b111-b", "--vary", "machine.height=0.2..0.3 m:2", "--workers", "2"),
     "map": ("map", "li-ma-2019", "--points", "2x2", "--workers", "2", "--train", "0", "--set", "feed.blows=2"),
+    "settings": ("settings", "--spec", "jesd22-b110:A", "--programmer", "linear"),
 }
 """A command of each kind that writes a folder, without its --out."""
 PAGE, TABLE = Path(__file__).parents[2] / "docs/faults.md", "what was tried"

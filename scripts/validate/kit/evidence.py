@@ -10,6 +10,7 @@ from __future__ import annotations
 import dataclasses
 import datetime
 import json
+import statistics
 from collections.abc import Iterable, Sequence
 from typing import Any, Literal
 
@@ -115,9 +116,14 @@ def keep(study: str, rows: Sequence[Comparison], from_page: bool = False) -> Non
     own[study] = {**entry, "rows": [_row(one) for one in rows]}
     record[__version__] = {name: own[name] for name in STUDIES if name in own}
     RECORD.write_text(json.dumps(record, indent=1, ensure_ascii=False) + "\n", "utf-8")
+    write_pages(record)
+    print(f"{study}: {len(rows)} comparisons kept in {RECORD.relative_to(ROOT)}", flush=True)
+
+
+def write_pages(record: Record) -> None:
+    """Write the page, and the summary into the README."""
     PAGE.write_text(page(record), "utf-8")
     README.write_text(written(README.read_text("utf-8"), "how well it is known", totals(latest(record))), "utf-8")
-    print(f"{study}: {len(rows)} comparisons kept in {RECORD.relative_to(ROOT)}", flush=True)
 
 
 def _row(one: Comparison) -> dict[str, Any]:
@@ -165,7 +171,7 @@ def percents(share: float) -> str:
     """Return a miss in percent, with as many digits as it has."""
     if share == 0.0:
         return "0"
-    return f"{100.0 * share:+.1f} %" if abs(share) >= 5e-4 else f"{100.0 * share:+.0e} %"
+    return f"{100.0 * share:+.1f} %" if abs(share) >= 5e-4 else f"{100.0 * share:+.1g} %"
 
 
 def number(value: float | None) -> str:
@@ -179,7 +185,7 @@ def totals(studies: Iterable[Kept]) -> str:
     for one in studies:
         misses = sorted(abs(row.miss or 0.0) for row in one.predicted)
         held = [row.held for row in one.rows if row.held is not None and row.role == "predicted"]
-        median = f"{100.0 * misses[len(misses) // 2]:.2g} %" if misses else "–"
+        median = f"{100.0 * statistics.median(misses):.2g} %" if misses else "–"
         largest = f"{100.0 * misses[-1]:.2g} %" if misses else "–"
         bands = f"{sum(held)} of {len(held)}" if held else "–"
         counts = [sum(row.role == role for row in one.rows) for role in ("fitted", "shown")]
@@ -205,7 +211,7 @@ def line(one: Comparison, notes: Sequence[str]) -> list[str]:
     band = "–" if one.band is None else f"{one.band[0]:.4g} to {one.band[1]:.4g}"
     held = {True: "yes", False: "no", None: "–"}[one.held]
     miss = "–" if one.miss is None else percents(one.miss)
-    unit = f" ({one.unit})" if one.unit else ""
+    unit = f" ({one.unit})" if one.unit not in ("", "1") else ""
     quantity = f"{one.quantity}{unit}"
     note = f"{notes.index(one.note) + 1}" if one.note else ""
     numbers = [number(one.reference), number(one.computed), miss, band, held, note]

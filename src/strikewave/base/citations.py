@@ -256,6 +256,18 @@ SOURCES: dict[str, str] = {
         "K. Deb, An efficient constraint handling method for genetic algorithms, Computer Methods in Applied Mechanics "
         "and Engineering 186 (2000) 311-338, doi:10.1016/S0045-7825(99)00389-8 (from memory)"
     ),
+    "sacks-1989": (
+        "J. Sacks, W. J. Welch, T. J. Mitchell, H. P. Wynn, Design and Analysis of Computer Experiments, Statistical "
+        "Science 4 (1989) 409-423, doi:10.1214/ss/1177012413 (from memory)"
+    ),
+    "dubrule-1983": (
+        "O. Dubrule, Cross Validation of Kriging in a Unique Neighborhood, Mathematical Geology 15 (1983) 687-699, "
+        "doi:10.1007/BF01033232 (from memory)"
+    ),
+    "jones-1998": (
+        "D. R. Jones, M. Schonlau, W. J. Welch, Efficient Global Optimization of Expensive Black-Box Functions, "
+        "Journal of Global Optimization 13 (1998) 455-492, doi:10.1023/A:1008306431147 (from memory)"
+    ),
     "chinneck-dravnieks-1991": (
         "J. W. Chinneck, E. W. Dravnieks, Locating Minimal Infeasible Constraint Sets in Linear Programs, ORSA Journal "
         "on Computing 3 (1991) 157-168, doi:10.1287/ijoc.3.2.157 (from memory)"

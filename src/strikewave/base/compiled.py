@@ -26,7 +26,7 @@ from numba.core.compiler import Compiler, compile_result
 from numba.core.registry import CPUDispatcher
 from numba.core.runtime import _nrt_python  # type: ignore[attr-defined]
 
-from strikewave.base.errors import StrikewaveWarning
+from strikewave.base.errors import InputError, StrikewaveWarning
 from strikewave.base.kernel_files import KernelFiles, own_folder, report_unkept
 
 F = TypeVar("F", bound=Callable[..., Any])
@@ -352,8 +352,12 @@ def _part(function: F, options: dict[str, Any]) -> F:
 
 
 def _compiled(function: F, options: dict[str, Any], cache: type[_KernelCache] = _KernelCache) -> F:
-    folder = cache_folder()
     settings: Any = numba.config
+    if settings.DISABLE_JIT:  # a system's functions are found by its type, which only the compiler does
+        raise InputError(
+            "NUMBA_DISABLE_JIT", settings.DISABLE_JIT, "0, or unset: kernels run only where they are compiled"
+        )
+    folder = cache_folder()
     before = settings.CACHE_DIR, settings.CACHE_LOCATOR_CLASSES
     compiled: Any
     try:

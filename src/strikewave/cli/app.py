@@ -123,6 +123,10 @@ def _run() -> int:
     except BrokenPipeError:
         _drop_output()
         return 0
+    except SystemExit as end:
+        if not isinstance(end.__context__, BrokenPipeError):
+            raise
+        return 0  # typer and rich take a reader that has left, such as head, for a failure
     except MemoryError:
         less = "a smaller recorder.memory, a larger solver.output_step or step, or fewer taps take less"
         complain(f"out of memory: {less}")

@@ -11,10 +11,10 @@ checked against each other, p* the closest point of the face, n its normal there
     1/m* = 1/m_node + max(1/(mu A), sum N_i^2/m_i),
 
 A the node's share of the area of its surface, mu the mass of the face's nodes per area, N_i the shape functions at p*.
-The mass of a node is m/(1 - |H n|^2) where boundaries hold it along directions H: what counts is how easily it moves
-along n (for friction: along the sliding, where that is easier). They hold it before contact is found, so that f holds
-their forces, and take afterwards what contact presses onto them. The nodes of a rigid part share the mass of the body:
-`strikewave.fem.rigid.surface_inverse_mass`. Tied nodes count by their own mass.
+The mass of a node is ``m/(1 - |H n|^2)`` where boundaries hold it along directions H: what counts is how easily it
+moves along n (for friction: along the sliding, where that is easier). They hold it before contact is found, so that f
+holds their forces, and take afterwards what contact presses onto them. The nodes of a rigid part share the mass of the
+body: `strikewave.fem.rigid.surface_inverse_mass`. Tied nodes count by their own mass.
 
 The node pushes the corners of the face back by N_i F: the sum of the forces is zero, and as F runs along x* - p* their
 moment is too, within F dt times the velocity that they have beside each other.
@@ -24,9 +24,9 @@ their meshes are: with s = 1 this is contact as a kinematic constraint. Because 
 force is a spring and a damper in one, and takes energy when surfaces meet: their nodes' share of it, which goes to zero
 with the size of the elements. Held by a steady force F the surfaces overlap by (1 - s)/s F dt^2/m*.
 
-Friction is Coulomb's: the force s w m*/dt |v_t*| that would stop the predicted sliding within the step, at most mu F,
-against the sliding. It remembers nothing and can only take energy; what sticks creeps (1 - s)/s dt T/m* a second under
-a steady force T.
+Friction is Coulomb's: the force ``s w m*/dt |v_t*|`` that would stop the predicted sliding within the step, at most mu
+F, against the sliding. It remembers nothing and can only take energy; what sticks creeps (1 - s)/s dt T/m* a second
+under a steady force T.
 
 A node meets one face only, the closest. Behind a valley between two faces it is pressed towards the edge; beyond the
 rim of a surface its force fades away between 1/40 and 1/20 of the size of the face. Nodes deeper than half the element
@@ -55,6 +55,7 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Sequence
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 
 import numpy as np
@@ -66,6 +67,7 @@ from strikewave.fem._contact_kernels import ContactState, NodeContacts, NodeTouc
 from strikewave.fem.mesh import Array, Index, Mesh
 from strikewave.fem.model import STIFFNESS, RigidWall, SurfaceContact
 from strikewave.fem.surfaces import extents, have_common, neighbours, surface_of, thickness
+from strikewave.fem.threads import on_all, spans
 
 SHALLOW = 0.1
 """Share of a face's size by which surfaces may overlap before the blow: what a circle of 8 edges cuts off."""
@@ -81,7 +83,9 @@ rounding."""
 _REACH = 0.25
 """Share of a face's size within which nodes are candidates in a run; a node that is deeper keeps the face it has."""
 
-add_contact = kernels.add_contact
+NODES = 500
+"""Nodes whose contact a thread finds at least: fewer take less time than handing the work to a thread."""
+
 add_wall = kernels.add_wall
 contact_force = kernels.contact_force
 contact_work = kernels.contact_work
@@ -254,6 +258,35 @@ def searched(state: ContactState, points: Array, reach: float = _REACH) -> Conta
     return state._replace(start=start, candidates=candidates)
 
 
+def add_contact(
+    state: ContactState,
+    x: Array,
+    v: Array,
+    f: Array,
+    inverse_mass: Array,
+    dt: float,
+    kick: float = 0.0,
+    pool: ThreadPoolExecutor | None = None,
+    threads: int = 1,
+) -> bool:
+    """Add the contact's forces to the nodal forces f; return whether the faces must be searched before the next step.
+
+    x is at t_n, v at t_(n-1/2), f holds every other force at t_n, inverse_mass (nodes,) is 0 where nodes move as if
+    nothing touched them. The forces act on v for the time ``kick``, which is dt (0: the same) but where the step
+    changes; then x moves for dt. The number of threads changes no bit: each node's force is found by itself, and those
+    on either surface are summed by one thread.
+    """
+    count, split = len(state.touch.nodes), state.touch.first
+    shares = spans(count, threads, NODES)
+    step = kernels.Step(dt, kick if kick > 0.0 else dt, 0.0, 1.0)
+    on_all(pool, kernels.predict_positions, [(state, x, v, f, inverse_mass, step, *span) for span in shares])
+    step = kernels.begin_step(state, step)
+    on_all(pool, kernels.press_nodes, [(state, step, *span) for span in shares])
+    sides = ((0, split), (split, count))
+    on_all(pool if len(shares) > 1 else None, kernels.scatter_forces, [(state, f, *side) for side in sides])
+    return bool(state.travel[0] + 2.0 * step.travel > state.margin)
+
+
 def prepare_wall(
     wall: RigidWall, mesh: Mesh, unchecked: Sequence[int] | Index = (), points: Array | None = None
 ) -> WallState:
@@ -322,7 +355,7 @@ def _gaps_now(state: ContactState, points: Array) -> Array:
     """Return by how far each node is inside a face as it lies, as a gap: zero or negative."""
     state.nodal.offset[:] = -np.inf
     still, forces, fixed = np.zeros_like(points), np.zeros_like(points), np.zeros(len(points))
-    kernels.add_contact(state, points, still, forces, fixed, 1.0)
+    add_contact(state, points, still, forces, fixed, 1.0)
     return np.where(np.isfinite(state.nodal.offset), state.nodal.offset, 0.0)
 
 

@@ -41,7 +41,7 @@ TINY = 1e-300
 
 
 def stress_difference(beta: ArrayLike, transit: ArrayLike) -> Array:
-    """Return |alpha| during the k-th transit after a step: (k - 1) t0 < t < k t0.
+    """Return the magnitude of alpha during the k-th transit after a step: (k - 1) t0 < t < k t0.
 
         alpha_k = 2 beta (1 - beta)^(k-1) / [(1 + beta)^k - (1 - beta)^(k-1)]
 

@@ -327,6 +327,50 @@ KeptRuns = Annotated[
     ),
 ]
 Fresh = Annotated[bool, typer.Option("--fresh", help="Run the finished runs of a stopped study again.")]
+
+
+@dataclass(frozen=True)
+class Shared:
+    """Who makes the runs of a study.
+
+    Attributes
+    ----------
+    workers : int or None
+        Processes; None for threads of this one.
+    cluster : str or None
+        Address of a scheduler that shares the runs among machines.
+    """
+
+    workers: Annotated[
+        int | None,
+        typer.Option(
+            "--workers",
+            metavar="COUNT",
+            min=1,
+            max=256,
+            help="Processes, one a core at most; threads of one process by default.",
+            show_default=False,
+        ),
+    ] = None
+    cluster: Cluster = None
+
+
+@dataclass(frozen=True)
+class Running(Shared):
+    """Who makes the runs of a study, and where finished ones are kept.
+
+    Attributes
+    ----------
+    store : Path or None
+        Folder that keeps finished runs; None for one beside the result, till that is written.
+    fresh : bool
+        Whether finished runs of a stopped study are made again.
+    """
+
+    store: KeptRuns = None
+    fresh: Fresh = False
+
+
 WithBand = Annotated[
     bool,
     typer.Option(

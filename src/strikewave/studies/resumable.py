@@ -9,6 +9,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import ClassVar, NoReturn, TypeVar
 
+from strikewave.base.errors import StrikewaveError
 from strikewave.base.interrupts import exit_code
 from strikewave.base.result import Result
 from strikewave.reporting.run_and_write import Command
@@ -47,8 +48,9 @@ class ResumableCommand(Command[Study]):
         with self.store:
             try:
                 yield
-            except BaseException:
-                if self.place is None and not self.store.known():  # nothing to go on with
+            except BaseException as error:
+                refused = isinstance(error, StrikewaveError) and self.store.fruitless  # as nothing can be run
+                if self.place is None and (self.store.empty or refused):
                     self.store.remove()
                 raise
             if self.place is None:
@@ -69,6 +71,11 @@ class ResumableCommand(Command[Study]):
         kept = f"{finished} are kept in {store.folder}: the same command goes on there"
         say("stopped; " + (kept if finished and self.store is not None else "nothing was written"))
         raise SystemExit(exit_code(stop)) from None
+
+    def stopped_after(self, stop: KeyboardInterrupt, store: RunStore, what: str = "runs") -> NoReturn:
+        """Say how many runs of a stopped study are kept, and exit."""
+        count = len(store.known())
+        self.stopped(stop, store, "" if store.empty else f"{count} {what}" if count else "states of runs")
 
     def _opened(self, folder: Path | None) -> RunStore:
         return RunStore(folder, self.fresh, option="--out" if self.place is None else "--store")

@@ -12,6 +12,7 @@ from strikewave.cases.case import load_case
 from strikewave.fem.measures import balance_measure
 from strikewave.fem.model import NonReflecting
 from strikewave.papers.li_ma_2019.assumed import FRAME, answer, changed, dimensions, mesh_rows, seats, studied
+from strikewave.papers.li_ma_2019.execution import executing
 from strikewave.papers.li_ma_2019.runs import coarser
 
 RIGID, WAVE = "li-ma-2019-fem-rigid", "li-ma-2019-fem-wave"
@@ -147,7 +148,8 @@ def test_the_model_builds_with_no_face_reflecting_but_those_named():
 
 @pytest.mark.verify
 def test_rigid_model_meets_what_it_was_fitted_to_and_converges():
-    rows = mesh_rows(RIGID, 2)
+    with executing(threads=2) as execution:
+        rows = mesh_rows(RIGID, execution)
     finest = rows[-1].answer
     # speed and width of the frame are given to 1 mm/s and 0.5 mm
     assert math.isclose(finest.body_peak / STANDARD_GRAVITY, 4151.25, rel_tol=2e-3)
@@ -165,7 +167,8 @@ def test_rigid_model_meets_what_it_was_fitted_to_and_converges():
 
 @pytest.mark.verify
 def test_wave_model_converges():
-    rows = mesh_rows(WAVE, 2)
+    with executing(threads=2) as execution:
+        rows = mesh_rows(WAVE, execution)
     peaks = np.array([row.answer.body_peak for row in rows])
     assert abs(peaks[0] / peaks[-1] - 1.0) < 0.1
     assert abs(peaks[1] / peaks[-1] - 1.0) < 0.06

@@ -198,8 +198,8 @@ def test_simulated_numbers_are_answered_by_the_papers_own_faces_first(struck):
 
 
 def test_the_specimen_is_judged_by_the_model_with_the_papers_faces(struck, monkeypatch):
-    monkeypatch.setattr(whole_run, "run_all", lambda effort, report: struck.runs)
-    monkeypatch.setattr(whole_run, "run_unknowns", lambda coarse, report: struck.unknowns)
+    monkeypatch.setattr(whole_run, "run_all", lambda effort, execution: struck.runs)
+    monkeypatch.setattr(whole_run, "run_unknowns", lambda coarse, execution: struck.unknowns)
     found = reproduce(Effort(quick=True)).findings
     text = next(row.found for row in found if row.topic.startswith("mean acceleration of the specimen"))
     peaks = {name: element_numbers(struck.runs.element_solution(name)).mean_peak for name in ELEMENT_CASES[2:]}

@@ -16,6 +16,7 @@ from strikewave.papers.li_ma_2019.assumed import (
     changed,
     mesh_rows,
 )
+from strikewave.papers.li_ma_2019.execution import executing
 from strikewave.papers.li_ma_2019.further import STAGES
 from strikewave.papers.li_ma_2019.report.studies import blow_table, dimension_table, mesh_table
 from strikewave.papers.li_ma_2019.result import dimension_document, mesh_document
@@ -54,8 +55,9 @@ def test_documents_are_plain_json():
 @pytest.mark.verify
 def test_meshes_report_their_progress_and_grow_finer():
     seen = []
-    rows = mesh_rows("li-ma-2019-fem-rigid", 2, (4.0, 3.0), lambda share, words: seen.append((share, words)))
-    assert [share for share, _ in seen] == [0.0, 0.5]
+    with executing(threads=2, report=lambda share, words: seen.append((share, words))) as execution:
+        rows = mesh_rows("li-ma-2019-fem-rigid", execution, (4.0, 3.0))
+    assert [share for share, _ in seen] == [0.0, 0.5, 1.0]
     assert rows[0].elements < rows[1].elements
     assert rows[0].steps < rows[1].steps
     assert dataclasses.astuple(rows[0])[0] == 4.0

@@ -16,6 +16,7 @@ from strikewave.base.constants import STANDARD_GRAVITY
 from strikewave.cases.case import dump_case, parse_case
 from strikewave.papers.li_ma_2019 import gaskets, joints
 from strikewave.papers.li_ma_2019.answers import number_rows
+from strikewave.papers.li_ma_2019.execution import executing
 from strikewave.papers.li_ma_2019.machine_findings import (
     costly_rate,
     lost_between_samples,
@@ -105,10 +106,11 @@ def test_the_range_over_joints_holds_direct_runs_of_its_ends(result):
 
 def test_joints_that_hold_read_the_same_whatever_presses_them(result):
     """A joint that never opens is a spring, or nothing: preload cannot matter."""
-    more = joints.fixture_blow(joints.joint_changes(40e3, 2e9))
-    less = joints.fixture_blow(joints.joint_changes(20e3, 2e9))
+    more = joints.fixture_blow(joints.with_joints(joints.joint_changes(40e3, 2e9)))
+    less = joints.fixture_blow(joints.with_joints(joints.joint_changes(20e3, 2e9)))
     assert more == less
-    assert joints.fixture_blow(joints.joint_changes(20e3, joints.RIGID)) == result.unknowns.joints.assumed
+    rigid = joints.with_joints(joints.joint_changes(20e3, joints.RIGID))
+    assert joints.fixture_blow(rigid) == result.unknowns.joints.assumed
 
 
 def test_the_rigid_pulse_knows_nothing_of_chatter(result):
@@ -219,7 +221,8 @@ def documented(first):
 @pytest.mark.verify
 def test_the_documented_map_over_joints_is_that_of_the_runs():
     """Joints that hold: to the last digit. Those that chatter are irregular: another processor rounds otherwise."""
-    study = joints.joint_study(joints.USUAL._replace(trains=()))
+    with executing() as execution:
+        study = joints.joint_study(execution, joints.USUAL._replace(trains=()))
     heads, rows = documented("Preload of each joint")
     cells = iter(study.cells)
     for row in rows.values():

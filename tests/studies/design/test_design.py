@@ -18,7 +18,7 @@ from strikewave.studies.design.goals import Goal, Objective, read_aim
 from strikewave.studies.design.plan import plan_of
 from strikewave.studies.design.question import design
 from strikewave.studies.design.report import design_report
-from strikewave.studies.design.search import DesignRuns, margin_merit
+from strikewave.studies.design.runs import DesignRuns, margin_merit
 from strikewave.studies.engine.pools import ProcessPool
 from strikewave.studies.engine.store import RunStore
 from strikewave.studies.sweep.question import sweep
@@ -91,6 +91,18 @@ def test_a_goal_that_cannot_be_reached_alone_says_what_it_comes_to():
     assert [goal.typed for goal in study.conflict.goals] == ["approach_speed > 8 m/s"]
     assert study.conflict.reaches[0].value == pytest.approx(math.sqrt(2.0 * G * 2.0), rel=1e-3)
     assert "cannot be reached alone" in study.notices[0].message
+
+
+@pytest.mark.parametrize("goal", ["3.0 m/s +- 0.6 %", "2.8 m/s +- 0.6 %", "3.8 m/s +- 1 %"])
+def test_what_any_run_meets_is_no_goal_that_cannot_be_reached(goal):
+    """All runs of the search miss the narrow band; one that says why, or tells the slope of the nearest, meets it."""
+    study = design(BALL, HEIGHT, [f"approach_speed = {goal}"], analysis="impact", runs=16)
+    assert np.all(study.margins[:16] < 0.0)
+    assert study.met > 0
+    assert study.best is not None
+    assert study.best.margin == np.nanmax(study.margins[: study.best.run + 1])
+    assert study.conflict is None
+    assert not study.notices
 
 
 def test_a_goal_on_a_number_that_no_run_has_says_so():

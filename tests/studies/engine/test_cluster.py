@@ -14,7 +14,7 @@ import pytest
 
 from strikewave import load_case
 from strikewave.base.errors import InputError
-from strikewave.studies.engine import cluster, store
+from strikewave.studies.engine import cluster, keys
 from strikewave.studies.engine.cluster import ClusterPool, OfThisVersion
 from strikewave.studies.engine.evaluation import Job
 from strikewave.studies.engine.plan import grid, varied
@@ -25,6 +25,7 @@ from strikewave.studies.sweep.question import sweep
 
 CASE = load_case("li-ma-2019", ["feed.blows=1"])
 EVALUATIONS = """
+import os, signal
 from dataclasses import dataclass
 from strikewave.studies.engine.evaluation import RunOutcome
 
@@ -34,8 +35,15 @@ class Speed:
 
     def __call__(self, case):
         return RunOutcome((case.machine.speed.si,))
+
+@dataclass(frozen=True)
+class Deadly(Speed):
+    def __call__(self, case):
+        if case.machine.speed.si > 89.0:
+            os.kill(os.getpid(), signal.SIGKILL)
+        return super().__call__(case)
 """
-"""A number that is known, by a module that the workers can import."""
+"""A number that is known, by a module that the workers can import; and one that no process survives at the highest."""
 
 
 class Cluster:
@@ -66,8 +74,10 @@ class Cluster:
         self.processes.append(process)
         return process
 
-    def worker(self):
-        return self.start("worker", "--nthreads", "1", "--no-nanny", "--local-directory", self.folder)
+    def worker(self, watched=False):
+        """Start a worker; one that is watched is started again where it ends."""
+        nanny = "--nanny" if watched else "--no-nanny"
+        return self.start("worker", "--nthreads", "1", nanny, "--local-directory", self.folder)
 
     def end(self):
         for process in self.processes:
@@ -85,8 +95,8 @@ def of_two(tmp_path, monkeypatch):
     made.end()
 
 
-def speeds(count):
-    speed = importlib.import_module("speed_evaluations").Speed()
+def speeds(count, evaluation="Speed"):
+    speed = getattr(importlib.import_module("speed_evaluations"), evaluation)()
     variable = read_variable(CASE, f"machine.speed=40..90 rad/s:{count}")
     return Job(varied(CASE, [variable], "test"), speed), grid([variable])
 
@@ -109,6 +119,25 @@ def test_ten_thousand_runs_of_which_a_worker_is_killed_are_each_there_once(of_tw
     assert first.poll() is not None
     assert not any(failures)
     np.testing.assert_array_equal(numbers, rows)
+
+
+@pytest.mark.verify
+def test_a_run_that_ends_every_worker_is_a_row_with_the_reason(tmp_path, monkeypatch, request):
+    """The scheduler gives a batch up with the first worker that ends with it (`KilledWorker`); others go on."""
+    (tmp_path / "speed_evaluations.py").write_text(EVALUATIONS)
+    monkeypatch.syspath_prepend(tmp_path)
+    monkeypatch.setattr(cluster, "CONNECT_SECONDS", 120.0)
+    monkeypatch.setenv("DASK_DISTRIBUTED__SCHEDULER__ALLOWED_FAILURES", "0")
+    made = Cluster(tmp_path)
+    request.addfinalizer(made.end)
+    made.worker(watched=True)
+    job, rows = speeds(6, "Deadly")
+    with RunStore(None) as kept, ClusterPool(made.address) as pool:
+        found = carry_out(job, rows, kept, pool)
+        numbers, failures, _ = kept.table(("speed",), found.keys)
+    np.testing.assert_array_equal(numbers[:-1], rows[:-1])
+    assert failures[:-1] == [""] * 5
+    assert failures[-1].startswith("its process ended 3 times before it did")
 
 
 @pytest.mark.verify
@@ -141,11 +170,11 @@ def test_a_sweep_has_the_bits_of_this_process_and_another_version_is_refused(of_
     given = sweep(words[0], words[1], keep=words[2], analysis="fast", cluster=of_two.address)
     own = sweep(words[0], words[1], keep=words[2], analysis="fast")
     assert np.array_equal(given.numbers, own.numbers)
-    store.program_key.cache_clear()
-    monkeypatch.setattr(store, "__version__", "9.9.9")
+    keys.program_key.cache_clear()
+    monkeypatch.setattr(keys, "__version__", "9.9.9")
     with pytest.raises(InputError, match=r"--cluster: .* workers with this strikewave: tcp://.* not 9\.9\.9"):
         ClusterPool(of_two.address)
-    store.program_key.cache_clear()
+    keys.program_key.cache_clear()
 
 
 def test_a_worker_that_joins_late_with_another_version_runs_nothing():

@@ -14,13 +14,15 @@ from hypothesis import strategies as st
 from strikewave import load_case
 from strikewave.base.errors import InputError, StrikewaveError
 from strikewave.cases.case import bundled_cases
+from strikewave.studies.engine import keys
 from strikewave.studies.engine import store as stores
 from strikewave.studies.engine.case_evaluation import CaseEvaluation, read_kept
 from strikewave.studies.engine.evaluation import Job, KeptHistory, RunOutcome
+from strikewave.studies.engine.keys import run_key
 from strikewave.studies.engine.plan import DrawVariation, drawn_rows, filled, grid, sobol_sequence, varied
 from strikewave.studies.engine.pools import GivenPool, Loss, ProcessPool
 from strikewave.studies.engine.runner import MOST_DEATHS, carry_out
-from strikewave.studies.engine.store import APPLICATION, INDEX, RunStore, run_key
+from strikewave.studies.engine.store import APPLICATION, INDEX, RunStore
 from strikewave.studies.engine.variables import read_variable
 from strikewave.uncertainty.draws import tolerances_of
 
@@ -283,7 +285,7 @@ def test_the_key_holds_case_evaluation_version_and_files(monkeypatch, tmp_path):
     with_file = run_key(bar, one)
     record.write_text("t [s],F [N]\n0,0\n1e-5,11\n2e-5,00\n")
     assert run_key(bar, one) != with_file
-    monkeypatch.setattr(stores, "program_key", lambda: "another version")
+    monkeypatch.setattr(keys, "program_key", lambda: "another version")
     assert run_key(CASE, one) != key
 
 
@@ -480,3 +482,9 @@ def test_unknown_numbers_and_histories_are_refused():
     bar = load_case("li-ma-2019-fig13-bar")
     with pytest.raises(InputError, match="only a machine"):
         read_kept(bar, "wave", ["blows"])
+
+
+@pytest.mark.parametrize("given", ["400:900 rpm", "400rpm:900rpm", "400:50:900 rpm"])
+def test_a_range_as_other_tools_write_it_is_refused_with_the_one_that_is_meant(given):
+    with pytest.raises(InputError, match=r'such as "machine\.speed=400(rpm)?\.\.900 ?rpm:11"'):
+        read_variable(CASE, f"machine.speed={given}")

@@ -534,3 +534,17 @@ def test_a_record_is_fitted_by_what_a_sensor_reads_whose_zero_is_taken_before_th
     history = Simulation(load_case(name)).history("rigid").history
     before = history.values[history.time <= 0.0]
     assert np.abs(before).max() < 0.02 * 9.80665  # the carriage brakes within the 50 us before touch
+
+
+def test_an_executor_changes_no_bit_of_a_fit(pickling):
+    """All that it runs besides the steps of the search is sent as processes are sent it."""
+    case = load_case("jesd22-b111-b", ["contact.reference_force=700 kN"])
+    words = case, ["first.rigid_peak=1500 g +- 1 %", "first.width=1 ms +- 5 %"], ["contact.reference_force"]
+    (own,), (shared,) = (fit(*words, executor=one).parameters for one in (None, pickling))
+    assert pickling.asked > 2
+    assert (own.value, own.standard_error, own.low, own.high) == (
+        shared.value,
+        shared.standard_error,
+        shared.low,
+        shared.high,
+    )

@@ -14,6 +14,8 @@ from strikewave.cases.case import load_case
 from strikewave.contact import Contact, solve_impact
 from strikewave.signal.pulse import measure_pulse
 from strikewave.specifications.reading import load_specification
+from strikewave.studies.engine.pools import GivenPool
+from strikewave.studies.engine.store import RunStore
 from strikewave.studies.settings.drop_table.programmers import power_estimate, read_programmer
 from strikewave.studies.settings.drop_table.search import DropDesign, DropGoal, drop_candidate
 from strikewave.studies.settings.drop_table.study import DropChoices, design_drop_table
@@ -30,6 +32,16 @@ def goal_of(asked, stroke=2.0):
 def design(asked, programmer, diameters=(), stroke=2.0, masses=()):
     choice = DropChoices((read_programmer(programmer),), diameters, masses)
     return design_drop_table(load_case("jesd22-b111-b"), goal_of(asked, stroke), choice)
+
+
+def test_a_design_goes_on_with_the_searches_that_a_store_has(unasked, pickling):
+    choice = DropChoices((read_programmer("linear"), read_programmer(FELT)), (0.1,))
+    words = load_case("jesd22-b111-b"), goal_of("jesd22-b110:A"), choice
+    with RunStore(None) as store:
+        first = design_drop_table(*words, store, GivenPool(pickling))
+        again = design_drop_table(*words, store, unasked)
+    assert first.document_text() == again.document_text()
+    assert [one.departure for one in first.candidates] == [one.departure for one in again.candidates]
 
 
 def test_a_linear_programmer_has_the_closed_form_of_a_half_sine():
@@ -134,7 +146,7 @@ def test_a_velocity_change_beyond_the_fall_is_refused_with_the_height_that_it_ne
     assert study.best is not None
     goal = goal_of("jesd22-b110:B", 0.3)
     lossy = DropDesign(load_case("jesd22-b111-b"), goal, read_programmer("linear, restitution=0.5"), None, None, "")
-    assert "needs a drop of" in drop_candidate(lossy).obstacles
+    assert "needs a drop of" in drop_candidate(lossy, lossy.answer()).obstacles
 
 
 def test_a_spring_that_loses_energy_asks_for_the_height_of_its_velocity_change():

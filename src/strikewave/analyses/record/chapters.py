@@ -242,10 +242,10 @@ def _words(harmed: Sequence[str]) -> str:
 
 def same_channel(files: Sequence[FileReading], campaign: Campaign) -> list[tuple[str, ChannelReading]]:
     """Return the readings of a campaign's channel: those with the place that the channel has in the first file."""
-    rows = [(file.path, file, reading) for file, reading in rows_of(files)]
-    number_ = next((reading.number for _, _, reading in rows if reading.channel.name == campaign.channel), 0)
-    sound = [(path, reading) for path, file, reading in rows if worst(file.findings) != "bad"]
-    return [(path, reading) for path, reading in sound if reading.number == number_]
+    readings = (reading for file in files for reading in file.channels)
+    number_ = next((reading.number for reading in readings if reading.channel.name == campaign.channel), 0)
+    sound = [file for file in files if worst(file.findings) != "bad"]
+    return [(file.path, reading) for file in sound for reading in file.channels if reading.number == number_]
 
 
 def filter_section(files: Sequence[FileReading], names: Names, filter_: Filter | None) -> Section:

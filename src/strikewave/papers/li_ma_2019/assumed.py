@@ -7,7 +7,7 @@ leaves more room for what stands in its opening.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import NamedTuple
 
@@ -17,9 +17,9 @@ from strikewave.base.percents import percent
 from strikewave.cases.case import Case, load_case
 from strikewave.fem.measures import balance_measure
 from strikewave.papers.li_ma_2019.element_pulses import specimen_body
+from strikewave.papers.li_ma_2019.execution import Execution
 from strikewave.papers.li_ma_2019.runs import coarser
-
-Report = Callable[[float, str], None]
+from strikewave.studies.engine.answers import OfCase
 
 SHARE = 0.1
 """By which an assumed dimension is changed, up and down. Chosen: large enough to stand out of what a coarse mesh
@@ -101,22 +101,20 @@ class MeshRow:
     answer: Answer
 
 
-def mesh_row(solution: FemSolution, size: float) -> MeshRow:
-    """Return the row of a run whose elements have ``size`` times those of the case."""
+def mesh_row(case: Case, size: float, threads: int = 1) -> MeshRow:
+    """Run a case whose elements have ``size`` times their usual size, and return its row."""
+    solution = run_fem(case, threads)
     run, balance = solution.run, balance_measure(solution.run)
     return MeshRow(size, run.elements, run.steps, run.seconds, balance.energy, balance.hourglass, answer(solution))
 
 
-def mesh_rows(
-    name: str, threads: int = 1, sizes: Sequence[float] = MESHES, report: Report = lambda share, words: None
-) -> tuple[MeshRow, ...]:
+def mesh_rows(name: str, execution: Execution, sizes: Sequence[float] = MESHES) -> tuple[MeshRow, ...]:
     """Run a case on several meshes, coarsest first."""
-    rows = []
-    for k, size in enumerate(sizes):
-        report(k / len(sizes), f"{name}, elements {size:.3g} times as large")
-        changes = coarser(load_case(name), size) if size != 1.0 else []
-        rows.append(mesh_row(run_fem(studied(name, changes), threads), size))
-    return tuple(rows)
+    meshes = [studied(name, coarser(load_case(name), size) if size != 1.0 else []) for size in sizes]
+    asked = [
+        OfCase(mesh, mesh_row, MeshRow, (size,), execution.threads) for mesh, size in zip(meshes, sizes, strict=True)
+    ]
+    return tuple(execution.answers(f"{name} on {len(sizes)} meshes", asked))
 
 
 def studied(name: str, changes: Sequence[str] = ()) -> Case:
@@ -259,25 +257,25 @@ class DimensionStudy(NamedTuple):
     rows: tuple[DimensionRow, ...]
 
 
-def dimension_study(
-    name: str, threads: int = 1, size: float = MESHES[0], report: Report = lambda share, words: None
-) -> DimensionStudy:
+def dimension_study(name: str, execution: Execution, size: float = MESHES[0]) -> DimensionStudy:
     """Run a case with each assumed dimension larger and smaller by `SHARE`, on elements of ``size`` times its own."""
     case = load_case(name)
     mesh, listed = coarser(case, size), dimensions(case)
-    base = answer(run_fem(studied(name, mesh), threads))
-    return DimensionStudy(name, base, tuple(_rows(case, mesh, listed, threads, report)))
+    changes = [[], *(changed(case, dimension, share) for dimension in listed for share in (SHARE, -SHARE))]
+    asked = [
+        OfCase(studied(name, [*mesh, *change]), answer_of, Answer, threads=execution.threads) for change in changes
+    ]
+    base, *found = execution.answers(f"{name}, assumed dimensions ±{percent(SHARE, 0)}", asked)
+    pairs = zip(listed, found[::2], found[1::2], strict=True)
+    return DimensionStudy(name, base, tuple(_row(case, *pair) for pair in pairs))
 
 
-def _rows(
-    case: Case, mesh: Sequence[str], listed: Sequence[Dimension], threads: int, report: Report
-) -> Iterator[DimensionRow]:
-    for k, dimension in enumerate(listed):
-        report(k / len(listed), f"{case.name}, {dimension.name} ±{percent(SHARE, 0)}")
-        both = [
-            answer(run_fem(studied(case.name, [*mesh, *changed(case, dimension, share)]), threads))
-            for share in (SHARE, -SHARE)
-        ]
-        values = case.values()
-        size = dimension.size({path: value.si for path, value in values.items()})
-        yield DimensionRow(dimension.name, dimension.paths[0], size, values[dimension.paths[0]].provenance, *both)
+def answer_of(case: Case, threads: int = 1) -> Answer:
+    """Run a case and return its answer."""
+    return answer(run_fem(case, threads))
+
+
+def _row(case: Case, dimension: Dimension, larger: Answer, smaller: Answer) -> DimensionRow:
+    values, first = case.values(), dimension.paths[0]
+    size = dimension.size({path: value.si for path, value in values.items()})
+    return DimensionRow(dimension.name, first, size, values[first].provenance, larger, smaller)

@@ -7,7 +7,7 @@ from typing import Annotated, Literal
 
 import typer
 
-from strikewave.reporting.options import Output, one_of
+from strikewave.reporting.options import Output, Running, one_of
 
 LEFT_OUT = ("elements", "studies")
 """What can be left out."""
@@ -36,16 +36,20 @@ def command(
             "--threads", metavar="COUNT", min=1, help="Threads of the finite-element models; they change no number."
         ),
     ] = 1,
+    running: Running,
     output: Output,
 ) -> int:
     """Reproduce a published paper.
 
-    Computes its equations, figures and published numbers, and compares them with what is printed. With --json, no
-    files are written unless --out is given. The exit code is 3 where a run failed a check.
+    Computes its equations, figures and published numbers, and compares them with what is printed. One that is
+    stopped is continued by the same command. With --json, no files are written unless --out is given. The exit code is
+    3 where a run failed a check.
     """
     from strikewave.papers.li_ma_2019.runs import Effort
-    from strikewave.papers.li_ma_2019.screen import run_reproduction
+    from strikewave.papers.li_ma_2019.screen import ReproduceCommand, run_reproduction
+    from strikewave.studies.engine.chosen_pool import pool_of
 
     gone = {word: word in (without or ()) for word in LEFT_OUT}
     effort = Effort(quick, not gone["elements"], min(threads, os.cpu_count() or 1), not gone["studies"])
-    return run_reproduction(effort, output)
+    pool = pool_of(None, running.workers or 1, running.cluster)  # threads are those of the elements
+    return run_reproduction(ReproduceCommand(effort, pool, place=running.store, fresh=running.fresh), output)

@@ -6,11 +6,12 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 
 from strikewave.analyses.fem.result import FemSolution
-from strikewave.analyses.fem.run import run_fem
 from strikewave.cases.case import load_case
 from strikewave.papers.li_ma_2019.assumed import DimensionStudy, MeshRow, dimension_study, mesh_rows, studied
 from strikewave.papers.li_ma_2019.body_reasons import Reason, reasons
-from strikewave.papers.li_ma_2019.runs import QUIET_ELEMENTS, RIGID_ELEMENTS, WAVE_ELEMENTS, Report, coarser, within
+from strikewave.papers.li_ma_2019.execution import Execution
+from strikewave.papers.li_ma_2019.runs import QUIET_ELEMENTS, RIGID_ELEMENTS, WAVE_ELEMENTS, coarser
+from strikewave.studies.engine.answers import OfCase
 
 NO_YIELD = tuple(f"mesh.part.{part}.solid.yield_strength=100 GPa" for part in ("striker", "frame"))
 """Changes after which nothing yields: a strength that no blow of these bodies comes near."""
@@ -43,32 +44,28 @@ class Further:
     reasons: tuple[Reason, ...] = ()
 
 
-def run_further(threads: int = 1, report: Report = lambda share, words: None) -> Further:
-    """Run all studies.
-
-    Parameters
-    ----------
-    threads : int
-    report : callable, optional
-        Called with the share done, 0 to 1, and what runs now.
-    """
+def run_further(execution: Execution) -> Further:
+    """Run all studies."""
     begin, stages = 0.0, []
     for share in STAGES:
-        stages.append((begin, begin + share))
+        stages.append(execution.within(begin, begin + share))
         begin += share
     meshes = {
-        name: mesh_rows(name, threads, report=within(report, *span))
-        for name, span in zip((RIGID_ELEMENTS, WAVE_ELEMENTS), stages, strict=False)
+        name: mesh_rows(name, stage) for name, stage in zip((RIGID_ELEMENTS, WAVE_ELEMENTS), stages, strict=False)
     }
-    within(report, *stages[2])(0.0, "a second blow on what the first one left")
-    blows = run_fem(studied(RIGID_ELEMENTS, [*coarser(studied(RIGID_ELEMENTS)), "fem.blows=2"]), threads)
-    within(report, *stages[3])(0.0, "the same bodies without yield")
-    elastic = run_fem(studied(QUIET_ELEMENTS, NO_YIELD), threads)
-    within(report, *stages[4])(0.0, "why masses and layers part from the elements")
-    causes = tuple(reason for name in (RIGID_ELEMENTS, WAVE_ELEMENTS) for reason in reasons(load_case(name), threads))
+    again = studied(RIGID_ELEMENTS, [*coarser(studied(RIGID_ELEMENTS)), "fem.blows=2"])
+    stages[2].report(0.0, "a second blow on what the first one left")
+    blows = stages[2].elements(again)
+    stages[3].report(0.0, "the same bodies without yield")
+    elastic = stages[3].elements(studied(QUIET_ELEMENTS, NO_YIELD))
+    asked = [
+        OfCase(load_case(name), reasons, tuple[Reason, ...], threads=execution.threads)
+        for name in (RIGID_ELEMENTS, WAVE_ELEMENTS)
+    ]
+    causes = stages[4].answers("why masses and layers part from the elements", asked)
     middle = 0.5 * (begin + 1.0)
     dimensions = (
-        dimension_study(RIGID_ELEMENTS, threads, report=within(report, begin, middle)),
-        dimension_study(WAVE_ELEMENTS, threads, report=within(report, middle, 1.0)),
+        dimension_study(RIGID_ELEMENTS, execution.within(begin, middle)),
+        dimension_study(WAVE_ELEMENTS, execution.within(middle, 1.0)),
     )
-    return Further(meshes, dimensions, blows, elastic, causes)
+    return Further(meshes, dimensions, blows, elastic, tuple(reason for found in causes for reason in found))

@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import NamedTuple
 
@@ -19,8 +18,10 @@ from strikewave.analyses.machine.observe import observe
 from strikewave.base.quantities import Value
 from strikewave.cases.case import Case, load_case
 from strikewave.cases.tables import GasketTable
+from strikewave.papers.li_ma_2019.execution import Execution
 from strikewave.papers.li_ma_2019.published import published_number
-from strikewave.papers.li_ma_2019.runs import COMPARISON, MACHINE, Report
+from strikewave.papers.li_ma_2019.runs import COMPARISON, MACHINE
+from strikewave.studies.engine.answers import OfCase
 
 Array = NDArray[np.float64]
 
@@ -205,26 +206,13 @@ def ringing(time: Array, values: Array) -> float:
     return float(np.sqrt(np.mean(values[time > AFTER] ** 2)))
 
 
-def gasket_study(grid: GasketGrid = USUAL, report: Report = lambda share, words: None) -> GasketStudy:
-    """Run the first blow of Figure 5 with every gasket of a grid.
-
-    Parameters
-    ----------
-    grid : GasketGrid, optional
-    report : callable, optional
-        Called with the share done, 0 to 1, and what runs now.
-    """
+def gasket_study(execution: Execution, grid: GasketGrid = USUAL) -> GasketStudy:
+    """Run the first blow of Figure 5 with every gasket of a grid."""
     case = load_case(COMPARISON, FIRST_BLOW)
-    cells = tuple(_cells(case, grid, report))
+    gaskets = [(modulus, loss, thickness) for thickness, loss, modulus in itertools.product(*reversed(grid))]
+    asked = [OfCase(with_gasket(case, *gasket), gasket_cell, GasketCell, gasket) for gasket in gaskets]
+    assumed, *cells = execution.answers(f"{COMPARISON} over gaskets", [OfCase(case, gasket_cell, GasketCell), *asked])
     engagement = load_case(MACHINE).values()["machine.engagement"]
     reading = observe(case.with_values({"machine.engagement": engagement})).readings[0]
     same = math.nan if reading is None else reading.sensors[DIRECT].peak
-    return GasketStudy(grid, cells, gasket_cell(case), same)
-
-
-def _cells(case: Case, grid: GasketGrid, report: Report) -> Iterator[GasketCell]:
-    moduli, losses, thicknesses = grid
-    count = len(moduli) * len(losses) * len(thicknesses)
-    for k, (thickness, loss, modulus) in enumerate(itertools.product(thicknesses, losses, moduli)):
-        report(k / count, f"{COMPARISON} over gaskets: {k} of {count}")
-        yield gasket_cell(with_gasket(case, modulus, loss, thickness), modulus, loss, thickness)
+    return GasketStudy(grid, tuple(cells), assumed, same)

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import NamedTuple
 
@@ -17,8 +17,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from strikewave.analyses.machine.observe import observe
-from strikewave.cases.case import load_case
-from strikewave.papers.li_ma_2019.runs import FIXTURE, Report
+from strikewave.cases.case import Case, load_case
+from strikewave.papers.li_ma_2019.execution import Execution
+from strikewave.papers.li_ma_2019.runs import FIXTURE
+from strikewave.studies.engine.answers import OfCase
 from strikewave.uncertainty.statistics import variation
 
 Array = NDArray[np.float64]
@@ -30,6 +32,8 @@ RIGID = math.inf
 KEPT = 0.05
 """Largest relative change of peak and width of the rigid pulse with which it counts as kept: by as much measured and
 simulated peak of Figure 11 differ, which the paper calls good consistency."""
+TRAINS_FROM = 0.6
+"""About what share of the time first blows take, whole trains the rest: for the progress bar alone."""
 CHATTER = 300.0, 2e9
 """Preload (N) and stiffness (N/m) of joints that chatter: bolts hardly tightened. They were chosen because they give
 about the published peak, so that this is no prediction of it."""
@@ -179,41 +183,39 @@ def mechanism_changes() -> dict[str, tuple[str, ...]]:
     }
 
 
-def fixture_blow(changes: Sequence[str] = ()) -> FixtureBlow:
-    """Return the first blow of the case with some changes."""
-    seen = observe(load_case(FIXTURE, ["feed.blows=1", *changes]))
+def with_joints(changes: Sequence[str] = ()) -> Case:
+    """Return the first blow of Figure 13 with some changes to the case."""
+    return load_case(FIXTURE, ["feed.blows=1", *changes])
+
+
+def fixture_blow(case: Case) -> FixtureBlow:
+    """Return the first blow on the sensor fixture; see `with_joints`."""
+    seen = observe(case)
     history, reading = seen.histories[0], seen.readings[0]
     if history is None or reading is None:
-        raise ValueError(f"{FIXTURE} with {changes} does not strike")
+        raise ValueError(f"{case.name} does not strike")
     (read,), (pulse,), blow = history.readings, reading.sensors.values(), seen.blows[0]
     return FixtureBlow(read.peak_before_clip, pulse.width, pulse.clipped, blow.rigid_peak, blow.width)
 
 
-def joint_study(grid: JointGrid = USUAL, report: Report = lambda share, words: None) -> JointStudy:
-    """Run the first blow of Figure 13 with every joint of a grid, with each mechanism, and two trains.
-
-    Parameters
-    ----------
-    grid : JointGrid, optional
-    report : callable, optional
-        Called with the share done, 0 to 1, and what runs now.
-    """
-    cells = tuple(_cells(grid, report))
-    mechanisms = tuple(Mechanism(name, changes, fixture_blow(changes)) for name, changes in mechanism_changes().items())
-    trains = tuple(train_scatter(joint_changes(*pair)) for pair in grid.trains)
-    return JointStudy(grid, cells, mechanisms[0].blow, mechanisms, trains)
-
-
-def _cells(grid: JointGrid, report: Report) -> Iterator[JointCell]:
-    count = len(grid.preloads) * len(grid.stiffnesses)
-    for k, (preload, stiffness) in enumerate(itertools.product(grid.preloads, grid.stiffnesses)):
-        report(k / count, f"{FIXTURE} over joints: {k} of {count}")
-        yield JointCell(preload, stiffness, fixture_blow(joint_changes(preload, stiffness)))
+def joint_study(execution: Execution, grid: JointGrid = USUAL) -> JointStudy:
+    """Run the first blow of Figure 13 with every joint of a grid, with each mechanism, and two trains."""
+    pairs = list(itertools.product(grid.preloads, grid.stiffnesses))
+    named = mechanism_changes()
+    changes = [*(joint_changes(*pair) for pair in pairs), *named.values()]
+    blows = execution.within(0.0, TRAINS_FROM).answers(
+        f"{FIXTURE} over joints", [OfCase(with_joints(change), fixture_blow, FixtureBlow) for change in changes]
+    )
+    trains = [OfCase(load_case(FIXTURE, joint_changes(*pair)), train_scatter, TrainScatter) for pair in grid.trains]
+    scatters = execution.within(TRAINS_FROM, 1.0).answers(f"{FIXTURE}, whole trains", trains)
+    cells = tuple(JointCell(*pair, blow) for pair, blow in zip(pairs, blows, strict=False))
+    mechanisms = tuple(map(Mechanism, named, named.values(), blows[len(pairs) :]))
+    return JointStudy(grid, cells, mechanisms[0].blow, mechanisms, tuple(scatters))
 
 
-def train_scatter(changes: Sequence[str] = ()) -> TrainScatter:
-    """Return how far the peaks of a whole train of the case scatter, with some changes."""
-    seen = observe(load_case(FIXTURE, list(changes)))
+def train_scatter(case: Case) -> TrainScatter:
+    """Return how far the peaks of a whole train of the case scatter."""
+    seen = observe(case)
     histories = [history for history in seen.histories if history is not None]
     peaks = [history.readings[0].peak_before_clip for history in histories]
     return TrainScatter(variation(peaks), variation([b.rigid_peak for b in seen.blows if b.kind != "missed"]))

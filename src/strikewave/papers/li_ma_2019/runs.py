@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -11,11 +10,10 @@ from strikewave.analyses.machine.run import run_case
 from strikewave.analyses.wave.result import WaveSolution
 from strikewave.analyses.wave.run import run_wave
 from strikewave.cases.case import Case, bundled_cases, load_case
+from strikewave.papers.li_ma_2019.execution import Execution
 
 if TYPE_CHECKING:
     from strikewave.analyses.fem.result import FemSolution
-
-Report = Callable[[float, str], None]
 
 MACHINE, COMPARISON, FIXTURE, BAR, EQUAL_BLOWS = (
     "li-ma-2019",
@@ -109,19 +107,21 @@ class Runs:
         return next((solution for solution in self.elements if solution.case.name == case), None)
 
 
-def run_all(effort: Effort, report: Report = lambda share, words: None) -> Runs:
+def run_all(effort: Effort, execution: Execution) -> Runs:
     """Run everything.
 
     Parameters
     ----------
     effort : Effort
         How much.
-    report : callable, optional
-        Called with the share done, 0 to 1, and what runs now.
+    execution : Execution
+        How.
 
     Examples
     --------
-    >>> runs = run_all(Effort(elements=False))
+    >>> from strikewave.papers.li_ma_2019.execution import executing
+    >>> with executing() as execution:
+    ...     runs = run_all(Effort(elements=False), execution)
     >>> [len(solution.blows) for solution in runs.impacts]
     [11, 7, 11, 11]
     """
@@ -130,16 +130,16 @@ def run_all(effort: Effort, report: Report = lambda share, words: None) -> Runs:
     share = 0.1 if models else 1.0
     impacts = []
     for k, name in enumerate(short):
-        report(share * k / (len(short) + 1), name)
+        execution.report(share * k / (len(short) + 1), name)
         impacts.append(run_case(load_case(name)))
-    report(share * len(short) / (len(short) + 1), BAR)
+    execution.report(share * len(short) / (len(short) + 1), BAR)
     machine, comparison, fixture, equal_blows = impacts
     bar, passing = run_wave(load_case(BAR)), run_wave(load_case(BAR, PASSING))
     elements = []
     for k, case in enumerate(models):
         begin, end = (share + (1.0 - share) * place / len(models) for place in (k, k + 1))
-        elements.append(_run_elements(case, effort.threads, within(report, begin, end, case.name)))
-    report(1.0, "")
+        elements.append(execution.within(begin, end, case.name).elements(case))
+    execution.report(1.0, "")
     return Runs(machine, comparison, fixture, equal_blows, bar, passing, tuple(elements), effort.quick)
 
 
@@ -174,26 +174,3 @@ def coarser(case: Case, factor: float = COARSER) -> list[str]:
         for field in ("size", "finest")
         if (value := getattr(part, field, None)) is not None
     ]
-
-
-def _run_elements(case: Case, threads: int, report: Report) -> FemSolution:
-    from strikewave.analyses.fem.build import build_model
-    from strikewave.analyses.fem.run import run_model
-    from strikewave.fem.solve import Progress, RunOptions
-
-    def seen(progress: Progress) -> None:
-        report(progress.time / progress.duration, f"{progress.left:.0f} s left of this run" if progress.time else "")
-
-    report(0.0, "builds the mesh")
-    return run_model(case, build_model(case, threads), RunOptions(report=seen))
-
-
-def within(report: Report, begin: float, end: float, what: str = "") -> Report:
-    """Return a report of a stage that goes from one share to another; ``what`` is said before its words.
-
-    Examples
-    --------
-    >>> within(lambda share, words: print(share, words), 0.5, 1.0, "a case")(0.5, "builds the mesh")
-    0.75 a case: builds the mesh
-    """
-    return lambda share, words: report(begin + (end - begin) * share, ": ".join(filter(None, (what, words))))

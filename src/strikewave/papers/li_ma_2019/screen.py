@@ -6,30 +6,32 @@ import contextlib
 import os
 import re
 import sys
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 from typing import ClassVar
 
 from strikewave.base.percents import percent
 from strikewave.base.result import Notice
+from strikewave.papers.li_ma_2019.execution import Report
 from strikewave.papers.li_ma_2019.report.tables import findings_table, numbers_table, plain_rows
 from strikewave.papers.li_ma_2019.reproduce import reproduce
 from strikewave.papers.li_ma_2019.result import PAPER, Reproduction, marked_text
 from strikewave.papers.li_ma_2019.runs import Effort
 from strikewave.reporting.layout import MORE, keys, numerals, texts
 from strikewave.reporting.options import Output
-from strikewave.reporting.run_and_write import Command, run_and_write
+from strikewave.reporting.run_and_write import run_and_write
 from strikewave.reporting.terminal import progress_bar, say, table, tell
-
-Report = Callable[[float, str], None]
+from strikewave.studies.engine.pools import Pool
+from strikewave.studies.engine.store import RunStore
+from strikewave.studies.resumable import ResumableCommand
 
 FILES = ("report.html", "reproduction.json", "published.csv")
 PICTURES = re.compile(r"figure-(?:5|7|9|11|13|15)(?:-[a-z])?\.svg")
 """Names of the pictures: the figure of the paper, and a letter from its second picture on."""
 
 
-def run_reproduction(effort: Effort, output: Output) -> int:
+def run_reproduction(command: ReproduceCommand, output: Output) -> int:
     """Reproduce the paper, write and print the result, and return the exit code.
 
     Raises
@@ -39,7 +41,7 @@ def run_reproduction(effort: Effort, output: Output) -> int:
     """
     usual = f"{PAPER}-reproduced"
     folder = output.place(usual).folder
-    return run_and_write(ReproduceCommand(effort), output, usual, marked_text(effort), own_files(folder))
+    return run_and_write(command, output, usual, marked_text(command.effort), own_files(folder))
 
 
 def own_files(folder: Path | None) -> tuple[str, ...]:
@@ -49,18 +51,23 @@ def own_files(folder: Path | None) -> tuple[str, ...]:
     return (*FILES, *(name for name in there if PICTURES.fullmatch(name)))
 
 
-@dataclass(frozen=True)
-class ReproduceCommand(Command[Reproduction]):
-    """The reproduction of the paper."""
+@dataclass
+class ReproduceCommand(ResumableCommand[Reproduction]):
+    """The reproduction of the paper; one that is stopped goes on where it was."""
 
     of_test: ClassVar[bool] = False
+    indent: ClassVar[int | None] = 2
 
     effort: Effort
+    pool: Pool
 
-    def solve(self) -> Reproduction:
+    def solved(self, store: RunStore) -> Reproduction:
         """Return the result, with a bar on stderr."""
-        with progress() as report:
-            return reproduce(self.effort, report)
+        try:
+            with progress() as report:
+                return reproduce(self.effort, report, store, self.pool)
+        except KeyboardInterrupt as stop:
+            self.stopped_after(stop, store)
 
     def summary(self, result: Reproduction) -> str:
         """Say what came out."""

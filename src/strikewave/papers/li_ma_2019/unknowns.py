@@ -7,9 +7,9 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 from strikewave.papers.li_ma_2019 import gaskets, joints
+from strikewave.papers.li_ma_2019.execution import Execution
 from strikewave.papers.li_ma_2019.gaskets import GasketStudy, extremes, gasket_study
 from strikewave.papers.li_ma_2019.joints import JointStudy, joint_study
-from strikewave.papers.li_ma_2019.runs import Report, within
 
 GASKETS_SHARE = 0.75
 """About what share of the time the gaskets take, the joints the rest: for the progress bar alone."""
@@ -58,17 +58,10 @@ class Unknowns:
         }
 
 
-def run_unknowns(coarse: bool = False, report: Report = lambda share, words: None) -> Unknowns:
-    """Run both maps.
-
-    Parameters
-    ----------
-    coarse : bool, optional
-        Whether a few cells do.
-    report : callable, optional
-        Called with the share done, 0 to 1, and what runs now.
-    """
+def run_unknowns(coarse: bool, execution: Execution) -> Unknowns:
+    """Run both maps; a few cells of them where they shall be coarse."""
+    first, second = execution.within(0.0, GASKETS_SHARE), execution.within(GASKETS_SHARE, 1.0)
     return Unknowns(
-        gasket_study(gaskets.COARSE if coarse else gaskets.USUAL, within(report, 0.0, GASKETS_SHARE)),
-        joint_study(joints.COARSE if coarse else joints.USUAL, within(report, GASKETS_SHARE, 1.0)),
+        gasket_study(first, gaskets.COARSE if coarse else gaskets.USUAL),
+        joint_study(second, joints.COARSE if coarse else joints.USUAL),
     )

@@ -224,10 +224,8 @@ def _velocity(reading: Reading, motion: BaseMotion, resonance: float) -> tuple[f
     return error, 0.5 * float(np.ptp(last)) / abs(change)
 
 
-def look_closer(
-    site: MountingSite, candidate: BufferCandidate, motion: BaseMotion, goal: BufferGoal
-) -> BufferCandidate:
-    """Return a candidate with its sensitivity to the moduli, and the stress and strain of its gaskets."""
+def look_closer(site: MountingSite, candidate: BufferCandidate, motion: BaseMotion, goal: BufferGoal) -> Leading:
+    """Return the sensitivity of a candidate to the moduli, and the stress and strain of its gaskets."""
     stack = candidate.stack
     mounting = site.mounting(stack)
     softer, stiffer = (_peak(site, stack, motion, moduli(stack, place)) for place in (SOFTEST, STIFFEST))
@@ -237,7 +235,7 @@ def look_closer(
     stress = tuple(mass * largest_acceleration / layer.area for mass, layer in loads(mounting))
     strain = tuple(s / layer.modulus for s, layer in zip(stress, mounting.gaskets, strict=True))
     robust = max(softer, stiffer, no_slip or 0.0) <= goal.limit and withstands(site, candidate, motion, goal)
-    return dataclasses.replace(candidate, leading=Leading(softer, stiffer, no_slip, robust, stress, strain))
+    return Leading(softer, stiffer, no_slip, robust, stress, strain)
 
 
 def withstands(site: MountingSite, candidate: BufferCandidate, motion: BaseMotion, goal: BufferGoal) -> bool:

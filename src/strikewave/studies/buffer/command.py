@@ -9,7 +9,7 @@ import typer
 from strikewave.base.errors import InputError
 from strikewave.base.quantities import Value
 from strikewave.reporting import measured_files as measured
-from strikewave.reporting.options import Changes, Output, case_name, quantity, typed_value
+from strikewave.reporting.options import Changes, Output, Running, case_name, quantity, typed_value
 from strikewave.studies.buffer.defaults import LAYERS, THICKEST, WORST
 
 
@@ -81,6 +81,7 @@ def command(
     ] = None,
     measurement: measured.MeasurementOptions,
     changes: Changes = None,
+    running: Running,
     output: Output,
 ) -> int:
     """Rank gasket stacks under a sensor.
@@ -91,6 +92,7 @@ def command(
     from strikewave.studies.buffer.candidate import BufferGoal
     from strikewave.studies.buffer.question import choices_of
     from strikewave.studies.buffer.screen import BufferCommand, rank_buffers, source_of_case, source_of_record
+    from strikewave.studies.engine.chosen_pool import pool_of
 
     goal = BufferGoal(limit, rank)
     choice = choices_of(material, thickness, layers)
@@ -102,7 +104,9 @@ def command(
             raise InputError("--blow", blow, "only without --record, which holds one blow")
         stated, options = measurement.calibration(), measurement.reading()
         source = source_of_record(record, stated, options, (case, sensor, changes), given)
-    return rank_buffers(BufferCommand(source, blow, choice, goal), output)
+    pool = pool_of(None, running.workers, running.cluster)
+    ranking = BufferCommand(source, blow, choice, goal, pool, place=running.store, fresh=running.fresh)
+    return rank_buffers(ranking, output)
 
 
 def _given(mass: Value | None, diameter: Value | None, model: str | None) -> dict[str, Any]:

@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import dataclasses
+import hashlib
 import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
+from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
@@ -152,6 +154,11 @@ class BaseMotion:
     touched: float = 0.0
     rigid_peak: float | None = None
     rigid_width: float | None = None
+
+    @cached_property
+    def text(self) -> str:
+        """All that it is, as a text."""
+        return f"{self} {hashlib.sha256(np.asarray(self.acceleration, '<f8').tobytes()).hexdigest()}"
 
     @property
     def width(self) -> float:

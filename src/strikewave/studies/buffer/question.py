@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import dataclasses
 from collections.abc import Callable, Sequence
+from concurrent.futures import Executor
+from pathlib import Path
 
 from strikewave.base.compile_progress import compiling_shown
 from strikewave.base.quantities import Value
@@ -16,6 +18,9 @@ from strikewave.studies.buffer.defaults import LAYERS, THICKEST, THICKNESSES, WO
 from strikewave.studies.buffer.mounting_site import blows_of, choose_sensor, mounting_site_of, usual_materials
 from strikewave.studies.buffer.result import BufferStudy
 from strikewave.studies.buffer.study import design_buffer
+from strikewave.studies.engine.chosen_pool import pool_of
+from strikewave.studies.engine.runner import share_reporter
+from strikewave.studies.engine.store import RunStore
 
 
 @compiling_shown()
@@ -29,6 +34,10 @@ def buffer(
     thicknesses: Sequence[str] = (),
     layers: int = LAYERS,
     rank: str = "bandwidth",
+    workers: int | None = None,
+    executor: Executor | None = None,
+    cluster: str | None = None,
+    store: Path | str | None = None,
     progress: Callable[[float], None] | None = None,
 ) -> BufferStudy:
     """Rank stacks of gaskets under a sensor of a case, by what it then reads of a blow and what they pass.
@@ -51,6 +60,15 @@ def buffer(
         Largest number of gaskets in a stack.
     rank : str, optional
         What ranks the stacks that keep the limit: ``bandwidth``, ``peak`` or ``robust``.
+    workers : int, optional
+        Processes; threads of this one where it is left out. With several, call it below
+        ``if __name__ == "__main__":``.
+    executor : Executor, optional
+        Who runs instead: any executor of `concurrent.futures`, or one that acts as these do.
+    cluster : str, optional
+        Address of a Dask scheduler that shares the runs among machines, such as ``tcp://host:8786``.
+    store : path, optional
+        Folder that keeps finished runs: what it holds is not run again.
     progress : callable, optional
         Called with the share done, 0 to 1.
 
@@ -71,7 +89,10 @@ def buffer(
     sizes = [read_value(text, "thicknesses", "m", THICKEST) for text in thicknesses]
     choice = choices_of(materials, sizes, layers)
     site = mounting_site_of(choose_sensor(case, sensor), case)
-    study = design_buffer(site, blows_of(case, site.table, str(blow)), choice, goal, progress)
+    blows = blows_of(case, site.table, str(blow))
+    pool = pool_of(executor, workers, cluster)
+    with RunStore(None if store is None else Path(store), option="store") as finished:
+        study = design_buffer(site, blows, choice, goal, finished, pool, share_reporter(progress))
     return dataclasses.replace(study, case=case)
 
 

@@ -8,7 +8,7 @@ import shlex
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, ClassVar, NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -25,7 +25,7 @@ from strikewave.records import (
 from strikewave.reporting import measured_files as measured
 from strikewave.reporting.numbers import with_unit
 from strikewave.reporting.options import Output
-from strikewave.reporting.run_and_write import Command, run_and_write
+from strikewave.reporting.run_and_write import run_and_write
 from strikewave.reporting.terminal import print_rows, progress_bar, tell
 from strikewave.studies.buffer.candidate import ALIKE, RINGING, BufferGoal, distinct
 from strikewave.studies.buffer.choice import StackChoices
@@ -40,6 +40,10 @@ from strikewave.studies.buffer.mounting_site import (
 )
 from strikewave.studies.buffer.result import BufferStudy
 from strikewave.studies.buffer.study import LEADING, design_buffer
+from strikewave.studies.engine.pools import Pool
+from strikewave.studies.engine.runner import share_reporter
+from strikewave.studies.engine.store import RunStore
+from strikewave.studies.resumable import ResumableCommand
 
 LONGEST = 200_000
 """Samples of a record that are kept about its largest value, a quarter of them before it: at 1 MHz 0.2 s, longer than
@@ -84,9 +88,9 @@ def source_of_record(
     return BlowSource(None, source_of_case(*case, given, needed=False).site, Path(file), reading, notices)
 
 
-@dataclass(frozen=True)
-class BufferCommand(Command[BufferStudy]):
-    """A search for the gaskets under a sensor.
+@dataclass
+class BufferCommand(ResumableCommand[BufferStudy]):
+    """A search for the gaskets under a sensor; one that is stopped goes on where it was.
 
     Attributes
     ----------
@@ -98,19 +102,20 @@ class BufferCommand(Command[BufferStudy]):
         Gaskets to choose from.
     goal : BufferGoal
         What the reading must keep.
+    pool : Pool
+        Who runs the stacks.
     test : mapping of str to str
         What is stated of the test, where no case holds it.
     """
-
-    indent: ClassVar[int | None] = None
 
     source: BlowSource
     blow: str
     choice: StackChoices
     goal: BufferGoal
+    pool: Pool
     test: Mapping[str, str] = dataclasses.field(default_factory=dict)
 
-    def solve(self) -> BufferStudy:
+    def solved(self, store: RunStore) -> BufferStudy:
         """Return the study, with bars on stderr."""
         source = self.source
         if source.reading is not None:
@@ -118,8 +123,12 @@ class BufferCommand(Command[BufferStudy]):
         else:
             with progress_bar("blows") as report:
                 blows = _blows(source, self.blow, report)
-        with progress_bar("stacks") as report:
-            study = design_buffer(source.site, blows, self.choice, self.goal, report)
+        try:
+            with progress_bar("stacks") as report:
+                advance = share_reporter(report)
+                study = design_buffer(source.site, blows, self.choice, self.goal, store, self.pool, advance)
+        except KeyboardInterrupt as stop:
+            self.stopped_after(stop, store, "stacks")
         origin = None
         if source.record is not None:
             origin = measured.source_of("records", source.record.stem, [source.record], self.test)

@@ -9,13 +9,17 @@ bandwidth: see `strikewave.sensors.bandwidth`.
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import ClassVar
 
+from strikewave.base.errors import InputErrors
 from strikewave.sensors import Mounting
 from strikewave.sensors.mounting import mounting_system
 from strikewave.studies.buffer.candidate import (
     BufferCandidate,
     BufferGoal,
+    Leading,
     alike,
     assess,
     assess_mounting,
@@ -26,9 +30,13 @@ from strikewave.studies.buffer.candidate import (
     withstands,
 )
 from strikewave.studies.buffer.choice import StackChoices, stacks
-from strikewave.studies.buffer.mounting_site import BaseMotion, Blows, MountingSite
+from strikewave.studies.buffer.mounting_site import BaseMotion, Blows, GasketStack, MountingSite
 from strikewave.studies.buffer.notices import study_notices
 from strikewave.studies.buffer.result import BufferStudy
+from strikewave.studies.engine.answers import Answer, Failure, answers
+from strikewave.studies.engine.pools import Pool, ProcessPool
+from strikewave.studies.engine.runner import Advance
+from strikewave.studies.engine.store import RunStore, given_or_temporary
 
 MOST_STATES = 800
 """A stack with more states is left out of the search: its time grows faster than the square of their number
@@ -38,12 +46,52 @@ LEADING = 10
 keep the limit. Chosen: as many as a screen shows; each takes up to 13 more runs."""
 
 
+@dataclass(frozen=True, eq=False)
+class _OfStack:
+    """A stack under a sensor in a blow, of which something is asked."""
+
+    site: MountingSite
+    motion: BaseMotion
+    goal: BufferGoal
+    stack: GasketStack
+
+    def text(self) -> str:
+        """Return all that the answer depends on."""
+        return f"{self.site} {self.motion.text} {self.goal} {self.stack}"
+
+
+@dataclass(frozen=True, eq=False)
+class AskedStack(_OfStack):
+    """What a sensor reads on a stack; a `Question` of a study."""
+
+    answered_by: ClassVar[type] = BufferCandidate
+
+    def answer(self) -> BufferCandidate:
+        """Return what the sensor reads, and what the stack costs."""
+        return assess(self.site, self.stack, self.motion, self.goal)
+
+
+@dataclass(frozen=True, eq=False)
+class AskedCloser(_OfStack):
+    """What is computed only of leading stacks; a `Question` of a study."""
+
+    answered_by: ClassVar[type] = Leading
+
+    candidate: BufferCandidate
+
+    def answer(self) -> Leading:
+        """Return the sensitivity of the stack to its moduli, and the stress and strain of its gaskets."""
+        return look_closer(self.site, self.candidate, self.motion, self.goal)
+
+
 def design_buffer(
     site: MountingSite,
     blows: Blows,
     choice: StackChoices,
     goal: BufferGoal,
-    progress: Callable[[float], None] | None = None,
+    store: RunStore | None = None,
+    pool: Pool | None = None,
+    advance: Advance | None = None,
 ) -> BufferStudy:
     """Rank all stacks of a choice for a sensor, a blow, and a limit on what it may read.
 
@@ -57,26 +105,39 @@ def design_buffer(
         What stacks may be made of.
     goal : BufferGoal
         The limit, and what decides among those that keep it.
-    progress : callable, optional
-        Called with the share done, 0 to 1.
+    store : RunStore, optional
+        Stacks that were run.
+    pool : Pool, optional
+        Who runs the others; this process where it is left out.
+    advance : callable, optional
+        Called as stacks come back.
 
     Raises
     ------
     InputError, InputErrors
         If there are too many stacks, or the sensor's recorder does not fit the history.
     """
-    candidates, skipped, every = [], 0, stacks(choice)
-    for k, stack in enumerate(every):
-        if _too_large(site.mounting(stack)):
-            skipped += 1
-        else:
-            candidates.append(assess(site, stack, blows.motion, goal))
-        if progress is not None:
-            progress((k + 1) / len(every))
-    study = BufferStudy(
-        site, blows, goal, _looked_at(candidates, site, blows.motion, goal), _present(site, blows, goal)
-    )
-    return dataclasses.replace(study, notices=(*blows.warnings, *study_notices(study, skipped)))
+    every = stacks(choice)
+    small = [stack for stack in every if not _too_large(site.mounting(stack))]
+    with given_or_temporary(store) as kept, pool or ProcessPool(1) as open_pool:
+        asked = [AskedStack(site, blows.motion, goal, stack) for stack in small]
+        candidates = _answered(answers(asked, kept, open_pool, advance))
+        order = ranked(with_pareto(candidates), goal, blows.motion.width)
+        leading = _leading(order, site, blows.motion, goal)
+        closer = [AskedCloser(site, blows.motion, goal, one.stack, one) for one in leading]
+        found = dict(zip(map(id, leading), _answered(answers(closer, kept, open_pool)), strict=True))
+    looked_at = [dataclasses.replace(one, leading=found.get(id(one))) for one in order]
+    place = tuple(ranked(looked_at, goal, blows.motion.width))
+    study = BufferStudy(site, blows, goal, place, _present(site, blows, goal))
+    return dataclasses.replace(study, notices=(*blows.warnings, *study_notices(study, len(every) - len(small))))
+
+
+def _answered(found: Sequence[Answer | Failure]) -> list[Answer]:
+    """Return answers; what fails of one stack fails of all: the recorder does not fit the history."""
+    for one in found:
+        if isinstance(one, Failure):
+            raise InputErrors([one.reason])
+    return [one for one in found if not isinstance(one, Failure)]
 
 
 def _present(site: MountingSite, blows: Blows, goal: BufferGoal) -> BufferCandidate | None:
@@ -86,16 +147,14 @@ def _present(site: MountingSite, blows: Blows, goal: BufferGoal) -> BufferCandid
     return assess_mounting(site, site.present.mounting, blows.motion, goal, site.present.name)
 
 
-def _looked_at(
-    candidates: Sequence[BufferCandidate], site: MountingSite, motion: BaseMotion, goal: BufferGoal
-) -> tuple[BufferCandidate, ...]:
-    """Return candidates ranked, the first distinct and the Pareto-optimal ones with what is computed only of them."""
-    order = ranked(with_pareto(candidates), goal, motion.width)
+def _leading(
+    order: Sequence[BufferCandidate], site: MountingSite, motion: BaseMotion, goal: BufferGoal
+) -> list[BufferCandidate]:
+    """Return the first distinct ones of a ranking and the Pareto-optimal ones, of which more is computed."""
     chosen = distinct(order, LEADING) + [candidate for candidate in order if candidate.pareto and candidate.keeps]
     if goal.rank == "robust":
         chosen += _withstanding(order, site, motion, goal)
-    closer = {id(candidate): look_closer(site, candidate, motion, goal) for candidate in dict.fromkeys(chosen)}
-    return tuple(ranked([closer.get(id(candidate), candidate) for candidate in order], goal, motion.width))
+    return list(dict.fromkeys(chosen))
 
 
 def _withstanding(

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from strikewave.studies.design.goals import Goal, Objective, shares_of
 from strikewave.studies.design.plan import DesignPlan
-from strikewave.studies.design.search import DesignRuns
+from strikewave.studies.design.runs import DesignRuns
 from strikewave.studies.engine.evaluation import Job, Row
 from strikewave.studies.engine.plan import DrawVariation, drawn_rows
 from strikewave.studies.engine.pools import Pool

@@ -13,6 +13,7 @@ from strikewave.studies.design.candidates import DesignCandidate, Sensitivity
 from strikewave.studies.design.conflict import Reach
 from strikewave.studies.design.goals import Goal
 from strikewave.studies.design.study import DesignStudy
+from strikewave.studies.design.surrogate import SurrogateError
 
 MOST_SETTINGS = 6
 """Settings that a table shows in columns of their own; the CSV file has all."""
@@ -166,6 +167,26 @@ def sensitivity_rows(study: DesignStudy) -> list[SensitivityRow]:
         for one in study.sensitivities
         for name in wanted
     ]
+
+
+class SurrogateRow(NamedTuple):
+    """How well a number is known by the other runs."""
+
+    study: DesignStudy
+    one: SurrogateError
+
+
+SURROGATE_COLUMNS: tuple[TableColumn[SurrogateRow], ...] = (
+    TableColumn("number", lambda row: row.one.name, priority=KEY, words=True),
+    TableColumn("leave-one-out error", lambda row: row.study.value_words(row.one.name, row.one.error), priority=KEY),
+    TableColumn("of its scatter over the runs", lambda row: _share(row.one.share)),
+)
+"""What each number was off where a Gaussian process of all other runs foretold it, root mean square."""
+
+
+def surrogate_rows(study: DesignStudy) -> list[SurrogateRow]:
+    """Return a row a number; none where runs are many."""
+    return [SurrogateRow(study, one) for one in study.surrogate]
 
 
 class ReachRow(NamedTuple):

@@ -19,7 +19,8 @@ def command(
     runs: Annotated[
         int | None,
         typer.Option(
-            "--runs", metavar="COUNT", help="Most runs of a search; that of the file, or 600, by default.",
+            "--runs", metavar="COUNT",
+            help="Most runs of a search; that of the file, or 600 (40 by surrogate), by default.",
             show_default=False,
         ),
     ] = None,

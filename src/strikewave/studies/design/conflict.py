@@ -13,7 +13,8 @@ from typing import NamedTuple
 import numpy as np
 
 from strikewave.studies.design.goals import Goal
-from strikewave.studies.design.search import INFEASIBLE, DesignRuns, margin_merit, reach_merit, search
+from strikewave.studies.design.runs import INFEASIBLE, DesignRuns, margin_merit, reach_merit
+from strikewave.studies.design.search import search
 
 
 class Reach(NamedTuple):

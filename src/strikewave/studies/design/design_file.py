@@ -31,6 +31,7 @@ class DesignFile(CaseTable):
     runs: int | None = None
     seed: int = 1
     robust: int = 0
+    search: str = ""
 
 
 FORM = Form(DesignFile, "design", 'goals="cv < 3 %"')
@@ -52,7 +53,7 @@ class DesignRequest(NamedTuple):
             for text in vary:
                 read_variable(case, text)
         with stated_at(self.name):
-            return plan_of(case, vary, file.goals, file.analysis, file.runs, file.seed, file.robust)
+            return plan_of(case, vary, file.goals, file.analysis, file.runs, file.seed, file.robust, file.search)
 
 
 def load_design(path: str | Path, changes: Sequence[str] = (), **options: int | None) -> DesignRequest:

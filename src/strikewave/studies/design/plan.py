@@ -11,7 +11,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from strikewave.base.errors import MISSING, InputError
+from strikewave.base.errors import MISSING, InputError, nearest
 from strikewave.base.quantities import Value
 from strikewave.base.units import in_unit
 from strikewave.cases.case import Case, dump_case
@@ -33,8 +33,16 @@ RUNS = 600
 that most designs vary, in which the best margin settles to a hundredth."""
 MOST_RUNS = 100_000
 """Most runs of a search."""
+SURROGATE_RUNS = 40
+"""The same by surrogate. Chosen: what elements of a minute each do overnight, with all further searches."""
 LEAST_RUNS = 16
 """Fewest: one generation of the smallest search."""
+EVOLUTION, SURROGATE = SEARCHES = ("evolution", "surrogate")
+"""How settings are sought: by generations of many runs, or by few, each where a Gaussian process expects the most."""
+LATER = 4
+"""Share of the runs, one in so many, that a search by surrogate has after others: it begins with all of theirs."""
+SLOW = ("fem",)
+"""Analyses of which a run takes seconds and more: their settings are sought by surrogate where nothing is stated."""
 RESOLUTION = 1000.0
 """Steps of a linear range between which no settings are tried: no part is made more exactly, and what is found reads
 as it would be typed."""
@@ -68,6 +76,8 @@ class DesignPlan:
         Draws within tolerances for each ranked setting; 0 for none.
     variation : AxisVariation
         What makes a case of a row.
+    search : str
+        One of `SEARCHES`.
     """
 
     case: Case
@@ -78,6 +88,17 @@ class DesignPlan:
     seed: int
     robust: int
     variation: AxisVariation
+    search: str = EVOLUTION
+
+    @property
+    def by_surrogate(self) -> bool:
+        """Whether few runs are to do."""
+        return self.search == SURROGATE
+
+    @property
+    def later_runs(self) -> int:
+        """Most runs of a search after others."""
+        return max(self.runs // LATER, 1) if self.by_surrogate else self.runs
 
     @cached_property
     def goals(self) -> tuple[Goal, ...]:
@@ -168,7 +189,7 @@ class DesignPlan:
         known = numbers_of(case, analysis)
         aims = tuple(aim for aim in self.aims if is_derived(aim.number) or name_and_owner(aim.number)[0] in known)
         variation = varied(case, self.variables, NOTE)
-        return DesignPlan(case, self.variables, aims, analysis, self.runs, self.seed, 0, variation)
+        return DesignPlan(case, self.variables, aims, analysis, self.runs, self.seed, 0, variation, self.search)
 
     @property
     def words(self) -> str:
@@ -180,7 +201,7 @@ class DesignPlan:
     @cached_property
     def text(self) -> str:
         """The case as text, and above it what was asked: another question is another result."""
-        asked = repr((self.aims, self.runs, self.seed, self.robust, self.analysis))
+        asked = repr((self.aims, self.runs, self.seed, self.robust, self.analysis, self.search))
         asked += repr([(one.axis, one.words) for one in self.variables])
         key = hashlib.sha256(asked.encode()).hexdigest()[:12]
         return f"# strikewave design: {self.words}; plan {key}\n{dump_case(self.case)}"
@@ -198,6 +219,7 @@ def plan_of(
     runs: int | None = None,
     seed: int = 1,
     robust: int = 0,
+    search: str = "",
 ) -> DesignPlan:
     """Return the plan of a design.
 
@@ -213,7 +235,11 @@ def plan_of(
         raise InputError("vary", MISSING, "a setting with its range", EXAMPLE)
     if len(aims) > MOST_AIMS:
         raise InputError("goals", f"{len(aims)} goals", f"at most {MOST_AIMS}")
-    count = RUNS if runs is None else runs
+    way = search or (SURROGATE if chosen in SLOW else EVOLUTION)
+    if way not in SEARCHES:
+        raise InputError("search", search, "one of " + ", ".join(SEARCHES), nearest(search, SEARCHES))
+    usual = SURROGATE_RUNS if way == SURROGATE else RUNS
+    count = usual if runs is None else runs
     if not LEAST_RUNS <= count <= MOST_RUNS:
         raise InputError("runs", count, f"a whole number from {LEAST_RUNS} to {MOST_RUNS}")
     if not 0 <= robust <= MOST_DRAWS:
@@ -222,4 +248,4 @@ def plan_of(
         raise InputError("seed", seed, "a whole number from 0 to 2^63 - 1")
     read = tuple(read_aim(case, chosen, text, f"goals.{k}") for k, text in enumerate(aims))
     variables = tuple(read_variable(case, text) for text in vary)
-    return DesignPlan(case, variables, read, chosen, count, seed, robust, varied(case, variables, NOTE))
+    return DesignPlan(case, variables, read, chosen, count, seed, robust, varied(case, variables, NOTE), way)

@@ -10,6 +10,7 @@ from strikewave.cases.case import Case
 from strikewave.studies.design.plan import plan_of
 from strikewave.studies.design.study import DesignStudy, make_design
 from strikewave.studies.engine.chosen_pool import pool_of
+from strikewave.studies.engine.runner import share_reporter
 from strikewave.studies.engine.store import RunStore
 from strikewave.studies.sweep.question import Vary, vary_texts
 
@@ -23,6 +24,7 @@ def design(
     runs: int | None = None,
     seed: int = 1,
     robust: int = 0,
+    search: str = "",
     workers: int = 1,
     executor: Executor | None = None,
     cluster: str | None = None,
@@ -46,11 +48,13 @@ def design(
     analysis : str, optional
         ``run``, ``fast``, ``wave``, ``fem`` or ``impact``; that of the case where it is left out.
     runs : int, optional
-        Most runs of a search; 600 where it is left out.
+        Most runs of a search; 600 where it is left out, 40 by surrogate.
     seed : int, optional
         Of the search and of draws.
     robust : int, optional
         Draws within the tolerances of the case for each ranked setting; none where it is left out.
+    search : str, optional
+        ``evolution``, or ``surrogate`` for few runs; that of elements where it is left out.
     workers : int, optional
         Processes. With more than one, call it below ``if __name__ == "__main__":``.
     executor : Executor, optional
@@ -76,7 +80,6 @@ def design(
     >>> study.best.meets, study.conflict
     (True, None)
     """
-    plan = plan_of(case, vary_texts(vary), goals, analysis, runs, seed, robust)
-    advance = None if progress is None else (lambda done: progress(done.share))
+    plan = plan_of(case, vary_texts(vary), goals, analysis, runs, seed, robust, search)
     with RunStore(None if store is None else Path(store)) as finished:
-        return make_design(plan, finished, pool_of(executor, workers, cluster), advance)
+        return make_design(plan, finished, pool_of(executor, workers, cluster), share_reporter(progress))

@@ -9,11 +9,13 @@ from strikewave.studies.design.columns import (
     GOAL_COLUMNS,
     REACH_COLUMNS,
     SENSITIVITY_COLUMNS,
+    SURROGATE_COLUMNS,
     goal_rows,
     ranked_columns,
     ranked_rows,
     reach_rows,
     sensitivity_rows,
+    surrogate_rows,
 )
 from strikewave.studies.design.figures import design_picture
 from strikewave.studies.design.study import DesignStudy, conflict_words
@@ -35,6 +37,7 @@ def design_report(study: DesignStudy) -> str:
         _ranked_section(study),
         *([_front_section(study)] if study.front else []),
         *([_sensitivity_section(study)] if study.sensitivities else []),
+        *([_surrogate_section(study)] if study.surrogate else []),
         chapters.warnings(study.notices),
         _question_section(study),
         chapters.inputs(study.case_of()),
@@ -107,6 +110,15 @@ def _sensitivity_section(study: DesignStudy) -> Section:
     return Section("Sensitivity", text, [table])
 
 
+def _surrogate_section(study: DesignStudy) -> Section:
+    text = (
+        "The runs were chosen by Gaussian processes of those before. The table says how well such a process knows each "
+        "number: what it is off, root mean square, where all other runs foretell a run. Where that is as large as what "
+        "a goal allows, more runs may find better settings. The ranked settings themselves are runs."
+    )
+    return Section("Surrogate", text, [page_table("Surrogate", SURROGATE_COLUMNS, surrogate_rows(study))])
+
+
 def _question_section(study: DesignStudy) -> Section:
     plan = study.plan
     rows: list[list[Cell]] = []
@@ -117,8 +129,9 @@ def _question_section(study: DesignStudy) -> Section:
             rows.append([one.path, kind, f"{ends[0]} to {ends[1]}"])
         else:
             rows.append([one.path, "list", ", ".join(one.brief(value) for value in one.axis.values[:12])])
+    way = "Gaussian processes with expected improvement" if plan.by_surrogate else "Differential evolution"
     text = (
-        f"Each run is {ANALYSES[plan.analysis]}. Differential evolution, up to {plan.runs} runs a search, random seed "
+        f"Each run is {ANALYSES[plan.analysis]}. {way}, up to {plan.runs} runs a search, random seed "
         f"{plan.seed}. Goals: {'; '.join(aim.typed for aim in plan.aims)}."
     )
     return Section("What was asked", text, [Table("What may be chosen", ["setting", "kind", "values"], rows)])

@@ -16,11 +16,13 @@ from strikewave.studies.design.columns import (
     GOAL_COLUMNS,
     REACH_COLUMNS,
     SENSITIVITY_COLUMNS,
+    SURROGATE_COLUMNS,
     goal_rows,
     ranked_columns,
     ranked_rows,
     reach_rows,
     sensitivity_rows,
+    surrogate_rows,
 )
 from strikewave.studies.design.plan import DesignPlan
 from strikewave.studies.design.study import DesignStudy, make_design
@@ -61,8 +63,8 @@ def estimated(plan: DesignPlan, workers: int) -> DesignEstimate:
     rows = [plan.row_at(place) for place in places]
     plan.job(rows[:1])
     each = float(np.mean([outcome.seconds for outcome in plan.job(rows)]))
-    searches = 1 + max(2 * len(plan.goals), 2 * len(plan.objectives) + 1 if plan.objectives else 0)
-    return DesignEstimate(plan.runs, searches * plan.runs, each, each * plan.runs / workers)
+    later = max(2 * len(plan.goals), 2 * len(plan.objectives) + 1 if plan.objectives else 0)
+    return DesignEstimate(plan.runs, plan.runs + later * plan.later_runs, each, each * plan.runs / workers)
 
 
 def show_estimate(plan: DesignPlan, workers: int, as_json: bool) -> int:
@@ -106,8 +108,7 @@ class DesignCommand(ResumableCommand[DesignStudy]):
             with progress_bar("design", clocks=("elapsed",)) as report:
                 study = make_design(self.plan, store, self.pool, advance)
         except KeyboardInterrupt as stop:
-            count = len(store.known())
-            self.stopped(stop, store, f"{count} runs" if count else "")
+            self.stopped_after(stop, store)
         return dataclasses.replace(study, asked=asked())
 
     def summary(self, result: DesignStudy) -> str:
@@ -123,6 +124,8 @@ class DesignCommand(ResumableCommand[DesignStudy]):
         print_rows("Ranked settings", ranked_columns(result), ranked_rows(result))
         if result.plan.goals:
             print_rows("Goals at the first setting", GOAL_COLUMNS, goal_rows(result))
+        if result.surrogate:
+            print_rows("Surrogate", SURROGATE_COLUMNS, surrogate_rows(result))
         if result.sensitivities:
             print_rows("Sensitivities at the first setting", SENSITIVITY_COLUMNS, sensitivity_rows(result))
 

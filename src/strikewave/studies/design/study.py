@@ -33,25 +33,28 @@ from strikewave.studies.design.conflict import Conflict, Reach, conflict_of
 from strikewave.studies.design.evaluation import is_derived
 from strikewave.studies.design.goals import Goal, Objective, shares_of
 from strikewave.studies.design.plan import DesignPlan
-from strikewave.studies.design.search import (
+from strikewave.studies.design.runs import (
     INFEASIBLE,
-    Advance,
     DesignRuns,
     Merit,
     margin_merit,
     objective_merit,
-    search,
     under,
 )
+from strikewave.studies.design.search import search
+from strikewave.studies.design.surrogate import SurrogateError, left_out_errors
 from strikewave.studies.engine.evaluation import Row
 from strikewave.studies.engine.pools import Pool, ProcessPool
+from strikewave.studies.engine.runner import Advance
 from strikewave.studies.engine.store import RunStore
 from strikewave.studies.sweep.study import KeptNumber, kept_number
 
 Array = NDArray[np.float64]
 
-SOURCES = ("storn-price-1997", "deb-2000")
+SOURCES: tuple[str, ...] = ("storn-price-1997", "deb-2000")
 """Keys of the sources of the search."""
+SURROGATE_SOURCES: tuple[str, ...] = ("sacks-1989", "dubrule-1983", "jones-1998", "deb-2000")
+"""The same by surrogate."""
 WEIGHTS = (0.25, 0.5, 0.75)
 """Weights of the first of two objectives, between the ends of their front, at which it is searched for besides."""
 
@@ -78,6 +81,8 @@ class DesignStudy(ShownResult):
         Runs that no other one beats in all objectives; empty with fewer than two of them.
     conflict : Conflict or None
         Goals that exclude each other, where nothing meets all.
+    surrogate : tuple of SurrogateError
+        How well each number is known by the other runs, where they are few; else empty.
     asked : str
         Command line that gives it again, where one does.
     """
@@ -93,6 +98,7 @@ class DesignStudy(ShownResult):
     sensitivities: tuple[Sensitivity, ...] = ()
     front: tuple[int, ...] = ()
     conflict: Conflict | None = None
+    surrogate: tuple[SurrogateError, ...] = ()
     asked: str = ""
 
     @property
@@ -226,6 +232,7 @@ class DesignStudy(ShownResult):
             "sensitivities": [self._sensitivity(one) for one in self.sensitivities],
             "front": [self._run(run) for run in self.front],
             "conflict": None if self.conflict is None else self._conflict(self.conflict),
+            "surrogate": [one._asdict() for one in self.surrogate],
             "sources": [citation(key) for key in self.citations],
         }
 
@@ -348,14 +355,14 @@ def make_design(
     """
     with ProcessPool(1) if pool is None else pool as open_pool:
         runs = DesignRuns(plan, store, open_pool, advance)
-        able = _goals_met(runs)
-        conflict = None if able else conflict_of(runs)
-        merit = _ranking(runs, able)
-        ranked = chosen_runs(runs, merit(runs.numbers))
-        candidates = _candidates(runs, ranked, store, open_pool)
-        moved = sensitivities(runs, candidates[0].run)
-        on_front = front(runs, plan.objectives) if len(plan.objectives) > 1 and able else []
-    sources = (*SOURCES, *(("chinneck-dravnieks-1991",) if conflict else ()))
+        conflict = None if _goals_met(runs) else conflict_of(runs)
+        candidates, moved = _ranked(runs, store, open_pool)
+        if not candidates[0].margin >= 0.0 and runs.meet():  # a step beside the nearest setting meets all goals
+            candidates, moved = _ranked(runs, store, open_pool)
+        conflict = None if runs.meet() else conflict
+        on_front = front(runs, plan.objectives) if len(plan.objectives) > 1 and runs.meet() else []
+    sources = SURROGATE_SOURCES if plan.by_surrogate else SOURCES
+    sources += ("chinneck-dravnieks-1991",) if conflict else ()
     sources += ("clopper-pearson-1934",) if plan.robust else ()
     study = DesignStudy(
         plan=plan,
@@ -366,9 +373,19 @@ def make_design(
         sensitivities=moved,
         front=tuple(on_front),
         conflict=conflict,
+        surrogate=left_out_errors(runs) if plan.by_surrogate else (),
         citations=sources,
     )
     return dataclasses.replace(study, notices=study.found_notices())
+
+
+def _ranked(
+    runs: DesignRuns, store: RunStore, pool: Pool
+) -> tuple[tuple[DesignCandidate, ...], tuple[Sensitivity, ...]]:
+    """Return the ranked settings, and the sensitivities of the first one, which take runs beside it."""
+    merit = _ranking(runs)
+    candidates = _candidates(runs, chosen_runs(runs, merit(runs.numbers)), store, pool)
+    return candidates, sensitivities(runs, candidates[0].run)
 
 
 def _goals_met(runs: DesignRuns) -> bool:
@@ -382,10 +399,10 @@ def _goals_met(runs: DesignRuns) -> bool:
     return float(merit(runs.numbers)[best]) <= 0.0
 
 
-def _ranking(runs: DesignRuns, able: bool) -> Merit:
+def _ranking(runs: DesignRuns) -> Merit:
     """Return the merit by which settings are ranked, after the searches that the objectives need."""
     plan, names = runs.plan, runs.plan.evaluation.names
-    if not able or not plan.objectives:
+    if not plan.objectives or not runs.meet():
         return margin_merit(plan.goals, names)
     salt = 2 * len(plan.goals) + 1
     merits = [objective_merit(one, plan.goals, names) for one in plan.objectives]

@@ -2,13 +2,17 @@
 
 from __future__ import annotations
 
+import os
 from concurrent.futures import Executor
 
-from strikewave.studies.engine.pools import GivenPool, Pool, ProcessPool
+from strikewave.studies.engine.pools import GivenPool, Pool, ProcessPool, ThreadPool
+from strikewave.uncertainty.runs import MOST_THREADS
 
 
-def pool_of(executor: Executor | None, workers: int, cluster: str | None = None) -> Pool:
+def pool_of(executor: Executor | None, workers: int | None, cluster: str | None = None) -> Pool:
     """Return the pool of an executor that is given, of a scheduler, or of so many processes of this machine.
+
+    With none of them threads of this process.
 
     Examples
     --------
@@ -21,4 +25,4 @@ def pool_of(executor: Executor | None, workers: int, cluster: str | None = None)
         from strikewave.studies.engine.cluster import ClusterPool
 
         return ClusterPool(cluster)
-    return ProcessPool(workers)
+    return ThreadPool(min(os.cpu_count() or 1, MOST_THREADS)) if workers is None else ProcessPool(workers)

@@ -14,13 +14,12 @@ from collections.abc import Sequence
 from concurrent.futures import CancelledError, Future
 from dataclasses import dataclass
 from types import TracebackType
-from typing import Any
+from typing import Any, Generic
 
 from strikewave.base.compiled import is_cold
 from strikewave.base.errors import InputError, StrikewaveError
-from strikewave.studies.engine.evaluation import Row, RunOutcome
-from strikewave.studies.engine.pools import Batch, Loss
-from strikewave.studies.engine.store import program_key
+from strikewave.studies.engine.keys import program_key
+from strikewave.studies.engine.pools import Answer, Asked, Batch, Loss
 
 OPTION = "--cluster"
 CONNECT_SECONDS = 10.0
@@ -34,13 +33,13 @@ ENDED_WORKER, CLOSED = "KilledWorker", "ClosedClientError"
 
 
 @dataclass(frozen=True)
-class OfThisVersion:
+class OfThisVersion(Generic[Asked, Answer]):
     """A batch that only a worker with the same strikewave runs: one that joins late is not asked before."""
 
-    batch: Batch
+    batch: Batch[Asked, Answer]
     program: str
 
-    def __call__(self, rows: Sequence[Row]) -> list[RunOutcome]:
+    def __call__(self, rows: Sequence[Asked]) -> list[Answer]:
         """Return what some rows come to.
 
         Raises
@@ -69,7 +68,7 @@ class ClusterPool:
 
     def __init__(self, address: str) -> None:
         self._address = address
-        self._running = set[Future[list[RunOutcome]]]()
+        self._running = set[Future[Any]]()
         self._is_warm = False
         self._client = self._connected(CONNECT_SECONDS)
         self._executor = self._client.get_executor(pure=False)
@@ -108,16 +107,16 @@ class ClusterPool:
             self._counted = time.monotonic()
         return self._width
 
-    def submit(self, job: Batch, rows: Sequence[Row]) -> Future[list[RunOutcome]]:
+    def submit(self, job: Batch[Asked, Answer], rows: Sequence[Asked]) -> Future[list[Answer]]:
         """Begin a batch."""
         if not self._is_warm:
             self._warm(job, rows)
-        future: Future[list[RunOutcome]] = self._executor.submit(OfThisVersion(job, program_key()), rows)
+        future: Future[list[Answer]] = self._executor.submit(OfThisVersion(job, program_key()), rows)
         self._running.add(future)
         future.add_done_callback(self._running.discard)
         return future
 
-    def _warm(self, job: Batch, rows: Sequence[Row]) -> None:
+    def _warm(self, job: Batch[Asked, Answer], rows: Sequence[Asked]) -> None:
         """Let one worker of each machine compile the kernels that are not there; the others find them on its disk."""
         self._is_warm = True
         one_each = {worker.rpartition(":")[0]: worker for worker in self._client.nthreads()}

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 from typing import NamedTuple, Protocol
 
 import numpy as np
@@ -12,6 +13,7 @@ from numpy.typing import NDArray
 
 from strikewave.base.errors import StrikewaveError, show
 from strikewave.cases.case import Case
+from strikewave.studies.engine.keys import run_key
 
 Array = NDArray[np.float64]
 Row = tuple[float, ...]
@@ -56,6 +58,8 @@ class RunOutcome:
         In the order of the names of its evaluation, SI; NaN where the run has none. Empty where it failed.
     histories : tuple of KeptHistory
         What else is kept.
+    document : str
+        An answer that is more than numbers, as JSON; empty where there is none.
     failure : str
         Why there is nothing; empty where there is.
     retry : bool
@@ -66,6 +70,7 @@ class RunOutcome:
 
     numbers: tuple[float, ...] = ()
     histories: tuple[KeptHistory, ...] = ()
+    document: str = ""
     failure: str = ""
     retry: bool = False
     seconds: float = 0.0
@@ -99,19 +104,39 @@ class Job:
     variation: Variation
     evaluation: Evaluation
 
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Of the numbers of its runs."""
+        return self.evaluation.names
+
+    def key(self, row: Row) -> bytes:
+        """Return the key of a row."""
+        return run_key(self.variation.case_of(row), self.evaluation)
+
     def __call__(self, rows: Iterable[Row]) -> list[RunOutcome]:
         """Return what some rows come to, each computed alone, so that no bit depends on what it is computed with."""
-        return [self._outcome(row) for row in rows]
+        return [attempt(partial(self._run, row)) for row in rows]
 
-    def _outcome(self, row: Row) -> RunOutcome:
-        begin = time.perf_counter()
-        try:
-            outcome = self.evaluation(self.variation.case_of(row))
-        except MemoryError as error:
-            outcome = failed(str(error) or "out of memory", retry=True)
-        except (StrikewaveError, ValueError, ArithmeticError) as error:
-            outcome = failed(str(error) or type(error).__name__)
-        return replace(outcome, seconds=time.perf_counter() - begin)
+    def _run(self, row: Row) -> RunOutcome:
+        return self.evaluation(self.variation.case_of(row))
+
+
+def attempt(run: Callable[[], RunOutcome]) -> RunOutcome:
+    """Return what a run comes to, with how long it took; or why it failed.
+
+    Examples
+    --------
+    >>> attempt(lambda: RunOutcome((1 / 0,))).failure
+    'division by zero'
+    """
+    begin = time.perf_counter()
+    try:
+        outcome = run()
+    except MemoryError as error:
+        outcome = failed(str(error) or "out of memory", retry=True)
+    except (StrikewaveError, ValueError, ArithmeticError) as error:
+        outcome = failed(str(error) or type(error).__name__)
+    return replace(outcome, seconds=time.perf_counter() - begin)
 
 
 def failed(reason: str, retry: bool = False) -> RunOutcome:

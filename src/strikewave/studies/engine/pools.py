@@ -5,15 +5,22 @@ from __future__ import annotations
 import enum
 import os
 from collections.abc import Callable, Sequence
-from concurrent.futures import BrokenExecutor, Executor, Future
+from concurrent.futures import BrokenExecutor, CancelledError, Executor, Future, ThreadPoolExecutor
+from dataclasses import dataclass
 from types import TracebackType
-from typing import Any, Protocol
+from typing import Any, Generic, Protocol, TypeVar
 
 from strikewave.base.errors import StrikewaveError
-from strikewave.studies.engine.evaluation import Row, RunOutcome
 from strikewave.studies.workers import Workers
 
-Batch = Callable[[Sequence[Row]], list[RunOutcome]]
+Asked = TypeVar("Asked")
+Answer = TypeVar("Answer")
+Batch = Callable[[Sequence[Asked]], list[Answer]]
+
+QUEUED = 2
+"""Batches that are out, for each that runs at a time: the next one waits where the last one ends."""
+MOST_DEATHS = 3
+"""How often a process may end with a run: then the run has ended it, not someone who needed the memory."""
 
 
 class Loss(enum.Enum):
@@ -35,7 +42,7 @@ class Pool(Protocol):
         """How many batches run at a time."""
         ...
 
-    def submit(self, job: Batch, rows: Sequence[Row]) -> Future[list[RunOutcome]]:
+    def submit(self, job: Batch[Asked, Answer], rows: Sequence[Asked]) -> Future[list[Answer]]:
         """Begin a batch."""
         ...
 
@@ -76,7 +83,7 @@ class ProcessPool:
     ) -> None:
         self._workers.__exit__(kind, error, trace)
 
-    def submit(self, job: Batch, rows: Sequence[Row]) -> Future[list[RunOutcome]]:
+    def submit(self, job: Batch[Asked, Answer], rows: Sequence[Asked]) -> Future[list[Answer]]:
         """Begin a batch; in this process it is done when this returns."""
         return self._workers.submit(job, rows)
 
@@ -113,10 +120,10 @@ class GivenPool:
     def __exit__(
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
-        for future in self._running:
+        for future in list(self._running):
             future.cancel()
 
-    def submit(self, job: Batch, rows: Sequence[Row]) -> Future[list[RunOutcome]]:
+    def submit(self, job: Batch[Asked, Answer], rows: Sequence[Asked]) -> Future[list[Answer]]:
         """Begin a batch."""
         future = self._executor.submit(job, rows)
         self._running.add(future)
@@ -137,3 +144,98 @@ class GivenPool:
         """
         if getattr(self._executor, "_broken", False):
             raise StrikewaveError("a process of the executor ended before its time: give another one, which goes on")
+
+
+class ThreadPool(GivenPool):
+    """Threads of this process: for runs that leave the interpreter free most of their time, as compiled kernels do.
+
+    Examples
+    --------
+    >>> with ThreadPool(2) as pool:
+    ...     pool.submit(list, [(1.0,)]).result()
+    [(1.0,)]
+    """
+
+    def __init__(self, count: int) -> None:
+        super().__init__(ThreadPoolExecutor(count), count)
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        self._executor.shutdown(cancel_futures=True)
+
+
+@dataclass(frozen=True)
+class Each(Generic[Asked, Answer]):
+    """A function of each item of a batch: picklable where the function is."""
+
+    function: Callable[[Asked], Answer]
+
+    def __call__(self, items: Sequence[Asked]) -> list[Answer]:
+        """Return the results of some items."""
+        return [self.function(item) for item in items]
+
+
+def each_on(pool: Pool, function: Callable[[Asked], Answer], items: Sequence[Asked]) -> list[Answer]:
+    """Return the result of each item, in their order: for runs that nobody keeps; `carry_out` is for those of a store.
+
+    Parameters
+    ----------
+    pool : Pool
+        Who computes them; with processes, function and items are picklable.
+    function : callable
+        Computes one; what it raises is raised.
+    items : sequence
+        What to compute.
+
+    Raises
+    ------
+    StrikewaveError
+        If processes end with it `MOST_DEATHS` times.
+
+    Examples
+    --------
+    >>> with ThreadPool(2) as pool:
+    ...     each_on(pool, abs, [-1, 2])
+    [1, 2]
+    """
+    job, answers = Each(function), dict[int, list[Answer]]()
+    size = max(len(items) // (QUEUED * pool.width), 1)
+    batches = [items[k : k + size] for k in range(0, len(items), size)]
+    for _ in range(MOST_DEATHS):
+        futures = {k: begin(pool, job, batch) for k, batch in enumerate(batches) if k not in answers}
+        try:
+            for k, future in futures.items():
+                error = error_of(future)
+                if error is None:
+                    answers[k] = future.result()
+                elif pool.loss(error) is None:
+                    raise error
+        except BaseException:
+            for future in futures.values():
+                future.cancel()
+            raise
+        if len(answers) == len(batches):
+            return [answer for k in range(len(batches)) for answer in answers[k]]
+        pool.renew()
+    raise StrikewaveError(f"processes ended {MOST_DEATHS} times before their runs did: killed, or out of memory")
+
+
+def error_of(future: Future[Any]) -> BaseException | None:
+    """Wait for a future, and return what it raised, or that it was cancelled."""
+    try:
+        return future.exception()
+    except CancelledError as error:
+        return error
+
+
+def begin(pool: Pool, job: Batch[Asked, Answer], items: Sequence[Asked]) -> Future[list[Answer]]:
+    """Begin a batch; where the pool is lost already, its future has the error."""
+    try:
+        return pool.submit(job, items)
+    except Exception as error:
+        if pool.loss(error) is None:
+            raise
+        lost: Future[list[Answer]] = Future()
+        lost.set_exception(error)
+        return lost

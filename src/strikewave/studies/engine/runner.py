@@ -9,13 +9,13 @@ from __future__ import annotations
 import time
 from collections import deque
 from collections.abc import Callable, Sequence
-from concurrent.futures import FIRST_COMPLETED, CancelledError, Future, wait
-from typing import NamedTuple
+from concurrent.futures import FIRST_COMPLETED, Future, wait
+from typing import Generic, NamedTuple, Protocol, TypeVar
 
 from strikewave.base.compiled import is_cold
-from strikewave.studies.engine.evaluation import Job, Row, RunOutcome, failed
-from strikewave.studies.engine.pools import Loss, Pool
-from strikewave.studies.engine.store import RunStore, run_key
+from strikewave.studies.engine.evaluation import RunOutcome, failed
+from strikewave.studies.engine.pools import MOST_DEATHS, QUEUED, Loss, Pool, begin, error_of
+from strikewave.studies.engine.store import RunStore
 
 BATCH_SECONDS, OF_A_HUNDRED = 0.25, 1.6
 """About how long a batch takes: handing it over, some 2 ms, then costs a hundredth, and a study that is killed has lost
@@ -23,10 +23,26 @@ no more than that of each process. With more than sixteen workers 1.6 s for ever
 works 8 ms on a batch (measured), half of its time then."""
 MOST_IN_BATCH = 256
 """Most runs of a batch: what it keeps stays small."""
-QUEUED = 2
-"""Batches that are out, for each that runs at a time: the next one waits where the last one ends."""
-MOST_DEATHS = 3
-"""How often a process may end with a run: then the run has ended it, not someone who needed the memory."""
+
+Asked = TypeVar("Asked")
+Asked_contra = TypeVar("Asked_contra", contravariant=True)
+
+
+class Work(Protocol[Asked_contra]):
+    """What a process is given with its rows, or with whatever else tells its runs apart: picklable."""
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Of the numbers of its runs."""
+        ...
+
+    def key(self, asked: Asked_contra, /) -> bytes:
+        """Return the key of a run."""
+        ...
+
+    def __call__(self, asked: Sequence[Asked_contra], /) -> list[RunOutcome]:
+        """Return what some runs come to."""
+        ...
 
 
 class StudyProgress(NamedTuple):
@@ -55,6 +71,21 @@ class StudyProgress(NamedTuple):
         return ", ".join(filter(None, [rate, f"{self.failed} failed" if self.failed else ""]))
 
 
+Advance = Callable[[StudyProgress], None]
+
+
+def share_reporter(progress: Callable[[float], None] | None) -> Advance | None:
+    """Return what reports the share of the runs that are finished, 0 to 1; None where nobody asks.
+
+    Examples
+    --------
+    >>> report = share_reporter(print)
+    >>> report(StudyProgress(4, 1, 0, 2.0)) if report else None
+    0.25
+    """
+    return None if progress is None else (lambda done: progress(done.share))
+
+
 class Finished(NamedTuple):
     """Keys of the rows of a job, in their order, and how many of them were there already."""
 
@@ -63,19 +94,19 @@ class Finished(NamedTuple):
 
 
 def carry_out(
-    job: Job,
-    rows: Sequence[Row],
+    job: Work[Asked],
+    rows: Sequence[Asked],
     store: RunStore,
     pool: Pool,
-    advance: Callable[[StudyProgress], None] | None = None,
+    advance: Advance | None = None,
 ) -> Finished:
     """Run all rows of a job that a store does not have, and keep them there.
 
     Parameters
     ----------
-    job : Job
-        What is run.
-    rows : sequence of tuple
+    job : Work
+        What is run, such as a `Job`.
+    rows : sequence
         Where; equal ones are run once.
     store : RunStore
         What is finished.
@@ -96,36 +127,31 @@ def carry_out(
     StrikewaveError
         If the pool is lost.
     """
-    work = _Work(job, rows, store, advance)
+    work = _Unfinished(job, rows, store, advance)
     work.all_on(pool)
     return Finished(work.keys, work.reused)
 
 
-def finished_before(job: Job, rows: Sequence[Row], store: RunStore) -> int:
+def finished_before(job: Work[Asked], rows: Sequence[Asked], store: RunStore) -> int:
     """Return how many rows of a job a store has already."""
     known = store.known()
-    return sum(key_of(job, row) in known for row in rows) if known else 0
+    return sum(job.key(row) in known for row in rows) if known else 0
 
 
-def key_of(job: Job, row: Row) -> bytes:
-    """Return the key of a row."""
-    return run_key(job.variation.case_of(row), job.evaluation)
-
-
-class _Work:
+class _Unfinished(Generic[Asked]):
     """What is left of a job, and what is out; keys are made as rows are taken, while processes run those before."""
 
     def __init__(
         self,
-        job: Job,
-        rows: Sequence[Row],
+        job: Work[Asked],
+        rows: Sequence[Asked],
         store: RunStore,
-        advance: Callable[[StudyProgress], None] | None,
+        advance: Advance | None,
     ) -> None:
         self._job, self._store, self._advance = job, store, advance
         self.keys, self.reused = list[bytes](), 0
         self._all, self._known = rows, store.known()
-        self._rows = dict[bytes, Row]()  # that are out
+        self._rows = dict[bytes, Asked]()  # that are out
         self._next: bytes | None = None
         self._out = dict[Future[list[RunOutcome]], list[bytes]]()
         self._suspects, self._innocent = deque[list[bytes]](), deque[list[bytes]]()  # to be run again
@@ -140,7 +166,7 @@ class _Work:
         self._next = None
         while self._next is None and len(self.keys) < len(self._all):
             row = self._all[len(self.keys)]
-            key = key_of(self._job, row)
+            key = self._job.key(row)
             self.keys.append(key)
             if key in self._known:
                 self.reused += 1
@@ -180,14 +206,7 @@ class _Work:
         return batch
 
     def _submit(self, pool: Pool, keys: list[bytes]) -> None:
-        try:
-            future = pool.submit(self._job, [self._rows[key] for key in keys])
-        except Exception as error:
-            if pool.loss(error) is None:
-                raise
-            future = Future()
-            future.set_exception(error)
-        self._out[future] = keys
+        self._out[begin(pool, self._job, [self._rows[key] for key in keys])] = keys
 
     def _take(self, pool: Pool) -> None:
         """Wait for a batch, and keep all that are there."""
@@ -206,7 +225,7 @@ class _Work:
     def _kept(self, pool: Pool, future: Future[list[RunOutcome]]) -> Loss | None:
         """Keep a batch that came back; or return what ended it before its time, and have it run again."""
         keys = self._out.pop(future)
-        error = CancelledError() if future.cancelled() else future.exception()
+        error = error_of(future)
         if error is None:
             self._finish(keys, future.result())
             return None
@@ -235,7 +254,7 @@ class _Work:
         self._finish(keys, [failed(reason, retry=True)])
 
     def _finish(self, keys: list[bytes], outcomes: list[RunOutcome]) -> None:
-        self._store.keep(self._job.evaluation.names, zip(keys, outcomes, strict=True))
+        self._store.keep(self._job.names, zip(keys, outcomes, strict=True))
         for key in keys:
             del self._rows[key]
         self._done += len(keys)

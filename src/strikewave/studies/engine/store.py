@@ -1,7 +1,7 @@
 """The finished runs of a study in a folder, so that one that was stopped goes on where it was and repeats nothing.
 
-``index.sqlite`` holds a row a run: its key, its numbers (SI), or why it failed. A key is the SHA-256 of the case as it
-runs, of what is computed of it, and of the version; a folder may hold runs of several studies. Histories go into
+``index.sqlite`` holds a row a run: its key (`strikewave.studies.engine.keys`), its numbers (SI), or the document of its
+answer, or why it failed; a folder may hold runs of several studies. Histories go into
 ``run-histories-N.parquet`` once there are enough for a file; till then they stand in the index. One process writes,
 each batch of runs in one transaction: what was finished stays, whatever ends the program. A run that failed is a row
 too; one for want of memory, or whose process was ended, is forgotten when the store is opened again, and made again.
@@ -11,8 +11,6 @@ from __future__ import annotations
 
 import contextlib
 import errno
-import functools
-import hashlib
 import importlib
 import os
 import shutil
@@ -26,65 +24,25 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from strikewave._version import __version__
-from strikewave.base.compiled import PACKAGE, kernel_key
 from strikewave.base.errors import InputError
 from strikewave.base.folder_claim import refusal
-from strikewave.cases.case import Case
-from strikewave.studies.engine.evaluation import Evaluation, KeptHistory, RunOutcome
+from strikewave.studies.engine.evaluation import KeptHistory, RunOutcome
 
 Array = NDArray[np.float64]
 
 INDEX = "index.sqlite"
-CHUNK = "run-histories-{}.parquet"
+CHUNK, STATE = "run-histories-{}.parquet", "state-{}.h5"
 """Names of the files in the folder."""
-APPLICATION, FORMAT = 0x5354524B, 2
+APPLICATION, FORMAT = 0x5354524B, 3
 """What tells the index from other files of SQLite ("STRK"), and its version."""
 CHUNK_BYTES = 32_000_000
 """Bytes of histories in a file. Chosen: some 2000 runs of eleven blows, which a process holds without noticing, and
 100 000 of them make fifty files."""
 LONGEST_NAME = 200
 """Characters of a folder's name that the store takes over: a file system takes 255 bytes, dot and ending included."""
+KEY_DIGITS = 32
+"""Digits of a key in the name of a file: 128 bits tell all runs apart."""
 _HINT = "begin anew with --fresh, or choose another folder"
-
-
-@functools.cache
-def program_key() -> str:
-    """Return what a result depends on beside its case: the version, and the source of the kernels."""
-    return f"{__version__} {kernel_key(PACKAGE)}"
-
-
-def run_key(case: Case, evaluation: Evaluation) -> bytes:
-    """Return the key of a run: the SHA-256 of its case with the files it names, its evaluation, and the version.
-
-    Examples
-    --------
-    >>> from strikewave import load_case
-    >>> from strikewave.studies.engine.case_evaluation import CaseEvaluation
-    >>> case, peak = load_case("li-ma-2019"), CaseEvaluation("run", ("first.rigid_peak",))
-    >>> run_key(case, peak) == run_key(load_case("li-ma-2019"), peak)
-    True
-    >>> run_key(case, peak) == run_key(load_case("li-ma-2019", ["machine.speed=700 rpm"]), peak)
-    False
-    """
-    digest = hashlib.sha256(f"{program_key()} {evaluation!r}\n".encode())
-    digest.update(case.model_dump_json(serialize_as_any=True).encode())  # a field of a table's own kind counts too
-    for file in case_files(case):
-        digest.update(_file_digest(file, file.stat().st_mtime_ns))
-    return digest.digest()
-
-
-def case_files(case: Case) -> list[Path]:
-    """Return the files that a case names: of its load, and of parts of its mesh."""
-    names = [case.load.file] if case.load is not None else []
-    names += [getattr(part, "file", "") for part in (case.mesh.part if case.mesh is not None else ())]
-    return [path for path in map(Path, filter(None, names)) if path.is_file()]
-
-
-@functools.lru_cache(maxsize=64)
-def _file_digest(path: Path, changed: int) -> bytes:
-    with path.open("rb") as file:
-        return hashlib.file_digest(file, "sha256").digest()
 
 
 def runs_beside(folder: Path) -> Path:
@@ -146,6 +104,8 @@ class RunStore:
             base.execute("BEGIN EXCLUSIVE")
             if fresh:
                 self._empty(base)
+                for path in self.folder.glob(STATE.format("*")):
+                    path.unlink()
             self._prepare(base)
             base.execute("COMMIT")
             self._check_chunks(base)
@@ -175,7 +135,8 @@ class RunStore:
         base.execute(f"PRAGMA user_version = {FORMAT}")
         base.execute(
             "CREATE TABLE IF NOT EXISTS runs "
-            "(key BLOB PRIMARY KEY, failure TEXT NOT NULL, retry INTEGER NOT NULL, seconds REAL NOT NULL) WITHOUT ROWID"
+            "(key BLOB PRIMARY KEY, failure TEXT NOT NULL, retry INTEGER NOT NULL, seconds REAL NOT NULL, "
+            "document TEXT NOT NULL) WITHOUT ROWID"
         )
         base.execute("DELETE FROM runs WHERE retry")
         base.execute(
@@ -217,10 +178,22 @@ class RunStore:
     def remove(self) -> None:
         """Remove index and files, the index first, so that it never names a file that is gone."""
         self.close()
-        for path in [*(self.folder / f"{INDEX}{end}" for end in ("", "-wal", "-shm")), *self.chunks]:
+        index = [self.folder / f"{INDEX}{end}" for end in ("", "-wal", "-shm")]
+        for path in [*index, *self.chunks, *self.folder.glob(STATE.format("*"))]:
             path.unlink(missing_ok=True)
         with contextlib.suppress(OSError):
             self.folder.rmdir()
+
+    @property
+    def empty(self) -> bool:
+        """Whether it has nothing to go on with: no finished run, and no state of one."""
+        return not self.known() and not any(self.folder.glob(STATE.format("*")))
+
+    @property
+    def fruitless(self) -> bool:
+        """Whether no run has come to anything."""
+        with self._in_words():
+            return self._base.execute("SELECT 1 FROM runs WHERE failure = '' LIMIT 1").fetchone() is None
 
     def known(self) -> set[bytes]:
         """Return the keys of all finished runs, failed ones among them."""
@@ -244,8 +217,9 @@ class RunStore:
                 for key, outcome in finished:
                     numbers = outcome.numbers or (None,) * len(names)
                     done = self._base.execute(
-                        f"INSERT OR IGNORE INTO runs (key, failure, retry, seconds{places}) VALUES (?, ?, ?, ?{marks})",
-                        (key, outcome.failure, outcome.retry, outcome.seconds, *numbers),
+                        f"INSERT OR IGNORE INTO runs (key, failure, retry, seconds, document{places}) "
+                        f"VALUES (?, ?, ?, ?, ?{marks})",
+                        (key, outcome.failure, outcome.retry, outcome.seconds, outcome.document, *numbers),
                     )
                     if done.rowcount:
                         self._keep_histories(key, outcome.histories)
@@ -284,6 +258,10 @@ class RunStore:
             self._base.execute("COMMIT")
             self._waiting = 0
 
+    def state(self, key: bytes) -> Path:
+        """Return where a long run keeps the state that it goes on from: it is removed with the store."""
+        return self.folder / STATE.format(key.hex()[:KEY_DIGITS])
+
     @property
     def chunks(self) -> list[Path]:
         """The files of histories, in their order."""
@@ -320,6 +298,12 @@ class RunStore:
         at = [wanted[key] for key in keys]
         return numbers[at], [failures[place] for place in at], seconds[at]
 
+    def documents(self, keys: Sequence[bytes]) -> list[tuple[str, str]]:
+        """Return the documents of runs that are there, and their failures."""
+        question = "SELECT document, failure FROM runs WHERE key = ?"
+        with self._in_words():
+            return [self._base.execute(question, (key,)).fetchone() for key in keys]
+
     def histories(self) -> Iterator[tuple[bytes, KeptHistory]]:
         """Yield all histories with the keys of their runs, one file after the other."""
         parquet = importlib.import_module("pyarrow.parquet")
@@ -353,6 +337,11 @@ class RunStore:
             raise InputError(self._option, place, "finished runs; their index is damaged", _HINT) from None
         except OSError as error:
             raise InputError(self._option, place, "a place that can be written", refusal(error, path)) from None
+
+
+def given_or_temporary(store: RunStore | None) -> contextlib.AbstractContextManager[RunStore]:
+    """Return a store that someone else opened and closes, or one for as long as it is used."""
+    return RunStore(None) if store is None else contextlib.nullcontext(store)
 
 
 def _hand_over(path: Path, other: Path, keys: set[bytes]) -> bool:

@@ -144,6 +144,10 @@ def with_word(case: Case, path: str, word: str) -> Case:
 
 def _quantity(case: Case, path: str, given: str, points: int) -> StudyVariable:
     found = _RANGE.fullmatch(given)
+    if found is None and ":" in given:  # as other tools write ranges; no quantity has a colon
+        low, high = _with_unit([given.partition(":")[0], given.rpartition(":")[2]])
+        hint = f'such as "{path}={low.partition(" ")[0]}..{high}:{points}"'
+        raise InputError("--vary", f"{path}={given}", "a range written low..high:COUNT, or values and commas", hint)
     if found is None:
         values = read_list(case, path, given)
         unit, si_unit = units_of(path, values[-1])

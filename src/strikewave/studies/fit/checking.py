@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -12,6 +13,7 @@ from numpy.typing import NDArray
 from strikewave.analyses.compare.agreement import CurveAgreement, agreement
 from strikewave.analyses.compare.curve import FIGURES, ComparedCurve
 from strikewave.signal.pulse import Pulse
+from strikewave.studies.fit.batches import each_or_none
 from strikewave.studies.fit.covariance import NORMAL, Estimate
 from strikewave.studies.fit.measured import MeasuredNumber, MeasuredPulse
 from strikewave.studies.fit.problem import Experiment, Problem
@@ -19,7 +21,6 @@ from strikewave.studies.fit.solving import Solved
 from strikewave.studies.simulation import Simulation
 from strikewave.uncertainty.bands import latin_hypercube
 from strikewave.uncertainty.draws import normal_quantile
-from strikewave.uncertainty.runs import on_threads
 
 Array = NDArray[np.float64]
 
@@ -91,7 +92,7 @@ def check(solved: Solved, experiments: Sequence[Experiment]) -> Checks:
     places = [found.place, *(allowed_places(solved, drawn) if found.undetermined.size else drawn)]
     left = _left_over(problem, found.place)
     kept_out = Problem(experiments, problem.fields)
-    runs = on_threads(lambda place: _predicted(kept_out, place), places)
+    runs = each_or_none(functools.partial(_predicted, kept_out), places)
     nominal = runs[0]
     assert nominal is not None
     draws = [run for run in runs[1:] if run is not None]
@@ -147,7 +148,7 @@ def allowed_places(solved: Solved, places: Sequence[Array]) -> list[Array]:
     limit = found.misfit + per * float(chdtri(size, 0.05)) * (found.widest / NORMAL) ** 2
     kept, left = [np.asarray(place) for place in places], list(range(len(places)))
     for _ in range(HALVINGS):
-        residuals = on_threads(solved.problem.residuals, [kept[k] for k in left])
+        residuals = each_or_none(solved.problem.residuals, [kept[k] for k in left])
         left = [k for k, one in zip(left, residuals, strict=True) if one is None or float(one @ one) > limit]
         if not left:
             break

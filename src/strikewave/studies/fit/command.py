@@ -8,7 +8,7 @@ import typer
 
 from strikewave.reporting import measured_files as measured
 from strikewave.reporting.low_pass import LowPassOptions
-from strikewave.reporting.options import Changes, Output, case_name
+from strikewave.reporting.options import Changes, Output, Shared, case_name
 
 STATES_ALL = "the file of a whole fit states them: beside it there are only --set, of its case, and --bayes"
 
@@ -65,6 +65,7 @@ def command(
     changes: Changes = None,
     measurement: measured.MeasurementOptions,
     filtering: LowPassOptions,
+    shared: Shared,
     output: Output,
 ) -> int:
     """Fit values of a case to measurements.
@@ -80,11 +81,13 @@ def command(
     from strikewave.studies.fit.fit_file import is_fit_file
     from strikewave.studies.fit.request import FitRequest
     from strikewave.studies.fit.screen import run_fit, run_fit_file
+    from strikewave.studies.fit.study import fit_pool
 
     reading = SourceOptions(measurement.calibration(), measurement.reading(), filtering.low_pass(), band=False)
     asked = FitRequest(tuple(to or ()), tuple(free or ()), tries, tuple(check_on or ()), reading, bayes)
+    pool = fit_pool(None, shared.workers, shared.cluster)
     if is_fit_file(case):
         if asked != FitRequest(reading=SourceOptions(band=False), bayes=bayes):
             raise InputError("CASE", case, "a case, where records, fields or their reading are typed", STATES_ALL)
-        return run_fit_file(case, changes or (), output, bayes)
-    return run_fit(output.tested(load_case(case, changes or ())), changes or (), asked, output)
+        return run_fit_file(case, changes or (), output, pool, bayes)
+    return run_fit(output.tested(load_case(case, changes or ())), changes or (), asked, output, pool)

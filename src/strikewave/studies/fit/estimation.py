@@ -13,13 +13,14 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from strikewave.studies.fit.batches import each_or_none
 from strikewave.studies.fit.covariance import Estimate
 from strikewave.uncertainty.bands import latin_hypercube
-from strikewave.uncertainty.runs import on_threads, or_none
+from strikewave.uncertainty.runs import or_none
 
 Array = NDArray[np.float64]
 Residuals = Callable[[Array], Array]
-"""Takes a place; returns the residuals, or raises what `on_threads` takes for a failure."""
+"""Takes a place; returns the residuals, or raises what `each_or_none` takes for a failure."""
 
 SCREENED, MOST_SCREENED = 8, 32
 """Places tried before the search, for each coordinate and at most: chosen so that a valley a fifth as wide as the
@@ -92,10 +93,16 @@ class Search:
             self._residuals, self._last = other, {}
             self.best = self.best and (math.inf, self.best[1])
 
+    def of_others(self, residuals: Residuals) -> Search:
+        """Return a search of other residuals of the same cube, which goes on counting the runs."""
+        search = Search(residuals, self.size, self._advance, self._least / STAIRS)
+        search.runs = self.runs
+        return search
+
     def many(self, places: Sequence[Array]) -> list[Array | None]:
         """Return the residuals at some places; None where they cannot be found."""
         alone = len(places) == 1  # threads would take longer to begin
-        found = [or_none(self._residuals, places[0])] if alone else on_threads(self._residuals, list(places))
+        found = [or_none(self._residuals, places[0])] if alone else each_or_none(self._residuals, list(places))
         for place, residuals in zip(places, found, strict=True):
             self.runs += 1
             if residuals is not None and (self.best is None or float(residuals @ residuals) < self.best[0]):

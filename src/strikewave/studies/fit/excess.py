@@ -48,53 +48,50 @@ class Excess(NamedTuple):
         return math.sqrt(self.within**2 + repeats * self.between**2)
 
 
-def excess_of(residuals: Array, jacobian: Array, groups: Sequence[int]) -> Excess:
+def excess_of(residuals: Array, groups: Sequence[int], values: int) -> Excess:
     """Return by how much numbers are off beyond their uncertainties.
 
     Of n repeats in G groups and p values, the repeats tell the one part with n - G degrees of freedom, and their means
-    the other with G - p: the variance at which the weighted sum of squares of the means, values at their best, is as
-    expected (Paule & Mandel 1982). Without repeats that is the ratio of Birge (1932). Either counts where chance makes
-    as much once in a thousand times at most.
+    the other with G - p: the variance at which the weighted sum of squares of the means is as expected (Paule & Mandel
+    1982; the values shall be the best under these weights). Without repeats that is the ratio of Birge (1932). Either
+    counts where chance makes as much once in a thousand times at most.
 
     Parameters
     ----------
-    residuals, jacobian : ndarray
-        Of the numbers, over their standard uncertainties; the slopes have a column for each value.
+    residuals : ndarray
+        Of the numbers, over their standard uncertainties.
     groups : sequence of int
         Which group each is of: repeats at one setting have one; `ALONE` for one that is known from elsewhere.
+    values : int
+        How many values are fitted.
 
     Examples
     --------
     >>> values = np.array([-10.0, 0.0, 10.0])  # three of one value, each sure to 1
-    >>> found = excess_of(values, np.ones((3, 1)), [0, 1, 2])
+    >>> found = excess_of(values, [0, 1, 2], 1)
     >>> round(found.of_another, 9), found.freedom
     (10.0, 2.0)
-    >>> excess_of(values / 10.0, np.ones((3, 1)), [0, 1, 2])
+    >>> excess_of(values / 10.0, [0, 1, 2], 1)
     Excess(within=1.0, between=0.0, freedom=inf)
     """
     from scipy.optimize import brentq
     from scipy.special import chdtri
 
     of_model = np.array(groups) != ALONE
-    apart, apart_slopes = residuals[~of_model], jacobian[~of_model]
+    apart = float(np.sum(residuals[~of_model] ** 2))
     _, places, repeats = np.unique(np.array(groups)[of_model], return_inverse=True, return_counts=True)
-    mean = np.equal.outer(np.arange(repeats.size), places) / repeats[:, None]
-    means, slopes = mean @ residuals[of_model], mean @ jacobian[of_model]
+    means = np.bincount(places, residuals[of_model]) / repeats
 
     scatter, repeated = float(np.sum((residuals[of_model] - means[places]) ** 2)), places.size - repeats.size
     scattered = repeated > 0 and scatter > float(chdtri(repeated, CHANCE))
     within = scatter / repeated if scattered else 1.0
 
     def left(between: float) -> float:
-        weights = 1.0 / np.sqrt(within / repeats + between)
-        measured = np.concatenate([weights * means, apart])
-        along = np.concatenate([weights[:, None] * slopes, apart_slopes])
-        best = measured - along @ np.linalg.lstsq(along, measured)[0]
-        return float(best @ best)
+        return apart + float(np.sum(means**2 / (within / repeats + between)))
 
-    freedom = repeats.size + apart.size - jacobian.shape[1]
+    freedom = residuals.size - repeated - values
     if freedom < 1 or not repeats.size or left(0.0) <= float(chdtri(freedom, CHANCE)):
         return Excess(math.sqrt(within), 0.0, float(repeated) if scattered else math.inf)
-    most = float(means @ means + apart @ apart) / freedom
+    most = left(0.0) * float(np.max(within / repeats)) / freedom
     between = brentq(lambda size: left(size) - freedom, 0.0, most) if left(most) < freedom else most
     return Excess(math.sqrt(within), math.sqrt(between), float(freedom))

@@ -8,6 +8,7 @@ the prior.
 
 from __future__ import annotations
 
+import functools
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -17,12 +18,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from strikewave.base.errors import MISSING, InputError
+from strikewave.studies.fit.batches import each_or_none
 from strikewave.studies.fit.checking import DRAWS, drawn_places
 from strikewave.studies.fit.covariance import NORMAL, Estimate
 from strikewave.studies.fit.estimation import Residuals
 from strikewave.studies.fit.measured import MeasuredPulse
+from strikewave.studies.fit.problem import Problem
 from strikewave.studies.fit.solving import Solved
-from strikewave.uncertainty.runs import on_threads
 
 Array = NDArray[np.float64]
 
@@ -141,13 +143,12 @@ def _root(matrix: Array) -> Array:
 
 def log_likelihood(residuals: Residuals, found: Estimate) -> Callable[[Array], float]:
     """Return the logarithm of the likelihood at a place, but for a constant: -S/2 with S the rise of the misfit."""
-    adjusted, best = adjustment(found), found.misfit
+    return functools.partial(_log_likelihood, residuals, found.place, found.misfit, adjustment(found))
 
-    def at(place: Array) -> float:
-        left = residuals(np.clip(found.place + adjusted @ (place - found.place), 0.0, 1.0))
-        return -0.5 * (float(left @ left) - best)
 
-    return at
+def _log_likelihood(residuals: Residuals, best: Array, misfit: float, adjusted: Array, place: Array) -> float:
+    left = residuals(np.clip(best + adjusted @ (place - best), 0.0, 1.0))
+    return -0.5 * (float(left @ left) - misfit)
 
 
 def sample(
@@ -173,7 +174,7 @@ def sample(
     def many(places: Array) -> Array:
         nonlocal runs
         inside = np.all((places >= 0.0) & (places <= 1.0), axis=1)
-        answers = on_threads(likelihood, list(places[inside]))
+        answers = each_or_none(likelihood, list(places[inside]))
         runs += len(answers)
         values = np.full(len(places), -math.inf)
         values[inside] = [-math.inf if one is None or math.isnan(one) else one for one in answers]
@@ -234,22 +235,25 @@ def predictive_bands(solved: Solved, posterior: Posterior, most: int) -> list[tu
     Each run is laid on its record, as in the fit.
     """
     problem = solved.problem
-
-    def curves(place: Array) -> list[Array]:
-        return [
-            one.laid(run).computed
-            for experiment, run in zip(problem.experiments, problem.runs(place), strict=True)
-            for one in experiment.measured
-            if isinstance(one, MeasuredPulse)
-        ][:most]
-
     pulses = [one for one in problem.measured if isinstance(one, MeasuredPulse)][:most]
     if not pulses:
         return []
-    found = [one for one in on_threads(curves, posterior.some(PREDICTED)) if one is not None]
+    found = [
+        one for one in each_or_none(functools.partial(_curves, problem), posterior.some(PREDICTED)) if one is not None
+    ]
     bands = []
     for k, pulse in enumerate(pulses):
         low, middle, high = np.quantile([one[k] for one in found], (0.025, 0.5, 0.975), axis=0)
         noise = NORMAL * pulse.deviation
         bands.append((middle - np.hypot(middle - low, noise), middle + np.hypot(high - middle, noise)))
     return bands
+
+
+def _curves(problem: Problem, place: Array) -> list[Array]:
+    """Return the computed pulses at a place, each laid on its record."""
+    return [
+        one.laid(run).computed
+        for experiment, run in zip(problem.experiments, problem.runs(place), strict=True)
+        for one in experiment.measured
+        if isinstance(one, MeasuredPulse)
+    ]

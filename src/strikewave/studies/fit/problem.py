@@ -246,8 +246,8 @@ class Problem:
             blocks.append(ResidualBlock(rows, one.correlation / one.left**2, shot, left, one.shared, quiet))
         return blocks
 
-    def excess_at(self, residuals: Array, slopes: Callable[[], Array]) -> Excess:
-        """Return by how much the numbers are off; the slopes of all residuals are asked for where they are needed."""
+    def excess_of(self, residuals: Array) -> Excess:
+        """Return by how much the numbers are off, by the residuals of all that was measured."""
         rows, groups, known = list[int](), list[int](), dict[tuple[int, str], int]()
         place = 0
         for setting, experiment in enumerate(self.experiments):
@@ -258,7 +258,7 @@ class Problem:
                 place += 1 if isinstance(one, MeasuredNumber) else one.time.size
         if len(rows) == len(known) <= len(self.fields):  # values that meet them all
             return AS_STATED
-        return excess_of(residuals[rows], slopes()[rows], groups)
+        return excess_of(residuals[rows], groups, len(self.fields))
 
     def weighted(self, misfits: Sequence[Misfit], excess: Excess) -> Problem:
         """Return the problem with what is left in its weights: of the records of each part, and of the numbers.

@@ -15,6 +15,7 @@ from strikewave.reporting import measured_files as measured
 from strikewave.reporting.options import Output
 from strikewave.reporting.run_and_write import Command, case_folder, run_and_write
 from strikewave.reporting.terminal import print_rows, progress_bar, tell
+from strikewave.studies.engine.pools import Pool
 from strikewave.studies.fit.columns import (
     CHECK_COLUMNS,
     CORRELATION_TITLE,
@@ -43,7 +44,7 @@ EXPECTED = 60
 """Runs that a fit takes for each free field, roughly: for the bar alone."""
 
 
-def run_fit_file(path: str, changes: Sequence[str], output: Output, bayes: bool = False) -> int:
+def run_fit_file(path: str, changes: Sequence[str], output: Output, pool: Pool | None, bayes: bool = False) -> int:
     """Do the fit of a file, with its posterior if asked; write and print it, and return the exit code.
 
     Raises
@@ -54,10 +55,10 @@ def run_fit_file(path: str, changes: Sequence[str], output: Output, bayes: bool 
     read = load_fit(path, changes)
     usual = f"fit-{case_folder(read.path.stem, read.path.read_text('utf-8-sig'), changes)}"
     request = dataclasses.replace(read.request, bayes=read.request.bayes or bayes)
-    return _run(output.tested(read.case), request, output, usual, [read.path])
+    return _run(output.tested(read.case), request, output, usual, pool, [read.path])
 
 
-def run_fit(case: Case, changes: Sequence[str], request: FitRequest, output: Output) -> int:
+def run_fit(case: Case, changes: Sequence[str], request: FitRequest, output: Output, pool: Pool | None) -> int:
     """Fit a case, write and print the result, and return the exit code.
 
     Raises
@@ -65,16 +66,18 @@ def run_fit(case: Case, changes: Sequence[str], request: FitRequest, output: Out
     InputError, StrikewaveError
         What `requested` raises, or if the place is taken.
     """
-    return _run(case, request, output, f"fit-{case_folder(case.name, dump_case(case), changes)}")
+    return _run(case, request, output, f"fit-{case_folder(case.name, dump_case(case), changes)}", pool)
 
 
-def _run(case: Case, request: FitRequest, output: Output, usual: str, files: Sequence[Path] = ()) -> int:
+def _run(
+    case: Case, request: FitRequest, output: Output, usual: str, pool: Pool | None, files: Sequence[Path] = ()
+) -> int:
     targets = parse_targets([*request.to, *request.check_on], case)
     paths = [*files, *(path for one in targets if not one.is_number for path in paths_of(parse_name(one.right)))]
     origin = measured.source_of(
         "fit", case.name, list(dict.fromkeys(paths)) if output.writes(usual) else [], output.stated_test()
     )
-    return run_and_write(FitCommand(case, request, origin), output, usual, origin.text)
+    return run_and_write(FitCommand(case, request, origin, pool), output, usual, origin.text)
 
 
 @dataclass(frozen=True)
@@ -86,6 +89,7 @@ class FitCommand(Command[FitStudy]):
     case: Case
     request: FitRequest
     origin: Source
+    pool: Pool | None
 
     def solve(self) -> FitStudy:
         """Return the fit, with a bar on stderr."""
@@ -95,7 +99,7 @@ class FitCommand(Command[FitStudy]):
                 whole = EXPECTED * max(len(self.request.free), 2) + SAMPLED * self.request.bayes
                 report(min(runs / whole, 0.99), f"{runs} runs, sum of squares {misfit:.4g}")
 
-            study = requested(self.case, self.request, advance)
+            study = requested(self.case, self.request, advance, self.pool)
         return dataclasses.replace(study, origin=self.origin)
 
     def summary(self, result: FitStudy) -> str:

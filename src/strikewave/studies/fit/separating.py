@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import functools
 import math
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -10,13 +12,13 @@ from numpy.typing import NDArray
 
 from strikewave.base.quantities import Value
 from strikewave.cases.case import Case
+from strikewave.studies.fit.batches import each_or_none
 from strikewave.studies.fit.covariance import UNDETERMINED
 from strikewave.studies.fit.estimation import FINAL_STEP
-from strikewave.studies.fit.free_fields import case_at
+from strikewave.studies.fit.free_fields import FreeField, case_at
 from strikewave.studies.fit.solving import Solved
 from strikewave.studies.simulation import Simulation, number_units
 from strikewave.uncertainty.known import LEAST
-from strikewave.uncertainty.runs import on_threads
 
 Array = NDArray[np.float64]
 
@@ -76,6 +78,13 @@ def separating(solved: Solved) -> list[SeparatingNumber]:
     return sorted(rows, key=lambda row: max(row.errors))
 
 
+def _logarithms(case: Case, fields: Sequence[FreeField], names: Sequence[tuple[str, str]], at: Array) -> Array:
+    """Return the logarithms of numbers of a case at a place; NaN where one is none or zero."""
+    run = Simulation(case_at(case, fields, at))
+    found = [run.number(*one) for one in names]
+    return np.log(np.abs([math.nan if value is None or value == 0.0 else value for value in found]))
+
+
 def _slopes(solved: Solved, case: Case, words: str) -> dict[str, Array]:
     """Return the slopes of the logarithm of each number that a case gives, in the unit cube."""
     place, fields, size = solved.estimate.place, solved.problem.fields, solved.estimate.place.size
@@ -86,13 +95,8 @@ def _slopes(solved: Solved, case: Case, words: str) -> dict[str, Array]:
         for sensor in ([one.name for one in case.sensor] if "sensor_" in name else [""])
     ]
 
-    def numbers(at: Array) -> Array:
-        run = Simulation(case_at(case, fields, at))
-        found = [run.number(*one) for one in names]
-        return np.log(np.abs([math.nan if value is None or value == 0.0 else value for value in found]))
-
     ends = [(np.clip(place - s, 0.0, 1.0), np.clip(place + s, 0.0, 1.0)) for s in FINAL_STEP * np.eye(size)]
-    values = on_threads(numbers, [end for pair in ends for end in pair])
+    values = each_or_none(functools.partial(_logarithms, case, fields, names), [end for pair in ends for end in pair])
     columns = []
     for k, (low, high) in enumerate(ends):
         before, after = values[2 * k : 2 * k + 2]

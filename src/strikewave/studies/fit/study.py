@@ -5,6 +5,7 @@ from __future__ import annotations
 import dataclasses
 import math
 from collections.abc import Callable, Sequence
+from concurrent.futures import Executor
 from pathlib import Path
 
 import numpy as np
@@ -15,6 +16,9 @@ from strikewave.base.compile_progress import compiling_shown
 from strikewave.base.errors import InputError, StrikewaveError
 from strikewave.cases.case import Case
 from strikewave.reporting.measured_files import digests_of
+from strikewave.studies.engine.chosen_pool import pool_of
+from strikewave.studies.engine.pools import Pool
+from strikewave.studies.fit.batches import running_on
 from strikewave.studies.fit.checking import check
 from strikewave.studies.fit.estimation import is_quadratic, profile
 from strikewave.studies.fit.fit_file import load_fit
@@ -54,6 +58,9 @@ def fit(
     check_on: Sequence[str] = (),
     reading: SourceOptions | None = None,
     bayes: bool = False,
+    workers: int | None = None,
+    executor: Executor | None = None,
+    cluster: str | None = None,
     progress: Callable[[int, float], None] | None = None,
 ) -> FitStudy:
     """Fit values of a case to measurements.
@@ -75,6 +82,13 @@ def fit(
         How records are read.
     bayes : bool, optional
         Also sample the posterior; needs emcee, ``pip install 'strikewave[bayes]'``.
+    workers : int, optional
+        Processes; threads of this one where it is left out. With several, call it below
+        ``if __name__ == "__main__":``.
+    executor : Executor, optional
+        Who runs instead: any executor of `concurrent.futures`, or one that acts as these do.
+    cluster : str, optional
+        Address of a Dask scheduler that shares the runs among machines, such as ``tcp://host:8786``.
     progress : callable, optional
         Called with the number of runs, and the smallest sum of squares so far.
 
@@ -93,19 +107,31 @@ def fit(
     """
     if isinstance(case, Case):
         request = FitRequest(tuple(to), tuple(free), tries, tuple(check_on), reading or SourceOptions(), bayes)
-        return requested(case, request, progress)
+        return requested(case, request, progress, fit_pool(executor, workers, cluster))
     if to or free or tries or check_on or bayes or reading is not None:
         raise InputError("case", str(case), "the path of a file alone: it states all else", "or a case: load_case(...)")
     read = load_fit(case)
-    return requested(read.case, read.request, progress)
+    return requested(read.case, read.request, progress, fit_pool(executor, workers, cluster))
 
 
-def requested(case: Case, request: FitRequest, progress: Callable[[int, float], None] | None = None) -> FitStudy:
+def fit_pool(executor: Executor | None, workers: int | None, cluster: str | None) -> Pool | None:
+    """Return the pool that a fit was asked to run on; None for threads of this process."""
+    asked = executor is not None or workers is not None or cluster is not None
+    return pool_of(executor, workers, cluster) if asked else None
+
+
+def requested(
+    case: Case,
+    request: FitRequest,
+    progress: Callable[[int, float], None] | None = None,
+    pool: Pool | None = None,
+) -> FitStudy:
     """Return the fit that is asked for; see `fit`."""
     if request.bayes:
         check_sampler()
-    study = _tried(case, request, progress) if request.tries else _fit(case, request, progress)
-    return with_posterior(study, progress) if request.bayes and not study.solved.stopped else study
+    with running_on(pool):
+        study = _tried(case, request, progress) if request.tries else _fit(case, request, progress)
+        return with_posterior(study, progress) if request.bayes and not study.solved.stopped else study
 
 
 def with_posterior(study: FitStudy, progress: Callable[[int, float], None] | None = None) -> FitStudy:

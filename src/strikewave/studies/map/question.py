@@ -8,6 +8,7 @@ from strikewave.base.compile_progress import compiling_shown
 from strikewave.base.errors import InputError, nearest
 from strikewave.cases.case import Case
 from strikewave.studies.axes import Axis, axis_of, units_of
+from strikewave.studies.engine.runner import share_reporter
 from strikewave.studies.engine.variables import read_ends, read_list
 from strikewave.studies.map.defaults import EQUAL, POINTS, TRAIN, X, Y
 from strikewave.studies.map.study import MapStudy, make_map, plan_of
@@ -71,8 +72,7 @@ def map(
     (1, 2, 2)
     """
     plan = plan_of(case, axes_of(case, (x, y, panels), points, log), blows, train)
-    advance = None if progress is None else (lambda done: progress(done.share))
-    return make_map(plan, want_cv, workers, progress=advance)
+    return make_map(plan, want_cv, workers, progress=share_reporter(progress))
 
 
 def axes_of(

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import contextlib
 import dataclasses
 import hashlib
 import math
@@ -27,7 +26,7 @@ from strikewave.studies.accuracy import RUN_TOLERANCE
 from strikewave.studies.axes import HALF_TO_TWICE, Axis, case_at
 from strikewave.studies.engine.pools import Pool, ProcessPool
 from strikewave.studies.engine.runner import StudyProgress, carry_out
-from strikewave.studies.engine.store import RunStore
+from strikewave.studies.engine.store import RunStore, given_or_temporary
 from strikewave.studies.map.cells import (
     FIELDS,
     NOTE,
@@ -404,7 +403,7 @@ def make_map(
     case = parse_case(plan.case)
     machine_of(case)
     present = dict(zip(FIELDS, cell_of(case, plan.blows, plan.train).tolist(), strict=True))
-    with contextlib.nullcontext(store) if store is not None else RunStore(None) as kept:
+    with given_or_temporary(store) as kept:
         with ProcessPool(workers) if pool is None else pool as ready:
             finished = carry_out(plan.job, plan.rows, kept, ready, progress)
         cells, _, _ = kept.table(tuple(FIELDS), finished.keys)

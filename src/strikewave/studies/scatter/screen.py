@@ -75,8 +75,7 @@ class ScatterCommand(ResumableCommand[ScatterStudy]):
             with progress_bar("runs", clocks=("elapsed", "left")) as report:
                 study = scatter(self.case, self.plan, report, store, self.pool)
         except KeyboardInterrupt as stop:
-            count = len(store.known())
-            self.stopped(stop, store, f"{count} runs" if count else "")
+            self.stopped_after(stop, store)
         return dataclasses.replace(study, asked=asked())
 
     def summary(self, result: ScatterStudy) -> str:

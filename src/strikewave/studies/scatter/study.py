@@ -6,7 +6,6 @@ where the one before has left it.
 
 from __future__ import annotations
 
-import contextlib
 import dataclasses
 import itertools
 import math
@@ -28,7 +27,7 @@ from strikewave.reporting.columns import Column, csv_table
 from strikewave.reporting.numbers import axis_unit, percent, with_unit
 from strikewave.reporting.shown_result import Curve, ShownResult
 from strikewave.studies.engine.pools import Pool, ProcessPool
-from strikewave.studies.engine.store import RunStore
+from strikewave.studies.engine.store import RunStore, given_or_temporary
 from strikewave.studies.scatter.runs import FIGURES, Runner, RunResult, run_result
 from strikewave.uncertainty.draws import UncertainInput, drawn, drawn_case, nominal, quantiles, tolerances_of, unfelt
 from strikewave.uncertainty.shares import (
@@ -387,7 +386,7 @@ def scatter(
         raise InputError("case", nominal_run.failure or "no blow", "a case whose nominal run strikes")
     advance = None if progress is None else (lambda done: progress((1 + done) / whole))
     with (
-        contextlib.nullcontext(store) if store is not None else RunStore(None) as kept,
+        given_or_temporary(store) as kept,
         ProcessPool(plan.workers) if pool is None else pool as ready,
     ):
         runner = Runner(case, tolerances, kept, ready, advance)

@@ -9,7 +9,7 @@ import typer
 
 from strikewave.analyses.record.verdicts.options import complete_specification
 from strikewave.base.errors import InputError
-from strikewave.reporting.options import Changes, Output, complete_case, quantity
+from strikewave.reporting.options import Changes, Output, Running, complete_case, quantity
 from strikewave.studies.settings.defaults import DISC, DROP_TABLE, REFERENCE, STIFFNESS
 from strikewave.studies.settings.drop_table.options import DropOptions
 
@@ -98,18 +98,21 @@ def command(
         ),
     ] = None,
     drop: DropOptions,
+    running: Running,
     output: Output,
 ) -> int:
     """Find machine settings for wanted blows.
 
     For the rotary machine: settings for blows of a wanted peak and width at a wanted interval. Every candidate is
-    checked by a full run of all its blows; the best one is written as case.toml. With --spec: height, programmer and
+    checked by a full run of all its blows; the best one is written as case.toml. A search that is stopped is continued
+    by the same command. With --spec: height, programmer and
     mass of a drop table for the pulse of a specification, or settings of the rotary machine of --from, each judged by
     it. With --json, no files are written unless --out is given. The exit code is 3 where no candidate meets the goal
     and keeps all limits.
     """
     from strikewave.base.materials import material
     from strikewave.cases.case import load_case
+    from strikewave.studies.engine.chosen_pool import pool_of
     from strikewave.studies.settings.screen import SettingsCommand, find_settings
     from strikewave.studies.settings.study import SettingsChoices, blow_goal, check_changes, check_goal, is_rotary
 
@@ -120,7 +123,7 @@ def command(
         if not is_rotary(case):
             rotary = {"--interval": interval, "--blows": blows, "--strikers": strikers, "--striker-mass": striker_mass}
             _refuse(rotary | {"--stop-limit": stop_limit}, "none of a drop table: it is of a rotary machine (--from)")
-            return _drop_table(output.tested(case), spec, drop, output, changes or (), plain=source is None)
+            return _drop_table(output.tested(case), spec, drop, running, output, changes or (), plain=source is None)
     _refuse(drop.given(), "none of a rotary machine: it is of a drop table, with --spec")
     plain = not (changes or strikers or striker_mass or stop_limit or spec) and blows is None
     plain = plain and (place, vary, disc) == (REFERENCE, STIFFNESS, DISC)
@@ -129,7 +132,9 @@ def command(
     check_changes(changes or (), vary)
     case = load_case(place, [*(changes or ()), *([] if blows is None else [f"feed.blows={blows}"])])
     check_goal(case, goal, choice)
-    return find_settings(SettingsCommand(output.tested(case), goal, choice), output, plain)
+    pool = pool_of(None, running.workers, running.cluster)
+    searching = SettingsCommand(output.tested(case), goal, choice, pool, place=running.store, fresh=running.fresh)
+    return find_settings(searching, output, plain)
 
 
 def _refuse(options: Mapping[str, object], allowed: str) -> None:
@@ -140,9 +145,12 @@ def _refuse(options: Mapping[str, object], allowed: str) -> None:
             raise InputError(option, getattr(first, "word", first), allowed, "leave it out")
 
 
-def _drop_table(case: Case, spec: str, drop: DropOptions, output: Output, changes: Sequence[str], plain: bool) -> int:
+def _drop_table(
+    case: Case, spec: str, drop: DropOptions, running: Running, output: Output, changes: Sequence[str], plain: bool
+) -> int:
     """Design a drop table, and return the exit code."""
     from strikewave.specifications.reading import load_specification
+    from strikewave.studies.engine.chosen_pool import pool_of
     from strikewave.studies.settings.drop_table.screen import DropCommand, find_drop_table
     from strikewave.studies.settings.drop_table.search import DropGoal
     from strikewave.studies.settings.drop_table.study import STROKE, check_drop, check_drop_changes
@@ -151,4 +159,6 @@ def _drop_table(case: Case, spec: str, drop: DropOptions, output: Output, change
     goal, choice = DropGoal(specification, specification.pulse_limits(), drop.stroke or STROKE), drop.choices()
     check_drop(case, goal, choice)
     check_drop_changes(changes, case, choice)
-    return find_drop_table(DropCommand(case, goal, choice), output, plain and not (changes or drop.given()))
+    pool = pool_of(None, running.workers, running.cluster)
+    searching = DropCommand(case, goal, choice, pool, place=running.store, fresh=running.fresh)
+    return find_drop_table(searching, output, plain and not (changes or drop.given()))

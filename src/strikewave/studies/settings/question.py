@@ -3,11 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from concurrent.futures import Executor
+from pathlib import Path
 
 from strikewave.base.compile_progress import compiling_shown
 from strikewave.base.materials import material
 from strikewave.base.units import si_value
 from strikewave.cases.case import Case, load_case
+from strikewave.studies.engine.chosen_pool import pool_of
+from strikewave.studies.engine.runner import share_reporter
+from strikewave.studies.engine.store import RunStore
 from strikewave.studies.settings.defaults import DISC, REFERENCE, STIFFNESS
 from strikewave.studies.settings.study import SettingsChoices, SettingsStudy, blow_goal, design_settings
 
@@ -25,6 +30,10 @@ def settings(
     vary: str = STIFFNESS,
     disc: str = DISC,
     stop_limit: str | float | None = None,
+    workers: int | None = None,
+    executor: Executor | None = None,
+    cluster: str | None = None,
+    store: Path | str | None = None,
     progress: Callable[[float], None] | None = None,
 ) -> SettingsStudy:
     """Find settings of the rotary machine for blows of a wanted peak and width at a wanted interval.
@@ -50,6 +59,15 @@ def settings(
         Material assumed for the turntable.
     stop_limit : str or float, optional
         Largest allowed force of the object's stop; no limit by default.
+    workers : int, optional
+        Processes; threads of this one where it is left out. With several, call it below
+        ``if __name__ == "__main__":``.
+    executor : Executor, optional
+        Who runs instead: any executor of `concurrent.futures`, or one that acts as these do.
+    cluster : str, optional
+        Address of a Dask scheduler that shares the runs among machines, such as ``tcp://host:8786``.
+    store : path, optional
+        Folder that keeps finished runs: what it holds is not run again.
     progress : callable, optional
         Called with the share done, 0 to 1.
 
@@ -84,4 +102,8 @@ longer pulses run into the next blow
     )
     masses = tuple(si_value(mass, "kg", "striker_masses") for mass in striker_masses)
     choice = SettingsChoices(tuple(strikers), masses, vary)
-    return design_settings(load_case(REFERENCE) if case is None else case, goal, choice, progress)
+    chosen = load_case(REFERENCE) if case is None else case
+    with RunStore(None if store is None else Path(store), option="store") as finished:
+        return design_settings(
+            chosen, goal, choice, finished, pool_of(executor, workers, cluster), share_reporter(progress)
+        )

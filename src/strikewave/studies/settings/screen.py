@@ -6,7 +6,6 @@ import dataclasses
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import ClassVar
 
 from strikewave.cases.case import Case
 from strikewave.reporting import measured_files as measured
@@ -15,9 +14,13 @@ from strikewave.reporting.layout import MORE, keys, numerals, texts
 from strikewave.reporting.numbers import with_unit
 from strikewave.reporting.options import Output
 from strikewave.reporting.parts import Tag
-from strikewave.reporting.run_and_write import Command, run_and_write
+from strikewave.reporting.run_and_write import run_and_write
 from strikewave.reporting.terminal import print_rows, progress_bar, table, tell
 from strikewave.specifications.judging import Clause, worst_clauses
+from strikewave.studies.engine.pools import Pool
+from strikewave.studies.engine.runner import share_reporter
+from strikewave.studies.engine.store import RunStore
+from strikewave.studies.resumable import ResumableCommand
 from strikewave.studies.settings.candidate import BlowGoal, SettingsCandidate
 from strikewave.studies.settings.columns import LIMIT_COLUMNS, RankedSettings, candidate_columns, mass_columns
 from strikewave.studies.settings.study import (
@@ -50,20 +53,22 @@ def find_settings(command: SettingsCommand, output: Output, usual_question: bool
     return run_and_write(command, output, usual, asked)
 
 
-@dataclass(frozen=True)
-class SettingsCommand(Command[SettingsStudy]):
-    """A search for settings that meet a goal."""
-
-    indent: ClassVar[int | None] = None
+@dataclass
+class SettingsCommand(ResumableCommand[SettingsStudy]):
+    """A search for settings that meet a goal; one that is stopped goes on where it was."""
 
     case: Case
     goal: BlowGoal
     choice: SettingsChoices
+    pool: Pool
 
-    def solve(self) -> SettingsStudy:
+    def solved(self, store: RunStore) -> SettingsStudy:
         """Return the study, with a bar on stderr."""
-        with progress_bar("settings") as report:
-            study = design_settings(self.case, self.goal, self.choice, report)
+        try:
+            with progress_bar("settings") as report:
+                study = design_settings(self.case, self.goal, self.choice, store, self.pool, share_reporter(report))
+        except KeyboardInterrupt as stop:
+            self.stopped_after(stop, store, "searches")
         return dataclasses.replace(study, asked=measured.asked())
 
     def summary(self, result: SettingsStudy) -> str:

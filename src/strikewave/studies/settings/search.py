@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 from functools import cached_property
-from typing import NamedTuple
+from typing import ClassVar, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,9 +18,11 @@ from strikewave.cases.case import FORM, Case
 from strikewave.machines import MachineRun, blows, run_machine
 from strikewave.specifications.judging import ShockVerdict, judge_shock
 from strikewave.studies.accuracy import RUN_TOLERANCE
+from strikewave.studies.engine.keys import case_text
 from strikewave.studies.settings.broyden import nearest_settings
 from strikewave.studies.settings.candidate import (
     BlowGoal,
+    Limit,
     Observation,
     SettingsCandidate,
     limits_of,
@@ -87,11 +89,36 @@ class Trial(NamedTuple):
 
 
 @dataclass(frozen=True)
+class FoundSettings:
+    """Where a search ended: settings (engagement, stiffness, speed), runs, why before the goal; and its full run."""
+
+    settings: tuple[float, ...]
+    runs: int
+    halt: str
+    observation: Observation
+    limits: tuple[Limit, ...]
+    verdicts: tuple[ShockVerdict, ...]
+
+
+@dataclass(frozen=True)
 class Design:
-    """A rig with a goal: its first estimates, its bounds, and the case at given settings."""
+    """A rig with a goal: its first estimates, its bounds, and the case at given settings; a `Question` of a study."""
+
+    answered_by: ClassVar[type] = FoundSettings
 
     rig: Trial
     goal: BlowGoal
+
+    def text(self) -> str:
+        """Return all that its search depends on."""
+        rig, goal = self.rig, self.goal
+        asked = goal.interval, goal.peak, goal.width, goal.disc, goal.stop_limit
+        spec = "" if goal.specification is None else f"{goal.specification.asked} {goal.specification.text}"
+        return f"{asked} {spec} {rig[1:]} {case_text(rig.case)}"
+
+    def answer(self) -> FoundSettings:
+        """Return what its search finds."""
+        return found_settings(self)
 
     @cached_property
     def start(self) -> Array:
@@ -271,25 +298,34 @@ def reason_of(error: Exception) -> str:
     return error.lines[0] if isinstance(error, InputErrors) else str(error)
 
 
-def candidate(design: Design) -> SettingsCandidate | str:
-    """Return the setting that a search ends at, as a full run shows it; or why there is none.
+def found_settings(design: Design) -> FoundSettings:
+    """Return the setting that a search ends at, as a full run shows it.
 
     The run has the case's own tolerance and the rounded values, as the case file will hold them.
+
+    Raises
+    ------
+    StrikewaveError, ValueError
+        If there is none.
     """
     end = search(design)
     if isinstance(end, str):
-        return end
+        raise StrikewaveError(end)
     case = design.case_at(end.settings)
-    try:
-        run, observation = design.run(end.settings, case.solver.tolerance.si)
-    except (StrikewaveError, ValueError) as error:
-        return reason_of(error)
+    run, observation = design.run(end.settings, case.solver.tolerance.si)
     if observation is None:
-        return "no striker touches the object"
+        raise StrikewaveError("no striker touches the object")
     limits = limits_of(case, run, observation, design.goal)
-    paths = tuple(design.changes(end.settings))
-    known = case, paths, observation, design.goal, limits, design.estimates(), end.runs + 1, end.halt
-    return SettingsCandidate(*known, judged_blows(run, design.goal))
+    settings = tuple(float(x) for x in end.settings)
+    return FoundSettings(settings, end.runs + 1, end.halt, observation, limits, judged_blows(run, design.goal))
+
+
+def settings_candidate(design: Design, found: FoundSettings) -> SettingsCandidate:
+    """Return what was found with all that it is judged by."""
+    settings = np.array(found.settings)
+    paths = tuple(design.changes(settings))
+    known = design.case_at(settings), paths, found.observation, design.goal, found.limits, design.estimates()
+    return SettingsCandidate(*known, found.runs, found.halt, found.verdicts)
 
 
 def judged_blows(run: MachineRun, goal: BlowGoal) -> tuple[ShockVerdict, ...]:

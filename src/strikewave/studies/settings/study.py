@@ -9,7 +9,7 @@ from __future__ import annotations
 import dataclasses
 import hashlib
 import math
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
@@ -31,6 +31,10 @@ from strikewave.specifications.ideal_pulses import HALF_SINE as HALF_SINE_SHAPE
 from strikewave.specifications.judged_records import clause_document
 from strikewave.specifications.judging import worst_clauses
 from strikewave.specifications.reading import load_specification
+from strikewave.studies.engine.answers import Failure, answers
+from strikewave.studies.engine.pools import Pool, ProcessPool
+from strikewave.studies.engine.runner import Advance
+from strikewave.studies.engine.store import RunStore, given_or_temporary
 from strikewave.studies.settings.candidate import WITHIN, BlowGoal, BlowSpread, SettingsCandidate, rank_key
 from strikewave.studies.settings.estimate import (
     Support,
@@ -45,8 +49,7 @@ from strikewave.studies.settings.estimate import (
     support_for,
     turntable_speed,
 )
-from strikewave.studies.settings.in_threads import each_result
-from strikewave.studies.settings.search import VARIED, Design, Trial, candidate
+from strikewave.studies.settings.search import VARIED, Design, Trial, settings_candidate
 
 STRIKERS = (1, 2, 3, 4, 6, 8, 12)
 """Numbers of strikers that are tried by default, besides that of the case: each about a third to twice more than the
@@ -557,7 +560,12 @@ def supports(case: Case, goal: BlowGoal, strikers: int) -> list[Support | None]:
 
 
 def design_settings(
-    case: Case, goal: BlowGoal, choice: SettingsChoices | None = None, progress: Callable[[float], None] | None = None
+    case: Case,
+    goal: BlowGoal,
+    choice: SettingsChoices | None = None,
+    store: RunStore | None = None,
+    pool: Pool | None = None,
+    advance: Advance | None = None,
 ) -> SettingsStudy:
     """Return settings of a machine for blows of a peak and a width at an interval, ranked.
 
@@ -569,8 +577,12 @@ def design_settings(
         What the blows shall be.
     choice : SettingsChoices, optional
         What may be chosen.
-    progress : callable, optional
-        Called with the share done, 0 to 1.
+    store : RunStore, optional
+        Searches that were finished.
+    pool : Pool, optional
+        Who makes the others; this process where it is left out.
+    advance : callable, optional
+        Called as searches come back.
 
     Raises
     ------
@@ -590,12 +602,13 @@ def design_settings(
     ]
     own = any(row.mass is not None for row in case.rotary_tables().striker.each)
     heavier = 0 if choice.masses or own else len(MASS_SHARES) * len(numbers)
-    whole = len(first) + heavier
-    tried = list(each_result(candidate, first, progress, 0, whole))
-    if heavier:
-        tried += each_result(candidate, list(_other_masses(tried, numbers)), progress, len(first), whole)
-    candidates = [result for _, result in tried if isinstance(result, SettingsCandidate)]
-    failures = [(design, result) for design, result in tried if isinstance(result, str)]
+    with given_or_temporary(store) as kept, pool or ProcessPool(1) as open_pool:
+        tried = _tried(first, kept, open_pool, _of_all(advance, 0, len(first) + heavier))
+        if heavier:
+            other = list(_other_masses(tried, numbers))
+            tried += _tried(other, kept, open_pool, _of_all(advance, len(first), len(first) + heavier))
+    candidates = [found for _, found in tried if isinstance(found, SettingsCandidate)]
+    failures = [(design, found.reason) for design, found in tried if isinstance(found, Failure)]
     if not candidates:
         raise InputErrors(list(dict.fromkeys(reason for _, reason in failures))[:MOST_REASONS])
     failed = tuple(dict.fromkeys(f"{design.rig.strikers} strikers: {reason}" for design, reason in failures))
@@ -605,7 +618,26 @@ def design_settings(
     )
 
 
-def _other_masses(tried: Sequence[tuple[Design, SettingsCandidate | str]], numbers: Sequence[int]) -> Iterator[Design]:
+Tried = list[tuple[Design, SettingsCandidate | Failure]]
+
+
+def _of_all(advance: Advance | None, before: int, whole: int) -> Advance | None:
+    """Return what tells of a part of all searches, with those before it."""
+    if advance is None:
+        return None
+    return lambda now: advance(now._replace(total=whole, done=before + now.done))
+
+
+def _tried(designs: Sequence[Design], store: RunStore, pool: Pool, advance: Advance | None) -> Tried:
+    """Return designs with what their searches end at, or why that is nothing."""
+    found = answers(designs, store, pool, advance)
+    return [
+        (design, one if isinstance(one, Failure) else settings_candidate(design, one))
+        for design, one in zip(designs, found, strict=True)
+    ]
+
+
+def _other_masses(tried: Tried, numbers: Sequence[int]) -> Iterator[Design]:
     """Yield the best design of each number of strikers with other masses of a striker."""
     for number in numbers:
         runs = [

@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from strikewave.studies.engine.store import RunStore, run_key
+from strikewave.studies.engine.store import RunStore
 from strikewave.studies.sweep.study import SweepPlan
 
 TRIED = 3
@@ -77,7 +77,7 @@ def estimated(plan: SweepPlan, store: RunStore, workers: int) -> SweepEstimate:
         Processes.
     """
     known = store.known()
-    keys = {run_key(plan.variation.case_of(row), plan.evaluation): row for row in plan.rows}
+    keys = {plan.job.key(row): row for row in plan.rows}
     left = [row for key, row in keys.items() if key not in known]
     finished = len(keys) - len(left)
     if not left:

@@ -25,6 +25,7 @@ from strikewave.studies.engine.plan import (
     grid,
     varied,
 )
+from strikewave.studies.engine.runner import share_reporter
 from strikewave.studies.engine.store import RunStore
 from strikewave.studies.engine.variables import EXAMPLE, StudyVariable, read_variable
 from strikewave.studies.sweep.study import NOTE, SweepPlan, SweepStudy, make_sweep
@@ -98,9 +99,8 @@ def sweep(
     ((3,), 0)
     """
     plan = plan_of(case, vary, keep, analysis, design, runs, seed)
-    advance = None if progress is None else (lambda done: progress(done.share))
     with RunStore(None if store is None else Path(store), option="store") as finished:
-        return make_sweep(plan, finished, pool_of(executor, workers, cluster), advance)
+        return make_sweep(plan, finished, pool_of(executor, workers, cluster), share_reporter(progress))
 
 
 def plan_of(

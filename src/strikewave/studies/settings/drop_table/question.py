@@ -3,11 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from concurrent.futures import Executor
+from pathlib import Path
 
 from strikewave.base.compile_progress import compiling_shown
 from strikewave.base.units import si_value
 from strikewave.cases.case import Case, load_case
 from strikewave.specifications.reading import load_specification
+from strikewave.studies.engine.chosen_pool import pool_of
+from strikewave.studies.engine.runner import share_reporter
+from strikewave.studies.engine.store import RunStore
 from strikewave.studies.settings.defaults import DROP_TABLE
 from strikewave.studies.settings.drop_table.programmers import read_programmer
 from strikewave.studies.settings.drop_table.search import DropGoal
@@ -23,6 +28,10 @@ def drop_table(
     diameters: Sequence[str | float] = (),
     masses: Sequence[str | float] = (),
     stroke: str | float = STROKE,
+    workers: int | None = None,
+    executor: Executor | None = None,
+    cluster: str | None = None,
+    store: Path | str | None = None,
     progress: Callable[[float], None] | None = None,
 ) -> DropStudy:
     """Find drop height and programmer of a drop table that give the pulse of a specification.
@@ -41,6 +50,15 @@ def drop_table(
         Of pads, and of the table with its load.
     stroke : str or float, optional
         Largest drop height.
+    workers : int, optional
+        Processes; threads of this one where it is left out. With several, call it below
+        ``if __name__ == "__main__":``.
+    executor : Executor, optional
+        Who runs instead: any executor of `concurrent.futures`, or one that acts as these do.
+    cluster : str, optional
+        Address of a Dask scheduler that shares the runs among machines, such as ``tcp://host:8786``.
+    store : path, optional
+        Folder that keeps finished runs: what it holds is not run again.
     progress : callable, optional
         Called with the share done, 0 to 1.
 
@@ -63,4 +81,8 @@ def drop_table(
         tuple(si_value(one, "m", "diameters") for one in diameters),
         tuple(si_value(one, "kg", "masses") for one in masses),
     )
-    return design_drop_table(load_case(DROP_TABLE) if case is None else case, goal, choice, progress)
+    chosen = load_case(DROP_TABLE) if case is None else case
+    with RunStore(None if store is None else Path(store), option="store") as finished:
+        return design_drop_table(
+            chosen, goal, choice, finished, pool_of(executor, workers, cluster), share_reporter(progress)
+        )

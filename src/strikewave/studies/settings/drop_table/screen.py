@@ -5,14 +5,17 @@ from __future__ import annotations
 import dataclasses
 from dataclasses import dataclass
 from pathlib import Path
-from typing import ClassVar
 
 from strikewave.cases.case import Case
 from strikewave.reporting import measured_files as measured
 from strikewave.reporting.layout import keys, numerals, texts
 from strikewave.reporting.options import Output
-from strikewave.reporting.run_and_write import Command, run_and_write
+from strikewave.reporting.run_and_write import run_and_write
 from strikewave.reporting.terminal import print_rows, progress_bar, table, tell
+from strikewave.studies.engine.pools import Pool
+from strikewave.studies.engine.runner import share_reporter
+from strikewave.studies.engine.store import RunStore
+from strikewave.studies.resumable import ResumableCommand
 from strikewave.studies.settings.columns import LIMIT_COLUMNS
 from strikewave.studies.settings.drop_table.columns import DROP_COLUMNS, RankedDrop
 from strikewave.studies.settings.drop_table.search import DropGoal
@@ -49,20 +52,22 @@ def find_drop_table(command: DropCommand, output: Output, usual_question: bool) 
     return run_and_write(command, output, usual, asked)
 
 
-@dataclass(frozen=True)
-class DropCommand(Command[DropStudy]):
-    """A search for designs of a drop table."""
-
-    indent: ClassVar[int | None] = None
+@dataclass
+class DropCommand(ResumableCommand[DropStudy]):
+    """A search for designs of a drop table; one that is stopped goes on where it was."""
 
     case: Case
     goal: DropGoal
     choice: DropChoices
+    pool: Pool
 
-    def solve(self) -> DropStudy:
+    def solved(self, store: RunStore) -> DropStudy:
         """Return the study, with a bar on stderr."""
-        with progress_bar("settings") as report:
-            study = design_drop_table(self.case, self.goal, self.choice, report)
+        try:
+            with progress_bar("settings") as report:
+                study = design_drop_table(self.case, self.goal, self.choice, store, self.pool, share_reporter(report))
+        except KeyboardInterrupt as stop:
+            self.stopped_after(stop, store, "searches")
         return dataclasses.replace(study, asked=measured.asked())
 
     def summary(self, result: DropStudy) -> str:

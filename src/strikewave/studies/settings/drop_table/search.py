@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 from functools import cached_property
-from typing import NamedTuple
+from typing import ClassVar, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -25,6 +25,7 @@ from strikewave.specifications.decisions import PASS
 from strikewave.specifications.ideal_pulses import IdealPulse
 from strikewave.specifications.judging import PulseLimits, Shock, ShockVerdict, area_between, judge_shock
 from strikewave.specifications.reading import Specification
+from strikewave.studies.engine.keys import case_text
 from strikewave.studies.settings.broyden import nearest_settings
 from strikewave.studies.settings.candidate import Limit
 from strikewave.studies.settings.drop_table.programmers import (
@@ -51,6 +52,9 @@ SIZES, HEIGHTS = 1e3, (1e-5, 1e3)
 so that a search never stands at them for a pulse that a machine could make."""
 SLOPES = np.array([[0.5, 0.5], [-0.5, 0.0]])
 """First guess of d ln(peak, width)/d ln(rate, height): those of a half-sine; of a thickness with the other sign."""
+
+
+UNTOUCHED = "the table does not touch the programmer"
 
 
 @dataclass(frozen=True)
@@ -209,8 +213,41 @@ def _limit_words(limit: Limit, goal: DropGoal) -> str:
 
 
 @dataclass(frozen=True)
+class FoundDrop:
+    """Where a search ended, and its last run.
+
+    Attributes
+    ----------
+    settings : tuple of float
+        Rate (N/m) or thickness (m), and height (m).
+    runs : int
+        Of the search.
+    halt : str
+        Why it ended before the goal; empty where it came close.
+    values, step, begin, peak_index
+        Of the `Shock` that a sensor reads.
+    blow : Blow
+        What the run says of the first blow.
+    energy_error : float
+        Of the balance of the run.
+    """
+
+    settings: tuple[float, ...]
+    runs: int
+    halt: str
+    values: tuple[float, ...]
+    step: float
+    begin: float
+    peak_index: int
+    blow: Blow
+    energy_error: float
+
+
+@dataclass(frozen=True)
 class DropDesign:
-    """A programmer on a machine with a goal: its first estimate, and the case at given sizes."""
+    """A programmer on a machine with a goal: its first estimate, the case at given sizes; a `Question` of a study."""
+
+    answered_by: ClassVar[type] = FoundDrop
 
     base: Case
     goal: DropGoal
@@ -218,6 +255,16 @@ class DropDesign:
     diameter: float | None
     table_mass: float | None
     note: str
+
+    def text(self) -> str:
+        """Return all that its search depends on."""
+        specification = self.goal.specification
+        asked = self.programmer, self.diameter, self.table_mass, self.note, specification.asked
+        return f"{asked} {specification.text} {case_text(self.base)}"
+
+    def answer(self) -> FoundDrop:
+        """Return what its search finds."""
+        return found_drop(self)
 
     @property
     def size_path(self) -> str:
@@ -320,12 +367,15 @@ class DropDesign:
         return DropReading(shock, *peak_and_width(shock, self.goal.limits.level), first, run.energy_error)
 
 
-def drop_candidate(design: DropDesign) -> DropCandidate | str:
-    """Return the candidate that a search ends at, as a full run of the rounded case shows it; or why there is none."""
-    try:
-        start = np.array([design.estimate.size, design.height_for(design.estimate.speed)])
-    except (StrikewaveError, ValueError) as error:
-        return reason_of(error)
+def found_drop(design: DropDesign) -> FoundDrop:
+    """Return what a search ends at, as a full run of the rounded case shows it.
+
+    Raises
+    ------
+    StrikewaveError, ValueError
+        If there is nothing.
+    """
+    start = np.array([design.estimate.size, design.height_for(design.estimate.speed)])
     spring = design.cushion is None
     low = np.array([start[0] / SIZES if spring else THINNEST, HEIGHTS[0]])
     high = np.array([start[0] * SIZES if spring else THICKEST, HEIGHTS[1]])
@@ -333,24 +383,31 @@ def drop_candidate(design: DropDesign) -> DropCandidate | str:
     logs = np.log(start), np.log(low), np.log(high)
     end = nearest_settings(lambda settings: _missed(design, settings), *logs, slopes)
     if isinstance(end, str):
-        return end
+        raise StrikewaveError(end)
     halt = ""
     if not end.close:
         size = float(np.exp(end.last[0]))
         ends = [word for word, bound in (("least", low[0]), ("largest", high[0])) if math.isclose(size, bound)]
         halt = f"the thickness stands at the {ends[0]} that is sought" if ends else end.failure
         halt = halt or f"nothing nearer was found in {end.runs} runs"
-    case = design.case_at(np.exp(end.nearest))
-    try:
-        reading = design.read(case)
-    except (StrikewaveError, ValueError) as error:
-        return reason_of(error)
+    settings = np.exp(end.nearest)
+    reading = design.read(design.case_at(settings))
     if reading is None:
-        return "the table does not touch the programmer"
-    verdict = judge_shock(reading.shock, design.goal.limits)
+        raise StrikewaveError(UNTOUCHED)
+    shock = reading.shock
+    history = tuple(shock.values.tolist()), shock.step, shock.begin, shock.peak_index
+    return FoundDrop(tuple(settings.tolist()), end.runs + 1, halt, *history, reading.blow, reading.energy_error)
+
+
+def drop_candidate(design: DropDesign, found: FoundDrop) -> DropCandidate:
+    """Return what was found with all that it is judged by."""
+    case = design.case_at(np.array(found.settings))
+    shock = Shock(np.array(found.values), found.step, found.begin, found.peak_index)
+    reading = DropReading(shock, *peak_and_width(shock, design.goal.limits.level), found.blow, found.energy_error)
+    verdict = judge_shock(shock, design.goal.limits)
     limits = limits_of(case, design, reading)
     given = design.programmer, design.diameter
-    return DropCandidate(case, *given, reading, design.goal, verdict, limits, design.estimate, end.runs + 1, halt)
+    return DropCandidate(case, *given, reading, design.goal, verdict, limits, design.estimate, found.runs, found.halt)
 
 
 def _missed(design: DropDesign, settings: Array) -> tuple[Array | None, str]:
@@ -360,7 +417,7 @@ def _missed(design: DropDesign, settings: Array) -> tuple[Array | None, str]:
     except (StrikewaveError, ValueError) as error:
         return None, reason_of(error)
     if reading is None:
-        return None, "the table does not touch the programmer"
+        return None, UNTOUCHED
     off = np.log([reading.peak / design.goal.pulse.peak, reading.width / design.goal.width])
     return (off, "") if np.all(np.isfinite(off)) else (None, "the pulse has no width at that share of its peak")
 

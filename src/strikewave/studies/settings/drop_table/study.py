@@ -7,7 +7,7 @@ those of the ideal pulse, and the specification judges the pulse of each candida
 from __future__ import annotations
 
 import hashlib
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
@@ -23,6 +23,10 @@ from strikewave.reporting.numbers import with_unit
 from strikewave.reporting.shown_result import Curve, ShownResult, columns_of, history_curve
 from strikewave.specifications.ideal_pulses import HALF_SINE
 from strikewave.specifications.judged_records import clause_document, rests_on_indicative
+from strikewave.studies.engine.answers import Failure, answers
+from strikewave.studies.engine.pools import Pool, ProcessPool
+from strikewave.studies.engine.runner import Advance
+from strikewave.studies.engine.store import RunStore, given_or_temporary
 from strikewave.studies.settings.drop_table.programmers import DEFAULTS, Programmer, pad_of_case, read_programmer
 from strikewave.studies.settings.drop_table.search import (
     WITHIN,
@@ -32,7 +36,6 @@ from strikewave.studies.settings.drop_table.search import (
     drop_candidate,
     drop_rank,
 )
-from strikewave.studies.settings.in_threads import each_result
 from strikewave.studies.settings.study import MOST_REASONS
 
 DIAMETERS = (0.05, 0.075, 0.1, 0.15, 0.2, 0.3)
@@ -311,7 +314,12 @@ def check_drop(case: Case, goal: DropGoal, choice: DropChoices) -> None:
 
 
 def design_drop_table(
-    case: Case, goal: DropGoal, choice: DropChoices | None = None, progress: Callable[[float], None] | None = None
+    case: Case,
+    goal: DropGoal,
+    choice: DropChoices | None = None,
+    store: RunStore | None = None,
+    pool: Pool | None = None,
+    advance: Advance | None = None,
 ) -> DropStudy:
     """Return designs of a drop table for a specification, ranked.
 
@@ -323,8 +331,12 @@ def design_drop_table(
         What the pulse shall be.
     choice : DropChoices, optional
         What may be chosen.
-    progress : callable, optional
-        Called with the share done, 0 to 1.
+    store : RunStore, optional
+        Searches that were finished.
+    pool : Pool, optional
+        Who makes the others; this process where it is left out.
+    advance : callable, optional
+        Called as searches come back.
 
     Raises
     ------
@@ -341,15 +353,17 @@ def design_drop_table(
         for diameter in _diameters(programmer, case, choice)
     ]
     _check_height(designs, goal)
-    tried = list(each_result(drop_candidate, designs, progress))
+    with given_or_temporary(store) as kept, pool or ProcessPool(1) as open_pool:
+        tried = list(zip(designs, answers(designs, kept, open_pool, advance), strict=True))
     failed = tuple(
         dict.fromkeys(
-            f"{design.programmer.name}{_of_diameter(design)}: {result}"
-            for design, result in tried
-            if isinstance(result, str)
+            f"{design.programmer.name}{_of_diameter(design)}: {found.reason}"
+            for design, found in tried
+            if isinstance(found, Failure)
         )
     )
-    ranked = tuple(sorted((one for _, one in tried if isinstance(one, DropCandidate)), key=drop_rank))
+    found = [drop_candidate(design, one) for design, one in tried if not isinstance(one, Failure)]
+    ranked = tuple(sorted(found, key=drop_rank))
     if not ranked:
         raise InputErrors(list(failed)[:MOST_REASONS])
     return DropStudy(case, goal, choice, ranked, failed, notices=tuple(_notices(ranked)), citations=SOURCES)
