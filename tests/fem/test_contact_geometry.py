@@ -9,7 +9,7 @@ from scipy.optimize import minimize
 from strikewave.base.errors import InputError
 from strikewave.fem import _contact_kernels as contact_kernels
 from strikewave.fem import _surface_kernels as kernels
-from strikewave.fem.contact import prepare, searched, two_surfaces
+from strikewave.fem.contact import add_contact, prepare, searched, two_surfaces
 from strikewave.fem.mesh import Mesh, joined
 from strikewave.fem.model import SurfaceContact
 from strikewave.fem.surfaces import extents, neighbours, surface_of, thickness
@@ -163,7 +163,7 @@ def forces_along(mesh, places, stiffness=0.8):
         state = searched(state, x)
         state.touch.area[:] = area  # the one node has stretched the tip
         f = np.zeros_like(x)
-        contact_kernels.add_contact(state, x, v, f, light, 1.0)
+        add_contact(state, x, v, f, light, 1.0)
         assert f.sum(axis=0) == pytest.approx(0.0, abs=1e-12)
         forces.append(f[0])
     return np.array(forces)
@@ -197,7 +197,7 @@ def test_gap_is_the_distance_from_the_roof(slope):
         points = mesh.points.copy()
         points[0] = [place, 0.1, slope * abs(place) - 0.02]
         state = searched(state, points)
-        contact_kernels.add_contact(state, points, v, np.zeros_like(points), light, 1.0)
+        add_contact(state, points, v, np.zeros_like(points), light, 1.0)
         off = np.array([abs(place), 0.02])
         normal = np.array([-slope, 1.0]) / np.hypot(1.0, slope)
         foot = abs(place) - 0.02 * slope / (1 + slope**2)  # where the perpendicular to the nearer face meets it

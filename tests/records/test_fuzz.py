@@ -121,8 +121,8 @@ class Reader:
 
 
 EXAMPLES = 2000
-MOST_EXAMPLES = {"mdf": 150, "ide": 150, "rigol": 400}
-"""Of formats whose libraries take a fifth of a second and more for a file: 2000 would take many minutes."""
+MOST_EXAMPLES = {"mdf": 100, "ide": 150, "rigol": 300, "hdf": 300}
+"""Of formats that take a fifth of a second and more for a file: 2000 would take many minutes."""
 
 
 @pytest.mark.verify

@@ -3,41 +3,53 @@
 from strikewave.base.compiled import called_kernel, leaf_kernel
 
 
+@leaf_kernel
+def hold_node(i, nodes, directions, speed, kick, v, f, mass, force):
+    """Write and add the force that gives a node a speed along its held directions within a step."""
+    n = nodes[i]
+    for c in range(3):
+        force[i, c] = 0.0
+    for k in range(3):
+        d = directions[i, k]
+        if d[0] == 0.0 and d[1] == 0.0 and d[2] == 0.0:
+            continue
+        along = 0.0
+        for c in range(3):
+            along += (v[n, c] + kick * f[n, c] / mass[n]) * d[c]
+        push = mass[n] * (speed - along) / kick
+        for c in range(3):
+            force[i, c] += push * d[c]
+    for c in range(3):
+        f[n, c] += force[i, c]
+
+
 @called_kernel
 def hold(nodes, directions, speed, kick, v, f, mass, force):
-    """Write and add the forces that give nodes a speed along their held directions within a step.
+    """Hold nodes: see `hold_node`.
 
     ``directions`` (nodes, 3, 3) holds up to three orthonormal rows; rows of zeros hold nothing.
     """
     for i in range(nodes.size):
-        n = nodes[i]
-        for c in range(3):
-            force[i, c] = 0.0
-        for k in range(3):
-            d = directions[i, k]
-            if d[0] == 0.0 and d[1] == 0.0 and d[2] == 0.0:
-                continue
-            along = 0.0
-            for c in range(3):
-                along += (v[n, c] + kick * f[n, c] / mass[n]) * d[c]
-            push = mass[n] * (speed - along) / kick
-            for c in range(3):
-                force[i, c] += push * d[c]
-        for c in range(3):
-            f[n, c] += force[i, c]
+        hold_node(i, nodes, directions, speed, kick, v, f, mass, force)
+
+
+@leaf_kernel
+def absorb_node(i, nodes, matrix, kick, v, f, mass, force):
+    """Write and add the force of a node's dashpots, -D (v + kick f / 2 m): see `strikewave.fem.boundary.Dashpots`."""
+    n = nodes[i]
+    half = 0.5 * kick / mass[n]
+    a, b, c = v[n, 0] + half * f[n, 0], v[n, 1] + half * f[n, 1], v[n, 2] + half * f[n, 2]
+    for k in range(3):
+        force[i, k] = -(matrix[i, k, 0] * a + matrix[i, k, 1] * b + matrix[i, k, 2] * c)
+    for k in range(3):
+        f[n, k] += force[i, k]
 
 
 @called_kernel
 def absorb(nodes, matrix, kick, v, f, mass, force):
-    """Write and add the forces of dashpots, -D (v + kick f / 2 m): see `strikewave.fem.boundary.Dashpots`."""
+    """Let waves out at nodes: see `absorb_node`."""
     for i in range(nodes.size):
-        n = nodes[i]
-        half = 0.5 * kick / mass[n]
-        a, b, c = v[n, 0] + half * f[n, 0], v[n, 1] + half * f[n, 1], v[n, 2] + half * f[n, 2]
-        for k in range(3):
-            force[i, k] = -(matrix[i, k, 0] * a + matrix[i, k, 1] * b + matrix[i, k, 2] * c)
-        for k in range(3):
-            f[n, k] += force[i, k]
+        absorb_node(i, nodes, matrix, kick, v, f, mass, force)
 
 
 @leaf_kernel
@@ -66,20 +78,32 @@ def press(faces, pressure, x, force):
             force[s, c] -= pressure * (even - one + two)
 
 
+@leaf_kernel
+def add_row(i, nodes, force, f):
+    """Add a force to those of its node."""
+    for c in range(3):
+        f[nodes[i], c] += force[i, c]
+
+
 @called_kernel
 def add_rows(nodes, force, f):
     """Add forces to those of their nodes."""
     for i in range(nodes.size):
-        for c in range(3):
-            f[nodes[i], c] += force[i, c]
+        add_row(i, nodes, force, f)
+
+
+@leaf_kernel
+def take_row(i, nodes, field, rows):
+    """Copy the row of a node."""
+    for c in range(3):
+        rows[i, c] = field[nodes[i], c]
 
 
 @called_kernel
 def take_rows(nodes, field, rows):
     """Copy the rows of some nodes."""
     for i in range(nodes.size):
-        for c in range(3):
-            rows[i, c] = field[nodes[i], c]
+        take_row(i, nodes, field, rows)
 
 
 @called_kernel

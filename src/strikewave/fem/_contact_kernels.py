@@ -2,7 +2,8 @@
 
 Both surfaces stand in one table of nodes and one of faces, those of the first before those of the second, and every
 node is checked against the faces of the other surface. What a node finds depends on the motion before the contact
-alone, so that nodes can be taken in any order; `scatter_forces` then adds up the forces in the order of the nodes.
+alone, so that nodes can be taken in any order, by any number of threads; `scatter_forces` then adds up the forces on a
+surface in the order of the nodes.
 """
 
 import math
@@ -333,104 +334,121 @@ def press(state, i, step):
         store(nodal.friction_force, i, coulomb_force(slide, stop / inverse, state.coefficient * force))
 
 
-@called_kernel
-def predict_positions(state, x, v, f, inverse_mass, dt, kick):
-    """Fill place and velocity of the nodes at the end of the step without contact; return the travel of the step.
+@leaf_kernel
+def predict_node(i, state, x, v, f, inverse_mass, step):
+    """Fill place and velocity of a node at the end of the step without contact."""
+    n = state.touch.nodes[i]
+    state.inverse_mass[i] = inverse_mass[n]
+    for c in range(3):
+        state.touch.velocity[i, c] = v[n, c]
+        state.moving[i, c] = v[n, c] + step.kick * inverse_mass[n] * f[n, c]
+        state.place[i, c] = x[n, c] + step.dt * state.moving[i, c]
 
-    The travel is the most by which any two nodes of the two surfaces can come closer.
-    """
-    nodes = state.touch.nodes
-    for i in range(nodes.shape[0]):
-        n = nodes[i]
-        state.inverse_mass[i] = inverse_mass[n]
-        for c in range(3):
-            state.touch.velocity[i, c] = v[n, c]
-            state.moving[i, c] = v[n, c] + kick * inverse_mass[n] * f[n, c]
-            state.place[i, c] = x[n, c] + dt * state.moving[i, c]
-    middle = (0.0, 0.0, 0.0)
+
+@called_kernel
+def predict_positions(state, x, v, f, inverse_mass, step, first, last):
+    """Fill place and velocity of the nodes first to last - 1."""
+    for i in range(first, last):
+        predict_node(i, state, x, v, f, inverse_mass, step)
+
+
+@called_kernel
+def travel_of(state, dt):
+    """Return the travel of the step: the most by which any two nodes of the two surfaces can come closer."""
+    middle, nodes = (0.0, 0.0, 0.0), state.moving.shape[0]
     split = state.touch.first
-    for i in range(nodes.shape[0]):
-        count = split if i < split else nodes.shape[0] - split
+    for i in range(nodes):
+        count = split if i < split else nodes - split
         middle = add_scaled(middle, 0.5 / count, row(state.moving, i))
     fastest = 0.0
-    for i in range(nodes.shape[0]):
+    for i in range(nodes):
         off = add_scaled(row(state.moving, i), -1.0, middle)
         fastest = max(fastest, dot(off, off))
     return 2.0 * dt * math.sqrt(fastest)
 
 
 @called_kernel
-def scatter_forces(state, f):
-    """Add the forces on the nodes to f, and their reactions to the corners of the faces that they meet."""
+def begin_step(state, step):
+    """Return the step with its travel, once all positions are predicted, and the share of depths that is kept."""
+    travel = travel_of(state, step.dt)
+    state.travel[0] += travel
+    return Step(step.dt, step.kick, travel, kept_depth(state.touch, step.dt))
+
+
+@leaf_kernel
+def press_node(i, state, step):
+    """Find the face that a node meets and the force on the node, where it can meet one in this step."""
+    nodal = state.nodal
+    nodal.touches[i] = 0
+    met = state.start[i + 1] > state.start[i] or nodal.face[i] >= 0
+    if met and not state.travel[0] + step.travel < nodal.clear[i]:
+        for c in range(3):
+            nodal.friction_force[i, c] = 0.0
+        press(state, i, step)
+
+
+@called_kernel
+def press_nodes(state, step, first, last):
+    """Find the faces that the nodes first to last - 1 meet and the forces on them, from the motion of all of them."""
+    for i in range(first, last):
+        press_node(i, state, step)
+
+
+@called_kernel
+def scatter_forces(state, f, first, last):
+    """Add the forces on one surface, the nodes first to last - 1, to f: those on nodes, and reactions to corners."""
     touch, nodal = state.touch, state.nodal
-    touch.normal[:] = 0.0
-    touch.friction[:] = 0.0
+    touch.normal[first:last] = 0.0
+    touch.friction[first:last] = 0.0
     for i in range(nodal.face.shape[0]):
         if nodal.touches[i] == 0:
             continue
+        if first <= i < last:
+            for c in range(3):
+                touch.normal[i, c] += nodal.normal_force[i, c]
+                touch.friction[i, c] += nodal.friction_force[i, c]
+            continue
         corner = state.faces[nodal.face[i]]
         for c in range(3):
-            touch.normal[i, c] += nodal.normal_force[i, c]
-            touch.friction[i, c] += nodal.friction_force[i, c]
             for k in range(4):
                 touch.normal[corner[k], c] -= nodal.shape[i, k] * nodal.normal_force[i, c]
                 touch.friction[corner[k], c] -= nodal.shape[i, k] * nodal.friction_force[i, c]
-    for i in range(touch.nodes.shape[0]):
+    for i in range(first, last):
         for c in range(3):
             f[touch.nodes[i], c] += touch.normal[i, c] + touch.friction[i, c]
 
 
-@kernel
-def add_contact(state, x, v, f, inverse_mass, dt, kick=0.0):
-    """Add the contact's forces to the nodal forces f; return whether the faces must be searched before the next step.
-
-    x is at t_n, v at t_(n-1/2), f holds every other force at t_n, inverse_mass (nodes,) is 0 where nodes move as if
-    nothing touched them. The forces act on v for the time ``kick``, which is dt (0: the same) but where the step
-    changes; then x moves for dt.
-    """
-    kick = kick if kick > 0.0 else dt
-    travel = predict_positions(state, x, v, f, inverse_mass, dt, kick)
-    step = Step(dt, kick, travel, kept_depth(state.touch, dt))
-    state.travel[0] += travel
-    nodal = state.nodal
-    for i in range(nodal.face.shape[0]):
-        nodal.touches[i] = 0
-        met = state.start[i + 1] > state.start[i] or nodal.face[i] >= 0
-        if not met or state.travel[0] + travel < nodal.clear[i]:
-            continue
-        for c in range(3):
-            nodal.friction_force[i, c] = 0.0
-        press(state, i, step)
-    scatter_forces(state, f)
-    return state.travel[0] + 2.0 * travel > state.margin
+@leaf_kernel
+def wall_node(i, state, x, v, f, inverse_mass, step):
+    """Add the force of a rigid plane on a node to the nodal forces."""
+    touch = state.touch
+    direction, point = as_tuple(state.direction), as_tuple(state.point)
+    n = touch.nodes[i]
+    store(touch.velocity, i, row(v, n))
+    moving = add_scaled(row(v, n), step.kick * inverse_mass[n], row(f, n))
+    gap = dot(add_scaled(add_scaled(row(x, n), step.dt, moving), -1.0, point), direction)
+    state.offset[i] = moved_offset(state.offset[i], gap, gap - step.dt * dot(moving, direction), step.kept)
+    depth = state.offset[i] - gap
+    normal_force, friction_force = (0.0, 0.0, 0.0), (0.0, 0.0, 0.0)
+    inverse = inverse_mass[n] * free_fraction(touch, i, direction)
+    if depth > 0.0 and inverse > 0.0:
+        force = state.stiffness / (inverse * step.kick) * depth / step.dt
+        normal_force = scaled(direction, force)
+        slide = add_scaled(moving, -dot(moving, direction), direction)
+        inverse = max(inverse, inverse_mass[n] * free_fraction(touch, i, along(slide)))
+        friction_force = coulomb_force(slide, state.stiffness / (inverse * step.kick), state.coefficient * force)
+    store(touch.normal, i, normal_force)
+    store(touch.friction, i, friction_force)
+    for c in range(3):
+        f[n, c] += normal_force[c] + friction_force[c]
 
 
 @kernel
 def add_wall(state, x, v, f, inverse_mass, dt, kick=0.0):
-    """Add the forces of a rigid plane to the nodal forces f; the arguments are those of `add_contact`."""
-    touch = state.touch
-    kick = kick if kick > 0.0 else dt
-    kept = kept_depth(touch, dt)
-    direction, point = as_tuple(state.direction), as_tuple(state.point)
-    for i in range(touch.nodes.shape[0]):
-        n = touch.nodes[i]
-        store(touch.velocity, i, row(v, n))
-        moving = add_scaled(row(v, n), kick * inverse_mass[n], row(f, n))
-        gap = dot(add_scaled(add_scaled(row(x, n), dt, moving), -1.0, point), direction)
-        state.offset[i] = moved_offset(state.offset[i], gap, gap - dt * dot(moving, direction), kept)
-        depth = state.offset[i] - gap
-        normal_force, friction_force = (0.0, 0.0, 0.0), (0.0, 0.0, 0.0)
-        inverse = inverse_mass[n] * free_fraction(touch, i, direction)
-        if depth > 0.0 and inverse > 0.0:
-            force = state.stiffness / (inverse * kick) * depth / dt
-            normal_force = scaled(direction, force)
-            slide = add_scaled(moving, -dot(moving, direction), direction)
-            inverse = max(inverse, inverse_mass[n] * free_fraction(touch, i, along(slide)))
-            friction_force = coulomb_force(slide, state.stiffness / (inverse * kick), state.coefficient * force)
-        store(touch.normal, i, normal_force)
-        store(touch.friction, i, friction_force)
-        for c in range(3):
-            f[n, c] += normal_force[c] + friction_force[c]
+    """Add the forces of a rigid plane to the nodal forces f; see `strikewave.fem.contact.add_contact`."""
+    step = Step(dt, kick if kick > 0.0 else dt, 0.0, kept_depth(state.touch, dt))
+    for i in range(state.touch.nodes.shape[0]):
+        wall_node(i, state, x, v, f, inverse_mass, step)
 
 
 @kernel

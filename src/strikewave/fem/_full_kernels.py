@@ -5,12 +5,10 @@ import numpy as np
 from strikewave.base.compiled import fused_called_kernel, fused_leaf_kernel
 from strikewave.fem._hexahedron_kernels import (
     add_sums,
-    amplitudes,
+    all_nodal_forces,
     critical_step,
     gather,
-    gradients,
-    kinematics,
-    nodal_forces,
+    mean_motion,
     scatter,
     state_rows,
     steepest,
@@ -186,10 +184,7 @@ def chunk_forces(blocks, chunk, x, v, f, dt, viscous, s, sums):
     gather(blocks, chunk, x, v, s)
     for j in range(W):
         s[FIXED + MASS + j] = blocks.constants[np.uint64(chunk) * W + j]
-        for row in (X, Y, Z, U, V, T):
-            amplitudes(s, row, j)
-        gradients(s, j)
-        kinematics(s, dt, j)
+        mean_motion(s, dt, j)
     for j in range(W):
         s[HELD + BEFORE + j] = blocks.state[first + BEFORE + j]
         viscosity(s, solid, dt, linear, quadratic, j)
@@ -210,8 +205,7 @@ def chunk_forces(blocks, chunk, x, v, f, dt, viscous, s, sums):
         s[V[0] + k] += s[FY[0] + k]
         s[T[0] + k] += s[FZ[0] + k]
     for j in range(W):
-        for row in (U, V, T):
-            nodal_forces(s, row, j)
+        all_nodal_forces(s, j)
     scatter(blocks, chunk, s, f)
     return add_sums(s, count, sums)
 

@@ -1,5 +1,7 @@
 """Kernels of the one-point hexahedron; `strikewave.fem.hexahedron` explains them, `_layout` the rows."""
 
+import math
+
 import numpy as np
 
 from strikewave.base.compiled import fused_called_kernel, fused_leaf_kernel
@@ -232,7 +234,7 @@ def hourglass_force(s, n, j):
     qy = s[Y[0] + own] + weighted(s, Y[0], row, j)
     qz = s[Z[0] + own] + weighted(s, Z[0], row, j)
     square = qx * qx + qy * qy + qz * qz
-    root = np.sqrt(1.0 + s[FIXED + YIELDING + j] * square)
+    root = math.sqrt(1.0 + s[FIXED + YIELDING + j] * square)
     k = 8.0 * s[FIXED + STIFFNESS + j]
     s[HOURGLASS + j] += k * square / (1.0 + root)
     k /= root
@@ -246,15 +248,20 @@ def hourglass_force(s, n, j):
 
 
 @fused_leaf_kernel
+def take_node(x, v, n, s, place):
+    """Copy position and velocity of a node into the scratch."""
+    s[X[0] + place], s[Y[0] + place], s[Z[0] + place] = x[n, 0], x[n, 1], x[n, 2]
+    s[U[0] + place], s[V[0] + place], s[T[0] + place] = v[n, 0], v[n, 1], v[n, 2]
+
+
+@fused_leaf_kernel
 def gather(blocks, chunk, x, v, s):
     """Copy positions and velocities of the nodes of a chunk into the scratch."""
     first = np.uint64(chunk) * EIGHT * W
     for k in range(EIGHT):
         row = k * W
         for j in range(W):
-            n = np.uint64(blocks.nodes[first + row + j])
-            s[X[0] + row + j], s[Y[0] + row + j], s[Z[0] + row + j] = x[n, 0], x[n, 1], x[n, 2]
-            s[U[0] + row + j], s[V[0] + row + j], s[T[0] + row + j] = v[n, 0], v[n, 1], v[n, 2]
+            take_node(x, v, np.uint64(blocks.nodes[first + row + j]), s, row + j)
 
 
 @fused_leaf_kernel
@@ -283,7 +290,7 @@ def viscosity(s, solid, dt, linear, quadratic, j):
     r = s[GX[2] + j], s[GY[2] + j], s[GZ[2] + j]
     largest, longest, straight = steepest(p, q, r)
     trace = dot6(s, GX, GX, j) + dot6(s, GY, GY, j) + dot6(s, GZ, GZ, j)
-    thickness = 2.0 * volume / np.sqrt(longest)
+    thickness = 2.0 * volume / math.sqrt(longest)
     swelling = s[STRAIN[0] + j] + s[STRAIN[1] + j] + s[STRAIN[2] + j]
     rate = swelling / dt
     squeezed = min(rate, 0.0)
@@ -305,8 +312,38 @@ def critical_step(s, solid, j):
     """
     square = (2.0 * solid[SHEAR] * s[STEEPEST + j] + solid[LAME] * s[TRACE + j]) / s[FIXED + MASS + j]
     damping = s[DAMPING + j]
-    step = 4.0 / (damping + np.sqrt(damping * damping + 4.0 * square))
+    step = 4.0 / (damping + math.sqrt(damping * damping + 4.0 * square))
     s[STEP + j] = step if s[VOLUME + j] > 0.0 and step > 0.0 else 0.0
+
+
+@fused_leaf_kernel
+def mean_motion(s, dt, j):
+    """Turn what the nodes have into modes, and write what the mean gradient gives: see `kinematics`."""
+    for row in (X, Y, Z, U, V, T):
+        amplitudes(s, row, j)
+    gradients(s, j)
+    kinematics(s, dt, j)
+
+
+@fused_leaf_kernel
+def hourglass_forces(s, j):
+    """Add the forces of all hourglass modes on the modes, and write their energy."""
+    s[HOURGLASS + j] = 0.0
+    for n in (ZERO, ONE, TWO, THREE):
+        hourglass_force(s, n, j)
+
+
+@fused_leaf_kernel
+def all_nodal_forces(s, j):
+    """Turn the forces on the modes into those on the nodes."""
+    for row in (U, V, T):
+        nodal_forces(s, row, j)
+
+
+@fused_leaf_kernel
+def work_share(s, j):
+    """Return the volume in the middle of the step, which works per volume are multiplied by."""
+    return s[VOLUME + j] * (1.0 - 0.5 * (s[STRAIN[0] + j] + s[STRAIN[1] + j] + s[STRAIN[2] + j]))
 
 
 @fused_leaf_kernel
@@ -329,21 +366,15 @@ def chunk_forces(blocks, chunk, x, v, f, dt, viscous, s, sums):
     for k in range(kept):
         s[HELD + k] = blocks.state[at + k]
     for j in range(W):
-        for row in (X, Y, Z, U, V, T):
-            amplitudes(s, row, j)
-        gradients(s, j)
-        kinematics(s, dt, j)
+        mean_motion(s, dt, j)
     for j in range(W):
         viscosity(s, solid, dt, linear, quadratic, j)
         critical_step(s, solid, j)
     update_stress(s, solid, kind, dt)
     for j in range(W):
         stress_force(s, j)
-        s[HOURGLASS + j] = 0.0
-        for n in (ZERO, ONE, TWO, THREE):
-            hourglass_force(s, n, j)
-        for row in (U, V, T):
-            nodal_forces(s, row, j)
+        hourglass_forces(s, j)
+        all_nodal_forces(s, j)
     scatter(blocks, chunk, s, f)
     for k in range(kept):
         blocks.state[at + k] = s[HELD + k]
@@ -355,7 +386,7 @@ def add_sums(s, count, sums):
     """Add the work of a chunk to the sums of its slab; returns its critical time step."""
     least = np.inf
     for j in range(count):
-        middle = s[VOLUME + j] * (1.0 - 0.5 * (s[STRAIN[0] + j] + s[STRAIN[1] + j] + s[STRAIN[2] + j]))
+        middle = work_share(s, j)
         sums[0] += middle * s[WORK + j]
         sums[1] += middle * s[PLASTIC + j]
         sums[2] += middle * s[DAMPED + j]

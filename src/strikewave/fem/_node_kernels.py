@@ -1,21 +1,25 @@
 """Kernels over nodes: one step of central differences, and the kinetic energy of the balance."""
 
-from strikewave.base.compiled import fused_called_kernel
+from strikewave.base.compiled import fused_called_kernel, fused_leaf_kernel
+
+
+@fused_leaf_kernel
+def move_node(n, x, v, f, inverse_mass, kick, step):
+    """Move a node: v += kick f / m, x += step v; clear its force. A tied one has no inverse mass: it follows others."""
+    share = kick * inverse_mass[n]
+    if share != 0.0:
+        for c in range(3):
+            v[n, c] += share * f[n, c]
+            x[n, c] += step * v[n, c]
+    for c in range(3):
+        f[n, c] = 0.0
 
 
 @fused_called_kernel
 def advance(x, v, f, inverse_mass, kick, step, first, last):
-    """Move the nodes first to last - 1: v += kick f / m, x += step v; f is left as it is, and so are tied nodes.
-
-    Tied nodes have no inverse mass: they follow others.
-    """
+    """Move the nodes first to last - 1."""
     for n in range(first, last):
-        share = kick * inverse_mass[n]
-        if share == 0.0:
-            continue
-        for c in range(3):
-            v[n, c] += share * f[n, c]
-            x[n, c] += step * v[n, c]
+        move_node(n, x, v, f, inverse_mass, kick, step)
 
 
 @fused_called_kernel

@@ -1,5 +1,7 @@
 """Kernels of strain and stress in the rows of a chunk (`strikewave.fem._layout`): turned, elastic, plastic."""
 
+import math
+
 import numpy as np
 
 from strikewave.base.compiled import fused_called_kernel, fused_leaf_kernel
@@ -24,6 +26,7 @@ from strikewave.fem._layout import (
     ROOM,
     SHEAR,
     SIGMA,
+    SIX,
     SPIN,
     STRAIN,
     STRAIN_P,
@@ -150,7 +153,7 @@ def direction(s, back, j):
     mean = (xx + yy + zz) / 3.0
     a, b, c = xx - mean - back[0], yy - mean - back[1], zz - mean - back[2]
     d, e, f = s[STRESS[3] + j] - back[3], s[STRESS[4] + j] - back[4], s[STRESS[5] + j] - back[5]
-    q = np.sqrt(1.5 * (a * a + b * b + c * c) + 3.0 * (d * d + e * e + f * f))
+    q = math.sqrt(1.5 * (a * a + b * b + c * c) + 3.0 * (d * d + e * e + f * f))
     return q, (a, b, c, d, e, f)
 
 
@@ -207,7 +210,7 @@ def johnson_cook_flow(solid, p, dp, softening, dt):
     """Return softening (A + B (p + dp)^n) (1 + C ln(max(dp / dt, rate) / rate)), and its slope over dp."""
     slowest = solid[RATE] * dt
     hard = solid[JC_B] * (p + dp) ** solid[JC_N]
-    fast = 1.0 + solid[JC_C] * np.log(max(dp / slowest, 1.0))
+    fast = 1.0 + solid[JC_C] * math.log(max(dp / slowest, 1.0))
     cold, steeper = solid[JC_A] + hard, solid[JC_C] / dp if dp > slowest else 0.0
     return softening * cold * fast, softening * (hard * solid[JC_N] / (p + dp) * fast + cold * steeper)
 
@@ -216,7 +219,7 @@ def johnson_cook_flow(solid, p, dp, softening, dt):
 def zerilli_armstrong_still(solid, p, heat):
     """Return the flow stress at the reference rate, and the temperature in kelvin."""
     temperature = solid[ROOM] + heat
-    active = np.exp(-solid[ZA_C3] * temperature) * (solid[ZA_C1] + solid[ZA_C2] * np.sqrt(p))
+    active = math.exp(-solid[ZA_C3] * temperature) * (solid[ZA_C1] + solid[ZA_C2] * math.sqrt(p))
     return solid[ZA_C0] + active + solid[ZA_C5] * p ** solid[ZA_N], temperature
 
 
@@ -224,9 +227,9 @@ def zerilli_armstrong_still(solid, p, heat):
 def zerilli_armstrong_flow(solid, p, dp, temperature, dt):
     """Return C0 + (C1 + C2 sqrt(p)) exp(T (C4 ln(max(dp / dt, rate) / rate) - C3)) + C5 p^n at p + dp, and slope."""
     slowest, strain = solid[RATE] * dt, p + dp
-    root = solid[ZA_C2] * np.sqrt(strain)
+    root = solid[ZA_C2] * math.sqrt(strain)
     hard = solid[ZA_C5] * strain ** solid[ZA_N]
-    active = np.exp(temperature * (solid[ZA_C4] * np.log(max(dp / slowest, 1.0)) - solid[ZA_C3]))
+    active = math.exp(temperature * (solid[ZA_C4] * math.log(max(dp / slowest, 1.0)) - solid[ZA_C3]))
     steeper = temperature * solid[ZA_C4] / dp if dp > slowest else 0.0
     slope = active * (0.5 * root / strain + (solid[ZA_C1] + root) * steeper) + hard * solid[ZA_N] / strain
     return solid[ZA_C0] + active * (solid[ZA_C1] + root) + hard, slope
@@ -290,9 +293,28 @@ def zerilli_armstrong(s, solid, dt, j):
     heated_flow(zerilli_armstrong_still, zerilli_armstrong_flow, s, solid, dt, j)
 
 
+@fused_leaf_kernel
+def moving_yield(s, solid, j):
+    """Return the trial stress to a yield surface that moves, and move it."""
+    back = turned_rows(s, BACK, j)
+    shift = von_mises(s, back, solid, j)
+    for k in range(6):
+        s[HELD + BACK[0] + np.uint64(k) * W + j] = back[k] + shift[k]
+
+
+@fused_leaf_kernel
+def hold_stress(s, j):
+    """Keep the stress of the end of the step."""
+    for k in range(SIX):
+        s[HELD + SIGMA[0] + k * W + j] = s[STRESS[0] + k * W + j]
+
+
 @fused_called_kernel
 def update_stress(s, solid, kind, dt):
-    """Bring the stress of a chunk to the end of the step; writes rows STRESS, WORK and PLASTIC and the held state."""
+    """Bring the stress of a chunk to the end of the step; writes rows STRESS, WORK and PLASTIC and the held state.
+
+    A loop for each law, so that those without branches become vector loops; `stress_of_one` does the same for one lane.
+    """
     lame, shear = solid[LAME], solid[SHEAR]
     for j in range(W):
         elastic(s, lame, shear, j)
@@ -308,9 +330,22 @@ def update_stress(s, solid, kind, dt):
             von_mises(s, STILL, solid, j)
     elif kind == BILINEAR:
         for j in range(W):
-            back = turned_rows(s, BACK, j)
-            shift = von_mises(s, back, solid, j)
-            for k in range(6):
-                s[HELD + BACK[0] + np.uint64(k) * W + j] = back[k] + shift[k]
-    for j in range(np.uint64(6) * W):
+            moving_yield(s, solid, j)
+    for j in range(SIX * W):
         s[HELD + SIGMA[0] + j] = s[STRESS[0] + j]
+
+
+@fused_leaf_kernel
+def stress_of_one(s, solid, kind, dt, j):
+    """Bring the stress of one lane to the end of the step, as `update_stress` does for a chunk."""
+    elastic(s, solid[LAME], solid[SHEAR], j)
+    s[PLASTIC + j] = 0.0
+    if kind == JOHNSON_COOK:
+        johnson_cook(s, solid, dt, j)
+    elif kind == ZERILLI_ARMSTRONG:
+        zerilli_armstrong(s, solid, dt, j)
+    elif kind == BILINEAR and solid[KINEMATIC] == 0.0:
+        von_mises(s, STILL, solid, j)
+    elif kind == BILINEAR:
+        moving_yield(s, solid, j)
+    hold_stress(s, j)

@@ -151,10 +151,13 @@ class Dashpots(Acting):
     def apply(self, now: Now) -> None:
         """Absorb what arrives."""
         if now.kick != self.kick:
-            self.kick = now.kick
-            share = self.matrix * (0.5 * now.kick / now.mass[self.nodes])[:, None, None]
-            self.ready = np.ascontiguousarray(self.matrix @ np.linalg.inv(np.eye(3) + share))
+            self.kick, self.ready = now.kick, self.ready_for(now.kick, now.mass)
         kernels.absorb(self.nodes, self.ready, now.kick, now.v, now.f, now.mass, self.force)
+
+    def ready_for(self, kick: float, mass: Array) -> Array:
+        """Return D for a step of the velocity, with the masses of all nodes."""
+        share = self.matrix * (0.5 * kick / mass[self.nodes])[:, None, None]
+        return np.ascontiguousarray(self.matrix @ np.linalg.inv(np.eye(3) + share))
 
 
 def value_at(curve: TimeCurve, time: float) -> float:

@@ -55,6 +55,7 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Sequence
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 
 import numpy as np
@@ -66,6 +67,7 @@ from strikewave.fem._contact_kernels import ContactState, NodeContacts, NodeTouc
 from strikewave.fem.mesh import Array, Index, Mesh
 from strikewave.fem.model import STIFFNESS, RigidWall, SurfaceContact
 from strikewave.fem.surfaces import extents, have_common, neighbours, surface_of, thickness
+from strikewave.fem.threads import on_all, spans
 
 SHALLOW = 0.1
 """Share of a face's size by which surfaces may overlap before the blow: what a circle of 8 edges cuts off."""
@@ -81,7 +83,9 @@ rounding."""
 _REACH = 0.25
 """Share of a face's size within which nodes are candidates in a run; a node that is deeper keeps the face it has."""
 
-add_contact = kernels.add_contact
+NODES = 500
+"""Nodes whose contact a thread finds at least: fewer take less time than handing the work to a thread."""
+
 add_wall = kernels.add_wall
 contact_force = kernels.contact_force
 contact_work = kernels.contact_work
@@ -254,6 +258,35 @@ def searched(state: ContactState, points: Array, reach: float = _REACH) -> Conta
     return state._replace(start=start, candidates=candidates)
 
 
+def add_contact(
+    state: ContactState,
+    x: Array,
+    v: Array,
+    f: Array,
+    inverse_mass: Array,
+    dt: float,
+    kick: float = 0.0,
+    pool: ThreadPoolExecutor | None = None,
+    threads: int = 1,
+) -> bool:
+    """Add the contact's forces to the nodal forces f; return whether the faces must be searched before the next step.
+
+    x is at t_n, v at t_(n-1/2), f holds every other force at t_n, inverse_mass (nodes,) is 0 where nodes move as if
+    nothing touched them. The forces act on v for the time ``kick``, which is dt (0: the same) but where the step
+    changes; then x moves for dt. The number of threads changes no bit: each node's force is found by itself, and those
+    on either surface are summed by one thread.
+    """
+    count, split = len(state.touch.nodes), state.touch.first
+    shares = spans(count, threads, NODES)
+    step = kernels.Step(dt, kick if kick > 0.0 else dt, 0.0, 1.0)
+    on_all(pool, kernels.predict_positions, [(state, x, v, f, inverse_mass, step, *span) for span in shares])
+    step = kernels.begin_step(state, step)
+    on_all(pool, kernels.press_nodes, [(state, step, *span) for span in shares])
+    sides = ((0, split), (split, count))
+    on_all(pool if len(shares) > 1 else None, kernels.scatter_forces, [(state, f, *side) for side in sides])
+    return bool(state.travel[0] + 2.0 * step.travel > state.margin)
+
+
 def prepare_wall(
     wall: RigidWall, mesh: Mesh, unchecked: Sequence[int] | Index = (), points: Array | None = None
 ) -> WallState:
@@ -322,7 +355,7 @@ def _gaps_now(state: ContactState, points: Array) -> Array:
     """Return by how far each node is inside a face as it lies, as a gap: zero or negative."""
     state.nodal.offset[:] = -np.inf
     still, forces, fixed = np.zeros_like(points), np.zeros_like(points), np.zeros(len(points))
-    kernels.add_contact(state, points, still, forces, fixed, 1.0)
+    add_contact(state, points, still, forces, fixed, 1.0)
     return np.where(np.isfinite(state.nodal.offset), state.nodal.offset, 0.0)
 
 

@@ -46,6 +46,7 @@ from strikewave.fem.quality import scaled_jacobians
 from strikewave.fem.recorder import HistoryRecorder, NodeMotion, assembly, pressed
 from strikewave.fem.rigid import rigid_bodies, surface_inverse_mass
 from strikewave.fem.run import KEPT, FemRun, FieldFrame, Rest
+from strikewave.fem.threads import on_all, spans
 from strikewave.fem.tie import gather_mass, gather_tied_forces, move_tied, prepare_ties
 
 NODES = 20_000
@@ -126,8 +127,7 @@ class Engine:
         self.impulse_given = np.zeros(3)
         self.impulse = {name: np.zeros(3) for name in self.touching}
         self.initial_energy = 0.5 * float(self.mass @ np.einsum("ni,ni->n", self.v, self.v))
-        spans = max(1, min(controls.threads, len(self.x) // NODES))
-        self.spans = list(itertools.pairwise(np.linspace(0, len(self.x), spans + 1).astype(int).tolist()))
+        self.spans = spans(len(self.x), controls.threads, NODES)
         self.kick, self.dt_next = 0.0, self._fitting(self.interval)
         self.blow = 1
         self.rest: Rest | None = None
@@ -186,7 +186,8 @@ class Engine:
         for hold in self.holds:
             hold.add(now)
         for name, state in self.contacts.items():
-            if add_contact(state, self.x, self.v, self.f, self.yielding, self.dt_next, self.kick):
+            moving = self.x, self.v, self.f, self.yielding, self.dt_next, self.kick
+            if add_contact(state, *moving, self.pool, self.model.controls.threads):
                 self.contacts[name] = searched(state, self.x)
         for wall in self.walls.values():
             add_wall(wall, self.x, self.v, self.f, self.yielding, self.dt_next, self.kick)
@@ -198,19 +199,25 @@ class Engine:
 
     def step(self) -> None:
         """Move the nodes to t_(n+1), book what the forces did, and find the forces of the elements there."""
-
-        def move(span: tuple[int, int]) -> None:
-            node_kernels.advance(self.x, self.v, self.f, self.inverse_mass, self.kick, self.dt_next, *span)
-
-        list(self.pool.map(move, self.spans) if self.pool and len(self.spans) > 1 else map(move, self.spans))
+        moving = self.x, self.v, self.f, self.inverse_mass, self.kick, self.dt_next
+        on_all(self.pool, node_kernels.advance, [(*moving, *span) for span in self.spans])
         if len(self.ties.nodes):
             move_tied(self.ties, self.v)
             self.x[self.ties.nodes] += self.dt_next * self.v[self.ties.nodes]
         self._book()
+        self.note_step()
+        self.critical = self.solid.add_forces(self.x, self.v, self.f, self.dt_next)
+
+    def note_step(self) -> None:
+        """Count a step, once the nodes are at its end."""
         self.time, self.steps, self.dt_previous = self.time + self.dt_next, self.steps + 1, self.dt_next
         self.smallest = min(self.smallest, self.dt_next)
-        self.f.fill(0.0)
-        self.critical = self.solid.add_forces(self.x, self.v, self.f, self.dt_next)
+
+    def send(self) -> None:
+        """Bring a changed state to where the steps are taken: here."""
+
+    def fetch(self) -> None:
+        """Bring it back from there."""
 
     def _book(self) -> None:
         """Add the works and impulses of the step that led to the velocity now."""

@@ -50,6 +50,7 @@ from strikewave.fem import _layout as layout
 from strikewave.fem._layout import Blocks
 from strikewave.fem.mesh import Array, Index, Mesh, volumes
 from strikewave.fem.solids import AnySolid, Bilinear, HeatedSolid, JohnsonCook, ZerilliArmstrong
+from strikewave.fem.threads import on_all
 
 SLAB = 64
 """Chunks of a slab at least, 2048 elements: their forces take some tenths of a millisecond, longer than a thread's
@@ -290,11 +291,7 @@ class Hexahedra:
                 (self.blocks, self.slabs, share, x, v, f, step, self.viscous, scratch, self.sums)
                 for share, scratch in zip(shares, self.scratch, strict=False)
             ]
-            if self.pool is None or len(work) == 1:
-                steps = [self.forces(*each) for each in work]
-            else:
-                steps = list(self.pool.map(lambda each: self.forces(*each), work))
-            least = min(least, *steps)
+            least = min(least, *on_all(self.pool, self.forces, work))
         return least
 
     def work(self) -> Array:

@@ -54,6 +54,7 @@ Restore = Callable[[Mapping[str, np.ndarray]], None]
 
 def state_of(engine: Engine) -> dict[str, np.ndarray]:
     """Return everything that changes in a run, by name, as it is before the forces of an instant are found."""
+    engine.fetch()
     state: dict[str, Any] = {name: getattr(engine, name) for name in NUMBERS} | dict(_arrays(engine))
     state["rest"] = np.array(engine.rest or np.zeros(len(Rest._fields)), float)
     state |= {f"done/{name}": value for name, value in engine.done.items()}
@@ -97,6 +98,7 @@ def put_back(engine: Engine, state: Mapping[str, np.ndarray]) -> None:
         engine.contacts[name] = contact._replace(start=start, candidates=candidates)
     engine.recorder.rows = {name: list(state[f"row/{name}"]) for name in engine.recorder.rows}
     engine.begin_interval()
+    engine.send()
 
 
 def _rest(row: np.ndarray) -> Rest:

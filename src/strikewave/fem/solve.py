@@ -18,6 +18,7 @@ import numpy as np
 
 from strikewave.base.errors import InputErrors
 from strikewave.fem.checks import faults
+from strikewave.fem.device.devices import Device
 from strikewave.fem.engine import Engine
 from strikewave.fem.mesh import TINY
 from strikewave.fem.model import Controls, Model
@@ -94,6 +95,8 @@ class RunOptions(NamedTuple):
         Called with a `Progress` now and then.
     observer : Observer or None
         Such as `strikewave.fem.snapshots.SnapshotRecorder`.
+    device : Device or None
+        Takes the steps, such as `strikewave.fem.device.devices.Cuda`; None: the processor.
     """
 
     frames: int = 0
@@ -103,6 +106,7 @@ class RunOptions(NamedTuple):
     resume: Path | None = None
     report: Callable[[Progress], None] | None = None
     observer: Observer | None = None
+    device: Device | None = None
 
 
 def solve(model: Model, options: RunOptions | None = None) -> FemRun:
@@ -147,10 +151,10 @@ def solve_blows(model: Model, options: RunOptions | None = None) -> tuple[FemRun
     threads, runs = model.controls.threads, list[FemRun]()
     resumed = kept_blows(options.resume) if options.resume is not None else {}
     with ThreadPoolExecutor(threads) as pool:
-        engine = Engine(model, pool if threads > 1 else None)
+        engine = _engine(model, pool if threads > 1 else None, options.device)
         for blow in range(1, model.controls.blows + 1):
             if blow in resumed:
-                engine = Engine(model, engine.pool)
+                engine = _engine(model, engine.pool, options.device)
                 observer = options.observer if blow == 1 else None
                 read_restart(resumed[blow], engine, blow, observer.restore if observer else None)
             elif blow > 1:
@@ -159,6 +163,14 @@ def solve_blows(model: Model, options: RunOptions | None = None) -> tuple[FemRun
             if runs[-1].stopped:
                 break
     return tuple(runs)
+
+
+def _engine(model: Model, pool: ThreadPoolExecutor | None, device: Device | None) -> Engine:
+    if device is None:
+        return Engine(model, pool)
+    from strikewave.fem.device.engine import DeviceEngine
+
+    return DeviceEngine(model, device)
 
 
 def _one_blow(engine: Engine, options: RunOptions) -> FemRun:

@@ -422,17 +422,11 @@ LARGEST_CV, LARGEST_STOP_FORCE = 0.02, 2e3
 
 
 @pytest.mark.verify
-@pytest.mark.parametrize(
-    ("spring", "runs"),
-    [
-        ("40 kN/m", 62),
-        *(pytest.param(spring, 200, marks=pytest.mark.verify) for spring in ("36 kN/m", "40 kN/m", "44 kN/m")),
-    ],
-)
-def test_the_machine_of_equal_blows_has_them(spring, runs):
+@pytest.mark.parametrize("spring", ["36 kN/m", "40 kN/m", "44 kN/m"])
+def test_the_machine_of_equal_blows_has_them(spring):
     """Another seed than the one it was found with: the bound of 95 % on the CV of the 11 peaks is below 2 %."""
     case = load_case(EQUAL, [f"object.spring={spring}"])
-    study = scatter(case, ScatterPlan(runs, 20190321, "none", 2))
+    study = scatter(case, ScatterPlan(62, 20190321, "none", 2))
     within = study.figure("peak").within
     assert study.nominal_run.variation("peak") < within.limit < LARGEST_CV
     assert {len(run.kinds) for run in study.runs} == {11}

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Annotated
+from typing import Annotated, Literal
 
 import typer
 
@@ -16,6 +16,12 @@ def command(
         int,
         typer.Option("--threads", metavar="COUNT", min=1, help="Threads, one a core at most; they change no number."),
     ] = 1,
+    device: Annotated[
+        Literal["cuda"] | None,
+        typer.Option(
+            "--device", help="Take the steps on an NVIDIA GPU; on the processor by default.", show_default=False
+        ),
+    ] = None,
     frames: Annotated[
         int | None,
         typer.Option(
@@ -57,4 +63,5 @@ def command(
             read = load_case(case, changes)
     if check:
         return check_element_case(read, output.json, threads)
-    return run_element_case(read, changes or (), output, FemOptions(threads, not no_report, restart, animate))
+    choice = FemOptions(threads, not no_report, restart, animate, device)
+    return run_element_case(read, changes or (), output, choice)

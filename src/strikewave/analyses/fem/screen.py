@@ -24,6 +24,7 @@ from strikewave.base.json_document import head, plain, without
 from strikewave.base.percents import percent
 from strikewave.cases.case import Case, dump_case
 from strikewave.fem.blow_measures import blow_measure
+from strikewave.fem.device.devices import Device, device_named, refuse_unknown
 from strikewave.fem.measures import ENERGY_LIMIT, HOURGLASS_LIMIT, ContactMeasure, balance_measure
 from strikewave.fem.model import Model
 from strikewave.fem.quality import UNWARPED, PartQuality, quality_report
@@ -67,6 +68,7 @@ class FemOptions:
     report: bool = True
     restart: bool = False
     animate: bool = False
+    device: str | None = None
 
 
 def run_element_case(case: Case, changes: Sequence[str], output: Output, choice: FemOptions | None = None) -> int:
@@ -75,16 +77,19 @@ def run_element_case(case: Case, changes: Sequence[str], output: Output, choice:
     Raises
     ------
     InputError, InputErrors
-        If there is no folder for an animation or to go on from, or what the run raises.
+        If there is no folder for an animation or to go on from, no such device, or what the run raises.
     """
     choice = choice or FemOptions()
     output.check_animation(choice.animate)
     if choice.restart and output.json and output.out is None:
         raise InputError("--restart", "no folder", "a run that writes its files", "add --out DIR")
+    device = device_named(choice.device) if choice.device else None
     model, _ = _reported_model(case, choice.threads)
+    if device is not None:
+        refuse_unknown(model)
     case = output.tested(case)
     text = dump_case(case)
-    command = FemCommand(case, model, choice, output.force)
+    command = FemCommand(case, model, choice, output.force, device)
     return run_and_write(command, output, case_folder(case.name, text, changes), text)
 
 
@@ -114,6 +119,7 @@ class FemCommand(Command[FemSolution]):
     model: Model
     choice: FemOptions
     anew: bool
+    device: Device | None = None
     home: Path | None = field(default=None, init=False)
     fields: FieldFiles | None = field(default=None, init=False)
 
@@ -138,10 +144,10 @@ class FemCommand(Command[FemSolution]):
     def _asked(self) -> RunOptions:
         """Return what is asked of the run besides its histories."""
         if self.home is None or self.fields is None:
-            return RunOptions()
+            return RunOptions(device=self.device)
         state = self.home / STATE
         keep = Checkpoint(state, max(1, round(self.model.controls.intervals / STATES)))
-        asked = RunOptions(checkpoint=keep, resume=state if self.choice.restart else None)
+        asked = RunOptions(checkpoint=keep, resume=state if self.choice.restart else None, device=self.device)
         return asked._replace(writer=self.fields.of_blow(1), later=self.fields.of_blow)
 
     def _stills(self) -> int:

@@ -54,6 +54,9 @@ export default {
     }
     this.read(await answer.arrayBuffer());
     this.build(canvas);
+    await this.$nextTick(); // the slider reaches so far once it knows how many instants there are
+    this.instant = this.fullest;
+    this.paint();
     this.observer = new ResizeObserver(() => this.resize());
     this.observer.observe(canvas.parentElement);
     this.words = "drag to turn, wheel or two fingers to come nearer; arrow keys turn too";
@@ -78,6 +81,8 @@ export default {
       this.levels = head.fields.map(() => head.time.map(() => take(Uint8Array, head.faces)));
       this.shades = head.fields.map((field) => shadesOf(field.colours));
       this.head = head;
+      const loads = this.levels[0].map((levels) => levels.reduce((sum, level) => sum + level, 0));
+      this.fullest = loads.indexOf(Math.max(...loads));
     },
     build(canvas) {
       const corners = 4 * this.head.faces;
@@ -90,12 +95,23 @@ export default {
         triangles.set([first, first + 1, first + 2, first, first + 2, first + 3], 6 * face);
       }
       geometry.setIndex(new THREE.BufferAttribute(triangles, 1));
+      const sides = new Uint32Array(8 * this.head.faces);
+      for (let face = 0; face < this.head.faces; face++) {
+        const first = 4 * face;
+        sides.set([first, first + 1, first + 1, first + 2, first + 2, first + 3, first + 3, first], 8 * face);
+      }
+      const edges = new THREE.BufferGeometry();
+      edges.setAttribute("position", geometry.attributes.position);
+      edges.setIndex(new THREE.BufferAttribute(sides, 1));
+      this.pencil = new THREE.LineBasicMaterial({ color: "#000000", transparent: true, opacity: 0.18 });
       this.plane = new THREE.Plane();
       this.material = new THREE.MeshBasicMaterial({ vertexColors: true, side: THREE.DoubleSide });
+      this.material.polygonOffset = true; // lines lie before their faces
+      this.material.polygonOffsetFactor = this.material.polygonOffsetUnits = 1;
       this.mesh = new THREE.Mesh(geometry, this.material);
       this.scene = new THREE.Scene();
       this.scene.background = new THREE.Color("#ffffff");
-      this.scene.add(this.mesh);
+      this.scene.add(this.mesh, new THREE.LineSegments(edges, this.pencil));
       this.renderer.localClippingEnabled = true;
       this.camera = new THREE.PerspectiveCamera(30, 1, 0.1, 1e6);
       this.controls = new OrbitControls(this.camera, canvas);
@@ -126,7 +142,9 @@ export default {
       const along = new THREE.Vector3(...this.head.axis);
       this.camera.up.copy(new THREE.Vector3().crossVectors(towards, along)).normalize();
       const side = towards.addScaledVector(this.camera.up, 0.45).addScaledVector(along, -0.25);
-      const far = 1.1 * box.getSize(new THREE.Vector3()).length() / Math.tan((15 * Math.PI) / 180) / 2;
+      const place = this.$el.querySelector(".sw-view");
+      const wide = Math.min(place.clientWidth / place.clientHeight, 1.6);
+      const far = (1.1 * box.getSize(new THREE.Vector3()).length()) / Math.tan((15 * Math.PI) / 180) / 2 / wide;
       this.camera.position.copy(middle).addScaledVector(side.normalize(), far);
       this.camera.near = far / 100;
       this.camera.far = 100 * far;
@@ -139,8 +157,10 @@ export default {
       const normal = new THREE.Vector3(+(this.across === "x"), +(this.across === "y"), +(this.across === "z"));
       const [low, high] = [normal.dot(box.min), normal.dot(box.max)];
       this.plane.set(normal.negate(), low + this.depth * (high - low));
-      this.material.clippingPlanes = this.across ? [this.plane] : [];
-      this.material.needsUpdate = true;
+      for (const material of [this.material, this.pencil]) {
+        material.clippingPlanes = this.across ? [this.plane] : [];
+        material.needsUpdate = true;
+      }
       this.draw();
     },
     turn(event) {

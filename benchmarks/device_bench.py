@@ -1,0 +1,118 @@
+"""The explicit elements on a GPU: `python benchmarks/device_bench.py` prints the tables of docs/device.md.
+
+It needs an NVIDIA GPU and `pip install 'strikewave[gpu]'`. Nothing is written.
+"""
+
+import datetime
+import time
+from dataclasses import replace
+
+import numpy as np
+from elements_bench import PAPER, SIZE, SOLIDS, body, pressed, taken
+from timing import table
+
+from strikewave.fem import _layout as layout
+from strikewave.fem.device.devices import device_named
+from strikewave.fem.device.engine import DeviceEngine
+from strikewave.fem.model import Controls, Model
+from strikewave.fem.solve import RunOptions, solve
+
+MESHES = {"10 000": (20, 20, 25), "100 000": (50, 50, 40), "1 000 000": (100, 100, 100), "8 000 000": (200, 200, 200)}
+"""Elements along x, y and z; contact halves the last."""
+LEAST = 1.0
+"""Seconds that a timing lasts at least."""
+COPIED = 1 << 28
+"""Bytes that are copied to measure the bandwidth, far more than a cache holds."""
+KEPT = int(layout.BACK[0]) // layout.LANES
+"""Rows of state of a solid whose yield surface stands."""
+ELEMENT_BYTES = {
+    "node numbers": 4 * 8,
+    "constants": 8 * layout.CONSTANTS,
+    "state, read and written": 2 * 8 * KEPT,
+    "works, read and written, and hourglass energy": 2 * 8 * 3 + 8,
+    "critical step, written and reduced": 2 * 8,
+    "forces on corners, written and gathered, with their places": 2 * 8 * 24 + 4 * 8,
+}
+"""Of an element and step."""
+NODE_BYTES = {
+    "x and v, gathered": 8 * 6,
+    "where its corners begin": 4,
+    "force, gathered": 2 * 8 * 3,
+    "x, v and f, read and written, and 1/m": 2 * 8 * 9 + 8,
+}
+"""Of the one node that each element has."""
+
+
+def bytes_moved():
+    """Return the bytes of an element and step."""
+    return sum(ELEMENT_BYTES.values()) + sum(NODE_BYTES.values())
+
+
+def bandwidth(cuda):
+    """Return the bytes a second of a copy on the device, read and written."""
+    there = cuda.to_device(np.zeros(COPIED // 8))
+    other = cuda.device_array_like(there)
+
+    def copy():
+        other.copy_to_device(there)
+        cuda.synchronize()
+
+    copy()
+    begun = time.perf_counter()
+    for _ in range(20):
+        copy()
+    return 20 * 2 * COPIED / (time.perf_counter() - begun)
+
+
+def rate(model, device, cuda):
+    """Return element-steps a second of a model that moves at random."""
+    engine = DeviceEngine(model, device)
+    engine.v += np.random.default_rng(1).normal(0.0, 2.0, engine.v.shape)
+    engine.send()
+    taken(engine, 3)
+    steps = max(3, int(LEAST / taken(engine, 3)))
+    seconds = taken(engine, steps)
+    cuda.synchronize()
+    return engine.elements / seconds
+
+
+def rows(device, cuda, most):
+    """Return the rows of meshes and solids, with the share of the bound by bandwidth."""
+    found = []
+    for name, counts in MESHES.items():
+        models = {kind: Model(body(counts), {"body": SOLIDS[kind]}, Controls(1.0)) for kind in ("elastic", "bilinear")}
+        models["bilinear, in contact"] = pressed((counts[0], counts[1], counts[2] // 2))
+        for kind, model in models.items():
+            reached = rate(model, device, cuda)
+            found.append((name, kind, f"{reached / 1e6:.0f} M/s", f"{reached * bytes_moved() / most:.0%}"))
+    return found
+
+
+def impact(device):
+    """Return the seconds of the published impact, the time loop and all of it, and its energy error."""
+    begun = time.perf_counter()
+    model = pressed()
+    model = replace(model, controls=replace(model.controls, duration=PAPER, interval=1e-6))
+    run = solve(model, RunOptions(device=device))
+    return run.seconds, time.perf_counter() - begun, float(np.abs(run.energy_error).max())
+
+
+def main():
+    """Print what was measured."""
+    device = device_named("cuda")
+    from numba import cuda
+
+    gpu = cuda.get_current_device()
+    print(f"{datetime.date.today()}, {gpu.name}, compute capability {gpu.compute_capability}")
+    most = bandwidth(cuda)
+    print(f"a copy moves {most / 1e9:.0f} GB/s; an element and step {bytes_moved()} bytes\n")
+    print(table(("elements", "kind", "element-steps a second", "share of the bandwidth"), rows(device, cuda, most)))
+    loop, whole, error = impact(device)
+    print(
+        f"\nAn impact of {PAPER * 1e3:g} ms of 100 000 hexahedra of {SIZE * 1e3:g} mm: {loop:.1f} s of time loop, {whole:.1f} s "
+        f"with building and compiling; energy error {error:.1e}."
+    )
+
+
+if __name__ == "__main__":
+    main()

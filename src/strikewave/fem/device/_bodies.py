@@ -1,0 +1,260 @@
+"""What a thread of a device does: one element, node or row each, by the formulas that the loops of the processor call.
+
+Numba compiles for a device what it is called by a kernel there; the formulas themselves are those of
+`strikewave.fem`, compiled from the same functions. An element has a scratch of its own, laid out as that of a chunk, in
+lane 0: every place in it is a constant, so that it lies in registers, and rows that are not used cost nothing.
+
+A sum over elements or contacts is taken by the node that it belongs to, in an order that a table fixes: it is the same
+in every run.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from strikewave.base.compiled import fused_leaf_kernel, leaf_kernel
+from strikewave.fem._full_kernels import (
+    POINTS,
+    begin_sums,
+    cofactors,
+    end_sums,
+    point_force,
+    point_kinematics,
+)
+from strikewave.fem._hexahedron_kernels import (
+    all_nodal_forces,
+    critical_step,
+    hourglass_forces,
+    mean_motion,
+    stress_force,
+    take_node,
+    viscosity,
+    work_share,
+)
+from strikewave.fem._layout import (
+    BACK,
+    BEFORE,
+    CONSTANTS,
+    DAMPED,
+    EIGHT,
+    FIXED,
+    FX,
+    FY,
+    FZ,
+    HELD,
+    HOURGLASS,
+    KINEMATIC,
+    MASS,
+    PLASTIC,
+    SIX,
+    STATES,
+    STEP,
+    WORK,
+    ZERO,
+    T,
+    U,
+    V,
+    W,
+)
+from strikewave.fem._solid_kernels import stress_of_one
+
+ROWS, KEPT, SEVEN, THREE_FIELDS = np.uint64(CONSTANTS), np.uint64(9), np.uint64(7), np.uint64(24)
+"""Rows of constants; of the state without a back stress; of modes with a force; of forces on modes of three fields."""
+
+
+class ElementResults(NamedTuple):
+    """What elements leave for the nodes and for the balance.
+
+    Forces on corners (3, chunks * 8 * LANES), sums of work (SUMS, chunks * LANES), critical step (chunks * LANES).
+    """
+
+    corner: np.ndarray
+    works: np.ndarray
+    step: np.ndarray
+
+
+@fused_leaf_kernel
+def take_nodes(blocks, chunk, lane, x, v, s):
+    """Copy positions and velocities of the nodes of an element into the scratch."""
+    for k in range(EIGHT):
+        place = k * W
+        take_node(x, v, np.uint64(blocks.nodes[chunk * EIGHT * W + place + lane]), s, place)
+
+
+@fused_leaf_kernel
+def take_state(state, at, moving, s):
+    """Copy the state of a point into the scratch; its back stress only where the yield surface moves."""
+    for k in range(KEPT):
+        s[HELD + k * W] = state[at + k * W]
+    if moving:
+        for k in range(SIX):
+            s[HELD + BACK[0] + k * W] = state[at + BACK[0] + k * W]
+
+
+@fused_leaf_kernel
+def keep_state(state, at, moving, s):
+    """Copy it back."""
+    for k in range(KEPT):
+        state[at + k * W] = s[HELD + k * W]
+    if moving:
+        for k in range(SIX):
+            state[at + BACK[0] + k * W] = s[HELD + BACK[0] + k * W]
+
+
+@fused_leaf_kernel
+def leave_results(blocks, results, chunk, lane, s):
+    """Write what an element leaves: works are added, the hourglass energy is that of now.
+
+    Lanes beyond those that are filled repeat the last element, and leave nothing.
+    """
+    if lane >= np.uint64(blocks.filled[chunk]):
+        return
+    for k in range(EIGHT):
+        place = chunk * EIGHT * W + k * W + lane
+        results.corner[0, place] = s[U[0] + k * W]
+        results.corner[1, place] = s[V[0] + k * W]
+        results.corner[2, place] = s[T[0] + k * W]
+    element, middle = chunk * W + lane, work_share(s, ZERO)
+    results.works[0, element] += middle * s[WORK]
+    results.works[1, element] += middle * s[PLASTIC]
+    results.works[2, element] += middle * s[DAMPED]
+    results.works[3, element] = s[HOURGLASS]
+    results.step[element] = s[STEP]
+
+
+@fused_leaf_kernel
+def one_point_element(i, s, blocks, x, v, dt, viscous, results):
+    """Bring an element of one point to the end of a step, as `_hexahedron_kernels.chunk_forces` does for a chunk."""
+    chunk, lane = np.uint64(i) // W, np.uint64(i) % W
+    part = blocks.part[chunk]
+    solid, kind = blocks.solids[part], blocks.kinds[part]
+    at, moving = chunk * np.uint64(STATES) * W + lane, solid[KINEMATIC] > 0.0
+    take_nodes(blocks, chunk, lane, x, v, s)
+    for k in range(ROWS):
+        s[FIXED + k * W] = blocks.constants[chunk * ROWS * W + k * W + lane]
+    take_state(blocks.state, at, moving, s)
+    mean_motion(s, dt, ZERO)
+    viscosity(s, solid, dt, viscous[0], viscous[1], ZERO)
+    critical_step(s, solid, ZERO)
+    stress_of_one(s, solid, kind, dt, ZERO)
+    stress_force(s, ZERO)
+    hourglass_forces(s, ZERO)
+    all_nodal_forces(s, ZERO)
+    keep_state(blocks.state, at, moving, s)
+    leave_results(blocks, results, chunk, lane, s)
+
+
+@fused_leaf_kernel
+def full_element(i, s, blocks, x, v, dt, viscous, results):
+    """Bring a fully integrated element to the end of a step, as `_full_kernels.chunk_forces` does for a chunk."""
+    chunk, lane = np.uint64(i) // W, np.uint64(i) % W
+    part = blocks.part[chunk]
+    solid, kind = blocks.solids[part], blocks.kinds[part]
+    point, moving = np.uint64(STATES) * W, solid[KINEMATIC] > 0.0
+    first = chunk * EIGHT * point + lane
+    take_nodes(blocks, chunk, lane, x, v, s)
+    s[FIXED + MASS] = blocks.constants[chunk * W + lane]
+    mean_motion(s, dt, ZERO)
+    s[HELD + BEFORE] = blocks.state[first + BEFORE]
+    viscosity(s, solid, dt, viscous[0], viscous[1], ZERO)
+    blocks.state[first + BEFORE] = s[HELD + BEFORE]
+    begin_sums(s, ZERO)
+    for k in range(THREE_FIELDS):
+        s[FX[0] + k * W] = 0.0
+    for p in range(8):
+        at = first + np.uint64(p) * point
+        place = POINTS[p, 0], POINTS[p, 1], POINTS[p, 2]
+        take_state(blocks.state, at, moving, s)
+        cofactors(s, place, ZERO)
+        point_kinematics(s, place, dt, ZERO)
+        stress_of_one(s, solid, kind, dt, ZERO)
+        point_force(s, place, ZERO)
+        keep_state(blocks.state, at, moving, s)
+    end_sums(s, ZERO)
+    critical_step(s, solid, ZERO)
+    stress_force(s, ZERO)
+    for k in range(SEVEN):
+        s[U[0] + k * W] += s[FX[0] + k * W]
+        s[V[0] + k * W] += s[FY[0] + k * W]
+        s[T[0] + k * W] += s[FZ[0] + k * W]
+    all_nodal_forces(s, ZERO)
+    leave_results(blocks, results, chunk, lane, s)
+
+
+@leaf_kernel
+def gather_node(n, start, places, corner, f):
+    """Add to the force on a node those on its corners of elements, at places[start[n] : start[n + 1]]."""
+    for c in range(3):
+        total = 0.0
+        for k in range(start[n], start[n + 1]):
+            total += corner[c, places[k]]
+        f[n, c] += total
+
+
+@leaf_kernel
+def join_row(i, force, first):
+    """Add the row of a first force to that of a second."""
+    for c in range(3):
+        force[i, c] += first[i, c]
+
+
+@leaf_kernel
+def copy_row(i, force, first):
+    """Copy the row of a force."""
+    for c in range(3):
+        first[i, c] = force[i, c]
+
+
+@leaf_kernel
+def book_row(i, nodes, force, before, v, kick, done):
+    """Add work and impulse of a force in a step; see `_boundary_kernels.work_and_impulse`."""
+    work = 0.0
+    for c in range(3):
+        work += 0.5 * force[i, c] * (before[i, c] + v[nodes[i], c])
+        done[i, 1 + c] += kick * force[i, c]
+    done[i, 0] += kick * work
+
+
+@leaf_kernel
+def book_touch(i, touch, v, kick, done):
+    """Add the energy that contact took at a node, and its impulse on it; see `_contact_kernels.contact_work`."""
+    work = 0.0
+    for c in range(3):
+        force = touch.normal[i, c] + touch.friction[i, c]
+        work -= 0.5 * force * (touch.velocity[i, c] + v[touch.nodes[i], c])
+        done[i, 1 + c] += kick * force
+    done[i, 0] += kick * work
+
+
+@leaf_kernel
+def collect_node(n, state, start, sources, f):
+    """Add to f the contact force on a node: that of its own contact, and what others press on the corner that it is.
+
+    ``sources[start[n] : start[n + 1]]`` are the nodes that may meet a face of which it is a corner, ascending, so that
+    the order of the sums is that of `_contact_kernels.scatter_forces`.
+    """
+    touch, nodal = state.touch, state.nodal
+    first = n < touch.first
+    own = nodal.touches[n] != 0
+    for c in range(3):
+        normal = nodal.normal_force[n, c] if own and first else 0.0
+        friction = nodal.friction_force[n, c] if own and first else 0.0
+        for k in range(start[n], start[n + 1]):
+            i = sources[k]
+            if nodal.touches[i] == 0:
+                continue
+            for corner in range(4):
+                if state.faces[nodal.face[i], corner] == n:
+                    normal -= nodal.shape[i, corner] * nodal.normal_force[i, c]
+                    friction -= nodal.shape[i, corner] * nodal.friction_force[i, c]
+        if own and not first:
+            normal += nodal.normal_force[n, c]
+            friction += nodal.friction_force[n, c]
+        touch.normal[n, c], touch.friction[n, c] = normal, friction
+        f[touch.nodes[n], c] += normal + friction
+
+
+@leaf_kernel
+def note_travel(i, state, travel):
+    """Note how much closer nodes may have come since the last search."""
+    state.travel[i] = travel

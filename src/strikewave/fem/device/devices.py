@@ -1,0 +1,99 @@
+"""Where bodies run, one call for each index: a GPU, or a loop here; what is not done there yet."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any, Protocol
+
+import numpy as np
+
+from strikewave.base.errors import InputError
+from strikewave.fem._layout import SCRATCH
+from strikewave.fem.model import Model, Pressure
+
+NAMES = ("cuda",)
+"""Devices that can be asked for."""
+
+
+class Device(Protocol):
+    """What holds arrays and calls a compiled body for each index."""
+
+    def put(self, array: np.ndarray) -> Any:
+        """Return a copy of an array there."""
+
+    def get(self, array: Any) -> np.ndarray:
+        """Return a copy of it here."""
+
+    def each(self, body: Callable[..., None], count: int, *arguments: Any) -> None:
+        """Call body(i, *arguments) for every i below count, in any order."""
+
+    def each_with_scratch(self, body: Callable[..., None], count: int, *arguments: Any) -> None:
+        """Call body(i, scratch, *arguments), each with a scratch of its own."""
+
+    def least(self, array: Any) -> float:
+        """Return the least of some numbers."""
+
+
+class Loop:
+    """The device of tests: the same bodies, one index after another, on arrays here."""
+
+    def __init__(self) -> None:
+        self.scratch = np.zeros(SCRATCH)
+
+    def put(self, array: np.ndarray) -> np.ndarray:
+        """Return a copy of an array."""
+        return np.array(array)
+
+    def get(self, array: np.ndarray) -> np.ndarray:
+        """Return a copy of it."""
+        return np.array(array)
+
+    def each(self, body: Callable[..., None], count: int, *arguments: Any) -> None:
+        """Call body(i, *arguments) for every i below count."""
+        for i in range(count):
+            body(i, *arguments)
+
+    def each_with_scratch(self, body: Callable[..., None], count: int, *arguments: Any) -> None:
+        """Call body(i, scratch, *arguments) with one scratch for all."""
+        self.each(body, count, self.scratch, *arguments)
+
+    def least(self, array: np.ndarray) -> float:
+        """Return the least of some numbers."""
+        return float(array.min())
+
+
+def device_named(name: str) -> Device:
+    """Return a device.
+
+    Raises
+    ------
+    InputError
+        If there is none of that name, or it is not here.
+    """
+    if name not in NAMES:
+        raise InputError("--device", name, " or ".join(NAMES))
+    try:
+        from strikewave.fem.device.gpu import Cuda
+    except ImportError:
+        raise InputError("--device", "cuda", "numba-cuda beside strikewave", "pip install 'strikewave[gpu]'") from None
+    return Cuda()
+
+
+def refuse_unknown(model: Model) -> None:
+    """Refuse a model with something that is not done on a device yet.
+
+    Raises
+    ------
+    InputError
+        In one line that names it.
+    """
+    unknown = {
+        "ties": bool(model.ties),
+        "rigid parts": bool(model.rigid),
+        "pressures": any(isinstance(each, Pressure) for each in model.boundaries),
+        "several blows": model.controls.blows > 1,
+    }
+    found = [name for name, there in unknown.items() if there]
+    if found:
+        allowed = "elements of all solids, contact, walls, held and driven sides, non-reflecting sides, gravity"
+        raise InputError("--device", f"a case with {' and '.join(found)}", allowed, "run it without --device")

@@ -1,0 +1,242 @@
+"""What a run has on a device: elements, boundaries, contacts and walls, each beside its twin here; SI."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any, Generic, NamedTuple, TypeVar
+
+import numpy as np
+
+from strikewave.fem import _boundary_kernels as boundary_kernels
+from strikewave.fem import _contact_kernels as contact_kernels
+from strikewave.fem import _layout as layout
+from strikewave.fem._contact_kernels import ContactState, Step, WallState
+from strikewave.fem.boundary import Acting, Dashpots, Held, Now, Weight, value_at
+from strikewave.fem.contact import searched
+from strikewave.fem.device import _bodies as bodies
+from strikewave.fem.device.devices import Device
+from strikewave.fem.full import FullyIntegrated
+from strikewave.fem.hexahedron import Hexahedra, OnePoint
+from strikewave.fem.mesh import Array, Index
+
+S = TypeVar("S", ContactState, WallState)
+BODIES: dict[type[Hexahedra], Callable[..., None]] = {
+    OnePoint: bodies.one_point_element,
+    FullyIntegrated: bodies.full_element,
+}
+"""What brings an element to the end of a step."""
+DONE = 4
+"""What each node of a boundary or contact sums up: work and impulse."""
+
+
+def lists(keys: Index, values: Index, count: int) -> tuple[Index, Index]:
+    """Return where the values of each key begin, (count + 1,), and the values, ascending for each.
+
+    Examples
+    --------
+    >>> start, places = lists(np.array([1, 0, 1]), np.array([5, 6, 4]), 3)
+    >>> start.tolist(), places.tolist()
+    ([0, 1, 3, 3], [6, 4, 5])
+    """
+    order = np.lexsort((values, keys))
+    start = np.concatenate([[0], np.cumsum(np.bincount(keys, minlength=count))])
+    return start.astype(np.int32), values[order].astype(np.int32)
+
+
+def put_fields(device: Device, state: Any) -> Any:
+    """Return a named tuple with its arrays on a device."""
+    if isinstance(state, np.ndarray):
+        return device.put(state)
+    return type(state)(*(put_fields(device, each) for each in state)) if isinstance(state, tuple) else state
+
+
+def get_fields(device: Device, there: Any, here: Any) -> None:
+    """Copy the arrays of a named tuple on a device to those here."""
+    if isinstance(here, np.ndarray):
+        here[...] = device.get(there)
+    elif isinstance(here, tuple):
+        for each, own in zip(there, here, strict=True):
+            get_fields(device, each, own)
+
+
+class Nodes(NamedTuple):
+    """Arrays of the nodes on a device, as those of `strikewave.fem.engine.Engine`."""
+
+    x: Any
+    v: Any
+    f: Any
+    mass: Any
+    inverse_mass: Any
+    yielding: Any
+
+
+class DeviceElements:
+    """Elements of one kind."""
+
+    def __init__(self, device: Device, elements: Hexahedra, nodes: int) -> None:
+        self.device, self.here, self.body, self.nodes = device, elements, BODIES[type(elements)], nodes
+        blocks = elements.blocks
+        self.lanes = len(blocks.filled) * layout.LANES
+        corners = blocks.nodes.reshape(-1, 8, layout.LANES)
+        filled = np.arange(layout.LANES) < blocks.filled[:, None, None]
+        places = np.flatnonzero(np.broadcast_to(filled, corners.shape)).astype(np.int32)
+        self.start, self.places = (device.put(each) for each in lists(blocks.nodes[places], places, nodes))
+        self.send()
+
+    def send(self) -> None:
+        """Bring the state of the elements there."""
+        put, self.stepped = self.device.put, False
+        self.blocks = put_fields(self.device, self.here.blocks)
+        self.results = bodies.ElementResults(
+            put(np.zeros((3, 8 * self.lanes))),
+            put(np.zeros((layout.SUMS, self.lanes))),
+            put(np.full(self.lanes, np.inf)),
+        )
+
+    def fetch(self) -> None:
+        """Bring it, and what was summed since, here."""
+        self.here.blocks.state[:] = self.device.get(self.blocks.state)
+        if not self.stepped:
+            return  # the hourglass energy, which is no sum, is still that of the last time
+        self.stepped = False
+        works = self.device.get(self.results.works).reshape(layout.SUMS, -1, layout.LANES).sum(axis=2)
+        by_slab = np.add.reduceat(works, self.here.slabs[:, 0], axis=1).T
+        self.here.sums[:, :3] += by_slab[:, :3]
+        self.here.sums[:, 3] = by_slab[:, 3]
+        self.results = self.results._replace(works=self.device.put(np.zeros((layout.SUMS, self.lanes))))
+
+    def add_forces(self, nodes: Nodes, dt: float) -> float:
+        """Bring the elements to the end of a step and add their forces; return their critical step, s."""
+        self.stepped = True
+        each, viscous = self.device.each, tuple(float(c) for c in self.here.viscous)
+        self.device.each_with_scratch(self.body, self.lanes, self.blocks, nodes.x, nodes.v, dt, viscous, self.results)
+        each(bodies.gather_node, self.nodes, self.start, self.places, self.results.corner, nodes.f)
+        return self.device.least(self.results.step)
+
+
+class DeviceActing:
+    """Weight, held or driven nodes, or dashpots."""
+
+    def __init__(self, device: Device, acting: Acting, mass: Array) -> None:
+        self.device, self.here, self.mass, self.count = device, acting, mass, len(acting.nodes)
+        self.nodes = device.put(acting.nodes)
+        self.table = device.put(acting.directions) if isinstance(acting, Held) else None
+        self.kick = 0.0
+        self.force, self.before, self.first = (device.put(each) for each in (acting.force, acting.before, acting.force))
+        self.done = device.put(np.zeros((self.count, DONE)))
+
+    def add(self, now: Now) -> None:
+        """Find the forces of this instant and add them to those of the nodes."""
+        self.device.each(boundary_kernels.take_row, self.count, self.nodes, now.v, self.before)
+        self._apply(now)
+
+    def add_rest(self, now: Now) -> None:
+        """Add what it takes once more forces, of contact, have come."""
+        self.device.each(bodies.copy_row, self.count, self.force, self.first)
+        self._apply(now)
+        self.device.each(bodies.join_row, self.count, self.force, self.first)
+
+    def _apply(self, now: Now) -> None:
+        each, here = self.device.each, self.here
+        if isinstance(here, Weight):
+            each(boundary_kernels.add_row, self.count, self.nodes, self.force, now.f)
+            return
+        rest = now.kick, now.v, now.f, now.mass, self.force
+        if isinstance(here, Held):
+            speed = 0.0 if here.speed is None else value_at(here.speed, now.time + 0.5 * now.step)
+            each(boundary_kernels.hold_node, self.count, self.nodes, self.table, speed, *rest)
+        elif isinstance(here, Dashpots):
+            if now.kick != self.kick:
+                self.kick = now.kick
+                self.table = self.device.put(here.ready_for(now.kick, self.mass))
+            each(boundary_kernels.absorb_node, self.count, self.nodes, self.table, *rest)
+
+    def book(self, nodes: Nodes, kick: float) -> None:
+        """Add work and impulse of the step that led to the velocity now."""
+        rest = self.nodes, self.force, self.before, nodes.v, kick, self.done
+        self.device.each(bodies.book_row, self.count, *rest)
+
+    def fetch(self) -> Array:
+        """Bring force and velocity before here; return work and impulse since the last time."""
+        self.here.force[:], self.here.before[:] = self.device.get(self.force), self.device.get(self.before)
+        done = self.device.get(self.done).sum(axis=0)
+        self.done = self.device.put(np.zeros((self.count, DONE)))
+        return np.asarray(done)
+
+
+class DeviceTouch(Generic[S]):
+    """Nodes of a contact or wall, and what they sum up."""
+
+    def __init__(self, device: Device, here: S) -> None:
+        self.here: S = here
+        self.device, self.count = device, len(here.touch.nodes)
+        self.send()
+
+    def send(self) -> None:
+        """Bring the state there."""
+        self.there = put_fields(self.device, self.here)
+        self.done = self.device.put(np.zeros((self.count, DONE)))
+
+    def fetch(self) -> Array:
+        """Bring the state here; return work, and impulse on the first surface, since the last time."""
+        before = self.here.touch.step[0]
+        get_fields(self.device, self.there, self.here)
+        self.here.touch.step[0] = before
+        done = self.device.get(self.done)
+        self.done = self.device.put(np.zeros((self.count, DONE)))
+        return np.append(done[:, 0].sum(), done[: self.here.touch.first, 1:].sum(axis=0))
+
+    def book(self, nodes: Nodes, kick: float) -> None:
+        """Add work and impulse of the step that led to the velocity now."""
+        self.device.each(bodies.book_touch, self.count, self.there.touch, nodes.v, kick, self.done)
+
+    def step(self, now: Now, travel: float = 0.0) -> Step:
+        """Return the step, with the share of depths that is kept; note it."""
+        before, self.here.touch.step[0] = float(self.here.touch.step[0]), now.step
+        return Step(now.step, now.kick, travel, now.step / before if now.step < before else 1.0)
+
+
+class DeviceWall(DeviceTouch[WallState]):
+    """A rigid plane."""
+
+    def add(self, now: Now, nodes: Nodes) -> None:
+        """Add its forces to those of the nodes."""
+        rest = self.there, nodes.x, nodes.v, nodes.f, nodes.yielding, self.step(now)
+        self.device.each(contact_kernels.wall_node, self.count, *rest)
+
+
+class DeviceContact(DeviceTouch[ContactState]):
+    """Two surfaces. Faces are searched here, from a copy of the positions, as seldom as on a processor."""
+
+    def send(self) -> None:
+        """Bring the state there, and which nodes may meet a face that a node is a corner of."""
+        super().send()
+        state = self.here
+        node = np.repeat(np.arange(self.count), np.diff(state.start))
+        last = np.flatnonzero(state.nodal.face >= 0)
+        met = np.concatenate([state.faces[state.candidates], state.faces[state.nodal.face[last]]])
+        pairs = np.unique(np.column_stack([met.ravel(), np.repeat(np.concatenate([node, last]), 4)]), axis=0)
+        self.start, self.sources = (self.device.put(each) for each in lists(pairs[:, 0], pairs[:, 1], self.count))
+        self.travel = float(state.travel[0])
+
+    def add(self, now: Now, nodes: Nodes) -> bool:
+        """Add its forces to those of the nodes; return whether the faces must be searched before the next step."""
+        each, there = self.device.each, self.there
+        step = self.step(now)
+        each(contact_kernels.predict_node, self.count, there, nodes.x, nodes.v, nodes.f, nodes.yielding, step)
+        self.here.moving[:] = self.device.get(there.moving)
+        travel = float(contact_kernels.travel_of(self.here, now.step))
+        self.travel += travel
+        each(bodies.note_travel, 1, there, self.travel)
+        each(contact_kernels.press_node, self.count, there, step._replace(travel=travel))
+        each(bodies.collect_node, self.count, there, self.start, self.sources, nodes.f)
+        return self.travel + 2.0 * travel > self.here.margin
+
+    def search(self, x: Array) -> ContactState:
+        """Search the faces anew for where the nodes (nodes, 3) are; return the contact as it is here now."""
+        done = self.device.get(self.done)
+        self.fetch()
+        self.here = searched(self.here, x)
+        self.send()
+        self.done = self.device.put(done)
+        return self.here

@@ -1,0 +1,161 @@
+"""Steps on a device, by the bodies that its threads run, against those of the processor."""
+
+import dataclasses
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from strikewave.base.errors import InputError
+from strikewave.fem.device import gpu
+from strikewave.fem.device.devices import Loop, device_named, refuse_unknown
+from strikewave.fem.mesh import joined
+from strikewave.fem.model import (
+    Controls,
+    Driven,
+    Fixed,
+    Model,
+    NonReflecting,
+    Pressure,
+    Rigid,
+    RigidWall,
+    SurfaceContact,
+    Symmetry,
+    Tie,
+    TimeCurve,
+)
+from strikewave.fem.shapes import block, moved
+from strikewave.fem.solids import Bilinear, Elastic, JohnsonCook, ZerilliArmstrong
+from strikewave.fem.solve import Checkpoint, RunOptions, solve
+
+SAME = 1e-10
+"""Of the largest value: sums of up to eight corners in another order, over some hundred steps."""
+SIZE = 1e-3
+SOLIDS = {
+    "elastic": Elastic(7820.0, 211e9, 0.29),
+    "bilinear": Bilinear(7820.0, 211e9, 0.29, yield_strength=100e6, tangent_modulus=2e9),
+    "kinematic": Bilinear(7820.0, 211e9, 0.29, yield_strength=100e6, tangent_modulus=2e9, kinematic=0.5),
+    "johnson-cook": JohnsonCook(
+        7830.0, 200e9, 0.29, A=100e6, B=510e6, n=0.26, C=0.014, m=1.03, melting_temperature=1793.0, specific_heat=477.0
+    ),
+    "zerilli-armstrong": ZerilliArmstrong(
+        8960.0, 124e9, 0.34, C0=65e6, C2=890e6, C3=0.0028, C4=0.000115, specific_heat=383.0
+    ),
+}
+
+
+def skewed(name, counts):
+    """Return a block whose inner nodes are moved, so that no two elements are alike."""
+    mesh = block(name, tuple(SIZE * n for n in counts), SIZE, SIZE, SIZE)
+    low, high = mesh.points.min(axis=0), mesh.points.max(axis=0)
+    inner = np.all((mesh.points > low + 0.1 * SIZE) & (mesh.points < high - 0.1 * SIZE), axis=1)
+    points = mesh.points.copy()
+    points[inner] += np.random.default_rng(3).uniform(-0.15, 0.15, (inner.sum(), 3)) * SIZE
+    return dataclasses.replace(mesh, points=points)
+
+
+def body(solid, full=()):
+    """Return a block that is held, driven, weighed, and lets waves out; 45 elements fill one chunk and a part."""
+    return Model(
+        skewed("body", (3, 3, 5)),
+        {"body": SOLIDS[solid]},
+        Controls(4e-6, 1e-6, full=full),
+        gravity=(0.0, 3e4, -1e5),
+        boundaries=(
+            Symmetry("body.x-"),
+            Driven("body.z+", (0.0, 0.0, -1.0), TimeCurve((0.0, 1e-6, 2e-6), (0.0, 20.0, 0.0))),
+            NonReflecting("body.z-"),
+        ),
+    )
+
+
+def impact(friction=0.3, duration=6e-6):
+    """Return a block that falls aslant on another, which stands on a wall."""
+    low, up = skewed("low", (4, 4, 2)), skewed("up", (3, 3, 2))
+    gap = low.points[:, 2].max() - up.points[:, 2].min() + 2e-6
+    return Model(
+        joined([low, moved(up, (0.3 * SIZE, 0.2 * SIZE, gap))]),
+        {"low": SOLIDS["bilinear"], "up": SOLIDS["elastic"]},
+        Controls(duration, 1e-6, full=("up",)),
+        velocity={"up": (20.0, 5.0, -30.0)},
+        contacts=(SurfaceContact("low.z+", "up.z-", friction),),
+        walls=(RigidWall("low.z-", (0.0, 0.0, float(low.points[:, 2].min())), (0.0, 0.0, 1.0), 0.1),),
+    )
+
+
+def assert_same(run, other):
+    for what in ("energy", "force", "impulse", "von_mises", "plastic_strain", "pressed"):
+        for name, column in getattr(run, what).items():
+            scale = max(np.abs(column).max(), 1e-300)
+            np.testing.assert_allclose(getattr(other, what)[name] / scale, column / scale, atol=SAME, rtol=0.0)
+    for name, part in run.parts.items():
+        for field in ("displacement", "velocity"):
+            ours, theirs = getattr(part, field), getattr(other.parts[name], field)
+            np.testing.assert_allclose(theirs, ours, atol=SAME * np.abs(ours).max(), rtol=0.0)
+    assert other.steps == run.steps
+    assert other.step == pytest.approx(run.step, rel=SAME)
+
+
+@pytest.mark.verify
+@pytest.mark.parametrize("full", [(), ("body",)], ids=["one-point", "full"])
+@pytest.mark.parametrize("solid", SOLIDS)
+def test_bodies_of_a_device_move_solids_as_the_processor_does(solid, full):
+    model = body(solid, full)
+    run = solve(model)
+    assert solid == "elastic" or run.energy["plastic"][-1] > 0.05 * run.energy["internal"][-1]
+    assert_same(run, solve(model, RunOptions(device=Loop())))
+
+
+@pytest.mark.verify
+@pytest.mark.parametrize("friction", [0.0, 0.3])
+def test_bodies_of_a_device_meet_as_on_the_processor(friction):
+    model = impact(friction)
+    run = solve(model)
+    assert max(np.linalg.norm(force, axis=1).max() for force in run.force.values()) > 100.0
+    again = solve(model, RunOptions(device=Loop()))
+    assert_same(run, again)
+    assert again.energy_error == pytest.approx(run.energy_error, abs=SAME)
+
+
+@pytest.mark.verify
+def test_an_interrupted_run_goes_on_there_and_on_the_processor(tmp_path):
+    path = tmp_path / "state.h5"
+    whole = solve(impact(), RunOptions(device=Loop()))
+    solve(impact(duration=3e-6), RunOptions(device=Loop(), checkpoint=Checkpoint(path, 2)))
+    for device in (Loop(), None):
+        assert_same(whole, solve(impact(), RunOptions(device=device, resume=path)))
+
+
+def test_the_kernels_of_a_gpu_run_in_the_simulator_of_numba():
+    script = Path(__file__).with_name("simulated_gpu.py")
+    path = os.pathsep.join([str(script.parents[2] / "benchmarks"), *sys.path])
+    environment = {**os.environ, "NUMBA_ENABLE_CUDASIM": "1", "PYTHONPATH": path}
+    found = subprocess.run([sys.executable, script], env=environment, capture_output=True, text=True, check=False)
+    assert found.returncode == 0, found.stderr
+
+
+def test_without_a_gpu_one_line_says_what_is_missing(monkeypatch):
+    monkeypatch.setattr(gpu.cuda, "is_available", lambda: False)
+    with pytest.raises(
+        InputError, match='--device: got "cuda"; allowed: a machine with an NVIDIA GPU and its driver'
+    ) as error:
+        device_named("cuda")
+    assert "\n" not in str(error.value)
+
+
+@pytest.mark.parametrize(
+    ("change", "named"),
+    [
+        ({"ties": (Tie("up.z-", "low.z+"),), "contacts": ()}, "ties"),
+        ({"rigid": (Rigid("up"),)}, "rigid parts"),
+        ({"boundaries": (Pressure("up.z+", TimeCurve((0.0,), (1e6,))), Fixed("low.z-"))}, "pressures"),
+        ({"controls": Controls(2e-6, blows=2)}, "several blows"),
+    ],
+)
+def test_a_model_with_what_a_device_does_not_do_yet_is_refused_by_name(change, named):
+    refuse_unknown(impact())
+    with pytest.raises(InputError, match=f"--device: got .a case with {named}"):
+        refuse_unknown(dataclasses.replace(impact(), **change))
