@@ -6,12 +6,12 @@ import pytest
 from strikewave import dump_case, load_case, run_case
 from strikewave.analyses.machine.quick_look import MOST_PASSES, quick_look
 from strikewave.base.errors import StrikewaveError
-from strikewave.web.case_loading import loaded
-from strikewave.web.case_state import CaseSource, CaseState
-from strikewave.web.case_view import opened, saved
-from strikewave.web.edited_field import EditedField
-from strikewave.web.fields import edited_fields
-from strikewave.web.machine_view import full, look
+from strikewave.web.case.edited_field import EditedField
+from strikewave.web.case.fields import edited_fields
+from strikewave.web.case.loading import loaded
+from strikewave.web.case.state import CaseSource, CaseState
+from strikewave.web.case.view import opened, saved
+from strikewave.web.pages.case.machine_view import full, look
 
 ENGINE = 1e-3
 """What the fast engine may change of a result: its tolerance of 1e-4 gave at most 6e-4 over the inputs of li-ma-2019."""

@@ -12,14 +12,14 @@ from strikewave import load_case, run_wave
 from strikewave.base.errors import StrikewaveError
 from strikewave.cases.case import parse_case
 from strikewave.studies.design.design_file import load_design
-from strikewave.web import elements_view, target_view
-from strikewave.web.case_state import CaseSource
-from strikewave.web.case_view import opened
-from strikewave.web.layer_order import rearranged, stack_rows
-from strikewave.web.record_request import RecordRequest
-from strikewave.web.record_view import four_axes, measure
-from strikewave.web.study_request import KINDS, StudyRequest
-from strikewave.web.study_view import refuse_other_files, study
+from strikewave.web.case.layer_order import rearranged, stack_rows
+from strikewave.web.case.state import CaseSource
+from strikewave.web.case.view import opened
+from strikewave.web.pages.case import elements_view, target_view
+from strikewave.web.pages.record.request import RecordRequest
+from strikewave.web.pages.record.view import four_axes, measure
+from strikewave.web.pages.study.request import KINDS, StudyRequest
+from strikewave.web.pages.study.view import refuse_other_files, study
 
 WIDE = 200e-6
 """Base of the half sine that is planted, s."""

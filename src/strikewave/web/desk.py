@@ -18,7 +18,7 @@ from strikewave.web.jobs import PATIENCE, Lookers, PageJob, Say
 from strikewave.web.sessions import Session, Sessions, clean_name
 
 Opened = TypeVar("Opened")
-VIEW = "strikewave.web.machine_view"
+VIEW = "strikewave.web.pages.case.machine_view"
 KEPT_POLICY = (
     "sandbox allow-scripts; default-src 'none'; script-src 'unsafe-inline'; style-src 'unsafe-inline'; img-src data:"
 )

@@ -18,10 +18,12 @@ from nicegui import ui
 
 from strikewave.base.errors import InputError
 from strikewave.reporting.terminal import say
-from strikewave.web import case_page, record_page, study_page
-from strikewave.web.case_kinds import KINDS
 from strikewave.web.desk import make_desk
 from strikewave.web.guard import Guard
+from strikewave.web.pages.case import page as case_page
+from strikewave.web.pages.case.kinds import KINDS
+from strikewave.web.pages.record import page as record_page
+from strikewave.web.pages.study import page as study_page
 
 FAVICON = (
     '<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 32 32"><rect width="32" height="32" rx="6" fill="#0072b2"/>'

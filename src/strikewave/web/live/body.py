@@ -11,7 +11,7 @@ class LiveBody(ui.element, component="live_body.js"):
     Parameters
     ----------
     url : str
-        Where its bytes are (`strikewave.web.body_field`).
+        Where its bytes are (`strikewave.web.pages.case.body_field`).
     label : str
         What it shows, for who cannot see it.
     """

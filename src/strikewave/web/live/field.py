@@ -7,7 +7,7 @@ from typing import Any
 
 from nicegui import ui
 
-from strikewave.web.edited_field import EditedField
+from strikewave.web.case.edited_field import EditedField
 
 THROTTLE = 0.05
 """Least time between two movements that a slider tells, s: as many as are looked at."""

@@ -26,7 +26,7 @@ from strikewave.web.charts import GREY, SOFT, ChartLine, MarkedSpan, colour, lin
 from strikewave.web.curves import points
 from strikewave.web.jobs import Say
 from strikewave.web.markup import PageTable
-from strikewave.web.record_request import FILTERS, RecordRequest
+from strikewave.web.pages.record.request import FILTERS, RecordRequest
 
 MOST_CURVES = 12
 """Files whose curves are drawn: more cannot be told apart; the table has all."""

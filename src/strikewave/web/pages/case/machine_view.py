@@ -19,9 +19,9 @@ from strikewave.base.result import Band
 from strikewave.machines.blows import Blow
 from strikewave.reporting.numbers import axis_unit, time_unit, with_band
 from strikewave.reporting.parts import NONE
-from strikewave.web.case_loading import loaded
-from strikewave.web.case_state import CaseSource
-from strikewave.web.case_view import by_full_run, result_file, told
+from strikewave.web.case.loading import loaded
+from strikewave.web.case.state import CaseSource
+from strikewave.web.case.view import by_full_run, result_file, told
 from strikewave.web.charts import ChartLine, line_chart, train_chart
 from strikewave.web.curves import points, svg_of
 from strikewave.web.jobs import Say

@@ -9,15 +9,15 @@ from starlette.requests import Request
 
 from strikewave.base.errors import StrikewaveError
 from strikewave.web import parts
-from strikewave.web.case_state import address
-from strikewave.web.cutoff_field import CutoffField
+from strikewave.web.case.state import address
 from strikewave.web.desk import Desk
-from strikewave.web.record_request import RecordRequest
+from strikewave.web.pages.record.cutoff_field import CutoffField
+from strikewave.web.pages.record.request import RecordRequest
 from strikewave.web.sessions import Session
 from strikewave.web.workbench import Workbench
 
 PLACE = "/record"
-SPECIFICATIONS = "strikewave.web.study_view:specifications"
+SPECIFICATIONS = "strikewave.web.pages.study.view:specifications"
 FOLDER = "records"
 TEXTS = {
     "unit": ("unit of the numbers", "g"),
@@ -145,4 +145,4 @@ class RecordPage:
         query = [(key, value) for key, value in shown.items() if value]
         with self.listed:  # a handle that rests has no page of its own to speak to
             ui.navigate.history.replace(address(PLACE, query + ([] if asked.spectrum else [("spectrum", "no")])))
-        self.bench.begin("strikewave.web.record_view:measure", asked, same=asked.commands())
+        self.bench.begin("strikewave.web.pages.record.view:measure", asked, same=asked.commands())

@@ -8,13 +8,13 @@ from typing import Any
 from nicegui import ui
 
 from strikewave.web import parts
-from strikewave.web.bar_sections import BarSections
+from strikewave.web.case.edited_field import EditedField
 from strikewave.web.charts import BLUE, ChartLine, line_chart
 from strikewave.web.curves import points
-from strikewave.web.edited_field import EditedField
 from strikewave.web.live.chart import LiveChart
 from strikewave.web.live.field import LiveField
 from strikewave.web.live.rest import RestingHand
+from strikewave.web.pages.case.bar_sections import BarSections
 
 KEY = "section"
 """Of the address."""

@@ -6,10 +6,10 @@ from typing import Any
 
 from strikewave.base.errors import StrikewaveError
 from strikewave.reporting.shown_result import ShownResult, shown_table
-from strikewave.web.case_state import CaseSource
-from strikewave.web.case_view import by_full_run, result_file
+from strikewave.web.case.state import CaseSource
+from strikewave.web.case.view import by_full_run, result_file
 from strikewave.web.curves import svg_of
-from strikewave.web.found_machines import found, picked_chart
+from strikewave.web.pages.study.found_machines import found, picked_chart
 
 
 def result_view(result: ShownResult, title: str, source: CaseSource) -> dict[str, Any]:

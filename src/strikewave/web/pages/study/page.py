@@ -9,14 +9,14 @@ from starlette.requests import Request
 
 from strikewave.base.errors import StrikewaveError
 from strikewave.web import parts
-from strikewave.web.case_state import CaseState, address, is_case
+from strikewave.web.case.state import CaseState, address, is_case
 from strikewave.web.desk import Desk
+from strikewave.web.pages.study.request import KINDS, StudyRequest
 from strikewave.web.sessions import Session
-from strikewave.web.study_request import KINDS, StudyRequest
 from strikewave.web.workbench import Workbench
 
 PLACE, USUAL, FOLDER = "/study", "li-ma-2019", "studies"
-VIEW = "strikewave.web.study_view"
+VIEW = "strikewave.web.pages.study.view"
 
 
 def add(desk: Desk) -> None:

@@ -9,10 +9,10 @@ from typing import Any, NamedTuple
 from nicegui import ui
 
 from strikewave.web import parts
-from strikewave.web.case_kinds import CaseKind
-from strikewave.web.case_state import CaseState
-from strikewave.web.edited_field import EditedField
+from strikewave.web.case.edited_field import EditedField
+from strikewave.web.case.state import CaseState
 from strikewave.web.live.field import LiveField
+from strikewave.web.pages.case.kinds import CaseKind
 
 ONLY_TYPED = ("solver", "recorder")
 """Tables whose quantities are no matter of a hand on a slider."""

@@ -10,17 +10,17 @@ from starlette.requests import Request
 
 from strikewave.base.errors import StrikewaveError
 from strikewave.web import parts
-from strikewave.web.case_files import CaseFiles
-from strikewave.web.case_kinds import CASES, CaseKind
-from strikewave.web.case_runs import CaseRuns
-from strikewave.web.case_shown import CaseShown
-from strikewave.web.case_side import CaseSide, SideActions
-from strikewave.web.case_state import CaseSource, CaseState, address, is_case
+from strikewave.web.case.state import CaseSource, CaseState, address, is_case
 from strikewave.web.desk import Desk
-from strikewave.web.section_readings import KEY as SECTION
+from strikewave.web.pages.case.files import CaseFiles
+from strikewave.web.pages.case.kinds import CASES, CaseKind
+from strikewave.web.pages.case.runs import CaseRuns
+from strikewave.web.pages.case.section_readings import KEY as SECTION
+from strikewave.web.pages.case.shown import CaseShown
+from strikewave.web.pages.case.side import CaseSide, SideActions
+from strikewave.web.pages.case.stack_order import StackOrder
+from strikewave.web.pages.case.wanted_blows import WantedBlows
 from strikewave.web.sessions import Session
-from strikewave.web.stack_order import StackOrder
-from strikewave.web.wanted_blows import WantedBlows
 
 MOST_UNDONE = 100
 BESIDE = "beside"

@@ -8,7 +8,7 @@ import shlex
 from collections.abc import Iterable
 from typing import NamedTuple
 
-from strikewave.web.case_state import CaseSource
+from strikewave.web.case.state import CaseSource
 
 
 class StudyText(NamedTuple):

@@ -9,12 +9,12 @@ from nicegui import background_tasks, ui
 
 from strikewave.base.errors import StrikewaveError
 from strikewave.web import parts
-from strikewave.web.case_kinds import CaseKind
-from strikewave.web.case_shown import CaseShown
-from strikewave.web.case_state import CaseSource
+from strikewave.web.case.state import CaseSource
 from strikewave.web.desk import Desk, started
 from strikewave.web.jobs import CancelledError, PageJob
 from strikewave.web.live.rest import RestingHand
+from strikewave.web.pages.case.kinds import CaseKind
+from strikewave.web.pages.case.shown import CaseShown
 from strikewave.web.sessions import Session
 
 

@@ -51,7 +51,7 @@ class CaseKind(NamedTuple):
     is_layered: bool = False
 
 
-CASES = "strikewave.web.case_view"
+CASES = "strikewave.web.case.view"
 """Module of what all kinds have in common, which runs in processes."""
 REPORTS = (("report (.html)", "article", "report.html"), ("report (.pdf)", "picture_as_pdf", "report.pdf"))
 MACHINE = CaseKind(
@@ -59,7 +59,7 @@ MACHINE = CaseKind(
     usual="li-ma-2019",
     program="run",
     call="run_case",
-    view="strikewave.web.machine_view",
+    view="strikewave.web.pages.case.machine_view",
     charts=(
         ("contact force of the first blow", False),
         ("rigid-body acceleration of the first blow", False),
@@ -84,7 +84,7 @@ TARGET = CaseKind(
     usual="li-ma-2019-fig13-bar",
     program="wave",
     call="run_wave",
-    view="strikewave.web.target_view",
+    view="strikewave.web.pages.case.target_view",
     charts=(
         ("stress over place and time", True),
         ("stress at the taps", False),
@@ -99,7 +99,7 @@ ELEMENTS = CaseKind(
     usual="taylor-bar-fem",
     program="fem",
     call="run_fem",
-    view="strikewave.web.elements_view",
+    view="strikewave.web.pages.case.elements_view",
     charts=(("contact force", False), ("energies", False)),
     main=("fem.duration",),
     files=(*REPORTS, ("histories (.nc)", "data_array", "histories.nc")),

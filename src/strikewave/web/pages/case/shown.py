@@ -9,11 +9,11 @@ from typing import Any
 from nicegui import ui
 
 from strikewave.web import markup, parts
-from strikewave.web.case_kinds import CaseKind
 from strikewave.web.charts import line_chart, with_beside
 from strikewave.web.live.body import LiveBody
 from strikewave.web.live.html import LiveHtml
-from strikewave.web.section_readings import SectionReadings
+from strikewave.web.pages.case.kinds import CaseKind
+from strikewave.web.pages.case.section_readings import SectionReadings
 from strikewave.web.sessions import Session
 
 

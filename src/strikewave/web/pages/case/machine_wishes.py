@@ -7,9 +7,9 @@ from strikewave.analyses.machine.quick_look import quick_look
 from strikewave.base.units import in_unit
 from strikewave.cases.case import Case
 from strikewave.studies.settings.study import is_rotary
-from strikewave.web.case_loading import loaded
-from strikewave.web.case_state import CaseSource
-from strikewave.web.fields import edited_fields
+from strikewave.web.case.fields import edited_fields
+from strikewave.web.case.loading import loaded
+from strikewave.web.case.state import CaseSource
 
 NOW = (
     ("interval", "interval", "s", "ms"),

@@ -11,7 +11,7 @@ from strikewave.cases.case import Case
 from strikewave.cases.explained import explanations
 from strikewave.uncertainty.draws import range_of
 from strikewave.uncertainty.known import field_of, known_inputs
-from strikewave.web.edited_field import EditedField
+from strikewave.web.case.edited_field import EditedField
 
 REACH = 2.0
 """Half widths of what is known of a field that its slider reaches to both sides: beyond what is likely, and back."""

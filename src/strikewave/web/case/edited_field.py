@@ -52,7 +52,7 @@ class EditedField(NamedTuple):
         Examples
         --------
         >>> from strikewave import load_case
-        >>> from strikewave.web.fields import edited_fields
+        >>> from strikewave.web.case.fields import edited_fields
         >>> edited_fields(load_case("li-ma-2019"))["machine.speed"].text(700.0)
         '700 rpm'
         """

@@ -17,9 +17,9 @@ from strikewave.studies.fit.result import FitStudy
 from strikewave.studies.map.study import MapStudy
 from strikewave.studies.settings.study import SettingsStudy
 from strikewave.studies.sweep.study import KeptNumber, SweepStudy
-from strikewave.web.case_loading import loaded
-from strikewave.web.case_state import CaseSource, CaseState, address
-from strikewave.web.case_view import PAGES_OF
+from strikewave.web.case.loading import loaded
+from strikewave.web.case.state import CaseSource, CaseState, address
+from strikewave.web.case.view import PAGES_OF
 from strikewave.web.charts import Dots, dot_chart, heat_chart
 
 MOST_LISTED = 12

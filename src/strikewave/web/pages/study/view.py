@@ -14,10 +14,10 @@ from strikewave.reporting.shown_result import ShownResult
 from strikewave.specifications.reading import asked_names
 from strikewave.studies.map.defaults import X, Y
 from strikewave.studies.scatter.study import ScatterPlan
-from strikewave.web.case_loading import loaded
+from strikewave.web.case.loading import loaded
 from strikewave.web.jobs import Say
-from strikewave.web.result_view import result_view
-from strikewave.web.study_request import KINDS, StudyRequest
+from strikewave.web.pages.study.request import KINDS, StudyRequest
+from strikewave.web.pages.study.result_view import result_view
 
 MOST_RUNS = 2000
 MOST_CELLS = 3600
@@ -80,7 +80,7 @@ def refuse_other_files(request: StudyRequest) -> None:
 
     Examples
     --------
-    >>> from strikewave.web.case_state import CaseSource
+    >>> from strikewave.web.case.state import CaseSource
     >>> source = CaseSource("li-ma-2019", "", (), "")
     >>> refuse_other_files(StudyRequest("sweep", source, (("vary", ("machine.speed=1 m/s..2 m/s:3",)),)))
     >>> refuse_other_files(StudyRequest("fit", source, (("to", ("/etc/passwd",)),)))

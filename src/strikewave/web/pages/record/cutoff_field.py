@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
-from strikewave.web.edited_field import EditedField
+from strikewave.web.case.edited_field import EditedField
 from strikewave.web.live.field import LiveField
 from strikewave.web.live.rest import RestingHand
 

@@ -6,9 +6,9 @@ from collections.abc import Sequence
 
 from strikewave.base.errors import InputError
 from strikewave.cases.case import dump_case, parse_case
-from strikewave.web.case_loading import loaded
-from strikewave.web.case_state import CaseSource
-from strikewave.web.stack_row import StackRow
+from strikewave.web.case.loading import loaded
+from strikewave.web.case.stack_row import StackRow
+from strikewave.web.case.state import CaseSource
 
 
 def stack_rows(source: CaseSource) -> list[StackRow]:

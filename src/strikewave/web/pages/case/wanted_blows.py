@@ -7,14 +7,14 @@ from collections.abc import Callable
 from nicegui import ui
 
 from strikewave.web import parts
-from strikewave.web.case_state import CaseSource
+from strikewave.web.case.state import CaseSource
 from strikewave.web.desk import Desk
+from strikewave.web.pages.study.request import KINDS, StudyRequest
 from strikewave.web.sessions import Session
-from strikewave.web.study_request import KINDS, StudyRequest
 from strikewave.web.workbench import Workbench
 
-WISHES = "strikewave.web.machine_wishes:wishes"
-STUDY = "strikewave.web.study_view:study"
+WISHES = "strikewave.web.pages.case.machine_wishes:wishes"
+STUDY = "strikewave.web.pages.study.view:study"
 
 
 class WantedBlows:

@@ -7,7 +7,7 @@ from pathlib import Path
 from strikewave.base.errors import InputError, nearest
 from strikewave.cases.case import Case, bundled_cases, load_case, parse_case
 from strikewave.cases.mesh_tables import FilePart
-from strikewave.web.case_state import CaseSource
+from strikewave.web.case.state import CaseSource
 
 
 def loaded(source: CaseSource) -> Case:

@@ -11,10 +11,10 @@ from strikewave.base.errors import InputError
 from strikewave.base.result import Result
 from strikewave.cases.case import bundled_cases, dump_case, load_case
 from strikewave.reporting.shown_result import ShownResult
-from strikewave.web.case_loading import loaded
-from strikewave.web.case_state import CaseSource
-from strikewave.web.fields import edited_fields
-from strikewave.web.layer_order import stack_rows
+from strikewave.web.case.fields import edited_fields
+from strikewave.web.case.layer_order import stack_rows
+from strikewave.web.case.loading import loaded
+from strikewave.web.case.state import CaseSource
 
 
 class PageOfCases(NamedTuple):

@@ -9,10 +9,10 @@ from typing import Any
 from nicegui import ui
 
 from strikewave.web import parts
-from strikewave.web.case_kinds import CASES, CaseKind
-from strikewave.web.case_state import CaseSource
+from strikewave.web.case.state import CaseSource
 from strikewave.web.desk import Desk, started
 from strikewave.web.jobs import PageJob
+from strikewave.web.pages.case.kinds import CASES, CaseKind
 from strikewave.web.sessions import Session, clean_name
 
 

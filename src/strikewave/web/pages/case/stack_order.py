@@ -9,11 +9,11 @@ from typing import Any
 from nicegui import ui
 
 from strikewave.web import parts
-from strikewave.web.case_state import CaseSource, CaseState
+from strikewave.web.case.stack_row import StackRow
+from strikewave.web.case.state import CaseSource, CaseState
 from strikewave.web.desk import Desk
-from strikewave.web.stack_row import StackRow
 
-ORDER = "strikewave.web.layer_order"
+ORDER = "strikewave.web.case.layer_order"
 ENDING = "-reordered"
 """Of the name of a case whose layers were put in another order."""
 

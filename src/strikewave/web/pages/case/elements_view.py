@@ -16,13 +16,13 @@ from strikewave.fem.run import ENERGIES
 from strikewave.fem.solve import Progress, RunOptions
 from strikewave.reporting.numbers import axis_unit, energy_unit, time_unit
 from strikewave.reporting.shown_result import shown_table
-from strikewave.web.body_field import body_field
-from strikewave.web.case_loading import loaded
-from strikewave.web.case_state import CaseSource
-from strikewave.web.case_view import by_full_run, result_file, told
+from strikewave.web.case.loading import loaded
+from strikewave.web.case.state import CaseSource
+from strikewave.web.case.view import by_full_run, result_file, told
 from strikewave.web.charts import COLOURS, ChartLine, colour, line_chart
 from strikewave.web.curves import points
 from strikewave.web.jobs import Say
+from strikewave.web.pages.case.body_field import body_field
 
 DASHES = ("solid", "dashed")
 RUN_SHARE = 0.8

@@ -1,0 +1,1 @@
+"""Pages of one case: machines, layered bars, elements."""
