@@ -116,6 +116,7 @@ def test_nothing_is_started_where_it_would_not_help(started, monkeypatch, tmp_pa
     assert started == []
 
 
+@pytest.mark.verify
 def test_the_second_process_never_runs_the_script_of_the_first(tmp_path):
     """A script without a guard of its main part, as people write them."""
     script = tmp_path / "script.py"

@@ -64,6 +64,7 @@ def test_the_line_ends_where_a_run_fails(monkeypatch):
     assert sys.stderr.getvalue().count("\n") == 1
 
 
+@pytest.mark.verify
 def test_kernels_in_the_cache_are_loaded_without_a_word():
     program = """
 import strikewave

@@ -68,6 +68,7 @@ main()
 NAME = "5 µm – 衝撃 🔨"
 
 
+@pytest.mark.verify
 @pytest.mark.parametrize("more", [("--json",), pytest.param((), marks=pytest.mark.verify)], ids=["json", "words"])
 @pytest.mark.parametrize(
     "encoding",

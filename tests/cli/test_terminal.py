@@ -79,6 +79,7 @@ def environment(environment):
     return {name: value for name, value in environment.items() if name not in ("NO_COLOR", "FORCE_COLOR", "CI")}
 
 
+@pytest.mark.verify
 def test_a_bar_of_progress_goes_to_stderr_and_leaves_no_trace(environment, tmp_path):
     got, piped = on_terminal(environment, tmp_path, ("stderr",))
     assert piped.startswith("One blow")
@@ -99,12 +100,14 @@ def test_a_terminal_gets_bold_titles_and_a_pipe_beside_it_nothing_but_letters(en
     assert not {"\x1b", "\r"} & set(piped)
 
 
+@pytest.mark.verify
 def test_without_colours_a_terminal_gets_no_styles(environment, tmp_path):
     got, _ = on_terminal(environment, tmp_path, ("stdout", "stderr"), NO_COLOR="1")
     assert "One blow" in got
     assert not STYLE.search(got)
 
 
+@pytest.mark.verify
 def test_a_dumb_terminal_gets_letters_only(environment, tmp_path):
     got, _ = on_terminal(environment, tmp_path, ("stdout", "stderr"), TERM="dumb")
     assert got.isascii()

@@ -108,6 +108,7 @@ def test_a_kinematic_contact_is_the_limit_of_full_stiffness():
     assert done.v[:count][top, 2] == pytest.approx(-0.75, rel=1e-12)
 
 
+@pytest.mark.verify
 @settings(max_examples=60)
 @given(
     st.tuples(st.integers(1, 5), st.integers(1, 5)),
@@ -264,6 +265,7 @@ def lost_share(elements, s=0.8):
     return np.sum(done.taken) / (0.5 * np.sum(lattice.mass[:, None] * v**2))
 
 
+@pytest.mark.verify
 def test_energy_that_contact_takes_goes_to_zero_with_the_size_of_the_elements():
     """Only the nodes at the surface meet inelastically, with 1/(2 n) of the mass: first order in the element size."""
     lost = np.array([lost_share(n) for n in (16, 32, 64)])

@@ -291,6 +291,7 @@ def test_a_wall_is_not_there_for_tied_nodes():
     assert np.array_equal(wall.touch.nodes, np.unique(mesh.side("plate.z+")))
 
 
+@pytest.mark.verify
 def test_a_plate_squashed_between_two_strikers_gives_no_energy():
     """Nodes deep in elements that are squashed to nothing come closer to the far faces; nobody pressed them in there."""
     thin = 0.2 * MM
@@ -337,6 +338,7 @@ def test_a_node_that_comes_in_beside_the_rim_is_not_thrown_out(depth, away, mu):
         state = searched(state, x) if again else state
 
 
+@pytest.mark.verify
 @given(st.integers(0, 1000), st.floats(0.02, 0.4))
 def test_candidates_hold_every_face_within_reach_while_bodies_fly(seed, first):
     """Speeds that change by up to a factor of 2 a step; ``first`` is the motion of the first step over the margin."""

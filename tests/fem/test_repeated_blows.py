@@ -435,6 +435,7 @@ def kept(tmp_path):
     return model, path
 
 
+@pytest.mark.verify
 def test_a_run_stopped_in_its_second_blow_goes_on_to_the_same_bits(kept):
     model, path = kept
     assert path_of_blow(path, 1).is_file()
@@ -453,6 +454,7 @@ def test_a_run_stopped_in_its_second_blow_goes_on_to_the_same_bits(kept):
         assert np.array_equal(a.energy_error, b.energy_error)
 
 
+@pytest.mark.verify
 def test_a_run_stopped_on_its_way_to_rest_goes_on_from_the_end_of_the_blow(kept):
     model, path = kept
     path.unlink()
@@ -466,6 +468,7 @@ def test_a_second_blow_without_the_end_of_the_first_is_refused(kept):
         blows(model, 3, resume=path)
 
 
+@pytest.mark.verify
 def test_a_file_of_another_blow_is_refused(kept):
     model, path = kept
     path_of_blow(path, 1).write_bytes(path.read_bytes())

@@ -315,6 +315,7 @@ def test_gas_that_cannot_push_to_the_muzzle_is_refused():
         muzzle_speed(GunBarrel(1.0e5, 1.0, 2e-3, 1.5, 0.5))
 
 
+@pytest.mark.verify
 @given(speed=st.floats(0.3, 10.0), stiffness=st.floats(1e3, 1e9))
 def test_half_sine_with_gravity_against_the_equation_of_motion(speed, stiffness):
     mass = 20.0

@@ -98,6 +98,7 @@ def test_turntable_loses_radius_times_impulse_vector(name, friction, damping):
     assert found.momentum_error < 1e-8
 
 
+@pytest.mark.verify
 def test_side_impulse_of_one_way_sliding_is_friction_times_normal_impulse():
     for friction in (0.05, 0.3, 1.0):
         run = run_machine(machine_of(*ONE, f"contact.friction={friction}"))
@@ -136,6 +137,7 @@ def test_viscous_drag_alone_slows_the_turntable_by_its_closed_form():
     assert before - after > 1.0
 
 
+@pytest.mark.verify
 @settings(max_examples=12)
 @given(
     strike=st.sampled_from(sorted(STRIKES)),

@@ -92,6 +92,7 @@ def test_restitution_of_a_blow_is_the_work_given_back():
     assert 0.5 < yielding < lossy < 1.0
 
 
+@pytest.mark.verify
 def test_a_yield_pressure_that_is_never_reached_changes_nothing():
     elastic, capped = run("li-ma-2019"), run("li-ma-2019", "contact.yield_pressure=900 GPa")
     for name in ("rigid_peak", "width", "peak_force", "indentation", "rebound_speed"):
@@ -99,6 +100,7 @@ def test_a_yield_pressure_that_is_never_reached_changes_nothing():
         assert column(capped, name) == pytest.approx(column(elastic, name), rel=1e-7), name
 
 
+@pytest.mark.verify
 def test_yielding_contact_raises_no_yield_warning_and_names_its_source():
     elastic, yielding = run("li-ma-2019"), run("li-ma-2019", YIELDS)
     assert "contact-yield" in [notice.code for notice in elastic.warnings]

@@ -204,6 +204,7 @@ WHOLE = (
 )
 
 
+@pytest.mark.verify
 def test_monte_carlo_validates_the_law_of_propagation_where_no_rectangle_dominates():
     channel = _record(noise=10.0)
     [pulse] = find_pulses(channel.values, channel.step, channel.start)

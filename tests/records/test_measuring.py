@@ -41,6 +41,7 @@ def test_half_sine_measures_what_its_closed_form_says(time, rng, noise):
     assert math.isnan(pulse.ringing_frequency)
 
 
+@pytest.mark.verify
 def test_noise_is_smoothed_off_the_peak(time):
     # noise of 3 % of the peak: the largest of the 40 samples near the top stands about 2.2 times that too high
     peaks = []

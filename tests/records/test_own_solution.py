@@ -7,6 +7,7 @@ import pytest
 from strikewave.records import Request, read_file, read_record
 
 
+@pytest.mark.verify
 def test_blows_of_a_run_are_found_and_measured_in_its_file(solution, tmp_path):
     solution.save(tmp_path / "solution.nc")
     record = read_record(tmp_path / "solution.nc")

@@ -120,6 +120,7 @@ def test_noise_alone_holds_no_blow(rng):
     assert found <= 5  # one in a hundred is allowed; more than 5 has a chance of 5e-4
 
 
+@pytest.mark.verify
 def test_the_finder_takes_any_unit_offset_and_sign():
     from strikewave.records import find_pulses
 

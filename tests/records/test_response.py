@@ -26,6 +26,7 @@ def swing(frequency, damping, amplitude, phase=0.0):
     return amplitude * np.exp(-decay * TIME) * np.cos(omega * TIME + phase)
 
 
+@pytest.mark.verify
 @settings(max_examples=20, deadline=None)
 @given(st.floats(300.0, 1500.0), st.floats(1.8, 4.0), st.floats(0.01, 0.06), st.floats(-3.0, 3.0))
 def test_a_sum_of_two_decaying_sines_gives_back_frequencies_and_damping(frequency, ratio, damping, phase):

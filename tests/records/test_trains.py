@@ -161,6 +161,7 @@ def test_the_train_of_any_period_is_found_among_its_rebounds(count, share, lag, 
     assert len(gaps_of(times[order], contacts)) == count - 1
 
 
+@pytest.mark.verify
 def test_contacts_at_random_times_are_no_train_with_gaps(rng):
     """Blows by hand: no missing blow is named in more than one record of ten."""
     named = 0

@@ -63,6 +63,7 @@ def test_no_table_is_wider_than_its_width_or_breaks_a_word(table, width, wide):
             assert unbroken(text, shown) or text in shown.split("\n"), (text, column)
 
 
+@pytest.mark.verify
 @given(tables(), st.integers(60, 200))
 def test_main_columns_are_never_left_out_and_wide_leaves_out_none(table, width):
     columns, rows = table

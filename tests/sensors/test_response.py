@@ -49,6 +49,7 @@ def test_half_sine_response_in_closed_form():
     assert np.allclose(got, expected, atol=1e-8)
 
 
+@pytest.mark.verify
 @given(st.floats(0.2, 200.0), st.integers(0, 10))
 def test_agrees_with_an_integrator_on_random_chords(quality, seed):
     f, step = 80e3, 2e-6

@@ -113,7 +113,7 @@ def both(spectrum):
 
 
 @pytest.mark.parametrize("kind", KINDS)
-@pytest.mark.parametrize("part", ["primary", "residual"])
+@pytest.mark.parametrize("part", [pytest.param("primary", marks=pytest.mark.verify), "residual"])
 @pytest.mark.parametrize("shape", ["saw-tooth", pytest.param("rectangle", marks=pytest.mark.verify)])
 @pytest.mark.parametrize("q", [*(pytest.param(q, marks=pytest.mark.verify) for q in (0.3, 0.5, math.inf)), 10.0])
 def test_straight_lines_are_exact_at_every_rate(shape, part, kind, q):

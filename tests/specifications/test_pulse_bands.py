@@ -31,6 +31,7 @@ def test_the_curves_are_the_smallest_and_largest_values_within_the_widening(shap
     assert np.abs(high - expected_high)[far_from_jumps].max() < 0.06
 
 
+@pytest.mark.verify
 @SMOOTH
 @given(
     st.sampled_from(SHAPES),

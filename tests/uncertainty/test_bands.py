@@ -220,6 +220,7 @@ def test_hardly_a_draw_of_a_built_in_case_cannot_be_run(name, monkeypatch):
     assert method.failed <= 1
 
 
+@pytest.mark.verify
 def test_setting_a_value_that_nobody_can_read_off_keeps_its_band():
     """The engagement of the published machine, typed: half to three halves of it still."""
     case = load_case("li-ma-2019", ["machine.engagement=5 mm", "feed.blows=2"])

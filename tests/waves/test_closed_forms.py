@@ -346,6 +346,7 @@ def test_reference_of_the_elements_is_the_exponentials():
     )
 
 
+@pytest.mark.verify
 @given(st.floats(0.01, 100.0))
 def test_dashpot_answers_at_once(ratio):
     """Force 2 P c/(c + Z), speed 2 P/(c + Z), reflected P (c - Z)/(c + Z): no memory, so exact to rounding."""

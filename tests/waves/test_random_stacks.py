@@ -119,6 +119,7 @@ def test_the_spectrum_is_reciprocal(stack):
     assert np.abs(passed[0] - passed[1]).max() < 1e-9 * np.abs(passed[0]).max()
 
 
+@pytest.mark.verify
 @given(stacks(LINEAR))
 def test_delay_lines_are_reciprocal(stack):
     mirrored = Stack(stack.layers[::-1], stack.joints[::-1], stack.end)
@@ -129,6 +130,7 @@ def test_delay_lines_are_reciprocal(stack):
     assert passed[0] == pytest.approx(passed[1], abs=1e-9 * 1e4)
 
 
+@pytest.mark.verify
 @given(stacks(EVERY), st.integers(1, 500))
 def test_a_later_load_does_the_same_later(stack, steps):
     """Also where joints open: before the load nothing moves."""

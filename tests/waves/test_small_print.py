@@ -288,6 +288,7 @@ def test_the_steepest_part_of_a_load_sets_the_step(load):
     assert run.grid.step < 0.1 * load.largest / steepest
 
 
+@pytest.mark.verify
 def test_every_layer_of_many_is_watched_for_its_largest_force():
     """A neck among 3000 layers, by delay lines; its force is that of the bar, its stress a hundred times."""
     count, necked = 3000, 1002

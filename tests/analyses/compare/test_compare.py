@@ -181,6 +181,7 @@ def test_a_limit_kept_by_less_than_its_uncertainty_says_so_and_one_missed_is_tol
     assert "limit 0.01" not in err
 
 
+@pytest.mark.verify
 def test_units_shown_reach_the_limits(strikewave):
     write("a.csv", bell(TIME)), write("b.csv", bell(TIME, 1.1e-3))
     _, out, _ = strikewave("compare", "a.csv", "b.csv", "--limit", "shift < 120 us", "--show", "ms,m/s2", "--out", "x")
@@ -255,6 +256,7 @@ def test_elements_give_bodies_first_along_the_axis_on_which_they_move_most():
     assert [one.part for one in parts[1:4]] == ["ball.x", "ball.y", "ball.z"]
 
 
+@pytest.mark.verify
 def test_a_difference_has_the_uncertainty_that_noise_makes_it_scatter_by(strikewave):
     """Ten records of noise of 1 % tell a deviation within a quarter; factor two is three of those."""
     generator, found = np.random.default_rng(7), []

@@ -48,6 +48,7 @@ def unpacked(text: str, kind: str):
     return np.frombuffer(base64.b64decode(text), kind)
 
 
+@pytest.mark.verify
 def test_the_page_fetches_nothing_and_only_its_own_script_may_run(page):
     assert len(page.encode()) < 1.5e6
     assert "://" not in page
@@ -156,6 +157,7 @@ def test_the_gif_has_its_pictures_and_they_move(movie, tmp_path, monkeypatch):
     assert seen == sorted(seen)
 
 
+@pytest.mark.verify
 def test_pictures_that_are_too_large_are_compressed_more(movie, monkeypatch):
     usual = sum(map(len, fem_animation._encoded(movie.images)))
     monkeypatch.setattr(fem_animation, "LARGEST_PAGE", 1)

@@ -469,6 +469,7 @@ def test_the_status_names_each_broken_limit_once_with_its_blows(mesh, run):
     assert fem_page._status(held).text == "checks failed: hourglass-energy (blows 1 and 2) and stopped (blow 2)"
 
 
+@pytest.mark.verify
 def test_the_report_copes_with_no_contact_no_frames_and_no_motion(mesh, run):
     zero = np.zeros((run.time.size, 3))
     parts = {name: dataclasses.replace(p, velocity=zero, acceleration=zero) for name, p in run.parts.items()}

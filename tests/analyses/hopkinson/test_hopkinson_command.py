@@ -161,6 +161,7 @@ def test_a_clipped_gauge_is_told(strikewave, shot, tmp_path, rng):
     assert "bar.incident.gauge" in told[0]
 
 
+@pytest.mark.verify
 def test_a_bar_alone_is_calibrated_by_its_echoes(strikewave, tmp_path):
     """A free bar of 1 m, 5000 m/s, in delay lines, stated 1 % too fast: the speed found, and a warning."""
     from strikewave.waves import End, Layer, LoadPulse, Stack, Tap, WantedError, run_bar

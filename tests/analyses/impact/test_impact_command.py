@@ -252,6 +252,7 @@ def test_out_holds_page_document_and_picture(strikewave, tmp_path, read_page):
     assert (page.pictures, "Blows" in page.sections) == (1, True)
 
 
+@pytest.mark.verify
 def test_out_replaces_another_impact_by_force_alone(strikewave):
     assert strikewave("impact", *BODIES, *GIVEN, "--out", "a")[0] == 0
     code, out, err = strikewave("impact", *BODIES, *GIVEN, "-e", "0.5", "--out", "a")
@@ -261,6 +262,7 @@ def test_out_replaces_another_impact_by_force_alone(strikewave):
     assert json.loads(open("a/impact.json").read())["asked_restitution"] == 0.5
 
 
+@pytest.mark.verify
 def test_the_history_that_is_written_identifies_its_own_law(strikewave):
     """500 steps of 9 digits, without a baseline before: K, n, e and speed to 1e-3."""
     words = ("--m1", "0.2", "--m2", "inf", "--speed", "5")

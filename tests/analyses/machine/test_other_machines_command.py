@@ -97,6 +97,7 @@ def test_the_end_of_a_bar_goes_as_fast_as_a_striker_of_its_kind(strikewave):
     assert end["peaks"]["velocity"] == pytest.approx(6.2, rel=0.01)
 
 
+@pytest.mark.verify
 def test_no_animation_of_other_machines_is_said(strikewave):
     code, _, err = strikewave("run", "--no-band", "en-166-ball", "--animate", "--out", "c")
     assert code == 0

@@ -132,6 +132,7 @@ def test_same_input_gives_the_same_bytes(solution, page):
     assert report(solution) == page
 
 
+@pytest.mark.verify
 def test_a_solution_read_back_gives_the_same_report(solution, page, tmp_path):
     solution.save(tmp_path / "solution.nc")
     assert report(load_solution(tmp_path)) == page
@@ -352,6 +353,7 @@ def test_histories_may_be_missing(solution):
     assert page.count("<svg") == 2  # the drawings, which take only the case
 
 
+@pytest.mark.verify
 def test_missed_and_odd_blows_are_visible(solution):
     missing = {
         f.name: math.nan
@@ -435,6 +437,7 @@ duration = "200 us"
 """
 
 
+@pytest.mark.verify
 def test_a_stack_without_machine_has_a_report_too():
     """Its values come in arrays of tables; there is no blow to speak of."""
     page = wave_report(run_wave(parse_case(STACK)))

@@ -109,6 +109,7 @@ def test_flipped_bits_are_refused_before_hdf5_reads_them(solution, tmp_path, rng
             load_solution(path)
 
 
+@pytest.mark.verify
 @pytest.mark.parametrize(("schema", "words"), [(3, "run the case.toml beside it again"), (99, "update strikewave")])
 def test_a_file_of_another_schema_is_refused_with_what_to_do(solution, tmp_path, schema, words):
     import xarray

@@ -62,6 +62,7 @@ def test_envelope_is_the_largest_and_the_limit_that_of_log_normal_spectra(found,
     assert document["p95_50"]["absolute"] == pytest.approx(limit * unit, rel=1e-4)
 
 
+@pytest.mark.verify
 def test_a_record_without_a_blow_enters_no_envelope_and_is_named(strikewave, found, shots):
     quiet = write("quiet.csv", x=np.random.default_rng(1).normal(size=5000))
     document = found(*shots, quiet)
@@ -180,6 +181,7 @@ def test_channels_and_files_have_rolling_spectra_and_responses_each(strikewave, 
         assert {row[0] for row in rows} == {"two.csv", "late.csv"}
 
 
+@pytest.mark.verify
 def test_files_share_the_frequencies_that_the_slowest_can_carry_in_any_order(strikewave, shots):
     with open("slow.csv", "w") as file:
         file.write("time [s],x [m/s^2]\n")

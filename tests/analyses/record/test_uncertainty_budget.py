@@ -126,6 +126,7 @@ def test_the_screen_of_a_verdict_has_its_rule_and_its_uncertainty(folder, strike
         assert "certificate and offset; not stated:" in text
 
 
+@pytest.mark.verify
 def test_a_spectrum_moves_with_its_gain_and_is_judged_by_it(folder):
     found = sw.shock_spectra(folder / "s0.csv", uncertainty="10 %", high="2 kHz")
     spectrum, expanded = found.spectra[0].maximax, found.expanded(0)
@@ -170,6 +171,7 @@ def test_an_acceleration_is_refused_for_a_channel_that_measures_none(folder, tmp
         sw.record(tmp_path / "force.csv", uncertainty=folder / "budget.toml")
 
 
+@pytest.mark.verify
 def test_a_new_budget_is_one_that_can_be_used(folder, strikewave, monkeypatch, tmp_path):
     monkeypatch.chdir(tmp_path)
     assert strikewave("new", "mine", "--from", "budget")[0] == 0

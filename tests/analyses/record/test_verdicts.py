@@ -79,6 +79,7 @@ def test_a_shock_downwards_is_judged_by_its_size(judged):
     assert judged("record", "down.csv", *IEC)[1]["verdict"] == "pass"
 
 
+@pytest.mark.verify
 def test_strict_refuses_indicative_limits_and_guarded_leaves_the_uncertainty(judged):
     write_shot("good.csv")
     code, spec = judged("record", "good.csv", *IEC, "--strict")
@@ -334,6 +335,7 @@ def test_records_of_a_force_or_of_nothing_cannot_be_judged(strikewave):
     assert out.startswith("CANNOT TELL")
 
 
+@pytest.mark.verify
 def test_spectrum_of_a_record_is_judged_and_one_sampled_too_slowly_cannot_be(judged, strikewave):
     Path("own.toml").write_text(
         'schema = 1\ntitle = "t"\nedition = "e"\nstatus = "normative"\nsource = "s"\n[srs]\n'

@@ -164,6 +164,7 @@ def test_a_mass_at_the_end_is_not_pushed_twice():
     assert solution.rigid[middle] == pytest.approx(20e3 / solution.run.stack.mass, rel=0.01)
 
 
+@pytest.mark.verify
 def test_a_film_between_bars_is_run_and_reported_in_seconds():
     """A nanometre between 50 and 80 mm: a wave crosses it a hundred million times in the run."""
     from strikewave.analyses.wave.report import wave_report

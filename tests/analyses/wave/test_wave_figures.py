@@ -129,6 +129,7 @@ def test_every_field_has_its_pictures(kind):
         assert len(svg.encode()) < 400_000
 
 
+@pytest.mark.verify
 def test_the_same_field_gives_the_same_picture(jump):
     for draw in (xt_diagram, snapshots):
         assert inline_svg(draw(jump), "p1", "x") == inline_svg(draw(jump), "p1", "x")

@@ -166,6 +166,7 @@ def test_solid_bar_long_beside_the_pulse_elements_and_layers():
     assert bar_dispersed(blow) == pytest.approx(elements.watched_peak, rel=0.03)
 
 
+@pytest.mark.verify
 def test_rigid_object_first_hump_is_that_of_an_endless_beam():
     """13/35 of the wall at once press with over 1.6 times what bending waves let; coarse elements end 10 % short."""
     case, solution = coarse_elastic(RIGID, "30 us")
@@ -197,6 +198,7 @@ def test_column_in_frame_first_blow():
     assert rows[3].off("peak") > 0.25  # slices that move as one
 
 
+@pytest.mark.verify
 def test_rows_leave_out_what_is_no_blow_on_a_free_frame():
     short = ["fem.duration=20 us"]
     others = [run_fem(load_case("two-bars-fem", short))]

@@ -386,6 +386,7 @@ def test_verdicts_of_elements(rows, topic, elements, verdict, says):
     assert says in row.found
 
 
+@pytest.mark.verify
 def test_stress_of_the_shell_is_that_of_the_part_of_this_name():
     """A bar that is called shell is that shell; without such a part there is none."""
     from strikewave.analyses.fem.run import run_fem

@@ -142,6 +142,7 @@ def test_sensitivity_and_room_are_those_of_free_fall():
     assert found.room[1] == pytest.approx(0.04 * 0.8157, rel=0.02)
 
 
+@pytest.mark.verify
 def test_tolerances_leave_the_share_of_the_draws_that_the_normal_law_says():
     """A height of 2 % tolerance, two deviations, makes v scatter by 0.5 %: within 0.5 % lie 68 % of a normal law cut
     off at three deviations; 400 draws agree within four standard errors."""

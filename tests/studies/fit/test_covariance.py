@@ -84,6 +84,7 @@ def test_a_pattern_that_repeats_does_not_average_out():
     assert errors == pytest.approx(single, rel=0.1)
 
 
+@pytest.mark.verify
 def test_patterns_of_their_own_average_out_as_noise_does():
     """Of five records whose patterns have nothing in common: errors shrink, and not below those that are made."""
     _, single, _ = coverage(1, fits=120, pattern=0.05)

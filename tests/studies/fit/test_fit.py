@@ -463,6 +463,7 @@ def test_of_tried_laws_the_one_of_the_records_is_kept(tmp_path):
     assert last.failure.startswith("contact.exponent: got")
 
 
+@pytest.mark.verify
 def test_an_interrupt_keeps_the_best_so_far_from_which_a_fit_goes_on():
     """Ctrl-C in the middle of the search: the case has a value that fits better; a fit of it meets the number."""
     case, to, free, calls = load_case(DROP), ["first.rigid_peak=1500 g +- 1 %"], ["machine.height=0.2 m..1 m"], []

@@ -245,6 +245,7 @@ def test_stopped_map_goes_on_to_the_same_end(tmp_path):
     assert np.array_equal(resumed.values, make_map(plan, 0.02).values, equal_nan=True)
 
 
+@pytest.mark.verify
 def test_cells_of_another_map_are_not_taken(tmp_path):
     """Another train is another question: its cells lie in the same folder, and are run."""
     with RunStore(tmp_path / "s") as store:
@@ -366,6 +367,7 @@ def test_wrong_inputs_are_refused_in_words(change, words):
         change(load_case("li-ma-2019"))
 
 
+@pytest.mark.verify
 def test_a_map_that_ends_before_the_case_says_so():
     """Nearest even setting at the end of the range on the side of the case: nothing between was looked at."""
     case = load_case("li-ma-2019")

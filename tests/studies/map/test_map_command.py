@@ -67,6 +67,7 @@ def test_tables_fit_into_80_columns(strikewave, monkeypatch):
     )
 
 
+@pytest.mark.verify
 def test_case_that_is_even_is_told_so(strikewave):
     """With a limit above its own CV, the case is the nearest even setting, and the file is the case."""
     code, out, _ = strikewave(*FEW, "--want-cv", "20 %", "--out", "here")
@@ -84,6 +85,7 @@ def test_json_is_one_document_and_writes_nothing(strikewave):
     assert not Path("out").exists()
 
 
+@pytest.mark.verify
 def test_no_even_setting_is_exit_code_3(strikewave):
     code, out, _ = strikewave(*FEW, "--want-cv", "0.000001 %")
     assert code == 3
@@ -209,6 +211,7 @@ def test_full_disk_is_told_and_the_same_command_goes_on(strikewave, environment)
     assert "of 480 cells are there already" in err
 
 
+@pytest.mark.verify
 def test_a_folder_of_something_else_and_a_damaged_index_are_refused(strikewave):
     place = runs_beside(Path("here"))
     place.mkdir()

@@ -386,6 +386,7 @@ def test_worst_striker_sets_stretch_and_yield_load():
     assert sharp < yield_load(load_case("li-ma-2019"))
 
 
+@pytest.mark.verify
 def test_one_blow_alone_has_no_scatter_and_may_meet():
     study = design_settings(load_case("li-ma-2019", ["feed.blows=1"]), goal(), SettingsChoices((4,), (1.0,)))
     assert study.best is not None
