@@ -26,6 +26,9 @@ settings.load_profile("strikewave")
 
 HERE = Path(__file__).parent
 
+collect_ignore = ["fem/simulated_gpu.py"]
+"""A script that leaves kernels as they are written: imported here, it would do so for all tests."""
+
 
 def pytest_report_header() -> str:
     return f"strikewave: numpy seed {SEED}; hypothesis derandomized (its examples follow from the test's source)"

@@ -265,7 +265,7 @@ def test_a_shared_spot_never_forgets_its_deepest_blow():
     links = [ChainContact("hard", "wall", SPHERE, spot=1), ChainContact("soft", "wall", SPHERE, spot=1)]
     chain = Chain({"hard": 0.1, "soft": 1.0}, links, bases={"wall": 0.0})
     motion = simulate(chain, {}, {"hard": 3.0, "soft": 0.5}, 2e-3)
-    depths = motion.motion.record.memory[:, -4:-2]
+    depths = np.concatenate([record.memory[:, -4:-2] for record in motion.motion.records()])
     assert np.all(np.diff(depths, axis=0) >= 0.0)
     assert motion.motion.end.memory[-4] == motion.motion.end.memory[-3] == depths.max()
 

@@ -103,8 +103,8 @@ def test_time_of_sticking_converges_with_the_tolerance():
     errors = []
     for tolerance in (1e-4, 1e-6, 1e-8):
         motion = simulate(chain, {"block": 0.033}, {}, 5.0 * half, tolerance)
-        record = motion.motion.record
-        stuck = record.event_time[record.event[:, 0] == 3][-1]  # the only switch of the second link
+        switched = motion.motion.switched
+        stuck = switched.time[switched.which == 3][-1]  # the only switch of the second link
         errors.append(abs(stuck / half - round(stuck / half)))
     assert errors[2] < 1e-8
     assert errors[1] < 0.1 * errors[0] or errors[1] < 1e-10
