@@ -105,6 +105,8 @@ class Motion:
 
     Attributes
     ----------
+    system : NamedTuple
+        What moves; see `integrate`.
     begin : float
         First time, s.
     end : MotionState
@@ -119,7 +121,7 @@ class Motion:
 
     def __init__(self, system: Any, start: MotionState, control: Control, sizes: tuple[int, int]) -> None:
         self.links, self._switches = sizes
-        self._system, self._control = system, control
+        self.system, self._control = system, control
         self.begin, self.end = start.time, start.copy()
         self.changes = Changes(np.empty(0), np.empty((0, start.mode.size), np.int64), np.empty((0, start.memory.size)))
         self.switched = Switched(np.empty(0), np.empty(0, np.int64))
@@ -146,7 +148,7 @@ class Motion:
                 after = after[after < record.time.size]  # what changes at the end is of the next stretch
                 changes.append(Changes(*(column[after] for column in (record.time, record.mode, record.memory))))
                 self._checkpoints.append(checkpoint)
-                stretch = _Stretch(self._system, record, self.links)
+                stretch = _Stretch(self.system, record, self.links)
                 if kept < _KEPT_BYTES:
                     self._kept.append(stretch)
                     kept += stretch.nbytes
@@ -207,7 +209,7 @@ class Motion:
         t, y, mode, memory = checkpoint.state.copy()
         record = _integrator.empty_record(_ROWS, y.size, mode.size, memory.size)
         status, t, h, steps, switched = _integrator.advance(
-            self._system, self._control, t, checkpoint.step, y, mode, memory, record, self._switches
+            self.system, self._control, t, checkpoint.step, y, mode, memory, record, self._switches
         )
         *columns, event_time, event = record
         filled = [column[:steps] for column in columns] + [event_time[:switched], event[:switched]]
@@ -220,7 +222,7 @@ class Motion:
         if k not in self._recent:
             while len(self._recent) >= _RECENT:
                 del self._recent[next(iter(self._recent))]
-            self._recent[k] = _Stretch(self._system, self._follow(self._checkpoints[k])[1], self.links)
+            self._recent[k] = _Stretch(self.system, self._follow(self._checkpoints[k])[1], self.links)
         return self._recent[k]
 
     def _stretches_between(self, begin: float, end: float) -> range:
@@ -242,7 +244,7 @@ class Motion:
         for k, (first, last) in zip(some, itertools.pairwise(edges), strict=True):
             if first < last:
                 part = slice(first, last)
-                _integrator.sample(self._system, self._stretch(k).record, instants[part], states[part], forces[part])
+                _integrator.sample(self.system, self._stretch(k).record, instants[part], states[part], forces[part])
         return states, forces
 
 
