@@ -23,7 +23,6 @@ def test_the_document_has_its_keys_and_numbers_that_agree_with_themselves(strike
     assert code == 0
     assert "done in" in err
     runs = [line.split()[2] for line in err.splitlines() if re.match(r" *\d+ %  ", line)]
-    runs = [name for name in runs if not name.endswith(",")]  # how far one has come, where it takes long
     maps = ["li-ma-2019-fig5", "li-ma-2019-fig13"]
     assert runs == ["equations", *document_cases(out), *maps], "a line for each run where stderr is no terminal"
     document = json.loads(out)

@@ -207,7 +207,7 @@ def joint_study(execution: Execution, grid: JointGrid = USUAL) -> JointStudy:
         f"{FIXTURE} over joints", [OfCase(with_joints(change), fixture_blow, FixtureBlow) for change in changes]
     )
     trains = [OfCase(load_case(FIXTURE, joint_changes(*pair)), train_scatter, TrainScatter) for pair in grid.trains]
-    scatters = execution.within(TRAINS_FROM, 1.0).answers(f"{FIXTURE}, whole trains", trains)
+    scatters = execution.within(TRAINS_FROM, 1.0).answers(f"{FIXTURE} over joints: whole trains", trains)
     cells = tuple(JointCell(*pair, blow) for pair, blow in zip(pairs, blows, strict=False))
     mechanisms = tuple(map(Mechanism, named, named.values(), blows[len(pairs) :]))
     return JointStudy(grid, cells, mechanisms[0].blow, mechanisms, tuple(scatters))
