@@ -6,10 +6,8 @@ returns findings; `examine` asks them all.
 
 from __future__ import annotations
 
-import numpy as np
-
 from strikewave.records.health.blows import beyond_drop_height, cut, no_pulse, polarity
-from strikewave.records.health.examined import BLOW, Examined
+from strikewave.records.health.examined import BLOW, Examined, dead
 from strikewave.records.health.noise import noisy, short_before, uncertain
 from strikewave.records.health.range import clipped, saturated, slew_limited
 from strikewave.records.health.ringing import larger_elsewhere, ringing
@@ -53,10 +51,8 @@ def examine(record: Examined) -> list[HealthNotice]:
 
     Examples
     --------
+    >>> import numpy as np
     >>> [finding.code for finding in examine(Examined(np.full(1000, 3.0), 1e-5))]
     ['dead']
     """
-    if float(np.ptp(record.values)) == 0.0:
-        message = f"every sample is {record.text(record.values[0])}: the channel is dead or not connected"
-        return [HealthNotice("dead", message, float(record.values[0]), severity="bad", harms=FIGURES)]
-    return worst_first(finding for check in CHECKS for finding in check(record))
+    return dead(record, FIGURES) or worst_first(finding for check in CHECKS for finding in check(record))

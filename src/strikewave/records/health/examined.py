@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from strikewave.base.units import in_unit
 from strikewave.records.coupling import uncoupled
+from strikewave.records.health_notice import HealthNotice
 from strikewave.records.measuring import RecordedPulse, contacts_of, find_pulses
 from strikewave.records.pulses import Baseline, robust_line, sample_noise
 from strikewave.records.tail import TailModel, model_of, tail_of
@@ -192,3 +193,11 @@ class Examined(SampledRecord):
         last = self.place(first.begin - width)
         before = self.values[max(last - max(round(BEFORE * width / self.step), FEWEST_BEFORE), 0) : last]
         return max(self.noise, float(np.std(before)) if before.size >= FEWEST_BEFORE else 0.0)
+
+
+def dead(record: SampledRecord, figures: tuple[str, ...]) -> list[HealthNotice]:
+    """Find that every sample is the same; it takes all figures."""
+    if float(np.ptp(record.values)):
+        return []
+    message = f"every sample is {record.text(record.values[0])}: the channel is dead or not connected"
+    return [HealthNotice("dead", message, float(record.values[0]), severity="bad", harms=figures)]

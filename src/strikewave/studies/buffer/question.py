@@ -20,7 +20,7 @@ from strikewave.studies.buffer.result import BufferStudy
 from strikewave.studies.buffer.study import design_buffer
 from strikewave.studies.engine.chosen_pool import pool_of
 from strikewave.studies.engine.runner import share_reporter
-from strikewave.studies.engine.store import RunStore
+from strikewave.studies.engine.store import store_in
 
 
 @compiling_shown()
@@ -91,7 +91,7 @@ def buffer(
     site = mounting_site_of(choose_sensor(case, sensor), case)
     blows = blows_of(case, site.table, str(blow))
     pool = pool_of(executor, workers, cluster)
-    with RunStore(None if store is None else Path(store), option="store") as finished:
+    with store_in(store) as finished:
         study = design_buffer(site, blows, choice, goal, finished, pool, share_reporter(progress))
     return dataclasses.replace(study, case=case)
 

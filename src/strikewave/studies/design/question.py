@@ -11,7 +11,7 @@ from strikewave.studies.design.plan import plan_of
 from strikewave.studies.design.study import DesignStudy, make_design
 from strikewave.studies.engine.chosen_pool import pool_of
 from strikewave.studies.engine.runner import share_reporter
-from strikewave.studies.engine.store import RunStore
+from strikewave.studies.engine.store import store_in
 from strikewave.studies.sweep.question import Vary, vary_texts
 
 
@@ -81,5 +81,5 @@ def design(
     (True, None)
     """
     plan = plan_of(case, vary_texts(vary), goals, analysis, runs, seed, robust, search)
-    with RunStore(None if store is None else Path(store)) as finished:
+    with store_in(store) as finished:
         return make_design(plan, finished, pool_of(executor, workers, cluster), share_reporter(progress))

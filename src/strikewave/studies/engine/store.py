@@ -420,3 +420,8 @@ def _write_table(table: Any, path: Path) -> None:
         column_encoding={"values.list.element": "BYTE_STREAM_SPLIT"},
     )
     partial.replace(path)
+
+
+def store_in(place: Path | str | None) -> RunStore:
+    """Return the store of a folder that the argument ``store`` names, or one for as long as it is used."""
+    return RunStore(None if place is None else Path(place), option="store")

@@ -12,7 +12,7 @@ from strikewave.base.units import si_value
 from strikewave.cases.case import Case, load_case
 from strikewave.studies.engine.chosen_pool import pool_of
 from strikewave.studies.engine.runner import share_reporter
-from strikewave.studies.engine.store import RunStore
+from strikewave.studies.engine.store import store_in
 from strikewave.studies.settings.defaults import DISC, REFERENCE, STIFFNESS
 from strikewave.studies.settings.study import SettingsChoices, SettingsStudy, blow_goal, design_settings
 
@@ -103,7 +103,7 @@ longer pulses run into the next blow
     masses = tuple(si_value(mass, "kg", "striker_masses") for mass in striker_masses)
     choice = SettingsChoices(tuple(strikers), masses, vary)
     chosen = load_case(REFERENCE) if case is None else case
-    with RunStore(None if store is None else Path(store), option="store") as finished:
+    with store_in(store) as finished:
         return design_settings(
             chosen, goal, choice, finished, pool_of(executor, workers, cluster), share_reporter(progress)
         )

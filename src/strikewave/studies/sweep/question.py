@@ -26,7 +26,7 @@ from strikewave.studies.engine.plan import (
     varied,
 )
 from strikewave.studies.engine.runner import share_reporter
-from strikewave.studies.engine.store import RunStore
+from strikewave.studies.engine.store import store_in
 from strikewave.studies.engine.variables import EXAMPLE, StudyVariable, read_variable
 from strikewave.studies.sweep.study import NOTE, SweepPlan, SweepStudy, make_sweep
 from strikewave.uncertainty.draws import UncertainInput, tolerances_of
@@ -99,7 +99,7 @@ def sweep(
     ((3,), 0)
     """
     plan = plan_of(case, vary, keep, analysis, design, runs, seed)
-    with RunStore(None if store is None else Path(store), option="store") as finished:
+    with store_in(store) as finished:
         return make_sweep(plan, finished, pool_of(executor, workers, cluster), share_reporter(progress))
 
 

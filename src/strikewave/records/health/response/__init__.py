@@ -7,8 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
-import numpy as np
-
+from strikewave.records.health.examined import dead
 from strikewave.records.health.response.blows import cut, nothing
 from strikewave.records.health.response.examined import ExaminedResponse
 from strikewave.records.health.response.noise import hum, noise, short_before
@@ -43,6 +42,7 @@ def examine_response(record: ExaminedResponse) -> list[HealthNotice]:
 
     Examples
     --------
+    >>> import numpy as np
     >>> from strikewave.records.response import BaseBlow, measure_responses
     >>> blows = [BaseBlow(2e-3, 3e-3, 4e-3, 1.0)]
     >>> still = np.full(1000, 3.0)
@@ -50,8 +50,5 @@ def examine_response(record: ExaminedResponse) -> list[HealthNotice]:
     >>> [finding.code for finding in examine_response(record)]
     ['dead']
     """
-    if float(np.ptp(record.values)) == 0.0:
-        message = f"every sample is {record.text(record.values[0])}: the channel is dead or not connected"
-        return [HealthNotice("dead", message, float(record.values[0]), severity="bad", harms=RESPONSE_FIGURES)]
-    silent = nothing(record)
+    silent = dead(record, RESPONSE_FIGURES) or nothing(record)
     return silent or worst_first(finding for check in RESPONSE_CHECKS for finding in check(record))

@@ -12,7 +12,7 @@ from strikewave.cases.case import Case, load_case
 from strikewave.specifications.reading import load_specification
 from strikewave.studies.engine.chosen_pool import pool_of
 from strikewave.studies.engine.runner import share_reporter
-from strikewave.studies.engine.store import RunStore
+from strikewave.studies.engine.store import store_in
 from strikewave.studies.settings.defaults import DROP_TABLE
 from strikewave.studies.settings.drop_table.programmers import read_programmer
 from strikewave.studies.settings.drop_table.search import DropGoal
@@ -82,7 +82,7 @@ def drop_table(
         tuple(si_value(one, "kg", "masses") for one in masses),
     )
     chosen = load_case(DROP_TABLE) if case is None else case
-    with RunStore(None if store is None else Path(store), option="store") as finished:
+    with store_in(store) as finished:
         return design_drop_table(
             chosen, goal, choice, finished, pool_of(executor, workers, cluster), share_reporter(progress)
         )
