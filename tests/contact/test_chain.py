@@ -189,9 +189,10 @@ def test_spring_mass_against_the_damped_oscillator():
 
 @given(st.integers(2, 5), st.randoms(use_true_random=False))
 def test_random_chains_keep_momentum_and_energy(count, random):
-    """Free chains of random bodies, springs and lossy contacts: momentum 1e-12, energy balance 1e-6.
+    """Free chains of random bodies, springs and lossy contacts: momentum 1e-12, energy balance 1e-7.
 
-    Losses are integrated over the dense output, apart from the speeds: some 1e-7 of the energy, as in every run's check.
+    To the balance come ten local errors of losses, each 1e-9 of the energy that all bodies have at the highest speed:
+    a contact whose force has ended loses what it stores as a power of its indentation, which ends with a kink.
     """
     names = [f"b{i}" for i in range(count)]
     masses = {name: 10 ** random.uniform(-2, 1) for name in names}
@@ -215,7 +216,8 @@ def test_random_chains_keep_momentum_and_energy(count, random):
 
     stored = stored_energy(link_arrays(links, names), motion.positions(2e-3))
     before = 0.5 * m @ v0**2
-    assert 0.5 * m @ v**2 + stored + motion.dissipated().sum() == pytest.approx(before, rel=1e-6)
+    error = 1e-7 * before + 1e-8 * 0.5 * m.sum() * np.max(np.abs(v0)) ** 2
+    assert 0.5 * m @ v**2 + stored + motion.dissipated().sum() == pytest.approx(before, abs=error)
     assert np.all(motion.dissipated() >= -1e-9 * before)
 
 
