@@ -54,6 +54,13 @@ def test_requirements_are_the_constraints_with_the_sums_of_their_files(file):
         assert versions[name] == version
 
 
+def test_what_the_peers_bring_is_pinned_once():
+    """Two pins of one package that differ keep a peer out of the benchmarks."""
+    peers = pinned(ROOT / "benchmarks/constraints.txt")
+    assert peers
+    assert peers.keys().isdisjoint(pinned(ROOT / "constraints.txt"))
+
+
 def test_requirements_hold_each_package_that_the_project_asks_for():
     project = tomllib.loads((ROOT / "pyproject.toml").read_text("utf-8"))["project"]
     extras = project["optional-dependencies"]
