@@ -86,7 +86,7 @@ def draw():
     if peer is not None:
         curves.append(Trace("elwaspatid 2.0", time_, peer))
     title = "Free end of a steel bar of 70 mm under a steady force of 19.7 kN"
-    save(traces(title, curves, "m/s", "time after the start of the load (us)"), PICTURE)
+    save(traces(title, curves, "m/s", "time after the start of the load"), PICTURE)
     return [float(np.abs(x - closed).max() / jump) for x in (ours, peer) if x is not None]
 
 
