@@ -268,17 +268,32 @@ def _window(record: ComparedCurve) -> tuple[float, float, float]:
     """Return begin and end of what is compared, and where the quiet before it ends, s."""
     history, pulse = record.history, record.pulse
     index = int(np.clip(round((pulse.time - history.start) / history.step), 0, history.values.size - 1))
-    upright = record.sign * history.values
-    edges = [crossing(upright, index, RISE_LOW * abs(pulse.peak), side) for side in (-1, 1)]
-    if not all(map(math.isfinite, edges)):
-        raise InputError("--to", f"{record.name}, which holds no whole pulse", "a record with all of its pulse")
-    first, last = (history.start + edge * history.step for edge in edges)
+    whole = _whole_pulse(record.name, record.sign * history.values, index, abs(pulse.peak), record.measured is None)
+    first, last = (history.start + edge * history.step for edge in whole)
     width = last - first
     begin, end = max(first - BESIDE * width, history.start), min(last + BESIDE * width, history.end)
     if record.measured is None:  # no blow was found: an echo may be the largest pulse, and others lie before it
         moving = int(np.argmax(np.abs(history.values) >= RISE_LOW * abs(pulse.peak)))
         return begin, end, min(first, history.start + moving * history.step) - width
     return begin, end, first - width
+
+
+def _whole_pulse(name: str, values: Array, index: int, peak: float, others: bool) -> tuple[float, float]:
+    """Return where the pulse at an index begins and ends, in samples; of others the largest that no end cuts.
+
+    A record of a bar that rings may end within an echo that is as large as the pulse itself.
+    """
+    low, high = 0, values.size
+    while peak > 0.0 and low < high:
+        begin, end = (crossing(values, index, RISE_LOW * peak, side) for side in (-1, 1))
+        if math.isfinite(begin) and math.isfinite(end):
+            return begin, end
+        if not others or (math.isnan(begin) and math.isnan(end)):
+            break
+        low, high = (math.ceil(end), high) if math.isnan(begin) else (low, math.floor(begin) + 1)
+        index = low + int(np.argmax(np.abs(values[low:high])))
+        values, peak = math.copysign(1.0, values[index]) * values, float(abs(values[index]))
+    raise InputError("--to", f"{name}, which holds no whole pulse", "a record with all of its pulse")
 
 
 def _finer(history: EvenHistory, step: float) -> tuple[Array, float]:
