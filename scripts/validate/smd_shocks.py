@@ -40,7 +40,7 @@ BOARD = {"name": "board", "resonance": "8 kHz", "quality": 5}
 OF_POWER = ("contact.restitution", "contact.cushion.stress=1 MPa..900 GPa", "contact.cushion.exponent=1..8")
 OF_TANGENT = ("contact.restitution", "contact.cushion.modulus=0.1 MPa..100 GPa", "contact.cushion.limit_strain=0.02..1")
 OF_FRAME = ("object.frame_stiffness=0.3 GN/m..100 GN/m", "object.frame_damping=0.1 kN s/m..1000 kN s/m")
-OF_BOARD = ("sensor.board.resonance=3 kHz:40 kHz", "sensor.board.quality=1:100")
+OF_BOARD = ("sensor.board.resonance=3 kHz..40 kHz", "sensor.board.quality=1..100")
 STRUCTURES = {
     "power law": (POWER, None, OF_POWER),
     "power law, table in two bodies": (POWER, None, (*OF_POWER, *OF_FRAME)),
