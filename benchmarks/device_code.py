@@ -67,6 +67,7 @@ def samples():
     lists, one = np.zeros(1, np.int32), 1.0
     results = bodies.ElementResults(np.zeros((3, 1)), np.zeros((4, 1)), np.zeros(1))
     step, nodes, frame = Step(one, one, one, one), lists, np.zeros((1, 3, 3))
+    faces = np.zeros((1, 4), np.int32)
     elements = {
         body: (kind.blocks, x, v, one, (one, one), results)
         for body, kind in zip((bodies.one_point_element, bodies.full_element), engine.solid.kinds, strict=True)
@@ -78,6 +79,11 @@ def samples():
         absorb_node: (nodes, frame, one, v, f, m, x),
         add_row: (nodes, x, f),
         take_row: (nodes, v, x),
+        bodies.pressed_node: (nodes, lists, lists, faces, one, x, x, f),
+        bodies.tied_corner: (nodes, lists, lists, engine.ties, f),
+        bodies.clear_row: (nodes, f),
+        bodies.follow_node: (engine.ties, x, v, one),
+        bodies.put_row: (nodes, x, f),
         bodies.copy_row: (x, v),
         bodies.join_row: (x, v),
         bodies.book_row: (nodes, x, v, v, one, x),

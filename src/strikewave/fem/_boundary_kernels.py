@@ -59,19 +59,26 @@ def face_modes(x, p, q, r, s, c):
     return 0.25 * xi, 0.25 * eta, 0.25 * (x[p, c] + x[r, c] - x[q, c] - x[s, c])
 
 
+@leaf_kernel
+def face_shares(x, p, q, r, s, c):
+    """Return what a face gives its corners of area in direction c: evenly, and by the signs of their xi and eta.
+
+    A corner has the exact share of a bilinear face, e x g + xi e x w / 3 + eta w x g / 3, with the modes e, g, w of its
+    shape.
+    """
+    e1, g1, w1 = face_modes(x, p, q, r, s, (c + 1) % 3)
+    e2, g2, w2 = face_modes(x, p, q, r, s, (c + 2) % 3)
+    return e1 * g2 - e2 * g1, (e1 * w2 - e2 * w1) / 3.0, (w1 * g2 - w2 * g1) / 3.0
+
+
 @called_kernel
 def press(faces, pressure, x, force):
-    """Write the forces of a pressure on the nodes of faces, given by places in ``force``, as they are now.
-
-    A node has the exact share of a bilinear face: e x g + xi e x w / 3 + eta w x g / 3, e, g, w the modes of its shape.
-    """
+    """Write the forces of a pressure on the nodes of faces, given by places in ``force``, as they are now."""
     force[:] = 0.0
     for k in range(faces.shape[0]):
         p, q, r, s = faces[k, 0], faces[k, 1], faces[k, 2], faces[k, 3]
         for c in range(3):
-            e1, g1, w1 = face_modes(x, p, q, r, s, (c + 1) % 3)
-            e2, g2, w2 = face_modes(x, p, q, r, s, (c + 2) % 3)
-            even, one, two = e1 * g2 - e2 * g1, (e1 * w2 - e2 * w1) / 3.0, (w1 * g2 - w2 * g1) / 3.0
+            even, one, two = face_shares(x, p, q, r, s, c)
             force[p, c] -= pressure * (even - one - two)
             force[q, c] -= pressure * (even + one - two)
             force[r, c] -= pressure * (even + one + two)

@@ -4,7 +4,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from strikewave.base.compiled import kernel
+from strikewave.base.compiled import kernel, leaf_kernel
 
 
 class TieState(NamedTuple):
@@ -37,13 +37,18 @@ def gather_tied_forces(ties, f):
             f[node, c] = 0.0
 
 
+@leaf_kernel
+def move_tied_node(i, ties, v):
+    """Give a tied node the velocity of its place on the face (or any other vector that the nodes have)."""
+    for c in range(3):
+        total = 0.0
+        for k in range(4):
+            total += ties.shape[i, k] * v[ties.corners[i, k], c]
+        v[ties.nodes[i], c] = total
+
+
 @kernel
 def move_tied(ties, v):
-    """Give each tied node the velocity of its place on the face (or any other vector that the nodes have)."""
+    """Move all tied nodes: see `move_tied_node`."""
     for i in range(ties.nodes.shape[0]):
-        node = ties.nodes[i]
-        for c in range(3):
-            total = 0.0
-            for k in range(4):
-                total += ties.shape[i, k] * v[ties.corners[i, k], c]
-            v[node, c] = total
+        move_tied_node(i, ties, v)

@@ -219,6 +219,10 @@ class Engine:
     def fetch(self) -> None:
         """Bring it back from there."""
 
+    def begun_anew(self) -> Engine:
+        """Return an engine of the same model that has not begun."""
+        return Engine(self.model, self.pool)
+
     def _book(self) -> None:
         """Add the works and impulses of the step that led to the velocity now."""
         for each in self.acting:

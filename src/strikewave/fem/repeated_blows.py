@@ -75,7 +75,7 @@ def next_blow(engine: Engine, energy: float, share: float = REST) -> Engine:
         _take_over(moved, resting, meet=True)
         settled.append(settle(moved, bodies, wanted, most))
         resting = moved
-    following = Engine(model, engine.pool)
+    following = engine.begun_anew()
     first = _depths(following)
     _take_over(following, resting, meet=False)
     following.blow = engine.blow + 1
@@ -93,6 +93,7 @@ def next_blow(engine: Engine, energy: float, share: float = REST) -> Engine:
     for elements in following.solid.kinds:
         elements.begin_balance()
     following.initialize()
+    following.send()
     return following
 
 

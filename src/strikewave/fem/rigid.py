@@ -47,16 +47,22 @@ class RigidBody(Acting):
 
     def apply(self, now: Now) -> None:
         """Write the forces between the nodes that keep them together, and those that hold what may not move."""
-        f, x = now.f[self.nodes], now.x[self.nodes]
-        self.velocity = np.where(self.moves, self.velocity + now.kick * f.sum(axis=0) / self.mass, 0.0)
-        self.spin = self.spin + now.kick * np.cross(x - self.centre, f).sum(axis=0)
-        self.centre = self.centre + now.step * self.velocity
-        half = Rotation.from_rotvec(0.5 * now.step * self._rate(self.turned)).as_matrix() @ self.turned
-        self.turned = Rotation.from_rotvec(now.step * self._rate(half)).as_matrix() @ self.turned
-        wanted = (self.centre + self.arms @ self.turned.T - x) / now.step
-        force = now.mass[self.nodes][:, None] * (wanted - self.before) / now.kick
-        self.force[:] = force - f
-        now.f[self.nodes] = force
+        now.f[self.nodes] = self.move(now.x[self.nodes], now.f[self.nodes], now.mass[self.nodes], now.kick, now.step)
+
+    def move(self, x: Array, f: Array, mass: Array, kick: float, step: float) -> Array:
+        """Move the body under the forces f on its nodes at x; return the forces (nodes, 3) that bring these with it, N.
+
+        ``before`` has the velocities of its nodes, ``mass`` their masses; ``force`` is what it adds to f.
+        """
+        self.velocity = np.where(self.moves, self.velocity + kick * f.sum(axis=0) / self.mass, 0.0)
+        self.spin = self.spin + kick * np.cross(x - self.centre, f).sum(axis=0)
+        self.centre = self.centre + step * self.velocity
+        half = Rotation.from_rotvec(0.5 * step * self._rate(self.turned)).as_matrix() @ self.turned
+        self.turned = Rotation.from_rotvec(step * self._rate(half)).as_matrix() @ self.turned
+        wanted = (self.centre + self.arms @ self.turned.T - x) / step
+        whole = np.asarray(mass[:, None] * (wanted - self.before) / kick)
+        self.force[:] = whole - f
+        return whole
 
     def _rate(self, turned: Array) -> Array:
         """Return the angular velocity at an orientation, 1/s, about the axes that are free."""

@@ -24,7 +24,7 @@ from strikewave.base.json_document import head, plain, without
 from strikewave.base.percents import percent
 from strikewave.cases.case import Case, dump_case
 from strikewave.fem.blow_measures import blow_measure
-from strikewave.fem.device.devices import Device, device_named, refuse_unknown
+from strikewave.fem.device.devices import Device, device_named
 from strikewave.fem.measures import ENERGY_LIMIT, HOURGLASS_LIMIT, ContactMeasure, balance_measure
 from strikewave.fem.model import Model
 from strikewave.fem.quality import UNWARPED, PartQuality, quality_report
@@ -85,8 +85,6 @@ def run_element_case(case: Case, changes: Sequence[str], output: Output, choice:
         raise InputError("--restart", "no folder", "a run that writes its files", "add --out DIR")
     device = device_named(choice.device) if choice.device else None
     model, _ = _reported_model(case, choice.threads)
-    if device is not None:
-        refuse_unknown(model)
     case = output.tested(case)
     text = dump_case(case)
     command = FemCommand(case, model, choice, output.force, device)

@@ -13,6 +13,7 @@ from typing import NamedTuple
 import numpy as np
 
 from strikewave.base.compiled import fused_leaf_kernel, leaf_kernel
+from strikewave.fem._boundary_kernels import face_shares
 from strikewave.fem._full_kernels import (
     POINTS,
     begin_sums,
@@ -57,6 +58,7 @@ from strikewave.fem._layout import (
     W,
 )
 from strikewave.fem._solid_kernels import stress_of_one
+from strikewave.fem._tie_kernels import move_tied_node
 
 ROWS, KEPT, SEVEN, THREE_FIELDS = np.uint64(CONSTANTS), np.uint64(9), np.uint64(7), np.uint64(24)
 """Rows of constants; of the state without a back stress; of modes with a force; of forces on modes of three fields."""
@@ -189,6 +191,52 @@ def gather_node(n, start, places, corner, f):
         for k in range(start[n], start[n + 1]):
             total += corner[c, places[k]]
         f[n, c] += total
+
+
+@leaf_kernel
+def pressed_node(i, nodes, start, places, faces, pressure, x, force, f):
+    """Write and add what a pressure does at a node, which is corner place % 4 of face place // 4 for its places."""
+    for c in range(3):
+        total = 0.0
+        for k in range(start[i], start[i + 1]):
+            face, corner = places[k] // 4, places[k] % 4
+            even, one, two = face_shares(x, faces[face, 0], faces[face, 1], faces[face, 2], faces[face, 3], c)
+            xi = 1.0 if corner == 1 or corner == 2 else -1.0
+            eta = 1.0 if corner > 1 else -1.0
+            total -= pressure * (even + xi * one + eta * two)
+        force[i, c] = total
+        f[nodes[i], c] += total
+
+
+@leaf_kernel
+def tied_corner(i, corners, start, places, ties, f):
+    """Add to the force on a corner that of the tied nodes of its faces, at places = 4 node + corner, ascending."""
+    for k in range(start[i], start[i + 1]):
+        tied, corner = places[k] // 4, places[k] % 4
+        for c in range(3):
+            f[corners[i], c] += ties.shape[tied, corner] * f[ties.nodes[tied], c]
+
+
+@leaf_kernel
+def clear_row(i, nodes, f):
+    """Leave nothing at a node."""
+    for c in range(3):
+        f[nodes[i], c] = 0.0
+
+
+@leaf_kernel
+def follow_node(i, ties, x, v, dt):
+    """Bring a tied node to the end of a step with its face."""
+    move_tied_node(i, ties, v)
+    for c in range(3):
+        x[ties.nodes[i], c] += dt * v[ties.nodes[i], c]
+
+
+@leaf_kernel
+def put_row(i, nodes, rows, f):
+    """Write the row of a node."""
+    for c in range(3):
+        f[nodes[i], c] = rows[i, c]
 
 
 @leaf_kernel

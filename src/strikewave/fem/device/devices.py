@@ -1,4 +1,4 @@
-"""Where bodies run, one call for each index: a GPU, or a loop here; what is not done there yet."""
+"""Where bodies run, one call for each index: a GPU, or a loop here."""
 
 from __future__ import annotations
 
@@ -9,7 +9,6 @@ import numpy as np
 
 from strikewave.base.errors import InputError
 from strikewave.fem._layout import SCRATCH
-from strikewave.fem.model import Model, Pressure
 
 NAMES = ("cuda",)
 """Devices that can be asked for."""
@@ -77,23 +76,3 @@ def device_named(name: str) -> Device:
     except ImportError:
         raise InputError("--device", "cuda", "numba-cuda beside strikewave", "pip install 'strikewave[gpu]'") from None
     return Cuda()
-
-
-def refuse_unknown(model: Model) -> None:
-    """Refuse a model with something that is not done on a device yet.
-
-    Raises
-    ------
-    InputError
-        In one line that names it.
-    """
-    unknown = {
-        "ties": bool(model.ties),
-        "rigid parts": bool(model.rigid),
-        "pressures": any(isinstance(each, Pressure) for each in model.boundaries),
-        "several blows": model.controls.blows > 1,
-    }
-    found = [name for name, there in unknown.items() if there]
-    if found:
-        allowed = "elements of all solids, contact, walls, held and driven sides, non-reflecting sides, gravity"
-        raise InputError("--device", f"a case with {' and '.join(found)}", allowed, "run it without --device")

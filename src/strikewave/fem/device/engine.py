@@ -6,8 +6,16 @@ import numpy as np
 
 from strikewave.fem import _node_kernels as node_kernels
 from strikewave.fem.boundary import Acting, Now
-from strikewave.fem.device.devices import Device, refuse_unknown
-from strikewave.fem.device.parts import DeviceActing, DeviceContact, DeviceElements, DeviceWall, Nodes
+from strikewave.fem.device.devices import Device
+from strikewave.fem.device.parts import (
+    DeviceActing,
+    DeviceContact,
+    DeviceElements,
+    DeviceRigid,
+    DeviceTies,
+    DeviceWall,
+    Nodes,
+)
 from strikewave.fem.engine import Engine
 from strikewave.fem.model import Model
 
@@ -19,15 +27,9 @@ class DeviceEngine(Engine):
     """An `Engine` on a device.
 
     Its arrays here are those of the last instant that was recorded; `fetch` brings them up to date.
-
-    Raises
-    ------
-    InputError
-        If the model has something that is not done on a device yet.
     """
 
     def __init__(self, model: Model, device: Device) -> None:
-        refuse_unknown(model)
         super().__init__(model)
         self.device = device
         self.send()
@@ -37,7 +39,11 @@ class DeviceEngine(Engine):
         device = self.device
         self.nodes = Nodes(*(device.put(getattr(self, name)) for name in NODES))
         self.there = [DeviceElements(device, kind, len(self.x)) for kind in self.solid.kinds]
-        self.acts: dict[Acting, DeviceActing] = {each: DeviceActing(device, each, self.mass) for each in self.acting}
+        self.tied = DeviceTies(device, self.ties)
+        self.acts: dict[Acting, DeviceActing] = {
+            each: DeviceActing(device, each, self.mass) for each in (*self.weight, *self.loads, *self.holds)
+        }
+        self.acts |= {body: DeviceRigid(device, body, self.mass) for body in self.bodies}
         self.met = {name: DeviceContact(device, state) for name, state in self.contacts.items()}
         self.stood = {name: DeviceWall(device, state) for name, state in self.walls.items()}
 
@@ -59,26 +65,37 @@ class DeviceEngine(Engine):
             if name in self.stood:
                 self.impulse_given += impulse
 
+    def begun_anew(self) -> Engine:
+        """Return an engine of the same model, on the same device, that has not begun."""
+        return DeviceEngine(self.model, self.device)
+
     def assemble_forces(self) -> None:
         """Add to the forces of the elements at t_n all others, as `Engine.assemble_forces` does."""
         self.kick = 0.5 * (self.dt_previous + self.dt_next)
         nodes = self.nodes
         now = Now(self.time, self.kick, self.dt_next, nodes.x, nodes.v, nodes.f, nodes.mass)
-        for acting in (*self.weight, *self.loads, *self.holds):
+        for weight in self.weight:
+            self.acts[weight].add(now)
+        self.tied.gather(nodes.f)
+        for acting in (*self.loads, *self.holds):
             self.acts[acting].add(now)
         for name, contact in self.met.items():
             if contact.add(now, nodes):
                 self.contacts[name] = contact.search(self.device.get(nodes.x))
         for wall in self.stood.values():
             wall.add(now, nodes)
+        self.tied.gather(nodes.f)
         for hold in self.holds:
             self.acts[hold].add_rest(now)
+        for body in self.bodies:
+            self.acts[body].add(now)
 
     def step(self) -> None:
         """Move the nodes to t_(n+1), book what the forces did, and find the forces of the elements there."""
         nodes, dt = self.nodes, self.dt_next
         moving = nodes.x, nodes.v, nodes.f, nodes.inverse_mass, self.kick, dt
         self.device.each(node_kernels.move_node, len(self.x), *moving)
+        self.tied.follow(nodes, dt)
         booked: list[DeviceActing | DeviceContact | DeviceWall] = [*self.acts.values()]
         for each in [*booked, *self.met.values(), *self.stood.values()]:
             each.book(nodes, self.kick)

@@ -6,18 +6,21 @@ from collections.abc import Callable
 from typing import Any, Generic, NamedTuple, TypeVar
 
 import numpy as np
+from numpy.typing import NDArray
 
 from strikewave.fem import _boundary_kernels as boundary_kernels
 from strikewave.fem import _contact_kernels as contact_kernels
 from strikewave.fem import _layout as layout
 from strikewave.fem._contact_kernels import ContactState, Step, WallState
-from strikewave.fem.boundary import Acting, Dashpots, Held, Now, Weight, value_at
+from strikewave.fem.boundary import Acting, Dashpots, Held, Now, Pressed, Weight, value_at
 from strikewave.fem.contact import searched
 from strikewave.fem.device import _bodies as bodies
 from strikewave.fem.device.devices import Device
 from strikewave.fem.full import FullyIntegrated
 from strikewave.fem.hexahedron import Hexahedra, OnePoint
 from strikewave.fem.mesh import Array, Index
+from strikewave.fem.rigid import RigidBody
+from strikewave.fem.tie import TieState
 
 S = TypeVar("S", ContactState, WallState)
 BODIES: dict[type[Hexahedra], Callable[..., None]] = {
@@ -29,7 +32,7 @@ DONE = 4
 """What each node of a boundary or contact sums up: work and impulse."""
 
 
-def lists(keys: Index, values: Index, count: int) -> tuple[Index, Index]:
+def lists(keys: NDArray[np.integer[Any]], values: NDArray[np.integer[Any]], count: int) -> tuple[Index, Index]:
     """Return where the values of each key begin, (count + 1,), and the values, ascending for each.
 
     Examples
@@ -114,13 +117,39 @@ class DeviceElements:
         return self.device.least(self.results.step)
 
 
+class DeviceTies:
+    """Tied nodes, and the corners that carry them."""
+
+    def __init__(self, device: Device, ties: TieState) -> None:
+        self.device, self.count = device, len(ties.nodes)
+        corners, keys = np.unique(ties.corners.ravel(), return_inverse=True)
+        self.carrying = len(corners)
+        self.there, self.corners = put_fields(device, ties), device.put(corners.astype(np.int32))
+        self.start, self.places = (
+            device.put(each) for each in lists(keys.ravel(), np.arange(4 * self.count), self.carrying)
+        )
+
+    def gather(self, f: Any) -> None:
+        """Hand the forces on tied nodes on, as `strikewave.fem.tie.gather_tied_forces` does, in its order."""
+        self.device.each(bodies.tied_corner, self.carrying, self.corners, self.start, self.places, self.there, f)
+        self.device.each(bodies.clear_row, self.count, self.there.nodes, f)
+
+    def follow(self, nodes: Nodes, dt: float) -> None:
+        """Bring tied nodes to the end of a step with their faces."""
+        self.device.each(bodies.follow_node, self.count, self.there, nodes.x, nodes.v, dt)
+
+
 class DeviceActing:
-    """Weight, held or driven nodes, or dashpots."""
+    """Weight, held or driven nodes, pressed faces, or dashpots."""
 
     def __init__(self, device: Device, acting: Acting, mass: Array) -> None:
         self.device, self.here, self.mass, self.count = device, acting, mass, len(acting.nodes)
         self.nodes = device.put(acting.nodes)
         self.table = device.put(acting.directions) if isinstance(acting, Held) else None
+        if isinstance(acting, Pressed):
+            corners = acting.faces.ravel()
+            self.faces = device.put(acting.nodes[acting.faces])
+            self.lists = tuple(device.put(each) for each in lists(corners, np.arange(len(corners)), self.count))
         self.kick = 0.0
         self.force, self.before, self.first = (device.put(each) for each in (acting.force, acting.before, acting.force))
         self.done = device.put(np.zeros((self.count, DONE)))
@@ -140,6 +169,10 @@ class DeviceActing:
         each, here = self.device.each, self.here
         if isinstance(here, Weight):
             each(boundary_kernels.add_row, self.count, self.nodes, self.force, now.f)
+            return
+        if isinstance(here, Pressed):
+            pressed = *self.lists, self.faces, value_at(here.pressure, now.time), now.x, self.force, now.f
+            each(bodies.pressed_node, self.count, self.nodes, *pressed)
             return
         rest = now.kick, now.v, now.f, now.mass, self.force
         if isinstance(here, Held):
@@ -162,6 +195,29 @@ class DeviceActing:
         done = self.device.get(self.done).sum(axis=0)
         self.done = self.device.put(np.zeros((self.count, DONE)))
         return np.asarray(done)
+
+
+class DeviceRigid(DeviceActing):
+    """A part that does not deform. Its few sums and its rotation are those of `RigidBody`, from copies of its nodes."""
+
+    here: RigidBody
+
+    def __init__(self, device: Device, acting: RigidBody, mass: Array) -> None:
+        super().__init__(device, acting, mass)
+        self.rows = device.put(acting.force)
+
+    def _apply(self, now: Now) -> None:
+        here = self.here
+        x, f = self._copied(now.x), self._copied(now.f)
+        here.before[:] = self.device.get(self.before)
+        whole = here.move(x, f, self.mass[here.nodes], now.kick, now.step)
+        self.force = self.device.put(here.force)
+        self.device.each(bodies.put_row, self.count, self.nodes, self.device.put(whole), now.f)
+
+    def _copied(self, field: Any) -> Array:
+        """Return the rows of its nodes here."""
+        self.device.each(boundary_kernels.take_row, self.count, self.nodes, field, self.rows)
+        return self.device.get(self.rows)
 
 
 class DeviceTouch(Generic[S]):
