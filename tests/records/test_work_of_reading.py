@@ -1,11 +1,13 @@
 """A file of twice the size takes twice the work: no small one keeps a program busy for minutes, or takes gigabytes."""
 
+import dataclasses
 import tracemalloc
 
 import numpy as np
 import pytest
 
 from strikewave.base.errors import InputError
+from strikewave.records import Channel, FileReading, Record, Request, compare, read_file, summed
 from strikewave.records.pulses import Baseline, find_boxes
 from strikewave.records.readers import Options, common, read_record, tdms
 from strikewave.records.readers.common import ArrayColumn, assemble, one_each
@@ -93,4 +95,17 @@ def test_work_grows_with_the_number_of_blows():
         assert len(find_boxes(values, Baseline(0.0, 0.0), 1.0)[1]) == values.size // 600
 
     lines = [lines_run(found, spikes(count)) for count in (50, 100, 200)]
+    assert lines[2] / lines[1] < LINEAR
+
+
+def test_work_of_a_campaign_grows_with_the_number_of_channels():
+    values = 1000.0 * np.exp(-0.5 * ((np.arange(2000) - 700) / 20.0) ** 2) + np.random.default_rng(1).normal(size=2000)
+    [reading] = read_file(Record("a.csv", "text", (Channel("c", values, 1e-5, unit="g"),)), {}, Request()).channels
+
+    def compared(count):
+        channels = tuple(dataclasses.replace(reading, number=k) for k in range(1, count + 1))
+        files = compare([FileReading(name, "text", channels) for name in "abc"])
+        assert all(summed(files, k) for k in range(1, count + 1))
+
+    lines = [lines_run(compared, count) for count in (4, 40, 80)]
     assert lines[2] / lines[1] < LINEAR

@@ -226,12 +226,11 @@ def summed(files: Sequence[FileReading], number: int | None = None) -> Campaign 
     number : int, optional
         Channel, by its place in the files, from 1; the first that was read by default.
     """
-    have = [
-        (k, file, reading)
+    found = (
+        (k, file, next(iter(file.channels), None) if number is None else file.numbered(number))
         for k, file in enumerate(files)
-        for reading in (file.channels[:1] if number is None else file.channels)
-        if number is None or reading.number == number
-    ]
+    )
+    have = [(k, file, reading) for k, file, reading in found if reading is not None]
     if not have:
         return None
     points: dict[str, tuple[tuple[int, float], ...]] = {}

@@ -156,6 +156,14 @@ class FileReading:
     channels: tuple[ChannelReading, ...]
     findings: tuple[HealthNotice, ...] = ()
 
+    def numbered(self, number: int) -> ChannelReading | None:
+        """Return the channel of a place in the file, from 1; None where it was not read."""
+        return self._by_number.get(number)
+
+    @functools.cached_property
+    def _by_number(self) -> dict[int, ChannelReading]:
+        return {channel.number: channel for channel in self.channels}
+
     @property
     def all_findings(self) -> list[HealthNotice]:
         """Those of the file and of its channels, the worst first."""

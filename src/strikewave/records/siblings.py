@@ -70,11 +70,12 @@ def compare(files: Sequence[FileReading]) -> list[FileReading]:
     []
     """
     changed = list(files)
+    if len(changed) < 2:
+        return changed
     for number in sorted({reading.number for file in files for reading in file.channels}):
         for judge in (_without_blow, _unlike_others, _other_gain, _outlying):
-            readings = [
-                (k, reading) for k, file in enumerate(changed) for reading in file.channels if reading.number == number
-            ]
+            found = ((k, file.numbered(number)) for k, file in enumerate(changed))
+            readings = [(k, reading) for k, reading in found if reading is not None]
             for k, finding in list(judge(readings)):
                 changed[k] = _with(changed[k], number, finding)
     return changed

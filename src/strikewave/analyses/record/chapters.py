@@ -244,8 +244,8 @@ def same_channel(files: Sequence[FileReading], campaign: Campaign) -> list[tuple
     """Return the readings of a campaign's channel: those with the place that the channel has in the first file."""
     readings = (reading for file in files for reading in file.channels)
     number_ = next((reading.number for reading in readings if reading.channel.name == campaign.channel), 0)
-    sound = [file for file in files if worst(file.findings) != "bad"]
-    return [(file.path, reading) for file in sound for reading in file.channels if reading.number == number_]
+    sound = ((file.path, file.numbered(number_)) for file in files if worst(file.findings) != "bad")
+    return [(path, reading) for path, reading in sound if reading is not None]
 
 
 def filter_section(files: Sequence[FileReading], names: Names, filter_: Filter | None) -> Section:
