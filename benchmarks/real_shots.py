@@ -19,6 +19,7 @@ from strikewave.hopkinson import (
     find_pulses,
     reduce,
 )
+from strikewave.hopkinson.alignment import Method
 from strikewave.records import read_record
 from strikewave.records.clock import even
 
@@ -43,11 +44,13 @@ class Shot:
     bars: tuple[Bar, Bar]
     specimen: Specimen
     traces: tuple[GaugeTrace, GaugeTrace]
+    alignment: Method = "geometric"
 
     def reduced(self) -> tuple[Pulses, Reduction]:
-        """Return its pulses, and its reduction by geometric alignment."""
+        """Return its pulses, and its reduction."""
         pulses = find_pulses(*self.traces, self.bars)
-        return pulses, reduce(align(pulses, self.bars, transit=self.specimen.transit), self.bars, self.specimen)
+        waves = align(pulses, self.bars, method=self.alignment, transit=self.specimen.transit)
+        return pulses, reduce(waves, self.bars, self.specimen)
 
 
 def trace(path: Path, channel: int, strain: Callable) -> GaugeTrace:

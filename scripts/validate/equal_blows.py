@@ -1,7 +1,7 @@
 """Supports on which eleven blows of the published machine agree, and full runs within tolerances that judge them.
 
-The design of docs/studies/equal-blows.toml; then settings of its front, evenly spread, are each run in full with all
-tolerances drawn from another seed. Writes out/validate/equal-blows.csv. Goes on where it was stopped.
+The design studies/equal-blows.toml of `strikewave examples`; then settings of its front, evenly spread, are each run
+in full with all tolerances drawn from another seed. Writes out/validate/equal-blows.csv. Goes on where it was stopped.
 """
 
 import argparse
@@ -12,13 +12,14 @@ from pathlib import Path
 
 import numpy as np
 
+from strikewave.cli.examples import EXAMPLES
 from strikewave.studies.design.candidates import robustness_of
 from strikewave.studies.design.design_file import load_design
 from strikewave.studies.design.study import make_design
 from strikewave.studies.engine.pools import ProcessPool
 from strikewave.studies.engine.store import RunStore
 
-FILE = Path(__file__).parents[2] / "docs" / "studies" / "equal-blows.toml"
+FILE = EXAMPLES / "studies" / "equal-blows.toml"
 PLACE = Path("out/validate")
 SEED = 2
 """Of the draws that judge: those of the design have its own, 1."""

@@ -1,5 +1,6 @@
 """A server of the app in a process of its own, and a real browser on it."""
 
+import contextlib
 import os
 import signal
 import subprocess
@@ -16,10 +17,9 @@ PATIENCE = 90.0
 """Longest time that a page waits for a run while other tests take both cores, s."""
 
 
-@pytest.fixture(scope="session")
-def app_address(tmp_path_factory):
-    """Return the address of an app that runs in an empty folder, as its first line says it."""
-    place = tmp_path_factory.mktemp("app")
+@contextlib.contextmanager
+def serving(place):
+    """Yield the address of an app that runs in an empty folder, as its first line says it."""
     command = [sys.executable, "-m", "strikewave", "app", "--no-browser", "--port", "0"]
     environment = {**os.environ, "PYTHONPATH": os.pathsep.join(filter(None, sys.path))}
     server = subprocess.Popen(command, cwd=place, stderr=subprocess.PIPE, text=True, env=environment)
@@ -32,6 +32,20 @@ def app_address(tmp_path_factory):
         server.send_signal(signal.SIGINT)
         server.wait(30)
     assert os.listdir(place) == []  # nothing is left where it was started
+
+
+@pytest.fixture(scope="session")
+def app_address(tmp_path_factory):
+    """Return the address of the app that the tests share."""
+    with serving(tmp_path_factory.mktemp("app")) as address:
+        yield address
+
+
+@pytest.fixture
+def crowded_address(tmp_path):
+    """Return the address of an app of one test alone, which fills it."""
+    with serving(tmp_path) as address:
+        yield address
 
 
 @pytest.fixture(scope="session")

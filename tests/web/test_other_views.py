@@ -16,8 +16,9 @@ from strikewave.web.case.layer_order import rearranged, stack_rows
 from strikewave.web.case.state import CaseSource
 from strikewave.web.case.view import opened
 from strikewave.web.pages.case import elements_view, target_view
+from strikewave.web.pages.record.four_axes import four_axes
 from strikewave.web.pages.record.request import RecordRequest
-from strikewave.web.pages.record.view import four_axes, measure
+from strikewave.web.pages.record.view import campaign_tables, history_chart, measure, units_of_channels
 from strikewave.web.pages.study.request import KINDS, StudyRequest
 from strikewave.web.pages.study.view import refuse_other_files, study
 
@@ -66,6 +67,46 @@ def test_records_show_the_pulses_that_are_in_them_and_the_file_that_lies_is_bad_
     overlay = view["charts"][1]["series"]
     assert len(overlay) == 2
     assert max(y for _, y in overlay[0]["data"]) == pytest.approx(3000.0, rel=1e-3)  # sampled 100 times over the pulse
+
+
+@pytest.mark.verify
+def test_numbers_of_a_file_that_names_no_unit_are_not_called_g(shots):
+    for name in ("a.csv", "b.csv"):
+        path = shots / name
+        path.write_text(path.read_text().replace("acceleration [g]", "channel"))
+    result = strikewave.record(["a.csv", "b.csv"])
+    assert units_of_channels(result) == [""]
+    assert history_chart(result, "")["yAxis"]["name"] == "file's own numbers"
+    _, _, rows, _ = campaign_tables(result)[0]
+    assert dict(row[:2] for row in rows)["peak"] == "3050"
+    spectra = strikewave.shock_spectra(["a.csv", "b.csv"], kinds=("pseudo-velocity",))
+    assert four_axes(spectra)["yAxis"]["name"] == "pseudo-velocity (unit·s)"
+
+
+@pytest.mark.verify
+def test_channels_of_two_units_share_no_axis(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    time = np.arange(0.0, 2e-3, 2e-6)
+    pulse = np.sin(np.pi * (time - 5e-4) / WIDE) * ((time > 5e-4) & (time < 5e-4 + WIDE))
+    rows = [f"{t:.6f},{3000.0 * a:.4f},{500.0 * a:.4f}" for t, a in zip(time, pulse, strict=True)]
+    (tmp_path / "a.csv").write_text("\n".join(["time [s],acceleration [g],force [N]", *rows]) + "\n")
+    result = strikewave.record(["a.csv"])
+    charts = [history_chart(result, unit) for unit in units_of_channels(result)]
+    largest = {chart["yAxis"]["name"]: max(y for _, y in chart["series"][0]["data"]) for chart in charts}
+    assert largest == pytest.approx({"acceleration (g)": 3000.0, "force (N)": 500.0}, rel=1e-3)
+
+
+@pytest.mark.verify
+def test_a_simulation_is_laid_over_the_healthiest_record_and_scored(shots):
+    (shots / "0.csv").write_text("time [s],acceleration [g]\n0,1\n1e-6,nan\n2e-6,1\n")
+    asked = RecordRequest(str(shots), ("0.csv", "a.csv"), spectrum=False, beside="jesd22-b111-b:rigid")
+    view = measure(asked, say)
+    chart = view["charts"][-1]
+    assert chart["title"]["text"] == "Record and simulation"
+    assert chart["series"][0]["name"].startswith("a.csv")
+    titles = [table[0] for table in view["tables"]]
+    assert {"Largest pulse", "Agreement", "ISO/TS 18571"} <= set(titles)
+    assert "strikewave compare a.csv jesd22-b111-b:rigid" in view["same"][0][1]
 
 
 def test_no_file_and_another_case_beside_are_refused_in_words(shots):

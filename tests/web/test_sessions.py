@@ -7,7 +7,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from strikewave.web import sessions
-from strikewave.web.sessions import FullError, Session, Sessions, clean_name
+from strikewave.web.sessions import KEPT, FullError, Session, Sessions, clean_name
 
 
 @given(st.text(st.characters(max_codepoint=0x2FFF), max_size=120))
@@ -64,6 +64,26 @@ def test_an_idle_session_ends_and_takes_its_files_and_its_work_with_it(monkeypat
     kept.end_idle()
     assert (len(kept), place.exists(), work.stopped) == (0, False, True)
     kept.end()
+
+
+@pytest.mark.verify
+def test_what_two_pages_of_one_browser_keep_is_apart_and_goes_with_its_page(tmp_path):
+    nicegui = pytest.importorskip("nicegui")  # which takes seconds to import
+    from nicegui.page import page
+
+    from strikewave.web.parts import kept
+
+    session = Session(tmp_path)
+    pages = [nicegui.Client(page("/elements")) for _ in range(2)]
+    for place, one in enumerate(pages):
+        with one:
+            kept(session, "field.bin", bytes([place]))
+    files = {path.name: path.read_bytes() for path in session.place(KEPT).iterdir()}
+    assert files == {f"{one.id}-field.bin": bytes([place]) for place, one in enumerate(pages)}
+    pages[0].delete()
+    assert [path.name for path in session.place(KEPT).iterdir()] == [f"{pages[1].id}-field.bin"]
+    session.end()
+    assert not (tmp_path / KEPT).exists()
 
 
 def test_a_folder_of_results_survives_and_the_same_browser_finds_it_again(tmp_path):

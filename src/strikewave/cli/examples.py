@@ -1,4 +1,4 @@
-"""``strikewave examples``: notebooks, sample records and cases in a folder of one's own."""
+"""``strikewave examples``: notebooks, sample records, studies and cases in a folder of one's own."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ PACKED = ".xz"
 
 
 def copy_examples(folder: Path) -> list[Path]:
-    """Copy notebooks, sample records with their credit, and the built-in cases; the folder appears whole.
+    """Copy notebooks, sample records with their credit, studies, and the built-in cases; the folder appears whole.
 
     Parameters
     ----------
@@ -78,15 +78,17 @@ def command(
     *,
     shown: Shown,
 ) -> int:
-    """Copy notebooks, sample records and cases.
+    """Copy notebooks, a record, studies and cases.
 
     Notebooks need `pip install "strikewave[notebooks]"`; records come with source and licence; cases are the built-in
-    ones, to change.
+    ones, to change; studies are files of `strikewave design`.
     """
     files = copy_examples(folder)
     if shown.json:
         print_json({**head({}), "written": [str(folder / path) for path in files]})
         return 0
-    counts = ", ".join(f"{name} {sum(path.parts[0] == name for path in files)}" for name in ("notebooks", "cases"))
+    counts = ", ".join(
+        f"{name} {sum(path.parts[0] == name for path in files)}" for name in ("notebooks", "cases", "studies")
+    )
     say(f"written: {folder} ({counts}, a measured record); then: jupyter lab {folder / 'notebooks'}")
     return 0

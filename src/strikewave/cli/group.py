@@ -55,7 +55,7 @@ PANELS: dict[str, dict[str, tuple[str, str]]] = {
         "diff": ("strikewave.cli.diff", "List the differences of two cases."),
         "cases": ("strikewave.cli.cases", "List the built-in cases."),
         "materials": ("strikewave.cli.materials", "List the materials with their sources."),
-        "examples": ("strikewave.cli.examples", "Copy notebooks, sample records and cases."),
+        "examples": ("strikewave.cli.examples", "Copy notebooks, a record, studies and cases."),
         "doctor": ("strikewave.cli.doctor", "Say what is installed, missing and cached."),
     },
 }

@@ -9,14 +9,32 @@ from strikewave.reporting.style import BLUE, GREEN, GREY, ORANGE, RED
 
 COLOURS = (BLUE, RED, GREEN, ORANGE, GREY)
 KIND_COLOURS = {"full": BLUE, "double": RED, "glancing": ORANGE, "missed": GREY}
+DASHES = ("solid", "dashed")
+MOST_CURVES = len(COLOURS) * len(DASHES)
+"""Curves of a diagram that are told apart by colour and dash."""
 SHAPES = ("circle", "diamond", "triangle", "rect", "pin")
 INK, SOFT, LINE = "#1a1f24", "#4d5760", "#e4e4e4"
 PALE_BAND = "rgba(0, 114, 178, 0.10)"
+BELOW_LEGEND = 60
+"""Pixels from the upper edge of a diagram to its axes, so that names of curves touch no number."""
+BESIDE_TOOLS = 40
+"""Pixels that the names of curves leave to the button that saves a picture."""
 
 
 def colour(place: int) -> str:
     """Return the colour of a curve by its place; they begin anew where there are more curves than colours."""
     return COLOURS[place % len(COLOURS)]
+
+
+def dash(place: int) -> str:
+    """Return the dash of a curve by its place: another one where the colours begin anew.
+
+    Examples
+    --------
+    >>> colour(0) == colour(5), dash(0), dash(5)
+    (True, 'solid', 'dashed')
+    """
+    return DASHES[place // len(COLOURS) % len(DASHES)]
 
 
 class ChartLine(NamedTuple):
@@ -69,15 +87,15 @@ def line_chart(
         series[0]["markArea"] = {
             "silent": True,
             "itemStyle": {"color": PALE_BAND},
-            "label": {"color": SOFT, "fontSize": 10},
+            "label": {"color": SOFT, "fontSize": 10, "position": "insideTop"},
             "data": [[{"name": span.name, "xAxis": span.begin}, {"xAxis": span.end}] for span in spans],
         }
     options = _frame(title, x, y, "log" if log else "value", "log" if log_y else "value")
-    options["legend"] = _legend([line.name for line in lines])
     if zoom:
-        options["dataZoom"] = [{"type": "inside", "filterMode": "none"}, {"type": "slider", "height": 14, "bottom": 2}]
-        options["grid"]["bottom"] = 54
-    return {**options, "series": series}
+        slider = {"type": "slider", "height": 14, "bottom": 8, "moveHandleSize": 4}
+        options["dataZoom"] = [{"type": "inside", "filterMode": "none"}, slider]
+        options["grid"]["bottom"] = 66
+    return _named({**options, "series": series})
 
 
 class Dots(NamedTuple):
@@ -109,7 +127,7 @@ def dot_chart(title: str, x: str, y: str, groups: Sequence[Dots]) -> dict[str, A
     options = _frame(title, x, y, "value", "value")
     options["tooltip"]["trigger"] = "item"
     options["yAxis"]["scale"] = True
-    return {**options, "legend": _legend([group.name for group in groups]), "series": series}
+    return _named({**options, "series": series})
 
 
 def train_chart(title: str, unit: str, bars: Sequence[Sequence[Any]], band: Sequence[float] | None) -> dict[str, Any]:
@@ -127,6 +145,7 @@ def train_chart(title: str, unit: str, bars: Sequence[Sequence[Any]], band: Sequ
         "name": "rigid peak",
         "type": "bar",
         "barMaxWidth": 26,
+        "itemStyle": {"color": BLUE},
         "data": [
             {"value": peak, "itemStyle": {"color": KIND_COLOURS.get(kind, GREY)}, "name": kind}
             for _, peak, kind in bars
@@ -163,8 +182,7 @@ def with_beside(options: dict[str, Any], beside: dict[str, Any]) -> dict[str, An
     else:
         grey["data"] = [bar["value"] for bar in beside["series"][0]["data"]]
     kept = {key: value for key, value in beside["series"][0].items() if key in ("type", "barMaxWidth")}
-    series = [*options["series"], {**kept, **grey}]
-    return {**options, "series": series, "legend": _legend([str(one["name"]) for one in series])}
+    return _named({**options, "series": [*options["series"], {**kept, **grey}]})
 
 
 def heat_chart(
@@ -219,16 +237,22 @@ def heat_chart(
     }
 
 
-def _legend(names: Sequence[str]) -> dict[str, Any]:
-    return {
+def _named(options: dict[str, Any]) -> dict[str, Any]:
+    """Return a diagram with the names of its curves above them, where there are several."""
+    names = list(dict.fromkeys(str(one["name"]) for one in options["series"]))
+    legend = {
         "show": len(names) > 1,
+        "data": names,
         "top": 22,
         "left": 8,
+        "right": BESIDE_TOOLS,
         "itemWidth": 18,
         "itemHeight": 8,
         "type": "scroll",
         "textStyle": {"fontSize": 11},
     }
+    grid = {**options["grid"], **({"top": BELOW_LEGEND} if len(names) > 1 else {})}
+    return {**options, "grid": grid, "legend": legend}
 
 
 def _frame(title: str, x: str, y: str, x_kind: str, y_kind: str) -> dict[str, Any]:

@@ -15,7 +15,7 @@ from nicegui import Client, app, background_tasks, context, ui
 from strikewave.base.errors import StrikewaveError
 from strikewave.web import jobs, markup, parts
 from strikewave.web.jobs import PATIENCE, Lookers, PageJob, Say
-from strikewave.web.sessions import Session, Sessions, clean_name
+from strikewave.web.sessions import KEPT, Session, Sessions, clean_name
 
 Opened = TypeVar("Opened")
 VIEW = "strikewave.web.pages.case.machine_view"
@@ -141,7 +141,7 @@ def make_desk(folder: Path | None) -> Desk:
     @app.get("/kept/{name}")
     def kept(name: str, request: Request) -> Response:
         """Give a page of the session that asks, which may run its own scripts and reach nothing else."""
-        place = desk.sessions.of(str(request.session.get("id", ""))).place("pages") / clean_name(name)
+        place = desk.sessions.of(str(request.session.get("id", ""))).place(KEPT) / clean_name(name)
         if not place.is_file():
             return Response("no such page", 404, media_type="text/plain")
         return FileResponse(place, headers={"content-security-policy": KEPT_POLICY})

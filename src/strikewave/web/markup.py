@@ -5,12 +5,26 @@ from __future__ import annotations
 from collections.abc import Sequence
 from html import escape
 
+from strikewave.reporting.parts import Table
+
 MOST_ROWS = 60
 """Rows of a table on a page; the file has all."""
 GRAVEST = {"failed": 0, "error": 0, "warning": 1}
 """Order of the notices by severity; all others come after."""
 PageTable = tuple[str, Sequence[str], Sequence[Sequence[str]], Sequence[int]]
 """Title, heads, rows, and which columns are words."""
+
+
+def page_table(shown: Table) -> PageTable:
+    """Return a table of a report as one of a page.
+
+    Examples
+    --------
+    >>> page_table(Table("Blows", ["kind", "peak (g)"], [["full", 4151.2]]))
+    ('Blows', ['kind', 'peak (g)'], [['full', '4151']], (0,))
+    """
+    rows = [[cell if isinstance(cell, str) else cell.text for cell in row] for row in shown.cells()]
+    return shown.caption, list(shown.columns), rows, tuple(k for k, plain in enumerate(shown.numeric()) if not plain)
 
 
 def box(title: str, inner: str) -> str:
@@ -90,7 +104,7 @@ def refusal(message: str) -> str:
 
 def verdict(word: str, text: str) -> str:
     """Return the verdict of a specification, in a colour and a word."""
-    look = {"PASS": "good", "FAIL": "failed"}.get(word, "warning")
+    look = {"PASS": "good", "FAIL": "failed"}.get(word.partition(" ")[0], "warning")
     return f'<div class="sw-notice {look}"><b>{escape(word)}</b> {escape(text)}</div>'
 
 

@@ -10,13 +10,13 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
-from nicegui import ui
+from nicegui import context, ui
 
 from strikewave.base.errors import StrikewaveError
 from strikewave.reporting.style import BLUE, ORANGE
 from strikewave.web.guard import LARGEST_UPLOAD
 from strikewave.web.live.chart import LiveChart
-from strikewave.web.sessions import Session
+from strikewave.web.sessions import KEPT, Session
 
 PAGES = {
     "/": "Machine",
@@ -92,9 +92,15 @@ def shown(content: str) -> None:
 
 
 def kept(session: Session, name: str, content: bytes) -> str:
-    """Keep what a page asks for itself, and return its address."""
-    session.keep(name, content, "pages")
-    return f"/kept/{name}?{hashlib.sha256(content).hexdigest()[:12]}"
+    """Keep what the page that is open asks for itself, until it is left, and return its address.
+
+    It is named by the page, since a session may have the same one open twice.
+    """
+    client = context.client
+    own = f"{client.id}-{name}"
+    path = session.keep(own, content, KEPT)
+    client.on_delete(lambda: path.unlink(missing_ok=True))
+    return f"/kept/{own}?{hashlib.sha256(content).hexdigest()[:12]}"
 
 
 def kept_page(session: Session, name: str, page: str, title: str) -> None:

@@ -125,6 +125,7 @@ def _listen(host: str, port: int) -> socket.socket:
     listening.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
     try:
         listening.bind(place)
+        listening.listen()  # a browser that is faster than the pages waits for them
     except OSError as error:
         listening.close()
         if error.errno == errno.EADDRNOTAVAIL:

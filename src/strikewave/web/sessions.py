@@ -22,6 +22,8 @@ MOST_KEPT = 2 << 30
 """Most bytes of all files that one session keeps."""
 LONGEST_NAME = 80
 SECRET = "session-secret"
+KEPT = "pages"
+"""Folder, of each session, of what its open pages ask for."""
 
 
 class FullError(StrikewaveError):
@@ -93,9 +95,10 @@ class Session:
         return sum(path.stat().st_size for path in self.folder.rglob("*") if path.is_file())
 
     def end(self) -> None:
-        """Stop its work."""
+        """Stop its work, and let go what no page asks for any more."""
         for job in list(self.jobs):
             job.cancel()
+        shutil.rmtree(self.folder / KEPT, ignore_errors=True)
 
 
 class Sessions:

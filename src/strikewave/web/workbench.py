@@ -38,11 +38,14 @@ class Workbench:
     def begin(self, function: str, *arguments: Any, same: Sequence[tuple[str, str]] = ()) -> None:
         """Begin other work in the place of what is under way, and show the lines that do the same."""
         self.stop(quietly=True)
+        self._show_same(same)
+        background_tasks.create(self._work(PageJob(function, *arguments)), name=function)
+
+    def _show_same(self, lines: Sequence[tuple[str, str]]) -> None:
         self._same.clear()
         with self._same, parts.box("The same without this page"):
-            for label, text in same:
+            for label, text in lines:
                 parts.code(label, text)
-        background_tasks.create(self._work(PageJob(function, *arguments)), name=function)
 
     async def _work(self, job: PageJob) -> None:
         self._job = job
@@ -78,6 +81,8 @@ class Workbench:
 
     def show(self, view: dict[str, Any]) -> None:
         """Show what came of it."""
+        if view.get("same"):
+            self._show_same(view["same"])
         self._result.clear()
         with self._result:
             parts.shown(

@@ -27,15 +27,8 @@ MOST_ROWS = 200
 
 def verdict_section(found: RecordsVerdict, names: dict[str, str]) -> Section:
     """Return the chapter of a verdict."""
-    several = len({shock.reading.channel.name for shock in found.shocks}) > 1
-    many = len(found.shocks) > 1
-    heads = [*CLAUSE_HEADS, "where and why" if many else "why"]
-    rows: list[list[Cell]] = []
-    for clause, shock in found.clauses:
-        named = many and shock is not None and clause.verdict != NOT_JUDGED
-        where = [name_of_shock(shock, names, several)] if named else []
-        rows.append([*clause_cells(clause), ": ".join([*where, *([clause.reason] if clause.reason else [])]) or NONE])
-    tables: list[Part] = [Table("Clauses" + (", each where it came out worst" if many else ""), heads, rows)]
+    several, many = _has_channels(found), len(found.shocks) > 1
+    tables: list[Part] = [clause_table(found, names)]
     if many:
         tables.append(_shock_table(found, names, several))
     drawn = sorted(found.shocks, key=lambda shock: WORST_FIRST.index(shock.found.verdict))[:MOST_DRAWN]
@@ -44,6 +37,23 @@ def verdict_section(found: RecordsVerdict, names: dict[str, str]) -> Section:
     if len(found.shocks) > len(drawn):
         text += f" {len(drawn)} of {len(found.shocks)} shocks are drawn, those that fail first."
     return Section("Verdict by the specification", text, [*pictures[:DRAWN_FIRST], *tables, *pictures[DRAWN_FIRST:]])
+
+
+def clause_table(found: RecordsVerdict, names: dict[str, str]) -> Table:
+    """Return the clauses with what came out, each of several shocks where it came out worst."""
+    several, many = _has_channels(found), len(found.shocks) > 1
+    rows: list[list[Cell]] = []
+    for clause, shock in found.clauses:
+        named = many and shock is not None and clause.verdict != NOT_JUDGED
+        where = [name_of_shock(shock, names, several)] if named else []
+        rows.append([*clause_cells(clause), ": ".join([*where, *([clause.reason] if clause.reason else [])]) or NONE])
+    heads = [*CLAUSE_HEADS, "where and why" if many else "why"]
+    return Table("Clauses" + (", each where it came out worst" if many else ""), heads, rows)
+
+
+def _has_channels(found: RecordsVerdict) -> bool:
+    """Whether shocks of several channels were judged."""
+    return len({shock.reading.channel.name for shock in found.shocks}) > 1
 
 
 def _how(found: RecordsVerdict) -> str:

@@ -19,12 +19,11 @@ from strikewave.reporting.shown_result import shown_table
 from strikewave.web.case.loading import loaded
 from strikewave.web.case.state import CaseSource
 from strikewave.web.case.view import by_full_run, result_file, told
-from strikewave.web.charts import COLOURS, ChartLine, colour, line_chart
+from strikewave.web.charts import ChartLine, colour, dash, line_chart
 from strikewave.web.curves import points
 from strikewave.web.jobs import Say
 from strikewave.web.pages.case.body_field import body_field
 
-DASHES = ("solid", "dashed")
 RUN_SHARE = 0.8
 """Share of the time that the run takes; the rest draws what is shown in motion."""
 
@@ -79,7 +78,7 @@ def _lines(time: Any, histories: Mapping[str, Any], size: float) -> list[ChartLi
             name.replace("_", " "),
             points(time if values.size == time.size else middles(time), values / size),
             colour(k),
-            DASHES[k // len(COLOURS) % len(DASHES)],
+            dash(k),
         )
         for k, (name, values) in enumerate(histories.items())
     ]

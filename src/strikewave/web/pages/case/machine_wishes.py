@@ -2,11 +2,18 @@
 
 from __future__ import annotations
 
+import re
+from pathlib import Path
+
+import strikewave
 from strikewave.analyses.machine.figures_of import figures_of
 from strikewave.analyses.machine.quick_look import quick_look
 from strikewave.base.units import in_unit
 from strikewave.cases.case import Case
+from strikewave.studies.design.design_file import load_design
+from strikewave.studies.engine.variables import read_variable
 from strikewave.studies.settings.study import is_rotary
+from strikewave.studies.sweep.study_file import varied_texts
 from strikewave.web.case.fields import edited_fields
 from strikewave.web.case.loading import loaded
 from strikewave.web.case.state import CaseSource
@@ -17,12 +24,12 @@ NOW = (
     ("width", "first.width", "s", "us"),
 )
 """What can be asked of the blows: key of the form, name of the result, SI unit, unit shown."""
-REACH = {"object.damper": (1.0, 6.0), "object.preload": (0.25, 2.0), "object.stop_restitution": (0.2, 1.0)}
-"""Support of the object over that of the case in which equal blows are looked for, as the study of
-docs/studies/equal-blows.toml does."""
-EQUAL = ("cv < 2 %", "missed = 0", "stop_force smallest")
-"""What equal blows are: peaks that agree as the study asks, none missed; and of these the easiest on the stop."""
+STUDY = Path(strikewave.__file__).parent / "examples" / "studies" / "equal-blows.toml"
+"""What equal blows are, and which support of the object is looked for, as shares of that of its case."""
+ANY_MACHINE = re.compile(r"(%|= 0|smallest)$")
+"""Ends of goals without a quantity: a force or a length is a limit of the machine of that study alone."""
 RUNS = 300
+"""Runs of a page: fewer than of the study, for somebody waits."""
 
 
 def wishes(source: CaseSource) -> dict[str, dict[str, list[str]]]:
@@ -36,15 +43,17 @@ def wishes(source: CaseSource) -> dict[str, dict[str, list[str]]]:
     case = loaded(source)
     figures = figures_of(quick_look(case).blows)
     now = {key: [f"{in_unit(figures[name], si, unit):.4g} {unit}"] for key, name, si, unit in NOW if name in figures}
-    equal = {"vary": _ranges(case), "goals": list(EQUAL), "analysis": ["fast"], "runs": [str(RUNS)]}
-    return {"settings": now, "design": equal} if is_rotary(case) else {}
+    return {"settings": now, "design": _equal_blows(case)} if is_rotary(case) else {}
 
 
-def _ranges(case: Case) -> list[str]:
-    fields, ranges = edited_fields(case), []
-    for path, ends in REACH.items():
-        one = fields.get(path)
+def _equal_blows(case: Case) -> dict[str, list[str]]:
+    """Return what the study of equal blows asks, its ranges in proportion to the support of another case."""
+    study, fields, ranges = load_design(STUDY), edited_fields(case), []
+    for text in varied_texts(study.file.vary):
+        axis = read_variable(study.case, text).axis
+        one, of_study = fields.get(axis.path), study.case.values()[axis.path].si
         if one is not None and one.value > 0.0:
-            low, high = (f"{share * one.value:.4g}" for share in ends)
-            ranges.append(f"{path}={low}..{high} {one.unit}".strip())
-    return ranges
+            low, high = (f"{end / of_study * one.value:.4g}" for end in (axis.values[0], axis.values[-1]))
+            ranges.append(f"{axis.path}={low}..{high} {one.unit}".strip())
+    goals = [goal for goal in study.file.goals if ANY_MACHINE.search(goal)]
+    return {"vary": ranges, "goals": goals, "analysis": [study.file.analysis], "runs": [str(RUNS)]}

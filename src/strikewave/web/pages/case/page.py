@@ -107,8 +107,7 @@ class CasePage:
         self.runs.follow(self._source())
         if beside is not None:
             self.beside = beside
-            kept = CaseState(self.state.name, self.state.text, beside)
-            background_tasks.create(self.runs.look_beside(self._source(kept)), name="beside")
+            background_tasks.create(self._run_beside(beside), name="beside")
 
     # what the user does
 
@@ -189,7 +188,15 @@ class CasePage:
         """Keep this state, to be compared with what is changed next; a second press lets it go."""
         self.beside = self.state.changes if self.beside is None else None
         self.shown.keep_beside(None if self.beside is None else self.shown.view or None)
+        if self.beside is not None and not self.runs.is_full and not self.kind.waits:
+            background_tasks.create(self._run_beside(self.beside), name="beside")
         self._link()
+
+    async def _run_beside(self, changes: Mapping[str, str]) -> None:
+        """Show the full run of the state that is kept beside, unless it was let go meanwhile."""
+        view = await self.runs.full_view(self._source(CaseState(self.state.name, self.state.text, changes)))
+        if view is not None and self.beside == changes:
+            self.shown.keep_beside(view)
 
     # what follows from it
 

@@ -33,6 +33,11 @@ class CaseRuns:
         Called when a full run begins.
     finished : callable
         Called with its view.
+
+    Attributes
+    ----------
+    is_full : bool
+        Whether what is shown is the full run of the state, not a first look at it.
     """
 
     def __init__(
@@ -48,6 +53,7 @@ class CaseRuns:
         self.desk, self.session, self.kind, self.shown = desk, session, kind, shown
         self.source, self._rested, self._finished = source, rested, finished
         self._looking = self._again = False
+        self.is_full = False
         self._rest = RestingHand(self.run)
         self._job: PageJob | None = None
 
@@ -58,7 +64,7 @@ class CaseRuns:
 
     def follow(self, source: CaseSource) -> None:
         """Show another state by a first look; where one is under way, the last state is looked at after it."""
-        self.source = source
+        self.source, self.is_full = source, False
         if self._job is not None:
             self._job.cancel()
         if self.kind.waits:
@@ -85,14 +91,13 @@ class CaseRuns:
         finally:
             self._looking = False
 
-    async def look_beside(self, source: CaseSource) -> None:
-        """Show the state that an address keeps beside."""
+    async def full_view(self, source: CaseSource) -> dict[str, Any] | None:
+        """Return the full run of a state that is kept beside; None where it is refused: the page says why."""
         try:
-            view = await started(self.session, PageJob(f"{self.kind.view}:full", source))
+            return await started(self.session, PageJob(f"{self.kind.view}:full", source))
         except StrikewaveError as error:
             self.shown.refuse(str(error))
-        else:
-            self.shown.keep_beside(view)
+            return None
 
     def run(self) -> None:
         """Begin the full run."""
@@ -123,6 +128,7 @@ class CaseRuns:
             if self._job is job:
                 self._job = None
         if source is self.source:
+            self.is_full = True
             self.shown.show(view)
             self.shown.say(f"shown: {view['by']}")
             self._finished(view)

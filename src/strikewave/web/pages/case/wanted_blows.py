@@ -46,7 +46,9 @@ class WantedBlows:
             for text in KINDS[kind].texts:
                 make = ui.textarea if text.lines else ui.input
                 box = make(text.label, placeholder=text.example).classes("sw-full")
-                self._boxes[kind, text.key] = box.props("dense outlined" + (" rows=2 autogrow" if text.lines else ""))
+                self._boxes[kind, text.key] = box.props(
+                    "dense outlined stack-label" + (" rows=2 autogrow" if text.lines else "")
+                )
             ui.button(button, icon="search", on_click=lambda: self.begin(kind)).props("unelevated dense no-caps")
 
     async def _fill(self, event: object) -> None:

@@ -12,7 +12,7 @@ from strikewave.web import parts
 from strikewave.web.case.state import address
 from strikewave.web.desk import Desk
 from strikewave.web.pages.record.cutoff_field import CutoffField
-from strikewave.web.pages.record.request import RecordRequest
+from strikewave.web.pages.record.request import RecordRequest, count_of_files
 from strikewave.web.sessions import Session
 from strikewave.web.workbench import Workbench
 
@@ -73,7 +73,7 @@ class RecordPage:
                 with parts.box("What they are, and what is asked"):
                     for key, (label, example) in TEXTS.items():
                         box = ui.input(label, placeholder=example, value=self.given.get(key, "")).props(
-                            "dense outlined"
+                            "dense outlined stack-label"
                         )
                         self.boxes[key] = box.style("width:100%; margin-bottom:.35rem").on("keydown.enter", self.begin)
                     with parts.box("Filter and baseline"):
@@ -107,7 +107,7 @@ class RecordPage:
         with self.listed:
             if not self.names:
                 return
-            ui.label(f"{len(self.names)} files: {', '.join(self.names)}").classes("sw-soft")
+            ui.label(f"{count_of_files(len(self.names))}: {', '.join(self.names)}").classes("sw-soft")
             ui.button("remove all", icon="delete", on_click=self.remove).props("flat dense no-caps")
 
     def remove(self) -> None:

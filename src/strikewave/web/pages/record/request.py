@@ -9,6 +9,17 @@ FILTERS = ("filter", "high_pass", "ac_coupling")
 """What changes the record and its baseline before blows are measured."""
 
 
+def count_of_files(count: int) -> str:
+    """Return a count of files in words.
+
+    Examples
+    --------
+    >>> count_of_files(1), count_of_files(20)
+    ('1 file', '20 files')
+    """
+    return f"{count} file" if count == 1 else f"{count} files"
+
+
 class RecordRequest(NamedTuple):
     """What is asked of measured files.
 
@@ -55,8 +66,8 @@ class RecordRequest(NamedTuple):
         given = {key: value for key, value in plain.items() if value}
         return {**given, **({"channels": [self.channel]} if self.channel else {})}
 
-    def commands(self) -> list[tuple[str, str]]:
-        """Return the lines that do the same.
+    def commands(self, compared: str = "") -> list[tuple[str, str]]:
+        """Return the lines that do the same; the first file is held against the simulation unless another one is named.
 
         Examples
         --------
@@ -77,7 +88,8 @@ class RecordRequest(NamedTuple):
         if self.spectrum:
             lines.append(["strikewave", "srs", *self.names, *shared, "--kind", "pseudo-velocity", "--q", self.q])
         if self.beside and self.names:
-            place = f"{self.names[0]}#{self.channel}" if self.channel else self.names[0]
+            file = compared or self.names[0]
+            place = f"{file}#{self.channel}" if self.channel else file
             lines.append(["strikewave", "compare", place, self.beside, *shared[2 * bool(self.channel) :]])
         given = "".join(f", {key}={value!r}" for key, value in self.keywords().items())
         spec = f", spec={self.spec!r}" if self.spec else ""

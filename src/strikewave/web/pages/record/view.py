@@ -5,52 +5,40 @@ from __future__ import annotations
 import math
 import os
 import tempfile
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
 import strikewave
 from strikewave.analyses.compare.result import CompareResult
+from strikewave.analyses.compare.words import agreement_table, figure_table, score_table
+from strikewave.analyses.record.figures.campaigns import figure_unit
+from strikewave.analyses.record.figures.records import shown
 from strikewave.analyses.record.result import RecordResult
-from strikewave.analyses.record.spectrum import SpectrumResult
-from strikewave.base.constants import STANDARD_GRAVITY
+from strikewave.analyses.record.tables import amount
+from strikewave.analyses.record.verdicts.chapter import clause_table
 from strikewave.base.errors import InputError, nearest
 from strikewave.cases.case import bundled_cases
+from strikewave.records.health_notice import STATUSES
 from strikewave.records.reading import ChannelReading
-from strikewave.reporting.numbers import axis_unit, time_unit, with_unit
+from strikewave.reporting.clause_words import verdict_words
+from strikewave.reporting.numbers import axis_unit, time_unit
 from strikewave.reporting.parts import NONE
 from strikewave.reporting.shown_result import shown_table
-from strikewave.web.charts import GREY, SOFT, ChartLine, MarkedSpan, colour, line_chart
+from strikewave.web.charts import DASHES, GREY, MOST_CURVES, ChartLine, MarkedSpan, colour, dash, line_chart
 from strikewave.web.curves import points
 from strikewave.web.jobs import Say
-from strikewave.web.markup import PageTable
-from strikewave.web.pages.record.request import FILTERS, RecordRequest
+from strikewave.web.markup import PageTable, page_table
+from strikewave.web.pages.record.four_axes import four_axes
+from strikewave.web.pages.record.request import FILTERS, RecordRequest, count_of_files
 
-MOST_CURVES = 12
-"""Files whose curves are drawn: more cannot be told apart; the table has all."""
 MOST_MARKED = 40
 """Pulses that are marked in one diagram."""
-GRID = "#c9ced3"
-
-
-class CampaignFigure(NamedTuple):
-    """A figure of a campaign: name, SI unit, unit shown."""
-
-    name: str
-    si: str
-    usual: str
-
-
-FIGURES = (
-    CampaignFigure("peak", "m/s^2", "g"),
-    CampaignFigure("rise", "s", "us"),
-    CampaignFigure("width", "s", "us"),
-    CampaignFigure("velocity_change", "m/s", "m/s"),
-    CampaignFigure("interval", "s", "ms"),
-)
-COST = tuple(figure for figure in FIGURES if figure.name in ("peak", "width", "velocity_change"))
+FIGURES = ("peak", "rise", "width", "velocity_change", "interval")
+"""Figures of a campaign that are summed up."""
+COST = ("peak", "width", "velocity_change")
 """What filters change of a pulse."""
 
 
@@ -60,6 +48,7 @@ def measure(request: RecordRequest, say: Say) -> dict[str, Any]:
     names = list(request.names)
     if not names:
         raise InputError("FILE", "no file", "one or more measured files", "drop them on the page")
+    _check_beside(request.beside)
     options = request.keywords()
     say(None, "reading and judging")
     result = strikewave.record(names, spec=request.spec or None, **options)
@@ -67,14 +56,20 @@ def measure(request: RecordRequest, say: Say) -> dict[str, Any]:
     if any(key in options for key in FILTERS):
         say(None, "the same without the filters")
         plain = strikewave.record(names, **{key: value for key, value in options.items() if key not in FILTERS})
-    charts = [history_chart(result), overlay_chart(result, plain)]
+    charts = [
+        chart
+        for unit in units_of_channels(result) or [""]
+        for chart in (history_chart(result, unit), overlay_chart(result, unit, plain))
+    ]
     lead = [*([] if plain is None else [cost_table(result, plain)]), file_table(result)]
     tables = [("Pulses", *shown_table(result), (0, 1)), *campaign_tables(result)]
     notices = [(one.severity, one.code, one.message) for one in result.notices]
     verdict = None
     if result.verdict is not None:
-        verdict = (str(result.verdict.verdict).upper(), f"by {result.verdict.specification.name}")
-        lead.append(clause_table(result))
+        judged = result.verdict
+        words = verdict_words(judged.verdict, judged.by_indicative, [clause for clause, _ in judged.clauses])
+        verdict = (words, f"by {judged.specification.title}")
+        lead.append(page_table(clause_table(judged, {name: name for name in names})))
     if request.spectrum:
         say(None, "shock response spectra")
         try:
@@ -84,15 +79,18 @@ def measure(request: RecordRequest, say: Say) -> dict[str, Any]:
             notices.append(("warning", "no-spectrum", str(error)))
     if request.beside:
         say(None, "the simulation beside it")
-        compared = _compared(request, names[0], options)
-        charts.append(beside_chart(compared))
-        tables.append(("Agreement with the simulation", *shown_table(compared), (0,)))
-        notices += [(one.severity, one.code, one.message) for one in compared.notices]
+        try:
+            compared = _compared(request, _best(result), options)
+            charts.append(beside_chart(compared))
+            tables += [page_table(make(compared)) for make in (figure_table, agreement_table, score_table)]
+            notices += [(one.severity, one.code, one.message) for one in compared.notices]
+        except strikewave.StrikewaveError as error:
+            notices.append(("warning", "no-simulation", str(error)))
     say(None, "the report")
     with tempfile.TemporaryDirectory() as folder:
         report = result.report(Path(folder) / "report.html").read_bytes()
     return {
-        "by": f"{len(result.readings)} files read and judged",
+        "by": f"{count_of_files(len(result.readings))} read and judged",
         "verdict": verdict,
         "figures": [list(row) for row in result.highlights()],
         "lead": lead,
@@ -100,16 +98,24 @@ def measure(request: RecordRequest, say: Say) -> dict[str, Any]:
         "tables": tables,
         "notices": notices,
         "files": {**result.tables(), "report.html": report},
+        "same": request.commands(_best(result)),
     }
+
+
+def _best(result: RecordResult) -> str:
+    """Return the name of the first of the files that are healthiest."""
+    return min(result.readings, key=lambda file: STATUSES.index(file.status)).path
+
+
+def _check_beside(beside: str) -> None:
+    """Refuse what is none of the built-in cases: a file of this machine, or a typing error."""
+    case = beside.partition(":")[0]
+    if beside and case not in bundled_cases():
+        raise InputError("beside", beside, "a built-in case, such as li-ma-2019:rigid", nearest(case, bundled_cases()))
 
 
 def _compared(request: RecordRequest, name: str, options: Mapping[str, Any]) -> CompareResult:
     """Return a record held against a built-in case that is run."""
-    case = request.beside.partition(":")[0]
-    if case not in bundled_cases():
-        raise InputError(
-            "beside", request.beside, "a built-in case, such as li-ma-2019:rigid", nearest(case, bundled_cases())
-        )
     kept = {
         key: value for key, value in options.items() if key in ("unit", "sensitivity", "gain", "filter", "high_pass")
     }
@@ -119,93 +125,89 @@ def _compared(request: RecordRequest, name: str, options: Mapping[str, Any]) -> 
 
 def cost_table(result: RecordResult, plain: RecordResult) -> PageTable:
     """Return what the filters cost: the mean of each figure of the pulses with and without them."""
-    rows = []
-    for figure in COST:
-        with_them, without = _mean(result, figure.name), _mean(plain, figure.name)
-        shown = [with_unit(value, figure.si, figure.usual) for value in (without, with_them)]
+    unit, rows = next(iter(units_of_channels(result)), ""), []
+    for name in COST:
+        without, with_them = _mean(plain, name, unit), _mean(result, name, unit)
         change = f"{100.0 * (with_them / without - 1.0):+.1f} %" if without else NONE
-        rows.append([figure.name.replace("_", " "), *shown, change])
+        rows.append([figure_unit(name, unit)[1], *(amount(name, unit, one) for one in (without, with_them)), change])
     return "What filter and baseline cost", ["mean over the pulses", "without", "with", "change"], rows, (0,)
 
 
-def _mean(result: RecordResult, name: str) -> float:
-    """Return the mean of the size of a figure over all pulses; NaN where there are none."""
-    sizes = [abs(getattr(p, name)) for file in result.readings for channel in file.channels for p in channel.pulses]
+def _mean(result: RecordResult, name: str, unit: str) -> float:
+    """Return the mean of the size of a figure over all pulses of channels of a unit; NaN where there are none."""
+    sizes = [abs(getattr(p, name)) for _, channel in _channels(result, unit) for p in channel.pulses]
     return float(np.mean(sizes)) if sizes else math.nan
 
 
 def file_table(result: RecordResult) -> PageTable:
     """Return status and reasons of each file, the worst first."""
-    order = {"bad": 0, "suspect": 1}
     rows = [[Path(file.path).name, file.status, "; ".join(file.reasons) or "–"] for file in result.readings]
     return (
         "Health of the files",
         ["file", "status", "reasons"],
-        sorted(rows, key=lambda row: order.get(row[1], 2)),
+        sorted(rows, key=lambda row: -STATUSES.index(row[1])),
         (0, 1, 2),
     )
 
 
-def _channels(result: RecordResult) -> list[tuple[str, ChannelReading]]:
-    """Return the channels that are drawn, the good ones first."""
-    found = [(Path(file.path).name, channel) for file in result.readings for channel in file.channels]
-    return sorted(found, key=lambda pair: pair[1].status == "bad")[:MOST_CURVES]
+def units_of_channels(result: RecordResult) -> list[str]:
+    """Return the SI units of the channels, each once: no two share an axis."""
+    return list(dict.fromkeys(channel.channel.unit for file in result.readings for channel in file.channels))
 
 
-def _unit_of(channel: ChannelReading) -> tuple[float, str]:
-    si = channel.channel.unit
-    usual = {"m/s^2": "g", "N": "kN", "m/s": "m/s", "Pa": "MPa"}.get(si, si)
-    return axis_unit(si, usual) if si in ("m/s^2", "N", "m/s", "Pa") else (1.0, si)
+def _channels(result: RecordResult, unit: str) -> list[tuple[str, ChannelReading]]:
+    """Return the channels of a unit by name, the good ones first; the channel is named where a file has several."""
+    found = [
+        (Path(file.path).name + (f", {one.channel.name}" if len(file.channels) > 1 else ""), one)
+        for file in result.readings
+        for one in file.channels
+        if one.channel.unit == unit
+    ]
+    return sorted(found, key=lambda pair: pair[1].status == "bad")
 
 
-def history_chart(result: RecordResult) -> dict[str, Any]:
-    """Return the whole histories, with the pulses of the first drawn one marked."""
-    channels = _channels(result)
+def history_chart(result: RecordResult, unit: str) -> dict[str, Any]:
+    """Return the whole histories of the channels of a unit, with the pulses of the first drawn one marked."""
+    channels = _channels(result, unit)[:MOST_CURVES]
     if not channels:
         return line_chart("Records", "time (ms)", "", [])
-    size, unit = _unit_of(channels[0][1])
+    style = shown(unit)
     duration = max(one.channel.values.size / one.channel.sampling_rate for _, one in channels)
     second, time_name = time_unit(duration)
-    lines = []
-    for k, (name, one) in enumerate(channels):
-        time = one.channel.time
-        dash = "dotted" if one.status == "bad" else "solid"
-        lines.append(
-            ChartLine(
-                f"{name} ({one.status})",
-                points(time / second, one.channel.values / size),
-                colour(k),
-                dash,
-            )
+    lines = [
+        ChartLine(
+            f"{name} ({one.status})",
+            points(one.channel.time / second, one.channel.values / style.scale),
+            colour(k),
+            "dotted" if one.status == "bad" else dash(k),
         )
+        for k, (name, one) in enumerate(channels)
+    ]
     marked = [
         MarkedSpan(f"{k}", p.begin / second, p.end / second)
         for k, p in enumerate(channels[0][1].pulses[:MOST_MARKED], 1)
     ]
     title = f"Records; pulses of {channels[0][0]} marked" if marked else "Records"
-    return line_chart(
-        title, f"time ({time_name})", f"{channels[0][1].channel.name} ({unit})", lines, spans=marked, zoom=True
-    )
+    return line_chart(title, f"time ({time_name})", style.label, lines, spans=marked, zoom=True)
 
 
-def overlay_chart(result: RecordResult, plain: RecordResult | None = None) -> dict[str, Any]:
-    """Return the first pulses of the files over each other, from their onsets; bad files are left out.
+def overlay_chart(result: RecordResult, unit: str, plain: RecordResult | None = None) -> dict[str, Any]:
+    """Return the first pulses of the channels of a unit over each other, from their onsets; bad ones are left out.
 
     Behind them stands the first one without filters, where these were taken.
     """
-    lines: list[ChartLine] = []
-    second, time_name, unit = 1e-6, "µs", "g"
-    raw = None if plain is None else next((pair for pair in _channels(plain) if pair[1].pulses), None)
-    for k, (name, one) in enumerate(_channels(result)):
-        if not one.pulses or one.status == "bad":
-            continue
-        pulse = one.pulses[0]
-        size, unit = _unit_of(one)
-        second, time_name = time_unit(2.0 * pulse.width)
-        if raw is not None and not lines:
-            lines.append(ChartLine(f"{raw[0]}, no filter", _near(raw[1], pulse, second, size), GREY, "dashed"))
-        lines.append(ChartLine(name, _near(one, pulse, second, size), colour(k)))
-    return line_chart("First pulses over each other", f"time after onset ({time_name})", f"amplitude ({unit})", lines)
+    style = shown(unit)
+    struck = [pair for pair in _channels(result, unit) if pair[1].pulses and pair[1].status != "bad"][:MOST_CURVES]
+    raw = None if plain is None else next((pair for pair in _channels(plain, unit) if pair[1].pulses), None)
+    second, time_name = time_unit(2.0 * max((one.pulses[0].width for _, one in struck), default=0.0))
+    lines = [
+        ChartLine(name, _near(one, one.pulses[0], second, style.scale), colour(k), dash(k))
+        for k, (name, one) in enumerate(struck)
+    ]
+    if raw is not None and struck:
+        unfiltered = _near(raw[1], struck[0][1].pulses[0], second, style.scale)
+        lines.insert(0, ChartLine(f"{raw[0]}, no filter", unfiltered, GREY, "dashed"))
+    return line_chart("First pulses over each other", f"time after onset ({time_name})", style.label, lines)
 
 
 def _near(one: ChannelReading, pulse: Any, second: float, size: float) -> list[list[float]]:
@@ -219,13 +221,13 @@ def campaign_tables(result: RecordResult) -> list[PageTable]:
     """Return mean, scatter and interval of each figure over the files, and the outliers that were left out."""
     tables: list[PageTable] = []
     for one in result.campaigns:
-        rows = []
-        for figure in FIGURES:
-            found = one.statistics.get(figure.name)
+        rows, unit = [], one.unit
+        for name in FIGURES:
+            found = one.statistics.get(name)
             if found is not None:
-                ends = [with_unit(end, figure.si, figure.usual) for end in (found.mean, found.low, found.high)]
+                mean, low, high = (amount(name, unit, value) for value in (found.mean, found.low, found.high))
                 cv = f"{100.0 * found.cv:.2g} %" if found.cv is not None and math.isfinite(found.cv) else "–"
-                rows.append([figure.name.replace("_", " "), ends[0], cv, f"{ends[1]} to {ends[2]}", str(found.n)])
+                rows.append([figure_unit(name, unit)[1], mean, cv, f"{low} to {high}", str(found.n)])
         if rows:
             heads = ["figure", "mean", "CV", "95 % interval of the mean", "n"]
             tables.append((f"Campaign: {one.channel}", heads, rows, (0, 3)))
@@ -235,58 +237,13 @@ def campaign_tables(result: RecordResult) -> list[PageTable]:
     return tables
 
 
-def clause_table(result: RecordResult) -> PageTable:
-    """Return the verdict clause by clause, as the JSON document has it."""
-    rows = [
-        [
-            str(row.get(key) if row.get(key) is not None else "–")
-            for key in ("clause", "status", "value", "limit", "verdict")
-        ]
-        for row in result.document()["spec"]["clauses"]
-    ]
-    return "Verdict, clause by clause", ["clause", "status of the number", "value", "limit", "verdict"], rows, (0, 1)
-
-
-def four_axes(result: SpectrumResult) -> dict[str, Any]:
-    """Return the pseudo-velocity on four axes: lines of equal acceleration fall, of equal displacement rise."""
-    spectrum = result.spectra[0]
-    frequency, velocity = spectrum.frequency, np.maximum(spectrum.positive, spectrum.negative)
-    low, high = float(velocity[velocity > 0.0].min()), float(velocity.max())
-    lines = [ChartLine("pseudo-velocity", points(frequency, velocity))]
-    for power in range(0, 7):
-        g = 10.0**power
-        v = g * STANDARD_GRAVITY / (2.0 * math.pi * frequency)
-        lines += _guide(f"{g:g} g", frequency, v, low, high)
-    for power in range(-7, 1):
-        d = 10.0**power
-        lines += _guide(f"{1e3 * d:g} mm", frequency, 2.0 * math.pi * frequency * d, low, high)
-    options = line_chart(
-        "Shock response spectrum on four axes",
-        "natural frequency (Hz)",
-        "pseudo-velocity (m/s)",
-        lines,
-        log=True,
-        log_y=True,
-    )
-    options["legend"]["show"] = False
-    for guide in options["series"][1:]:
-        guide["endLabel"] = {"show": True, "formatter": "{a}", "fontSize": 9, "color": SOFT}
-        guide["silent"] = True
-    options["yAxis"] |= {"min": 10.0 ** math.floor(math.log10(low)), "max": 10.0 ** math.ceil(math.log10(high))}
-    return options
-
-
-def _guide(name: str, frequency: Any, velocity: Any, low: float, high: float) -> Sequence[ChartLine]:
-    """Return a line of the grid of four axes, where it crosses the diagram."""
-    seen = (velocity >= 0.7 * low) & (velocity <= 1.5 * high)
-    if np.count_nonzero(seen) < 2:
-        return ()
-    return (ChartLine(name, points(frequency[seen], velocity[seen], 40), GRID, "dotted"),)
-
-
 def beside_chart(compared: CompareResult) -> dict[str, Any]:
-    """Return a record and a simulation over each other, as they were aligned."""
-    drawn = compared.preview()
-    lines = [] if drawn is None else [ChartLine(drawn.y_label, points(drawn.x, drawn.y))]
-    x, y = ("", "") if drawn is None else (drawn.x_label, drawn.y_label)
-    return line_chart("Record and simulation", x, y, lines)
+    """Return a record and a simulation over each other, as they were aligned, where they are compared."""
+    found, kept = compared.agreement, compared.agreement.inside_interval
+    second, time_name = time_unit(float(np.ptp(found.time[kept])))
+    size, unit = axis_unit(compared.unit, compared.usual)
+    lines = [
+        ChartLine(one.name, points(found.time[kept] / second, values[kept] / size), colour(k), DASHES[k])
+        for k, (one, values) in enumerate(((compared.a, found.a), (compared.b, found.b)))
+    ]
+    return line_chart("Record and simulation", f"time ({time_name})", f"{compared.quantity} ({unit})", lines)

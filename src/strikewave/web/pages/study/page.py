@@ -61,7 +61,7 @@ class StudyPage:
                     parts.drop_zone("or drop a case (.toml), and records to fit", self._dropped)
                     self.changes = ui.textarea(
                         "changes, a line each", value="\n".join(self.state.source().changes)
-                    ).props('dense outlined rows=2 autogrow placeholder="machine.speed=700 rpm"')
+                    ).props('dense outlined stack-label rows=2 autogrow placeholder="machine.speed=700 rpm"')
                     self.changes.style("width:100%")
                 self.form = ui.element("div").style("width:100%")
                 with ui.element("div").classes("sw-row"):
@@ -84,7 +84,7 @@ class StudyPage:
                 value = "\n".join(value for key, value in self.given if key == text.key)
                 make = ui.textarea if text.lines else ui.input
                 box = make(text.label, value=value, placeholder=text.example)
-                box.props("dense outlined" + (" rows=2 autogrow" if text.lines else ""))
+                box.props("dense outlined stack-label" + (" rows=2 autogrow" if text.lines else ""))
                 self.boxes[text.key] = box.style("width:100%; margin-bottom:.35rem")
 
     def _other_kind(self, event: Any) -> None:
