@@ -100,10 +100,8 @@ def main() -> None:
                 study._ranking(evolved)
                 found = ClosedForm(name, len(evolved.rows), seed)
                 trade_off_search(found, 0)
-                shares.append(
-                    (len(evolved.rows), *(100.0 * dominated(one.numbers) / whole for one in (evolved, found)))
-                )
-            count, by_evolution, by_optuna = np.mean(shares, axis=0)
+                shares.append([dominated(one.numbers) / whole for one in (evolved, found)])
+            by_evolution, by_optuna = 100.0 * np.mean(shares, axis=0)
             rows.append([name, f"{len(found.rows)}", f"{by_evolution:.0f} %", f"{by_optuna:.0f} %"])
             print(rows[-1], flush=True)
     write_into(PAGE, "fronts", table(["problem", "runs", "five searches by evolution", "optuna"], rows))
