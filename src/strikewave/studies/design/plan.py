@@ -257,8 +257,6 @@ def plan_of(
 def _check_optuna(objectives: int) -> None:
     """Refuse the search for a trade-off where there is none, or optuna is not installed."""
     if objectives < 2:
-        raise InputError(
-            "search", OPTUNA, "two objectives or more", f"{EVOLUTION} or {SURROGATE} of one, or of goals alone"
-        )
+        raise InputError("search", OPTUNA, "two objectives or more", f"{EVOLUTION} or {SURROGATE} for a single one")
     if importlib.util.find_spec("optuna") is None:
         raise InputError("search", OPTUNA, "optuna beside strikewave", "pip install 'strikewave[optuna]'")
