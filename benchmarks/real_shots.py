@@ -5,8 +5,10 @@ Copper and PMMA: LANL HopPyBar (BSD-3-Clause). 945 steel: shpb-shtb-data-process
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
+
+import numpy as np
 
 from strikewave.hopkinson import (
     Bar,
@@ -19,6 +21,8 @@ from strikewave.hopkinson import (
     find_pulses,
     reduce,
 )
+from strikewave.hopkinson.alignment import Method
+from strikewave.hopkinson.pulses import quieten
 from strikewave.records import read_record
 from strikewave.records.clock import even
 
@@ -43,17 +47,25 @@ class Shot:
     bars: tuple[Bar, Bar]
     specimen: Specimen
     traces: tuple[GaugeTrace, GaugeTrace]
+    alignment: Method = "geometric"
 
     def reduced(self) -> tuple[Pulses, Reduction]:
-        """Return its pulses, and its reduction by geometric alignment."""
+        """Return its pulses, and its reduction."""
         pulses = find_pulses(*self.traces, self.bars)
-        return pulses, reduce(align(pulses, self.bars, transit=self.specimen.transit), self.bars, self.specimen)
+        waves = align(pulses, self.bars, method=self.alignment, transit=self.specimen.transit)
+        return pulses, reduce(waves, self.bars, self.specimen)
 
 
 def trace(path: Path, channel: int, strain: Callable) -> GaugeTrace:
     """Return the strain of a channel."""
     found = even(read_record(path).channel(channel))[0]
     return GaugeTrace(strain(found.values), found.step, found.start)
+
+
+def bridged(path: Path, channel: int, bridge: Bridge) -> GaugeTrace:
+    """Return the strain of a channel in volts; a bridge is not quite linear: it must know that this is compression."""
+    volts = quieten(trace(path, channel, np.asarray), path.name).trace
+    return replace(volts, strain=-bridge.strain(-volts.strain))
 
 
 def disc(length: float, diameter: float, density: float, modulus: float) -> Specimen:
@@ -66,7 +78,7 @@ def copper(folder: Path, speed: float = REFLECTED_SPEED) -> Shot:
     path = folder / "lanl_Cu_20061201_1148HE.raw"
     bar = Bar(4416.0, 4416.0 * speed**2, 9.47e-3, 0.381, 0.330302)
     bridges = [Bridge("half", factor, 8.0, 200.0) for factor in (2.061, 2.062)]
-    traces = tuple(trace(path, k + 1, bridge.strain) for k, bridge in enumerate(bridges))
+    traces = tuple(bridged(path, k + 1, bridge) for k, bridge in enumerate(bridges))
     return Shot((bar, bar), disc(3.204e-3, 6.34e-3, 8930.0, 117e9), traces)
 
 
@@ -80,8 +92,8 @@ def steel(folder: Path, name: str) -> Shot:
 
 def mini_bar(folder: Path, channel: int, distance: float) -> tuple[Bar, GaugeTrace]:
     """Return a miniature bar of aluminium and the trace of its gauge, whose factor is nominal."""
-    strain = Bridge("half", 2.1, 10.0, 100.0).strain
-    return Bar(**MINI, gauge_distance=distance), trace(folder / f"lanl_PMMA13_Ch{channel}.csv", 1, strain)
+    path, bridge = folder / f"lanl_PMMA13_Ch{channel}.csv", Bridge("half", 2.1, 10.0, 100.0)
+    return Bar(**MINI, gauge_distance=distance), bridged(path, 1, bridge)
 
 
 def pmma(folder: Path) -> Shot:

@@ -91,6 +91,14 @@ def test_wide_tables_get_smaller_letters_then_a_sheet_across_and_stay_on_it(colu
     assert all(0.0 <= start < width - MARGIN for width, _, found in sheets for start, _ in found)
 
 
+def test_a_picture_beside_a_table_within_a_table_is_set():
+    picture = '<svg role="img" viewBox="0 0 420 150" width="420" height="150"><text>peak</text></svg>'
+    cells = f"<td><table><tr><th>width</th><td>455 µs</td></tr></table></td><td>{picture}</td>"
+    reader = PdfReader(io.BytesIO(pdf_of(f"<table><tr>{cells}</tr></table>", "A4")))
+    assert len(reader.pages) == 1
+    assert "455" in reader.pages[0].extract_text()
+
+
 def test_nothing_is_fetched(tmp_path, monkeypatch):
     opened = []
     monkeypatch.setattr("urllib.request.OpenerDirector.open", lambda self, url, *a, **k: opened.append(url))

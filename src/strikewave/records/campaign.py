@@ -116,6 +116,10 @@ class Campaign:
     ----------
     channel : str
         Name of the channel in the first file.
+    number : int
+        Its place in the files, from 1.
+    unit : str
+        SI; empty where the first file does not say it.
     statistics : dict
         A `Statistic` for each of `SUMMED` that has a value, and of `WITHOUT_RINGING` where blows ring.
     trends : dict
@@ -129,6 +133,8 @@ class Campaign:
     """
 
     channel: str
+    number: int
+    unit: str
     statistics: dict[str, Statistic]
     trends: dict[str, Trend]
     left_out: tuple[tuple[str, tuple[str, ...], str], ...]
@@ -248,7 +254,10 @@ def summed(files: Sequence[FileReading], number: int | None = None) -> Campaign 
     outliers = tuple(
         outlier for k, file, reading in have if not _file_bad(file) for outlier in _outliers(k, file, reading, points)
     )
-    return Campaign(have[0][2].channel.name, statistics, trends, tuple(left_out), points, outliers)
+    first = have[0][2]
+    return Campaign(
+        first.channel.name, first.number, first.channel.unit, statistics, trends, tuple(left_out), points, outliers
+    )
 
 
 def _outliers(

@@ -342,9 +342,9 @@ def _column_widths(table: ElementTree.Element) -> list[float]:
 
 def _least_width(cell: ElementTree.Element, row: ElementTree.Element) -> float:
     """Return the width of what may not break in a cell, ems."""
-    drawings = [float(svg.get("style", "").split("width:")[1].split("em")[0]) for svg in cell.iter(f"{_SVG}svg")]
-    if drawings:
-        return max(drawings) * 1.1
+    equations = [box[0].get("style", "") for box in cell.iter("span") if box.get("class") == "equation" and len(box)]
+    if equations:  # a picture shrinks with its column, an equation does not
+        return 1.1 * max(float(style.split("width:")[1].split("em")[0]) for style in equations)
     looks, head = cell.get("class", "").split(), all(other.tag == "th" for other in row)
     words = " ".join("".join(cell.itertext()).split())
     tags = [inner for inner in cell.iter("span") if "tag" in inner.get("class", "").split()]

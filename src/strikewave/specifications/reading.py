@@ -250,9 +250,12 @@ class Specification:
             known = [name for name in specification_names() if read_built_in(name)[0].srs is not None]
             raise InputError("--spec", self.asked, "a specification of a spectrum", "choose from: " + ", ".join(known))
         if not table.points:
-            hint = f"strikewave spec new FILE.toml --from {self.name}, and add srs.points"
+            copied = "" if self.path else f"strikewave spec new FILE.toml --from {self.name}, and "
             raise InputError(
-                "--spec", self.asked, "a specification with breakpoints: here they are the project's", hint
+                "--spec",
+                self.path or self.asked,
+                "a specification with breakpoints: here they are the project's",
+                copied + 'add them under [srs], such as points = [["20 Hz", "50 g"], ["10 kHz", "5000 g"]]',
             )
         bands = tuple(
             DecibelBand(

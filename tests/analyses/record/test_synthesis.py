@@ -74,7 +74,7 @@ def test_a_half_sine_is_for_a_drop_table_and_fails_where_it_cannot_meet_a_spectr
         (["synthesize"], "NAME: missing; needed: a specification"),
         (["synthesize", "nasa-gves"], 'did you mean "nasa-gevs"?'),
         (["synthesize", "jesd22-b110:B"], "a specification of a spectrum; choose from: "),
-        (["synthesize", "nasa-std-7003a"], "add srs.points"),
+        (["synthesize", "nasa-std-7003a"], "strikewave spec new FILE.toml --from nasa-std-7003a, and add them under [srs]"),
         (["synthesize", "nasa-gevs", "--by", "sines"], "--by"),
         (["synthesize", "nasa-gevs", "--rate", "20 kHz"], "--rate: got \"20000 Hz\"; allowed: at least 80000 Hz"),
         (["synthesize", "nasa-gevs", "--rate", "100 MHz"], "at most"),

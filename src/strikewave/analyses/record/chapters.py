@@ -16,7 +16,6 @@ from strikewave.analyses.record.tables import (
     rows_of,
     squeezed,
     status_tag,
-    unit_of,
     units_of,
 )
 from strikewave.records.campaign import SUMMED, WITHOUT_RINGING, Campaign
@@ -166,7 +165,7 @@ def _rebounds(pulse: RecordedPulse) -> str:
 
 def campaign_section(campaign: Campaign, files: Sequence[FileReading], names: Names, several: bool) -> Section:
     """Sum up a channel over all files: statistics, trend, what was left out."""
-    unit = unit_of(files, campaign)
+    unit = campaign.unit
     table: list[list[Cell]] = []
     trends: list[list[Cell]] = []
     for name in (*SUMMED, *WITHOUT_RINGING):
@@ -242,9 +241,7 @@ def _words(harmed: Sequence[str]) -> str:
 
 def same_channel(files: Sequence[FileReading], campaign: Campaign) -> list[tuple[str, ChannelReading]]:
     """Return the readings of a campaign's channel: those with the place that the channel has in the first file."""
-    readings = (reading for file in files for reading in file.channels)
-    number_ = next((reading.number for reading in readings if reading.channel.name == campaign.channel), 0)
-    sound = ((file.path, file.numbered(number_)) for file in files if worst(file.findings) != "bad")
+    sound = ((file.path, file.numbered(campaign.number)) for file in files if worst(file.findings) != "bad")
     return [(path, reading) for path, reading in sound if reading is not None]
 
 

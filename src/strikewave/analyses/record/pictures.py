@@ -8,7 +8,7 @@ from strikewave.analyses.record.chapters import same_channel
 from strikewave.analyses.record.chosen import advised_filter, shown_response
 from strikewave.analyses.record.figures import records, spectra
 from strikewave.analyses.record.figures.campaigns import trend
-from strikewave.analyses.record.tables import Names, amount, called, unit_of
+from strikewave.analyses.record.tables import Names, amount, called
 from strikewave.records.campaign import Campaign
 from strikewave.records.reading import ChannelReading, FileReading
 from strikewave.reporting.numbers import listed
@@ -32,7 +32,7 @@ def campaign_sections(campaigns: Sequence[Campaign], files: Sequence[FileReading
             parts.append(Picture(records.overlay(named), words))
         if len({k for pairs in campaign.points.values() for k, _ in pairs}) > 1:
             words = "Figures over the files, in the order in which they were given. What was left out is not drawn."
-            parts.append(Picture(trend(campaign, unit_of(files, campaign), len(files)), words))
+            parts.append(Picture(trend(campaign, campaign.unit, len(files)), words))
         if parts:
             title = f"Pulses: {campaign.channel}" if len(campaigns) > 1 else "Pulses"
             sections.append(Section(title, "", parts))

@@ -13,7 +13,7 @@ from strikewave.analyses.record.response_chapter import response_sections
 from strikewave.analyses.record.result import RecordResult
 from strikewave.analyses.record.rigid_chapter import rigid_sections
 from strikewave.analyses.record.sensor_chapter import sensor_section
-from strikewave.analyses.record.tables import amount, between, called, percent, short_names, unit_of
+from strikewave.analyses.record.tables import amount, between, called, percent, short_names
 from strikewave.analyses.record.verdicts.chapter import verdict_section
 from strikewave.analyses.record.verdicts.words import tag_of_records
 from strikewave.analyses.record.words import counted, record_words
@@ -72,7 +72,7 @@ def _key_numbers(files: Sequence[FileReading], campaigns: Sequence[Campaign]) ->
     if not campaigns:
         return pairs
     first = campaigns[0]
-    unit = unit_of(files, first)
+    unit = first.unit
     for name in ("peak", "rigid_peak", "width", "velocity_change", "interval"):
         if name in first.statistics:
             one = first.statistics[name]

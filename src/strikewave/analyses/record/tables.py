@@ -7,7 +7,6 @@ import re
 from collections.abc import Mapping, Sequence
 
 from strikewave.analyses.record.figures.campaigns import figure_unit
-from strikewave.records.campaign import Campaign
 from strikewave.records.reading import ChannelReading, FileReading
 from strikewave.reporting.parts import NONE, Cell, Tag, written
 
@@ -47,12 +46,6 @@ def short_names(paths: Sequence[str]) -> dict[str, str]:
 def rows_of(files: Sequence[FileReading]) -> list[Row]:
     """Return every channel with its file."""
     return [(file, reading) for file in files for reading in file.channels]
-
-
-def unit_of(files: Sequence[FileReading], campaign: Campaign) -> str:
-    """Return the SI unit of the channel of a campaign."""
-    units = (reading.channel.unit for _, reading in rows_of(files) if reading.channel.name == campaign.channel)
-    return next(units, "")
 
 
 def amount(name: str, unit: str, value: float, digits: int = 4) -> str:

@@ -8,7 +8,7 @@ from collections.abc import Mapping, Sequence
 from strikewave.analyses.record.pair_chapter import pair_words
 from strikewave.analyses.record.response_chapter import response_words
 from strikewave.analyses.record.result import RecordResult
-from strikewave.analyses.record.tables import amount, between, called, percent, rows_of, short_names, unit_of
+from strikewave.analyses.record.tables import amount, between, called, percent, rows_of, short_names
 from strikewave.analyses.record.verdicts.words import sentence
 from strikewave.records.campaign import Campaign, Outlier
 from strikewave.records.health_notice import STATUSES
@@ -37,7 +37,7 @@ def record_words(result: RecordResult) -> str:
     words += [pair_words(result.pairs)] if result.pair else []
     words += [f"{len(files)} files: {listed(counted(files))}." if len(files) != 1 else f"One file, {files[0].status}."]
     for campaign in campaigns:
-        words.append(_campaign_words(campaign, unit_of(files, campaign), names, len(campaigns) > 1))
+        words.append(_campaign_words(campaign, campaign.unit, names, len(campaigns) > 1))
     words += [] if result.sensor is None else [result.sensor.sentence()]
     answers = response_words(result.response_summaries)
     words += [answers] if answers else []

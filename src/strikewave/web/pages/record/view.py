@@ -17,7 +17,7 @@ from strikewave.analyses.compare.words import agreement_table, figure_table, sco
 from strikewave.analyses.record.figures.campaigns import figure_unit
 from strikewave.analyses.record.figures.records import shown
 from strikewave.analyses.record.result import RecordResult
-from strikewave.analyses.record.tables import amount, unit_of
+from strikewave.analyses.record.tables import amount
 from strikewave.analyses.record.verdicts.chapter import clause_table
 from strikewave.base.errors import InputError, nearest
 from strikewave.cases.case import bundled_cases
@@ -221,7 +221,7 @@ def campaign_tables(result: RecordResult) -> list[PageTable]:
     """Return mean, scatter and interval of each figure over the files, and the outliers that were left out."""
     tables: list[PageTable] = []
     for one in result.campaigns:
-        rows, unit = [], unit_of(result.readings, one)
+        rows, unit = [], one.unit
         for name in FIGURES:
             found = one.statistics.get(name)
             if found is not None:
