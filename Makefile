@@ -73,7 +73,7 @@ lint: $(VENV)/dev
 requirements: pyproject.toml constraints.txt
 	@$(PYTHON) -m venv .uv && .uv/bin/python -m pip install --quiet uv
 	@$(COMPILE) -o requirements/core.txt
-	@$(COMPILE) --extra dev --extra formats --extra mesh --extra pdf --extra bayes --extra app --extra cluster -o requirements/dev.txt
+	@$(COMPILE) --extra dev --extra formats --extra mesh --extra pdf --extra bayes --extra app --extra cluster --extra optuna -o requirements/dev.txt
 	@$(COMPILE) --extra docs -o requirements/docs.txt
 	@$(COMPILE) --extra package -o requirements/package.txt
 

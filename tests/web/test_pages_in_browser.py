@@ -28,6 +28,18 @@ FITS = """width => {
 """Whether the page has been as wide as its screen for a second: while it is laid out it is wider for a moment."""
 
 
+UNNAMED = """() => [...document.querySelectorAll("button, a, input, select, textarea, iframe, [role=button], [role=img]")]
+    .filter(one => one.getClientRects().length && one.type !== "file")
+    .filter(one => {
+        const seen = one.cloneNode(true);
+        seen.querySelectorAll("[aria-hidden=true]").forEach(icon => icon.remove());
+        const label = one.closest("label") || document.querySelector(`label[for="${one.id}"]`);
+        return !(one.getAttribute("aria-label") || one.title || seen.textContent.trim() || label?.textContent.trim());
+    })
+    .map(one => one.outerHTML.slice(0, 200))"""
+"""What can be seen and has no name for who hears the page: icons are words of a font, and are not read."""
+
+
 @pytest.mark.parametrize("width", [1280, 390])
 @pytest.mark.parametrize("place", ["/target", "/record", "/study", "/elements"])
 def test_a_page_loads_without_an_error_and_fits_its_screen(visit, place, width):
@@ -35,6 +47,10 @@ def test_a_page_loads_without_an_error_and_fits_its_screen(visit, place, width):
     one.page.locator("main").wait_for()
     one.page.wait_for_function(FITS, arg=width)
     assert one.page.locator("nav a[aria-current=page]").count() == 1
+    assert one.page.evaluate(UNNAMED) == []
+    assert one.page.evaluate("document.documentElement.lang") == "en-US"
+    one.page.keyboard.press("Tab")
+    assert one.page.evaluate("document.activeElement.innerText") == "to the content"
 
 
 def test_twenty_files_are_dropped_at_once_and_judged(visit):
@@ -121,7 +137,7 @@ def test_a_filter_is_moved_by_its_handle_and_its_cost_and_line_are_shown(visit):
 
     def widened():
         name, _, _, change = cost.locator("tbody tr").nth(1).inner_text().split("\t")
-        return name == "width" and float(change.split()[0]) > 1.0
+        return name == "pulse width at 10 %" and float(change.split()[0]) > 1.0
 
     one.until(widened, "a pulse of 200 us becomes no wider by 10 kHz")
 

@@ -256,6 +256,14 @@ SOURCES: dict[str, str] = {
         "K. Deb, An efficient constraint handling method for genetic algorithms, Computer Methods in Applied Mechanics "
         "and Engineering 186 (2000) 311-338, doi:10.1016/S0045-7825(99)00389-8 (from memory)"
     ),
+    "ozaki-2022": (
+        "Y. Ozaki, Y. Tanigaki, S. Watanabe, M. Nomura, M. Onishi, Multiobjective Tree-Structured Parzen Estimator, "
+        "Journal of Artificial Intelligence Research 73 (2022) 1209-1250, doi:10.1613/jair.1.13188 (from memory)"
+    ),
+    "akiba-2019": (
+        "T. Akiba, S. Sano, T. Yanase, T. Ohta, M. Koyama, Optuna: A Next-generation Hyperparameter Optimization "
+        "Framework, KDD 2019, 2623-2631, doi:10.1145/3292500.3330701 (from memory)"
+    ),
     "sacks-1989": (
         "J. Sacks, W. J. Welch, T. J. Mitchell, H. P. Wynn, Design and Analysis of Computer Experiments, Statistical "
         "Science 4 (1989) 409-423, doi:10.1214/ss/1177012413 (from memory)"

@@ -17,8 +17,8 @@ INK, SOFT, LINE = "#1a1f24", "#4d5760", "#e4e4e4"
 PALE_BAND = "rgba(0, 114, 178, 0.10)"
 BELOW_LEGEND = 60
 """Pixels from the upper edge of a diagram to its axes, so that names of curves touch no number."""
-BESIDE_TOOLS = 40
-"""Pixels that the names of curves leave to the button that saves a picture."""
+BESIDE_TOOLS = "84%"
+"""Width that the names of curves take at most: the button that saves a picture stands beside them."""
 
 
 def colour(place: int) -> str:
@@ -127,7 +127,9 @@ def dot_chart(title: str, x: str, y: str, groups: Sequence[Dots]) -> dict[str, A
     options = _frame(title, x, y, "value", "value")
     options["tooltip"]["trigger"] = "item"
     options["yAxis"]["scale"] = True
-    return _named({**options, "series": series})
+    named = _named({**options, "series": series})
+    named["legend"] |= {"itemWidth": 9, "itemHeight": 9}  # as the dots are
+    return named
 
 
 def train_chart(title: str, unit: str, bars: Sequence[Sequence[Any]], band: Sequence[float] | None) -> dict[str, Any]:
@@ -245,11 +247,11 @@ def _named(options: dict[str, Any]) -> dict[str, Any]:
         "data": names,
         "top": 22,
         "left": 8,
-        "right": BESIDE_TOOLS,
+        "width": BESIDE_TOOLS,
         "itemWidth": 18,
         "itemHeight": 8,
         "type": "scroll",
-        "textStyle": {"fontSize": 11},
+        "textStyle": {"fontSize": 11, "lineHeight": 15},
     }
     grid = {**options["grid"], **({"top": BELOW_LEGEND} if len(names) > 1 else {})}
     return {**options, "grid": grid, "legend": legend}

@@ -26,6 +26,15 @@ PAGES = {
     "/elements": "Elements",
 }
 """Address and name of each page."""
+DROP_HEAD = """
+<div class="row no-wrap items-center q-pa-sm">
+  <div class="col q-uploader__title">{label}</div>
+  <q-spinner v-if="props.isUploading" />
+  <q-btn v-if="props.canAddFiles" type="a" icon="add_box" flat dense aria-label="choose files: {label}">
+    <q-uploader-add-trigger />
+  </q-btn>
+</div>"""
+"""Head of a field that files are dropped on: that of the kit has a button without a name."""
 LONGEST_NOTE = 400
 """Characters of a note that passes: as many as are read in its quarter of a minute."""
 CSS = (Path(__file__).parent / "style.css").read_text("utf-8")
@@ -37,8 +46,9 @@ def page_frame(current: str) -> Iterator[ui.label]:
     ui.page_title(f"{PAGES[current]} – strikewave")
     ui.add_css(CSS)
     ui.colors(primary=BLUE, warning=ORANGE)
-    ui.html('<a class="sw-skip" href="#main">to the content</a>', sanitize=False)
     with ui.header().classes("sw-bar"):
+        first = f'<a class="sw-skip" href="#main">to the content</a><h1 class="sw-skip">{PAGES[current]}</h1>'
+        ui.html(first, sanitize=False).classes("sw-first")
         ui.label("strikewave").classes("sw-name")
         with ui.element("nav").classes("sw-nav").props('aria-label="pages"'):
             for place, name in PAGES.items():
@@ -148,6 +158,7 @@ def drop_zone(label: str, taken: Callable[[Any], Awaitable[None]], multiple: boo
             on_multi_upload=taken,
             on_rejected=lambda: ui.notify(f"refused: a file takes {LARGEST_UPLOAD >> 20} MB at most", type="warning"),
         )
+    zone.add_slot("header", DROP_HEAD.format(label=html.escape(label)))
     return zone.props(f'flat bordered aria-label="{html.escape(label)}"')
 
 

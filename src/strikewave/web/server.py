@@ -62,6 +62,7 @@ def make_app(folder: Path | None, token: str = "") -> Guard:
     ui.run_with(
         server,
         title="strikewave",
+        language="en-US",
         favicon=FAVICON,
         reconnect_timeout=RECONNECT,
         tailwind=False,

@@ -108,5 +108,7 @@ def test_elements_are_sought_by_surrogate_unless_it_is_stated_otherwise():
     assert plan.by_surrogate
     assert plan.runs == 40
     assert not plan_of(case, vary, ["first.peak_force < 20 kN"], search="evolution").by_surrogate
-    with pytest.raises(InputError, match=r'search: got "surogate"; allowed: one of evolution, surrogate; .*surrogate'):
+    with pytest.raises(
+        InputError, match=r'search: got "surogate"; allowed: one of evolution, surrogate, optuna; .*surrogate'
+    ):
         plan_of(BALL, HEIGHT, ["approach_speed < 4 m/s"], "impact", search="surogate")

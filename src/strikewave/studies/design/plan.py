@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import hashlib
+import importlib.util
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -37,7 +38,7 @@ SURROGATE_RUNS = 40
 """The same by surrogate. Chosen: what elements of a minute each do overnight, with all further searches."""
 LEAST_RUNS = 16
 """Fewest: one generation of the smallest search."""
-EVOLUTION, SURROGATE = SEARCHES = ("evolution", "surrogate")
+EVOLUTION, SURROGATE, OPTUNA = SEARCHES = ("evolution", "surrogate", "optuna")
 """How settings are sought: by generations of many runs, or by few, each where a Gaussian process expects the most."""
 LATER = 4
 """Share of the runs, one in so many, that a search by surrogate has after others: it begins with all of theirs."""
@@ -238,6 +239,9 @@ def plan_of(
     way = search or (SURROGATE if chosen in SLOW else EVOLUTION)
     if way not in SEARCHES:
         raise InputError("search", search, "one of " + ", ".join(SEARCHES), nearest(search, SEARCHES))
+    read = tuple(read_aim(case, chosen, text, f"goals.{k}") for k, text in enumerate(aims))
+    if way == OPTUNA:
+        _check_optuna(sum(isinstance(aim, Objective) for aim in read))
     usual = SURROGATE_RUNS if way == SURROGATE else RUNS
     count = usual if runs is None else runs
     if not LEAST_RUNS <= count <= MOST_RUNS:
@@ -246,6 +250,13 @@ def plan_of(
         raise InputError("robust", robust, f"a whole number from 0 (no draws) to {MOST_DRAWS}")
     if not 0 <= seed < 2**63:
         raise InputError("seed", seed, "a whole number from 0 to 2^63 - 1")
-    read = tuple(read_aim(case, chosen, text, f"goals.{k}") for k, text in enumerate(aims))
     variables = tuple(read_variable(case, text) for text in vary)
     return DesignPlan(case, variables, read, chosen, count, seed, robust, varied(case, variables, NOTE), way)
+
+
+def _check_optuna(objectives: int) -> None:
+    """Refuse the search for a trade-off where there is none, or optuna is not installed."""
+    if objectives < 2:
+        raise InputError("search", OPTUNA, "two objectives or more", f"{EVOLUTION} or {SURROGATE} for a single one")
+    if importlib.util.find_spec("optuna") is None:
+        raise InputError("search", OPTUNA, "optuna beside strikewave", "pip install 'strikewave[optuna]'")

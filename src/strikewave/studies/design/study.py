@@ -32,7 +32,7 @@ from strikewave.studies.design.candidates import (
 from strikewave.studies.design.conflict import Conflict, Reach, conflict_of
 from strikewave.studies.design.evaluation import is_derived
 from strikewave.studies.design.goals import Goal, Objective, shares_of
-from strikewave.studies.design.plan import DesignPlan
+from strikewave.studies.design.plan import OPTUNA, DesignPlan
 from strikewave.studies.design.runs import (
     INFEASIBLE,
     DesignRuns,
@@ -43,6 +43,7 @@ from strikewave.studies.design.runs import (
 )
 from strikewave.studies.design.search import search
 from strikewave.studies.design.surrogate import SurrogateError, left_out_errors
+from strikewave.studies.design.trade_off import trade_off_search
 from strikewave.studies.engine.evaluation import Row
 from strikewave.studies.engine.pools import Pool, ProcessPool
 from strikewave.studies.engine.runner import Advance
@@ -55,6 +56,8 @@ SOURCES: tuple[str, ...] = ("storn-price-1997", "deb-2000")
 """Keys of the sources of the search."""
 SURROGATE_SOURCES: tuple[str, ...] = ("sacks-1989", "dubrule-1983", "jones-1998", "deb-2000")
 """The same by surrogate."""
+OPTUNA_SOURCES: tuple[str, ...] = ("ozaki-2022", "akiba-2019")
+"""Those of the search for a whole front."""
 WEIGHTS = (0.25, 0.5, 0.75)
 """Weights of the first of two objectives, between the ends of their front, at which it is searched for besides."""
 
@@ -362,6 +365,7 @@ def make_design(
         conflict = None if runs.meet() else conflict
         on_front = front(runs, plan.objectives) if len(plan.objectives) > 1 and runs.meet() else []
     sources = SURROGATE_SOURCES if plan.by_surrogate else SOURCES
+    sources += OPTUNA_SOURCES if plan.search == OPTUNA else ()
     sources += ("chinneck-dravnieks-1991",) if conflict else ()
     sources += ("clopper-pearson-1934",) if plan.robust else ()
     study = DesignStudy(
@@ -405,6 +409,9 @@ def _ranking(runs: DesignRuns) -> Merit:
     if not plan.objectives or not runs.meet():
         return margin_merit(plan.goals, names)
     salt = 2 * len(plan.goals) + 1
+    if plan.search == OPTUNA:
+        trade_off_search(runs, salt)
+        return weighted_merit(runs, plan.objectives, front(runs, plan.objectives), WEIGHTS[1])
     merits = [objective_merit(one, plan.goals, names) for one in plan.objectives]
     for number, merit in enumerate(merits):
         search(runs, merit, salt=salt + number)

@@ -142,15 +142,18 @@ export default {
       const along = new THREE.Vector3(...this.head.axis);
       this.camera.up.copy(new THREE.Vector3().crossVectors(towards, along)).normalize();
       const side = towards.addScaledVector(this.camera.up, 0.45).addScaledVector(along, -0.25);
-      const place = this.$el.querySelector(".sw-view");
-      const wide = Math.min(place.clientWidth / place.clientHeight, 1.6);
-      const far = (1.1 * box.getSize(new THREE.Vector3()).length()) / Math.tan((15 * Math.PI) / 180) / 2 / wide;
+      this.wide = this.width();
+      const far = (1.1 * box.getSize(new THREE.Vector3()).length()) / Math.tan((15 * Math.PI) / 180) / 2 / this.wide;
       this.camera.position.copy(middle).addScaledVector(side.normalize(), far);
       this.camera.near = far / 100;
       this.camera.far = 100 * far;
       this.controls.target.copy(middle);
       this.controls.update();
       this.resize();
+    },
+    width() {
+      const place = this.$el.querySelector(".sw-view"); // how wide it is over its height, as far as that matters
+      return Math.min(Math.max(place.clientWidth, 50) / place.clientHeight, 1.6);
     },
     cut() {
       const box = new THREE.Box3().setFromArray(this.points[0]);
@@ -193,6 +196,9 @@ export default {
       this.renderer.setSize(width, place.clientHeight, false);
       canvas.style.width = `${width}px`;
       this.camera.aspect = width / place.clientHeight;
+      const arm = this.camera.position.clone().sub(this.controls.target);
+      this.camera.position.copy(this.controls.target).addScaledVector(arm, this.wide / this.width());
+      this.wide = this.width(); // what was seen is still seen where the screen becomes narrow
       this.camera.updateProjectionMatrix();
       this.draw();
     },
