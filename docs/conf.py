@@ -3,6 +3,7 @@
 What is built asks no other host for anything: equations are MathML, fonts those of the reader.
 """
 
+import os
 import shutil
 import sys
 from pathlib import Path
@@ -30,6 +31,8 @@ suppress_warnings = ["misc.highlighting_failure"]  # consoles and sketches are s
 
 myst_enable_extensions = ["dollarmath"]
 myst_heading_anchors = 4
+# a page that runs `!strikewave` runs this one, as a reader's shell does
+os.environ["PATH"] = os.pathsep.join([str(Path(sys.executable).parent), os.environ["PATH"]])
 nb_execution_mode = "force"
 nb_execution_raise_on_error = True
 nb_execution_timeout = 300

@@ -48,8 +48,8 @@ def origin_notices(case: Case) -> Iterator[Notice]:
         paths = list(dict.fromkeys(change.path for one in stale for change in one.changed))
         fields = ", ".join(one.field for one in stale)
         message = (
-            f"the fit of {fields} no longer applies: it was made under another {_first(paths)}; fit again, or take "
-            "them as assumed"
+            f"the fit of {fields} no longer applies: it was made under another {_first(paths)}; fit again, with "
+            "records of both to have it for both, or take them as assumed"
         )
         yield Notice("fit-stale", message, float(len(paths)), 0.0)
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 
-from strikewave.base.errors import MISSING, InputError, checked
+from strikewave.base.errors import MISSING, InputError, InputErrors, checked
 from strikewave.base.materials import Material, material
 from strikewave.base.quantities import Value
 from strikewave.cases.case import Case
@@ -149,11 +149,11 @@ def cushion_of_contact(contact: ContactTable) -> Cushion:
         raise InputError(
             CUSHION_PATH, MISSING, "a pad for the law cushion", f"add [{CUSHION_PATH}] with its thickness and area"
         )
-    for key in _NOT_OF_A_CUSHION:
-        value = getattr(contact, key)
-        if value is not None:
-            typed = getattr(value, "typed", value)
-            raise InputError(f"contact.{key}", typed, "none for the law cushion", "remove it")
+    given = {key: value for key in _NOT_OF_A_CUSHION if (value := getattr(contact, key)) is not None}
+    if given:
+        allowed, hint = "none for the law cushion", "remove it from the file"
+        wrong = [InputError(f"contact.{key}", getattr(one, "typed", one), allowed, hint) for key, one in given.items()]
+        raise InputErrors([str(each) for each in wrong])
     area = area_of(contact.cushion, CUSHION_PATH)
     return cushion_of(contact.cushion, CUSHION_PATH, area)
 

@@ -365,7 +365,8 @@ def blow_goal(
         if interval is None and rate is not None:
             interval = 1.0 / (rate.high if math.isfinite(rate.high) else rate.low)
     if interval is None:
-        raise InputError("--interval", MISSING, 'time between blows, such as "20 ms"')
+        hint = "a drop table is set by --spec; strikewave spec new writes one of your own"
+        raise InputError("--interval", MISSING, 'time between blows, such as "20 ms"', hint)
     if peak is None or width is None:
         option, example = ("--peak", "4000 g") if peak is None else ("--width", "200 us")
         raise InputError(option, MISSING, f'that of the blows, such as "{example}", or --spec')
