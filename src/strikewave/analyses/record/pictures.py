@@ -32,7 +32,7 @@ def campaign_sections(campaigns: Sequence[Campaign], files: Sequence[FileReading
             parts.append(Picture(records.overlay(named), words))
         if len({k for pairs in campaign.points.values() for k, _ in pairs}) > 1:
             words = "Figures over the files, in the order in which they were given. What was left out is not drawn."
-            parts.append(Picture(trend(campaign, campaign.unit, len(files)), words))
+            parts.append(Picture(trend(campaign, len(files)), words))
         if parts:
             title = f"Pulses: {campaign.channel}" if len(campaigns) > 1 else "Pulses"
             sections.append(Section(title, "", parts))

@@ -37,7 +37,7 @@ def record_words(result: RecordResult) -> str:
     words += [pair_words(result.pairs)] if result.pair else []
     words += [f"{len(files)} files: {listed(counted(files))}." if len(files) != 1 else f"One file, {files[0].status}."]
     for campaign in campaigns:
-        words.append(_campaign_words(campaign, campaign.unit, names, len(campaigns) > 1))
+        words.append(_campaign_words(campaign, names, len(campaigns) > 1))
     words += [] if result.sensor is None else [result.sensor.sentence()]
     answers = response_words(result.response_summaries)
     words += [answers] if answers else []
@@ -80,9 +80,9 @@ def _odd_words(one: Outlier, names: Mapping[str, str], unit: str) -> str:
     return f"{called(one.figure, unit)} of {names[one.path]} left out ({ratio})"
 
 
-def _campaign_words(campaign: Campaign, unit: str, names: Mapping[str, str], several: bool) -> str:
+def _campaign_words(campaign: Campaign, names: Mapping[str, str], several: bool) -> str:
     where = f"{campaign.channel}: " if several else ""
-    statistics = campaign.statistics
+    statistics, unit = campaign.statistics, campaign.unit
     rigid = statistics.get("rigid_peak")
     without = (
         "" if rigid is None else f" Without ringing {_of_blows(rigid.n)} {amount('rigid_peak', unit, rigid.mean)}."

@@ -27,15 +27,13 @@ PURE = {"ratio": (1.0, "peak over base", ""), "damping": (0.01, "damping ratio",
 """How figures without a unit are shown: size, name and unit."""
 
 
-def trend(campaign: Campaign, unit: str = "m/s^2", count: int = 0) -> Figure:
+def trend(campaign: Campaign, count: int = 0) -> Figure:
     """Draw peak, width, velocity change and interval over the files, with mean, its 95 % bounds, and a clear trend.
 
     Parameters
     ----------
     campaign : Campaign
         As `strikewave.records.campaign.summed` gives it.
-    unit : str, optional
-        SI unit of the channel.
     count : int, optional
         Number of files; as far as the last one with a value unless given.
     """
@@ -46,7 +44,7 @@ def trend(campaign: Campaign, unit: str = "m/s^2", count: int = 0) -> Figure:
     grid = figure.subplots(2, 2) if len(names) == 4 else figure.subplots(1, len(names))
     panels = np.atleast_1d(grid).ravel()
     for axes, name in zip(panels, names, strict=True):
-        draw_trend(axes, campaign, name, unit, count)
+        draw_trend(axes, campaign, name, campaign.unit, count)
     return legend_below(figure)
 
 
