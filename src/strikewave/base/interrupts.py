@@ -42,7 +42,12 @@ def exit_code(stop: BaseException | None) -> int:
     >>> exit_code(KeyboardInterrupt()), exit_code(Terminated(signal.SIGTERM))
     (130, 143)
     """
-    return 128 + (stop.number if isinstance(stop, Terminated) else signal.SIGINT)
+    return 128 + _number_of(stop)
+
+
+def _number_of(stop: BaseException | None) -> signal.Signals:
+    """Return the signal that stopped a program: what says none is Ctrl-C."""
+    return stop.number if isinstance(stop, Terminated) else signal.SIGINT
 
 
 def _terminate(number: int, frame: FrameType | None) -> NoReturn:
@@ -53,8 +58,7 @@ def _again(swallowed: Any) -> None:
     """Interrupt once more where Python had to swallow it: in a destructor, or in what a library in C calls back."""
     if not isinstance(swallowed.exc_value, KeyboardInterrupt):
         return sys.__unraisablehook__(swallowed)
-    number = swallowed.exc_value.number if isinstance(swallowed.exc_value, Terminated) else signal.SIGINT
-    later = threading.Timer(AGAIN, _interrupt, (number,))
+    later = threading.Timer(AGAIN, _interrupt, (_number_of(swallowed.exc_value),))
     later.daemon = True
     return later.start()
 
