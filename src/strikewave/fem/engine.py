@@ -152,6 +152,7 @@ class Engine:
         moving = 0.5 * float(self.mass @ np.einsum("ni,ni->n", self.v, self.v))
         self.initial_energy = moving + float(internal) + float(hourglass)
         self.begin_interval()
+        self.send()
 
     @property
     def fingerprint(self) -> str:

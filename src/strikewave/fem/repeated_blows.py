@@ -93,7 +93,6 @@ def next_blow(engine: Engine, energy: float, share: float = REST) -> Engine:
     for elements in following.solid.kinds:
         elements.begin_balance()
     following.initialize()
-    following.send()
     return following
 
 

@@ -11,10 +11,10 @@ from strikewave.fem.device.parts import (
     DeviceActing,
     DeviceContact,
     DeviceElements,
-    DeviceRigid,
     DeviceTies,
     DeviceWall,
     Nodes,
+    acting_there,
 )
 from strikewave.fem.engine import Engine
 from strikewave.fem.model import Model
@@ -40,10 +40,7 @@ class DeviceEngine(Engine):
         self.nodes = Nodes(*(device.put(getattr(self, name)) for name in NODES))
         self.there = [DeviceElements(device, kind, len(self.x)) for kind in self.solid.kinds]
         self.tied = DeviceTies(device, self.ties)
-        self.acts: dict[Acting, DeviceActing] = {
-            each: DeviceActing(device, each, self.mass) for each in (*self.weight, *self.loads, *self.holds)
-        }
-        self.acts |= {body: DeviceRigid(device, body, self.mass) for body in self.bodies}
+        self.acts: dict[Acting, DeviceActing] = {each: acting_there(device, each, self.mass) for each in self.acting}
         self.met = {name: DeviceContact(device, state) for name, state in self.contacts.items()}
         self.stood = {name: DeviceWall(device, state) for name, state in self.walls.items()}
 

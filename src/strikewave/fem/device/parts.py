@@ -140,16 +140,12 @@ class DeviceTies:
 
 
 class DeviceActing:
-    """Weight, held or driven nodes, pressed faces, or dashpots."""
+    """Weight, held or driven nodes, or dashpots."""
 
     def __init__(self, device: Device, acting: Acting, mass: Array) -> None:
         self.device, self.here, self.mass, self.count = device, acting, mass, len(acting.nodes)
         self.nodes = device.put(acting.nodes)
         self.table = device.put(acting.directions) if isinstance(acting, Held) else None
-        if isinstance(acting, Pressed):
-            corners = acting.faces.ravel()
-            self.faces = device.put(acting.nodes[acting.faces])
-            self.lists = tuple(device.put(each) for each in lists(corners, np.arange(len(corners)), self.count))
         self.kick = 0.0
         self.force, self.before, self.first = (device.put(each) for each in (acting.force, acting.before, acting.force))
         self.done = device.put(np.zeros((self.count, DONE)))
@@ -169,10 +165,6 @@ class DeviceActing:
         each, here = self.device.each, self.here
         if isinstance(here, Weight):
             each(boundary_kernels.add_row, self.count, self.nodes, self.force, now.f)
-            return
-        if isinstance(here, Pressed):
-            pressed = *self.lists, self.faces, value_at(here.pressure, now.time), now.x, self.force, now.f
-            each(bodies.pressed_node, self.count, self.nodes, *pressed)
             return
         rest = now.kick, now.v, now.f, now.mass, self.force
         if isinstance(here, Held):
@@ -197,6 +189,22 @@ class DeviceActing:
         return np.asarray(done)
 
 
+class DevicePressed(DeviceActing):
+    """Faces under a pressure: each node sums what its faces give it, in ascending order of these."""
+
+    here: Pressed
+
+    def __init__(self, device: Device, acting: Pressed, mass: Array) -> None:
+        super().__init__(device, acting, mass)
+        corners = acting.faces.ravel()
+        self.faces = device.put(acting.nodes[acting.faces])
+        self.lists = tuple(device.put(each) for each in lists(corners, np.arange(len(corners)), self.count))
+
+    def _apply(self, now: Now) -> None:
+        pressed = *self.lists, self.faces, value_at(self.here.pressure, now.time), now.x, self.force, now.f
+        self.device.each(bodies.pressed_node, self.count, self.nodes, *pressed)
+
+
 class DeviceRigid(DeviceActing):
     """A part that does not deform. Its few sums and its rotation are those of `RigidBody`, from copies of its nodes."""
 
@@ -218,6 +226,15 @@ class DeviceRigid(DeviceActing):
         """Return the rows of its nodes here."""
         self.device.each(boundary_kernels.take_row, self.count, self.nodes, field, self.rows)
         return self.device.get(self.rows)
+
+
+ACTING: dict[type[Acting], type[DeviceActing]] = {Pressed: DevicePressed, RigidBody: DeviceRigid}
+"""What acts there in another way than `DeviceActing`."""
+
+
+def acting_there(device: Device, acting: Acting, mass: Array) -> DeviceActing:
+    """Return the twin of what acts on some nodes."""
+    return ACTING.get(type(acting), DeviceActing)(device, acting, mass)
 
 
 class DeviceTouch(Generic[S]):
