@@ -116,11 +116,12 @@ def struck(blows=1):
     )
 
 
-def assert_same(run, other):
-    most = max(np.abs(column).max() for column in run.energy.values())  # the work of a rigid part's forces is rounding
+def assert_same(run, other, rounding=()):
+    """Assert that two runs are the same, each energy over its own largest value but for those that are rounding."""
+    most = max(np.abs(column).max() for column in run.energy.values())
     for what in ("energy", "force", "impulse", "von_mises", "plastic_strain", "pressed"):
         for name, column in getattr(run, what).items():
-            scale = most if what == "energy" else max(np.abs(column).max(), 1e-300)
+            scale = most if what == "energy" and name in rounding else max(np.abs(column).max(), 1e-300)
             np.testing.assert_allclose(getattr(other, what)[name] / scale, column / scale, atol=SAME, rtol=0.0)
     for name, part in run.parts.items():
         for field in ("displacement", "velocity"):
@@ -168,12 +169,15 @@ def test_ties_and_pressures_of_a_device_are_those_of_the_processor():
 
 @pytest.mark.verify
 def test_a_rigid_part_and_the_next_blow_on_a_device_are_those_of_the_processor():
-    """Bodies come to rest on the processor in both; the second blow begins on what the device left."""
+    """Bodies come to rest on the processor in both; the second blow begins on what the device left.
+
+    The forces within a rigid part do no work: what is booked of them, external here, is rounding.
+    """
     runs = solve_blows(struck(blows=2))
     assert len(runs) == 2
     assert max(np.abs(column).max() for column in runs[1].force.values()) > 100.0
     for run, other in zip(runs, solve_blows(struck(blows=2), RunOptions(device=Loop())), strict=True):
-        assert_same(run, other)
+        assert_same(run, other, rounding=("external",))
 
 
 def test_the_kernels_of_a_gpu_run_in_the_simulator_of_numba():
