@@ -39,7 +39,8 @@ SURROGATE_RUNS = 40
 LEAST_RUNS = 16
 """Fewest: one generation of the smallest search."""
 EVOLUTION, SURROGATE, OPTUNA = SEARCHES = ("evolution", "surrogate", "optuna")
-"""How settings are sought: by generations of many runs, or by few, each where a Gaussian process expects the most."""
+"""How settings are sought: by generations of many runs, by few, each where a Gaussian process expects the most, or the
+whole front of several objectives at once."""
 LATER = 4
 """Share of the runs, one in so many, that a search by surrogate has after others: it begins with all of theirs."""
 SLOW = ("fem",)

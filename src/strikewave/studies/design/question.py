@@ -54,7 +54,8 @@ def design(
     robust : int, optional
         Draws within the tolerances of the case for each ranked setting; none where it is left out.
     search : str, optional
-        ``evolution``, or ``surrogate`` for few runs; that of elements where it is left out.
+        ``evolution``, or ``surrogate`` for few runs; that of elements where it is left out. ``optuna``, of two
+        objectives or more, searches for their whole front at once; needs ``pip install 'strikewave[optuna]'``.
     workers : int, optional
         Processes. With more than one, call it below ``if __name__ == "__main__":``.
     executor : Executor, optional

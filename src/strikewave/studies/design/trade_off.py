@@ -46,13 +46,12 @@ def trade_off_search(runs: DesignRuns, salt: int) -> None:
     sampler = optuna.samplers.TPESampler(seed=seed)
     study = optuna.create_study(directions=["minimize"] * len(plan.objectives), sampler=sampler)
     where = _distributions(plan)
-    known = [(row, *_judged(runs, numbers)) for row, numbers in zip(runs.rows, runs.numbers, strict=True)]
-    for row, values, missed in known:
+    for row, numbers in zip(runs.rows, runs.numbers, strict=True):
+        values, missed = _judged(runs, numbers)
         if values:
             study.add_trial(_finished(plan, row, where, values, missed))
-    most = len(runs.rows) + plan.runs
-    runs.most, asked = most, 0
-    while asked < plan.runs:
+    runs.most = len(runs.rows) + plan.runs
+    for asked in range(0, plan.runs, TOGETHER):
         trials = [study.ask(where) for _ in range(min(TOGETHER, plan.runs - asked))]
         rows = [plan.row_at([float(trial.params[name]) for name in where]) for trial in trials]
         for trial, numbers in zip(trials, runs.of(rows), strict=True):
@@ -60,7 +59,6 @@ def trade_off_search(runs: DesignRuns, salt: int) -> None:
             for name, share in missed.items():
                 trial.set_constraint(name, share)
             study.tell(trial, values, optuna.trial.TrialState.COMPLETE if values else optuna.trial.TrialState.FAIL)
-        asked += len(trials)
 
 
 def _distributions(plan: DesignPlan) -> dict[str, Any]:
@@ -92,9 +90,6 @@ def _finished(
     """Return a run that was made before as the search takes it."""
     import optuna
 
-    places = plan.place_of(row)
-    at = {
-        name: float(place) if isinstance(kind, optuna.distributions.FloatDistribution) else round(place)
-        for (name, kind), place in zip(where.items(), places, strict=True)
-    }
+    places = zip(where, plan.place_of(row), plan.whole, strict=True)
+    at = {name: round(place) if whole else float(place) for name, place, whole in places}
     return optuna.trial.create_trial(params=at, distributions=where, values=values, constraints=missed)
