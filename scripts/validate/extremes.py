@@ -1,13 +1,15 @@
 """Random cases at the edge of what is valid: a balance closes, or a refusal names the field; nothing hangs or breaks.
 
-A case of an analysis is a built-in one with up to four of its quantities a thousand times smaller or larger; an impact,
-a spectrum and a record have all of theirs drawn, over many powers of ten. `--each` of them (500), `--only` some
+A case of an analysis is a built-in one with up to four of its quantities a thousand times smaller or larger, drawn anew
+until it is valid: each draw that is not must be refused by a line that names its field. An impact, a spectrum and a
+record have all of theirs drawn, over many powers of ten. `--each` of them (500), `--only` some
 analyses, `--minutes` ends an analysis earlier. Each fate is one of
 
 - closed: energy and momentum balance, or what closed forms say of the numbers;
 - reported: a result that says itself which check failed, and exits with 3;
-- refused: one line that names a field, or where a motion could not be followed and what to change;
-- long: more than 20 s of a processor, which ends it here; a user sees its progress, and can stop it;
+- refused: a valid case that is not run: one line names a field, or where its motion could not be followed and what to
+  change;
+- long: more than 10 s of a processor, which ends it here; a user sees its progress, and can stop it;
 - wrong or broke, which there must not be.
 
 Writes the table of docs/faults.md; with `--write`, into the page.
@@ -32,19 +34,21 @@ import numpy as np
 from kit import ROOT, table, write_into
 
 from strikewave import load_case, run_case, run_fem, run_wave
+from strikewave.analyses.check import check
 from strikewave.base.errors import StrikewaveError
 from strikewave.base.result import BALANCE_LIMIT, Result
+from strikewave.cases.case import Case
 from strikewave.contact import Contact, exact, solve_impact
 from strikewave.records.measuring import find_pulses
 from strikewave.signal.srs import srs
 
 PAGE = ROOT / "docs/faults.md"
 SEED = 2027
-PATIENCE, STILL = 20.0, 900.0
-"""Seconds of a processor after which a case is taken to hang, forty times what the usual one takes; and seconds of
+PATIENCE, STILL = 10.0, 900.0
+"""Seconds of a processor after which a case is taken to hang, twenty times what the usual one takes; and seconds of
 any kind, for one that waits."""
-COMPILING = 120.0
-"""Seconds of a processor more for the first case of a process, which imports and compiles."""
+COMPILING, IMPORTING = 120.0, 15.0
+"""Seconds of a processor more for the first case of an analysis, which compiles, and of a process, which imports."""
 DECADES = 3.0
 """Powers of ten by which a quantity of a case is moved at most."""
 MACHINES = (
@@ -63,15 +67,23 @@ BLOCK = ROOT / "scripts/validate/cases/block.toml"
 """A block on a wall: a mesh of 40 elements."""
 
 
-def moved(name: str, chance: np.random.Generator, *more: str) -> list[str]:
-    """Return changes that move up to four quantities of a case, but for those of recorder and solver."""
+def moved(name: str, chance: np.random.Generator, *more: str) -> Case:
+    """Return a valid case with up to four of its quantities moved, but for those of recorder and solver."""
     values = {
         path: value.si
         for path, value in load_case(name, more).values().items()
         if path.split(".")[0] not in ("recorder", "solver") and value.si
     }
-    chosen = chance.choice(list(values), size=min(len(values), int(chance.integers(1, 5))), replace=False)
-    return [*more, *(f"{path}={values[path] * 10.0 ** chance.uniform(-DECADES, DECADES)!r}" for path in chosen)]
+    while True:
+        chosen = chance.choice(list(values), size=min(len(values), int(chance.integers(1, 5))), replace=False)
+        changes = [f"{path}={values[path] * 10.0 ** chance.uniform(-DECADES, DECADES)!r}" for path in chosen]
+        try:
+            case = load_case(name, [*more, *changes])
+            check(case)
+            return case
+        except StrikewaveError as error:
+            if ":" not in str(error):
+                raise AssertionError(f"no field is named: {error}") from error
 
 
 def fate_of(result: Result, balance: dict[str, float]) -> str:
@@ -85,20 +97,20 @@ def machine(chance: np.random.Generator) -> str:
     """Run a machine."""
     name = str(chance.choice(MACHINES))
     blows = ["feed.blows=2"] if load_case(name).feed is not None else []
-    result = run_case(load_case(name, moved(name, chance, *blows)))
+    result = run_case(moved(name, chance, *blows))
     return fate_of(result, result.balance)
 
 
 def wave(chance: np.random.Generator) -> str:
     """Run a layered bar."""
     name = str(chance.choice(BARS))
-    result = run_wave(load_case(name, moved(name, chance)))
+    result = run_wave(moved(name, chance))
     return fate_of(result, result.balance)
 
 
 def fem(chance: np.random.Generator) -> str:
     """Run a block of elements onto a wall; its balances have limits of their own, which its checks hold."""
-    result = run_fem(load_case(str(BLOCK), moved(str(BLOCK), chance)))
+    result = run_fem(moved(str(BLOCK), chance))
     return fate_of(result, {})
 
 
@@ -185,21 +197,21 @@ def work(pipe: Connection) -> None:
 
 
 class Worker:
-    """A process that makes cases, and is replaced where one hangs."""
+    """A process that makes cases, and is replaced where one hangs; its first case has some seconds more."""
 
-    def __init__(self) -> None:
+    def __init__(self, more: float) -> None:
         context = multiprocessing.get_context("spawn")
         self.pipe, far = context.Pipe()
         self.process = context.Process(target=work, args=(far,), daemon=True)
         self.process.start()
         far.close()
-        self.asked = False
+        self.more = more
 
     def ask(self, analysis: str, k: int) -> str | None:
         """Return the fate of a case, or None where it hangs, or ended the process."""
-        until = self.spent() + PATIENCE + (0.0 if self.asked else COMPILING)
+        until = self.spent() + PATIENCE + self.more
         latest = time.monotonic() + STILL
-        self.asked = True
+        self.more = 0.0
         self.pipe.send((analysis, k))
         try:
             while not self.pipe.poll(1.0):
@@ -231,8 +243,8 @@ def main() -> int:
     parser.add_argument("--write", action="store_true", help="the table into docs/faults.md")
     asked = parser.parse_args()
     rows, bad = [], 0
-    worker = Worker()
     for analysis in asked.only or ANALYSES:
+        worker = Worker(COMPILING)
         counts: collections.Counter[str] = collections.Counter()
         end = time.monotonic() + 60.0 * asked.minutes
         for k in range(asked.each):
@@ -241,14 +253,14 @@ def main() -> int:
             found = worker.ask(analysis, k)
             if found in (None, ENDED):
                 worker.end()
-                worker = Worker()
+                worker = Worker(IMPORTING)
             word, _, what = (found or "long").partition(":")
             counts[word] += 1
             if word not in FATES[:3]:
                 print(f"{analysis} {k}: {word}{what}", flush=True)
+        worker.end()
         rows.append([f"`{analysis}`", *(str(counts[word]) for word in FATES)])
         bad += sum(counts[word] for word in FATES[3:5])
-    worker.end()
     text = table(("Analysis", *FATES), rows)
     print(text)
     if asked.write:

@@ -9,7 +9,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from strikewave.base.errors import InputError
-from strikewave.records import Request, read_file, read_record, repeats
+from strikewave.records import Channel, Record, Request, read_file, read_record, repeats
 from strikewave.records.readers import Options
 
 COUNT, STEP = 64, 5e-6
@@ -326,6 +326,12 @@ def test_reasons_name_their_channel_where_there_are_several(read_columns):
     assert not any("board" in reason for reason in file.reasons if "dead" in reason or "same" in reason)
     alone = read_file(read_columns({"frame (g)": np.ones(4000)}, u), {}, Request())
     assert not any(reason.startswith("frame: ") for reason in alone.reasons)
+
+
+def test_a_reason_names_a_few_channels_and_counts_the_others():
+    silent = tuple(Channel(f"c{k}", np.zeros(100), 1e-5, unit="g") for k in range(9))
+    [reason] = {reason for reason in read_file(Record("a", "text", silent), {}, Request()).reasons if "c0" in reason}
+    assert reason.startswith("c0, c1, c2, c3 and 5 more: ")
 
 
 # Round trips

@@ -10,6 +10,7 @@ from strikewave.base.constants import STANDARD_GRAVITY
 from strikewave.base.percents import percent
 from strikewave.records import Channel, Record, Request, read_file
 from strikewave.records.health import BLOW, Examined, examine
+from strikewave.records.health.noise import mains_hum
 from strikewave.records.health_notice import FIGURES
 from strikewave.signal.filters import Filter
 
@@ -617,6 +618,12 @@ def test_hum_is_named_where_few_periods_are_recorded(periods):
     step = periods / 60.0 / SIZE
     swing = 0.05 * PEAK * np.sin(2.0 * np.pi * 60.0 * step * np.arange(SIZE) + 1.0)
     assert found(blow() + swing, "hum", step=step).value == pytest.approx(0.05 * PEAK, rel=0.1)
+
+
+def test_samples_too_slow_for_the_mains_tell_of_no_hum():
+    """At 70 Hz a swing of 10 Hz has the samples of one of 60 Hz."""
+    time = np.arange(700) / 70.0
+    assert mains_hum(Examined(np.sin(2.0 * np.pi * 10.0 * time), 1.0 / 70.0)) is None
 
 
 def test_less_than_a_period_of_hum_is_a_drift():

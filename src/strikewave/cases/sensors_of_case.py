@@ -17,6 +17,7 @@ from strikewave.cases.tables import SensorTable
 from strikewave.sensors import Gasket, Mounting, Recorder, Sensor, accelerometer, oscilloscope, storage_recorder
 from strikewave.sensors.chain import RATE_OVER_CUTOFF
 from strikewave.sensors.channel import SensorChannel
+from strikewave.sensors.mounting import mounting_system
 
 _SENSOR_FIELDS = {"resonance": float, "quality": float, "range": float, "zero_shift": float}
 _RECORDER_FIELDS = {"sampling_rate": float, "cutoff": float, "order": int, "bits": int}
@@ -59,6 +60,7 @@ def chain_of(table: SensorTable, rate: float | None = None) -> tuple[Sensor, Rec
     sensor = known.mounted() if known else Sensor()
     changes: dict[str, Any] = {"name": table.name, "mounting": _mounting(table, path), **_given(table, _SENSOR_FIELDS)}
     sensor = checked(path, lambda: dataclasses.replace(sensor, **changes))
+    checked(f"{path}.gasket", lambda: mounting_system(sensor.mounting))  # kept for the run
     recorder = checked(path, lambda: dataclasses.replace(_recorder(table, rate), **_given(table, _RECORDER_FIELDS)))
     if recorder.bits and math.isinf(sensor.range):
         raise InputError(f"{path}.range", MISSING, "a range for a recorder with bits", 'add range = "20000 g"')

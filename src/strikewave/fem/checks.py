@@ -26,7 +26,7 @@ def faults(model: Model) -> Iterator[InputError]:
     >>> [str(fault) for fault in faults(Model(nothing, {}, Controls(1e-3, safety=1.5)))]
     ['safety: got 1.5; allowed: above 0 to 1']
     """
-    yield from _controls(model.controls)
+    yield from control_faults(model.controls)
     yield from _parts(model)
     yield from _repeated(model)
     yield from _vectors(model)
@@ -37,7 +37,14 @@ def faults(model: Model) -> Iterator[InputError]:
             yield from _curve(f"pressure on {boundary.side}", boundary.pressure)
 
 
-def _controls(c: Controls) -> Iterator[InputError]:
+def control_faults(c: Controls) -> Iterator[InputError]:
+    """Yield what is wrong with the controls alone.
+
+    Examples
+    --------
+    >>> [str(fault) for fault in control_faults(Controls(1e-3, hourglass=0.6))]
+    ['hourglass: got 0.6; allowed: from 0 to 0.5']
+    """
     rows = [
         ("duration", 0.0 < c.duration < np.inf, "above 0"),
         ("interval", 0.0 < c.interval <= c.duration, "above 0, at most the duration"),

@@ -34,6 +34,8 @@ NOT_COUPLED = HealthNotice("ac-coupling", "no AC coupling is recognised: nothing
 """What is found where AC coupling was to be taken off."""
 HALF_PERIOD = 0.5
 """Periods of the cutoff that a record must hold: a filter that is slower than the record is a slip of units."""
+MOST_NAMED = 4
+"""Channels that a reason names; of more, the others are counted."""
 
 
 @dataclass(frozen=True)
@@ -176,7 +178,7 @@ class FileReading:
 
     @property
     def reasons(self) -> list[str]:
-        """Why the file is not good, in words, each once; of several channels, with the names of those it is true of."""
+        """Why the file is not good, in words, each once; of several channels, with the first it is true of."""
         pairs = [(finding, "") for finding in self.findings]
         pairs += [(finding, reading.channel.name) for reading in self.channels for finding in reading.findings]
         pairs.sort(key=lambda pair: -STATUSES.index(pair[0].severity))
@@ -185,7 +187,12 @@ class FileReading:
             if finding.severity != "good":
                 names.setdefault(finding.message, {})[name] = None
         several = len(self.channels) > 1
-        return [f"{', '.join(of)}: {words}" if several and all(of) else words for words, of in names.items()]
+        return [f"{_few(list(of))}: {words}" if several and all(of) else words for words, of in names.items()]
+
+
+def _few(names: list[str]) -> str:
+    more = len(names) - MOST_NAMED
+    return ", ".join(names) if more < 2 else f"{', '.join(names[:MOST_NAMED])} and {more} more"
 
 
 def read_channel(channel: Channel, number: int, calibration: Calibration, request: Request) -> ChannelReading:

@@ -82,9 +82,9 @@ class Table:
         >>> Table("", ["a", "b"], [["x", "1.5"], ["2", "-3 %"], ["3", "2 ± 0.1"]]).numeric()
         [False, True]
         """
-        columns = []
+        columns, rows = [], self.cells()
         for place in range(len(self.columns)):
-            filled = [row[place] for row in self.cells() if row[place] not in ("", NONE)]
+            filled = [row[place] for row in rows if row[place] not in ("", NONE)]
             columns.append(bool(filled) and all(isinstance(w, str) and bool(_NUMBER.fullmatch(w)) for w in filled))
         return columns
 

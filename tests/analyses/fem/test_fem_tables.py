@@ -369,6 +369,7 @@ WRONG = [
     ([('pressure = ["0 MPa", "10 MPa"]', 'pressure = ["0 MPa"]')], "fem.boundary.1.time", "one for each of the 1"),
     ([('duration = "80 us"', 'duration = "80 us"\ninterval = "60 us"')], "fem.interval", "third of the duration"),
     ([('duration = "80 us"', 'duration = "1 s"\ninterval = "1 us"')], "fem.interval", "200000th"),
+    ([('duration = "80 us"', 'duration = "80 us"\nhourglass = 0.6')], "fem.hourglass", "from 0 to 0.5"),
     ([('size = "2 mm"', 'size = "20 um"')], "mesh", "elements"),  # 40 million: refused before any is made
     ([('size = "2 mm"', 'size = "1 nm"')], "mesh.part.block.size", "at most 20000 elements"),
     ([('size = "2 mm"', 'size = "2 mm"\nfinest = "3 mm"')], "mesh.part.block.finest", "at most the coarse size"),

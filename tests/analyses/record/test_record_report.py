@@ -7,9 +7,10 @@ from html.parser import HTMLParser
 import numpy as np
 import pytest
 
-from strikewave.analyses.record.chapters import MOST_ROWS
+from strikewave.analyses.record.chapters import MOST_ROWS, mean_sections
 from strikewave.analyses.record.report import record_report
 from strikewave.analyses.record.result import record_result
+from strikewave.analyses.record.screen import _print
 from strikewave.analyses.record.words import record_words
 from strikewave.base.result import Notice, Source
 from strikewave.records.campaign import compare, summed
@@ -19,6 +20,8 @@ from strikewave.records.reading import FileReading, Request
 from strikewave.records.record import Channel, Record
 from strikewave.reporting.numbers import in_shown_units
 from strikewave.signal.filters import Filter
+
+from ...counted_work import lines_run
 
 STEP = 5e-6
 LARGEST = 1_500_000
@@ -144,6 +147,56 @@ def test_what_is_bad_in_one_of_several_channels_is_named_with_its_channel():
     )
     assert f"{files[0].channels[0].channel.name} of 1.csv and" in text
     assert ",," not in text
+
+
+def silent(count):
+    """A result of so many channels, in none of which a blow stands out."""
+    channels = tuple(Channel(f"c{k}", np.arange(20.0) + k, STEP) for k in range(count))
+    files = read(Record("a.csv", "text", channels))
+    origin = Source("records", "a", "", "record.toml")
+    return record_result(files, [summed(files, k + 1) for k in range(count)], origin=origin)
+
+
+def test_channels_without_a_figure_share_a_sentence_and_a_section():
+    result = silent(6)
+    assert "c0, c1, c2, c3 and 2 more: No record gave a peak that can be trusted." in record_words(result)
+    [section] = mean_sections(result.campaigns, result.readings, {})
+    [table] = section.parts
+    assert [row[:2] for row in table.rows] == [[f"c{k}", "a.csv"] for k in range(6)]
+    assert all("no blow stands out of the noise" in row[2] for row in table.rows)
+
+
+class Counting(tuple):
+    """Channels that count how often one of them is looked at in a loop, which `lines_run` does not see in one line."""
+
+    looks = 0
+
+    def __iter__(self):
+        for one in super().__iter__():
+            Counting.looks += 1
+            yield one
+
+
+@pytest.mark.verify
+def test_work_of_page_and_screen_grows_with_the_number_of_channels(capsys):
+    def shown(result):
+        record_report(result)
+        _print(result)
+
+    lines, looks = [], []
+    for count in (4, 100, 200):  # the first one imports what is needed
+        result = silent(count)
+        [file] = result.readings
+        Counting.looks = 0
+        lines.append(
+            lines_run(
+                shown,
+                dataclasses.replace(result, readings=[dataclasses.replace(file, channels=Counting(file.channels))]),
+            )
+        )
+        looks.append(Counting.looks)
+    assert (lines[2] - lines[0]) / (lines[1] - lines[0]) < 2.3
+    assert looks[2] / looks[1] < 2.3
 
 
 def test_every_file_finding_and_blow_is_listed(files, page):

@@ -32,6 +32,7 @@ from strikewave.cases.mesh_tables import (
     ZerilliArmstrongTable,
 )
 from strikewave.cases.stack_of_case import once
+from strikewave.fem.checks import control_faults
 from strikewave.fem.mesh import Mesh, joined
 from strikewave.fem.model import (
     AnyBoundary,
@@ -156,6 +157,8 @@ def check_elements(case: Case) -> tuple[MeshTable, FemTable]:
     if not FEWEST_INSTANTS <= instants <= LARGEST_HISTORY:
         allowed = f"between a {LARGEST_HISTORY}th and a third of the duration, {fem.duration.typed}"
         raise InputError("fem.interval", fem.interval.typed, allowed)
+    for fault in control_faults(_controls(fem, case.mesh.part, threads=1)):
+        raise InputError(f"fem.{fault.field}", fault.got, fault.allowed)
     return case.mesh, fem
 
 

@@ -163,7 +163,23 @@ def _rebounds(pulse: RecordedPulse) -> str:
     return "; ".join(words) or NONE
 
 
-def campaign_section(campaign: Campaign, files: Sequence[FileReading], names: Names, several: bool) -> Section:
+def mean_sections(campaigns: Sequence[Campaign], files: Sequence[FileReading], names: Names) -> list[Section]:
+    """Sum up each channel over all files; where there are several, those without any figure share a section."""
+    several = len(campaigns) > 1
+    silent = [one for one in campaigns if one.left_out and not one.statistics] if several else []
+    sections = [
+        _mean_section(one, files, names, several)
+        for one in campaigns
+        if one.sums_up and (one.statistics or not several)
+    ]
+    rows: list[list[Cell]] = [
+        [one.channel, names.get(path, path), why] for one in silent for path, _, why in one.left_out
+    ]
+    table = Table("Left out of the means", ["channel", "file", "why"], rows)
+    return [*sections, *([Section("Channels without figures", "", [table])] if silent else [])]
+
+
+def _mean_section(campaign: Campaign, files: Sequence[FileReading], names: Names, several: bool) -> Section:
     """Sum up a channel over all files: statistics, trend, what was left out."""
     unit = campaign.unit
     table: list[list[Cell]] = []

@@ -47,7 +47,7 @@ def record_report(result: RecordResult) -> str:
         *([] if result.budget is None else [budget_section(result, names)]),
         *rigid_sections(files, names),
         *([] if result.sensor is None else [sensor_section(result.sensor, names)]),
-        *(chapters.campaign_section(one, files, names, len(campaigns) > 1) for one in campaigns if one.sums_up),
+        *chapters.mean_sections(campaigns, files, names),
         shared.warnings(result.notices),
         *([pair_section(result.pairs)] if result.pair else []),
         *([motion_section(result.motions)] if result.motion else []),

@@ -448,7 +448,7 @@ def _integral(value: float, unit: str) -> str:
 
 
 def _print_campaign(campaign: Campaign, readings: Sequence[FileReading], names: dict[str, str]) -> None:
-    unit = next(r.channel.unit for file in readings for r in file.channels if r.channel.name == campaign.channel)
+    unit = campaign.unit
     writers: dict[str, Any] = {
         **dict.fromkeys(("peak", "rigid_peak"), lambda v: _value(v, unit)),
         "velocity_change": lambda v: _integral(v, unit),

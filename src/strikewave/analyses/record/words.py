@@ -19,6 +19,7 @@ MOST_REASONS = 4
 """Reasons of bad records that the summary gives: more are counted, and stand in the table of findings."""
 MOST_NAMED = 4
 """Files that a line names; the others are counted."""
+NO_PEAK = "No record gave a peak that can be trusted."
 
 
 def counted(files: Sequence[FileReading]) -> list[str]:
@@ -36,13 +37,14 @@ def record_words(result: RecordResult) -> str:
     words = [] if result.verdict is None else [sentence(result.verdict, names)]
     words += [pair_words(result.pairs)] if result.pair else []
     words += [f"{len(files)} files: {listed(counted(files))}." if len(files) != 1 else f"One file, {files[0].status}."]
-    for campaign in campaigns:
-        words.append(_campaign_words(campaign, names, len(campaigns) > 1))
+    several = len(campaigns) > 1
+    words += [_campaign_words(one, names, several) for one in campaigns if one.statistics or not several]
+    silent = [one.channel for one in campaigns if several and not one.statistics]
+    words += [f"{named(silent)}: {NO_PEAK}"] if silent else []
     words += [] if result.sensor is None else [result.sensor.sentence()]
     answers = response_words(result.response_summaries)
     words += [answers] if answers else []
     bad = [(names[file.path], f) for file in files for f in file.findings if f.severity == "bad"]
-    several = len(campaigns) > 1
     for file, reading in rows_of(files):
         harmful = [f for f in reading.findings if f.severity == "bad"]
         own = f"{reading.channel.name} of " if several else ""
@@ -88,7 +90,7 @@ def _campaign_words(campaign: Campaign, names: Mapping[str, str], several: bool)
         "" if rigid is None else f" Without ringing {_of_blows(rigid.n)} {amount('rigid_peak', unit, rigid.mean)}."
     )
     if "peak" not in statistics:
-        return f"{where}No record gave a peak that can be trusted.{without}"
+        return f"{where}{NO_PEAK}{without}"
     one = statistics["peak"]
     text = f"{where}{one.n} blow{'s' if one.n > 1 else ''}, peak {amount('peak', unit, one.mean)}"
     if one.n > 1:

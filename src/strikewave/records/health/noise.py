@@ -129,6 +129,8 @@ def hum_beside(
     values: Array, step: float, start: float, spans: Sequence[tuple[float, float]]
 ) -> tuple[float, float] | None:
     """Return frequency and amplitude of the hum of the mains beside blows from begin to end; None for none."""
+    if 2.0 * HARMONICS * max(MAINS) * step > 1.0:
+        return None  # samples so far apart take the mains and their harmonics for something slower
     size = max(round(1.0 / (max(MAINS) * A_PERIOD * step)), 1)
     count = min(values.size // size, MOST_MEANS)
     means = values[: count * size].reshape(count, size).mean(axis=1)
@@ -153,9 +155,11 @@ def _line_of_mains(
     best: tuple[float, float] | None = None
     for frequency in MAINS:
         fitted, amplitude = _swing(time, means, quiet, frequency)
-        others = [_swing(time, means, quiet, frequency * share)[1] for share in BESIDE_MAINS]
-        explained = _explained_of_parts(first, time, means, quiet, fitted)
-        if amplitude > max(others) and explained > least and (best is None or amplitude > best[1]):
+        if best is not None and amplitude <= best[1]:
+            continue
+        if _explained_of_parts(first, time, means, quiet, fitted) <= least:
+            continue
+        if amplitude > max(_swing(time, means, quiet, frequency * share)[1] for share in BESIDE_MAINS):
             best = frequency, amplitude
     return best
 
