@@ -39,6 +39,8 @@ class InputError(StrikewaveError, ValueError):
     hint : str, optional
         What to do next, or the nearest match.
 
+    Notes
+    -----
     ``got`` may be `MISSING`, where nothing came; ``allowed`` may be `EXISTING_FILE`, where a path names no file.
 
     Examples

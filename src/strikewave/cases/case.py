@@ -445,6 +445,11 @@ def load_case(name: str, changes: Iterable[str] = ()) -> Case:
     changes : iterable of str, optional
         ``path=value`` each, such as ``machine.speed=500 rpm``.
 
+    Returns
+    -------
+    Case
+        The checked case, with its provenance; quantities keep the text they were typed in.
+
     Raises
     ------
     InputError, InputErrors
@@ -587,6 +592,11 @@ def dump_case(case: Case, comments: Comments | None = None) -> str:
         What is written.
     comments : callable, optional
         Returns the lines of comment above a key from its path, without names of rows, and from what stands there.
+
+    Returns
+    -------
+    str
+        The case as TOML, which `load_case` reads again as the same case.
 
     Examples
     --------

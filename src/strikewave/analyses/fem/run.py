@@ -57,6 +57,11 @@ class Watch:
 def run_fem(case: Case, threads: int = 1) -> FemSolution:
     """Run the finite element model of a case.
 
+    Returns
+    -------
+    FemSolution
+        Histories of parts, contacts and points, energies, pictures and comparisons.
+
     Raises
     ------
     InputError, InputErrors

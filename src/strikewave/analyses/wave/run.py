@@ -53,6 +53,11 @@ def run_wave(case: Case, period: float = math.inf) -> WaveSolution:
     period : float, optional
         Shortest period that samples resolve for those who look on, s, besides that of the sensors of the case.
 
+    Returns
+    -------
+    WaveSolution
+        Histories at the taps, with the error bound, limits of the theory and comparisons.
+
     Raises
     ------
     InputError, InputErrors

@@ -67,6 +67,12 @@ def design(
     progress : callable, optional
         Called with the share done, 0 to 1.
 
+    Returns
+    -------
+    DesignStudy
+        The best settings, every run that was made, and where no setting meets all goals, those that exclude
+        each other.
+
     Raises
     ------
     InputError, InputErrors

@@ -92,6 +92,12 @@ def fit(
     progress : callable, optional
         Called with the number of runs, and the smallest sum of squares so far.
 
+    Returns
+    -------
+    FitStudy
+        Values with standard errors and intervals, their correlation, what the data do not determine, and the
+        fitted case.
+
     Raises
     ------
     InputError, InputErrors, StrikewaveError

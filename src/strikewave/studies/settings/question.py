@@ -71,6 +71,11 @@ def settings(
     progress : callable, optional
         Called with the share done, 0 to 1.
 
+    Returns
+    -------
+    SettingsStudy
+        Candidates, the best first, each with its full run.
+
     Raises
     ------
     InputError, InputErrors

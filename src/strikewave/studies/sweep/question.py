@@ -85,6 +85,11 @@ def sweep(
     progress : callable, optional
         Called with the share done, 0 to 1.
 
+    Returns
+    -------
+    SweepStudy
+        A row for each run: its settings and the numbers kept, in SI.
+
     Raises
     ------
     InputError, InputErrors

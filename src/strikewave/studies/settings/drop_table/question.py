@@ -62,6 +62,11 @@ def drop_table(
     progress : callable, optional
         Called with the share done, 0 to 1.
 
+    Returns
+    -------
+    DropStudy
+        Designs, the best first, each with its full run.
+
     Raises
     ------
     InputError, InputErrors
