@@ -376,7 +376,7 @@ def _with_band(path: str, value: Value, band: ToleranceBand | None) -> Value:
     try:
         allowed.read(toleranced.document())
     except InputError as error:
-        raise InputError(f"{path}.{error.field}".rstrip("."), error.got, error.allowed, error.hint) from None
+        raise error.at(f"{path}.{error.field}".rstrip(".")) from None
     return toleranced
 
 
@@ -452,7 +452,7 @@ def load_case(name: str, changes: Iterable[str] = ()) -> Case:
 
     Raises
     ------
-    InputError, InputErrors
+    InputError
         With one line for each thing that is wrong.
 
     Examples

@@ -64,7 +64,7 @@ def run_fem(case: Case, threads: int = 1) -> FemSolution:
 
     Raises
     ------
-    InputError, InputErrors
+    InputError
         If the case has no mesh, or parts of it do not fit together.
 
     Examples
@@ -121,7 +121,7 @@ def check_model(model: Model) -> None:
 
     Raises
     ------
-    InputError, InputErrors
+    InputError
         If it could not be run.
     """
     from strikewave.fem.engine import Engine

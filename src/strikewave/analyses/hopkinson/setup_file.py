@@ -76,7 +76,7 @@ def load_setup(path: str, changes: Iterable[str] = ()) -> HopkinsonCase:
 
     Raises
     ------
-    InputError, InputErrors
+    InputError
         With one line for each thing that is wrong.
     """
     file = Path(path)

@@ -64,7 +64,7 @@ def run_case(case: Case, progress: Callable[[float], None] | None = None, *, ban
 
     Raises
     ------
-    InputError, InputErrors
+    InputError
         If parts of the case do not fit together.
     IntegrationError
         If the motion cannot be followed.

@@ -60,7 +60,7 @@ def run_wave(case: Case, period: float = math.inf) -> WaveSolution:
 
     Raises
     ------
-    InputError, InputErrors
+    InputError
         If the case has no stack or load, or parts of it do not fit together.
 
     Examples

@@ -79,7 +79,7 @@ def buffer(
 
     Raises
     ------
-    InputError, InputErrors
+    InputError
         If the blow cannot be had, or no stack fits the sensor.
 
     Examples

@@ -75,7 +75,7 @@ def design(
 
     Raises
     ------
-    InputError, InputErrors
+    InputError
         If the case has no such setting or number, a goal is none, or the store cannot be used.
 
     Examples

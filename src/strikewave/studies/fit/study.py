@@ -100,7 +100,7 @@ def fit(
 
     Raises
     ------
-    InputError, InputErrors, StrikewaveError
+    InputError, StrikewaveError
         If a record cannot be read, a field is none, or the case cannot be run.
 
     Examples

@@ -78,7 +78,7 @@ def settings(
 
     Raises
     ------
-    InputError, InputErrors
+    InputError
         If no setting can give it, or none could be run: with the reasons.
 
     Examples

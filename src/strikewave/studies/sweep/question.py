@@ -92,7 +92,7 @@ def sweep(
 
     Raises
     ------
-    InputError, InputErrors
+    InputError
         If the case has no such setting or number, or the store cannot be used.
 
     Examples
@@ -121,7 +121,7 @@ def plan_of(
 
     Raises
     ------
-    InputError, InputErrors
+    InputError
         If the case has no such setting or number, or they do not go with the design.
     """
     if design not in DESIGNS:

@@ -69,7 +69,7 @@ def drop_table(
 
     Raises
     ------
-    InputError, InputErrors
+    InputError
         If no design can give it, or none could be run: with the reasons.
 
     Examples
