@@ -63,7 +63,7 @@ def test_what_a_fault_does_to_a_response_is_told(kind):
 @pytest.mark.verify
 @pytest.mark.parametrize("kind", TOLD)
 def test_no_figure_of_a_response_is_stated_that_a_fault_has_put_more_than_five_percent_off(kind):
-    assert not silent(planted_boards.judged_class(kind, 40, FIRST + 2000))
+    assert not silent(planted_boards.judged_class(kind, 20, FIRST + 2000))
 
 
 @pytest.mark.verify

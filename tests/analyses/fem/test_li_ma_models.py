@@ -23,7 +23,7 @@ PUBLISHED_MASS = 19_685.34 / (4_374.52 * STANDARD_GRAVITY)
 @functools.cache
 def coarse(name, *changes):
     """Run a model with elements twice as large, the blow alone."""
-    return run_fem(studied(name, [*coarser(load_case(name)), *changes, "compare=true"]), 2)
+    return run_fem(studied(name, [*coarser(load_case(name), 2.0), *changes, "compare=true"]), 2)
 
 
 @functools.cache
