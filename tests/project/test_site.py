@@ -83,7 +83,7 @@ def test_the_validation_page_and_the_summary_are_what_the_record_says(evidence):
     record = evidence.read_record()
     assert evidence.PAGE.read_text("utf-8") == evidence.page(record)
     readme = evidence.README.read_text("utf-8")
-    summary = evidence.totals(evidence.latest(record))
+    summary = evidence.totals_by_kind(evidence.latest(record))
     assert re.search(r"<!-- how well it is known -->\n(.*?)<!-- end -->", readme, re.DOTALL)[1].strip() == summary
 
 

@@ -41,6 +41,16 @@ STUDIES = {
 }
 """Title of each study, and the script that made its rows."""
 
+KINDS = {
+    "measured": "Measurements",
+    "published": "Published and specified numbers",
+    "specified": "Published and specified numbers",
+    "simulated": "Published simulations",
+    "closed form": "Closed forms",
+}
+"""Kind of what a number is held against, by the word for it; any other word is the name of a code."""
+OTHER_CODES = "Other codes, run beside"
+
 Role = Literal["predicted", "fitted", "shown"]
 
 
@@ -87,6 +97,11 @@ class Comparison:
             raise ValueError(f"{self.what}, {self.quantity} misses by {self.miss:.3g}: say why, and what is being done")
 
     @property
+    def kind(self) -> str:
+        """Kind of what it is held against."""
+        return KINDS.get(self.against, OTHER_CODES)
+
+    @property
     def held(self) -> bool | None:
         """Whether the band holds the reference; None where there is no band."""
         if self.band is None or self.reference is None:
@@ -123,7 +138,7 @@ def keep(study: str, rows: Sequence[Comparison], from_page: bool = False) -> Non
 def write_pages(record: Record) -> None:
     """Write the page, and the summary into the README."""
     PAGE.write_text(page(record), "utf-8")
-    README.write_text(written(README.read_text("utf-8"), "how well it is known", totals(latest(record))), "utf-8")
+    README.write_text(written(README.read_text("utf-8"), "how well it is known", totals_by_kind(latest(record))), "utf-8")
 
 
 def _row(one: Comparison) -> dict[str, Any]:
@@ -148,8 +163,8 @@ class Kept:
             Comparison(**{"reference": None, "computed": None, **row, "band": _pair(row.get("band"))})
             for row in entry["rows"]
         ]
-        self.predicted = [one for one in self.rows if one.role == "predicted" and one.miss is not None]
-        self.worst = max(self.predicted, key=lambda one: abs(one.miss or 0.0), default=None)
+        predicted = [one for one in self.rows if one.role == "predicted" and one.miss is not None]
+        self.worst = max(predicted, key=lambda one: abs(one.miss or 0.0), default=None)
 
 
 def _pair(band: list[float] | None) -> tuple[float, float] | None:
@@ -181,29 +196,51 @@ def number(value: float | None) -> str:
 
 def totals(studies: Iterable[Kept]) -> str:
     """Return the table of studies: how many predictions, how near, how many bands hold."""
-    rows = []
-    for one in studies:
-        misses = sorted(abs(row.miss or 0.0) for row in one.predicted)
-        held = [row.held for row in one.rows if row.held is not None and row.role == "predicted"]
+    return _totals((one.title, one.rows) for one in studies)
+
+
+def totals_by_kind(studies: Iterable[Kept]) -> str:
+    """Return the table of kinds: a closed form that is met says nothing of a machine, so that each kind stands alone."""
+    return _totals(_by_kind(studies).items())
+
+
+def _by_kind(studies: Iterable[Kept]) -> dict[str, list[Comparison]]:
+    rows = [row for one in studies for row in one.rows]
+    kinds = dict.fromkeys([*KINDS.values(), OTHER_CODES])
+    return {kind: own for kind in kinds if (own := [row for row in rows if row.kind == kind])}
+
+
+def _misses(rows: Iterable[Comparison]) -> list[float]:
+    """Return the sizes of the misses of the predictions, the smallest first."""
+    return sorted(abs(row.miss) for row in rows if row.role == "predicted" and row.miss is not None)
+
+
+def _totals(groups: Iterable[tuple[str, Sequence[Comparison]]]) -> str:
+    lines = []
+    for title, rows in groups:
+        misses = _misses(rows)
+        held = [row.held for row in rows if row.held is not None and row.role == "predicted"]
         median = f"{100.0 * statistics.median(misses):.2g} %" if misses else "–"
         largest = f"{100.0 * misses[-1]:.2g} %" if misses else "–"
         bands = f"{sum(held)} of {len(held)}" if held else "–"
-        counts = [sum(row.role == role for row in one.rows) for role in ("fitted", "shown")]
-        rows.append([one.title, str(len(misses)), median, largest, bands, *map(str, counts)])
+        counts = [sum(row.role == role for row in rows) for role in ("fitted", "shown")]
+        lines.append([title, str(len(misses)), median, largest, bands, *map(str, counts)])
     heads = ["Held against", "predicted", "median miss", "largest", "bands that hold", "fitted", "shown"]
-    return table(heads, rows)
+    return table(heads, lines)
 
 
 def history(record: Record) -> str:
-    """Return the table of versions: predictions of all studies, and how near they come."""
-    rows = []
+    """Return the table of versions: predictions of each kind, and how near they come."""
+    lines = []
     for version, own in record.items():
         kept = [Kept(study, version, entry) for study, entry in own.items()]
-        misses = [abs(row.miss or 0.0) for one in kept for row in one.predicted]
-        near = [str(sum(miss <= most for miss in misses)) for most in NEAR]
-        rows.append([version, max(one.date for one in kept), str(len(kept)), str(len(misses)), *near])
-    heads = ["Version", "Date", "Studies run", "Predicted", *(f"within {100.0 * most:.0f} %" for most in NEAR)]
-    return table(heads, rows)
+        date = max(one.date for one in kept)
+        for kind, rows in _by_kind(kept).items():
+            misses = _misses(rows)
+            near = [str(sum(miss <= most for miss in misses)) for most in NEAR]
+            lines.append([version, date, kind, str(len(misses)), *near])
+    heads = ["Version", "Date", "Held against", "Predicted", *(f"within {100.0 * most:.0f} %" for most in NEAR)]
+    return table(heads, lines, 3)
 
 
 def line(one: Comparison, notes: Sequence[str]) -> list[str]:
@@ -266,7 +303,8 @@ def page(record: Record) -> str:
     """Return the page."""
     studies = latest(record)
     count = sum(len(one.rows) for one in studies)
-    parts = [INTRODUCTION, "## Totals\n", f"{count} comparisons.\n", totals(studies), ""]
+    parts = [INTRODUCTION, "## Totals\n", f"{count} comparisons, by what they are held against:\n"]
+    parts += [totals_by_kind(studies), "", "By study:\n", totals(studies), ""]
     parts += ["## The weakest predictions\n", "The worst row of each study, the three worst studies first.\n"]
     parts += [weakest(studies), "", "## History\n", history(record), ""]
     for one in studies:
