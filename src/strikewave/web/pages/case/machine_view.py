@@ -11,7 +11,7 @@ import numpy as np
 from strikewave.analyses.machine.columns import blow_columns
 from strikewave.analyses.machine.figures_of import figures_of
 from strikewave.analyses.machine.kind import kind_of
-from strikewave.analyses.machine.quick_look import quick_look
+from strikewave.analyses.machine.quick_look import PULSE_TOLERANCE, quick_look
 from strikewave.analyses.machine.result import SHOWN_WIDTHS, Solution, blow_history
 from strikewave.analyses.machine.run import run_case
 from strikewave.base.compiled import is_cold
@@ -52,7 +52,8 @@ def look(source: CaseSource) -> dict[str, Any]:
     """Return a first look at a machine; see `strikewave.analyses.machine.quick_look`."""
     seen = quick_look(loaded(source))
     left_out = "; bodies only, without the waves of the stack" if seen.bodies_only else ""
-    by = ("the fast engine" if seen.fast else "a full run of its bodies") + left_out
+    engine = "the fast engine" if seen.fast else f"its bodies, local error {PULSE_TOLERANCE:.0e}"
+    by = f"a first look by {engine}{left_out}; no bands yet"
     return {
         "by": by,
         "figures": shown_figures(figures_of(seen.blows), {}),
