@@ -46,8 +46,27 @@ COMMANDS: dict[str, tuple[str, ...]] = {
     "sweep": ("sweep", "jesd22-b111-b", "--vary", "machine.height=0.2..0.3 m:2", "--workers", "2"),
     "map": ("map", "li-ma-2019", "--points", "2x2", "--workers", "2", "--train", "0", "--set", "feed.blows=2"),
     "settings": ("settings", "--spec", "jesd22-b110:A", "--programmer", "linear"),
-}
+    "rotary": ("settings", "--interval", "20 ms", "--peak", "4000 g", "--width", "200 us", "--blows", "2",
+               "--strikers", "3"),
+    "scatter": ("scatter", "li-ma-2019-equal-blows", "--runs", "10", "--workers", "2", "--set", "feed.blows=2"),
+    "buffer": ("buffer", "li-ma-2019-fig5", "--sensor", "buffered", "--limit", "7000 g", "--layers", "2",
+               "--set", "feed.blows=2"),
+    "fit": ("fit", "li-ma-2019", "--to", "first.rigid_peak=4000 g", "--free", "object.frame_stiffness",
+            "--set", "feed.blows=2"),
+    "design": ("design", "design.toml", "--workers", "2"),
+    "reproduce": ("reproduce", "li-ma-2019", "--without", "elements", "--without", "studies"),
+}  # fmt: skip
 """A command of each kind that writes a folder, without its --out."""
+DESIGN = """schema = 1
+case = "li-ma-2019"
+set = { feed.blows = 2 }
+goals = ["first.rigid_peak = 4000 g +- 5 %", "cv < 3 %"]
+runs = 64
+[vary]
+machine.speed = "500..900 rpm"
+machine.engagement = "3..6 mm"
+"""
+"""What is designed."""
 PAGE, TABLE = Path(__file__).parents[2] / "docs/faults.md", "what was tried"
 """Where the table goes."""
 LIMIT = 600.0
@@ -236,6 +255,7 @@ class Bench:
         pulse = [(1e-5 * k, math.sin(math.pi * (k - 50) / 100.0) if 50 < k < 150 else 0.0) for k in range(400)]
         lines = [f"{time:.5f},{1000.0 * value:.6g}" for time, value in pulse]
         (home / "blow.csv").write_text("time [s],board [g]\n" + "\n".join(lines) + "\n")
+        (home / "design.toml").write_text(DESIGN)
         self.environment = {**os.environ, "NUMBA_CACHE_DIR": os.environ.get("NUMBA_CACHE_DIR", "")}
         if not self.environment["NUMBA_CACHE_DIR"]:
             del self.environment["NUMBA_CACHE_DIR"]

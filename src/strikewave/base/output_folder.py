@@ -124,8 +124,8 @@ def check_place(folder: Path, identity: str, force: bool = False, own: Sequence[
     """Refuse a result folder that holds something else.
 
     A folder that is absent, empty, or holds the very same result (its ``case.toml`` or ``record.toml`` equals
-    ``identity``) may be written; any other result only by ``force``; one that holds other files never. ``own`` are
-    files of this result beside `RESULT_FILES`, such as those named after the case.
+    ``identity``, or begins with it where it is one line) may be written; any other result only by ``force``; one that
+    holds other files never. ``own`` are files of this result beside `RESULT_FILES`, such as those named after the case.
 
     Raises
     ------
@@ -156,8 +156,14 @@ def _check(folder: Path, identity: str, force: bool, own: Sequence[str]) -> None
             f"it holds files that are not of a result ({show(', '.join(foreign))}); move them, or choose another folder"
         )
         raise InputError("--out", str(folder), "an empty or new folder", hint)
-    if not force and mark.read_text("utf-8", errors="replace") != identity:
+    if not force and not _is_marked(mark.read_text("utf-8", errors="replace"), identity):
         raise InputError("--out", str(folder), "a new folder", "it holds another result; add --force to replace it")
+
+
+def _is_marked(text: str, identity: str) -> bool:
+    """Tell whether a text marks a result: of a search it begins with what was asked, and what was found follows."""
+    asked = identity.endswith("\n") and identity.count("\n") == 1
+    return text.startswith(identity) if asked else text == identity
 
 
 LATER = 2.0

@@ -84,8 +84,8 @@ def run_and_write(
     usual : str or None
         Name of the folder below ``out`` where none is asked for; None where files are written only on request.
     identity : str or None
-        The text that will mark the folder, so that a place which holds something else is refused before the work;
-        None where only the result knows it, and another result is refused after it.
+        The text that will mark the folder, or its first line, so that a place which holds something else is refused
+        before the work; None where only the result knows it, and another result is refused after it.
     own : sequence of str, optional
         Names of files of this result beside the usual ones.
 
@@ -113,7 +113,7 @@ def _run_and_write(
         check_unchanged(place.folder, identity)
     with claimed(place.folder) as claim:
         try:
-            result, words = _written(command, output, claim, place.replace, own)
+            result, words = _written(command, output, claim, identity, place.replace, own)
             return _print(command, output, result, timed=True, words=words)
         except KeyboardInterrupt as stop:
             if claim.written:
@@ -122,14 +122,14 @@ def _run_and_write(
 
 
 def _written(
-    command: Command[R], output: Output, claim: Claim, replace: bool, own: Sequence[str]
+    command: Command[R], output: Output, claim: Claim, identity: str | None, replace: bool, own: Sequence[str]
 ) -> tuple[R, list[str]]:
     """Solve, write the folder whole, and return the result and what is said of its files."""
     late = None
     with command.under_way(claim.typed):
         result = command.solve()
         try:
-            with atomic_folder(claim, result.source.text, replace, own) as folder:
+            with atomic_folder(claim, identity or result.source.text, replace, own) as folder:
                 names = [
                     *command.draw(result, folder),
                     *write_files(result, folder),

@@ -52,6 +52,19 @@ def test_a_design_writes_its_settings_and_a_report(strikewave, written, read_pag
 
 
 @pytest.mark.verify
+def test_the_same_design_replaces_its_result_and_another_is_refused_before_it_runs(strikewave, written):
+    written()
+    words = ("design", "d.toml", "--workers", 1, "--out", "o")
+    assert [strikewave(*words)[0] for _ in range(2)] == [0, 0]
+    first = Path("o/design.json").read_bytes()
+    written(DESIGN.replace("30 kN", "31 kN"))
+    code, _, err = strikewave(*words)
+    assert code == 2
+    assert "holds another result" in err
+    assert Path("o/design.json").read_bytes() == first
+
+
+@pytest.mark.verify
 def test_goals_that_exclude_each_other_end_with_3_and_are_named(strikewave, written):
     written(DESIGN.replace('"approach_speed largest"', '"approach_speed > 50 m/s"'))
     code, out, _ = strikewave("design", "d.toml", "--workers", 1, "--json")

@@ -69,4 +69,4 @@ def command(
         return show_estimate(plan, count, output.json)
     usual = f"design-{case_folder(plan.case.name, dump_case(plan.case), request.changes)}"
     searching = DesignCommand(plan, pool_of(None, count, cluster), place=store, fresh=fresh)
-    return run_and_write(searching, output, usual, plan.text)
+    return run_and_write(searching, output, usual, plan.asked_line)

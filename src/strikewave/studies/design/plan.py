@@ -201,12 +201,12 @@ class DesignPlan:
         return f"{'; '.join(aim.typed for aim in self.aims)}; over {over}{more} ({self.analysis})"
 
     @cached_property
-    def text(self) -> str:
-        """The case as text, and above it what was asked: another question is another result."""
+    def asked_line(self) -> str:
+        """The first line of the written case: what was asked, and a mark of everything that it was asked of."""
         asked = repr((self.aims, self.runs, self.seed, self.robust, self.analysis, self.search))
-        asked += repr([(one.axis, one.words) for one in self.variables])
+        asked += repr([(one.axis, one.words) for one in self.variables]) + dump_case(self.case)
         key = hashlib.sha256(asked.encode()).hexdigest()[:12]
-        return f"# strikewave design: {self.words}; plan {key}\n{dump_case(self.case)}"
+        return f"# strikewave design: {self.words}; plan {key}\n"
 
 
 FINER = 0.1

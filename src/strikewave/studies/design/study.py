@@ -137,8 +137,8 @@ class DesignStudy(ShownResult):
     @cached_property
     def source(self) -> Source:
         """The case at the best settings, and above it what was asked."""
-        head = self.plan.text.partition("\n")[0]
-        return Source("case", self.case.name, f"{head}\n{dump_case(self.case_of())}", asked=self.asked)
+        text = f"{self.plan.asked_line}{dump_case(self.case_of())}"
+        return Source("case", self.case.name, text, asked=self.asked)
 
     def kept(self, name: str) -> KeptNumber:
         """Return a number with the units in which it is kept and shown."""

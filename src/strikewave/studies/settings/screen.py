@@ -48,8 +48,6 @@ def find_settings(command: SettingsCommand, output: Output, usual_question: bool
     """
     asked = asked_line(command.case, command.goal, command.choice)
     usual = name_of(command.goal) + ("" if usual_question else f"-{asked[-10:-2]}")
-    if output.out is not None and holds(output.out, asked):
-        output = dataclasses.replace(output, force=True)
     return run_and_write(command, output, usual, asked)
 
 
@@ -90,15 +88,6 @@ class SettingsCommand(ResumableCommand[SettingsStudy]):
         save(settings_figure(result), folder / "settings.svg")
         (folder / "report.html").write_text(settings_report(result), "utf-8", newline="\n")
         return ["report.html", "settings.svg"]
-
-
-def holds(folder: Path, asked: str) -> bool:
-    """Return whether a folder holds the result of the very same question."""
-    try:
-        with (folder / "case.toml").open("rb") as file:
-            return file.read(len(asked.encode())) == asked.encode()
-    except OSError:
-        return False
 
 
 def print_clauses(title: str, clauses: Sequence[Clause]) -> None:

@@ -27,7 +27,7 @@ from strikewave.studies.settings.drop_table.study import (
     goal_words,
     name_of,
 )
-from strikewave.studies.settings.screen import holds, print_clauses
+from strikewave.studies.settings.screen import print_clauses
 
 SHOWN = 8
 """First of the ranking in the table; the first of each other programmer follows."""
@@ -47,8 +47,6 @@ def find_drop_table(command: DropCommand, output: Output, usual_question: bool) 
     """
     asked = asked_line(command.case, command.goal, command.choice)
     usual = name_of(command.goal) + ("" if usual_question else f"-{asked[-10:-2]}")
-    if output.out is not None and holds(output.out, asked):
-        output = dataclasses.replace(output, force=True)
     return run_and_write(command, output, usual, asked)
 
 
