@@ -98,10 +98,14 @@ def test_a_finding_names_the_field_of_the_page_that_mends_it(shots):
     head, *rows = (shots / "a.csv").read_text().splitlines()
     turned = [f"{t},{-float(a)}" for t, a in (row.split(",") for row in rows)]
     (shots / "a.csv").write_text("\n".join([head, *turned]) + "\n")
-    said = [message for _, _, message in measure(RecordRequest(str(shots), ("a.csv",), spectrum=False), say)["notices"]]
-    assert any("“polarity” -1 turns it" in message for message in said)
-    mended = measure(RecordRequest(str(shots), ("a.csv",), spectrum=False, polarity="-1"), say)
-    assert not any("turns it" in message for _, _, message in mended["notices"])
+
+    def said(**more):
+        view = measure(RecordRequest(str(shots), ("a.csv",), spectrum=False, **more), say)
+        return json.dumps([view["lead"], view["notices"]], ensure_ascii=False), view
+
+    assert "“polarity” -1 turns it" in said()[0]
+    words, mended = said(polarity="-1")
+    assert "turns it" not in words
     assert "strikewave record a.csv --polarity -1" in mended["same"][0][1]
     with pytest.raises(StrikewaveError, match=r"^“polarity”: got"):
         measure(RecordRequest(str(shots), ("a.csv",), spectrum=False, polarity="2"), say)
