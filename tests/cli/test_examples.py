@@ -22,7 +22,11 @@ def test_examples_are_the_files_of_the_package_and_all_cases(strikewave):
     notebooks = {path.name for path in Path("mine/notebooks").iterdir()}
     assert notebooks == {path.name for path in (examples.EXAMPLES / "notebooks").iterdir()}
     assert len(notebooks) == 6
-    assert {path.name for path in Path("mine/studies").iterdir()} == {"bar-end.toml", "equal-blows.toml"}
+    assert {path.name for path in Path("mine/studies").iterdir()} == {
+        "bar-end.toml",
+        "bar-pulse-fem.toml",
+        "equal-blows.toml",
+    }
     assert Path("mine/records/impact_02.lvm").stat().st_size > 500_000
     assert {"LICENSE", "README.md"} <= {path.name for path in Path("mine/records").iterdir()}
 

@@ -29,11 +29,20 @@ AT_START = (
 )
 
 
+def asked(*faults):
+    """Return the options that ask for these faults alone."""
+    return tuple(word for fault in faults for word in ("--only", fault))
+
+
 @pytest.mark.verify
 @pytest.mark.parametrize(
     "words",
-    [("impact", "fem", "--only", "chance"), ("impact", *(word for fault in AT_START for word in ("--only", fault)))],
-    ids=["commands that run", "commands that start"],
+    [
+        ("impact", "--only", "chance"),
+        ("fem", *asked("kill -9 at a random moment", "files limited to a few kB")),
+        ("impact", *asked(*AT_START)),
+    ],
+    ids=["commands that run", "long runs", "commands that start"],
 )
 def test_nothing_is_lost(environment, words):
     found, told = fates(environment, *words)

@@ -241,10 +241,9 @@ def test_striking_blocks_near_calculix_as_its_penalty_hardens(tmp_path):
     edges of the contact are singular, and what a front of no width leaves behind it rings at the size of the elements.
     """
     model = blocks(5e-3 / 3.0, 2.5e-3)
-    runs = [solved(model, tmp_path, penalty=penalty, every=2) for penalty in (1e14, 2e14, 4e14)]
-    soft, medium, hard = (struck(both) for both in runs)
-    assert np.all(hard < medium), hard
-    assert np.all(medium < soft), medium
+    runs = [solved(model, tmp_path, penalty=penalty, every=2) for penalty in (1e14, 4e14)]
+    soft, hard = (struck(both) for both in runs)
+    assert np.all(hard < soft), soft
     assert np.all(hard < [0.06, 0.10, 0.04, 0.06, 0.06, 0.27, 0.17]), hard
-    gained = [np.diff(momentum_z(runs[2], fields, "cube")[[0, -1]]).item() for fields in (runs[2].ours, runs[2].theirs)]
+    gained = [np.diff(momentum_z(runs[1], fields, "cube")[[0, -1]]).item() for fields in (runs[1].ours, runs[1].theirs)]
     assert gained[0] == pytest.approx(gained[1], rel=0.02)

@@ -34,7 +34,7 @@ def test_clean_boards_raise_nothing_and_their_figures_are_right(kind):
 
 
 @pytest.mark.verify
-@pytest.mark.parametrize(("kind", "count"), [("clean-board", 200), ("clean-board-train", 60)])
+@pytest.mark.parametrize(("kind", "count"), [("clean-board", 100), ("clean-board-train", 50)])
 def test_fewer_than_two_clean_boards_in_a_hundred_raise_a_finding(kind, count):
     found = planted_boards.judged_class(kind, count, FIRST + 1000)
     assert len(alarms(found)) < ALARMS * count, alarms(found)
@@ -63,7 +63,7 @@ def test_what_a_fault_does_to_a_response_is_told(kind):
 @pytest.mark.verify
 @pytest.mark.parametrize("kind", TOLD)
 def test_no_figure_of_a_response_is_stated_that_a_fault_has_put_more_than_five_percent_off(kind):
-    assert not silent(planted_boards.judged_class(kind, 40, FIRST + 2000))
+    assert not silent(planted_boards.judged_class(kind, 20, FIRST + 2000))
 
 
 @pytest.mark.verify

@@ -3,7 +3,6 @@
 import functools
 import math
 
-import numpy as np
 import pytest
 
 from strikewave.analyses.fem.run import run_fem
@@ -24,7 +23,7 @@ PUBLISHED_MASS = 19_685.34 / (4_374.52 * STANDARD_GRAVITY)
 @functools.cache
 def coarse(name, *changes):
     """Run a model with elements twice as large, the blow alone."""
-    return run_fem(studied(name, [*coarser(load_case(name)), *changes, "compare=true"]), 2)
+    return run_fem(studied(name, [*coarser(load_case(name), 2.0), *changes, "compare=true"]), 2)
 
 
 @functools.cache
@@ -163,15 +162,3 @@ def test_rigid_model_meets_what_it_was_fitted_to_and_converges():
     shares = [row.hourglass_share for row in rows]
     assert shares == sorted(shares, reverse=True)
     assert shares[-1] < 0.03
-
-
-@pytest.mark.verify
-def test_wave_model_converges():
-    with executing(threads=2) as execution:
-        rows = mesh_rows(WAVE, execution)
-    peaks = np.array([row.answer.body_peak for row in rows])
-    assert abs(peaks[0] / peaks[-1] - 1.0) < 0.1
-    assert abs(peaks[1] / peaks[-1] - 1.0) < 0.06
-    # the second touch, at 155 us, comes and goes with the mesh
-    assert abs(rows[1].answer.impulse / rows[-1].answer.impulse - 1.0) < 0.07
-    assert all(abs(row.energy_error) < 1e-3 and row.hourglass_share < 0.05 for row in rows)
