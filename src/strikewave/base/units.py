@@ -229,18 +229,6 @@ def in_unit(value: float, si: str, unit: str) -> float:
     return _times(value, 1.0 / _factor(unit, si))
 
 
-def frequency_text(value: float) -> str:
-    """Write a frequency, Hz, in the unit that leaves no row of zeros.
-
-    Examples
-    --------
-    >>> frequency_text(3e6), frequency_text(1667.0), frequency_text(60e3), frequency_text(5.0)
-    ('3 MHz', '1.667 kHz', '60 kHz', '5 Hz')
-    """
-    unit = "MHz" if value >= 1e6 else "kHz" if value >= 1e3 else "Hz"
-    return f"{in_unit(value, 'Hz', unit):g} {unit}"
-
-
 def convertible(unit: str, choices: Iterable[str]) -> tuple[str, float] | None:
     """Return the first SI unit of some choices that a unit can be turned into, and its factor; None where none fits.
 

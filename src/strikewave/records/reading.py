@@ -12,8 +12,8 @@ from typing import Any
 import numpy as np
 
 from strikewave.base.errors import InputError
+from strikewave.base.frequencies import frequency_text
 from strikewave.base.percents import percent
-from strikewave.base.units import frequency_text
 from strikewave.records.budget.blows import BlowUncertainty
 from strikewave.records.calibration import Calibration, calibrated
 from strikewave.records.clock import even

@@ -11,8 +11,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from strikewave.base.errors import InputError
+from strikewave.base.frequencies import frequency_text
 from strikewave.base.result import Band, Notice
-from strikewave.base.units import frequency_text
 from strikewave.signal.alignment import EvenHistory
 from strikewave.signal.filters import Filter
 from strikewave.signal.pulse import Pulse, measure_pulse
