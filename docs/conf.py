@@ -38,9 +38,14 @@ nb_execution_raise_on_error = True
 nb_execution_timeout = 300
 nb_merge_streams = True
 
-autodoc_typehints = "none"  # the docstrings state types with shapes and units
+autodoc_typehints = "signature"
+autodoc_typehints_format = "short"
+autodoc_type_aliases = {"ArrayLike": "ArrayLike", "Array": "ndarray"}  # else a signature has their many lines
+python_use_unqualified_type_names = True
+python_maximum_signature_line_length = 100  # a longer signature has a line for each parameter
 napoleon_google_docstring = False
 napoleon_use_rtype = False
+napoleon_preprocess_types = True
 napoleon_use_ivar = True
 math_numfig = True
 math_eqref_format = "({number})"

@@ -7,7 +7,7 @@ import tomllib
 import pytest
 
 from strikewave.analyses.hopkinson.setup_file import example_setup, parse_setup, with_test
-from strikewave.base.errors import InputError, InputErrors
+from strikewave.base.errors import InputError
 from strikewave.cases.case import dump_case, load_case, parse_case
 from strikewave.cases.performed_test import EXAMPLE, LONGEST_LINE, LONGEST_NOTES, PerformedTest
 from strikewave.cases.stated_test import load_test
@@ -71,7 +71,7 @@ def test_a_file_of_a_test_holds_a_table_or_its_keys(tmp_path, head):
 def test_what_is_wrong_with_a_file_of_a_test_is_one_line_that_names_the_option(tmp_path, text, words):
     file = tmp_path / "item.toml"
     file.write_text(text)
-    with pytest.raises((InputError, InputErrors)) as caught:
+    with pytest.raises(InputError) as caught:
         load_test(file)
     assert words in str(caught.value)
     assert str(caught.value).startswith("--test")

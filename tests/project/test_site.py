@@ -1,5 +1,6 @@
 """The site and the code know of each other: numbered equations, public names, pages."""
 
+import ast
 import re
 from pathlib import Path
 
@@ -21,6 +22,44 @@ def test_every_equation_leads_to_code_and_is_named_there():
 def test_the_reference_has_every_public_name():
     listed = set(re.findall(r"^   strikewave\.(\w+)$", (DOCS / "reference.md").read_text("utf-8"), re.MULTILINE))
     assert listed == {*strikewave.__all__, "map"} - {"__version__"}
+
+
+def reference_docstrings():
+    """Docstrings of the functions that the reference shows, by their names; read, since to import them all takes seconds."""
+    text = (DOCS / "reference.md").read_text("utf-8")
+    members = re.findall(r"automodule:: (\S+)\n   :members: (.*)", text)
+    public = re.findall(r"^   strikewave\.(\w+)$", text, re.MULTILINE)
+    asked = [(f"strikewave.{strikewave._HOMES[name]}", name) for name in public]
+    asked += [(module, name) for module, names in members for name in names.split(", ")]
+    found = {}
+    for module, name in asked:
+        place = ROOT.joinpath("src", *module.split("."))
+        source = place.with_suffix(".py") if place.with_suffix(".py").is_file() else place / "__init__.py"
+        for entry in ast.parse(source.read_text("utf-8")).body:
+            if isinstance(entry, ast.FunctionDef) and entry.name == name:
+                found[f"{module}.{name}"] = ast.get_docstring(entry)
+    return found
+
+
+def test_every_function_of_the_reference_says_what_it_returns():
+    docstrings = reference_docstrings()
+    assert len(docstrings) > 40
+    assert [name for name, text in docstrings.items() if "\nReturns\n-------\n" not in text] == []
+
+
+def test_no_sentence_stands_where_a_docstring_lists_fields():
+    """Napoleon takes it for a field: a source below `Raises` became an exception, a remark a parameter."""
+    section = re.compile(
+        r'^( *)(?:Parameters|Attributes|Returns|Raises)\n\1-+\n(.*?)(?=^\1\S[^\n]*\n\1-+\n|""")',
+        re.MULTILINE | re.DOTALL,
+    )
+    lost = [
+        f"{path.name}: {line}"
+        for path in (ROOT / "src").rglob("*.py")
+        for indent, body in section.findall(path.read_text("utf-8"))
+        for line in re.findall(rf"^{indent}(\S.*\.)$", body, re.MULTILINE)
+    ]
+    assert lost == []
 
 
 def test_every_page_and_notebook_stands_in_the_table_of_contents():

@@ -19,7 +19,7 @@ def run_any(name: str, changes: Sequence[str], output: Output, animate: bool = F
 
     Raises
     ------
-    InputError, InputErrors
+    InputError
         If the file is neither, or what its analysis raises.
     """
     if holds_setup(read_case_text(name)[0]):

@@ -13,7 +13,7 @@ def check(case: Case) -> None:
 
     Raises
     ------
-    InputError, InputErrors
+    InputError
         As the builders do.
     """
     if case.machine is not None:

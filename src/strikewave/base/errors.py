@@ -39,6 +39,8 @@ class InputError(StrikewaveError, ValueError):
     hint : str, optional
         What to do next, or the nearest match.
 
+    Notes
+    -----
     ``got`` may be `MISSING`, where nothing came; ``allowed`` may be `EXISTING_FILE`, where a path names no file.
 
     Examples
@@ -63,13 +65,40 @@ class InputError(StrikewaveError, ValueError):
             fault = f"got {show(got)}; allowed: {allowed}"
         super().__init__(f"{field}: {fault}" + (f"; {hint}" if hint else ""))
 
+    def at(self, field: str) -> InputError:
+        """Return the same error of a field that has another name where the input came from.
 
-class InputErrors(StrikewaveError, ValueError):  # noqa: N818  (it is several)
-    """Several inputs that cannot be used, one line each."""
+        Examples
+        --------
+        >>> str(InputError("radius", -1.0, "a length above zero").at("striker.nose_radius"))
+        'striker.nose_radius: got -1.0; allowed: a length above zero'
+        """
+        return InputError(field, self.got, self.allowed, self.hint)
+
+
+class InputErrors(InputError):  # noqa: N818  (it is several)
+    """Several inputs that cannot be used, one line each; what catches `InputError` catches it too.
+
+    Each line names its own field, so ``field``, ``allowed`` and ``hint`` are empty, and ``got`` is `MISSING`.
+
+    Examples
+    --------
+    >>> try:
+    ...     raise InputErrors(["striker: missing; add [striker]", "object: missing; add [object]"])
+    ... except InputError as error:
+    ...     print(error)
+    striker: missing; add [striker]
+    object: missing; add [object]
+    """
 
     def __init__(self, lines: Iterable[str]) -> None:
         self.lines = tuple(lines)
-        super().__init__("\n".join(self.lines))
+        self.field, self.got, self.allowed, self.hint = "", MISSING, "", ""
+        ValueError.__init__(self, "\n".join(self.lines))
+
+    def at(self, field: str) -> InputErrors:
+        """Return the error as it is: each line names its field already."""
+        return self
 
 
 class IntegrationError(StrikewaveError, RuntimeError):

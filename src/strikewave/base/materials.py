@@ -65,6 +65,11 @@ class Material:
 def materials() -> dict[str, Material]:
     """Return all materials by name, in the order of the table.
 
+    Returns
+    -------
+    dict of str to Material
+        By name.
+
     Examples
     --------
     >>> round(materials()["65Mn"].bar_speed, 2)
@@ -83,6 +88,11 @@ def material(name: str, field: str = "material") -> Material:
         Name in the table; case does not matter.
     field : str, optional
         Path of the field, for the error message.
+
+    Returns
+    -------
+    Material
+        Density (kg/m^3), Young's modulus (Pa), Poisson's ratio and what else is known, with its source.
 
     Raises
     ------

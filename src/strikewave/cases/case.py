@@ -376,7 +376,7 @@ def _with_band(path: str, value: Value, band: ToleranceBand | None) -> Value:
     try:
         allowed.read(toleranced.document())
     except InputError as error:
-        raise InputError(f"{path}.{error.field}".rstrip("."), error.got, error.allowed, error.hint) from None
+        raise error.at(f"{path}.{error.field}".rstrip(".")) from None
     return toleranced
 
 
@@ -445,9 +445,14 @@ def load_case(name: str, changes: Iterable[str] = ()) -> Case:
     changes : iterable of str, optional
         ``path=value`` each, such as ``machine.speed=500 rpm``.
 
+    Returns
+    -------
+    Case
+        The checked case, with its provenance; quantities keep the text they were typed in.
+
     Raises
     ------
-    InputError, InputErrors
+    InputError
         With one line for each thing that is wrong.
 
     Examples
@@ -587,6 +592,11 @@ def dump_case(case: Case, comments: Comments | None = None) -> str:
         What is written.
     comments : callable, optional
         Returns the lines of comment above a key from its path, without names of rows, and from what stands there.
+
+    Returns
+    -------
+    str
+        The case as TOML, which `load_case` reads again as the same case.
 
     Examples
     --------

@@ -9,8 +9,9 @@ from strikewave.base.materials import Material, material
 from strikewave.base.quantities import Value
 from strikewave.cases.case import Case
 from strikewave.cases.cushion_of_case import cushion_of
+from strikewave.cases.law_names import CUSHION, POWER
 from strikewave.cases.stack_of_case import area_of, need
-from strikewave.cases.tables import CUSHION, POWER, AnyStriker, ContactTable
+from strikewave.cases.tables import AnyStriker, ContactTable
 from strikewave.cases.yield_pressure import capped_pressure, pressure_words, refuse_beyond_law
 from strikewave.contact import (
     AnyContact,
@@ -142,7 +143,7 @@ def cushion_of_contact(contact: ContactTable) -> Cushion:
 
     Raises
     ------
-    InputError, InputErrors
+    InputError
         If it has none, or fields that a cushion does not take.
     """
     if contact.cushion is None:
@@ -163,7 +164,7 @@ def cushion_contact(contact: ContactTable) -> AnyContact:
 
     Raises
     ------
-    InputError, InputErrors
+    InputError
         If parts of it do not fit together.
     """
     cushion = cushion_of_contact(contact)

@@ -33,7 +33,7 @@ def cushion_of(table: CushionTable, path: str, area: float) -> Cushion:
 
     Raises
     ------
-    InputError, InputErrors
+    InputError
         If its law or material is unknown, or a property is missing or foreign.
     """
     row = cushion_material(table.material, f"{path}.material") if table.material else None

@@ -85,7 +85,7 @@ def check_fit(fit: FitTable, form: Form, path: str) -> None:
             try:
                 allowed.read(then)
             except InputError as error:
-                raise InputError(f"{path}.under.{name}", error.got, error.allowed, error.hint) from None
+                raise error.at(f"{path}.under.{name}") from None
 
 
 def _check_error(path: str, form: Form, name: str, error: str | int | float) -> None:
@@ -95,7 +95,7 @@ def _check_error(path: str, form: Form, name: str, error: str | int | float) -> 
     try:
         Range(unit, 0.0, open_low=True).read(error)
     except InputError as wrong:
-        raise InputError(path, wrong.got, wrong.allowed, wrong.hint) from None
+        raise wrong.at(path) from None
 
 
 def _is_correlation(rows: tuple[tuple[float, ...], ...]) -> bool:

@@ -52,7 +52,7 @@ def stated_sensor(asked: str, field: str) -> StatedSensor:
 
     Raises
     ------
-    InputError, InputErrors
+    InputError
         If the table has no such accelerometer, or the file cannot be used.
 
     Examples

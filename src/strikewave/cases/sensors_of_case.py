@@ -29,7 +29,7 @@ def build_channels(case: Case) -> tuple[SensorChannel, ...]:
 
     Raises
     ------
-    InputError, InputErrors
+    InputError
         If a sensor names what is not there, or has values that do not fit together.
     """
     once("sensor", [sensor.name for sensor in case.sensor])
@@ -52,7 +52,7 @@ def chain_of(table: SensorTable, rate: float | None = None) -> tuple[Sensor, Rec
 
     Raises
     ------
-    InputError, InputErrors
+    InputError
         If it names no known accelerometer, or has values that do not fit together.
     """
     path = f"sensor.{table.name}"

@@ -13,7 +13,8 @@ from strikewave.base.materials import Material, material
 from strikewave.base.quantities import Value
 from strikewave.cases.case import Case
 from strikewave.cases.cushion_of_case import cushion_of
-from strikewave.cases.tables import CUSHION, EndTable, JointTable, LayerTable
+from strikewave.cases.law_names import CUSHION
+from strikewave.cases.tables import EndTable, JointTable, LayerTable
 from strikewave.cases.yield_pressure import capped_pressure, pressure_words, refuse_beyond_law
 from strikewave.contact.damping import named_contact
 from strikewave.contact.elastoplastic import cap_of
@@ -246,7 +247,7 @@ def build_stack(case: Case) -> Stack:
 
     Raises
     ------
-    InputError, InputErrors
+    InputError
         If a layer, joint or the end cannot be as it is said to be.
 
     Examples

@@ -225,7 +225,7 @@ def load_test(file: Path, option: str = "--test") -> StatedTest:
 
     Raises
     ------
-    InputError, InputErrors
+    InputError
         With one line for each thing that is wrong, after ``option``.
     """
     document = read_small_file(file, option, 'a TOML file with [test], such as item = "board 7"')

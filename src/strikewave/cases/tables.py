@@ -81,12 +81,9 @@ from strikewave.base.quantities import (
     Torque,
     Value,
 )
+from strikewave.cases.law_names import ContactName, DampingName, StiffnessName
 from strikewave.cases.plausible import GoesWith
 
-POWER = "power"
-"""The contact law that is given by a force at a depth."""
-CUSHION = "cushion"
-"""The contact law, and the kind of joint, that is a cushion with a table of its own."""
 PUBLISHED_QUANTITIES = {
     "first.rigid_peak": "m/s^2",
     "first.total_peak": "m/s^2",
@@ -324,8 +321,8 @@ class ContactTable(CaseTable):
     ``sliding_damping``; none where they are left out.
     """
 
-    law: str = "palmgren"
-    damping: str = "exact"
+    law: ContactName = "palmgren"
+    damping: DampingName = "exact"
     restitution: Restitution
     slowest_approach: Speed
     reference_force: MaybePositiveForce = None
@@ -413,7 +410,7 @@ class JointTable(CaseTable):
     band_high: MaybeFrequency = None
     resonance: MaybeFrequency = None
     quality: MaybeQuality = None
-    law: str = ""
+    law: StiffnessName = ""
     radius: MaybeLength = None
     length: MaybeLength = None
     datum_depth: MaybeLength = None

@@ -63,6 +63,11 @@ def exact(restitution_asked: ArrayLike) -> Array:
     phase plane of Hunt & Crossley's law; the derivation stands in ``contact/_kernels.py``.
     Theory: :eq:`contact-restitution`.
 
+    Returns
+    -------
+    ndarray
+        Hysteresis factor chi, in the shape of the input.
+
     Raises
     ------
     ValueError
@@ -291,6 +296,11 @@ def restitution(hysteresis_factor: ArrayLike) -> Array:
     """Return the restitution that a hysteresis factor gives two free bodies, chi >= 0.
 
     Inverse of `exact`; whatever law the factor came from. Theory: :eq:`contact-restitution`.
+
+    Returns
+    -------
+    ndarray
+        Coefficient of restitution, in the shape of the input.
 
     Raises
     ------

@@ -316,6 +316,11 @@ def thornton_restitution(speed_ratio: ArrayLike) -> Array:
     the law `thornton`, in closed form, which the tests compare with the integrator's; Thornton 1997 was not opened.
     Theory: :eq:`contact-yield`.
 
+    Returns
+    -------
+    ndarray
+        Coefficient of restitution, in the shape of the input.
+
     Examples
     --------
     >>> print(thornton_restitution([0.5, 1.0, 10.0, 100.0]).round(4))

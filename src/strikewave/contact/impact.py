@@ -159,6 +159,11 @@ class ImpactHistory:
 def reduced_mass(mass1: ArrayLike, mass2: ArrayLike) -> Array:
     """Return m1 m2 / (m1 + m2), either of which may be infinite, kg.
 
+    Returns
+    -------
+    ndarray
+        In the broadcast shape of both, kg.
+
     Raises
     ------
     ValueError
@@ -320,6 +325,11 @@ def impact_history(
         Ascending times within the contact, s; 501 equal steps by default.
     tolerance : float, optional
         Of the integrator, where the closed form does not serve.
+
+    Returns
+    -------
+    ImpactHistory
+        Time (s), indentation (m), its rate (m/s) and force (N), in the shape of ``times``.
 
     Raises
     ------

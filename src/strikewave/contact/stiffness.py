@@ -188,6 +188,11 @@ def hertz(body1: ElasticBody, body2: ElasticBody, radius1: float, radius2: float
     Valid for elastic bodies and a contact radius small beside R. ``radius2 = inf`` is a plane.
     Source: Hertz 1882 in Johnson 1985, eq. 4.23. Theory: :eq:`contact-hertz`.
 
+    Returns
+    -------
+    Stiffness
+        K, N/m^1.5, and the exponent 1.5.
+
     Raises
     ------
     ValueError
@@ -220,6 +225,11 @@ def palmgren(body1: ElasticBody, body2: ElasticBody, length: float) -> Stiffness
     so K = {h^0.8 / (3.81 [2 / (pi E')]^0.9)}^(10/9). The cylinder's radius does not enter.
     Empirical, for steel rollers of bearings. Source: Palmgren as given by Li & Ma 2019, eqs (2)-(4);
     their eq (5) prints E' upside down (a compliance), which is repaired here. Theory: :eq:`contact-palmgren`.
+
+    Returns
+    -------
+    Stiffness
+        K, N/m^(10/9), and the exponent 10/9.
 
     Raises
     ------

@@ -123,7 +123,7 @@ def checked(model: Model) -> TieState:
 
     Raises
     ------
-    InputError, InputErrors
+    InputError
         If the model could not be run, or its numbers do not go into eight columns.
     """
     check_controls(model)

@@ -117,7 +117,7 @@ def solve(model: Model, options: RunOptions | None = None) -> FemRun:
 
     Raises
     ------
-    InputError, InputErrors
+    InputError
         If the model cannot be run, with all reasons that are known before the first step.
 
     Examples
@@ -142,7 +142,7 @@ def solve_blows(model: Model, options: RunOptions | None = None) -> tuple[FemRun
 
     Raises
     ------
-    InputError, InputErrors
+    InputError
         As `solve`.
     """
     options = options or RunOptions()

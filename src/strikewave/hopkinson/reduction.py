@@ -123,6 +123,11 @@ def reduce(waves: FaceWaves, bars: tuple[Bar, Bar], specimen: Specimen) -> Reduc
     """Return forces and velocities of the faces of the specimen from the waves there.
 
     Theory: :eq:`hopkinson-reduction`.
+
+    Returns
+    -------
+    Reduction
+        Forces (N) and velocities (m/s) of both faces; stress, strain and strain rate follow from them.
     """
     ei, er, et = waves.incident, waves.reflected, waves.transmitted
     return Reduction(

@@ -53,6 +53,11 @@ def stress_difference(beta: ArrayLike, transit: ArrayLike) -> Array:
     beta, transit : array_like
         Impedance ratio above 0, and k from 1; broadcast.
 
+    Returns
+    -------
+    ndarray
+        Stress difference of the faces over their mean, in the broadcast shape of both.
+
     Raises
     ------
     ValueError

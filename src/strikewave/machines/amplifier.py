@@ -43,6 +43,11 @@ def next_speed(speed: ArrayLike, mass_ratio: ArrayLike, restitution: ArrayLike, 
     falling : array_like, optional
         u at which the struck body comes against the blow, m/s; 0 where it rests.
 
+    Returns
+    -------
+    ndarray
+        In the broadcast shape of the input, m/s.
+
     Notes
     -----
     Source: Rodgers et al. 2009; momentum and Newton's restitution. Theory: :eq:`machine-amplifier`.

@@ -160,6 +160,8 @@ def statistic(values: ArrayLike, files: ArrayLike | None = None) -> Statistic:
     files : array_like, optional
         Number of the file of each blow; all blows are independent by default.
 
+    Notes
+    -----
     Source: ``vangel-1996``.
 
     Examples

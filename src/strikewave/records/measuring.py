@@ -211,6 +211,11 @@ def find_pulses(values: Array, step: float, start: float = 0.0) -> list[Recorded
     start : float, optional
         Time of the first sample, s.
 
+    Returns
+    -------
+    list of RecordedPulse
+        In the order of time; peaks in the unit of ``values``, times in s.
+
     Raises
     ------
     ValueError

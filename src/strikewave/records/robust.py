@@ -54,6 +54,8 @@ def outliers(values: ArrayLike, false_alarm: float) -> list[int]:
     false_alarm : float
         Share of samples without an outlier in which one is found.
 
+    Notes
+    -----
     Source: ``rosner-1983``.
 
     Examples
@@ -96,6 +98,8 @@ def median_line(x: Array, y: Array, confidence: float) -> tuple[float, float, fl
     confidence : float
         Of the bounds.
 
+    Notes
+    -----
     Source: ``sen-1968``.
 
     Examples

@@ -219,7 +219,7 @@ def named_for_python() -> Iterator[None]:
         name = PARAMETERS.get(error.field) or error.field.removeprefix("--").replace("-", "_")
         if name == error.field:
             raise
-        raise InputError(name, error.got, error.allowed, error.hint) from None
+        raise error.at(name) from None
 
 
 def files_of(paths: str | Path | Sequence[str | Path]) -> list[str]:
@@ -461,7 +461,7 @@ def source_in_python(name: str, test: StatedTest | str | Path | None = None) -> 
 
     Raises
     ------
-    InputError, InputErrors
+    InputError
         If that file cannot be used.
     """
     from strikewave.cases.stated_test import NO_TEST, load_test

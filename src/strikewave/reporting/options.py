@@ -159,7 +159,7 @@ def read_value(word: str, field: str, si: str, highest: float) -> Value:
     try:
         return Range(si, 0.0, highest, open_low=True).read(word)
     except InputError as error:
-        raise InputError(field, error.got, error.allowed, error.hint) from None
+        raise error.at(field) from None
 
 
 def bare_number(
@@ -513,7 +513,7 @@ class Output(Shown):
 
         Raises
         ------
-        InputError, InputErrors
+        InputError
             If its file cannot be used.
         """
         from strikewave.cases.stated_test import NO_TEST, load_test
@@ -525,7 +525,7 @@ class Output(Shown):
 
         Raises
         ------
-        InputError, InputErrors
+        InputError
             If its file cannot be used.
         """
         return self.performed.test.stated()
@@ -535,7 +535,7 @@ class Output(Shown):
 
         Raises
         ------
-        InputError, InputErrors
+        InputError
             If its file cannot be used.
         """
         return case if self.test is None else case.model_copy(update={"test": self.performed.test})

@@ -202,6 +202,11 @@ def insertion_loss(mounting: Mounting, frequencies: ArrayLike) -> NDArray[np.flo
     Positive where it isolates, negative where it magnifies. Exact for the continuous layers; see `transmission`.
     Theory: :eq:`sensor-loss`.
 
+    Returns
+    -------
+    ndarray
+        dB, in the shape of ``frequencies``.
+
     Examples
     --------
     >>> rubber = Gasket(1100.0, 10e6, 1e-4, 2e-3, 0.3)

@@ -56,6 +56,8 @@ def tolerance_factor(count: int, proportion: float = PROPORTION, confidence: flo
     ValueError
         If the count is below two, or a share does not lie between 0 and 1.
 
+    Notes
+    -----
     Source: ``nist-handbook``.
 
     Examples
@@ -94,6 +96,8 @@ def tolerance_limit(
     ValueError
         If there are fewer than three, they differ in length, or a share makes no sense.
 
+    Notes
+    -----
     Source: ``piersol-2009``.
 
     Examples

@@ -188,11 +188,18 @@ def srs(
     scope : Scope, optional
         Part of the response, end of the shock, interpolation.
 
+    Returns
+    -------
+    Spectrum
+        Largest responses of either sign at each frequency, in the unit of ``kind``.
+
     Raises
     ------
     ValueError
         If a value makes no sense, or a frequency is not below half the sampling rate.
 
+    Notes
+    -----
     Sources: ``smallwood-1981``, ``iso-18431-4``. Theory: :eq:`signal-oscillator`.
 
     Examples

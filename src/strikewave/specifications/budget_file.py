@@ -200,7 +200,7 @@ def load_budget(asked: str, field: str = "--uncertainty") -> Budget:
 
     Raises
     ------
-    InputError, InputErrors
+    InputError
         With one line for each thing that is wrong.
 
     Examples

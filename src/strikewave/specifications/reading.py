@@ -73,6 +73,11 @@ class Specification:
         return self.name if self.condition is None else f"{self.name}:{self.condition.name}"
 
     @property
+    def file_name(self) -> str:
+        """Name and condition as a part of the name of a file."""
+        return self.asked.replace(":", "-").lower()
+
+    @property
     def title(self) -> str:
         """Title, with that of the condition; of a file of one's own with its name and what it was made from."""
         title = _title_of_own(self.path, self.file) if self.path else self.file.title
@@ -332,7 +337,7 @@ def load_specification(asked: str, field: str = "--spec") -> Specification:
 
     Raises
     ------
-    InputError, InputErrors
+    InputError
         With one line for each thing that is wrong.
 
     Examples
@@ -409,7 +414,7 @@ def parse_specification(text: str, where: str) -> SpecificationFile:
 
     Raises
     ------
-    InputError, InputErrors
+    InputError
         With one line for each thing that is wrong, after ``where``.
     """
     try:

@@ -41,7 +41,7 @@ def read_study(path: Path, table: type[Stated], form: Form, allowed: str) -> Sta
 
     Raises
     ------
-    InputError, InputErrors
+    InputError
         With one line for each thing that is wrong: file, table and key, and what is allowed.
     """
     document = read_small_file(path, "FILE", allowed)
@@ -118,7 +118,7 @@ def stated_at(place: str) -> Iterator[None]:
     """
     try:
         yield
-    except (InputError, InputErrors) as error:
+    except InputError as error:
         if not place:
             raise
         lines = error.lines if isinstance(error, InputErrors) else (str(error),)

@@ -143,6 +143,8 @@ def fit_expansion(polynomials: Array, results: Array) -> Expansion:
     results : ndarray
         One a run, all of them known.
 
+    Notes
+    -----
     Source: ``blatman-sudret-2011``, ``sudret-2008``, ``friedman-1991``.
 
     Examples

@@ -87,6 +87,8 @@ def sobol_indices(a: Array, b: Array, mixed: Array) -> Indices:
     mixed : array, shape (groups, ..., N)
         Results at A with the columns of one group from B.
 
+    Notes
+    -----
     Source: ``saltelli-2010``, ``jansen-1999``.
 
     Examples

@@ -109,6 +109,11 @@ def run_bar(
     wanted : WantedError, optional
         Errors, or a step.
 
+    Returns
+    -------
+    BarRun
+        Histories at the taps, with the error bound and what each layer became on the grid.
+
     Raises
     ------
     ValueError

@@ -113,6 +113,11 @@ def phase_speed(diameter_over_wavelength: ArrayLike, poissons_ratio: float) -> N
 
     Long waves follow Rayleigh's c/c0 = 1 - (pi nu d/(2 Lambda))^2, short ones the speed of Rayleigh surface waves.
 
+    Returns
+    -------
+    ndarray
+        Phase speed over bar speed, in the shape of ``diameter_over_wavelength``.
+
     Raises
     ------
     ValueError

@@ -137,6 +137,11 @@ class Layer:
 def round_bar(name: str, material: Material, length: float, diameter: float, speed: float = 0.0) -> Layer:
     """Return a solid round bar of a material; lengths in m.
 
+    Returns
+    -------
+    Layer
+        With density, wave speed and area from material and diameter.
+
     Examples
     --------
     >>> from strikewave.base.materials import material

@@ -10,7 +10,7 @@ from scipy.stats import f_oneway
 import strikewave
 from strikewave import load_case
 from strikewave.analyses.fem.run import run_fem
-from strikewave.base.errors import InputError, InputErrors
+from strikewave.base.errors import InputError
 from strikewave.fem.measures import balance_measure
 from strikewave.studies.engine.case_evaluation import read_kept
 from strikewave.studies.sweep.effects import main_effect, share_by_chance
@@ -244,6 +244,6 @@ def test_a_study_file_need_not_vary(tmp_path):
 )
 def test_a_wrong_study_file_is_refused(tmp_path, change, said):
     (tmp_path / "study.toml").write_text(STUDY.replace(change, said))
-    with pytest.raises((InputError, InputErrors)):
+    with pytest.raises(InputError):
         request = read_request(str(tmp_path / "study.toml"), (), SweepRequest())
         request.plan(request.loaded)

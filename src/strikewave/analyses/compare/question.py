@@ -109,6 +109,11 @@ def compare(
         Expanded uncertainty (k = 2) of measured accelerations, such as ``"5 %"``, or a TOML file with an uncertainty
         budget; only that of noise and baseline by default.
 
+    Returns
+    -------
+    CompareResult
+        Both histories over one clock, their differences, ISO 18571 scores and the verdict.
+
     Raises
     ------
     InputError, StrikewaveError

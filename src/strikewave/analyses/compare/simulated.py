@@ -90,7 +90,7 @@ def simulated_curve(option: str, place: str, part: str, blow: int, unit: str, ba
 
     Raises
     ------
-    InputError, InputErrors
+    InputError
         If the case cannot be run, the file is none of a result, or the part is none of its.
     """
     if place.lower().endswith(".nc"):

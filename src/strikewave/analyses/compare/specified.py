@@ -103,7 +103,7 @@ def specified_curve(option: str, word: str) -> tuple[ComparedCurve, Specificatio
 
     Raises
     ------
-    InputError, InputErrors
+    InputError
         If there is no such specification, or it is one of a spectrum.
 
     Examples

@@ -78,7 +78,7 @@ def build_model(case: Case, threads: int = 1) -> Model:
 
     Raises
     ------
-    InputError, InputErrors
+    InputError
         If parts do not fit together: sides that there are not, too many elements, or a material lacks what its
         law needs.
 
@@ -202,7 +202,7 @@ def solid_of(part: AnyPart) -> AnySolid:
     try:
         return kind(**constants)
     except InputError as error:
-        raise InputError(f"{path}.solid.{error.field}", error.got, error.allowed, error.hint) from None
+        raise error.at(f"{path}.solid.{error.field}") from None
 
 
 def _given(table: Any, *keys: str) -> dict[str, float]:

@@ -120,7 +120,7 @@ def write_deck(case: Case, changes: list[str], code: str, system: UnitSystem, ou
 
     Raises
     ------
-    InputError, InputErrors
+    InputError
         If the case has no mesh, parts of it do not fit together, or the code has no word for one.
     """
     text = marked_text(case, code, system)

@@ -28,11 +28,11 @@ def fields_of_case(model: Model) -> Iterator[None]:
     """
     try:
         yield
-    except InputError as error:
-        raise InputError(_field(error.field, error.got, model), error.got, error.allowed, error.hint) from None
     except InputErrors as error:
         pairs = [line.partition(":") for line in error.lines]
         raise InputErrors(_field(name, None, model) + mark + rest for name, mark, rest in pairs) from None
+    except InputError as error:
+        raise error.at(_field(error.field, error.got, model)) from None
 
 
 def _field(name: str, got: object, model: Model) -> str:

@@ -76,7 +76,7 @@ def _from_file(rows: Sequence[FilePart]) -> Mesh:
     try:
         mesh = read_mesh(first.file, units.pop())
     except InputError as error:
-        raise InputError(f"mesh.part.{first.name}.file", error.got, error.allowed, error.hint) from None
+        raise error.at(f"mesh.part.{first.name}.file") from None
     only = mesh.names[0] if len(mesh.names) == len(rows) == 1 else ""
     names: dict[str, str] = {}
     for row in rows:
@@ -144,7 +144,7 @@ def _named(part: AnyPart, make: Callable[[], Any]) -> Any:
     except InputError as error:
         field = error.field.removeprefix(f"{part.name}.").removeprefix("grading.")
         field = {"coarse": "size", "fine": "finest", "at": "fine_at"}.get(field, field)
-        raise InputError(f"{path}.{field}", error.got, error.allowed, error.hint) from None
+        raise error.at(f"{path}.{field}") from None
 
 
 def _placed(part: ShapedPart, mesh: Mesh) -> Mesh:

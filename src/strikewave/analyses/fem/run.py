@@ -57,9 +57,14 @@ class Watch:
 def run_fem(case: Case, threads: int = 1) -> FemSolution:
     """Run the finite element model of a case.
 
+    Returns
+    -------
+    FemSolution
+        Histories of parts, contacts and points, energies, pictures and comparisons.
+
     Raises
     ------
-    InputError, InputErrors
+    InputError
         If the case has no mesh, or parts of it do not fit together.
 
     Examples
@@ -116,7 +121,7 @@ def check_model(model: Model) -> None:
 
     Raises
     ------
-    InputError, InputErrors
+    InputError
         If it could not be run.
     """
     from strikewave.fem.engine import Engine

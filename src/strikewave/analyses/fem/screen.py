@@ -76,7 +76,7 @@ def run_element_case(case: Case, changes: Sequence[str], output: Output, choice:
 
     Raises
     ------
-    InputError, InputErrors
+    InputError
         If there is no folder for an animation or to go on from, no such device, or what the run raises.
     """
     choice = choice or FemOptions()

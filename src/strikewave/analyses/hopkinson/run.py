@@ -57,6 +57,11 @@ by a tenth of the plateau."""
 def run_hopkinson(case: HopkinsonCase) -> HopkinsonSolution | SensorSolution | EchoSolution:
     """Reduce the shot of a set-up, compare the accelerometer on its bar, or calibrate the bar by echoes.
 
+    Returns
+    -------
+    HopkinsonSolution, SensorSolution or EchoSolution
+        Of a shot on a specimen, of an accelerometer on a bar end, or of a bar alone.
+
     Raises
     ------
     InputError

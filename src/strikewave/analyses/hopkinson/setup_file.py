@@ -69,9 +69,14 @@ def load_setup(path: str, changes: Iterable[str] = ()) -> HopkinsonCase:
     changes : iterable of str, optional
         ``path=value`` each, such as ``bar.incident.speed=4866 m/s``; a bare number is SI.
 
+    Returns
+    -------
+    HopkinsonCase
+        The checked set-up.
+
     Raises
     ------
-    InputError, InputErrors
+    InputError
         With one line for each thing that is wrong.
     """
     file = Path(path)

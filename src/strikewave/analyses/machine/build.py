@@ -14,7 +14,7 @@ def build_machine(case: Case) -> Machine:
 
     Raises
     ------
-    InputError, InputErrors
+    InputError
         With one line for each thing that does not fit together.
     """
     kind = kind_of(case)

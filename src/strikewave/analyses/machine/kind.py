@@ -151,7 +151,7 @@ class LaunchedKind(LaunchedTable, MachineKind):
 
         Raises
         ------
-        InputError, InputErrors
+        InputError
             If it does not come there.
         """
 

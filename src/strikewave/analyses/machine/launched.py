@@ -56,7 +56,7 @@ def release(case: Case, mass: float | None = None) -> Release:
 
     Raises
     ------
-    InputError, InputErrors
+    InputError
         If it does not come there, or has a drive.
 
     Examples

@@ -72,7 +72,7 @@ def quick_look(case: Case) -> QuickLook:
 
     Raises
     ------
-    InputError, InputErrors
+    InputError
         If the case is that of no machine, or parts of it do not fit together.
     IntegrationError
         If the motion cannot be followed.

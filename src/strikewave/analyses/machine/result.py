@@ -324,6 +324,11 @@ def blow_history(
 def load_solution(path: Path | str) -> Solution:
     """Read a solution that `Solution.save` wrote, or the folder that holds ``solution.nc``.
 
+    Returns
+    -------
+    Solution
+        As it was saved.
+
     Raises
     ------
     InputError

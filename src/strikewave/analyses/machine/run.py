@@ -56,9 +56,15 @@ def run_case(case: Case, progress: Callable[[float], None] | None = None, *, ban
     band : bool, optional
         Whether the band of each result is found; see `strikewave.analyses.machine.band`.
 
+    Returns
+    -------
+    Solution
+        Blows, phases, balances, histories, notices and comparisons; with ``band``, the bands of its results
+        too.
+
     Raises
     ------
-    InputError, InputErrors
+    InputError
         If parts of the case do not fit together.
     IntegrationError
         If the motion cannot be followed.

@@ -131,6 +131,12 @@ def record(
     test : str or Path, optional
         TOML file that says what was tested, by whom and when, for the head of the report.
 
+    Returns
+    -------
+    RecordResult
+        Health, pulses and notices of each channel, the campaign over the files, verdicts where they are asked
+        for.
+
     Raises
     ------
     InputError, StrikewaveError

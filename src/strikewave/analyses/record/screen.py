@@ -118,7 +118,7 @@ def examine_records(
     files = measured.ordered(files)
     paths = [Path(measured.shown(file)) for file in files]
     name = name_of(paths)
-    usual = f"record-{name}"
+    usual = f"record-{name}" + ("" if specification is None else f"-{specification.file_name}")
     origin = measured.source_of_records(name, paths, output, usual)
     judged = None if specification is None or asked is None else (specification, asked(origin.test))
     performed = None if output.test is None else output.performed

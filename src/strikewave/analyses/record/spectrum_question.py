@@ -102,6 +102,11 @@ def shock_spectra(
     spec, decision, uncertainty, strict
         As for `strikewave.record`; a specification states frequencies, quality factor and side.
 
+    Returns
+    -------
+    SpectrumResult
+        A spectrum for each channel and kind, with verdicts where a specification is given.
+
     Raises
     ------
     InputError, StrikewaveError

@@ -41,7 +41,7 @@ def compute_spectra(
     asked = asked._replace(files=measured.ordered(asked.files))
     paths = [Path(measured.shown(file)) for file in asked.files]
     name = name_of(paths)
-    usual = f"srs-{name}"
+    usual = f"srs-{name}" + ("" if judge is None else f"-{judge.specification.file_name}")
     origin = measured.source_of_records(name, paths, output, usual)
     return run_and_write(SrsCommand(asked, wanted, origin, judge), output, usual, origin.text)
 

@@ -33,7 +33,7 @@ def build_load(case: Case, stack: Stack) -> Load:
 
     Raises
     ------
-    InputError, InputErrors
+    InputError
         If the load lacks a field, or has one that its shape does not take.
     """
     load = case.load

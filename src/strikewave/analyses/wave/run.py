@@ -53,9 +53,14 @@ def run_wave(case: Case, period: float = math.inf) -> WaveSolution:
     period : float, optional
         Shortest period that samples resolve for those who look on, s, besides that of the sensors of the case.
 
+    Returns
+    -------
+    WaveSolution
+        Histories at the taps, with the error bound, limits of the theory and comparisons.
+
     Raises
     ------
-    InputError, InputErrors
+    InputError
         If the case has no stack or load, or parts of it do not fit together.
 
     Examples

@@ -119,6 +119,11 @@ def power(pad: Pad, stress: float, exponent: float) -> Contact:
 
     A mass m at the speed v presses it to d = ((n + 1) m v^2/(2 K))^(1/(n + 1)). Theory: :eq:`contact-cushion`.
 
+    Returns
+    -------
+    Contact
+        Its stiffness in N/m^n.
+
     Examples
     --------
     >>> power(Pad(1e-2, 0.01), stress=1e6, exponent=2.0).stiffness

@@ -44,7 +44,7 @@ def ls_dyna_deck(model: Model, system: UnitSystem, heading: Heading) -> Deck:
 
     Raises
     ------
-    InputError, InputErrors
+    InputError
         If the model could not be run, or has more nodes than eight columns can number.
 
     Examples

@@ -50,7 +50,7 @@ def radioss_deck(model: Model, system: UnitSystem, heading: Heading) -> Deck:
 
     Raises
     ------
-    InputError, InputErrors
+    InputError
         If the model could not be run, or has more nodes than eight columns can number.
     """
     ties, groups = checked(model), Groups(model.mesh)

@@ -43,6 +43,11 @@ def fall_speed(
     drag : array_like, optional
         Quadratic drag over the mass, c, 1/m.
 
+    Returns
+    -------
+    ndarray
+        In the broadcast shape of the input, m/s.
+
     Raises
     ------
     ValueError

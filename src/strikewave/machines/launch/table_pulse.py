@@ -40,6 +40,11 @@ def half_sine_pulse(speed: float, mass: float, stiffness: float, gravity: float 
     gravity : float, optional
         g, m/s^2; 0 leaves it out, as usual.
 
+    Returns
+    -------
+    TablePulse
+        Peak (m/s^2), width (s), velocity change (m/s) and crush (m).
+
     Raises
     ------
     ValueError

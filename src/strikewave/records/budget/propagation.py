@@ -145,6 +145,11 @@ def law_of_propagation(model: Model, inputs: Sequence[InputQuantity]) -> Propaga
     inputs : sequence of InputQuantity
         Independent inputs, in the order of its columns.
 
+    Returns
+    -------
+    Propagated
+        Estimate of each quantity, and the contribution of each input to its standard uncertainty.
+
     Examples
     --------
     >>> both = law_of_propagation(lambda x: x[:, :1] * x[:, 1:], [InputQuantity("a", 0.3, "normal", 3.0),

@@ -75,6 +75,11 @@ def _of_folder(folder: Path) -> str:
 def read_record(path: str | Path, options: Options = Options()) -> Record:  # noqa: B008  (a tuple, frozen)
     r"""Read a file of any known format.
 
+    Returns
+    -------
+    Record
+        Channels as arrays over their times, s, each in the unit that the file states.
+
     Raises
     ------
     InputError

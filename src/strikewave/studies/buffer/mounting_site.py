@@ -282,7 +282,7 @@ def mounting_site_of(
 
     Raises
     ------
-    InputError, InputErrors
+    InputError
         If mass or footprint are missing, or the sensor makes no sense.
     """
     bare = table.model_copy(update={"gasket": ()})
@@ -345,7 +345,7 @@ def blows_of(
 
     Raises
     ------
-    InputError, InputErrors
+    InputError
         If parts of the case do not fit together, or there is no such blow.
     """
     bare = case.model_copy(update={"sensor": (SensorTable(name=table.name, tap=table.tap),)})

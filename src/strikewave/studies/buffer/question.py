@@ -72,9 +72,14 @@ def buffer(
     progress : callable, optional
         Called with the share done, 0 to 1.
 
+    Returns
+    -------
+    BufferStudy
+        Stacks that keep the reading below the limit, the best first.
+
     Raises
     ------
-    InputError, InputErrors
+    InputError
         If the blow cannot be had, or no stack fits the sensor.
 
     Examples

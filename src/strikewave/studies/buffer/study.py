@@ -114,7 +114,7 @@ def design_buffer(
 
     Raises
     ------
-    InputError, InputErrors
+    InputError
         If there are too many stacks, or the sensor's recorder does not fit the history.
     """
     every = stacks(choice)

@@ -70,7 +70,7 @@ def load_design(path: str | Path, changes: Sequence[str] = (), **options: int | 
 
     Raises
     ------
-    InputError, InputErrors
+    InputError
         With one line for each thing that is wrong: file, table and key, and what is allowed.
     """
     path = Path(path)

@@ -145,7 +145,7 @@ def _number(case: Case, analysis: str, name: str, field: str) -> str:
     try:
         read_kept(case, analysis, [name])
     except InputError as error:
-        raise InputError(field, error.got, error.allowed, error.hint) from None
+        raise error.at(field) from None
     return name
 
 

@@ -227,7 +227,7 @@ def plan_of(
 
     Raises
     ------
-    InputError, InputErrors
+    InputError
         If the case has no such setting or number, or there is nothing to reach or to choose.
     """
     chosen = checked_analysis(case, analysis)

@@ -67,9 +67,15 @@ def design(
     progress : callable, optional
         Called with the share done, 0 to 1.
 
+    Returns
+    -------
+    DesignStudy
+        The best settings, every run that was made, and where no setting meets all goals, those that exclude
+        each other.
+
     Raises
     ------
-    InputError, InputErrors
+    InputError
         If the case has no such setting or number, a goal is none, or the store cannot be used.
 
     Examples

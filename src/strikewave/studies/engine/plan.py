@@ -61,7 +61,7 @@ def varied(case: Case, variables: Sequence[StudyVariable], note: str) -> AxisVar
 
     Raises
     ------
-    InputError, InputErrors
+    InputError
         If one is named twice, there are too many words, or they do not go together.
     """
     paths = [variable.path for variable in variables]

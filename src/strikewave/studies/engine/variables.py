@@ -134,7 +134,7 @@ def with_word(case: Case, path: str, word: str) -> Case:
 
     Raises
     ------
-    InputError, InputErrors
+    InputError
         If it takes no such word.
     """
     changed = parse_case(dump_case(case), case.name, [f"{path}={word}"])
@@ -229,7 +229,7 @@ def typed_value(case: Case, path: str, text: str) -> Value:
     try:
         return allowed.read(f"{bare} {allowed.unit}" if is_bare and allowed.unit in DIMENSIONS else _plain(bare))
     except InputError as error:
-        raise InputError(path, error.got, error.allowed, error.hint) from None
+        raise error.at(path) from None
 
 
 def _plain(text: str) -> str | float:

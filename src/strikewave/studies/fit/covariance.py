@@ -132,6 +132,11 @@ def estimate(place: Array, residuals: Array, jacobian: Array, blocks: Sequence[R
 
     The interval of a coordinate is the widest of those by noise, by what is left, and by shots, each with Student's t.
     Theory: :eq:`fit-covariance`.
+
+    Returns
+    -------
+    Estimate
+        Covariance, intervals and directions without information, in the coordinates of ``place``.
     """
     values, vectors = np.linalg.eigh(jacobian.T @ jacobian)
     known = vectors[:, values > RANK * max(float(values[-1]), np.finfo(float).tiny)]

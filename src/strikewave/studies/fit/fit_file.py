@@ -218,7 +218,7 @@ def load_fit(path: str | Path, changes: Sequence[str] = ()) -> ReadFit:
 
     Raises
     ------
-    InputError, InputErrors
+    InputError
         With one line for each thing that is wrong: file, table and key, and what is allowed.
     """
     path = Path(path)

@@ -49,7 +49,7 @@ def run_fit_file(path: str, changes: Sequence[str], output: Output, pool: Pool |
 
     Raises
     ------
-    InputError, InputErrors, StrikewaveError
+    InputError, StrikewaveError
         What `load_fit` and `requested` raise, or if the place is taken.
     """
     read = load_fit(path, changes)

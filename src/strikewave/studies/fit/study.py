@@ -92,9 +92,15 @@ def fit(
     progress : callable, optional
         Called with the number of runs, and the smallest sum of squares so far.
 
+    Returns
+    -------
+    FitStudy
+        Values with standard errors and intervals, their correlation, what the data do not determine, and the
+        fitted case.
+
     Raises
     ------
-    InputError, InputErrors, StrikewaveError
+    InputError, StrikewaveError
         If a record cannot be read, a field is none, or the case cannot be run.
 
     Examples

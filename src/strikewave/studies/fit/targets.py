@@ -200,7 +200,7 @@ def _read(word: str, allowed: Range, field: str) -> Value:
     try:
         return allowed.read(word)
     except InputError as error:
-        raise InputError(field, error.got, error.allowed, error.hint) from None
+        raise error.at(field) from None
 
 
 @dataclass(frozen=True, eq=False)

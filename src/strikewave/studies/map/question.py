@@ -58,6 +58,11 @@ def map(
     progress : callable, optional
         Called with the share done, 0 to 1.
 
+    Returns
+    -------
+    MapStudy
+        Fields over both settings, and the nearest setting with equal blows, if there is one.
+
     Raises
     ------
     InputError

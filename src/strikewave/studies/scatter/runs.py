@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from strikewave.analyses.machine.build import build_machine
-from strikewave.base.errors import InputError, InputErrors, IntegrationError, show
+from strikewave.base.errors import InputError, IntegrationError, show
 from strikewave.cases.case import Case
 from strikewave.machines import Blow, Machine, MachineRun, blows, run_machine
 from strikewave.machines.blows import KINDS
@@ -95,7 +95,7 @@ def run_result(case: Case) -> RunResult:
     try:
         machine = build_machine(case)
         return of_blows(blows(_followed(machine)))
-    except (InputError, InputErrors, IntegrationError, ValueError) as error:
+    except (InputError, IntegrationError, ValueError) as error:
         return RunResult(failure=show(str(error), MOST_REASON).strip('"'))
 
 

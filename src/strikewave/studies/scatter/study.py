@@ -367,6 +367,11 @@ def scatter(
     pool : Pool, optional
         Who runs the others instead, and is ended here.
 
+    Returns
+    -------
+    ScatterStudy
+        Statistics of each result over the runs, and the share of each input in its spread.
+
     Raises
     ------
     InputError

@@ -16,7 +16,7 @@ from strikewave.base.materials import Material, material
 from strikewave.base.percents import percent
 from strikewave.base.result import BALANCE_LIMIT
 from strikewave.cases.case import Case
-from strikewave.cases.tables import CUSHION, POWER
+from strikewave.cases.law_names import CUSHION, POWER
 from strikewave.contact import Geometry, first_yield, stiffness_law
 from strikewave.machines import Blow, MachineRun, Striker, Turntable
 from strikewave.machines.blows import contact_table

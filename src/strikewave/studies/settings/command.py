@@ -104,11 +104,11 @@ def command(
     """Find machine settings for wanted blows.
 
     For the rotary machine: settings for blows of a wanted peak and width at a wanted interval. Every candidate is
-    checked by a full run of all its blows; the best one is written as case.toml. A search that is stopped is continued
-    by the same command. With --spec: height, programmer and
-    mass of a drop table for the pulse of a specification, or settings of the rotary machine of --from, each judged by
-    it. With --json, no files are written unless --out is given. The exit code is 3 where no candidate meets the goal
-    and keeps all limits.
+    checked by a full run of all its blows; the best one is written as case.toml, the others as case-2.toml and so on.
+    A search that is stopped is continued by the same command. With --spec: height, programmer and mass of a drop
+    table for the pulse of a specification, or settings of the rotary machine of --from, each judged by it. With
+    --json, no files are written unless --out is given. The exit code is 3 where no candidate meets the goal and
+    keeps all limits.
     """
     from strikewave.base.materials import material
     from strikewave.cases.case import load_case

@@ -71,9 +71,14 @@ def settings(
     progress : callable, optional
         Called with the share done, 0 to 1.
 
+    Returns
+    -------
+    SettingsStudy
+        Candidates, the best first, each with its full run.
+
     Raises
     ------
-    InputError, InputErrors
+    InputError
         If no setting can give it, or none could be run: with the reasons.
 
     Examples

@@ -221,7 +221,7 @@ class Design:
 
         Raises
         ------
-        InputError, InputErrors, IntegrationError, ValueError
+        InputError, IntegrationError, ValueError
             If it does not fit together, or cannot be followed.
         """
         run = run_machine(build_machine(self.case_at(settings)), tolerance)
@@ -249,7 +249,7 @@ def chosen(path: str, value: float, note: str) -> Value:
     try:
         return allowed.read({"value": typed, "provenance": "assumed", "note": note})
     except InputError as error:
-        raise InputError(path, error.got, error.allowed, error.hint) from None
+        raise error.at(path) from None
 
 
 class SearchEnd(NamedTuple):

@@ -35,6 +35,7 @@ from strikewave.studies.engine.answers import Failure, answers
 from strikewave.studies.engine.pools import Pool, ProcessPool
 from strikewave.studies.engine.runner import Advance
 from strikewave.studies.engine.store import RunStore, given_or_temporary
+from strikewave.studies.settings.answer_files import name_at, other_cases
 from strikewave.studies.settings.candidate import WITHIN, BlowGoal, BlowSpread, SettingsCandidate, rank_key
 from strikewave.studies.settings.estimate import (
     Support,
@@ -152,7 +153,7 @@ class SettingsStudy(ShownResult):
 
     def case_of(self, place: int = 0) -> Case:
         """Return the case of a candidate, under a name of its own and without published numbers to compare with."""
-        update = {"name": self.name, "title": self.title, "published": ()}
+        update = {"name": name_at(self.name, place), "title": self.title, "published": ()}
         return self.candidates[place].case.model_copy(update=update)
 
     @property
@@ -210,8 +211,8 @@ class SettingsStudy(ShownResult):
         return UNITS
 
     def texts(self) -> dict[str, str]:
-        """Return the JSON document as a file."""
-        return {"settings.json": self.document_text()}
+        """Return the JSON document as a file, and the cases of the candidates after the first."""
+        return {"settings.json": self.document_text(), **other_cases(len(self.candidates), self.case_of)}
 
     def content(self) -> dict[str, Any]:
         """Return what the JSON document holds beside its head."""
@@ -345,7 +346,7 @@ def blow_goal(
 
     Raises
     ------
-    InputError, InputErrors
+    InputError
         If something is missing, or the specification cannot be read, or is of no half-sine.
 
     Examples
@@ -587,7 +588,7 @@ def design_settings(
 
     Raises
     ------
-    InputError, InputErrors
+    InputError
         If no setting can give it, or none could be run: with the reasons.
     """
     choice = choice or SettingsChoices()

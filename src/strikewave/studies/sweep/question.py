@@ -85,9 +85,14 @@ def sweep(
     progress : callable, optional
         Called with the share done, 0 to 1.
 
+    Returns
+    -------
+    SweepStudy
+        A row for each run: its settings and the numbers kept, in SI.
+
     Raises
     ------
-    InputError, InputErrors
+    InputError
         If the case has no such setting or number, or the store cannot be used.
 
     Examples
@@ -116,7 +121,7 @@ def plan_of(
 
     Raises
     ------
-    InputError, InputErrors
+    InputError
         If the case has no such setting or number, or they do not go with the design.
     """
     if design not in DESIGNS:

@@ -88,7 +88,7 @@ def read_request(name: str, changes: Sequence[str], typed: SweepRequest) -> Swee
 
     Raises
     ------
-    InputError, InputErrors
+    InputError
         If the file is neither.
     """
     text, _ = read_case_text(name)

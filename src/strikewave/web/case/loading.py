@@ -15,7 +15,7 @@ def loaded(source: CaseSource) -> Case:
 
     Raises
     ------
-    InputError, InputErrors
+    InputError
         If it is none, or names a file that lies elsewhere.
     """
     if source.text:

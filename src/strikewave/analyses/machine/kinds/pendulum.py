@@ -50,7 +50,7 @@ class Pendulum(LaunchedKind):
 
         Raises
         ------
-        InputError, InputErrors
+        InputError
             If its inertia is not given once, or cannot be.
         """
         from strikewave.base.errors import checked

@@ -202,6 +202,11 @@ def synthesize(
     origin : Source, optional
         What asked for it.
 
+    Returns
+    -------
+    SynthesisResult
+        The motion, its spectrum over the one asked for, and the verdict.
+
     Raises
     ------
     InputError

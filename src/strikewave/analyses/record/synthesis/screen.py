@@ -22,12 +22,12 @@ def synthesize_specification(name: str, by: str, rate: float | None, output: Out
 
     Raises
     ------
-    InputError, InputErrors
+    InputError
         If the specification cannot be read, or states no spectrum.
     """
     specification = load_specification(name, "NAME")
     specification.spectrum_limits()
-    usual = f"synthesis-{specification.asked.replace(':', '-').lower()}-{by}"
+    usual = f"synthesis-{specification.file_name}-{by}"
     origin = measured.source_of("command", usual)
     return run_and_write(SynthesisCommand(specification, by, rate, origin), output, usual, origin.text)
 

@@ -71,7 +71,7 @@ class SpecificationOptions:
 
         Raises
         ------
-        InputError, InputErrors
+        InputError
             If it cannot be used, or is not named and something else of it is asked for.
         """
         from strikewave.specifications.reading import load_specification

@@ -79,12 +79,12 @@ def show_specification(name: str, output: Output) -> int:
 
     Raises
     ------
-    InputError, InputErrors
+    InputError
         If it cannot be read.
     """
     asked = _first_condition(name)
     specification = load_specification(asked, "NAME")
-    usual = "spec-" + specification.asked.replace(":", "-").lower()
+    usual = f"spec-{specification.file_name}"
     origin = measured.source_of("command", usual)
     return run_and_write(SpecificationCommand(specification, origin), output, usual, origin.text)
 

@@ -17,7 +17,7 @@ from scipy.special import beta, betainc
 from strikewave.base.errors import InputError, nearest
 from strikewave.cases.case import Case, document_of
 from strikewave.cases.cushion_of_case import PROPERTIES
-from strikewave.cases.tables import CUSHION, POWER
+from strikewave.cases.law_names import CUSHION, POWER
 from strikewave.contact.cushions import Cushion, Pad, cushion_law, cushion_laws, cushion_material, cushion_materials
 from strikewave.contact.law import HardeningContact, indentation_under
 

@@ -62,9 +62,14 @@ def drop_table(
     progress : callable, optional
         Called with the share done, 0 to 1.
 
+    Returns
+    -------
+    DropStudy
+        Designs, the best first, each with its full run.
+
     Raises
     ------
-    InputError, InputErrors
+    InputError
         If no design can give it, or none could be run: with the reasons.
 
     Examples

@@ -356,7 +356,7 @@ class DropDesign:
 
         Raises
         ------
-        InputError, InputErrors, IntegrationError, ValueError
+        InputError, IntegrationError, ValueError
             If it does not fit together, or cannot be followed.
         """
         run = run_machine(build_machine(case), case.solver.tolerance.si)

@@ -27,6 +27,7 @@ from strikewave.studies.engine.answers import Failure, answers
 from strikewave.studies.engine.pools import Pool, ProcessPool
 from strikewave.studies.engine.runner import Advance
 from strikewave.studies.engine.store import RunStore, given_or_temporary
+from strikewave.studies.settings.answer_files import name_at, other_cases
 from strikewave.studies.settings.drop_table.programmers import DEFAULTS, Programmer, pad_of_case, read_programmer
 from strikewave.studies.settings.drop_table.search import (
     WITHIN,
@@ -121,7 +122,8 @@ class DropStudy(ShownResult):
 
     def case_of(self, place: int = 0) -> Case:
         """Return the case of a candidate, under a name of its own."""
-        return self.candidates[place].case.model_copy(update={"name": self.name, "title": self.title})
+        update = {"name": name_at(self.name, place), "title": self.title}
+        return self.candidates[place].case.model_copy(update=update)
 
     @property
     def name(self) -> str:
@@ -166,8 +168,8 @@ class DropStudy(ShownResult):
         return UNITS
 
     def texts(self) -> dict[str, str]:
-        """Return the JSON document as a file."""
-        return {"settings.json": self.document_text()}
+        """Return the JSON document as a file, and the cases of the candidates after the first."""
+        return {"settings.json": self.document_text(), **other_cases(len(self.candidates), self.case_of)}
 
     def content(self) -> dict[str, Any]:
         """Return what the JSON document holds beside its head."""
@@ -247,7 +249,7 @@ def goal_words(goal: DropGoal) -> str:
 
 def name_of(goal: DropGoal) -> str:
     """Return the name of the case and of the folder of a goal."""
-    return "drop-" + goal.specification.asked.replace(":", "-").lower()
+    return f"drop-{goal.specification.file_name}"
 
 
 def asked_line(case: Case, goal: DropGoal, choice: DropChoices) -> str:
@@ -340,7 +342,7 @@ def design_drop_table(
 
     Raises
     ------
-    InputError, InputErrors
+    InputError
         If no design can give it, or none could be run: with the reasons.
     """
     choice = choice or DropChoices()
