@@ -317,7 +317,7 @@ def _legendre_cubic(size: int) -> Array:
     >>> (_legendre_cubic(7) @ np.linspace(-1.0, 1.0, 7) ** 2).round(6) + 0.0  # x^2 = 1/3 P0 + 2/3 P2
     array([0.333333, 0.      , 0.666667, 0.      ])
     """
-    return np.linalg.pinv(np.polynomial.legendre.legvander(np.linspace(-1.0, 1.0, size), 3))
+    return np.asarray(np.linalg.pinv(np.polynomial.legendre.legvander(np.linspace(-1.0, 1.0, size), 3)), dtype=float)
 
 
 def tip_of(record: Examined, pulse: RecordedPulse) -> float:
