@@ -68,21 +68,19 @@ class StackLayers:
                 with ui.element("div").classes("sw-layer"):
                     ui.icon("drag_indicator").classes("sw-grip")
                     ui.label(f"{row.layer}: {row.layer_words}").classes("sw-grow")
-                    self._buttons(
-                        f"layer {row.layer}", functools.partial(self._move_layer, place), "without_layer", row
-                    )
+                    move = functools.partial(self._move_layer, place)
+                    self._buttons(f"layer {row.layer}", move, "without_layer", row.layer)
                     if row.joint:
                         with ui.element("div").classes("sw-joint"):
                             ui.label(f"joint: {row.joint_words}").classes("sw-grow")
                             move = functools.partial(self._move_joint, place)
-                            self._buttons(f"joint behind {row.layer}", move, "without_joint", row)
+                            self._buttons(f"joint behind {row.layer}", move, "without_joint", row.layer)
 
-    def _buttons(self, what: str, move: Callable[[int], Any], without: str, row: Any) -> None:
-        remove = functools.partial(self._change, without, row.layer)
+    def _buttons(self, what: str, move: Callable[[int], Any], without: str, layer: str) -> None:
         for words, icon, do in (
             ("up", "arrow_upward", functools.partial(move, -1)),
             ("down", "arrow_downward", functools.partial(move, 1)),
-            ("remove", "close", remove),
+            ("remove", "close", functools.partial(self._change, without, layer)),
         ):
             button = ui.button(icon=icon, on_click=do).props("flat dense round size=sm")
             button.props(f'aria-label="{parts.html.escape(what)} {words}"')

@@ -209,12 +209,12 @@ def history_chart(result: RecordResult, unit: str) -> dict[str, Any]:
     ]
     title = f"Records; pulses of {channels[0][0]} marked" if marked else "Records"
     options = line_chart(title, f"time ({time_name})", style.label, lines, spans=marked, zoom=True)
-    sound = [one.channel.values / style.scale for _, one in channels if one.status != "bad"]
+    sound = [one.channel.values for _, one in channels if one.status != "bad"]
     if 0 < len(sound) < len(channels):  # a bad one far off zero would press the others flat
-        low = min(float(np.nanmin(values, initial=0.0)) for values in sound)
-        high = max(float(np.nanmax(values, initial=0.0)) for values in sound)
+        values = np.concatenate([each[np.isfinite(each)] for each in sound]) / style.scale
+        low, high = float(values.min(initial=0.0)), float(values.max(initial=0.0))
         if high > low:
-            options["yAxis"] |= dict(zip(("min", "max"), round_ends(low, high), strict=True))
+            options["yAxis"]["min"], options["yAxis"]["max"] = round_ends(low, high)
     return options
 
 
