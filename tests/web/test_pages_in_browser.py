@@ -131,7 +131,8 @@ def test_layers_and_joints_are_added_and_removed_and_undo_takes_it_back(visit, t
 
     def has(layers, of_joints, line):
         one.until(lambda: (rows.count(), joints.count()) == (layers, of_joints), "the list does not follow")
-        one.page.locator(".sw-code", has_text=f"strikewave wave {line}").wait_for()
+        lines = one.page.locator(".sw-code")
+        one.until(lambda: f"strikewave wave {line}" in lines.all_inner_texts(), "the command line does not follow")
         one.shows("a full run; every check passed")
 
     one.page.get_by_role("button", name="layer sensor remove").press("Enter")
@@ -156,7 +157,7 @@ def test_layers_and_joints_are_added_and_removed_and_undo_takes_it_back(visit, t
         has(layers, of_joints, "li-ma-2019-fig13-bar-layers.toml")
     one.page.get_by_role("button", name="undo").click()
     has(3, 0, "li-ma-2019-fig13-bar")
-    assert "toml" not in parse_qs(urlsplit(one.page.url).query)
+    one.until(lambda: "toml" not in parse_qs(urlsplit(one.page.url).query), "the address does not follow")
 
 
 def test_a_filter_is_moved_by_its_handle_and_its_cost_and_line_are_shown(visit):
