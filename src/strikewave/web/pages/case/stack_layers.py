@@ -100,10 +100,14 @@ class StackLayers:
             self._joint_behind = _choice("joint behind", [], None)
             first = next(iter(JOINTS))
             self._kind = _choice("kind of the joint", list(JOINTS), first)
-            self._kind.on_value_change(lambda event: self._properties.set_value(JOINTS[event.value]))
+            self._kind.on_value_change(self._begin_properties)
             self._properties = ui.textarea("properties, a line each", value=JOINTS[first])
             self._properties.props("dense outlined rows=2 autogrow").classes("sw-full")
             ui.button("add joint", icon="add", on_click=self._add_joint).props("outline dense no-caps")
+
+    def _begin_properties(self) -> None:
+        """Let the properties begin from those of the kind that is chosen."""
+        self._properties.value = JOINTS[str(self._kind.value)]
 
     async def _add_layer(self) -> None:
         behind = "" if self._behind.value == LOADED_FACE else self._behind.value
