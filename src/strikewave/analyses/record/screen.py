@@ -202,7 +202,7 @@ def _print(result: RecordResult) -> None:
     _print_rebounds(readings, names)
     for campaign in result.campaigns[:MOST_LINES]:
         _print_campaign(campaign, readings, names)
-    more = sum(campaign.sums_up for campaign in result.campaigns[MOST_LINES:])
+    more = sum(campaign.sums_up and bool(campaign.statistics) for campaign in result.campaigns[MOST_LINES:])
     if more:
         tell(f"{more} more channels are summed up: see report and JSON")
     _print_filter(readings, result.filter)
