@@ -12,7 +12,7 @@ analyses, `--minutes` ends an analysis earlier. Each fate is one of
 - long: more than 10 s of a processor, which ends it here; a user sees its progress, and can stop it;
 - wrong or broke, which there must not be.
 
-Writes the table of docs/faults.md; with `--write`, into the page.
+Prints a table; with `--write`, its rows go into that of docs/faults.md.
 """
 
 from __future__ import annotations
@@ -31,7 +31,7 @@ from multiprocessing.connection import Connection
 from pathlib import Path
 
 import numpy as np
-from kit import ROOT, table, write_into
+from kit import ROOT, renewed, table, write_into
 
 from strikewave import load_case, run_case, run_fem, run_wave
 from strikewave.analyses.check import check
@@ -42,7 +42,7 @@ from strikewave.contact import Contact, exact, solve_impact
 from strikewave.records.measuring import find_pulses
 from strikewave.signal.srs import srs
 
-PAGE = ROOT / "docs/faults.md"
+PAGE, TABLE = ROOT / "docs/faults.md", "random cases"
 SEED = 2027
 PATIENCE, STILL = 10.0, 900.0
 """Seconds of a processor after which a case is taken to hang, twenty times what the usual one takes; and seconds of
@@ -261,10 +261,10 @@ def main() -> int:
         worker.end()
         rows.append([f"`{analysis}`", *(str(counts[word]) for word in FATES)])
         bad += sum(counts[word] for word in FATES[3:5])
-    text = table(("Analysis", *FATES), rows)
-    print(text)
+    heads = ("Analysis", *FATES)
+    print(table(heads, rows))
     if asked.write:
-        write_into(PAGE, "random cases", text)
+        write_into(PAGE, TABLE, table(heads, renewed(PAGE, TABLE, rows)))
     return bad
 
 

@@ -2,8 +2,8 @@
 
 Each is made small on disk and large in one direction, and given to the command that reads its kind, in a process of its
 own, whose processor time and largest memory are measured. A file is held where the command ends by itself, with its
-result or with one line, within `MOST_SECONDS` of a processor and `MOST_MEMORY`. With `--write`, the table goes
-into docs/faults.md.
+result or with one line, within `MOST_SECONDS` of a processor and `MOST_MEMORY`. With `--write`, its rows go
+into the table of docs/faults.md.
 """
 
 from __future__ import annotations
@@ -21,9 +21,9 @@ from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
-from kit import ROOT, table, write_into
+from kit import ROOT, renewed, table, write_into
 
-PAGE = ROOT / "docs/faults.md"
+PAGE, TABLE = ROOT / "docs/faults.md", "hostile files"
 MOST_SECONDS, MOST_MEMORY = 30.0, 1500.0
 """Of a processor, and MB: a command that reads a usual file takes 2 s and 150 MB."""
 STOPPED = 300
@@ -207,10 +207,10 @@ def main() -> int:
         )
         end = {0: "read", 2: "refused", 3: "read, a check failed"}.get(code, f"exit {code}")
         rows.append([name, f"{size:.2g}", BEFORE.get(name, ""), f"{seconds:.1f} s, {memory:.0f} MB", end])
-    text = table(("File", "MB on disk", "before", "now", "ends"), rows)
-    print(text)
+    heads = ("File", "MB on disk", "before", "now", "ends")
+    print(table(heads, rows))
     if asked.write:
-        write_into(PAGE, "hostile files", text)
+        write_into(PAGE, TABLE, table(heads, renewed(PAGE, TABLE, rows)))
     return bad
 
 

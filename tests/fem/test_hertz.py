@@ -106,7 +106,6 @@ def test_line_contact_of_other_radii_speeds_moduli_and_angles(case):
 
 
 OTHERS = [
-    Ball(),
     Ball(radius=0.02, size=4e-4),
     Ball(speed=4.0, size=3e-4),
     Ball(base=ALUMINIUM, size=3e-4),
@@ -131,17 +130,17 @@ def test_other_balls_speeds_moduli_and_angles(case):
 
 @pytest.mark.verify
 def test_ball_converges_to_hertz():
-    """Indentation on meshes of 0.4, 0.2, 0.1 mm: within 1 % on the finest, at a rate above 1.
+    """Indentation on meshes of 0.4, 0.28, 0.2 mm: within 1 % on the finest, at a rate above 1.
 
     The peak force is within 1 % on each: it hardly feels the size.
     """
     case = Ball()
     force, deepest, _ = case.hertz
     errors = []
-    for size in (4e-4, 2e-4, 1e-4):
+    for size in (4e-4, 2.8e-4, 2e-4):
         run, peak, indentation = struck(replace(case, size=size), reach=40.0, threads=1)
         errors.append(abs(indentation / deepest - 1.0))
         assert peak == pytest.approx(force, rel=0.01)
         assert_balanced(run)
     assert errors[-1] < 0.01
-    assert math.log2(errors[0] / errors[-1]) / 2.0 > 1.0, f"errors {errors}"
+    assert math.log2(errors[0] / errors[-1]) > 1.0, f"errors {errors}"

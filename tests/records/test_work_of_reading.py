@@ -5,9 +5,22 @@ import tracemalloc
 
 import numpy as np
 import pytest
+import scipy.optimize
 
 from strikewave.base.errors import InputError
-from strikewave.records import Channel, FileReading, Record, Request, compare, read_file, summed
+from strikewave.records import (
+    Channel,
+    FileReading,
+    Record,
+    Request,
+    compare,
+    find_pulses,
+    read_file,
+    smooth_pulse,
+    summed,
+)
+from strikewave.records.health import range as blow_range
+from strikewave.records.health.examined import Examined
 from strikewave.records.pulses import Baseline, find_boxes
 from strikewave.records.readers import Options, common, read_record, tdms
 from strikewave.records.readers.common import ArrayColumn, assemble, one_each
@@ -96,6 +109,30 @@ def test_work_grows_with_the_number_of_blows():
 
     lines = [lines_run(found, spikes(count)) for count in (50, 100, 200)]
     assert lines[2] / lines[1] < LINEAR
+
+
+def test_a_pulse_is_evaluated_once_for_each_round_of_its_fit_and_once_for_all_its_slopes(monkeypatch):
+    evaluated, fits = [], []
+    unit_pulse, least_squares = smooth_pulse.unit_pulse, scipy.optimize.least_squares
+    monkeypatch.setattr(smooth_pulse, "unit_pulse", lambda *words: evaluated.append(1) or unit_pulse(*words))
+    monkeypatch.setattr(
+        scipy.optimize, "least_squares", lambda *words, **more: fits.append(least_squares(*words, **more)) or fits[-1]
+    )
+    time = np.linspace(0.0, 1.0, 100)
+    true = smooth_pulse.SmoothPulse(1.0, 0.3, 0.4, 0.4, 1.5)
+    fitted = smooth_pulse.fit_smooth_pulse(time, true.at(time), 0.35, 0.3)
+    assert fitted == pytest.approx(true, abs=1e-4)
+    assert len(evaluated) == 1 + fits[0].nfev + fits[0].njev  # one for what is true
+
+
+def test_the_sides_of_a_blow_are_measured_once(monkeypatch):
+    """Flat tops and limited slopes are both seen at them."""
+    asked = []
+    flank_of = blow_range.flank_of
+    monkeypatch.setattr(blow_range, "flank_of", lambda *words: asked.append(words[2]) or flank_of(*words))
+    values = 100.0 * np.sin(np.pi * np.clip(np.arange(900.0) / 80.0 - 5.0, 0.0, 1.0))
+    assert not blow_range.limited(Examined(values, 1e-6, pulses=tuple(find_pulses(values, 1e-6))))
+    assert asked == [-1, 1]
 
 
 def test_work_of_a_campaign_grows_with_the_number_of_channels():

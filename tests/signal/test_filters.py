@@ -108,7 +108,7 @@ def test_linear_and_along_any_axis(scale, shift):
 @pytest.mark.parametrize(
     ("values", "step", "cutoff", "order", "word"),
     [
-        ([1.0, 2.0], STEP, 500e3, 4, "half the sampling rate, 500000 Hz"),
+        ([1.0, 2.0], STEP, 500e3, 4, "half the sampling rate, 500 kHz"),
         ([1.0, 2.0], STEP, 0.0, 4, "above zero"),
         ([1.0, 2.0], STEP, math.nan, 4, "cutoff"),
         ([1.0, 2.0], 0.0, 1e3, 4, "step"),

@@ -10,9 +10,7 @@ import pytest
 import strikewave
 from strikewave import load_case, run_wave
 from strikewave.base.errors import StrikewaveError
-from strikewave.cases.case import parse_case
 from strikewave.studies.design.design_file import load_design
-from strikewave.web.case.layer_order import rearranged, stack_rows
 from strikewave.web.case.state import CaseSource
 from strikewave.web.case.view import opened
 from strikewave.web.pages.case import elements_view, target_view
@@ -84,6 +82,36 @@ def test_numbers_of_a_file_that_names_no_unit_are_not_called_g(shots):
 
 
 @pytest.mark.verify
+def test_a_bad_record_far_off_zero_does_not_press_the_others_flat(shots):
+    rows = "".join(f"{k}e-6,90000\n" for k in range(1000))
+    (shots / "off.csv").write_text("time [s],acceleration [g]\n" + rows)
+    result = strikewave.record(["a.csv", "b.csv", "off.csv"])
+    assert [file.status for file in result.readings] == ["good", "good", "bad"]
+    axis = history_chart(result, "m/s^2")["yAxis"]
+    assert 3100.0 <= axis["max"] < 4000.0
+    alone = history_chart(strikewave.record(["off.csv"]), "m/s^2")
+    assert "max" not in alone["yAxis"]  # a bad one alone is seen whole
+
+
+@pytest.mark.verify
+def test_a_finding_names_the_field_of_the_page_that_mends_it(shots):
+    head, *rows = (shots / "a.csv").read_text().splitlines()
+    turned = [f"{t},{-float(a)}" for t, a in (row.split(",") for row in rows)]
+    (shots / "a.csv").write_text("\n".join([head, *turned]) + "\n")
+
+    def said(**more):
+        view = measure(RecordRequest(str(shots), ("a.csv",), spectrum=False, **more), say)
+        return json.dumps([view["lead"], view["notices"]], ensure_ascii=False), view
+
+    assert "“polarity” -1 turns it" in said()[0]
+    words, mended = said(polarity="-1")
+    assert "turns it" not in words
+    assert "strikewave record a.csv --polarity -1" in mended["same"][0][1]
+    with pytest.raises(StrikewaveError, match=r"^“polarity”: got"):
+        measure(RecordRequest(str(shots), ("a.csv",), spectrum=False, polarity="2"), say)
+
+
+@pytest.mark.verify
 def test_channels_of_two_units_share_no_axis(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     time = np.arange(0.0, 2e-3, 2e-6)
@@ -134,7 +162,13 @@ def test_a_bar_shows_the_stress_of_its_run():
     source = CaseSource("li-ma-2019-fig13-bar", "", (), "")
     view, solution = target_view.full(source), run_wave(load_case("li-ma-2019-fig13-bar"))
     field, stress = view["charts"][:2]
-    assert len(field["series"][0]["data"]) <= target_view.FIELD_TIMES * target_view.FIELD_PLACES
+    cells = np.array(field["series"][0]["data"])
+    assert len(cells) <= target_view.FIELD_TIMES * target_view.FIELD_PLACES
+    low, high = field["yAxis"][1]["min"], field["yAxis"][1]["max"]
+    assert (low, high) == (0.0, pytest.approx(58.0, rel=0.01))  # the length, in whole steps of the waves
+    height = (high - low) / (cells[:, 1].max() + 1.0)
+    # an axis of equal cells tells the truth: each shows a place within itself, and half a step of the waves beside
+    assert cells[:, 3] == pytest.approx(low + height * (cells[:, 1] + 0.5), abs=0.5 * height)
     drawn = max(y for _, y in stress["series"][0]["data"])
     assert drawn == pytest.approx(
         solution.stress(0).max() / 1e6, rel=1e-5
@@ -245,65 +279,6 @@ def test_the_python_lines_of_a_study_are_a_call_that_its_function_takes(kind, mo
     assert taken[0].arguments["case"].name == "li-ma-2019"
     if kind == "map":
         assert taken[0].arguments["points"] == (20, 20)
-
-
-JOINED = """
-schema = 1
-name = "joined"
-[[stack.layer]]
-name = "a"
-material = "65Mn"
-length = "10 mm"
-diameter = "20 mm"
-[[stack.layer]]
-name = "b"
-material = "45 steel"
-length = "20 mm"
-diameter = "20 mm"
-[[stack.layer]]
-name = "c"
-material = "65Mn"
-length = "30 mm"
-diameter = "20 mm"
-[[stack.joint]]
-after = "a"
-kind = "compliant"
-stiffness = "1 GN/m"
-[load]
-shape = "half-sine"
-peak = "1 kN"
-duration = "20 us"
-[[tap]]
-name = "end"
-layer = "c"
-position = 1.0
-[solver]
-duration = "50 us"
-"""
-
-
-def test_layers_change_places_and_a_joint_stays_behind_the_place_that_it_is_given():
-    source = CaseSource("joined", JOINED, (), "")
-    assert [(row.layer, row.joint) for row in stack_rows(source)] == [("a", "a"), ("b", ""), ("c", "")]
-    text = rearranged(source, ["c", "a", "b"], ["", "a", ""])
-    stack = parse_case(text, "joined").stack
-    assert [layer.name for layer in stack.layer] == ["c", "a", "b"]
-    assert [layer.length.si for layer in stack.layer] == pytest.approx([0.03, 0.01, 0.02])
-    assert [(joint.after, joint.kind) for joint in stack.joint] == [("a", "compliant")]
-
-
-@pytest.mark.parametrize(
-    ("layers", "joints"),
-    [
-        (["a", "b"], ["a", ""]),
-        (["a", "b", "b"], ["a", "", ""]),
-        (["a", "b", "c"], ["", "", ""]),
-        (["a", "b", "c"], ["a"]),
-    ],
-)
-def test_an_order_that_loses_a_layer_or_a_joint_is_refused(layers, joints):
-    with pytest.raises(StrikewaveError, match="each of a, b, c once"):
-        rearranged(CaseSource("joined", JOINED, (), ""), layers, joints)
 
 
 @pytest.mark.verify

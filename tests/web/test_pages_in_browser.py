@@ -5,6 +5,8 @@ from urllib.parse import parse_qs, urlsplit
 import numpy as np
 import pytest
 
+from strikewave import load_case
+
 pytestmark = pytest.mark.verify
 
 
@@ -114,12 +116,48 @@ def test_layers_are_put_in_another_order_by_the_keyboard_and_by_dragging(visit):
     names = one.page.locator(".sw-layer .sw-grow")
     assert [text.split(":")[0] for text in names.all_inner_texts()] == ["upper", "sensor", "lower"]
     one.page.get_by_role("button", name="layer sensor up").press("Enter")
-    one.page.get_by_text("save the case as li-ma-2019-fig13-bar-reordered.toml first").wait_for()
+    one.page.get_by_text("save the case as li-ma-2019-fig13-bar-layers.toml first").wait_for()
     one.shows("a full run; every check passed")
     assert [text.split(":")[0] for text in names.all_inner_texts()] == ["sensor", "upper", "lower"]
     one.page.locator(".sw-grip").nth(2).drag_to(one.page.locator(".sw-layer").nth(0))
     one.until(lambda: names.first.inner_text().startswith("lower"), "nothing was dragged")
     one.shows("a full run; every check passed")
+
+
+def test_layers_and_joints_are_added_and_removed_and_undo_takes_it_back(visit, tmp_path):
+    one = visit("/target")
+    one.shows("a full run; every check passed")
+    rows, joints = one.page.locator(".sw-layer"), one.page.locator(".sw-joint")
+
+    def has(layers, of_joints, line):
+        one.until(lambda: (rows.count(), joints.count()) == (layers, of_joints), "the list does not follow")
+        lines = one.page.locator(".sw-code")
+        one.until(lambda: f"strikewave wave {line}" in lines.all_inner_texts(), "the command line does not follow")
+        one.shows("a full run; every check passed")
+
+    one.page.get_by_role("button", name="layer sensor remove").press("Enter")
+    has(2, 0, "li-ma-2019-fig13-bar-layers.toml")
+    assert "sensor" not in rows.all_inner_texts()[1]
+    one.page.get_by_text("Add a joint").click()
+    one.page.get_by_role("button", name="add joint").click()
+    has(2, 1, "li-ma-2019-fig13-bar-layers.toml")
+    one.page.get_by_text("Add a layer").click()
+    add = one.page.get_by_role("button", name="add layer")
+    add.click()
+    one.page.get_by_text("refused:").first.wait_for()  # it has no name yet
+    one.page.get_by_label("name of the layer").fill("pad")
+    add.click()
+    has(3, 1, "li-ma-2019-fig13-bar-layers.toml")
+    with one.page.expect_download() as arrived:
+        one.page.get_by_role("button", name="case (.toml)").click()
+    saved = load_case(str(arrived.value.path().rename(tmp_path / "saved.toml")))
+    assert [layer.name for layer in saved.stack.layer] == ["upper", "lower", "pad"]
+    for layers, of_joints in ((2, 1), (2, 0)):
+        one.page.get_by_role("button", name="undo").click()
+        has(layers, of_joints, "li-ma-2019-fig13-bar-layers.toml")
+    one.page.get_by_role("button", name="undo").click()
+    has(3, 0, "li-ma-2019-fig13-bar")
+    one.until(lambda: "toml" not in parse_qs(urlsplit(one.page.url).query), "the address does not follow")
 
 
 def test_a_filter_is_moved_by_its_handle_and_its_cost_and_line_are_shown(visit):

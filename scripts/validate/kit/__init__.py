@@ -7,9 +7,21 @@ import shutil
 from pathlib import Path
 
 from .evidence import Comparison, keep
-from .pages import ROOT, cells_of, table, write_into
+from .pages import ROOT, cells_of, renewed, table, write_into
 
-__all__ = ["DATA", "IMAGES", "PAGE", "ROOT", "Comparison", "cells_of", "keep", "table", "unpacked", "write_into"]
+__all__ = [
+    "DATA",
+    "IMAGES",
+    "PAGE",
+    "ROOT",
+    "Comparison",
+    "cells_of",
+    "keep",
+    "renewed",
+    "table",
+    "unpacked",
+    "write_into",
+]
 
 DATA = ROOT / "tests" / "data"
 """Measured files that the project carries, a folder a source."""

@@ -37,5 +37,11 @@ def cells_of(page: Path, name: str) -> list[list[str]]:
     return [[cell.strip() for cell in line.strip("|").split("|")] for line in lines[2:]]
 
 
+def renewed(page: Path, name: str, rows: Sequence[list[str]]) -> list[list[str]]:
+    """Return the rows of a table as a page has them, those made anew in the place of the ones with their first cell."""
+    anew = {row[0]: row for row in rows}
+    return [*(anew.pop(row[0], row) for row in cells_of(page, name)), *anew.values()]
+
+
 def _marked(name: str) -> re.Pattern[str]:
     return re.compile(rf"(<!-- {re.escape(name)} -->\n)(.*?)(<!-- end -->)", re.DOTALL)

@@ -8,8 +8,13 @@ def percent(share: float, decimals: int = 1, sign: str = "") -> str:
     --------
     >>> percent(0.0331), percent(-0.002, 2, "+"), percent(0.5, 0)
     ('3.3 %', '-0.20 %', '50 %')
+
+    What rounds to nothing is not below it:
+
+    >>> percent(-0.0002), percent(-0.0002, sign="+")
+    ('0.0 %', '+0.0 %')
     """
-    return f"{100.0 * share:{sign}.{decimals}f} %"
+    return f"{100.0 * share:{sign}z.{decimals}f} %"
 
 
 def sign_needed(number: float) -> str:

@@ -13,6 +13,7 @@ from strikewave.contact.law import check_end
 from strikewave.machines._layout import APEX_SWITCH
 from strikewave.machines.rebounds import blow_numbers
 from strikewave.machines.run import MachineRun
+from strikewave.machines.spans import Moments
 from strikewave.signal.pulse import measure_pulse
 
 Array = NDArray[np.float64]
@@ -164,11 +165,16 @@ def pulse_window(
 
     The window ends at ``until`` (s after first touch), or where the motion ends.
     """
+    since, moments = _window(run, touch, until, step)
+    return since, moments.contact_force, moments.rigid_acceleration
+
+
+def _window(run: MachineRun, touch: float, until: float, step: float) -> tuple[Array, Moments]:
+    """Return time since first touch, and what the machine does then, about a blow."""
     after = min(until, run.end - touch)
     first, last = -int(min(WINDOW_BEFORE, touch) / step), int(after / step)
     since = step * np.arange(first, last + 1, dtype=np.float64)
-    moments = run.sample(touch + since)
-    return since, moments.contact_force, moments.rigid_acceleration
+    return since, run.sample(touch + since)
 
 
 def _missed(run: MachineRun, index: int, number: int, time: float) -> Blow:
@@ -203,13 +209,14 @@ def _missed(run: MachineRun, index: int, number: int, time: float) -> Blow:
 def _struck(run: MachineRun, index: int, rows: Array, until: float) -> Blow:
     struck = run.machine.struck
     begin, striker, last = float(rows[0, 0]), int(rows[0, 3]), float(rows[:, 1].max())
-    since, force, acceleration = pulse_window(run, begin, min(until, last + WINDOW_AFTER) - begin)
+    since, moments = _window(run, begin, min(until, last + WINDOW_AFTER) - begin, SAMPLE_STEP)
+    force, acceleration = moments.contact_force, moments.rigid_acceleration
     pulse = measure_pulse(acceleration, SAMPLE_STEP, since[0]) if acceleration.max() > 0 else None
     width = pulse.width if pulse else math.nan
     kind, end = _kind(run, rows, width)
     edges = run.sample(np.array([begin, end]))
     contact, support, _ = run.impulses(begin, end)
-    side_force, side_impulse, heat = _sliding(run, rows, begin + since)
+    side_force, side_impulse, heat = _sliding(run, rows, moments.side_force)
     velocity_change = float(np.diff(edges.object_speed)[0])
     free = min(until, max(run.released, last))
     path = run.sample(np.linspace(begin, free, 2001)).assembly_place
@@ -267,9 +274,8 @@ def _work(run: MachineRun, rows: Array) -> tuple[float, float]:
     return deepest, math.sqrt(back / taken) if taken > 0.0 else math.nan
 
 
-def _sliding(run: MachineRun, rows: Array, times: Array) -> tuple[float, float, float]:
-    """Return the largest side force of contacts at some times, N, their side impulse, N s, and heat of sliding, J."""
-    force = run.sample(times).side_force
+def _sliding(run: MachineRun, rows: Array, force: Array) -> tuple[float, float, float]:
+    """Return the largest of some side forces of contacts, N, their side impulse, N s, and heat of sliding, J."""
     begin, last = float(rows[0, 0]), float(rows[:, 1].max())
     heat = float(np.diff(run.sample(np.array([begin, last])).friction_heat)[0])
     return float(force[np.argmax(np.abs(force))]), run.impulses(begin, last).side, heat

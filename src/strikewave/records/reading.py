@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 
 from strikewave.base.errors import InputError
+from strikewave.base.frequencies import frequency_text
 from strikewave.base.percents import percent
 from strikewave.records.budget.blows import BlowUncertainty
 from strikewave.records.calibration import Calibration, calibrated
@@ -253,16 +254,18 @@ def filtered_channel(channel: Channel, request: Request) -> Channel:
     InputError
         If a cutoff is not between half a period a record and half the sampling rate.
     """
+    half = frequency_text(0.5 * channel.sampling_rate)
     for option, one in (("--high-pass", request.high_pass), ("--filter", request.filter)):
         if one is None:
             continue
+        cutoff = frequency_text(one.cutoff)
         if one.cutoff * channel.duration < HALF_PERIOD:
             lowest = HALF_PERIOD / channel.duration
             allowed = f"a cutoff of half a period a record at least, {lowest:.3g} Hz for {channel.name}"
-            raise InputError(option, f"{one.cutoff:g} Hz", allowed, "is kHz meant?" if option == "--filter" else "")
+            raise InputError(option, cutoff, allowed, "is kHz meant?" if option == "--filter" else "")
         if not one.cutoff < 0.5 * channel.sampling_rate:
-            allowed = f"a cutoff below half the sampling rate of {channel.name}, {0.5 * channel.sampling_rate:g} Hz"
-            raise InputError(option, f"{one.cutoff:g} Hz", allowed)
+            allowed = f"a cutoff below half the sampling rate of {channel.name}, {half}"
+            raise InputError(option, cutoff, allowed)
         channel = dataclasses.replace(channel, values=one.apply(channel.values, channel.step))
     return channel
 

@@ -27,6 +27,8 @@ SPREADS = (1.0, 0.1, 0.3, 0.2, 1.0)
 """How far peak, begin, length, share of rise and power usually lie from the guess; scales the steps of the fit."""
 ROUNDS, CONVERGED = 50, 1e-6
 """Evaluations of the fit at most, and the relative change below which it ends: noise moves the parameters far more."""
+DIFFERENCE = math.sqrt(np.finfo(float).eps)
+"""Change of a parameter for its slope, over the parameter or one: rounding and curvature then err alike."""
 INSIDE = 1e-6
 """How far within its bounds the guess must lie, as the method asks."""
 
@@ -236,8 +238,16 @@ def fit_smooth_pulse(time: Array, values: Array, begin: float, length: float, ri
     def left(v: Array) -> Array:
         return SmoothPulse(*v).at(t) - y
 
+    def slopes(v: Array) -> Array:
+        """Return the forward differences of all parameters, whose pulses are evaluated at once."""
+        steps = DIFFERENCE * np.maximum(1.0, np.abs(v))
+        steps = np.where(v + steps < high, steps, -steps)
+        tops, begins, runs, shares, powers = np.vstack([v, v + np.diag(steps)]).T[:, :, None]
+        rows = tops * unit_pulse((t - begins) / runs, shares, powers)
+        return np.asarray((rows[1:] - rows[0]).T / steps)
+
     start = np.clip((*GUESS[:3], rise_share, GUESS[3]), np.add(low, INSIDE), np.subtract(high, INSIDE))
-    best = least_squares(left, start, bounds=(low, high), x_scale=SPREADS, max_nfev=ROUNDS, xtol=CONVERGED)
+    best = least_squares(left, start, slopes, bounds=(low, high), x_scale=SPREADS, max_nfev=ROUNDS, xtol=CONVERGED)
     peak, first, run, share, power = (float(v) for v in best.x)
     misfit = math.sqrt(2.0 * best.cost / y.size) / peak
     return SmoothPulse(peak * scale, begin + first * length, run * length, share, power, misfit)

@@ -14,6 +14,7 @@ from pydantic import BaseModel
 
 from strikewave._version import __version__
 from strikewave.base.citations import SOURCES
+from strikewave.base.percents import percent
 from strikewave.base.quantities import PROVENANCES, Value
 from strikewave.base.result import BALANCE_LIMIT, FAILED, INFO, WARNING
 from strikewave.cases.case import PUBLISHED_QUANTITIES, Case, bundled_cases, dump_case, load_case, row_name
@@ -171,7 +172,7 @@ def published(comparisons: Sequence[Comparison]) -> list[Section]:
             NONE if v is None or math.isnan(v) else written(shown(v, si, usual) if si else v, 6)
             for v in (entry.published, entry.computed)
         ]
-        difference = NONE if entry.difference is None else f"{100.0 * entry.difference:+.1f} %"
+        difference = NONE if entry.difference is None else percent(entry.difference, 1, "+")
         origin = entry.measured_or_simulated
         rows.append([headed(label, si, usual), *values, difference, origin, Tag(entry.role, entry.role), entry.note])
     heads = ["quantity", "published", "computed", "difference", "origin", "role", "note"]

@@ -506,3 +506,17 @@ def one_in(count: int) -> str:
     """
     ending = "th" if count % 100 in (11, 12, 13) else {1: "st", 2: "nd", 3: "rd"}.get(count % 10, "th")
     return f"every {count}{ending}"
+
+
+def round_step(size: float) -> float:
+    """Return a step that begins with 1, 2 or 5, at most as large.
+
+    Examples
+    --------
+    >>> round_step(0.37), round_step(1.4)
+    (0.2, 1.0)
+    """
+    if not size > 0.0:
+        return 1.0
+    power = 10.0 ** math.floor(math.log10(size))
+    return power * max(mark for mark in (1.0, 2.0, 5.0) if mark * power <= size * (1 + 1e-9))

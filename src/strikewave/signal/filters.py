@@ -14,6 +14,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from strikewave.base.frequencies import frequency_text
 from strikewave.signal.pulse import HALF_SINE_RISE, HALF_SINE_WIDTH, measure_pulse
 
 Array = NDArray[np.float64]
@@ -166,7 +167,10 @@ class Filter(_ZeroPhase):
 
     def __str__(self) -> str:
         how = "for both passes together" if self.convention == "both" else "for each pass"
-        return self.name or f"zero-phase Butterworth, {self.order} poles a pass, -3 dB at {self.cutoff:g} Hz {how}"
+        return (
+            self.name
+            or f"zero-phase Butterworth, {self.order} poles a pass, -3 dB at {frequency_text(self.cutoff)} {how}"
+        )
 
     def _one_way(self, step: float) -> Array:
         return _butterworth(self.cutoff, step, self.order, self._widened())
@@ -214,8 +218,8 @@ class HighPass(_ZeroPhase):
 
     def __str__(self) -> str:
         return (
-            f"zero-phase Butterworth high-pass, {self.order} poles a pass, -3 dB at {self.cutoff:g} Hz for both passes "
-            "together"
+            f"zero-phase Butterworth high-pass, {self.order} poles a pass, -3 dB at {frequency_text(self.cutoff)} for "
+            "both passes together"
         )
 
     def _one_way(self, step: float) -> Array:
@@ -351,7 +355,8 @@ def _butterworth(cutoff: float, step: float, order: int, widened: float = 1.0, k
         raise ValueError(f"the order of a filter must be a whole number from 1 to {MOST_POLES}, got {order!r}")
     if not 0.0 < cutoff < 0.5 / step:
         raise ValueError(
-            f"the cutoff must lie above zero and below half the sampling rate, {0.5 / step:g} Hz, got {cutoff:g} Hz: "
+            f"the cutoff must lie above zero and below half the sampling rate, {frequency_text(0.5 / step)}, got "
+            f"{frequency_text(cutoff)}: "
             "take a lower cutoff or a finer step"
         )
     return _sections(order, 2.0 / math.pi * math.atan(widened * math.tan(math.pi * cutoff * step)), kind)

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from typing import Any, NamedTuple
 
+from strikewave.reporting.numbers import round_step
 from strikewave.reporting.style import BLUE, GREEN, GREY, ORANGE, RED
 
 COLOURS = (BLUE, RED, GREEN, ORANGE, GREY)
@@ -17,6 +19,8 @@ INK, SOFT, LINE = "#1a1f24", "#4d5760", "#e4e4e4"
 PALE_BAND = "rgba(0, 114, 178, 0.10)"
 BELOW_LEGEND = 60
 """Pixels from the upper edge of a diagram to its axes, so that names of curves touch no number."""
+MARKS = 8
+"""Marks of an axis, about."""
 BESIDE_TOOLS = "84%"
 """Width that the names of curves take at most: the button that saves a picture stands beside them."""
 
@@ -166,6 +170,18 @@ def train_chart(title: str, unit: str, bars: Sequence[Sequence[Any]], band: Sequ
     return {**options, "series": series}
 
 
+def round_ends(low: float, high: float) -> tuple[float, float]:
+    """Return ends of an axis, on its marks, that take in two numbers.
+
+    Examples
+    --------
+    >>> round_ends(-12.0, 4151.0)
+    (-500.0, 4500.0)
+    """
+    mark = round_step((high - low) / MARKS)
+    return math.floor(low / mark) * mark, math.ceil(high / mark) * mark
+
+
 def with_beside(options: dict[str, Any], beside: dict[str, Any]) -> dict[str, Any]:
     """Return a diagram with what another one of its kind shows, in grey behind it.
 
@@ -197,6 +213,7 @@ def heat_chart(
     unit: str,
     *,
     signed: bool = True,
+    ends: Sequence[float] = (),
 ) -> dict[str, Any]:
     """Return a field in cells, in colours that a colour-blind reader can tell apart: by both signs, or from white on.
 
@@ -209,6 +226,9 @@ def heat_chart(
         Column, row, value, and what else is to be known where a cell is picked.
     signed : bool, optional
         Whether both signs matter, and zero is white in the middle.
+    ends : sequence of float, optional
+        First and last x, and first and last y, of cells that are equally wide and high: round numbers then stand at the
+        axes, wherever the cells are; ``columns`` and ``rows`` otherwise.
 
     Examples
     --------
@@ -220,6 +240,9 @@ def heat_chart(
     options["xAxis"]["data"], options["yAxis"]["data"] = list(columns), list(rows)
     options["grid"] |= {"right": 84}
     options["yAxis"]["axisLabel"] = {**options["yAxis"]["axisLabel"], "interval": max(len(rows) // 6 - 1, 0)}
+    if ends:
+        options["xAxis"] = _with_numbers(options["xAxis"], "bottom", ends[:2])
+        options["yAxis"] = _with_numbers(options["yAxis"], "left", ends[2:])
     options["visualMap"] = {
         "min": -largest if signed else 0.0,
         "max": largest,
@@ -237,6 +260,14 @@ def heat_chart(
         **options,
         "series": [{"type": "heatmap", "data": cells, "progressive": 0, "progressiveThreshold": len(cells) + 1}],
     }
+
+
+def _with_numbers(cells: dict[str, Any], position: str, ends: Sequence[float]) -> list[dict[str, Any]]:
+    """Return the axis of cells, not drawn, and one of numbers over the same length."""
+    numbers = {key: value for key, value in cells.items() if key != "data"}
+    label = {"fontSize": 10, "hideOverlap": True, "showMaxLabel": False}  # the last end is no round number
+    drawn = {"type": "value", "min": ends[0], "max": ends[1], "position": position, "axisLabel": label}
+    return [{**cells, "show": False}, {**numbers, **drawn, "splitLine": {"show": False}}]
 
 
 def _named(options: dict[str, Any]) -> dict[str, Any]:

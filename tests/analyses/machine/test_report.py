@@ -183,7 +183,7 @@ def test_published_numbers_stand_beside_computed_ones(solution, page):
     assert len(rows) == len(solution.published)
     for entry, row in zip(solution.published, rows, strict=True):
         assert row[4:6] == [entry.measured_or_simulated, entry.role]
-        assert row[3] == f"{entry.difference * 100:+.1f} %"
+        assert row[3] == f"{entry.difference * 100:+z.1f} %"
     assert rows[0][1:3] == ["4151.25", "4151.25"]
 
 

@@ -10,6 +10,7 @@ import pytest
 from strikewave.analyses.record.chapters import MOST_ROWS, mean_sections
 from strikewave.analyses.record.report import record_report
 from strikewave.analyses.record.result import record_result
+from strikewave.analyses.record.screen import MOST_ROWS as SCREEN_ROWS
 from strikewave.analyses.record.screen import _print
 from strikewave.analyses.record.words import record_words
 from strikewave.base.result import Notice, Source
@@ -164,6 +165,29 @@ def test_channels_without_a_figure_share_a_sentence_and_a_section():
     [table] = section.parts
     assert [row[:2] for row in table.rows] == [[f"c{k}", "a.csv"] for k in range(6)]
     assert all("no blow stands out of the noise" in row[2] for row in table.rows)
+
+
+def test_reasons_of_hundreds_of_channels_fit_on_a_screen(capsys):
+    result = silent(200)
+    [file] = result.readings
+
+    def own(reading):
+        return tuple(dataclasses.replace(f, message=f"{f.message}, {reading.number}") for f in reading.findings)
+
+    channels = tuple(dataclasses.replace(one, findings=own(one)) for one in file.channels)
+    _print(dataclasses.replace(result, readings=[dataclasses.replace(file, channels=channels)]))
+    printed = capsys.readouterr().out
+    assert "more reasons: see report and JSON" in " ".join(printed.split())
+    assert len(printed.splitlines()) < SCREEN_ROWS + 20
+
+
+def test_the_figures_of_hundreds_of_channels_are_a_few_sentences(files):
+    campaign = summed(files)
+    campaigns = [dataclasses.replace(campaign, channel=f"c{k}") for k in range(200)]
+    words = record_words(dataclasses.replace(silent(1), campaigns=campaigns))
+    assert "c5: " in words
+    assert "c6: " not in words
+    assert "194 more channels gave a peak, see below." in words
 
 
 class Counting(tuple):

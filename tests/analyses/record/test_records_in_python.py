@@ -78,7 +78,7 @@ def test_shock_spectra_are_those_of_the_command(result_of):
 @pytest.mark.parametrize(
     ("said", "words"),
     [
-        ({"high_pass": 60e3}, 'high_pass: got "60000 Hz"; allowed: a cutoff below half the sampling rate of frame'),
+        ({"high_pass": 60e3}, 'high_pass: got "60 kHz"; allowed: a cutoff below half the sampling rate of frame'),
         ({"high_pass": "fast"}, 'high_pass: got "fast"; allowed: a cutoff above zero such as "5 Hz"'),
         ({"filter": "CFC"}, 'filter: got "CFC"; allowed: a cutoff above zero such as "10 kHz", a class such as'),
         ({"filter": -1.0}, "filter: got -1.0; allowed: a cutoff above zero"),

@@ -247,7 +247,7 @@ def test_filters_are_those_of_record(found, strikewave):
         (("a0.csv", "--resultant"), "--resultant", '"1 channel"', "2 or 3 perpendicular channels"),
         (("a0.csv", "a1.csv", "--resultant"), "--resultant", '"2 files"', "the channels of one file"),
         (("a0.csv", "--resultant", "--side", "positive"), "--side", '"positive"', "a length has no sign"),
-        (("a0.csv", "--high-pass", "60 kHz"), "--high-pass", '"60000 Hz"', "below half the sampling rate"),
+        (("a0.csv", "--high-pass", "60 kHz"), "--high-pass", '"60 kHz"', "below half the sampling rate"),
         (("a0.csv", "--high-pass", "1 mHz"), "--high-pass", '"0.001 Hz"', "half a period a record"),
         (("a0.csv", "--high-pass", "0"), "--high-pass", '"0"', "above zero"),
         (("a0.csv", "--filter", "5 kHz", "--cfc", "60"), "--cfc", '"60"', "either --filter or --cfc"),

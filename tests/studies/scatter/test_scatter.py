@@ -422,7 +422,7 @@ LARGEST_CV, LARGEST_STOP_FORCE = 0.02, 2e3
 
 
 @pytest.mark.verify
-@pytest.mark.parametrize("spring", ["36 kN/m", "40 kN/m", "44 kN/m"])
+@pytest.mark.parametrize("spring", ["36 kN/m", "44 kN/m"])
 def test_the_machine_of_equal_blows_has_them(spring):
     """Another seed than the one it was found with: the bound of 95 % on the CV of the 11 peaks is below 2 %."""
     case = load_case(EQUAL, [f"object.spring={spring}"])

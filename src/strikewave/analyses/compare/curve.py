@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from strikewave.base.errors import InputError
+from strikewave.base.frequencies import frequency_text
 from strikewave.base.result import Band, Notice
 from strikewave.signal.alignment import EvenHistory
 from strikewave.signal.filters import Filter
@@ -104,8 +105,8 @@ class ComparedCurve:
             return self
         half = 0.5 / self.history.step
         if not low_pass.half_power(self.history.step) < half or not low_pass.cutoff < half:
-            allowed = f"a cutoff below half the sampling rate of {self.name}, {half:g} Hz"
-            raise InputError("--filter", f"{low_pass.cutoff:g} Hz", allowed)
+            allowed = f"a cutoff below half the sampling rate of {self.name}, {frequency_text(half)}"
+            raise InputError("--filter", frequency_text(low_pass.cutoff), allowed)
         values = low_pass.apply(self.history.values, self.history.step)
         return dataclasses.replace(self, history=self.history._replace(values=values))
 

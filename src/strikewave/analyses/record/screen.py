@@ -60,7 +60,9 @@ if TYPE_CHECKING:
     from strikewave.specifications.reading import Specification
 
 MOST_REASONS = 3
-"""Reasons of pairs that are listed; the others are counted."""
+"""Reasons of pairs, and of a file that is not good, that are listed; the others are counted."""
+MOST_LINES = 12
+"""Files or channels that have a line of their own, or a table, on the screen; the others are counted."""
 MOST_ROWS = 60
 """Files shown in the table on the screen."""
 DOUBTED = " ?"
@@ -169,11 +171,7 @@ class RecordCommand(Command[RecordResult]):
             report_table(sensor_table(result.sensor, names), more=MORE_COLUMNS)
         if result.pair:
             report_table(pair_table(result.pairs), more=LEFT_OUT_FIRST)
-            lines = pair_reasons(result.pairs)
-            for line in lines[:MOST_REASONS]:
-                tell(line, "  ")
-            if len(lines) > MOST_REASONS:
-                tell(f"{len(lines) - MOST_REASONS} more files have reasons of their own: see report and JSON", "  ")
+            _tell_first(pair_reasons(result.pairs), MOST_REASONS, "files have reasons of their own", "  ")
 
     def draw(self, result: RecordResult, folder: Path) -> list[str]:
         """Write page and summary."""
@@ -196,15 +194,33 @@ def _print(result: RecordResult) -> None:
     alike: dict[tuple[str, str], list[str]] = {}
     for file in readings:
         if file.status != "good":
-            alike.setdefault((file.status, "; ".join(file.reasons)), []).append(names[file.path])
-    for (status, reasons), where in alike.items():
-        tell(f"{named(where)}, {status}: {reasons}", "  ")
+            alike.setdefault((file.status, _reasons(file)), []).append(names[file.path])
+    lines = [f"{named(where)}, {status}: {reasons}" for (status, reasons), where in alike.items()]
+    _tell_first(lines, MOST_LINES, "files are not good, for reasons of their own", "  ")
     _print_rigid(readings, names)
     _print_responses(readings, result.response_summaries, names)
     _print_rebounds(readings, names)
-    for campaign in result.campaigns:
+    for campaign in result.campaigns[:MOST_LINES]:
         _print_campaign(campaign, readings, names)
+    more = sum(campaign.sums_up and bool(campaign.statistics) for campaign in result.campaigns[MOST_LINES:])
+    if more:
+        tell(f"{more} more channels are summed up: see report and JSON")
     _print_filter(readings, result.filter)
+
+
+def _reasons(file: FileReading) -> str:
+    """Return why a file is not good, or the worst of many reasons and how many more there are."""
+    more = len(file.reasons) - MOST_REASONS
+    counted = [f"{more} more reasons: see report and JSON"] if more > 0 else []
+    return "; ".join([*file.reasons[:MOST_REASONS], *counted])
+
+
+def _tell_first(lines: Sequence[str], most: int, others: str, indent: str = "") -> None:
+    """Print the first lines, and how many others there are."""
+    for line in lines[:most]:
+        tell(line, indent)
+    if len(lines) > most:
+        tell(f"{len(lines) - most} more {others}: see report and JSON", indent)
 
 
 def _print_budget(result: RecordResult) -> None:
@@ -497,11 +513,11 @@ def _print_campaign(campaign: Campaign, readings: Sequence[FileReading], names: 
 def _print_filter(files: Sequence[FileReading], filter_: Filter | None) -> None:
     """Say what the filters did to each channel, or which cutoff would leave the steepest blow of all as it is."""
     names = short_names([file.path for file in files]) if len(files) > 1 else {}
+    passed = []
     for file, reading in rows_of(files):
         called = ", ".join([*filter(None, [names.get(file.path)]), reading.channel.name])
-        for finding in reading.findings:
-            if finding.code == "high-pass":
-                tell(f"{called}: {finding.message}")
+        passed += [f"{called}: {finding.message}" for finding in reading.findings if finding.code == "high-pass"]
+    _tell_first(passed, MOST_LINES, "channels are filtered so")
     if filter_ is None:
         advised = advised_filter(files)
         if advised is not None:
@@ -511,6 +527,7 @@ def _print_filter(files: Sequence[FileReading], filter_: Filter | None) -> None:
                 "of a half-sine as steep as these by at most 2 %"
             )
         return
+    effects = []
     for file, reading in rows_of(files):
         effect = filter_effect(reading, filter_)
         called = ", ".join([*filter(None, [names.get(file.path)]), reading.channel.name])
@@ -524,4 +541,5 @@ def _print_filter(files: Sequence[FileReading], filter_: Filter | None) -> None:
             figures = (("peak", "peak"), ("width", "width"), ("velocity_change", "velocity change"))
             shares = [f"{words} {percent(_mean([one[key] for one in effect['effect']]))}" for key, words in figures]
             sentence += f"; filter effect on the smooth pulse alone: {', '.join(shares)} left"
-        tell(sentence)
+        effects.append(sentence)
+    _tell_first(effects, MOST_LINES, "channels are filtered so")

@@ -17,6 +17,8 @@ from strikewave.reporting.numbers import listed
 
 MOST_REASONS = 4
 """Reasons of bad records that the summary gives: more are counted, and stand in the table of findings."""
+MOST_CHANNELS = 6
+"""Channels whose figures the summary gives: two triaxial sensors; more are counted, and stand in the table."""
 MOST_NAMED = 4
 """Files that a line names; the others are counted."""
 NO_PEAK = "No record gave a peak that can be trusted."
@@ -38,7 +40,10 @@ def record_words(result: RecordResult) -> str:
     words += [pair_words(result.pairs)] if result.pair else []
     words += [f"{len(files)} files: {listed(counted(files))}." if len(files) != 1 else f"One file, {files[0].status}."]
     several = len(campaigns) > 1
-    words += [_campaign_words(one, names, several) for one in campaigns if one.statistics or not several]
+    told = [one for one in campaigns if one.statistics or not several]
+    words += [_campaign_words(one, names, several) for one in told[:MOST_CHANNELS]]
+    if len(told) > MOST_CHANNELS:
+        words.append(f"{len(told) - MOST_CHANNELS} more channels gave a peak, see below.")
     silent = [one.channel for one in campaigns if several and not one.statistics]
     words += [f"{named(silent)}: {NO_PEAK}"] if silent else []
     words += [] if result.sensor is None else [result.sensor.sentence()]

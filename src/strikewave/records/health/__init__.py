@@ -9,7 +9,7 @@ from __future__ import annotations
 from strikewave.records.health.blows import beyond_drop_height, cut, no_pulse, polarity
 from strikewave.records.health.examined import BLOW, Examined, dead
 from strikewave.records.health.noise import noisy, short_before, uncertain
-from strikewave.records.health.range import clipped, saturated, slew_limited
+from strikewave.records.health.range import clipped, limited
 from strikewave.records.health.ringing import larger_elsewhere, ringing
 from strikewave.records.health.sampling import aliased, few_samples
 from strikewave.records.health.train import double_hit, mains_blips, missing_blow, rebounds
@@ -22,8 +22,7 @@ CHECKS = (
     no_pulse,
     not_settled,
     clipped,
-    saturated,
-    slew_limited,
+    limited,
     zero_shift,
     ac_coupling,
     velocity_drift,

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 import math
 from collections.abc import Sequence
 from typing import NamedTuple
@@ -114,12 +115,23 @@ def clipped(record: Examined) -> list[HealthNotice]:
     return findings
 
 
-def saturated(record: Examined) -> list[HealthNotice]:
+def limited(record: Examined) -> list[HealthNotice]:
+    """Find what a limit of sensor or amplifier did to blows: flat tops, and slopes that went no further.
+
+    Both look at the sides of each blow, which are measured once.
+    """
+    pulses = [pulse for pulse in record.pulses if pulse.method == "record" and pulse.width > 0.0]
+    flanks = [_flanks_of(record, pulse) for pulse in pulses]
+    return [*_saturated(record, pulses, flanks), *_slew_limited(record, pulses, flanks)]
+
+
+def _saturated(
+    record: Examined, pulses: Sequence[RecordedPulse], flanks: Sequence[tuple[Flank, Flank]]
+) -> list[HealthNotice]:
     """Find tops flatter than any that an elastic contact makes: an amplifier near its limit, or flat pulses.
 
     Which of them is not known from one record. What swings after a blow may have bent its top as well.
     """
-    pulses = [pulse for pulse in record.pulses if pulse.method == "record" and pulse.width > 0.0]
     top = top_of(record, pulses)
     if top is not None and top.sharpness > top.usual + FLATTER + top.doubt:
         message = (
@@ -131,7 +143,7 @@ def saturated(record: Examined) -> list[HealthNotice]:
         if higher > WRONG:
             message += f"; the half-sine of its flanks would be {percent(higher, 0)} higher"
         return [_of_range("flat-top", message, top.sharpness, pulses)]
-    higher = min((_bent_off(record, pulse) for pulse in pulses), default=0.0)
+    higher = min(map(functools.partial(_bent_off, record), pulses, flanks), default=0.0)
     if higher > 0.0:
         message = (
             f"a straight side, as that of a saw-tooth, would go on {percent(higher, 0)} above the peak, and bends "
@@ -142,17 +154,17 @@ def saturated(record: Examined) -> list[HealthNotice]:
     return []
 
 
-def slew_limited(record: Examined) -> list[HealthNotice]:
+def _slew_limited(
+    record: Examined, pulses: Sequence[RecordedPulse], flanks: Sequence[tuple[Flank, Flank]]
+) -> list[HealthNotice]:
     """Find an amplifier that is too slow for a blow, by a straight side or a corner.
 
     A side is straight where a pulse is curved, or the top is a corner where it is round: such an amplifier follows
     the rise in a straight line until that meets the fall. A saw-tooth, straight on both sides and much steeper on one,
     is meant to be so.
     """
-    pulses = [pulse for pulse in record.pulses if pulse.method == "record" and pulse.width > 0.0]
-    for pulse in pulses:
-        swing = _amplitude_after(record, pulse)
-        other, steep = sorted(flank_of(record, pulse, side, swing) for side in (-1, 1))
+    for pulse, both in zip(pulses, flanks, strict=True):
+        other, steep = sorted(both)
         own_slope = other.slope < (1.0 - ALIKE) * steep.slope
         saw_tooth = other.bend < STRAIGHT and other.slope < SAW_TOOTH * steep.slope
         if not steep.bend < STRAIGHT or saw_tooth:
@@ -229,13 +241,11 @@ def _slope_halfway(record: Examined, pulse: RecordedPulse, side: int) -> float:
     return abs(pulse.peak) * float(heights[last] - heights[first]) / (max(last - first, 1) * record.step)
 
 
-def _bent_off(record: Examined, pulse: RecordedPulse) -> float:
+def _bent_off(record: Examined, pulse: RecordedPulse, flanks: tuple[Flank, Flank]) -> float:
     """Return by how much a straight side of a pulse goes on above its peak, over the peak; 0 where that may be chance.
 
     A limit leaves the time of the peak as it is, and the lower part of a side.
     """
-    swing = _amplitude_after(record, pulse)
-    flanks = [flank_of(record, pulse, side, swing) for side in (-1, 1)]
     straight = [flank for flank in flanks if flank.bend < STRAIGHT]
     if not straight:
         return 0.0
@@ -255,6 +265,12 @@ class Flank(NamedTuple):
     slope: float
     bend: float
     goes_on: float = math.nan
+
+
+def _flanks_of(record: Examined, pulse: RecordedPulse) -> tuple[Flank, Flank]:
+    """Return the side before the peak of a pulse and the one after it."""
+    swing = _amplitude_after(record, pulse)
+    return flank_of(record, pulse, -1, swing), flank_of(record, pulse, 1, swing)
 
 
 def flank_of(record: Examined, pulse: RecordedPulse, side: int, swing: float = 0.0) -> Flank:
@@ -284,12 +300,24 @@ def flank_of(record: Examined, pulse: RecordedPulse, side: int, swing: float = 0
         part = heights[first : last + 1]
         if part.size < FEWEST_OF_FLANK:
             continue
-        bends = np.polynomial.legendre.legfit(np.linspace(-1.0, 1.0, part.size), part, 3)
+        bends = _legendre_cubic(part.size) @ part
         doubt = max(pulse.noise * math.sqrt(7.0 / part.size), swing) / abs(pulse.peak)
         if (bend := math.hypot(bends[2], bends[3]) + doubt) < least:
             least, slope = bend, 2.0 * float(bends[1]) / (part.size - 1)
             goes_on = float(bends[0]) + slope * (heights.size - 1 - first - 0.5 * (part.size - 1))
     return Flank(abs(pulse.peak) * slope / record.step, least, goes_on)
+
+
+@functools.lru_cache(maxsize=256)
+def _legendre_cubic(size: int) -> Array:
+    """Return the matrix that makes the coefficients of the least-squares cubic of so many even samples.
+
+    Examples
+    --------
+    >>> (_legendre_cubic(7) @ np.linspace(-1.0, 1.0, 7) ** 2).round(6) + 0.0  # x^2 = 1/3 P0 + 2/3 P2
+    array([0.333333, 0.      , 0.666667, 0.      ])
+    """
+    return np.asarray(np.linalg.pinv(np.polynomial.legendre.legvander(np.linspace(-1.0, 1.0, size), 3)), dtype=float)
 
 
 def tip_of(record: Examined, pulse: RecordedPulse) -> float:

@@ -9,6 +9,7 @@ from strikewave.base.quantities import Range, Value
 from strikewave.base.units import DIMENSIONS, parse_quantity
 from strikewave.cases.case import Case
 from strikewave.cases.explained import explanations
+from strikewave.reporting.numbers import round_step
 from strikewave.uncertainty.draws import range_of
 from strikewave.uncertainty.known import field_of, known_inputs
 from strikewave.web.case.edited_field import EditedField
@@ -45,7 +46,7 @@ def edited_fields(case: Case) -> dict[str, EditedField]:
         one = known.get(path)
         half = max(one.high - value.si, value.si - one.low) if one is not None else 0.5 * SHARE * abs(value.si)
         low, high = _ends(value.si, REACH * half, allowed)
-        step = 1.0 if allowed.unit == "count" else _round_step((high - low) / scale / STEPS)
+        step = 1.0 if allowed.unit == "count" else round_step((high - low) / scale / STEPS)
         what = words.get(field)
         fields[path] = EditedField(
             path=path,
@@ -79,17 +80,3 @@ def unit_of(value: Value) -> str:
     """
     found = _UNIT.fullmatch(str(value.typed))
     return found[1].strip() if found else ""
-
-
-def _round_step(size: float) -> float:
-    """Return a step that begins with 1, 2 or 5, at most as large.
-
-    Examples
-    --------
-    >>> _round_step(0.37), _round_step(1.4)
-    (0.2, 1.0)
-    """
-    if not size > 0.0:
-        return 1.0
-    power = 10.0 ** math.floor(math.log10(size))
-    return power * max(mark for mark in (1.0, 2.0, 5.0) if mark * power <= size * (1 + 1e-9))

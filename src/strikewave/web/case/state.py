@@ -84,6 +84,10 @@ class CaseState:
         """Return it with the case's own value of a path."""
         return replace(self, changes={p: v for p, v in self.changes.items() if p != path})
 
+    def is_same_case(self, other: CaseState) -> bool:
+        """Whether another state is of the same case, whatever is changed in it."""
+        return (self.name, self.text) == (other.name, other.text)
+
     def query(self, changes_key: str = "set") -> list[tuple[str, str]]:
         """Return it as the parts of an address; a dropped file that is too long for one is left out.
 

@@ -12,7 +12,7 @@ from strikewave.base.result import Result
 from strikewave.cases.case import bundled_cases, dump_case, load_case
 from strikewave.reporting.shown_result import ShownResult
 from strikewave.web.case.fields import edited_fields
-from strikewave.web.case.layer_order import stack_rows
+from strikewave.web.case.layers import listed_stack
 from strikewave.web.case.loading import loaded
 from strikewave.web.case.state import CaseSource
 
@@ -44,7 +44,7 @@ def opened(source: CaseSource, program: str) -> dict[str, Any]:
         "titles": titles(program),
         "fields": edited_fields(plain),
         "values": values(source),
-        "stack": stack_rows(source) if program == "wave" else [],
+        "stack": listed_stack(source) if program == "wave" else None,
     }
 
 

@@ -60,7 +60,7 @@ def body_table(found: Sequence[BodyRow]) -> Table:
 
 def reason_table(found: Sequence[Reason]) -> Table:
     """Say why masses and layers part from the elements: each cause alone, measured."""
-    rows: list[list[Cell]] = [[row.case, row.cause, row.sentence, f"{100.0 * row.off:+.1f} %"] for row in found]
+    rows: list[list[Cell]] = [[row.case, row.cause, row.sentence, percent(row.off, 1, "+")] for row in found]
     words = "Why they part: each cause alone, on elements twice as large"
     return Table(words, ["case", "cause", "measured", "without it"], rows)
 
@@ -134,7 +134,7 @@ def _answer(found: Answer) -> list[Cell]:
 
 
 def _percent(share: float) -> str:
-    return NONE if math.isnan(share) else f"{100.0 * share:+.1f} %"
+    return NONE if math.isnan(share) else percent(share, 1, "+")
 
 
 def _size(path: str, value: float) -> str:

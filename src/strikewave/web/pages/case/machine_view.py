@@ -11,10 +11,11 @@ import numpy as np
 from strikewave.analyses.machine.columns import blow_columns
 from strikewave.analyses.machine.figures_of import figures_of
 from strikewave.analyses.machine.kind import kind_of
-from strikewave.analyses.machine.quick_look import quick_look
+from strikewave.analyses.machine.quick_look import PULSE_TOLERANCE, quick_look
 from strikewave.analyses.machine.result import SHOWN_WIDTHS, Solution, blow_history
 from strikewave.analyses.machine.run import run_case
 from strikewave.base.compiled import is_cold
+from strikewave.base.percents import percent
 from strikewave.base.result import Band
 from strikewave.machines.blows import Blow
 from strikewave.reporting.numbers import axis_unit, time_unit, with_band
@@ -52,7 +53,8 @@ def look(source: CaseSource) -> dict[str, Any]:
     """Return a first look at a machine; see `strikewave.analyses.machine.quick_look`."""
     seen = quick_look(loaded(source))
     left_out = "; bodies only, without the waves of the stack" if seen.bodies_only else ""
-    by = ("the fast engine" if seen.fast else "a full run of its bodies") + left_out
+    engine = "the fast engine" if seen.fast else f"its bodies, local error {PULSE_TOLERANCE:.0e}"
+    by = f"a first look by {engine}{left_out}; no bands yet"
     return {
         "by": by,
         "figures": shown_figures(figures_of(seen.blows), {}),
@@ -178,20 +180,11 @@ def important(bands: Mapping[str, Band]) -> list[str]:
 def compared(solution: Solution) -> list[list[str]]:
     """Return the comparison with published values as rows of words."""
     return [
-        [one.quantity, one.measured_or_simulated, signed_percent(one.difference), one.role]
+        [
+            one.quantity,
+            one.measured_or_simulated,
+            NONE if one.difference is None else percent(one.difference, 1, "+"),
+            one.role,
+        ]
         for one in solution.comparisons
     ]
-
-
-def signed_percent(share: float | None) -> str:
-    """Return a difference in percent.
-
-    Examples
-    --------
-    >>> signed_percent(-0.0004), signed_percent(0.0123), signed_percent(None)
-    ('0.0 %', '+1.2 %', '–')
-    """
-    if share is None:
-        return NONE
-    rounded = round(100.0 * share, 1)
-    return f"{rounded:+.1f} %" if rounded else "0.0 %"

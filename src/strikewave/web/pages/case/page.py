@@ -18,7 +18,7 @@ from strikewave.web.pages.case.runs import CaseRuns
 from strikewave.web.pages.case.section_readings import KEY as SECTION
 from strikewave.web.pages.case.shown import CaseShown
 from strikewave.web.pages.case.side import CaseSide, SideActions
-from strikewave.web.pages.case.stack_order import StackOrder
+from strikewave.web.pages.case.stack_layers import StackLayers
 from strikewave.web.pages.case.wanted_blows import WantedBlows
 from strikewave.web.sessions import Session
 
@@ -58,7 +58,7 @@ class CasePage:
     ) -> None:
         self.desk, self.session, self.kind, self.state = desk, session, kind, state
         self.undone: list[CaseState] = []
-        self.beside: Mapping[str, str] | None = None
+        self.beside: CaseState | None = None
         with ui.element("main").classes("sw-page").props('id="main"'):
             with ui.element("div").classes("sw-side"):
                 self.side = CaseSide(
@@ -70,8 +70,8 @@ class CasePage:
                     opened["values"],
                     _important.get(self._name, ()),
                 )
-                if opened["stack"]:
-                    StackOrder(desk, self._source, self.open, opened["stack"])
+                stack = opened["stack"]
+                self.layers = StackLayers(desk, self._source, self.set, stack) if stack else None
             with ui.element("div").classes("sw-main"):
                 self.shown = CaseShown(session, kind, section, self._link)
                 self.runs = CaseRuns(desk, session, kind, self.shown, self._source(), self._rested, self._finished)
@@ -106,8 +106,8 @@ class CasePage:
             return
         self.runs.follow(self._source())
         if beside is not None:
-            self.beside = beside
-            background_tasks.create(self._run_beside(beside), name="beside")
+            self.beside = CaseState(self.state.name, self.state.text, beside)
+            background_tasks.create(self._run_beside(self.beside), name="beside")
 
     # what the user does
 
@@ -148,12 +148,25 @@ class CasePage:
         self.side.show_typed(path)
 
     async def set(self, state: CaseState) -> None:
-        """Show another state of this case, where it is one."""
-        values = await parts.tried(lambda: self.desk.lookers.ask(f"{CASES}:values", self._source(state)))
-        if values is not None:
+        """Show another state, where it can be one: of this case, or with other layers."""
+        if await self._filled(state):
             self._remember()
-            self.side.show(state, values)
             self._change(state)
+
+    async def _filled(self, state: CaseState) -> bool:
+        """Show a state in all fields, which are others in a case with other layers; False where it is refused."""
+        source, ask = self._source(state), self.desk.lookers.ask
+        if state.is_same_case(self.state):
+            values = await parts.tried(lambda: ask(f"{CASES}:values", source))
+            if values is not None:
+                self.side.show(state, values)
+            return values is not None
+        opened = await parts.tried(lambda: ask(f"{CASES}:opened", source, self.kind.program))
+        if opened is not None:
+            self.side.open(state, opened["fields"], opened["values"])
+            if self.layers is not None:
+                self.layers.show(opened["stack"])
+        return opened is not None
 
     def _remember(self) -> None:
         """Keep the state for undo."""
@@ -165,8 +178,8 @@ class CasePage:
             ui.notify("nothing to undo")
             return
         state = self.undone.pop()
-        self.side.show(state, await self.desk.lookers.ask(f"{CASES}:values", self._source(state)))
-        self._change(state)
+        if await self._filled(state):
+            self._change(state)
 
     async def reset(self) -> None:
         """Go back to the case as it is."""
@@ -186,16 +199,16 @@ class CasePage:
 
     def keep_beside(self) -> None:
         """Keep this state, to be compared with what is changed next; a second press lets it go."""
-        self.beside = self.state.changes if self.beside is None else None
+        self.beside = self.state if self.beside is None else None
         self.shown.keep_beside(None if self.beside is None else self.shown.view or None)
         if self.beside is not None and not self.runs.is_full and not self.kind.waits:
             background_tasks.create(self._run_beside(self.beside), name="beside")
         self._link()
 
-    async def _run_beside(self, changes: Mapping[str, str]) -> None:
+    async def _run_beside(self, kept: CaseState) -> None:
         """Show the full run of the state that is kept beside, unless it was let go meanwhile."""
-        view = await self.runs.full_view(self._source(CaseState(self.state.name, self.state.text, changes)))
-        if view is not None and self.beside == changes:
+        view = await self.runs.full_view(self._source(kept))
+        if view is not None and self.beside == kept:
             self.shown.keep_beside(view)
 
     # what follows from it
@@ -224,8 +237,8 @@ class CasePage:
 
     def _link(self) -> None:
         query = self.state.query()
-        if self.beside is not None:
-            query += [(BESIDE, f"{path}={value}") for path, value in self.beside.items()] or [(BESIDE, "")]
+        if self.beside is not None and self.beside.is_same_case(self.state):
+            query += [(BESIDE, change) for change in self.beside.source().changes] or [(BESIDE, "")]
         query += self.shown.section.query if self.shown.section else []
         with self.same:
             ui.navigate.history.replace(address(self.kind.place, query))

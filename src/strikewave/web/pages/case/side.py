@@ -66,20 +66,26 @@ class CaseSide:
         self.state, self.values = state, dict(values)
         self.important = important
         self._shown: dict[str, LiveField] = {}
-        self._choice(titles)
+        self._titles = titles
+        self._choice()
         self._place = ui.element("div").classes("sw-side")
         self.build()
 
-    def _choice(self, titles: Mapping[str, str]) -> None:
+    def _options(self) -> dict[str, str]:
+        """Return the built-in cases with their titles, the case that is shown among them."""
         name = self.state.name
-        options = dict(titles) if name in titles and not self.state.text else {name: name, **titles}
+        return dict(self._titles) if name in self._titles and not self.state.text else {name: name, **self._titles}
+
+    async def _chosen(self, event: Any) -> None:
+        if event.value != self.state.name:
+            await self.actions.chosen(CaseState(str(event.value)))
+
+    def _choice(self) -> None:
         with parts.box("Case"):
-            ui.select(
-                options,
-                value=name,
-                label="built-in case",
-                on_change=lambda event: self.actions.chosen(CaseState(str(event.value))),
-            ).props("dense outlined options-dense").classes("sw-full")
+            self._select = ui.select(
+                self._options(), value=self.state.name, label="built-in case", on_change=self._chosen
+            )
+            self._select.props("dense outlined options-dense").classes("sw-full")
             parts.drop_zone("or drop a case file (.toml)", self.actions.dropped, multiple=True)
             with ui.element("div").classes("sw-row sw-gap"):
                 if self.kind.waits:
@@ -134,6 +140,12 @@ class CaseSide:
         self.state, self.values = state, dict(values)
         for path, shown in self._shown.items():
             shown.show(self.typed(path), self._number(path))
+
+    def open(self, state: CaseState, fields: Mapping[str, EditedField], values: Mapping[str, float]) -> None:
+        """Show another case, whose fields are others."""
+        self.state, self.fields, self.values = state, fields, dict(values)
+        self._select.set_options(self._options(), value=state.name)
+        self.build()
 
     def show_typed(self, path: str) -> None:
         """Show what a field holds, where something else was typed."""

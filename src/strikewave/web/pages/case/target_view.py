@@ -65,8 +65,7 @@ def field_chart(solution: WaveSolution) -> dict[str, Any]:
     areas = np.array([solution.run.stack.layers[layer].area for layer in field.layer])
     size, unit = axis_unit("Pa", "MPa")
     second, time_name = time_unit(float(field.time[-1]))
-    times = _spread(len(field.time), FIELD_TIMES)
-    places = _spread(len(field.position), FIELD_PLACES)
+    times, places = _even(field.time, FIELD_TIMES), _even(field.position, FIELD_PLACES)
     stress = field.force / areas / size
     cells = [
         [i, j, round(float(stress[row, place]), 3), round(1e3 * float(field.position[place]), 4)]
@@ -81,6 +80,7 @@ def field_chart(solution: WaveSolution) -> dict[str, Any]:
         [f"{1e3 * field.position[place]:.3g}" for place in places],
         cells,
         unit,
+        ends=[float(end) for values in (field.time / second, 1e3 * field.position) for end in (values[0], values[-1])],
     )
 
 
@@ -125,6 +125,13 @@ def tap_charts(solution: WaveSolution) -> list[dict[str, Any]]:
         line_chart("Stress at the taps", x, f"stress ({stress_name})", stress),
         line_chart("Acceleration at the taps", x, f"acceleration ({name})", acceleration),
     ]
+
+
+def _even(values: Any, most: int) -> list[int]:
+    """Return which of rising values are nearest to the middles of at most so many equal cells over them all."""
+    count = min(len(values), most)
+    middles = values[0] + (np.arange(count) + 0.5) / count * (values[-1] - values[0])
+    return [int(place) for place in np.searchsorted(0.5 * (values[1:] + values[:-1]), middles)]
 
 
 def _spread(count: int, most: int) -> list[int]:

@@ -12,6 +12,7 @@ from strikewave.web import parts
 from strikewave.web.case.state import address
 from strikewave.web.desk import Desk
 from strikewave.web.pages.record.cutoff_field import CutoffField
+from strikewave.web.pages.record.fields import CUTOFFS, SELDOM, TEXTS
 from strikewave.web.pages.record.request import RecordRequest, count_of_files
 from strikewave.web.sessions import Session
 from strikewave.web.workbench import Workbench
@@ -19,24 +20,6 @@ from strikewave.web.workbench import Workbench
 PLACE = "/record"
 SPECIFICATIONS = "strikewave.web.pages.study.view:specifications"
 FOLDER = "records"
-TEXTS = {
-    "unit": ("unit of the numbers", "g"),
-    "channel": ("channel, by name or number", "all"),
-    "sensitivity": ("sensitivity", "1.2 mV/g"),
-    "ac_coupling": ("AC coupling to take off", "auto, 10 ms, or 20 Hz"),
-    "q": ("Q of the spectrum", "10"),
-    "beside": ("simulation beside it", "li-ma-2019:rigid"),
-}
-"""Options that are typed: what each is, and what one types."""
-CUTOFFS = {
-    "filter": (
-        "low-pass",
-        "Zero-phase low-pass before blows are measured: a cutoff, or a class such as CFC 1000",
-        True,
-    ),
-    "high_pass": ("high-pass", "Zero-phase high-pass, which takes a slow baseline off", False),
-}
-"""Options with a handle: what each is, what it does, and whether no filter is at the upper end."""
 
 
 def add(desk: Desk) -> None:
@@ -71,11 +54,9 @@ class RecordPage:
                     parts.drop_zone("drop files of any format, many at once", self._dropped)
                     self.listed = ui.element("div").style("width:100%")
                 with parts.box("What they are, and what is asked"):
-                    for key, (label, example) in TEXTS.items():
-                        box = ui.input(label, placeholder=example, value=self.given.get(key, "")).props(
-                            "dense outlined stack-label"
-                        )
-                        self.boxes[key] = box.style("width:100%; margin-bottom:.35rem").on("keydown.enter", self.begin)
+                    self._texts(TEXTS)
+                    with ui.expansion("How files are read", value=any(map(self.given.get, SELDOM))).props("dense"):
+                        self._texts(SELDOM)
                     with parts.box("Filter and baseline"):
                         ui.label("what they cost stands beside the pulses, with and without them").classes("sw-soft")
                         for key, (label, what, none_at_top) in CUTOFFS.items():
@@ -101,6 +82,12 @@ class RecordPage:
         self._list()
         if self.names:
             self.begin()
+
+    def _texts(self, asked: dict[str, tuple[str, str]]) -> None:
+        for key, (label, example) in asked.items():
+            box = ui.input(label, placeholder=example, value=self.given.get(key, ""))
+            box.props("dense outlined stack-label").style("width:100%; margin-bottom:.35rem")
+            self.boxes[key] = box.on("keydown.enter", self.begin)
 
     def _list(self) -> None:
         self.listed.clear()
@@ -131,7 +118,7 @@ class RecordPage:
 
     def request(self) -> RecordRequest:
         """Return what is asked now."""
-        texts = {key: str(self.boxes[key].value or "").strip() for key in TEXTS}
+        texts = {key: str(self.boxes[key].value or "").strip() for key in (*TEXTS, *SELDOM)}
         texts["q"] = texts["q"] or "10"
         texts |= {key: cutoff.value for key, cutoff in self.cutoffs.items()}
         spec, spectrum = str(self.boxes["spec"].value or ""), bool(self.boxes["spectrum"].value)
@@ -140,7 +127,7 @@ class RecordPage:
     def begin(self) -> None:
         """Read and judge the files as is asked now."""
         asked = self.request()
-        shown = {key: str(self.boxes[key].value or "") for key in (*TEXTS, "spec")}
+        shown = {key: str(self.boxes[key].value or "") for key in (*TEXTS, *SELDOM, "spec")}
         shown |= {key: cutoff.value for key, cutoff in self.cutoffs.items()}
         query = [(key, value) for key, value in shown.items() if value]
         with self.listed:  # a handle that rests has no page of its own to speak to

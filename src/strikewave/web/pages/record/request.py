@@ -3,10 +3,15 @@
 from __future__ import annotations
 
 import shlex
+from collections.abc import Sequence
 from typing import Any, NamedTuple
 
 FILTERS = ("filter", "high_pass", "ac_coupling")
 """What changes the record and its baseline before blows are measured."""
+STATED = ("unit", "sensitivity", "polarity", "rate", "time", "time_unit")
+"""What is said of the files and their channels."""
+COMPARED = ("unit", "sensitivity", "rate", "filter")
+"""What `strikewave compare` takes of it."""
 
 
 def count_of_files(count: int) -> str:
@@ -29,7 +34,7 @@ class RecordRequest(NamedTuple):
         Where they lie.
     names : tuple of str
         Their names, in the order of the test.
-    unit, channel, sensitivity, filter, high_pass, ac_coupling : str
+    unit, channel, sensitivity, polarity, rate, time, time_unit, base, filter, high_pass, ac_coupling : str
         As the options of `strikewave record` take them; empty for none.
     spec : str
         Name of a built-in specification; empty for none.
@@ -46,6 +51,11 @@ class RecordRequest(NamedTuple):
     unit: str = ""
     channel: str = ""
     sensitivity: str = ""
+    polarity: str = ""
+    rate: str = ""
+    time: str = ""
+    time_unit: str = ""
+    base: str = ""
     filter: str = ""
     high_pass: str = ""
     ac_coupling: str = ""
@@ -55,14 +65,14 @@ class RecordRequest(NamedTuple):
     beside: str = ""
 
     def keywords(self) -> dict[str, Any]:
-        """Return the calibration and the filters as Python takes them.
+        """Return what is said of the files, and the filters, as Python takes them.
 
         Examples
         --------
         >>> RecordRequest("", ("a.csv",), unit="g", channel="1").keywords()
         {'unit': 'g', 'channels': ['1']}
         """
-        plain = {key: getattr(self, key) for key in ("unit", "sensitivity", *FILTERS)}
+        plain = {key: getattr(self, key) for key in (*STATED, *FILTERS)}
         given = {key: value for key, value in plain.items() if value}
         return {**given, **({"channels": [self.channel]} if self.channel else {})}
 
@@ -75,23 +85,29 @@ class RecordRequest(NamedTuple):
         strikewave record 'a b.csv' --unit g --cfc 1000
         strikewave srs 'a b.csv' --unit g --cfc 1000 --kind pseudo-velocity --q 10
         """
-        shared: list[str] = []
-        for key, option in (("channel", "--channel"), ("unit", "--unit"), ("sensitivity", "--sensitivity")):
-            shared += [option, getattr(self, key)] if getattr(self, key) else []
-        word = self.filter.strip()
-        if word:
-            is_class = word.upper().startswith("CFC")
-            shared += ["--cfc", word[3:].strip()] if is_class else ["--filter", word]
-        for key, option in (("high_pass", "--high-pass"), ("ac_coupling", "--ac-coupling")):
-            shared += [option, getattr(self, key)] if getattr(self, key) else []
-        lines = [["strikewave", "record", *self.names, *shared, *(["--spec", self.spec] if self.spec else [])]]
+        shared = self._words((*STATED, *FILTERS))
+        channel = ["--channel", self.channel] if self.channel else []
+        of_record = [*(["--base", self.base] if self.base else []), *(["--spec", self.spec] if self.spec else [])]
+        lines = [["strikewave", "record", *self.names, *channel, *shared, *of_record]]
         if self.spectrum:
-            lines.append(["strikewave", "srs", *self.names, *shared, "--kind", "pseudo-velocity", "--q", self.q])
+            spectrum = ["--kind", "pseudo-velocity", "--q", self.q]
+            lines.append(["strikewave", "srs", *self.names, *channel, *shared, *spectrum])
         if self.beside and self.names:
             file = compared or self.names[0]
             place = f"{file}#{self.channel}" if self.channel else file
-            lines.append(["strikewave", "compare", place, self.beside, *shared[2 * bool(self.channel) :]])
-        given = "".join(f", {key}={value!r}" for key, value in self.keywords().items())
-        spec = f", spec={self.spec!r}" if self.spec else ""
-        python = f"import strikewave\n\nresult = strikewave.record({list(self.names)!r}{given}{spec})"
+            lines.append(["strikewave", "compare", place, self.beside, *self._words(COMPARED)])
+        keywords = self.keywords() | {key: getattr(self, key) for key in ("base", "spec") if getattr(self, key)}
+        given = "".join(f", {key}={value!r}" for key, value in keywords.items())
+        python = f"import strikewave\n\nresult = strikewave.record({list(self.names)!r}{given})"
         return [("command line", "\n".join(map(shlex.join, lines))), ("Python", python)]
+
+    def _words(self, keys: Sequence[str]) -> list[str]:
+        """Return options of a command line, those that are given."""
+        words: list[str] = []
+        for key in keys:
+            value = getattr(self, key).strip()
+            if key == "filter" and value.upper().startswith("CFC"):
+                words += ["--cfc", value[3:].strip()]
+            elif value:
+                words += [f"--{key.replace('_', '-')}", value]
+        return words

@@ -20,6 +20,7 @@ from strikewave.analyses.record.result import RecordResult
 from strikewave.analyses.record.tables import amount
 from strikewave.analyses.record.verdicts.chapter import clause_table
 from strikewave.base.errors import InputError, nearest
+from strikewave.base.percents import percent
 from strikewave.cases.case import bundled_cases
 from strikewave.records.health_notice import STATUSES
 from strikewave.records.reading import ChannelReading
@@ -27,12 +28,13 @@ from strikewave.reporting.clause_words import verdict_words
 from strikewave.reporting.numbers import axis_unit, time_unit
 from strikewave.reporting.parts import NONE
 from strikewave.reporting.shown_result import shown_table
-from strikewave.web.charts import DASHES, GREY, MOST_CURVES, ChartLine, MarkedSpan, colour, dash, line_chart
+from strikewave.web.charts import DASHES, GREY, MOST_CURVES, ChartLine, MarkedSpan, colour, dash, line_chart, round_ends
 from strikewave.web.curves import points
 from strikewave.web.jobs import Say
 from strikewave.web.markup import PageTable, page_table
+from strikewave.web.pages.record.fields import on_page
 from strikewave.web.pages.record.four_axes import four_axes
-from strikewave.web.pages.record.request import FILTERS, RecordRequest, count_of_files
+from strikewave.web.pages.record.request import COMPARED, FILTERS, RecordRequest, count_of_files
 
 MOST_MARKED = 40
 """Pulses that are marked in one diagram."""
@@ -43,7 +45,22 @@ COST = ("peak", "width", "velocity_change")
 
 
 def measure(request: RecordRequest, say: Say) -> dict[str, Any]:
-    """Return what measured files say: health, pulses, campaign, spectrum, verdict, agreement with a simulation."""
+    """Return what measured files say: health, pulses, campaign, spectrum, verdict, agreement with a simulation.
+
+    Raises
+    ------
+    StrikewaveError
+        If that cannot be said, in the words of the page.
+    """
+    try:
+        view = _measured(request, say)
+    except strikewave.StrikewaveError as error:
+        raise strikewave.StrikewaveError(on_page(str(error))) from None
+    notices = [(severity, code, on_page(message)) for severity, code, message in view["notices"]]
+    return {**view, "notices": notices}
+
+
+def _measured(request: RecordRequest, say: Say) -> dict[str, Any]:
     os.chdir(request.folder)  # so that messages and tables name the files as they were dropped
     names = list(request.names)
     if not names:
@@ -51,11 +68,13 @@ def measure(request: RecordRequest, say: Say) -> dict[str, Any]:
     _check_beside(request.beside)
     options = request.keywords()
     say(None, "reading and judging")
-    result = strikewave.record(names, spec=request.spec or None, **options)
+    result = strikewave.record(names, spec=request.spec or None, base=request.base, **options)
     plain = None
     if any(key in options for key in FILTERS):
         say(None, "the same without the filters")
-        plain = strikewave.record(names, **{key: value for key, value in options.items() if key not in FILTERS})
+        plain = strikewave.record(
+            names, base=request.base, **{key: value for key, value in options.items() if key not in FILTERS}
+        )
     charts = [
         chart
         for unit in units_of_channels(result) or [""]
@@ -116,9 +135,7 @@ def _check_beside(beside: str) -> None:
 
 def _compared(request: RecordRequest, name: str, options: Mapping[str, Any]) -> CompareResult:
     """Return a record held against a built-in case that is run."""
-    kept = {
-        key: value for key, value in options.items() if key in ("unit", "sensitivity", "gain", "filter", "high_pass")
-    }
+    kept = {key: value for key, value in options.items() if key in COMPARED}
     channel = f"#{request.channel}" if request.channel else ""
     return strikewave.compare(f"{name}{channel}", request.beside, **kept)
 
@@ -128,7 +145,7 @@ def cost_table(result: RecordResult, plain: RecordResult) -> PageTable:
     unit, rows = next(iter(units_of_channels(result)), ""), []
     for name in COST:
         without, with_them = _mean(plain, name, unit), _mean(result, name, unit)
-        change = f"{100.0 * (with_them / without - 1.0):+.1f} %" if without else NONE
+        change = percent(with_them / without - 1.0, 1, "+") if without else NONE
         rows.append([figure_unit(name, unit)[1], *(amount(name, unit, one) for one in (without, with_them)), change])
     return "What filter and baseline cost", ["mean over the pulses", "without", "with", "change"], rows, (0,)
 
@@ -141,7 +158,7 @@ def _mean(result: RecordResult, name: str, unit: str) -> float:
 
 def file_table(result: RecordResult) -> PageTable:
     """Return status and reasons of each file, the worst first."""
-    rows = [[Path(file.path).name, file.status, "; ".join(file.reasons) or "–"] for file in result.readings]
+    rows = [[Path(file.path).name, file.status, on_page("; ".join(file.reasons)) or "–"] for file in result.readings]
     return (
         "Health of the files",
         ["file", "status", "reasons"],
@@ -167,7 +184,10 @@ def _channels(result: RecordResult, unit: str) -> list[tuple[str, ChannelReading
 
 
 def history_chart(result: RecordResult, unit: str) -> dict[str, Any]:
-    """Return the whole histories of the channels of a unit, with the pulses of the first drawn one marked."""
+    """Return the whole histories of the channels of a unit, with the pulses of the first drawn one marked.
+
+    The axis is that of the sound ones, if there are any: a bad one may leave it.
+    """
     channels = _channels(result, unit)[:MOST_CURVES]
     if not channels:
         return line_chart("Records", "time (ms)", "", [])
@@ -188,7 +208,14 @@ def history_chart(result: RecordResult, unit: str) -> dict[str, Any]:
         for k, p in enumerate(channels[0][1].pulses[:MOST_MARKED], 1)
     ]
     title = f"Records; pulses of {channels[0][0]} marked" if marked else "Records"
-    return line_chart(title, f"time ({time_name})", style.label, lines, spans=marked, zoom=True)
+    options = line_chart(title, f"time ({time_name})", style.label, lines, spans=marked, zoom=True)
+    sound = [one.channel.values for _, one in channels if one.status != "bad"]
+    if 0 < len(sound) < len(channels):  # a bad one far off zero would press the others flat
+        values = np.concatenate([each[np.isfinite(each)] for each in sound]) / style.scale
+        low, high = float(values.min(initial=0.0)), float(values.max(initial=0.0))
+        if high > low:
+            options["yAxis"]["min"], options["yAxis"]["max"] = round_ends(low, high)
+    return options
 
 
 def overlay_chart(result: RecordResult, unit: str, plain: RecordResult | None = None) -> dict[str, Any]:
