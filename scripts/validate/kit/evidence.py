@@ -138,7 +138,8 @@ def keep(study: str, rows: Sequence[Comparison], from_page: bool = False) -> Non
 def write_pages(record: Record) -> None:
     """Write the page, and the summary into the README."""
     PAGE.write_text(page(record), "utf-8")
-    README.write_text(written(README.read_text("utf-8"), "how well it is known", totals_by_kind(latest(record))), "utf-8")
+    summary = totals_by_kind(latest(record))
+    README.write_text(written(README.read_text("utf-8"), "how well it is known", summary), "utf-8")
 
 
 def _row(one: Comparison) -> dict[str, Any]:
@@ -200,7 +201,7 @@ def totals(studies: Iterable[Kept]) -> str:
 
 
 def totals_by_kind(studies: Iterable[Kept]) -> str:
-    """Return the table of kinds: a closed form that is met says nothing of a machine, so that each kind stands alone."""
+    """Return the table of kinds, each alone: a closed form that is met says nothing of a machine."""
     return _totals(_by_kind(studies).items())
 
 
