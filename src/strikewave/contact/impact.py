@@ -205,7 +205,7 @@ def solve_impact(
     Theory: :eq:`contact-phase-plane`.
 
     Nothing checks whether the bodies yield: without a pressure cap the contact is elastic to any force (`first_yield`
-    has the load at which steel begins to yield inside, ``strikewave impact`` warns by it).
+    has the load at which it begins to yield inside).
 
     All arguments broadcast against each other; a million impacts take one to two seconds in closed form, 15 to
     60 by the integrator.
