@@ -67,12 +67,17 @@ def test_document_says_goal_best_and_limits(strikewave):
 def test_folder_holds_case_document_page_and_picture(strikewave, read_page):
     code, out, err = strikewave("settings", *GOAL, *FEW, "--blows", "3", "--out", "found")
     assert code == 0
+    count = len(json.loads(Path("found/settings.json").read_text("utf-8"))["candidates"])
+    others = {f"case-{place}.toml" for place in range(2, count + 1)}
+    assert others
     assert {path.name for path in Path("found").iterdir()} == {
         "case.toml",
+        *others,
         "report.html",
         "settings.json",
         "settings.svg",
     }
+    assert load_case("found/case-2.toml").name == "settings-20ms-4000g-200us-2"
     assert "settings give blows of 4000 g and 200 us every 20 ms" in out
     assert "warning [contact-yield]" in err
     case = load_case("found")
