@@ -3,12 +3,20 @@
 from __future__ import annotations
 
 import difflib
+import enum
 from collections.abc import Callable, Iterable
-from typing import TypeVar
+from typing import Any, TypeVar
 
 T = TypeVar("T")
 
-MISSING = object()
+
+class _Missing(enum.Enum):
+    """One member, which stays the same where an error goes to another process."""
+
+    MISSING = enum.auto()
+
+
+MISSING = _Missing.MISSING
 """Stands for what came where nothing came."""
 EXISTING_FILE = "an existing file"
 """What is allowed where a path names no file: the message then reads "no such file: x", which is all there is to
@@ -65,6 +73,10 @@ class InputError(StrikewaveError, ValueError):
             fault = f"got {show(got)}; allowed: {allowed}"
         super().__init__(f"{field}: {fault}" + (f"; {hint}" if hint else ""))
 
+    def __reduce__(self) -> tuple[Any, ...]:
+        """Make the error anew where it comes to another process."""
+        return type(self), (self.field, self.got, self.allowed, self.hint)
+
     def at(self, field: str) -> InputError:
         """Return the same error of a field that has another name where the input came from.
 
@@ -95,6 +107,10 @@ class InputErrors(InputError):  # noqa: N818  (it is several)
         self.lines = tuple(lines)
         self.field, self.got, self.allowed, self.hint = "", MISSING, "", ""
         ValueError.__init__(self, "\n".join(self.lines))
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        """Make the errors anew where they come to another process."""
+        return type(self), (self.lines,)
 
     def at(self, field: str) -> InputErrors:
         """Return the error as it is: each line names its field already."""
