@@ -13,7 +13,7 @@ import pytest
 from strikewave import dump_case, load_case
 from strikewave.base.json_document import json_text
 from strikewave.reporting.columns import Column, csv_table
-from strikewave.reporting.options import LONGEST_FOLDER, folder_name
+from strikewave.reporting.options.output import LONGEST_FOLDER, folder_name
 from strikewave.reporting.style import save
 
 HOSTILE = "a\x1b]0;owned\x07\x1b[31m\x9b2J\u202e\x08\x7fz"

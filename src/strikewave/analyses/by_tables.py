@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from strikewave.base.errors import InputError
 from strikewave.base.toml_text import read_toml
 from strikewave.cases.case import load_case, read_case_text
-from strikewave.reporting.options import Output
+from strikewave.reporting.options.output import Output
 
 
 def run_any(name: str, changes: Sequence[str], output: Output, animate: bool = False, band: bool = True) -> int:

@@ -7,7 +7,8 @@ from typing import Annotated, Any
 from strikewave.base.json_document import head
 from strikewave.cases.case import document_of, load_case
 from strikewave.reporting.layout import keys, texts
-from strikewave.reporting.options import Shown, case_name
+from strikewave.reporting.options.output import Shown
+from strikewave.reporting.options.shared import case_name
 from strikewave.reporting.terminal import print_json, table, tell
 
 

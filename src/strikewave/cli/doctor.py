@@ -18,7 +18,7 @@ from strikewave._version import __version__
 from strikewave.base.errors import InputError
 from strikewave.base.json_document import head
 from strikewave.reporting.layout import keys, numerals, texts
-from strikewave.reporting.options import Shown
+from strikewave.reporting.options.output import Shown
 from strikewave.reporting.pdf import check_pdf
 from strikewave.reporting.terminal import print_json, say, table, tell
 

@@ -13,7 +13,7 @@ import typer
 from strikewave.base.errors import InputError
 from strikewave.base.json_document import head
 from strikewave.cases.case import bundled_cases, read_case_text
-from strikewave.reporting.options import Shown
+from strikewave.reporting.options.output import Shown
 from strikewave.reporting.terminal import print_json, say
 
 EXAMPLES = Path(__file__).parents[1] / "examples"

@@ -9,7 +9,7 @@ from strikewave.base.json_document import head
 from strikewave.base.materials import Material, materials
 from strikewave.reporting.layout import MORE, keys, numerals, texts
 from strikewave.reporting.numbers import showing
-from strikewave.reporting.options import Show, Shown
+from strikewave.reporting.options.output import Show, Shown
 from strikewave.reporting.terminal import number, print_json, table, tell
 
 

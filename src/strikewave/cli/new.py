@@ -15,7 +15,8 @@ from strikewave.cases.case import dump_case, load_case, own_case, parse_case
 from strikewave.cases.explained import comment_lines
 from strikewave.cases.performed_test import EXAMPLE as TEST_EXAMPLE
 from strikewave.cases.stated_test import example_file
-from strikewave.reporting.options import Shown, complete_case
+from strikewave.reporting.options.output import Shown
+from strikewave.reporting.options.shared import complete_case
 from strikewave.reporting.terminal import print_json, say
 from strikewave.specifications.budget_file import example_budget
 

@@ -10,7 +10,7 @@ import typer
 
 from strikewave.base.errors import LONGEST_SHOWN, MISSING, InputError, show
 from strikewave.cli.group import entries
-from strikewave.reporting.options import one_of_words, wrong_choice
+from strikewave.reporting.options.kinds import one_of_words, wrong_choice
 
 if TYPE_CHECKING:
     from typer.core import TyperArgument, TyperOption

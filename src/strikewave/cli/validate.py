@@ -9,7 +9,8 @@ from strikewave.base.json_document import head
 from strikewave.base.quantities import PROVENANCES, Value
 from strikewave.cases.case import load_case, read_case_text
 from strikewave.reporting.layout import MORE, keys, texts
-from strikewave.reporting.options import CaseName, Changes, Shown
+from strikewave.reporting.options.output import Shown
+from strikewave.reporting.options.shared import CaseName, Changes
 from strikewave.reporting.terminal import print_json, say, table, tell
 
 

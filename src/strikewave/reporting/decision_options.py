@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 import typer
 
-from strikewave.reporting.options import parsed
+from strikewave.reporting.options.kinds import parsed
 
 if TYPE_CHECKING:
     from pathlib import Path

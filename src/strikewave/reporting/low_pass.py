@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated, ClassVar
 
 from strikewave.base.errors import InputError
 from strikewave.base.units import si_value
-from strikewave.reporting.options import Typed, bare_number, quantity
+from strikewave.reporting.options.kinds import Typed, bare_number, quantity
 
 if TYPE_CHECKING:
     from strikewave.signal.filters import Filter

@@ -21,7 +21,8 @@ import typer
 from strikewave.base.errors import InputError, StrikewaveError, nearest
 from strikewave.base.result import Source
 from strikewave.base.units import parse_quantity, si_value
-from strikewave.reporting.options import Output, parsed, quantity
+from strikewave.reporting.options.kinds import parsed, quantity
+from strikewave.reporting.options.output import Output
 from strikewave.reporting.shown_result import ShownResult
 from strikewave.reporting.terminal import progress_bar, say
 
@@ -442,7 +443,7 @@ def source_of(kind: str, name: str, paths: Sequence[Path] = (), test: Mapping[st
     """Return the source of a result of measured files, or of a command alone: what runs now, and their SHA-256.
 
     Files are hashed whole, which takes as long as to read them: name them only where the source is written. ``test`` is
-    what is stated of the test, see `strikewave.reporting.options.Output.stated_test`.
+    what is stated of the test, see `strikewave.reporting.options.output.Output.stated_test`.
     """
     digests, command, stated = digests_of(paths), asked(), dict(test or {})
     return Source(kind, name, identity(command, digests, stated), "record.toml", digests, command, stated)
@@ -451,7 +452,7 @@ def source_of(kind: str, name: str, paths: Sequence[Path] = (), test: Mapping[st
 def source_of_records(name: str, paths: Sequence[Path], output: Output, usual: str | None) -> Source:
     """Return the source of a result of measured files as ``output`` has it; they are hashed only where it is written.
 
-    ``usual`` is the name of its folder where none is asked for; see `strikewave.reporting.options.Output.place`.
+    ``usual`` is the name of its folder where none is asked for; see `strikewave.reporting.options.output.Output.place`.
     """
     return source_of("records", name, paths if output.writes(usual) else [], output.performed.stated())
 

@@ -15,7 +15,7 @@ from strikewave.base.output_folder import atomic_folder, check_place, check_unch
 from strikewave.base.result import Notice, Result
 from strikewave.reporting.bands import band_words
 from strikewave.reporting.numbers import showing
-from strikewave.reporting.options import Output
+from strikewave.reporting.options.output import Output
 from strikewave.reporting.terminal import STARTED, case_hash, complain, most_memory, print_json, say, show_notices, tell
 
 BROKEN = 3

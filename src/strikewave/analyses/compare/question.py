@@ -28,7 +28,7 @@ from strikewave.reporting.clause_words import budget_notices
 from strikewave.reporting.decision_options import budget_in_python
 from strikewave.reporting.low_pass import low_pass_of
 from strikewave.reporting.numbers import listed, percent
-from strikewave.reporting.options import wrong_choice
+from strikewave.reporting.options.kinds import wrong_choice
 from strikewave.signal.alignment import Shift, are_opposite
 from strikewave.signal.filters import Filter
 from strikewave.specifications.decisions import Rule

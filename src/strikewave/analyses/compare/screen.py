@@ -23,7 +23,7 @@ from strikewave.analyses.compare.words import (
 )
 from strikewave.base.result import Source
 from strikewave.reporting import measured_files as measured
-from strikewave.reporting.options import Output
+from strikewave.reporting.options.output import Output
 from strikewave.reporting.run_and_write import Command, run_and_write
 from strikewave.reporting.terminal import report_table, tell
 

@@ -6,7 +6,8 @@ from typing import Annotated, Literal
 
 import typer
 
-from strikewave.reporting.options import CaseName, Changes, Output
+from strikewave.reporting.options.output import Output
+from strikewave.reporting.options.shared import CaseName, Changes
 
 
 def command(

@@ -20,7 +20,7 @@ from strikewave.exchange.radioss.deck import radioss_deck
 from strikewave.exchange.units import UnitSystem
 from strikewave.fem.model import Model
 from strikewave.reporting.columns import Column
-from strikewave.reporting.options import Output
+from strikewave.reporting.options.output import Output
 from strikewave.reporting.run_and_write import Command, case_folder, run_and_write
 from strikewave.reporting.shown_result import ShownResult
 from strikewave.reporting.terminal import tell

@@ -34,7 +34,7 @@ from strikewave.fem.solve import Checkpoint, Progress, RunOptions, frame_instant
 from strikewave.reporting.bands import NO_BAND_OF_ELEMENTS
 from strikewave.reporting.layout import KEY, MORE, keys, numerals
 from strikewave.reporting.numbers import headed, with_unit
-from strikewave.reporting.options import Output
+from strikewave.reporting.options.output import Output
 from strikewave.reporting.run_and_write import Command, case_folder, run_and_write
 from strikewave.reporting.terminal import (
     number,

@@ -6,7 +6,8 @@ from typing import Annotated
 
 import typer
 
-from strikewave.reporting.options import Changes, Output
+from strikewave.reporting.options.output import Output
+from strikewave.reporting.options.shared import Changes
 
 Setup = Annotated[
     str,

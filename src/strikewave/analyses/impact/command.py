@@ -7,7 +7,7 @@ from typing import Annotated
 import typer
 
 from strikewave.analyses.impact import options
-from strikewave.reporting.options import Output
+from strikewave.reporting.options.output import Output
 
 
 def command(

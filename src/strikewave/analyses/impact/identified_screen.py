@@ -16,7 +16,8 @@ from strikewave.contact.impact import reduced_mass
 from strikewave.records import ChannelReading, Options
 from strikewave.reporting import measured_files as measured
 from strikewave.reporting.layout import keys, numerals, texts
-from strikewave.reporting.options import Output, Typed
+from strikewave.reporting.options.kinds import Typed
+from strikewave.reporting.options.output import Output
 from strikewave.reporting.run_and_write import Command, run_and_write
 from strikewave.reporting.terminal import significant, table, tell
 

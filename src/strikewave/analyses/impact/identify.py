@@ -7,7 +7,8 @@ from typing import Annotated
 import typer
 
 from strikewave.reporting import measured_files as measured
-from strikewave.reporting.options import Output, Typed, bare_number, quantity
+from strikewave.reporting.options.kinds import Typed, bare_number, quantity
+from strikewave.reporting.options.output import Output
 
 MOST_STIFFNESS = 1e300
 """Largest stiffness that is taken, N/m^n: any number whose products still are numbers; the unit depends on n."""

@@ -32,7 +32,7 @@ from strikewave.reporting import measured_files as measured
 from strikewave.reporting.columns import Column
 from strikewave.reporting.layout import KEY, MORE, keys, numerals, texts
 from strikewave.reporting.numbers import listed
-from strikewave.reporting.options import Output
+from strikewave.reporting.options.output import Output
 from strikewave.reporting.run_and_write import Command, run_and_write
 from strikewave.reporting.shown_result import columns_of
 from strikewave.reporting.terminal import say, table, tell

@@ -6,7 +6,7 @@ from typing import Annotated
 
 import typer
 
-from strikewave.reporting.options import Output
+from strikewave.reporting.options.output import Output
 
 Name = Annotated[
     str | None, typer.Argument(metavar="NAME", help="Name of a law of any kind; all by default.", show_default=False)

@@ -20,7 +20,7 @@ from strikewave.base.result import Source
 from strikewave.contact import Impact
 from strikewave.reporting import measured_files as measured
 from strikewave.reporting.layout import KEY, MORE, keys, numerals, texts
-from strikewave.reporting.options import Output
+from strikewave.reporting.options.output import Output
 from strikewave.reporting.run_and_write import Command, run_and_write
 from strikewave.reporting.terminal import table, tell
 

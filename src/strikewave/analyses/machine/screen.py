@@ -26,7 +26,7 @@ from strikewave.cases.sensors_of_case import build_channels
 from strikewave.reporting.bands import bands_of
 from strikewave.reporting.layout import KEY, numerals
 from strikewave.reporting.numbers import headed, with_unit
-from strikewave.reporting.options import Output
+from strikewave.reporting.options.output import Output
 from strikewave.reporting.run_and_write import Command, case_folder, run_and_write
 from strikewave.reporting.terminal import (
     number,

@@ -47,7 +47,7 @@ from strikewave.records.rigid_pulse import RigidPulse
 from strikewave.reporting import measured_files as measured
 from strikewave.reporting.layout import MORE, ScreenColumn, keys, numerals, texts
 from strikewave.reporting.numbers import percent, shown_unit, with_unit
-from strikewave.reporting.options import Output
+from strikewave.reporting.options.output import Output
 from strikewave.reporting.run_and_write import Command, run_and_write
 from strikewave.reporting.terminal import number, report_table, significant, table, tell
 from strikewave.signal.filters import Filter

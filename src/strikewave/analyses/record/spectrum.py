@@ -19,7 +19,7 @@ from strikewave.records.health_notice import HealthNotice, worst
 from strikewave.reporting import measured_files as measured
 from strikewave.reporting.columns import HISTORY_DIGITS, Column, csv_table
 from strikewave.reporting.numbers import axis_unit, with_unit
-from strikewave.reporting.options import Typed
+from strikewave.reporting.options.kinds import Typed
 from strikewave.reporting.shown_result import Curve
 from strikewave.signal.envelopes import FEWEST, envelope, tolerance_limit
 from strikewave.signal.srs import RollingSpectrum, Scope, Spectrum, response_history, rms_spectrum, srs

@@ -16,7 +16,7 @@ from strikewave.reporting import measured_files as measured
 from strikewave.reporting.clause_words import held_words
 from strikewave.reporting.layout import KEY, MAIN, MORE, numerals
 from strikewave.reporting.numbers import headed, one_in
-from strikewave.reporting.options import Output
+from strikewave.reporting.options.output import Output
 from strikewave.reporting.run_and_write import Command, run_and_write
 from strikewave.reporting.terminal import number, table, tell
 

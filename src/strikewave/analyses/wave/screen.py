@@ -16,7 +16,7 @@ from strikewave.base.errors import MISSING, InputError
 from strikewave.cases.case import Case, dump_case
 from strikewave.reporting.layout import keys, numerals
 from strikewave.reporting.numbers import with_unit
-from strikewave.reporting.options import Output
+from strikewave.reporting.options.output import Output
 from strikewave.reporting.parts import Table
 from strikewave.reporting.run_and_write import Command, case_folder, run_and_write
 from strikewave.reporting.stack_chapters import MOST_LAYERS

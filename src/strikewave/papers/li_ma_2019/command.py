@@ -7,7 +7,9 @@ from typing import Annotated, Literal
 
 import typer
 
-from strikewave.reporting.options import Output, Running, one_of
+from strikewave.reporting.options.kinds import one_of
+from strikewave.reporting.options.output import Output
+from strikewave.reporting.options.shared import Running
 
 LEFT_OUT = ("elements", "studies")
 """What can be left out."""

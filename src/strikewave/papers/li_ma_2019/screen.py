@@ -19,7 +19,7 @@ from strikewave.papers.li_ma_2019.reproduce import reproduce
 from strikewave.papers.li_ma_2019.result import PAPER, Reproduction, marked_text
 from strikewave.papers.li_ma_2019.runs import Effort
 from strikewave.reporting.layout import MORE, keys, numerals, texts
-from strikewave.reporting.options import Output
+from strikewave.reporting.options.output import Output
 from strikewave.reporting.run_and_write import run_and_write
 from strikewave.reporting.terminal import progress_bar, say, table, tell
 from strikewave.studies.engine.pools import Pool

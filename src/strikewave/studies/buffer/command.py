@@ -9,7 +9,9 @@ import typer
 from strikewave.base.errors import InputError
 from strikewave.base.quantities import Value
 from strikewave.reporting import measured_files as measured
-from strikewave.reporting.options import Changes, Output, Running, case_name, quantity, typed_value
+from strikewave.reporting.options.kinds import quantity, typed_value
+from strikewave.reporting.options.output import Output
+from strikewave.reporting.options.shared import Changes, Running, case_name
 from strikewave.studies.buffer.defaults import LAYERS, THICKEST, WORST
 
 

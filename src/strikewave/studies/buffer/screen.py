@@ -24,7 +24,7 @@ from strikewave.records import (
 )
 from strikewave.reporting import measured_files as measured
 from strikewave.reporting.numbers import with_unit
-from strikewave.reporting.options import Output
+from strikewave.reporting.options.output import Output
 from strikewave.reporting.run_and_write import run_and_write
 from strikewave.reporting.terminal import print_rows, progress_bar, tell
 from strikewave.studies.buffer.candidate import ALIKE, RINGING, BufferGoal, distinct

@@ -8,7 +8,8 @@ from typing import Annotated
 
 import typer
 
-from strikewave.reporting.options import Changes, Cluster, Fresh, KeptRuns, Output, Processes
+from strikewave.reporting.options.output import Output
+from strikewave.reporting.options.shared import Changes, Cluster, Fresh, KeptRuns, Processes
 
 
 def command(

@@ -8,7 +8,8 @@ import typer
 
 from strikewave.reporting import measured_files as measured
 from strikewave.reporting.low_pass import LowPassOptions
-from strikewave.reporting.options import Changes, Output, Shared, case_name
+from strikewave.reporting.options.output import Output
+from strikewave.reporting.options.shared import Changes, Shared, case_name
 
 STATES_ALL = "the file of a whole fit states them: beside it there are only --set, of its case, and --bayes"
 

@@ -23,7 +23,7 @@ from strikewave.cases.small_file import LARGEST_FILE
 from strikewave.cases.tables import CaseTable
 from strikewave.reporting.low_pass import low_pass_of
 from strikewave.reporting.measured_files import MeasurementOptions
-from strikewave.reporting.options import read_share
+from strikewave.reporting.options.kinds import read_share
 from strikewave.studies.fit.request import FitRequest
 from strikewave.studies.fit.targets import Target
 from strikewave.studies.stated import (

@@ -12,7 +12,7 @@ from strikewave.analyses.compare.sources import parse_name, paths_of
 from strikewave.base.result import Source
 from strikewave.cases.case import Case, dump_case
 from strikewave.reporting import measured_files as measured
-from strikewave.reporting.options import Output
+from strikewave.reporting.options.output import Output
 from strikewave.reporting.run_and_write import Command, case_folder, run_and_write
 from strikewave.reporting.terminal import print_rows, progress_bar, tell
 from strikewave.studies.engine.pools import Pool

@@ -7,18 +7,9 @@ from typing import Annotated, Literal
 
 import typer
 
-from strikewave.reporting.options import (
-    CaseName,
-    Changes,
-    Cluster,
-    Fresh,
-    Output,
-    Processes,
-    Size,
-    grid_size,
-    one_of,
-    share,
-)
+from strikewave.reporting.options.kinds import Size, grid_size, one_of, share
+from strikewave.reporting.options.output import Output
+from strikewave.reporting.options.shared import CaseName, Changes, Cluster, Fresh, Processes
 from strikewave.studies.map.defaults import EQUAL, POINTS, TRAIN, X, Y
 
 SIZE = Size(*POINTS)

@@ -9,7 +9,7 @@ from pathlib import Path
 
 from strikewave.reporting.layout import keys, numerals
 from strikewave.reporting.measured_files import asked
-from strikewave.reporting.options import Output
+from strikewave.reporting.options.output import Output
 from strikewave.reporting.run_and_write import case_folder, run_and_write
 from strikewave.reporting.terminal import print_rows, progress_bar, say, table, tell
 from strikewave.studies.engine.pools import Pool

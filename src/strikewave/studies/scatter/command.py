@@ -8,7 +8,8 @@ from typing import Annotated, Literal
 
 import typer
 
-from strikewave.reporting.options import CaseName, Changes, Cluster, Fresh, KeptRuns, Output
+from strikewave.reporting.options.output import Output
+from strikewave.reporting.options.shared import CaseName, Changes, Cluster, Fresh, KeptRuns
 
 
 def command(

@@ -11,7 +11,7 @@ from typing import ClassVar
 from strikewave.cases.case import Case, dump_case
 from strikewave.reporting.measured_files import asked
 from strikewave.reporting.numbers import with_unit
-from strikewave.reporting.options import Output
+from strikewave.reporting.options.output import Output
 from strikewave.reporting.run_and_write import case_folder, run_and_write
 from strikewave.reporting.terminal import print_rows, progress_bar, tell
 from strikewave.studies.engine.pools import Pool

@@ -9,7 +9,9 @@ import typer
 
 from strikewave.analyses.record.verdicts.options import complete_specification
 from strikewave.base.errors import InputError
-from strikewave.reporting.options import Changes, Output, Running, complete_case, quantity
+from strikewave.reporting.options.kinds import quantity
+from strikewave.reporting.options.output import Output
+from strikewave.reporting.options.shared import Changes, Running, complete_case
 from strikewave.studies.settings.defaults import DISC, DROP_TABLE, REFERENCE, STIFFNESS
 from strikewave.studies.settings.drop_table.options import DropOptions
 

@@ -12,7 +12,7 @@ from strikewave.reporting import measured_files as measured
 from strikewave.reporting.clause_words import CLAUSE_HEADS, clause_cells
 from strikewave.reporting.layout import MORE, keys, numerals, texts
 from strikewave.reporting.numbers import with_unit
-from strikewave.reporting.options import Output
+from strikewave.reporting.options.output import Output
 from strikewave.reporting.parts import Tag
 from strikewave.reporting.run_and_write import run_and_write
 from strikewave.reporting.terminal import print_rows, progress_bar, table, tell

@@ -7,7 +7,8 @@ from typing import Annotated, Literal
 
 import typer
 
-from strikewave.reporting.options import Changes, Cluster, Fresh, KeptRuns, Output, Processes, case_name
+from strikewave.reporting.options.output import Output
+from strikewave.reporting.options.shared import Changes, Cluster, Fresh, KeptRuns, Processes, case_name
 
 
 def command(

@@ -12,7 +12,7 @@ from strikewave.base.json_document import head, plain
 from strikewave.cases.case import dump_case
 from strikewave.reporting.histories import write_parquet
 from strikewave.reporting.measured_files import asked
-from strikewave.reporting.options import Output
+from strikewave.reporting.options.output import Output
 from strikewave.reporting.run_and_write import case_folder, run_and_write
 from strikewave.reporting.terminal import print_json, print_rows, progress_bar, say, tell
 from strikewave.studies.engine.pools import Pool

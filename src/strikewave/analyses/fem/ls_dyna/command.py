@@ -9,7 +9,7 @@ from typing import Annotated, Literal
 import typer
 
 from strikewave.base.errors import InputError
-from strikewave.reporting.options import Output
+from strikewave.reporting.options.output import Output
 
 
 def command(

@@ -18,7 +18,7 @@ from strikewave.base.units import si_value
 from strikewave.reporting import measured_files as measured
 from strikewave.reporting.columns import HISTORY_DIGITS, Column, csv_table
 from strikewave.reporting.numbers import with_unit
-from strikewave.reporting.options import wrong_choice
+from strikewave.reporting.options.kinds import wrong_choice
 from strikewave.reporting.shown_result import columns_of
 from strikewave.signal.motion import motion
 from strikewave.signal.srs import SMOOTH, srs

@@ -23,7 +23,7 @@ from strikewave.reporting.clause_words import (
 )
 from strikewave.reporting.layout import MORE, keys, numerals, texts
 from strikewave.reporting.numbers import listed
-from strikewave.reporting.options import Typed
+from strikewave.reporting.options.kinds import Typed
 from strikewave.reporting.parts import NONE, Cell, Picture, Section, Table
 from strikewave.reporting.terminal import table, tell
 from strikewave.specifications.decisions import CANNOT_TELL, FAIL, PASS, Rule

@@ -9,7 +9,7 @@ import typer
 
 from strikewave.base.errors import InputError
 from strikewave.reporting.decision_options import Decision, Uncertainty, budget_in_python
-from strikewave.reporting.options import wrong_choice
+from strikewave.reporting.options.kinds import wrong_choice
 from strikewave.specifications.decisions import Rule
 
 if TYPE_CHECKING:

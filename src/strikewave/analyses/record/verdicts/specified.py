@@ -18,7 +18,7 @@ from strikewave.base.output_folder import write_atomically
 from strikewave.base.result import Source
 from strikewave.reporting import measured_files as measured
 from strikewave.reporting.layout import MORE, keys, numerals, texts
-from strikewave.reporting.options import Output
+from strikewave.reporting.options.output import Output
 from strikewave.reporting.parts import NONE
 from strikewave.reporting.run_and_write import Command, run_and_write
 from strikewave.reporting.terminal import print_json, say, table, tell

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated, ClassVar
 
 import typer
 
-from strikewave.reporting.options import quantity
+from strikewave.reporting.options.kinds import quantity
 
 if TYPE_CHECKING:
     from strikewave.studies.settings.drop_table.study import DropChoices

@@ -9,7 +9,7 @@ from pathlib import Path
 from strikewave.cases.case import Case
 from strikewave.reporting import measured_files as measured
 from strikewave.reporting.layout import keys, numerals, texts
-from strikewave.reporting.options import Output
+from strikewave.reporting.options.output import Output
 from strikewave.reporting.run_and_write import run_and_write
 from strikewave.reporting.terminal import print_rows, progress_bar, table, tell
 from strikewave.studies.engine.pools import Pool

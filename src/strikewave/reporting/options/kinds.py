@@ -1,0 +1,268 @@
+"""Kinds of options that turn what was typed into a value.
+
+A kind is used as ``Annotated[float | None, quantity("--speed", si="m/s", help="Approach speed.")]``. Choices and counts
+need none: a ``Literal``, or ``typer.Option("--runs", min=10)``.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import typer
+
+from strikewave.base.errors import InputError, nearest
+from strikewave.base.units import DIMENSIONS, parse_quantity, parse_typed
+
+if TYPE_CHECKING:
+    from strikewave.base.quantities import Value
+
+Read = Callable[[str, str], Any]
+"""Takes a typed word and the name of its option; returns the value or raises `InputError`."""
+
+
+class Typed(float):
+    """A number in SI that knows how it was typed, for an error that is only found later.
+
+    Examples
+    --------
+    >>> Typed(1000.0, "1 kHz").word, 2.0 * Typed(1000.0, "1 kHz")
+    ('1 kHz', 2000.0)
+    """
+
+    word: str
+
+    def __new__(cls, value: float, word: str) -> Typed:
+        """Keep the word beside the number."""
+        typed = super().__new__(cls, value)
+        typed.word = word
+        return typed
+
+    def __reduce__(self) -> tuple[type[float], tuple[float]]:
+        """Go to another process as a plain float."""
+        return float, (float(self),)
+
+
+class Size(NamedTuple):
+    """Points along x and y."""
+
+    x: int
+    y: int
+
+
+def parsed(*names: str, read: Read, help: str, **settings: Any) -> Any:
+    """Return an option whose words ``read`` turns into values; each word of an option that may be repeated.
+
+    A number is `Typed`. A default that is no text is taken as it is.
+    """
+
+    def value_of(word: str, field: str) -> Any:
+        value = read(word, field)
+        return Typed(value, word) if isinstance(value, float) else value
+
+    def callback(param: typer.CallbackParam, value: Any) -> Any:
+        field = param.opts[-1]
+        if isinstance(value, str):
+            return value_of(value, field)
+        return [value_of(word, field) for word in value] if isinstance(value, list) else value
+
+    return typer.Option(*names, help=help, parser=_as_typed, callback=callback, show_default=False, **settings)
+
+
+def _as_typed(word: Any) -> Any:
+    """Keep typer from converting a word before `parsed` does."""
+    return word
+
+
+def quantity(
+    *names: str,
+    si: str,
+    help: str,
+    signed: bool = False,
+    infinite: bool = False,
+    bare: bool = True,
+    panel: str | None = None,
+) -> Any:
+    """Return an option that takes a quantity: with a unit, or a bare number in SI.
+
+    Parameters
+    ----------
+    *names : str
+        Of the option, the long one last.
+    si : str
+        SI unit, one of `strikewave.base.units.DIMENSIONS`.
+    help : str
+        Help text, which names the default.
+    signed, infinite : bool
+        Whether zero and values below it, or ``inf``, are allowed.
+    bare : bool
+        Whether a number without a unit is taken as SI; refused where another unit is usual, such as g.
+    panel : str or None
+        Section of the help; the usual one where None.
+    """
+    allowed = DIMENSIONS[si][0] + ("" if signed else " above zero") + (", or inf" if infinite else "")
+
+    def read(word: str, field: str) -> float:
+        value = parse_typed(word, si, field) if bare else parse_quantity(word, si, field)
+        if value == -math.inf or not (signed or value > 0.0) or (value == math.inf and not infinite):
+            raise InputError(field, word, allowed)
+        return value
+
+    return parsed(*names, read=read, help=help, metavar=_metavar(si), rich_help_panel=panel)
+
+
+def _metavar(si: str) -> str:
+    """Return what stands for a quantity in the help.
+
+    Examples
+    --------
+    >>> _metavar("m/s^2")
+    'ACCELERATION'
+    """
+    return DIMENSIONS[si][0].split()[1].upper()
+
+
+def typed_value(*names: str, si: str, highest: float, help: str) -> Any:
+    """Return an option that takes a quantity above zero as a case file has it: its text is kept for the case."""
+
+    def read(word: str, field: str) -> Value:
+        return read_value(word, field, si, highest)
+
+    return parsed(*names, read=read, help=help, metavar=_metavar(si))
+
+
+def read_value(word: str, field: str, si: str, highest: float) -> Value:
+    """Return a typed quantity as a value of a case.
+
+    Raises
+    ------
+    InputError
+        If it is none, of another dimension, or not above zero and at most ``highest``.
+    """
+    from strikewave.base.quantities import Range
+
+    try:
+        return Range(si, 0.0, highest, open_low=True).read(word)
+    except InputError as error:
+        raise error.at(field) from None
+
+
+def bare_number(
+    *names: str, help: str, above: float = 0.0, low: float | None = None, high: float = math.inf, allowed: str = ""
+) -> Any:
+    """Return an option that takes a number without a unit.
+
+    Parameters
+    ----------
+    *names : str
+        Of the option, the long one last.
+    help : str
+        Help text, which names the default.
+    above, low, high : float
+        The number is above ``above``, or at least ``low`` where that is given, and at most ``high``, which may be inf.
+    allowed : str, optional
+        Words of an error, instead of the range.
+    """
+    most = "" if math.isinf(high) else f" and at most {high:g}" if low is None else f" to {high:g}"
+    words = allowed or (f"a number above {above:g}" if low is None else f"a number from {low:g}") + most
+
+    def read(word: str, field: str) -> float:
+        try:
+            value = float(word)
+        except ValueError:
+            value = math.nan
+        if not (value > above if low is None else value >= low) or not value <= high:
+            raise InputError(field, word, words)
+        return value
+
+    return parsed(*names, read=read, help=help, metavar="NUMBER")
+
+
+def share(*names: str, help: str) -> Any:
+    """Return an option that takes a share above 0 and below 1, such as 2 % or 0.02."""
+    return parsed(*names, read=read_share, help=help, metavar="SHARE")
+
+
+def read_share(word: str, field: str) -> float:
+    """Return a typed share.
+
+    Raises
+    ------
+    InputError
+        If it is no number, or not between 0 and 1.
+
+    Examples
+    --------
+    >>> read_share("2 %", "--want-cv")
+    0.02
+    """
+    bare = word.strip()
+    try:
+        value = float(bare.removesuffix("%")) / (100.0 if bare.endswith("%") else 1.0)
+    except ValueError:
+        value = math.nan
+    if not 0.0 < value < 1.0:
+        raise InputError(field, word, "a share above 0 and below 1, such as 2 %")
+    return value
+
+
+def grid_size(*names: str, help: str) -> Any:
+    """Return an option that takes points along x and y, such as 60x40, or 60 for both."""
+    return parsed(*names, read=read_size, help=help, metavar="NXxNY")
+
+
+def read_size(word: str, field: str) -> Size:
+    """Return points along x and y.
+
+    Raises
+    ------
+    InputError
+        If they are no whole numbers.
+
+    Examples
+    --------
+    >>> read_size("60x40", "--points"), read_size("60", "--points")
+    (Size(x=60, y=40), Size(x=60, y=60))
+    """
+    parts = [part.strip() for part in word.lower().replace("×", "x").split("x")]
+    if len(parts) > 2 or not all(part.isdecimal() and len(part) < 8 for part in parts):
+        raise InputError(field, word, "two whole numbers", "such as 200x200")
+    return Size(int(parts[0]), int(parts[-1]))
+
+
+def one_of(*names: str, choices: Sequence[str], help: str) -> Any:
+    """Return an option that takes a choice and may be repeated, which a ``Literal`` may not."""
+
+    def read(word: str, field: str) -> str:
+        if word not in choices:
+            raise wrong_choice(word, field, choices)
+        return word
+
+    def complete(incomplete: str) -> list[str]:
+        return [choice for choice in choices if choice.startswith(incomplete)]
+
+    return parsed(*names, read=read, help=help, metavar="|".join(choices), autocompletion=complete)
+
+
+def wrong_choice(word: str, field: str, choices: Sequence[str]) -> InputError:
+    """Return the error of a word that is none of some choices.
+
+    Examples
+    --------
+    >>> str(wrong_choice("strss", "--field", ["stress", "force", "velocity"]))
+    '--field: got "strss"; allowed: one of stress, force, velocity; did you mean "stress"?'
+    """
+    near = nearest(word, choices)
+    return InputError(field, word, one_of_words(choices), near if near.startswith("did you mean") else "")
+
+
+def one_of_words(choices: Sequence[str]) -> str:
+    """Return choices as an error lists them.
+
+    Examples
+    --------
+    >>> one_of_words(["x", "y"]), one_of_words(["a", "b", "c"])
+    ('x or y', 'one of a, b, c')
+    """
+    return " or ".join(choices) if len(choices) < 3 else "one of " + ", ".join(choices)
