@@ -614,3 +614,13 @@ def test_rounding_where_nothing_touches_is_no_hourglass_energy(strikewave, small
     code, out, _ = strikewave("fem", small, "--json", *(word for change in apart for word in ("--set", change)))
     assert code == 0
     assert json.loads(out)["hourglass_share"] < 1e-3
+
+
+@pytest.mark.verify
+def test_the_docs_name_every_variable_of_the_histories(bars):
+    page = (Path(__file__).parents[3] / "docs/fem.md").read_text("utf-8")
+    table = page.partition("| Variable | Over | Unit |")[2].partition("\n\n")[0]
+    for name in bars.data.data_vars:
+        kind, _, rest = name.partition(".")
+        what = rest.rpartition(".")[2] or kind
+        assert any(f"`{kind}" in row and f"{what}`" in row for row in table.splitlines()), name
