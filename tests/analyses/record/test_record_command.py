@@ -407,7 +407,7 @@ def test_screen_report_and_document_advise_the_same_filter(strikewave):
     shown = float(re.search(r"a low-pass of ([\d.]+) kHz", " ".join(out.split()))[1])
     with open("found/report.html") as file:
         page = file.read()
-    assert f"{1e3 * shown:g} Hz" in re.search(r"advised: ([^<]*)", page)[1]
+    assert f"{shown:g} kHz" in re.search(r"advised: ([^<]*)", page)[1]
     assert set(re.findall(r"advised cutoff, ([\d.]+ kHz)", page)) == {f"{shown:g} kHz"}
     _, out, _ = strikewave("record", "smooth.csv", "rings.csv", "spike.csv", "--json")
     found = document(out)
