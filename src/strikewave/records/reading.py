@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 
 from strikewave.base.errors import InputError
+from strikewave.base.first_few import first_few
 from strikewave.base.frequencies import frequency_text
 from strikewave.base.percents import percent
 from strikewave.records.budget.blows import BlowUncertainty
@@ -188,12 +189,10 @@ class FileReading:
             if finding.severity != "good":
                 names.setdefault(finding.message, {})[name] = None
         several = len(self.channels) > 1
-        return [f"{_few(list(of))}: {words}" if several and all(of) else words for words, of in names.items()]
-
-
-def _few(names: list[str]) -> str:
-    more = len(names) - MOST_NAMED
-    return ", ".join(names) if more < 2 else f"{', '.join(names[:MOST_NAMED])} and {more} more"
+        return [
+            f"{first_few(list(of), MOST_NAMED)}: {words}" if several and all(of) else words
+            for words, of in names.items()
+        ]
 
 
 def read_channel(channel: Channel, number: int, calibration: Calibration, request: Request) -> ChannelReading:

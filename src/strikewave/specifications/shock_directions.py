@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import NamedTuple
 
 from strikewave.base.errors import InputError, nearest
+from strikewave.base.first_few import first_few
 from strikewave.specifications.decisions import CANNOT_TELL, FAIL, PASS
 from strikewave.specifications.judging import Clause, Limits, judged, not_judged
 from strikewave.specifications.reading import ShockCount
@@ -178,9 +179,7 @@ def direction_clauses(shocks: Sequence[CountedShock], directions: Sequence[str],
 def _of_files(shocks: Sequence[CountedShock]) -> str:
     """Say which files shocks are of."""
     names = list(dict.fromkeys(", ".join(filter(None, (Path(one.file).name, one.name))) for one in shocks))
-    more = len(names) - MOST_NAMED
-    named = "; ".join(names) if more < 2 else "; ".join(names[:MOST_NAMED]) + f" and {more} more"
-    return f"{named} ha{'ve' if len(names) > 1 else 's'}"
+    return f"{first_few(names, MOST_NAMED, '; ')} ha{'ve' if len(names) > 1 else 's'}"
 
 
 def _blows(shocks: Sequence[CountedShock], verdicts: Sequence[str]) -> int:

@@ -10,6 +10,7 @@ from strikewave.analyses.record.response_chapter import response_words
 from strikewave.analyses.record.result import RecordResult
 from strikewave.analyses.record.tables import amount, between, called, percent, rows_of, short_names
 from strikewave.analyses.record.verdicts.words import sentence
+from strikewave.base.first_few import are_many, first_few
 from strikewave.records.campaign import Campaign, Outlier
 from strikewave.records.health_notice import STATUSES
 from strikewave.records.reading import FileReading
@@ -73,8 +74,7 @@ def named(files: Sequence[str]) -> str:
     >>> named(["a.csv", "b.csv"]), named([f"{k}.csv" for k in range(9)])
     ('a.csv and b.csv', '0.csv, 1.csv, 2.csv, 3.csv and 5 more')
     """
-    more = len(files) - MOST_NAMED
-    return listed(list(files)) if more < 2 else f"{', '.join(files[:MOST_NAMED])} and {more} more"
+    return first_few(files, MOST_NAMED) if are_many(files, MOST_NAMED) else listed(list(files))
 
 
 def _of_blows(count: int) -> str:
