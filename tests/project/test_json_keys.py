@@ -20,6 +20,7 @@ def test_every_key_of_a_document_has_its_meaning_and_every_meaning_a_key(meaning
     commands, shared = meanings.key_tables()
     assert {"run", "wave", "fem", "record", "fit", "map"} <= {one.title for one in commands}
     assert shared["blow"].seen["rigid_peak"] == "m/s^2"
+    assert next(one for one in commands if one.title == "record").seen["sensor.range"] == "m/s^2"
 
 
 def test_a_key_without_a_meaning_is_refused(meanings):
