@@ -57,6 +57,13 @@ class Watch:
 def run_fem(case: Case, threads: int = 1) -> FemSolution:
     """Run the finite element model of a case.
 
+    Parameters
+    ----------
+    case : Case
+        With a mesh.
+    threads : int, optional
+        Threads that share the elements; their number changes no result.
+
     Returns
     -------
     FemSolution
