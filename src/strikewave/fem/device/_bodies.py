@@ -236,13 +236,6 @@ def follow_node(i, ties, x, v, dt):
 
 
 @leaf_kernel
-def put_row(i, nodes, rows, f):
-    """Write the row of a node."""
-    for c in range(3):
-        f[nodes[i], c] = rows[i, c]
-
-
-@leaf_kernel
 def join_row(i, force, first):
     """Add the row of a first force to that of a second."""
     for c in range(3):

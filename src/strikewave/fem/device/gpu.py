@@ -10,13 +10,14 @@ from numba import cuda
 
 from strikewave.base.errors import InputError
 from strikewave.fem._layout import SCRATCH
+from strikewave.fem.device.devices import Stored
 
 THREADS = 128
 """Threads of a block: a whole number of warps; few, so that threads of 255 registers still fill half a processor."""
 
 
 class Cuda:
-    """The first GPU.
+    """The first GPU; ``stored`` as in `strikewave.fem.device.devices.Device`.
 
     Raises
     ------
@@ -24,10 +25,11 @@ class Cuda:
         If there is none, or its driver is missing.
     """
 
-    def __init__(self) -> None:
+    def __init__(self, stored: Stored = np.float64) -> None:
         if not cuda.is_available():
             hint = "run it without --device, on the processor"
             raise InputError("--device", "cuda", "a machine with an NVIDIA GPU and its driver", hint)
+        self.stored = stored
         self.kernels: dict[Any, Any] = {}
         self._least = cuda.reduce(lesser)
 
