@@ -14,9 +14,6 @@ NAMES = ("cuda",)
 """Devices that can be asked for."""
 
 
-Stored = type[np.float32] | type[np.float64]
-
-
 class Device(Protocol):
     """What holds arrays and calls a compiled body for each index.
 
@@ -27,7 +24,7 @@ class Device(Protocol):
         of a step. All that is calculated is double.
     """
 
-    stored: Stored
+    stored: type[np.floating[Any]]
 
     def put(self, array: np.ndarray) -> Any:
         """Return a copy of an array there."""
@@ -48,7 +45,7 @@ class Device(Protocol):
 class Loop:
     """The device of tests: the same bodies, one index after another, on arrays here."""
 
-    def __init__(self, stored: Stored = np.float64) -> None:
+    def __init__(self, stored: type[np.floating[Any]] = np.float64) -> None:
         self.stored, self.scratch = stored, np.zeros(SCRATCH)
 
     def put(self, array: np.ndarray) -> np.ndarray:

@@ -10,7 +10,6 @@ from numba import cuda
 
 from strikewave.base.errors import InputError
 from strikewave.fem._layout import SCRATCH
-from strikewave.fem.device.devices import Stored
 
 THREADS = 128
 """Threads of a block: a whole number of warps; few, so that threads of 255 registers still fill half a processor."""
@@ -25,7 +24,7 @@ class Cuda:
         If there is none, or its driver is missing.
     """
 
-    def __init__(self, stored: Stored = np.float64) -> None:
+    def __init__(self, stored: type[np.floating[Any]] = np.float64) -> None:
         if not cuda.is_available():
             hint = "run it without --device, on the processor"
             raise InputError("--device", "cuda", "a machine with an NVIDIA GPU and its driver", hint)
