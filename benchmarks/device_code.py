@@ -21,6 +21,7 @@ from numba.np.numpy_support import from_dtype
 from strikewave.fem._boundary_kernels import absorb_node, add_row, hold_node, take_row
 from strikewave.fem._contact_kernels import Step, predict_node, press_node, wall_node
 from strikewave.fem._node_kernels import move_node
+from strikewave.fem._rigid_kernels import bring_node, sum_share
 from strikewave.fem.contact import prepare, prepare_wall
 from strikewave.fem.device import _bodies as bodies
 from strikewave.fem.device.gpu import kernel_of, scratch_kernel_of
@@ -83,7 +84,8 @@ def samples():
         bodies.tied_corner: (nodes, lists, lists, engine.ties, f),
         bodies.clear_row: (nodes, f),
         bodies.follow_node: (engine.ties, x, v, one),
-        bodies.put_row: (nodes, x, f),
+        sum_share: (nodes, x, f, (one, one, one), x),
+        bring_node: (nodes, x, x, one, one, x, v, f, m, f),
         bodies.copy_row: (x, v),
         bodies.join_row: (x, v),
         bodies.book_row: (nodes, x, v, v, one, x),

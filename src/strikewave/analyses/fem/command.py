@@ -23,6 +23,10 @@ def command(
             "--device", help="Take the steps on an NVIDIA GPU; on the processor by default.", show_default=False
         ),
     ] = None,
+    mixed: Annotated[
+        bool,
+        typer.Option("--mixed", help="With --device: keep stresses in single precision, calculate in double; faster."),
+    ] = False,
     frames: Annotated[
         int | None,
         typer.Option(
@@ -64,5 +68,5 @@ def command(
             read = load_case(case, changes)
     if check:
         return check_element_case(read, output.json, threads)
-    choice = FemOptions(threads, not no_report, restart, animate, device)
+    choice = FemOptions(threads, not no_report, restart, animate, device, mixed)
     return run_element_case(read, changes or (), output, choice)

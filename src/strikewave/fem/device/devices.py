@@ -15,7 +15,16 @@ NAMES = ("cuda",)
 
 
 class Device(Protocol):
-    """What holds arrays and calls a compiled body for each index."""
+    """What holds arrays and calls a compiled body for each index.
+
+    Attributes
+    ----------
+    stored : type
+        Numbers in which elements keep their constants, their state and the forces on their corners, most of the bytes
+        of a step. All that is calculated is double.
+    """
+
+    stored: type[np.floating[Any]]
 
     def put(self, array: np.ndarray) -> Any:
         """Return a copy of an array there."""
@@ -36,8 +45,8 @@ class Device(Protocol):
 class Loop:
     """The device of tests: the same bodies, one index after another, on arrays here."""
 
-    def __init__(self) -> None:
-        self.scratch = np.zeros(SCRATCH)
+    def __init__(self, stored: type[np.floating[Any]] = np.float64) -> None:
+        self.stored, self.scratch = stored, np.zeros(SCRATCH)
 
     def put(self, array: np.ndarray) -> np.ndarray:
         """Return a copy of an array."""
@@ -61,8 +70,8 @@ class Loop:
         return float(array.min())
 
 
-def device_named(name: str) -> Device:
-    """Return a device.
+def device_named(name: str, mixed: bool = False) -> Device:
+    """Return a device; ``mixed``: what its elements keep is single, see `Device`.
 
     Raises
     ------
@@ -75,4 +84,4 @@ def device_named(name: str) -> Device:
         from strikewave.fem.device.gpu import Cuda
     except ImportError:
         raise InputError("--device", "cuda", "numba-cuda beside strikewave", "pip install 'strikewave[gpu]'") from None
-    return Cuda()
+    return Cuda(np.float32 if mixed else np.float64)

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from strikewave.fem import _boundary_kernels as boundary_kernels
 from strikewave.fem import _contact_kernels as contact_kernels
 from strikewave.fem import _layout as layout
+from strikewave.fem import _rigid_kernels as rigid_kernels
 from strikewave.fem._contact_kernels import ContactState, Step, WallState
 from strikewave.fem.boundary import Acting, Dashpots, Held, Now, Pressed, Weight, value_at
 from strikewave.fem.contact import searched
@@ -19,7 +20,7 @@ from strikewave.fem.device.devices import Device
 from strikewave.fem.full import FullyIntegrated
 from strikewave.fem.hexahedron import Hexahedra, OnePoint
 from strikewave.fem.mesh import Array, Index
-from strikewave.fem.rigid import RigidBody
+from strikewave.fem.rigid import SHARES, RigidBody
 from strikewave.fem.tie import TieState
 
 S = TypeVar("S", ContactState, WallState)
@@ -88,10 +89,11 @@ class DeviceElements:
 
     def send(self) -> None:
         """Bring the state of the elements there."""
-        put, self.stepped = self.device.put, False
-        self.blocks = put_fields(self.device, self.here.blocks)
+        put, self.stepped, stored, here = self.device.put, False, self.device.stored, self.here.blocks
+        kept = here._replace(constants=here.constants.astype(stored), state=here.state.astype(stored))
+        self.blocks = put_fields(self.device, kept)
         self.results = bodies.ElementResults(
-            put(np.zeros((3, 8 * self.lanes))),
+            put(np.zeros((3, 8 * self.lanes), stored)),
             put(np.zeros((layout.SUMS, self.lanes))),
             put(np.full(self.lanes, np.inf)),
         )
@@ -206,26 +208,20 @@ class DevicePressed(DeviceActing):
 
 
 class DeviceRigid(DeviceActing):
-    """A part that does not deform. Its few sums and its rotation are those of `RigidBody`, from copies of its nodes."""
+    """A part that does not deform. Its nodes are summed and moved there, and the body here, by `RigidBody`."""
 
     here: RigidBody
 
     def __init__(self, device: Device, acting: RigidBody, mass: Array) -> None:
         super().__init__(device, acting, mass)
-        self.rows = device.put(acting.force)
+        self.arms, self.sums = device.put(acting.arms), device.put(acting.sums)
 
     def _apply(self, now: Now) -> None:
-        here = self.here
-        x, f = self._copied(now.x), self._copied(now.f)
-        here.before[:] = self.device.get(self.before)
-        whole = here.move(x, f, self.mass[here.nodes], now.kick, now.step)
-        self.force = self.device.put(here.force)
-        self.device.each(bodies.put_row, self.count, self.nodes, self.device.put(whole), now.f)
-
-    def _copied(self, field: Any) -> Array:
-        """Return the rows of its nodes here."""
-        self.device.each(boundary_kernels.take_row, self.count, self.nodes, field, self.rows)
-        return self.device.get(self.rows)
+        each, centre = self.device.each, tuple(self.here.centre.tolist())
+        each(rigid_kernels.sum_share, SHARES, self.nodes, now.x, now.f, centre, self.sums)
+        pose = self.device.put(self.here.move(self.device.get(self.sums), now.kick, now.step))
+        rest = now.kick, now.step, now.x, self.before, now.f, now.mass, self.force
+        each(rigid_kernels.bring_node, self.count, self.nodes, self.arms, pose, *rest)
 
 
 ACTING: dict[type[Acting], type[DeviceActing]] = {Pressed: DevicePressed, RigidBody: DeviceRigid}
