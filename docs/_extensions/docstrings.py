@@ -3,6 +3,7 @@
 import re
 from collections.abc import Iterator
 from functools import cached_property
+from itertools import takewhile
 from typing import Any
 
 from pydantic import BaseModel
@@ -43,16 +44,12 @@ def _each_by_itself(lines: list[str]) -> Iterator[str]:
             yield line
             continue
         indent, names, kind = found.groups()
-        depth = len(indent)
-        rest = []
-        for below in lines[k + 1 :]:
-            if below.strip() and len(below) - len(below.lstrip()) <= depth:
-                break
-            rest.append(below)
-        *first, _ = names.split(", ")
+        *first, last = names.split(", ")
+        inner = re.compile(rf"$|{indent} ")
+        described = list(takewhile(inner.match, lines[k + 1 :]))
         for one in first:
-            yield from (f"{indent}{one} : {kind}", *rest)
-        yield f"{indent}{names.rpartition(', ')[2]} : {kind}"
+            yield from (f"{indent}{one} : {kind}", *described)
+        yield f"{indent}{last} : {kind}"
 
 
 def left_out(app: Any, what: str, name: str, obj: Any, skip: bool, options: Any) -> bool | None:
