@@ -10,8 +10,11 @@ import numpy as np
 import pytest
 
 from strikewave.base.errors import InputError
+from strikewave.fem.contact import prepare, searched
 from strikewave.fem.device import gpu
 from strikewave.fem.device.devices import Loop, device_named
+from strikewave.fem.device.parts import put_fields
+from strikewave.fem.device.search import FaceSearch
 from strikewave.fem.mesh import joined
 from strikewave.fem.model import (
     Controls,
@@ -173,6 +176,26 @@ def test_mixed_precision_is_off_by_the_rounding_of_single_numbers(solid):
     for name, force in run.force.items():
         np.testing.assert_allclose(mixed.force[name], force, rtol=0.0, atol=1e-6 * np.abs(force).max())
     assert np.abs(mixed.energy_error).max() == pytest.approx(np.abs(run.energy_error).max(), abs=1e-7)
+
+
+def test_faces_that_a_device_finds_near_nodes_are_those_that_the_processor_finds():
+    """Over 9 by 9 and 7 by 7 faces, several groups of each surface, that are bent and lie aslant."""
+    low, up = skewed("low", (9, 9, 1)), moved(skewed("up", (7, 7, 1)), (0.3 * SIZE, 0.2 * SIZE, SIZE))
+    mesh = joined([low, up])
+    state = prepare(SurfaceContact("low.z+", "up.z-"), mesh)
+    points = mesh.points + np.random.default_rng(4).normal(0.0, 0.1 * SIZE, mesh.points.shape)
+    there = put_fields(Loop(), state)
+    start, _, candidates = FaceSearch(Loop(), state).near(there, points)
+    expected = searched(state, points)
+    assert candidates.size > 100
+    for found, right in (
+        (start, expected.start),
+        (candidates, expected.candidates),
+        (there.touch.area, expected.touch.area),
+        (there.size, expected.size),
+        (there.radius, expected.radius),
+    ):
+        np.testing.assert_array_equal(found, right)
 
 
 @pytest.mark.verify
