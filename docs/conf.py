@@ -27,7 +27,7 @@ author = project_copyright = "The strikewave founders"
 version = release = strikewave.__version__
 extensions = [
     *("myst_nb", "sphinx.ext.autodoc", "sphinx.ext.autosummary", "sphinx.ext.napoleon"),
-    *("docstrings", "case_inputs", "mathml"),
+    *("docstrings", "case_inputs", "json_keys", "mathml"),
 ]
 templates_path = ["_templates"]
 default_role = "py:obj"  # a name in single quotes of a docstring leads to it, where the reference has it
