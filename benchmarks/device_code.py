@@ -69,7 +69,7 @@ def samples():
     lists, one = np.zeros(1, np.int32), 1.0
     results = bodies.ElementResults(np.zeros((3, 1)), np.zeros((4, 1)), np.zeros(1))
     step, nodes, frame = Step(one, one, one, one), lists, np.zeros((1, 3, 3))
-    faces, groups = np.zeros((1, 4), np.int32), searching.Groups(lists, x, x, 1)
+    faces, groups = np.zeros((1, 4), np.int32), searching.FaceGroups(lists, x, x, 1)
     elements = {
         body: (kind.blocks, x, v, one, (one, one), results)
         for body, kind in zip((bodies.one_point_element, bodies.full_element), engine.solid.kinds, strict=True)

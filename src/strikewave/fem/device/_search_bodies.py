@@ -12,7 +12,7 @@ from strikewave.base.compiled import leaf_kernel
 from strikewave.fem._surface_kernels import face_box, face_extent, in_box
 
 
-class Groups(NamedTuple):
+class FaceGroups(NamedTuple):
     """Boxes of faces (faces, 6) and of groups (groups, 6), least before greatest coordinates.
 
     Group g holds the faces ``edges[g]`` to ``edges[g + 1]``, exclusive; the ``first`` so many are of the first surface.

@@ -19,7 +19,7 @@ GROUP = 32
 
 
 class FaceSearch:
-    """Groups of the faces of two surfaces, and what a search writes."""
+    """FaceGroups of the faces of two surfaces, and what a search writes."""
 
     def __init__(self, device: Device, here: ContactState) -> None:
         self.device, self.nodes, self.faces = device, len(here.touch.nodes), len(here.faces)
@@ -28,7 +28,7 @@ class FaceSearch:
         corners = here.faces.ravel()
         self.corners = tuple(device.put(each) for each in lists(corners, np.arange(len(corners)), self.nodes))
         self.area, self.count = device.put(np.zeros(self.faces)), device.put(np.zeros(self.nodes, np.int64))
-        self.groups = bodies.Groups(
+        self.groups = bodies.FaceGroups(
             device.put(edges),
             device.put(np.zeros((self.faces, 6))),
             device.put(np.zeros((len(edges) - 1, 6))),
