@@ -13,7 +13,7 @@ from elements_bench import PAPER, SIZE, SOLIDS, body, pressed, taken
 from timing import table
 
 from strikewave.fem import _layout as layout
-from strikewave.fem.device.devices import device_named
+from strikewave.fem.device.devices import NAMES, device_named
 from strikewave.fem.device.engine import DeviceEngine
 from strikewave.fem.model import Controls, Model
 from strikewave.fem.solve import RunOptions, solve
@@ -105,7 +105,7 @@ def impact(device):
 
 def main():
     """Print what was measured."""
-    devices = [device_named("cuda", mixed) for mixed in (False, True)]
+    devices = [device_named(name) for name in NAMES]
     from numba import cuda
 
     gpu = cuda.get_current_device()

@@ -4,14 +4,21 @@ import dataclasses
 import os
 import subprocess
 import sys
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 import numpy as np
 import pytest
 
+from strikewave import design, load_case, sweep
+from strikewave.analyses.fem import run as fem_run
 from strikewave.base.errors import InputError
-from strikewave.fem.device import gpu
+from strikewave.fem.contact import prepare, searched
+from strikewave.fem.device import devices, gpu
+from strikewave.fem.device._bodies import one_point_element
 from strikewave.fem.device.devices import Loop, device_named
+from strikewave.fem.device.parts import put_fields
+from strikewave.fem.device.search import FaceSearch
 from strikewave.fem.mesh import joined
 from strikewave.fem.model import (
     Controls,
@@ -175,6 +182,26 @@ def test_mixed_precision_is_off_by_the_rounding_of_single_numbers(solid):
     assert np.abs(mixed.energy_error).max() == pytest.approx(np.abs(run.energy_error).max(), abs=1e-7)
 
 
+def test_faces_that_a_device_finds_near_nodes_are_those_that_the_processor_finds():
+    """Over 9 by 9 and 7 by 7 faces, several groups of each surface, that are bent and lie aslant."""
+    low, up = skewed("low", (9, 9, 1)), moved(skewed("up", (7, 7, 1)), (0.3 * SIZE, 0.2 * SIZE, SIZE))
+    mesh = joined([low, up])
+    state = prepare(SurfaceContact("low.z+", "up.z-"), mesh)
+    points = mesh.points + np.random.default_rng(4).normal(0.0, 0.1 * SIZE, mesh.points.shape)
+    there = put_fields(Loop(), state)
+    start, _, candidates = FaceSearch(Loop(), state).near(there, points)
+    expected = searched(state, points)
+    assert candidates.size > 100
+    for found, right in (
+        (start, expected.start),
+        (candidates, expected.candidates),
+        (there.touch.area, expected.touch.area),
+        (there.size, expected.size),
+        (there.radius, expected.radius),
+    ):
+        np.testing.assert_array_equal(found, right)
+
+
 @pytest.mark.verify
 def test_an_interrupted_run_goes_on_there_and_on_the_processor(tmp_path):
     path = tmp_path / "state.h5"
@@ -209,6 +236,40 @@ def test_the_kernels_of_a_gpu_run_in_the_simulator_of_numba():
     environment = {**os.environ, "NUMBA_ENABLE_CUDASIM": "1", "PYTHONPATH": path}
     found = subprocess.run([sys.executable, script], env=environment, capture_output=True, text=True, check=False)
     assert found.returncode == 0, found.stderr
+
+
+@pytest.mark.verify
+def test_studies_of_elements_take_their_steps_on_a_device(monkeypatch):
+    """A sweep and a design of one run each; the device is the one that runs bodies here, and counts its calls."""
+    calls = []
+
+    class Counting(Loop):
+        def each(self, body, count, *arguments):
+            calls.append(body)
+            super().each(body, count, *arguments)
+
+    monkeypatch.setattr(devices, "device_named", lambda name: Counting())
+    monkeypatch.setattr(fem_run, "device_named", lambda name: Counting())
+    case = load_case("two-bars-fem", ["fem.duration=1 us"])
+    with ThreadPoolExecutor(1) as pool:
+        for study in (
+            lambda device: sweep(case, ["fem.duration=1 us"], keep=["energy_error"], executor=pool, device=device),
+            lambda device: design(
+                case, ["fem.duration=1 us, 1.2 us"], ["energy_error < 5 %"], runs=16, executor=pool, device=device
+            ),
+        ):
+            calls.clear()
+            here = study(None)
+            assert not calls
+            there = study("cuda")
+            assert np.isfinite(there.numbers).all()
+            assert one_point_element in calls
+            np.testing.assert_allclose(there.numbers, here.numbers, rtol=1e-6)
+
+
+def test_a_study_of_a_machine_has_no_use_for_a_device():
+    with pytest.raises(InputError, match='--device: got "cuda"; allowed: a study of elements'):
+        sweep(load_case("li-ma-2019"), ["machine.speed=600 rpm"], device="cuda")
 
 
 def test_without_a_gpu_one_line_says_what_is_missing(monkeypatch):

@@ -69,7 +69,6 @@ class FemOptions:
     restart: bool = False
     animate: bool = False
     device: str | None = None
-    mixed: bool = False
 
 
 def run_element_case(case: Case, changes: Sequence[str], output: Output, choice: FemOptions | None = None) -> int:
@@ -84,9 +83,7 @@ def run_element_case(case: Case, changes: Sequence[str], output: Output, choice:
     output.check_animation(choice.animate)
     if choice.restart and output.json and output.out is None:
         raise InputError("--restart", "no folder", "a run that writes its files", "add --out DIR")
-    if choice.mixed and not choice.device:
-        raise InputError("--mixed", "no --device", "a run on a device", "add --device cuda, or leave --mixed out")
-    device = device_named(choice.device, choice.mixed) if choice.device else None
+    device = device_named(choice.device) if choice.device else None
     model, _ = _reported_model(case, choice.threads)
     case = output.tested(case)
     text = dump_case(case)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 from collections.abc import Callable
 from typing import Any, Protocol
 
@@ -10,8 +11,9 @@ import numpy as np
 from strikewave.base.errors import InputError
 from strikewave.fem._layout import SCRATCH
 
-NAMES = ("cuda",)
-"""Devices that can be asked for."""
+MIXED = "cuda-mixed"
+NAMES = ("cuda", MIXED)
+"""Devices that can be asked for: a GPU, and one whose elements keep single numbers (`Device`)."""
 
 
 class Device(Protocol):
@@ -70,8 +72,9 @@ class Loop:
         return float(array.min())
 
 
-def device_named(name: str, mixed: bool = False) -> Device:
-    """Return a device; ``mixed``: what its elements keep is single, see `Device`.
+@functools.cache
+def device_named(name: str) -> Device:
+    """Return a device, the same in each call: it holds what was compiled for it.
 
     Raises
     ------
@@ -83,5 +86,5 @@ def device_named(name: str, mixed: bool = False) -> Device:
     try:
         from strikewave.fem.device.gpu import Cuda
     except ImportError:
-        raise InputError("--device", "cuda", "numba-cuda beside strikewave", "pip install 'strikewave[gpu]'") from None
-    return Cuda(np.float32 if mixed else np.float64)
+        raise InputError("--device", name, "numba-cuda beside strikewave", "pip install 'strikewave[gpu]'") from None
+    return Cuda(np.float32 if name == MIXED else np.float64)
