@@ -1,6 +1,7 @@
 """A file of twice the size takes twice the work: no small one keeps a program busy for minutes, or takes gigabytes."""
 
 import dataclasses
+import functools
 import tracemalloc
 
 import numpy as np
@@ -19,8 +20,9 @@ from strikewave.records import (
     smooth_pulse,
     summed,
 )
-from strikewave.records.health import range as blow_range
 from strikewave.records.health.examined import Examined
+from strikewave.records.health.range import limited
+from strikewave.records.health.range.shape import BlowShape
 from strikewave.records.pulses import Baseline, find_boxes
 from strikewave.records.readers import Options, common, read_record, tdms
 from strikewave.records.readers.common import ArrayColumn, assemble, one_each
@@ -125,14 +127,17 @@ def test_a_pulse_is_evaluated_once_for_each_round_of_its_fit_and_once_for_all_it
     assert len(evaluated) == 1 + fits[0].nfev + fits[0].njev  # one for what is true
 
 
-def test_the_sides_of_a_blow_are_measured_once(monkeypatch):
+@pytest.mark.parametrize("measured", ["tip", "usual_tip", "flanks"])
+def test_tip_and_sides_of_a_blow_are_measured_once(monkeypatch, measured):
     """Flat tops and limited slopes are both seen at them."""
     asked = []
-    flank_of = blow_range.flank_of
-    monkeypatch.setattr(blow_range, "flank_of", lambda *words: asked.append(words[2]) or flank_of(*words))
+    figure = vars(BlowShape)[measured].func
+    counted = functools.cached_property(lambda shape: asked.append(measured) or figure(shape))
+    counted.__set_name__(BlowShape, measured)
+    monkeypatch.setattr(BlowShape, measured, counted)
     values = 100.0 * np.sin(np.pi * np.clip(np.arange(900.0) / 80.0 - 5.0, 0.0, 1.0))
-    assert not blow_range.limited(Examined(values, 1e-6, pulses=tuple(find_pulses(values, 1e-6))))
-    assert asked == [-1, 1]
+    assert not limited(Examined(values, 1e-6, pulses=tuple(find_pulses(values, 1e-6))))
+    assert asked == [measured]
 
 
 def test_work_of_a_campaign_grows_with_the_number_of_channels():

@@ -186,16 +186,13 @@ def sort_contacts(times: Array, peaks: Array, widths: Array, small: Sequence[boo
     """
     large = np.flatnonzero(~np.asarray(small, dtype=bool))
     train = find_train(times, peaks)
-    if train is not None and not set(large[peaks[large] >= COMPARABLE * peaks[large].max(initial=0.0)]) & set(
-        train.members
-    ):
-        train = None  # a train of what is small beside a blow that is not on it
-    if train is None:
-        return _without_train(times, peaks, widths, small)
+    on = set() if train is None else set(train.members)
+    if train is None or not on & set(large[peaks[large] >= COMPARABLE * peaks[large].max(initial=0.0)]):
+        return _without_train(times, peaks, widths, small)  # or one of what is small beside a blow that is not on it
     owner: dict[int, int] = {}
     double: dict[int, int] = {}
     members = np.array(train.members)
-    others = [k for k in range(times.size) if k not in set(train.members)]
+    others = [k for k in range(times.size) if k not in on]
     blow_of = {k: int(members[max(int(np.searchsorted(times[members], times[k])) - 1, 0)]) for k in others}
     late = _as_late(times, peaks, blow_of, len(members))
     for k, blow in blow_of.items():
