@@ -18,6 +18,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from strikewave.records._read_off_kernels import row_figures
 from strikewave.records.record import Array
 from strikewave.records.smooth_pulse import SmoothPulse
 from strikewave.records.smoothing import SmoothingWindow, windows_up_to
@@ -155,32 +156,8 @@ def figures_of(rows: Array, inside: slice) -> Array:
     >>> figures_of(tent[None], slice(4, 14)).round(2)
     array([[ 9. ,  1. ,  6.4, 14.4]])
     """
-    size = rows.shape[1]
-    every, place = np.arange(rows.shape[0]), np.arange(size)
-    index = inside.start + np.argmax(rows[:, inside], axis=1)
-    middle = np.clip(index, 1, size - 2)
-    left, top, right = (rows[every, middle + k] for k in (-1, 0, 1))
-    curvature = left - 2.0 * top + right
-    bent = (curvature < 0.0) & (middle == index)
-    shift = np.where(bent, 0.5 * (left - right) / np.where(bent, curvature, 1.0), 0.0)
-    peak = np.where(bent, top - 0.25 * (left - right) * shift, rows[every, index])
-
-    def crossed(share: float, side: int) -> Array:
-        """Return where each row falls to a share of its peak, before it (-1) or after it."""
-        below = rows <= (share * peak)[:, None]
-        if side < 0:
-            low = np.where(below & (place <= index[:, None]), place, -1).max(axis=1)
-        else:
-            low = np.where(below & (place >= index[:, None]), place, size).min(axis=1)
-        known = (low >= 0) & (low < size) & (peak > 0.0)
-        low = np.clip(low, 0, size - 1)
-        high = np.clip(low - side, 0, size - 1)
-        rise = rows[every, high] - rows[every, low]
-        part = (share * peak - rows[every, low]) / np.where(rise > 0.0, rise, 1.0)
-        return np.where(known, low - side * np.where(rise > 0.0, part, 0.0), math.nan)
-
-    first, low, high = (crossed(share, -1) for share in (WIDTH_FRACTION, RISE_LOW, RISE_HIGH))
-    return np.column_stack([index + shift, peak, high - low, crossed(WIDTH_FRACTION, 1) - first])
+    first, last, _ = inside.indices(rows.shape[1])
+    return np.asarray(row_figures(rows, first, last, WIDTH_FRACTION, RISE_LOW, RISE_HIGH))
 
 
 def noise_like(noise: Array, size: int, count: int) -> Array:

@@ -8,6 +8,8 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from strikewave.records._smooth_pulse_kernels import fit_pulse
+
 if TYPE_CHECKING:
     from strikewave.signal.filters import Effect, Filter
 
@@ -16,21 +18,20 @@ Array = NDArray[np.float64]
 MOST_SAMPLES = 240
 """A longer stretch is averaged down to this many before it is fitted: about 50 for each parameter, and means lose
 little of a pulse that is 80 of them wide."""
-LOWEST, HIGHEST = (0.05, 0.2, 0.05, 0.3), (3.0, 4.0, 0.95, 4.0)
-"""Bounds of peak, length, share of rise and power, the first two over the guess: wide enough for a step and a spike,
-and so that no parameter runs away in noise."""
+LOWEST, HIGHEST = np.array([0.05, -math.inf, 0.2, 0.05, 0.3]), np.array([3.0, math.inf, 4.0, 0.95, 4.0])
+"""Bounds of peak, begin, length, share of rise and power, the first three over the guess: wide enough for a step and a
+spike, and so that no parameter runs away in noise."""
 BEFORE = 0.5
 """Lengths before the first sample at which a pulse may begin: one that is cut has begun before its stretch."""
-GUESS = (1.0, -0.1, 1.2, 1.3)
-"""Peak, begin, length and power from which the fit begins: between a half-sine and a haversine."""
-SPREADS = (1.0, 0.1, 0.3, 0.2, 1.0)
+GUESS, POWERS = (1.0, -0.1, 1.2, 0.5), (0.6, 1.3, 2.5)
+"""Peak, begin, length and share of rise from which the fit begins, with each of some powers: flat, between a half-sine
+and a haversine, and pointed. A power below one makes kinks at the samples near a foot, and between them a valley of the
+sum of squares: of 959 blows, measured and planted, one in twelve has a lower one than the fit finds that begins from
+the middle power alone."""
+SPREADS = np.array([1.0, 0.1, 0.3, 0.2, 1.0])
 """How far peak, begin, length, share of rise and power usually lie from the guess; scales the steps of the fit."""
 ROUNDS, CONVERGED = 50, 1e-6
-"""Evaluations of the fit at most, and the relative change below which it ends: noise moves the parameters far more."""
-DIFFERENCE = math.sqrt(np.finfo(float).eps)
-"""Change of a parameter for its slope, over the parameter or one: rounding and curvature then err alike."""
-INSIDE = 1e-6
-"""How far within its bounds the guess must lie, as the method asks."""
+"""Evaluations of a fit at most, and the relative change below which it ends: noise moves the parameters far more."""
 
 
 FILTERED, BESIDE_FILTERED = 400, 3.0
@@ -205,7 +206,7 @@ def unit_pulse(since: Array, rise_share: float | Array, power: float | Array) ->
     return np.asarray(np.maximum(np.sin(np.pi * u), 0.0) ** power)
 
 
-def fit_smooth_pulse(time: Array, values: Array, begin: float, length: float, rise_share: float = 0.5) -> SmoothPulse:
+def fit_smooth_pulse(time: Array, values: Array, begin: float, length: float) -> SmoothPulse:
     """Fit a smooth positive pulse by least squares, beginning from a guess of its begin and length.
 
     Parameters
@@ -214,8 +215,6 @@ def fit_smooth_pulse(time: Array, values: Array, begin: float, length: float, ri
         Samples around one pulse, its baseline taken off, s.
     begin, length : float
         Where the pulse is thought to lie, s.
-    rise_share : float, optional
-        In which share of its length it is thought to rise.
 
     Examples
     --------
@@ -225,29 +224,16 @@ def fit_smooth_pulse(time: Array, values: Array, begin: float, length: float, ri
     >>> bool(abs(fitted.width() / true.width() - 1.0) < 1e-4)
     True
     """
-    from scipy.optimize import least_squares
-
     factor = -(-values.size // MOST_SAMPLES)
     whole = values.size // factor * factor
     t = (time[:whole].reshape(-1, factor).mean(axis=1) - begin) / length
     scale = float(np.max(values)) or 1.0
     y = values[:whole].reshape(-1, factor).mean(axis=1) / scale
-    low = (LOWEST[0], t[0] - BEFORE, *LOWEST[1:])
-    high = (HIGHEST[0], t[-1], *HIGHEST[1:])
-
-    def left(v: Array) -> Array:
-        return SmoothPulse(*v).at(t) - y
-
-    def slopes(v: Array) -> Array:
-        """Return the forward differences of all parameters, whose pulses are evaluated at once."""
-        steps = DIFFERENCE * np.maximum(1.0, np.abs(v))
-        steps = np.where(v + steps < high, steps, -steps)
-        tops, begins, runs, shares, powers = np.vstack([v, v + np.diag(steps)]).T[:, :, None]
-        rows = tops * unit_pulse((t - begins) / runs, shares, powers)
-        return np.asarray((rows[1:] - rows[0]).T / steps)
-
-    start = np.clip((*GUESS[:3], rise_share, GUESS[3]), np.add(low, INSIDE), np.subtract(high, INSIDE))
-    best = least_squares(left, start, slopes, bounds=(low, high), x_scale=SPREADS, max_nfev=ROUNDS, xtol=CONVERGED)
-    peak, first, run, share, power = (float(v) for v in best.x)
-    misfit = math.sqrt(2.0 * best.cost / y.size) / peak
+    low, high = LOWEST.copy(), HIGHEST.copy()
+    low[1], high[1] = t[0] - BEFORE, t[-1]
+    starts = [np.clip((*GUESS, power), low, high) for power in POWERS]
+    fits = [fit_pulse(t, y, start, low, high, SPREADS, ROUNDS, CONVERGED) for start in starts]
+    best, squares = min(fits, key=lambda fit: float(fit[1]))
+    peak, first, run, share, power = (float(v) for v in best)
+    misfit = math.sqrt(squares / y.size) / peak
     return SmoothPulse(peak * scale, begin + first * length, run * length, share, power, misfit)

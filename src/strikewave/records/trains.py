@@ -15,6 +15,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from strikewave.records._train_kernels import best_chains
 from strikewave.records.record import Array
 
 COMPARABLE = 0.6
@@ -258,17 +259,7 @@ def _chain(times: Array, weights: Array, period: float, penalty: float) -> tuple
 
     Each blow that it misses costs ``penalty``.
     """
-    score, before = weights.copy(), np.full(times.size, -1)
-    firsts = np.searchsorted(times, times - (MOST_PERIODS + JITTER) * period)
-    for k in range(1, times.size):
-        earlier = np.arange(firsts[k], k)
-        gaps = (times[k] - times[earlier]) / period
-        counts = np.rint(gaps)
-        fits = (counts >= 1.0) & (np.abs(gaps - counts) < JITTER)
-        gains = np.where(fits, score[earlier] - (counts - 1.0) * penalty, -np.inf)
-        if gains.size and gains.max() > 0.0:
-            before[k] = earlier[int(np.argmax(gains))]
-            score[k] += gains.max()
+    score, before = best_chains(times, weights, period, penalty, MOST_PERIODS, JITTER)
     k = int(np.argmax(score))
     members = [k]
     while before[members[-1]] >= 0:
