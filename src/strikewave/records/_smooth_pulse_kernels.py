@@ -1,4 +1,4 @@
-"""Kernels of the fit of a smooth pulse; `strikewave.records.smooth_pulse` explains them.
+"""Kernels of smooth pulses and their fit; `strikewave.records.smooth_pulse` explains them.
 
 Parameters of a pulse, in this order: peak, begin, length, share of rise, power.
 """
@@ -7,7 +7,7 @@ import math
 
 import numpy as np
 
-from strikewave.base.compiled import inner_kernel, kernel
+from strikewave.base.compiled import inner_kernel, kernel, leaf_kernel
 
 PARAMETERS = 5
 FOOT = 1e-8
@@ -19,11 +19,31 @@ NO_BETTER = 1e-8
 
 
 @kernel
+def unit_pulses(since, shares, powers):
+    """Return pulses of peak one, a row each with its share of rise and its power, at times since begin over length."""
+    pulses = np.zeros_like(since)
+    for r in range(since.shape[0]):
+        for k in range(since.shape[1]):
+            if 0.0 < since[r, k] < 1.0:
+                part, _ = part_of_side(since[r, k], shares[r])
+                pulses[r, k] = math.sin(0.5 * math.pi * part) ** powers[r]
+    return pulses
+
+
+@leaf_kernel
+def part_of_side(since, share):
+    """Return how much of its side is over, from its foot on, and how long that lasts; less than 0 where it falls."""
+    if since < share:
+        return since / share, share
+    return (1.0 - since) / (1.0 - share), share - 1.0
+
+
+@kernel
 def fit_pulse(time, values, start, low, high, spreads, rounds, converged):
     """Return the pulse within bounds whose squares of what it misses are least, and these.
 
-    A step is that of Levenberg and Marquardt in the parameters that no bound holds, over ``spreads``; what goes beyond a
-    bound is put on it. The fit ends after so many evaluations, or where a step is shorter than a share of the pulse.
+    A step is that of Levenberg and Marquardt in the parameters that no bound holds, over ``spreads``; what goes beyond
+    a bound is put on it. The fit ends after so many evaluations, or where a step is shorter than a share of the pulse.
     """
     pulse, trial, step = start.copy(), start.copy(), np.empty(PARAMETERS)
     slope, gradient, next_gradient = np.empty(PARAMETERS), np.empty(PARAMETERS), np.empty(PARAMETERS)
@@ -74,9 +94,7 @@ def normal_equations(time, values, pulse, spreads, slope, normal, gradient):
         since = (time[k] - begin) / length
         sine = 0.0
         if 0.0 < since < 1.0:
-            rises = since < share
-            side = share if rises else 1.0 - share
-            part = (since if rises else 1.0 - since) / side
+            part, side = part_of_side(since, share)
             sine = math.sin(0.5 * math.pi * part)
         if sine < FOOT:
             squares += values[k] ** 2
@@ -85,7 +103,6 @@ def normal_equations(time, values, pulse, spreads, slope, normal, gradient):
         rest = peak * unit - values[k]
         squares += rest**2
         along = 0.5 * math.pi / side * peak * power * unit / sine * math.cos(0.5 * math.pi * part)
-        along = along if rises else -along  # by the share of the length that is over
         slope[0] = unit
         slope[1] = -along / length
         slope[2] = -along * since / length

@@ -132,7 +132,7 @@ def read_pulse(about: Surroundings, smooth: SmoothPulse, noise: Array) -> ReadPu
         rest = base + draws - draws[:, box].mean(axis=1, keepdims=True)
         again = pulse[near] + np.zeros_like(rest)
         if beside:
-            basis, _ = np.linalg.qr(smooth.tangents(about.time[near]))
+            basis, _ = np.linalg.qr(smooth.tangents(about.time[near])[0])
             moved = (rest @ basis) @ basis.T
             again, rest = again + moved, rest - moved
         off, least = _spread(figures_of(again + taken.over(rest), box) - start)

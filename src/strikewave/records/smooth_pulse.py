@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from strikewave.records._smooth_pulse_kernels import fit_pulse
+from strikewave.records._smooth_pulse_kernels import fit_pulse, unit_pulses
 
 if TYPE_CHECKING:
     from strikewave.signal.filters import Effect, Filter
@@ -90,7 +90,7 @@ class SmoothPulse(NamedTuple):
         >>> SmoothPulse(2.0, 0.0, 1.0, 0.5, 1.0).at(np.array([-1.0, 0.5, 0.75])).round(4)
         array([0.    , 2.    , 1.4142])
         """
-        return self.peak * unit_pulse(np.asarray((time - self.begin) / self.length), self.rise_share, self.power)
+        return _pulses_at(np.ravel(time), np.array([self[:5]]))[0].reshape(np.shape(time))
 
     @property
     def time(self) -> float:
@@ -153,20 +153,24 @@ class SmoothPulse(NamedTuple):
         """
         samples = math.ceil(self.length / step)
         time: Array = np.asarray(self.begin + step * np.arange(-samples, 2 * samples), dtype=np.float64)
-        columns: list[Array] = []
-        figures: list[Array] = []
-        for more, less, change in self._changed():
-            columns.append(np.subtract(more.at(time), less.at(time)) / change)
-            values = [(abs(one.peak), one.width(), one.area()) for one in (more, less)]
-            figures.append(np.subtract(values[0], values[1]) / change)
-        scale = np.array([np.linalg.norm(column) or 1.0 for column in columns])
-        spread = np.linalg.pinv(np.array(columns).T / scale) / scale[:, None]
-        return PulseUncertainty(*(noise * float(v) for v in np.linalg.norm(np.array(figures).T @ spread, axis=1)))
+        rows, changes = self._changed()
+        values = np.array([(abs(one.peak), one.width(), one.area()) for one in (SmoothPulse(*row) for row in rows)])
+        figures = (values[:5] - values[5:]) / (2.0 * changes[:, None])
+        columns, scale = self.tangents(time)
+        spread = np.linalg.pinv(columns) / scale[:, None]
+        return PulseUncertainty(*(noise * float(v) for v in np.linalg.norm(figures.T @ spread, axis=1)))
 
-    def tangents(self, time: Array) -> Array:
-        """Return the directions in which the pulse moves at some times with its five parameters, unit columns."""
-        columns = [np.subtract(more.at(time), less.at(time)) for more, less, _ in self._changed()]
-        return np.array(columns).T / [np.linalg.norm(column) or 1.0 for column in columns]
+    def tangents(self, time: Array) -> tuple[Array, Array]:
+        """Return the directions in which the pulse moves at some times with its five parameters, and how fast.
+
+        The directions are unit columns.
+        """
+        rows, changes = self._changed()
+        pulses = _pulses_at(time, rows)
+        slopes = (pulses[:5] - pulses[5:]) / (2.0 * changes[:, None])
+        speeds = np.linalg.norm(slopes, axis=1)
+        speeds[speeds == 0.0] = 1.0
+        return (slopes / speeds[:, None]).T, speeds
 
     def through(self, filter_: Filter) -> Effect:
         """Return what a filter leaves of the pulse.
@@ -184,26 +188,20 @@ class SmoothPulse(NamedTuple):
         time = np.arange(self.begin - beside, self.begin + self.length + beside, step)
         return effect_on_pulse(filter_, np.abs(self.at(time)), step)
 
-    def _changed(self) -> list[tuple[SmoothPulse, SmoothPulse, float]]:
-        """Return pulses with a little more and a little less of each parameter, and by how much they differ in it."""
-        parameters = np.array(self[:5])
+    def _changed(self) -> tuple[Array, Array]:
+        """Return the parameters with a little more of each, and with as much less, a row each, and these changes."""
         changes = np.array([abs(self.peak), self.length, self.length, 1.0, 1.0]) * DERIVATIVE
-        steps = np.diag(changes)
-        return [
-            (SmoothPulse(*(parameters + step)), SmoothPulse(*(parameters - step)), 2.0 * float(change))
-            for step, change in zip(steps, changes, strict=True)
-        ]
+        return np.array(self[:5]) + np.vstack([np.diag(changes), -np.diag(changes)]), changes
 
     def _phase(self, share: float) -> float:
         return math.asin(share ** (1.0 / self.power)) / math.pi
 
 
-def unit_pulse(since: Array, rise_share: float | Array, power: float | Array) -> Array:
-    """Return pulses of peak one at times since their begin over their length; broadcasts."""
-    share = np.clip(since, 0.0, 1.0)
-    rising = share < rise_share
-    u = np.where(rising, share / (2.0 * rise_share), 1.0 - (1.0 - share) / (2.0 * (1.0 - rise_share)))
-    return np.asarray(np.maximum(np.sin(np.pi * u), 0.0) ** power)
+def _pulses_at(time: Array, rows: Array) -> Array:
+    """Return pulses at some times, of rows of their five parameters."""
+    peaks, begins, lengths, shares, powers = rows.T
+    since = (time - begins[:, None]) / lengths[:, None]
+    return np.asarray(peaks[:, None] * unit_pulses(since, shares, powers))
 
 
 def fit_smooth_pulse(time: Array, values: Array, begin: float, length: float) -> SmoothPulse:
