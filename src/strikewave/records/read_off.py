@@ -183,11 +183,12 @@ def noise_like(noise: Array, size: int, count: int) -> Array:
 def least_error(raw: Array, pulse: Array, windows: list[SmoothingWindow], noise: Array) -> tuple[int, bool]:
     """Return which window makes the least error, and whether of the rest beside the smooth pulse or of the record."""
     errors: dict[tuple[int, bool], float] = {}
+    rests = {True: raw - pulse, False: raw}
     for k, window in enumerate(windows):
-        through = 2.0 * float(np.mean(noise * window.over(noise)))
-        for beside in (True, False):
-            rest = raw - pulse if beside else raw
-            errors[k, beside] = through + float(np.mean((rest - window.over(rest)) ** 2))
+        through = 2.0 * float(noise @ window.over(noise)) / noise.size
+        for beside, rest in rests.items():
+            missed = rest - window.over(rest)
+            errors[k, beside] = through + float(missed @ missed) / rest.size
     return min(errors, key=lambda one: errors[one])
 
 
@@ -223,7 +224,8 @@ def _spread(rows: Array) -> tuple[Array, Array]:
     count = known.sum(axis=0)
     enough, count = count > 0.5 * rows.shape[0], np.maximum(count, 1)
     mean = np.where(known, rows, 0.0).sum(axis=0) / count
-    middle = np.median(np.where(known, rows, mean), axis=0)
+    half = rows.shape[0] // 2
+    middle = np.sort(np.where(known, rows, mean), axis=0)[[~half, half]].mean(axis=0)  # the median of its columns
     scatter = np.sqrt((np.where(known, rows - mean, 0.0) ** 2).sum(axis=0) / count)
     return np.where(enough, middle, 0.0), np.where(enough, scatter, math.nan)
 

@@ -152,11 +152,18 @@ def _mark_pulses(axes: Any, pulses: Sequence[RecordedPulse], factor: float, scal
 
 
 def _shade(axes: Any, pulses: Sequence[RecordedPulse], factor: float) -> None:
-    """Shade pulses from begin to end, over the whole height."""
-    spans = [(pulse.begin * factor, (pulse.end - pulse.begin) * factor) for pulse in pulses]
+    """Shade pulses from begin to end, over the whole height; those that no pixel parts are one."""
+    left, right = axes.get_xlim()
+    spans: list[tuple[float, float]] = []
+    for begin, end in ((pulse.begin * factor, pulse.end * factor) for pulse in pulses):
+        if spans and begin - spans[-1][1] < (right - left) / COLUMNS:
+            begin, last = spans.pop()
+            end = max(end, last)
+        spans.append((begin, end))
     if spans:
+        bars = [(begin, end - begin) for begin, end in spans]
         across = axes.get_xaxis_transform()
-        axes.broken_barh(spans, (0.0, 1.0), transform=across, color=BLUE, alpha=0.13, linewidth=0, label="blow")
+        axes.broken_barh(bars, (0.0, 1.0), transform=across, color=BLUE, alpha=0.13, linewidth=0, label="blow")
 
 
 def _mark_findings(axes: Any, findings: Sequence[HealthNotice], factor: float, last: float) -> None:
