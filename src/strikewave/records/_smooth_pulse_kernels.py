@@ -44,14 +44,14 @@ def fit_pulse(time, values, start, low, high, spreads, rounds, converged):
 
     A step is that of Levenberg and Marquardt in the parameters that no bound holds, over ``spreads``; what goes beyond
     a bound is put on it. The fit ends after so many evaluations, or where a step is shorter than a share of the pulse.
+
+    Sources: D. W. Marquardt, An algorithm for least-squares estimation of nonlinear parameters, Journal of the Society
+    for Industrial and Applied Mathematics 11 (1963) 431-441; H. B. Nielsen, Damping parameter in Marquardt's method,
+    IMM-REP-1999-05, Technical University of Denmark (1999), for the damping.
     """
-    pulse, trial, step = start.copy(), start.copy(), np.empty(PARAMETERS)
-    slope, gradient, next_gradient = np.empty(PARAMETERS), np.empty(PARAMETERS), np.empty(PARAMETERS)
-    normal, next_normal, factor = (
-        np.empty((PARAMETERS, PARAMETERS)),
-        np.empty((PARAMETERS, PARAMETERS)),
-        np.empty((PARAMETERS, PARAMETERS)),
-    )
+    pulse, vectors, matrices = start.copy(), np.empty((5, PARAMETERS)), np.empty((3, PARAMETERS, PARAMETERS))
+    trial, step, slope, gradient, next_gradient = vectors[0], vectors[1], vectors[2], vectors[3], vectors[4]
+    normal, next_normal, factor = matrices[0], matrices[1], matrices[2]
     squares = normal_equations(time, values, pulse, spreads, slope, normal, gradient)
     damping, growth = FIRST_DAMPING * np.max(np.diag(normal)), 2.0
     for _ in range(rounds - 1):
@@ -67,7 +67,7 @@ def fit_pulse(time, values, start, low, high, spreads, rounds, converged):
         short = np.sqrt(np.sum(step**2)) < converged * np.sqrt(np.sum((pulse / spreads) ** 2))
         if gained > 0.0:
             done = short or gained < NO_BETTER * squares
-            gain = min(gained / max(expected, 1e-300), 1.0)
+            gain = gained / expected if expected > gained else 1.0
             damping *= max(1.0 / 3.0, 1.0 - (2.0 * gain - 1.0) ** 3)
             growth = 2.0
             squares = next_squares
