@@ -139,7 +139,7 @@ def _mark_pulses(axes: Any, pulses: Sequence[RecordedPulse], factor: float, scal
     _shade(axes, pulses, factor)
     places = [(pulse.time * factor, (pulse.offset + pulse.peak) / scale) for pulse in pulses]
     if places:
-        axes.plot(*zip(*places, strict=True), "o", color=RED, markersize=3.5, label="peak", zorder=4)
+        _dots(axes, *np.array(places).T, label="peak")
     free = -np.inf
     for k, (pulse, place) in enumerate(zip(pulses, places, strict=True), 1):
         if len(pulses) <= MOST_LABELS or place[0] >= free:
@@ -164,6 +164,11 @@ def _shade(axes: Any, pulses: Sequence[RecordedPulse], factor: float) -> None:
         bars = [(begin, end - begin) for begin, end in spans]
         across = axes.get_xaxis_transform()
         axes.broken_barh(bars, (0.0, 1.0), transform=across, color=BLUE, alpha=0.13, linewidth=0, label="blow")
+
+
+def _dots(axes: Any, time: Array, heights: Array, label: str = "_") -> None:
+    """Mark places of pulses; of thousands the highest and the lowest of each pixel."""
+    axes.plot(*thin(time, heights, COLUMNS), "o", color=RED, markersize=3.5, label=label, zorder=4)
 
 
 def _mark_findings(axes: Any, findings: Sequence[HealthNotice], factor: float, last: float) -> None:
@@ -340,7 +345,7 @@ def draw_velocity(axes: Any, reading: ChannelReading, room: float = 0.055) -> No
     _shade(axes, reading.pulses, factor)
     ends = np.array([pulse.end for pulse in reading.pulses])
     heights = np.interp(ends, channel.time, total) / how.integral_scale
-    axes.plot(ends * factor, heights, "o", color=RED, markersize=3.5, zorder=4)
+    _dots(axes, ends * factor, heights)
     free = -np.inf
     for pulse, place in zip(reading.pulses, zip(ends * factor, heights, strict=True), strict=True):
         if place[0] >= free:
