@@ -4,6 +4,7 @@ It needs an NVIDIA GPU and `pip install 'strikewave[gpu]'`. Nothing is written.
 """
 
 import datetime
+import itertools
 import time
 from dataclasses import replace
 
@@ -12,7 +13,7 @@ from elements_bench import PAPER, SIZE, SOLIDS, body, pressed, taken
 from timing import table
 
 from strikewave.fem import _layout as layout
-from strikewave.fem.device.devices import device_named
+from strikewave.fem.device.devices import NAMES, device_named
 from strikewave.fem.device.engine import DeviceEngine
 from strikewave.fem.model import Controls, Model
 from strikewave.fem.solve import RunOptions, solve
@@ -26,14 +27,17 @@ COPIED = 1 << 28
 KEPT = int(layout.BACK[0]) // layout.LANES
 """Rows of state of a solid whose yield surface stands."""
 ELEMENT_BYTES = {
-    "node numbers": 4 * 8,
-    "constants": 8 * layout.CONSTANTS,
-    "state, read and written": 2 * 8 * KEPT,
+    "numbers of its nodes, places of its corners": 2 * 4 * 8,
     "works, read and written, and hourglass energy": 2 * 8 * 3 + 8,
     "critical step, written and reduced": 2 * 8,
-    "forces on corners, written and gathered, with their places": 2 * 8 * 24 + 4 * 8,
 }
 """Of an element and step."""
+STORED_NUMBERS = {
+    "constants": layout.CONSTANTS,
+    "state, read and written": 2 * KEPT,
+    "forces on corners, written and gathered": 2 * 24,
+}
+"""Of an element and step, in the precision in which they are stored."""
 NODE_BYTES = {
     "x and v, gathered": 8 * 6,
     "where its corners begin": 4,
@@ -43,9 +47,10 @@ NODE_BYTES = {
 """Of the one node that each element has."""
 
 
-def bytes_moved():
-    """Return the bytes of an element and step."""
-    return sum(ELEMENT_BYTES.values()) + sum(NODE_BYTES.values())
+def bytes_moved(stored=np.float64):
+    """Return the bytes of an element and step; mixed precision stores single numbers."""
+    kept = np.dtype(stored).itemsize * sum(STORED_NUMBERS.values())
+    return sum(ELEMENT_BYTES.values()) + kept + sum(NODE_BYTES.values())
 
 
 def bandwidth(cuda):
@@ -76,15 +81,16 @@ def rate(model, device, cuda):
     return engine.elements / seconds
 
 
-def rows(device, cuda, most):
-    """Return the rows of meshes and solids, with the share of the bound by bandwidth."""
+def rows(devices, cuda, most):
+    """Return the rows of meshes, solids and precisions, with the share of the bound by bandwidth."""
     found = []
     for name, counts in MESHES.items():
         models = {kind: Model(body(counts), {"body": SOLIDS[kind]}, Controls(1.0)) for kind in ("elastic", "bilinear")}
         models["bilinear, in contact"] = pressed((counts[0], counts[1], counts[2] // 2))
-        for kind, model in models.items():
+        for (kind, model), device in itertools.product(models.items(), devices):
             reached = rate(model, device, cuda)
-            found.append((name, kind, f"{reached / 1e6:.0f} M/s", f"{reached * bytes_moved() / most:.0%}"))
+            share, precision = reached * bytes_moved(device.stored) / most, np.dtype(device.stored).name
+            found.append((name, kind, precision, f"{reached / 1e6:.0f} M/s", f"{share:.0%}"))
     return found
 
 
@@ -99,19 +105,23 @@ def impact(device):
 
 def main():
     """Print what was measured."""
-    device = device_named("cuda")
+    devices = [device_named(name) for name in NAMES]
     from numba import cuda
 
     gpu = cuda.get_current_device()
     print(f"{datetime.date.today()}, {gpu.name}, compute capability {gpu.compute_capability}")
     most = bandwidth(cuda)
-    print(f"a copy moves {most / 1e9:.0f} GB/s; an element and step {bytes_moved()} bytes\n")
-    print(table(("elements", "kind", "element-steps a second", "share of the bandwidth"), rows(device, cuda, most)))
-    loop, whole, error = impact(device)
     print(
-        f"\nAn impact of {PAPER * 1e3:g} ms of 100 000 hexahedra of {SIZE * 1e3:g} mm: {loop:.1f} s of time loop, {whole:.1f} s "
-        f"with building and compiling; energy error {error:.1e}."
+        f"a copy moves {most / 1e9:.0f} GB/s; an element and step {bytes_moved()} bytes, {bytes_moved(np.float32)} mixed\n"
     )
+    heads = "elements", "kind", "stored", "element-steps a second", "share of the bandwidth"
+    print(table(heads, rows(devices, cuda, most)))
+    for device in devices:
+        loop, whole, error = impact(device)
+        print(
+            f"\nAn impact of {PAPER * 1e3:g} ms of 100 000 hexahedra of {SIZE * 1e3:g} mm, {np.dtype(device.stored).name}: {loop:.1f} s of "
+            f"time loop, {whole:.1f} s with building and compiling; energy error {error:.1e}."
+        )
 
 
 if __name__ == "__main__":

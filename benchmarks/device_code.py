@@ -21,8 +21,10 @@ from numba.np.numpy_support import from_dtype
 from strikewave.fem._boundary_kernels import absorb_node, add_row, hold_node, take_row
 from strikewave.fem._contact_kernels import Step, predict_node, press_node, wall_node
 from strikewave.fem._node_kernels import move_node
+from strikewave.fem._rigid_kernels import bring_node, sum_share
 from strikewave.fem.contact import prepare, prepare_wall
 from strikewave.fem.device import _bodies as bodies
+from strikewave.fem.device import _search_bodies as searching
 from strikewave.fem.device.gpu import kernel_of, scratch_kernel_of
 from strikewave.fem.engine import Engine
 from strikewave.fem.mesh import joined
@@ -67,7 +69,7 @@ def samples():
     lists, one = np.zeros(1, np.int32), 1.0
     results = bodies.ElementResults(np.zeros((3, 1)), np.zeros((4, 1)), np.zeros(1))
     step, nodes, frame = Step(one, one, one, one), lists, np.zeros((1, 3, 3))
-    faces = np.zeros((1, 4), np.int32)
+    faces, groups = np.zeros((1, 4), np.int32), searching.FaceGroups(lists, x, x, 1)
     elements = {
         body: (kind.blocks, x, v, one, (one, one), results)
         for body, kind in zip((bodies.one_point_element, bodies.full_element), engine.solid.kinds, strict=True)
@@ -83,7 +85,8 @@ def samples():
         bodies.tied_corner: (nodes, lists, lists, engine.ties, f),
         bodies.clear_row: (nodes, f),
         bodies.follow_node: (engine.ties, x, v, one),
-        bodies.put_row: (nodes, x, f),
+        sum_share: (nodes, x, f, (one, one, one), x),
+        bring_node: (nodes, x, x, one, one, x, v, f, m, f),
         bodies.copy_row: (x, v),
         bodies.join_row: (x, v),
         bodies.book_row: (nodes, x, v, v, one, x),
@@ -93,6 +96,11 @@ def samples():
         press_node: (touch, step),
         bodies.collect_node: (touch, lists, lists, f),
         wall_node: (wall, x, v, f, m, step),
+        searching.survey_face: (touch, one, x, x[0]),
+        searching.survey_node: (touch, lists, lists, x[0]),
+        searching.bound_group: (groups,),
+        searching.count_near: (touch, groups, touch.start),
+        searching.fill_near: (touch, groups, touch.start, lists),
     }
 
 

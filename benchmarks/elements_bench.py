@@ -11,6 +11,7 @@ import numpy as np
 import operations
 from timing import best, table, write
 
+from strikewave.base.compiled import fused_called_kernel
 from strikewave.fem import _layout as layout
 from strikewave.fem.engine import Engine
 from strikewave.fem.mesh import joined
@@ -104,7 +105,7 @@ def contact_cost(threads, shift):
     return times[1:].min(axis=0)
 
 
-@numba.njit(fastmath={"contract"}, error_model="numpy")
+@fused_called_kernel
 def multiply_and_add(x, a, b, times):
     """Sixteen multiplications and additions of each number, again and again; they stay in the cache."""
     for _ in range(times):

@@ -81,7 +81,7 @@ def operations(yields, full):
         return np.array([Number(value) for value in array.ravel()], object).reshape(array.shape)
 
     solid = Bilinear(7820.0, 211e9, 0.29, yield_strength=200e6) if yields else Elastic(7820.0, 211e9, 0.29)
-    mesh = block("block", (2e-3, 4e-3, 4e-3), 1e-3, 1e-3, 1e-3)
+    mesh = block("block", (2e-3, 3e-3, 4e-3), 1e-3, 1e-3, 1e-3)
     engine = Engine(Model(mesh, {"block": solid}, Controls(1e-6, full=("block",) if full else ())))
     kind = engine.solid.kinds[0]
     assert len(mesh.hexahedra) == layout.LANES == kind.number.size

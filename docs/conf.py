@@ -23,9 +23,14 @@ for notebook in EXAMPLES.glob("notebooks/*.ipynb"):  # as old as the package's, 
     shutil.copystat(PACKAGED / "notebooks" / notebook.name, notebook)
 
 project = "strikewave"
-author = "The strikewave founders"
+author = project_copyright = "The strikewave founders"
 version = release = strikewave.__version__
-extensions = ["myst_nb", "sphinx.ext.autodoc", "sphinx.ext.autosummary", "sphinx.ext.napoleon", "mathml"]
+extensions = [
+    *("myst_nb", "sphinx.ext.autodoc", "sphinx.ext.autosummary", "sphinx.ext.napoleon"),
+    *("docstrings", "case_inputs", "json_keys", "mathml"),
+]
+templates_path = ["_templates"]
+default_role = "py:obj"  # a name in single quotes of a docstring leads to it, where the reference has it
 exclude_patterns = ["_build", "examples/cases", "examples/records"]
 suppress_warnings = ["misc.highlighting_failure"]  # consoles and sketches are shown as they are
 
@@ -33,6 +38,8 @@ myst_enable_extensions = ["dollarmath"]
 myst_heading_anchors = 4
 # a page that runs `!strikewave` runs this one, as a reader's shell does
 os.environ["PATH"] = os.pathsep.join([str(Path(sys.executable).parent), os.environ["PATH"]])
+if shutil.which("strikewave") is None:  # a cell whose shell finds no program would only show that
+    raise FileNotFoundError(f"strikewave is not installed beside {sys.executable}")
 nb_execution_mode = "force"
 nb_execution_raise_on_error = True
 nb_execution_timeout = 300

@@ -4,14 +4,21 @@ import dataclasses
 import os
 import subprocess
 import sys
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 import numpy as np
 import pytest
 
+from strikewave import design, load_case, sweep
+from strikewave.analyses.fem import run as fem_run
 from strikewave.base.errors import InputError
-from strikewave.fem.device import gpu
+from strikewave.fem.contact import prepare, searched
+from strikewave.fem.device import devices, gpu
+from strikewave.fem.device._bodies import one_point_element
 from strikewave.fem.device.devices import Loop, device_named
+from strikewave.fem.device.parts import put_fields
+from strikewave.fem.device.search import FaceSearch
 from strikewave.fem.mesh import joined
 from strikewave.fem.model import (
     Controls,
@@ -30,6 +37,8 @@ from strikewave.fem.model import (
 from strikewave.fem.shapes import block, moved
 from strikewave.fem.solids import Bilinear, Elastic, JohnsonCook, ZerilliArmstrong
 from strikewave.fem.solve import Checkpoint, RunOptions, solve, solve_blows
+
+from .bodies import THIN_STEEL, rod_on_wall
 
 SAME = 1e-10
 """Of the largest value: sums of up to eight corners in another order, over some hundred steps."""
@@ -153,6 +162,47 @@ def test_bodies_of_a_device_meet_as_on_the_processor(friction):
 
 
 @pytest.mark.verify
+@pytest.mark.parametrize("solid", [THIN_STEEL, Bilinear(7820.0, 211e9, 0.0, yield_strength=60e6, tangent_modulus=2e9)])
+def test_mixed_precision_is_off_by_the_rounding_of_single_numbers(solid):
+    """A rod that bounces off a wall, 1500 steps.
+
+    What is kept is rounded by 6e-8 in each: stresses err by some of these, and energies by less than one, as roundings
+    are of either sign.
+    """
+    model, _ = rod_on_wall(elements=20, duration=300e-6, solid=solid)
+    run, mixed = solve(model), solve(model, RunOptions(device=Loop(np.float32)))
+    assert run.steps == mixed.steps > 1000
+    most = max(np.abs(column).max() for column in run.energy.values())
+    apart = max(np.abs(mixed.energy[name] - column).max() for name, column in run.energy.items())
+    assert 1e-10 < apart / most < 2e-7
+    for name, stress in run.von_mises.items():
+        np.testing.assert_allclose(mixed.von_mises[name], stress, rtol=0.0, atol=1e-6 * stress.max())
+    for name, force in run.force.items():
+        np.testing.assert_allclose(mixed.force[name], force, rtol=0.0, atol=1e-6 * np.abs(force).max())
+    assert np.abs(mixed.energy_error).max() == pytest.approx(np.abs(run.energy_error).max(), abs=1e-7)
+
+
+def test_faces_that_a_device_finds_near_nodes_are_those_that_the_processor_finds():
+    """Over 9 by 9 and 7 by 7 faces, several groups of each surface, that are bent and lie aslant."""
+    low, up = skewed("low", (9, 9, 1)), moved(skewed("up", (7, 7, 1)), (0.3 * SIZE, 0.2 * SIZE, SIZE))
+    mesh = joined([low, up])
+    state = prepare(SurfaceContact("low.z+", "up.z-"), mesh)
+    points = mesh.points + np.random.default_rng(4).normal(0.0, 0.1 * SIZE, mesh.points.shape)
+    there = put_fields(Loop(), state)
+    start, _, candidates = FaceSearch(Loop(), state).near(there, points)
+    expected = searched(state, points)
+    assert candidates.size > 100
+    for found, right in (
+        (start, expected.start),
+        (candidates, expected.candidates),
+        (there.touch.area, expected.touch.area),
+        (there.size, expected.size),
+        (there.radius, expected.radius),
+    ):
+        np.testing.assert_array_equal(found, right)
+
+
+@pytest.mark.verify
 def test_an_interrupted_run_goes_on_there_and_on_the_processor(tmp_path):
     path = tmp_path / "state.h5"
     whole = solve(impact(), RunOptions(device=Loop()))
@@ -186,6 +236,40 @@ def test_the_kernels_of_a_gpu_run_in_the_simulator_of_numba():
     environment = {**os.environ, "NUMBA_ENABLE_CUDASIM": "1", "PYTHONPATH": path}
     found = subprocess.run([sys.executable, script], env=environment, capture_output=True, text=True, check=False)
     assert found.returncode == 0, found.stderr
+
+
+@pytest.mark.verify
+def test_studies_of_elements_take_their_steps_on_a_device(monkeypatch):
+    """A sweep and a design of one run each; the device is the one that runs bodies here, and counts its calls."""
+    calls = []
+
+    class Counting(Loop):
+        def each(self, body, count, *arguments):
+            calls.append(body)
+            super().each(body, count, *arguments)
+
+    monkeypatch.setattr(devices, "device_named", lambda name: Counting())
+    monkeypatch.setattr(fem_run, "device_named", lambda name: Counting())
+    case = load_case("two-bars-fem", ["fem.duration=1 us"])
+    with ThreadPoolExecutor(1) as pool:
+        for study in (
+            lambda device: sweep(case, ["fem.duration=1 us"], keep=["energy_error"], executor=pool, device=device),
+            lambda device: design(
+                case, ["fem.duration=1 us, 1.2 us"], ["energy_error < 5 %"], runs=16, executor=pool, device=device
+            ),
+        ):
+            calls.clear()
+            here = study(None)
+            assert not calls
+            there = study("cuda")
+            assert np.isfinite(there.numbers).all()
+            assert one_point_element in calls
+            np.testing.assert_allclose(there.numbers, here.numbers, rtol=1e-6)
+
+
+def test_a_study_of_a_machine_has_no_use_for_a_device():
+    with pytest.raises(InputError, match='--device: got "cuda"; allowed: a study of elements'):
+        sweep(load_case("li-ma-2019"), ["machine.speed=600 rpm"], device="cuda")
 
 
 def test_without_a_gpu_one_line_says_what_is_missing(monkeypatch):

@@ -467,19 +467,22 @@ def test_critical_step_is_zero_where_an_element_is_inside_out_or_not_finite(spoi
 @pytest.mark.parametrize("ratio", [0.0, 0.3])
 @pytest.mark.parametrize("linear", [0.0, 0.06, 0.5])
 def test_step_with_viscosity_is_stable_and_for_a_cube_without_lateral_strain_the_largest(sort, ratio, linear):
-    """A breathing cube by central differences with lagged viscosity: it dies at 0.999 of the step and grows at 1.001."""
+    """A breathing cube by central differences with lagged viscosity: it stays small at 0.999 of the step, not at 1.001.
+
+    What grows there comes back, as the step of a stretched cube is another: the largest motion tells.
+    """
     solid, mesh = Elastic(1.0, 1.0, ratio), mesh_of(CUBE, np.arange(8)[None])
     step, mass = bound(mesh, solid, sort, linear), 1.0 / 8.0
 
-    def size_after(share, count=4000):
+    def largest_in(count, share):
         found = elements(mesh, solid, sort, viscous=(linear, 0.0))
-        x, v = mesh.points.copy(), 1e-9 * (CUBE - 0.5)
+        x, v, largest = mesh.points.copy(), 1e-9 * (CUBE - 0.5), 0.0
         for _ in range(count):
             after = x + share * step * v
             v = v + share * step * moved(found, x, after, share * step) / mass
-            x = after
-        return float(np.abs(v).max())
+            x, largest = after, max(largest, float(np.abs(v).max()))
+        return largest
 
-    assert size_after(0.999) < 3e-8
+    assert largest_in(4000, 0.999) < 3e-8
     if ratio == 0.0:
-        assert size_after(1.001) > 1e-7
+        assert largest_in(4000, 1.001) > 1e-7

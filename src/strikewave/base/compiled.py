@@ -41,6 +41,9 @@ of C, so that such an entry, one more copy of what is inlined, is left out. Both
 different."""
 CALLED: Any = {**FULL, "_nrt": False}
 """Numba's options of a large kernel that makes no array."""
+FUSED = {"contract", "arcp"}
+"""What LLVM may do to the formulas of fused kernels: round a product and a sum once together, and multiply by a rounded
+1/b where it divides by b. Either is off by a rounding or two."""
 LOCATORS = ("UserWideCacheLocator", "IPythonCacheLocator", "ZipCacheLocator")
 """Numba's own, for kernels that come from no plain file: a frozen program, a notebook, a zipped package."""
 
@@ -121,18 +124,18 @@ def inner_kernel(function: F) -> F:
 
 
 def fused_kernel(function: F) -> F:
-    """Compile a kernel whose products and sums may be rounded once together (fused multiply-add)."""
-    return _compiled(function, {**FULL, "fastmath": {"contract"}})
+    """Compile a kernel whose products and sums may be rounded once together (fused multiply-add); see `FUSED`."""
+    return _compiled(function, {**FULL, "fastmath": FUSED})
 
 
 def fused_leaf_kernel(function: F) -> F:
     """Compile a `leaf_kernel` whose products and sums may be rounded once together."""
-    return _compiled(function, {**CALLED, "forceinline": True, "fastmath": {"contract"}})
+    return _compiled(function, {**CALLED, "forceinline": True, "fastmath": FUSED})
 
 
 def fused_called_kernel(function: F) -> F:
-    """Compile a `called_kernel` whose products and sums may be rounded once together."""
-    return _compiled(function, {**CALLED, "fastmath": {"contract"}})
+    """Compile a `called_kernel` whose products and sums may be rounded once together, into the widest vectors."""
+    return _compiled(function, WIDE)
 
 
 class _PartLibrary(JITCodeLibrary):
@@ -203,6 +206,33 @@ LEAF: Any = {**CALLED, "forceinline": True, "no_cpython_wrapper": True, "pipelin
 """Numba's options of a `leaf_kernel`: in small loops counting references and calling cost half the time."""
 INNER: Any = {**LEAF, "forceinline": False}
 """Numba's options of an `inner_kernel`."""
+
+
+class _WideLibrary(JITCodeLibrary):
+    """Code whose vector loops take the widest registers of the processor.
+
+    LLVM takes half of them where a processor may slow its clock down for whole ones. A loop that does little else than
+    calculate gains a tenth all the same.
+    """
+
+    def add_ir_module(self, module: Any) -> None:
+        """Take a module of numba's, with a wish on each of its functions."""
+        for function in module.functions:
+            set.add(function.attributes, '"prefer-vector-width"="512"')  # llvmlite's own `add` knows no such wishes
+        super().add_ir_module(module)
+
+
+class _WideCompiler(Compiler):
+    """Numba's compiler, into a `_WideLibrary`."""
+
+    def compile_extra(self, func: Any) -> Any:
+        self.state.library = _WideLibrary(self.state.targetctx.codegen(), func.__qualname__)
+        self.state.library.enable_object_caching()
+        return super().compile_extra(func)
+
+
+WIDE: Any = {**CALLED, "pipeline_class": _WideCompiler, "fastmath": FUSED}
+"""Numba's options of a `fused_called_kernel`."""
 
 
 class KernelLocator(UserProvidedCacheLocator):

@@ -79,7 +79,27 @@ class Notice:
 
 @dataclass(frozen=True)
 class Comparison:
-    """Comparison of a computed number with the published one; ``difference`` is relative."""
+    """Comparison of a computed number with the published one.
+
+    Attributes
+    ----------
+    quantity : str
+        Which number, such as ``first.rigid_peak``.
+    published : float
+        The published number, SI.
+    measured_or_simulated : str
+        How it was found by those who published it.
+    computed : float or None
+        Ours, SI; None where the run has none.
+    difference : float or None
+        (computed - published) / published.
+    role : str
+        ``fitted``, it chose a value; ``predicted``; or ``shown``, not comparable.
+    note : str
+        Why it is not comparable, or what else is said of it.
+    sensor : str
+        Which sensor it is of, where it is of one.
+    """
 
     quantity: str
     published: float

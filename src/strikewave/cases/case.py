@@ -105,7 +105,17 @@ class RotaryTables(NamedTuple):
 
 
 class Case(CaseTable):
-    """A case as read: frozen, every quantity in SI with its provenance."""
+    """A case as read: frozen, every quantity in SI with its provenance.
+
+    Its tables are attributes, as the file has them: ``case.machine.speed.si`` is a number, beside ``typed``,
+    ``provenance``, ``note`` and ``tolerance``. `load_case` makes one, `with_values` another with other values.
+
+    Examples
+    --------
+    >>> speed = load_case("li-ma-2019").machine.speed
+    >>> speed.typed, round(speed.si, 3), speed.provenance
+    ('730 rpm', 76.445, 'published')
+    """
 
     model_config = ConfigDict(frozen=True, extra="forbid", populate_by_name=True, defer_build=True)
 

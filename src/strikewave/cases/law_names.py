@@ -37,6 +37,16 @@ def _contact(name: str) -> str:
     return name if name in (POWER, CUSHION) else _stiffness(name)
 
 
+def _cushion(name: str) -> str:
+    """Refuse what names no cushion law; a cushion of a material has none."""
+    if name:
+        from strikewave.contact.cushions.laws import cushion_law
+
+        cushion_law(name, "")
+    return name
+
+
 DampingName = Annotated[str, AfterValidator(_damping)]
 StiffnessName = Annotated[str, AfterValidator(_stiffness)]
 ContactName = Annotated[str, AfterValidator(_contact)]
+CushionName = Annotated[str, AfterValidator(_cushion)]

@@ -81,7 +81,7 @@ from strikewave.base.quantities import (
     Torque,
     Value,
 )
-from strikewave.cases.law_names import ContactName, DampingName, StiffnessName
+from strikewave.cases.law_names import ContactName, CushionName, DampingName, StiffnessName
 from strikewave.cases.plausible import GoesWith
 
 PUBLISHED_QUANTITIES = {
@@ -287,7 +287,7 @@ class CushionTable(CaseTable):
     ``settling`` of its thickness in each blow, and grown stiffer by ``stiffening``.
     """
 
-    law: str = ""
+    law: CushionName = ""
     material: str = ""
     area: MaybeArea = None
     diameter: MaybeLength = None

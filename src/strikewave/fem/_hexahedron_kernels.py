@@ -235,9 +235,9 @@ def hourglass_force(s, n, j):
     qz = s[Z[0] + own] + weighted(s, Z[0], row, j)
     square = qx * qx + qy * qy + qz * qz
     root = math.sqrt(1.0 + s[FIXED + YIELDING + j] * square)
-    k = 8.0 * s[FIXED + STIFFNESS + j]
-    s[HOURGLASS + j] += k * square / (1.0 + root)
-    k /= root
+    both = 8.0 * s[FIXED + STIFFNESS + j] / (root * (1.0 + root))  # one quotient for two: they take long
+    s[HOURGLASS + j] += both * root * square
+    k = both * (1.0 + root)
     qx, qy, qz = k * qx, k * qy, k * qz
     s[U[0] + own] -= qx
     s[V[0] + own] -= qy
@@ -248,20 +248,29 @@ def hourglass_force(s, n, j):
 
 
 @fused_leaf_kernel
-def take_node(x, v, n, s, place):
-    """Copy position and velocity of a node into the scratch."""
-    s[X[0] + place], s[Y[0] + place], s[Z[0] + place] = x[n, 0], x[n, 1], x[n, 2]
-    s[U[0] + place], s[V[0] + place], s[T[0] + place] = v[n, 0], v[n, 1], v[n, 2]
+def take_node(field, n, s, place):
+    """Copy a vector of a node into three fields of the scratch."""
+    s[place], s[place + EIGHT * W], s[place + TWO * EIGHT * W] = field[n, 0], field[n, 1], field[n, 2]
+
+
+@fused_leaf_kernel
+def take_four_nodes(field, nodes, first, s, place):
+    """Copy vectors of four nodes: a row then takes one store of four numbers, where four stores would wait in turn."""
+    a, b = np.uint64(nodes[first]), np.uint64(nodes[first + ONE])
+    c, d = np.uint64(nodes[first + TWO]), np.uint64(nodes[first + THREE])
+    for k in range(3):
+        row = place + np.uint64(k) * EIGHT * W
+        s[row], s[row + ONE], s[row + TWO], s[row + THREE] = field[a, k], field[b, k], field[c, k], field[d, k]
 
 
 @fused_leaf_kernel
 def gather(blocks, chunk, x, v, s):
     """Copy positions and velocities of the nodes of a chunk into the scratch."""
     first = np.uint64(chunk) * EIGHT * W
-    for k in range(EIGHT):
-        row = k * W
-        for j in range(W):
-            take_node(x, v, np.uint64(blocks.nodes[first + row + j]), s, row + j)
+    for four in range(TWO * W):
+        place = FOUR * four
+        take_four_nodes(x, blocks.nodes, first + place, s, X[0] + place)
+        take_four_nodes(v, blocks.nodes, first + place, s, U[0] + place)
 
 
 @fused_leaf_kernel

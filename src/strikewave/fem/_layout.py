@@ -10,9 +10,10 @@ from typing import NamedTuple
 
 import numpy as np
 
-LANES = 32
-"""Elements of a chunk; chosen: a whole number of vector registers of any width (2 to 8 doubles), so few that the
-scratch of a chunk, 37 KiB, is about as large as a first-level cache."""
+LANES = 24
+"""Elements of a chunk: a whole number of vector registers of any width (2 to 8 doubles), and so few that the scratch of
+a chunk, 28 KiB, leaves room for its constants and state in a first-level cache. Fewer are no loops to a compiler, which
+writes them out and makes no vectors of them."""
 W = np.uint64(LANES)
 """The same as an unsigned number, as offsets are."""
 ZERO, ONE, TWO, THREE, FOUR, FIVE, SIX, _, EIGHT = np.arange(9, dtype=np.uint64)

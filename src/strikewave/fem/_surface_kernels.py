@@ -153,37 +153,58 @@ def closest_point(x, a, b, c, d):
     return xi, eta, dot(r, r), False
 
 
+@leaf_kernel
+def face_extent(face, place, faces, size, radius):
+    """Write the root of the area and the radius of a face; return its area."""
+    a, b = row(place, faces[face, 0]), row(place, faces[face, 1])
+    c, d = row(place, faces[face, 2]), row(place, faces[face, 3])
+    across = cross(add_scaled(c, -1.0, a), add_scaled(d, -1.0, b))
+    whole = 0.5 * math.sqrt(dot(across, across))
+    size[face] = math.sqrt(whole)
+    m, _, _, _ = patch(a, b, c, d)
+    furthest = 0.0
+    for corner in (a, b, c, d):
+        off = add_scaled(corner, -1.0, m)
+        furthest = max(furthest, dot(off, off))
+    radius[face] = math.sqrt(furthest)
+    return whole
+
+
 @kernel
 def add_areas(place, faces, area, size, radius):
     """Add a quarter of each face's area to its corners; fill the root of the area and the radius of each face."""
     for face in range(faces.shape[0]):
-        k = faces[face]
-        a, b, c, d = row(place, k[0]), row(place, k[1]), row(place, k[2]), row(place, k[3])
-        across = cross(add_scaled(c, -1.0, a), add_scaled(d, -1.0, b))
-        whole = 0.5 * math.sqrt(dot(across, across))
-        size[face] = math.sqrt(whole)
-        m, _, _, _ = patch(a, b, c, d)
-        furthest = 0.0
-        for corner in (a, b, c, d):
-            off = add_scaled(corner, -1.0, m)
-            furthest = max(furthest, dot(off, off))
-        radius[face] = math.sqrt(furthest)
+        whole = face_extent(face, place, faces, size, radius)
         for c in range(4):
-            area[k[c]] += 0.25 * whole
+            area[faces[face, c]] += 0.25 * whole
+
+
+@leaf_kernel
+def face_box(face, place, faces, reach, boxes):
+    """Write the least and the greatest coordinates of a face, widened by a reach."""
+    for c in range(3):
+        low, high = np.inf, -np.inf
+        for k in range(4):
+            value = place[faces[face, k], c]
+            low, high = min(low, value), max(high, value)
+        boxes[face, c], boxes[face, 3 + c] = low - reach, high + reach
+
+
+@leaf_kernel
+def in_box(place, n, boxes, k):
+    """Tell whether a node lies in a box."""
+    inside = True
+    for c in range(3):
+        inside = inside and boxes[k, c] <= place[n, c] <= boxes[k, 3 + c]
+    return inside
 
 
 @kernel
 def face_boxes(place, faces, reach):
-    """Return the least and the greatest coordinates of each face, widened by its reach, (faces, 6)."""
+    """Return the boxes of faces, each widened by its reach, (faces, 6): see `face_box`."""
     boxes = np.empty((faces.shape[0], 6))
     for face in range(faces.shape[0]):
-        for c in range(3):
-            low, high = np.inf, -np.inf
-            for k in range(4):
-                value = place[faces[face, k], c]
-                low, high = min(low, value), max(high, value)
-            boxes[face, c] = low - reach[face]
-            boxes[face, 3 + c] = high + reach[face]
+        face_box(face, place, faces, reach[face], boxes)
     return boxes
 
 
@@ -229,9 +250,10 @@ def buckets(place, inside, low, width, cells):
 
 
 @called_kernel
-def count_candidates(place, box, face, grid, count, candidates, filling):
+def count_candidates(place, boxes, face, grid, count, candidates, filling):
     """Count, or fill in, the nodes that lie in the box of a face; count[n] is then where the next face of n goes."""
     order, begin, low, high, width, cells = grid
+    box = boxes[face]
     if (box[0] > high[0] or box[1] > high[1] or box[2] > high[2]) or (
         box[3] < low[0] or box[4] < low[1] or box[5] < low[2]
     ):
@@ -244,8 +266,7 @@ def count_candidates(place, box, face, grid, count, candidates, filling):
             line = (i0 * cells[1] + i1) * cells[2]
             for j in range(begin[line + a2], begin[line + b2 + 1]):
                 n = order[j]
-                x, y, z = place[n, 0], place[n, 1], place[n, 2]
-                if x < box[0] or x > box[3] or y < box[1] or y > box[4] or z < box[2] or z > box[5]:
+                if not in_box(place, n, boxes, face):
                     continue
                 if filling:
                     candidates[count[n]] = face
@@ -299,10 +320,38 @@ def search(place, checked, faces, reach, split, face_split):
     for filling in (False, True):
         place_of = start[:-1].copy()
         for face in range(ends):
-            count_candidates(
-                place, boxes[face], face, of_second if face < face_split else of_first, place_of, candidates, filling
-            )
+            others = of_second if face < face_split else of_first
+            count_candidates(place, boxes, face, others, place_of, candidates, filling)
         if not filling:
             start[1:] = np.cumsum(place_of)
             candidates = np.empty(start[-1], np.int32)
     return start, candidates
+
+
+@kernel
+def nodes_by_corner(faces, start, candidates, last):
+    """Return, for each node, those that may meet a face of which it is a corner: start, nodes, ascending.
+
+    They may meet their ``candidates`` and the face that each met ``last`` (-1: none).
+    """
+    nodes = last.size
+    begin, met = np.zeros(nodes + 1, np.int64), np.empty(0, np.int32)
+    for filling in (False, True):
+        at, noted = begin[:-1].copy(), np.full(nodes, -1, np.int64)
+        for i in range(nodes):
+            for k in range(start[i], start[i + 1] + 1):
+                face = candidates[k] if k < start[i + 1] else last[i]
+                if face < 0:
+                    continue
+                for c in range(4):
+                    corner = faces[face, c]
+                    if noted[corner] == i:
+                        continue
+                    noted[corner] = i
+                    if filling:
+                        met[at[corner]] = i
+                    at[corner] += 1
+        if not filling:
+            begin[1:] = np.cumsum(at)
+            met = np.empty(begin[-1], np.int32)
+    return begin, met

@@ -80,7 +80,7 @@ _DEEPEST = 0.5
 _FIRST_REACH = 1.1
 """Times `_DEEPEST` within which faces are looked for before the first step, so that no overlap is missed by
 rounding."""
-_REACH = 0.25
+REACH = 0.25
 """Share of a face's size within which nodes are candidates in a run; a node that is deeper keeps the face it has."""
 
 NODES = 500
@@ -234,7 +234,7 @@ def two_surfaces(contact: SurfaceContact, mesh: Mesh) -> ContactState:
     )
 
 
-def searched(state: ContactState, points: Array, reach: float = _REACH) -> ContactState:
+def searched(state: ContactState, points: Array, reach: float = REACH) -> ContactState:
     """Return the contact with nodal areas and candidate faces for where the nodes, (nodes, 3), are now.
 
     Parameters

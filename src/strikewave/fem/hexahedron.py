@@ -52,9 +52,9 @@ from strikewave.fem.mesh import Array, Index, Mesh, volumes
 from strikewave.fem.solids import AnySolid, Bilinear, HeatedSolid, JohnsonCook, ZerilliArmstrong
 from strikewave.fem.threads import on_all
 
-SLAB = 64
-"""Chunks of a slab at least, 2048 elements: their forces take some tenths of a millisecond, longer than a thread's
-start."""
+SLAB = 16
+"""Chunks of a slab at least, 384 elements: so few that threads share small meshes evenly, more than a layer of most of
+them, so that slabs share nodes with their neighbours alone."""
 SLABS = 32
 """Slabs of a mesh at most: twice the threads of a usual machine, since slabs that share nodes take turns."""
 COUPLINGS = 24

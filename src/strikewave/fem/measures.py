@@ -85,7 +85,7 @@ class PartMeasure:
     Attributes
     ----------
     mass : float
-        kg.
+        Of the part, kg.
     direction : tuple of float
         Unit vector along its largest change of velocity, or the axis within 5 degrees of it; the rest is measured
         along it.
@@ -95,8 +95,10 @@ class PartMeasure:
         Of that pulse at 10 % of its peak, s; NaN where the run ends above it.
     velocity_change : float
         Largest change of momentum over mass, m/s.
-    von_mises, plastic_strain : float
-        Largest of its elements at the instants of the histories, Pa and 1; NaN for a rigid part or a group.
+    von_mises : float
+        Largest von Mises stress of its elements at the instants of the histories, Pa; NaN for a rigid part or a group.
+    plastic_strain : float
+        Largest plastic strain of its elements; NaN alike.
     """
 
     mass: float

@@ -15,11 +15,16 @@ from scipy.linalg import block_diag, eigvalsh
 from scipy.spatial.transform import Rotation
 
 from strikewave.base.errors import InputError
+from strikewave.fem import _rigid_kernels as kernels
 from strikewave.fem.boundary import Acting, Now
 from strikewave.fem.mesh import Array, Index, Mesh
 from strikewave.fem.model import Model, Rigid
 from strikewave.fem.surfaces import extents, surface_of
 from strikewave.fem.tie import TieState
+
+SHARES = 128
+"""In how many shares the forces on a part are summed: a share is a thread of a device, and the order is the same on the
+processor. So many that threads share large parts, so few that the sums are brought here in no time."""
 
 
 class RigidBody(Acting):
@@ -44,25 +49,24 @@ class RigidBody(Acting):
         self.moves, self.turns = np.array(rigid.translations), np.array(rigid.rotations)
         self.velocity = np.where(self.moves, velocity, 0.0)
         self.spin, self.turned = np.zeros(3), np.eye(3)
+        self.sums = np.zeros((SHARES, 6))
 
     def apply(self, now: Now) -> None:
         """Write the forces between the nodes that keep them together, and those that hold what may not move."""
-        now.f[self.nodes] = self.move(now.x[self.nodes], now.f[self.nodes], now.mass[self.nodes], now.kick, now.step)
+        kernels.sum_shares(self.nodes, now.x, now.f, tuple(self.centre.tolist()), self.sums)
+        pose = self.move(self.sums, now.kick, now.step)
+        rest = now.kick, now.step, now.x, self.before, now.f, now.mass, self.force
+        kernels.bring_nodes(self.nodes, self.arms, pose, *rest)
 
-    def move(self, x: Array, f: Array, mass: Array, kick: float, step: float) -> Array:
-        """Move the body under the forces f on its nodes at x; return the forces (nodes, 3) that bring these with it, N.
-
-        ``before`` has the velocities of its nodes, ``mass`` their masses; ``force`` is what it adds to f.
-        """
-        self.velocity = np.where(self.moves, self.velocity + kick * f.sum(axis=0) / self.mass, 0.0)
-        self.spin = self.spin + kick * np.cross(x - self.centre, f).sum(axis=0)
+    def move(self, sums: Array, kick: float, step: float) -> Array:
+        """Move the body under force and moment about its centre, (shares, 6); return rotation and centre, (4, 3)."""
+        force, moment = np.split(sums.sum(axis=0), 2)
+        self.velocity = np.where(self.moves, self.velocity + kick * force / self.mass, 0.0)
+        self.spin = self.spin + kick * moment
         self.centre = self.centre + step * self.velocity
         half = Rotation.from_rotvec(0.5 * step * self._rate(self.turned)).as_matrix() @ self.turned
         self.turned = Rotation.from_rotvec(step * self._rate(half)).as_matrix() @ self.turned
-        wanted = (self.centre + self.arms @ self.turned.T - x) / step
-        whole = np.asarray(mass[:, None] * (wanted - self.before) / kick)
-        self.force[:] = whole - f
-        return whole
+        return np.vstack([self.turned, self.centre])
 
     def _rate(self, turned: Array) -> Array:
         """Return the angular velocity at an orientation, 1/s, about the axes that are free."""

@@ -124,16 +124,26 @@ class FemRun:
     ----------
     time : array (instants,)
         s, equal steps from 0; where a run stopped early the last may be shorter.
-    force, impulse : mapping of str to array (instants, 3)
-        Contact force on the first surface and its integral over time, N and N s, by name of the contact or wall.
+    force : mapping of str to array (instants, 3)
+        Contact force on the first surface, N, by name of the contact or wall.
+    impulse : mapping of str to array (instants, 3)
+        Its integral over time, N s.
     energy : mapping of str to array (instants,)
         J, by the words of `ENERGIES`.
     initial_energy : float
-        J.
-    parts, points, sections : mapping of str to history
+        At the start, J.
+    parts : mapping of str to PartHistory
+        Motion of each part as one body.
+    points : mapping of str to PointHistory
+        Motion of each point.
+    sections : mapping of str to SectionHistory
+        Stress and motion of each section.
     momentum : array (instants, 3)
-        Of everything, kg m/s; ``impulse_given`` (instants, 3) what boundaries, walls and gravity gave, N s.
+        Of everything, kg m/s.
+    impulse_given : array (instants, 3)
+        What boundaries, walls and gravity gave, N s.
     steps : int
+        How many time steps.
     step : float
         Smallest time step, s.
     added_mass : float
@@ -141,13 +151,15 @@ class FemRun:
     seconds : float
         Wall time.
     elements : int
+        How many.
     stopped : str
         Why the run ended early; empty when it did not.
     frames : tuple of FieldFrame
         Only those asked for; a writer takes them as they come instead where one is given.
-    von_mises, plastic_strain : mapping of str to array (instants,)
-        Largest von Mises stress, Pa, and largest equivalent plastic strain of the elements of each part
-        that deforms.
+    von_mises : mapping of str to array (instants,)
+        Largest von Mises stress of the elements of each part that deforms, Pa.
+    plastic_strain : mapping of str to array (instants,)
+        Largest equivalent plastic strain of the same.
     overlaps : tuple of Overlap
         Where contacts and walls overlapped before the blow.
     groups : mapping of str to PartHistory

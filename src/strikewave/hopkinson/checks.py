@@ -42,9 +42,11 @@ class Equilibrium(NamedTuple):
         Integral of |F1 - F2| over that of (F1 + F2)/2 while the incident wave lasts.
     force_ratio : float
         Impulse on the first face over that on the second, while the incident wave lasts.
-    begin, end : float
-        The longest stretch of the loading in which R stays below the limit, s after the arrival; NaN if none lasts
-        for `LASTING` rise times of the incident pulse.
+    begin : float
+        Begin of the longest stretch of the loading in which R stays below the limit, s after the arrival; NaN if none
+        lasts for `LASTING` rise times of the incident pulse.
+    end : float
+        End of that stretch, s.
     share : float
         Part of the loading in which R is below the limit, in one stretch or in many.
     """

@@ -50,8 +50,10 @@ def stress_difference(beta: ArrayLike, transit: ArrayLike) -> Array:
 
     Parameters
     ----------
-    beta, transit : array_like
-        Impedance ratio above 0, and k from 1; broadcast.
+    beta : array_like
+        Impedance ratio, above 0.
+    transit : array_like
+        k, from 1; both broadcast.
 
     Returns
     -------

@@ -39,7 +39,7 @@ def next_speed(speed: ArrayLike, mass_ratio: ArrayLike, restitution: ArrayLike, 
     mass_ratio : array_like
         mu, mass of the struck body over that of the striking one.
     restitution : array_like
-        e.
+        Coefficient of restitution, e.
     falling : array_like, optional
         u at which the struck body comes against the blow, m/s; 0 where it rests.
 

@@ -48,39 +48,51 @@ class Blow:
     striker : int
         Which striker, from 1.
     time : float
-        First touch after the valve signal; the apex of the pass when missed.
+        First touch after the valve signal, s; the apex of the pass when missed.
     contacts : int
         Intervals of contact.
-    approach_speed, rebound_speed : float
-        Closing speed at first touch, parting speed at the release that ends the blow: the last one of a double blow,
-        else the last one before a gap longer than the pulse, after which the striker only touches lightly.
+    approach_speed : float
+        Closing speed at first touch, m/s.
+    rebound_speed : float
+        Parting speed at the release that ends the blow, m/s: the last one of a double blow, else the last one before a
+        gap longer than the pulse, after which the striker only touches lightly.
     contact_time : float
         From first touch to the release that ends the blow, gaps between contacts included, s.
     restitution : float
         Of the contact: square root of the work that it gives back over the work that it takes (Stronge).
-    indentation, residual_indentation : float
-        Largest indentation of the contact, and what stays of it, m.
+    indentation : float
+        Largest indentation of the contact, m.
+    residual_indentation : float
+        What stays of the indentation, m.
     contact_stiffness : float
         Slope of the contact force at the largest indentation, on the way back, N/m.
     flattening : float
         Radius of the spot after the blow over that before anything yielded.
     impulse : float
         Of all forces on the object from first touch to the release that ends the blow, N s.
-    contact_impulse, support_impulse : float
-        Its two parts: the strikers' contact; spring, damper, stop and gravity.
+    contact_impulse : float
+        The part of the impulse by the strikers' contact, N s.
+    support_impulse : float
+        The part of the impulse by spring, damper, stop and gravity, N s.
     momentum_error : float
         Impulse less change of momentum, over the larger of contact and support impulse.
     peak_force : float
-        Largest contact force.
-    side_force, side_impulse : float
-        Largest force across the blow with which the sliding nose drags the face along, N, and its impulse, N s, over
-        all contacts of the pass: above 0 the way the nose passes. The guide of the object bears both.
+        Largest contact force, N.
+    side_force : float
+        Largest force across the blow with which the sliding nose drags the face along, N, over all contacts of the
+        pass: above 0 the way the nose passes. The guide of the object bears it.
+    side_impulse : float
+        Impulse of the side force over all contacts of the pass, N s.
     friction_heat : float
         Heat of this sliding over all contacts of the pass, J.
-    rigid_peak, width, rise : float
-        Of the assembly's rigid-body acceleration; width at 10 % of the peak.
+    rigid_peak : float
+        Peak of the assembly's rigid-body acceleration, m/s^2.
+    width : float
+        Width of that pulse at 10 % of its peak, s.
+    rise : float
+        Time in which that pulse rises from 10 to 90 % of its peak, s.
     velocity_change : float
-        Of the object's centre of mass from first touch to the release that ends the blow: impulse over its mass.
+        Of the object's centre of mass from first touch to the release that ends the blow, m/s: impulse over its mass.
     largest_displacement : float
         Largest displacement of the struck face, rearward, after first touch and until the next blow or the retraction,
         m; of a missed blow, how far behind its place of rest the face was when the striker passed.

@@ -77,15 +77,22 @@ class BandSplit(NamedTuple):
         Of the zero-phase low-pass, -3 dB, Hz.
     lowest_mode : float
         Frequency of the lowest mode of the wave part, Hz.
-    peak, width : float
-        Of the rigid part, the loss corrected: in the unit of the record, with its sign, and at 10 %, s.
-    peak_uncertainty, width_uncertainty : float
-        Standard uncertainties.
+    peak : float
+        Of the rigid part, the loss corrected, in the unit of the record, with its sign.
+    width : float
+        Of the rigid part at 10 % of its peak, s.
+    peak_uncertainty : float
+        Standard uncertainty of that peak.
+    width_uncertainty : float
+        Standard uncertainty of that width, s.
     loss : float
         What the filter takes off the peak of a pulse as wide, over it: the mean of the family.
-    loss_uncertainty, leak, elastic : float
-        What is not known of the peak, over it: by how the family disagrees, by what the filter leaves of the wave
-        part, and by what the lowest mode does in the pulse's own band.
+    loss_uncertainty : float
+        What is not known of the peak by how the family disagrees, over it.
+    leak : float
+        What is not known of the peak by what the filter leaves of the wave part, over it.
+    elastic : float
+        What is not known of the peak by what the lowest mode does in the pulse's own band, over it.
     widening : float
         What the filter adds to the width of a pulse, over it.
     wave_energy : float

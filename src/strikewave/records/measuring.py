@@ -93,11 +93,13 @@ class RecordedPulse:
         Time of the peak, s.
     peak : float
         Largest value above the baseline, with its sign.
-    rise, width : float
-        Time from 10 to 90 % of the peak, and above 10 % of it, s; NaN where the record is cut.
+    rise : float
+        Time from 10 to 90 % of the peak, s; NaN where the record is cut.
+    width : float
+        Time above 10 % of the peak, s; NaN alike.
     velocity_change : float
-        Integral from foot to foot, where 2 % of the peak is left; of the smooth pulse where the record does not
-        come back to that.
+        Integral from foot to foot, where 2 % of the peak is left, in the unit of the record times s; of the smooth
+        pulse where the record does not come back to that.
     ringing_frequency : float
         Of what swings after the pulse, Hz; NaN where nothing stands out.
     offset : float
@@ -108,8 +110,10 @@ class RecordedPulse:
         The smooth pulse that fits best; see its misfit. Strong ringing bends it.
     method : str
         ``record`` where the figures are read off the record, ``fit`` where noise hides a tenth of the peak.
-    begin, end : float
-        Time of the feet, s.
+    begin : float
+        Time of the first foot, s.
+    end : float
+        Time of the last foot, s.
     baseline : LocalBaseline
         The baseline before the pulse, its slope, and what noise does to it.
     uncertainty : PulseUncertainty

@@ -153,7 +153,19 @@ class ChannelReading:
 
 @dataclass(frozen=True, eq=False)
 class FileReading:
-    """A file, evaluated."""
+    """A file, evaluated.
+
+    Attributes
+    ----------
+    path : str
+        The file.
+    format : str
+        Its format.
+    channels : tuple of ChannelReading
+        Its channels.
+    findings : tuple of HealthNotice
+        What was found on the file itself.
+    """
 
     path: str
     format: str

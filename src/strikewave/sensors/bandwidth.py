@@ -28,16 +28,20 @@ class PassBand(NamedTuple):
 
     Attributes
     ----------
-    within_5, within_10 : float
-        Lowest frequency at which |H| is more than 5 or 10 % from one; infinite where it is not below 200 kHz.
+    within_5 : float
+        Lowest frequency at which |H| is more than 5 % from one; infinite where it is not below 200 kHz.
+    within_10 : float
+        Lowest frequency at which |H| is more than 10 % from one; infinite alike.
     half_power : float
         Lowest frequency at which |H| is below 1/sqrt(2), -3 dB; infinite alike.
-    resonance, quality : float
-        First frequency at which |H| is largest about it, and |H| there; NaN where there is none below 200 kHz. The
-        quality is infinite where nothing has loss.
-    largest, largest_at : float
-        Largest |H| below 200 kHz, and its frequency; one, and NaN, where the sensor follows exactly. Infinite, at
-        the first resonance, where nothing has loss.
+    resonance : float
+        First frequency at which |H| is largest about it; NaN where there is none below 200 kHz.
+    quality : float
+        |H| there; infinite where nothing has loss.
+    largest : float
+        Largest |H| below 200 kHz; one where the sensor follows exactly, infinite where nothing has loss.
+    largest_at : float
+        Frequency of the largest |H|, the first resonance where nothing has loss; NaN where the sensor follows exactly.
     """
 
     within_5: float

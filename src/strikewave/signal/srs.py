@@ -112,7 +112,7 @@ class Spectrum:
         return np.maximum(self.positive, self.negative)
 
     def side(self, name: str) -> Array:
-        """Return "maximax", "positive" or "negative"."""
+        """Return the largest responses of a side: "maximax", "positive" or "negative"."""
         if name not in SIDES:
             raise ValueError(f"the side of a spectrum must be maximax, positive or negative, got {name!r}")
         return np.asarray(getattr(self, name))

@@ -49,15 +49,15 @@ class Component(NamedTuple):
     Attributes
     ----------
     frequency : float
-        f, Hz.
+        Frequency f, Hz.
     amplitude : float
-        A, m/s^2.
+        Amplitude A, m/s^2.
     delay : float
-        t0, s.
+        Delay t0, s.
     damping : float
-        zeta of a damped sine A exp(-zeta w (t - t0)) sin(w (t - t0)), w = 2 pi f; NaN of a wavelet.
+        Damping ratio zeta of a damped sine A exp(-zeta w (t - t0)) sin(w (t - t0)), w = 2 pi f; NaN of a wavelet.
     half_sines : int
-        N of a wavelet A sin(w (t - t0)/N) sin(w (t - t0)), which lasts N/(2 f); 0 of a damped sine.
+        Half sines N of a wavelet A sin(w (t - t0)/N) sin(w (t - t0)), which lasts N/(2 f); 0 of a damped sine.
     """
 
     frequency: float

@@ -39,10 +39,12 @@ class Simulation:
     ----------
     case : Case
         Of a machine, a layered bar, or elements.
+    device : str, optional
+        Where the steps of elements are taken: see `strikewave.run_fem`.
     """
 
-    def __init__(self, case: Case) -> None:
-        self.case = case
+    def __init__(self, case: Case, device: str | None = None) -> None:
+        self.case, self.device = case, device
 
     @functools.cached_property
     def observed(self) -> Any:
@@ -63,7 +65,7 @@ class Simulation:
         """The result of a model of elements."""
         from strikewave.analyses.fem.run import run_fem
 
-        return run_fem(self.case)
+        return run_fem(self.case, device=self.device)
 
     @functools.cached_property
     def _arrays(self) -> LabelledArrays | None:

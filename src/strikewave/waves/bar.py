@@ -105,7 +105,7 @@ def run_bar(
     taps : sequence of Tap
         Where it is watched, at least one.
     duration : float
-        s.
+        How long, s.
     wanted : WantedError, optional
         Errors, or a step.
 

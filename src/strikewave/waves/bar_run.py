@@ -50,14 +50,24 @@ class BarRun:
 
     Attributes
     ----------
-    stack, load, grid : Stack, Load, TimeGrid
-        What ran; by the spectral solver no layer is cut into steps.
+    stack : Stack
+        What ran.
+    load : LoadPulse, Sampled or Impactor
+        By what it was loaded.
+    grid : TimeGrid
+        Time step, and the steps of each layer; by the spectral solver no layer is cut into steps.
     time : ndarray
         Times of the samples, s, shape (N,).
-    face_force, end_force : ndarray
-        Force on the first face and of the stack on its end, N, shape (N,).
-    force, velocity, acceleration : ndarray
-        At the taps, shape (N, taps). By delay lines the acceleration is the average about each sample, as
+    face_force : ndarray
+        Force on the first face, N, shape (N,).
+    end_force : ndarray
+        Force of the stack on its end, N, shape (N,).
+    force : ndarray
+        At the taps, N, shape (N, taps).
+    velocity : ndarray
+        At the taps, m/s, shape (N, taps).
+    acceleration : ndarray
+        At the taps, m/s^2, shape (N, taps). By delay lines it is the average about each sample, as
         `strikewave.waves.averages` says: its integral, from one sample before the first, is the change of velocity.
     mean_push : ndarray
         Force on the first face less that on the end, average about each sample, N, shape (N,).
@@ -68,26 +78,45 @@ class BarRun:
         Largest error: from rounding the transits, and what half the step changes where springs or masses take
         part; infinite where joints open or a striker comes. By the spectral solver what half the step changes.
         Where all is bonded, that of an acceleration is the error of the average, not what an average takes off a peak.
-    places, duration : tuple and float
-        Layer and fraction of each tap; s.
-    field_time, field_position, field_force, field_velocity : ndarray
-        The x-t field: s, m from the first face, N and m/s with shape (times, places).
+    places : tuple of (int, float)
+        Layer and fraction of each tap.
+    duration : float
+        How long it was followed, s.
+    field_time : ndarray
+        Times of the x-t field, s.
+    field_position : ndarray
+        Its places, m from the first face.
+    field_force : ndarray
+        Force there, N, shape (times, places).
+    field_velocity : ndarray
+        Velocity there, m/s, shape (times, places).
     field_layer : ndarray
         Index of the layer of each place.
-    field_least, field_greatest : ndarray
-        Least and greatest force at the places of the field over all steps, N.
-    face_least, face_greatest : ndarray
-        The same at both faces of each layer, shape (layers, 2); NaN where a spectrum of many layers was not looked at.
+    field_least : ndarray
+        Least force at the places of the field over all steps, N.
+    field_greatest : ndarray
+        Greatest force there, N.
+    face_least : ndarray
+        Least force at both faces of each layer, N, shape (layers, 2); NaN where a spectrum of many layers was not
+        looked at.
+    face_greatest : ndarray
+        Greatest force there, N, alike.
     events : ndarray
         Openings and closings of joints: index of the joint, time (s), 1 where it opened; shape (n, 3).
     touches : ndarray
         Contacts with an impactor: begin, end, approach speed; shape (n, 3).
-    impulse, end_impulse : float
-        Of the load, and of the stack on its end, N s.
+    impulse : float
+        Of the load, N s.
+    end_impulse : float
+        Of the stack on its end, N s.
     momentum : float
         Gained by the stack, N s.
-    energy_lost, striker_speed, deepest : float
-        In the contact with an impactor, J; its speed at the end, m/s, and its deepest indentation, m.
+    energy_lost : float
+        In the contact with an impactor, J.
+    striker_speed : float
+        Speed of the impactor at the end, m/s.
+    deepest : float
+        Its deepest indentation, m.
     """
 
     stack: Stack

@@ -63,10 +63,14 @@ class Layer:
     ----------
     name : str
         What it is called.
-    density, modulus : float
-        rho in kg/m^3, E in Pa.
-    area, length : float
-        A in m^2, l in m.
+    density : float
+        rho, kg/m^3.
+    modulus : float
+        E, Pa.
+    area : float
+        A, m^2.
+    length : float
+        l, m.
     diameter : float, optional
         Of the bar, m; that of a solid round bar of the same area when left out. Only the limits of
         one-dimensional theory use it.

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Literal
+from typing import Annotated
 
 import typer
 
 from strikewave.reporting.options.output import RunOutput
-from strikewave.reporting.options.shared import CaseName, Changes
+from strikewave.reporting.options.shared import CaseName, Changes, ElementDevice
 
 
 def command(
@@ -17,12 +17,7 @@ def command(
         int,
         typer.Option("--threads", metavar="COUNT", min=1, help="Threads, one a core at most; they change no number."),
     ] = 1,
-    device: Annotated[
-        Literal["cuda"] | None,
-        typer.Option(
-            "--device", help="Take the steps on an NVIDIA GPU; on the processor by default.", show_default=False
-        ),
-    ] = None,
+    device: ElementDevice = None,
     frames: Annotated[
         int | None,
         typer.Option(

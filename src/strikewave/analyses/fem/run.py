@@ -13,6 +13,7 @@ from strikewave.analyses.fem.result import FemSolution
 from strikewave.base import citations
 from strikewave.base.compile_progress import compiling_shown
 from strikewave.cases.case import Case
+from strikewave.fem.device.devices import device_named
 from strikewave.fem.invariants import von_mises
 from strikewave.fem.model import Model, NonReflecting
 from strikewave.fem.run import FieldFrame
@@ -54,8 +55,17 @@ class Watch:
         return tuple(by_time[time] for time in sorted(by_time))
 
 
-def run_fem(case: Case, threads: int = 1) -> FemSolution:
+def run_fem(case: Case, threads: int = 1, device: str | None = None) -> FemSolution:
     """Run the finite element model of a case.
+
+    Parameters
+    ----------
+    case : Case
+        With a mesh.
+    threads : int, optional
+        Threads that share the elements; their number changes no result.
+    device : str, optional
+        ``cuda`` or ``cuda-mixed``: the steps are taken on an NVIDIA GPU.
 
     Returns
     -------
@@ -65,7 +75,7 @@ def run_fem(case: Case, threads: int = 1) -> FemSolution:
     Raises
     ------
     InputError
-        If the case has no mesh, or parts of it do not fit together.
+        If the case has no mesh, parts of it do not fit together, or there is no such device.
 
     Examples
     --------
@@ -74,7 +84,10 @@ def run_fem(case: Case, threads: int = 1) -> FemSolution:
     >>> solution.run.momentum_error < 1e-9
     True
     """
-    return run_model(case, build_model(case, threads))
+    from strikewave.fem.solve import RunOptions
+
+    options = RunOptions(device=device_named(device) if device else None)
+    return run_model(case, build_model(case, threads), options)
 
 
 @compiling_shown()

@@ -57,6 +57,11 @@ by a tenth of the plateau."""
 def run_hopkinson(case: HopkinsonCase) -> HopkinsonSolution | SensorSolution | EchoSolution:
     """Reduce the shot of a set-up, compare the accelerometer on its bar, or calibrate the bar by echoes.
 
+    Parameters
+    ----------
+    case : HopkinsonCase
+        The set-up, as `load_setup` reads it.
+
     Returns
     -------
     HopkinsonSolution, SensorSolution or EchoSolution

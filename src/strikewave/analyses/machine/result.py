@@ -102,8 +102,10 @@ class Solution(ShownResult):
         What ran.
     blows : sequence of Blow
         The table of blows.
-    masses, balance : dict
-        kg; errors as shares.
+    masses : dict
+        Of striker, object and assembly, kg.
+    balance : dict
+        ``energy_error`` and ``momentum_error``: what the balances miss, as shares of what flowed.
     phases : tuple of (str, float)
         Name and time (s) from the valve signal.
     reference : RigidReference
@@ -323,6 +325,11 @@ def blow_history(
 
 def load_solution(path: Path | str) -> Solution:
     """Read a solution that `Solution.save` wrote, or the folder that holds ``solution.nc``.
+
+    Parameters
+    ----------
+    path : Path or str
+        The file, or the folder of a result.
 
     Returns
     -------

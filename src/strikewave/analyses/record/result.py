@@ -169,6 +169,7 @@ class RecordResult(AskedResult):
         more = {**MOTION_UNITS, "lost": "s"} if self.motion else {}
         more |= {**PAIR_UNITS, **dict.fromkeys(PAIR_OF_CHANNEL, units["peak"])} if self.pair else {}
         more |= {**dict.fromkeys(("standard", "expanded"), "as the figure"), "coverage": "1", "share": "1"}
+        more |= {} if self.sensor is None else SENSOR_UNITS
         return {**units, **more}
 
     def content(self) -> dict[str, Any]:

@@ -44,8 +44,10 @@ class TriedBlow(NamedTuple):
 
     Attributes
     ----------
-    file, channel : str
-        Of what.
+    file : str
+        Measured file.
+    channel : str
+        Channel of it.
     blow : int
         Its number, from 1.
     time : float

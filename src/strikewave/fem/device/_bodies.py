@@ -56,6 +56,7 @@ from strikewave.fem._layout import (
     U,
     V,
     W,
+    X,
 )
 from strikewave.fem._solid_kernels import stress_of_one
 from strikewave.fem._tie_kernels import move_tied_node
@@ -80,7 +81,9 @@ def take_nodes(blocks, chunk, lane, x, v, s):
     """Copy positions and velocities of the nodes of an element into the scratch."""
     for k in range(EIGHT):
         place = k * W
-        take_node(x, v, np.uint64(blocks.nodes[chunk * EIGHT * W + place + lane]), s, place)
+        n = np.uint64(blocks.nodes[chunk * EIGHT * W + place + lane])
+        take_node(x, n, s, X[0] + place)
+        take_node(v, n, s, U[0] + place)
 
 
 @fused_leaf_kernel
@@ -230,13 +233,6 @@ def follow_node(i, ties, x, v, dt):
     move_tied_node(i, ties, v)
     for c in range(3):
         x[ties.nodes[i], c] += dt * v[ties.nodes[i], c]
-
-
-@leaf_kernel
-def put_row(i, nodes, rows, f):
-    """Write the row of a node."""
-    for c in range(3):
-        f[nodes[i], c] = rows[i, c]
 
 
 @leaf_kernel

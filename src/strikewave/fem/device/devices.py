@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 from collections.abc import Callable
 from typing import Any, Protocol
 
@@ -10,12 +11,22 @@ import numpy as np
 from strikewave.base.errors import InputError
 from strikewave.fem._layout import SCRATCH
 
-NAMES = ("cuda",)
-"""Devices that can be asked for."""
+MIXED = "cuda-mixed"
+NAMES = ("cuda", MIXED)
+"""Devices that can be asked for: a GPU, and one whose elements keep single numbers (`Device`)."""
 
 
 class Device(Protocol):
-    """What holds arrays and calls a compiled body for each index."""
+    """What holds arrays and calls a compiled body for each index.
+
+    Attributes
+    ----------
+    stored : type
+        Numbers in which elements keep their constants, their state and the forces on their corners, most of the bytes
+        of a step. All that is calculated is double.
+    """
+
+    stored: type[np.floating[Any]]
 
     def put(self, array: np.ndarray) -> Any:
         """Return a copy of an array there."""
@@ -36,8 +47,8 @@ class Device(Protocol):
 class Loop:
     """The device of tests: the same bodies, one index after another, on arrays here."""
 
-    def __init__(self) -> None:
-        self.scratch = np.zeros(SCRATCH)
+    def __init__(self, stored: type[np.floating[Any]] = np.float64) -> None:
+        self.stored, self.scratch = stored, np.zeros(SCRATCH)
 
     def put(self, array: np.ndarray) -> np.ndarray:
         """Return a copy of an array."""
@@ -61,8 +72,9 @@ class Loop:
         return float(array.min())
 
 
+@functools.cache
 def device_named(name: str) -> Device:
-    """Return a device.
+    """Return a device, the same in each call: it holds what was compiled for it.
 
     Raises
     ------
@@ -74,5 +86,5 @@ def device_named(name: str) -> Device:
     try:
         from strikewave.fem.device.gpu import Cuda
     except ImportError:
-        raise InputError("--device", "cuda", "numba-cuda beside strikewave", "pip install 'strikewave[gpu]'") from None
-    return Cuda()
+        raise InputError("--device", name, "numba-cuda beside strikewave", "pip install 'strikewave[gpu]'") from None
+    return Cuda(np.float32 if name == MIXED else np.float64)

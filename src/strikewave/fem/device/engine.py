@@ -61,6 +61,7 @@ class DeviceEngine(Engine):
             self.impulse[name] += impulse
             if name in self.stood:
                 self.impulse_given += impulse
+        self.contacts = {name: contact.here for name, contact in self.met.items()}
 
     def begun_anew(self) -> Engine:
         """Return an engine of the same model, on the same device, that has not begun."""
@@ -76,9 +77,8 @@ class DeviceEngine(Engine):
         self.tied.gather(nodes.f)
         for acting in (*self.loads, *self.holds):
             self.acts[acting].add(now)
-        for name, contact in self.met.items():
-            if contact.add(now, nodes):
-                self.contacts[name] = contact.search(self.device.get(nodes.x))
+        for contact in self.met.values():
+            contact.add(now, nodes)
         for wall in self.stood.values():
             wall.add(now, nodes)
         self.tied.gather(nodes.f)

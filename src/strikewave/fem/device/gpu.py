@@ -16,7 +16,7 @@ THREADS = 128
 
 
 class Cuda:
-    """The first GPU.
+    """The first GPU; ``stored`` as in `strikewave.fem.device.devices.Device`.
 
     Raises
     ------
@@ -24,10 +24,11 @@ class Cuda:
         If there is none, or its driver is missing.
     """
 
-    def __init__(self) -> None:
+    def __init__(self, stored: type[np.floating[Any]] = np.float64) -> None:
         if not cuda.is_available():
             hint = "run it without --device, on the processor"
             raise InputError("--device", "cuda", "a machine with an NVIDIA GPU and its driver", hint)
+        self.stored = stored
         self.kernels: dict[Any, Any] = {}
         self._least = cuda.reduce(lesser)
 

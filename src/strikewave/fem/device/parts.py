@@ -6,20 +6,22 @@ from collections.abc import Callable
 from typing import Any, Generic, NamedTuple, TypeVar
 
 import numpy as np
-from numpy.typing import NDArray
 
 from strikewave.fem import _boundary_kernels as boundary_kernels
 from strikewave.fem import _contact_kernels as contact_kernels
 from strikewave.fem import _layout as layout
+from strikewave.fem import _rigid_kernels as rigid_kernels
+from strikewave.fem import _surface_kernels as surface_kernels
 from strikewave.fem._contact_kernels import ContactState, Step, WallState
 from strikewave.fem.boundary import Acting, Dashpots, Held, Now, Pressed, Weight, value_at
-from strikewave.fem.contact import searched
 from strikewave.fem.device import _bodies as bodies
 from strikewave.fem.device.devices import Device
+from strikewave.fem.device.search import FaceSearch
+from strikewave.fem.device.tables import lists
 from strikewave.fem.full import FullyIntegrated
 from strikewave.fem.hexahedron import Hexahedra, OnePoint
 from strikewave.fem.mesh import Array, Index
-from strikewave.fem.rigid import RigidBody
+from strikewave.fem.rigid import SHARES, RigidBody
 from strikewave.fem.tie import TieState
 
 S = TypeVar("S", ContactState, WallState)
@@ -30,20 +32,6 @@ BODIES: dict[type[Hexahedra], Callable[..., None]] = {
 """What brings an element to the end of a step."""
 DONE = 4
 """What each node of a boundary or contact sums up: work and impulse."""
-
-
-def lists(keys: NDArray[np.integer[Any]], values: NDArray[np.integer[Any]], count: int) -> tuple[Index, Index]:
-    """Return where the values of each key begin, (count + 1,), and the values, ascending for each.
-
-    Examples
-    --------
-    >>> start, places = lists(np.array([1, 0, 1]), np.array([5, 6, 4]), 3)
-    >>> start.tolist(), places.tolist()
-    ([0, 1, 3, 3], [6, 4, 5])
-    """
-    order = np.lexsort((values, keys))
-    start = np.concatenate([[0], np.cumsum(np.bincount(keys, minlength=count))])
-    return start.astype(np.int32), values[order].astype(np.int32)
 
 
 def put_fields(device: Device, state: Any) -> Any:
@@ -88,10 +76,11 @@ class DeviceElements:
 
     def send(self) -> None:
         """Bring the state of the elements there."""
-        put, self.stepped = self.device.put, False
-        self.blocks = put_fields(self.device, self.here.blocks)
+        put, self.stepped, stored, here = self.device.put, False, self.device.stored, self.here.blocks
+        kept = here._replace(constants=here.constants.astype(stored), state=here.state.astype(stored))
+        self.blocks = put_fields(self.device, kept)
         self.results = bodies.ElementResults(
-            put(np.zeros((3, 8 * self.lanes))),
+            put(np.zeros((3, 8 * self.lanes), stored)),
             put(np.zeros((layout.SUMS, self.lanes))),
             put(np.full(self.lanes, np.inf)),
         )
@@ -206,26 +195,20 @@ class DevicePressed(DeviceActing):
 
 
 class DeviceRigid(DeviceActing):
-    """A part that does not deform. Its few sums and its rotation are those of `RigidBody`, from copies of its nodes."""
+    """A part that does not deform. Its nodes are summed and moved there, and the body here, by `RigidBody`."""
 
     here: RigidBody
 
     def __init__(self, device: Device, acting: RigidBody, mass: Array) -> None:
         super().__init__(device, acting, mass)
-        self.rows = device.put(acting.force)
+        self.arms, self.sums = device.put(acting.arms), device.put(acting.sums)
 
     def _apply(self, now: Now) -> None:
-        here = self.here
-        x, f = self._copied(now.x), self._copied(now.f)
-        here.before[:] = self.device.get(self.before)
-        whole = here.move(x, f, self.mass[here.nodes], now.kick, now.step)
-        self.force = self.device.put(here.force)
-        self.device.each(bodies.put_row, self.count, self.nodes, self.device.put(whole), now.f)
-
-    def _copied(self, field: Any) -> Array:
-        """Return the rows of its nodes here."""
-        self.device.each(boundary_kernels.take_row, self.count, self.nodes, field, self.rows)
-        return self.device.get(self.rows)
+        each, centre = self.device.each, tuple(self.here.centre.tolist())
+        each(rigid_kernels.sum_share, SHARES, self.nodes, now.x, now.f, centre, self.sums)
+        pose = self.device.put(self.here.move(self.device.get(self.sums), now.kick, now.step))
+        rest = now.kick, now.step, now.x, self.before, now.f, now.mass, self.force
+        each(rigid_kernels.bring_node, self.count, self.nodes, self.arms, pose, *rest)
 
 
 ACTING: dict[type[Acting], type[DeviceActing]] = {Pressed: DevicePressed, RigidBody: DeviceRigid}
@@ -279,21 +262,25 @@ class DeviceWall(DeviceTouch[WallState]):
 
 
 class DeviceContact(DeviceTouch[ContactState]):
-    """Two surfaces. Faces are searched here, from a copy of the positions, as seldom as on a processor."""
+    """Two surfaces. Their faces are searched there, as seldom as on a processor."""
+
+    def __init__(self, device: Device, here: ContactState) -> None:
+        super().__init__(device, here)
+        self.faces = FaceSearch(device, here)
 
     def send(self) -> None:
-        """Bring the state there, and which nodes may meet a face that a node is a corner of."""
+        """Bring the state there."""
         super().send()
-        state = self.here
-        node = np.repeat(np.arange(self.count), np.diff(state.start))
-        last = np.flatnonzero(state.nodal.face >= 0)
-        met = np.concatenate([state.faces[state.candidates], state.faces[state.nodal.face[last]]])
-        pairs = np.unique(np.column_stack([met.ravel(), np.repeat(np.concatenate([node, last]), 4)]), axis=0)
-        self.start, self.sources = (self.device.put(each) for each in lists(pairs[:, 0], pairs[:, 1], self.count))
-        self.travel = float(state.travel[0])
+        self.travel = float(self.here.travel[0])
+        self._list_sources(self.here.nodal.face)
 
-    def add(self, now: Now, nodes: Nodes) -> bool:
-        """Add its forces to those of the nodes; return whether the faces must be searched before the next step."""
+    def _list_sources(self, last: Index) -> None:
+        """List which nodes may meet a face that a node is a corner of; ``last`` are the faces that each met last."""
+        met = surface_kernels.nodes_by_corner(self.here.faces, self.here.start, self.here.candidates, last)
+        self.start, self.sources = (self.device.put(each) for each in met)
+
+    def add(self, now: Now, nodes: Nodes) -> None:
+        """Add its forces to those of the nodes, and search the faces for the next step where that is due."""
         each, there = self.device.each, self.there
         step = self.step(now)
         each(contact_kernels.predict_node, self.count, there, nodes.x, nodes.v, nodes.f, nodes.yielding, step)
@@ -303,13 +290,14 @@ class DeviceContact(DeviceTouch[ContactState]):
         each(bodies.note_travel, 1, there, self.travel)
         each(contact_kernels.press_node, self.count, there, step._replace(travel=travel))
         each(bodies.collect_node, self.count, there, self.start, self.sources, nodes.f)
-        return self.travel + 2.0 * travel > self.here.margin
+        if self.travel + 2.0 * travel > self.here.margin:
+            self.search(nodes.x)
 
-    def search(self, x: Array) -> ContactState:
-        """Search the faces anew for where the nodes (nodes, 3) are; return the contact as it is here now."""
-        done = self.device.get(self.done)
-        self.fetch()
-        self.here = searched(self.here, x)
-        self.send()
-        self.done = self.device.put(done)
-        return self.here
+    def search(self, x: Any) -> None:
+        """Search the faces anew for where the nodes (nodes, 3) are there."""
+        start, begin, candidates = self.faces.near(self.there, x)
+        self.there = self.there._replace(start=begin, candidates=candidates)
+        self.here = self.here._replace(start=start, candidates=self.device.get(candidates))
+        self.travel = 0.0
+        self.device.each(bodies.note_travel, 1, self.there, self.travel)
+        self._list_sources(self.device.get(self.there.nodal.face))

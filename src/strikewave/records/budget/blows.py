@@ -80,8 +80,14 @@ class FigureUncertainty:
 
     Attributes
     ----------
-    value, standard, expanded, coverage : float
-        The figure, its standard uncertainty, and the expanded one with its coverage factor.
+    value : float
+        The figure.
+    standard : float
+        Its standard uncertainty.
+    expanded : float
+        Its expanded uncertainty.
+    coverage : float
+        Coverage factor of that.
     contributions : tuple of BudgetLine
         The largest first.
     method : str

@@ -75,6 +75,13 @@ def _of_folder(folder: Path) -> str:
 def read_record(path: str | Path, options: Options = Options()) -> Record:  # noqa: B008  (a tuple, frozen)
     r"""Read a file of any known format.
 
+    Parameters
+    ----------
+    path : str or Path
+        The file; its content says which format it has.
+    options : Options, optional
+        What the file itself does not say: sampling rate (Hz), column of time, channels wanted, unit of time (s).
+
     Returns
     -------
     Record

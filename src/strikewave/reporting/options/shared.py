@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from importlib import resources
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated, Any, Literal
 
 import typer
 
@@ -42,6 +42,17 @@ Cluster = Annotated[
         "--cluster",
         metavar="tcp://HOST:PORT",
         help="Dask scheduler that shares the runs among machines; processes of this one (--workers) by default.",
+        show_default=False,
+    ),
+]
+ElementDevice = Annotated[
+    Literal["cuda", "cuda-mixed"] | None,
+    typer.Option(
+        "--device",
+        help=(
+            "Take the steps of elements on an NVIDIA GPU, by cuda-mixed in single and double precision; on the "
+            "processor by default."
+        ),
         show_default=False,
     ),
 ]

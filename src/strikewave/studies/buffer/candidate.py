@@ -70,14 +70,18 @@ class Leading:
 
     Attributes
     ----------
-    softer, stiffer : float
-        Peak, m/s^2, with the moduli of all gaskets at the low and at the high end of their spread.
+    softer : float
+        Peak, m/s^2, with the moduli of all gaskets at the low end of their spread.
+    stiffer : float
+        Peak, m/s^2, with the moduli of all gaskets at the high end of their spread.
     confined : float or None
         Peak, m/s^2, with the moduli of the table where the faces of elastomers cannot slip; None without elastomers.
     robust : bool
         Whether all `variants` keep the limit, in a history that is long enough for the softest.
-    stress, strain : tuple of float
-        Largest of each gasket: force of what lies above its middle over its area, Pa, and that over the modulus.
+    stress : tuple of float
+        Largest of each gasket: force of what lies above its middle over its area, Pa.
+    strain : tuple of float
+        That over the modulus.
     """
 
     softer: float
@@ -98,8 +102,10 @@ class BufferCandidate:
         From the surface to the sensor.
     height : float
         Of the whole stack, m.
-    peak, width : float
-        Of the reading, with its sign, m/s^2, and at 10 % of the peak, s.
+    peak : float
+        Of the reading, with its sign, m/s^2.
+    width : float
+        Of the reading at 10 % of its peak, s.
     clipped : bool
         Whether sensor or recorder cut it off.
     element_peak : float
@@ -112,9 +118,11 @@ class BufferCandidate:
         One less the true peak over the limit, or over the range of sensor or recorder where that is lower.
     band : PassBand
         What the mounting passes.
-    rigid_ratio, velocity_error : float
-        Peak over that of the rigid body; velocity change against that of the surface, relative; NaN where unknown,
-        which the latter is where the sensor still rings (see ``ringing``) or the surface hardly changes its speed.
+    rigid_ratio : float
+        Peak over that of the rigid body; NaN where that is unknown.
+    velocity_error : float
+        Velocity change against that of the surface, relative; NaN where the sensor still rings (see ``ringing``) or
+        the surface hardly changes its speed.
     ringing : float
         Half the swing of sensor against surface in the last period of the resonance, over the velocity change.
     loss_error : float

@@ -9,7 +9,7 @@ from typing import Annotated
 import typer
 
 from strikewave.reporting.options.output import Output
-from strikewave.reporting.options.shared import Changes, Cluster, Fresh, KeptRuns, Processes
+from strikewave.reporting.options.shared import Changes, Cluster, ElementDevice, Fresh, KeptRuns, Processes
 
 
 def command(
@@ -42,6 +42,7 @@ def command(
     ] = None,
     workers: Processes = 2,
     cluster: Cluster = None,
+    device: ElementDevice = None,
     store: KeptRuns = None,
     fresh: Fresh = False,
     dry_run: Annotated[
@@ -64,7 +65,7 @@ def command(
     from strikewave.studies.engine.chosen_pool import pool_of
 
     request = load_design(file, changes or (), runs=runs, seed=seed, robust=robust)
-    plan = request.plan(output.tested(request.case))
+    plan = request.plan(output.tested(request.case)).on(device, cluster)
     count = min(workers, os.cpu_count() or 1)
     if dry_run:
         return show_estimate(plan, count, output.json)

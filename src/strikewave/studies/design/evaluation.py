@@ -57,15 +57,15 @@ class DesignEvaluation:
         numbers = (
             dict(zip(self.analysis.names, self.analysis(case).numbers, strict=True)) if self.analysis.names else {}
         )
-        simulation = Simulation(case)
+        simulation = Simulation(case, self.analysis.device)
         for name in self.names:
             if name not in numbers:
                 numbers[name] = _derived(name, case, numbers, simulation)
         return RunOutcome(tuple(numbers[name] for name in self.names))
 
 
-def evaluation_of(case: Case, analysis: str, names: Iterable[str]) -> DesignEvaluation:
-    """Return the evaluation that gives some numbers, with those that they follow from."""
+def evaluation_of(case: Case, analysis: str, names: Iterable[str], device: str | None = None) -> DesignEvaluation:
+    """Return the evaluation that gives some numbers, with those that they follow from; on a device, of elements."""
     wanted = tuple(dict.fromkeys(names))
     needed = [name for name in wanted if not is_derived(name)]
     for name in wanted:
@@ -73,7 +73,8 @@ def evaluation_of(case: Case, analysis: str, names: Iterable[str]) -> DesignEval
             load = name.removesuffix(OF_YIELD)
             needed += stress_names(case) if load == YIELDING else [load]
     needed = list(dict.fromkeys(needed))
-    return DesignEvaluation(CaseEvaluation(analysis, tuple(needed)), (*needed, *filter(is_derived, wanted)))
+    evaluation = CaseEvaluation(analysis, tuple(needed), device=device)
+    return DesignEvaluation(evaluation, (*needed, *filter(is_derived, wanted)))
 
 
 def stress_names(case: Case) -> list[str]:

@@ -6,7 +6,7 @@ import hashlib
 import importlib.util
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -19,7 +19,7 @@ from strikewave.cases.case import Case, dump_case
 from strikewave.studies.axes import case_at
 from strikewave.studies.design.evaluation import DesignEvaluation, evaluation_of, is_derived
 from strikewave.studies.design.goals import EXAMPLES, Aim, Goal, Objective, read_aim
-from strikewave.studies.engine.case_evaluation import checked_analysis, numbers_of
+from strikewave.studies.engine.case_evaluation import checked_analysis, checked_device, numbers_of
 from strikewave.studies.engine.evaluation import Job, Row
 from strikewave.studies.engine.plan import AxisVariation, varied
 from strikewave.studies.engine.variables import EXAMPLE, StudyVariable, read_variable, typed_value
@@ -80,6 +80,8 @@ class DesignPlan:
         What makes a case of a row.
     search : str
         One of `SEARCHES`.
+    device : str or None
+        Where the steps of elements are taken; None: the processor.
     """
 
     case: Case
@@ -91,6 +93,17 @@ class DesignPlan:
     robust: int
     variation: AxisVariation
     search: str = EVOLUTION
+    device: str | None = None
+
+    def on(self, device: str | None, cluster: str | None) -> DesignPlan:
+        """Return the plan with the steps of elements taken on a device, here or on a cluster; None: the processor.
+
+        Raises
+        ------
+        InputError
+            If the runs are not of elements, or there is no such device.
+        """
+        return replace(self, device=checked_device(self.analysis, device, cluster))
 
     @property
     def by_surrogate(self) -> bool:
@@ -115,7 +128,7 @@ class DesignPlan:
     @cached_property
     def evaluation(self) -> DesignEvaluation:
         """What is kept of each run."""
-        return evaluation_of(self.case, self.analysis, [aim.number for aim in self.aims])
+        return evaluation_of(self.case, self.analysis, [aim.number for aim in self.aims], self.device)
 
     @property
     def job(self) -> Job:

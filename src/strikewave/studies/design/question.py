@@ -28,6 +28,7 @@ def design(
     workers: int = 1,
     executor: Executor | None = None,
     cluster: str | None = None,
+    device: str | None = None,
     store: Path | str | None = None,
     progress: Callable[[float], None] | None = None,
 ) -> DesignStudy:
@@ -62,6 +63,8 @@ def design(
         Who runs instead: any executor of `concurrent.futures`, or one that acts as these do.
     cluster : str, optional
         Address of a Dask scheduler that shares the runs among machines, such as ``tcp://host:8786``.
+    device : str, optional
+        ``cuda`` or ``cuda-mixed``: the steps of elements are taken on the GPU, which the processes share.
     store : path, optional
         Folder that keeps finished runs: what it holds is not run again.
     progress : callable, optional
@@ -87,6 +90,6 @@ def design(
     >>> study.best.meets, study.conflict
     (True, None)
     """
-    plan = plan_of(case, vary_texts(vary), goals, analysis, runs, seed, robust, search)
+    plan = plan_of(case, vary_texts(vary), goals, analysis, runs, seed, robust, search).on(device, cluster)
     with store_in(store) as finished:
         return make_design(plan, finished, pool_of(executor, workers, cluster), share_reporter(progress))

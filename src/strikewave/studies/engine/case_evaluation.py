@@ -90,6 +90,23 @@ def checked_analysis(case: Case, analysis: str) -> str:
     return name
 
 
+def checked_device(analysis: str, device: str | None, cluster: str | None) -> str | None:
+    """Return the device of a study, which is here unless the runs are made on a cluster.
+
+    Raises
+    ------
+    InputError
+        If the runs are not of elements, or there is no such device.
+    """
+    if device is not None and analysis != "fem":
+        raise InputError("--device", device, "a study of elements", f"leave it out: these runs are {analysis}")
+    if device is not None and cluster is None:
+        from strikewave.fem.device.devices import device_named
+
+        device_named(device)
+    return device
+
+
 def usual_numbers(case: Case, analysis: str) -> tuple[str, ...]:
     """Return what is kept of a case where nothing is asked for: the first blow, and how equal several blows are."""
     names = numbers_of(case, analysis)
@@ -114,11 +131,14 @@ class CaseEvaluation:
         Of the numbers that are kept.
     histories : tuple of str
         Of `HISTORIES`.
+    device : str or None
+        Where the steps of elements are taken; None: the processor.
     """
 
     analysis: str
     names: tuple[str, ...]
     histories: tuple[str, ...] = ()
+    device: str | None = None
 
     def __call__(self, case: Case) -> RunOutcome:
         """Return what is kept of a case."""
@@ -138,7 +158,7 @@ def read_kept(case: Case, analysis: str, words: Sequence[str]) -> CaseEvaluation
     --------
     >>> from strikewave import load_case
     >>> read_kept(load_case("li-ma-2019"), "fast", ["cv", "blows"])
-    CaseEvaluation(analysis='fast', names=('cv',), histories=('blows',))
+    CaseEvaluation(analysis='fast', names=('cv',), histories=('blows',), device=None)
     """
     kept = tuple(dict.fromkeys(word.strip() for word in words if word.strip()))
     histories = tuple(word for word in kept if word in HISTORIES)
@@ -253,7 +273,7 @@ def _pulse(simulation: Simulation, blow: int = 0) -> KeptHistory:
 
 def _simulated(wanted: CaseEvaluation, case: Case) -> Evaluated:
     """Run a layered bar, or elements."""
-    simulation = Simulation(case)
+    simulation = Simulation(case, wanted.device)
     numbers = {name: simulation.number(*name_and_owner(name)) for name in wanted.names}
     return numbers, [_pulse(simulation)] if "pulses" in wanted.histories else []
 

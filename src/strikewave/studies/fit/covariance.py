@@ -133,6 +133,17 @@ def estimate(place: Array, residuals: Array, jacobian: Array, blocks: Sequence[R
     The interval of a coordinate is the widest of those by noise, by what is left, and by shots, each with Student's t.
     Theory: :eq:`fit-covariance`.
 
+    Parameters
+    ----------
+    place : ndarray
+        The best place, shape (n,).
+    residuals : ndarray
+        There, over their standard deviations, shape (m,).
+    jacobian : ndarray
+        Slopes of the residuals, shape (m, n).
+    blocks : sequence of ResidualBlock
+        Which residuals are of one record or number.
+
     Returns
     -------
     Estimate

@@ -96,7 +96,20 @@ STATEMENTS = {
 
 @dataclass(frozen=True)
 class ScatterPlan:
-    """How many runs, from which seed, how shares are found, and on how many processes."""
+    """How many runs, from which seed, how shares are found, and on how many processes.
+
+    Parameters
+    ----------
+    runs : int, optional
+        Draws within the tolerances.
+    seed : int, optional
+        Of the draws.
+    shares : str, optional
+        How the share of each tolerance is found: ``alone``, by runs in which it alone moves, ``sobol``, with what
+        tolerances do together, or ``none``.
+    workers : int, optional
+        Processes.
+    """
 
     runs: int = 500
     seed: int = 1

@@ -8,7 +8,7 @@ from typing import Annotated, Literal
 import typer
 
 from strikewave.reporting.options.output import Output
-from strikewave.reporting.options.shared import Changes, Cluster, Fresh, KeptRuns, Processes, case_name
+from strikewave.reporting.options.shared import Changes, Cluster, ElementDevice, Fresh, KeptRuns, Processes, case_name
 
 
 def command(
@@ -66,6 +66,7 @@ def command(
     ] = None,
     workers: Processes = 2,
     cluster: Cluster = None,
+    device: ElementDevice = None,
     store: KeptRuns = None,
     fresh: Fresh = False,
     dry_run: Annotated[
@@ -94,7 +95,7 @@ def command(
         seed=seed,
     )
     request = read_request(case, changes or (), typed)
-    plan = request.plan(output.tested(request.loaded))
+    plan = request.plan(output.tested(request.loaded)).on(device, cluster)
     count = min(workers, os.cpu_count() or 1)
     if dry_run:
         return show_estimate(plan, request.changes, store, count, output)

@@ -51,6 +51,7 @@ def sweep(
     workers: int = 1,
     executor: Executor | None = None,
     cluster: str | None = None,
+    device: str | None = None,
     store: Path | str | None = None,
     progress: Callable[[float], None] | None = None,
 ) -> SweepStudy:
@@ -80,6 +81,8 @@ def sweep(
         Who runs instead: any executor of `concurrent.futures`, or one that acts as these do.
     cluster : str, optional
         Address of a Dask scheduler that shares the runs among machines, such as ``tcp://host:8786``.
+    device : str, optional
+        ``cuda`` or ``cuda-mixed``: the steps of elements are taken on the GPU, which the processes share.
     store : path, optional
         Folder that keeps finished runs: what it holds is not run again.
     progress : callable, optional
@@ -103,7 +106,7 @@ def sweep(
     >>> study.number("first.rigid_peak").shape, study.failed
     ((3,), 0)
     """
-    plan = plan_of(case, vary, keep, analysis, design, runs, seed)
+    plan = plan_of(case, vary, keep, analysis, design, runs, seed).on(device, cluster)
     with store_in(store) as finished:
         return make_sweep(plan, finished, pool_of(executor, workers, cluster), share_reporter(progress))
 

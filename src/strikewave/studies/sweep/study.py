@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import hashlib
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any, ClassVar, NamedTuple
 
@@ -18,7 +18,7 @@ from strikewave.reporting.columns import HISTORY_DIGITS, Column, csv_table
 from strikewave.reporting.numbers import headed, percent, with_unit
 from strikewave.reporting.shown_result import ShownResult
 from strikewave.studies.axes import Axis
-from strikewave.studies.engine.case_evaluation import CaseEvaluation, called, unit_of
+from strikewave.studies.engine.case_evaluation import CaseEvaluation, called, checked_device, unit_of
 from strikewave.studies.engine.evaluation import Job, Row, Variation
 from strikewave.studies.engine.plan import GRID, HYPERCUBE, SOBOL, TOLERANCES
 from strikewave.studies.engine.pools import Pool, ProcessPool
@@ -104,6 +104,17 @@ class SweepPlan:
     variation: Variation
     evaluation: CaseEvaluation
     rows: tuple[Row, ...]
+
+    def on(self, device: str | None, cluster: str | None) -> SweepPlan:
+        """Return the plan with the steps of elements taken on a device, here or on a cluster; None: the processor.
+
+        Raises
+        ------
+        InputError
+            If the runs are not of elements, or there is no such device.
+        """
+        device = checked_device(self.evaluation.analysis, device, cluster)
+        return replace(self, evaluation=replace(self.evaluation, device=device))
 
     @property
     def job(self) -> Job:
