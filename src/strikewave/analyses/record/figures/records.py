@@ -139,7 +139,8 @@ def _mark_pulses(axes: Any, pulses: Sequence[RecordedPulse], factor: float, scal
     _shade(axes, pulses, factor)
     places = [(pulse.time * factor, (pulse.offset + pulse.peak) / scale) for pulse in pulses]
     if places:
-        _dots(axes, *np.array(places).T, label="peak")
+        time, heights = np.array(places).T
+        _dots(axes, time, heights, "peak")
     free = -np.inf
     for k, (pulse, place) in enumerate(zip(pulses, places, strict=True), 1):
         if len(pulses) <= MOST_LABELS or place[0] >= free:
