@@ -1,11 +1,13 @@
 """A file of twice the size takes twice the work: no small one keeps a program busy for minutes, or takes gigabytes."""
 
 import dataclasses
+import functools
+import math
 import tracemalloc
+from unittest.mock import Mock
 
 import numpy as np
 import pytest
-import scipy.optimize
 
 from strikewave.base.errors import InputError
 from strikewave.records import (
@@ -16,11 +18,11 @@ from strikewave.records import (
     compare,
     find_pulses,
     read_file,
-    smooth_pulse,
     summed,
 )
-from strikewave.records.health import range as blow_range
 from strikewave.records.health.examined import Examined
+from strikewave.records.health.range import limited
+from strikewave.records.health.range.shape import BlowShape
 from strikewave.records.pulses import Baseline, find_boxes
 from strikewave.records.readers import Options, common, read_record, tdms
 from strikewave.records.readers.common import ArrayColumn, assemble, one_each
@@ -111,28 +113,40 @@ def test_work_grows_with_the_number_of_blows():
     assert lines[2] / lines[1] < LINEAR
 
 
-def test_a_pulse_is_evaluated_once_for_each_round_of_its_fit_and_once_for_all_its_slopes(monkeypatch):
-    evaluated, fits = [], []
-    unit_pulse, least_squares = smooth_pulse.unit_pulse, scipy.optimize.least_squares
-    monkeypatch.setattr(smooth_pulse, "unit_pulse", lambda *words: evaluated.append(1) or unit_pulse(*words))
-    monkeypatch.setattr(
-        scipy.optimize, "least_squares", lambda *words, **more: fits.append(least_squares(*words, **more)) or fits[-1]
-    )
-    time = np.linspace(0.0, 1.0, 100)
-    true = smooth_pulse.SmoothPulse(1.0, 0.3, 0.4, 0.4, 1.5)
-    fitted = smooth_pulse.fit_smooth_pulse(time, true.at(time), 0.35, 0.3)
-    assert fitted == pytest.approx(true, abs=1e-4)
-    assert len(evaluated) == 1 + fits[0].nfev + fits[0].njev  # one for what is true
+def test_work_of_reading_grows_with_the_number_of_blows():
+    def read(count):
+        values = np.random.default_rng(1).normal(size=300 * count)
+        for k in range(count):
+            values[300 * k + 100 : 300 * k + 120] += 500.0 * np.sin(np.linspace(0.0, np.pi, 20))
+        [reading] = read_file(Record("a.csv", "text", (Channel("c", values, 1e-6),)), {}, Request()).channels
+        assert len(reading.pulses) == count
+        assert len(reading.intervals) == count - 1
+
+    lines = [lines_run(read, count) for count in (5, 20, 40)]
+    assert lines[2] / lines[1] < LINEAR
 
 
-def test_the_sides_of_a_blow_are_measured_once(monkeypatch):
+@pytest.mark.parametrize("ends", [[1.0, 2.0, 3.0], [3.0, 2.5, 2.7]])
+def test_the_first_blow_that_ends_after_another_is_the_next(ends):
+    """As a search through all blows finds it, whether or not one lies within another."""
+    pulses = tuple(Mock(begin=0.5 + k, end=end) for k, end in enumerate(ends))
+    record = Examined(np.zeros(20), 1.0, pulses=pulses)
+    for pulse in pulses:
+        later = [other.begin for other in pulses if other.end > pulse.end]
+        assert record.next_begin(pulse) == min(later, default=math.inf)
+
+
+@pytest.mark.parametrize("measured", ["tip", "usual_tip", "flanks"])
+def test_tip_and_sides_of_a_blow_are_measured_once(monkeypatch, measured):
     """Flat tops and limited slopes are both seen at them."""
     asked = []
-    flank_of = blow_range.flank_of
-    monkeypatch.setattr(blow_range, "flank_of", lambda *words: asked.append(words[2]) or flank_of(*words))
+    figure = vars(BlowShape)[measured].func
+    counted = functools.cached_property(lambda shape: asked.append(measured) or figure(shape))
+    counted.__set_name__(BlowShape, measured)
+    monkeypatch.setattr(BlowShape, measured, counted)
     values = 100.0 * np.sin(np.pi * np.clip(np.arange(900.0) / 80.0 - 5.0, 0.0, 1.0))
-    assert not blow_range.limited(Examined(values, 1e-6, pulses=tuple(find_pulses(values, 1e-6))))
-    assert asked == [-1, 1]
+    assert not limited(Examined(values, 1e-6, pulses=tuple(find_pulses(values, 1e-6))))
+    assert asked == [measured]
 
 
 def test_work_of_a_campaign_grows_with_the_number_of_channels():

@@ -161,7 +161,7 @@ def noise_before(values: Array, first: int, width: int, earliest: int = 0, white
         return white * np.random.default_rng(0).normal(size=WHITE * width)
     place = np.linspace(-1.0, 1.0, end - begin)
     part = values[begin:end] - np.mean(values[begin:end])
-    return np.asarray(part - place * float(np.sum(part * place) / np.sum(place**2)))
+    return np.asarray(part - place * float(part @ place) / float(place @ place))
 
 
 def _medians_before(means: Array, level: float) -> Array | float:
@@ -187,10 +187,10 @@ def _sloped(means: Array, width: int, level: LocalBaseline) -> LocalBaseline:
     if n < SLOPED:
         return level
     place = np.arange(n) - 0.5 * (n - 1)
-    spread = float(np.sum(place**2))
-    slope = float(np.sum(place * means)) / spread
+    spread = float(place @ place)
+    slope = float(place @ means) / spread
     rest = means - float(np.mean(means)) - slope * place
-    scatter = math.sqrt(float(np.sum(rest**2)) / (n - 2))
+    scatter = math.sqrt(float(rest @ rest) / (n - 2))
     memory = alike_as_one(rest)
     error = scatter / math.sqrt(spread) * math.sqrt(memory)
     ahead = 0.5 * (n - 1) + 2.0  # the width after next, as above
@@ -204,8 +204,8 @@ def _sloped(means: Array, width: int, level: LocalBaseline) -> LocalBaseline:
 
 def _alike(missed: Array) -> float:
     """Return the correlation of neighbours, from zero to `MOST_ALIKE`."""
-    power = float(np.sum(missed**2))
-    return min(max(float(np.sum(missed[1:] * missed[:-1])) / power, 0.0), MOST_ALIKE) if power > 0.0 else 0.0
+    power = float(missed @ missed)
+    return min(max(float(missed[1:] @ missed[:-1]) / power, 0.0), MOST_ALIKE) if power > 0.0 else 0.0
 
 
 def _ripple(blocks: Array, means: Array) -> float:
@@ -219,4 +219,4 @@ def _ripple(blocks: Array, means: Array) -> float:
 
 
 def _root_mean_square(values: Array) -> float:
-    return math.sqrt(float(np.mean(values**2)))
+    return math.sqrt(float(values @ values) / values.size)

@@ -8,7 +8,7 @@ the figures are those of the smooth pulse that fits best, which its ``method`` r
 from __future__ import annotations
 
 import math
-from collections.abc import Container, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import NamedTuple
 
@@ -245,21 +245,23 @@ def find_pulses(values: Array, step: float, start: float = 0.0) -> list[Recorded
     noise = sample_noise(values)
     sign, large, small = find_boxes(values, line, noise)
 
-    def measured(boxes: Sequence[Box], wanted: Container[Box]) -> list[tuple[RecordedPulse, bool]]:
-        """Measure boxes between their neighbours, and tell which are small."""
+    few = set(small)
+
+    def measured(boxes: Sequence[Box], are_small: bool) -> list[tuple[RecordedPulse, bool]]:
+        """Measure the large boxes, or the small ones, between their neighbours, and tell which they are."""
         found = []
         for k, box in enumerate(boxes):
-            if box in wanted:
+            if (box in few) is are_small:
                 earliest = boxes[k - 1].last if k else 0
                 latest = boxes[k + 1].first if k + 1 < len(boxes) else values.size
                 baseline = baseline_before(values, box.first, box.width, earliest)
                 if baseline is None:
                     baseline = LocalBaseline(float(line.at(box.first + 0.5 * box.width)))
                 pulse = _measure(values, BlowWindow(box, earliest, latest, sign, baseline, noise, step, start))
-                found += [] if pulse is None else [(pulse, wanted is small)]
+                found += [] if pulse is None else [(pulse, are_small)]
         return found
 
-    contacts = [*measured(large, large), *measured(sorted(large + small), small)]
+    contacts = [*measured(large, False), *measured(sorted(large + small), True)]
     return _with_rigid(values, step, start, _owned(sorted(contacts, key=lambda contact: contact[0].time)))
 
 

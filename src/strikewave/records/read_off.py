@@ -18,6 +18,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from strikewave.records._read_off_kernels import row_figures
 from strikewave.records.record import Array
 from strikewave.records.smooth_pulse import SmoothPulse
 from strikewave.records.smoothing import SmoothingWindow, windows_up_to
@@ -131,7 +132,7 @@ def read_pulse(about: Surroundings, smooth: SmoothPulse, noise: Array) -> ReadPu
         rest = base + draws - draws[:, box].mean(axis=1, keepdims=True)
         again = pulse[near] + np.zeros_like(rest)
         if beside:
-            basis, _ = np.linalg.qr(smooth.tangents(about.time[near]))
+            basis, _ = np.linalg.qr(smooth.tangents(about.time[near])[0])
             moved = (rest @ basis) @ basis.T
             again, rest = again + moved, rest - moved
         off, least = _spread(figures_of(again + taken.over(rest), box) - start)
@@ -155,32 +156,8 @@ def figures_of(rows: Array, inside: slice) -> Array:
     >>> figures_of(tent[None], slice(4, 14)).round(2)
     array([[ 9. ,  1. ,  6.4, 14.4]])
     """
-    size = rows.shape[1]
-    every, place = np.arange(rows.shape[0]), np.arange(size)
-    index = inside.start + np.argmax(rows[:, inside], axis=1)
-    middle = np.clip(index, 1, size - 2)
-    left, top, right = (rows[every, middle + k] for k in (-1, 0, 1))
-    curvature = left - 2.0 * top + right
-    bent = (curvature < 0.0) & (middle == index)
-    shift = np.where(bent, 0.5 * (left - right) / np.where(bent, curvature, 1.0), 0.0)
-    peak = np.where(bent, top - 0.25 * (left - right) * shift, rows[every, index])
-
-    def crossed(share: float, side: int) -> Array:
-        """Return where each row falls to a share of its peak, before it (-1) or after it."""
-        below = rows <= (share * peak)[:, None]
-        if side < 0:
-            low = np.where(below & (place <= index[:, None]), place, -1).max(axis=1)
-        else:
-            low = np.where(below & (place >= index[:, None]), place, size).min(axis=1)
-        known = (low >= 0) & (low < size) & (peak > 0.0)
-        low = np.clip(low, 0, size - 1)
-        high = np.clip(low - side, 0, size - 1)
-        rise = rows[every, high] - rows[every, low]
-        part = (share * peak - rows[every, low]) / np.where(rise > 0.0, rise, 1.0)
-        return np.where(known, low - side * np.where(rise > 0.0, part, 0.0), math.nan)
-
-    first, low, high = (crossed(share, -1) for share in (WIDTH_FRACTION, RISE_LOW, RISE_HIGH))
-    return np.column_stack([index + shift, peak, high - low, crossed(WIDTH_FRACTION, 1) - first])
+    first, last, _ = inside.indices(rows.shape[1])
+    return np.asarray(row_figures(rows, first, last, WIDTH_FRACTION, RISE_LOW, RISE_HIGH))
 
 
 def noise_like(noise: Array, size: int, count: int) -> Array:
@@ -206,11 +183,12 @@ def noise_like(noise: Array, size: int, count: int) -> Array:
 def least_error(raw: Array, pulse: Array, windows: list[SmoothingWindow], noise: Array) -> tuple[int, bool]:
     """Return which window makes the least error, and whether of the rest beside the smooth pulse or of the record."""
     errors: dict[tuple[int, bool], float] = {}
+    rests = {True: raw - pulse, False: raw}
     for k, window in enumerate(windows):
-        through = 2.0 * float(np.mean(noise * window.over(noise)))
-        for beside in (True, False):
-            rest = raw - pulse if beside else raw
-            errors[k, beside] = through + float(np.mean((rest - window.over(rest)) ** 2))
+        through = 2.0 * float(noise @ window.over(noise)) / noise.size
+        for beside, rest in rests.items():
+            missed = rest - window.over(rest)
+            errors[k, beside] = through + float(missed @ missed) / rest.size
     return min(errors, key=lambda one: errors[one])
 
 
@@ -246,7 +224,8 @@ def _spread(rows: Array) -> tuple[Array, Array]:
     count = known.sum(axis=0)
     enough, count = count > 0.5 * rows.shape[0], np.maximum(count, 1)
     mean = np.where(known, rows, 0.0).sum(axis=0) / count
-    middle = np.median(np.where(known, rows, mean), axis=0)
+    half = rows.shape[0] // 2
+    middle = np.sort(np.where(known, rows, mean), axis=0)[[~half, half]].mean(axis=0)  # the median of its columns
     scatter = np.sqrt((np.where(known, rows - mean, 0.0) ** 2).sum(axis=0) / count)
     return np.where(enough, middle, 0.0), np.where(enough, scatter, math.nan)
 

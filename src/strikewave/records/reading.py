@@ -318,17 +318,16 @@ def _without_coupling(channel: Channel, examined: Examined, wanted: str | float)
 
 
 def holes_of(channel: Channel) -> Array:
-    """Return the times of samples that are no numbers, s."""
+    """Return the times of samples that are no numbers, s, rising."""
     missing = np.flatnonzero(~np.isfinite(channel.values))
-    if channel.stamps is not None:
-        return channel.stamps[missing]
-    return np.asarray(channel.start + channel.step * missing, dtype=np.float64)
+    times = channel.start + channel.step * missing if channel.stamps is None else channel.stamps[missing]
+    return np.sort(np.asarray(times, dtype=np.float64))
 
 
 def _in_blows(holes: Array, pulses: Sequence[RecordedPulse]) -> list[HealthNotice]:
     """Find blows that lack samples: what bridges them is no measurement."""
     for pulse in pulses:
-        count = int(np.count_nonzero((holes >= pulse.begin) & (holes <= pulse.end)))
+        count = int(np.searchsorted(holes, pulse.end, side="right") - np.searchsorted(holes, pulse.begin))
         if count:
             message = (
                 f"{count} samples of the blow at {pulse.time:.6g}\xa0s are no numbers: its figures are not measured"

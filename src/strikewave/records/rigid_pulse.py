@@ -26,9 +26,10 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from strikewave.records._smooth_pulse_kernels import unit_pulses
 from strikewave.records.correlation import alike_as_one
 from strikewave.records.ringing import FEWEST_AFTER, SEPARATE, Stretch, swings_after
-from strikewave.records.smooth_pulse import SmoothPulse, unit_pulse
+from strikewave.records.smooth_pulse import SmoothPulse
 
 Array = NDArray[np.float64]
 
@@ -323,7 +324,7 @@ def _fit(values: Array, step: float, guess: SmoothPulse, frequency: float, model
         omega = omega0 * np.exp(v[4])
         inside = slice(*np.searchsorted(time, (begin.min(), (begin + length).max())))
         pulses = np.zeros((rows.shape[0], time.size))
-        pulses[:, inside] = unit_pulse((time[inside] - begin) / length, v[2], v[3])
+        pulses[:, inside] = unit_pulses((time[inside] - begin) / length, rows[:, 2], rows[:, 3])
         struck = begin + (v[6] * length if v.shape[0] > 6 else 0.0)
         columns, gains = model(pulses, time - struck, step, omega, omega * np.exp(v[5]))
         products = columns @ np.swapaxes(columns, 1, 2)

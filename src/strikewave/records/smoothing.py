@@ -9,6 +9,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from strikewave.records._read_off_kernels import smoothed_rows
+
 Array = NDArray[np.float64]
 
 NARROWEST = 2
@@ -35,14 +37,13 @@ class SmoothingWindow(NamedTuple):
         """
         if self.half == 0:
             return values
-        weights = parabola(self.half)
-        beside = [(0, 0)] * (values.ndim - 1) + [(self.half, self.half)]
-        padded = np.pad(values, beside, mode="edge")
-        if values.ndim == 1 and weights.size * values.size <= DIRECT:
-            return np.convolve(padded, weights, mode="valid")
+        weights, rows = parabola(self.half), np.atleast_2d(values)
+        if weights.size * values.size <= DIRECT:
+            return smoothed_rows(rows, weights).reshape(values.shape)
         from scipy.signal import fftconvolve
 
-        return np.asarray(fftconvolve(padded, weights.reshape((1,) * (values.ndim - 1) + (-1,)), "valid", axes=-1))
+        padded = np.pad(rows, ((0, 0), (self.half, self.half)), mode="edge")
+        return np.asarray(fftconvolve(padded, weights[None], "valid", axes=-1)).reshape(values.shape)
 
     @property
     def gain(self) -> float:

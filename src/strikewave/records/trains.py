@@ -15,6 +15,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from strikewave.records._train_kernels import best_chains
 from strikewave.records.record import Array
 
 COMPARABLE = 0.6
@@ -186,16 +187,13 @@ def sort_contacts(times: Array, peaks: Array, widths: Array, small: Sequence[boo
     """
     large = np.flatnonzero(~np.asarray(small, dtype=bool))
     train = find_train(times, peaks)
-    if train is not None and not set(large[peaks[large] >= COMPARABLE * peaks[large].max(initial=0.0)]) & set(
-        train.members
-    ):
-        train = None  # a train of what is small beside a blow that is not on it
-    if train is None:
-        return _without_train(times, peaks, widths, small)
+    on = set() if train is None else set(train.members)
+    if train is None or not on & set(large[peaks[large] >= COMPARABLE * peaks[large].max(initial=0.0)]):
+        return _without_train(times, peaks, widths, small)  # or one of what is small beside a blow that is not on it
     owner: dict[int, int] = {}
     double: dict[int, int] = {}
     members = np.array(train.members)
-    others = [k for k in range(times.size) if k not in set(train.members)]
+    others = [k for k in range(times.size) if k not in on]
     blow_of = {k: int(members[max(int(np.searchsorted(times[members], times[k])) - 1, 0)]) for k in others}
     late = _as_late(times, peaks, blow_of, len(members))
     for k, blow in blow_of.items():
@@ -261,17 +259,7 @@ def _chain(times: Array, weights: Array, period: float, penalty: float) -> tuple
 
     Each blow that it misses costs ``penalty``.
     """
-    score, before = weights.copy(), np.full(times.size, -1)
-    firsts = np.searchsorted(times, times - (MOST_PERIODS + JITTER) * period)
-    for k in range(1, times.size):
-        earlier = np.arange(firsts[k], k)
-        gaps = (times[k] - times[earlier]) / period
-        counts = np.rint(gaps)
-        fits = (counts >= 1.0) & (np.abs(gaps - counts) < JITTER)
-        gains = np.where(fits, score[earlier] - (counts - 1.0) * penalty, -np.inf)
-        if gains.size and gains.max() > 0.0:
-            before[k] = earlier[int(np.argmax(gains))]
-            score[k] += gains.max()
+    score, before = best_chains(times, weights, period, penalty, MOST_PERIODS, JITTER)
     k = int(np.argmax(score))
     members = [k]
     while before[members[-1]] >= 0:

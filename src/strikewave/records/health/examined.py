@@ -131,6 +131,18 @@ class Examined(SampledRecord):
         """What the blows are to one another: a train, double hits."""
         return contacts_of(self.pulses)
 
+    def next_begin(self, pulse: RecordedPulse) -> float:
+        """Return when the first of the blows begins that end after one, s; infinite where none does."""
+        ends, begins = self._begins_by_end
+        return float(begins[np.searchsorted(ends, pulse.end, side="right")])
+
+    @cached_property
+    def _begins_by_end(self) -> tuple[Array, Array]:
+        """Ends of the blows, rising, and with each the first begin of those that end then or later, s."""
+        ordered = sorted((pulse.end, pulse.begin) for pulse in self.pulses)
+        ends, begins = np.array([*ordered, (math.inf, math.inf)]).T
+        return ends, np.minimum.accumulate(begins[::-1])[::-1]
+
     @cached_property
     def tail(self) -> TailModel | None:
         """What the zero does after the blows; None where too little follows them.

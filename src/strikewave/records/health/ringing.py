@@ -149,9 +149,9 @@ def _swing_after(record: Examined, pulse: RecordedPulse) -> float:
     until = pulse.end + RINGS_WITHIN * width
     begin = record.place(pulse.end + AFTER_BLOW * width)
     after = record.values[begin : record.place(until)] - pulse.offset
-    contacts = [p.begin for p in record.pulses if p is not pulse and p.end > pulse.end]
-    contacts += [rebound.time - width for rebound in one_sided(record.values, record.step, record.start, pulse)]
-    if after.size < FEWEST_OF_PART or min(contacts, default=math.inf) < until:
+    rebounds = one_sided(record.values, record.step, record.start, pulse)
+    contacts = [record.next_begin(pulse), *(rebound.time - width for rebound in rebounds)]
+    if after.size < FEWEST_OF_PART or min(contacts) < until:
         return 0.0
     swing = 0.5 * float(np.ptp(after))
     return swing if swing >= NOISES_OF_RINGING * pulse.noise else 0.0

@@ -139,7 +139,8 @@ def _mark_pulses(axes: Any, pulses: Sequence[RecordedPulse], factor: float, scal
     _shade(axes, pulses, factor)
     places = [(pulse.time * factor, (pulse.offset + pulse.peak) / scale) for pulse in pulses]
     if places:
-        axes.plot(*zip(*places, strict=True), "o", color=RED, markersize=3.5, label="peak", zorder=4)
+        time, heights = np.array(places).T
+        _dots(axes, time, heights, "peak")
     free = -np.inf
     for k, (pulse, place) in enumerate(zip(pulses, places, strict=True), 1):
         if len(pulses) <= MOST_LABELS or place[0] >= free:
@@ -152,11 +153,23 @@ def _mark_pulses(axes: Any, pulses: Sequence[RecordedPulse], factor: float, scal
 
 
 def _shade(axes: Any, pulses: Sequence[RecordedPulse], factor: float) -> None:
-    """Shade pulses from begin to end, over the whole height."""
-    spans = [(pulse.begin * factor, (pulse.end - pulse.begin) * factor) for pulse in pulses]
+    """Shade pulses from begin to end, over the whole height; those that no pixel parts are one."""
+    left, right = axes.get_xlim()
+    spans: list[tuple[float, float]] = []
+    for begin, end in ((pulse.begin * factor, pulse.end * factor) for pulse in pulses):
+        if spans and begin - spans[-1][1] < (right - left) / COLUMNS:
+            begin, last = spans.pop()
+            end = max(end, last)
+        spans.append((begin, end))
     if spans:
+        bars = [(begin, end - begin) for begin, end in spans]
         across = axes.get_xaxis_transform()
-        axes.broken_barh(spans, (0.0, 1.0), transform=across, color=BLUE, alpha=0.13, linewidth=0, label="blow")
+        axes.broken_barh(bars, (0.0, 1.0), transform=across, color=BLUE, alpha=0.13, linewidth=0, label="blow")
+
+
+def _dots(axes: Any, time: Array, heights: Array, label: str = "_") -> None:
+    """Mark places of pulses; of thousands the highest and the lowest of each pixel."""
+    axes.plot(*thin(time, heights, COLUMNS), "o", color=RED, markersize=3.5, label=label, zorder=4)
 
 
 def _mark_findings(axes: Any, findings: Sequence[HealthNotice], factor: float, last: float) -> None:
@@ -333,7 +346,7 @@ def draw_velocity(axes: Any, reading: ChannelReading, room: float = 0.055) -> No
     _shade(axes, reading.pulses, factor)
     ends = np.array([pulse.end for pulse in reading.pulses])
     heights = np.interp(ends, channel.time, total) / how.integral_scale
-    axes.plot(ends * factor, heights, "o", color=RED, markersize=3.5, zorder=4)
+    _dots(axes, ends * factor, heights)
     free = -np.inf
     for pulse, place in zip(reading.pulses, zip(ends * factor, heights, strict=True), strict=True):
         if place[0] >= free:

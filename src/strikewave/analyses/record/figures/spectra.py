@@ -6,6 +6,7 @@ import math
 import textwrap
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any, NamedTuple
+from weakref import WeakKeyDictionary
 
 import numpy as np
 from numpy.typing import NDArray
@@ -43,6 +44,8 @@ Q = 10.0
 """Quality factor of the spectra of a report: 5 % of critical damping, as shock specifications take it."""
 _SIDES = (("maximax", "#8FC3E4", "-", 4.0), ("positive", BLUE, "-", 1.3), ("negative", RED, "--", 1.3))
 _COLOURS = (BLUE, RED, GREEN, ORANGE, GREY)
+_RESPONSES: WeakKeyDictionary[ChannelReading, dict[tuple[str, float], Spectrum | None]] = WeakKeyDictionary()
+"""Of readings in use, by kind and Q: page and picture show the same, and that of a long record takes seconds."""
 
 
 class RecordPart(NamedTuple):
@@ -154,6 +157,13 @@ def response(reading: ChannelReading, kind: str = "absolute", q: float = Q) -> S
     """
     if not (reading.pulses and drawable(reading)):
         return None
+    known = _RESPONSES.setdefault(reading, {})
+    if (kind, q) not in known:
+        known[kind, q] = _response(reading, kind, q)
+    return known[kind, q]
+
+
+def _response(reading: ChannelReading, kind: str, q: float) -> Spectrum | None:
     first, last = reading.pulses[0], reading.pulses[-1]
     length = max(pulse.end - pulse.begin for pulse in reading.pulses)
     values = _between(reading, first.begin - BEFORE * length, last.end + AFTER * length) - first.offset

@@ -1,0 +1,85 @@
+"""The fit of a smooth pulse: against pulses that are known, an independent solver, and differences of its own squares."""
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from scipy.optimize import least_squares
+
+from strikewave.records import _smooth_pulse_kernels as kernels
+from strikewave.records import smooth_pulse
+from strikewave.records.smooth_pulse import SmoothPulse, fit_smooth_pulse
+
+TIME = np.linspace(0.0, 2.0, 121)
+pulses = st.builds(
+    SmoothPulse,
+    st.floats(0.5, 1.5),
+    st.floats(0.4, 0.6),
+    st.floats(0.6, 1.2),
+    st.floats(0.2, 0.8),
+    st.floats(0.5, 3.0),
+)
+
+
+@settings(max_examples=30)
+@given(pulses)
+def test_a_pulse_of_the_family_is_found_again(true):
+    fitted = fit_smooth_pulse(TIME, true.at(TIME), 0.5, 1.0)
+    # of powers below one a sample that comes near a foot in another valley of the squares misses that foot alone
+    assert fitted.misfit < (1e-6 if true.power > 1.0 else 0.02)
+    # the fit ends where its steps are 1e-6 of the pulse
+    assert fitted.peak == pytest.approx(true.peak, rel=1e-4 if true.power > 1.0 else 0.02)
+    assert fitted.width() == pytest.approx(true.width(), rel=1e-4 if true.power > 1.0 else 0.03)
+
+
+@settings(max_examples=30)
+@given(pulses, st.integers(0, 1000))
+def test_no_pulse_near_that_of_the_fit_has_fewer_squares(true, seed):
+    """An independent solver that begins there gains nothing: the fit ends at a minimum within the bounds."""
+    values = true.at(TIME) + 0.05 * np.random.default_rng(seed).normal(size=TIME.size)
+    fitted = fit_smooth_pulse(TIME, values, 0.5, 1.0)
+    low, high = smooth_pulse.LOWEST.copy(), smooth_pulse.HIGHEST.copy()
+    scale = np.max(values)
+    low[0], high[0] = low[0] * scale, high[0] * scale
+    low[1], high[1] = TIME[0] - 0.5, TIME[-1]
+    start = np.clip(fitted[:5], low + 1e-9, high - 1e-9)
+    better = least_squares(lambda v: SmoothPulse(*v).at(TIME) - values, start, bounds=(low, high))
+    squares = np.sum((fitted.at(TIME) - values) ** 2)
+    assert squares == pytest.approx((fitted.misfit * fitted.peak) ** 2 * TIME.size, rel=1e-9)
+    assert 2.0 * better.cost > 0.999 * squares  # kinks at the samples: a step over one may gain that little
+
+
+@settings(max_examples=30)
+@given(pulses)
+def test_gradient_and_normal_matrix_are_the_derivatives_of_the_pulse(pulse):
+    time = pulse.begin + pulse.length * np.array([-0.5, *np.linspace(0.02, 0.98, 40), 1.5])  # no foot is at a sample
+    values, spreads = np.cos(time), np.array([1.0, 0.1, 0.3, 0.2, 1.0])
+    normal, gradient = np.zeros((5, 5)), np.zeros(5)
+    squares = kernels.normal_equations(time, values, np.array(pulse[:5]), spreads, np.zeros(5), normal, gradient)
+    rest = pulse.at(time) - values
+    assert squares == pytest.approx(np.sum(rest**2), rel=1e-12)
+    changes = 1e-6 * np.diag(spreads)
+    more, less = (np.array([SmoothPulse(*row).at(time) for row in pulse[:5] + side * changes]) for side in (1, -1))
+    slopes = (more - less) / 2e-6
+    # a difference over 1e-6 loses 1e-10 to rounding, and 1e-8 to what bends within it near a foot
+    assert gradient == pytest.approx(slopes @ rest, rel=1e-6, abs=1e-7)
+    assert np.tril(normal) == pytest.approx(np.tril(slopes @ slopes.T), rel=1e-6, abs=1e-7)
+
+
+def test_a_step_keeps_to_the_bounds():
+    """Of a spike the length goes to its lowest, of a step the pulse never ends."""
+    for values in ((np.abs(TIME - 1.0) < 0.01) * 1.0, (TIME > 1.0) * 1.0):
+        fitted = fit_smooth_pulse(TIME, values, 0.9, 0.2)
+        assert smooth_pulse.LOWEST[2] * 0.2 <= fitted.length <= smooth_pulse.HIGHEST[2] * 0.2
+        assert smooth_pulse.LOWEST[3] <= fitted.rise_share <= smooth_pulse.HIGHEST[3]
+        assert smooth_pulse.LOWEST[4] <= fitted.power <= smooth_pulse.HIGHEST[4]
+
+
+@settings(max_examples=30)
+@given(pulses)
+def test_tangents_are_those_of_the_pulse(pulse):
+    """Along each, the pulse moves as one does whose parameter is changed."""
+    directions, speeds = pulse.tangents(TIME)
+    assert np.linalg.norm(directions, axis=0) == pytest.approx(np.ones(5))
+    longer = pulse._replace(peak=1.01 * pulse.peak)
+    assert pulse.at(TIME) + 0.01 * pulse.peak * speeds[0] * directions[:, 0] == pytest.approx(longer.at(TIME))
