@@ -4,6 +4,7 @@ What is built asks no other host for anything: equations are MathML, fonts those
 """
 
 import os
+import re
 import shutil
 import sys
 from pathlib import Path
@@ -54,6 +55,10 @@ napoleon_google_docstring = False
 napoleon_use_rtype = False
 napoleon_preprocess_types = True
 napoleon_use_ivar = True
+LISTED = re.findall(
+    r"^(?:   |.. autoclass:: )(strikewave\.[\w.]+\.[A-Z]\w+)$", (HERE / "reference.md").read_text("utf-8"), re.M
+)
+napoleon_type_aliases = {name.rpartition(".")[2]: f":py:obj:`~{name}`" for name in LISTED}  # by which types lead there
 math_numfig = True
 math_eqref_format = "({number})"
 
