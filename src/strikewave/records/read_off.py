@@ -182,14 +182,13 @@ def noise_like(noise: Array, size: int, count: int) -> Array:
 
 def least_error(raw: Array, pulse: Array, windows: list[SmoothingWindow], noise: Array) -> tuple[int, bool]:
     """Return which window makes the least error, and whether of the rest beside the smooth pulse or of the record."""
-    errors: dict[tuple[int, bool], float] = {}
-    rests = {True: raw - pulse, False: raw}
+    rests = np.array([raw - pulse, raw])
+    errors = np.empty((len(windows), 2))
     for k, window in enumerate(windows):
-        through = 2.0 * float(noise @ window.over(noise)) / noise.size
-        for beside, rest in rests.items():
-            missed = rest - window.over(rest)
-            errors[k, beside] = through + float(missed @ missed) / rest.size
-    return min(errors, key=lambda one: errors[one])
+        errors[k] = np.mean((rests - window.over(rests)) ** 2, axis=1)
+        errors[k] += 2.0 * float(noise @ window.over(noise)) / noise.size
+    best, alone = divmod(int(np.argmin(errors)), 2)
+    return best, not alone
 
 
 def without_noise(raw: Array, pulse: Array, noise: Array, width: int) -> Array:
