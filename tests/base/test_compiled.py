@@ -31,6 +31,21 @@ def test_a_compiler_that_is_switched_off_is_refused(monkeypatch):
         compiled.leaf_kernel(lambda x: x)
 
 
+def test_a_kernel_runs_whose_code_was_not_handed_over_and_is_not_kept(tmp_path, monkeypatch):
+    """What an interrupt leaves that comes while LLVM hands the code over: numba's own words, then."""
+
+    def not_there(library):
+        raise RuntimeError(f"no compiled object yet for {library}")
+
+    def twice(x):
+        return 2.0 * x
+
+    monkeypatch.setattr(compiled, "cache_folder", lambda: str(tmp_path))
+    monkeypatch.setattr(compiled.JITCodeLibrary, "_get_compiled_object", not_there)
+    assert compiled.kernel(twice)(2.0) == 4.0
+    assert not list(tmp_path.rglob("*.nbi"))
+
+
 @pytest.mark.verify
 def test_a_package_that_lies_elsewhere_takes_the_same_compiled_kernels(tmp_path, environment):
     """A fresh clone, or a second environment, compiles nothing that this machine has compiled."""

@@ -364,11 +364,18 @@ class _KernelCache(FunctionCache):
             return self._load_overload(sig, target_context)
 
     def save_overload(self, sig: Any, data: Any) -> None:
-        """Keep a kernel; what the disk refuses is reported, and compiled anew in the next process."""
+        """Keep a kernel; what the disk refuses is reported, and compiled anew in the next process.
+
+        So is one that an interrupt left without code to keep, which LLVM hands over in a call from C: the interrupt
+        comes again (`strikewave.base.interrupts`).
+        """
         try:
             super().save_overload(sig, data)
         except OSError as error:
             report_unkept(self._cache_path, error)
+        except RuntimeError as error:
+            if "no compiled object" not in str(error):
+                raise
 
 
 class _PartCache(_KernelCache):
