@@ -26,6 +26,8 @@ MESHES = {"10 000": (20, 20, 25), "100 000": (50, 50, 40), "650 000": (100, 100,
 """Elements along x, y and z."""
 LEAST = 0.4
 """Seconds that a timing lasts at least."""
+PASSES = 3
+"""Passes over the rows, of which each has its best: other work on a machine comes and goes."""
 PAPER = 1e-3
 """Duration of the paper's impact, s."""
 STEEL = Elastic(7820.0, 211e9, 0.29)
@@ -140,17 +142,17 @@ def bytes_moved():
 
 def rows():
     """Return the rows of meshes, solids and threads."""
+    kinds = [(name, kind, ()) for name in MESHES for kind in ("elastic", "bilinear")]
+    kinds += [("100 000", "Johnson-Cook", ()), ("100 000", "elastic", ("body",)), ("100 000", "bilinear", ("body",))]
+    passes = [
+        [[one_body(MESHES[name], SOLIDS[kind], threads, full) for threads in (1, 2)] for name, kind, full in kinds]
+        for _ in range(PASSES)
+    ]
     found = []
-    for name, counts in MESHES.items():
-        elements = int(np.prod(counts))
-        for kind in ("elastic", "bilinear"):
-            each = [rate(elements, one_body(counts, SOLIDS[kind], threads)) for threads in (1, 2)]
-            target = ">= 10 M/s on one" if (name, kind) == ("100 000", "bilinear") else ""
-            found.append((name, f"{kind}, one point", *each, target))
-    counts = MESHES["100 000"]
-    for kind, full in (("Johnson-Cook", ()), ("elastic", ("body",)), ("bilinear", ("body",))):
-        each = [rate(100_000, one_body(counts, SOLIDS[kind], threads, full)) for threads in (1, 2)]
-        found.append(("100 000", f"{kind}, {'full' if full else 'one point'}", *each, ""))
+    for (name, kind, full), seconds in zip(kinds, np.min(passes, axis=0), strict=True):
+        target = ">= 10 M/s on one" if (name, kind, full) == ("100 000", "bilinear", ()) else ""
+        rates = [rate(np.prod(MESHES[name]), each) for each in seconds]
+        found.append((name, f"{kind}, {'full' if full else 'one point'}", *rates, target))
     return found
 
 
@@ -170,7 +172,7 @@ def limit_rows():
     counted = operations.counted()
     peak, bandwidth = limits()
     elements = 100_000
-    seconds = one_body(MESHES["100 000"], SOLIDS["bilinear"]) / elements
+    seconds = min(one_body(MESHES["100 000"], SOLIDS["bilinear"]) for _ in range(PASSES)) / elements
     done, moved_bytes = counted["bilinear"], bytes_moved()
     counts = "; ".join(f"{name} {number}" for name, number in counted.items())
     reached = [
@@ -184,7 +186,7 @@ def calculix_rows():
     """Return CalculiX's rate on the mesh of 10 000 elements, from two lengths of run, and ours on the same."""
     counts = MESHES["10 000"]
     elements = int(np.prod(counts))
-    ours = [elements / one_body(counts, STEEL, threads) for threads in (1, 2)]
+    ours = [elements / min(one_body(counts, STEEL, threads) for _ in range(PASSES)) for threads in (1, 2)]
     found = [("strikewave", *(f"{each / 1e6:.2f} M/s" for each in ours))]
     if calculix.CCX is None:
         return [*found, ("CalculiX", "not installed", "not installed")]
@@ -226,7 +228,7 @@ def section():
     return f"""## Explicit elements
 
 Element-steps a second of cubes of {SIZE * 1e3:g} mm that move at random (most elements yield where they can), whole steps with
-the motion of the nodes and the energy balance:
+the motion of the nodes and the energy balance; the best of {PASSES} passes:
 
 {table(("elements", "kind", "one thread", "two threads", "target"), rows())}
 
