@@ -1,5 +1,6 @@
 """A scheduler of Dask and its workers on the loopback: workers and scheduler that are killed, others that are refused."""
 
+import contextlib
 import importlib
 import json
 import os
@@ -53,14 +54,20 @@ class Cluster:
         self.folder, self.processes = folder, []
         self.scheduler = self.start("scheduler", "--host", "127.0.0.1", "--port", "0")
         end = time.monotonic() + 120.0
-        while not self.file.exists():
+        while self.address is None:
             assert time.monotonic() < end, (folder / "scheduler-1.log").read_text()
             time.sleep(0.05)
-        self.address = json.loads(self.file.read_text())["address"]
 
     @property
     def file(self):
         return self.folder / "scheduler.json"
+
+    @property
+    def address(self):
+        """Where the scheduler listens; None while its file is not there, or not wholly written."""
+        with contextlib.suppress(FileNotFoundError, json.JSONDecodeError):
+            return json.loads(self.file.read_text())["address"]
+        return None
 
     def start(self, what, *words):
         log = self.folder / f"{what}-{len(self.processes) + 1}.log"
