@@ -19,7 +19,7 @@ GROUP = 32
 
 
 class FaceSearch:
-    """FaceGroups of the faces of two surfaces, and what a search writes."""
+    """Groups of the faces of two surfaces, and what a search writes."""
 
     def __init__(self, device: Device, here: ContactState) -> None:
         self.device, self.nodes, self.faces = device, len(here.touch.nodes), len(here.faces)
