@@ -226,12 +226,7 @@ class DeviceTouch(Generic[S]):
     def __init__(self, device: Device, here: S) -> None:
         self.here: S = here
         self.device, self.count = device, len(here.touch.nodes)
-        self.send()
-
-    def send(self) -> None:
-        """Bring the state there."""
-        self.there = put_fields(self.device, self.here)
-        self.done = self.device.put(np.zeros((self.count, DONE)))
+        self.there, self.done = put_fields(device, here), device.put(np.zeros((self.count, DONE)))
 
     def fetch(self) -> Array:
         """Bring the state here; return work, and impulse on the first surface, since the last time."""
@@ -266,13 +261,8 @@ class DeviceContact(DeviceTouch[ContactState]):
 
     def __init__(self, device: Device, here: ContactState) -> None:
         super().__init__(device, here)
-        self.faces = FaceSearch(device, here)
-
-    def send(self) -> None:
-        """Bring the state there."""
-        super().send()
-        self.travel = float(self.here.travel[0])
-        self._list_sources(self.here.nodal.face)
+        self.faces, self.travel = FaceSearch(device, here), float(here.travel[0])
+        self._list_sources(here.nodal.face)
 
     def _list_sources(self, last: Index) -> None:
         """List which nodes may meet a face that a node is a corner of; ``last`` are the faces that each met last."""
