@@ -10,7 +10,7 @@ import sys
 from kit import Comparison, keep
 
 from strikewave import load_case
-from strikewave.cases.case import bundled_cases
+from strikewave.cases.case_files import bundled_cases
 from strikewave.cases.tables import PUBLISHED_QUANTITIES
 
 

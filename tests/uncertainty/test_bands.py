@@ -17,7 +17,7 @@ from strikewave.analyses.machine.build import build_machine
 from strikewave.analyses.wave import band as bar_band
 from strikewave.analyses.wave.run import bar_figures, run_wave
 from strikewave.base.quantities import Provenance, Range, ToleranceBand, Value
-from strikewave.cases.case import bundled_cases
+from strikewave.cases.case_files import bundled_cases
 from strikewave.cases.machine_tables import KINDS
 from strikewave.cases.plausible import NOT_MOVED, PLAUSIBLE
 from strikewave.cases.tables import (

@@ -16,7 +16,8 @@ from pydantic import BeforeValidator, Field, model_validator
 from strikewave.analyses.compare.sources import SourceOptions
 from strikewave.base.errors import MISSING, InputError, InputErrors, StrikewaveError
 from strikewave.base.toml_text import read_toml
-from strikewave.cases.case import Case, bundled_cases, load_case
+from strikewave.cases.case import Case, load_case
+from strikewave.cases.case_files import bundled_cases
 from strikewave.cases.paths import Form
 from strikewave.cases.performed_test import Line
 from strikewave.cases.small_file import LARGEST_FILE

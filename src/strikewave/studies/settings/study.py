@@ -20,8 +20,9 @@ from strikewave.base.constants import STANDARD_GRAVITY
 from strikewave.base.errors import MISSING, InputError, InputErrors
 from strikewave.base.materials import Material, material
 from strikewave.base.result import Notice, Source
-from strikewave.cases.case import FORM, Case, dump_case
+from strikewave.cases.case import FORM, Case
 from strikewave.cases.contact_of_case import face_contact
+from strikewave.cases.written_case import dump_case
 from strikewave.contact.law import indentation_under
 from strikewave.reporting.columns import Column
 from strikewave.reporting.numbers import with_unit
