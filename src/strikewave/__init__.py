@@ -79,7 +79,7 @@ _HOMES = {
     "compare": "analyses.compare.question",
     "design": "studies.design.question",
     "drop_table": "studies.settings.drop_table.question",
-    "dump_case": "cases.case",
+    "dump_case": "cases.written_case",
     "find_pulses": "records.measuring",
     "fit": "studies.fit.study",
     "identify": "contact.identification",

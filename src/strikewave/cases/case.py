@@ -27,33 +27,28 @@ from strikewave.base.quantities import ToleranceBand, Value
 from strikewave.base.toml_text import read_toml
 from strikewave.cases.by_path import entries_of, quantities_of, with_tree
 from strikewave.cases.case_files import bundled_cases, read_case_text
-from strikewave.cases.fem_tables import FemTable
 from strikewave.cases.fits import FitTable, StaleFit, changed_since, check_fit
-from strikewave.cases.machine_tables import AnyMachine
-from strikewave.cases.mesh_tables import FilePart, MeshTable
 from strikewave.cases.paths import Form
-from strikewave.cases.performed_test import PerformedTest
 from strikewave.cases.provenance import with_provenance
-from strikewave.cases.tables import (
+from strikewave.cases.tables.base import CaseTable, case_name
+from strikewave.cases.tables.contact import ContactTable
+from strikewave.cases.tables.fem import FemTable
+from strikewave.cases.tables.machine import (
     AnyObject,
     AnyStriker,
-    CaseTable,
-    ContactTable,
     FeedTable,
     LaunchedTable,
-    LoadTable,
     Object,
-    Published,
-    RecorderTable,
     RotaryTable,
-    SensorTable,
-    Solver,
-    StackTable,
     StrikerTable,
-    TapTable,
-    case_name,
-    read_published,
 )
+from strikewave.cases.tables.machine_kinds import AnyMachine
+from strikewave.cases.tables.mesh import FilePart, MeshTable
+from strikewave.cases.tables.performed_test import PerformedTest
+from strikewave.cases.tables.published import Published, read_published
+from strikewave.cases.tables.sensor import RecorderTable, SensorTable
+from strikewave.cases.tables.solver import Solver
+from strikewave.cases.tables.stack import LoadTable, StackTable, TapTable
 
 T = TypeVar("T", LoadTable, FilePart)
 SCHEMA = 1

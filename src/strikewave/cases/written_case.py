@@ -10,7 +10,7 @@ from pydantic import BaseModel
 from strikewave.base.quantities import Value
 from strikewave.cases.case import SCHEMA, Case
 from strikewave.cases.fits import FitTable
-from strikewave.cases.tables import StackTable
+from strikewave.cases.tables.stack import StackTable
 
 Comments = Callable[[str, Any], Sequence[str]]
 """What is said above a key of a file: its path and what stands there in, lines out."""

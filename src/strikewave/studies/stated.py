@@ -15,7 +15,7 @@ from strikewave.base.errors import InputError, InputErrors
 from strikewave.cases.case_files import bundled_cases
 from strikewave.cases.paths import Form
 from strikewave.cases.small_file import read_small_file
-from strikewave.cases.tables import CaseTable
+from strikewave.cases.tables.base import CaseTable
 
 Stated = TypeVar("Stated", bound=CaseTable)
 

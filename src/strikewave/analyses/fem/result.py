@@ -39,7 +39,7 @@ from strikewave.reporting.numbers import with_unit
 from strikewave.reporting.shown_result import Curve, ShownResult, columns_of, history_curve
 
 if TYPE_CHECKING:
-    from strikewave.cases.tables import Published
+    from strikewave.cases.tables.published import Published
 
 Array = NDArray[np.float64]
 

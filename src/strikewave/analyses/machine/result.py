@@ -30,7 +30,7 @@ from strikewave.base.result import SCHEMA, Band, BandMethod, Comparison, Notice,
 from strikewave.base.variables import LabelledArrays, open_result
 from strikewave.cases.case import Case, parse_case
 from strikewave.cases.comparisons import stale_fits_document
-from strikewave.cases.tables import PUBLISHED_QUANTITIES
+from strikewave.cases.tables.published import PUBLISHED_QUANTITIES
 from strikewave.cases.written_case import dump_case
 from strikewave.machines import Blow
 from strikewave.machines.blows import KINDS
