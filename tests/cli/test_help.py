@@ -129,7 +129,7 @@ def test_completion_names_what_the_libraries_know():
     """Choices stand as literals in signatures, so that a help imports no library; both are the same."""
     from strikewave.analyses.fem.decks import CODES
     from strikewave.analyses.record import srs
-    from strikewave.cases.case import bundled_cases
+    from strikewave.cases.case_files import bundled_cases
     from strikewave.contact.law import SHAPES
     from strikewave.exchange.units import SYSTEMS
     from strikewave.papers.li_ma_2019.result import PAPER

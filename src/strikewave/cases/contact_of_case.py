@@ -11,7 +11,8 @@ from strikewave.cases.case import Case
 from strikewave.cases.cushion_of_case import cushion_of
 from strikewave.cases.law_names import CUSHION, POWER
 from strikewave.cases.stack_of_case import area_of, need
-from strikewave.cases.tables import AnyStriker, ContactTable
+from strikewave.cases.tables.contact import ContactTable
+from strikewave.cases.tables.machine import AnyStriker
 from strikewave.cases.yield_pressure import capped_pressure, pressure_words, refuse_beyond_law
 from strikewave.contact import (
     AnyContact,

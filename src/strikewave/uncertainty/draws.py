@@ -17,7 +17,7 @@ from strikewave.base.quantities import DEVIATIONS, TRUNCATION, Range, Value
 from strikewave.base.units import DIMENSIONS
 from strikewave.cases.case import FORM, Case
 from strikewave.cases.paths import Form
-from strikewave.cases.tables import OwnStriker, RotaryTable
+from strikewave.cases.tables.machine import OwnStriker, RotaryTable
 
 Array = NDArray[np.float64]
 Shape = Literal["normal", "uniform", "log-uniform"]

@@ -19,7 +19,7 @@ from strikewave.base.quantities import TRUNCATION, Range, Value
 from strikewave.cases.case import Case
 from strikewave.cases.paths import row_name
 from strikewave.cases.plausible import NOT_MOVED, PLAUSIBLE, GoesWith, PlausibleRange
-from strikewave.cases.tables import LaunchedTable
+from strikewave.cases.tables.machine import LaunchedTable
 from strikewave.uncertainty.draws import (
     FELT,
     OF_EACH_STRIKER,
