@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 from strikewave.analyses.record.chosen import advised_filter
-from strikewave.analyses.record.result import filter_effect
+from strikewave.analyses.record.document import filter_effect
 from strikewave.analyses.record.screen.kit import MOST_LINES, mean_of, tell_first
 from strikewave.analyses.record.tables import rows_of, short_names
 from strikewave.records import FileReading
