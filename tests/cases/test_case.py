@@ -11,7 +11,9 @@ from strikewave.analyses.check import check
 from strikewave.analyses.machine.build import build_machine
 from strikewave.base.errors import InputError, InputErrors
 from strikewave.base.quantities import PROVENANCES
-from strikewave.cases.case import bundled_cases, document_of, dump_case, load_case, parse_case
+from strikewave.cases.case import load_case, parse_case
+from strikewave.cases.case_files import bundled_cases
+from strikewave.cases.written_case import document_of, dump_case
 
 
 @pytest.mark.parametrize("name", bundled_cases())

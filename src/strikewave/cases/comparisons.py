@@ -7,7 +7,7 @@ from typing import Any
 
 from strikewave.base.result import INFO, Comparison, Notice
 from strikewave.cases.case import DIFFERS, Case
-from strikewave.cases.tables import Published
+from strikewave.cases.tables.published import Published
 
 LISTED = 3
 """Fields that a notice names; the report names all."""

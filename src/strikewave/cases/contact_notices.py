@@ -13,7 +13,8 @@ from strikewave.cases.case import Case
 from strikewave.cases.contact_of_case import cap_geometry, cushion_contact, cushion_of_contact
 from strikewave.cases.law_names import CUSHION, POWER
 from strikewave.cases.stack_of_case import DEFAULT_LAW, layer_material
-from strikewave.cases.tables import AnyStriker, ContactTable
+from strikewave.cases.tables.contact import ContactTable
+from strikewave.cases.tables.machine import AnyStriker
 from strikewave.contact import (
     FirstYield,
     Geometry,

@@ -14,7 +14,9 @@ from strikewave.cases.case import Case
 from strikewave.cases.cushion_of_case import cushion_of
 from strikewave.cases.law_names import CUSHION, POWER
 from strikewave.cases.stack_of_case import area_of, layer_material, need
-from strikewave.cases.tables import AnyStriker, ContactTable, JointTable
+from strikewave.cases.tables.contact import ContactTable
+from strikewave.cases.tables.machine import AnyStriker
+from strikewave.cases.tables.stack import JointTable
 from strikewave.cases.yield_pressure import (
     capped_pressure,
     pressure_of_materials,

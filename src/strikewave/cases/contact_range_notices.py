@@ -12,7 +12,8 @@ from strikewave.base.result import Notice
 from strikewave.cases.case import Case
 from strikewave.cases.contact_of_case import struck_material
 from strikewave.cases.law_names import CUSHION, POWER
-from strikewave.cases.tables import ContactTable, LayerTable
+from strikewave.cases.tables.contact import ContactTable
+from strikewave.cases.tables.stack import LayerTable
 from strikewave.contact import automatic_pressure, contact_modulus, stiffness_law
 
 SLENDER = 10.0

@@ -6,7 +6,7 @@ from typing import TypeVar
 
 from strikewave.base.errors import MISSING, InputError, checked
 from strikewave.base.quantities import Value
-from strikewave.cases.tables import CushionTable
+from strikewave.cases.tables.contact import CushionTable
 from strikewave.contact.cushions import (
     Cushion,
     CushionMaterial,

@@ -8,15 +8,14 @@ together. What a part states itself overrules the table, and is not listed.
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from typing import Any, NamedTuple, TypeVar, cast
+from typing import Any, NamedTuple, TypeVar
 
 from strikewave.base.materials import Material, materials
 from strikewave.base.quantities import Provenance, Value
 from strikewave.cases.case import Case
 from strikewave.cases.law_names import CUSHION
-from strikewave.cases.paths import row_name
 from strikewave.cases.plausible import PLAUSIBLE, PlausibleRange
-from strikewave.cases.tables import CushionTable
+from strikewave.cases.tables.contact import CushionTable
 
 T = TypeVar("T")
 
@@ -64,24 +63,6 @@ def named_numbers(case: Case) -> dict[str, NamedNumber]:
         before = numbers.get(path, number)
         numbers[path] = before._replace(fields=(*before.fields, field))
     return numbers
-
-
-def with_number(part: T, path: str, value: Value) -> T:
-    """Return a case, or a part of it, with a quantity at a path, also one that the file leaves out.
-
-    Examples
-    --------
-    >>> from strikewave import load_case
-    >>> changed = with_number(load_case("li-ma-2019-fig13"), "stack.layer.nose.density", Value(si=8e3, typed=8e3))
-    >>> changed.stack.layer[0].density.si
-    8000.0
-    """
-    first, _, rest = path.partition(".")
-    new: Any = part
-    if isinstance(new, tuple):
-        rows = [with_number(row, rest, value) if row_name(row, k) == first else row for k, row in enumerate(new)]
-        return cast(T, tuple(rows))
-    return cast(T, new.model_copy(update={first: with_number(getattr(new, first), rest, value) if rest else value}))
 
 
 def _numbers(case: Case) -> Iterator[tuple[str, str, NamedNumber]]:

@@ -72,7 +72,7 @@ class Form:
 
         Examples
         --------
-        >>> from strikewave.cases.tables import RotaryTable
+        >>> from strikewave.cases.tables.machine import RotaryTable
         >>> document = {}
         >>> Form(RotaryTable, "machine", 'radius="1 m"').change(document, "radius=0.2")
         >>> document["radius"]["value"]

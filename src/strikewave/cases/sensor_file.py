@@ -14,7 +14,8 @@ from strikewave.base.result import INFO, Notice
 from strikewave.cases.paths import Form
 from strikewave.cases.sensors_of_case import chain_of, memory_notices
 from strikewave.cases.small_file import read_small_file
-from strikewave.cases.tables import CaseTable, SensorTable
+from strikewave.cases.tables.base import CaseTable
+from strikewave.cases.tables.sensor import SensorTable
 from strikewave.sensors import Accelerometer, Recorder, Sensor, accelerometer, accelerometers
 
 

@@ -15,7 +15,7 @@ from strikewave.base.quantities import Value
 from strikewave.cases.case import Case
 from strikewave.cases.cushion_of_case import cushion_of
 from strikewave.cases.law_names import CUSHION
-from strikewave.cases.tables import EndTable, JointTable, LayerTable
+from strikewave.cases.tables.stack import EndTable, JointTable, LayerTable
 from strikewave.cases.yield_pressure import capped_pressure, pressure_words, refuse_beyond_law
 from strikewave.contact.damping import named_contact
 from strikewave.contact.elastoplastic import cap_of

@@ -12,10 +12,10 @@ from pydantic import BaseModel, BeforeValidator, Field, ValidationError, model_v
 from strikewave.base.errors import InputError, InputErrors
 from strikewave.base.result import WARNING, Notice
 from strikewave.cases.paths import Form
-from strikewave.cases.performed_test import PerformedTest, date_text, line_text, notes_text
 from strikewave.cases.photographs import Photograph, read_photograph
 from strikewave.cases.small_file import read_small_file
-from strikewave.cases.tables import CaseTable
+from strikewave.cases.tables.base import CaseTable
+from strikewave.cases.tables.performed_test import PerformedTest, date_text, line_text, notes_text
 
 MOST_ROWS, MOST_PHOTOGRAPHS, MOST_LINES = 100, 12, 20
 """Rows of equipment, specimens or signatures; photographs; statements."""

@@ -11,10 +11,11 @@ import typer
 from strikewave.base.errors import InputError
 from strikewave.base.json_document import head
 from strikewave.base.output_folder import write_atomically
-from strikewave.cases.case import dump_case, load_case, own_case, parse_case
+from strikewave.cases.case import load_case, own_case, parse_case
 from strikewave.cases.explained import comment_lines
-from strikewave.cases.performed_test import EXAMPLE as TEST_EXAMPLE
 from strikewave.cases.stated_test import example_file
+from strikewave.cases.tables.performed_test import EXAMPLE as TEST_EXAMPLE
+from strikewave.cases.written_case import dump_case
 from strikewave.reporting.options.output import Shown
 from strikewave.reporting.options.shared import complete_case
 from strikewave.reporting.terminal import print_json, say

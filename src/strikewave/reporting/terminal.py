@@ -377,7 +377,7 @@ def print_losses(channels: Sequence[SensorChannel]) -> None:
 
 def print_published(published: Sequence[Comparison]) -> None:
     """Print the comparison with published values; nothing where there are none."""
-    from strikewave.cases.case import PUBLISHED_QUANTITIES
+    from strikewave.cases.tables.published import PUBLISHED_QUANTITIES
 
     if not published:
         return

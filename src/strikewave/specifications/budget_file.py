@@ -16,8 +16,8 @@ from pydantic import BeforeValidator, Field, ValidationError, model_validator
 from strikewave.base.errors import MISSING, InputError, InputErrors
 from strikewave.base.percents import sign_needed
 from strikewave.cases.paths import Form
-from strikewave.cases.performed_test import Line
 from strikewave.cases.small_file import read_small_file
+from strikewave.cases.tables.performed_test import Line
 from strikewave.records.budget.contributions import RECORD, SAMPLING, Budget, Contribution, of_share
 from strikewave.records.budget.propagation import DIVISORS, NORMAL, RECTANGULAR, U_SHAPED
 from strikewave.specifications.tables import (

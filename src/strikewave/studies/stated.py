@@ -12,10 +12,10 @@ from typing import Annotated, Any, TypeVar
 from pydantic import BeforeValidator, ValidationError
 
 from strikewave.base.errors import InputError, InputErrors
-from strikewave.cases.case import bundled_cases
+from strikewave.cases.case_files import bundled_cases
 from strikewave.cases.paths import Form
 from strikewave.cases.small_file import read_small_file
-from strikewave.cases.tables import CaseTable
+from strikewave.cases.tables.base import CaseTable
 
 Stated = TypeVar("Stated", bound=CaseTable)
 

@@ -15,10 +15,10 @@ from pydantic import BaseModel
 from strikewave.base.errors import MISSING, InputError
 from strikewave.base.quantities import DEVIATIONS, TRUNCATION, Range, Value
 from strikewave.base.units import DIMENSIONS
+from strikewave.cases.by_path import with_quantities
 from strikewave.cases.case import FORM, Case
-from strikewave.cases.named_materials import with_number
 from strikewave.cases.paths import Form
-from strikewave.cases.tables import OwnStriker, RotaryTable
+from strikewave.cases.tables.machine import OwnStriker, RotaryTable
 
 Array = NDArray[np.float64]
 Shape = Literal["normal", "uniform", "log-uniform"]
@@ -295,8 +295,7 @@ def drawn_case(case: Case, inputs: Sequence[UncertainInput], numbers: Sequence[f
         if not one.strikers:
             (of_materials if one.sets else once).update(dict.fromkeys(one.fields, _exactly(one, next(left))))
     changed = case.with_values(once, keep_tolerances=False)
-    for path, value in of_materials.items():
-        changed = with_number(changed, path, value)
+    changed = with_quantities(changed, of_materials)
     return changed.model_copy(update={"striker": _with_rows(changed.rotary_tables().striker, own)}) if own else changed
 
 

@@ -22,7 +22,7 @@ from strikewave.cases.contact_of_case import automatic_pressures
 from strikewave.cases.named_materials import named_numbers
 from strikewave.cases.paths import row_name
 from strikewave.cases.plausible import NOT_MOVED, PLAUSIBLE, GoesWith, PlausibleRange
-from strikewave.cases.tables import LaunchedTable
+from strikewave.cases.tables.machine import LaunchedTable
 from strikewave.uncertainty.draws import (
     FELT,
     OF_EACH_STRIKER,

@@ -579,7 +579,7 @@ def test_the_built_in_measured_bars_end_near_what_was_measured(measured, case, t
 def test_the_line_of_each_boundary_in_the_docs_is_read():
     import tomllib
 
-    from strikewave.cases.fem_tables import BOUNDARIES, FemTable
+    from strikewave.cases.tables.fem import BOUNDARIES, FemTable
 
     text = (Path(__file__).parents[3] / "docs" / "fem.md").read_text("utf-8")
     blocks = [block.partition("```")[0] for block in text.split("```toml\n")[1:]]

@@ -10,7 +10,9 @@ from strikewave.analyses.fem.build import build_model
 from strikewave.analyses.fem.parts import LARGEST, built_parts, estimated_elements, exact_volume
 from strikewave.analyses.fem.screen import say_faceted
 from strikewave.base.errors import InputError, InputErrors
-from strikewave.cases.case import bundled_cases, dump_case, load_case, parse_case
+from strikewave.cases.case import load_case, parse_case
+from strikewave.cases.case_files import bundled_cases
+from strikewave.cases.written_case import dump_case
 from strikewave.fem.mesh import volumes
 from strikewave.fem.model import Driven, Fixed, Guided, NonReflecting, Pressure, Symmetry
 from strikewave.fem.quality import quality_report

@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from strikewave.cases.performed_test import EXAMPLE as TEST_EXAMPLE
+from strikewave.cases.tables.performed_test import EXAMPLE as TEST_EXAMPLE
 
 from ...hopkinson import bench
 

@@ -21,7 +21,8 @@ from strikewave.base import citations
 from strikewave.base.quantities import PROVENANCES
 from strikewave.base.result import FAILED, Notice
 from strikewave.base.units import in_unit
-from strikewave.cases.case import dump_case, parse_case
+from strikewave.cases.case import parse_case
+from strikewave.cases.written_case import dump_case
 from strikewave.reporting.curves import MOST_PULSES, thin
 from strikewave.reporting.inline import inline_svg
 from strikewave.reporting.numbers import in_shown_units

@@ -13,11 +13,11 @@ from pydantic import BaseModel, ValidationError
 from strikewave.base.errors import MISSING, InputError, InputErrors, show
 from strikewave.base.quantities import Value
 from strikewave.base.toml_text import read_toml
-from strikewave.cases.hopkinson_tables import HopkinsonSetup
 from strikewave.cases.paths import Form
-from strikewave.cases.performed_test import PerformedTest
 from strikewave.cases.provenance import with_provenance
-from strikewave.cases.tables import CaseTable
+from strikewave.cases.tables.base import CaseTable
+from strikewave.cases.tables.hopkinson import HopkinsonSetup
+from strikewave.cases.tables.performed_test import PerformedTest
 
 EXAMPLE = resources.files("strikewave.cases") / "hopkinson_example"
 """Folder of the example: set-up, record, and the licence of the record."""

@@ -28,8 +28,10 @@ from strikewave.analyses.machine.sensor_readings import BlowReading
 from strikewave.base.errors import InputError
 from strikewave.base.result import SCHEMA, Band, BandMethod, Comparison, Notice, Source, comparison_document
 from strikewave.base.variables import LabelledArrays, open_result
-from strikewave.cases.case import PUBLISHED_QUANTITIES, Case, dump_case, parse_case
+from strikewave.cases.case import Case, parse_case
 from strikewave.cases.comparisons import stale_fits_document
+from strikewave.cases.tables.published import PUBLISHED_QUANTITIES
+from strikewave.cases.written_case import dump_case
 from strikewave.machines import Blow
 from strikewave.machines.blows import KINDS
 from strikewave.reporting.columns import Column, csv_table

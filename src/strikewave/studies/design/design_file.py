@@ -10,7 +10,7 @@ from pydantic import Field
 
 from strikewave.cases.case import Case, load_case
 from strikewave.cases.paths import Form
-from strikewave.cases.tables import CaseTable
+from strikewave.cases.tables.base import CaseTable
 from strikewave.studies.design.plan import DesignPlan, plan_of
 from strikewave.studies.engine.variables import read_variable
 from strikewave.studies.stated import Settings, case_place, read_study, stated_at

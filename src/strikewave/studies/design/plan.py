@@ -15,7 +15,8 @@ from numpy.typing import NDArray
 from strikewave.base.errors import MISSING, InputError, nearest
 from strikewave.base.quantities import Value
 from strikewave.base.units import in_unit
-from strikewave.cases.case import Case, dump_case
+from strikewave.cases.case import Case
+from strikewave.cases.written_case import dump_case
 from strikewave.studies.axes import case_at
 from strikewave.studies.design.evaluation import DesignEvaluation, evaluation_of, is_derived
 from strikewave.studies.design.goals import EXAMPLES, Aim, Goal, Objective, read_aim

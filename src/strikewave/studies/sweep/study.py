@@ -13,7 +13,8 @@ from numpy.typing import NDArray
 
 from strikewave.base.compile_progress import compiling_shown
 from strikewave.base.result import FAILED, WARNING, Notice, Source
-from strikewave.cases.case import Case, dump_case
+from strikewave.cases.case import Case
+from strikewave.cases.written_case import dump_case
 from strikewave.reporting.columns import HISTORY_DIGITS, Column, csv_table
 from strikewave.reporting.numbers import headed, percent, with_unit
 from strikewave.reporting.shown_result import ShownResult

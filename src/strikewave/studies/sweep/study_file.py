@@ -11,9 +11,10 @@ from pydantic import Field, ValidationError
 
 from strikewave.base.errors import MISSING, InputError, InputErrors
 from strikewave.base.toml_text import read_toml
-from strikewave.cases.case import SCHEMA, Case, bundled_cases, load_case, read_case_text
+from strikewave.cases.case import SCHEMA, Case, load_case
+from strikewave.cases.case_files import bundled_cases, read_case_text
 from strikewave.cases.paths import Form
-from strikewave.cases.tables import CaseTable
+from strikewave.cases.tables.base import CaseTable
 from strikewave.studies.engine.plan import GRID
 from strikewave.studies.stated import Settings, case_place, states_a_study
 from strikewave.studies.sweep.question import plan_of

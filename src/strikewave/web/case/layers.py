@@ -8,7 +8,8 @@ from typing import Any
 from strikewave.analyses.check import check
 from strikewave.base.errors import InputError, nearest
 from strikewave.base.materials import materials
-from strikewave.cases.case import FORM, Case, document_of, dump_case, parse_case
+from strikewave.cases.case import FORM, Case, parse_case
+from strikewave.cases.written_case import document_of, dump_case
 from strikewave.web.case.loading import loaded
 from strikewave.web.case.stack_row import ListedStack, StackRow
 from strikewave.web.case.state import CaseSource

@@ -17,8 +17,9 @@ from strikewave.base.errors import InputErrors, StrikewaveError
 from strikewave.base.percents import percent
 from strikewave.base.quantities import Value
 from strikewave.base.result import BALANCE_LIMIT
-from strikewave.cases.case import FORM, Case, document_of
+from strikewave.cases.case import FORM, Case
 from strikewave.cases.contact_of_case import cushion_of_contact, or_else
+from strikewave.cases.written_case import document_of
 from strikewave.contact.cushions import Cushion
 from strikewave.machines import Blow, blows, run_machine
 from strikewave.specifications.decisions import PASS
