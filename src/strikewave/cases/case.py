@@ -16,7 +16,6 @@ from pydantic import (
     BeforeValidator,
     ConfigDict,
     Field,
-    ValidationError,
     ValidationInfo,
     field_validator,
     model_validator,
@@ -440,10 +439,7 @@ def _parse(text: str, name: str, changes: Iterable[str], built_in: bool = False)
     for change in changes:
         FORM.change(document, change)
     document.setdefault("name", name)
-    try:
-        case = Case.model_validate(document)
-    except ValidationError as error:
-        raise InputErrors(FORM.lines(error)) from None
+    case = FORM.read(document)
     if built_in:
         return case
     return with_provenance(case, document, _built_in(case.source) if case.source in bundled_cases() else None)
