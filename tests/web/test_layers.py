@@ -119,7 +119,7 @@ def test_each_kind_of_joint_is_added_with_the_properties_that_its_form_begins_fr
     [
         (lambda source: with_layer(source, "x", D), "a layer of this bar"),
         (lambda source: with_layer(source, "c", D | {"name": "a"}), "a name that no other layer has"),
-        (lambda source: with_layer(source, "c", D | {"length": ""}), "stack.layer.3.length: missing"),
+        (lambda source: with_layer(source, "c", D | {"length": ""}), "stack.layer.d.length: missing"),
         (lambda source: with_layer(source, "c", D | {"material": "stele"}), "a material of the table"),
         (lambda source: with_joint(source, "a", "mass", ["mass = 5 gram"]), "without a joint behind it"),
         (lambda source: with_joint(source, "c", "mass", ["mass = 5 gram"]), "a layer that another one follows"),
