@@ -11,7 +11,7 @@ from strikewave.base.errors import MISSING, InputError, InputErrors, checked
 from strikewave.base.materials import Material, material
 from strikewave.base.quantities import AUTO, Value
 from strikewave.cases.case import Case
-from strikewave.cases.cushion_of_case import cushion_of
+from strikewave.cases.cushion_of_case import cushion_of, loses_by_rate
 from strikewave.cases.law_names import CUSHION, POWER
 from strikewave.cases.stack_of_case import area_of, layer_material, need
 from strikewave.cases.tables.contact import ContactTable
@@ -228,12 +228,24 @@ def cushion_contact(contact: ContactTable) -> AnyContact:
     InputError
         If parts of it do not fit together.
     """
-    cushion = cushion_of_contact(contact)
-    retards = cushion.retardation or cushion.properties.get("retardation", 0.0)
-    if retards and contact.restitution.si != 1.0:
-        allowed = "1 where the cushion has a retardation or a loss factor: it loses energy in one way"
-        raise InputError("contact.restitution", contact.restitution.typed, allowed, "or take those out")
+    loss = _second_loss(contact)
+    try:
+        cushion = cushion_of_contact(contact)
+    except InputError as error:
+        raise InputErrors([*str(error).splitlines(), *loss]) from None
+    if loss:
+        raise InputErrors(loss)
     return checked(CUSHION_PATH, lambda: cushion.contact(contact.damping, contact.restitution.si))
+
+
+def _second_loss(contact: ContactTable) -> list[str]:
+    """Return what is wrong with the restitution beside a cushion that has a loss of its own: one line, or none."""
+    if contact.cushion is None or contact.restitution.si == 1.0 or not loses_by_rate(contact.cushion):
+        return []
+    of_law = contact.cushion.retardation is None and contact.cushion.loss_factor is None
+    has = f"the retardation of the law {contact.cushion.law}" if of_law else "a retardation or a loss factor"
+    allowed, hint = f"1 where the cushion has {has}: it loses energy in one way", "write restitution = 1"
+    return [str(InputError("contact.restitution", contact.restitution.typed, allowed, hint))]
 
 
 def _refuse_stray_cushion(contact: ContactTable) -> None:
