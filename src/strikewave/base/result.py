@@ -214,7 +214,7 @@ class BandMethod:
         among = f" ({', '.join(lost)})" if lost else ""
         return (
             f"{100.0 * self.level:.0f} % of {self.runs} runs{more}{among} by {self.engine}{full}, {len(self.inputs)} "
-            "inputs moved within what is known of them; materials, laws and other choices stay, and the error of the "
+            "inputs moved within what is known of them; laws and other choices stay, and the error of the "
             "model is not in it"
         )
 

@@ -16,7 +16,6 @@ from pydantic import (
     BeforeValidator,
     ConfigDict,
     Field,
-    ValidationError,
     ValidationInfo,
     field_validator,
     model_validator,
@@ -25,7 +24,7 @@ from pydantic import (
 from strikewave.base.errors import MISSING, InputError, InputErrors, nearest, show
 from strikewave.base.quantities import ToleranceBand, Value
 from strikewave.base.toml_text import read_toml
-from strikewave.cases.by_path import entries_of, quantities_of, with_tree
+from strikewave.cases.by_path import entries_of, quantities_of, with_quantities
 from strikewave.cases.case_files import bundled_cases, read_case_text
 from strikewave.cases.fits import FitTable, StaleFit, changed_since, check_fit
 from strikewave.cases.paths import Form
@@ -315,18 +314,12 @@ class Case(CaseTable):
         InputError
             If there is no such quantity, or the tolerance does not suit the new value.
         """
-        mine, tree = self.values(), dict[str, Any]()
+        mine, new = self.values(), dict[str, Value]()
         for path, value in changes.items():
             if path not in mine:
                 raise InputError(path, value.typed, "a quantity of the case", nearest(path, mine))
-            new = _with_band(path, value, mine[path].tolerance) if keep_tolerances else value
-            *places, key = path.split(".")
-            branch = tree
-            for place in places:
-                branch = branch.setdefault(place, {})
-            branch[key] = new
-        changed: Case = with_tree(self, tree)
-        return changed
+            new[path] = _with_band(path, value, mine[path].tolerance) if keep_tolerances else value
+        return with_quantities(self, new)
 
 
 FORM = Form(Case, "case", 'machine.speed="500 rpm"')
@@ -446,10 +439,7 @@ def _parse(text: str, name: str, changes: Iterable[str], built_in: bool = False)
     for change in changes:
         FORM.change(document, change)
     document.setdefault("name", name)
-    try:
-        case = Case.model_validate(document)
-    except ValidationError as error:
-        raise InputErrors(FORM.lines(error)) from None
+    case = FORM.read(document)
     if built_in:
         return case
     return with_provenance(case, document, _built_in(case.source) if case.source in bundled_cases() else None)

@@ -11,9 +11,7 @@ from importlib import resources
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from pydantic import ValidationError
-
-from strikewave.base.errors import EXISTING_FILE, InputError, InputErrors, nearest, show
+from strikewave.base.errors import EXISTING_FILE, InputError, nearest, show
 from strikewave.base.toml_text import read_toml
 from strikewave.cases.paths import Form
 from strikewave.specifications.ideal_pulses import IdealPulse, from_width
@@ -421,7 +419,4 @@ def parse_specification(text: str, where: str) -> SpecificationFile:
         document: Mapping[str, Any] = read_toml(text)
     except ValueError as error:
         raise InputError(where, show(str(error), 120).strip('"'), "a specification in TOML") from None
-    try:
-        return SpecificationFile.model_validate(document)
-    except ValidationError as error:
-        raise InputErrors([f"{where}: {line}" for line in FORM.lines(error)]) from None
+    return FORM.read(document, f"{where}: ")

@@ -26,6 +26,7 @@ from strikewave.analyses.machine.contact_answers import ANSWER_UNITS, ContactAns
 from strikewave.analyses.machine.figures_of import figures_of, sensor_figures
 from strikewave.analyses.machine.sensor_readings import BlowReading
 from strikewave.base.errors import InputError
+from strikewave.base.first_few import first_few
 from strikewave.base.result import SCHEMA, Band, BandMethod, Comparison, Notice, Source, comparison_document
 from strikewave.base.variables import LabelledArrays, open_result
 from strikewave.cases.case import Case, parse_case
@@ -148,10 +149,9 @@ class Solution(ShownResult):
         changed = self.case.changed_fields()
         values, words = self.case.values(), self.case.entries()
         now = {path: values[path].typed if path in values else words.get(path, "left out") for path in changed}
-        shown = ", ".join(f"{path} = {now[path]}" for path in changed[:3])
-        more = f" and {len(changed) - 3} more" if len(changed) > 3 else ""
+        shown = first_few([f"{path} = {now[path]}" for path in changed], 3)
         route = "" if self.case.solver.route == "exact" else f"; route {self.case.solver.route}"
-        return (self.case.title or self.case.name) + (f"; here {shown}{more}" if changed else "") + route
+        return (self.case.title or self.case.name) + (f"; here {shown}" if changed else "") + route
 
     @property
     def slides(self) -> bool:
