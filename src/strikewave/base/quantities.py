@@ -269,7 +269,8 @@ def not_negative(unit: str, high: float = math.inf) -> Any:
 # A limit here is far beyond any shock test: it refuses a wrong unit or a slip of the exponent, and keeps powers of the
 # value from overflow. Others bound what is computed: a restitution from 0.01, below which a pulse hardly ends; a
 # tolerance that the integrator can keep; Poisson's ratios and ratios of heats as physics has them; steps that fill no
-# memory.
+# memory; a solid as light as an aerogel and as soft as a gel, which refuses a modulus of "30" without its GPa; an area
+# of a square micrometre.
 Mass = Annotated[Value, positive("kg", 1e6)]
 Inertia = Annotated[Value, positive("kg m^2", 1e5)]
 Length = Annotated[Value, positive("m", 1e4)]
@@ -310,9 +311,9 @@ MaybeHold = Annotated[Value | None, positive("s", 1e4)]
 StrikerNumber = Annotated[Value, _limited("count", 1, 100)]
 MaybeMass = Annotated[Value | None, positive("kg", 1e6)]
 MaybeLength = Annotated[Value | None, positive("m", 1e4)]
-MaybeArea = Annotated[Value | None, positive("m^2", 1e4)]
-MaybeDensity = Annotated[Value | None, positive("kg/m^3", 1e6)]
-MaybeModulus = Annotated[Value | None, positive("Pa", 1e15)]
+MaybeArea = Annotated[Value | None, _limited("m^2", 1e-12, 1e4)]
+MaybeDensity = Annotated[Value | None, _limited("kg/m^3", 0.1, 1e6)]
+MaybeModulus = Annotated[Value | None, _limited("Pa", 1e3, 1e15)]
 MaybePressure = Annotated[Value | None, positive("Pa", 1e12)]
 ContactPressure = Value | Literal["auto"] | None
 """Largest pressure that a contact bears: a value, the word `AUTO`, or none."""

@@ -17,7 +17,7 @@ from pydantic import BeforeValidator, ConfigDict, Field, ValidationInfo, field_v
 from strikewave.base.errors import MISSING, InputError, InputErrors, nearest, show
 from strikewave.base.quantities import ToleranceBand, Value
 from strikewave.base.toml_text import read_toml
-from strikewave.cases.by_path import entries_of, quantities_of, with_tree
+from strikewave.cases.by_path import entries_of, quantities_of, with_quantities
 from strikewave.cases.case_files import bundled_cases, read_case_text
 from strikewave.cases.fits import FitTable, StaleFit, changed_since, check_fit
 from strikewave.cases.paths import Form
@@ -307,18 +307,12 @@ class Case(CaseTable):
         InputError
             If there is no such quantity, or the tolerance does not suit the new value.
         """
-        mine, tree = self.values(), dict[str, Any]()
+        mine, new = self.values(), dict[str, Value]()
         for path, value in changes.items():
             if path not in mine:
                 raise InputError(path, value.typed, "a quantity of the case", nearest(path, mine))
-            new = _with_band(path, value, mine[path].tolerance) if keep_tolerances else value
-            *places, key = path.split(".")
-            branch = tree
-            for place in places:
-                branch = branch.setdefault(place, {})
-            branch[key] = new
-        changed: Case = with_tree(self, tree)
-        return changed
+            new[path] = _with_band(path, value, mine[path].tolerance) if keep_tolerances else value
+        return with_quantities(self, new)
 
 
 FORM = Form(Case, "case", 'machine.speed="500 rpm"')

@@ -210,7 +210,7 @@ def _sensor_bands(
 def _felt_by(name: str, inputs: Sequence[UncertainInput], points: Array) -> Sample:
     """Return the inputs that a sensor feels: not the fields of other sensors, which few runs would credit by chance."""
     sensor = name.removesuffix(".peak") + "."
-    felt = [one for one in inputs if not one.path.startswith("sensor.") or one.path.startswith(sensor)]
+    felt = [one for one in inputs if any(not f.startswith("sensor.") or f.startswith(sensor) for f in one.fields)]
     owners = [one.path for one in inputs for _ in range(one.count)]
     paths = {one.path for one in felt}
     return Sample(felt, points[:, [path in paths for path in owners]])

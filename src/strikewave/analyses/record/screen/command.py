@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, ClassVar
 
+from strikewave.analyses.record.filter_options import filtered_folder
 from strikewave.analyses.record.motion_chapter import motion_table
 from strikewave.analyses.record.pair_chapter import LEFT_OUT_FIRST, pair_reasons, pair_table
 from strikewave.analyses.record.question import completed, examined
@@ -87,6 +88,7 @@ def examine_records(
     paths = [Path(measured.shown(file)) for file in files]
     name = name_of(paths)
     usual = f"record-{name}" + ("" if specification is None else f"-{specification.file_name}")
+    usual = filtered_folder(usual, wanted)
     origin = measured.source_of_records(name, paths, output, usual)
     judged = None if specification is None or asked is None else (specification, asked(origin.test))
     performed = None if output.test is None else output.performed
