@@ -18,9 +18,10 @@ if TYPE_CHECKING:
 
     from strikewave.base.variables import LabelledArrays
 
-SCHEMA = 7
+SCHEMA = 8
 """Of the files of a solution: 2 adds readings and waves, 3 the contact of each blow; 4 renames keys (balance); 5 adds
-the side force of each blow and the answers of its contact; 6 adds the bands, 7 the contact time of each blow."""
+the side force of each blow and the answers of its contact; 6 adds the bands, 7 the contact time of each blow; 8 keeps
+blows and readings for as long as their pulses last."""
 Severity = Literal["info", "warning", "failed"]
 INFO: Severity = "info"
 WARNING: Severity = "warning"

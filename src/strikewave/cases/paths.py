@@ -27,6 +27,8 @@ NAMING = ("name", "after", "number")
 """Keys that name a row of an array of tables."""
 _OF_TOLERANCE = ("tolerance", "distribution")
 """Keys of a quantity that a change of its value keeps."""
+NOTHING = "none"
+"""What a change sets a quantity to that shall not be there."""
 
 
 def row_name(row: Any, place: int) -> str:
@@ -85,6 +87,7 @@ class Form(Generic[Held]):
         """Set ``path=value`` in a document; a bare number is SI; a changed quantity is marked as the user's.
 
         It keeps its tolerance, which ``path.tolerance=value`` changes; a share of nothing is nothing: 0 goes without.
+        ``path=none`` takes a quantity out.
 
         Raises
         ------
@@ -113,6 +116,9 @@ class Form(Generic[Held]):
         if allowed is None:
             is_text = isinstance(place.get(key), str) or self._takes_text([*tables, key])
             place[key] = text if is_text else typed
+            return
+        if text == NOTHING:
+            place.pop(key, None)
             return
         if allowed.unit in DIMENSIONS and not isinstance(typed, str):
             typed = f"{text} {allowed.unit}"

@@ -89,7 +89,8 @@ def matter_of(table: Any, path: str) -> Matter:
 def area_of(table: Any, path: str, other: float | None = None) -> float:
     """Return the area of a table that has a diameter or an area, m^2; ``other`` where it has neither."""
     if table.diameter is not None and table.area is not None:
-        raise InputError(f"{path}.area", table.area.typed, "diameter or area, not both", "remove one of them")
+        hint = f'remove one of them, or --set "{path}.diameter=none"'
+        raise InputError(f"{path}.area", table.area.typed, "diameter or area, not both", hint)
     if table.area is not None:
         return float(table.area.si)
     if table.diameter is not None:

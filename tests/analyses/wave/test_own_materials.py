@@ -114,7 +114,7 @@ def test_what_a_layer_of_its_own_lacks_is_named_with_what_to_add(name, numbers, 
 
 
 def test_an_area_no_wider_than_an_atom_is_refused():
-    with pytest.raises(InputErrors, match=r"stack\.layer\.1\.area: .*at least 1e-12 m\^2"):
+    with pytest.raises(InputErrors, match=r"stack\.layer\.second\.area: .*at least 1e-12 m\^2"):
         parse_case(LAYERS.replace("3 cm^2", "1e-30 m^2") + FORCE, "thin")
 
 
@@ -130,3 +130,17 @@ def test_poissons_ratio_of_a_named_material_stays_where_its_modulus_is_replaced(
     changes = ["stack.layer.upper.modulus=200 GPa", "solver.dispersion=love-rayleigh"]
     layers = build_stack(load_case("li-ma-2019-fig13-bar", changes)).layers
     assert layers[0].poissons_ratio == material("65Mn").poissons_ratio
+
+
+def test_none_takes_a_quantity_out_and_what_is_needed_is_then_missing():
+    """A diameter gives way to an area; without either, and without a length, that is said."""
+    changes = ["stack.layer.first.diameter=none", "stack.layer.first.area=3 cm^2"]
+    assert build_stack(parse_case(CASES["bonded"], "area", changes)).layers[0].area == pytest.approx(3e-4)
+    with pytest.raises(StrikewaveError, match=re.escape('or --set "stack.layer.first.diameter=none"')):
+        build_stack(parse_case(CASES["bonded"], "both", changes[1:]))
+    with pytest.raises(StrikewaveError, match="a diameter or an area"):
+        build_stack(parse_case(CASES["bonded"], "neither", changes[:1]))
+    with pytest.raises(InputErrors, match=r"stack\.layer\.first\.length: missing"):
+        parse_case(CASES["bonded"], "short", ["stack.layer.first.length=none"])
+    kept = parse_case(CASES["bonded"], "kept", ["solver.error=none"])
+    assert kept == parse_case(CASES["bonded"], "kept")

@@ -12,7 +12,7 @@ from strikewave.analyses.machine.dataset import build_dataset
 from strikewave.analyses.machine.feed_notices import feed_notices
 from strikewave.analyses.machine.kind import Release, kind_of
 from strikewave.analyses.machine.launched import line_collisions, release
-from strikewave.analyses.machine.notices import launch_notices, notices, wave_notices
+from strikewave.analyses.machine.notices import cut_notices, launch_notices, notices, wave_notices
 from strikewave.analyses.machine.observe import observe
 from strikewave.analyses.machine.result import RigidReference, Solution
 from strikewave.analyses.machine.sensor_readings import (
@@ -95,6 +95,7 @@ def run_case(case: Case, progress: Callable[[float], None] | None = None, *, ban
             [reading.sensors for reading in seen.readings if reading is not None],
             machine.struck.assembly_mass,
         ),
+        *cut_notices(case, seen),
     ]
     refused = any(notice.code == "rise-too-steep" for notice in listed)
     readings = tuple(reading and (without_peaks(reading) if refused else reading) for reading in seen.readings)
@@ -209,7 +210,9 @@ def _measured(blow: Blow, reading: BlowReading, quantity: str, sensor: str) -> f
     """Return a number of one blow: of the blow itself, of its waves, or of a sensor."""
     if quantity.startswith("sensor_"):
         pulse = reading.sensors.get(sensor)
-        return None if pulse is None else float(getattr(pulse, quantity.removeprefix("sensor_")))
+        if pulse is None or pulse.cut:  # its peak and width are not those of the pulse
+            return None
+        return float(getattr(pulse, quantity.removeprefix("sensor_")))
     value = getattr(reading if quantity in ("total_peak", "wave_peak") else blow, quantity)
     return None if value is None else float(value)
 
