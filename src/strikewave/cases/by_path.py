@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from typing import Any
+from collections.abc import Iterator, Mapping
+from typing import Any, TypeVar, cast
 
 from pydantic import BaseModel
 
 from strikewave.base.quantities import Value
 from strikewave.cases.paths import row_name
+
+T = TypeVar("T")
 
 
 def quantities_of(part: Any, path: str) -> Iterator[tuple[str, Value]]:
@@ -37,11 +39,34 @@ def _leaves(part: Any, path: str) -> Iterator[tuple[str, Any]]:
         yield path, part
 
 
-def with_tree(part: Any, tree: Value | dict[str, Any]) -> Any:
+def with_quantities(part: T, values: Mapping[str, Value]) -> T:
+    """Return a part of a case with quantities at paths below it, also such as it leaves out; none is checked.
+
+    Examples
+    --------
+    >>> from strikewave import load_case
+    >>> dense = Value(si=8e3, typed="8000 kg/m^3")
+    >>> changed = with_quantities(load_case("li-ma-2019-fig13"), {"stack.layer.nose.density": dense})
+    >>> changed.stack.layer[0].density.si
+    8000.0
+    """
+    tree = dict[str, Any]()
+    for path, value in values.items():
+        *places, key = path.split(".")
+        branch = tree
+        for place in places:
+            branch = branch.setdefault(place, {})
+        branch[key] = value
+    return cast(T, _with_tree(part, tree))
+
+
+def _with_tree(part: Any, tree: Value | dict[str, Any]) -> Any:
     """Return a part of a case with some quantities replaced, which stand in a tree of the keys of their paths."""
     if isinstance(tree, Value):
         return tree
     if isinstance(part, tuple):
         names = [row_name(row, place) for place, row in enumerate(part)]
-        return tuple(with_tree(row, tree[name]) if name in tree else row for name, row in zip(names, part, strict=True))
-    return part.model_copy(update={key: with_tree(getattr(part, key), branch) for key, branch in tree.items()})
+        return tuple(
+            _with_tree(row, tree[name]) if name in tree else row for name, row in zip(names, part, strict=True)
+        )
+    return part.model_copy(update={key: _with_tree(getattr(part, key), branch) for key, branch in tree.items()})

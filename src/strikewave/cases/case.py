@@ -12,20 +12,12 @@ from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import Annotated, Any, Literal, NamedTuple, TypeVar
 
-from pydantic import (
-    BeforeValidator,
-    ConfigDict,
-    Field,
-    ValidationError,
-    ValidationInfo,
-    field_validator,
-    model_validator,
-)
+from pydantic import BeforeValidator, ConfigDict, Field, ValidationInfo, field_validator, model_validator
 
 from strikewave.base.errors import MISSING, InputError, InputErrors, nearest, show
 from strikewave.base.quantities import ToleranceBand, Value
 from strikewave.base.toml_text import read_toml
-from strikewave.cases.by_path import entries_of, quantities_of, with_tree
+from strikewave.cases.by_path import entries_of, quantities_of, with_quantities
 from strikewave.cases.case_files import bundled_cases, read_case_text
 from strikewave.cases.fits import FitTable, StaleFit, changed_since, check_fit
 from strikewave.cases.paths import Form
@@ -315,18 +307,12 @@ class Case(CaseTable):
         InputError
             If there is no such quantity, or the tolerance does not suit the new value.
         """
-        mine, tree = self.values(), dict[str, Any]()
+        mine, new = self.values(), dict[str, Value]()
         for path, value in changes.items():
             if path not in mine:
                 raise InputError(path, value.typed, "a quantity of the case", nearest(path, mine))
-            new = _with_band(path, value, mine[path].tolerance) if keep_tolerances else value
-            *places, key = path.split(".")
-            branch = tree
-            for place in places:
-                branch = branch.setdefault(place, {})
-            branch[key] = new
-        changed: Case = with_tree(self, tree)
-        return changed
+            new[path] = _with_band(path, value, mine[path].tolerance) if keep_tolerances else value
+        return with_quantities(self, new)
 
 
 FORM = Form(Case, "case", 'machine.speed="500 rpm"')
@@ -393,7 +379,7 @@ def load_case(name: str, changes: Iterable[str] = ()) -> Case:
     52.3599
     """
     text, stem = read_case_text(name)
-    case = _parse(text, re.sub(r"[^\w.+-]+", "-", stem).strip("-.+") or "case", changes, name in bundled_cases())
+    case = _parse(text, re.sub(r"[^\w.+-]+", "-", stem).strip("-.+") or "case", changes, name in bundled_cases(), name)
     return _with_whole_path(case, Path(name))
 
 
@@ -434,22 +420,21 @@ def parse_case(text: str, name: str = "", changes: Iterable[str] = ()) -> Case:
     return _parse(text, name, changes)
 
 
-def _parse(text: str, name: str, changes: Iterable[str], built_in: bool = False) -> Case:
-    """Check the TOML text of a case; a built-in one says of every value itself where it comes from."""
+def _parse(text: str, name: str, changes: Iterable[str], built_in: bool = False, place: str = "") -> Case:
+    """Check the TOML text of a case; a built-in one says of every value itself where it comes from.
+
+    ``place`` is the path of its file, for an error.
+    """
     try:
         document = read_toml(text)
     except ValueError as error:
         reason = show(str(error), LONGEST_REASON).strip('"')
-        hint = "values with a unit stand in quotes; `strikewave new` writes an example"
-        raise InputErrors([f"{name or 'case'}: not a TOML file: {reason}; {hint}"]) from None
+        raise InputErrors([f"{place or name or 'case'}: not a TOML file: {reason}"]) from None
     _check_schema(document)
     for change in changes:
         FORM.change(document, change)
     document.setdefault("name", name)
-    try:
-        case = Case.model_validate(document)
-    except ValidationError as error:
-        raise InputErrors(FORM.lines(error)) from None
+    case = FORM.read(document)
     if built_in:
         return case
     return with_provenance(case, document, _built_in(case.source) if case.source in bundled_cases() else None)

@@ -7,9 +7,9 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Annotated, Any, NamedTuple, Self, get_args, get_origin
 
-from pydantic import BaseModel, BeforeValidator, Field, ValidationError, model_validator
+from pydantic import BaseModel, BeforeValidator, Field, model_validator
 
-from strikewave.base.errors import InputError, InputErrors
+from strikewave.base.errors import InputError
 from strikewave.base.result import WARNING, Notice
 from strikewave.cases.paths import Form
 from strikewave.cases.photographs import Photograph, read_photograph
@@ -233,14 +233,8 @@ def load_test(file: Path, option: str = "--test") -> StatedTest:
     if not isinstance(table, dict):
         raise InputError(option, table, "a table [test]")
     tables = {key: document.pop(key) for key in ReportTables.model_fields if key in document}
-    try:
-        test = PerformedTest.model_validate({**document, **table})
-    except ValidationError as error:
-        raise InputErrors([f"{option} {line}" for line in TEST_FORM.lines(error)]) from None
-    try:
-        more = _without_empty_rows(ReportTables.model_validate(tables))
-    except ValidationError as error:
-        raise InputErrors([f"{option} {line}" for line in TABLES_FORM.lines(error)]) from None
+    test = TEST_FORM.read({**document, **table}, f"{option} ")
+    more = _without_empty_rows(TABLES_FORM.read(tables, f"{option} "))
     photographs = [
         read_photograph(file.parent, one.file, one.caption, f"{option} setup.photograph")
         for one in more.setup.photograph

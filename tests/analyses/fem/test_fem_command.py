@@ -460,7 +460,7 @@ def test_what_a_user_should_know_is_said(strikewave, small, changes, code):
     [
         (["--set", "fem.contact.0.second=anvl.z-"], 'did you mean "anvil"'),
         (["--set", "fem.contact.0.second=anvil.z"], "a side of anvil"),
-        (["--set", "mesh.part.anvil.size=0 mm"], "mesh.part.1.size"),
+        (["--set", "mesh.part.anvil.size=0 mm"], "mesh.part.anvil.size"),
         (["--set", "mesh.part.anvil.size=10 um"], "elements"),
         (["--set", "mesh.part.anvil.material=65Nm"], 'did you mean "65Mn"'),
         (["--set", "mesh.part.anvl.size=1 mm"], "mesh.part.anvl"),

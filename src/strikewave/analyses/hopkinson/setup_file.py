@@ -8,7 +8,7 @@ from importlib import resources
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from pydantic import BaseModel, ValidationError
+from pydantic import BaseModel
 
 from strikewave.base.errors import MISSING, InputError, InputErrors, show
 from strikewave.base.quantities import Value
@@ -115,11 +115,7 @@ def parse_setup(text: str, name: str = "", changes: Iterable[str] = (), folder: 
     if isinstance(document.get("folder"), str) and document["folder"]:
         place = place / document["folder"]
     document["folder"] = str(place.absolute())
-    try:
-        setup = HopkinsonSetup.model_validate(document)
-    except ValidationError as error:
-        raise InputErrors(FORM.lines(error)) from None
-    setup = with_provenance(setup, document)
+    setup = with_provenance(FORM.read(document), document)
     return HopkinsonCase(setup, tomlkit.dumps(_toml(document)), place)
 
 

@@ -74,7 +74,7 @@ def load_design(path: str | Path, changes: Sequence[str] = (), **options: int | 
         With one line for each thing that is wrong: file, table and key, and what is allowed.
     """
     path = Path(path)
-    file = read_study(path, DesignFile, FORM, ALLOWED)
+    file = read_study(path, FORM, ALLOWED)
     place = case_place(file.case, path.parent)
     whole = (*file.changes, *changes)
     with stated_at(f"{path.name}: case"):

@@ -47,10 +47,14 @@ class ResidualBlock(NamedTuple):
     left : ndarray or None
         What is left of them with the values at their best for this block alone, where that is more than noise.
     shared : ndarray
-        What all of them may be off together, by one standard deviation: a column for the baseline of a record, one for
-        its amplitude.
+        What all of them may be off together by the noise that shows it, by one standard deviation: a column for the
+        baseline of a record.
+    stated : ndarray
+        The same that is stated, and not read off the noise: a column for the scatter of the amplitude of a record.
     quiet : float
         Independent samples from which the noise is known.
+    pooled : bool
+        Whether it is known together with that of the other blocks that are pooled, from ``quiet`` samples of each.
     """
 
     rows: slice
@@ -58,7 +62,9 @@ class ResidualBlock(NamedTuple):
     shot: int | None
     left: Array | None = None
     shared: Array = NONE
+    stated: Array = NONE
     quiet: float = math.inf
+    pooled: bool = False
 
 
 class Spread(NamedTuple):
@@ -66,6 +72,13 @@ class Spread(NamedTuple):
 
     covariance: Array
     freedom: Array
+
+
+class Push(NamedTuple):
+    """A part of the covariance of J'r, and the degrees of freedom with which it is known."""
+
+    covariance: Array
+    freedom: float
 
 
 @dataclass(frozen=True)
@@ -197,18 +210,47 @@ def _pushed(part: Array, covariance: Array) -> Array:
 def by_noise(jacobian: Array, known: Array, blocks: Sequence[ResidualBlock]) -> Spread:
     """Return the covariance by the noise of each block and by what its residuals share.
 
-    Its freedom is that of the noise: as many independent samples as show it, infinite where it is stated.
+    Noise is known from as many independent samples as show it, and what is stated is known.
     """
-    size = jacobian.shape[1]
-    middle = np.zeros((size, size))
-    for block in blocks:
-        part = jacobian[block.rows]
-        middle += _pushed(part, block.noise)
-        if block.shared.size:
-            shared = part.T @ block.shared
-            middle += shared @ shared.T
-    shown = [block.quiet for block in blocks if math.isfinite(block.quiet)]
-    return Spread(_sandwich(jacobian, known, middle), np.full(size, sum(shown) or math.inf))
+    return _spread(jacobian, known, [*_by_noise_alone(jacobian, blocks), *_by_what_is_shared(jacobian, blocks)])
+
+
+def _by_noise_alone(jacobian: Array, blocks: Sequence[ResidualBlock]) -> list[Push]:
+    """Return what the noise of each block pushes; that of blocks that are pooled is one."""
+    pushes = [
+        Push(_pushed(jacobian[block.rows], block.noise) + _shared(jacobian[block.rows], block.shared), block.quiet)
+        for block in blocks
+    ]
+    pooled = [push for push, block in zip(pushes, blocks, strict=True) if block.pooled]
+    apart = [push for push, block in zip(pushes, blocks, strict=True) if not block.pooled]
+    if not pooled:
+        return apart
+    return [*apart, Push(np.sum([one.covariance for one in pooled], axis=0), sum(one.freedom for one in pooled))]
+
+
+def _by_what_is_shared(jacobian: Array, blocks: Sequence[ResidualBlock]) -> list[Push]:
+    """Return what is stated of residuals together, such as the scatter of an amplitude, pushes."""
+    return [Push(_shared(jacobian[block.rows], block.stated), math.inf) for block in blocks if block.stated.size]
+
+
+def _shared(part: Array, columns: Array) -> Array:
+    """Return the covariance of J'r of what residuals are off together; none where there are no columns."""
+    size = part.shape[1]
+    pushed = part.T @ columns if columns.size else np.zeros((size, 0))
+    return np.asarray(pushed @ pushed.T)
+
+
+def _spread(jacobian: Array, known: Array, pushes: Sequence[Push]) -> Spread:
+    """Return the covariance by independent parts of that of J'r, with the freedom of their sum (Satterthwaite 1946).
+
+    A variance that is known leaves its share of the freedom: with all of it stated the interval is normal.
+    """
+    parts = [_sandwich(jacobian, known, one.covariance) for one in pushes]
+    covariance = np.sum(parts, axis=0)
+    spent = np.sum([np.diag(part) ** 2 / one.freedom for part, one in zip(parts, pushes, strict=True)], axis=0)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        freedom = np.where(spent > 0.0, np.diag(covariance) ** 2 / spent, math.inf)
+    return Spread(covariance, freedom)
 
 
 def by_what_is_left(jacobian: Array, known: Array, blocks: Sequence[ResidualBlock]) -> Spread:
@@ -218,18 +260,17 @@ def by_what_is_left(jacobian: Array, known: Array, blocks: Sequence[ResidualBloc
     as many independent samples the fit has taken one for each value, so that what it left is raised by their number.
     """
     size = jacobian.shape[1]
-    noise, left, count = np.zeros((size, size)), np.zeros((size, size)), 0.0
+    left, count = np.zeros((size, size)), 0.0
     effect = design_effect([block.left for block in blocks if block.left is not None])
     for block in blocks:
-        part = jacobian[block.rows]
-        if block.left is None:
-            noise += _pushed(part, block.noise)
-            continue
-        covariance = float(block.left @ block.left) / block.left.size * autocorrelation(block.left)
-        left += effect * _pushed(part, covariance)
-        count += independent_count(block.left.size, covariance) / effect
+        if block.left is not None:
+            covariance = float(block.left @ block.left) / block.left.size * autocorrelation(block.left)
+            left += effect * _pushed(jacobian[block.rows], covariance)
+            count += independent_count(block.left.size, covariance) / effect
     freedom = max(count - size, 1.0)
-    return Spread(_sandwich(jacobian, known, noise + left * max(count / freedom, 1.0)), np.full(size, freedom))
+    others = _by_noise_alone(jacobian, [block for block in blocks if block.left is None])
+    stated = _by_what_is_shared(jacobian, blocks)
+    return _spread(jacobian, known, [Push(left * max(count / freedom, 1.0), freedom), *others, *stated])
 
 
 def design_effect(residuals: Sequence[Array]) -> float:

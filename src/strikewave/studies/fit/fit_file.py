@@ -223,7 +223,7 @@ def load_fit(path: str | Path, changes: Sequence[str] = ()) -> ReadFit:
         With one line for each thing that is wrong: file, table and key, and what is allowed.
     """
     path = Path(path)
-    file = read_study(path, FitFile, FORM, ALLOWED)
+    file = read_study(path, FORM, ALLOWED)
     place = case_place(file.case, path.parent)
     with stated_at(path.name):
         case = load_case(place)

@@ -239,11 +239,12 @@ class Problem:
         numbers = sum(isinstance(one, MeasuredNumber) for one in self.measured)
         for one, rows, shot in zip(self.measured, self.rows(), self.shots(), strict=True):
             if isinstance(one, MeasuredNumber):
-                blocks.append(ResidualBlock(rows, np.ones(1), shot, quiet=self.excess.freedom / numbers))
+                blocks.append(ResidualBlock(rows, np.ones(1), shot, quiet=self.excess.freedom / numbers, pooled=True))
                 continue
             left = alone[rows] if more_than_noise(one, alone[rows]) else None
             quiet = independent_count(one.quiet, one.correlation) if one.quiet else math.inf
-            blocks.append(ResidualBlock(rows, one.correlation / one.left**2, shot, left, one.shared, quiet))
+            noise = one.correlation / one.left**2
+            blocks.append(ResidualBlock(rows, noise, shot, left, one.shared, one.stated, quiet))
         return blocks
 
     def excess_of(self, residuals: Array) -> Excess:

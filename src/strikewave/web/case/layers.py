@@ -31,7 +31,8 @@ def listed_stack(source: CaseSource) -> ListedStack:
     for layer in stack.layer:
         size = f"{layer.length.typed}" if layer.length is not None else ""
         joint = joints.get(layer.name)
-        words = ", ".join(filter(None, (layer.material, size)))
+        own = [str(value.typed) for value in (layer.density, layer.modulus) if value is not None]
+        words = ", ".join(filter(None, (layer.material, *own, size)))
         rows.append(StackRow(layer.name, words, joint.after if joint else "", joint.kind if joint else ""))
     return ListedStack(rows, list(materials()))
 

@@ -17,7 +17,7 @@ from strikewave.analyses.record.figures.records import drawable, say, shown
 from strikewave.records.campaign import Campaign
 from strikewave.records.reading import ChannelReading, FileReading
 from strikewave.reporting.curves import DASHES
-from strikewave.reporting.numbers import axis_unit, headed, with_unit
+from strikewave.reporting.numbers import axis_unit, headed, hertz
 from strikewave.reporting.style import BLUE, GREEN, GREY, ORANGE, RED, legend_below, new_figure, plain, quiet
 from strikewave.signal.srs import Spectrum, all_srs, octaves
 
@@ -394,17 +394,6 @@ def record_summary(files: Sequence[FileReading], campaign: Campaign | None, titl
     else:
         records.draw_velocity(fourth, best, 0.12)
     return figure
-
-
-def hertz(value: float) -> str:
-    """Write a frequency.
-
-    Examples
-    --------
-    >>> hertz(12345.0), hertz(50.0), hertz(2.5e6)
-    ('12.3 kHz', '50 Hz', '2.5 MHz')
-    """
-    return with_unit(value, "Hz", "MHz" if value >= 1e6 else "kHz" if value >= 1e3 else "Hz", 3)
 
 
 def metres(value: float) -> str:

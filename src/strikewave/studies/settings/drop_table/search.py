@@ -9,11 +9,10 @@ from typing import ClassVar, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
-from pydantic import ValidationError
 
 from strikewave.analyses.machine.build import build_machine
 from strikewave.base.constants import STANDARD_GRAVITY
-from strikewave.base.errors import InputErrors, StrikewaveError
+from strikewave.base.errors import StrikewaveError
 from strikewave.base.percents import percent
 from strikewave.base.quantities import Value
 from strikewave.base.result import BALANCE_LIMIT
@@ -302,10 +301,7 @@ class DropDesign:
         document["machine"].pop("until", None)
         if self.table_mass is not None:
             document["object"]["mass"] = chosen("object.mass", self.table_mass, self.note).document()
-        try:
-            return Case.model_validate(document)
-        except ValidationError as error:
-            raise InputErrors(FORM.lines(error)) from None
+        return FORM.read(document)
 
     @cached_property
     def cushion(self) -> Cushion | None:
