@@ -183,6 +183,8 @@ class BandMethod:
         Runs, further ones of the first blow alone, and full ones of the first blow for sensors.
     missed, failed : int
         Runs in which a striker missed; that could not be made.
+    why : str
+        Why the first of those could not be made.
     rest : dict
         Of each result, the share of the variance that no input makes by itself.
     fitted : tuple of str
@@ -205,6 +207,7 @@ class BandMethod:
     fitted: tuple[str, ...] = ()
     ranked: tuple[str, ...] = ()
     inputs: tuple[MovedInput, ...] = ()
+    why: str = ""
 
     def words(self) -> str:
         """Return the method in one line, with what it leaves out."""

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 
 from strikewave.analyses.machine.dataset import build_dataset
 from strikewave.analyses.machine.feed_notices import feed_notices
+from strikewave.analyses.machine.figures_of import figures_of, sensor_figures
 from strikewave.analyses.machine.kind import Release, kind_of
 from strikewave.analyses.machine.launched import line_collisions, release
 from strikewave.analyses.machine.notices import cut_notices, launch_notices, notices, wave_notices
@@ -33,6 +34,7 @@ from strikewave.cases.sensors_of_case import sensor_notices
 from strikewave.contact import damping_law, solve_impact
 from strikewave.machines import Blow, Machine
 from strikewave.machines.spans import StackSpan
+from strikewave.reporting.bands import lacking_notices
 from strikewave.sensors.channel import channel_notices, sensor_sources
 from strikewave.waves.routes import EXACT
 from strikewave.waves.setup import wave_setup
@@ -156,7 +158,9 @@ def with_bands(
     from strikewave.analyses.machine.band import machine_bands  # the fast engine, which a run alone does not need
 
     bands, method = machine_bands(solution.case, solution.blows, solution.readings, progress, runs=runs)
-    return dataclasses.replace(solution, band=bands, band_method=method)
+    names = {**figures_of(solution.blows), **sensor_figures(solution.readings)}
+    notices = (*solution.notices, *lacking_notices(names, bands, method))
+    return dataclasses.replace(solution, band=bands, band_method=method, notices=notices)
 
 
 def launch_of(machine: Machine, start: Release) -> dict[str, float]:
