@@ -12,14 +12,7 @@ from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import Annotated, Any, Literal, NamedTuple, TypeVar
 
-from pydantic import (
-    BeforeValidator,
-    ConfigDict,
-    Field,
-    ValidationInfo,
-    field_validator,
-    model_validator,
-)
+from pydantic import BeforeValidator, ConfigDict, Field, ValidationInfo, field_validator, model_validator
 
 from strikewave.base.errors import MISSING, InputError, InputErrors, nearest, show
 from strikewave.base.quantities import ToleranceBand, Value
@@ -386,7 +379,7 @@ def load_case(name: str, changes: Iterable[str] = ()) -> Case:
     52.3599
     """
     text, stem = read_case_text(name)
-    case = _parse(text, re.sub(r"[^\w.+-]+", "-", stem).strip("-.+") or "case", changes, name in bundled_cases())
+    case = _parse(text, re.sub(r"[^\w.+-]+", "-", stem).strip("-.+") or "case", changes, name in bundled_cases(), name)
     return _with_whole_path(case, Path(name))
 
 
@@ -427,14 +420,16 @@ def parse_case(text: str, name: str = "", changes: Iterable[str] = ()) -> Case:
     return _parse(text, name, changes)
 
 
-def _parse(text: str, name: str, changes: Iterable[str], built_in: bool = False) -> Case:
-    """Check the TOML text of a case; a built-in one says of every value itself where it comes from."""
+def _parse(text: str, name: str, changes: Iterable[str], built_in: bool = False, place: str = "") -> Case:
+    """Check the TOML text of a case; a built-in one says of every value itself where it comes from.
+
+    ``place`` is the path of its file, for an error.
+    """
     try:
         document = read_toml(text)
     except ValueError as error:
         reason = show(str(error), LONGEST_REASON).strip('"')
-        hint = "values with a unit stand in quotes; `strikewave new` writes an example"
-        raise InputErrors([f"{name or 'case'}: not a TOML file: {reason}; {hint}"]) from None
+        raise InputErrors([f"{place or name or 'case'}: not a TOML file: {reason}"]) from None
     _check_schema(document)
     for change in changes:
         FORM.change(document, change)

@@ -24,6 +24,15 @@ def bundled_cases() -> list[str]:
     return sorted(entry.name.removesuffix(".toml") for entry in folder.iterdir() if entry.name.endswith(".toml"))
 
 
+def _nearest_case(path: Path, name: str) -> str:
+    """Return which case was meant: a file beside it, or a built-in one; all built-in ones where none is like it."""
+    beside = [str(path.with_name(one.name)) for one in path.parent.glob("*.toml")]
+    hints = [nearest(name, choices) for choices in (beside, bundled_cases())]
+    meant = next((hint for hint in hints if hint.startswith("did you mean")), "")
+    listed = "`strikewave cases` lists the built-in ones" if name.endswith(".toml") else hints[-1]
+    return meant or listed
+
+
 def read_case_text(name: str) -> tuple[str, str]:
     """Return the TOML text and the name of a case file, or of a built-in case.
 
@@ -40,7 +49,7 @@ def read_case_text(name: str) -> tuple[str, str]:
             path = path / "case.toml"
         if not path.is_file():
             allowed = EXISTING_FILE if name.endswith(".toml") else "a case file or a built-in case"
-            raise InputError("case", name, allowed, nearest(name, bundled_cases()))
+            raise InputError("case", name, allowed, _nearest_case(path, name))
         with path.open("rb") as file:
             data = file.read(LARGEST_FILE + 1)
     except (OSError, ValueError) as error:

@@ -15,15 +15,7 @@ from strikewave.cases.law_names import CUSHION, POWER
 from strikewave.cases.stack_of_case import DEFAULT_LAW, layer_material
 from strikewave.cases.tables.contact import ContactTable
 from strikewave.cases.tables.machine import AnyStriker
-from strikewave.contact import (
-    FirstYield,
-    Geometry,
-    damping_law,
-    factor,
-    first_yield,
-    restitution,
-    stiffness_law,
-)
+from strikewave.contact import FirstYield, Geometry, damping_law, factor, first_yield, restitution, stiffness_law
 from strikewave.contact.cushions import cushion_law
 from strikewave.contact.registry import FROM_MEMORY, Law
 

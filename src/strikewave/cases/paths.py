@@ -178,7 +178,9 @@ class Form(Generic[Held]):
         """Return the line of a fault that pydantic found by itself."""
         kind, got, places = fault["type"], fault["input"], [_shown(part) for part in fault["loc"]]
         if kind == "extra_forbidden":
-            return f"{path}: unknown key; {nearest(places[-1], self.keys_at(places[:-1]))}"
+            others = self._kinds_with(places)
+            meant = f"it is a key of {', '.join(others)}, and this is {places[-2]}" if others else ""
+            return f"{path}: unknown key; {meant or nearest(places[-1], self.keys_at(places[:-1]))}"
         if kind == "missing":
             return f"{path}: missing; {self._example(places)}"
         if kind == "tuple_type" and self.tables_at(places) == [Value]:
@@ -190,6 +192,17 @@ class Form(Generic[Held]):
         if kind == "literal_error":
             return str(InputError(path, got, str(fault.get("ctx", {}).get("expected", ""))))
         return f"{path or self.name}: got {show(got)}; {fault['msg']}"
+
+    def _kinds_with(self, places: list[str]) -> list[str]:
+        """Return the other kinds of the table that an unknown key stands in which have such a key."""
+        siblings = self.tables_at(places[:-2])
+        if len(places) < 3 or places[-2] not in map(_kind_of, siblings):
+            return []
+        return [_kind_of(one) for one in siblings if places[-1] in self._keys_of(one)]
+
+    @staticmethod
+    def _keys_of(model: type[BaseModel]) -> list[str]:
+        return [field.alias or key for key, field in model.model_fields.items()]
 
     def tables_at(self, places: list[str]) -> list[type[BaseModel]]:
         """Return the models of the table at a path; a name or number stands for the row of an array of tables."""
@@ -215,7 +228,7 @@ class Form(Generic[Held]):
 
     def keys_at(self, places: list[str]) -> list[str]:
         """Return the keys of the table at a path; none where there is no table."""
-        return [f.alias or key for model in self.tables_at(places) for key, f in model.model_fields.items()]
+        return [key for model in self.tables_at(places) for key in self._keys_of(model)]
 
     def range_at(self, places: list[str]) -> Range | None:
         """Return what the quantity at a path may be; None where there is no quantity."""

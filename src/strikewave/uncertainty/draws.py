@@ -248,6 +248,11 @@ def drawn(inputs: Sequence[UncertainInput], points: Array) -> Array:
         place += one.count
     for one in inputs:
         columns[one.path] = one.at(_mixed(one, quantile) if one.fitted_with else quantile[one.path])
+    return together(inputs, columns)
+
+
+def together(inputs: Sequence[UncertainInput], columns: Mapping[str, Array]) -> Array:
+    """Return numbers drawn of each input by itself as they go with one another, shape (runs, numbers drawn), in SI."""
     nominal = {one.path: one.value.si for one in inputs}
     scaled = [
         math.prod(

@@ -86,7 +86,7 @@ def rise_notices(stack: Stack, rise: float, bandwidth: float, peak: float | None
     if ratio < refused:
         shown = "" if peak is None else f" ({theory} would say {peak / STANDARD_GRAVITY:.4g}\xa0g)"
         message = (
-            f"{what}: no peak acceleration is quoted below {refused:g}{shown}, and sensor readings are no better "
+            f"no peak acceleration is quoted{shown}: {what}, below {refused:g}; sensor readings are no better "
             f'founded; state it at a lower bandwidth: --set solver.bandwidth="{_quotable(layer, rise, refused)} kHz"'
         )
         yield Notice("rise-too-steep", message, ratio, refused)

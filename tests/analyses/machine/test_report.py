@@ -454,8 +454,8 @@ def test_a_stack_without_machine_has_a_report_too():
     assert "strikewave wave case.toml" in page
 
 
-def test_a_pulse_longer_than_the_window_of_a_blow_is_drawn_whole_and_marked_at_its_peak():
-    """11 ms on a spring of 1.655 kN/mm: the stored window ends at 1.5 ms, and the mark stood at first touch."""
+def test_a_long_pulse_is_drawn_whole_and_marked_at_its_peak():
+    """11 ms on a spring of 1.655 kN/mm: the window lasts as long as the pulse, and the mark stands within it."""
     spring = (
         "contact.law=power",
         "contact.exponent=1",

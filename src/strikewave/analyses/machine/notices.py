@@ -277,6 +277,23 @@ def launch_notices(case: Case, seen: Observed, start: Release) -> Iterator[Notic
         yield Notice("contact-not-over", f"{message}; raise machine.follow", seen.run.end, machine.follow.si)
 
 
+def cut_notices(case: Case, seen: Observed) -> Iterator[Notice]:
+    """Warn of readings that end before the pulse does: their peaks may come later."""
+    struck = [reading for reading in seen.readings if reading is not None]
+    for channel in seen.view.channels:
+        name = channel.sensor.name
+        cut = sum(reading.sensors[name].cut for reading in struck)
+        if not cut:
+            continue
+        where = f" in {cut} of {len(struck)} blows" if len(struck) > 1 else ""
+        advice = f"take a higher sensor.{name}.cutoff" if case.launched() is None else "raise machine.follow"
+        message = (
+            f"the reading of sensor {name} ends before the pulse does{where}: the peak that is shown is not that of "
+            f"the whole pulse; {advice}"
+        )
+        yield Notice("sensor-cut", message, float(cut), 0.0)
+
+
 def _light_anvil(seen: Observed, start: Release) -> Iterator[Notice]:
     """Warn where an anvil that nothing holds is not heavy beside what falls on it."""
     anvil, mass = seen.machine.strikers.first, seen.machine.struck.mass

@@ -248,7 +248,7 @@ class Solution(ShownResult):
         if place is None:
             return None
         blow = self.blows[place]
-        time, values = blow_history(self.arrays, place, "pulse_acceleration", blow.width)
+        time, values = blow_history(self.arrays, place, "pulse_acceleration")
         kept = time <= (SHOWN_WIDTHS * blow.width if blow.width > 0.0 else time[-1])
         return history_curve(time[kept], values[kept], "m/s^2", "g", f"rigid-body acceleration, blow {blow.index}")
 
@@ -310,19 +310,9 @@ class Solution(ShownResult):
         return self.arrays.with_attributes(attributes)
 
 
-def blow_history(
-    data: LabelledArrays, row: int, name: str, width: float
-) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Return times after first touch, s, and values of a blow: of the whole run where its window ends in the pulse."""
-    time, values = data["pulse_time"].values, data[name].values[row]
-    whole = {"pulse_force": "contact_force", "pulse_acceleration": "rigid_acceleration"}[name]
-    if not width > time[-1] / SHOWN_WIDTHS or not {"time", whole, "blow_time"} <= set(data.variables):
-        return time, values
-    touches = data["blow_time"].values
-    before = max(touches[row] + time[0], touches[row - 1] if row else -np.inf)
-    end = min(touches[row] + SHOWN_WIDTHS * width, touches[row + 1] if row + 1 < touches.size else np.inf)
-    kept = (data["time"].values >= before) & (data["time"].values <= end)
-    return data["time"].values[kept] - touches[row], data[whole].values[kept]
+def blow_history(data: LabelledArrays, row: int, name: str) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Return times after first touch, s, and values of a blow."""
+    return data["pulse_time"].values, data[name].values[row]
 
 
 def load_solution(path: Path | str) -> Solution:

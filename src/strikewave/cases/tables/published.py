@@ -6,10 +6,7 @@ from collections.abc import Mapping
 from typing import Any, Literal
 
 from strikewave.base.errors import InputError, nearest
-from strikewave.base.quantities import (
-    Range,
-    Value,
-)
+from strikewave.base.quantities import Range, Value
 from strikewave.cases.tables.base import CaseTable
 
 PUBLISHED_QUANTITIES = {

@@ -4,15 +4,7 @@ from __future__ import annotations
 
 from typing import Literal
 
-from strikewave.base.quantities import (
-    MaybeError,
-    MaybeFrequency,
-    MaybeStep,
-    MaybeTime,
-    OutputStep,
-    Tolerance,
-    Value,
-)
+from strikewave.base.quantities import MaybeError, MaybeFrequency, MaybeStep, MaybeTime, OutputStep, Tolerance, Value
 from strikewave.cases.tables.base import CaseTable
 
 

@@ -143,9 +143,19 @@ def _least_margin(asked: str, case: Case, simulation: Simulation) -> float:
 
 
 def _clipping(sensor: str, case: Case, simulation: Simulation) -> float:
-    """Return the largest of what a sensor would put out over what it or its recorder can; of all without a name."""
+    """Return the largest of what a sensor would put out over what it or its recorder can; of all without a name.
+
+    NaN where a reading ends before its pulse does: what comes later may clip.
+    """
     if case.command == "run":
         observed = simulation.observed
+        if any(
+            pulse.cut and not pulse.clipped and sensor in ("", name)
+            for reading in observed.readings
+            if reading is not None
+            for name, pulse in reading.sensors.items()
+        ):
+            return math.nan
         pairs = [
             (channel, reading)
             for history in observed.histories

@@ -199,7 +199,7 @@ class DesignPlan:
         if self.analysis == "run":
             tolerance = FINER * self.case.solver.tolerance.si
             finer = self.case.with_values({"solver.tolerance": Value(si=tolerance, typed=float(f"{tolerance:.3g}"))})
-            return self._with("run", finer), "a run of a tenth of the tolerance"
+            return self._with("run", finer), "another run at a tenth of the solver's tolerance (solver.tolerance)"
         return None
 
     def _with(self, analysis: str, case: Case) -> DesignPlan:

@@ -133,7 +133,10 @@ class DesignStudy(ShownResult):
     def case_of(self, place: int = 0) -> Case:
         """Return the case of a candidate, without published numbers to compare with."""
         name = f"{self.case.name or 'case'}-design"
-        return self.plan.case_of(self.candidates[place].row).model_copy(update={"name": name, "published": ()})
+        title = f"Settings of a design, from: {self.title}"
+        return self.plan.case_of(self.candidates[place].row).model_copy(
+            update={"name": name, "title": title, "published": ()}
+        )
 
     @cached_property
     def source(self) -> Source:

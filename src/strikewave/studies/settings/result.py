@@ -19,9 +19,7 @@ from strikewave.specifications.judged_records import clause_document
 from strikewave.specifications.judging import worst_clauses
 from strikewave.studies.settings.answer_files import name_at, other_cases
 from strikewave.studies.settings.candidate import WITHIN, BlowSpread, SettingsCandidate
-from strikewave.studies.settings.estimate import (
-    engagement_sensitivity,
-)
+from strikewave.studies.settings.estimate import engagement_sensitivity
 from strikewave.studies.settings.goal import BlowGoal, SettingsChoices, goal_words, name_of
 
 _SPREAD = ("typical", "first", "worst")
