@@ -15,9 +15,12 @@ from strikewave.base.compiled import called_kernel, kernel, leaf_kernel
 from strikewave.fem._surface_kernels import (
     add_scaled,
     as_tuple,
-    closest_point,
     cross,
     dot,
+    first_guess,
+    foot_of,
+    is_beyond,
+    on_rim,
     patch,
     row,
     scaled,
@@ -142,41 +145,59 @@ def corners(state, face):
 
 
 @leaf_kernel
-def is_far(state, face, x, best):
-    """Tell whether no point of a face can be closer to x than ``best``."""
-    a, b, c, d = corners(state, face)
+def is_far(a, b, c, d, radius, x, best):
+    """Tell whether no point of a face of some radius can be closer to x than ``best``."""
     off = add_scaled(scaled(add_scaled(add_scaled(a, 1.0, b), 1.0, add_scaled(c, 1.0, d)), 0.25), -1.0, x)
-    reach = best + state.radius[face]
+    reach = best + radius
     return dot(off, off) > reach * reach
 
 
-@called_kernel
+@leaf_kernel
+def met_last(nodal, i):
+    """Return xi and eta where node i touched its face in the step before; where it did not, of the face's middle."""
+    if nodal.touches[i] == 0:
+        return 0.0, 0.0
+    n = nodal.shape[i]
+    return n[1] + n[2] - n[0] - n[3], n[2] + n[3] - n[0] - n[1]
+
+
+@leaf_kernel
 def nearest_face(state, i):
     """Return the face closest to node i, xi, eta, the distance, and whether the point lies on the rim of that face.
 
     The face of the step before keeps its place unless another is closer; of equally close ones the first that the node
-    is over is taken.
+    is over is taken. The rim of a face is no closer than the foot of the node on its continuation.
     """
     x = row(state.place, i)
     chosen, best, xi, eta, rim = -1, np.inf, 0.0, 0.0, True
     last = state.nodal.face[i]
     if last >= 0:
         a, b, c, d = corners(state, last)
-        xi, eta, square, rim = closest_point(x, a, b, c, d)
+        xi, eta, square = foot_of(x, a, b, c, d, *met_last(state.nodal, i))
+        rim = is_beyond(xi, eta)
+        if rim:
+            xi, eta, square = on_rim(x, a, b, c, d)
         chosen, best = last, math.sqrt(square)
         if not rim and _CLEARLY_OVER * best < (1.0 - max(abs(xi), abs(eta))) * state.size[last]:
             return chosen, xi, eta, best, rim
     for place in range(state.start[i], state.start[i + 1]):
         face = state.candidates[place]
-        if face == last or (chosen >= 0 and is_far(state, face, x, best)):
+        if face == last:
             continue
         a, b, c, d = corners(state, face)
-        new_xi, new_eta, square, new_rim = closest_point(x, a, b, c, d)
+        if chosen >= 0 and is_far(a, b, c, d, state.radius[face], x, best):
+            continue
+        new_xi, new_eta, square = foot_of(x, a, b, c, d, *first_guess(x, a, b, c, d))
+        new_rim, closer = is_beyond(new_xi, new_eta), best * (1.0 - SAME)
+        if new_rim and chosen >= 0 and square >= closer * closer:
+            continue
+        if new_rim:
+            new_xi, new_eta, square = on_rim(x, a, b, c, d)
         distance = math.sqrt(square)
         over = rim and not new_rim and distance <= best * (1.0 + SAME)
-        if chosen < 0 or over or distance < best * (1.0 - SAME):
+        if chosen < 0 or over or distance < closer:
             chosen, best, xi, eta, rim = face, distance, new_xi, new_eta, new_rim
-    return chosen, xi, eta, best, rim
+    return chosen, min(max(xi, -1.0), 1.0), min(max(eta, -1.0), 1.0), best, rim
 
 
 @leaf_kernel
@@ -188,7 +209,7 @@ def is_behind(state, face, off):
     return dot(off, cross(add_scaled(c, -1.0, a), add_scaled(d, -1.0, b))) < 0.0
 
 
-@called_kernel
+@leaf_kernel
 def in_valley(state, face, xi, eta, off):
     """Tell whether a node whose closest point lies on edges of a face is behind the faces across these edges too."""
     across = state.neighbours[face]
@@ -200,7 +221,7 @@ def in_valley(state, face, xi, eta, off):
     )
 
 
-@called_kernel
+@leaf_kernel
 def gap_at(state, i, face, xi, eta, rim):
     """Return the gap of node i from a point of a face, the direction out of the face, and the share that is felt.
 
@@ -230,7 +251,7 @@ def free_fraction(touch, i, n):
     return max(1.0 - n[0] * dot(row(held, 0), n) - n[1] * dot(row(held, 1), n) - n[2] * dot(row(held, 2), n), 0.0)
 
 
-@called_kernel
+@leaf_kernel
 def relative_inverse_mass(state, i, face, shape, n):
     """Return 1/m* of node i against a face, along n; see `strikewave.fem.contact`."""
     k = state.faces[face]
@@ -298,13 +319,13 @@ def depth_of(nodal, i, gap, before, share, kept):
     return nodal.offset[i] - gap
 
 
-@called_kernel
+@leaf_kernel
 def press(state, i, step):
     """Find the face that node i meets and the force on the node."""
     nodal = state.nodal
     last, last_gap = nodal.face[i], nodal.gap[i]
     face, xi, eta, distance, rim = nearest_face(state, i)
-    nodal.face[i] = face
+    nodal.face[i], nodal.touches[i] = face, 0
     gap, normal, share = gap_at(state, i, face, xi, eta, rim)
     nodal.gap[i] = gap
     shape = shape_functions(xi, eta)
@@ -379,12 +400,13 @@ def begin_step(state, step):
 def press_node(i, state, step):
     """Find the face that a node meets and the force on the node, where it can meet one in this step."""
     nodal = state.nodal
-    nodal.touches[i] = 0
     met = state.start[i + 1] > state.start[i] or nodal.face[i] >= 0
     if met and not state.travel[0] + step.travel < nodal.clear[i]:
         for c in range(3):
             nodal.friction_force[i, c] = 0.0
         press(state, i, step)
+    else:
+        nodal.touches[i] = 0
 
 
 @called_kernel
