@@ -12,6 +12,7 @@ from typing import NamedTuple
 import numpy as np
 
 from strikewave.base.compiled import called_kernel, kernel, leaf_kernel
+from strikewave.fem._history_kernels import ROWS
 from strikewave.fem._surface_kernels import (
     add_scaled,
     as_tuple,
@@ -48,6 +49,8 @@ _CLEARLY_OVER = 4.0
 On a square face the rim is (1 - |xi|)/2 of its size away; half of that again is left for skewed ones."""
 _HALF = 0.5
 """w of `strikewave.fem.contact`: both surfaces are checked against each other, and each closes half of the gap."""
+SPEEDS = 7
+"""Numbers of a share of the velocities of a contact: see `speed_share`."""
 _TINY = 1e-300
 """Keeps a division by zero out; no length of a mesh, nor its square, is as small."""
 
@@ -104,6 +107,7 @@ class ContactState(NamedTuple):
     beyond which a node is not taken to be inside, m. The faces that node i may meet are ``candidates[start[i] :
     start[i + 1]]``, true until ``travel[0]`` exceeds ``margin``. ``place`` and ``moving`` are position and velocity
     that the nodes would have at the end of the step without contact, ``inverse_mass`` is that of the nodes, 1/kg.
+    ``speeds`` (shares, SPEEDS) is what `speed_share` finds, ``middle`` the mean velocity of the step before.
     """
 
     touch: NodeTouch
@@ -120,6 +124,8 @@ class ContactState(NamedTuple):
     moving: np.ndarray
     inverse_mass: np.ndarray
     travel: np.ndarray
+    speeds: np.ndarray
+    middle: np.ndarray
     first_faces: int
     margin: float
     stiffness: float
@@ -373,24 +379,47 @@ def predict_positions(state, x, v, f, inverse_mass, step, first, last):
         predict_node(i, state, x, v, f, inverse_mass, step)
 
 
+@leaf_kernel
+def speed_share(k, state, middle):
+    """Write of a share of the nodes the sums of their velocities, by surface, and the largest square of an offset.
+
+    Offsets are those from a velocity ``middle``: no two nodes come closer faster than twice the largest, whatever it
+    is; the mean of both surfaces a step ago makes them small.
+    """
+    for c in range(SPEEDS):
+        state.speeds[k, c] = 0.0
+    for i in range(k * ROWS, min((k + 1) * ROWS, state.moving.shape[0])):
+        own = 0 if i < state.touch.first else 3
+        speed = row(state.moving, i)
+        off = add_scaled(speed, -1.0, middle)
+        for c in range(3):
+            state.speeds[k, own + c] += speed[c]
+        state.speeds[k, SPEEDS - 1] = max(state.speeds[k, SPEEDS - 1], dot(off, off))
+
+
 @called_kernel
 def travel_of(state, dt):
-    """Return the travel of the step: the most by which any two nodes of the two surfaces can come closer."""
-    middle, nodes = (0.0, 0.0, 0.0), state.moving.shape[0]
-    split = state.touch.first
-    for i in range(nodes):
-        count = split if i < split else nodes - split
-        middle = add_scaled(middle, 0.5 / count, row(state.moving, i))
-    fastest = 0.0
-    for i in range(nodes):
-        off = add_scaled(row(state.moving, i), -1.0, middle)
-        fastest = max(fastest, dot(off, off))
+    """Return the travel of the step, the most by which any two nodes of the two surfaces can come closer.
+
+    The shares of `speed_share` are there; their mean velocity is noted for the next step.
+    """
+    fastest, shares = 0.0, state.speeds.shape[0]
+    for c in range(3):
+        first, second = 0.0, 0.0
+        for k in range(shares):
+            first, second = first + state.speeds[k, c], second + state.speeds[k, 3 + c]
+        state.middle[c] = 0.5 * (first / state.touch.first + second / (state.moving.shape[0] - state.touch.first))
+    for k in range(shares):
+        fastest = max(fastest, state.speeds[k, SPEEDS - 1])
     return 2.0 * dt * math.sqrt(fastest)
 
 
 @called_kernel
 def begin_step(state, step):
     """Return the step with its travel, once all positions are predicted, and the share of depths that is kept."""
+    middle = as_tuple(state.middle)
+    for k in range(state.speeds.shape[0]):
+        speed_share(k, state, middle)
     travel = travel_of(state, step.dt)
     state.travel[0] += travel
     return Step(step.dt, step.kick, travel, kept_depth(state.touch, step.dt))

@@ -139,7 +139,7 @@ def first_guess(x, a, b, c, d):
     middle = scaled(add_scaled(add_scaled(a, 1.0, b), 1.0, add_scaled(c, 1.0, d)), 0.25)
     at_a, at_b, at_c, at_d = apart(x, a), apart(x, b), apart(x, c), apart(x, d)
     near = _AT_CORNER * apart(x, middle)
-    if min(min(at_a, at_b), min(at_c, at_d)) > near:
+    if min(at_a, at_b, at_c, at_d) > near:
         return 0.0, 0.0
     xi = 1.0 if min(at_b, at_c) <= near else -1.0
     eta = 1.0 if min(at_c, at_d) <= near else -1.0
