@@ -384,7 +384,7 @@ def speed_share(k, state, middle):
     """Write of a share of the nodes the sums of their velocities, by surface, and the largest square of an offset.
 
     Offsets are those from a velocity ``middle``: no two nodes come closer faster than twice the largest, whatever it
-    is; the mean of both surfaces a step ago makes them small.
+    is; the mean of both surfaces a step ago makes them small. ``middle`` is not a number before the first step.
     """
     for c in range(SPEEDS):
         state.speeds[k, c] = 0.0
@@ -414,13 +414,20 @@ def travel_of(state, dt):
     return 2.0 * dt * math.sqrt(fastest)
 
 
+@leaf_kernel
+def passes(state):
+    """Return how often velocities are gone through: at first twice, as no mean is known from a step ago."""
+    return 2 if math.isnan(state.middle[0]) else 1
+
+
 @called_kernel
 def begin_step(state, step):
     """Return the step with its travel, once all positions are predicted, and the share of depths that is kept."""
-    middle = as_tuple(state.middle)
-    for k in range(state.speeds.shape[0]):
-        speed_share(k, state, middle)
-    travel = travel_of(state, step.dt)
+    for _ in range(passes(state)):
+        middle = as_tuple(state.middle)
+        for k in range(state.speeds.shape[0]):
+            speed_share(k, state, middle)
+        travel = travel_of(state, step.dt)
     state.travel[0] += travel
     return Step(step.dt, step.kick, travel, kept_depth(state.touch, step.dt))
 

@@ -148,6 +148,7 @@ def prepare(
         raise _too_deep(overlap, mesh)
     state.nodal.offset[:] = gaps
     state.touch.step[0] = 0.0
+    state.middle[:] = np.nan
     return state
 
 
@@ -229,7 +230,7 @@ def two_surfaces(contact: SurfaceContact, mesh: Mesh) -> ContactState:
         inverse_mass=np.zeros(count),
         travel=np.zeros(1),
         speeds=np.zeros((-(-count // ROWS), kernels.SPEEDS)),
-        middle=np.zeros(3),
+        middle=np.full(3, np.nan),
         first_faces=split,
         margin=MARGIN * float(min(np.median(sizes[:split]), np.median(sizes[split:]))),
         stiffness=float(contact.stiffness),

@@ -329,10 +329,12 @@ class DeviceContact(DeviceTouch[ContactState]):
 
     def _travel(self, dt: float) -> float:
         """Return how much closer any two nodes may come in a step, m."""
-        middle = tuple(self.here.middle.tolist())
-        self.device.each(contact_kernels.speed_share, len(self.here.speeds), self.there, middle)
-        self.here.speeds[:] = self.device.get(self.there.speeds)
-        return float(contact_kernels.travel_of(self.here, dt))
+        here, travel = self.here, 0.0
+        for _ in range(contact_kernels.passes(here)):
+            self.device.each(contact_kernels.speed_share, len(here.speeds), self.there, tuple(here.middle.tolist()))
+            here.speeds[:] = self.device.get(self.there.speeds)
+            travel = float(contact_kernels.travel_of(here, dt))
+        return travel
 
     def search(self, x: Any) -> None:
         """Search the faces anew for where the nodes (nodes, 3) are there."""
