@@ -24,7 +24,7 @@ import real_shots
 from real_shots import Shot
 
 from strikewave.analyses.hopkinson.notices import drift_notices
-from strikewave.cases.hopkinson_tables import LimitsTable
+from strikewave.cases.tables.hopkinson import LimitsTable
 from strikewave.hopkinson import ANALYSES, equilibrium, momentum, rise_slope
 from strikewave.hopkinson.echoes import calibrate_bar
 

@@ -10,8 +10,8 @@ import sys
 from kit import Comparison, keep
 
 from strikewave import load_case
-from strikewave.cases.case import bundled_cases
-from strikewave.cases.tables import PUBLISHED_QUANTITIES
+from strikewave.cases.case_files import bundled_cases
+from strikewave.cases.tables.published import PUBLISHED_QUANTITIES
 
 
 def rows_of(name: str) -> list[Comparison]:

@@ -49,6 +49,7 @@ def test_a_row_says_where_its_numbers_were_seen(row):
     """What was opened can be found: an address or a year; what was quoted says by whom; what was not says what."""
     assert len(row.source) > 20
     assert row.status in (CHECKED, QUOTED, FROM_MEMORY)
+    assert bool(getattr(row, "from_memory", row.status == FROM_MEMORY)) == (row.status == FROM_MEMORY)
     if row.status == FROM_MEMORY:
         assert "from memory" in row.note
     else:

@@ -11,7 +11,9 @@ from strikewave.analyses.check import check
 from strikewave.analyses.machine.build import build_machine
 from strikewave.base.errors import InputError, InputErrors
 from strikewave.base.quantities import PROVENANCES
-from strikewave.cases.case import bundled_cases, document_of, dump_case, load_case, parse_case
+from strikewave.cases.case import FORM, load_case, parse_case
+from strikewave.cases.case_files import bundled_cases
+from strikewave.cases.written_case import document_of, dump_case
 
 
 @pytest.mark.parametrize("name", bundled_cases())
@@ -191,11 +193,49 @@ def test_files_that_are_no_case_are_refused(tmp_path):
 
 @given(st.dictionaries(st.text(max_size=8), st.one_of(st.integers(), st.floats(), st.text(max_size=8), st.booleans())))
 def test_any_table_is_read_or_refused(table):
-    from pydantic import ValidationError
-
-    from strikewave.cases.case import FORM, Case
-
     try:
-        Case.model_validate({"schema": 1, "machine": table})
-    except ValidationError as error:
-        assert all("\n" not in line for line in FORM.lines(error))
+        FORM.read({"schema": 1, "machine": table})
+    except InputErrors as error:
+        assert all("\n" not in line for line in error.lines)
+
+
+BAR = """schema = 1
+[[stack.layer]]
+name = "upper"
+material = "45 steel"
+length = "0.1 m"
+diameter = "20 mm"
+[[stack.layer]]
+name = "lower"
+material = "45 steel"
+length = "0.1 m"
+diameter = "20 mm"
+[[stack.joint]]
+after = "upper"
+kind = "compliant"
+stiffness = "1 GN/m"
+[load]
+shape = "half-sine"
+peak = "1 kN"
+duration = "100 us"
+"""
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "field"),
+    [
+        ('"1 GN/m"', '"1 GN"', "stack.joint.upper.stiffness"),  # refused where the case is read
+        ('stiffness = "1 GN/m"', "", "stack.joint.upper.stiffness"),  # refused where the bar is built
+        ('after = "upper"', "after = 3", "stack.joint.0.after"),  # what is wrong is no name
+        (
+            'name = "lower"\nmaterial = "45 steel"\nlength = "0.1 m"',
+            'name = "upper"\nlength = "1 s"',
+            "stack.layer.1.length",
+        ),
+        ('name = "lower"', 'name = "a.b"\nlenght = "1 m"', "stack.layer.1.lenght"),  # a name that would be two places
+    ],
+)
+def test_a_fault_names_a_row_by_a_name_of_its_own_whether_reading_or_building_finds_it(old, new, field):
+    with pytest.raises(InputError) as error:
+        check(parse_case(BAR.replace(old, new), "bar"))
+    assert field in [line.partition(":")[0] for line in str(error.value).splitlines()]

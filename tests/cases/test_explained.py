@@ -5,8 +5,10 @@ import re
 
 import pytest
 
-from strikewave.cases.case import FORM, bundled_cases, dump_case, load_case, own_case
+from strikewave.cases.case import FORM, load_case, own_case
+from strikewave.cases.case_files import bundled_cases
 from strikewave.cases.explained import comment_lines, explanations
+from strikewave.cases.written_case import dump_case
 
 HEAD = ("schema", "name", "title", "source")
 

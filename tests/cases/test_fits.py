@@ -9,8 +9,10 @@ import pytest
 from strikewave.analyses.machine.run import observe
 from strikewave.base.errors import InputErrors
 from strikewave.base.quantities import Value
-from strikewave.cases.case import bundled_cases, dump_case, load_case, own_case, parse_case
+from strikewave.cases.case import load_case, own_case, parse_case
+from strikewave.cases.case_files import bundled_cases
 from strikewave.cases.comparisons import comparisons, origin_notices
+from strikewave.cases.written_case import dump_case
 from strikewave.uncertainty.known import known_inputs
 
 FITTED = ["machine.engagement", "object.frame_stiffness"]

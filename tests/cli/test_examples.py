@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from strikewave.cases.case import bundled_cases, read_case_text
+from strikewave.cases.case_files import bundled_cases, read_case_text
 from strikewave.cli import doctor, examples
 
 ROOT = Path(__file__).parents[2]

@@ -129,13 +129,14 @@ def test_completion_names_what_the_libraries_know():
     """Choices stand as literals in signatures, so that a help imports no library; both are the same."""
     from strikewave.analyses.fem.decks import CODES
     from strikewave.analyses.record import srs
-    from strikewave.cases.case import bundled_cases
+    from strikewave.cases.case_files import bundled_cases
     from strikewave.contact.law import SHAPES
     from strikewave.exchange.units import SYSTEMS
     from strikewave.papers.li_ma_2019.result import PAPER
     from strikewave.reporting.options.shared import complete_case
     from strikewave.reporting.wave_field import QUANTITIES
-    from strikewave.signal.srs import KINDS, PARTS
+    from strikewave.signal.oscillator_groups import KINDS
+    from strikewave.signal.srs import PARTS
     from strikewave.studies.buffer.candidate import RANKS
     from strikewave.studies.map.figures import COLOURS
     from strikewave.studies.scatter.study import METHODS

@@ -6,7 +6,10 @@ import numpy as np
 import pytest
 from scipy.linalg import expm
 
-from strikewave.signal.srs import KINDS, Scope, response_history, resultant_srs, rms_spectrum, srs
+from strikewave.signal import srs as module
+from strikewave.signal.oscillator_groups import KINDS
+from strikewave.signal.responses import interpolate
+from strikewave.signal.srs import Scope, all_srs, response_history, resultant_srs, rms_spectrum, srs
 
 READS = {
     "absolute": lambda w, a2: [w * w, a2],
@@ -52,6 +55,20 @@ def test_history_of_an_interpolated_record_holds_the_spectrum():
     top = srs(values, 1e-5, [12e3], scope=Scope("primary")).maximax[0]
     # the base is smooth over 33 samples a swing: the largest sample misses at most 1 - cos(pi/33) = 0.45 %
     assert 0.995 * top < np.max(np.abs(history)) <= top * (1 + 1e-9)
+
+
+def test_spectra_of_one_record_are_those_of_each_alone_and_interpolate_it_once(monkeypatch):
+    """Equal to the bit, of all kinds and two dampings, with all factors, which 10 Hz to nearly half the sampling rate need."""
+    values, step, frequencies, scope = noise(3000), 1e-5, np.geomspace(10.0, 4.9e4, 40), Scope("total", 0.02)
+    asked = [(kind, q) for kind in KINDS for q in (5.0, 50.0)]
+    alone = [srs(values, step, frequencies, q, kind, scope) for kind, q in asked]
+    factors = []
+    monkeypatch.setattr(module, "interpolate", lambda body, factor: factors.append(factor) or interpolate(body, factor))
+    for (kind, q), one, other in zip(asked, all_srs(values, step, frequencies, asked, scope), alone, strict=True):
+        assert (one.kind, one.q, one.part) == (kind, q, "total")
+        assert np.array_equal(one.positive, other.positive)
+        assert np.array_equal(one.negative, other.negative)
+    assert factors == [1, 2, 4, 8, 10]
 
 
 def test_steady_base_has_had_its_first_acceleration_for_ever():

@@ -10,9 +10,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.linalg import expm
 
+from strikewave.signal.oscillator_groups import KINDS
 from strikewave.signal.oscillators import PLACES, acceleration, bend, displacement, free_extremes, recursion, velocity
 from strikewave.signal.responses import interpolate
-from strikewave.signal.srs import KINDS, Scope, octaves, rolling_srs, srs
+from strikewave.signal.srs import Scope, octaves, rolling_srs, srs
 
 mp.mp.dps = 60
 QS = [0.3, 0.5, 0.5000001, 0.7, 10.0, 1e6, math.inf]

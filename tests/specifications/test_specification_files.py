@@ -172,3 +172,27 @@ def test_the_page_of_the_docs_has_every_number_of_the_built_in_files():
     """`python tests/specifications/specification_table.py` writes it anew."""
     text = PAGE.read_text("utf-8")
     assert text == page_with_tables(text)
+
+
+@pytest.mark.parametrize(
+    ("condition", "hint"),
+    [
+        ("50-g11ms", 'did you mean "50g-11ms"?'),
+        ("1000g-1ms", "strikewave spec new my-spec.toml --from iec-60068-2-27"),  # another severity, no misspelling
+    ],
+)
+def test_a_severity_that_is_not_there_is_no_misspelt_one(condition, hint):
+    with pytest.raises(InputError) as error:
+        load_specification(f"iec-60068-2-27:{condition}")
+    assert hint in str(error.value)
+    assert ("did you mean" in str(error.value)) == hint.startswith("did you mean")
+
+
+def test_a_file_of_a_spectrum_is_sent_to_the_command_that_judges_it(strikewave):
+    """Its head names that command, and the refusal of the other one the file as it was typed."""
+    assert strikewave("spec", "new", "mine.toml", "--from", "mil-std-810h-srs")[0] == 0
+    assert "strikewave srs FILES --spec mine.toml judges by it" in open("mine.toml").read()
+    assert strikewave("spec", "new", "pulse.toml", "--from", "jesd22-b110")[0] == 0
+    assert "strikewave record FILES --spec pulse.toml judges by it" in open("pulse.toml").read()
+    with pytest.raises(InputError, match=r'got "mine\.toml".*strikewave srs FILES --spec mine\.toml'):
+        _ = load_specification("mine.toml").pulse

@@ -17,19 +17,13 @@ from strikewave.analyses.machine.build import build_machine
 from strikewave.analyses.wave import band as bar_band
 from strikewave.analyses.wave.run import bar_figures, run_wave
 from strikewave.base.quantities import Provenance, Range, ToleranceBand, Value
-from strikewave.cases.case import bundled_cases
-from strikewave.cases.machine_tables import KINDS
+from strikewave.cases.case_files import bundled_cases
 from strikewave.cases.plausible import NOT_MOVED, PLAUSIBLE
-from strikewave.cases.tables import (
-    ContactTable,
-    FeedTable,
-    LoadTable,
-    Object,
-    SensorTable,
-    StackTable,
-    StrikerTable,
-    TapTable,
-)
+from strikewave.cases.tables.contact import ContactTable
+from strikewave.cases.tables.machine import FeedTable, Object, StrikerTable
+from strikewave.cases.tables.machine_kinds import KINDS
+from strikewave.cases.tables.sensor import SensorTable
+from strikewave.cases.tables.stack import LoadTable, StackTable, TapTable
 from strikewave.machines import blows, run_machine
 from strikewave.uncertainty.bands import LEVEL, Sample, find_band, latin_hypercube
 from strikewave.uncertainty.draws import OF_EACH_STRIKER, UncertainInput, drawn, drawn_strikers, range_of

@@ -188,7 +188,7 @@ def test_a_case_puts_a_cushion_between_its_layers():
 @pytest.mark.parametrize(
     ("old", "new", "words"),
     [
-        ('law = "tangent"', 'law = "tangens"', 'stack.joint.0.cushion.law: got "tangens".*did you mean "tangent"'),
+        ('law = "tangent"', 'law = "tangens"', 'stack.joint.upper.cushion.law: got "tangens".*did you mean "tangent"'),
         ('law = "tangent"', "", "stack.joint.upper.cushion.law: missing.*a cushion law, or a material"),
         ('law = "tangent"', 'material = "leed"', 'cushion.material: got "leed".*did you mean "lead"'),
         ("limit_strain = 0.6", "", "cushion.limit_strain: missing.*for the law tangent; add limit_strain = 0.8"),

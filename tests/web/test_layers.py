@@ -4,6 +4,7 @@ import pytest
 
 from strikewave.base.errors import StrikewaveError
 from strikewave.cases.case import parse_case
+from strikewave.cases.stack_of_case import build_stack
 from strikewave.web.case.layers import (
     listed_stack,
     rearranged,
@@ -96,6 +97,23 @@ def test_a_layer_is_added_behind_another_whose_joint_stays_before_it(behind, nam
     assert stack_of(without_layer(of_joined(text), "d")) == stack_of(JOINED)
 
 
+def test_a_layer_of_numbers_of_its_own_is_added_and_listed_with_them():
+    own = {
+        "name": "d",
+        "length": "5 mm",
+        "diameter": "",
+        "area": "3 cm^2",
+        "density": "1850 kg/m^3",
+        "modulus": "24 GPa",
+    }
+    text = with_layer(of_joined(), "a", own | {"material": "", "poissons_ratio": "0.3"})
+    row = listed_stack(of_joined(text)).rows[1]
+    assert row.layer_words == "1850 kg/m^3, 24 GPa, 5 mm"
+    layer = build_stack(parse_case(text, "joined")).layers[1]
+    assert (layer.density, layer.modulus, layer.poissons_ratio) == (1850.0, 24e9, 0.3)
+    assert layer.area == pytest.approx(3e-4, rel=1e-12)
+
+
 def test_a_layer_that_goes_takes_its_joint_its_taps_and_their_sensors_along():
     sensed = JOINED + '[[sensor]]\nname = "s"\ntap = "end"\nmodel = "PCB 350C02"\n'
     assert stack_of(without_layer(of_joined(sensed), "a")) == (["b", "c"], [])
@@ -119,8 +137,11 @@ def test_each_kind_of_joint_is_added_with_the_properties_that_its_form_begins_fr
     [
         (lambda source: with_layer(source, "x", D), "a layer of this bar"),
         (lambda source: with_layer(source, "c", D | {"name": "a"}), "a name that no other layer has"),
-        (lambda source: with_layer(source, "c", D | {"length": ""}), "stack.layer.3.length: missing"),
+        (lambda source: with_layer(source, "c", D | {"length": ""}), "stack.layer.d.length: missing"),
         (lambda source: with_layer(source, "c", D | {"material": "stele"}), "a material of the table"),
+        (lambda source: with_layer(source, "c", D | {"material": ""}), "a material, or density and modulus"),
+        (lambda source: with_layer(source, "c", D | {"area": "3 cm^2"}), "diameter or area, not both"),
+        (lambda source: with_layer(source, "c", D | {"density": "1850"}), "a density with its unit"),
         (lambda source: with_joint(source, "a", "mass", ["mass = 5 gram"]), "without a joint behind it"),
         (lambda source: with_joint(source, "c", "mass", ["mass = 5 gram"]), "a layer that another one follows"),
         (lambda source: with_joint(source, "b", "mass", []), "stack.joint.b.mass"),

@@ -146,12 +146,15 @@ def test_layers_and_joints_are_added_and_removed_and_undo_takes_it_back(visit, t
     add.click()
     one.page.get_by_text("refused:").first.wait_for()  # it has no name yet
     one.page.get_by_label("name of the layer").fill("pad")
+    one.page.get_by_label("density of its own").fill("1850 kg/m^3")
+    one.page.get_by_label("modulus of its own").fill("24 GPa")
     add.click()
     has(3, 1, "li-ma-2019-fig13-bar-layers.toml")
     with one.page.expect_download() as arrived:
         one.page.get_by_role("button", name="case (.toml)").click()
     saved = load_case(str(arrived.value.path().rename(tmp_path / "saved.toml")))
     assert [layer.name for layer in saved.stack.layer] == ["upper", "lower", "pad"]
+    assert (saved.stack.layer[2].density.si, saved.stack.layer[2].modulus.si) == (1850.0, 24e9)
     for layers, of_joints in ((2, 1), (2, 0)):
         one.page.get_by_role("button", name="undo").click()
         has(layers, of_joints, "li-ma-2019-fig13-bar-layers.toml")

@@ -36,6 +36,8 @@ class Material:
         Mean pressure of a ball indentation (Brinell, in Pa), in the state of the yield strength.
     loss_factor : float or None
         Tangent of the loss angle.
+    from_memory : tuple of str
+        Which numbers nobody has seen in a text, where ``status`` is ``from memory``.
     """
 
     name: str
@@ -49,6 +51,7 @@ class Material:
     yield_strength: float | None = None
     hardness: float | None = None
     loss_factor: float | None = None
+    from_memory: tuple[str, ...] = ()
 
     @property
     def bar_speed(self) -> float:
@@ -76,7 +79,8 @@ def materials() -> dict[str, Material]:
     5194.43
     """
     text = (resources.files("strikewave.base") / "materials.toml").read_text("utf-8")
-    return {name: Material(name=name, **row) for name, row in tomllib.loads(text).items()}
+    rows = tomllib.loads(text)
+    return {name: Material(name, from_memory=tuple(row.pop("from_memory", ())), **row) for name, row in rows.items()}
 
 
 def material(name: str, field: str = "material") -> Material:

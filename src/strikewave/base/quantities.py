@@ -99,18 +99,19 @@ class Value(BaseModel):
 
 @dataclass(frozen=True)
 class Range:
-    """What a value may be: its SI unit ("" for a number, "count" for a whole number) and its limits."""
+    """What a value may be: its SI unit ("" for a number, "count" for a whole number), its limits, and a usual one."""
 
     unit: str
     low: float = -math.inf
     high: float = math.inf
     open_low: bool = False
+    usual: str = ""
 
     def allowed(self) -> str:
         """Return the range in words, for an error line."""
         if self.unit in DIMENSIONS:
             name, example = DIMENSIONS[self.unit]
-            what = f'{name} with its unit, such as "{example}"'
+            what = f'{name} with its unit, such as "{self.usual or example}"'
             unit = f" {self.unit}"
         else:
             what, unit = ("a whole number" if self.unit == "count" else "a number without unit"), ""
@@ -123,7 +124,7 @@ class Range:
 
     def example(self) -> str:
         """Return a value as a case file has it: ``"200 us"``."""
-        return f'"{DIMENSIONS[self.unit][1]}"' if self.unit in DIMENSIONS else "1"
+        return f'"{self.usual or DIMENSIONS[self.unit][1]}"' if self.unit in DIMENSIONS else "1"
 
     def read(self, raw: Any) -> Value:
         """Turn what a case file holds, plain or as a table, into a `Value`.
@@ -185,7 +186,7 @@ class Range:
 
     def _number(self, typed: Any) -> float:
         if self.unit in DIMENSIONS:
-            return parse_quantity(typed, self.unit, "")
+            return parse_quantity(typed, self.unit, "", self.usual)
         if isinstance(typed, str):
             try:
                 typed = float(typed)
@@ -269,10 +270,12 @@ def not_negative(unit: str, high: float = math.inf) -> Any:
 # A limit here is far beyond any shock test: it refuses a wrong unit or a slip of the exponent, and keeps powers of the
 # value from overflow. Others bound what is computed: a restitution from 0.01, below which a pulse hardly ends; a
 # tolerance that the integrator can keep; Poisson's ratios and ratios of heats as physics has them; steps that fill no
-# memory.
+# memory; a solid as light as an aerogel and as soft as a gel, which refuses a modulus of "30" without its GPa; an area
+# of a square micrometre.
 Mass = Annotated[Value, positive("kg", 1e6)]
 Inertia = Annotated[Value, positive("kg m^2", 1e5)]
 Length = Annotated[Value, positive("m", 1e4)]
+DropHeight = Annotated[Value, BeforeValidator(Range("m", 0.0, 1e4, open_low=True, usual="1.2 m").read)]
 Duration = Annotated[Value, not_negative("s", 1e5)]
 FeedTime = Annotated[Value, positive("s", 10.0)]
 OutputStep = Annotated[Value, _limited("s", 1e-7, 1.0)]
@@ -310,9 +313,9 @@ MaybeHold = Annotated[Value | None, positive("s", 1e4)]
 StrikerNumber = Annotated[Value, _limited("count", 1, 100)]
 MaybeMass = Annotated[Value | None, positive("kg", 1e6)]
 MaybeLength = Annotated[Value | None, positive("m", 1e4)]
-MaybeArea = Annotated[Value | None, positive("m^2", 1e4)]
-MaybeDensity = Annotated[Value | None, positive("kg/m^3", 1e6)]
-MaybeModulus = Annotated[Value | None, positive("Pa", 1e15)]
+MaybeArea = Annotated[Value | None, _limited("m^2", 1e-12, 1e4)]
+MaybeDensity = Annotated[Value | None, _limited("kg/m^3", 0.1, 1e6)]
+MaybeModulus = Annotated[Value | None, _limited("Pa", 1e3, 1e15)]
 MaybePressure = Annotated[Value | None, positive("Pa", 1e12)]
 ContactPressure = Value | Literal["auto"] | None
 """Largest pressure that a contact bears: a value, the word `AUTO`, or none."""

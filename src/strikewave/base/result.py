@@ -18,9 +18,10 @@ if TYPE_CHECKING:
 
     from strikewave.base.variables import LabelledArrays
 
-SCHEMA = 7
+SCHEMA = 8
 """Of the files of a solution: 2 adds readings and waves, 3 the contact of each blow; 4 renames keys (balance); 5 adds
-the side force of each blow and the answers of its contact; 6 adds the bands, 7 the contact time of each blow."""
+the side force of each blow and the answers of its contact; 6 adds the bands, 7 the contact time of each blow; 8 keeps
+blows and readings for as long as their pulses last."""
 Severity = Literal["info", "warning", "failed"]
 INFO: Severity = "info"
 WARNING: Severity = "warning"
@@ -182,6 +183,8 @@ class BandMethod:
         Runs, further ones of the first blow alone, and full ones of the first blow for sensors.
     missed, failed : int
         Runs in which a striker missed; that could not be made.
+    why : str
+        Why the first of those could not be made.
     rest : dict
         Of each result, the share of the variance that no input makes by itself.
     fitted : tuple of str
@@ -204,6 +207,7 @@ class BandMethod:
     fitted: tuple[str, ...] = ()
     ranked: tuple[str, ...] = ()
     inputs: tuple[MovedInput, ...] = ()
+    why: str = ""
 
     def words(self) -> str:
         """Return the method in one line, with what it leaves out."""
@@ -213,7 +217,7 @@ class BandMethod:
         among = f" ({', '.join(lost)})" if lost else ""
         return (
             f"{100.0 * self.level:.0f} % of {self.runs} runs{more}{among} by {self.engine}{full}, {len(self.inputs)} "
-            "inputs moved within what is known of them; materials, laws and other choices stay, and the error of the "
+            "inputs moved within what is known of them; laws and other choices stay, and the error of the "
             "model is not in it"
         )
 

@@ -34,3 +34,31 @@ def read_toml(text: str) -> dict[str, Any]:
         return tomllib.loads(text)
     except RecursionError:
         raise ValueError("nested too deeply") from None
+    except tomllib.TOMLDecodeError as error:
+        raise ValueError(_in_words(str(error))) from None
+
+
+def _in_words(reason: str) -> str:
+    """Return why a text is no TOML as its writer sees it, with what to do.
+
+    Examples
+    --------
+    >>> _in_words("Cannot declare ('machine', 'body') twice (at line 9, column 9)")
+    'the table [machine.body] stands there twice (at line 9, column 9): make one of them'
+    >>> _in_words("Expected newline or end of document after a statement (at line 2, column 7)")
+    'more than a value stands there (at line 2, column 7): a value with a unit stands in quotes, "1.2 m"'
+    """
+    where = "".join(re.findall(r" \(at .*\)$", reason))
+    twice = re.match(r"Cannot declare \((.*?),?\) twice", reason)
+    if twice is not None:
+        table = ".".join(part.strip(" '\"") for part in twice[1].split(","))
+        return f"the table [{table}] stands there twice{where}: make one of them"
+    if reason.startswith("Cannot overwrite"):
+        return f"a key stands there twice{where}: leave one out"
+    if reason.startswith("Expected newline"):
+        return f'more than a value stands there{where}: a value with a unit stands in quotes, "1.2 m"'
+    if reason.startswith("Illegal character '\\n'"):
+        return f"a text is not closed by its quote{where}"
+    if reason.startswith("Invalid value"):
+        return f"no value stands there{where}: texts, and values with a unit, stand in quotes"
+    return reason

@@ -116,7 +116,7 @@ def _by_pint(unit: str, si: str) -> float:
     return float(_registry().Quantity(1.0, tidy(unit)).to(tidy(si)).magnitude)
 
 
-def parse_quantity(text: object, si: str, field: str) -> float:
+def parse_quantity(text: object, si: str, field: str, example: str = "") -> float:
     """Turn "number unit" into a float in the SI unit ``si``.
 
     Parameters
@@ -127,6 +127,8 @@ def parse_quantity(text: object, si: str, field: str) -> float:
         The SI unit wanted, one of `DIMENSIONS`.
     field : str
         Path of the field, for the error message.
+    example : str, optional
+        A usual value of that field, for the error message; that of its kind by default.
 
     Raises
     ------
@@ -140,15 +142,15 @@ def parse_quantity(text: object, si: str, field: str) -> float:
     >>> parse_quantity("0.5 mm", "m", "depth")
     0.0005
     """
-    name, example = DIMENSIONS[si]
-    allowed = f'{name} with its unit, such as "{example}"'
+    name, usual = DIMENSIONS[si]
+    allowed = f'{name} with its unit, such as "{example or usual}"'
     if isinstance(text, bool) or not isinstance(text, str):
         bare = isinstance(text, int | float) and not isinstance(text, bool)
         hint = f'a bare number has no unit: write "{text} {si}" if that is meant' if bare else ""
         raise InputError(field, text, allowed, hint)
     match = _QUANTITY.fullmatch(text) if len(text) <= _LONGEST else None
     if match is None:
-        raise InputError(field, text, allowed, "write one number, then its unit")
+        raise InputError(field, text, allowed, _of_comma(text) or "write one number, then its unit")
     number, unit = float(match[1]), match[2]
     if unit is None:
         raise InputError(field, text, allowed, f'a bare number has no unit: write "{match[1]} {si}" if that is meant')
@@ -172,6 +174,22 @@ def parse_quantity(text: object, si: str, field: str) -> float:
     if not math.isfinite(value):
         raise InputError(field, text, allowed, "the value is not finite")
     return value
+
+
+def _of_comma(text: str) -> str:
+    """Return what to write where a number has a comma; empty where that is not what is wrong.
+
+    Examples
+    --------
+    >>> _of_comma("1,2 m"), _of_comma("1,200 g"), _of_comma("m")
+    ('write a decimal point, not a comma: "1.2 m"', 'a comma may mean either: write "1.200 g" or "1200 g"', '')
+    """
+    pointed = text.strip().replace(",", ".", 1)
+    if "," not in text or len(text) > _LONGEST or _QUANTITY.fullmatch(pointed) is None:
+        return ""
+    if re.search(r",\d{3}(?!\d)", text):
+        return f'a comma may mean either: write "{pointed}" or "{text.strip().replace(",", "", 1)}"'
+    return f'write a decimal point, not a comma: "{pointed}"'
 
 
 def _times(number: float, factor: float) -> float:

@@ -1,70 +1,50 @@
 """The case: everything a run needs, read from a TOML file with units and checked.
 
 A quantity is "number unit", or a table { value, provenance, note }. `load_case` reads a file or one
-of the built-in cases; `dump_case` writes a case that gives the same numbers again.
+of the built-in cases; `strikewave.cases.written_case.dump_case` writes one that gives the same numbers again.
 """
 
 from __future__ import annotations
 
 import functools
 import re
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from importlib import resources
+from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import Annotated, Any, Literal, NamedTuple, TypeVar
 
-from pydantic import (
-    BaseModel,
-    BeforeValidator,
-    ConfigDict,
-    Field,
-    ValidationError,
-    ValidationInfo,
-    field_validator,
-    model_validator,
-)
+from pydantic import BeforeValidator, ConfigDict, Field, ValidationInfo, field_validator, model_validator
 
-from strikewave.base.errors import EXISTING_FILE, MISSING, InputError, InputErrors, nearest, show
-from strikewave.base.quantities import Provenance, ToleranceBand, Value
+from strikewave.base.errors import MISSING, InputError, InputErrors, nearest, show
+from strikewave.base.quantities import ToleranceBand, Value
 from strikewave.base.toml_text import read_toml
-from strikewave.cases.fem_tables import FemTable
+from strikewave.cases.by_path import entries_of, quantities_of, with_quantities
+from strikewave.cases.case_files import bundled_cases, read_case_text
 from strikewave.cases.fits import FitTable, StaleFit, changed_since, check_fit
-from strikewave.cases.machine_tables import AnyMachine
-from strikewave.cases.mesh_tables import FilePart, MeshTable
-from strikewave.cases.paths import Form, row_name
-from strikewave.cases.performed_test import PerformedTest
+from strikewave.cases.paths import Form
 from strikewave.cases.provenance import with_provenance
-from strikewave.cases.tables import (
-    PUBLISHED_QUANTITIES,
+from strikewave.cases.tables.base import CaseTable, case_name
+from strikewave.cases.tables.contact import ContactTable
+from strikewave.cases.tables.fem import FemTable
+from strikewave.cases.tables.machine import (
     AnyObject,
     AnyStriker,
-    CaseTable,
-    ContactTable,
     FeedTable,
     LaunchedTable,
-    LoadTable,
     Object,
-    Published,
-    RecorderTable,
     RotaryTable,
-    SensorTable,
-    Solver,
-    StackTable,
     StrikerTable,
-    TapTable,
-    case_name,
-    read_published,
 )
+from strikewave.cases.tables.machine_kinds import AnyMachine
+from strikewave.cases.tables.mesh import FilePart, MeshTable
+from strikewave.cases.tables.performed_test import PerformedTest
+from strikewave.cases.tables.published import Published, read_published
+from strikewave.cases.tables.sensor import RecorderTable, SensorTable
+from strikewave.cases.tables.solver import Solver
+from strikewave.cases.tables.stack import LoadTable, StackTable, TapTable
 
 T = TypeVar("T", LoadTable, FilePart)
-Comments = Callable[[str, Any], Sequence[str]]
-"""What is said above a key of a file: its path and what stands there in, lines out."""
-
 SCHEMA = 1
 """Version of case files: it rises when a field changes its meaning or goes."""
-LARGEST_FILE = 1_000_000
-"""A case file above this many bytes is refused: a hundred times the largest built-in case, so that it is no case
-file."""
 LONGEST_REASON = 120
 """Characters of what the TOML reader says: a line of a terminal."""
 TABLES = (
@@ -74,8 +54,6 @@ TABLES = (
 """The tables of a case that hold quantities, in the order in which they are written."""
 ROTARY_TABLES = ("machine", "striker", "feed", "object", "contact", "recorder")
 """The tables that a rotary machine needs; a machine without a drive has no feed."""
-VECTOR = frozenset("xyz")
-"""The keys of a vector."""
 STRICT: dict[str, type[CaseTable]] = {"striker": StrikerTable, "object": Object}
 """Tables of which a rotary machine needs all that one without a drive may leave out."""
 LOOSE: dict[str, type[CaseTable]] = {"striker": AnyStriker, "object": AnyObject}
@@ -159,7 +137,14 @@ class Case(CaseTable):
     @model_validator(mode="after")
     def _whole(self) -> Case:
         """Refuse a case without anything to run, and a machine without one of its tables."""
-        needed = [name for name in ROTARY_TABLES if name != "feed" or isinstance(self.machine, RotaryTable | None)]
+        self._check_what_runs()
+        self._check_what_does_not_apply()
+        for place, fit in enumerate(self.fit):
+            check_fit(fit, FORM, f"fit.{place}")
+        return self
+
+    def _check_what_runs(self) -> None:
+        """Refuse a case in which neither a machine, nor a bar, nor a mesh is there with all its tables."""
         lacking = [name for name in ("mesh", "fem") if getattr(self, name) is None]
         if len(lacking) == 1:
             examples = {"mesh": "[[mesh.part]], once for each part", "fem": '[fem] with its duration = "80 us"'}
@@ -169,16 +154,21 @@ class Case(CaseTable):
             needed_tables = "[machine] with its tables, [[stack.layer]] with [load], or [mesh] with [fem]"
             raise InputError("case", MISSING, needed_tables)
         if self.machine is not None or not (self.stack.layer or (alone and not lacking)):
+            needed = [name for name in ROTARY_TABLES if name != "feed" or self._may_be_fed()]
             lines = [f"{name}: missing; add [{name}]" for name in needed if getattr(self, name) is None]
             if lines:
                 raise InputErrors(lines)
+
+    def _check_what_does_not_apply(self) -> None:
+        """Refuse controls of a solver that does not run, and a feed where nothing is fed."""
         if self.command == "fem" and self.solver != Solver():
             raise InputError("solver", "[solver]", "none: a mesh alone is run by the controls of [fem]", "remove it")
-        if "feed" not in needed and self.feed is not None:
+        if self.feed is not None and not self._may_be_fed():
             raise InputError("feed", "[feed]", "none: nothing is fed in a machine without a drive", "remove it")
-        for place, fit in enumerate(self.fit):
-            check_fit(fit, FORM, f"fit.{place}")
-        return self
+
+    def _may_be_fed(self) -> bool:
+        """Tell whether the machine has a drive, or is not there yet."""
+        return isinstance(self.machine, RotaryTable | None)
 
     @property
     def command(self) -> str:
@@ -234,7 +224,7 @@ class Case(CaseTable):
         """Return every quantity by its path, such as ``machine.speed`` or ``stack.layer.upper.length``."""
         values: dict[str, Value] = {}
         for name in self.tables():
-            values.update(_values(getattr(self, name), name))
+            values.update(quantities_of(getattr(self, name), name))
         return values
 
     def tables(self) -> list[str]:
@@ -277,7 +267,7 @@ class Case(CaseTable):
         if self.compare is False:
             return []
         changed = self.changed_fields()
-        theirs = _built_in(self.source).published if self.source in bundled_cases() else ()
+        theirs = _published_in(self.source)
         listed = self.published or (theirs if self.compare else ())
         if not changed:
             return list(listed)
@@ -306,7 +296,7 @@ class Case(CaseTable):
         """Return every quantity (SI) and every choice, such as a material, by its path."""
         entries: dict[str, float | str] = {}
         for name in self.tables():
-            entries.update(_entries(getattr(self, name), name))
+            entries.update(entries_of(getattr(self, name), name))
         return entries
 
     def with_values(self, changes: Mapping[str, Value], keep_tolerances: bool = True) -> Case:
@@ -317,61 +307,16 @@ class Case(CaseTable):
         InputError
             If there is no such quantity, or the tolerance does not suit the new value.
         """
-        mine, tree = self.values(), dict[str, Any]()
+        mine, new = self.values(), dict[str, Value]()
         for path, value in changes.items():
             if path not in mine:
                 raise InputError(path, value.typed, "a quantity of the case", nearest(path, mine))
-            new = _with_band(path, value, mine[path].tolerance) if keep_tolerances else value
-            *places, key = path.split(".")
-            branch = tree
-            for place in places:
-                branch = branch.setdefault(place, {})
-            branch[key] = new
-        changed: Case = _with_tree(self, tree)
-        return changed
+            new[path] = _with_band(path, value, mine[path].tolerance) if keep_tolerances else value
+        return with_quantities(self, new)
 
 
 FORM = Form(Case, "case", 'machine.speed="500 rpm"')
 """A case file."""
-
-
-def _values(part: Any, path: str) -> Iterator[tuple[str, Value]]:
-    """Yield every quantity below a part of a case with its path."""
-    if isinstance(part, Value):
-        yield path, part
-    elif isinstance(part, BaseModel):
-        for key, value in part:
-            yield from _values(value, f"{path}.{key}")
-    elif isinstance(part, tuple):
-        for place, row in enumerate(part):
-            yield from _values(row, f"{path}.{row_name(row, place)}")
-
-
-def _entries(part: Any, path: str) -> Iterator[tuple[str, float | str]]:
-    """Yield every quantity, in SI, and every word below a part of a case with its path."""
-    if isinstance(part, Value):
-        yield path, part.si
-    elif isinstance(part, str):
-        if part:
-            yield path, part
-    elif isinstance(part, BaseModel):
-        for key, value in part:
-            yield from _entries(value, f"{path}.{key}")
-    elif isinstance(part, tuple):
-        for place, row in enumerate(part):
-            yield from _entries(row, f"{path}.{row_name(row, place)}")
-
-
-def _with_tree(part: Any, tree: Value | dict[str, Any]) -> Any:
-    """Return a part of a case with some quantities replaced, which stand in a tree of the keys of their paths."""
-    if isinstance(tree, Value):
-        return tree
-    if isinstance(part, tuple):
-        names = [row_name(row, place) for place, row in enumerate(part)]
-        return tuple(
-            _with_tree(row, tree[name]) if name in tree else row for name, row in zip(names, part, strict=True)
-        )
-    return part.model_copy(update={key: _with_tree(getattr(part, key), branch) for key, branch in tree.items()})
 
 
 def _with_band(path: str, value: Value, band: ToleranceBand | None) -> Value:
@@ -396,53 +341,15 @@ def _built_in(name: str) -> Case:
     return load_case(name)
 
 
+def _published_in(name: str) -> tuple[Published, ...]:
+    """Return the published numbers of a built-in case; none where it is no built-in one."""
+    return _built_in(name).published if name in bundled_cases() else ()
+
+
 @functools.cache
 def _built_in_entries(name: str) -> dict[str, float | str]:
     """Return quantities and choices of a built-in case."""
     return _built_in(name).entries()
-
-
-def bundled_cases() -> list[str]:
-    """Return the names of the built-in cases.
-
-    Examples
-    --------
-    >>> "li-ma-2019" in bundled_cases()
-    True
-    """
-    folder = resources.files("strikewave.cases") / "published"
-    return sorted(entry.name.removesuffix(".toml") for entry in folder.iterdir() if entry.name.endswith(".toml"))
-
-
-def read_case_text(name: str) -> tuple[str, str]:
-    """Return the TOML text and the name of a case file, or of a built-in case.
-
-    Raises
-    ------
-    InputError
-        If there is neither, or the file is too large or not text.
-    """
-    if name in bundled_cases():
-        return (resources.files("strikewave.cases") / "published" / f"{name}.toml").read_text("utf-8"), name
-    path = Path(name)
-    try:
-        if path.is_dir() and (path / "case.toml").is_file():
-            path = path / "case.toml"
-        if not path.is_file():
-            allowed = EXISTING_FILE if name.endswith(".toml") else "a case file or a built-in case"
-            raise InputError("case", name, allowed, nearest(name, bundled_cases()))
-        with path.open("rb") as file:
-            data = file.read(LARGEST_FILE + 1)
-    except (OSError, ValueError) as error:
-        if isinstance(error, InputError):
-            raise
-        raise InputError("case", name, "a file that can be read", getattr(error, "strerror", "") or "") from None
-    if len(data) > LARGEST_FILE:
-        raise InputError("case", name, f"a case file of at most {LARGEST_FILE // 1000} kB")
-    try:
-        return data.decode("utf-8-sig"), path.stem
-    except UnicodeDecodeError:
-        raise InputError("case", name, "a text file in UTF-8") from None
 
 
 def load_case(name: str, changes: Iterable[str] = ()) -> Case:
@@ -472,7 +379,7 @@ def load_case(name: str, changes: Iterable[str] = ()) -> Case:
     52.3599
     """
     text, stem = read_case_text(name)
-    case = _parse(text, re.sub(r"[^\w.+-]+", "-", stem).strip("-.+") or "case", changes, name in bundled_cases())
+    case = _parse(text, re.sub(r"[^\w.+-]+", "-", stem).strip("-.+") or "case", changes, name in bundled_cases(), name)
     return _with_whole_path(case, Path(name))
 
 
@@ -499,7 +406,7 @@ def _with_whole_file(table: T, folder: Path) -> T:
 def own_case(case: Case, name: str, origin: str) -> Case:
     """Return a case of one's own that begins from another: it names the built-in one, whose numbers are not its own."""
     source = origin if origin in bundled_cases() else case.source
-    theirs = _built_in(source).published if source in bundled_cases() else ()
+    theirs = _published_in(source)
     own = tuple(entry for entry in case.published if entry not in theirs)
     update = {"name": name, "title": f"{name}, from {origin}", "source": source, "published": own, "compare": None}
     return case.model_copy(update=update)
@@ -513,22 +420,21 @@ def parse_case(text: str, name: str = "", changes: Iterable[str] = ()) -> Case:
     return _parse(text, name, changes)
 
 
-def _parse(text: str, name: str, changes: Iterable[str], built_in: bool = False) -> Case:
-    """Check the TOML text of a case; a built-in one says of every value itself where it comes from."""
+def _parse(text: str, name: str, changes: Iterable[str], built_in: bool = False, place: str = "") -> Case:
+    """Check the TOML text of a case; a built-in one says of every value itself where it comes from.
+
+    ``place`` is the path of its file, for an error.
+    """
     try:
         document = read_toml(text)
     except ValueError as error:
         reason = show(str(error), LONGEST_REASON).strip('"')
-        hint = "values with a unit stand in quotes; `strikewave new` writes an example"
-        raise InputErrors([f"{name or 'case'}: not a TOML file: {reason}; {hint}"]) from None
+        raise InputErrors([f"{place or name or 'case'}: not a TOML file: {reason}"]) from None
     _check_schema(document)
     for change in changes:
         FORM.change(document, change)
     document.setdefault("name", name)
-    try:
-        case = Case.model_validate(document)
-    except ValidationError as error:
-        raise InputErrors(FORM.lines(error)) from None
+    case = FORM.read(document)
     if built_in:
         return case
     return with_provenance(case, document, _built_in(case.source) if case.source in bundled_cases() else None)
@@ -544,127 +450,3 @@ def _check_schema(document: Mapping[str, Any]) -> None:
         raise InputError(
             "schema", schema, f"at most {SCHEMA}", "this file was written for a newer strikewave; update it"
         )
-
-
-def document_of(case: Case) -> dict[str, Any]:
-    """Return a case as the plain tables of a case file."""
-    head = {"schema": SCHEMA, "name": case.name, "title": case.title, "source": case.source}
-    document: dict[str, Any] = {key: value for key, value in head.items() if value}
-    if case.compare is not None:
-        document["compare"] = case.compare
-    if case.test.stated():
-        document["test"] = case.test.stated()
-    for table in case.tables():
-        rows = _document(getattr(case, table))
-        if rows:
-            document[table] = rows
-    published = [
-        {key: value.typed if isinstance(value, Value) else value for key, value in entry if value != ""}
-        for entry in case.published
-    ]
-    fits = [_fit_document(fit) for fit in case.fit]
-    return document | ({"fit": fits} if fits else {}) | ({"published": published} if published else {})
-
-
-def _fit_document(fit: FitTable) -> dict[str, Any]:
-    """Return [[fit]] as plain tables, without what is absent."""
-    rows = {"correlation": [list(row) for row in fit.correlation]} if fit.correlation else {}
-    tables: dict[str, Mapping[str, Any]] = {"standard_error": fit.standard_error, "records": fit.records}
-    return {
-        "fields": list(fit.fields),
-        "to": fit.to,
-        **rows,
-        "under": dict(fit.under),
-        **{key: dict(table) for key, table in tables.items() if table},
-    }
-
-
-def _document(part: Any) -> Any:
-    """Return a part of a case as plain tables, without what is absent."""
-    if isinstance(part, Value):
-        return part.document()
-    if isinstance(part, BaseModel):
-        if isinstance(part, StackTable) and not part.layer:
-            return {}
-        rows = {key: _document(value) for key, value in part}
-        return {key: value for key, value in rows.items() if value not in (None, "", [], {})}
-    if isinstance(part, tuple):
-        return [_document(row) for row in part]
-    return part
-
-
-def dump_case(case: Case, comments: Comments | None = None) -> str:
-    """Write a case as TOML that reads back to the same numbers and provenance.
-
-    Parameters
-    ----------
-    case : Case
-        What is written.
-    comments : callable, optional
-        Returns the lines of comment above a key from its path, without names of rows, and from what stands there.
-
-    Returns
-    -------
-    str
-        The case as TOML, which `load_case` reads again as the same case.
-
-    Examples
-    --------
-    >>> case = load_case("li-ma-2019")
-    >>> parse_case(dump_case(case)) == case
-    True
-    """
-    import tomlkit
-
-    document = tomlkit.document()
-    for key, value in document_of(case).items():
-        document[key] = _toml(value, key, comments)
-    return tomlkit.dumps(document)
-
-
-def _toml(value: Any, path: str, comments: Comments | None) -> Any:
-    """Turn plain tables into TOML's: a quantity or a vector stays on its line, rows become arrays of tables."""
-    import tomlkit
-
-    if isinstance(value, dict):
-        flat = not _has_head(value)
-        table: Any = tomlkit.inline_table() if flat else tomlkit.table()
-        for key, entry in sorted(value.items(), key=lambda item: _has_head(item[1])):
-            for line in comments(f"{path}.{key}", entry) if comments and not flat else ():
-                table.add(tomlkit.comment(line))
-            table[key] = _toml(entry, f"{path}.{key}", comments)
-        return table
-    if isinstance(value, list) and not _is_rows(value):
-        return [_toml(entry, path, comments) for entry in value]
-    if isinstance(value, list):
-        rows = tomlkit.aot()
-        for entry in value:
-            rows.append(_toml(entry, path, comments))
-        return rows
-    return value
-
-
-def _has_head(value: Any) -> bool:
-    """Tell whether a part of a file has a head of its own: what has none stands before it."""
-    if isinstance(value, dict):
-        return not ("provenance" in value or value.keys() <= VECTOR)
-    return isinstance(value, list) and _is_rows(value)
-
-
-def _is_rows(values: list[Any]) -> bool:
-    """Tell whether a list holds rows of an array of tables, not quantities."""
-    return all(isinstance(entry, dict) and "provenance" not in entry for entry in values)
-
-
-__all__ = [
-    "PUBLISHED_QUANTITIES",
-    "Case",
-    "Provenance",
-    "Value",
-    "bundled_cases",
-    "document_of",
-    "dump_case",
-    "load_case",
-    "own_case",
-    "parse_case",
-]

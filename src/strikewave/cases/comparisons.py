@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator
 from typing import Any
 
+from strikewave.base.first_few import first_few
 from strikewave.base.result import INFO, Comparison, Notice
 from strikewave.cases.case import DIFFERS, Case
-from strikewave.cases.tables import Published
+from strikewave.cases.tables.published import Published
 
 LISTED = 3
 """Fields that a notice names; the report names all."""
@@ -36,7 +37,7 @@ def comparisons(case: Case, computed: Callable[[Published], float | None]) -> tu
 def origin_notices(case: Case) -> Iterator[Notice]:
     """Report what a case no longer has of the one that it comes from: published numbers, and fits."""
     changed, compared = case.changed_fields(), case.compared()
-    listed = f"it differs in {_first(changed)}"
+    listed = f"it differs in {first_few(changed, LISTED)}"
     if len(compared) < len(case.published) and case.compare is None:
         message = f"not compared with the published numbers of {case.source}: {listed}; compare = true shows them"
         yield Notice("not-compared", message, float(len(changed)), 0.0, severity=INFO)
@@ -48,8 +49,8 @@ def origin_notices(case: Case) -> Iterator[Notice]:
         paths = list(dict.fromkeys(change.path for one in stale for change in one.changed))
         fields = ", ".join(one.field for one in stale)
         message = (
-            f"the fit of {fields} no longer applies: it was made under another {_first(paths)}; fit again, with "
-            "records of both to have it for both, or take them as assumed"
+            f"the fit of {fields} no longer applies: it was made under another {first_few(paths, LISTED)}; fit again, "
+            "with records of both to have it for both, or take them as assumed"
         )
         yield Notice("fit-stale", message, float(len(paths)), 0.0)
 
@@ -57,9 +58,3 @@ def origin_notices(case: Case) -> Iterator[Notice]:
 def stale_fits_document(case: Case) -> list[dict[str, Any]]:
     """Return the fits that no longer apply for the JSON document, with the fields that changed."""
     return [{"field": one.field, "changed": [change.path for change in one.changed]} for one in case.stale_fits()]
-
-
-def _first(paths: Sequence[str]) -> str:
-    """Return the first of some paths, and how many more there are."""
-    more = f" and {len(paths) - LISTED} more" if len(paths) > LISTED else ""
-    return ", ".join(paths[:LISTED]) + more

@@ -5,24 +5,17 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from typing import Protocol
 
-from strikewave.base.materials import material
+from strikewave.base.materials import Material, material
 from strikewave.base.percents import percent
 from strikewave.base.quantities import AUTO, Value
 from strikewave.base.result import FAILED, INFO, Notice
 from strikewave.cases.case import Case
 from strikewave.cases.contact_of_case import cap_geometry, cushion_contact, cushion_of_contact
 from strikewave.cases.law_names import CUSHION, POWER
-from strikewave.cases.stack_of_case import DEFAULT_LAW
-from strikewave.cases.tables import AnyStriker, ContactTable
-from strikewave.contact import (
-    FirstYield,
-    Geometry,
-    damping_law,
-    factor,
-    first_yield,
-    restitution,
-    stiffness_law,
-)
+from strikewave.cases.stack_of_case import DEFAULT_LAW, layer_material
+from strikewave.cases.tables.contact import ContactTable
+from strikewave.cases.tables.machine import AnyStriker
+from strikewave.contact import FirstYield, Geometry, damping_law, factor, first_yield, restitution, stiffness_law
 from strikewave.contact.cushions import cushion_law
 from strikewave.contact.registry import FROM_MEMORY, Law
 
@@ -79,13 +72,13 @@ def law_notices(case: Case) -> Iterator[Notice]:
         yield Notice("restitution-differs", message, resulting, asked)
 
 
-def first_yield_of(striker: AnyStriker, contact: ContactTable, face: str) -> FirstYield | None:
+def first_yield_of(striker: AnyStriker, contact: ContactTable, face: Material) -> FirstYield | None:
     """Return where a striker first yields on a face of a material, or the face below it; None where it is not known."""
     geometry = cap_geometry(striker, contact)
-    return None if geometry is None else first_yield(material(striker.material), material(face), geometry)
+    return None if geometry is None else first_yield(material(striker.material), face, geometry)
 
 
-def low_pressure_notices(striker: AnyStriker, contact: ContactTable, face: str) -> Iterator[Notice]:
+def low_pressure_notices(striker: AnyStriker, contact: ContactTable, face: Material) -> Iterator[Notice]:
     """Warn where the largest pressure that was given lies below first yield."""
     first, cap = first_yield_of(striker, contact, face), contact.yield_pressure
     if first is not None and isinstance(cap, Value) and cap.si < first.pressure:
@@ -96,7 +89,7 @@ def low_pressure_notices(striker: AnyStriker, contact: ContactTable, face: str) 
         yield Notice("yield-pressure-low", message, cap.si, first.pressure)
 
 
-def yield_notices(striker: AnyStriker, contact: ContactTable, face: str, peak: float) -> Iterator[Notice]:
+def yield_notices(striker: AnyStriker, contact: ContactTable, face: Material, peak: float) -> Iterator[Notice]:
     """Warn where an elastic contact goes beyond its first yield, or a cap lies below it.
 
     ``face`` is the material that is hit, ``peak`` the largest force, N.
@@ -125,7 +118,8 @@ def joint_yield_notices(case: Case, greatest: Sequence[float]) -> Iterator[Notic
         one, other = case.stack.layer[place : place + 2]
         of_line = "length" in stiffness_law(joint.law or DEFAULT_LAW).needs
         geometry = Geometry(joint.radius.si, length=joint.length.si if of_line and joint.length else None)
-        first = first_yield(material(one.material), material(other.material), geometry)
+        first_body, second_body = (layer_material(x, f"stack.layer.{x.name}") for x in (one, other))
+        first = first_yield(first_body, second_body, geometry)
         peak = float(greatest[place]) + (joint.preload.si if joint.preload else 0.0)
         if first is not None and peak > first.load:
             field = f"stack.joint.{joint.after}.yield_pressure"

@@ -2,17 +2,27 @@
 
 from __future__ import annotations
 
+import contextlib
+import functools
 import math
+from collections.abc import Callable
 
 from strikewave.base.errors import MISSING, InputError, InputErrors, checked
 from strikewave.base.materials import Material, material
-from strikewave.base.quantities import Value
+from strikewave.base.quantities import AUTO, Value
 from strikewave.cases.case import Case
-from strikewave.cases.cushion_of_case import cushion_of
+from strikewave.cases.cushion_of_case import cushion_of, loses_by_rate
 from strikewave.cases.law_names import CUSHION, POWER
-from strikewave.cases.stack_of_case import area_of, need
-from strikewave.cases.tables import AnyStriker, ContactTable
-from strikewave.cases.yield_pressure import capped_pressure, pressure_words, refuse_beyond_law
+from strikewave.cases.stack_of_case import area_of, layer_material, need
+from strikewave.cases.tables.contact import ContactTable
+from strikewave.cases.tables.machine import AnyStriker
+from strikewave.cases.tables.stack import JointTable
+from strikewave.cases.yield_pressure import (
+    capped_pressure,
+    pressure_of_materials,
+    pressure_words,
+    refuse_beyond_law,
+)
 from strikewave.contact import (
     AnyContact,
     Geometry,
@@ -26,6 +36,7 @@ from strikewave.contact import (
     stiffness_of,
 )
 from strikewave.contact.cushions import Cushion, cushion_law
+from strikewave.contact.elastoplastic import AutomaticPressure
 
 _OF_POWER = ("reference_force", "reference_depth", "exponent")
 """Fields of [contact] that only the law `POWER` takes."""
@@ -46,8 +57,58 @@ def contact_stiffness(case: Case) -> Stiffness | LogarithmicStiffness:
         If the law or a material is unknown.
     """
     parts = case.impact()
-    face = material(parts.object.material, "object.material")
-    return face_stiffness(parts.striker, parts.contact, face)
+    return face_stiffness(parts.striker, parts.contact, struck_material(case))
+
+
+def struck_material(case: Case) -> Material:
+    """Return the material of the face that a striker meets: that of the object, of a bar alone that of its first layer.
+
+    Raises
+    ------
+    InputError
+        If it is unknown.
+    """
+    if case.object is not None:
+        return material(case.object.material, "object.material")
+    first = case.stack.layer[0]
+    return layer_material(first, f"stack.layer.{first.name}")
+
+
+def automatic_pressures(case: Case) -> dict[str, AutomaticPressure]:
+    """Return what contacts bear whose yield pressure is "auto", by its path; none of a contact that is refused.
+
+    Examples
+    --------
+    >>> from strikewave import load_case
+    >>> found = automatic_pressures(load_case("iso-16063-22-dropball"))
+    >>> [(path, round(pressure.best / 1e9, 2)) for path, pressure in found.items()]
+    [('contact.yield_pressure', 2.02)]
+    """
+    bodies = dict[str, Callable[[], tuple[Material, Material]]]()
+    if case.contact is not None and case.contact.yield_pressure == AUTO:
+        bodies["contact.yield_pressure"] = functools.partial(_struck, case)
+    for joint in case.stack.joint:
+        if joint.yield_pressure == AUTO:
+            bodies[f"stack.joint.{joint.after}.yield_pressure"] = functools.partial(_beside, case, joint)
+    pressures = dict[str, AutomaticPressure]()
+    for path, found in bodies.items():
+        with contextlib.suppress(InputError, ValueError):  # a joint behind no layer, or the last
+            pressures[path] = pressure_of_materials(*found(), path)
+    return pressures
+
+
+def _struck(case: Case) -> tuple[Material, Material]:
+    """Return the materials of striker and face."""
+    if case.striker is None:
+        raise InputError("striker", MISSING, "a [striker] table")
+    return material(case.striker.material, "striker.material"), struck_material(case)
+
+
+def _beside(case: Case, joint: JointTable) -> tuple[Material, Material]:
+    """Return the materials of the layers beside a joint."""
+    first = [layer.name for layer in case.stack.layer].index(joint.after)
+    one, other = case.stack.layer[first : first + 2]
+    return layer_material(one, f"stack.layer.{one.name}"), layer_material(other, f"stack.layer.{other.name}")
 
 
 def contact_source(case: Case) -> str:
@@ -167,12 +228,24 @@ def cushion_contact(contact: ContactTable) -> AnyContact:
     InputError
         If parts of it do not fit together.
     """
-    cushion = cushion_of_contact(contact)
-    retards = cushion.retardation or cushion.properties.get("retardation", 0.0)
-    if retards and contact.restitution.si != 1.0:
-        allowed = "1 where the cushion has a retardation or a loss factor: it loses energy in one way"
-        raise InputError("contact.restitution", contact.restitution.typed, allowed, "or take those out")
+    loss = _second_loss(contact)
+    try:
+        cushion = cushion_of_contact(contact)
+    except InputError as error:
+        raise InputErrors([*str(error).splitlines(), *loss]) from None
+    if loss:
+        raise InputErrors(loss)
     return checked(CUSHION_PATH, lambda: cushion.contact(contact.damping, contact.restitution.si))
+
+
+def _second_loss(contact: ContactTable) -> list[str]:
+    """Return what is wrong with the restitution beside a cushion that has a loss of its own: one line, or none."""
+    if contact.cushion is None or contact.restitution.si == 1.0 or not loses_by_rate(contact.cushion):
+        return []
+    of_law = contact.cushion.retardation is None and contact.cushion.loss_factor is None
+    has = f"the retardation of the law {contact.cushion.law}" if of_law else "a retardation or a loss factor"
+    allowed, hint = f"1 where the cushion has {has}: it loses energy in one way", "write restitution = 1"
+    return [str(InputError("contact.restitution", contact.restitution.typed, allowed, hint))]
 
 
 def _refuse_stray_cushion(contact: ContactTable) -> None:

@@ -6,12 +6,14 @@ import math
 from collections.abc import Iterable, Iterator
 from typing import NamedTuple
 
-from strikewave.base.materials import material
+from strikewave.base.materials import Material, material
 from strikewave.base.quantities import Value
 from strikewave.base.result import Notice
 from strikewave.cases.case import Case
+from strikewave.cases.contact_of_case import struck_material
 from strikewave.cases.law_names import CUSHION, POWER
-from strikewave.cases.tables import ContactTable, LayerTable
+from strikewave.cases.tables.contact import ContactTable
+from strikewave.cases.tables.stack import LayerTable
 from strikewave.contact import automatic_pressure, contact_modulus, stiffness_law
 
 SLENDER = 10.0
@@ -87,13 +89,13 @@ def indentation_notices(indentation: float, radius: float) -> Iterator[Notice]:
         yield Notice("indentation-large", message, share, LARGEST_INDENTATION)
 
 
-def speed_notices(names: Iterable[str], speed: float) -> Iterator[Notice]:
+def speed_notices(bodies: Iterable[Material], speed: float) -> Iterator[Notice]:
     """Warn where an approach (m/s) is so fast that the inertia of what yields counts beside its strength.
 
     From v = sqrt(2 Y/rho) on, the stagnation pressure rho v^2/2 of material that flows is above its yield strength Y:
     contact laws are those of slow pressing, and no longer hold.
     """
-    known = [(row, row.yield_strength) for row in map(material, names) if row.yield_strength is not None]
+    known = [(row, row.yield_strength) for row in bodies if row.yield_strength is not None]
     if not known:
         return
     limit, name = min((math.sqrt(2.0 * strength / row.density), row.name) for row, strength in known)
@@ -214,11 +216,10 @@ def _heavy_nose(case: Case, path: str, length: Value) -> Iterator[Notice]:
 def _spot_notices(case: Case, face: _Face | None, peak: float, indentation: float | None) -> Iterator[Notice]:
     """Warn where the spot of a sphere is wider than the face, or deep beside the radius of the nose."""
     striker, contact = case.striker, case.contact
-    name = case.stack.layer[0].material if case.stack.layer else case.object.material if case.object else ""
-    if striker is None or contact is None or striker.nose_radius is None or not name:
+    if striker is None or contact is None or striker.nose_radius is None:
         return
     radius = striker.nose_radius.si
-    bodies = material(striker.material), material(name)
+    bodies = material(striker.material), struck_material(case)
     spot = (0.75 * peak * radius / contact_modulus(*bodies)) ** (1.0 / 3.0)
     given = contact.yield_pressure
     if given is not None:

@@ -4,15 +4,16 @@ from __future__ import annotations
 
 from typing import TypeVar
 
-from strikewave.base.errors import MISSING, InputError, checked
+from strikewave.base.errors import MISSING, InputError, InputErrors, checked
 from strikewave.base.quantities import Value
-from strikewave.cases.tables import CushionTable
+from strikewave.cases.tables.contact import CushionTable
 from strikewave.contact.cushions import (
     Cushion,
     CushionMaterial,
     Pad,
     Wear,
     cushion_law,
+    cushion_laws,
     cushion_material,
     retardation_of,
 )
@@ -24,7 +25,8 @@ PROPERTIES = (
 )
 """Fields of a cushion that are properties of some law."""
 _EXAMPLES = {"exponent": "2.5", "limit_strain": "0.8", "densification": "0.8", "retardation": '"20 us"'}
-"""What to add where a property is missing; of the others a pressure."""
+"""What to add where a property is missing; of the others `_PRESSURE`."""
+_PRESSURE = '"2 MPa"'
 T = TypeVar("T")
 
 
@@ -36,7 +38,7 @@ def cushion_of(table: CushionTable, path: str, area: float) -> Cushion:
     InputError
         If its law or material is unknown, or a property is missing or foreign.
     """
-    row = cushion_material(table.material, f"{path}.material") if table.material else None
+    row = _material_of(table, path)
     law = _law_of(table, row, path)
     properties = dict(row.properties) if row else {}
     for key in PROPERTIES:
@@ -51,13 +53,36 @@ def cushion_of(table: CushionTable, path: str, area: float) -> Cushion:
         properties[key] = value.si
     missing = [key for key in law.needs if key not in properties]
     if missing:
-        hint = f"add {missing[0]} = {_EXAMPLES.get(missing[0], chr(34) + '2 MPa' + chr(34))}"
-        raise InputError(f"{path}.{missing[0]}", MISSING, f"a number, for the law {law.name}", hint)
+        allowed = f"a number, for the law {law.name}"
+        faults = [InputError(f"{path}.{key}", MISSING, allowed, f"add {_example(key)}") for key in missing]
+        raise InputErrors(map(str, faults))
     wear = Wear(_or_zero(table.settling), _or_zero(table.stiffening))
     blows = round(table.blows_before.si) if table.blows_before else 0
     pad = Pad(area, table.thickness.si)
     new = Cushion(law.name, pad, properties, wear, _retardation(table, law, path))
     return checked(path, lambda: new.after(blows))
+
+
+def loses_by_rate(table: CushionTable) -> bool:
+    """Tell whether the cushion of a table has a retardation, given or needed by its law: a loss of its own."""
+    if table.loss_factor is not None:
+        return table.loss_factor.si != 0.0
+    of_law = table.law in cushion_laws() and "retardation" in cushion_law(table.law).needs
+    return of_law or table.retardation is not None
+
+
+def _example(key: str) -> str:
+    return f"{key} = {_EXAMPLES.get(key, _PRESSURE)}"
+
+
+def _material_of(table: CushionTable, path: str) -> CushionMaterial | None:
+    """Return the row of the cushion materials that a table names; the name of a law is none, and is said to be one."""
+    name = table.material.lower()
+    if name not in cushion_laws():
+        return cushion_material(table.material, f"{path}.material") if name else None
+    needed = ", ".join(_example(key) for key in cushion_law(name).needs)
+    allowed = "a material of the table in docs/cushions.md; this is the name of a law"
+    raise InputError(f"{path}.material", table.material, allowed, f'write law = "{name}" in its place, and {needed}')
 
 
 def _law_of(table: CushionTable, row: CushionMaterial | None, path: str) -> CushionLaw:

@@ -21,16 +21,21 @@ class Explained(NamedTuple):
 
 
 @functools.cache
-def explanations() -> dict[str, Explained]:
+def explanations(kind: str = "") -> dict[str, Explained]:
     """Return the words on every field by its path without names of rows, such as ``stack.layer.length``.
+
+    ``kind`` is that of a machine, in which some fields mean something of their own.
 
     Examples
     --------
     >>> explanations()["striker.mass"].how
     'weigh it'
+    >>> explanations("drop")["striker.mass"].what
+    'base of the machine, on which the pad lies and the carriage falls'
     """
-    text = (resources.files("strikewave.cases") / "explained.toml").read_text("utf-8")
-    return dict(_fields(tomllib.loads(text), ""))
+    tables = tomllib.loads((resources.files("strikewave.cases") / "explained.toml").read_text("utf-8"))
+    of_kinds = tables.pop("machine_kind")
+    return {**dict(_fields(tables, "")), **dict(_fields(of_kinds.get(kind, {}), ""))}
 
 
 def _fields(table: dict[str, Any], path: str) -> list[tuple[str, Explained]]:
@@ -41,15 +46,17 @@ def _fields(table: dict[str, Any], path: str) -> list[tuple[str, Explained]]:
     return rows
 
 
-def comment_lines(path: str, entry: Any) -> list[str]:
+def comment_lines(path: str, entry: Any, kind: str = "") -> list[str]:
     """Return the comment above a field of a case file: nothing above a table, or where a file says it itself.
+
+    ``kind`` is that of the machine of the file; see `explanations`.
 
     Examples
     --------
     >>> comment_lines("striker.mass", {"value": "1 kg", "provenance": "user"})[0][:60]
     'moving mass of a striker, or of the anvil where the object f'
     """
-    words = explanations().get(path)
+    words = explanations(kind).get(path)
     if words is None:
         return []
     noted = isinstance(entry, dict) and not str(entry.get("note", "tolerance")).startswith("tolerance")

@@ -12,7 +12,7 @@ from strikewave.base.errors import InputError, nearest
 from strikewave.base.quantities import Range, Value
 from strikewave.cases.paths import Form
 from strikewave.cases.provenance import SAME
-from strikewave.cases.tables import CaseTable
+from strikewave.cases.tables.base import CaseTable
 
 NONE = "none"
 """Stands for a field, or a table, that the case did not have when it was fitted."""

@@ -7,26 +7,49 @@ in ours.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+import re
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any, Literal, Protocol, get_args, get_origin, runtime_checkable
+from typing import Any, Generic, Literal, Protocol, TypeVar, get_args, get_origin, runtime_checkable
 
 from pydantic import BaseModel, ValidationError
 from pydantic.fields import FieldInfo
+from pydantic_core import ErrorDetails
 
 from strikewave.base.errors import InputError, InputErrors, nearest, show
 from strikewave.base.quantities import Range, Value
 from strikewave.base.units import DIMENSIONS
 
+Held = TypeVar("Held", bound=BaseModel)
+"""What a file holds."""
+
+NAMING = ("name", "after", "number")
+"""Keys that name a row of an array of tables."""
 _OF_TOLERANCE = ("tolerance", "distribution")
 """Keys of a quantity that a change of its value keeps."""
+NOTHING = "none"
+"""What a change sets a quantity to that shall not be there."""
 
 
 def row_name(row: Any, place: int) -> str:
     """Return how a path calls a row of an array of tables: by its name, what it comes after, its number or place."""
     get = row.get if isinstance(row, Mapping) else (lambda key, default: getattr(row, key, default))
     number = get("number", "")
+    number = number.get("value", "") if isinstance(number, Mapping) else number
     return str(get("name", "") or get("after", "") or getattr(number, "typed", number) or place)
+
+
+def _name_in(rows: Sequence[Any], place: int, inner: Sequence[str | int]) -> str:
+    """Return how a path calls a row: by a name that is its own, and is not itself what is wrong; else by its place."""
+    names = [row_name(row, k) if isinstance(row, Mapping) else str(k) for k, row in enumerate(rows)]
+    name = names[place]
+    is_wrong = bool(inner) and inner[0] in NAMING
+    return name if re.fullmatch(r"[\w +-]+", name) and names.count(name) == 1 and not is_wrong else str(place)
+
+
+def _shown(place: str | int) -> str:
+    """Return a place of pydantic's path as a line has it."""
+    return show(str(place)).strip('"')
 
 
 @runtime_checkable
@@ -43,7 +66,7 @@ class Reader(Protocol):
 
 
 @dataclass(frozen=True)
-class Form:
+class Form(Generic[Held]):
     """What a file holds: its model, what the file is called in an error line, and a change that shows how.
 
     Attributes
@@ -56,7 +79,7 @@ class Form:
         A change, such as ``machine.speed="500 rpm"``.
     """
 
-    model: type[BaseModel]
+    model: type[Held]
     name: str
     example: str
 
@@ -64,6 +87,7 @@ class Form:
         """Set ``path=value`` in a document; a bare number is SI; a changed quantity is marked as the user's.
 
         It keeps its tolerance, which ``path.tolerance=value`` changes; a share of nothing is nothing: 0 goes without.
+        ``path=none`` takes a quantity out.
 
         Raises
         ------
@@ -72,7 +96,7 @@ class Form:
 
         Examples
         --------
-        >>> from strikewave.cases.tables import RotaryTable
+        >>> from strikewave.cases.tables.machine import RotaryTable
         >>> document = {}
         >>> Form(RotaryTable, "machine", 'radius="1 m"').change(document, "radius=0.2")
         >>> document["radius"]["value"]
@@ -92,6 +116,9 @@ class Form:
         if allowed is None:
             is_text = isinstance(place.get(key), str) or self._takes_text([*tables, key])
             place[key] = text if is_text else typed
+            return
+        if text == NOTHING:
+            place.pop(key, None)
             return
         if allowed.unit in DIMENSIONS and not isinstance(typed, str):
             typed = f"{text} {allowed.unit}"
@@ -119,33 +146,63 @@ class Form:
             place = inner
         return place
 
-    def lines(self, error: ValidationError) -> list[str]:
+    def read(self, document: Mapping[str, Any], before: str = "") -> Held:
+        """Return what a document holds, as the model of the file.
+
+        Raises
+        ------
+        InputErrors
+            With a line for each fault, after ``before``; see `lines`.
+        """
+        try:
+            return self.model.model_validate(document)
+        except ValidationError as error:
+            raise InputErrors(before + line for line in self.lines(error, document)) from None
+
+    def lines(self, error: ValidationError, document: Mapping[str, Any]) -> list[str]:
         """Turn pydantic's report into one line a fault: field, what came, what is allowed, what to do."""
         lines: list[str] = []
         for fault in error.errors():
-            places = [show(str(part)).strip('"') for part in fault["loc"]]
-            path = ".".join(self._without_kinds(places))
+            path = ".".join(self._called(fault["loc"], document))
             cause = fault.get("ctx", {}).get("error")
             if isinstance(cause, InputErrors):
                 lines += cause.lines
             elif isinstance(cause, InputError):
                 inner = ".".join(part for part in (path, cause.field) if part)
                 lines.append(str(InputError(inner, cause.got, cause.allowed, cause.hint)))
-            elif fault["type"] == "extra_forbidden":
-                lines.append(f"{path}: unknown key; {nearest(places[-1], self.keys_at(places[:-1]))}")
-            elif fault["type"] == "missing":
-                lines.append(f"{path}: missing; {self._example(places)}")
-            elif fault["type"] == "tuple_type" and self.tables_at(places) == [Value]:
-                lines.append(f"{path}: got {show(fault['input'])}; allowed: a list of quantities with their units")
-            elif fault["type"] == "tuple_type" and not isinstance(fault["input"], dict):
-                lines.append(f'{path}: got {show(fault["input"])}; allowed: a list, such as ["a", "b"]')
-            elif fault["type"] == "tuple_type":
-                lines.append(f"{path}: got one table; write [[{path}]], once for each")
-            elif fault["type"] == "literal_error":
-                lines.append(str(InputError(path, fault["input"], str(fault.get("ctx", {}).get("expected", "")))))
             else:
-                lines.append(f"{path or self.name}: got {show(fault['input'])}; {fault['msg']}")
+                lines.append(self._line(fault, path))
         return lines
+
+    def _line(self, fault: ErrorDetails, path: str) -> str:
+        """Return the line of a fault that pydantic found by itself."""
+        kind, got, places = fault["type"], fault["input"], [_shown(part) for part in fault["loc"]]
+        if kind == "extra_forbidden":
+            others = self._kinds_with(places)
+            meant = f"it is a key of {', '.join(others)}, and this is {places[-2]}" if others else ""
+            return f"{path}: unknown key; {meant or nearest(places[-1], self.keys_at(places[:-1]))}"
+        if kind == "missing":
+            return f"{path}: missing; {self._example(places)}"
+        if kind == "tuple_type" and self.tables_at(places) == [Value]:
+            return f"{path}: got {show(got)}; allowed: a list of quantities with their units"
+        if kind == "tuple_type" and not isinstance(got, dict):
+            return f'{path}: got {show(got)}; allowed: a list, such as ["a", "b"]'
+        if kind == "tuple_type":
+            return f"{path}: got one table; write [[{path}]], once for each"
+        if kind == "literal_error":
+            return str(InputError(path, got, str(fault.get("ctx", {}).get("expected", ""))))
+        return f"{path or self.name}: got {show(got)}; {fault['msg']}"
+
+    def _kinds_with(self, places: list[str]) -> list[str]:
+        """Return the other kinds of the table that an unknown key stands in which have such a key."""
+        siblings = self.tables_at(places[:-2])
+        if len(places) < 3 or places[-2] not in map(_kind_of, siblings):
+            return []
+        return [_kind_of(one) for one in siblings if places[-1] in self._keys_of(one)]
+
+    @staticmethod
+    def _keys_of(model: type[BaseModel]) -> list[str]:
+        return [field.alias or key for key, field in model.model_fields.items()]
 
     def tables_at(self, places: list[str]) -> list[type[BaseModel]]:
         """Return the models of the table at a path; a name or number stands for the row of an array of tables."""
@@ -171,7 +228,7 @@ class Form:
 
     def keys_at(self, places: list[str]) -> list[str]:
         """Return the keys of the table at a path; none where there is no table."""
-        return [f.alias or key for model in self.tables_at(places) for key, f in model.model_fields.items()]
+        return [key for model in self.tables_at(places) for key in self._keys_of(model)]
 
     def range_at(self, places: list[str]) -> Range | None:
         """Return what the quantity at a path may be; None where there is no quantity."""
@@ -187,13 +244,21 @@ class Form:
         tables = self.tables_at(places[:-1])
         return [model.model_fields[places[-1]] for model in tables if places[-1] in model.model_fields]
 
-    def _without_kinds(self, places: list[str]) -> list[str]:
-        """Return the places of a path without those that only tell which of several tables is meant."""
-        return [
-            place
-            for depth, place in enumerate(places)
-            if not (depth and len(several := self.tables_at(places[:depth])) > 1 and place in map(_kind_of, several))
-        ]
+    def _called(self, places: Sequence[str | int], document: Mapping[str, Any]) -> list[str]:
+        """Return the places of a fault as paths call them: rows by their names, without what only tells the kind."""
+        called: list[str] = []
+        part: Any = document
+        for depth, place in enumerate(places):
+            shown = [_shown(one) for one in places[: depth + 1]]
+            if depth and len(several := self.tables_at(shown[:-1])) > 1 and shown[-1] in map(_kind_of, several):
+                continue
+            if isinstance(place, int) and isinstance(part, list | tuple) and place < len(part):
+                called.append(_name_in(part, place, places[depth + 1 :]))
+                part = part[place]
+            else:
+                called.append(shown[-1])
+                part = part.get(place) if isinstance(part, Mapping) else None
+        return called
 
     def _with_kinds(self, document: Mapping[str, Any], tables: list[str]) -> list[str]:
         """Return the tables of a path, each of several followed by the kind that a document says it is."""

@@ -40,7 +40,7 @@ def with_provenance(part: T, raw: Any, origin: Any = None) -> T:
 
     Examples
     --------
-    >>> from strikewave.cases.tables import RecorderTable
+    >>> from strikewave.cases.tables.sensor import RecorderTable
     >>> text = {"sampling_rate": "200 kHz", "delay": "0 s", "pre_trigger": "10 ms", "memory": 40000}
     >>> with_provenance(RecorderTable.model_validate(text), text).memory.provenance
     'user'

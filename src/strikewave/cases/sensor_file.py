@@ -6,15 +6,14 @@ import math
 from pathlib import Path
 from typing import NamedTuple
 
-from pydantic import ValidationError
-
 from strikewave.base.citations import FROM_MEMORY
-from strikewave.base.errors import MISSING, InputError, InputErrors, nearest, show
+from strikewave.base.errors import MISSING, InputError, nearest, show
 from strikewave.base.result import INFO, Notice
 from strikewave.cases.paths import Form
 from strikewave.cases.sensors_of_case import chain_of, memory_notices
 from strikewave.cases.small_file import read_small_file
-from strikewave.cases.tables import CaseTable, SensorTable
+from strikewave.cases.tables.base import CaseTable
+from strikewave.cases.tables.sensor import SensorTable
 from strikewave.sensors import Accelerometer, Recorder, Sensor, accelerometer, accelerometers
 
 
@@ -91,10 +90,7 @@ def _only_table(file: Path, field: str) -> SensorTable:
     document = read_small_file(file, field, ALLOWED)
     if set(document) != {"sensor"}:
         raise InputError(field, str(file), ALLOWED, f"it has {', '.join(map(show, document)) or 'nothing'}")
-    try:
-        tables = SensorFile.model_validate(document).sensor
-    except ValidationError as error:
-        raise InputErrors([f"{field} {line}" for line in FORM.lines(error)]) from None
+    tables = FORM.read(document, f"{field} ").sensor
     if len(tables) != 1:
         raise InputError(field, str(file), ALLOWED, f"it has {len(tables)}")
     return tables[0]

@@ -13,7 +13,7 @@ from strikewave.base.quantities import Value
 from strikewave.base.result import INFO, Notice
 from strikewave.cases.case import Case
 from strikewave.cases.stack_of_case import area_of, build_taps, matter_of, once
-from strikewave.cases.tables import SensorTable
+from strikewave.cases.tables.sensor import SensorTable
 from strikewave.sensors import Gasket, Mounting, Recorder, Sensor, accelerometer, oscilloscope, storage_recorder
 from strikewave.sensors.chain import RATE_OVER_CUTOFF
 from strikewave.sensors.channel import SensorChannel

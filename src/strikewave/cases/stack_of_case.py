@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import math
 from collections.abc import Sequence
 from typing import Any, NamedTuple, TypeVar
@@ -14,7 +15,7 @@ from strikewave.base.quantities import Value
 from strikewave.cases.case import Case
 from strikewave.cases.cushion_of_case import cushion_of
 from strikewave.cases.law_names import CUSHION
-from strikewave.cases.tables import EndTable, JointTable, LayerTable
+from strikewave.cases.tables.stack import EndTable, JointTable, LayerTable
 from strikewave.cases.yield_pressure import capped_pressure, pressure_words, refuse_beyond_law
 from strikewave.contact.damping import named_contact
 from strikewave.contact.elastoplastic import cap_of
@@ -32,6 +33,12 @@ DEFAULT_LAW = "hertz"
 """Stiffness law of a contact between two layers that names none."""
 USUAL_TAPS = 20
 """Taps where a case names none: the middle of each layer, of many layers as many as a figure can hold."""
+_EXAMPLES = {
+    "density": 'density = "2700 kg/m^3"',
+    "modulus": 'modulus = "70 GPa"',
+    "poissons_ratio": "poissons_ratio = 0.3",
+}
+"""What to add where a layer lacks a number."""
 _JOINT_FIELDS = {
     "bonded": (),
     "compliant": ("stiffness", "damping"),
@@ -82,7 +89,8 @@ def matter_of(table: Any, path: str) -> Matter:
 def area_of(table: Any, path: str, other: float | None = None) -> float:
     """Return the area of a table that has a diameter or an area, m^2; ``other`` where it has neither."""
     if table.diameter is not None and table.area is not None:
-        raise InputError(f"{path}.area", table.area.typed, "diameter or area, not both", "remove one of them")
+        hint = f'remove one of them, or --set "{path}.diameter=none"'
+        raise InputError(f"{path}.area", table.area.typed, "diameter or area, not both", hint)
     if table.area is not None:
         return float(table.area.si)
     if table.diameter is not None:
@@ -97,10 +105,7 @@ def _layer(table: LayerTable, dispersion: Theory) -> Layer:
     matter = matter_of(table, path)
     if matter.density is None or matter.modulus is None:
         raise InputError(f"{path}.material", MISSING, "a material, or density and modulus", 'add material = "65Mn"')
-    own = table.density is not None or table.modulus is not None
-    ratio = matter.row.poissons_ratio if matter.row and not own else None
-    if table.poissons_ratio is not None:
-        ratio = table.poissons_ratio.si
+    ratio = _poissons_ratio(table, matter)
     if dispersion != "none" and ratio is None:
         raise InputError(
             f"{path}.poissons_ratio", MISSING, f"a Poisson's ratio for the dispersion {dispersion}", "add one"
@@ -118,6 +123,31 @@ def _layer(table: LayerTable, dispersion: Theory) -> Layer:
         layer_loss(table, path),
         dispersion,
     )
+
+
+def _poissons_ratio(table: LayerTable, matter: Matter) -> float | None:
+    """Return the Poisson's ratio of a layer, its own before that of the named material; None where neither has one."""
+    if table.poissons_ratio is not None:
+        return table.poissons_ratio.si
+    return matter.row.poissons_ratio if matter.row else None
+
+
+def layer_material(table: LayerTable, path: str) -> Material:
+    """Return the material of a layer as a contact law needs it: its own numbers, and those of the named one.
+
+    Raises
+    ------
+    InputError
+        If it has neither a material nor density, modulus and Poisson's ratio.
+    """
+    matter = matter_of(table, path)
+    density, modulus, ratio = matter.density, matter.modulus, _poissons_ratio(table, matter)
+    if density is None or modulus is None or ratio is None:
+        missing = next(key for key in ("density", "modulus", "poissons_ratio") if getattr(table, key) is None)
+        allowed = "a number of its own, for the contact, where it names no material"
+        raise InputError(f"{path}.{missing}", MISSING, allowed, f'add {_EXAMPLES[missing]}, or material = "65Mn"')
+    row = matter.row or Material(table.name, density, modulus, ratio, "own", "the case", "stated", "")
+    return dataclasses.replace(row, density=density, youngs_modulus=modulus, poissons_ratio=ratio)
 
 
 def layer_loss(table: LayerTable, path: str) -> LossFit | None:
@@ -194,7 +224,7 @@ def _hung(table: JointTable | EndTable, path: str) -> Hung:
 
 def _contact(table: JointTable, path: str, before: LayerTable, after: LayerTable) -> Joint:
     """Return a nonlinear contact between the materials of two layers."""
-    first, second = (material(x.material, f"stack.layer.{x.name}.material") for x in (before, after))
+    first, second = (layer_material(x, f"stack.layer.{x.name}") for x in (before, after))
     of_line = table.length.si if table.length else None
     datum = table.datum_depth.si if table.datum_depth else None
     geometry = Geometry(table.radius.si if table.radius else None, math.inf, of_line, datum)

@@ -7,15 +7,15 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Annotated, Any, NamedTuple, Self, get_args, get_origin
 
-from pydantic import BaseModel, BeforeValidator, Field, ValidationError, model_validator
+from pydantic import BaseModel, BeforeValidator, Field, model_validator
 
-from strikewave.base.errors import InputError, InputErrors
+from strikewave.base.errors import InputError
 from strikewave.base.result import WARNING, Notice
 from strikewave.cases.paths import Form
-from strikewave.cases.performed_test import PerformedTest, date_text, line_text, notes_text
 from strikewave.cases.photographs import Photograph, read_photograph
 from strikewave.cases.small_file import read_small_file
-from strikewave.cases.tables import CaseTable
+from strikewave.cases.tables.base import CaseTable
+from strikewave.cases.tables.performed_test import PerformedTest, date_text, line_text, notes_text
 
 MOST_ROWS, MOST_PHOTOGRAPHS, MOST_LINES = 100, 12, 20
 """Rows of equipment, specimens or signatures; photographs; statements."""
@@ -233,14 +233,8 @@ def load_test(file: Path, option: str = "--test") -> StatedTest:
     if not isinstance(table, dict):
         raise InputError(option, table, "a table [test]")
     tables = {key: document.pop(key) for key in ReportTables.model_fields if key in document}
-    try:
-        test = PerformedTest.model_validate({**document, **table})
-    except ValidationError as error:
-        raise InputErrors([f"{option} {line}" for line in TEST_FORM.lines(error)]) from None
-    try:
-        more = _without_empty_rows(ReportTables.model_validate(tables))
-    except ValidationError as error:
-        raise InputErrors([f"{option} {line}" for line in TABLES_FORM.lines(error)]) from None
+    test = TEST_FORM.read({**document, **table}, f"{option} ")
+    more = _without_empty_rows(TABLES_FORM.read(tables, f"{option} "))
     photographs = [
         read_photograph(file.parent, one.file, one.caption, f"{option} setup.photograph")
         for one in more.setup.photograph

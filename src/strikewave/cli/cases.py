@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from strikewave.base.json_document import head
-from strikewave.cases.case import bundled_cases, load_case
+from strikewave.cases.case import load_case
+from strikewave.cases.case_files import bundled_cases
 from strikewave.reporting.layout import keys, texts
 from strikewave.reporting.options.output import Shown
 from strikewave.reporting.terminal import print_json, table, tell

@@ -5,7 +5,8 @@ from __future__ import annotations
 from typing import Annotated, Any
 
 from strikewave.base.json_document import head
-from strikewave.cases.case import document_of, load_case
+from strikewave.cases.case import load_case
+from strikewave.cases.written_case import document_of
 from strikewave.reporting.layout import keys, texts
 from strikewave.reporting.options.output import Shown
 from strikewave.reporting.options.shared import case_name

@@ -12,7 +12,7 @@ import typer
 
 from strikewave.base.errors import InputError
 from strikewave.base.json_document import head
-from strikewave.cases.case import bundled_cases, read_case_text
+from strikewave.cases.case_files import bundled_cases, read_case_text
 from strikewave.reporting.options.output import Shown
 from strikewave.reporting.terminal import print_json, say
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import importlib
+from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import typer
@@ -10,6 +11,7 @@ from typer.core import TyperCommand, TyperGroup
 
 from strikewave.base.interrupts import Stopped
 from strikewave.cli.option_groups import spread
+from strikewave.reporting.command_inputs import working_on
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -127,6 +129,13 @@ def _with_hyphens_kept(write: Callable[..., None]) -> Callable[..., None]:
 
 class SectionedCommand(WholeWords, TyperCommand):
     """A command whose help shows its options in sections: those of a panel of their own after the others."""
+
+    def invoke(self, ctx: Context) -> Any:
+        """Run the command, which knows what its arguments name: that is what its result is of."""
+        arguments = [ctx.params.get(str(one.name)) for one in self.params if one.param_type_name == "argument"]
+        named = [word for given in arguments for word in ([given] if isinstance(given, str | Path) else given or ())]
+        with working_on([str(word) for word in named if isinstance(word, str | Path)]):
+            return super().invoke(ctx)
 
     def format_options(self, ctx: Context, formatter: HelpFormatter) -> None:
         """Write a section a panel, with one width for all."""

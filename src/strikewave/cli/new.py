@@ -1,8 +1,10 @@
-"""``strikewave new``: begin a case from a published one, a set-up of split bars, a file of a test, or a budget."""
+"""``strikewave new``: begin a case from a built-in one or on felt, split bars, a file of a test, a budget."""
 
 from __future__ import annotations
 
+import functools
 from collections.abc import Sequence
+from importlib import resources
 from pathlib import Path
 from typing import Annotated
 
@@ -11,10 +13,11 @@ import typer
 from strikewave.base.errors import InputError
 from strikewave.base.json_document import head
 from strikewave.base.output_folder import write_atomically
-from strikewave.cases.case import dump_case, load_case, own_case, parse_case
+from strikewave.cases.case import Case, load_case, own_case, parse_case
 from strikewave.cases.explained import comment_lines
-from strikewave.cases.performed_test import EXAMPLE as TEST_EXAMPLE
 from strikewave.cases.stated_test import example_file
+from strikewave.cases.tables.performed_test import EXAMPLE as TEST_EXAMPLE
+from strikewave.cases.written_case import dump_case
 from strikewave.reporting.options.output import Shown
 from strikewave.reporting.options.shared import complete_case
 from strikewave.reporting.terminal import print_json, say
@@ -24,6 +27,8 @@ HOPKINSON = "hopkinson"
 """Stands for the example of a set-up of split bars, and is the command that it is for."""
 TEST = "test"
 """Stands for a file of a test to fill in, which ``--test`` takes."""
+FELT = "felt"
+"""Stands for a drop table on a felt pad, none of whose values is published: it is no built-in case."""
 BUDGET = "budget"
 """Stands for an uncertainty budget to fill in, which ``--uncertainty`` takes."""
 HEADER = """\
@@ -38,7 +43,10 @@ HEADER = """\
 
 def _complete(incomplete: str) -> list[str]:
     """Return what a case may begin from."""
-    return [*complete_case(incomplete), *(name for name in (HOPKINSON, TEST, BUDGET) if name.startswith(incomplete))]
+    return [
+        *complete_case(incomplete),
+        *(name for name in (FELT, HOPKINSON, TEST, BUDGET) if name.startswith(incomplete)),
+    ]
 
 
 def command(
@@ -51,8 +59,8 @@ def command(
         typer.Option(
             "--from",
             metavar="CASE",
-            help="The case to begin from; hopkinson for a set-up of split Hopkinson bars, test for a test "
-            "report, budget for an uncertainty budget.",
+            help="The case to begin from; felt for a drop table on felt, hopkinson for a set-up of split Hopkinson "
+            "bars, test for a test report, budget for an uncertainty budget.",
             autocompletion=_complete,
         ),
     ] = "li-ma-2019",
@@ -82,12 +90,18 @@ def command(
         record = _write_example(path, force)
         _tell(shown, [path, record], HOPKINSON, "a measured shot; name your bars and files")
         return 0
-    case = own_case(load_case(origin), path.stem, origin)
-    text = HEADER.format(origin=origin) + dump_case(case, comment_lines)
+    case = own_case(_felt_start() if origin == FELT else load_case(origin), path.stem, origin)
+    comments = functools.partial(comment_lines, kind=case.machine.kind if case.machine else "")
+    text = HEADER.format(origin=origin) + dump_case(case, comments)
     parse_case(text)  # refuses a name that no result folder may have
     write_atomically(path, text if case.test.stated() else text + TEST_EXAMPLE)
     _tell(shown, [path], case.command, "change a value")
     return 0
+
+
+def _felt_start() -> Case:
+    """Return the drop table on felt."""
+    return parse_case((resources.files("strikewave.cases") / "felt_start.toml").read_text("utf-8"))
 
 
 def _tell(shown: Shown, paths: Sequence[Path], command: str, words: str, line: str = "") -> None:

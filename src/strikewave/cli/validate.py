@@ -7,7 +7,8 @@ from collections.abc import Mapping
 
 from strikewave.base.json_document import head
 from strikewave.base.quantities import PROVENANCES, Value
-from strikewave.cases.case import load_case, read_case_text
+from strikewave.cases.case import load_case
+from strikewave.cases.case_files import read_case_text
 from strikewave.reporting.layout import MORE, keys, texts
 from strikewave.reporting.options.output import Shown
 from strikewave.reporting.options.shared import CaseName, Changes

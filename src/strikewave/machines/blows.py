@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -29,7 +30,13 @@ SMALLEST_SPEED = 1e-6
 WORK_SAMPLES = 2001
 """Samples of a contact over which its work is summed."""
 WINDOW_BEFORE, WINDOW_AFTER, SAMPLE_STEP = 50e-6, 1.5e-3, 0.25e-6
-"""Window about a blow, before first touch and at least so long after first touch and last release; sampling, s."""
+"""Window about a blow, before first touch and at least so long after its last release; sampling, s."""
+
+AGAIN = 1.25
+"""How long a window goes on after the last release at least, over the time in touch: pictures show 2.2 widths of a
+pulse, which is no wider than the time in touch where the frame does not swing longer."""
+MOST_SAMPLES = 200_000
+"""Samples of such a window at most, 30 MB with all that is sampled: beyond 50 ms it is sampled more coarsely."""
 
 
 @dataclass(frozen=True)
@@ -170,6 +177,31 @@ def blows(run: MachineRun) -> tuple[Blow, ...]:
     return tuple(listed)
 
 
+def window_ends(run: MachineRun, found: Sequence[Blow], tail: float = WINDOW_AFTER) -> Array:
+    """Return when the window of each blow ends, s: it lasts as long as the pulse, and holds what follows.
+
+    After the last release of its pass it lasts somewhat longer than the pass was in touch, and ``tail`` and a swing of
+    the frame at least; but no longer than until the next blow, or the end of the run. NaN of a blow that missed.
+
+    Parameters
+    ----------
+    run : MachineRun
+        The run.
+    found : sequence of Blow
+        All its blows, in order of time.
+    tail : float, optional
+        What the window holds after the last release at least, s.
+    """
+    touches, swing = run.contacts(), 1.0 / run.machine.struck.frame_frequency
+    edges = [*(blow.time for blow in found), run.end]
+    ends = np.full(len(found), math.nan)
+    for k, (blow, until) in enumerate(zip(found, edges[1:], strict=True)):
+        if blow.kind != "missed":
+            last = float(touches[(touches[:, 0] >= blow.time) & (touches[:, 0] < until), 1].max())
+            ends[k] = min(last + max(tail, swing, AGAIN * (last - blow.time)), until)
+    return ends
+
+
 def pulse_window(
     run: MachineRun, touch: float, until: float = math.inf, step: float = SAMPLE_STEP
 ) -> tuple[Array, Array, Array]:
@@ -221,9 +253,11 @@ def _missed(run: MachineRun, index: int, number: int, time: float) -> Blow:
 def _struck(run: MachineRun, index: int, rows: Array, until: float) -> Blow:
     struck = run.machine.struck
     begin, striker, last = float(rows[0, 0]), int(rows[0, 3]), float(rows[:, 1].max())
-    since, moments = _window(run, begin, min(until, last + WINDOW_AFTER) - begin, SAMPLE_STEP)
+    lasting = min(until, last + max(WINDOW_AFTER, 1.0 / struck.frame_frequency)) - begin
+    step = max(SAMPLE_STEP, lasting / MOST_SAMPLES)
+    since, moments = _window(run, begin, lasting, step)
     force, acceleration = moments.contact_force, moments.rigid_acceleration
-    pulse = measure_pulse(acceleration, SAMPLE_STEP, since[0]) if acceleration.max() > 0 else None
+    pulse = measure_pulse(acceleration, step, since[0]) if acceleration.max() > 0 else None
     width = pulse.width if pulse else math.nan
     kind, end = _kind(run, rows, width)
     edges = run.sample(np.array([begin, end]))

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import bisect
+import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
@@ -249,10 +250,7 @@ def _pace(machine: Machine) -> tuple[float, float]:
     """Return about how long a run takes, and its longest step, s."""
     if isinstance(machine.start, Launch):
         whole = BEFORE_TOUCH + machine.start.follow
-        struck = machine.struck
-        modal_mass = struck.nose_mass * (struck.mass - struck.nose_mass) / struck.mass
-        frame = (struck.frame_stiffness / modal_mass) ** 0.5
-        return whole, min(0.02 * whole, STABLE / frame)
+        return whole, min(0.02 * whole, STABLE / (2.0 * math.pi * machine.struck.frame_frequency))
     pitch_time = machine.pitch / machine.start.turntable.speed
     return expected_time(machine.start.feed, pitch_time), 0.02 * pitch_time
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -66,6 +67,12 @@ class StruckObject:
     def mass(self) -> float:
         """Mass of everything that moves when struck, kg."""
         return self.nose_mass + self.assembly_mass
+
+    @property
+    def frame_frequency(self) -> float:
+        """Frequency at which nose and assembly swing on the frame, free and undamped, Hz."""
+        modal_mass = self.nose_mass * self.assembly_mass / self.mass
+        return math.sqrt(self.frame_stiffness / modal_mass) / (2.0 * math.pi)
 
     @cached_property
     def stop_damping(self) -> float:

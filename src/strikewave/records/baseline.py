@@ -214,8 +214,9 @@ def _ripple(blocks: Array, means: Array) -> float:
     parts = blocks.shape[1] // tip
     if parts < 2:
         return math.nan
-    tips = blocks[:, : parts * tip].reshape(blocks.shape[0], parts, tip).mean(axis=2)
-    return float(np.std(tips - means[:, None])) * math.sqrt(parts / (parts - 1.0))
+    tips = blocks[:, : parts * tip].reshape(blocks.shape[0], parts, tip).sum(axis=2) / tip
+    off = (tips - means[:, None]).ravel()
+    return _root_mean_square(off - off.sum() / off.size) * math.sqrt(parts / (parts - 1.0))
 
 
 def _root_mean_square(values: Array) -> float:

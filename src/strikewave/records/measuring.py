@@ -25,7 +25,7 @@ from strikewave.records.ringing import RINGS_WITHIN, Stretch, ringing_of
 from strikewave.records.smooth_pulse import PulseUncertainty, SmoothPulse, fit_smooth_pulse
 from strikewave.records.smoothing import SmoothingWindow
 from strikewave.records.trains import Contacts, sort_contacts
-from strikewave.signal.pulse import WIDTH_FRACTION, crossing
+from strikewave.signal.pulse import WIDTH_FRACTION, area_between, crossing
 
 Array = NDArray[np.float64]
 
@@ -399,8 +399,7 @@ def _measure(values: Array, stretch: BlowWindow) -> RecordedPulse | None:
     area = fitted.area()
     first, last = (crossing(clean, index, FOOT * read.peak, side) for side in (-1, 1))
     if not math.isnan(first) and not math.isnan(last):  # else it does not come back to its zero: the smooth pulse does
-        grid = np.unique(np.concatenate([[first], np.arange(math.ceil(first), math.floor(last) + 1), [last]]))
-        area = float(np.trapezoid(np.interp(grid, np.arange(raw.size), raw), grid)) * step
+        area = area_between(raw, first, last) * step
         feet = stretch.time(begin + first), stretch.time(begin + last)
     figures = (stretch.time(begin + read.place), sign * read.peak, read.rise * step, read.width * step, sign * area)
     doubt = _of_record(fitted, feet, stretch, read)

@@ -13,10 +13,12 @@ at the Jackknife, Annals of Statistics 7 (1979) 1-26.
 
 from __future__ import annotations
 
+import functools
 import math
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from strikewave.records._read_off_kernels import row_figures
 from strikewave.records.record import Array
@@ -36,6 +38,9 @@ of 0.5 to 5 %, of one set of seeds: less leaves peaks of tips and plateaus off b
 DRAWS, SEED = 32, 1
 """Times that noise is put on a pulse: its scatter is then known to an eighth; and the seed, so that a record always
 gives the same figures."""
+KEPT = 2**14
+"""Random numbers up to which a draw is kept for the next blow, which is often as long: 256 kB, which take longer to
+draw than all else that is done to them."""
 NO_NOISE = 1e-5
 """Share of the peak below which noise moves no figure by a digit that is shown."""
 BOW, OVERSHOOT = 8.0 * math.sqrt(3.0), 16.0 * math.sqrt(3.0)
@@ -133,10 +138,10 @@ def read_pulse(about: Surroundings, smooth: SmoothPulse, noise: Array) -> ReadPu
         again = pulse[near] + np.zeros_like(rest)
         if beside:
             basis, _ = np.linalg.qr(smooth.tangents(about.time[near])[0])
-            moved = (rest @ basis) @ basis.T
-            again, rest = again + moved, rest - moved
-        off, least = _spread(figures_of(again + taken.over(rest), box) - start)
-        off_finer, scatter = _spread(figures_of(again + finer.over(rest), box) - start)
+            along = (rest @ basis) @ basis.T
+            again, rest = again + along, rest - along
+        moved = np.hstack([figures_of(again + window.over(rest), box) - start for window in (taken, finer)])
+        (off, off_finer), (least, scatter) = (np.split(each, 2) for each in _spread(moved))
         other = figures_of((pulse + finer.over(raw - pulse))[None, near], box)[0] - off_finer
         found = found - np.array([0.0, *off[1:]])  # on a plateau noise moves the highest value anywhere
         apart = np.nan_to_num(other - found)
@@ -170,14 +175,23 @@ def noise_like(noise: Array, size: int, count: int) -> Array:
     >>> rows.shape, bool(abs(np.std(np.diff(rows)) - 1.0) < 0.3)
     ((40, 500), True)
     """
-    rng = np.random.default_rng(SEED)
     rows = noise.size // size
     if rows == 0:
-        return float(np.std(noise)) * rng.normal(size=(count, size))
+        return float(np.std(noise)) * np.random.default_rng(SEED).normal(size=(count, size))
     spectrum = np.abs(np.fft.rfft(noise - np.mean(noise)))
-    parts = rng.normal(size=(2, -(-count // rows), spectrum.size)) * math.sqrt(0.5)
-    drawn = np.fft.irfft(spectrum * (parts[0] + 1j * parts[1]), noise.size)
+    shape = -(-count // rows), spectrum.size
+    phases = _kept_phases(*shape) if math.prod(shape) <= KEPT else _random_phases(*shape)
+    drawn = np.fft.irfft(spectrum * phases, noise.size)
     return np.asarray(drawn[:, : rows * size].reshape(-1, size)[:count])
+
+
+def _random_phases(rows: int, lines: int) -> NDArray[np.complex128]:
+    """Return complex normal numbers of variance 1, the same at each call: what makes noise of a spectrum."""
+    parts = np.random.default_rng(SEED).normal(size=(2, rows, lines)) * math.sqrt(0.5)
+    return np.asarray(parts[0] + 1j * parts[1])
+
+
+_kept_phases = functools.lru_cache(maxsize=16)(_random_phases)
 
 
 def least_error(raw: Array, pulse: Array, windows: list[SmoothingWindow], noise: Array) -> tuple[int, bool]:

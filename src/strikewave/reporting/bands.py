@@ -6,7 +6,7 @@ import re
 from collections import Counter
 from collections.abc import Iterable, Mapping
 
-from strikewave.base.result import Band, BandMethod, MovedInput, Result
+from strikewave.base.result import Band, BandMethod, MovedInput, Notice, Result
 from strikewave.base.units import in_unit
 from strikewave.reporting.numbers import band_text, listed, percent, spelled, with_band
 from strikewave.reporting.parts import NONE, Cell, Section, Table, written
@@ -47,6 +47,26 @@ def band_words(bands: Mapping[str, Band]) -> list[str]:
         f"In brackets: the range of {percent(band.level, 0)} of all results when inputs move within what is known of "
         f"them; the model's own error is not in it.{depends}"
     ]
+
+
+def lacking_notices(names: Iterable[str], bands: Mapping[str, Band], method: BandMethod | None) -> list[Notice]:
+    """Return a notice where results that may have a band have none, with what failed.
+
+    Examples
+    --------
+    >>> method = BandMethod("full runs", 0.95, 1, 128, failed=128, why="striker.mass: too small")
+    >>> print(lacking_notices(["first.rigid_peak"], {}, method)[0].message)
+    no band of the rigid peak of the first blow: too few of 128 runs at moved inputs gave one; 128 could not be made, \
+    the first because of striker.mass: too small
+    """
+    lacking = [name for name in names if name not in bands]
+    if not lacking or method is None:
+        return []
+    what = listed([f"the {band_label(name)}" for name in lacking])
+    failed = f"; {method.failed} could not be made, the first because of {method.why}" if method.failed else ""
+    runs = method.runs + method.first_runs + method.sensor_runs
+    message = f"no band of {what}: too few of {runs} runs at moved inputs gave one{failed}"
+    return [Notice("no-band", message, float(method.failed), float(runs))]
 
 
 def band_label(name: str) -> str:

@@ -17,7 +17,11 @@ from strikewave.base.citations import SOURCES
 from strikewave.base.percents import percent
 from strikewave.base.quantities import PROVENANCES, Value
 from strikewave.base.result import BALANCE_LIMIT, FAILED, INFO, WARNING
-from strikewave.cases.case import PUBLISHED_QUANTITIES, Case, bundled_cases, dump_case, load_case, row_name
+from strikewave.cases.case import Case, load_case
+from strikewave.cases.case_files import bundled_cases
+from strikewave.cases.paths import row_name
+from strikewave.cases.tables.published import PUBLISHED_QUANTITIES
+from strikewave.cases.written_case import dump_case
 from strikewave.reporting.bands import band_words
 from strikewave.reporting.numbers import SHOWN_UNITS, headed, listed, shown
 from strikewave.reporting.page import Head, whole_page

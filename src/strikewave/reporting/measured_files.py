@@ -15,12 +15,12 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, ClassVar
 
-import tomlkit
 import typer
 
 from strikewave.base.errors import InputError, StrikewaveError, nearest
 from strikewave.base.result import Source
 from strikewave.base.units import parse_quantity, si_value
+from strikewave.reporting.command_inputs import ORIGIN, origin_text
 from strikewave.reporting.options.kinds import parsed, quantity
 from strikewave.reporting.options.output import Output
 from strikewave.reporting.shown_result import ShownResult
@@ -446,7 +446,8 @@ def source_of(kind: str, name: str, paths: Sequence[Path] = (), test: Mapping[st
     what is stated of the test, see `strikewave.reporting.options.output.Output.stated_test`.
     """
     digests, command, stated = digests_of(paths), asked(), dict(test or {})
-    return Source(kind, name, identity(command, digests, stated), "record.toml", digests, command, stated)
+    text = origin_text(command, {shown(path): digest for path, digest in digests.items()}, stated)
+    return Source(kind, name, text, ORIGIN, digests, command, stated)
 
 
 def source_of_records(name: str, paths: Sequence[Path], output: Output, usual: str | None) -> Source:
@@ -474,20 +475,6 @@ def source_in_python(name: str, test: StatedTest | str | Path | None = None) -> 
 def asked() -> str:
     """Return the command line that runs now, as it is to be typed."""
     return shown(shlex.join(["strikewave", *sys.argv[1:]]))
-
-
-def identity(asked: str, digests: Mapping[str, str], test: Mapping[str, Any] | None = None) -> str:
-    """Return what was asked of which files, by their SHA-256, and what is stated of the test."""
-    document = tomlkit.document()
-    document.add("schema", tomlkit.item(1))
-    document.add("command", tomlkit.item(shown(asked)))
-    files = tomlkit.aot()
-    for path, digest in digests.items():
-        files.append(tomlkit.item({"path": shown(path), "sha256": digest}))
-    document.add("file", files)
-    if test:
-        document.add("test", tomlkit.item(dict(test)))
-    return tomlkit.dumps(document)
 
 
 def shown(path: str) -> str:

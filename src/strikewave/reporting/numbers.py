@@ -365,6 +365,19 @@ def with_unit(value: float | None, si: str, usual: str, digits: int = 4) -> str:
     return number if unit == "1" else f"{number} {spelled(unit)}"
 
 
+def hertz(value: float) -> str:
+    """Write a frequency, Hz, in the unit that leaves no row of zeros, with three digits; a dash where there is none.
+
+    Examples
+    --------
+    >>> hertz(12345.0), hertz(50.0), hertz(2.5e6)
+    ('12.3 kHz', '50 Hz', '2.5 MHz')
+    """
+    if not math.isfinite(value):
+        return NONE
+    return with_unit(float(value), "Hz", "MHz" if value >= 1e6 else "kHz" if value >= 1e3 else "Hz", 3)
+
+
 def in_shown_units(text: str) -> str:
     r"""Return a message with its quantities in the units that were chosen.
 

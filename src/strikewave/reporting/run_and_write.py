@@ -14,6 +14,8 @@ from strikewave.base.folder_claim import Claim, claimed
 from strikewave.base.output_folder import atomic_folder, check_place, check_unchanged, keep_true_files
 from strikewave.base.result import Notice, Result
 from strikewave.reporting.bands import band_words
+from strikewave.reporting.command_inputs import ORIGIN, check_inputs, command_inputs, is_within, origin_text
+from strikewave.reporting.measured_files import asked
 from strikewave.reporting.numbers import showing
 from strikewave.reporting.options.output import Output
 from strikewave.reporting.terminal import STARTED, case_hash, complain, most_memory, print_json, say, show_notices, tell
@@ -109,8 +111,10 @@ def _run_and_write(
     if place.folder is None:
         return _print(command, output, command.solve(), timed=usual is not None)
     check_place(place.folder, identity or "", place.replace or identity is None, own)
-    if not place.force and identity is not None:
-        check_unchanged(place.folder, identity)
+    if not place.force:
+        check_inputs(place.folder, identity)
+        if identity is not None:
+            check_unchanged(place.folder, identity)
     with claimed(place.folder) as claim:
         try:
             result, words = _written(command, output, claim, identity, place.replace, own)
@@ -134,6 +138,7 @@ def _written(
                     *command.draw(result, folder),
                     *write_files(result, folder),
                     *output.write_more(result, folder),
+                    *(_write_origin(claim.folder, folder) if output.out is None and result.source.whole else ()),
                 ]
                 names += command.hand_over(result, folder)
                 kept, removed = keep_true_files(claim.folder, folder, result.source.text)
@@ -150,6 +155,14 @@ def _written(
         if files
     ]
     return result, words
+
+
+def _write_origin(place: Path, folder: Path) -> list[str]:
+    """Write of which input the case is, for the next command that would choose this place; return the files' names."""
+    if not command_inputs() or is_within(place):
+        return []
+    (folder / ORIGIN).write_text(origin_text(asked()), "utf-8", newline="\n")
+    return [ORIGIN]
 
 
 def _print(command: Command[R], output: Output, result: R, timed: bool, words: Sequence[str] = ()) -> int:

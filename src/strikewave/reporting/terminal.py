@@ -89,8 +89,8 @@ def is_dumb() -> bool:
     return os.environ.get("TERM", "").lower() in ("dumb", "unknown")
 
 
-def screen_width(stream: TextIO) -> float:
-    """Return the characters of a line: of COLUMNS, of the terminal, or `PIPE_WIDTH`.
+def screen_width(stream: TextIO, piped: float = PIPE_WIDTH) -> float:
+    """Return the characters of a line: of COLUMNS, of the terminal, or what a pipe or a file gets.
 
     Where all columns are wanted and there is no terminal, a line is as long as it takes.
     """
@@ -100,7 +100,7 @@ def screen_width(stream: TextIO) -> float:
     if stream.isatty():
         with contextlib.suppress(OSError, ValueError):
             return max(os.get_terminal_size(stream.fileno()).columns, LEAST_WIDTH)
-    return math.inf if is_wide() and not stream.isatty() else PIPE_WIDTH
+    return math.inf if is_wide() and not stream.isatty() else piped
 
 
 def _shows_styles(stream: TextIO) -> bool:
@@ -163,9 +163,11 @@ def complain(text: str) -> None:
 def show_notices(notices: Sequence[Notice]) -> None:
     """Print what the user should know, what weighs most first: failed checks whole, the rest in a line each.
 
-    Where all is wanted, everything is printed whole; where only the result is, failed checks alone.
+    A terminal gets the begin of what is longer than its line, a pipe or a file all of it. Where all is wanted, all
+    is printed whole; where only the result is, failed checks alone.
     """
-    shown, width, shortened = _screen.get(), screen_width(sys.stderr), False
+    piped = PIPE_WIDTH if sys.stderr.isatty() else math.inf
+    shown, width, shortened = _screen.get(), screen_width(sys.stderr, piped), False
     for notice in sorted(notices, key=lambda notice: (FAILED, WARNING, INFO).index(notice.severity)):
         about = f" {notice.case}" if notice.case else ""
         limit = f" (limit {significant(notice.limit, 3)})" if notice.broken and notice.limit == notice.limit else ""
@@ -377,7 +379,7 @@ def print_losses(channels: Sequence[SensorChannel]) -> None:
 
 def print_published(published: Sequence[Comparison]) -> None:
     """Print the comparison with published values; nothing where there are none."""
-    from strikewave.cases.case import PUBLISHED_QUANTITIES
+    from strikewave.cases.tables.published import PUBLISHED_QUANTITIES
 
     if not published:
         return

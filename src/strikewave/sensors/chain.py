@@ -208,6 +208,7 @@ def read(
     step: float,
     start: float = 0.0,
     sample_phase: float = 0.0,
+    steady: bool = False,
 ) -> Reading:
     """Return what a sensor and a recorder make of the acceleration of a surface.
 
@@ -221,13 +222,15 @@ def read(
     sensor, recorder : Sensor, Recorder
         What reads, and what keeps it.
     acceleration : array_like
-        Of the mounting surface, at even steps, m/s^2; at rest before the first.
+        Of the mounting surface, at even steps, m/s^2; at rest before the first, or ``steady``.
     step : float
         Time between samples, s.
     start : float, optional
         Time of the first sample, s.
     sample_phase : float, optional
         Share of a sampling interval, 0 to 1, from the start to the recorder's first instant.
+    steady : bool, optional
+        Whether the surface had its first acceleration for long, such as gravity in a fall, so that nothing answers it.
 
     Raises
     ------
@@ -248,11 +251,13 @@ def read(
     full_scale = sensor.range if recorder.full_scale is None else recorder.full_scale
     if recorder.bits and math.isinf(full_scale):
         raise ValueError("a recorder with bits needs a full scale, or a sensor with a range")
-    signal = output(sensor, acceleration, step)
+    values = history(acceleration)
+    before = float(values[0]) if steady else 0.0  # mounting, resonance and filter pass what does not change as it is
+    signal = output(sensor, values - before, step) + before
     peak = float(np.max(np.abs(signal)))
     clipped = np.clip(signal, -sensor.range, sensor.range)
     if math.isfinite(recorder.cutoff):
-        clipped = low_pass(clipped, step, recorder.cutoff, recorder.order)
+        clipped = low_pass(clipped - before, step, recorder.cutoff, recorder.order) + before
     time, values = _sampled(clipped, step, recorder.sampling_rate, sample_phase)
     recorder_clipped = bool(np.max(np.abs(values)) > full_scale)
     values = np.clip(values, -full_scale, full_scale)

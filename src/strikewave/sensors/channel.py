@@ -11,11 +11,18 @@ from strikewave.base.percents import percent
 from strikewave.base.result import Notice
 from strikewave.sensors import Reading, Recorder, Sensor
 from strikewave.sensors.mounting import RESOLVED
-from strikewave.signal.pulse import largest, measure_pulse
+from strikewave.signal.pulse import WIDTH_FRACTION, largest, measure_pulse
 
 HEAVY_SENSOR = 0.02
 """Share of the assembly's mass above which a buffered sensor loads back what it sits on: it then changes that motion by
 about as much, which the model leaves out."""
+
+
+FILTER_PERIODS = 2.0
+"""Periods of its cutoff within which a recorder's filter has answered a blow: the answer of four Butterworth poles is
+below a hundredth of its largest value by then."""
+LAST_SHARE = 0.02
+"""Last part of a reading whose mean tells where it stands: what rings there cancels."""
 
 
 class SensorChannel(NamedTuple):
@@ -28,11 +35,24 @@ class SensorChannel(NamedTuple):
 
 @dataclass(frozen=True)
 class SensorPulse:
-    """What a sensor made of one blow: peak (m/s^2), width at 10 % of the peak (s), and whether it clipped."""
+    """What a sensor made of one blow.
+
+    Attributes
+    ----------
+    peak : float
+        Largest reading with its sign, m/s^2.
+    width : float
+        Width at 10 % of the peak, s.
+    clipped : bool
+        Whether anything was cut off on the way.
+    cut : bool
+        Whether the reading ends before the pulse does: its peak may come later.
+    """
 
     peak: float
     width: float
     clipped: bool
+    cut: bool = False
 
 
 def shortest_period(channels: Sequence[SensorChannel]) -> float:
@@ -40,6 +60,20 @@ def shortest_period(channels: Sequence[SensorChannel]) -> float:
     highest = [channel.sensor.resonance for channel in channels if math.isfinite(channel.sensor.resonance)]
     highest += [RESOLVED for channel in channels if not channel.sensor.mounting.direct]
     return 1.0 / max(highest) if highest else math.inf
+
+
+def settling_time(channel: SensorChannel) -> float:
+    """Return how long after a blow the filter of a recorder still answers it, s."""
+    return FILTER_PERIODS / channel.recorder.cutoff
+
+
+def still_on(reading: Reading) -> bool:
+    """Tell whether a reading stands above a tenth of its peak where it ends, from where it began."""
+    values = reading.values
+    if values.size == 0:
+        return False
+    ends = float(values[-max(int(LAST_SHARE * values.size), 1) :].mean())
+    return abs(ends - float(values[0])) > WIDTH_FRACTION * abs(largest(values))
 
 
 def sensor_sources(channels: Sequence[SensorChannel]) -> list[str]:

@@ -86,6 +86,30 @@ def crossing(values: Array, index: int, level: float, direction: int) -> float:
     return index + direction * (k - 1 + float(fraction))
 
 
+def area_between(values: Array, first: float, last: float) -> float:
+    """Return the integral of the straight lines between samples from one place to a later one, both in samples.
+
+    Examples
+    --------
+    >>> area_between(np.array([0.0, 1.0, 2.0, 0.0]), 0.5, 2.5)
+    2.625
+    """
+    begin, end = math.ceil(first), math.floor(last)
+    low, high = _at(values, first), _at(values, last)
+    if begin > end:
+        return 0.5 * (low + high) * (last - first)
+    inner = values[begin : end + 1]
+    left, right = float(inner[0]), float(inner[-1])
+    whole = float(np.sum(inner)) - 0.5 * (left + right)
+    return whole + 0.5 * (low + left) * (begin - first) + 0.5 * (right + high) * (last - end)
+
+
+def _at(values: Array, place: float) -> float:
+    """Return the value on the straight lines between samples at a place, in samples."""
+    k = min(math.floor(place), values.size - 2)
+    return float(values[k]) + (place - k) * float(values[k + 1] - values[k])
+
+
 def measure_pulse(values: Array, step: float, start: float = 0.0, fraction: float = WIDTH_FRACTION) -> Pulse:
     """Measure the largest positive pulse of a history without noise.
 
@@ -123,8 +147,7 @@ def measure_pulse(values: Array, step: float, start: float = 0.0, fraction: floa
     begin, end = (crossing(values, index, fraction * peak, side) for side in (-1, 1))
     low, high = (crossing(values, index, share * peak, -1) for share in (RISE_LOW, RISE_HIGH))
     first, last = (0.0 if math.isnan(begin) else begin), (values.size - 1.0 if math.isnan(end) else end)
-    grid = np.concatenate([[first], np.arange(np.ceil(first), np.floor(last) + 1), [last]])
-    area = float(np.trapezoid(np.interp(grid, np.arange(values.size), values), grid)) * step
+    area = area_between(values, first, last) * step
     return Pulse(float(start + place * step), peak, float((end - begin) * step), float((high - low) * step), area)
 
 

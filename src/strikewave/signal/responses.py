@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 
 import numpy as np
 from numpy.typing import NDArray
@@ -23,6 +23,9 @@ BLOCK = 4096
 
 NARROWER = (0.08, 0.01, 0.001)
 """Half widths, in steps, of the parabolas about a peak: the error of each is of the third power of its width."""
+
+TINY = 1e-300
+"""What a curvature is divided by at least."""
 
 
 def interpolate(history: Array, factor: int) -> Array:
@@ -67,7 +70,7 @@ def extremes(x: Array, tail: Array, oscillators: Bank, part: str, level: float =
     during = _stretch(x, np.full(2, level), oscillators, state, part != "residual")
     if part == "primary":
         return during
-    before = np.concatenate([np.full(1, level), x])[-2:]
+    before = np.concatenate([np.full(1, level), x[-2:]])[-2:]
     after = _stretch(tail, before, oscillators, state, True)
     decay, stiffness, _, second = oscillators.filters
     change = decay * state[1] - stiffness * state[0] + second * np.concatenate([before, tail])[-2]
@@ -87,6 +90,32 @@ def followed(x: Array, oscillators: Bank, level: float = 0.0) -> Iterator[Array]
         before = np.concatenate([before, part])[-2:]
         history *= oscillators.weight
         yield history
+
+
+def largest_sum(blocks: Iterable[tuple[Array, ...]]) -> Array:
+    """Return the root of the largest sum of squares at one instant, by a parabola through three samples."""
+    best = np.zeros(0)
+    last = np.zeros((0, 0))
+    for block in blocks:
+        squares = sum((axis**2 for axis in block[1:]), start=block[0] ** 2)
+        best = best if best.size else np.zeros(squares.shape[1])
+        squares = np.concatenate([last, squares]) if last.size else squares
+        best = np.maximum(best, _tops(squares))
+        last = squares[-2:]
+    return np.asarray(np.sqrt(best))
+
+
+def _tops(squares: Array) -> Array:
+    """Return the largest value of each column, between its samples."""
+    k = np.clip(np.argmax(squares, axis=0), 1, max(squares.shape[0] - 2, 1))
+    if squares.shape[0] < 3:
+        return np.asarray(squares.max(axis=0))
+    column = np.arange(squares.shape[1])
+    low, middle, high = (squares[k + shift, column] for shift in (-1, 0, 1))
+    curvature = low - 2.0 * middle + high
+    top = middle - np.where(curvature < 0.0, (high - low) ** 2 / (8.0 * np.minimum(curvature, -TINY)), 0.0)
+    inside = (middle >= low) & (middle >= high)
+    return np.asarray(np.where(inside, top, np.maximum(np.maximum(low, high), middle)))
 
 
 def _stretch(x: Array, before: Array, oscillators: Bank, state: Array, counts: bool) -> tuple[Array, Array]:

@@ -9,40 +9,24 @@ base minus mass: a base that starts upwards gives a positive spectrum first.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from strikewave.signal.oscillators import Bank, acceleration, bank, displacement, velocity
-from strikewave.signal.responses import extremes, followed, framed, interpolate
+from strikewave.signal.oscillator_groups import KINDS, groups
+from strikewave.signal.responses import extremes, followed, framed, interpolate, largest_sum
 
 Array = NDArray[np.float64]
 
-KINDS = {
-    "absolute": (acceleration, 0, 0),
-    "displacement": (displacement, 0, 2),
-    "relative-velocity": (velocity, 0, 1),
-    "pseudo-velocity": (displacement, 1, 2),
-    "equivalent-static": (displacement, 2, 2),
-}
-"""Responses that a spectrum can be of: what is looked at of the oscillator, and the powers of 2 pi f and of the step
-that make SI of it."""
 INITIAL = ("rest", "shifted", "steady")
 """How a record can begin; see `Scope`."""
 SIDES = ("maximax", "positive", "negative")
 """Sides of a spectrum: the larger of both polarities, or one of them."""
 PARTS = ("total", "primary", "residual")
 """Parts of a response: with the vibration after the shock, without it, or that alone."""
-
-SMOOTH = 20
-"""Samples a period below which straight lines are no longer good: they lose (pi/20)^2/3 = 0.8 % there."""
-
-FACTORS = (1, 2, 4, 8, 10)
-"""Factors of interpolation: a frequency takes the least that leaves `SMOOTH` samples a period, and 10 serves up to half
-the sampling rate; few factors, since the record is gone through once for each."""
 
 PER_OCTAVE, QUALITY = 12.0, 10.0
 """Frequencies an octave, and quality factor, where none is given: the usual ones of shock response spectra, a resonance
@@ -51,12 +35,8 @@ of 5 % damping being wider than a twelfth of an octave."""
 LAST_SWING = 1.05
 """Periods of free vibration after the record in which its largest vector sum lies: the first swing, and a little."""
 
-TINY = 1e-300
-"""What a curvature is divided by at least."""
-
-_ROUNDING, _SAME_FREQUENCY = 1e-12, 1e-9
-"""Relative roundings: of the samples a period of a frequency at the edge of a factor, and of a frequency reached by
-even ratios."""
+_SAME_FREQUENCY = 1e-9
+"""Relative rounding of a frequency reached by even ratios."""
 
 
 @dataclass(frozen=True)
@@ -211,20 +191,57 @@ def srs(
     >>> spectrum.maximax.round(1)
     array([  4. , 176.8, 102.5])
     """
+    [found] = all_srs(values, step, frequencies, [(kind, q)], scope)
+    return found
+
+
+def all_srs(
+    values: ArrayLike,
+    step: float,
+    frequencies: ArrayLike,
+    asked: Sequence[tuple[str, float]],
+    scope: Scope | None = None,
+) -> list[Spectrum]:
+    """Return several shock response spectra of one base acceleration, which is interpolated once for all of them.
+
+    Each is, to the bit, what `srs` gives.
+
+    Parameters
+    ----------
+    values, step, frequencies, scope
+        As for `srs`.
+    asked : sequence of (str, float)
+        Kind and quality factor of each spectrum.
+
+    Raises
+    ------
+    ValueError
+        As for `srs`.
+
+    Examples
+    --------
+    >>> pulse = 100.0 * np.sin(np.pi * np.arange(1001) / 1000)
+    >>> damped, undamped = all_srs(pulse, 1e-5, [81.0], [("absolute", 10.0), ("absolute", np.inf)])
+    >>> damped.maximax.round(1), undamped.maximax.round(1)
+    (array([165.1]), array([176.8]))
+    """
     scope = scope or Scope()
     history, fn = _history(values, step), _natural(frequencies, step)
-    _check(q, kind, scope)
+    for kind, q in asked:
+        _check(q, kind, scope)
     if scope.end is not None:
         if not 0.0 < scope.end < math.inf or round(scope.end / step) < 1:
             raise ValueError(f"the end of the shock must come at least one step after its start, got {scope.end!r} s")
         history = history[: round(scope.end / step) + 1]
     history, level = _begun(history, scope.initial)
-    positive, negative = np.empty_like(fn), np.empty_like(fn)
-    for group in _groups(step, fn, q, kind, scope.upsample):
-        body = interpolate(history, group.factor)
-        sides = extremes(*framed(body, group.factor, level), group.oscillators, scope.part, level)
-        positive[group.members], negative[group.members] = (side * group.unit for side in sides)
-    return Spectrum(fn, positive, negative, float(q), kind, scope.part)
+    found = [Spectrum(fn, np.empty_like(fn), np.empty_like(fn), float(q), kind, scope.part) for kind, q in asked]
+    for group in groups(step, fn, scope.upsample):
+        record, fall = framed(interpolate(history, group.factor), group.factor, level)
+        for one in found:
+            oscillators, unit = group.oscillators(one.q, one.kind)
+            sides = extremes(record, fall, oscillators, scope.part, level)
+            one.positive[group.members], one.negative[group.members] = (side * unit for side in sides)
+    return found
 
 
 def rolling_srs(
@@ -269,12 +286,12 @@ def rolling_srs(
         )
     starts = np.arange(0, history.size - length + 1, hop)
     positive, negative = np.empty((starts.size, fn.size)), np.empty((starts.size, fn.size))
-    for group in _groups(step, fn, q, kind):
-        body = interpolate(history, group.factor)
+    for group in groups(step, fn):
+        body, (oscillators, unit) = interpolate(history, group.factor), group.oscillators(q, kind)
         for row, start in enumerate(starts):
             part = body[start * group.factor : (start + length - 1) * group.factor + 1]
-            sides = extremes(*framed(part, group.factor), group.oscillators, "total")
-            positive[row, group.members], negative[row, group.members] = (side * group.unit for side in sides)
+            sides = extremes(*framed(part, group.factor), oscillators, "total")
+            positive[row, group.members], negative[row, group.members] = (side * unit for side in sides)
     return RollingSpectrum(np.asarray((starts + 0.5 * (length - 1)) * step), fn, positive, negative)
 
 
@@ -312,11 +329,11 @@ def response_history(
     """
     _check(q, kind, Scope(initial=initial))
     history, level = _begun(_history(values, step), initial)
-    [group] = _groups(step, _natural(frequency, step), q, kind)
-    body = interpolate(history, group.factor)
+    [group] = groups(step, _natural(frequency, step))
+    body, (oscillators, unit) = interpolate(history, group.factor), group.oscillators(q, kind)
     x = framed(body, group.factor, level)[0]
-    response = np.concatenate([block[:, 0] for block in followed(x, group.oscillators, level)])
-    return np.asarray(response[x.size - body.size :: group.factor] * group.unit)
+    response = np.concatenate([block[:, 0] for block in followed(x, oscillators, level)])
+    return np.asarray(response[x.size - body.size :: group.factor] * unit)
 
 
 def rms_spectrum(
@@ -354,10 +371,10 @@ def rms_spectrum(
     history, level = _begun(_history(values, step), initial)
     fn = _natural(frequencies, step)
     rms = np.empty_like(fn)
-    for group in _groups(step, fn, q, kind):
-        body = interpolate(history, group.factor)
-        squares = sum(np.sum(block**2, axis=0) for block in followed(body, group.oscillators, level))
-        rms[group.members] = np.sqrt(squares / body.size) * group.unit
+    for group in groups(step, fn):
+        body, (oscillators, unit) = interpolate(history, group.factor), group.oscillators(q, kind)
+        squares = sum(np.sum(block**2, axis=0) for block in followed(body, oscillators, level))
+        rms[group.members] = np.sqrt(squares / body.size) * unit
     return rms
 
 
@@ -404,34 +421,15 @@ def resultant_srs(
     fn = _natural(frequencies, step)
     largest = np.empty_like(fn)
     begun = [_begun(history, initial) for history in histories]
-    for group in _groups(step, fn, q, kind):
-        swing = np.zeros(math.ceil(LAST_SWING * 2.0 * np.pi / float(np.min(group.oscillators.frequency))))
+    for group in groups(step, fn):
+        oscillators, unit = group.oscillators(q, kind)
+        swing = np.zeros(math.ceil(LAST_SWING * 2.0 * np.pi / float(np.min(oscillators.frequency))))
         blocks = []
         for history, level in begun:
             framed_history = framed(interpolate(history, group.factor), group.factor, level)
-            blocks.append(followed(np.concatenate([*framed_history, swing]), group.oscillators, level))
-        largest[group.members] = _largest_sum(zip(*blocks, strict=True)) * group.unit
+            blocks.append(followed(np.concatenate([*framed_history, swing]), oscillators, level))
+        largest[group.members] = largest_sum(zip(*blocks, strict=True)) * unit
     return largest
-
-
-class Group(NamedTuple):
-    """Oscillators that need the same factor of interpolation; ``unit`` makes SI of a response counted in steps."""
-
-    factor: int
-    members: NDArray[np.intp]
-    oscillators: Bank
-    unit: Array
-
-
-def _groups(step: float, fn: Array, q: float, kind: str, upsample: bool = True) -> Iterator[Group]:
-    """Yield the frequencies by the interpolation that they need."""
-    response, of_frequency, of_step = KINDS[kind]
-    needed = np.searchsorted(FACTORS, SMOOTH * fn * step * (1.0 - _ROUNDING)) if upsample else np.zeros(fn.size, int)
-    for i in np.unique(needed):
-        factor, members = FACTORS[i], np.flatnonzero(needed == i)
-        w, fine = 2.0 * np.pi * fn[members], step / FACTORS[i]
-        oscillators = bank(w * fine, 0.5 / q, response)
-        yield Group(factor, members, oscillators, w**of_frequency * fine**of_step)
 
 
 def _begun(history: Array, initial: str) -> tuple[Array, float]:
@@ -450,32 +448,6 @@ def _history(values: ArrayLike, step: float) -> Array:
     if not np.all(np.isfinite(history)):
         raise ValueError("the record holds values that are not finite")
     return history
-
-
-def _largest_sum(blocks: Iterable[tuple[Array, ...]]) -> Array:
-    """Return the root of the largest sum of squares at one instant, by a parabola through three samples."""
-    best = np.zeros(0)
-    last = np.zeros((0, 0))
-    for block in blocks:
-        squares = sum((axis**2 for axis in block[1:]), start=block[0] ** 2)
-        best = best if best.size else np.zeros(squares.shape[1])
-        squares = np.concatenate([last, squares]) if last.size else squares
-        best = np.maximum(best, _tops(squares))
-        last = squares[-2:]
-    return np.asarray(np.sqrt(best))
-
-
-def _tops(squares: Array) -> Array:
-    """Return the largest value of each column, between its samples."""
-    k = np.clip(np.argmax(squares, axis=0), 1, max(squares.shape[0] - 2, 1))
-    if squares.shape[0] < 3:
-        return np.asarray(squares.max(axis=0))
-    column = np.arange(squares.shape[1])
-    low, middle, high = (squares[k + shift, column] for shift in (-1, 0, 1))
-    curvature = low - 2.0 * middle + high
-    top = middle - np.where(curvature < 0.0, (high - low) ** 2 / (8.0 * np.minimum(curvature, -TINY)), 0.0)
-    inside = (middle >= low) & (middle >= high)
-    return np.asarray(np.where(inside, top, np.maximum(np.maximum(low, high), middle)))
 
 
 def _natural(frequencies: ArrayLike, step: float) -> Array:

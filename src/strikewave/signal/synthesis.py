@@ -16,7 +16,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from strikewave.signal.motion import motion
-from strikewave.signal.srs import SMOOTH, Scope, octaves, srs
+from strikewave.signal.oscillator_groups import SMOOTH
+from strikewave.signal.srs import Scope, octaves, srs
 
 Array = NDArray[np.float64]
 
@@ -147,7 +148,7 @@ def synthesized(
     side : str, optional
         Side of the spectrum: ``maximax``, ``positive`` or ``negative``.
     rate : float, optional
-        Samples a second; `strikewave.signal.srs.SMOOTH` a period of the highest frequency by default.
+        Samples a second; `strikewave.signal.oscillator_groups.SMOOTH` a period of the highest frequency by default.
 
     Raises
     ------

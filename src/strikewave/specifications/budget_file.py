@@ -11,13 +11,13 @@ from importlib import resources
 from pathlib import Path
 from typing import Annotated, Any, Literal, NamedTuple, Self, get_args
 
-from pydantic import BeforeValidator, Field, ValidationError, model_validator
+from pydantic import BeforeValidator, Field, model_validator
 
-from strikewave.base.errors import MISSING, InputError, InputErrors
+from strikewave.base.errors import MISSING, InputError
 from strikewave.base.percents import sign_needed
 from strikewave.cases.paths import Form
-from strikewave.cases.performed_test import Line
 from strikewave.cases.small_file import read_small_file
+from strikewave.cases.tables.performed_test import Line
 from strikewave.records.budget.contributions import RECORD, SAMPLING, Budget, Contribution, of_share
 from strikewave.records.budget.propagation import DIVISORS, NORMAL, RECTANGULAR, U_SHAPED
 from strikewave.specifications.tables import (
@@ -221,10 +221,7 @@ def load_budget(asked: str, field: str = "--uncertainty") -> Budget:
         return of_share(0.01 * number)
     path = Path(word)
     document = read_small_file(path, field, ALLOWED)
-    try:
-        file = BudgetFile.model_validate(document)
-    except ValidationError as error:
-        raise InputErrors([f"{field} {path}: {line}" for line in FORM.lines(error)]) from None
+    file = FORM.read(document, f"{field} {path}: ")
     return Budget(tuple(_contribution(table, file) for table in file.contribution), file.title, str(path))
 
 

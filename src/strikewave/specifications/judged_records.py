@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from strikewave.base.constants import COVERAGE
 from strikewave.base.errors import InputError, nearest
+from strikewave.base.first_few import first_few
 from strikewave.records.budget.blows import BlowUncertainty
 from strikewave.records.budget.contributions import RECORD, Budget
 from strikewave.records.health_notice import HealthNotice
@@ -436,7 +437,7 @@ def _without_shock(paths: Sequence[str], limits: PulseLimits) -> list[Clause]:
     """Return the clause of files in which no blow was found."""
     if not paths:
         return []
-    names = ", ".join(Path(path).name for path in paths[:3]) + (f" and {len(paths) - 3} more" if len(paths) > 3 else "")
+    names = first_few([Path(path).name for path in paths], 3)
     clause = judged("files without a shock", float(len(paths)), Limits(0.0, 0.0, limits.status), "1")
     return [replace(clause, verdict=CANNOT_TELL, reason=f"no shock was found in {names}")]
 

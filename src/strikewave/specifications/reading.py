@@ -4,16 +4,14 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cache
 from importlib import resources
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from pydantic import ValidationError
-
-from strikewave.base.errors import EXISTING_FILE, InputError, InputErrors, nearest, show
+from strikewave.base.errors import EXISTING_FILE, InputError, nearest, show
 from strikewave.base.toml_text import read_toml
 from strikewave.cases.paths import Form
 from strikewave.specifications.ideal_pulses import IdealPulse, from_width
@@ -73,6 +71,11 @@ class Specification:
         return self.name if self.condition is None else f"{self.name}:{self.condition.name}"
 
     @property
+    def _typed(self) -> str:
+        """What asks for it: a file of one's own by its path."""
+        return self.path or self.asked
+
+    @property
     def file_name(self) -> str:
         """Name and condition as a part of the name of a file."""
         return self.asked.replace(":", "-").lower()
@@ -109,9 +112,8 @@ class Specification:
         """
         table = self.file.pulse
         if table is None:
-            raise InputError(
-                "--spec", self.asked, "a specification of a pulse", "this one is of a spectrum: srs --spec"
-            )
+            hint = f"this one is of a spectrum: strikewave srs FILES --spec {self._typed}"
+            raise InputError("--spec", self._typed, "a specification of a pulse", hint)
         peak, duration = (self._nominal(key)[0].si for key in ("peak", "duration"))
         shape = (self.condition and self.condition.shape) or table.shape
         slopes = [0.1 if one is None else one.si for one in (table.rise, table.fall)]
@@ -253,12 +255,12 @@ class Specification:
         table = self.file.srs
         if table is None:
             known = [name for name in specification_names() if read_built_in(name)[0].srs is not None]
-            raise InputError("--spec", self.asked, "a specification of a spectrum", "choose from: " + ", ".join(known))
+            raise InputError("--spec", self._typed, "a specification of a spectrum", "choose from: " + ", ".join(known))
         if not table.points:
             copied = "" if self.path else f"strikewave spec new FILE.toml --from {self.name}, and "
             raise InputError(
                 "--spec",
-                self.path or self.asked,
+                self._typed,
                 "a specification with breakpoints: here they are the project's",
                 copied + 'add them under [srs], such as points = [["20 Hz", "50 g"], ["10 kHz", "5000 g"]]',
             )
@@ -388,9 +390,25 @@ def _condition(asked: str, file: SpecificationFile, wanted: str, field: str) -> 
         return file.condition[0]
     if wanted.lower() not in conditions:
         names = [one.name for one in file.condition]
-        hint = nearest(wanted, names) if wanted else "choose from: " + ", ".join(names)
-        raise InputError(field, asked, f"a condition, such as {asked.partition(':')[0]}:{names[0]}", hint)
+        name = asked.rpartition(":")[0] or asked
+        hint = _nearest_condition(wanted, names)
+        if wanted and hint.startswith("choose"):
+            hint += f"; for one of your own: strikewave spec new my-spec.toml --from {name}"
+        raise InputError(field, asked, f"a condition, such as {name}:{names[0]}", hint)
     return conditions[wanted.lower()]
+
+
+def _nearest_condition(wanted: str, names: Sequence[str]) -> str:
+    """Return the condition that a word misspells, else all: one with other numbers is another severity, no misspelling.
+
+    Examples
+    --------
+    >>> _nearest_condition("500-g1ms", ["500g-1ms", "50g-11ms"]), _nearest_condition("1000g-1ms", ["500g-1ms"])
+    ('did you mean "500g-1ms"?', 'choose from: 500g-1ms')
+    """
+    alike = [name for name in names if wanted and re.findall(r"\d+", name) == re.findall(r"\d+", wanted)]
+    hint = nearest(wanted, alike) if alike else ""
+    return hint if hint.startswith("did you mean") else "choose from: " + ", ".join(names)
 
 
 def _file_text(path: Path, field: str) -> str:
@@ -421,7 +439,4 @@ def parse_specification(text: str, where: str) -> SpecificationFile:
         document: Mapping[str, Any] = read_toml(text)
     except ValueError as error:
         raise InputError(where, show(str(error), 120).strip('"'), "a specification in TOML") from None
-    try:
-        return SpecificationFile.model_validate(document)
-    except ValidationError as error:
-        raise InputErrors([f"{where}: {line}" for line in FORM.lines(error)]) from None
+    return FORM.read(document, f"{where}: ")

@@ -18,8 +18,8 @@ from strikewave.base.errors import MISSING, InputError, nearest
 from strikewave.base.percents import sign_needed
 from strikewave.base.quantities import Range
 from strikewave.base.units import DIMENSIONS
-from strikewave.cases.performed_test import Line, line_text, notes_text
-from strikewave.cases.tables import CaseTable
+from strikewave.cases.tables.base import CaseTable
+from strikewave.cases.tables.performed_test import Line, line_text, notes_text
 from strikewave.specifications.ideal_pulses import TRAPEZOID
 from strikewave.specifications.judging import INDICATIVE, STATUSES
 

@@ -11,7 +11,8 @@ from strikewave.base.errors import InputError, nearest
 from strikewave.base.quantities import Value
 from strikewave.base.variables import LabelledArrays
 from strikewave.cases.case import Case
-from strikewave.cases.tables import PUBLISHED_QUANTITIES, RotaryTable
+from strikewave.cases.tables.machine import RotaryTable
+from strikewave.cases.tables.published import PUBLISHED_QUANTITIES
 from strikewave.studies.accuracy import FINER_TOLERANCE
 
 OF_BAR = {

@@ -9,13 +9,13 @@ from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Annotated, Any, TypeVar
 
-from pydantic import BeforeValidator, ValidationError
+from pydantic import BeforeValidator
 
 from strikewave.base.errors import InputError, InputErrors
-from strikewave.cases.case import bundled_cases
+from strikewave.cases.case_files import bundled_cases
 from strikewave.cases.paths import Form
 from strikewave.cases.small_file import read_small_file
-from strikewave.cases.tables import CaseTable
+from strikewave.cases.tables.base import CaseTable
 
 Stated = TypeVar("Stated", bound=CaseTable)
 
@@ -25,17 +25,15 @@ MOST_SET, DEEPEST = 100, 8
 _OPTION = re.compile(r"--(?:to|free|try|set|check-on|filter|vary|analysis)(?:: | |$)")
 
 
-def read_study(path: Path, table: type[Stated], form: Form, allowed: str) -> Stated:
+def read_study(path: Path, form: Form[Stated], allowed: str) -> Stated:
     """Return the tables of the file of a study.
 
     Parameters
     ----------
     path : Path
         The file.
-    table : type
-        What it is to hold.
     form : Form
-        Of the same, for words.
+        What it is to hold.
     allowed : str
         What the file is to be.
 
@@ -44,11 +42,7 @@ def read_study(path: Path, table: type[Stated], form: Form, allowed: str) -> Sta
     InputError
         With one line for each thing that is wrong: file, table and key, and what is allowed.
     """
-    document = read_small_file(path, "FILE", allowed)
-    try:
-        return table.model_validate(document)
-    except ValidationError as error:
-        raise InputErrors(f"{path.name}: {line}" for line in form.lines(error)) from None
+    return form.read(read_small_file(path, "FILE", allowed), f"{path.name}: ")
 
 
 def states_a_study(document: Mapping[str, Any], tables: Sequence[str]) -> bool:

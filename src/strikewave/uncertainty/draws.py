@@ -15,9 +15,10 @@ from pydantic import BaseModel
 from strikewave.base.errors import MISSING, InputError
 from strikewave.base.quantities import DEVIATIONS, TRUNCATION, Range, Value
 from strikewave.base.units import DIMENSIONS
+from strikewave.cases.by_path import with_quantities
 from strikewave.cases.case import FORM, Case
 from strikewave.cases.paths import Form
-from strikewave.cases.tables import OwnStriker, RotaryTable
+from strikewave.cases.tables.machine import OwnStriker, RotaryTable
 
 Array = NDArray[np.float64]
 Shape = Literal["normal", "uniform", "log-uniform"]
@@ -80,6 +81,8 @@ class UncertainInput:
     fitted_with : tuple of (str, float)
         Paths of inputs that the same data fix, and weights: its normal score is the sum of theirs, each with its
         weight, and of its own with what is left of 1 in squares.
+    sets : tuple of str
+        Fields of the case that take what is drawn, stated or not; the one at ``path`` where it is empty.
     """
 
     path: str
@@ -94,6 +97,12 @@ class UncertainInput:
     strikers: tuple[int, ...] = ()
     goes_with: tuple[tuple[str, float], ...] = ()
     fitted_with: tuple[tuple[str, float], ...] = ()
+    sets: tuple[str, ...] = ()
+
+    @property
+    def fields(self) -> tuple[str, ...]:
+        """Fields of the case that take what is drawn."""
+        return self.sets or (self.path,)
 
     @property
     def count(self) -> int:
@@ -239,6 +248,11 @@ def drawn(inputs: Sequence[UncertainInput], points: Array) -> Array:
         place += one.count
     for one in inputs:
         columns[one.path] = one.at(_mixed(one, quantile) if one.fitted_with else quantile[one.path])
+    return together(inputs, columns)
+
+
+def together(inputs: Sequence[UncertainInput], columns: Mapping[str, Array]) -> Array:
+    """Return numbers drawn of each input by itself as they go with one another, shape (runs, numbers drawn), in SI."""
     nominal = {one.path: one.value.si for one in inputs}
     scaled = [
         math.prod(
@@ -278,13 +292,15 @@ def drawn_case(case: Case, inputs: Sequence[UncertainInput], numbers: Sequence[f
     """
     own: dict[int, dict[str, Value]] = {}
     once: dict[str, Value] = {}
+    of_materials: dict[str, Value] = {}
     left = iter(numbers)
     for one in inputs:
         for number in one.strikers:
             own.setdefault(number, {})[OF_EACH_STRIKER[one.path]] = _exactly(one, next(left))
         if not one.strikers:
-            once[one.path] = _exactly(one, next(left))
+            (of_materials if one.sets else once).update(dict.fromkeys(one.fields, _exactly(one, next(left))))
     changed = case.with_values(once, keep_tolerances=False)
+    changed = with_quantities(changed, of_materials)
     return changed.model_copy(update={"striker": _with_rows(changed.rotary_tables().striker, own)}) if own else changed
 
 

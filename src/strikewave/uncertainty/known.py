@@ -4,22 +4,25 @@ A stated tolerance counts as it stands. Without one, what was measured, publishe
 a unit of its last digit, and to 1 % at best; what was inferred, fitted or assumed to the share of `DEFAULTS`. A field
 that nobody can weigh or read off (`strikewave.cases.plausible`) keeps its plausible range while its value is assumed or
 the user's, whatever tolerance stands there: it says how a machine scatters about a value that nobody knows. To narrow
-it, mark the value as measured. A fitted value whose fit no longer applies is an assumed one.
+it, mark the value as measured. A fitted value whose fit no longer applies is an assumed one. What a named material
+stands for (`strikewave.cases.named_materials`) is known as its table has it, and as pieces of it differ.
 """
 
 from __future__ import annotations
 
 import dataclasses
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 
 import numpy as np
 
-from strikewave.base.quantities import TRUNCATION, Range, Value
+from strikewave.base.quantities import AUTO, TRUNCATION, Range, Value
 from strikewave.cases.case import Case
+from strikewave.cases.contact_of_case import automatic_pressures
+from strikewave.cases.named_materials import named_numbers
 from strikewave.cases.paths import row_name
 from strikewave.cases.plausible import NOT_MOVED, PLAUSIBLE, GoesWith, PlausibleRange
-from strikewave.cases.tables import LaunchedTable
+from strikewave.cases.tables.machine import LaunchedTable
 from strikewave.uncertainty.draws import (
     FELT,
     OF_EACH_STRIKER,
@@ -36,6 +39,8 @@ UNSTATED, PLAUSIBLE_BASIS = "no tolerance stated", "plausible range"
 """Bases of inputs whose case states no tolerance, and of those that nobody can weigh or read off."""
 FITTED_BASIS = "standard error of its fit"
 """Basis of an input that was fitted to measurements which fix it that well."""
+NAMED_BASIS = "table of materials"
+"""Basis of an input that a named material stands for."""
 LEAST = 0.01
 """Least half width of what was measured, as a share: scales, gauges and tachometers of a test house keep 1 % together
 with whoever reads them, however many digits are typed."""
@@ -54,6 +59,7 @@ BY_DIGITS = ("measured", "published", "user")
 """Provenances of values whose last digit counts."""
 UNKNOWN = ("assumed", "user")
 """Provenances of values that are in their plausible range at least, where the field has one."""
+UNIFORM: Shape = "uniform"
 JITTER = 1e-9
 """What is added to the variances of a correlation, so that two inputs that always go together have a factor."""
 _NUMBER = re.compile(r"\s*[-+]?(\d*)\.?(\d*)(?:[eE]([-+]?\d+))?")
@@ -87,7 +93,43 @@ def known_inputs(case: Case, tables: Sequence[str] = FELT) -> tuple[UncertainInp
             one = _going_with(one, goes_with) if one is not None else None
             if one is not None and one.high > one.low:
                 inputs.append(one)
-    return tuple(inputs)
+    return (*inputs, *_material_inputs(case, tables), *_pressure_inputs(case, tables))
+
+
+def _material_inputs(case: Case, tables: Sequence[str]) -> Iterator[UncertainInput]:
+    """Yield what is known of the numbers that named materials stand for, each drawn once for all parts that take it."""
+    for path, number in sorted(named_numbers(case).items()):
+        fields = tuple(field for field in number.fields if field.partition(".")[0] in tables)
+        if not fields or field_of(case, fields[0]) in NOT_MOVED:
+            continue
+        value, allowed = number.value, range_of(case, fields[0])
+        if number.plausible is not None:
+            low, high, shape = _plausible_ends(value, allowed, number.plausible)
+            reason = number.plausible.reason
+        else:
+            share, known = default_share(value)
+            low, high, shape = *within(allowed, value.si * (1.0 - share), value.si * (1.0 + share)), UNIFORM
+            reason = f"±{100.0 * share:.2g} %, {known}"
+        reason = f"{value.note}; {reason}"
+        yield UncertainInput(path, value, allowed, low, high, shape, basis=NAMED_BASIS, reason=reason, sets=fields)
+
+
+def _pressure_inputs(case: Case, tables: Sequence[str]) -> Iterator[UncertainInput]:
+    """Yield what is known of the pressures at which contacts yield that follow from named materials."""
+    for path, pressure in automatic_pressures(case).items():
+        if path.partition(".")[0] in tables:
+            value = Value(si=pressure.best, typed=f"{pressure.best / 1e9:.4g} GPa", provenance="inferred")
+            yield UncertainInput(
+                path,
+                value,
+                range_of(case, path),
+                pressure.low,
+                pressure.high,
+                "log-uniform",
+                basis=NAMED_BASIS,
+                reason=f'"{AUTO}", by the softer material: from its hardness up to a metal that piles up or hardens',
+                sets=(path,),
+            )
 
 
 def _fitted_inputs(case: Case) -> dict[str, UncertainInput]:
@@ -212,9 +254,14 @@ def _plausible(
     path: str, value: Value, allowed: Range, plausible: PlausibleRange, strikers: tuple[int, ...]
 ) -> UncertainInput:
     """Return a quantity within the plausible range of its field; what is unknown of all strikers is drawn once."""
-    low, high = within(allowed, *plausible.ends(value.si))
-    shape: Shape = "log-uniform" if plausible.form == "factor" and low > 0.0 else "uniform"
+    low, high, shape = _plausible_ends(value, allowed, plausible)
     of = strikers if plausible.each else ()
     return UncertainInput(
         path, value, allowed, low, high, shape, basis=PLAUSIBLE_BASIS, reason=plausible.reason, strikers=of
     )
+
+
+def _plausible_ends(value: Value, allowed: Range, plausible: PlausibleRange) -> tuple[float, float, Shape]:
+    """Return the ends of the plausible range of a field, SI, and how it is drawn between them."""
+    low, high = within(allowed, *plausible.ends(value.si))
+    return low, high, "log-uniform" if plausible.form == "factor" and low > 0.0 else UNIFORM

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from typing import TypeVar
 
@@ -62,6 +62,24 @@ def on_threads(
             if advance is not None:
                 advance(len(done) / len(items))
     return done
+
+
+def why_failed(function: Callable[[Item], object], items: Sequence[Item], results: Sequence[object | None]) -> str:
+    """Return in one line why the first item without a result could not be computed; empty where all could.
+
+    Examples
+    --------
+    >>> why_failed(lambda x: 1 / x, [1, 0], on_threads(lambda x: 1 / x, [1, 0]))
+    'float division by zero'
+    """
+    failed = next((item for item, result in zip(items, results, strict=True) if result is None), None)
+    if failed is None:
+        return ""
+    try:
+        function(failed)
+    except (StrikewaveError, ValueError, ArithmeticError) as error:
+        return next(iter(str(error).splitlines()), type(error).__name__)
+    return ""
 
 
 def or_none(function: Callable[[Item], Result], item: Item) -> Result | None:

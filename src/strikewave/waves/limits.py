@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from strikewave.base.constants import STANDARD_GRAVITY
+from strikewave.base.first_few import first_few
 from strikewave.base.percents import percent
 from strikewave.base.result import Notice
 from strikewave.waves import BarRun, Layer, Stack, TimeGrid
@@ -85,7 +86,7 @@ def rise_notices(stack: Stack, rise: float, bandwidth: float, peak: float | None
     if ratio < refused:
         shown = "" if peak is None else f" ({theory} would say {peak / STANDARD_GRAVITY:.4g}\xa0g)"
         message = (
-            f"{what}: no peak acceleration is quoted below {refused:g}{shown}, and sensor readings are no better "
+            f"no peak acceleration is quoted{shown}: {what}, below {refused:g}; sensor readings are no better "
             f'founded; state it at a lower bandwidth: --set solver.bandwidth="{_quotable(layer, rise, refused)} kHz"'
         )
         yield Notice("rise-too-steep", message, ratio, refused)
@@ -110,7 +111,7 @@ def layer_notices(stack: Stack, largest_force: Array) -> Iterator[Notice]:
     """
     short = [layer for layer in stack.layers if layer.length < layer.diameter]
     if short:
-        names = _some([layer.name for layer in short])
+        names = first_few([layer.name for layer in short], MOST_NAMES)
         worst = min(short, key=lambda x: x.length / x.diameter)
         message = (
             f"shorter than thick: {names}; one-dimensional theory knows neither their end effects nor their radial "
@@ -126,12 +127,6 @@ def layer_notices(stack: Stack, largest_force: Array) -> Iterator[Notice]:
                 f"{strength / 1e6:.4g}\xa0MPa (a wave of {speed:.3g}\xa0m/s): elastic waves no longer hold"
             )
             yield Notice("stress-yield", message, stress, strength)
-
-
-def _some(names: Sequence[str], most: int = MOST_NAMES) -> str:
-    """Join the first names and count the rest."""
-    more = len(names) - most
-    return ", ".join(names[:most]) + (f" and {more} more" if more > 0 else "")
 
 
 def joint_notices(stack: Stack, least_force: Array, greatest_force: Array, load_peak: float = 0.0) -> Iterator[Notice]:
@@ -160,7 +155,7 @@ def joint_notices(stack: Stack, least_force: Array, greatest_force: Array, load_
         elif not joint.unilateral and least < -TENSION_SHARE * most:
             pulled.append((least, where))
     if pulled:
-        places = _some([f"{where} ({-least / 1e3:.3g}\xa0kN)" for least, where in pulled])
+        places = first_few([f"{where} ({-least / 1e3:.3g}\xa0kN)" for least, where in pulled], MOST_NAMES)
         message = (
             f"tension in the joint {places}: true only if it is glued, welded or bolted hard enough (a gasket counts "
             "as glued on both sides); else make it unilateral, with the preload of its bolt"

@@ -460,7 +460,7 @@ def test_what_a_user_should_know_is_said(strikewave, small, changes, code):
     [
         (["--set", "fem.contact.0.second=anvl.z-"], 'did you mean "anvil"'),
         (["--set", "fem.contact.0.second=anvil.z"], "a side of anvil"),
-        (["--set", "mesh.part.anvil.size=0 mm"], "mesh.part.1.size"),
+        (["--set", "mesh.part.anvil.size=0 mm"], "mesh.part.anvil.size"),
         (["--set", "mesh.part.anvil.size=10 um"], "elements"),
         (["--set", "mesh.part.anvil.material=65Nm"], 'did you mean "65Mn"'),
         (["--set", "mesh.part.anvl.size=1 mm"], "mesh.part.anvl"),
@@ -579,7 +579,7 @@ def test_the_built_in_measured_bars_end_near_what_was_measured(measured, case, t
 def test_the_line_of_each_boundary_in_the_docs_is_read():
     import tomllib
 
-    from strikewave.cases.fem_tables import BOUNDARIES, FemTable
+    from strikewave.cases.tables.fem import BOUNDARIES, FemTable
 
     text = (Path(__file__).parents[3] / "docs" / "fem.md").read_text("utf-8")
     blocks = [block.partition("```")[0] for block in text.split("```toml\n")[1:]]

@@ -11,7 +11,9 @@ import pytest
 
 from strikewave.analyses.fem.figures import histories as fem
 from strikewave.analyses.fem.figures import pictures as fem_pictures
-from strikewave.analyses.fem.figures.pictures import Camera
+from strikewave.analyses.fem.figures.pictures import Camera, bodies
+from strikewave.analyses.fem.figures.pictures.camera import ZONE_FACES
+from strikewave.analyses.fem.figures.pictures.fields import beyond_scale
 from strikewave.analyses.fem.report import page as fem_page
 from strikewave.analyses.fem.report.page import fem_report
 from strikewave.analyses.fem.result import FemSolution
@@ -21,6 +23,7 @@ from strikewave.cases.case import load_case
 from strikewave.fem.measures import balance_measure, blow_axis, contact_measure, near_axis
 from strikewave.fem.mesh import exterior, exterior_faces, joined
 from strikewave.fem.model import SurfaceContact, Symmetry
+from strikewave.fem.run import FieldFrame
 
 from ...fem import synthetic
 
@@ -240,7 +243,7 @@ def nearest_faces(mesh, view, places):
 
 @pytest.mark.parametrize("turned", [(-0.35, -1.0, 0.45), (1.0, 0.3, 0.2), (0.2, 0.5, 1.5)])
 def test_each_pixel_shows_the_face_that_a_ray_meets_first(monkeypatch, rng, turned):
-    monkeypatch.setattr(fem_pictures, "SMALLEST_LINED", np.inf)  # no mesh lines
+    monkeypatch.setattr(bodies, "SMALLEST_LINED", np.inf)  # no mesh lines
     post = synthetic.grid("post", (-0.014, -0.013, 0.001), (-0.012, 0.013, 0.02), (1, 1, 1))  # long faces beside small
     plate = synthetic.grid("plate", (-0.02, -0.02, -0.003), (0.02, 0.02, 0.0), (2, 2, 1))
     mesh = joined([synthetic.ball("ball", (0.0, 0.0, 0.0075), 0.006, 6), post, plate])
@@ -313,9 +316,9 @@ def test_given_limits_hold_and_the_bar_says_that_values_lie_beyond(mesh):
     frame = synthetic.frames(mesh, 3)[1]
     figure = fem_pictures.body_picture(mesh, frame, dataclasses.replace(CUT, limits=(0.0, 100e6)))
     assert figure.axes[-1].get_ylim() == (0.0, 100.0)
-    assert fem_pictures._extended([np.array([50.0, 150.0])], _scale_of(0.0, 100.0)) == "max"
-    assert fem_pictures._extended([np.array([-1.0, 150.0])], _scale_of(0.0, 100.0)) == "both"
-    assert fem_pictures._extended([np.array([0.0, 100.0])], _scale_of(0.0, 100.0)) == "neither"
+    assert beyond_scale([np.array([50.0, 150.0])], _scale_of(0.0, 100.0)) == "max"
+    assert beyond_scale([np.array([-1.0, 150.0])], _scale_of(0.0, 100.0)) == "both"
+    assert beyond_scale([np.array([0.0, 100.0])], _scale_of(0.0, 100.0)) == "neither"
 
 
 def _scale_of(low, high):
@@ -345,9 +348,7 @@ def test_fifty_thousand_faces_are_drawn():
     mesh = synthetic.grid("plate", (0, 0, 0), (0.1, 0.1, 0.002), (156, 156, 1))
     assert len(exterior_faces(mesh.hexahedra)) > 49_000
     cells, nodes = len(mesh.hexahedra), len(mesh.points)
-    frame = fem_pictures.FieldFrame(
-        0.0, np.zeros((nodes, 3)), np.zeros((nodes, 3)), np.ones((cells, 6)), np.arange(cells)
-    )
+    frame = FieldFrame(0.0, np.zeros((nodes, 3)), np.zeros((nodes, 3)), np.ones((cells, 6)), np.arange(cells))
     drawn = pixels(fem_pictures.body_picture(mesh, frame, Camera(), "plastic_strain"))
     assert drawn.std() > 0.0
 
@@ -374,7 +375,7 @@ def test_the_zone_of_a_contact_is_where_its_sides_are_nearest(mesh):
     touching = dataclasses.replace(synthetic.model(joined(plates)), contacts=(SurfaceContact("a.top", "b.bottom"),))
     place, radius = fem_pictures.contact_zone(touching)
     assert place == pytest.approx((0.025, 0.025, 0.001), rel=1e-9)
-    assert radius == pytest.approx(fem_pictures.ZONE_FACES * 0.001, rel=1e-9)
+    assert radius == pytest.approx(ZONE_FACES * 0.001, rel=1e-9)
     assert fem_pictures.contact_zone(dataclasses.replace(synthetic.model(mesh), contacts=())) is None
 
 

@@ -9,7 +9,7 @@ import pytest
 from strikewave import load_case
 from strikewave.analyses.fem.build import build_model
 from strikewave.analyses.fem.figures import cut as fem_cut
-from strikewave.analyses.fem.figures import pictures as fem_pictures
+from strikewave.analyses.fem.figures.pictures.windows import frame_window
 from strikewave.analyses.fem.report import fields as fem_fields
 from strikewave.analyses.fem.report.fields import fields_section
 from strikewave.analyses.fem.report.largest import place_words
@@ -249,7 +249,7 @@ def test_the_bar_of_scale_is_as_long_as_it_says(across, length):
     from matplotlib.figure import Figure
 
     axes = Figure().add_subplot()
-    fem_pictures.frame_window(axes, (-0.5 * across, 0.5 * across, 0.0, across))
+    frame_window(axes, (-0.5 * across, 0.5 * across, 0.0, across))
     (line,) = axes.lines
     assert np.ptp(line.get_xdata()) == pytest.approx(length, rel=1e-12)
     assert [text.get_text() for text in axes.texts] == [f"{length:g} mm"]

@@ -10,7 +10,9 @@ from strikewave.analyses.fem.build import build_model
 from strikewave.analyses.fem.parts import LARGEST, built_parts, estimated_elements, exact_volume
 from strikewave.analyses.fem.screen import say_faceted
 from strikewave.base.errors import InputError, InputErrors
-from strikewave.cases.case import bundled_cases, dump_case, load_case, parse_case
+from strikewave.cases.case import load_case, parse_case
+from strikewave.cases.case_files import bundled_cases
+from strikewave.cases.written_case import dump_case
 from strikewave.fem.mesh import volumes
 from strikewave.fem.model import Driven, Fixed, Guided, NonReflecting, Pressure, Symmetry
 from strikewave.fem.quality import quality_report
@@ -179,7 +181,7 @@ BILINEAR = 'solid = { law = "bilinear", tangent_modulus = "21 GPa" }'
 @pytest.mark.parametrize("lacking", ['B = "292 MPa", ', "n = 0.31, ", "C = 0.025, ", ", m = 1.09"])
 def test_johnson_cook_asks_for_all_five_constants(lacking):
     key = lacking.strip(", ")[0]
-    with pytest.raises(InputErrors, match=rf"^mesh\.part\.0\.solid\.{key}: missing; add {key}[^\n]*$"):
+    with pytest.raises(InputErrors, match=rf"^mesh\.part\.ball\.solid\.{key}: missing; add {key}[^\n]*$"):
         parse_case(edited((BILINEAR, JOHNSON_COOK.replace(lacking, ""))))
 
 
@@ -318,20 +320,20 @@ def test_a_part_is_turned_before_it_is_moved():
 
 WRONG = [
     # tables
-    ([('shape = "ball"', 'shape = "bal"')], "mesh.part.0.shape", 'did you mean "ball"'),
-    ([('shape = "ball"\n', "")], "mesh.part.0.shape", "needed: one of 'block'"),
-    ([('radius = "10 mm"\n', "")], "mesh.part.0.radius", "add radius"),
-    ([('size = "2 mm"', 'size = "2 mm"\nfinst = "1 mm"')], "mesh.part.1.finst", 'did you mean "finest"'),
-    ([('radius = "10 mm"', 'radius = "0 mm"')], "mesh.part.0.radius", "above 0"),
-    ([('size = "2.5 mm"', 'size = "0 mm"')], "mesh.part.0.size", "above 0"),
-    ([('size = "2.5 mm"', "size = 2.5")], "mesh.part.0.size", "bare number"),
-    ([('sector = "quarter"', 'sector = "third"')], "mesh.part.0.sector", "'whole', 'half' or 'quarter'"),
-    ([('z = "-1 m/s"', 'z = "-1 mm"')], "mesh.part.0.velocity.z", "is not a speed"),
-    ([('velocity = { z = "-1 m/s" }', 'velocity = "-1 m/s"')], "mesh.part.0.velocity", 'such as { z = "-1 m/s" }'),
-    ([("at = { z = {", 'at = "z" #')], "mesh.part.0.at", 'such as { z = "15 mm" }'),
+    ([('shape = "ball"', 'shape = "bal"')], "mesh.part.ball.shape", 'did you mean "ball"'),
+    ([('shape = "ball"\n', "")], "mesh.part.ball.shape", "needed: one of 'block'"),
+    ([('radius = "10 mm"\n', "")], "mesh.part.ball.radius", "add radius"),
+    ([('size = "2 mm"', 'size = "2 mm"\nfinst = "1 mm"')], "mesh.part.block.finst", 'did you mean "finest"'),
+    ([('radius = "10 mm"', 'radius = "0 mm"')], "mesh.part.ball.radius", "above 0"),
+    ([('size = "2.5 mm"', 'size = "0 mm"')], "mesh.part.ball.size", "above 0"),
+    ([('size = "2.5 mm"', "size = 2.5")], "mesh.part.ball.size", "bare number"),
+    ([('sector = "quarter"', 'sector = "third"')], "mesh.part.ball.sector", "'whole', 'half' or 'quarter'"),
+    ([('z = "-1 m/s"', 'z = "-1 mm"')], "mesh.part.ball.velocity.z", "is not a speed"),
+    ([('velocity = { z = "-1 m/s" }', 'velocity = "-1 m/s"')], "mesh.part.ball.velocity", 'such as { z = "-1 m/s" }'),
+    ([("at = { z = {", 'at = "z" #')], "mesh.part.ball.at", 'such as { z = "15 mm" }'),
     ([('gravity = { z = "-1 g" }', 'gravity = "-z"')], "fem.gravity", 'such as { z = "-9.81 m/s^2" }'),
-    ([('law = "bilinear"', 'law = "plastic"')], "mesh.part.0.solid.law", 'did you mean "bilinear"'),
-    ([('shape = "ball"', 'shape = "sphere"')], "mesh.part.0.shape", 'did you mean "ball"'),
+    ([('law = "bilinear"', 'law = "plastic"')], "mesh.part.ball.solid.law", 'did you mean "bilinear"'),
+    ([('shape = "ball"', 'shape = "sphere"')], "mesh.part.ball.shape", 'did you mean "ball"'),
     ([('size = "2 mm"', 'size = "11 mm"')], "mesh.part.block.size", "largest length, 10 mm"),
     ([('size = "2.5 mm"', 'size = "1 m"')], "mesh.part.ball.size", "largest length, 20 mm"),
     ([('material = "65Mn"\n', "")], "mesh.part.ball.solid.density", "the part names no material"),
@@ -341,10 +343,10 @@ WRONG = [
         "mesh.part.ball.solid.poissons_ratio",
         "below 0.5",
     ),
-    ([('law = "bilinear"', 'law = "bilinear", density = "0 kg/m^3"')], "mesh.part.0.solid.density", "above 0"),
-    ([('law = "bilinear"', 'law = "bilinar"')], "mesh.part.0.solid.law", 'did you mean "bilinear"'),
-    ([('elements = "full"', 'elements = "two"')], "mesh.part.1.elements", "'one-point' or 'full'"),
-    ([('elements = "full"', 'rigid = "w"')], "mesh.part.1.rigid", "'free'"),
+    ([('law = "bilinear"', 'law = "bilinear", density = "0 kg/m^3"')], "mesh.part.ball.solid.density", "above 0"),
+    ([('law = "bilinear"', 'law = "bilinar"')], "mesh.part.ball.solid.law", 'did you mean "bilinear"'),
+    ([('elements = "full"', 'elements = "two"')], "mesh.part.block.elements", "'one-point' or 'full'"),
+    ([('elements = "full"', 'rigid = "w"')], "mesh.part.block.rigid", "'free'"),
     ([('name = "ball"', 'name = "a.b"')], "mesh.part.0.name", "letter or digit"),
     ([('duration = "80 us"', "")], "fem.duration", "add duration"),
     ([('kind = "symmetry"', 'kind = "symetry"')], "fem.boundary.0.kind", 'did you mean "symmetry"'),
@@ -537,7 +539,7 @@ def test_a_mesh_in_a_file_beside_the_case_keeps_its_shared_nodes(filed):
         (
             '[[mesh.part]]\nname = "UPPER"',
             '[[mesh.part]]\nsize = "1 mm"\nname = "UPPER"',
-            "mesh.part.1.size",
+            "mesh.part.UPPER.size",
             "unknown",
         ),
     ],

@@ -14,7 +14,8 @@ from strikewave.analyses.machine.words import answer_columns
 from strikewave.base.constants import STANDARD_GRAVITY
 from strikewave.base.errors import InputError
 from strikewave.base.materials import material
-from strikewave.cases.case import dump_case, parse_case
+from strikewave.cases.case import parse_case
+from strikewave.cases.written_case import dump_case
 from strikewave.contact import automatic_pressure, contact_modulus
 
 from ...contact.jackson_green import jackson_green

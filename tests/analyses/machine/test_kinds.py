@@ -9,8 +9,9 @@ from strikewave.analyses.machine.build import build_machine
 from strikewave.analyses.machine.kind import LaunchedKind, MachineKind, kind_of
 from strikewave.base.citations import SOURCES
 from strikewave.base.errors import InputError
-from strikewave.cases.case import bundled_cases, load_case, parse_case, read_case_text
-from strikewave.cases.machine_tables import KINDS
+from strikewave.cases.case import load_case, parse_case
+from strikewave.cases.case_files import bundled_cases, read_case_text
+from strikewave.cases.tables.machine_kinds import KINDS
 
 LAUNCHED = [name for name in bundled_cases() if load_case(name).launched() is not None]
 RESERVOIR = 'pressure = "6 bar"\nvolume = "5000 cm^3"\nbore = "25 mm"\nlength = "1 m"'

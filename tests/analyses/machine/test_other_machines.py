@@ -4,8 +4,9 @@ import pytest
 
 from strikewave.analyses.check import check
 from strikewave.base.errors import InputError, InputErrors
-from strikewave.cases.case import Case, dump_case, load_case, parse_case
+from strikewave.cases.case import Case, load_case, parse_case
 from strikewave.cases.paths import Form
+from strikewave.cases.written_case import dump_case
 
 CASES = {
     "falling-ball": "iso-16063-22-dropball",

@@ -10,8 +10,8 @@ import pytest
 from strikewave.analyses.record.chapters import MOST_ROWS, mean_sections
 from strikewave.analyses.record.report import record_report
 from strikewave.analyses.record.result import record_result
-from strikewave.analyses.record.screen import MOST_ROWS as SCREEN_ROWS
-from strikewave.analyses.record.screen import _print
+from strikewave.analyses.record.screen.command import print_records
+from strikewave.analyses.record.screen.kit import MOST_ROWS as SCREEN_ROWS
 from strikewave.analyses.record.words import record_words
 from strikewave.base.result import Notice, Source
 from strikewave.records.campaign import compare, summed
@@ -175,7 +175,7 @@ def test_reasons_of_hundreds_of_channels_fit_on_a_screen(capsys):
         return tuple(dataclasses.replace(f, message=f"{f.message}, {reading.number}") for f in reading.findings)
 
     channels = tuple(dataclasses.replace(one, findings=own(one)) for one in file.channels)
-    _print(dataclasses.replace(result, readings=[dataclasses.replace(file, channels=channels)]))
+    print_records(dataclasses.replace(result, readings=[dataclasses.replace(file, channels=channels)]))
     printed = capsys.readouterr().out
     assert "more reasons: see report and JSON" in " ".join(printed.split())
     assert len(printed.splitlines()) < SCREEN_ROWS + 20
@@ -205,7 +205,7 @@ class Counting(tuple):
 def test_work_of_page_and_screen_grows_with_the_number_of_channels(capsys):
     def shown(result):
         record_report(result)
-        _print(result)
+        print_records(result)
 
     lines, looks = [], []
     for count in (4, 100, 200):  # the first one imports what is needed

@@ -142,6 +142,18 @@ def test_a_spectrum_moves_with_its_gain_and_is_judged_by_it(folder):
     assert judged.verdict.clauses[0].uncertainty == 0.0  # no share changes within 10 %
 
 
+def test_spectra_of_two_kinds_are_as_uncertain_as_each_alone(folder):
+    """To the bit: they share the records that are changed, and no number."""
+    asked = {"uncertainty": folder / "budget.toml", "high": "1 kHz", "per_octave": 2}
+    kinds = ["absolute", "pseudo-velocity"]
+    together = sw.shock_spectra(folder / "s0.csv", kinds=kinds, **asked).uncertainties
+    for one, kind in zip(together, kinds, strict=True):
+        [alone] = sw.shock_spectra(folder / "s0.csv", kinds=[kind], **asked).uncertainties
+        assert np.array_equal(one.standard, alone.standard)
+        assert [name for name, _ in one.contributions] == [name for name, _ in alone.contributions]
+        assert np.array_equal([each for _, each in one.contributions], [each for _, each in alone.contributions])
+
+
 def test_a_spectrum_of_which_too_little_lies_before_the_blow_is_not_judged_by_an_unknown_uncertainty(folder, tmp_path):
     lines = (folder / "s0.csv").read_text().splitlines()
     (tmp_path / "late.csv").write_text("\n".join([lines[0], *lines[6_000:]]))

@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 
 from strikewave import load_case
 from strikewave.base.errors import InputError, StrikewaveError
-from strikewave.cases.case import bundled_cases
+from strikewave.cases.case_files import bundled_cases
 from strikewave.studies.engine import keys
 from strikewave.studies.engine import store as stores
 from strikewave.studies.engine.case_evaluation import CaseEvaluation, read_kept

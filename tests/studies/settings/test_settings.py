@@ -13,9 +13,12 @@ from strikewave.base.constants import STANDARD_GRAVITY as G
 from strikewave.base.errors import InputError, InputErrors
 from strikewave.base.materials import material
 from strikewave.base.quantities import Value
-from strikewave.cases.case import dump_case, load_case, parse_case, read_case_text
+from strikewave.cases.case import load_case, parse_case
+from strikewave.cases.case_files import read_case_text
+from strikewave.cases.written_case import dump_case
 from strikewave.machines import blows, run_machine
-from strikewave.studies.settings.candidate import BlowGoal, limits_of, observe_blows, supply, yield_load
+from strikewave.studies.settings.candidate import limits_of, observe_blows, supply, yield_load
+from strikewave.studies.settings.checks import check_changes, check_goal, least_width
 from strikewave.studies.settings.estimate import (
     Support,
     approach_at,
@@ -35,16 +38,10 @@ from strikewave.studies.settings.estimate import (
     turntable_speed,
     width_stiffness,
 )
+from strikewave.studies.settings.goal import BlowGoal, SettingsChoices
 from strikewave.studies.settings.search import Design, Trial
-from strikewave.studies.settings.study import (
-    SettingsChoices,
-    check_changes,
-    check_goal,
-    design_settings,
-    least_width,
-    sensible_strikers,
-    supports,
-)
+from strikewave.studies.settings.study import design_settings
+from strikewave.studies.settings.tried import sensible_strikers, supports
 
 STEEL = material("45 steel")
 

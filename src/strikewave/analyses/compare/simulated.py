@@ -28,8 +28,6 @@ from strikewave.signal.zero import zero_before
 Array = NDArray[np.float64]
 
 _READING = re.compile(r"(?:what sensor|reading of the sensor) (.*?)(?: reads)?", re.DOTALL)
-HELD = 0.5
-"""Share of the window of a blow that its pulse may last: of a longer one the window does not hold what follows."""
 _AXIS = re.compile(r"\.[xyz]$")
 _OF_PULSE = {"peak": "peak", "width": "width", "velocity_change": "area"}
 """What `Pulse` calls the figures of bands."""
@@ -263,11 +261,9 @@ def _machine_parts(arrays: LabelledArrays, bands: Mapping[str, Band]) -> Iterato
             continue
         of = {key: bands[f"first.{name}"] for key, name in names.items() if first and f"first.{name}" in bands}
         for quantity, unit in (("acceleration", "m/s^2"), ("force", "N")):
-            clock, values = time, arrays[f"pulse_{quantity}"].values[row]
-            if not arrays["blow_width"].values[row] < HELD * time[-1]:  # the window does not hold the pulse
-                clock, values = _of_train(arrays, row, quantity)
+            values = arrays[f"pulse_{quantity}"].values[row]
             known = of if quantity == "acceleration" else {}
-            part = SimulatedPart("rigid", quantity, unit, *_span(clock, values), blow, known)
+            part = SimulatedPart("rigid", quantity, unit, *_span(time, values), blow, known)
             yield sensed(part) if quantity == "acceleration" else part
         for variable, sensor in _sensors(arrays):
             values, begin = variable.values[row], float(arrays[f"{sensor.key}_start"].values[row])
@@ -287,16 +283,6 @@ def _machine_parts(arrays: LabelledArrays, bands: Mapping[str, Band]) -> Iterato
 def _peak_band(bands: Mapping[str, Band], name: str) -> dict[str, Band]:
     """Return the band of a peak, where there is one."""
     return {"peak": bands[name]} if name in bands else {}
-
-
-def _of_train(arrays: LabelledArrays, row: int, quantity: str) -> tuple[Array, Array]:
-    """Return a blow out of the whole train, as far as half way to its neighbours, from its first touch."""
-    time, touches = arrays["time"].values, arrays["blow_time"].values
-    values = arrays["rigid_acceleration" if quantity == "acceleration" else "contact_force"].values
-    begin = 0.5 * (touches[row - 1] + touches[row]) if row else -np.inf
-    end = 0.5 * (touches[row] + touches[row + 1]) if row + 1 < touches.size else np.inf
-    kept = (time >= begin) & (time <= end)
-    return time[kept] - touches[row], values[kept]
 
 
 class _Sensor(NamedTuple):

@@ -14,7 +14,8 @@ from strikewave.base.errors import MISSING, InputError, nearest
 from strikewave.base.materials import Material, material
 from strikewave.base.quantities import Value
 from strikewave.cases.case import Case
-from strikewave.cases.fem_tables import (
+from strikewave.cases.stack_of_case import once
+from strikewave.cases.tables.fem import (
     AnyBoundaryTable,
     DrivenSide,
     FemTable,
@@ -23,7 +24,7 @@ from strikewave.cases.fem_tables import (
     PressedSide,
     SymmetrySide,
 )
-from strikewave.cases.mesh_tables import (
+from strikewave.cases.tables.mesh import (
     AnyPart,
     BilinearTable,
     ElasticTable,
@@ -31,7 +32,6 @@ from strikewave.cases.mesh_tables import (
     MeshTable,
     ZerilliArmstrongTable,
 )
-from strikewave.cases.stack_of_case import once
 from strikewave.fem.checks import control_faults
 from strikewave.fem.mesh import Mesh, joined
 from strikewave.fem.model import (

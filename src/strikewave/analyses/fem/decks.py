@@ -13,7 +13,8 @@ from strikewave.analyses.fem.field_names import fields_of_case
 from strikewave.analyses.fem.notices import model_notices
 from strikewave.analyses.fem.sectors import sectors
 from strikewave.base.result import Source
-from strikewave.cases.case import Case, dump_case
+from strikewave.cases.case import Case
+from strikewave.cases.written_case import dump_case
 from strikewave.exchange.deck import Deck, Heading
 from strikewave.exchange.ls_dyna.deck import ls_dyna_deck
 from strikewave.exchange.radioss.deck import radioss_deck

@@ -10,7 +10,7 @@ from typing import Any
 
 from strikewave.analyses.fem.vectors import direction, vector
 from strikewave.base.errors import InputError, nearest
-from strikewave.cases.mesh_tables import (
+from strikewave.cases.tables.mesh import (
     AnyPart,
     AnyShaped,
     Ball,

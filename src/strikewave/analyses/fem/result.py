@@ -17,8 +17,9 @@ from strikewave._version import __version__
 from strikewave.analyses.fem.sectors import Sector, WholeForce, sectors, whole_forces
 from strikewave.base.result import Comparison, Source, comparison_document
 from strikewave.base.variables import LabelledArrays, quantity
-from strikewave.cases.case import Case, dump_case
+from strikewave.cases.case import Case
 from strikewave.cases.comparisons import comparisons, stale_fits_document
+from strikewave.cases.written_case import dump_case
 from strikewave.fem.blow_measures import blow_measure
 from strikewave.fem.measures import (
     ContactMeasure,
@@ -38,7 +39,7 @@ from strikewave.reporting.numbers import with_unit
 from strikewave.reporting.shown_result import Curve, ShownResult, columns_of, history_curve
 
 if TYPE_CHECKING:
-    from strikewave.cases.tables import Published
+    from strikewave.cases.tables.published import Published
 
 Array = NDArray[np.float64]
 

@@ -22,7 +22,8 @@ from strikewave.analyses.fem.unfinished import STATE, FieldFiles, unfinished
 from strikewave.base.errors import InputError
 from strikewave.base.json_document import head, plain, without
 from strikewave.base.percents import percent
-from strikewave.cases.case import Case, dump_case
+from strikewave.cases.case import Case
+from strikewave.cases.written_case import dump_case
 from strikewave.fem.blow_measures import blow_measure
 from strikewave.fem.device.devices import Device, device_named
 from strikewave.fem.measures import ENERGY_LIMIT, HOURGLASS_LIMIT, ContactMeasure, balance_measure

@@ -14,7 +14,7 @@ def vector(table: Any) -> Vector:
 
     Examples
     --------
-    >>> from strikewave.cases.mesh_tables import VelocityTable
+    >>> from strikewave.cases.tables.mesh import VelocityTable
     >>> vector(VelocityTable(z="-1 m/s"))
     (0.0, 0.0, -1.0)
     """

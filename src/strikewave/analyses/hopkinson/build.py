@@ -14,7 +14,7 @@ from strikewave.analyses.hopkinson.setup_file import HopkinsonCase
 from strikewave.base.errors import MISSING, InputError
 from strikewave.base.materials import material
 from strikewave.base.quantities import Value
-from strikewave.cases.hopkinson_tables import (
+from strikewave.cases.tables.hopkinson import (
     AccelerometerTable,
     BarTable,
     DiskTable,

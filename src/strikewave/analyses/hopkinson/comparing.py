@@ -16,7 +16,7 @@ from strikewave.analyses.hopkinson.setup_file import HopkinsonCase
 from strikewave.base.materials import material
 from strikewave.base.percents import percent
 from strikewave.base.result import Notice
-from strikewave.cases.hopkinson_tables import HopkinsonSetup
+from strikewave.cases.tables.hopkinson import HopkinsonSetup
 from strikewave.hopkinson import Bar
 from strikewave.waves import BONDED, Layer, Stack
 from strikewave.waves.limits import REFUSED, layer_notices, rise_in_diameters, rise_notices

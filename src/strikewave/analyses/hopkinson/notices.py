@@ -10,7 +10,7 @@ from strikewave.analyses.hopkinson.build import recorded_file
 from strikewave.analyses.hopkinson.setup_file import HopkinsonCase
 from strikewave.base.percents import percent
 from strikewave.base.result import Notice
-from strikewave.cases.hopkinson_tables import RecordedTable
+from strikewave.cases.tables.hopkinson import RecordedTable
 from strikewave.hopkinson import BarMaterial
 from strikewave.hopkinson.pulses import Quiet
 from strikewave.records.health_notice import HealthNotice

@@ -24,7 +24,7 @@ from strikewave.base.compile_progress import compiling_shown
 from strikewave.base.errors import InputError
 from strikewave.base.percents import percent
 from strikewave.base.result import FAILED, Notice
-from strikewave.cases.hopkinson_tables import LimitsTable
+from strikewave.cases.tables.hopkinson import LimitsTable
 from strikewave.hopkinson import (
     ANALYSES,
     Pulses,

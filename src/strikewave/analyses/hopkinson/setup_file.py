@@ -8,16 +8,16 @@ from importlib import resources
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from pydantic import BaseModel, ValidationError
+from pydantic import BaseModel
 
 from strikewave.base.errors import MISSING, InputError, InputErrors, show
 from strikewave.base.quantities import Value
 from strikewave.base.toml_text import read_toml
-from strikewave.cases.hopkinson_tables import HopkinsonSetup
 from strikewave.cases.paths import Form
-from strikewave.cases.performed_test import PerformedTest
 from strikewave.cases.provenance import with_provenance
-from strikewave.cases.tables import CaseTable
+from strikewave.cases.tables.base import CaseTable
+from strikewave.cases.tables.hopkinson import HopkinsonSetup
+from strikewave.cases.tables.performed_test import PerformedTest
 
 EXAMPLE = resources.files("strikewave.cases") / "hopkinson_example"
 """Folder of the example: set-up, record, and the licence of the record."""
@@ -115,11 +115,7 @@ def parse_setup(text: str, name: str = "", changes: Iterable[str] = (), folder: 
     if isinstance(document.get("folder"), str) and document["folder"]:
         place = place / document["folder"]
     document["folder"] = str(place.absolute())
-    try:
-        setup = HopkinsonSetup.model_validate(document)
-    except ValidationError as error:
-        raise InputErrors(FORM.lines(error)) from None
-    setup = with_provenance(setup, document)
+    setup = with_provenance(FORM.read(document), document)
     return HopkinsonCase(setup, tomlkit.dumps(_toml(document)), place)
 
 

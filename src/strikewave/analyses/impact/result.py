@@ -209,7 +209,7 @@ def _beyond(setup: Setup, blow: Impact) -> list[Notice]:
         notices += indentation_notices(float(blow.max_indentation), radius)
     if bodies is not None:
         names = [body.name for body in bodies]
-        notices += speed_notices(names, setup.speed)
+        notices += speed_notices(bodies, setup.speed)
         notices += duration_notices(zip(names, setup.masses, strict=True), float(blow.duration))
     return notices
 

@@ -22,12 +22,14 @@ from strikewave.analyses.machine.sensor_readings import BlowReading
 from strikewave.base.quantities import Value
 from strikewave.base.result import Band, BandMethod
 from strikewave.cases.case import Case
+from strikewave.cases.sensors_of_case import build_channels
 from strikewave.machines import Blow, blows, run_machine
 from strikewave.machines.fast_train import fast_train, why_not
+from strikewave.uncertainty.allowed import allowed_inputs
 from strikewave.uncertainty.bands import LEVEL, SEED, Sample, find_bands, latin_hypercube, moved
 from strikewave.uncertainty.draws import FELT, UncertainInput, drawn, drawn_case
 from strikewave.uncertainty.known import known_inputs
-from strikewave.uncertainty.runs import on_threads
+from strikewave.uncertainty.runs import on_threads, why_failed
 
 Array = NDArray[np.float64]
 Figures = Mapping[str, float]
@@ -120,10 +122,14 @@ def _outcome(found: Sequence[TimedBlow]) -> _Outcome:
 
 @dataclass(frozen=True)
 class FastRuns:
-    """What runs of the fast engine came to: as the case is, and at drawn inputs, first those of all blows."""
+    """What runs of the fast engine came to: as the case is, and at drawn inputs, first those of all blows.
+
+    ``why`` says why the first of those that could not be made failed.
+    """
 
     nominal: Figures
     drawn: list[_Outcome | None]
+    why: str = ""
 
 
 def fast_runs(case: Case, say: Callable[[float], None] | None = None, threads: int | None = None) -> FastRuns:
@@ -141,12 +147,13 @@ def fast_runs(case: Case, say: Callable[[float], None] | None = None, threads: i
     rows = list(zip(drawn(inputs, points), [passes] * RUNS + [short] * FIRST_RUNS, strict=True))
     found = on_threads(run, rows, threads, say)
     bodies = dataclasses.replace(build_machine(case), layered=None)
-    return FastRuns(figures_of(fast_train(bodies, passes, tolerance=TOLERANCE).blows), found)
+    nominal = figures_of(fast_train(bodies, passes, tolerance=TOLERANCE).blows)
+    return FastRuns(nominal, found, why_failed(run, rows, found))
 
 
 def _fast_draws(case: Case) -> tuple[Sequence[UncertainInput], Array, int, int]:
     """Return what is drawn, the points, and the passes of runs of all blows and of those of the first one."""
-    inputs = known_inputs(case)
+    inputs = allowed_inputs(case, known_inputs(case), build_machine)
     points = np.vstack([_points(inputs, RUNS, WHOLE_STREAM), _points(inputs, FIRST_RUNS, FIRST_STREAM)])
     passes = min(build_machine(case).drive.feed.blows, MOST_BLOWS)
     return inputs, points, passes, min(passes, FIRST_PASSES)
@@ -161,7 +168,8 @@ def _fast_bands(case: Case, figures: Figures, runs: FastRuns) -> tuple[dict[str,
         values += figures[name] - nominal[name]
         if short < passes and not name.startswith("first."):
             values[RUNS:] = np.nan
-    method = BandMethod("the fast engine", LEVEL, SEED, RUNS, FIRST_RUNS, _missed(found[:RUNS]), _failed(found))
+    missed, failed = _missed(found[:RUNS]), _failed(found)
+    method = BandMethod("the fast engine", LEVEL, SEED, RUNS, FIRST_RUNS, missed, failed, why=runs.why)
     return find_bands(Sample(inputs, points), results, method)
 
 
@@ -169,7 +177,7 @@ def _as_it_is(
     case: Case, figures: Figures, sensors: bool, say: Callable[[float], None], threads: int | None
 ) -> tuple[dict[str, Band], BandMethod]:
     """Return the bands by full runs."""
-    inputs = known_inputs(case, (*FELT, "sensor") if sensors else FELT)
+    inputs = _with_channels(case) if sensors else allowed_inputs(case, known_inputs(case), build_machine)
 
     def run(numbers: Array) -> _Outcome:
         changed = drawn_case(case, inputs, numbers.tolist())
@@ -180,8 +188,10 @@ def _as_it_is(
         return _Outcome({**outcome.figures, **sensor_figures(seen.readings)}, outcome.missed)
 
     points = _points(inputs, LAUNCHED_RUNS, WHOLE_STREAM)
-    found = on_threads(run, list(drawn(inputs, points)), threads, say)
-    method = BandMethod("full runs", LEVEL, SEED, LAUNCHED_RUNS, 0, _missed(found), _failed(found))
+    rows = list(drawn(inputs, points))
+    found = on_threads(run, rows, threads, say)
+    why = why_failed(run, rows, found)
+    method = BandMethod("full runs", LEVEL, SEED, LAUNCHED_RUNS, 0, _missed(found), _failed(found), why=why)
     return find_bands(Sample(inputs, points), _columns(found, list(figures)), method)
 
 
@@ -189,7 +199,7 @@ def _sensor_bands(
     case: Case, figures: Figures, method: BandMethod, say: Callable[[float], None], threads: int | None
 ) -> tuple[dict[str, Band], BandMethod]:
     """Return the bands of sensors by full runs of the first blow."""
-    inputs = known_inputs(case, (*FELT, "sensor"))
+    inputs = _with_channels(case)
     once = case.with_values({"feed.blows": Value(si=1.0, typed=1)})
 
     def run(numbers: Array) -> _Outcome:
@@ -197,8 +207,10 @@ def _sensor_bands(
         return _Outcome(sensor_figures(seen.readings), False)
 
     points = _points(inputs, SENSOR_RUNS, SENSOR_STREAM)
-    found = on_threads(run, list(drawn(inputs, points)), threads, say)
-    method = dataclasses.replace(method, sensor_runs=SENSOR_RUNS, failed=method.failed + _failed(found))
+    rows = list(drawn(inputs, points))
+    found = on_threads(run, rows, threads, say)
+    why, failed = method.why or why_failed(run, rows, found), method.failed + _failed(found)
+    method = dataclasses.replace(method, sensor_runs=SENSOR_RUNS, failed=failed, why=why)
     bands: dict[str, Band] = {}
     for name, values in _columns(found, list(figures)).items():
         more, method = find_bands(_felt_by(name, inputs, points), {name: values}, method)
@@ -207,10 +219,16 @@ def _sensor_bands(
     return bands, dataclasses.replace(method, inputs=moved_by_any)
 
 
+def _with_channels(case: Case) -> tuple[UncertainInput, ...]:
+    """Return the inputs of a case that its blows and sensors feel."""
+    known = known_inputs(case, (*FELT, "sensor"))
+    return allowed_inputs(case, known, lambda changed: (build_machine(changed), build_channels(changed)))
+
+
 def _felt_by(name: str, inputs: Sequence[UncertainInput], points: Array) -> Sample:
     """Return the inputs that a sensor feels: not the fields of other sensors, which few runs would credit by chance."""
     sensor = name.removesuffix(".peak") + "."
-    felt = [one for one in inputs if not one.path.startswith("sensor.") or one.path.startswith(sensor)]
+    felt = [one for one in inputs if any(not f.startswith("sensor.") or f.startswith(sensor) for f in one.fields)]
     owners = [one.path for one in inputs for _ in range(one.count)]
     paths = {one.path for one in felt}
     return Sample(felt, points[:, [path in paths for path in owners]])

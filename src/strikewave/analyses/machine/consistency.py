@@ -8,7 +8,7 @@ from collections.abc import Iterator
 from strikewave.base.errors import MISSING, InputError
 from strikewave.base.percents import percent
 from strikewave.cases.case import Case
-from strikewave.cases.tables import RotaryTable
+from strikewave.cases.tables.machine import RotaryTable
 from strikewave.machines import Machine, Striker
 from strikewave.machines.feed import expected_time
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+import math
 from collections.abc import Sequence
 from typing import Any
 
@@ -15,7 +16,7 @@ from strikewave.base.variables import LabelledArrays, quantity
 from strikewave.cases.case import Case
 from strikewave.machines import Blow
 from strikewave.machines._kernels import stroke_places
-from strikewave.machines.blows import WINDOW_AFTER, WINDOW_BEFORE, pulse_window
+from strikewave.machines.blows import WINDOW_AFTER, WINDOW_BEFORE, pulse_window, window_ends
 from strikewave.machines.run import MachineRun
 from strikewave.machines.spans import Moments, StackSpan
 from strikewave.sensors.channel import SensorChannel
@@ -24,7 +25,12 @@ from strikewave.waves.li_ma import ROUTES
 Array = NDArray[np.float64]
 
 PULSE_STEP = 0.5e-6
-"""Sampling of the stored blow windows, s."""
+"""Finest sampling of the stored blow windows, s."""
+SAMPLES_A_PULSE = 3000
+"""Samples of the shortest pulse of which no more are needed: as many as of one of 1.5 ms at the finest sampling."""
+MOST_SAMPLES = 5_000_000
+"""Samples of all windows together that are kept at most of a quantity, 40 MB; as many as of a short pulse at the finest
+sampling a window has anyway."""
 
 
 def carriage_position(case: Case, phases: Sequence[tuple[str, float]], time: Array) -> Array:
@@ -43,18 +49,33 @@ def carriage_position(case: Case, phases: Sequence[tuple[str, float]], time: Arr
     return np.asarray(feed.stroke.si * (1.0 - moved(at["feed"], at["fed"]) + moved(at["retract"], at["brake"])))
 
 
+def pulse_axis(run: MachineRun, found: Sequence[Blow]) -> tuple[Array, float]:
+    """Return time since first touch and its step, s, of the windows of all blows: as long as the longest pulse needs.
+
+    The step is the finest one where pulses are short or waves run through a stack, and coarser for pulses that are all
+    long, or for more samples than are kept.
+    """
+    lasting = window_ends(run, found) - [blow.time for blow in found]
+    longest = max([WINDOW_AFTER, *lasting[np.isfinite(lasting)]])
+    shortest = min((blow.contact_time for blow in found if blow.kind != "missed"), default=0.0)
+    step = PULSE_STEP if run.machine.layered else max(PULSE_STEP, shortest / SAMPLES_A_PULSE)
+    usual = (WINDOW_BEFORE + WINDOW_AFTER) / PULSE_STEP
+    step = max(step, longest / max(MOST_SAMPLES / max(len(found), 1), usual))
+    return np.arange(-round(WINDOW_BEFORE / step), math.floor(longest / step + 1e-6) + 1) * step, step
+
+
 def build_dataset(case: Case, seen: Observed) -> LabelledArrays:
     """Sample a run and what was seen of it into the arrays of a dataset."""
     run, blows = seen.run, seen.blows
     time = np.arange(0.0, run.end, case.solver.output_step.si)
     time = time[time <= run.end]  # rounding may lead beyond
     train = run.sample(time)
-    pulse_time = np.arange(-round(WINDOW_BEFORE / PULSE_STEP), round(WINDOW_AFTER / PULSE_STEP) + 1) * PULSE_STEP
+    pulse_time, pulse_step = pulse_axis(run, blows)
     force, acceleration = (np.full((len(blows), pulse_time.size), np.nan) for _ in range(2))
     for row, blow in enumerate(blows):
         if blow.kind != "missed":
-            since, f, a = pulse_window(run, blow.time, WINDOW_AFTER, PULSE_STEP)
-            first = round((since[0] - pulse_time[0]) / PULSE_STEP)
+            since, f, a = pulse_window(run, blow.time, pulse_time[-1], pulse_step)
+            first = round((since[0] - pulse_time[0]) / pulse_step)
             window = slice(first, first + since.size)
             force[row, window], acceleration[row, window] = (v[: pulse_time.size - first] for v in (f, a))
     recorder, begun = case.impact().recorder, case.time_zero

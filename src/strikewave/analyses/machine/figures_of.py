@@ -50,7 +50,8 @@ def figures_of(found: Sequence[TimedBlow]) -> dict[str, float]:
 
 
 def sensor_figures(readings: Sequence[BlowReading | None]) -> dict[str, float]:
-    """Return the size of the peak of each sensor in the first blow, which may be of either sign."""
+    """Return the size of the peak of each sensor in the first blow, which may be of either sign; not of one cut off."""
     first = next((reading for reading in readings if reading is not None), None)
-    peaks = {} if first is None else {SENSOR.format(name): abs(pulse.peak) for name, pulse in first.sensors.items()}
+    kept = {} if first is None else {name: pulse for name, pulse in first.sensors.items() if not pulse.cut}
+    peaks = {SENSOR.format(name): abs(pulse.peak) for name, pulse in kept.items()}
     return {name: peak for name, peak in peaks.items() if math.isfinite(peak)}

@@ -2,7 +2,7 @@
 
 The class is the table [machine] of the case file, and it has all that only this kind knows: how it comes to first
 touch, its words, its sources, its drawing. Nothing else asks which kind a machine is. A module of the folder imports
-at its head only what a table needs (see `strikewave.cases.machine_tables`); physics is imported in its methods.
+at its head only what a table needs (see `strikewave.cases.tables.machine_kinds`); physics is imported in its methods.
 """
 
 from __future__ import annotations
@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, ClassVar, Literal, NamedTuple
 
 from strikewave.base.errors import MISSING, InputError
 from strikewave.base.result import Notice
-from strikewave.cases.tables import LaunchedTable, MachineTable
+from strikewave.cases.tables.machine import LaunchedTable, MachineTable
 
 if TYPE_CHECKING:
     from strikewave.cases.case import Case

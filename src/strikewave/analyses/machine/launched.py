@@ -14,7 +14,7 @@ from strikewave.base.errors import MISSING, InputError, InputErrors
 from strikewave.base.materials import material
 from strikewave.cases.case import Case
 from strikewave.cases.contact_of_case import face_contact, or_else, refuse_sliding
-from strikewave.cases.tables import AnyObject, LaunchedTable
+from strikewave.cases.tables.machine import AnyObject, LaunchedTable
 from strikewave.machines import Arm, Launch, Machine, Striker, Strikers, StruckObject
 from strikewave.machines.machine import BEFORE_TOUCH
 from strikewave.machines.rebounds import Rebounds

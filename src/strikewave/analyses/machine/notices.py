@@ -14,6 +14,7 @@ from strikewave.analyses.machine.sensor_readings import (
     BlowReading,
     Observed,
 )
+from strikewave.base.materials import material
 from strikewave.base.quantities import AUTO
 from strikewave.base.result import FAILED, INFO, Notice
 from strikewave.cases.case import Case
@@ -25,6 +26,7 @@ from strikewave.cases.contact_notices import (
     law_notices,
     low_pressure_notices,
 )
+from strikewave.cases.contact_of_case import struck_material
 from strikewave.cases.contact_range_notices import damping_speed_notices, size_notices, speed_notices
 from strikewave.cases.yield_pressure import ELASTIC, YIELDING
 from strikewave.machines import Blow
@@ -122,7 +124,7 @@ def _odd_blows(case: Case, blows: Sequence[Blow]) -> Iterator[Notice]:
 def _yield(case: Case, answers: ContactAnswers | None) -> Iterator[Notice]:
     """Say in one line what a contact that passes first yield does to the first blow, and to its restitution."""
     parts = case.impact()
-    yield from low_pressure_notices(parts.striker, parts.contact, parts.object.material)
+    yield from low_pressure_notices(parts.striker, parts.contact, struck_material(case))
     if answers is None or answers.first_yield is None:
         return
     elastic, yielding = answers.row(ELASTIC), answers.row(YIELDING)
@@ -168,7 +170,7 @@ def _contact(case: Case, struck: Sequence[Blow]) -> Iterator[Notice]:
     peak = max(blow.peak_force for blow in struck)
     approaches = [blow.approach_speed for blow in struck]
     yield from size_notices(case, peak, max(blow.indentation for blow in struck))
-    yield from speed_notices((parts.striker.material, parts.object.material), max(approaches))
+    yield from speed_notices((material(parts.striker.material), struck_material(case)), max(approaches))
     launched = case.launched()
     if launched is None or launched.until in (None, "time"):  # rebounds die out below any limit
         yield from damping_speed_notices(parts.contact, approaches)
@@ -273,6 +275,23 @@ def launch_notices(case: Case, seen: Observed, start: Release) -> Iterator[Notic
             "striker and object still touch at the end: width, impulse and rebound are not those of the whole blow"
         )
         yield Notice("contact-not-over", f"{message}; raise machine.follow", seen.run.end, machine.follow.si)
+
+
+def cut_notices(case: Case, seen: Observed) -> Iterator[Notice]:
+    """Warn of readings that end before the pulse does: their peaks may come later."""
+    struck = [reading for reading in seen.readings if reading is not None]
+    for channel in seen.view.channels:
+        name = channel.sensor.name
+        cut = sum(reading.sensors[name].cut for reading in struck)
+        if not cut:
+            continue
+        where = f" in {cut} of {len(struck)} blows" if len(struck) > 1 else ""
+        advice = f"take a higher sensor.{name}.cutoff" if case.launched() is None else "raise machine.follow"
+        message = (
+            f"the reading of sensor {name} ends before the pulse does{where}: the peak that is shown is not that of "
+            f"the whole pulse; {advice}"
+        )
+        yield Notice("sensor-cut", message, float(cut), 0.0)
 
 
 def _light_anvil(seen: Observed, start: Release) -> Iterator[Notice]:

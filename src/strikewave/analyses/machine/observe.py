@@ -9,7 +9,7 @@ from collections.abc import Callable
 import numpy as np
 
 from strikewave.analyses.machine.build import build_machine
-from strikewave.analyses.machine.sensor_readings import Observed, ReadingSetup, blow_history, blow_reading
+from strikewave.analyses.machine.sensor_readings import Observed, ReadingSetup, blow_histories, blow_reading
 from strikewave.base.errors import InputError
 from strikewave.cases.case import Case
 from strikewave.cases.sensors_of_case import build_channels
@@ -41,10 +41,7 @@ def observe(case: Case, progress: Callable[[float], None] | None = None) -> Obse
     run_blows = blows(run)
     if case.launched() is not None:
         run_blows = tuple(dataclasses.replace(blow, turntable_speed=math.nan) for blow in run_blows)
-    first = next((blow for blow in run_blows if blow.kind != "missed"), None)
-    histories = tuple(
-        None if blow.kind == "missed" else blow_history(run, blow, view, routes=blow is first) for blow in run_blows
-    )
+    histories = blow_histories(run, run_blows, view)
     readings = tuple(history and blow_reading(history, view) for history in histories)
     return Observed(run, run_blows, view, tuple(name for name, _ in taps), histories, readings)
 

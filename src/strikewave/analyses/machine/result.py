@@ -26,10 +26,13 @@ from strikewave.analyses.machine.contact_answers import ANSWER_UNITS, ContactAns
 from strikewave.analyses.machine.figures_of import figures_of, sensor_figures
 from strikewave.analyses.machine.sensor_readings import BlowReading
 from strikewave.base.errors import InputError
+from strikewave.base.first_few import first_few
 from strikewave.base.result import SCHEMA, Band, BandMethod, Comparison, Notice, Source, comparison_document
 from strikewave.base.variables import LabelledArrays, open_result
-from strikewave.cases.case import PUBLISHED_QUANTITIES, Case, dump_case, parse_case
+from strikewave.cases.case import Case, parse_case
 from strikewave.cases.comparisons import stale_fits_document
+from strikewave.cases.tables.published import PUBLISHED_QUANTITIES
+from strikewave.cases.written_case import dump_case
 from strikewave.machines import Blow
 from strikewave.machines.blows import KINDS
 from strikewave.reporting.columns import Column, csv_table
@@ -146,10 +149,9 @@ class Solution(ShownResult):
         changed = self.case.changed_fields()
         values, words = self.case.values(), self.case.entries()
         now = {path: values[path].typed if path in values else words.get(path, "left out") for path in changed}
-        shown = ", ".join(f"{path} = {now[path]}" for path in changed[:3])
-        more = f" and {len(changed) - 3} more" if len(changed) > 3 else ""
+        shown = first_few([f"{path} = {now[path]}" for path in changed], 3)
         route = "" if self.case.solver.route == "exact" else f"; route {self.case.solver.route}"
-        return (self.case.title or self.case.name) + (f"; here {shown}{more}" if changed else "") + route
+        return (self.case.title or self.case.name) + (f"; here {shown}" if changed else "") + route
 
     @property
     def slides(self) -> bool:
@@ -246,7 +248,7 @@ class Solution(ShownResult):
         if place is None:
             return None
         blow = self.blows[place]
-        time, values = blow_history(self.arrays, place, "pulse_acceleration", blow.width)
+        time, values = blow_history(self.arrays, place, "pulse_acceleration")
         kept = time <= (SHOWN_WIDTHS * blow.width if blow.width > 0.0 else time[-1])
         return history_curve(time[kept], values[kept], "m/s^2", "g", f"rigid-body acceleration, blow {blow.index}")
 
@@ -308,19 +310,9 @@ class Solution(ShownResult):
         return self.arrays.with_attributes(attributes)
 
 
-def blow_history(
-    data: LabelledArrays, row: int, name: str, width: float
-) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Return times after first touch, s, and values of a blow: of the whole run where its window ends in the pulse."""
-    time, values = data["pulse_time"].values, data[name].values[row]
-    whole = {"pulse_force": "contact_force", "pulse_acceleration": "rigid_acceleration"}[name]
-    if not width > time[-1] / SHOWN_WIDTHS or not {"time", whole, "blow_time"} <= set(data.variables):
-        return time, values
-    touches = data["blow_time"].values
-    before = max(touches[row] + time[0], touches[row - 1] if row else -np.inf)
-    end = min(touches[row] + SHOWN_WIDTHS * width, touches[row + 1] if row + 1 < touches.size else np.inf)
-    kept = (data["time"].values >= before) & (data["time"].values <= end)
-    return data["time"].values[kept] - touches[row], data[whole].values[kept]
+def blow_history(data: LabelledArrays, row: int, name: str) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Return times after first touch, s, and values of a blow."""
+    return data["pulse_time"].values, data[name].values[row]
 
 
 def load_solution(path: Path | str) -> Solution:

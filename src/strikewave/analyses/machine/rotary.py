@@ -15,7 +15,7 @@ from strikewave.base.materials import Material, material
 from strikewave.base.quantities import Value
 from strikewave.cases.case import Case, RotaryTables
 from strikewave.cases.contact_of_case import face_contact, or_else
-from strikewave.cases.tables import FeedTable, OwnStriker, RotaryTable
+from strikewave.cases.tables.machine import FeedTable, OwnStriker, RotaryTable
 from strikewave.contact import AnyContact
 from strikewave.machines import Feed, Machine, RotaryDrive, Strikers, StruckObject, Turntable
 from strikewave.machines import Striker as BuiltStriker

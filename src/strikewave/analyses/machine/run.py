@@ -10,9 +10,10 @@ from typing import TYPE_CHECKING
 
 from strikewave.analyses.machine.dataset import build_dataset
 from strikewave.analyses.machine.feed_notices import feed_notices
+from strikewave.analyses.machine.figures_of import figures_of, sensor_figures
 from strikewave.analyses.machine.kind import Release, kind_of
 from strikewave.analyses.machine.launched import line_collisions, release
-from strikewave.analyses.machine.notices import launch_notices, notices, wave_notices
+from strikewave.analyses.machine.notices import cut_notices, launch_notices, notices, wave_notices
 from strikewave.analyses.machine.observe import observe
 from strikewave.analyses.machine.result import RigidReference, Solution
 from strikewave.analyses.machine.sensor_readings import (
@@ -33,6 +34,7 @@ from strikewave.cases.sensors_of_case import sensor_notices
 from strikewave.contact import damping_law, solve_impact
 from strikewave.machines import Blow, Machine
 from strikewave.machines.spans import StackSpan
+from strikewave.reporting.bands import lacking_notices
 from strikewave.sensors.channel import channel_notices, sensor_sources
 from strikewave.waves.routes import EXACT
 from strikewave.waves.setup import wave_setup
@@ -95,6 +97,7 @@ def run_case(case: Case, progress: Callable[[float], None] | None = None, *, ban
             [reading.sensors for reading in seen.readings if reading is not None],
             machine.struck.assembly_mass,
         ),
+        *cut_notices(case, seen),
     ]
     refused = any(notice.code == "rise-too-steep" for notice in listed)
     readings = tuple(reading and (without_peaks(reading) if refused else reading) for reading in seen.readings)
@@ -155,7 +158,9 @@ def with_bands(
     from strikewave.analyses.machine.band import machine_bands  # the fast engine, which a run alone does not need
 
     bands, method = machine_bands(solution.case, solution.blows, solution.readings, progress, runs=runs)
-    return dataclasses.replace(solution, band=bands, band_method=method)
+    names = {**figures_of(solution.blows), **sensor_figures(solution.readings)}
+    notices = (*solution.notices, *lacking_notices(names, bands, method))
+    return dataclasses.replace(solution, band=bands, band_method=method, notices=notices)
 
 
 def launch_of(machine: Machine, start: Release) -> dict[str, float]:
@@ -209,7 +214,9 @@ def _measured(blow: Blow, reading: BlowReading, quantity: str, sensor: str) -> f
     """Return a number of one blow: of the blow itself, of its waves, or of a sensor."""
     if quantity.startswith("sensor_"):
         pulse = reading.sensors.get(sensor)
-        return None if pulse is None else float(getattr(pulse, quantity.removeprefix("sensor_")))
+        if pulse is None or pulse.cut:  # its peak and width are not those of the pulse
+            return None
+        return float(getattr(pulse, quantity.removeprefix("sensor_")))
     value = getattr(reading if quantity in ("total_peak", "wave_peak") else blow, quantity)
     return None if value is None else float(value)
 

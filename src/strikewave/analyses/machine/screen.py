@@ -20,9 +20,10 @@ from strikewave.analyses.machine.words import (
     struck_blows,
     summary_words,
 )
-from strikewave.cases.case import Case, dump_case
+from strikewave.cases.case import Case
 from strikewave.cases.losses_of_case import fitted_losses
 from strikewave.cases.sensors_of_case import build_channels
+from strikewave.cases.written_case import dump_case
 from strikewave.reporting.bands import bands_of
 from strikewave.reporting.layout import KEY, numerals
 from strikewave.reporting.numbers import headed, with_unit

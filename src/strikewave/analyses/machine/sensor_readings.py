@@ -8,18 +8,26 @@ magnitude, with its sign.
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from strikewave.machines.blows import WINDOW_AFTER, WINDOW_BEFORE, Blow
+from strikewave.machines.blows import WINDOW_AFTER, WINDOW_BEFORE, Blow, window_ends
 from strikewave.machines.machine import Machine
 from strikewave.machines.run import MachineRun
 from strikewave.machines.spans import StackSpan
 from strikewave.sensors import Reading, read
-from strikewave.sensors.channel import SensorChannel, SensorPulse, sensor_pulse
+from strikewave.sensors.channel import (
+    SensorChannel,
+    SensorPulse,
+    sensor_pulse,
+    settling_time,
+    shortest_period,
+    still_on,
+)
 from strikewave.signal.filters import stated
 from strikewave.signal.pulse import front, largest
 from strikewave.waves.li_ma import ROUTES, superposed
@@ -28,7 +36,16 @@ from strikewave.waves.routes import EXACT, route_history, specimen_of
 Array = NDArray[np.float64]
 
 RIGID_STEP = 0.1e-6
-"""Spacing of the history that a sensor gets where the object is no stack, s."""
+"""Finest spacing of the history that a sensor gets where the object is no stack, s."""
+SAMPLES_A_WINDOW, SAMPLES_A_TOUCH, SAMPLES_A_PERIOD = 30_000, 1000, 20
+"""Samples of which no more are needed: of a window, as many as of a pulse of 1.5 ms at the finest spacing; of the time
+in touch, where a sample is 1e-6 below the top of a half-sine at most; of a period of the fastest that swings or is
+filtered, of whose top a sample is at most 1 - cos(pi/20) = 1.2 % below."""
+MOST_A_WINDOW, MOST_SAMPLES = 200_000, 20_000_000
+"""Samples of a window at most, 20 ms at the finest spacing; and of all windows of a run, 160 MB for a sensor, as far as
+each has those of a short pulse."""
+SAMPLES_A_CUTOFF = 4
+"""Samples to a period of a filter's cutoff at least: it must lie below half the rate."""
 
 
 @dataclass(frozen=True)
@@ -78,7 +95,8 @@ class BlowHistory(NamedTuple):
     ``since`` is the time after first touch, s; ``rigid`` is at the bandwidth; ``force``, ``speed`` and ``total``
     (at the bandwidth) have one row a tap; ``readings`` one a sensor, each with its own instants; ``routes`` holds
     the wave acceleration (at the bandwidth) by tap and route of the paper; ``front`` is the rise time of the steepest
-    front at any tap, before the filter, s. Without taps, ``since`` and ``rigid`` are empty.
+    front at any tap, before the filter, s; ``followed`` how long after the pulse they go on, s: it ends half a swing
+    of the frame after the release that ends the blow. Without taps, ``since`` and ``rigid`` are empty.
     """
 
     since: Array
@@ -89,20 +107,59 @@ class BlowHistory(NamedTuple):
     readings: tuple[Reading, ...]
     routes: dict[tuple[int, str], Array]
     front: float
+    followed: float
 
 
-def blow_history(run: MachineRun, blow: Blow, view: ReadingSetup, routes: bool = False) -> BlowHistory:
+def blow_histories(run: MachineRun, found: Sequence[Blow], view: ReadingSetup) -> tuple[BlowHistory | None, ...]:
+    """Return what taps and sensors show of each blow of a run, of the first one also by the routes of the paper.
+
+    None of a blow that missed.
+    """
+    tail = max(WINDOW_AFTER, *map(settling_time, view.channels), 0.0)
+    ends = window_ends(run, found, tail)
+    step = reading_step(run, found, ends, view.channels)
+    first = next((blow for blow in found if blow.kind != "missed"), None)
+    return tuple(
+        None if blow.kind == "missed" else blow_history(run, blow, view, float(end), step, routes=blow is first)
+        for blow, end in zip(found, ends, strict=True)
+    )
+
+
+def reading_step(run: MachineRun, found: Sequence[Blow], ends: Array, channels: Sequence[SensorChannel]) -> float:
+    """Return the spacing of the histories of blows whose windows have these ends, s (NaN: missed), for some sensors.
+
+    Short pulses have the finest one; a longer one has no more samples than a pulse needs, or than what swings and
+    filters need: the frame of the object, resonances and buffers, cutoffs.
+    """
+    struck = np.array([end - blow.time for blow, end in zip(found, ends, strict=True) if blow.kind != "missed"])
+    if struck.size == 0 or not channels:
+        return RIGID_STEP
+    longest, quickest = float(struck.max()), min(blow.contact_time for blow in found if blow.kind != "missed")
+    cutoff = max((c.recorder.cutoff for c in channels if math.isfinite(c.recorder.cutoff)), default=0.0)
+    fastest = max(1.0 / shortest_period(channels), run.machine.struck.frame_frequency, cutoff)
+    wanted = min(longest / SAMPLES_A_WINDOW, quickest / SAMPLES_A_TOUCH, 1.0 / (SAMPLES_A_PERIOD * fastest))
+    bound = max(longest / MOST_A_WINDOW, min(float(struck.sum()) / MOST_SAMPLES, longest / SAMPLES_A_WINDOW))
+    filtered = 1.0 / (SAMPLES_A_CUTOFF * cutoff) if cutoff else math.inf
+    return max(RIGID_STEP, min(max(wanted, bound), filtered))
+
+
+def blow_history(
+    run: MachineRun, blow: Blow, view: ReadingSetup, end: float, step: float, routes: bool = False
+) -> BlowHistory:
     """Return what taps and sensors show of a blow that touched; with ``routes``, also by those of the paper.
 
-    Before first touch everything moves as the rigid assembly does; the history ends with the blow's window,
-    or where a stack has settled. By a route of the paper, total is the rigid acceleration and the wave's on
-    top of it, driven by the contact force.
+    Before first touch everything moves as the rigid assembly does; the history ends at ``end``, or where a stack has
+    settled, and has this step, or that of the stack. By a route of the paper, total is the rigid acceleration and the
+    wave's on top of it, driven by the contact force.
     """
     span = run.span_at(blow.time + 1e-12)
     layered = run.machine.layered if isinstance(span, StackSpan) else None
-    step = span.step if isinstance(span, StackSpan) else RIGID_STEP
+    step = span.step if isinstance(span, StackSpan) else step
     # the last sample of a stack is an average over what lies before it alone: a filter would count its jump twice
-    last = span.end - span.step if isinstance(span, StackSpan) else min(blow.time + WINDOW_AFTER, run.end)
+    last = span.end - span.step if isinstance(span, StackSpan) else end
+    followed = last - blow.time - blow.contact_time - 0.5 / run.machine.struck.frame_frequency
+    if layered is None and not view.channels:
+        return BlowHistory(*(np.empty(0),) * 5, (), {}, math.inf, followed)
     before = round(min(WINDOW_BEFORE, blow.time) / step)
     after = math.floor((last - blow.time) / step + 1e-9)
     since = step * np.arange(-before, after + 1, dtype=np.float64)
@@ -141,7 +198,7 @@ def blow_history(run: MachineRun, blow: Blow, view: ReadingSetup, routes: bool =
             history[without] = np.nan
     else:  # nothing shows more of the blow than the readings: a thousand of them would take 250 MB
         since = rigid = np.empty(0)
-    return BlowHistory(since, rigid, force, speed, total, tuple(readings), by_route, steepest)
+    return BlowHistory(since, rigid, force, speed, total, tuple(readings), by_route, steepest, followed)
 
 
 def _recorded(channel: SensorChannel, felt: Array, step: float, start: float, touched: float) -> Reading:
@@ -151,12 +208,12 @@ def _recorded(channel: SensorChannel, felt: Array, step: float, start: float, to
     """
     rate = channel.recorder.sampling_rate
     if math.isinf(rate):
-        return read(channel.sensor, channel.recorder, felt, step, start)
+        return read(channel.sensor, channel.recorder, felt, step, start, steady=True)
     at = (touched + start) * rate
     phase = min(math.ceil(at) - at, 1.0 - 1e-9)
     if phase / rate > (felt.size - 1) * step:
         return Reading(np.empty(0), np.empty(0), False, False, math.nan, 0.0)
-    return read(channel.sensor, channel.recorder, felt, step, start, phase)
+    return read(channel.sensor, channel.recorder, felt, step, start, phase, steady=True)
 
 
 def without_peaks(reading: BlowReading) -> BlowReading:
@@ -167,10 +224,18 @@ def without_peaks(reading: BlowReading) -> BlowReading:
 def blow_reading(history: BlowHistory, view: ReadingSetup) -> BlowReading:
     """Return the peaks of a blow's history."""
     pairs = zip(view.channels, history.readings, strict=True)
-    sensors = {channel.sensor.name: sensor_pulse(reading) for channel, reading in pairs}
+    sensors = {
+        channel.sensor.name: replace(sensor_pulse(reading), cut=_is_cut(channel, reading, history.followed))
+        for channel, reading in pairs
+    }
     if not len(history.total):
         return BlowReading(None, None, None, sensors)
     return BlowReading(largest(history.total[0]), largest(history.total[0] - history.rigid), view.bandwidth, sensors)
+
+
+def _is_cut(channel: SensorChannel, reading: Reading, followed: float) -> bool:
+    """Tell whether a reading ends before the pulse does: in touch, or before a slow filter has answered it."""
+    return followed <= 0.0 or (followed < settling_time(channel) and still_on(reading))
 
 
 class Observed(NamedTuple):

@@ -12,7 +12,7 @@ from strikewave.analyses.machine.columns import quantity_columns, with_banded_de
 from strikewave.analyses.machine.contact_answers import ContactAnswer, ContactAnswers
 from strikewave.analyses.machine.kind import MachineKind, kind_of
 from strikewave.base.result import Band
-from strikewave.cases.machine_tables import KINDS
+from strikewave.cases.tables.machine_kinds import KINDS
 from strikewave.cases.yield_pressure import YIELDING
 from strikewave.reporting.layout import KEY, MAIN, MORE
 from strikewave.reporting.numbers import listed, with_band, with_unit

@@ -15,6 +15,7 @@ from strikewave.base.materials import material
 from strikewave.base.quantities import Value
 from strikewave.cases.case import Case
 from strikewave.cases.contact_notices import first_yield_of
+from strikewave.cases.contact_of_case import struck_material
 from strikewave.cases.yield_pressure import ELASTIC, YIELDING, pressures_of_answers
 from strikewave.machines import Blow, Machine, blows, run_machine
 
@@ -43,9 +44,9 @@ def contact_answers(case: Case, first: Blow) -> ContactAnswers:
     given = parts.contact.yield_pressure
     taken = ELASTIC if given is None else YIELDING
     asked = parts.contact.restitution.si
-    limit = first_yield_of(parts.striker, parts.contact, parts.object.material)
+    limit = first_yield_of(parts.striker, parts.contact, struck_material(case))
     load = None if limit is None else limit.load
-    bodies = material(parts.striker.material), material(parts.object.material)
+    bodies = material(parts.striker.material), struck_material(case)
     pressures = pressures_of_answers(given, *bodies)
     own = _answer(taken, pressures.get(taken), first)
     if load is None or (given is None and first.peak_force <= load):

@@ -72,7 +72,7 @@ def command(
     verdict by a specification is FAIL.
     """
     from strikewave.analyses.record.paired import read_pair
-    from strikewave.analyses.record.screen import examine_records
+    from strikewave.analyses.record.screen.command import examine_records
     from strikewave.base.errors import InputError
     from strikewave.cases.sensor_file import stated_sensor
     from strikewave.records import Request

@@ -16,10 +16,10 @@ from strikewave.analyses.record.spectrum import (
     harm_of,
     response_of,
     rms_of,
+    spectra_of_kinds,
     spectrum_findings,
-    spectrum_of,
     status_of,
-    uncertainty_of,
+    uncertainties_of,
 )
 from strikewave.analyses.record.words import named
 from strikewave.base.errors import InputError, StrikewaveError
@@ -232,11 +232,11 @@ def _shock(
     if more.rolling is not None and not (left_out and several):
         rolling = _rolling(reading, wanted, frequencies, most_windows, file)
     own = _frequencies(wanted, channel.sampling_rate) if wanted.own_range else frequencies
-    spectra = [spectrum_of(reading, kind, own, wanted.q, scope) for kind in kinds]
+    spectra = spectra_of_kinds(reading, kinds, own, wanted.q, scope)
     budget = more.budget
     if budget is not None:
         check_amounts(budget, reading)
-    known = () if budget is None else [uncertainty_of(reading, one, wanted.side, scope, budget) for one in spectra]
+    known = () if budget is None else uncertainties_of(reading, spectra, wanted.side, scope, budget)
     return ShockSpectra(
         file,
         channel.name,

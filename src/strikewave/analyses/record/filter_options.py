@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+import hashlib
 import math
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Annotated
@@ -72,6 +73,20 @@ class FilterOptions(LowPassOptions):
         high_pass = None if self.high_pass is None else HighPass(self.high_pass)
         coupling = "" if self.ac_coupling is None else self.ac_coupling
         return dataclasses.replace(request, filter=self.low_pass(), ac_coupling=coupling, high_pass=high_pass)
+
+
+def filtered_folder(usual: str, request: Request) -> str:
+    """Return the usual folder of a result: what is filtered gets one of its own beside what is not.
+
+    Examples
+    --------
+    >>> from strikewave.records import Request
+    >>> from strikewave.signal.filters import HighPass
+    >>> filtered_folder("srs-a", Request()), filtered_folder("srs-a", Request(high_pass=HighPass(5.0)))
+    ('srs-a', 'srs-a-82cd0941')
+    """
+    filters = (request.filter, request.ac_coupling, request.high_pass)
+    return usual + (f"-{hashlib.sha256(repr(filters).encode()).hexdigest()[:8]}" if any(filters) else "")
 
 
 def filtered(

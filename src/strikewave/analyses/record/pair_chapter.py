@@ -9,6 +9,7 @@ from pathlib import Path
 
 from strikewave.analyses.record.paired import RecordPair
 from strikewave.analyses.record.tables import amount, plus_minus
+from strikewave.base.first_few import first_few
 from strikewave.reporting.numbers import listed, with_unit
 from strikewave.reporting.parts import NONE, Cell, Part, Picture, Section, Table
 
@@ -92,10 +93,7 @@ def pair_reasons(pairs: Sequence[RecordPair]) -> list[str]:
     for one in pairs:
         groups.setdefault((one.one_body, one.why), []).append(Path(one.file).name)
     words = {"yes": "one rigid body", "no": "not one rigid body", "cannot-tell": "undetermined"}
-    return [
-        f"{files[0]}{f' and {len(files) - 1} more' if len(files) > 1 else ''}: {words[answer]}: {why}"
-        for (answer, why), files in groups.items()
-    ]
+    return [f"{first_few(files, 1)}: {words[answer]}: {why}" for (answer, why), files in groups.items()]
 
 
 def pair_section(pairs: Sequence[RecordPair]) -> Section:

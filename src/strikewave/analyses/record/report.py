@@ -16,7 +16,7 @@ from strikewave.analyses.record.sensor_chapter import sensor_section
 from strikewave.analyses.record.tables import amount, between, called, percent, short_names
 from strikewave.analyses.record.verdicts.chapter import verdict_section
 from strikewave.analyses.record.verdicts.words import tag_of_records
-from strikewave.analyses.record.words import counted, record_words
+from strikewave.analyses.record.words import counted, doubted_peaks, peak_range, record_words
 from strikewave.records.campaign import Campaign
 from strikewave.records.reading import FileReading
 from strikewave.reporting import chapters as shared
@@ -81,6 +81,12 @@ def _key_numbers(files: Sequence[FileReading], campaigns: Sequence[Campaign]) ->
                 label += f"; CV {percent(one.cv, 2)}; mean within {between(name, unit, one.low, one.high)}"
             label += _with_doubt(files, first, name, unit) if one.n == 1 else ""
             pairs.append((label, amount(name, unit, one.mean)))
+    blows = doubted_peaks(first, files)
+    if blows:
+        pairs.append(("peak as read, in doubt", peak_range([blow.peak for blow in blows], unit)))
+    rigid = [blow.rigid.peak for blow in blows if blow.rigid is not None]
+    if blows and len(rigid) == len(blows):
+        pairs.append(("peak without ringing, in doubt", peak_range(rigid, unit)))
     return pairs
 
 

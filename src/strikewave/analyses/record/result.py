@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import dataclasses
 import functools
-import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -12,30 +11,26 @@ from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 
-from strikewave.analyses.record.chosen import advised_filter, cutoff_for, sources_of
+from strikewave.analyses.record.chosen import advised_filter, sources_of
+from strikewave.analyses.record.document import campaign_row, file_row
+from strikewave.analyses.record.figure_units import SENSOR_UNITS, units_of
 from strikewave.analyses.record.moved import MOTION_UNITS, RecordMotion, all_moved, motion_columns
 from strikewave.analyses.record.paired import OF_CHANNEL as PAIR_OF_CHANNEL
 from strikewave.analyses.record.paired import PAIR_UNITS, RecordPair, all_pairs, pair_columns, transfer_columns
+from strikewave.analyses.record.pulse_columns import pulse_columns
 from strikewave.analyses.record.responses import ResponseSummary, responding, response_columns, summaries
 from strikewave.analyses.record.shock_columns import shock_columns
-from strikewave.base.constants import COVERAGE
 from strikewave.base.errors import StrikewaveError
 from strikewave.base.output_folder import write_atomically
 from strikewave.base.result import FAILED, Notice
-from strikewave.records.band_split import BandSplit
-from strikewave.records.budget.contributions import RECORD
 from strikewave.records.campaign import Campaign
 from strikewave.records.health_notice import STATUSES, HealthNotice
-from strikewave.records.measuring import RecordedPulse
-from strikewave.records.reading import ChannelReading, FileReading
-from strikewave.records.response import MeasuredResponse
-from strikewave.records.smooth_pulse import PulseUncertainty
+from strikewave.records.reading import FileReading
 from strikewave.reporting.columns import HISTORY_DIGITS, Column, csv_table
 from strikewave.reporting.measured_files import AskedResult
-from strikewave.reporting.numbers import shown_unit, with_unit
+from strikewave.reporting.numbers import with_unit
 from strikewave.reporting.shown_result import Curve, history_curve, html_place
-from strikewave.signal.filters import Filter, effect_on_half_sine
-from strikewave.signal.pulse import HALF_SINE_WIDTH
+from strikewave.signal.filters import Filter
 
 if TYPE_CHECKING:
     from strikewave.analyses.record.sensor_trials import SensorTrials
@@ -43,11 +38,6 @@ if TYPE_CHECKING:
     from strikewave.cases.stated_test import StatedTest
     from strikewave.records.budget.contributions import Budget
     from strikewave.specifications.judged_records import RecordsVerdict
-
-INTEGRALS = {"m/s^2": "m/s", "m/s": "m", "N": "N s", "Pa": "Pa s", "V": "V s", "1": "s", "": ""}
-"""Unit of the integral over time of each unit."""
-OWN = "as in the file"
-"""Stands for the unit of figures whose file does not say it."""
 
 
 @dataclass(frozen=True)
@@ -175,8 +165,8 @@ class RecordResult(AskedResult):
     def content(self) -> dict[str, Any]:
         """Return what the JSON document holds beside its head."""
         content = {
-            "files": [_file(file, self.filter) for file in self.readings],
-            "campaign": _campaign(self.campaigns[0]) if self.campaigns else {},
+            "files": [file_row(file, self.filter) for file in self.readings],
+            "campaign": campaign_row(self.campaigns[0]) if self.campaigns else {},
             "advised_cutoff": None if (advised := advised_filter(self.readings)) is None else advised.cutoff,
         }
         if self.budget is not None:
@@ -193,7 +183,7 @@ class RecordResult(AskedResult):
         if responding(self.readings):
             content["response_summary"] = [one.document() for one in self.response_summaries]
         if len(self.campaigns) > 1:
-            content["campaigns"] = [_campaign(one) for one in self.campaigns]
+            content["campaigns"] = [campaign_row(one) for one in self.campaigns]
         return content
 
     def highlights(self) -> list[tuple[str, str]]:
@@ -284,37 +274,6 @@ def failed_on(files: Sequence[FileReading], status: str) -> tuple[Notice, ...]:
     return (Notice("fail-on", message, float(found), 0.0, FAILED),)
 
 
-def units_of(files: Sequence[FileReading]) -> dict[str, str]:
-    """Return the unit of each key of a document."""
-    units = {reading.channel.unit for file in files for reading in file.channels}
-    unit = units.pop() if len(units) == 1 else ""
-    own = "each channel's unit" if units else OWN
-    return {
-        **dict.fromkeys(("time", "interval", *IN_SECONDS), "s"),
-        **dict.fromkeys((*OF_CHANNEL, "rms", "amplitude", "zero"), unit or own),
-        "base_peak": unit or own,
-        **dict.fromkeys(("delay", "duration", "decay_time"), "s"),
-        **dict.fromkeys(("damping", "damping_uncertainty"), "1"),
-        **dict.fromkeys(OF_INTEGRAL, INTEGRALS.get(unit, f"{unit} s") or f"{own}, times s"),
-        **dict.fromkeys(
-            ("ringing_frequency", "sampling_rate", "advised_cutoff", "frequency", "frequency_uncertainty", "cutoff"),
-            "Hz",
-        ),
-        "lowest_mode": "Hz",
-        **dict.fromkeys((*COSTS, "methods_apart"), "1"),
-        **dict.fromkeys(("cv", "cv_low", "cv_high", "robust_cv", "cv_with", "ratio", "change", "smooth_misfit"), "1"),
-    }
-
-
-SENSOR_UNITS = {
-    **dict.fromkeys(("range", "zero_shift"), "m/s^2"),
-    **dict.fromkeys(("resonance", "lowest_resonance", "sampling_rate", "cutoff", "band"), "Hz"),
-    **dict.fromkeys(("quality", "peak_left", "width_left", "range_used", "ringing", "noise_ringing"), "1"),
-    **{"time_clipped": "s", "sensor_mass": "kg", "density": "kg/m^3", "modulus": "Pa", "area": "m^2", "thickness": "m"},
-    "loss_factor": "1",
-}
-"""Unit of each key of the JSON document that says what a sensor leaves."""
-
 NOTED = ("unit-unknown", "not-calibrated", "unreadable", "rate-overrules", "unit-overrules")
 """Codes of findings that are warnings of the result too: what all its figures depend on."""
 
@@ -330,196 +289,3 @@ def notices_of(files: Sequence[FileReading]) -> tuple[Notice, ...]:
         Notice(code, f.message if count == 1 else f"{f.message} ({count} files)", count, 0)
         for code, (f, count) in findings.items()
     )
-
-
-def _file(file: FileReading, filter_: Filter | None) -> dict[str, Any]:
-    return {
-        "file": file.path,
-        "format": file.format,
-        "status": file.status,
-        "reasons": file.reasons,
-        "health": [f.health_document() for f in file.findings],
-        "channels": [_channel(reading, filter_) for reading in file.channels],
-    }
-
-
-def _channel(reading: ChannelReading, filter_: Filter | None) -> dict[str, Any]:
-    channel = reading.channel
-    return {
-        "name": channel.name,
-        "number": reading.number,
-        "sampling_rate": channel.sampling_rate,
-        "samples": channel.values.size,
-        "unit": channel.unit or None,
-        "status": reading.status,
-        "calibration": reading.calibration.stated(),
-        "health": [f.health_document() for f in reading.findings],
-        "pulses": [
-            {**pulse_row(pulse), "uncertainty": uncertainty_row(reading, place)}
-            for place, pulse in enumerate(reading.pulses)
-        ],
-        "response": None if reading.response is None else response_row(reading.response),
-        "responses": [response_row(response) for response in reading.responses],
-        "advised_cutoff": cutoff_for(reading),
-        "filter": None if filter_ is None else filter_effect(reading, filter_),
-    }
-
-
-def response_row(response: MeasuredResponse) -> dict[str, Any]:
-    """Return a response as a row, its modes in a list."""
-    modes = [{**mode._asdict(), "decay_time": mode.decay_time} for mode in response.modes]
-    begin, end = response.decay
-    return {**response._asdict(), "modes": modes, "decay": {"begin": begin, "end": end}}
-
-
-def pulse_row(pulse: RecordedPulse) -> dict[str, Any]:
-    """Return a pulse as a row."""
-    names = ("time", "peak", "rise", "width", "velocity_change", "ringing_frequency", "offset", "noise", "method")
-    row = {name: getattr(pulse, name) for name in (*names, "begin", "end")}
-    return {
-        **row,
-        "smooth_peak": pulse.smooth.peak,
-        "smooth_width": pulse.smooth.width(),
-        "smooth_misfit": pulse.smooth.misfit,
-        **{f"{name}_uncertainty": value for name, value in pulse.uncertainty._asdict().items()},
-        **{f"rigid_{name}": getattr(pulse.rigid, name, math.nan) for name in RIGID},
-        "split": None if pulse.split is None else split_row(pulse.split, pulse.methods_apart),
-        "rebounds": [rebound._asdict() for rebound in pulse.rebounds],
-    }
-
-
-def uncertainty_row(reading: ChannelReading, place: int) -> dict[str, Any]:
-    """Return the uncertainties of a blow: by a budget, or of noise and baseline alone."""
-    if reading.uncertainties:
-        found = reading.uncertainties[place]
-        return {name: one.document() for name, one in found.figures.items()}
-    return {
-        name: {
-            "standard": value,
-            "expanded": COVERAGE * value,
-            "coverage": COVERAGE,
-            "method": RECORD,
-            "contributions": [{"name": RECORD, "standard": value, "share": 1.0}],
-        }
-        for name, value in reading.pulses[place].uncertainty._asdict().items()
-    }
-
-
-def split_row(split: BandSplit, apart: float = math.nan) -> dict[str, Any]:
-    """Return a band split as a row: no figures where it cannot be separated, but its reason."""
-    without = {} if split.separable else dict.fromkeys(SPLIT, math.nan)
-    return {**split._asdict(), **without, "separable": split.separable, "reason": split.reason, "methods_apart": apart}
-
-
-def filter_effect(reading: ChannelReading, filter_: Filter) -> dict[str, Any]:
-    """Return what a filter did to the peaks and widths of a channel, and what it does to a half-sine as wide."""
-    widths = [pulse.width for pulse in reading.unfiltered if pulse.width > 0.0]
-    pairs = list(zip(reading.unfiltered, reading.pulses, strict=False))
-    same = pairs if len(reading.unfiltered) == len(reading.pulses) else []
-    effect = effect_on_half_sine(filter_, min(widths) / HALF_SINE_WIDTH) if widths else None
-    return {
-        "name": str(filter_),
-        "cutoff": filter_.half_power(reading.channel.step),
-        "peak_left": [after.peak / before.peak for before, after in same],
-        "width_left": [after.width / before.width for before, after in same],
-        "half_sine_peak_left": None if effect is None else effect.peak,
-        "half_sine_width_left": None if effect is None else effect.width,
-        "half_sine_velocity_change_left": None if effect is None else effect.velocity_change,
-        "effect": [pulse.smooth.through(filter_)._asdict() for pulse in reading.unfiltered],
-    }
-
-
-def _campaign(campaign: Campaign) -> dict[str, Any]:
-    return {
-        "channel": campaign.channel,
-        **{name: value._asdict() for name, value in campaign.statistics.items()},
-        "trend": {name: value._asdict() for name, value in campaign.trends.items()},
-        "outliers": [
-            {"file": one.path, **{k: v for k, v in one._asdict().items() if k != "path"}} for one in campaign.outliers
-        ],
-        "left_out": [
-            {"file": path, "figures": list(figures), "reason": reason} for path, figures, reason in campaign.left_out
-        ],
-    }
-
-
-RIGID = ("peak", "width", "velocity_change", "peak_uncertainty", "width_uncertainty", "velocity_change_uncertainty")
-"""Figures of the pulse without ringing."""
-SPLIT = ("peak", "width", "peak_uncertainty", "width_uncertainty")
-"""Figures of the rigid part by the band split."""
-COSTS = ("loss", "loss_uncertainty", "leak", "elastic", "widening", "wave_energy")
-"""What the band split costs, and the energy of the wave part, over the peak, the width and the energy."""
-EXPANDED = tuple(f"{name}_expanded_uncertainty" for name in PulseUncertainty._fields)
-"""Columns of expanded uncertainties by a budget."""
-DOUBTS = tuple(name for name in RIGID if name.endswith("_uncertainty"))
-IN_SECONDS = (
-    "rise",
-    "width",
-    "begin",
-    "end",
-    "smooth_width",
-    "width_uncertainty",
-    "rigid_width",
-    "rigid_width_uncertainty",
-    "split_width",
-    "split_width_uncertainty",
-    "width_expanded_uncertainty",
-)
-PULSE_UNITS = {
-    **dict.fromkeys(("time", *IN_SECONDS), "s"),
-    **dict.fromkeys(("ringing_frequency", "split_cutoff"), "Hz"),
-    **dict.fromkeys(("smooth_misfit", "split_wave_energy"), "1"),
-}
-"""SI unit of the figures of a pulse that do not depend on what the channel measures."""
-OF_CHANNEL = (
-    *("peak", "offset", "noise", "smooth_peak", "peak_uncertainty", "rigid_peak", "rigid_peak_uncertainty"),
-    *("split_peak", "split_peak_uncertainty", "peak_expanded_uncertainty"),
-)
-"""Figures of a pulse in the unit of its channel."""
-OF_INTEGRAL = (
-    *("velocity_change", "velocity_change_uncertainty", "rigid_velocity_change", "rigid_velocity_change_uncertainty"),
-    "velocity_change_expanded_uncertainty",
-)
-"""Figures of a pulse in that unit times seconds."""
-
-
-def pulse_columns(files: Sequence[FileReading]) -> list[Column]:
-    """Return all pulses, one line a pulse; where channels differ in unit, ``unit`` is that of each line."""
-    rows = [
-        (file.path, reading, index, pulse_row(pulse))
-        for file in files
-        for reading in file.channels
-        for index, pulse in enumerate(reading.pulses, start=1)
-    ]
-    units = [reading.channel.unit for _, reading, _, _ in rows]
-    only = units[0] if len(set(units)) == 1 else ""
-    columns = [
-        Column("file", [file for file, _, _, _ in rows]),
-        Column("channel", [reading.channel.name for _, reading, _, _ in rows]),
-        Column("unit", [shown_unit(unit, unit) if only else unit for unit in units]),
-        Column("status", [reading.status for _, reading, _, _ in rows]),
-        Column("index", [index for _, _, index, _ in rows]),
-    ]
-    names = ("time", "peak", "rise", "width", "velocity_change", "ringing_frequency", "offset", "noise", "method")
-    more = (
-        "begin",
-        "end",
-        "smooth_peak",
-        "smooth_width",
-        "smooth_misfit",
-        *DOUBTS,
-        *(f"rigid_{name}" for name in RIGID),
-    )
-    of_split = (*SPLIT, "cutoff", "wave_energy")
-    nothing = dict.fromkeys(of_split, math.nan)
-    for _, _, _, row in rows:
-        row |= {f"split_{name}": (row["split"] or nothing)[name] for name in of_split}
-    stated = any(reading.uncertainties for _, reading, _, _ in rows)
-    for _, reading, index, row in rows if stated else ():
-        for name in PulseUncertainty._fields:
-            known = reading.uncertainties[index - 1] if reading.uncertainties else None
-            row[f"{name}_expanded_uncertainty"] = math.nan if known is None else known.figures[name].expanded
-    for name in (*names, *more, *(f"split_{name}" for name in of_split), *(EXPANDED if stated else ())):
-        si = only if name in OF_CHANNEL else INTEGRALS.get(only, f"{only} s") if name in OF_INTEGRAL else ""
-        columns.append(Column(name, [row[name] for _, _, _, row in rows], PULSE_UNITS.get(name, si)))
-    return columns

@@ -22,7 +22,7 @@ from strikewave.reporting.numbers import axis_unit, with_unit
 from strikewave.reporting.options.kinds import Typed
 from strikewave.reporting.shown_result import Curve
 from strikewave.signal.envelopes import FEWEST, envelope, tolerance_limit
-from strikewave.signal.srs import RollingSpectrum, Scope, Spectrum, response_history, rms_spectrum, srs
+from strikewave.signal.srs import RollingSpectrum, Scope, Spectrum, all_srs, response_history, rms_spectrum
 
 if TYPE_CHECKING:
     from strikewave.records.budget.contributions import Budget
@@ -255,9 +255,8 @@ class SpectrumResult(measured.AskedResult):
     def velocity(self) -> Spectrum:
         """The spectrum of the pseudo-velocity, which the four-coordinate picture shows; computed where it is drawn."""
         first = next((s for s in self.spectra if s.kind == "pseudo-velocity"), None)
-        return first or spectrum_of(
-            self.reading, "pseudo-velocity", self.spectra[0].frequency, self.spectra[0].q, self.scope
-        )
+        shown = self.spectra[0]
+        return first or spectra_of_kinds(self.reading, ["pseudo-velocity"], shown.frequency, shown.q, self.scope)[0]
 
     def units(self) -> dict[str, str]:
         """Return the unit of each key of the JSON document."""
@@ -457,19 +456,23 @@ def response_of(
     return OscillatorResponse(frequency, channel.time, histories)
 
 
-def spectrum_of(reading: ChannelReading, kind: str, frequencies: ArrayLike, q: float, scope: Scope) -> Spectrum:
-    """Return a spectrum of a channel, its baseline taken off."""
-    return srs(reading.channel.values - reading.baseline, reading.channel.step, frequencies, q, kind, scope)
+def spectra_of_kinds(
+    reading: ChannelReading, kinds: Sequence[str], frequencies: ArrayLike, q: float, scope: Scope
+) -> list[Spectrum]:
+    """Return the spectra of a channel, its baseline taken off: one a kind."""
+    channel = reading.channel
+    return all_srs(channel.values - reading.baseline, channel.step, frequencies, [(kind, q) for kind in kinds], scope)
 
 
-def uncertainty_of(
-    reading: ChannelReading, one: Spectrum, side: str, scope: Scope, budget: Budget
-) -> SpectrumUncertainty:
-    """Return the uncertainty of a spectrum of a channel by a budget."""
+def uncertainties_of(
+    reading: ChannelReading, spectra: Sequence[Spectrum], side: str, scope: Scope, budget: Budget
+) -> list[SpectrumUncertainty]:
+    """Return the uncertainties of spectra of a channel, over the same frequencies, by a budget."""
+    frequency, asked = np.asarray(spectra[0].frequency), [(one.kind, one.q) for one in spectra]
 
-    def spectrum(values: Array) -> Array:
-        return srs(values, reading.channel.step, one.frequency, one.q, one.kind, scope).side(side)
+    def rows(values: Array) -> Array:
+        """Return the spectra of a record, a row each."""
+        return np.stack([one.side(side) for one in all_srs(values, reading.channel.step, frequency, asked, scope)])
 
-    return spectrum_uncertainty(
-        reading.channel, reading.baseline, reading.pulses, budget, np.asarray(one.frequency), spectrum
-    )
+    found = spectrum_uncertainty(reading.channel, reading.baseline, reading.pulses, budget, frequency, rows)
+    return [found.of_row(k) for k in range(len(spectra))]

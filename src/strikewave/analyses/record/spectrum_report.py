@@ -16,7 +16,7 @@ from strikewave.analyses.record.verdicts.judged_spectra import spectra_section, 
 from strikewave.analyses.record.words import named
 from strikewave.reporting import chapters
 from strikewave.reporting.clause_words import held_words, verdict_tag
-from strikewave.reporting.numbers import headed, one_in, percent, shown, spelled, with_unit
+from strikewave.reporting.numbers import headed, hertz, one_in, percent, shown, spelled, with_unit
 from strikewave.reporting.parts import NONE, Cell, Part, Picture, Section, Table, Tag, written
 from strikewave.signal.envelopes import FEWEST
 from strikewave.signal.srs import Spectrum
@@ -74,7 +74,7 @@ def _over_time(result: SpectrumResult) -> list[Section]:
     most = max(len(result.responses), len(result.rollings))
     of = "the record" if not result.shocks else "each record" if most <= MOST_NAMES else f"{MOST_NAMES} records"
     if result.responses:
-        natural = _hertz(result.responses[0][1].frequency)
+        natural = hertz(result.responses[0][1].frequency)
         parts.append(Picture(response_figure(result), f"What an oscillator of {natural} does while {of} lasts."))
     if result.rollings:
         words = f"The spectrum of windows that slide over {of}, each as if nothing came before or after it."
@@ -95,7 +95,7 @@ def _report_of_several(result: SpectrumResult) -> str:
             shock.channel,
             status_tag(shock.status),
             ", ".join(
-                f"{_response(one.kind, float(one.side(result.side)[k]), result)} at {_hertz(one.frequency[k])}"
+                f"{_response(one.kind, float(one.side(result.side)[k]), result)} at {hertz(one.frequency[k])}"
                 for one, k in ((one, _largest(one, result.side)) for one in shock.spectra)
             ),
             shock.left_out or "yes",
@@ -128,7 +128,7 @@ def several_words(result: SpectrumResult) -> str:
     q = "undamped" if math.isinf(first.q) else f"Q = {first.q:g}"
     words = [f"{result.counted} of {result.origin.name}, baselines taken off: {q}."]
     if result.bounded_by:
-        highest = _hertz(first.frequency[-1])
+        highest = hertz(first.frequency[-1])
         words.append(
             f"They have natural frequencies up to {highest} in common: the lowest sampling rate is {result.bounded_by}."
         )
@@ -138,7 +138,7 @@ def several_words(result: SpectrumResult) -> str:
             at = int(np.nanargmax(values)) if np.any(np.isfinite(values)) else 0
             words.append(
                 f"The {names[name]} of the {kind} response is largest, {_response(kind, float(values[at]), result)}, "
-                f"at {_hertz(first.frequency[at])}."
+                f"at {hertz(first.frequency[at])}."
             )
     one_channel = len({shock.channel for shock in result.shocks}) == 1
     left = [Path(shock.file).name if one_channel else shock.name for shock in result.shocks if shock.left_out]
@@ -157,14 +157,14 @@ def spectrum_words(result: SpectrumResult) -> str:
     first, reading = result.spectra[0], result.reading
     q = "undamped" if math.isinf(first.q) else f"Q = {first.q:g} ({percent(0.5 / first.q)} of critical damping)"
     part = "" if first.part == "total" else f", the {first.part} part"
-    lowest, highest = _hertz(first.frequency[0]), _hertz(first.frequency[-1])
+    lowest, highest = hertz(first.frequency[0]), hertz(first.frequency[-1])
     words = [
         f"Spectra of {reading.channel.name} in {Path(result.file).name}, its baseline taken off: {q}, {result.side}"
         f"{part}, {len(first.frequency)} natural frequencies from {lowest} to {highest}."
     ]
     words += [
         f"The {one.kind} response is largest, {_response(one.kind, float(one.side(result.side)[k]), result)}, at "
-        f"{_hertz(one.frequency[k])}."
+        f"{hertz(one.frequency[k])}."
         for one, k in ((one, _largest(one, result.side)) for one in result.spectra)
     ]
     status = status_of(reading)
@@ -178,7 +178,7 @@ def _key_numbers(result: SpectrumResult) -> list[tuple[str, str]]:
     first = result.spectra[0]
     pairs = [
         (
-            f"largest {one.kind} response, at {_hertz(one.frequency[k])}",
+            f"largest {one.kind} response, at {hertz(one.frequency[k])}",
             _response(one.kind, float(one.side(result.side)[k]), result),
         )
         for one, k in ((one, _largest(one, result.side)) for one in result.spectra)
@@ -188,7 +188,7 @@ def _key_numbers(result: SpectrumResult) -> list[tuple[str, str]]:
         value = float(result.velocity.maximax[k])
         pairs.append(
             (
-                f"largest pseudo-velocity, at {_hertz(result.velocity.frequency[k])}",
+                f"largest pseudo-velocity, at {hertz(result.velocity.frequency[k])}",
                 _response("pseudo-velocity", value, result),
             )
         )
@@ -210,10 +210,6 @@ def _in_si(result: SpectrumResult) -> bool:
 
 def _largest(one: Spectrum, side: str) -> int:
     return int(np.argmax(one.side(side)))
-
-
-def _hertz(value: float) -> str:
-    return with_unit(float(value), "Hz", "Hz" if value < 1e4 else "kHz")
 
 
 def _response(kind: str, value: float, result: SpectrumResult) -> str:

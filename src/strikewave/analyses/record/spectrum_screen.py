@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Any, ClassVar
 
 from strikewave.analyses.record.file_spectra import FilesAsked, judged_spectra_of
+from strikewave.analyses.record.filter_options import filtered_folder
 from strikewave.analyses.record.result import name_of
 from strikewave.analyses.record.spectrum import KIND_UNITS, SHOWN_UNITS, SpectrumRequest, SpectrumResult
 from strikewave.analyses.record.verdicts.judged_spectra import SpectraJudge, print_spectra_verdict
@@ -42,6 +43,7 @@ def compute_spectra(
     paths = [Path(measured.shown(file)) for file in asked.files]
     name = name_of(paths)
     usual = f"srs-{name}" + ("" if judge is None else f"-{judge.specification.file_name}")
+    usual = filtered_folder(usual, asked.filters)
     origin = measured.source_of_records(name, paths, output, usual)
     return run_and_write(SrsCommand(asked, wanted, origin, judge), output, usual, origin.text)
 

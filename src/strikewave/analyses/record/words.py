@@ -8,11 +8,12 @@ from collections.abc import Mapping, Sequence
 from strikewave.analyses.record.pair_chapter import pair_words
 from strikewave.analyses.record.response_chapter import response_words
 from strikewave.analyses.record.result import RecordResult
-from strikewave.analyses.record.tables import amount, between, called, percent, rows_of, short_names
+from strikewave.analyses.record.tables import amount, between, called, percent, plus_minus, rows_of, short_names
 from strikewave.analyses.record.verdicts.words import sentence
 from strikewave.base.first_few import are_many, first_few
 from strikewave.records.campaign import Campaign, Outlier
-from strikewave.records.health_notice import STATUSES
+from strikewave.records.health_notice import STATUSES, worst
+from strikewave.records.measuring import RecordedPulse
 from strikewave.records.reading import FileReading
 from strikewave.reporting.numbers import listed
 
@@ -22,6 +23,8 @@ MOST_CHANNELS = 6
 """Channels whose figures the summary gives: two triaxial sensors; more are counted, and stand in the table."""
 MOST_NAMED = 4
 """Files that a line names; the others are counted."""
+WITHOUT_UNIT = ("unit-unknown", "not-calibrated")
+"""Findings after which all figures are numbers without the unit that was meant."""
 NO_PEAK = "No record gave a peak that can be trusted."
 
 
@@ -40,9 +43,10 @@ def record_words(result: RecordResult) -> str:
     words = [] if result.verdict is None else [sentence(result.verdict, names)]
     words += [pair_words(result.pairs)] if result.pair else []
     words += [f"{len(files)} files: {listed(counted(files))}." if len(files) != 1 else f"One file, {files[0].status}."]
+    words += [f"{one.message[:1].upper()}{one.message[1:]}." for one in result.notices if one.code in WITHOUT_UNIT]
     several = len(campaigns) > 1
     told = [one for one in campaigns if one.statistics or not several]
-    words += [_campaign_words(one, names, several) for one in told[:MOST_CHANNELS]]
+    words += [_campaign_words(one, names, several) + _doubted_words(one, files) for one in told[:MOST_CHANNELS]]
     if len(told) > MOST_CHANNELS:
         words.append(f"{len(told) - MOST_CHANNELS} more channels gave a peak, see below.")
     silent = [one.channel for one in campaigns if several and not one.statistics]
@@ -79,6 +83,35 @@ def named(files: Sequence[str]) -> str:
 
 def _of_blows(count: int) -> str:
     return f"the mean peak of {count} blows is" if count > 1 else "the peak is"
+
+
+def doubted_peaks(campaign: Campaign, files: Sequence[FileReading]) -> list[RecordedPulse]:
+    """Return the blows of a channel whose peaks go into no mean, for a finding that harms them, bad records apart."""
+    if "peak" in campaign.statistics:
+        return []
+    readings = [file.numbered(campaign.number) for file in files if worst(file.findings) != "bad"]
+    return [p for one in readings if one is not None and worst(one.findings) != "bad" for p in one.pulses]
+
+
+def peak_range(values: Sequence[float], unit: str) -> str:
+    """Return a peak, or the smallest and the largest of several."""
+    low, high = min(values), max(values)
+    return amount("peak", unit, low) if low == high else between("peak", unit, low, high)
+
+
+def _doubted_words(campaign: Campaign, files: Sequence[FileReading]) -> str:
+    """Say what the peaks are that go into no mean: as they are read, and without ringing where that is known."""
+    blows, unit = doubted_peaks(campaign, files), campaign.unit
+    if not blows:
+        return ""
+    who = "the peak is" if len(blows) == 1 else f"the peaks of {len(blows)} blows are"
+    text = f" As read, {who} {peak_range([blow.peak for blow in blows], unit)}"
+    rigid = [blow.rigid for blow in blows if blow.rigid is not None]
+    if len(blows) == 1 and rigid:
+        text += f"; without ringing {plus_minus('peak', unit, rigid[0].peak, rigid[0].peak_uncertainty)}"
+    elif len(rigid) == len(blows):
+        text += f"; without ringing {peak_range([one.peak for one in rigid], unit)}"
+    return f"{text}: see the findings."
 
 
 def _odd_words(one: Outlier, names: Mapping[str, str], unit: str) -> str:

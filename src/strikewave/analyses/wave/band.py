@@ -9,15 +9,20 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import NDArray
 
+from strikewave.analyses.wave.build import build_load
 from strikewave.analyses.wave.result import WaveSolution
 from strikewave.analyses.wave.run import bar_figures
 from strikewave.base.quantities import Value
-from strikewave.base.result import BandMethod
+from strikewave.base.result import INFO, BandMethod, Notice
 from strikewave.cases.case import Case
+from strikewave.cases.sensors_of_case import build_channels
+from strikewave.cases.stack_of_case import build_stack
+from strikewave.reporting.bands import lacking_notices
+from strikewave.uncertainty.allowed import allowed_inputs
 from strikewave.uncertainty.bands import LEVEL, SEED, Sample, find_bands, latin_hypercube
 from strikewave.uncertainty.draws import drawn, drawn_case
 from strikewave.uncertainty.known import known_inputs
-from strikewave.uncertainty.runs import on_threads
+from strikewave.uncertainty.runs import on_threads, why_failed
 
 Array = NDArray[np.float64]
 
@@ -35,7 +40,7 @@ BAR_STREAM = 21
 def with_bands(
     solution: WaveSolution, progress: Callable[[float], None] | None = None, threads: int | None = None
 ) -> WaveSolution:
-    """Return a solution with the band of each of its results; as it is where the bar takes too long.
+    """Return a solution with the band of each of its results; where the bar takes too long, with a notice alone.
 
     Parameters
     ----------
@@ -49,21 +54,32 @@ def with_bands(
     case = solution.case
     runs = min(RUNS, int(WORK / (solution.run.time.size * len(solution.run.stack.layers))))
     if runs < FEWEST_RUNS:
-        return solution
-    inputs, quick = known_inputs(case, _tables(case)), coarse(case)
+        message = f"no band: {FEWEST_RUNS} runs of so long a bar would take minutes; shorten solver.duration, or raise "
+        message += "solver.step"
+        notice = Notice("no-band", message, float(runs), float(FEWEST_RUNS), severity=INFO)
+        return dataclasses.replace(solution, notices=(*solution.notices, notice))
+    inputs, quick = allowed_inputs(case, known_inputs(case, _tables(case)), _built), coarse(case)
     points = latin_hypercube(sum(one.count for one in inputs), runs, stream=BAR_STREAM)
-    found = on_threads(
-        lambda row: bar_figures(drawn_case(quick, inputs, row.tolist())),
-        list(drawn(inputs, points)),
-        threads,
-        progress,
-    )
+
+    def run(row: Array) -> dict[str, float]:
+        return bar_figures(drawn_case(quick, inputs, row.tolist()))
+
+    numbers = list(drawn(inputs, points))
+    found = on_threads(run, numbers, threads, progress)
     nothing: dict[str, float] = {}
     rows = [nothing if one is None else one for one in found]
     results = {name: np.array([row.get(name, math.nan) for row in rows]) for name in solution.figures}
-    method = BandMethod("full runs", LEVEL, SEED, runs, failed=sum(one is None for one in found))
+    failed, why = sum(one is None for one in found), why_failed(run, numbers, found)
+    method = BandMethod("full runs", LEVEL, SEED, runs, failed=failed, why=why)
     bands, method = find_bands(Sample(inputs, points), results, method)
-    return dataclasses.replace(solution, band=bands, band_method=method)
+    notices = (*solution.notices, *lacking_notices(solution.figures, bands, method))
+    return dataclasses.replace(solution, band=bands, band_method=method, notices=notices)
+
+
+def _built(case: Case) -> None:
+    """Build what a run of a bar takes, to see whether its parts go together."""
+    build_load(case, build_stack(case))
+    build_channels(case)
 
 
 def coarse(case: Case) -> Case:

@@ -6,11 +6,10 @@ import dataclasses
 from collections.abc import Sequence
 
 from strikewave.base.errors import MISSING, InputError, checked
-from strikewave.base.materials import material
 from strikewave.cases.case import Case
-from strikewave.cases.contact_of_case import face_contact, refuse_sliding
+from strikewave.cases.contact_of_case import face_contact, refuse_sliding, struck_material
 from strikewave.cases.stack_of_case import need, typed
-from strikewave.cases.tables import LoadTable
+from strikewave.cases.tables.stack import LoadTable
 from strikewave.sensors.channel import SensorChannel, shortest_period
 from strikewave.waves import Impactor, Load, LoadPulse, Sampled, Stack, WantedError
 from strikewave.waves.load import Prescribed
@@ -50,7 +49,7 @@ def build_load(case: Case, stack: Stack) -> Load:
     if load.shape == "contact":
         if load.applied != "force":
             raise InputError("load.applied", load.applied, "force, for the shape contact", "remove it")
-        return _impactor(case, load, stack)
+        return _impactor(case, load)
     if load.shape == "file":
         if not load.file:
             raise InputError("load.file", MISSING, "a file with time and force", 'add file = "force.csv"')
@@ -72,19 +71,16 @@ def _as_applied(load: Sampled, table: LoadTable) -> Sampled:
     return Sampled(load.time, load.values, "incident", load.told)
 
 
-def _impactor(case: Case, load: LoadTable, stack: Stack) -> Impactor:
+def _impactor(case: Case, load: LoadTable) -> Impactor:
     speed = need(load.speed, "load.speed", "the speed of the striker", 'add speed = "5 m/s"')
     if case.striker is None or case.contact is None:
         missing = "striker" if case.striker is None else "contact"
         raise InputError(missing, MISSING, f"a [{missing}] table", "a load by contact needs [striker] and [contact]")
     refuse_sliding(case.contact)
-    face = case.stack.layer[0].material
-    if not face:
-        raise InputError("stack.layer." + stack.layers[0].name + ".material", MISSING, "a material for the contact law")
     return Impactor(
         case.striker.mass.si,
         speed,
-        face_contact(case.striker, case.contact, material(face)),
+        face_contact(case.striker, case.contact, struck_material(case)),
         case.contact.slowest_approach.si,
     )
 

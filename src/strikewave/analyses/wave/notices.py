@@ -11,10 +11,12 @@ from numpy.typing import NDArray
 
 from strikewave.analyses.wave.build import of_the_paper, wanted
 from strikewave.analyses.wave.result import WaveSolution, load_peak
+from strikewave.base.materials import material
 from strikewave.base.result import BALANCE_LIMIT, FAILED, INFO, Notice
 from strikewave.cases.case import Case
 from strikewave.cases.comparisons import origin_notices
 from strikewave.cases.contact_notices import joint_yield_notices, law_notices, yield_notices
+from strikewave.cases.contact_of_case import struck_material
 from strikewave.cases.contact_range_notices import (
     damping_speed_notices,
     joint_size_notices,
@@ -183,13 +185,13 @@ def _contact_notices(case: Case, run: BarRun) -> list[Notice]:
     """Return notices on the contact of a striker with the first face: law out of range, yield."""
     if not isinstance(run.load, Impactor) or case.striker is None or case.contact is None:
         return []
-    face = case.stack.layer[0].material
+    face = struck_material(case)
     peak, speed = load_peak(run), run.load.speed
     return [
         *law_notices(case),
         *yield_notices(case.striker, case.contact, face, peak),
         *size_notices(case, peak),
-        *speed_notices((case.striker.material, face), speed),
+        *speed_notices((material(case.striker.material), face), speed),
         *damping_speed_notices(case.contact, [speed]),
     ]
 

@@ -8,6 +8,7 @@ from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, NamedTuple
 
 from strikewave.analyses.wave.field import field_of_solution
+from strikewave.base.first_few import first_few
 from strikewave.reporting import chapters
 from strikewave.reporting.bands import band_sections, bands_of
 from strikewave.reporting.curves import Trace, traces
@@ -178,8 +179,7 @@ def joint_rows(solution: WaveSolution, most: int = MOST_OPENINGS) -> list[list[s
     """List the joints that can open, and their first openings and closings."""
 
     def times(values: Sequence[float]) -> str:
-        words = ", ".join(written(shown(t, "s", "us"), 5) for t in values[:most])
-        return (words or NONE) + (f" and {len(values) - most} more" if len(values) > most else "")
+        return first_few([written(shown(t, "s", "us"), 5) for t in values], most) or NONE
 
     return [
         [row["after"], row["kind"], f"{shown(row['preload'], 'N', 'N'):g}", times(row["opened"]), times(row["closed"])]

@@ -15,9 +15,10 @@ from numpy.typing import NDArray
 from strikewave._version import __version__
 from strikewave.base.result import SCHEMA, Source
 from strikewave.base.variables import LabelledArrays, quantity
-from strikewave.cases.case import Case, dump_case
+from strikewave.cases.case import Case
 from strikewave.cases.comparisons import stale_fits_document
 from strikewave.cases.losses_of_case import FittedLoss, fitted_losses
+from strikewave.cases.written_case import dump_case
 from strikewave.reporting.columns import HISTORY_DIGITS, Column, csv_table
 from strikewave.reporting.numbers import with_band, with_unit
 from strikewave.reporting.shown_result import Curve, ShownResult, columns_of, history_curve

@@ -13,7 +13,8 @@ from strikewave.analyses.wave.report import TAP_COLUMNS, error_words, sensor_col
 from strikewave.analyses.wave.run import WaveSolution, run_wave
 from strikewave.base.compile_progress import compiling_shown
 from strikewave.base.errors import MISSING, InputError
-from strikewave.cases.case import Case, dump_case
+from strikewave.cases.case import Case
+from strikewave.cases.written_case import dump_case
 from strikewave.reporting.layout import keys, numerals
 from strikewave.reporting.numbers import with_unit
 from strikewave.reporting.options.output import Output

@@ -20,7 +20,7 @@ from strikewave.analyses.fem.build import solid_of
 from strikewave.analyses.fem.vectors import vector
 from strikewave.base.errors import MISSING, InputError
 from strikewave.cases.case import Case
-from strikewave.cases.mesh_tables import AnyPart, Cylinder, FramePart, HalfCylinder, Tube
+from strikewave.cases.tables.mesh import AnyPart, Cylinder, FramePart, HalfCylinder, Tube
 from strikewave.contact import AnyContact, Chain, ChainContact, Geometry, Spring, Stop, simulate, stiffness_of
 from strikewave.contact.chain import Link
 from strikewave.fem.measures import interval_means, middles

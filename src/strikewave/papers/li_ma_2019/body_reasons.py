@@ -11,8 +11,9 @@ from numpy.typing import NDArray
 
 from strikewave.analyses.fem.build import build_model
 from strikewave.analyses.fem.run import run_model
-from strikewave.cases.case import Case, dump_case, parse_case
-from strikewave.cases.mesh_tables import FramePart, HalfCylinder, MeshTable
+from strikewave.cases.case import Case, parse_case
+from strikewave.cases.tables.mesh import FramePart, HalfCylinder, MeshTable
+from strikewave.cases.written_case import dump_case
 from strikewave.contact import slow_force
 from strikewave.fem.model import Driven, Fixed, Model, Point, TimeCurve
 from strikewave.papers.li_ma_2019.beams import endless_compliance

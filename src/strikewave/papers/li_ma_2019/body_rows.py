@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 from strikewave.analyses.fem.result import FemSolution
 from strikewave.cases.case import Case
-from strikewave.cases.mesh_tables import FramePart, HalfCylinder
+from strikewave.cases.tables.mesh import FramePart, HalfCylinder
 from strikewave.papers.li_ma_2019.bodies import LineLaw, SimpleAnswer, layered, lumped
 from strikewave.papers.li_ma_2019.element_pulses import SPECIMEN
 from strikewave.papers.li_ma_2019.solid_bars import element_answer

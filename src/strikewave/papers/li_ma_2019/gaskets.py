@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from strikewave.analyses.machine.observe import observe
 from strikewave.base.quantities import Value
 from strikewave.cases.case import Case, load_case
-from strikewave.cases.tables import GasketTable
+from strikewave.cases.tables.sensor import GasketTable
 from strikewave.papers.li_ma_2019.execution import Execution
 from strikewave.papers.li_ma_2019.published import published_number
 from strikewave.papers.li_ma_2019.runs import COMPARISON, MACHINE

@@ -9,7 +9,8 @@ from strikewave.analyses.machine.result import Solution
 from strikewave.analyses.machine.run import run_case
 from strikewave.analyses.wave.result import WaveSolution
 from strikewave.analyses.wave.run import run_wave
-from strikewave.cases.case import Case, bundled_cases, load_case
+from strikewave.cases.case import Case, load_case
+from strikewave.cases.case_files import bundled_cases
 from strikewave.papers.li_ma_2019.execution import Execution
 
 if TYPE_CHECKING:

@@ -11,8 +11,9 @@ from strikewave.analyses.fem.build import build_model, solid_of
 from strikewave.analyses.fem.result import FemSolution
 from strikewave.analyses.fem.run import run_model
 from strikewave.analyses.fem.vectors import vector
-from strikewave.cases.case import Case, document_of
-from strikewave.cases.mesh_tables import FramePart, HalfCylinder
+from strikewave.cases.case import Case
+from strikewave.cases.tables.mesh import FramePart, HalfCylinder
+from strikewave.cases.written_case import document_of
 from strikewave.contact import AnyContact, Chain, ChainContact, Geometry, contact_modulus, simulate, stiffness_of
 from strikewave.fem.measures import interval_means
 from strikewave.fem.model import Model

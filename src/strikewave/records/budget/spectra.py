@@ -29,7 +29,7 @@ from strikewave.records.record import Channel
 
 Array = NDArray[np.float64]
 SpectrumOf = Callable[[Array], Array]
-"""Spectrum of a record whose baseline is taken off."""
+"""Spectrum of a record whose baseline is taken off, or several of them, a row each."""
 
 DRAWS = 24
 """Rolls of the noise: its standard deviation at a frequency is then known to 15 %, 1/sqrt(2 x 23)."""
@@ -44,7 +44,8 @@ class SpectrumUncertainty:
     Attributes
     ----------
     standard : ndarray
-        Standard uncertainty at each natural frequency; NaN where noise and baseline are not known.
+        Standard uncertainty at each natural frequency; NaN where noise and baseline are not known. A row a spectrum
+        where several were asked for.
     contributions : sequence of (str, ndarray)
         Name, and standard uncertainty by it alone.
     """
@@ -60,6 +61,10 @@ class SpectrumUncertainty:
     def lowest(self, count: int) -> SpectrumUncertainty:
         """Return that of the lowest natural frequencies alone."""
         return SpectrumUncertainty(self.standard[:count], [(name, each[:count]) for name, each in self.contributions])
+
+    def of_row(self, row: int) -> SpectrumUncertainty:
+        """Return that of one of several spectra."""
+        return SpectrumUncertainty(self.standard[row], [(name, each[row]) for name, each in self.contributions])
 
     def document(self) -> dict[str, Any]:
         """Return the entry of a JSON document, in the unit of the spectrum."""
@@ -90,7 +95,7 @@ def spectrum_uncertainty(
     frequency : ndarray
         Natural frequencies, Hz.
     spectrum : callable
-        Spectrum of a record whose baseline is taken off.
+        Spectrum of a record whose baseline is taken off, or several of them, a row each.
 
     Examples
     --------
@@ -116,27 +121,29 @@ def spectrum_uncertainty(
         if one.kind in GAINS:
             return size * plain
         if one.kind == "clock":
-            return size * np.abs(np.gradient(plain, np.log(frequency))) if frequency.size > 1 else np.zeros(1)
+            slope = np.gradient(plain, np.log(frequency), axis=-1) if frequency.size > 1 else np.zeros_like(plain)
+            return size * np.abs(slope)
         if one.kind == "noise":
             size *= stretch.peak if one.relative else 1.0
             return _by_draws(values, spectrum, lambda generator: size * generator.standard_normal(values.size))
         pair = changed(stretch, [one], np.array([[size], [-size]]))
         return 0.5 * np.abs(spectrum(pair[0]) - spectrum(pair[1]))
 
-    own = _of_record(channel, values, blow, spectrum)
+    own = _of_record(channel, values, blow, spectrum, plain.shape)
     rows = [(RECORD, own), *((one.name, by(one)) for one in (sampling(channel.step), *budget.contributions))]
     stated = any(one.kind in ("acceleration", "offset", "noise") for one in budget.contributions)
     together = np.sqrt(np.sum([np.nan_to_num(each) ** 2 if stated else each**2 for _, each in rows], axis=0))
     return SpectrumUncertainty(together, rows)
 
 
-def _of_record(channel: Channel, values: Array, blow: RecordedPulse | None, spectrum: SpectrumOf) -> Array:
-    """Return what noise and baseline before the first blow do; NaN where too little lies there."""
-    plain = spectrum(values)
+def _of_record(
+    channel: Channel, values: Array, blow: RecordedPulse | None, spectrum: SpectrumOf, shape: tuple[int, ...]
+) -> Array:
+    """Return what noise and baseline before the first blow do to a spectrum; NaN where too little lies there."""
     width = 0.0 if blow is None else (blow.end - blow.begin) / channel.step
     before = 0 if blow is None else math.floor((blow.begin - channel.start) / channel.step - 0.5 * width)
     if blow is None or before < WIDTHS * width or math.isnan(blow.baseline.wander):
-        return np.full(plain.shape, math.nan)
+        return np.full(shape, math.nan)
     noise = values[:before] - float(np.mean(values[:before]))
     rows = math.ceil(values.size / before) + 1
 

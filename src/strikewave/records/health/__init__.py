@@ -19,8 +19,8 @@ from strikewave.records.health_notice import FIGURES, HealthNotice, worst_first
 __all__ = ["BLOW", "CHECKS", "Examined", "clipped", "examine", "level_step", "ringing"]
 
 CHECKS = (
-    no_pulse,
     not_settled,
+    no_pulse,
     clipped,
     limited,
     zero_shift,
@@ -42,7 +42,8 @@ CHECKS = (
     missing_blow,
     mains_blips,
 )
-"""Every check, in the order of their findings."""
+"""Every check, in the order of their findings: why no blow is seen, such as a record that begins in it, before that
+none is."""
 
 
 def examine(record: Examined) -> list[HealthNotice]:

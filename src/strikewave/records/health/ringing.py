@@ -57,8 +57,9 @@ def _ringing_of(record: Examined, pulse: RecordedPulse) -> HealthNotice | None:
         effects = {name: effect for name, effect in pairs if math.isfinite(effect)}
         if max(map(abs, effects.values())) < NOTED_EFFECT and share < NOTED_RINGING:
             return None
+        frequency = pulse.ringing_frequency if pulse.ringing_frequency > 0.0 else rigid.frequency
         message = (
-            f"the blow at {pulse.time:.6g}\xa0s rings at {with_unit(rigid.frequency, 'Hz')}; without it the peak is "
+            f"the blow at {pulse.time:.6g}\xa0s rings at {with_unit(frequency, 'Hz')}; without it the peak is "
             f"{record.text(rigid.peak)}, the width {with_unit(rigid.width, 's')}; with it"
         )
         doubt = {name: getattr(rigid, f"{name}_uncertainty") / abs(getattr(rigid, name)) for name in effects}

@@ -124,7 +124,7 @@ class Shown:
             If all and nothing is wanted.
         """
         if self.verbose and self.quiet:
-            raise InputError("--quiet", "--verbose too", "one of them")
+            raise InputError("--quiet", "--verbose beside it", "either --quiet or --verbose", "leave one out")
         return screen(Screen(self.wide, self.verbose, self.quiet))
 
 

@@ -24,7 +24,7 @@ from strikewave.base.result import Notice
 from strikewave.cases.case import Case
 from strikewave.cases.sensors_of_case import build_channels
 from strikewave.cases.stack_of_case import area_of, need
-from strikewave.cases.tables import GasketTable, SensorTable
+from strikewave.cases.tables.sensor import GasketTable, SensorTable
 from strikewave.sensors import Gasket, Mounting, Reading, Recorder, Sensor, accelerometer, read
 from strikewave.sensors.channel import SensorChannel, shortest_period
 from strikewave.sensors.mounting import RESOLVED

@@ -7,8 +7,8 @@ from collections.abc import Sequence
 
 from strikewave.base.materials import material
 from strikewave.reporting import chapters
-from strikewave.reporting.numbers import headed, percent, shown, with_unit
-from strikewave.reporting.parts import NONE, Cell, Part, Picture, Section, Table, Tag, written
+from strikewave.reporting.numbers import headed, hertz, percent, shown, with_unit
+from strikewave.reporting.parts import Cell, Part, Picture, Section, Table, Tag, written
 from strikewave.reporting.table_columns import page_table
 from strikewave.studies.buffer.candidate import ALIKE, BufferCandidate, distinct
 from strikewave.studies.buffer.columns import MODULI_COLUMNS, RANK_COLUMNS, RankedStack, needed
@@ -57,7 +57,7 @@ def buffer_words(study: BufferStudy) -> str:
         f"{within} of {len(study.candidates)} stacks keep the reading of {study.motion.name} within {limit}; directly "
         f"on the surface {study.site.table.name} would read {_peak(study.direct)}.",
         f"{study.order[0].upper()}{study.order[1:]}: {first.name}, {_peak(first)}, amplitudes within 10 % up to "
-        f"{_hertz(first.band.within_10)}.",
+        f"{hertz(first.band.within_10)}.",
     ]
     if study.robust is None:
         words.append("No stack is known to keep the limit whatever the moduli of its gaskets.")
@@ -73,18 +73,14 @@ def _key_numbers(study: BufferStudy) -> list[tuple[str, str]]:
         ("stacks that keep the limit", f"{sum(one.keeps for one in study.candidates)} of {len(study.candidates)}"),
         (f"reading on the first; limit {with_unit(study.goal.limit, 'm/s^2', 'g')}", _peak(first)),
         ("reading without gaskets", _peak(study.direct)),
-        ("amplitude within 10 % up to, first", _hertz(first.band.within_10)),
-        ("resonance of the first", _hertz(first.band.resonance)),
+        ("amplitude within 10 % up to, first", hertz(first.band.within_10)),
+        ("resonance of the first", hertz(first.band.resonance)),
         ("height of the first", with_unit(first.height, "m", "mm", 3)),
     ]
 
 
 def _peak(candidate: BufferCandidate) -> str:
     return with_unit(candidate.true_peak, "m/s^2", "g") + (" (cut off)" if candidate.clipped else "")
-
-
-def _hertz(value: float) -> str:
-    return with_unit(value, "Hz", "kHz", 3) if math.isfinite(value) else NONE
 
 
 def _ranking_section(study: BufferStudy) -> Section:
@@ -145,9 +141,9 @@ def _sensor_section(study: BufferStudy) -> Section:
         ["sensor", site.table.name + (f", {site.table.model}" if site.table.model else "")],
         ["mass", with_unit(site.mass, "kg", "gram")],
         ["area of the gaskets", with_unit(site.area, "m^2", "mm^2")],
-        ["resonance of the element", _hertz(sensor.resonance)],
+        ["resonance of the element", hertz(sensor.resonance)],
         ["range", with_unit(sensor.range, "m/s^2", "g") if math.isfinite(sensor.range) else "none stated"],
-        ["sampling rate", "ideal recorder" if rate is None else _hertz(rate)],
+        ["sampling rate", "ideal recorder" if rate is None else hertz(rate)],
         ["blow", motion.name],
         ["largest acceleration of the surface", with_unit(motion.peak, "m/s^2", "g")],
         ["velocity change of the surface", with_unit(motion.velocity_change, "m/s", "m/s", 3)],

@@ -14,7 +14,8 @@ from strikewave.base.json_document import without
 from strikewave.base.materials import material
 from strikewave.base.quantities import Value
 from strikewave.base.result import Source
-from strikewave.cases.case import Case, dump_case
+from strikewave.cases.case import Case
+from strikewave.cases.written_case import dump_case
 from strikewave.reporting.columns import HISTORY_DIGITS, Column, csv_table
 from strikewave.reporting.measured_files import UNKNOWN
 from strikewave.reporting.numbers import with_unit

@@ -58,7 +58,7 @@ def command(
     goals exclude each other and by how much, and the exit code is 3. A design that is stopped is continued by the same
     command. With --json, no files are written unless --out is given.
     """
-    from strikewave.cases.case import dump_case
+    from strikewave.cases.written_case import dump_case
     from strikewave.reporting.run_and_write import case_folder, run_and_write
     from strikewave.studies.design.design_file import load_design
     from strikewave.studies.design.screen import DesignCommand, show_estimate

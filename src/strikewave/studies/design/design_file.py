@@ -10,7 +10,7 @@ from pydantic import Field
 
 from strikewave.cases.case import Case, load_case
 from strikewave.cases.paths import Form
-from strikewave.cases.tables import CaseTable
+from strikewave.cases.tables.base import CaseTable
 from strikewave.studies.design.plan import DesignPlan, plan_of
 from strikewave.studies.engine.variables import read_variable
 from strikewave.studies.stated import Settings, case_place, read_study, stated_at
@@ -74,7 +74,7 @@ def load_design(path: str | Path, changes: Sequence[str] = (), **options: int | 
         With one line for each thing that is wrong: file, table and key, and what is allowed.
     """
     path = Path(path)
-    file = read_study(path, DesignFile, FORM, ALLOWED)
+    file = read_study(path, FORM, ALLOWED)
     place = case_place(file.case, path.parent)
     whole = (*file.changes, *changes)
     with stated_at(f"{path.name}: case"):

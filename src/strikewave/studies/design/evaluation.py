@@ -13,6 +13,7 @@ from strikewave.analyses.compare.specified import judged_by
 from strikewave.base.materials import material
 from strikewave.cases.case import Case
 from strikewave.cases.contact_notices import first_yield_of
+from strikewave.cases.contact_of_case import struck_material
 from strikewave.specifications.decisions import CANNOT_TELL
 from strikewave.specifications.reading import load_specification
 from strikewave.studies.engine.case_evaluation import CaseEvaluation
@@ -105,7 +106,7 @@ def yield_of(case: Case, name: str) -> float | None:
         return _strength(getattr(part, "material", None)) if own is None else float(own.si)
     if name == "first.peak_force" and case.command == "run":
         parts = case.impact()
-        found = first_yield_of(parts.striker, parts.contact, parts.object.material)
+        found = first_yield_of(parts.striker, parts.contact, struck_material(case))
         return None if found is None else found.load
     return None
 
@@ -142,9 +143,19 @@ def _least_margin(asked: str, case: Case, simulation: Simulation) -> float:
 
 
 def _clipping(sensor: str, case: Case, simulation: Simulation) -> float:
-    """Return the largest of what a sensor would put out over what it or its recorder can; of all without a name."""
+    """Return the largest of what a sensor would put out over what it or its recorder can; of all without a name.
+
+    NaN where a reading ends before its pulse does: what comes later may clip.
+    """
     if case.command == "run":
         observed = simulation.observed
+        if any(
+            pulse.cut and not pulse.clipped and sensor in ("", name)
+            for reading in observed.readings
+            if reading is not None
+            for name, pulse in reading.sensors.items()
+        ):
+            return math.nan
         pairs = [
             (channel, reading)
             for history in observed.histories

@@ -13,9 +13,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from strikewave.base.errors import MISSING, InputError, nearest
+from strikewave.base.first_few import first_few
 from strikewave.base.quantities import Value
 from strikewave.base.units import in_unit
-from strikewave.cases.case import Case, dump_case
+from strikewave.cases.case import Case
+from strikewave.cases.written_case import dump_case
 from strikewave.studies.axes import case_at
 from strikewave.studies.design.evaluation import DesignEvaluation, evaluation_of, is_derived
 from strikewave.studies.design.goals import EXAMPLES, Aim, Goal, Objective, read_aim
@@ -197,7 +199,7 @@ class DesignPlan:
         if self.analysis == "run":
             tolerance = FINER * self.case.solver.tolerance.si
             finer = self.case.with_values({"solver.tolerance": Value(si=tolerance, typed=float(f"{tolerance:.3g}"))})
-            return self._with("run", finer), "a run of a tenth of the tolerance"
+            return self._with("run", finer), "another run at a tenth of the solver's tolerance (solver.tolerance)"
         return None
 
     def _with(self, analysis: str, case: Case) -> DesignPlan:
@@ -209,9 +211,8 @@ class DesignPlan:
     @property
     def words(self) -> str:
         """What is asked, in words."""
-        over = ", ".join(one.path for one in self.variables[:3])
-        more = f" and {len(self.variables) - 3} more" if len(self.variables) > 3 else ""
-        return f"{'; '.join(aim.typed for aim in self.aims)}; over {over}{more} ({self.analysis})"
+        over = first_few([one.path for one in self.variables], 3)
+        return f"{'; '.join(aim.typed for aim in self.aims)}; over {over} ({self.analysis})"
 
     @cached_property
     def asked_line(self) -> str:

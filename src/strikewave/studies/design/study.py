@@ -15,7 +15,8 @@ from numpy.typing import NDArray
 from strikewave.base.citations import citation
 from strikewave.base.compile_progress import compiling_shown
 from strikewave.base.result import FAILED, Notice, Source
-from strikewave.cases.case import Case, dump_case
+from strikewave.cases.case import Case
+from strikewave.cases.written_case import dump_case
 from strikewave.reporting.columns import HISTORY_DIGITS, Column, csv_table
 from strikewave.reporting.numbers import percent
 from strikewave.reporting.shown_result import ShownResult
@@ -132,7 +133,10 @@ class DesignStudy(ShownResult):
     def case_of(self, place: int = 0) -> Case:
         """Return the case of a candidate, without published numbers to compare with."""
         name = f"{self.case.name or 'case'}-design"
-        return self.plan.case_of(self.candidates[place].row).model_copy(update={"name": name, "published": ()})
+        title = f"Settings of a design, from: {self.title}"
+        return self.plan.case_of(self.candidates[place].row).model_copy(
+            update={"name": name, "title": title, "published": ()}
+        )
 
     @cached_property
     def source(self) -> Source:

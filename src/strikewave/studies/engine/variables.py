@@ -15,7 +15,8 @@ from strikewave.analyses.check import check
 from strikewave.base.errors import InputError, nearest
 from strikewave.base.quantities import Range, Value
 from strikewave.base.units import DIMENSIONS
-from strikewave.cases.case import Case, dump_case, parse_case
+from strikewave.cases.case import Case, parse_case
+from strikewave.cases.written_case import dump_case
 from strikewave.reporting.numbers import with_unit
 from strikewave.studies.axes import Axis, range_axis, units_of
 from strikewave.uncertainty.draws import range_of

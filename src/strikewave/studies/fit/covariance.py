@@ -47,10 +47,14 @@ class ResidualBlock(NamedTuple):
     left : ndarray or None
         What is left of them with the values at their best for this block alone, where that is more than noise.
     shared : ndarray
-        What all of them may be off together, by one standard deviation: a column for the baseline of a record, one for
-        its amplitude.
+        What all of them may be off together by the noise that shows it, by one standard deviation: a column for the
+        baseline of a record.
+    stated : ndarray
+        The same that is stated, and not read off the noise: a column for the scatter of the amplitude of a record.
     quiet : float
         Independent samples from which the noise is known.
+    pooled : bool
+        Whether it is known together with that of the other blocks that are pooled, from ``quiet`` samples of each.
     """
 
     rows: slice
@@ -58,7 +62,9 @@ class ResidualBlock(NamedTuple):
     shot: int | None
     left: Array | None = None
     shared: Array = NONE
+    stated: Array = NONE
     quiet: float = math.inf
+    pooled: bool = False
 
 
 class Spread(NamedTuple):
@@ -66,6 +72,13 @@ class Spread(NamedTuple):
 
     covariance: Array
     freedom: Array
+
+
+class Push(NamedTuple):
+    """A part of the covariance of J'r, and the degrees of freedom with which it is known."""
+
+    covariance: Array
+    freedom: float
 
 
 @dataclass(frozen=True)
@@ -84,6 +97,8 @@ class Estimate:
         Directions that are not, a column each; orthonormal.
     reach : ndarray
         Standard errors that 95 % lie within, to either side, of each coordinate.
+    stated : ndarray or None
+        Variance of each coordinate by what is stated, where fits to other amplitudes show it.
     """
 
     place: Array
@@ -92,6 +107,7 @@ class Estimate:
     covariance: Array
     undetermined: Array
     reach: Array
+    stated: Array | None = None
 
     @property
     def misfit(self) -> float:
@@ -112,6 +128,10 @@ class Estimate:
         determined = self.reach[np.isfinite(self.errors)]
         return float(np.max(determined)) if determined.size else NORMAL
 
+    def mostly_stated(self, coordinate: int) -> bool:
+        """Tell whether most of a variance is what is stated and was fitted: no profile of the misfit shows that."""
+        return self.stated is not None and bool(2.0 * self.stated[coordinate] > self.covariance[coordinate, coordinate])
+
     def groups(self) -> list[list[int]]:
         """Return the coordinates that are not determined, those together that only their combination is."""
         projector = self.undetermined @ self.undetermined.T
@@ -127,7 +147,9 @@ class Estimate:
         return groups
 
 
-def estimate(place: Array, residuals: Array, jacobian: Array, blocks: Sequence[ResidualBlock]) -> Estimate:
+def estimate(
+    place: Array, residuals: Array, jacobian: Array, blocks: Sequence[ResidualBlock], moved: Array | None = None
+) -> Estimate:
     """Return what the data say of a place; directions without information are left out of the covariance.
 
     The interval of a coordinate is the widest of those by noise, by what is left, and by shots, each with Student's t.
@@ -143,6 +165,9 @@ def estimate(place: Array, residuals: Array, jacobian: Array, blocks: Sequence[R
         Slopes of the residuals, shape (m, n).
     blocks : sequence of ResidualBlock
         Which residuals are of one record or number.
+    moved : ndarray, optional
+        How far the best place moves with what is stated of the residuals together, in columns whose squares add up to
+        its covariance; by the slopes where it is left out.
 
     Returns
     -------
@@ -151,9 +176,12 @@ def estimate(place: Array, residuals: Array, jacobian: Array, blocks: Sequence[R
     """
     values, vectors = np.linalg.eigh(jacobian.T @ jacobian)
     known = vectors[:, values > RANK * max(float(values[-1]), np.finfo(float).tiny)]
-    spreads = [by_noise(jacobian, known, blocks)]
+    stated = _by_what_is_stated(jacobian, blocks)
+    if moved is not None:
+        stated = [Push(_shared(jacobian, jacobian @ moved), math.inf)]
+    spreads = [by_noise(jacobian, known, blocks, stated)]
     if any(block.left is not None for block in blocks):
-        spreads.append(by_what_is_left(jacobian, known, blocks))
+        spreads.append(by_what_is_left(jacobian, known, blocks, stated))
     if len({block.shot for block in blocks if block.shot is not None}) > 1:
         spreads.append(scatter_of_shots(residuals, jacobian, known, blocks))
     covariance = spreads[0].covariance
@@ -166,7 +194,8 @@ def estimate(place: Array, residuals: Array, jacobian: Array, blocks: Sequence[R
     values, vectors = np.linalg.eigh(inside)
     kept, lost = vectors[:, values > 0.5], vectors[:, values <= 0.5]
     projected = kept @ kept.T @ covariance @ kept @ kept.T
-    return Estimate(place, residuals, jacobian, projected, lost, _reach(covariance, spreads))
+    fitted = None if moved is None else np.diag(_spread(jacobian, known, stated).covariance)
+    return Estimate(place, residuals, jacobian, projected, lost, _reach(covariance, spreads), fitted)
 
 
 def _reach(covariance: Array, spreads: Sequence[Spread]) -> Array:
@@ -194,42 +223,71 @@ def _pushed(part: Array, covariance: Array) -> Array:
     return np.asarray(part.T @ (matmul_toeplitz(lags, part) if covariance.size > 1 else lags[0] * part))
 
 
-def by_noise(jacobian: Array, known: Array, blocks: Sequence[ResidualBlock]) -> Spread:
-    """Return the covariance by the noise of each block and by what its residuals share.
+def by_noise(jacobian: Array, known: Array, blocks: Sequence[ResidualBlock], stated: Sequence[Push] = ()) -> Spread:
+    """Return the covariance by the noise of each block and by what is stated of them.
 
-    Its freedom is that of the noise: as many independent samples as show it, infinite where it is stated.
+    Noise is known from as many independent samples as show it, and what is stated is known.
     """
-    size = jacobian.shape[1]
-    middle = np.zeros((size, size))
-    for block in blocks:
-        part = jacobian[block.rows]
-        middle += _pushed(part, block.noise)
-        if block.shared.size:
-            shared = part.T @ block.shared
-            middle += shared @ shared.T
-    shown = [block.quiet for block in blocks if math.isfinite(block.quiet)]
-    return Spread(_sandwich(jacobian, known, middle), np.full(size, sum(shown) or math.inf))
+    return _spread(jacobian, known, [*_by_noise_alone(jacobian, blocks), *stated])
 
 
-def by_what_is_left(jacobian: Array, known: Array, blocks: Sequence[ResidualBlock]) -> Spread:
+def _by_noise_alone(jacobian: Array, blocks: Sequence[ResidualBlock]) -> list[Push]:
+    """Return what the noise of each block pushes; that of blocks that are pooled is one."""
+    pushes = [
+        Push(_pushed(jacobian[block.rows], block.noise) + _shared(jacobian[block.rows], block.shared), block.quiet)
+        for block in blocks
+    ]
+    pooled = [push for push, block in zip(pushes, blocks, strict=True) if block.pooled]
+    apart = [push for push, block in zip(pushes, blocks, strict=True) if not block.pooled]
+    if not pooled:
+        return apart
+    return [*apart, Push(np.sum([one.covariance for one in pooled], axis=0), sum(one.freedom for one in pooled))]
+
+
+def _by_what_is_stated(jacobian: Array, blocks: Sequence[ResidualBlock]) -> list[Push]:
+    """Return what is stated of residuals together, such as the scatter of an amplitude, pushes."""
+    return [Push(_shared(jacobian[block.rows], block.stated), math.inf) for block in blocks if block.stated.size]
+
+
+def _shared(part: Array, columns: Array) -> Array:
+    """Return the covariance of J'r of what residuals are off together; none where there are no columns."""
+    size = part.shape[1]
+    pushed = part.T @ columns if columns.size else np.zeros((size, 0))
+    return np.asarray(pushed @ pushed.T)
+
+
+def _spread(jacobian: Array, known: Array, pushes: Sequence[Push]) -> Spread:
+    """Return the covariance by independent parts of that of J'r, with the freedom of their sum (Satterthwaite 1946).
+
+    A variance that is known leaves its share of the freedom: with all of it stated the interval is normal.
+    """
+    parts = [_sandwich(jacobian, known, one.covariance) for one in pushes]
+    covariance = np.sum(parts, axis=0)
+    spent = np.sum([np.diag(part) ** 2 / one.freedom for part, one in zip(parts, pushes, strict=True)], axis=0)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        freedom = np.where(spent > 0.0, np.diag(covariance) ** 2 / spent, math.inf)
+    return Spread(covariance, freedom)
+
+
+def by_what_is_left(
+    jacobian: Array, known: Array, blocks: Sequence[ResidualBlock], stated: Sequence[Push] = ()
+) -> Spread:
     """Return the covariance by what is left of residuals beyond noise, as if any of its phases were as likely.
 
     What repeats from record to record does not average out: `design_effect` times the sum over independent records. Of
     as many independent samples the fit has taken one for each value, so that what it left is raised by their number.
     """
     size = jacobian.shape[1]
-    noise, left, count = np.zeros((size, size)), np.zeros((size, size)), 0.0
+    left, count = np.zeros((size, size)), 0.0
     effect = design_effect([block.left for block in blocks if block.left is not None])
     for block in blocks:
-        part = jacobian[block.rows]
-        if block.left is None:
-            noise += _pushed(part, block.noise)
-            continue
-        covariance = float(block.left @ block.left) / block.left.size * autocorrelation(block.left)
-        left += effect * _pushed(part, covariance)
-        count += independent_count(block.left.size, covariance) / effect
+        if block.left is not None:
+            covariance = float(block.left @ block.left) / block.left.size * autocorrelation(block.left)
+            left += effect * _pushed(jacobian[block.rows], covariance)
+            count += independent_count(block.left.size, covariance) / effect
     freedom = max(count - size, 1.0)
-    return Spread(_sandwich(jacobian, known, noise + left * max(count / freedom, 1.0)), np.full(size, freedom))
+    others = _by_noise_alone(jacobian, [block for block in blocks if block.left is None])
+    return _spread(jacobian, known, [Push(left * max(count / freedom, 1.0), freedom), *others, *stated])
 
 
 def design_effect(residuals: Sequence[Array]) -> float:

@@ -16,11 +16,12 @@ from pydantic import BeforeValidator, Field, model_validator
 from strikewave.analyses.compare.sources import SourceOptions
 from strikewave.base.errors import MISSING, InputError, InputErrors, StrikewaveError
 from strikewave.base.toml_text import read_toml
-from strikewave.cases.case import Case, bundled_cases, load_case
+from strikewave.cases.case import Case, load_case
+from strikewave.cases.case_files import bundled_cases
 from strikewave.cases.paths import Form
-from strikewave.cases.performed_test import Line
 from strikewave.cases.small_file import LARGEST_FILE
-from strikewave.cases.tables import CaseTable
+from strikewave.cases.tables.base import CaseTable
+from strikewave.cases.tables.performed_test import Line
 from strikewave.reporting.low_pass import low_pass_of
 from strikewave.reporting.measured_files import MeasurementOptions
 from strikewave.reporting.options.kinds import read_share
@@ -222,7 +223,7 @@ def load_fit(path: str | Path, changes: Sequence[str] = ()) -> ReadFit:
         With one line for each thing that is wrong: file, table and key, and what is allowed.
     """
     path = Path(path)
-    file = read_study(path, FitFile, FORM, ALLOWED)
+    file = read_study(path, FORM, ALLOWED)
     place = case_place(file.case, path.parent)
     with stated_at(path.name):
         case = load_case(place)

@@ -23,6 +23,7 @@ from strikewave.signal.alignment import EvenHistory
 from strikewave.signal.filters import Filter
 from strikewave.signal.pulse import RISE_LOW, crossing
 from strikewave.signal.resampling import REACH, resampled
+from strikewave.studies.fit.covariance import NONE
 from strikewave.studies.fit.noise import autocorrelation
 from strikewave.studies.simulation import Simulation
 
@@ -165,11 +166,16 @@ class MeasuredPulse:
 
     @property
     def shared(self) -> Array:
-        """What all residuals may be off together: by the baseline, a median of the quiet, and by the amplitude."""
+        """What all residuals may be off together by the baseline, a median of the quiet."""
         memory = 1.0 + 2.0 * float(np.sum(self.correlation[1:]))
         baseline = math.sqrt(MEDIAN * max(memory, 0.0) / self.quiet) if self.quiet else 0.0
-        amplitude = self.scatter * self.values / self.deviation
-        return np.column_stack([np.full(self.values.size, baseline), amplitude]) / self.left
+        return np.full((self.values.size, 1), baseline / self.left)
+
+    @property
+    def stated(self) -> Array:
+        """What all residuals may be off together by the stated scatter of the amplitude; none where it is not."""
+        amplitude = self.scatter * self.values / (self.deviation * self.left)
+        return amplitude[:, None] if self.scatter else NONE
 
     @property
     def unit(self) -> str:

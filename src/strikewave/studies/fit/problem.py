@@ -192,6 +192,15 @@ class Problem:
         """Number of shots."""
         return len({shot for shot in self.shots() if shot is not None})
 
+    def scaled(self, pulse: MeasuredPulse, factor: float) -> Problem:
+        """Return the problem with the amplitude of one record times a factor."""
+        louder = replace(pulse, values=factor * pulse.values)
+        experiments = [
+            replace(one, measured=tuple(louder if each is pulse else each for each in one.measured))
+            for one in self.experiments
+        ]
+        return Problem(experiments, self.fields, self._simulate, self.excess)
+
     def misfits(self, residuals: Array, alone: Array | None = None) -> list[Misfit]:
         """Return what is left of each measured thing, and whether that is more than noise.
 
@@ -239,11 +248,12 @@ class Problem:
         numbers = sum(isinstance(one, MeasuredNumber) for one in self.measured)
         for one, rows, shot in zip(self.measured, self.rows(), self.shots(), strict=True):
             if isinstance(one, MeasuredNumber):
-                blocks.append(ResidualBlock(rows, np.ones(1), shot, quiet=self.excess.freedom / numbers))
+                blocks.append(ResidualBlock(rows, np.ones(1), shot, quiet=self.excess.freedom / numbers, pooled=True))
                 continue
             left = alone[rows] if more_than_noise(one, alone[rows]) else None
             quiet = independent_count(one.quiet, one.correlation) if one.quiet else math.inf
-            blocks.append(ResidualBlock(rows, one.correlation / one.left**2, shot, left, one.shared, quiet))
+            noise = one.correlation / one.left**2
+            blocks.append(ResidualBlock(rows, noise, shot, left, one.shared, one.stated, quiet))
         return blocks
 
     def excess_of(self, residuals: Array) -> Excess:

@@ -12,7 +12,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from strikewave.analyses.compare.curve import QUANTITIES, SHOWN_IN
-from strikewave.cases.case import Case, dump_case
+from strikewave.cases.case import Case
+from strikewave.cases.written_case import dump_case
 from strikewave.reporting.columns import HISTORY_DIGITS, Column, csv_table
 from strikewave.reporting.measured_files import AskedResult
 from strikewave.reporting.numbers import listed, percent

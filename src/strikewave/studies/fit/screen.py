@@ -10,7 +10,8 @@ from typing import ClassVar
 
 from strikewave.analyses.compare.sources import parse_name, paths_of
 from strikewave.base.result import Source
-from strikewave.cases.case import Case, dump_case
+from strikewave.cases.case import Case
+from strikewave.cases.written_case import dump_case
 from strikewave.reporting import measured_files as measured
 from strikewave.reporting.options.output import Output
 from strikewave.reporting.run_and_write import Command, case_folder, run_and_write

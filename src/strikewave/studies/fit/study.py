@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from strikewave.analyses.compare.sources import SourceOptions
 from strikewave.base.compile_progress import compiling_shown
 from strikewave.base.errors import InputError, StrikewaveError
+from strikewave.base.first_few import first_few
 from strikewave.cases.case import Case
 from strikewave.reporting.measured_files import digests_of
 from strikewave.studies.engine.chosen_pool import pool_of
@@ -243,9 +244,7 @@ def _words(targets: Sequence[Target]) -> str:
         f"{one.left.replace('.', ' ').replace('_', ' ')} {one.right}" if one.is_number else Path(one.right).name
         for one in targets
     ]
-    words = list(dict.fromkeys(words))
-    more = f" and {len(words) - MOST_NAMED} more" if len(words) > MOST_NAMED else ""
-    return ", ".join(words[:MOST_NAMED]) + more
+    return first_few(list(dict.fromkeys(words)), MOST_NAMED)
 
 
 def _laid(problem: Problem, runs: Sequence[Simulation]) -> list[tuple[MeasuredPulse, LaidPulse]]:
@@ -279,7 +278,8 @@ def _parameter(solved: Solved, k: int, field: FreeField) -> FittedParameter:
     if not math.isfinite(error):
         return FittedParameter(field, value, math.inf, field.low, field.high, stair=stair)
     followed = None
-    if not solved.stopped and not found.groups() and not is_quadratic(solved.search, found, k):
+    shaped_by_misfit = not found.groups() and not found.mostly_stated(k)
+    if not solved.stopped and shaped_by_misfit and not is_quadratic(solved.search, found, k):
         followed = profile(solved.search, found, k)
     reach = float(found.reach[k]) * error
     low, high = (place - reach, place + reach) if followed is None else followed[:2]

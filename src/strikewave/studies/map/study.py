@@ -16,7 +16,8 @@ from numpy.typing import NDArray
 from strikewave.base.errors import InputError, IntegrationError, StrikewaveError
 from strikewave.base.result import Notice, Source
 from strikewave.base.variables import LabelledArrays, quantity
-from strikewave.cases.case import Case, dump_case, parse_case
+from strikewave.cases.case import Case, parse_case
+from strikewave.cases.written_case import dump_case
 from strikewave.machines import blows
 from strikewave.machines.run import run_machine
 from strikewave.reporting.columns import HISTORY_DIGITS, Column, csv_table

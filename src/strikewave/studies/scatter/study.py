@@ -21,7 +21,8 @@ from strikewave.base.citations import citation
 from strikewave.base.compile_progress import compiling_shown
 from strikewave.base.errors import InputError
 from strikewave.base.result import INFO, Notice, Source
-from strikewave.cases.case import Case, dump_case
+from strikewave.cases.case import Case
+from strikewave.cases.written_case import dump_case
 from strikewave.records.campaign import Statistic, statistic
 from strikewave.reporting.columns import Column, csv_table
 from strikewave.reporting.numbers import axis_unit, percent, with_unit

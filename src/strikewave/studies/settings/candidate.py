@@ -12,7 +12,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from strikewave.base.materials import Material, material
+from strikewave.base.materials import material
 from strikewave.base.percents import percent
 from strikewave.base.result import BALANCE_LIMIT
 from strikewave.cases.case import Case
@@ -23,8 +23,8 @@ from strikewave.machines.blows import contact_table
 from strikewave.machines.spans import ChainSpan
 from strikewave.specifications.decisions import CANNOT_TELL, FAIL, PASS, together
 from strikewave.specifications.judging import ShockVerdict, worst_clauses
-from strikewave.specifications.reading import Specification
 from strikewave.studies.settings.estimate import disc_stress, rim_speed_at_yield
+from strikewave.studies.settings.goal import BlowGoal
 from strikewave.uncertainty.statistics import variation
 
 Array = NDArray[np.float64]
@@ -49,21 +49,6 @@ striker would come, as for the blows before it."""
 SCATTER_DIGITS = 3
 """Decimals to which scatters are compared in the ranking, 0.1 %: those that differ by less go by the force of the stop,
 since tolerances scatter the blows by more."""
-
-
-@dataclass(frozen=True)
-class BlowGoal:
-    """What the blows shall be, SI; ``disc`` carries the strikers, ``stop_limit`` is the largest force of the stop.
-
-    With a specification peak and width are those of its ideal pulse, and each blow is judged by it.
-    """
-
-    interval: float
-    peak: float
-    width: float
-    disc: Material
-    stop_limit: float | None = None
-    specification: Specification | None = None
 
 
 class BlowSpread(NamedTuple):

@@ -115,8 +115,9 @@ def command(
     from strikewave.base.materials import material
     from strikewave.cases.case import load_case
     from strikewave.studies.engine.chosen_pool import pool_of
+    from strikewave.studies.settings.checks import check_changes, check_goal, is_rotary
+    from strikewave.studies.settings.goal import SettingsChoices, blow_goal
     from strikewave.studies.settings.screen import SettingsCommand, find_settings
-    from strikewave.studies.settings.study import SettingsChoices, blow_goal, check_changes, check_goal, is_rotary
 
     place = source or (REFERENCE if spec is None else DROP_TABLE)
     if spec is not None:

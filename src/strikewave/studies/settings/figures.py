@@ -13,7 +13,7 @@ from strikewave.reporting.numbers import axis_unit, headed
 from strikewave.reporting.style import BLUE, GREEN, GREY, ORANGE, RED, quiet, sheet_title
 from strikewave.studies.log_ticks import plain_log_ticks
 from strikewave.studies.settings.candidate import WITHIN, SettingsCandidate
-from strikewave.studies.settings.study import SettingsStudy
+from strikewave.studies.settings.result import SettingsStudy
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

@@ -14,7 +14,9 @@ from strikewave.studies.engine.chosen_pool import pool_of
 from strikewave.studies.engine.runner import share_reporter
 from strikewave.studies.engine.store import store_in
 from strikewave.studies.settings.defaults import DISC, REFERENCE, STIFFNESS
-from strikewave.studies.settings.study import SettingsChoices, SettingsStudy, blow_goal, design_settings
+from strikewave.studies.settings.goal import SettingsChoices, blow_goal
+from strikewave.studies.settings.result import SettingsStudy
+from strikewave.studies.settings.study import design_settings
 
 
 @compiling_shown()

@@ -11,7 +11,8 @@ from strikewave.specifications.judging import worst_clauses
 from strikewave.studies.settings.candidate import WITHIN, BlowSpread, SettingsCandidate
 from strikewave.studies.settings.columns import LIMIT_COLUMNS, RankedSettings, candidate_columns, mass_columns
 from strikewave.studies.settings.figures import settings_figure
-from strikewave.studies.settings.study import SettingsStudy, goal_words
+from strikewave.studies.settings.goal import goal_words
+from strikewave.studies.settings.result import SettingsStudy
 
 MOST_ROWS = 40
 """Candidates in the table: more would not be read; settings.json has all."""

@@ -21,16 +21,11 @@ from strikewave.studies.engine.pools import Pool
 from strikewave.studies.engine.runner import share_reporter
 from strikewave.studies.engine.store import RunStore
 from strikewave.studies.resumable import ResumableCommand
-from strikewave.studies.settings.candidate import BlowGoal, SettingsCandidate
+from strikewave.studies.settings.candidate import SettingsCandidate
 from strikewave.studies.settings.columns import LIMIT_COLUMNS, RankedSettings, candidate_columns, mass_columns
-from strikewave.studies.settings.study import (
-    SettingsChoices,
-    SettingsStudy,
-    asked_line,
-    design_settings,
-    goal_words,
-    name_of,
-)
+from strikewave.studies.settings.goal import BlowGoal, SettingsChoices, goal_words, name_of
+from strikewave.studies.settings.result import SettingsStudy, asked_line
+from strikewave.studies.settings.study import design_settings
 
 SHOWN = 6
 """First of the ranking in the table; the first of each other number of strikers follows."""

@@ -21,7 +21,6 @@ from strikewave.studies.accuracy import RUN_TOLERANCE
 from strikewave.studies.engine.keys import case_text
 from strikewave.studies.settings.broyden import nearest_settings
 from strikewave.studies.settings.candidate import (
-    BlowGoal,
     Limit,
     Observation,
     SettingsCandidate,
@@ -43,6 +42,7 @@ from strikewave.studies.settings.estimate import (
     turntable_speed,
     width_stiffness,
 )
+from strikewave.studies.settings.goal import BlowGoal
 from strikewave.studies.settings.judged_run import shock_about
 
 Array = NDArray[np.float64]

@@ -9,7 +9,7 @@ from pathlib import Path
 
 from strikewave.base.errors import InputError
 from strikewave.base.json_document import head, plain
-from strikewave.cases.case import dump_case
+from strikewave.cases.written_case import dump_case
 from strikewave.reporting.histories import write_parquet
 from strikewave.reporting.measured_files import asked
 from strikewave.reporting.options.output import Output

@@ -12,8 +12,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from strikewave.base.compile_progress import compiling_shown
+from strikewave.base.first_few import first_few
 from strikewave.base.result import FAILED, WARNING, Notice, Source
-from strikewave.cases.case import Case, dump_case
+from strikewave.cases.case import Case
+from strikewave.cases.written_case import dump_case
 from strikewave.reporting.columns import HISTORY_DIGITS, Column, csv_table
 from strikewave.reporting.numbers import headed, percent, with_unit
 from strikewave.reporting.shown_result import ShownResult
@@ -129,10 +131,9 @@ class SweepPlan:
     @property
     def words(self) -> str:
         """What is run, in words."""
-        over = ", ".join(variable.path for variable in self.variables[:3])
-        more = f" and {len(self.variables) - 3} more" if len(self.variables) > 3 else ""
+        over = first_few([variable.path for variable in self.variables], 3)
         runs = "one run" if len(self.rows) == 1 else f"{len(self.rows)} runs"
-        return f"{runs} ({self.evaluation.analysis}), {self.design}, over {over}{more}"
+        return f"{runs} ({self.evaluation.analysis}), {self.design}, over {over}"
 
     @cached_property
     def text(self) -> str:

@@ -7,13 +7,14 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
-from pydantic import Field, ValidationError
+from pydantic import Field
 
-from strikewave.base.errors import MISSING, InputError, InputErrors
+from strikewave.base.errors import MISSING, InputError
 from strikewave.base.toml_text import read_toml
-from strikewave.cases.case import SCHEMA, Case, bundled_cases, load_case, read_case_text
+from strikewave.cases.case import SCHEMA, Case, load_case
+from strikewave.cases.case_files import bundled_cases, read_case_text
 from strikewave.cases.paths import Form
-from strikewave.cases.tables import CaseTable
+from strikewave.cases.tables.base import CaseTable
 from strikewave.studies.engine.plan import GRID
 from strikewave.studies.stated import Settings, case_place, states_a_study
 from strikewave.studies.sweep.question import plan_of
@@ -95,10 +96,7 @@ def read_request(name: str, changes: Sequence[str], typed: SweepRequest) -> Swee
     document = _document(text)
     if name in bundled_cases() or not states_a_study(document, ("vary",)):
         return replace(typed, changes=tuple(changes), case=load_case(name, changes))
-    try:
-        file = SweepFile.model_validate(document)
-    except ValidationError as error:
-        raise InputErrors(FORM.lines(error)) from None
+    file = FORM.read(document)
     if file.schema_version != SCHEMA:
         raise InputError("schema", file.schema_version, f"schema = {SCHEMA}")
     whole = (*file.set, *changes)

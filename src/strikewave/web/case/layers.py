@@ -8,7 +8,8 @@ from typing import Any
 from strikewave.analyses.check import check
 from strikewave.base.errors import InputError, nearest
 from strikewave.base.materials import materials
-from strikewave.cases.case import FORM, Case, document_of, dump_case, parse_case
+from strikewave.cases.case import FORM, Case, parse_case
+from strikewave.cases.written_case import document_of, dump_case
 from strikewave.web.case.loading import loaded
 from strikewave.web.case.stack_row import ListedStack, StackRow
 from strikewave.web.case.state import CaseSource
@@ -30,7 +31,8 @@ def listed_stack(source: CaseSource) -> ListedStack:
     for layer in stack.layer:
         size = f"{layer.length.typed}" if layer.length is not None else ""
         joint = joints.get(layer.name)
-        words = ", ".join(filter(None, (layer.material, size)))
+        own = [str(value.typed) for value in (layer.density, layer.modulus) if value is not None]
+        words = ", ".join(filter(None, (layer.material, *own, size)))
         rows.append(StackRow(layer.name, words, joint.after if joint else "", joint.kind if joint else ""))
     return ListedStack(rows, list(materials()))
 

@@ -5,8 +5,9 @@ from __future__ import annotations
 from pathlib import Path
 
 from strikewave.base.errors import InputError, nearest
-from strikewave.cases.case import Case, bundled_cases, load_case, parse_case
-from strikewave.cases.mesh_tables import FilePart
+from strikewave.cases.case import Case, load_case, parse_case
+from strikewave.cases.case_files import bundled_cases
+from strikewave.cases.tables.mesh import FilePart
 from strikewave.web.case.state import CaseSource
 
 

@@ -9,7 +9,9 @@ from typing import Any, NamedTuple
 
 from strikewave.base.errors import InputError
 from strikewave.base.result import Result
-from strikewave.cases.case import bundled_cases, dump_case, load_case
+from strikewave.cases.case import load_case
+from strikewave.cases.case_files import bundled_cases
+from strikewave.cases.written_case import dump_case
 from strikewave.reporting.shown_result import ShownResult
 from strikewave.web.case.fields import edited_fields
 from strikewave.web.case.layers import listed_stack

@@ -13,7 +13,8 @@ from strikewave.base.units import in_unit
 from strikewave.reporting.curves import shortened
 
 if TYPE_CHECKING:
-    from strikewave.cases.case import Case, Value
+    from strikewave.base.quantities import Value
+    from strikewave.cases.case import Case
 
 MOST_LAYERS = 6
 """Layers of a stack that are listed one by one."""

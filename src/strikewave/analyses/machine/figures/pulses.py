@@ -154,7 +154,7 @@ def _sheet(size: tuple[float, float]) -> tuple[Figure, Any]:
 def _window(solution: Solution, row: int, name: str, width: float) -> tuple[Array, Array]:
     """Return time (as shown) and values (SI) of a blow, cut where a pulse of this width (s) is over."""
     unit, _ = axis_unit("s", "us")
-    time, values = blow_history(solution.arrays, row, name, width)
+    time, values = blow_history(solution.arrays, row, name)
     shown = np.isfinite(values) & (time <= (SHOWN_WIDTHS * width if width > 0.0 else time[-1]))
     return time[shown] / unit, values[shown]
 

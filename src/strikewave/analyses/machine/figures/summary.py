@@ -49,8 +49,8 @@ def summary(solution: Solution) -> Figure:
 def _first_blow(solution: Solution, row: int, force_axes: Any, acceleration_axes: Any) -> None:
     data, blow = solution.arrays, solution.blows[row]
     unit, newtons, size = axis_unit("s", "us")[0], axis_unit("N", "kN")[0], axis_unit("m/s^2", "g")[0]
-    time, force = blow_history(data, row, "pulse_force", blow.width)
-    acceleration = blow_history(data, row, "pulse_acceleration", blow.width)[1] / size
+    time, force = blow_history(data, row, "pulse_force")
+    acceleration = blow_history(data, row, "pulse_acceleration")[1] / size
     shown = time <= (SHOWN_WIDTHS * blow.width if blow.width > 0.0 else time[-1])
     time = time / unit
     force_axes.plot(time[shown], force[shown] / newtons, color=BLUE, linewidth=1.4)

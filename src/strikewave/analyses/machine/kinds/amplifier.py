@@ -9,9 +9,9 @@ from typing import TYPE_CHECKING, ClassVar, Literal
 from strikewave.analyses.machine.kind import Drawing, LaunchedKind, PartEntry, Release, ShownSetting
 from strikewave.base.constants import STANDARD_GRAVITY
 from strikewave.base.errors import InputError
-from strikewave.base.quantities import Length, Mass, MaybeGap, MaybeShare, Restitution
+from strikewave.base.quantities import DropHeight, Mass, MaybeGap, MaybeShare, Restitution
 from strikewave.base.result import INFO, Notice
-from strikewave.cases.tables import CaseTable, Name
+from strikewave.cases.tables.base import CaseTable, Name
 
 if TYPE_CHECKING:
     from strikewave.cases.case import Case
@@ -42,7 +42,7 @@ class Amplifier(LaunchedKind):
     """
 
     kind: Literal["amplifier"]
-    height: Length
+    height: DropHeight
     restitution: Restitution
     gap: MaybeGap = None
     friction: MaybeShare = None

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, ClassVar, Literal
 
 from strikewave.analyses.machine.kind import Drawing, LaunchedKind, PartEntry, Release, ShownSetting
-from strikewave.base.quantities import Length, MaybePositiveForce, MaybeShare, MaybeSpringRate
+from strikewave.base.quantities import DropHeight, MaybePositiveForce, MaybeShare, MaybeSpringRate
 
 if TYPE_CHECKING:
     from strikewave.cases.case import Case
@@ -20,7 +20,7 @@ class Drop(LaunchedKind):
     """
 
     kind: Literal["drop"]
-    height: Length
+    height: DropHeight
     friction: MaybeShare = None
     cord_force: MaybePositiveForce = None
     cord_stiffness: MaybeSpringRate = None

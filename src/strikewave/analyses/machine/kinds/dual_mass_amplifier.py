@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, ClassVar, Literal
 
 from strikewave.analyses.machine.kind import Drawing, LaunchedKind, PartEntry, Release, ShownSetting
-from strikewave.base.quantities import Length, MaybeDamping, MaybeShare, Restitution, SpringRate
+from strikewave.base.quantities import DropHeight, Length, MaybeDamping, MaybeShare, Restitution, SpringRate
 from strikewave.base.result import Notice
 
 if TYPE_CHECKING:
@@ -21,7 +21,7 @@ class DualMassAmplifier(LaunchedKind):
     """
 
     kind: Literal["dual-mass-amplifier"]
-    height: Length
+    height: DropHeight
     gap: Length
     shaper_stiffness: SpringRate
     shaper_restitution: Restitution

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, ClassVar, Literal
 
 from strikewave.analyses.machine.kind import FREE_OBJECT, Drawing, LaunchedKind, PartEntry, Release, ShownSetting
-from strikewave.base.quantities import Length, MaybeShare
+from strikewave.base.quantities import DropHeight, MaybeShare
 
 if TYPE_CHECKING:
     from strikewave.cases.case import Case
@@ -18,7 +18,7 @@ class FallingBall(LaunchedKind):
     """
 
     kind: Literal["falling-ball"]
-    height: Length
+    height: DropHeight
     friction: MaybeShare = None
 
     description: ClassVar[str] = (

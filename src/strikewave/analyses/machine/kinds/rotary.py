@@ -6,7 +6,7 @@ import math
 from typing import TYPE_CHECKING, ClassVar
 
 from strikewave.analyses.machine.kind import Drawing, MachineKind, ShownSetting
-from strikewave.cases.tables import RotaryTable
+from strikewave.cases.tables.machine import RotaryTable
 
 if TYPE_CHECKING:
     from strikewave.cases.case import Case

@@ -17,9 +17,9 @@ from strikewave.analyses.record.figures.records import drawable, say, shown
 from strikewave.records.campaign import Campaign
 from strikewave.records.reading import ChannelReading, FileReading
 from strikewave.reporting.curves import DASHES
-from strikewave.reporting.numbers import axis_unit, headed, with_unit
+from strikewave.reporting.numbers import axis_unit, headed, hertz
 from strikewave.reporting.style import BLUE, GREEN, GREY, ORANGE, RED, legend_below, new_figure, plain, quiet
-from strikewave.signal.srs import Spectrum, octaves, srs
+from strikewave.signal.srs import Spectrum, all_srs, octaves
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -44,8 +44,10 @@ Q = 10.0
 """Quality factor of the spectra of a report: 5 % of critical damping, as shock specifications take it."""
 _SIDES = (("maximax", "#8FC3E4", "-", 4.0), ("positive", BLUE, "-", 1.3), ("negative", RED, "--", 1.3))
 _COLOURS = (BLUE, RED, GREEN, ORANGE, GREY)
-_RESPONSES: WeakKeyDictionary[ChannelReading, dict[tuple[str, float], Spectrum | None]] = WeakKeyDictionary()
-"""Of readings in use, by kind and Q: page and picture show the same, and that of a long record takes seconds."""
+KINDS = ("absolute", "pseudo-velocity")
+"""Kinds of spectra that a report shows of a record."""
+_RESPONSES: WeakKeyDictionary[ChannelReading, dict[str, Spectrum]] = WeakKeyDictionary()
+"""Of readings in use, by kind: page and picture show the same, and those of a long record take seconds."""
 
 
 class RecordPart(NamedTuple):
@@ -142,7 +144,7 @@ def _thin_log(frequency: Array, magnitude: Array, columns: int = COLUMNS) -> tup
     return np.repeat(frequency[starts], 2)[distinct], np.ravel(np.column_stack([high, low]))[distinct]
 
 
-def response(reading: ChannelReading, kind: str = "absolute", q: float = Q) -> Spectrum | None:
+def response(reading: ChannelReading, kind: str = "absolute") -> Spectrum | None:
     """Return the shock response spectrum of a record, its baseline taken off; None where no blow was found.
 
     It is taken from just before the first blow to 100 lengths of the last one after it, at 12 frequencies an
@@ -152,24 +154,25 @@ def response(reading: ChannelReading, kind: str = "absolute", q: float = Q) -> S
     ----------
     reading : ChannelReading
         The record.
-    kind, q : optional
-        As for `strikewave.signal.srs.srs`.
+    kind : str, optional
+        One of `KINDS`, which are computed together.
     """
     if not (reading.pulses and drawable(reading)):
         return None
-    known = _RESPONSES.setdefault(reading, {})
-    if (kind, q) not in known:
-        known[kind, q] = _response(reading, kind, q)
-    return known[kind, q]
+    if reading not in _RESPONSES:
+        _RESPONSES[reading] = {one.kind: one for one in _responses(reading)}
+    return _RESPONSES[reading].get(kind)
 
 
-def _response(reading: ChannelReading, kind: str, q: float) -> Spectrum | None:
+def _responses(reading: ChannelReading) -> list[Spectrum]:
     first, last = reading.pulses[0], reading.pulses[-1]
     length = max(pulse.end - pulse.begin for pulse in reading.pulses)
     values = _between(reading, first.begin - BEFORE * length, last.end + AFTER * length) - first.offset
     step = reading.channel.step
     low, high = max(0.02 / length, 1.0 / (values.size * step)), min(20.0 / length, 0.4 / step)
-    return srs(values, step, octaves(low, max(high, 2.0 * low)), q, kind) if low < 0.2 / step else None
+    if not low < 0.2 / step:
+        return []
+    return all_srs(values, step, octaves(low, max(high, 2.0 * low)), [(kind, Q) for kind in KINDS])
 
 
 def srs_figure(
@@ -391,17 +394,6 @@ def record_summary(files: Sequence[FileReading], campaign: Campaign | None, titl
     else:
         records.draw_velocity(fourth, best, 0.12)
     return figure
-
-
-def hertz(value: float) -> str:
-    """Write a frequency.
-
-    Examples
-    --------
-    >>> hertz(12345.0), hertz(50.0), hertz(2.5e6)
-    ('12.3 kHz', '50 Hz', '2.5 MHz')
-    """
-    return with_unit(value, "Hz", "MHz" if value >= 1e6 else "kHz" if value >= 1e3 else "Hz", 3)
 
 
 def metres(value: float) -> str:

@@ -21,7 +21,8 @@ from strikewave.reporting.numbers import with_unit
 from strikewave.reporting.options.kinds import wrong_choice
 from strikewave.reporting.shown_result import columns_of
 from strikewave.signal.motion import motion
-from strikewave.signal.srs import SMOOTH, srs
+from strikewave.signal.oscillator_groups import SMOOTH
+from strikewave.signal.srs import srs
 from strikewave.signal.synthesis import (
     BASES,
     CLOSE,

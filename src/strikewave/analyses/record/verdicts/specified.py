@@ -37,7 +37,7 @@ HEADER = """\
 # are: status = "normative" where you read them in the standard itself, "quoted" where another text has them,
 # "indicative" from memory. A number may say it for itself:
 # peak = {{ value = "50 g", status = "normative", source = "clause 4.1" }}.
-# strikewave spec show {name} draws it; strikewave record FILES --spec {name} judges by it.
+# strikewave spec show {name} draws it; strikewave {command} FILES --spec {name} judges by it.
 
 """
 """Begin of a new file."""
@@ -164,11 +164,13 @@ def new_specification(file: Path, origin: str, output: Output) -> int:
         raise InputError("FILE", str(path), "a name that is not taken", "add --force to replace it")
     if not path.absolute().parent.is_dir():
         raise InputError("FILE", str(path), "a file in a folder that exists")
-    (_, _, text), condition = read_specification_file(origin, "--from")
+    (_, tables, text), condition = read_specification_file(origin, "--from")
     if condition:
         asked = load_specification(origin, "--from").condition
         text = text if asked is None else of_one_condition(text, asked.name)
-    write_atomically(path, HEADER.format(origin=origin, name=path) + text)
+    write_atomically(
+        path, HEADER.format(origin=origin, name=path, command="record" if tables.srs is None else "srs") + text
+    )
     if output.json:
         print_json({**head({}), "written": [str(path)]})
     else:

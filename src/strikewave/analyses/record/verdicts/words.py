@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 
+from strikewave.base.first_few import first_few
 from strikewave.cases.stated_test import StatedTest
 from strikewave.reporting.clause_words import (
     clause_name,
@@ -74,9 +75,8 @@ def sentence(found: RecordsVerdict, names: dict[str, str]) -> str:
         words.append(f"{failed} of {count} shocks fail.")
     unclear = [shock for shock in found.shocks if shock.found.verdict == CANNOT_TELL]
     if count > 1 and unclear and found.verdict != CANNOT_TELL:
-        more = f" and {len(unclear) - MOST_NAMED} more" if len(unclear) > MOST_NAMED else ""
-        where = "; ".join(name_of_shock(shock, names, several) for shock in unclear[:MOST_NAMED])
-        words.append(f"Of {len(unclear)} of {count} nothing can be said ({where}{more}): {why_of_shock(unclear[0])}.")
+        where = first_few([name_of_shock(shock, names, several) for shock in unclear], MOST_NAMED, "; ")
+        words.append(f"Of {len(unclear)} of {count} nothing can be said ({where}): {why_of_shock(unclear[0])}.")
     skipped = not_judged_names(clauses)
     if skipped and found.verdict != PASS:
         words.append(f"Not judged: {listed(skipped)}.")

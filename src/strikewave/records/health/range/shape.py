@@ -142,15 +142,16 @@ class BlowShape:
         ripple = 0.0 if math.isnan(pulse.baseline.ripple) else pulse.baseline.ripple
         swing = max(ripple, self._amplitude_after)
         least, slope, goes_on = math.inf, float(np.max(np.diff(heights), initial=0.0)), math.nan
-        for first, last in zip(_last_below(heights, LEVELS), _last_below(heights, LEVELS + OVER) + 1, strict=True):
-            part = heights[first : last + 1]
+        ends = _last_below(heights, np.stack([LEVELS, LEVELS + OVER])).T.tolist()
+        for first, below in dict.fromkeys(map(tuple, ends)):  # of few samples several levels have the same
+            part = heights[first : below + 2]
             if part.size < FEWEST_OF_FLANK:
                 continue
             bends = _legendre_fit(part.size, 3) @ part
             doubt = max(pulse.noise * math.sqrt(7.0 / part.size), swing) / abs(pulse.peak)
             if (bend := math.hypot(bends[2], bends[3]) + doubt) < least:
                 least, slope = bend, 2.0 * float(bends[1]) / (part.size - 1)
-                goes_on = float(bends[0]) + slope * (heights.size - 1 - int(first) - 0.5 * (part.size - 1))
+                goes_on = float(bends[0]) + slope * (heights.size - 1 - first - 0.5 * (part.size - 1))
         return Flank(abs(pulse.peak) * slope / self.record.step, least, goes_on)
 
     def slope_halfway(self, side: int) -> float:
@@ -198,8 +199,8 @@ class BlowShape:
 
 def _last_below(heights: Array, levels: Array) -> NDArray[np.intp]:
     """Return the last sample that is below each level; the first one where none is."""
-    below = heights < levels[:, None]
-    return np.where(below.any(axis=1), heights.size - 1 - np.argmax(below[:, ::-1], axis=1), 0)
+    deepest = np.minimum.accumulate(heights[::-1])  # from the top on downwards
+    return np.maximum(heights.size - 1 - np.searchsorted(-deepest, -levels, side="right"), 0)
 
 
 def _to_both_sides(values: Array) -> float:

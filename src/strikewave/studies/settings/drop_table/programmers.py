@@ -15,9 +15,10 @@ from scipy.optimize import brentq
 from scipy.special import beta, betainc
 
 from strikewave.base.errors import InputError, nearest
-from strikewave.cases.case import Case, document_of
+from strikewave.cases.case import Case
 from strikewave.cases.cushion_of_case import PROPERTIES
 from strikewave.cases.law_names import CUSHION, POWER
+from strikewave.cases.written_case import document_of
 from strikewave.contact.cushions import Cushion, Pad, cushion_law, cushion_laws, cushion_material, cushion_materials
 from strikewave.contact.law import HardeningContact, indentation_under
 

@@ -9,16 +9,16 @@ from typing import ClassVar, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
-from pydantic import ValidationError
 
 from strikewave.analyses.machine.build import build_machine
 from strikewave.base.constants import STANDARD_GRAVITY
-from strikewave.base.errors import InputErrors, StrikewaveError
+from strikewave.base.errors import StrikewaveError
 from strikewave.base.percents import percent
 from strikewave.base.quantities import Value
 from strikewave.base.result import BALANCE_LIMIT
-from strikewave.cases.case import FORM, Case, document_of
+from strikewave.cases.case import FORM, Case
 from strikewave.cases.contact_of_case import cushion_of_contact, or_else
+from strikewave.cases.written_case import document_of
 from strikewave.contact.cushions import Cushion
 from strikewave.machines import Blow, blows, run_machine
 from strikewave.specifications.decisions import PASS
@@ -301,10 +301,7 @@ class DropDesign:
         document["machine"].pop("until", None)
         if self.table_mass is not None:
             document["object"]["mass"] = chosen("object.mass", self.table_mass, self.note).document()
-        try:
-            return Case.model_validate(document)
-        except ValidationError as error:
-            raise InputErrors(FORM.lines(error)) from None
+        return FORM.read(document)
 
     @cached_property
     def cushion(self) -> Cushion | None:

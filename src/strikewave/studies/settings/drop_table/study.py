@@ -16,7 +16,8 @@ import numpy as np
 from strikewave.base.constants import STANDARD_GRAVITY
 from strikewave.base.errors import InputError, InputErrors
 from strikewave.base.result import Notice, Source
-from strikewave.cases.case import Case, dump_case
+from strikewave.cases.case import Case
+from strikewave.cases.written_case import dump_case
 from strikewave.reporting.clause_words import first_upper
 from strikewave.reporting.columns import Column
 from strikewave.reporting.numbers import with_unit

@@ -113,8 +113,8 @@ def _first_pulse(solution: Solution, place: int | None) -> tuple[Any, Any, Any]:
     if place is None:
         return (np.zeros(0),) * 3
     width = solution.blows[place].width
-    time, force = blow_history(solution.arrays, place, "pulse_force", width)
-    acceleration = blow_history(solution.arrays, place, "pulse_acceleration", width)[1]
+    time, force = blow_history(solution.arrays, place, "pulse_force")
+    acceleration = blow_history(solution.arrays, place, "pulse_acceleration")[1]
     kept = time <= (SHOWN_WIDTHS * width if width > 0.0 else time[-1])
     return time[kept], force[kept], acceleration[kept]
 

@@ -17,8 +17,20 @@ LAYERS = "strikewave.web.case.layers"
 ENDING = "-layers"
 """Of the name of a case whose layers were changed."""
 LOADED_FACE = "the loaded face"
-FIELDS = {"name": "", "length": "10 mm", "diameter": "20 mm"}
-"""What is typed of a new layer, with what stands there at first; its material is chosen."""
+FIELDS = {
+    "name": ("name of the layer", ""),
+    "length": ("length of the layer", "10 mm"),
+    "diameter": ("diameter of the layer", "20 mm"),
+    "area": ("or its area, such as 300 mm^2", ""),
+}
+"""What is typed of a new layer: what it is called, and what stands there at first; its material is chosen."""
+OWN = {
+    "density": "density of its own, such as 1850 kg/m^3",
+    "modulus": "modulus of its own, such as 24 GPa",
+    "poissons_ratio": "Poisson's ratio, such as 0.3",
+}
+"""What stands for the numbers of the material where it is typed, and what it is called."""
+NO_MATERIAL = "none: numbers of its own"
 
 
 class StackLayers:
@@ -87,11 +99,9 @@ class StackLayers:
 
     def _layer_form(self, materials: list[str]) -> None:
         with ui.expansion("Add a layer").props("dense").classes("sw-full"):
-            self._fields: dict[str, Any] = {
-                key: ui.input(f"{key} of the layer", value=text).props("dense outlined").classes("sw-full")
-                for key, text in FIELDS.items()
-            }
-            self._fields["material"] = _choice("material of the layer", materials, materials[0])
+            self._fields: dict[str, Any] = {key: _typed(label, text) for key, (label, text) in FIELDS.items()}
+            self._fields["material"] = _choice("material of the layer", [*materials, NO_MATERIAL], materials[0])
+            self._fields |= {key: _typed(label, "") for key, label in OWN.items()}
             self._behind = _choice("layer behind", [LOADED_FACE], LOADED_FACE)
             ui.button("add layer", icon="add", on_click=self._add_layer).props("outline dense no-caps")
 
@@ -111,7 +121,8 @@ class StackLayers:
 
     async def _add_layer(self) -> None:
         behind = "" if self._behind.value == LOADED_FACE else self._behind.value
-        await self._change("with_layer", behind, {key: str(box.value or "") for key, box in self._fields.items()})
+        fields = {key: str(box.value or "") for key, box in self._fields.items() if box.value != NO_MATERIAL}
+        await self._change("with_layer", behind, fields)
 
     async def _add_joint(self) -> None:
         if self._joint_behind.value is None:
@@ -146,6 +157,10 @@ class StackLayers:
             return
         name = source.name if source.name.endswith(ENDING) else source.name + ENDING
         await self.changed(CaseState(name, text))
+
+
+def _typed(label: str, value: str) -> ui.input:
+    return ui.input(label, value=value).props("dense outlined").classes("sw-full")
 
 
 def _choice(label: str, options: list[str], value: str | None) -> ui.select:

@@ -21,7 +21,7 @@ from strikewave.analyses.record.tables import amount
 from strikewave.analyses.record.verdicts.chapter import clause_table
 from strikewave.base.errors import InputError, nearest
 from strikewave.base.percents import percent
-from strikewave.cases.case import bundled_cases
+from strikewave.cases.case_files import bundled_cases
 from strikewave.records.health_notice import STATUSES
 from strikewave.records.reading import ChannelReading
 from strikewave.reporting.clause_words import verdict_words

@@ -9,7 +9,7 @@ from typing import Any
 
 import strikewave
 from strikewave.base.errors import InputError
-from strikewave.cases.case import bundled_cases
+from strikewave.cases.case_files import bundled_cases
 from strikewave.reporting.shown_result import ShownResult
 from strikewave.specifications.reading import asked_names
 from strikewave.studies.map.defaults import X, Y

@@ -22,8 +22,8 @@ from strikewave.base.quantities import (
     Value,
     Velocities,
 )
-from strikewave.cases.mesh_tables import Direction, PlaceTable, VectorTable, by_kind, of_known_kind
-from strikewave.cases.tables import CaseTable, Name
+from strikewave.cases.tables.base import CaseTable, Name
+from strikewave.cases.tables.mesh import Direction, PlaceTable, VectorTable, by_kind, of_known_kind
 
 
 class ContactPair(CaseTable):

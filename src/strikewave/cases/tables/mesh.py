@@ -33,7 +33,7 @@ from strikewave.base.quantities import (
     PerKelvin,
     Strength,
 )
-from strikewave.cases.tables import CaseTable, Name
+from strikewave.cases.tables.base import CaseTable, Name
 
 OTHER_WORDS = {
     "plastic": "bilinear",

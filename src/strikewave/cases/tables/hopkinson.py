@@ -20,8 +20,8 @@ from strikewave.base.quantities import (
     Value,
     positive,
 )
-from strikewave.cases.performed_test import PerformedTest
-from strikewave.cases.tables import CaseTable, case_name
+from strikewave.cases.tables.base import CaseTable, case_name
+from strikewave.cases.tables.performed_test import PerformedTest
 from strikewave.hopkinson.alignment import Method
 from strikewave.hopkinson.echoes import Way
 from strikewave.hopkinson.gauges import BridgeKind

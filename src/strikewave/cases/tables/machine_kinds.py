@@ -18,7 +18,7 @@ from typing import TYPE_CHECKING, Annotated, Any, TypeAlias, get_args
 from pydantic import BeforeValidator, Field
 
 from strikewave.base.errors import MISSING, InputError, nearest
-from strikewave.cases.tables import LaunchedTable, MachineTable
+from strikewave.cases.tables.machine import LaunchedTable, MachineTable
 
 KINDS_FOLDER = "strikewave.analyses.machine.kinds"
 """The package whose modules are the kinds of machines; adding a module there adds a kind."""

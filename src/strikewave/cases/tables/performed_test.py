@@ -9,7 +9,7 @@ from typing import Annotated, Any
 from pydantic import BeforeValidator
 
 from strikewave.base.errors import InputError
-from strikewave.cases.tables import CaseTable
+from strikewave.cases.tables.base import CaseTable
 
 LONGEST_LINE, LONGEST_NOTES = 200, 2000
 """Characters of a field, so that it stays a line or two of the head, and of the notes: a third of a page."""

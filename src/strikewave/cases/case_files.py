@@ -1,0 +1,64 @@
+"""Case files: which are built in, and the text of one by its name or its path."""
+
+from __future__ import annotations
+
+from importlib import resources
+from pathlib import Path
+
+from strikewave.base.errors import EXISTING_FILE, InputError, nearest
+
+LARGEST_FILE = 1_000_000
+"""A case file above this many bytes is refused: a hundred times the largest built-in case, so that it is no case
+file."""
+
+
+def bundled_cases() -> list[str]:
+    """Return the names of the built-in cases.
+
+    Examples
+    --------
+    >>> "li-ma-2019" in bundled_cases()
+    True
+    """
+    folder = resources.files("strikewave.cases") / "published"
+    return sorted(entry.name.removesuffix(".toml") for entry in folder.iterdir() if entry.name.endswith(".toml"))
+
+
+def _nearest_case(path: Path, name: str) -> str:
+    """Return which case was meant: a file beside it, or a built-in one; all built-in ones where none is like it."""
+    beside = [str(path.with_name(one.name)) for one in path.parent.glob("*.toml")]
+    hints = [nearest(name, choices) for choices in (beside, bundled_cases())]
+    meant = next((hint for hint in hints if hint.startswith("did you mean")), "")
+    listed = "`strikewave cases` lists the built-in ones" if name.endswith(".toml") else hints[-1]
+    return meant or listed
+
+
+def read_case_text(name: str) -> tuple[str, str]:
+    """Return the TOML text and the name of a case file, or of a built-in case.
+
+    Raises
+    ------
+    InputError
+        If there is neither, or the file is too large or not text.
+    """
+    if name in bundled_cases():
+        return (resources.files("strikewave.cases") / "published" / f"{name}.toml").read_text("utf-8"), name
+    path = Path(name)
+    try:
+        if path.is_dir() and (path / "case.toml").is_file():
+            path = path / "case.toml"
+        if not path.is_file():
+            allowed = EXISTING_FILE if name.endswith(".toml") else "a case file or a built-in case"
+            raise InputError("case", name, allowed, _nearest_case(path, name))
+        with path.open("rb") as file:
+            data = file.read(LARGEST_FILE + 1)
+    except (OSError, ValueError) as error:
+        if isinstance(error, InputError):
+            raise
+        raise InputError("case", name, "a file that can be read", getattr(error, "strerror", "") or "") from None
+    if len(data) > LARGEST_FILE:
+        raise InputError("case", name, f"a case file of at most {LARGEST_FILE // 1000} kB")
+    try:
+        return data.decode("utf-8-sig"), path.stem
+    except UnicodeDecodeError:
+        raise InputError("case", name, "a text file in UTF-8") from None

@@ -1,0 +1,136 @@
+"""The numbers that materials named in a case stand for: which they are, where they come from, which fields take them.
+
+A layer, a gasket or a pad names its material, and its modulus stands in no field of the case. Here each such number
+has a path of its own, ``material.PTFE.modulus``, one for all parts of that material: they are of one grade, and off
+together. What a part states itself overrules the table, and is not listed.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from typing import Any, NamedTuple, TypeVar
+
+from strikewave.base.materials import Material, materials
+from strikewave.base.quantities import Provenance, Value
+from strikewave.cases.case import Case
+from strikewave.cases.law_names import CUSHION
+from strikewave.cases.plausible import PLAUSIBLE, PlausibleRange
+from strikewave.cases.tables.contact import CushionTable
+
+T = TypeVar("T")
+
+MATERIAL = "material"
+"""Table in the paths of numbers that a named material stands for: a case has no other of that name."""
+OF_A_LAYER, OF_A_JOINT = ("density", "modulus"), ("modulus", "loss_factor")
+OF_A_GASKET = ("density", "modulus", "loss_factor")
+"""What a layer, a gasket between layers, and one under a sensor take from the table of materials."""
+_WITHOUT_UNIT = ("loss_factor", "compression_factor")
+_PRESSURES = ((1e9, "GPa"), (1e6, "MPa"), (1e3, "kPa"), (1.0, "Pa"))
+_COLUMNS = {"modulus": "youngs_modulus"}
+"""Where the table of materials calls a number by another name than a case does."""
+
+
+class NamedNumber(NamedTuple):
+    """A number that a named material stands for.
+
+    Attributes
+    ----------
+    value : Value
+        The number, with the provenance that the table gives it.
+    fields : tuple of str
+        Paths of the fields of the case that take it, none of which is stated.
+    plausible : PlausibleRange or None
+        How far it differs from piece to piece, where nobody can weigh it or read it off.
+    """
+
+    value: Value
+    fields: tuple[str, ...]
+    plausible: PlausibleRange | None = None
+
+
+def named_numbers(case: Case) -> dict[str, NamedNumber]:
+    """Return the numbers that materials named in a case stand for, by path; a name that no table has is left out.
+
+    Examples
+    --------
+    >>> from strikewave import load_case
+    >>> found = named_numbers(load_case("li-ma-2019-fig5"))["material.PTFE.modulus"]
+    >>> found.value.typed, found.value.provenance, found.fields[0]
+    ('475 MPa', 'published', 'sensor.buffered.gasket.0.modulus')
+    """
+    numbers = dict[str, NamedNumber]()
+    for path, field, number in _numbers(case):
+        before = numbers.get(path, number)
+        numbers[path] = before._replace(fields=(*before.fields, field))
+    return numbers
+
+
+def _numbers(case: Case) -> Iterator[tuple[str, str, NamedNumber]]:
+    """Yield path, field and number of each, with no fields yet."""
+    for layer in case.stack.layer:
+        yield from _of_table(layer, f"stack.layer.{layer.name}", OF_A_LAYER)
+    for joint in case.stack.joint:
+        path = f"stack.joint.{joint.after}"
+        if joint.kind == "gasket":
+            yield from _of_table(joint, path, OF_A_JOINT)
+        if joint.kind == CUSHION and joint.cushion is not None:
+            yield from _of_cushion(joint.cushion, f"{path}.cushion")
+    if case.contact is not None and case.contact.cushion is not None:
+        yield from _of_cushion(case.contact.cushion, "contact.cushion")
+    for sensor in case.sensor:
+        for place, gasket in enumerate(sensor.gasket):
+            yield from _of_table(gasket, f"sensor.{sensor.name}.gasket.{place}", OF_A_GASKET)
+
+
+def _of_table(table: Any, path: str, keys: tuple[str, ...]) -> Iterator[tuple[str, str, NamedNumber]]:
+    """Yield the numbers that a layer or gasket takes from the table of materials."""
+    row = _row(table.material, materials())
+    for key in keys:
+        column = _COLUMNS.get(key, key)
+        number = None if row is None else getattr(row, column)
+        if row is None or number is None or getattr(table, key) is not None:
+            continue
+        provenance: Provenance = "assumed" if column in row.from_memory else "published"
+        known = "" if row.from_memory and column not in row.from_memory else f" ({row.status})"
+        note = f"{row.name} of the table of materials{known}"
+        value = Value(si=number, typed=_typed(key, number), provenance=provenance, note=note)
+        yield f"{MATERIAL}.{row.name}.{key}", f"{path}.{key}", NamedNumber(value, (), _plausible(row, key))
+
+
+def _plausible(row: Material, key: str) -> PlausibleRange | None:
+    """Return how far a number of a material differs from piece to piece: the modulus of a metal does not."""
+    return None if key == "density" or (key == "modulus" and row.kind == "metal") else PLAUSIBLE[f"stack.joint.{key}"]
+
+
+def _of_cushion(table: CushionTable, path: str) -> Iterator[tuple[str, str, NamedNumber]]:
+    """Yield the numbers that a pad takes from the table of cushion materials."""
+    from strikewave.contact.cushions import cushion_materials  # the laws are compiled: only where there is a pad
+
+    row = _row(table.material, cushion_materials())
+    for key, number in {} if row is None else row.properties.items():
+        if row is not None and getattr(table, key) is None:
+            note = f"{row.name} of the cushion materials ({row.status})"
+            value = Value(si=number, typed=_typed(key, number), provenance="published", note=note)
+            plausible = PLAUSIBLE.get(f"contact.cushion.{key}")
+            yield f"{MATERIAL}.{row.name}.{key}", f"{path}.{key}", NamedNumber(value, (), plausible)
+
+
+def _row(name: str, rows: Mapping[str, T]) -> T | None:
+    """Return the row of a name, whatever its case; None where there is none, which what builds the case refuses."""
+    return next((row for known, row in rows.items() if known.lower() == name.lower()), None)
+
+
+def _typed(key: str, number: float) -> str | float:
+    """Return a number as a case file would have it: in the unit in which it is below a thousand.
+
+    Examples
+    --------
+    >>> _typed("modulus", 211e9), _typed("plateau", 70e3), _typed("density", 7820), _typed("loss_factor", 0.05)
+    ('211 GPa', '70 kPa', '7820 kg/m^3', 0.05)
+    """
+    if key in _WITHOUT_UNIT:
+        return number
+    if key == "density":
+        return f"{number:.10g} kg/m^3"
+    scale, unit = next((one for one in _PRESSURES if number >= one[0]), _PRESSURES[-1])
+    return f"{number / scale:.10g} {unit}"

@@ -1,0 +1,135 @@
+"""[stack] with its layers, joints and far end, what loads it, and where it is watched."""
+
+from __future__ import annotations
+
+from typing import Literal
+
+from strikewave.base.quantities import (
+    Length,
+    MaybeArea,
+    MaybeContactPressure,
+    MaybeDamping,
+    MaybeDensity,
+    MaybeForce,
+    MaybeFrequency,
+    MaybeGap,
+    MaybeLayerSpeed,
+    MaybeLength,
+    MaybeLoss,
+    MaybeMass,
+    MaybeModulus,
+    MaybePoisson,
+    MaybePreload,
+    MaybeQuality,
+    MaybeSpeed,
+    MaybeSpringRate,
+    MaybeTime,
+    Share,
+    Value,
+)
+from strikewave.cases.law_names import StiffnessName
+from strikewave.cases.tables.base import CaseTable, Name
+from strikewave.cases.tables.contact import CushionTable
+
+
+class LayerTable(CaseTable):
+    """[[stack.layer]]: loaded at its first face; material, or density and modulus; diameter, or area.
+
+    With a ``loss_factor`` it loses energy, evenly from ``band_low`` to ``band_high`` (1 and 100 kHz where left out),
+    and the modulus is that in the middle of the band; the loss factor of a named material is not taken unasked.
+    """
+
+    name: Name
+    material: str = ""
+    density: MaybeDensity = None
+    modulus: MaybeModulus = None
+    poissons_ratio: MaybePoisson = None
+    loss_factor: MaybeLoss = None
+    band_low: MaybeFrequency = None
+    band_high: MaybeFrequency = None
+    length: Length
+    diameter: MaybeLength = None
+    area: MaybeArea = None
+    speed: MaybeLayerSpeed = None
+
+
+class JointTable(CaseTable):
+    """[[stack.joint]]: the joint behind the layer that ``after`` names; bonded where none is named.
+
+    A gasket has a thickness, an area (or diameter; else that of the thinner neighbour) and a material, or a
+    modulus and a loss factor that holds from ``band_low`` to ``band_high`` (1 and 100 kHz where left out).
+    An oscillator is a sensor's mass on a spring that sits on bonded faces: mass, stiffness or resonance, damping or
+    quality. A contact is a nonlinear one by the elastic law ``law`` between the materials of its neighbours: radius
+    of the first face on the second, which is plane, length of a line; gap or preload, yield_pressure (as of [contact]).
+    A cushion is the pad of [stack.joint.cushion], without mass of its own, that pushes only; gap or preload.
+    """
+
+    after: Name
+    kind: Literal["bonded", "compliant", "gasket", "unilateral", "mass", "oscillator", "contact", "cushion"]
+    stiffness: MaybeSpringRate = None
+    damping: MaybeDamping = None
+    gap: MaybeGap = None
+    preload: MaybePreload = None
+    mass: MaybeMass = None
+    material: str = ""
+    modulus: MaybeModulus = None
+    loss_factor: MaybeLoss = None
+    thickness: MaybeLength = None
+    diameter: MaybeLength = None
+    area: MaybeArea = None
+    band_low: MaybeFrequency = None
+    band_high: MaybeFrequency = None
+    resonance: MaybeFrequency = None
+    quality: MaybeQuality = None
+    law: StiffnessName = ""
+    radius: MaybeLength = None
+    length: MaybeLength = None
+    datum_depth: MaybeLength = None
+    yield_pressure: MaybeContactPressure = None
+    cushion: CushionTable | None = None
+
+
+class EndTable(CaseTable):
+    """[stack.end]: the far end; mass, stiffness or damping for the kinds that need one.
+
+    An oscillator is a sensor's mass on a spring: mass, stiffness or resonance, damping or quality.
+    """
+
+    kind: Literal["free", "matched", "rigid", "mass", "spring", "dashpot", "oscillator"] = "free"
+    mass: MaybeMass = None
+    stiffness: MaybeSpringRate = None
+    damping: MaybeDamping = None
+    resonance: MaybeFrequency = None
+    quality: MaybeQuality = None
+
+
+class StackTable(CaseTable):
+    """[stack]: layers from the loaded face on, joints between them, and the far end."""
+
+    layer: tuple[LayerTable, ...] = ()
+    joint: tuple[JointTable, ...] = ()
+    end: EndTable = EndTable()
+
+
+class LoadTable(CaseTable):
+    """[load]: a force pulse of a shape, a file (time and force, or speed of the face), or a contact.
+
+    A contact is the rigid [striker] that comes with ``speed`` under the law of [contact]. A force ``applied`` as
+    "incident wave" is the wave that arrives along an endless bar like the first layer.
+    """
+
+    shape: Literal["half-sine", "sine-squared", "rectangle", "triangle", "trapezoid", "file", "contact"]
+    peak: MaybeForce = None
+    duration: MaybeTime = None
+    rise: MaybeTime = None
+    applied: Literal["force", "incident wave"] = "force"
+    file: str = ""
+    speed: MaybeSpeed = None
+
+
+class TapTable(CaseTable):
+    """[[tap]]: where a stack is watched; ``position`` is the fraction of the layer from its loaded side."""
+
+    name: Name
+    layer: str
+    position: Share = Value(si=0.5, typed=0.5)
