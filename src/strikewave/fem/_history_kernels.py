@@ -21,7 +21,7 @@ STRESS, PLASTIC = tuple(int(row) for row in SIGMA), int(STRAIN_P)
 """Where the stress and the plastic strain of its first element begin there."""
 
 
-class Watched(NamedTuple):
+class WatchedNodes(NamedTuple):
     """Groups of nodes whose weighted sums are noted; share k has the rows ``begin[k] : begin[k + 1]``."""
 
     begin: np.ndarray

@@ -121,7 +121,7 @@ class Engine:
         self.yielding = self._movable()
         shares = {name: part_masses(model.mesh, element_mass, name) for name in mesh.names}
         self.recorder = HistoryRecorder(model, shares)
-        self.cuts = cuts(self.solid.kinds, self.recorder.sections)
+        self.section_stresses = section_stresses(self.solid.kinds, self.recorder.sections)
         self.velocity = np.zeros_like(self.x)
         self.moved = np.zeros((len(self.recorder.watched.begin) - 1, 6))
         self.kinetic = np.zeros(-(-len(self.x) // history_kernels.ROWS))
@@ -295,7 +295,10 @@ class Engine:
             self.moved,
             float(self.kinetic.sum()),
             [kind.peaks() for kind in self.solid.kinds],
-            {cut.name: cut.mean(self.solid.kinds[cut.kind].blocks.state[cut.rows]) for cut in self.cuts},
+            {
+                section.name: section.mean(self.solid.kinds[section.kind].blocks.state[section.rows])
+                for section in self.section_stresses
+            },
             sum((each.now() for each in self.acting), np.zeros(4)),
             {name: felt_by(touch) for name, touch in self.touching.items()},
         )
@@ -418,7 +421,7 @@ def felt_by(touch: NodeTouch) -> Array:
     return felt
 
 
-class Cut(NamedTuple):
+class SectionStress(NamedTuple):
     """Where the stress of a section stands: rows (points, 6) of the state of a kind of elements, and their weights."""
 
     name: str
@@ -431,14 +434,14 @@ class Cut(NamedTuple):
         return np.asarray(self.weights @ stress)
 
 
-def cuts(kinds: Sequence[Hexahedra], sections: Mapping[str, tuple[Index, Array]]) -> list[Cut]:
+def section_stresses(kinds: Sequence[Hexahedra], sections: Mapping[str, tuple[Index, Array]]) -> list[SectionStress]:
     """Return where the stress of each section stands, but of those of rigid parts, which have none."""
     found = []
     for (name, (elements, volume)), kind in itertools.product(sections.items(), range(len(kinds))):
         places = kinds[kind].stress_places(elements)
         if len(places):
             rows = places.reshape(-1, 1) + np.array(history_kernels.STRESS)
-            found.append(Cut(name, kind, rows, np.repeat(volume / kinds[kind].points, kinds[kind].points)))
+            found.append(SectionStress(name, kind, rows, np.repeat(volume / kinds[kind].points, kinds[kind].points)))
     return found
 
 

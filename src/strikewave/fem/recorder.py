@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 
 from strikewave.base.errors import InputError
-from strikewave.fem._history_kernels import ROWS, Watched
+from strikewave.fem._history_kernels import ROWS, WatchedNodes
 from strikewave.fem.boundary import unit
 from strikewave.fem.mesh import TINY, Array, Index, Mesh, volumes
 from strikewave.fem.model import CutSection, Model
@@ -177,7 +177,7 @@ def pressed(felt: Array, surfaces: int) -> Array:
     return np.column_stack([under / np.maximum(area, TINY), under / largest])[:surfaces]
 
 
-def watched(groups: Sequence[tuple[Index, Array]]) -> tuple[Index, Watched]:
+def watched(groups: Sequence[tuple[Index, Array]]) -> tuple[Index, WatchedNodes]:
     """Return the first share of each group of nodes, and all shares; groups are nodes and weights.
 
     Examples
@@ -190,7 +190,7 @@ def watched(groups: Sequence[tuple[Index, Array]]) -> tuple[Index, Watched]:
     ends = np.cumsum(sizes)
     begins = [np.arange(end - size, end, ROWS) for size, end in zip(sizes, ends, strict=True)]
     first = np.cumsum([0, *(len(each) for each in begins[:-1])])
-    return first, Watched(
+    return first, WatchedNodes(
         np.concatenate([*begins, ends[-1:]]).astype(np.int64),
         np.concatenate([nodes for nodes, _ in groups]).astype(np.int32),
         np.concatenate([weights for _, weights in groups]),

@@ -116,7 +116,10 @@ class DeviceEngine(Engine):
             moved,
             kinetic,
             [elements.peaks() for elements in self.there],
-            {cut.name: cut.mean(self.watching.stress(cut, self.there[cut.kind])) for cut in self.cuts},
+            {
+                section.name: section.mean(self.watching.stress(section, self.there[section.kind]))
+                for section in self.section_stresses
+            },
             sum((acts.now() for acts in self.acts.values()), np.zeros(4)),
             {name: touch.felt() for name, touch in self.touch.items()},
         )

@@ -21,7 +21,7 @@ from strikewave.fem.device import _bodies as bodies
 from strikewave.fem.device.devices import Device
 from strikewave.fem.device.search import FaceSearch
 from strikewave.fem.device.tables import lists
-from strikewave.fem.engine import Cut, Engine
+from strikewave.fem.engine import Engine, SectionStress
 from strikewave.fem.full import FullyIntegrated
 from strikewave.fem.hexahedron import Hexahedra, OnePoint
 from strikewave.fem.mesh import Array, Index
@@ -354,8 +354,8 @@ class DeviceWatch:
         self.device, self.watched = device, put_fields(device, watched)
         self.points, self.velocity = device.put(engine.model.mesh.points), device.put(engine.velocity)
         self.moved, self.kinetic = device.put(engine.moved), device.put(engine.kinetic)
-        self.rows = {cut.name: device.put(cut.rows) for cut in engine.cuts}
-        self.stresses = {cut.name: device.put(np.zeros(cut.rows.shape)) for cut in engine.cuts}
+        self.rows = {section.name: device.put(section.rows) for section in engine.section_stresses}
+        self.stresses = {section.name: device.put(np.zeros(section.rows.shape)) for section in engine.section_stresses}
 
     def sums(self, nodes: Nodes, tied: DeviceTies, dt_previous: float, dt_next: float) -> tuple[Array, float]:
         """Return the sums of the shares that are watched, (shares, 6), and twice the kinetic energy, J."""
@@ -369,8 +369,8 @@ class DeviceWatch:
         each(history_kernels.kinetic_share, len(self.kinetic), *moving, *steps, self.kinetic)
         return self.device.get(self.moved), float(self.device.get(self.kinetic).sum())
 
-    def stress(self, cut: Cut, elements: DeviceElements) -> Array:
+    def stress(self, section: SectionStress, elements: DeviceElements) -> Array:
         """Return the stress of the points of a section, (points, 6)."""
-        rows, stress = self.rows[cut.name], self.stresses[cut.name]
-        self.device.each(bodies.take_stress, len(cut.rows), rows, elements.blocks.state, stress)
+        rows, stress = self.rows[section.name], self.stresses[section.name]
+        self.device.each(bodies.take_stress, len(section.rows), rows, elements.blocks.state, stress)
         return self.device.get(stress)
