@@ -14,8 +14,9 @@ from strikewave.analyses.machine.kind import MachineKind, kind_of
 from strikewave.base.result import Band
 from strikewave.cases.tables.machine_kinds import KINDS
 from strikewave.cases.yield_pressure import YIELDING
+from strikewave.reporting.banded_numbers import with_band
 from strikewave.reporting.layout import KEY, MAIN, MORE
-from strikewave.reporting.numbers import listed, with_band, with_unit
+from strikewave.reporting.numbers import listed, with_unit
 from strikewave.reporting.parts import NONE, Cell, Table
 from strikewave.reporting.table_columns import TableColumn, page_table
 

@@ -18,7 +18,8 @@ from strikewave.base.compiled import is_cold
 from strikewave.base.percents import percent
 from strikewave.base.result import Band
 from strikewave.machines.blows import Blow
-from strikewave.reporting.numbers import axis_unit, time_unit, with_band
+from strikewave.reporting.banded_numbers import with_band
+from strikewave.reporting.numbers import axis_unit, time_unit
 from strikewave.reporting.parts import NONE
 from strikewave.web.case.loading import loaded
 from strikewave.web.case.state import CaseSource
