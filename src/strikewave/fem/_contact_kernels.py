@@ -1,4 +1,4 @@
-"""Compiled contact of two surfaces and of a surface with a wall; `strikewave.fem.contact` explains the law.
+"""Compiled contact of two surfaces; `strikewave.fem.contact` explains the law.
 
 Both surfaces stand in one table of nodes and one of faces, those of the first before those of the second, and every
 node is checked against the faces of the other surface. What a node finds depends on the motion before the contact
@@ -12,18 +12,23 @@ from typing import NamedTuple
 import numpy as np
 
 from strikewave.base.compiled import called_kernel, kernel, leaf_kernel
+from strikewave.fem._history_kernels import ROWS
 from strikewave.fem._surface_kernels import (
     add_scaled,
     as_tuple,
-    closest_point,
     cross,
     dot,
+    first_guess,
+    foot_of,
+    is_beyond,
+    on_rim,
     patch,
     row,
     scaled,
     shape_functions,
     store,
 )
+from strikewave.fem._touch_kernels import NodeTouch, Step, along, coulomb_force, free_fraction, kept_depth, moved_offset
 
 EDGE = 0.05
 """Share of a face's size beyond the rim of a surface where a node is felt no more; within half of it, it is fully.
@@ -45,34 +50,10 @@ _CLEARLY_OVER = 4.0
 On a square face the rim is (1 - |xi|)/2 of its size away; half of that again is left for skewed ones."""
 _HALF = 0.5
 """w of `strikewave.fem.contact`: both surfaces are checked against each other, and each closes half of the gap."""
+SPEEDS = 7
+"""Numbers of a share of the velocities of a contact: see `speed_share`."""
 _TINY = 1e-300
 """Keeps a division by zero out; no length of a mesh, nor its square, is as small."""
-
-
-class NodeTouch(NamedTuple):
-    """Nodes that may touch: their numbers, areas (m^2), velocity before the step, normal force and friction on them.
-
-    The ``first`` so many belong to the first surface; ``step[0]`` is the time step before, s. ``held`` (nodes, 3, 3) is
-    the sum of d d^T over the orthonormal directions d that boundaries hold.
-    """
-
-    nodes: np.ndarray
-    first: int
-    area: np.ndarray
-    held: np.ndarray
-    velocity: np.ndarray
-    normal: np.ndarray
-    friction: np.ndarray
-    step: np.ndarray
-
-
-class Step(NamedTuple):
-    """The step dt of positions, that of velocities, how much closer nodes come, what share of depths is kept."""
-
-    dt: float
-    kick: float
-    travel: float
-    kept: float
 
 
 class NodeContacts(NamedTuple):
@@ -101,6 +82,7 @@ class ContactState(NamedTuple):
     beyond which a node is not taken to be inside, m. The faces that node i may meet are ``candidates[start[i] :
     start[i + 1]]``, true until ``travel[0]`` exceeds ``margin``. ``place`` and ``moving`` are position and velocity
     that the nodes would have at the end of the step without contact, ``inverse_mass`` is that of the nodes, 1/kg.
+    ``speeds`` (shares, SPEEDS) is what `speed_share` finds, ``middle`` the mean velocity of the step before.
     """
 
     touch: NodeTouch
@@ -117,19 +99,10 @@ class ContactState(NamedTuple):
     moving: np.ndarray
     inverse_mass: np.ndarray
     travel: np.ndarray
+    speeds: np.ndarray
+    middle: np.ndarray
     first_faces: int
     margin: float
-    stiffness: float
-    coefficient: float
-
-
-class WallState(NamedTuple):
-    """Nodes before a rigid plane, given by a point and its unit normal."""
-
-    touch: NodeTouch
-    offset: np.ndarray
-    point: np.ndarray
-    direction: np.ndarray
     stiffness: float
     coefficient: float
 
@@ -142,41 +115,59 @@ def corners(state, face):
 
 
 @leaf_kernel
-def is_far(state, face, x, best):
-    """Tell whether no point of a face can be closer to x than ``best``."""
-    a, b, c, d = corners(state, face)
+def is_far(a, b, c, d, radius, x, best):
+    """Tell whether no point of a face of some radius can be closer to x than ``best``."""
     off = add_scaled(scaled(add_scaled(add_scaled(a, 1.0, b), 1.0, add_scaled(c, 1.0, d)), 0.25), -1.0, x)
-    reach = best + state.radius[face]
+    reach = best + radius
     return dot(off, off) > reach * reach
 
 
-@called_kernel
+@leaf_kernel
+def met_last(nodal, i):
+    """Return xi and eta where node i touched its face in the step before; where it did not, of the face's middle."""
+    if nodal.touches[i] == 0:
+        return 0.0, 0.0
+    n = nodal.shape[i]
+    return n[1] + n[2] - n[0] - n[3], n[2] + n[3] - n[0] - n[1]
+
+
+@leaf_kernel
 def nearest_face(state, i):
     """Return the face closest to node i, xi, eta, the distance, and whether the point lies on the rim of that face.
 
     The face of the step before keeps its place unless another is closer; of equally close ones the first that the node
-    is over is taken.
+    is over is taken. The rim of a face is no closer than the foot of the node on its continuation.
     """
     x = row(state.place, i)
     chosen, best, xi, eta, rim = -1, np.inf, 0.0, 0.0, True
     last = state.nodal.face[i]
     if last >= 0:
         a, b, c, d = corners(state, last)
-        xi, eta, square, rim = closest_point(x, a, b, c, d)
+        xi, eta, square = foot_of(x, a, b, c, d, *met_last(state.nodal, i))
+        rim = is_beyond(xi, eta)
+        if rim:
+            xi, eta, square = on_rim(x, a, b, c, d)
         chosen, best = last, math.sqrt(square)
         if not rim and _CLEARLY_OVER * best < (1.0 - max(abs(xi), abs(eta))) * state.size[last]:
             return chosen, xi, eta, best, rim
     for place in range(state.start[i], state.start[i + 1]):
         face = state.candidates[place]
-        if face == last or (chosen >= 0 and is_far(state, face, x, best)):
+        if face == last:
             continue
         a, b, c, d = corners(state, face)
-        new_xi, new_eta, square, new_rim = closest_point(x, a, b, c, d)
+        if chosen >= 0 and is_far(a, b, c, d, state.radius[face], x, best):
+            continue
+        new_xi, new_eta, square = foot_of(x, a, b, c, d, *first_guess(x, a, b, c, d))
+        new_rim, closer = is_beyond(new_xi, new_eta), best * (1.0 - SAME)
+        if new_rim and chosen >= 0 and square >= closer * closer:
+            continue
+        if new_rim:
+            new_xi, new_eta, square = on_rim(x, a, b, c, d)
         distance = math.sqrt(square)
         over = rim and not new_rim and distance <= best * (1.0 + SAME)
-        if chosen < 0 or over or distance < best * (1.0 - SAME):
+        if chosen < 0 or over or distance < closer:
             chosen, best, xi, eta, rim = face, distance, new_xi, new_eta, new_rim
-    return chosen, xi, eta, best, rim
+    return chosen, min(max(xi, -1.0), 1.0), min(max(eta, -1.0), 1.0), best, rim
 
 
 @leaf_kernel
@@ -188,7 +179,7 @@ def is_behind(state, face, off):
     return dot(off, cross(add_scaled(c, -1.0, a), add_scaled(d, -1.0, b))) < 0.0
 
 
-@called_kernel
+@leaf_kernel
 def in_valley(state, face, xi, eta, off):
     """Tell whether a node whose closest point lies on edges of a face is behind the faces across these edges too."""
     across = state.neighbours[face]
@@ -200,7 +191,7 @@ def in_valley(state, face, xi, eta, off):
     )
 
 
-@called_kernel
+@leaf_kernel
 def gap_at(state, i, face, xi, eta, rim):
     """Return the gap of node i from a point of a face, the direction out of the face, and the share that is felt.
 
@@ -224,13 +215,6 @@ def gap_at(state, i, face, xi, eta, rim):
 
 
 @leaf_kernel
-def free_fraction(touch, i, n):
-    """Return the share of a motion along n, |n| = 1, that boundaries leave to node i."""
-    held = touch.held[i]
-    return max(1.0 - n[0] * dot(row(held, 0), n) - n[1] * dot(row(held, 1), n) - n[2] * dot(row(held, 2), n), 0.0)
-
-
-@called_kernel
 def relative_inverse_mass(state, i, face, shape, n):
     """Return 1/m* of node i against a face, along n; see `strikewave.fem.contact`."""
     k = state.faces[face]
@@ -253,38 +237,6 @@ def approach_of(state, i, face, shape):
 
 
 @leaf_kernel
-def coulomb_force(slide, hold, most):
-    """Return Coulomb's force: what would stop the sliding, ``hold`` times its velocity; at most ``most``."""
-    speed = math.sqrt(dot(slide, slide))
-    return scaled(slide, -min(hold, most / speed)) if speed > 0.0 else (0.0, 0.0, 0.0)
-
-
-@leaf_kernel
-def along(slide):
-    """Return a vector's direction, of a vector of zeros zeros."""
-    return scaled(slide, 1.0 / max(math.sqrt(dot(slide, slide)), _TINY))
-
-
-@leaf_kernel
-def kept_depth(touch, dt):
-    """Return the share of their depth that touching nodes keep as the step changes; note the step.
-
-    The stiffness grows with 1/dt^2: a depth that shrinks with dt holds the energy it held.
-    """
-    before = touch.step[0]
-    touch.step[0] = dt
-    return dt / before if dt < before else 1.0
-
-
-@leaf_kernel
-def moved_offset(offset, gap, before, kept):
-    """Return the gap from which depth is measured, for the gap at the beginning of the step and the one to come."""
-    if before < offset:
-        offset -= (1.0 - kept) * (offset - before)
-    return max(offset, min(gap, 0.0))
-
-
-@leaf_kernel
 def depth_of(nodal, i, gap, before, share, kept):
     """Return the depth that a node is pressed out of; ``before`` is the gap at the beginning of the step.
 
@@ -298,13 +250,13 @@ def depth_of(nodal, i, gap, before, share, kept):
     return nodal.offset[i] - gap
 
 
-@called_kernel
+@leaf_kernel
 def press(state, i, step):
     """Find the face that node i meets and the force on the node."""
     nodal = state.nodal
     last, last_gap = nodal.face[i], nodal.gap[i]
     face, xi, eta, distance, rim = nearest_face(state, i)
-    nodal.face[i] = face
+    nodal.face[i], nodal.touches[i] = face, 0
     gap, normal, share = gap_at(state, i, face, xi, eta, rim)
     nodal.gap[i] = gap
     shape = shape_functions(xi, eta)
@@ -352,25 +304,55 @@ def predict_positions(state, x, v, f, inverse_mass, step, first, last):
         predict_node(i, state, x, v, f, inverse_mass, step)
 
 
+@leaf_kernel
+def speed_share(k, state, middle):
+    """Write of a share of the nodes the sums of their velocities, by surface, and the largest square of an offset.
+
+    Offsets are those from a velocity ``middle``: no two nodes come closer faster than twice the largest, whatever it
+    is; the mean of both surfaces a step ago makes them small. ``middle`` is not a number before the first step.
+    """
+    for c in range(SPEEDS):
+        state.speeds[k, c] = 0.0
+    for i in range(k * ROWS, min((k + 1) * ROWS, state.moving.shape[0])):
+        own = 0 if i < state.touch.first else 3
+        speed = row(state.moving, i)
+        off = add_scaled(speed, -1.0, middle)
+        for c in range(3):
+            state.speeds[k, own + c] += speed[c]
+        state.speeds[k, SPEEDS - 1] = max(state.speeds[k, SPEEDS - 1], dot(off, off))
+
+
 @called_kernel
 def travel_of(state, dt):
-    """Return the travel of the step: the most by which any two nodes of the two surfaces can come closer."""
-    middle, nodes = (0.0, 0.0, 0.0), state.moving.shape[0]
-    split = state.touch.first
-    for i in range(nodes):
-        count = split if i < split else nodes - split
-        middle = add_scaled(middle, 0.5 / count, row(state.moving, i))
-    fastest = 0.0
-    for i in range(nodes):
-        off = add_scaled(row(state.moving, i), -1.0, middle)
-        fastest = max(fastest, dot(off, off))
+    """Return the travel of the step, the most by which any two nodes of the two surfaces can come closer.
+
+    The shares of `speed_share` are there; their mean velocity is noted for the next step.
+    """
+    fastest, shares = 0.0, state.speeds.shape[0]
+    for c in range(3):
+        first, second = 0.0, 0.0
+        for k in range(shares):
+            first, second = first + state.speeds[k, c], second + state.speeds[k, 3 + c]
+        state.middle[c] = 0.5 * (first / state.touch.first + second / (state.moving.shape[0] - state.touch.first))
+    for k in range(shares):
+        fastest = max(fastest, state.speeds[k, SPEEDS - 1])
     return 2.0 * dt * math.sqrt(fastest)
+
+
+@leaf_kernel
+def passes(state):
+    """Return how often velocities are gone through: at first twice, as no mean is known from a step ago."""
+    return 2 if math.isnan(state.middle[0]) else 1
 
 
 @called_kernel
 def begin_step(state, step):
     """Return the step with its travel, once all positions are predicted, and the share of depths that is kept."""
-    travel = travel_of(state, step.dt)
+    for _ in range(passes(state)):
+        middle = as_tuple(state.middle)
+        for k in range(state.speeds.shape[0]):
+            speed_share(k, state, middle)
+        travel = travel_of(state, step.dt)
     state.travel[0] += travel
     return Step(step.dt, step.kick, travel, kept_depth(state.touch, step.dt))
 
@@ -379,12 +361,13 @@ def begin_step(state, step):
 def press_node(i, state, step):
     """Find the face that a node meets and the force on the node, where it can meet one in this step."""
     nodal = state.nodal
-    nodal.touches[i] = 0
     met = state.start[i + 1] > state.start[i] or nodal.face[i] >= 0
     if met and not state.travel[0] + step.travel < nodal.clear[i]:
         for c in range(3):
             nodal.friction_force[i, c] = 0.0
         press(state, i, step)
+    else:
+        nodal.touches[i] = 0
 
 
 @called_kernel
@@ -418,48 +401,6 @@ def scatter_forces(state, f, first, last):
             f[touch.nodes[i], c] += touch.normal[i, c] + touch.friction[i, c]
 
 
-@leaf_kernel
-def wall_node(i, state, x, v, f, inverse_mass, step):
-    """Add the force of a rigid plane on a node to the nodal forces."""
-    touch = state.touch
-    direction, point = as_tuple(state.direction), as_tuple(state.point)
-    n = touch.nodes[i]
-    store(touch.velocity, i, row(v, n))
-    moving = add_scaled(row(v, n), step.kick * inverse_mass[n], row(f, n))
-    gap = dot(add_scaled(add_scaled(row(x, n), step.dt, moving), -1.0, point), direction)
-    state.offset[i] = moved_offset(state.offset[i], gap, gap - step.dt * dot(moving, direction), step.kept)
-    depth = state.offset[i] - gap
-    normal_force, friction_force = (0.0, 0.0, 0.0), (0.0, 0.0, 0.0)
-    inverse = inverse_mass[n] * free_fraction(touch, i, direction)
-    if depth > 0.0 and inverse > 0.0:
-        force = state.stiffness / (inverse * step.kick) * depth / step.dt
-        normal_force = scaled(direction, force)
-        slide = add_scaled(moving, -dot(moving, direction), direction)
-        inverse = max(inverse, inverse_mass[n] * free_fraction(touch, i, along(slide)))
-        friction_force = coulomb_force(slide, state.stiffness / (inverse * step.kick), state.coefficient * force)
-    store(touch.normal, i, normal_force)
-    store(touch.friction, i, friction_force)
-    for c in range(3):
-        f[n, c] += normal_force[c] + friction_force[c]
-
-
-@kernel
-def add_wall(state, x, v, f, inverse_mass, dt, kick=0.0):
-    """Add the forces of a rigid plane to the nodal forces f; see `strikewave.fem.contact.add_contact`."""
-    step = Step(dt, kick if kick > 0.0 else dt, 0.0, kept_depth(state.touch, dt))
-    for i in range(state.touch.nodes.shape[0]):
-        wall_node(i, state, x, v, f, inverse_mass, step)
-
-
-@kernel
-def contact_force(touch):
-    """Return the force of the last step on the first surface, N."""
-    force = (0.0, 0.0, 0.0)
-    for i in range(touch.first):
-        force = add_scaled(add_scaled(force, 1.0, row(touch.normal, i)), 1.0, row(touch.friction, i))
-    return force
-
-
 @kernel
 def nearest_faces(state, face, shape, distance):
     """Fill, for each node with candidates, the closest face, the shape functions at the closest point, the distance."""
@@ -469,18 +410,3 @@ def nearest_faces(state, face, shape, distance):
             values = shape_functions(xi, eta)
             for c in range(4):
                 shape[i, c] = values[c]
-
-
-@kernel
-def contact_work(touch, v, dt):
-    """Return the energy that normal forces and friction took in the step that led to the velocity v, J.
-
-    It is -sum F . (v_old + v_new)/2 dt over the nodes, as boundaries and all other forces left v_new.
-    """
-    normal_work, friction_work = 0.0, 0.0
-    for i in range(touch.nodes.shape[0]):
-        for c in range(3):
-            middle = 0.5 * (touch.velocity[i, c] + v[touch.nodes[i], c])
-            normal_work -= touch.normal[i, c] * middle
-            friction_work -= touch.friction[i, c] * middle
-    return normal_work * dt, friction_work * dt
