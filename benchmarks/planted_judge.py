@@ -308,7 +308,7 @@ def row(kind, verdicts):
     files = [file for verdict in verdicts for file in verdict.files]
     errors = {name: [e for f in files for e in f.errors[name]] for name in ("raw peak", "smooth peak", *FIGURES)}
     silent = [v for v in verdicts if v.silent]
-    what = Counter(name for v in silent for name in {s[-2] for s in v.silent})
+    what = Counter(name for v in silent for name in sorted({s[-2] for s in v.silent}))
     alarmed = sum(bool(f.alarms) for f in files)
     withheld = sum(bool(f.withheld) for f in files)
     return [

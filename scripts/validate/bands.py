@@ -1,9 +1,9 @@
 """Bands of runs against brute force: the share of full runs at independent random draws that lie within each band.
 
 For a rotary machine as published, the same under settings it was not fitted to, one of one's own with six strikers on
-a smaller turntable, a machine that strikes once, and the first blow of a machine with a stack and a sensor: the band as
-`strikewave run` finds it, then full runs, none of which uses the fast engine, the Latin hypercube or the fit; those of
-the stack have its waves.
+a smaller turntable, machines that strike once (one on a named pad, one whose contact yields by its material), and the
+first blow of a machine with a stack of named materials and a sensor: the band as `strikewave run` finds it, then full
+runs, none of which uses the fast engine, the Latin hypercube or the fit; those of the stack have its waves.
 Writes out/validate/bands.csv. ``--seeds`` tells instead what bands of other seeds hold, by the fast engine: the ends of
 a band are chance too. ``--runs`` makes fewer of them, ``--only`` one machine, ``--processes`` leaves processors to
 others. docs/band.md has the numbers.
@@ -43,6 +43,8 @@ MACHINES = {
         ("machine.strikers=6", "machine.speed=500 rpm", "machine.radius=120 mm", "striker.mass=1.2 kg"),
     ),
     "jesd22-b111-b": ("jesd22-b111-b", ()),
+    "iec-60068-2-27-rubber": ("iec-60068-2-27-rubber", ()),
+    "iso-16063-22-dropball": ("iso-16063-22-dropball", ()),
     "li-ma-2019-fig13": ("li-ma-2019-fig13", ()),
 }
 SEED = 20190321

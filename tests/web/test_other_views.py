@@ -13,6 +13,7 @@ from strikewave.base.errors import StrikewaveError
 from strikewave.studies.design.design_file import load_design
 from strikewave.web.case.state import CaseSource
 from strikewave.web.case.view import opened
+from strikewave.web.charts import ChartLine, heat_chart, line_chart
 from strikewave.web.pages.case import elements_view, target_view
 from strikewave.web.pages.record.four_axes import four_axes
 from strikewave.web.pages.record.request import RecordRequest
@@ -79,6 +80,16 @@ def test_numbers_of_a_file_that_names_no_unit_are_not_called_g(shots):
     assert dict(row[:2] for row in rows)["peak"] == "3050"
     spectra = strikewave.shock_spectra(["a.csv", "b.csv"], kinds=("pseudo-velocity",))
     assert four_axes(spectra)["yAxis"]["name"] == "pseudo-velocity (unit·s)"
+
+
+def test_numbers_that_touch_are_left_out_at_every_axis():
+    """Their height is stated: else ECharts takes a letter's width for it, which some systems have too narrow."""
+    line = line_chart("F", "t", "F", [ChartLine("a", [[0.0, 1.0]])])
+    field = heat_chart("x-t", "t", "x", ["0"], ["0"], [[0, 0, 1.0]], "MPa", ends=(0.0, 1.0, 0.0, 1.0))
+    drawn = [line["xAxis"], line["yAxis"], *field["xAxis"], *field["yAxis"]]
+    for label in (axis["axisLabel"] for axis in drawn if axis.get("show", True)):
+        assert label["hideOverlap"]
+        assert label["lineHeight"] >= label["fontSize"]
 
 
 @pytest.mark.verify

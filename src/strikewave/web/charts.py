@@ -19,6 +19,10 @@ INK, SOFT, LINE = "#1a1f24", "#4d5760", "#e4e4e4"
 PALE_BAND = "rgba(0, 114, 178, 0.10)"
 BELOW_LEGEND = 60
 """Pixels from the upper edge of a diagram to its axes, so that names of curves touch no number."""
+NUMBERS = {"fontSize": 10, "lineHeight": 12, "hideOverlap": True}
+"""Numbers at an axis; one that would touch the next is left out: that of an end which is no mark, such as 5 500 beside
+5 000. Their height is said, since ECharts takes the width of a Chinese letter for it, which is too little where no font
+has that letter."""
 MARKS = 8
 """Marks of an axis, about."""
 BESIDE_TOOLS = "84%"
@@ -265,7 +269,7 @@ def heat_chart(
 def _with_numbers(cells: dict[str, Any], position: str, ends: Sequence[float]) -> list[dict[str, Any]]:
     """Return the axis of cells, not drawn, and one of numbers over the same length."""
     numbers = {key: value for key, value in cells.items() if key != "data"}
-    label = {"fontSize": 10, "hideOverlap": True, "showMaxLabel": False}  # the last end is no round number
+    label = {**NUMBERS, "showMaxLabel": False}  # the last end is no round number
     drawn = {"type": "value", "min": ends[0], "max": ends[1], "position": position, "axisLabel": label}
     return [{**cells, "show": False}, {**numbers, **drawn, "splitLine": {"show": False}}]
 
@@ -293,7 +297,7 @@ def _frame(title: str, x: str, y: str, x_kind: str, y_kind: str) -> dict[str, An
     axis = {
         "nameLocation": "middle",
         "nameTextStyle": {"color": SOFT, "fontSize": 11},
-        "axisLabel": {"fontSize": 10, "hideOverlap": True},
+        "axisLabel": NUMBERS,
     }
     return {
         "animation": False,

@@ -97,6 +97,8 @@ class Estimate:
         Directions that are not, a column each; orthonormal.
     reach : ndarray
         Standard errors that 95 % lie within, to either side, of each coordinate.
+    stated : ndarray or None
+        Variance of each coordinate by what is stated, where fits to other amplitudes show it.
     """
 
     place: Array
@@ -105,6 +107,7 @@ class Estimate:
     covariance: Array
     undetermined: Array
     reach: Array
+    stated: Array | None = None
 
     @property
     def misfit(self) -> float:
@@ -125,6 +128,10 @@ class Estimate:
         determined = self.reach[np.isfinite(self.errors)]
         return float(np.max(determined)) if determined.size else NORMAL
 
+    def mostly_stated(self, coordinate: int) -> bool:
+        """Tell whether most of a variance is what is stated and was fitted: no profile of the misfit shows that."""
+        return self.stated is not None and bool(2.0 * self.stated[coordinate] > self.covariance[coordinate, coordinate])
+
     def groups(self) -> list[list[int]]:
         """Return the coordinates that are not determined, those together that only their combination is."""
         projector = self.undetermined @ self.undetermined.T
@@ -140,7 +147,9 @@ class Estimate:
         return groups
 
 
-def estimate(place: Array, residuals: Array, jacobian: Array, blocks: Sequence[ResidualBlock]) -> Estimate:
+def estimate(
+    place: Array, residuals: Array, jacobian: Array, blocks: Sequence[ResidualBlock], moved: Array | None = None
+) -> Estimate:
     """Return what the data say of a place; directions without information are left out of the covariance.
 
     The interval of a coordinate is the widest of those by noise, by what is left, and by shots, each with Student's t.
@@ -156,6 +165,9 @@ def estimate(place: Array, residuals: Array, jacobian: Array, blocks: Sequence[R
         Slopes of the residuals, shape (m, n).
     blocks : sequence of ResidualBlock
         Which residuals are of one record or number.
+    moved : ndarray, optional
+        How far the best place moves with what is stated of the residuals together, in columns whose squares add up to
+        its covariance; by the slopes where it is left out.
 
     Returns
     -------
@@ -164,9 +176,12 @@ def estimate(place: Array, residuals: Array, jacobian: Array, blocks: Sequence[R
     """
     values, vectors = np.linalg.eigh(jacobian.T @ jacobian)
     known = vectors[:, values > RANK * max(float(values[-1]), np.finfo(float).tiny)]
-    spreads = [by_noise(jacobian, known, blocks)]
+    stated = _by_what_is_stated(jacobian, blocks)
+    if moved is not None:
+        stated = [Push(_shared(jacobian, jacobian @ moved), math.inf)]
+    spreads = [by_noise(jacobian, known, blocks, stated)]
     if any(block.left is not None for block in blocks):
-        spreads.append(by_what_is_left(jacobian, known, blocks))
+        spreads.append(by_what_is_left(jacobian, known, blocks, stated))
     if len({block.shot for block in blocks if block.shot is not None}) > 1:
         spreads.append(scatter_of_shots(residuals, jacobian, known, blocks))
     covariance = spreads[0].covariance
@@ -179,7 +194,8 @@ def estimate(place: Array, residuals: Array, jacobian: Array, blocks: Sequence[R
     values, vectors = np.linalg.eigh(inside)
     kept, lost = vectors[:, values > 0.5], vectors[:, values <= 0.5]
     projected = kept @ kept.T @ covariance @ kept @ kept.T
-    return Estimate(place, residuals, jacobian, projected, lost, _reach(covariance, spreads))
+    fitted = None if moved is None else np.diag(_spread(jacobian, known, stated).covariance)
+    return Estimate(place, residuals, jacobian, projected, lost, _reach(covariance, spreads), fitted)
 
 
 def _reach(covariance: Array, spreads: Sequence[Spread]) -> Array:
@@ -207,12 +223,12 @@ def _pushed(part: Array, covariance: Array) -> Array:
     return np.asarray(part.T @ (matmul_toeplitz(lags, part) if covariance.size > 1 else lags[0] * part))
 
 
-def by_noise(jacobian: Array, known: Array, blocks: Sequence[ResidualBlock]) -> Spread:
-    """Return the covariance by the noise of each block and by what its residuals share.
+def by_noise(jacobian: Array, known: Array, blocks: Sequence[ResidualBlock], stated: Sequence[Push] = ()) -> Spread:
+    """Return the covariance by the noise of each block and by what is stated of them.
 
     Noise is known from as many independent samples as show it, and what is stated is known.
     """
-    return _spread(jacobian, known, [*_by_noise_alone(jacobian, blocks), *_by_what_is_shared(jacobian, blocks)])
+    return _spread(jacobian, known, [*_by_noise_alone(jacobian, blocks), *stated])
 
 
 def _by_noise_alone(jacobian: Array, blocks: Sequence[ResidualBlock]) -> list[Push]:
@@ -228,7 +244,7 @@ def _by_noise_alone(jacobian: Array, blocks: Sequence[ResidualBlock]) -> list[Pu
     return [*apart, Push(np.sum([one.covariance for one in pooled], axis=0), sum(one.freedom for one in pooled))]
 
 
-def _by_what_is_shared(jacobian: Array, blocks: Sequence[ResidualBlock]) -> list[Push]:
+def _by_what_is_stated(jacobian: Array, blocks: Sequence[ResidualBlock]) -> list[Push]:
     """Return what is stated of residuals together, such as the scatter of an amplitude, pushes."""
     return [Push(_shared(jacobian[block.rows], block.stated), math.inf) for block in blocks if block.stated.size]
 
@@ -253,7 +269,9 @@ def _spread(jacobian: Array, known: Array, pushes: Sequence[Push]) -> Spread:
     return Spread(covariance, freedom)
 
 
-def by_what_is_left(jacobian: Array, known: Array, blocks: Sequence[ResidualBlock]) -> Spread:
+def by_what_is_left(
+    jacobian: Array, known: Array, blocks: Sequence[ResidualBlock], stated: Sequence[Push] = ()
+) -> Spread:
     """Return the covariance by what is left of residuals beyond noise, as if any of its phases were as likely.
 
     What repeats from record to record does not average out: `design_effect` times the sum over independent records. Of
@@ -269,7 +287,6 @@ def by_what_is_left(jacobian: Array, known: Array, blocks: Sequence[ResidualBloc
             count += independent_count(block.left.size, covariance) / effect
     freedom = max(count - size, 1.0)
     others = _by_noise_alone(jacobian, [block for block in blocks if block.left is None])
-    stated = _by_what_is_shared(jacobian, blocks)
     return _spread(jacobian, known, [Push(left * max(count / freedom, 1.0), freedom), *others, *stated])
 
 

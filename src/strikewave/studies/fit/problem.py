@@ -192,6 +192,15 @@ class Problem:
         """Number of shots."""
         return len({shot for shot in self.shots() if shot is not None})
 
+    def scaled(self, pulse: MeasuredPulse, factor: float) -> Problem:
+        """Return the problem with the amplitude of one record times a factor."""
+        louder = replace(pulse, values=factor * pulse.values)
+        experiments = [
+            replace(one, measured=tuple(louder if each is pulse else each for each in one.measured))
+            for one in self.experiments
+        ]
+        return Problem(experiments, self.fields, self._simulate, self.excess)
+
     def misfits(self, residuals: Array, alone: Array | None = None) -> list[Misfit]:
         """Return what is left of each measured thing, and whether that is more than noise.
 

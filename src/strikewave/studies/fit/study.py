@@ -278,7 +278,8 @@ def _parameter(solved: Solved, k: int, field: FreeField) -> FittedParameter:
     if not math.isfinite(error):
         return FittedParameter(field, value, math.inf, field.low, field.high, stair=stair)
     followed = None
-    if not solved.stopped and not found.groups() and not is_quadratic(solved.search, found, k):
+    shaped_by_misfit = not found.groups() and not found.mostly_stated(k)
+    if not solved.stopped and shaped_by_misfit and not is_quadratic(solved.search, found, k):
         followed = profile(solved.search, found, k)
     reach = float(found.reach[k]) * error
     low, high = (place - reach, place + reach) if followed is None else followed[:2]
