@@ -6,7 +6,7 @@ from strikewave import load_case, run_case
 from strikewave.base.units import parse_quantity
 from strikewave.records.readers import read_record
 from strikewave.reporting.histories import write_histories
-from strikewave.reporting.numbers import ShownUnits, showing
+from strikewave.reporting.shown_units import ShownUnits, showing
 
 
 @pytest.fixture(scope="module")

@@ -14,8 +14,8 @@ import pytest
 import strikewave
 from strikewave.base.errors import InputError, StrikewaveError
 from strikewave.base.result import FAILED, Notice, Result
-from strikewave.reporting.numbers import ShownUnits, showing
 from strikewave.reporting.shown_result import Curve, ShownResult, _svg, columns_of
+from strikewave.reporting.shown_units import ShownUnits, showing
 
 
 def kinds():

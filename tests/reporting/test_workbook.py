@@ -11,7 +11,7 @@ from strikewave.base.result import Band, InputShare, Notice
 from strikewave.base.units import parse_quantity
 from strikewave.base.variables import LabelledArrays
 from strikewave.reporting import workbook
-from strikewave.reporting.numbers import ShownUnits, showing
+from strikewave.reporting.shown_units import ShownUnits, showing
 from strikewave.reporting.workbook import WORKBOOK, check_workbook, write_workbook
 
 FORMULAS = ["=1+1", "+1", "-cmd", "@SUM(A1)", "#N/A", "{=1}"]

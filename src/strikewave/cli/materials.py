@@ -8,8 +8,8 @@ from collections.abc import Sequence
 from strikewave.base.json_document import head
 from strikewave.base.materials import Material, materials
 from strikewave.reporting.layout import MORE, keys, numerals, texts
-from strikewave.reporting.numbers import showing
 from strikewave.reporting.options.output import Show, Shown
+from strikewave.reporting.shown_units import showing
 from strikewave.reporting.terminal import number, print_json, table, tell
 
 

@@ -8,7 +8,8 @@ from collections.abc import Iterable, Mapping
 
 from strikewave.base.result import Band, BandMethod, MovedInput, Notice, Result
 from strikewave.base.units import in_unit
-from strikewave.reporting.numbers import band_text, listed, percent, spelled, with_band
+from strikewave.reporting.banded_numbers import band_text, with_band
+from strikewave.reporting.numbers import listed, percent, spelled
 from strikewave.reporting.parts import NONE, Cell, Section, Table, written
 
 BAND_HEADS = ("result", "value and range", "shares of the inputs that matter most", "rest")

@@ -7,8 +7,9 @@ from collections.abc import Iterable, Sequence
 
 from strikewave.base.result import Notice
 from strikewave.records.budget.contributions import Budget
-from strikewave.reporting.numbers import doubted, listed, shown, shown_unit, spelled, with_unit
+from strikewave.reporting.numbers import doubted, listed, shown, spelled, with_unit
 from strikewave.reporting.parts import NONE, Cell, Tag, written
+from strikewave.reporting.shown_units import shown_unit
 from strikewave.specifications.decisions import CANNOT_TELL, FAIL, NOT_JUDGED, PASS
 from strikewave.specifications.judging import Clause
 

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from strikewave.base import control_characters
 from strikewave.base.units import in_unit
-from strikewave.reporting.numbers import shown_unit
+from strikewave.reporting.shown_units import shown_unit
 
 FORMULA = ("=", "+", "-", "@", "\t", "\r")
 """A text that begins so is run as a formula by spreadsheets; an apostrophe before it keeps it a text."""

@@ -1,57 +1,25 @@
 """Numbers and units as they are shown: on the screen, in the report, and in tables of text.
 
 Each function takes the unit in which a quantity is shown as a rule; the unit that the user chose for that kind of
-quantity takes its place (`ShownUnits`, in force within `showing`). JSON and NetCDF stay in SI.
+quantity takes its place (`strikewave.reporting.shown_units`). JSON and NetCDF stay in SI.
 """
 
 from __future__ import annotations
 
-import contextlib
 import math
 import re
-from collections.abc import Iterable, Iterator, Mapping, Sequence
-from contextvars import ContextVar
-from dataclasses import dataclass, field
+from collections.abc import Sequence
+from dataclasses import dataclass
 
-from strikewave.base.errors import InputError, nearest
 from strikewave.base.percents import percent as percent
-from strikewave.base.result import Band
 from strikewave.base.units import DIMENSIONS, in_unit, parse_quantity
 from strikewave.reporting.parts import NONE, written
+from strikewave.reporting.shown_units import OFFERED, are_chosen, plain_unit, shown_unit
 
-TWO_DIGITS_BELOW = 3.0
-"""Half widths of a band that begin with 1 or 2 are stated with two digits, others with one: rounding then moves an end
-by a sixth of the half width at most."""
-MOST_DIGITS = 4
-"""Significant digits of a result with a narrow band: the balances hold to 1e-6, but nobody measures a shock so well."""
 LONGEST_IN_MICROSECONDS = 5e-3
 """Runs that last longer, s, are shown in milliseconds: µs would need five digits before the point."""
 SHOWN_UNITS = {"m/s^2": "g", "s": "us", "N": "N", "": ""}
 """SI unit of a published number and the unit in which it is shown as a rule."""
-OFFERED = {
-    "m/s^2": ("g", "m/s^2", "mm/s^2", "km/s^2", "ft/s^2"),
-    "s": ("s", "ms", "us", "ns"),
-    "N": ("N", "kN", "MN", "lbf"),
-    "m": ("m", "cm", "mm", "um", "nm", "in"),
-    "m/s": ("m/s", "mm/s", "km/h", "ft/s", "in/s"),
-    "Pa": ("Pa", "kPa", "MPa", "GPa", "bar", "psi"),
-    "J": ("J", "mJ", "kJ"),
-    "kg": ("kg", "gram", "mg", "t", "lb"),
-    "Hz": ("Hz", "kHz", "MHz"),
-    "rad": ("rad", "deg"),
-    "rad/s": ("rad/s", "rpm"),
-    "m^2": ("m^2", "cm^2", "mm^2"),
-    "N s": ("N s", "mN s", "kN s", "lbf s"),
-    "N m": ("N m", "N mm", "kN m"),
-    "N/m": ("N/m", "N/mm", "kN/m", "MN/m", "GN/m"),
-    "N s/m": ("N s/m", "kN s/m"),
-    "kg/m^3": ("kg/m^3", "gram/cm^3"),
-    "1/s": ("1/s", "1/ms"),
-    "V": ("V", "mV"),
-}
-"""Kinds of quantities whose unit may be chosen, by SI unit, and units that are offered; others that convert are taken
-too, by the first kind that they fit."""
-
 NO_DOUBT = 1e-5
 """Uncertainty over its value below which no digit that is shown depends on it."""
 FEWEST_DIGITS = 4
@@ -63,114 +31,6 @@ _JOINED = re.compile(
     rf"({'|'.join(map(re.escape, sorted(_SI_OF, key=len, reverse=True)))})(?![\w/^²³])"
 )
 """A number and a unit of which there is a choice, joined by a no-break space."""
-
-
-@dataclass(frozen=True)
-class ShownUnits:
-    """Units that the user chose: at most one for each kind of quantity.
-
-    Attributes
-    ----------
-    units : mapping of str to str
-        Unit by the SI unit of its kind; a kind without one is shown as usual.
-
-    Examples
-    --------
-    >>> chosen = ShownUnits.read("m/s2, ms")
-    >>> chosen.unit("m/s^2", "g"), chosen.unit("s", "us"), chosen.unit("N", "kN")
-    ('m/s^2', 'ms', 'kN')
-    """
-
-    units: Mapping[str, str] = field(default_factory=dict)
-
-    @classmethod
-    def read(cls, words: str, option: str = "--show") -> ShownUnits:
-        """Return the units of a list such as ``g,us,kN``.
-
-        Raises
-        ------
-        InputError
-            If one is unknown, or two are of one kind.
-        """
-        units: dict[str, str] = {}
-        for word in words.split(","):
-            unit = _plain_unit(word)
-            si = _kind_of(unit, word, option)
-            if si in units:
-                allowed = f"at most one unit of {_kind(si)}"
-                raise InputError(option, words, allowed, f"leave out {units[si]} or {unit}")
-            units[si] = unit
-        return cls(units)
-
-    def unit(self, si: str, usual: str) -> str:
-        """Return the unit in which a quantity of an SI unit is shown: the one chosen, or the usual one."""
-        return self.units.get(si, usual)
-
-
-def _plain_unit(word: str) -> str:
-    """Return a unit as it is written in files: ``m/s²``, ``m/s2`` and ``m/s**2`` are m/s^2, µs is us.
-
-    Examples
-    --------
-    >>> _plain_unit(" m/s2"), _plain_unit("µs"), _plain_unit("kg/m³")
-    ('m/s^2', 'us', 'kg/m^3')
-    """
-    text = re.sub(r"\s+", " ", re.sub("[µμ]", "u", word.strip()))
-    return re.sub(r"(?<=[A-Za-z])([23])", r"^\1", text.replace("**", "^").replace("²", "2").replace("³", "3"))
-
-
-def _kind(si: str) -> str:
-    """Return the kind of quantity of an SI unit, without its article."""
-    return DIMENSIONS[si][0].partition(" ")[2]
-
-
-def _kind_of(unit: str, word: str, option: str) -> str:
-    """Return the SI unit of the kind of quantity that a unit is of."""
-    for si, offered in OFFERED.items():
-        if unit in offered:
-            return si
-    for si in OFFERED:
-        with contextlib.suppress(InputError):
-            parse_quantity(f"1 {unit}", si, option)
-            return si
-    near = nearest(unit, [name for offered in OFFERED.values() for name in offered])
-    for si, offered in OFFERED.items():
-        if any(f'"{name}"' in near for name in offered):
-            raise InputError(option, word, f"a unit of {_kind(si)}: {', '.join(offered)}", near)
-    first = ", ".join(offered[0] for offered in OFFERED.values())
-    raise InputError(option, word, f"at most one unit for each kind of quantity, such as {first}")
-
-
-_chosen: ContextVar[ShownUnits | None] = ContextVar("shown units", default=None)
-
-
-@contextlib.contextmanager
-def showing(units: ShownUnits | None) -> Iterator[None]:
-    """Show quantities in these units, or in the usual ones, as long as the context lasts, in this thread.
-
-    Examples
-    --------
-    >>> with showing(ShownUnits.read("m/s^2")):
-    ...     with_unit(40709.86, "m/s^2", "g")
-    '40710 m/s²'
-    """
-    token = _chosen.set(units)
-    try:
-        yield
-    finally:
-        _chosen.reset(token)
-
-
-def shown_unit(si: str, usual: str) -> str:
-    """Return the unit in which quantities of an SI unit are shown: the one chosen, or the usual one.
-
-    Examples
-    --------
-    >>> shown_unit("N", "kN")
-    'kN'
-    """
-    chosen = _chosen.get()
-    return usual if chosen is None else chosen.unit(si, usual)
 
 
 def axis_unit(si: str, usual: str) -> tuple[float, str]:
@@ -239,6 +99,7 @@ def shown_heads(*usual: str) -> list[str]:
 
     Examples
     --------
+    >>> from strikewave.reporting.shown_units import ShownUnits, showing
     >>> with showing(ShownUnits.read("N")):
     ...     shown_heads("contact", "peak (kN)", "at (us)", "strain (%)")
     ['contact', 'peak (N)', 'at (µs)', 'strain (%)']
@@ -249,7 +110,7 @@ def shown_heads(*usual: str) -> list[str]:
 def _with_shown_unit(head: str) -> str:
     """Return a head with the unit shown in the place of its usual one."""
     found = re.fullmatch(r"(.*\s)\(([^()]*)\)", head, re.DOTALL)
-    usual = _plain_unit(found[2]) if found else ""
+    usual = plain_unit(found[2]) if found else ""
     si = next((si for si, offered in OFFERED.items() if usual in offered), None)
     return head if found is None or si is None else f"{found[1]}({spelled(shown_unit(si, usual))})"
 
@@ -276,6 +137,7 @@ def decimals_in(si: str, usual: str, decimals: int) -> int:
 
     Examples
     --------
+    >>> from strikewave.reporting.shown_units import ShownUnits, showing
     >>> decimals_in("s", "ms", 3)
     3
     >>> with showing(ShownUnits.read("us")):
@@ -292,6 +154,7 @@ def fixed(value: float | None, si: str, usual: str, decimals: int) -> str:
 
     Examples
     --------
+    >>> from strikewave.reporting.shown_units import ShownUnits, showing
     >>> fixed(2e-4, "s", "us", 1)
     '200.0'
     >>> with showing(ShownUnits.read("ms,mm/s2")):
@@ -386,6 +249,7 @@ def in_shown_units(text: str) -> str:
 
     Examples
     --------
+    >>> from strikewave.reporting.shown_units import ShownUnits, showing
     >>> in_shown_units("the peak of 5.2\xa0kN is above 5 kN")
     'the peak of 5.2 kN is above 5 kN'
     >>> with showing(ShownUnits.read("N,m/s2")):
@@ -394,7 +258,7 @@ def in_shown_units(text: str) -> str:
     """
     if NO_BREAK not in text:
         return text
-    if _chosen.get() is not None:
+    if are_chosen():
         text = _JOINED.sub(_in_shown_unit, text)
     return text.replace(NO_BREAK, " ")
 
@@ -408,52 +272,6 @@ def _in_shown_unit(found: re.Match[str]) -> str:
     digits = len(re.sub(r"[eE].*|\D", "", number).lstrip("0"))
     value = shown(parse_quantity(f"{number} {unit}", si, unit), si, unit)
     return f"{written(value, max(digits, FEWEST_DIGITS))} {spelled(shown_unit(si, unit))}"
-
-
-def decimals_within(low: float, high: float) -> int:
-    """Return the decimals that a number keeps between the ends of its band; below 0 for tens, hundreds and so on.
-
-    Examples
-    --------
-    >>> decimals_within(800.0, 1570.0), decimals_within(0.98, 1.26), decimals_within(4151.2, 4151.4)
-    (-2, 2, 0)
-    """
-    half, largest = 0.5 * abs(high - low), max(abs(low), abs(high))
-    if not (math.isfinite(half) and largest > 0.0):
-        return MOST_DIGITS - 1
-    finest = MOST_DIGITS - 1 - math.floor(math.log10(largest))
-    if half == 0.0:
-        return finest
-    place = math.floor(math.log10(half))
-    return min(finest, -place + (1 if half / 10.0**place < TWO_DIGITS_BELOW else 0))
-
-
-def table_decimals(bands: Iterable[Band], si: str, usual: str, decimals: int = MOST_DIGITS) -> int:
-    """Return the decimals of a column of a table, in its usual unit: one more than the narrowest band allows.
-
-    What is not known of the inputs moves all rows together, so that rows that differ are told apart by one digit more.
-    Without a band, and at most, there are so many.
-
-    Examples
-    --------
-    >>> table_decimals([Band(7850.0, 15400.0, 0.95)], "m/s^2", "g", 1), table_decimals([], "m/s^2", "g", 1)
-    (-1, 1)
-    """
-    ends = [[float(in_unit(end, si, usual)) for end in (band.low, band.high)] for band in bands]
-    allowed = [decimals_within(*pair) + 1 for pair in ends if all(map(math.isfinite, pair))]
-    return min(decimals, max(allowed, default=decimals))
-
-
-def fixed_within(value: float | None, bands: Iterable[Band], si: str, usual: str, decimals: int = MOST_DIGITS) -> str:
-    """Write an SI value of a table as `fixed` does, with so many decimals as `table_decimals` leaves of its bands.
-
-    Examples
-    --------
-    >>> band = Band(7850.0, 15400.0, 0.95)
-    >>> fixed_within(11421.3, [band], "m/s^2", "g", 1), fixed_within(9806.65, [], "m/s^2", "g", 1)
-    ('1160', '1000.0')
-    """
-    return fixed(value, si, usual, table_decimals(bands, si, usual, decimals))
 
 
 def rounded(value: float, decimals: int) -> str:
@@ -479,34 +297,6 @@ def doubted(value: float, doubt: float) -> tuple[str, str]:
         return written(value), written(doubt, 2)
     decimals = 1 - math.floor(math.log10(float(f"{doubt:.1e}")))
     return rounded(value, decimals), rounded(doubt, decimals)
-
-
-def with_band(value: float | None, band: Band | None, si: str, usual: str, digits: int = 4) -> str:
-    """Write an SI value with its unit and its band, which digits follow; without a band with so many digits.
-
-    Examples
-    --------
-    >>> with_band(11424.0, Band(7850.0, 15400.0, 0.95), "m/s^2", "g")
-    '1200 g (800 to 1600 g)'
-    """
-    if value is None or math.isnan(value) or band is None or not math.isfinite(band.low + band.high):
-        return with_unit(value, si, usual, digits)
-    decimals = decimals_within(*(shown(end, si, usual) for end in (band.low, band.high)))
-    name = spelled(shown_unit(si, usual))
-    return f"{rounded(shown(value, si, usual), decimals)} {name} ({band_text(band, si, usual)})"
-
-
-def band_text(band: Band, si: str, usual: str) -> str:
-    """Write the ends of a band with their unit, in the digits that its width leaves.
-
-    Examples
-    --------
-    >>> band_text(Band(7850.0, 15400.0, 0.95), "m/s^2", "g")
-    '800 to 1600 g'
-    """
-    low, high = (shown(end, si, usual) for end in (band.low, band.high))
-    decimals = decimals_within(low, high)
-    return f"{rounded(low, decimals)} to {rounded(high, decimals)} {spelled(shown_unit(si, usual))}".rstrip()
 
 
 def one_in(count: int) -> str:

@@ -16,8 +16,8 @@ from strikewave.base.result import Notice, Result
 from strikewave.reporting.bands import band_words
 from strikewave.reporting.command_inputs import ORIGIN, check_inputs, command_inputs, is_within, origin_text
 from strikewave.reporting.measured_files import asked
-from strikewave.reporting.numbers import showing
 from strikewave.reporting.options.output import Output
+from strikewave.reporting.shown_units import showing
 from strikewave.reporting.terminal import STARTED, case_hash, complain, most_memory, print_json, say, show_notices, tell
 
 BROKEN = 3

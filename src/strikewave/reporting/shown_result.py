@@ -22,9 +22,10 @@ from numpy.typing import ArrayLike, NDArray
 from strikewave.base.errors import InputError, StrikewaveError
 from strikewave.base.output_folder import write_atomically
 from strikewave.base.result import WARNING, Band, Result
+from strikewave.reporting.banded_numbers import table_decimals
 from strikewave.reporting.bands import bands_of
 from strikewave.reporting.columns import Column
-from strikewave.reporting.numbers import axis_unit, fixed, headed, shown, table_decimals, time_unit
+from strikewave.reporting.numbers import axis_unit, fixed, headed, shown, time_unit
 from strikewave.reporting.parts import written
 
 if TYPE_CHECKING:

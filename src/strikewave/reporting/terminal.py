@@ -20,7 +20,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple, TextIO, TypeVar
 from strikewave.base.compile_progress import WORDS, compiling_shown
 from strikewave.base.json_document import json_text
 from strikewave.base.result import FAILED, INFO, WARNING
-from strikewave.reporting import numbers
+from strikewave.reporting import banded_numbers, numbers
 from strikewave.reporting.bands import BAND_HEADS, band_rows
 from strikewave.reporting.layout import (
     KEY,
@@ -260,7 +260,7 @@ def _plain_progress(what: str, done: float) -> Callable[..., None]:
 def number(value: float | None, si: str, usual: str, digits: int = 4, bands: Sequence[Band] = ()) -> str:
     """Write an SI value in the unit in which it is shown, for a table; a dash where there is none.
 
-    Of a value with bands, there are the digits of `strikewave.reporting.numbers.table_decimals`.
+    Of a value with bands, there are the digits of `strikewave.reporting.banded_numbers.table_decimals`.
 
     Examples
     --------
@@ -270,7 +270,7 @@ def number(value: float | None, si: str, usual: str, digits: int = 4, bands: Seq
     if value is None or value != value:
         return "-"
     if bands:
-        return numbers.fixed_within(value, bands, si, usual)
+        return banded_numbers.fixed_within(value, bands, si, usual)
     return significant(shown(value, si, usual), digits)
 
 

@@ -25,7 +25,8 @@ from strikewave.cases.paths import Form
 from strikewave.reporting.chapters import input_groups
 from strikewave.reporting.columns import Column
 from strikewave.reporting.histories import history_tables
-from strikewave.reporting.numbers import in_shown_units, one_in, shown_unit
+from strikewave.reporting.numbers import in_shown_units, one_in
+from strikewave.reporting.shown_units import shown_unit
 from strikewave.reporting.terminal import say
 
 if TYPE_CHECKING:

@@ -12,7 +12,8 @@ from strikewave.base.errors import InputError, nearest
 from strikewave.base.quantities import Value
 from strikewave.base.units import in_unit
 from strikewave.cases.case import FORM, Case
-from strikewave.reporting.numbers import headed, shown_unit
+from strikewave.reporting.numbers import headed
+from strikewave.reporting.shown_units import shown_unit
 
 HALF_TO_TWICE = (0.5, 2.0)
 """Ends of an axis over the value of the case where no range is given, and of the range in which an assumed value is in

@@ -9,7 +9,7 @@ from strikewave.analyses.machine.chapters import blow_table
 from strikewave.analyses.machine.screen import show
 from strikewave.base.constants import STANDARD_GRAVITY as G
 from strikewave.base.result import Band
-from strikewave.reporting.numbers import ShownUnits, showing
+from strikewave.reporting.shown_units import ShownUnits, showing
 
 BANDS = {
     "first.rigid_peak": Band(900.0 * G, 6500.0 * G, 0.95),

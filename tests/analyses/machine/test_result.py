@@ -15,7 +15,7 @@ from strikewave.base.hdf5_files import seal
 from strikewave.base.json_document import plain
 from strikewave.base.units import DIMENSIONS, convertible
 from strikewave.base.variables import LabelledArrays
-from strikewave.reporting.numbers import ShownUnits, showing
+from strikewave.reporting.shown_units import ShownUnits, showing
 
 
 def test_saved_and_loaded_alike(solution, tmp_path):

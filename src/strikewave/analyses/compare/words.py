@@ -9,6 +9,7 @@ from strikewave.analyses.compare.limits import METRICS, value_words, verdict_of
 from strikewave.analyses.compare.result import INTEGRALS, NAMES, CompareResult, shift_words
 from strikewave.analyses.compare.specified import SpecificationVerdict
 from strikewave.base.constants import COVERAGE
+from strikewave.reporting.banded_numbers import band_text
 from strikewave.reporting.clause_words import (
     CLAUSE_HEADS,
     SHOWN,
@@ -18,7 +19,7 @@ from strikewave.reporting.clause_words import (
     tag_of,
     verdict_sentence,
 )
-from strikewave.reporting.numbers import NO_DOUBT, axis_unit, band_text, doubted, headed, percent, shown, with_unit
+from strikewave.reporting.numbers import NO_DOUBT, axis_unit, doubted, headed, percent, shown, with_unit
 from strikewave.reporting.parts import NONE, Cell, Table, Tag, written
 from strikewave.signal.iso18571 import RATE, SAMPLES
 from strikewave.specifications.decisions import CANNOT_TELL, FAIL, PASS

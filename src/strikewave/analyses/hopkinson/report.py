@@ -10,18 +10,9 @@ import numpy as np
 from strikewave.base.constants import STANDARD_GRAVITY
 from strikewave.hopkinson import ANALYSES, stress_difference, transits_to_uniform
 from strikewave.reporting import chapters
-from strikewave.reporting.numbers import (
-    decimals_in,
-    fixed,
-    headed,
-    percent,
-    shown,
-    shown_heads,
-    shown_unit,
-    spelled,
-    with_unit,
-)
+from strikewave.reporting.numbers import decimals_in, fixed, headed, percent, shown, shown_heads, spelled, with_unit
 from strikewave.reporting.parts import NONE, Cell, Picture, Section, Table, written
+from strikewave.reporting.shown_units import shown_unit
 from strikewave.reporting.style import WHOLE, one_diagram
 
 if TYPE_CHECKING:

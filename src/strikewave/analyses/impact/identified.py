@@ -12,9 +12,10 @@ from strikewave.contact.identification import Identified, IdentifiedValue
 from strikewave.records import ChannelReading
 from strikewave.reporting import measured_files as measured
 from strikewave.reporting.columns import Column
-from strikewave.reporting.numbers import percent, shown_unit, spelled
+from strikewave.reporting.numbers import percent, spelled
 from strikewave.reporting.options.kinds import Typed
 from strikewave.reporting.shown_result import Curve, columns_of, history_curve
+from strikewave.reporting.shown_units import shown_unit
 from strikewave.reporting.terminal import number, significant
 
 UNITS = {

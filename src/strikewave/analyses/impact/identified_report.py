@@ -8,8 +8,9 @@ from strikewave.analyses.impact.figures.identified import identified_figure
 from strikewave.analyses.impact.identified import CALLED, UNITS, USUAL, IdentifyResult
 from strikewave.contact.identification import IdentifiedValue
 from strikewave.reporting import chapters
-from strikewave.reporting.numbers import percent, shown, shown_unit, spelled
+from strikewave.reporting.numbers import percent, shown, spelled
 from strikewave.reporting.parts import NONE, Cell, Picture, Section, Table, Tag, written
+from strikewave.reporting.shown_units import shown_unit
 
 
 def identified_report(result: IdentifyResult) -> str:

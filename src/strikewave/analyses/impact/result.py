@@ -20,8 +20,9 @@ from strikewave.contact.elastoplastic import cap_law_of
 from strikewave.contact.registry import FROM_MEMORY
 from strikewave.reporting import measured_files as measured
 from strikewave.reporting.columns import HISTORY_DIGITS, Column, csv_table
-from strikewave.reporting.numbers import shown_heads, shown_unit, spelled, with_unit
+from strikewave.reporting.numbers import shown_heads, spelled, with_unit
 from strikewave.reporting.shown_result import Curve, columns_of, history_curve
+from strikewave.reporting.shown_units import shown_unit
 from strikewave.reporting.terminal import number
 
 ERRORS = {"closed form": 1e-9, "integrator": 1e-6}

@@ -16,8 +16,9 @@ from strikewave.analyses.machine.words import (
     reference_law,
     restitution_words,
 )
+from strikewave.reporting.banded_numbers import with_band
 from strikewave.reporting.chapters import balance_table, layer_steps
-from strikewave.reporting.numbers import listed, with_band, with_unit
+from strikewave.reporting.numbers import listed, with_unit
 from strikewave.reporting.parts import NONE, Cell, Flow, Link, Part, Picture, Section, Table, Tag, written
 from strikewave.reporting.table_columns import page_table
 

@@ -11,9 +11,9 @@ from typing import Any, NamedTuple
 
 from strikewave.base.result import Band
 from strikewave.machines.blows import Blow
+from strikewave.reporting.banded_numbers import table_decimals
 from strikewave.reporting.bands import bands_of
 from strikewave.reporting.layout import KEY, MAIN, MORE
-from strikewave.reporting.numbers import table_decimals
 from strikewave.reporting.parts import Tag
 from strikewave.reporting.table_columns import TableColumn
 

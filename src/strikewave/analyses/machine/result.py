@@ -35,8 +35,8 @@ from strikewave.cases.tables.published import PUBLISHED_QUANTITIES
 from strikewave.cases.written_case import dump_case
 from strikewave.machines import Blow
 from strikewave.machines.blows import KINDS
+from strikewave.reporting.banded_numbers import with_band
 from strikewave.reporting.columns import Column, csv_table
-from strikewave.reporting.numbers import with_band
 from strikewave.reporting.shown_result import Curve, ShownResult, history_curve
 from strikewave.sensors.channel import SensorPulse
 from strikewave.waves.setup import LayerUsed, WaveSetup

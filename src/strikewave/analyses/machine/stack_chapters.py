@@ -6,9 +6,10 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from strikewave.reporting.banded_numbers import fixed_within
 from strikewave.reporting.bands import bands_of
 from strikewave.reporting.curves import Trace, traces
-from strikewave.reporting.numbers import fixed, fixed_within, heads, with_unit
+from strikewave.reporting.numbers import fixed, heads, with_unit
 from strikewave.reporting.parts import Cell, Part, Picture, Section, Table, Tag
 from strikewave.reporting.stack_chapters import (
     PEAK_WORDS,

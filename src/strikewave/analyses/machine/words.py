@@ -14,9 +14,11 @@ from strikewave.analyses.machine.kind import MachineKind, kind_of
 from strikewave.base.result import Band
 from strikewave.cases.tables.machine_kinds import KINDS
 from strikewave.cases.yield_pressure import YIELDING
+from strikewave.reporting.banded_numbers import with_band
 from strikewave.reporting.layout import KEY, MAIN, MORE
-from strikewave.reporting.numbers import listed, shown, shown_unit, spelled, with_band, with_unit
+from strikewave.reporting.numbers import listed, shown, spelled, with_unit
 from strikewave.reporting.parts import NONE, Cell, Table, written
+from strikewave.reporting.shown_units import shown_unit
 from strikewave.reporting.table_columns import TableColumn, page_table
 
 if TYPE_CHECKING:

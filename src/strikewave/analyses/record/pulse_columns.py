@@ -11,7 +11,7 @@ from strikewave.analyses.record.figure_units import INTEGRALS, OF_CHANNEL, OF_IN
 from strikewave.records.reading import ChannelReading, FileReading
 from strikewave.records.smooth_pulse import PulseUncertainty
 from strikewave.reporting.columns import Column
-from strikewave.reporting.numbers import shown_unit
+from strikewave.reporting.shown_units import shown_unit
 
 FIGURES = (
     *("time", "peak", "rise", "width", "velocity_change", "ringing_frequency", "offset", "noise", "method"),

@@ -11,7 +11,7 @@ from strikewave.records.health_notice import RESPONSE_FIGURES
 from strikewave.records.modes import MOST_MODES
 from strikewave.records.reading import ChannelReading, FileReading
 from strikewave.reporting.columns import Column
-from strikewave.reporting.numbers import shown_unit
+from strikewave.reporting.shown_units import shown_unit
 
 
 class ResponseSummary(NamedTuple):

@@ -10,21 +10,13 @@ from typing import TYPE_CHECKING, NamedTuple
 from strikewave.analyses.wave.field import field_of_solution
 from strikewave.base.first_few import first_few
 from strikewave.reporting import chapters
+from strikewave.reporting.banded_numbers import fixed_within, with_band
 from strikewave.reporting.bands import band_sections, bands_of
 from strikewave.reporting.curves import Trace, traces
 from strikewave.reporting.layout import KEY, MORE
-from strikewave.reporting.numbers import (
-    fixed_within,
-    headed,
-    listed,
-    shown,
-    shown_heads,
-    shown_unit,
-    spelled,
-    with_band,
-    with_unit,
-)
+from strikewave.reporting.numbers import headed, listed, shown, shown_heads, spelled, with_unit
 from strikewave.reporting.parts import NONE, Flow, Part, Picture, Section, Table, Tag, written
+from strikewave.reporting.shown_units import shown_unit
 from strikewave.reporting.stack_chapters import (
     MOST_LAYERS,
     field_pictures,

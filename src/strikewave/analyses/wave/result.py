@@ -19,8 +19,9 @@ from strikewave.cases.case import Case
 from strikewave.cases.comparisons import stale_fits_document
 from strikewave.cases.losses_of_case import FittedLoss, fitted_losses
 from strikewave.cases.written_case import dump_case
+from strikewave.reporting.banded_numbers import with_band
 from strikewave.reporting.columns import HISTORY_DIGITS, Column, csv_table
-from strikewave.reporting.numbers import with_band, with_unit
+from strikewave.reporting.numbers import with_unit
 from strikewave.reporting.shown_result import Curve, ShownResult, columns_of, history_curve
 from strikewave.sensors import Reading
 from strikewave.sensors.channel import SensorChannel, SensorPulse, sensor_pulse

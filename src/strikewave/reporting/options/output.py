@@ -13,8 +13,8 @@ import typer
 
 from strikewave.base import control_characters
 from strikewave.base.errors import InputError
-from strikewave.reporting.numbers import ShownUnits
 from strikewave.reporting.options.kinds import parsed
+from strikewave.reporting.shown_units import ShownUnits
 from strikewave.reporting.terminal import Screen, screen
 
 if TYPE_CHECKING:

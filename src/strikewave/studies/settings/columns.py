@@ -5,8 +5,9 @@ from __future__ import annotations
 from typing import NamedTuple
 
 from strikewave.reporting.layout import KEY, MAIN, MORE
-from strikewave.reporting.numbers import shown, shown_unit, spelled
+from strikewave.reporting.numbers import shown, spelled
 from strikewave.reporting.parts import Tag, written
+from strikewave.reporting.shown_units import shown_unit
 from strikewave.reporting.table_columns import TableColumn
 from strikewave.studies.settings.candidate import Limit, SettingsCandidate
 from strikewave.studies.settings.estimate import engagement_sensitivity

@@ -12,7 +12,8 @@ from strikewave.analyses.record.screen.kit import print_table, value_text
 from strikewave.records import FileReading
 from strikewave.records.response import MeasuredResponse
 from strikewave.reporting.layout import MORE, ScreenColumn, keys, numerals, texts
-from strikewave.reporting.numbers import percent, shown_unit, with_unit
+from strikewave.reporting.numbers import percent, with_unit
+from strikewave.reporting.shown_units import shown_unit
 from strikewave.reporting.terminal import number, significant, table, tell
 
 DOUBTED = " ?"
