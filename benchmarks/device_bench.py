@@ -5,7 +5,9 @@ It needs an NVIDIA GPU and `pip install 'strikewave[gpu]'`. Nothing is written.
 
 import datetime
 import itertools
+import multiprocessing
 import time
+from concurrent.futures import ProcessPoolExecutor
 from dataclasses import replace
 
 import numpy as np
@@ -22,6 +24,8 @@ MESHES = {"10 000": (20, 20, 25), "100 000": (50, 50, 40), "1 000 000": (100, 10
 """Elements along x, y and z; contact halves the last."""
 LEAST = 1.0
 """Seconds that a timing lasts at least."""
+VARIANTS, VARIANT = 100, 100e-6
+"""Impacts that are run side by side, and their duration, s."""
 COPIED = 1 << 28
 """Bytes that are copied to measure the bandwidth, far more than a cache holds."""
 KEPT = int(layout.BACK[0]) // layout.LANES
@@ -90,7 +94,7 @@ def rows(devices, cuda, most):
         for (kind, model), device in itertools.product(models.items(), devices):
             reached = rate(model, device, cuda)
             share, precision = reached * bytes_moved(device.stored) / most, np.dtype(device.stored).name
-            found.append((name, kind, precision, f"{reached / 1e6:.0f} M/s", f"{share:.0%}"))
+            found.append((name, kind, precision, rate_of(reached), f"{share:.0%}"))
     return found
 
 
@@ -101,6 +105,32 @@ def impact(device):
     model = replace(model, controls=replace(model.controls, duration=PAPER, interval=1e-6))
     run = solve(model, RunOptions(device=device))
     return run.seconds, time.perf_counter() - begun, float(np.abs(run.energy_error).max())
+
+
+def variant(speed, name=None):
+    """Run an impact of 10 000 elements at a speed, m/s, on a device or the processor; return its element-steps."""
+    model = pressed((20, 25, 10))
+    controls = replace(model.controls, duration=VARIANT, interval=1e-6)
+    model = replace(model, controls=controls, velocity={"upper": (0.0, 0.0, -speed)})
+    run = solve(model, RunOptions(device=device_named(name) if name else None))
+    return run.elements * run.steps
+
+
+def batch(name=None, workers=(1, 4, 16), variants=VARIANTS):
+    """Return rows of how many processes share a device, and what they do in a second on many impacts."""
+    found, context = [], multiprocessing.get_context("spawn")
+    for count in workers:
+        with ProcessPoolExecutor(count, mp_context=context) as pool:
+            list(pool.map(variant, [1.0] * count, [name] * count))  # kernels are compiled or loaded once in each
+            begun = time.perf_counter()
+            done = sum(pool.map(variant, np.linspace(5.0, 20.0, variants), [name] * variants))
+        found.append((str(count), rate_of(done / (time.perf_counter() - begun))))
+    return found
+
+
+def rate_of(each_second):
+    """Write element-steps a second."""
+    return f"{each_second / 1e6:.0f} M/s"
 
 
 def main():
@@ -122,6 +152,10 @@ def main():
             f"\nAn impact of {PAPER * 1e3:g} ms of 100 000 hexahedra of {SIZE * 1e3:g} mm, {np.dtype(device.stored).name}: {loop:.1f} s of "
             f"time loop, {whole:.1f} s with building and compiling; energy error {error:.1e}."
         )
+    print(
+        f"\n{VARIANTS} impacts of 10 000 hexahedra of {VARIANT * 1e6:g} us at as many speeds, by processes that share the GPU:\n"
+    )
+    print(table(("processes", "element-steps a second"), batch(NAMES[0])))
 
 
 if __name__ == "__main__":

@@ -19,9 +19,11 @@ from numba.cuda import compile_ptx, cudadrv, dispatcher
 from numba.np.numpy_support import from_dtype
 
 from strikewave.fem._boundary_kernels import absorb_node, add_row, hold_node, take_row
-from strikewave.fem._contact_kernels import Step, predict_node, press_node, wall_node
+from strikewave.fem._contact_kernels import Step, predict_node, press_node, speed_share, wall_node
+from strikewave.fem._history_kernels import kinetic_share, peak_of_chunk, touch_share, velocity_of, watch_share
 from strikewave.fem._node_kernels import move_node
 from strikewave.fem._rigid_kernels import bring_node, sum_share
+from strikewave.fem._tie_kernels import move_tied_node
 from strikewave.fem.contact import prepare, prepare_wall
 from strikewave.fem.device import _bodies as bodies
 from strikewave.fem.device import _search_bodies as searching
@@ -94,6 +96,17 @@ def samples():
         predict_node: (touch, x, v, f, m, step),
         bodies.note_travel: (touch, one),
         press_node: (touch, step),
+        speed_share: (touch, (one, one, one)),
+        velocity_of: (v, f, m, one, x),
+        move_tied_node: (engine.ties, v),
+        watch_share: (engine.recorder.watched, x, x, v, x),
+        kinetic_share: (v, f, m, m, one, one, m),
+        peak_of_chunk: (engine.solid.kinds[0].blocks.state, engine.solid.kinds[0].blocks.filled, 1, x),
+        touch_share: (touch.touch, x),
+        bodies.drain_share: (x, x),
+        bodies.acting_share: (x, v, x),
+        bodies.drain_chunk: (results.works, x),
+        bodies.take_stress: (np.zeros((1, 6), np.int64), results.step, x),
         bodies.collect_node: (touch, lists, lists, f),
         wall_node: (wall, x, v, f, m, step),
         searching.survey_face: (touch, one, x, x[0]),

@@ -1,6 +1,7 @@
 """Steps on a device, by the bodies that its threads run, against those of the processor."""
 
 import dataclasses
+import itertools
 import os
 import subprocess
 import sys
@@ -22,10 +23,12 @@ from strikewave.fem.device.search import FaceSearch
 from strikewave.fem.mesh import joined
 from strikewave.fem.model import (
     Controls,
+    CutSection,
     Driven,
     Fixed,
     Model,
     NonReflecting,
+    Point,
     Pressure,
     Rigid,
     RigidWall,
@@ -85,13 +88,17 @@ def impact(friction=0.3, duration=6e-6):
     """Return a block that falls aslant on another, which stands on a wall."""
     low, up = skewed("low", (4, 4, 2)), skewed("up", (3, 3, 2))
     gap = low.points[:, 2].max() - up.points[:, 2].min() + 2e-6
+    up = moved(up, (0.3 * SIZE, 0.2 * SIZE, gap))
+    cuts = [(name, tuple(mesh.points.mean(axis=0) + 0.2 * SIZE)) for name, mesh in (("low", low), ("up", up))]
     return Model(
-        joined([low, moved(up, (0.3 * SIZE, 0.2 * SIZE, gap))]),
+        joined([low, up]),
         {"low": SOLIDS["bilinear"], "up": SOLIDS["elastic"]},
         Controls(duration, 1e-6, full=("up",)),
         velocity={"up": (20.0, 5.0, -30.0)},
         contacts=(SurfaceContact("low.z+", "up.z-", friction),),
         walls=(RigidWall("low.z-", (0.0, 0.0, float(low.points[:, 2].min())), (0.0, 0.0, 1.0), 0.1),),
+        sections=tuple(CutSection(name, name, place, (0.0, 0.0, 1.0)) for name, place in cuts),
+        points=(Point("corner", "up", tuple(up.points.max(axis=0))),),
     )
 
 
@@ -132,10 +139,13 @@ def assert_same(run, other, rounding=()):
         for name, column in getattr(run, what).items():
             scale = most if what == "energy" and name in rounding else max(np.abs(column).max(), 1e-300)
             np.testing.assert_allclose(getattr(other, what)[name] / scale, column / scale, atol=SAME, rtol=0.0)
-    for name, part in run.parts.items():
-        for field in ("displacement", "velocity"):
-            ours, theirs = getattr(part, field), getattr(other.parts[name], field)
-            np.testing.assert_allclose(theirs, ours, atol=SAME * np.abs(ours).max(), rtol=0.0)
+    watched = [(getattr(run, what), getattr(other, what)) for what in ("parts", "points", "sections")]
+    for (histories, theirs), field in itertools.product(watched, ("displacement", "velocity", "stress")):
+        for name, history in histories.items():
+            if hasattr(history, field):
+                ours = getattr(history, field)
+                np.testing.assert_allclose(getattr(theirs[name], field), ours, atol=SAME * np.abs(ours).max(), rtol=0.0)
+    np.testing.assert_allclose(other.momentum, run.momentum, atol=SAME * np.abs(run.momentum).max(), rtol=0.0)
     assert other.steps == run.steps
     assert other.step == pytest.approx(run.step, rel=SAME)
 

@@ -53,7 +53,8 @@ def test_largest_stress_and_plastic_strain_are_those_of_the_fields_at_every_inst
     for k, frame in enumerate(run.frames):
         for name in model.mesh.names:
             own = model.mesh.elements_of(name)
-            assert run.von_mises[name][k] == von_mises(frame.stress[own]).max()
+            # the same sum of squares, rounded once less where products and sums are fused
+            assert run.von_mises[name][k] == pytest.approx(von_mises(frame.stress[own]).max(), rel=1e-14)
             assert run.plastic_strain[name][k] == frame.plastic_strain[own].max()
     assert part_measure(run, "struck").plastic_strain > 0.0
     assert part_measure(run, "striking").plastic_strain == 0.0

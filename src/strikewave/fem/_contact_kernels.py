@@ -12,12 +12,16 @@ from typing import NamedTuple
 import numpy as np
 
 from strikewave.base.compiled import called_kernel, kernel, leaf_kernel
+from strikewave.fem._history_kernels import ROWS
 from strikewave.fem._surface_kernels import (
     add_scaled,
     as_tuple,
-    closest_point,
     cross,
     dot,
+    first_guess,
+    foot_of,
+    is_beyond,
+    on_rim,
     patch,
     row,
     scaled,
@@ -45,6 +49,8 @@ _CLEARLY_OVER = 4.0
 On a square face the rim is (1 - |xi|)/2 of its size away; half of that again is left for skewed ones."""
 _HALF = 0.5
 """w of `strikewave.fem.contact`: both surfaces are checked against each other, and each closes half of the gap."""
+SPEEDS = 7
+"""Numbers of a share of the velocities of a contact: see `speed_share`."""
 _TINY = 1e-300
 """Keeps a division by zero out; no length of a mesh, nor its square, is as small."""
 
@@ -101,6 +107,7 @@ class ContactState(NamedTuple):
     beyond which a node is not taken to be inside, m. The faces that node i may meet are ``candidates[start[i] :
     start[i + 1]]``, true until ``travel[0]`` exceeds ``margin``. ``place`` and ``moving`` are position and velocity
     that the nodes would have at the end of the step without contact, ``inverse_mass`` is that of the nodes, 1/kg.
+    ``speeds`` (shares, SPEEDS) is what `speed_share` finds, ``middle`` the mean velocity of the step before.
     """
 
     touch: NodeTouch
@@ -117,6 +124,8 @@ class ContactState(NamedTuple):
     moving: np.ndarray
     inverse_mass: np.ndarray
     travel: np.ndarray
+    speeds: np.ndarray
+    middle: np.ndarray
     first_faces: int
     margin: float
     stiffness: float
@@ -142,41 +151,59 @@ def corners(state, face):
 
 
 @leaf_kernel
-def is_far(state, face, x, best):
-    """Tell whether no point of a face can be closer to x than ``best``."""
-    a, b, c, d = corners(state, face)
+def is_far(a, b, c, d, radius, x, best):
+    """Tell whether no point of a face of some radius can be closer to x than ``best``."""
     off = add_scaled(scaled(add_scaled(add_scaled(a, 1.0, b), 1.0, add_scaled(c, 1.0, d)), 0.25), -1.0, x)
-    reach = best + state.radius[face]
+    reach = best + radius
     return dot(off, off) > reach * reach
 
 
-@called_kernel
+@leaf_kernel
+def met_last(nodal, i):
+    """Return xi and eta where node i touched its face in the step before; where it did not, of the face's middle."""
+    if nodal.touches[i] == 0:
+        return 0.0, 0.0
+    n = nodal.shape[i]
+    return n[1] + n[2] - n[0] - n[3], n[2] + n[3] - n[0] - n[1]
+
+
+@leaf_kernel
 def nearest_face(state, i):
     """Return the face closest to node i, xi, eta, the distance, and whether the point lies on the rim of that face.
 
     The face of the step before keeps its place unless another is closer; of equally close ones the first that the node
-    is over is taken.
+    is over is taken. The rim of a face is no closer than the foot of the node on its continuation.
     """
     x = row(state.place, i)
     chosen, best, xi, eta, rim = -1, np.inf, 0.0, 0.0, True
     last = state.nodal.face[i]
     if last >= 0:
         a, b, c, d = corners(state, last)
-        xi, eta, square, rim = closest_point(x, a, b, c, d)
+        xi, eta, square = foot_of(x, a, b, c, d, *met_last(state.nodal, i))
+        rim = is_beyond(xi, eta)
+        if rim:
+            xi, eta, square = on_rim(x, a, b, c, d)
         chosen, best = last, math.sqrt(square)
         if not rim and _CLEARLY_OVER * best < (1.0 - max(abs(xi), abs(eta))) * state.size[last]:
             return chosen, xi, eta, best, rim
     for place in range(state.start[i], state.start[i + 1]):
         face = state.candidates[place]
-        if face == last or (chosen >= 0 and is_far(state, face, x, best)):
+        if face == last:
             continue
         a, b, c, d = corners(state, face)
-        new_xi, new_eta, square, new_rim = closest_point(x, a, b, c, d)
+        if chosen >= 0 and is_far(a, b, c, d, state.radius[face], x, best):
+            continue
+        new_xi, new_eta, square = foot_of(x, a, b, c, d, *first_guess(x, a, b, c, d))
+        new_rim, closer = is_beyond(new_xi, new_eta), best * (1.0 - SAME)
+        if new_rim and chosen >= 0 and square >= closer * closer:
+            continue
+        if new_rim:
+            new_xi, new_eta, square = on_rim(x, a, b, c, d)
         distance = math.sqrt(square)
         over = rim and not new_rim and distance <= best * (1.0 + SAME)
-        if chosen < 0 or over or distance < best * (1.0 - SAME):
+        if chosen < 0 or over or distance < closer:
             chosen, best, xi, eta, rim = face, distance, new_xi, new_eta, new_rim
-    return chosen, xi, eta, best, rim
+    return chosen, min(max(xi, -1.0), 1.0), min(max(eta, -1.0), 1.0), best, rim
 
 
 @leaf_kernel
@@ -188,7 +215,7 @@ def is_behind(state, face, off):
     return dot(off, cross(add_scaled(c, -1.0, a), add_scaled(d, -1.0, b))) < 0.0
 
 
-@called_kernel
+@leaf_kernel
 def in_valley(state, face, xi, eta, off):
     """Tell whether a node whose closest point lies on edges of a face is behind the faces across these edges too."""
     across = state.neighbours[face]
@@ -200,7 +227,7 @@ def in_valley(state, face, xi, eta, off):
     )
 
 
-@called_kernel
+@leaf_kernel
 def gap_at(state, i, face, xi, eta, rim):
     """Return the gap of node i from a point of a face, the direction out of the face, and the share that is felt.
 
@@ -230,7 +257,7 @@ def free_fraction(touch, i, n):
     return max(1.0 - n[0] * dot(row(held, 0), n) - n[1] * dot(row(held, 1), n) - n[2] * dot(row(held, 2), n), 0.0)
 
 
-@called_kernel
+@leaf_kernel
 def relative_inverse_mass(state, i, face, shape, n):
     """Return 1/m* of node i against a face, along n; see `strikewave.fem.contact`."""
     k = state.faces[face]
@@ -298,13 +325,13 @@ def depth_of(nodal, i, gap, before, share, kept):
     return nodal.offset[i] - gap
 
 
-@called_kernel
+@leaf_kernel
 def press(state, i, step):
     """Find the face that node i meets and the force on the node."""
     nodal = state.nodal
     last, last_gap = nodal.face[i], nodal.gap[i]
     face, xi, eta, distance, rim = nearest_face(state, i)
-    nodal.face[i] = face
+    nodal.face[i], nodal.touches[i] = face, 0
     gap, normal, share = gap_at(state, i, face, xi, eta, rim)
     nodal.gap[i] = gap
     shape = shape_functions(xi, eta)
@@ -352,25 +379,55 @@ def predict_positions(state, x, v, f, inverse_mass, step, first, last):
         predict_node(i, state, x, v, f, inverse_mass, step)
 
 
+@leaf_kernel
+def speed_share(k, state, middle):
+    """Write of a share of the nodes the sums of their velocities, by surface, and the largest square of an offset.
+
+    Offsets are those from a velocity ``middle``: no two nodes come closer faster than twice the largest, whatever it
+    is; the mean of both surfaces a step ago makes them small. ``middle`` is not a number before the first step.
+    """
+    for c in range(SPEEDS):
+        state.speeds[k, c] = 0.0
+    for i in range(k * ROWS, min((k + 1) * ROWS, state.moving.shape[0])):
+        own = 0 if i < state.touch.first else 3
+        speed = row(state.moving, i)
+        off = add_scaled(speed, -1.0, middle)
+        for c in range(3):
+            state.speeds[k, own + c] += speed[c]
+        state.speeds[k, SPEEDS - 1] = max(state.speeds[k, SPEEDS - 1], dot(off, off))
+
+
 @called_kernel
 def travel_of(state, dt):
-    """Return the travel of the step: the most by which any two nodes of the two surfaces can come closer."""
-    middle, nodes = (0.0, 0.0, 0.0), state.moving.shape[0]
-    split = state.touch.first
-    for i in range(nodes):
-        count = split if i < split else nodes - split
-        middle = add_scaled(middle, 0.5 / count, row(state.moving, i))
-    fastest = 0.0
-    for i in range(nodes):
-        off = add_scaled(row(state.moving, i), -1.0, middle)
-        fastest = max(fastest, dot(off, off))
+    """Return the travel of the step, the most by which any two nodes of the two surfaces can come closer.
+
+    The shares of `speed_share` are there; their mean velocity is noted for the next step.
+    """
+    fastest, shares = 0.0, state.speeds.shape[0]
+    for c in range(3):
+        first, second = 0.0, 0.0
+        for k in range(shares):
+            first, second = first + state.speeds[k, c], second + state.speeds[k, 3 + c]
+        state.middle[c] = 0.5 * (first / state.touch.first + second / (state.moving.shape[0] - state.touch.first))
+    for k in range(shares):
+        fastest = max(fastest, state.speeds[k, SPEEDS - 1])
     return 2.0 * dt * math.sqrt(fastest)
+
+
+@leaf_kernel
+def passes(state):
+    """Return how often velocities are gone through: at first twice, as no mean is known from a step ago."""
+    return 2 if math.isnan(state.middle[0]) else 1
 
 
 @called_kernel
 def begin_step(state, step):
     """Return the step with its travel, once all positions are predicted, and the share of depths that is kept."""
-    travel = travel_of(state, step.dt)
+    for _ in range(passes(state)):
+        middle = as_tuple(state.middle)
+        for k in range(state.speeds.shape[0]):
+            speed_share(k, state, middle)
+        travel = travel_of(state, step.dt)
     state.travel[0] += travel
     return Step(step.dt, step.kick, travel, kept_depth(state.touch, step.dt))
 
@@ -379,12 +436,13 @@ def begin_step(state, step):
 def press_node(i, state, step):
     """Find the face that a node meets and the force on the node, where it can meet one in this step."""
     nodal = state.nodal
-    nodal.touches[i] = 0
     met = state.start[i + 1] > state.start[i] or nodal.face[i] >= 0
     if met and not state.travel[0] + step.travel < nodal.clear[i]:
         for c in range(3):
             nodal.friction_force[i, c] = 0.0
         press(state, i, step)
+    else:
+        nodal.touches[i] = 0
 
 
 @called_kernel

@@ -91,9 +91,9 @@ class Acting(abc.ABC):
         )
         return work_and_impulse
 
-    def work_before(self, dt_previous: float) -> float:
-        """Return the part of it that lies before the instant itself, J; ``dt_previous`` is the step before, s."""
-        return float(0.5 * dt_previous * np.einsum("ni,ni->", self.force, self.before))
+    def now(self) -> Array:
+        """Return the power of the forces on the velocities before, W, and their sum, N: (4,)."""
+        return np.append(np.einsum("ni,ni->", self.force, self.before), self.force.sum(axis=0))
 
 
 class Weight(Acting):

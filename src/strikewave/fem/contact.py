@@ -64,6 +64,7 @@ from strikewave.base.errors import InputError
 from strikewave.fem import _contact_kernels as kernels
 from strikewave.fem import _surface_kernels as surface_kernels
 from strikewave.fem._contact_kernels import ContactState, NodeContacts, NodeTouch, WallState
+from strikewave.fem._history_kernels import ROWS
 from strikewave.fem.mesh import Array, Index, Mesh
 from strikewave.fem.model import STIFFNESS, RigidWall, SurfaceContact
 from strikewave.fem.surfaces import extents, have_common, neighbours, surface_of, thickness
@@ -147,6 +148,7 @@ def prepare(
         raise _too_deep(overlap, mesh)
     state.nodal.offset[:] = gaps
     state.touch.step[0] = 0.0
+    state.middle[:] = np.nan
     return state
 
 
@@ -227,6 +229,8 @@ def two_surfaces(contact: SurfaceContact, mesh: Mesh) -> ContactState:
         moving=np.zeros((count, 3)),
         inverse_mass=np.zeros(count),
         travel=np.zeros(1),
+        speeds=np.zeros((-(-count // ROWS), kernels.SPEEDS)),
+        middle=np.full(3, np.nan),
         first_faces=split,
         margin=MARGIN * float(min(np.median(sizes[:split]), np.median(sizes[split:]))),
         stiffness=float(contact.stiffness),

@@ -5,15 +5,16 @@ from __future__ import annotations
 import hashlib
 import itertools
 import math
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from strikewave._version import __version__
 from strikewave.base.errors import InputError
 from strikewave.base.percents import percent
+from strikewave.fem import _history_kernels as history_kernels
 from strikewave.fem import _node_kernels as node_kernels
 from strikewave.fem._contact_kernels import NodeTouch
 from strikewave.fem.bodies import joined_parts
@@ -43,7 +44,7 @@ from strikewave.fem.hexahedron import (
 from strikewave.fem.mesh import Array, Index, Mesh
 from strikewave.fem.model import Model
 from strikewave.fem.quality import scaled_jacobians
-from strikewave.fem.recorder import HistoryRecorder, NodeMotion, assembly, pressed
+from strikewave.fem.recorder import HistoryRecorder, NodeMotion, Noted, assembly, pressed
 from strikewave.fem.rigid import rigid_bodies, surface_inverse_mass
 from strikewave.fem.run import KEPT, FemRun, FieldFrame, Rest
 from strikewave.fem.threads import on_all, spans
@@ -119,7 +120,11 @@ class Engine:
         self.detect_contacts()
         self.yielding = self._movable()
         shares = {name: part_masses(model.mesh, element_mass, name) for name in mesh.names}
-        self.recorder = HistoryRecorder(model, self.own_mass, shares)
+        self.recorder = HistoryRecorder(model, shares)
+        self.section_stresses = section_stresses(self.solid.kinds, self.recorder.sections)
+        self.velocity = np.zeros_like(self.x)
+        self.moved = np.zeros((len(self.recorder.watched.begin) - 1, 6))
+        self.kinetic = np.zeros(-(-len(self.x) // history_kernels.ROWS))
         self.time, self.instant, self.steps, self.dt_previous = 0.0, 0, 0, 0.0
         self.collapse = COLLAPSED * self.critical
         self.smallest = np.inf
@@ -272,25 +277,44 @@ class Engine:
 
     def motion(self) -> NodeMotion:
         """Return displacement and velocity of the nodes at t_n, once `assemble_forces` was called."""
-        rate = self.f * self.inverse_mass[:, None]
-        move_tied(self.ties, rate)
-        return NodeMotion(self.x - self.model.mesh.points, self.v + 0.5 * self.dt_previous * rate)
+        self._find_velocities()
+        return NodeMotion(self.x - self.model.mesh.points, self.velocity.copy())
+
+    def _find_velocities(self) -> None:
+        """Fill ``velocity`` with those of the nodes at t_n."""
+        history_kernels.velocities(self.v, self.f, self.inverse_mass, 0.5 * self.dt_previous, self.velocity)
+        move_tied(self.ties, self.velocity)
+
+    def noted(self) -> Noted:
+        """Sum what the histories note of t_n, once `assemble_forces` was called."""
+        self._find_velocities()
+        history_kernels.watch(self.recorder.watched, self.model.mesh.points, self.x, self.velocity, self.moved)
+        steps = self.dt_previous, self.dt_next
+        history_kernels.kinetic(self.v, self.f, self.mass, self.inverse_mass, *steps, self.kinetic)
+        return Noted(
+            self.moved,
+            float(self.kinetic.sum()),
+            [kind.peaks() for kind in self.solid.kinds],
+            {
+                section.name: section.mean(self.solid.kinds[section.kind].blocks.state[section.rows])
+                for section in self.section_stresses
+            },
+            sum((each.now() for each in self.acting), np.zeros(4)),
+            {name: felt_by(touch) for name, touch in self.touching.items()},
+        )
 
     @np.errstate(invalid="ignore", over="ignore")
     def record(self) -> str:
         """Note the instant; return why the run cannot go on, or nothing."""
-        motion = self.motion()
+        noted, half = self.noted(), 0.5 * self.dt_previous
         internal, plastic, viscous, hourglass = self.solid.work()
-        dt_previous = self.dt_previous
-        kinetic = 0.5 * node_kernels.doubled_kinetic(
-            self.v, self.f, self.mass, self.inverse_mass, dt_previous, self.dt_next
-        )
-        external = self.done["external"] + sum(each.work_before(dt_previous) for each in self.acting)
-        contact = self.done["contact"] + sum(_work_before(touch, dt_previous) for touch in self.touching.values())
-        force = {name: np.array(contact_force(touch)) for name, touch in self.touching.items()}
-        acting = sum((each.force.sum(axis=0) for each in self.acting), np.zeros(3))
-        impulse_given = self.impulse_given + 0.5 * dt_previous * acting
-        impulse_given = impulse_given + 0.5 * dt_previous * sum((force[name] for name in self.walls), np.zeros(3))
+        kinetic = 0.5 * noted.kinetic
+        external = self.done["external"] + half * float(noted.acting[0])
+        felt = {name: shares.sum(axis=0) for name, shares in noted.touching.items()}
+        force = {name: each[:3] for name, each in felt.items()}
+        contact = self.done["contact"] - half * sum(float(each[3]) for each in felt.values())
+        impulse_given = self.impulse_given + half * noted.acting[1:]
+        impulse_given = impulse_given + half * sum((force[name] for name in self.walls), np.zeros(3))
         energies = {
             "kinetic": kinetic,
             "internal": internal,
@@ -303,9 +327,9 @@ class Engine:
         sums: dict[str, Any] = {**energies, "impulse_given": impulse_given}
         for name in force:
             sums[f"force/{name}"] = force[name]
-            sums[f"impulse/{name}"] = self.impulse[name] + 0.5 * dt_previous * force[name]
-            sums[f"pressed/{name}"] = pressed(self.touching[name])
-        self.recorder.note(self.time, motion, self.solid.cell_values(self.elements), sums)
+            sums[f"impulse/{name}"] = self.impulse[name] + half * force[name]
+            sums[f"pressed/{name}"] = pressed(noted.touching[name], 1 if name in self.walls else 2)
+        self.recorder.note(self.time, noted, [kind.blocks.part for kind in self.solid.kinds], sums)
         return self._broken(energies)
 
     def _broken(self, energies: Mapping[str, float]) -> str:
@@ -314,19 +338,19 @@ class Engine:
         largest = max(abs(supplied), self.initial_energy, *(abs(e) for e in self.recorder.column("external")))
         where = f"at {self.time:.4g} s"
         if not np.isfinite(accounted):
-            return f"the numbers end {where}: {self._worst_element()}"
+            return f"the numbers end {where}: {self.worst_element()}"
         if abs(accounted - supplied) > BROKEN * largest and self.steps:
             off = (accounted - supplied) / largest
             most = max((abs(energies[n]), n) for n in ("internal", "hourglass", "contact", "viscous"))[1]
             return (
                 f"the energy is off by {percent(off, 0, '+')} {where}, and {most} energy is largest; "
-                f"{self._worst_element()}"
+                f"{self.worst_element()}"
             )
         if self.critical < self.collapse:
-            return f"the critical step fell to {self.critical:.3g} s {where}: {self._worst_element()}"
+            return f"the critical step fell to {self.critical:.3g} s {where}: {self.worst_element()}"
         return ""
 
-    def _worst_element(self) -> str:
+    def worst_element(self) -> str:
         """Name the element whose corners are bent most."""
         mesh = self.model.mesh
         with np.errstate(all="ignore"):
@@ -390,9 +414,35 @@ def part_masses(mesh: Mesh, element_mass: Array, name: str) -> Array:
     return whole[mesh.nodes_of(name)]
 
 
-def _work_before(touch: NodeTouch, dt_previous: float) -> float:
-    """Return the energy that a contact took in the half step before the instant, J."""
-    return float(-0.5 * dt_previous * np.einsum("ni,ni->", touch.normal + touch.friction, touch.velocity))
+def felt_by(touch: NodeTouch) -> Array:
+    """Return what the shares of the nodes of a contact or wall feel, (shares, TOUCHED): see `touch_share`."""
+    felt = np.zeros((-(-len(touch.nodes) // history_kernels.ROWS), history_kernels.TOUCHED))
+    history_kernels.touches(touch, felt)
+    return felt
+
+
+class SectionStress(NamedTuple):
+    """Where the stress of a section stands: rows (points, 6) of the state of a kind of elements, and their weights."""
+
+    name: str
+    kind: int
+    rows: Index
+    weights: Array
+
+    def mean(self, stress: Array) -> Array:
+        """Return the mean of the stress of the points, (points, 6), by volume."""
+        return np.asarray(self.weights @ stress)
+
+
+def section_stresses(kinds: Sequence[Hexahedra], sections: Mapping[str, tuple[Index, Array]]) -> list[SectionStress]:
+    """Return where the stress of each section stands, but of those of rigid parts, which have none."""
+    found = []
+    for (name, (elements, volume)), kind in itertools.product(sections.items(), range(len(kinds))):
+        places = kinds[kind].stress_places(elements)
+        if len(places):
+            rows = places.reshape(-1, 1) + np.array(history_kernels.STRESS)
+            found.append(SectionStress(name, kind, rows, np.repeat(volume / kinds[kind].points, kinds[kind].points)))
+    return found
 
 
 def build_elements(model: Model, parts: Iterable[str], mass: Array, pool: ThreadPoolExecutor | None) -> Mixed:

@@ -46,6 +46,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from strikewave.fem import _hexahedron_kernels as kernels
+from strikewave.fem import _history_kernels as history_kernels
 from strikewave.fem import _layout as layout
 from strikewave.fem._layout import Blocks
 from strikewave.fem.mesh import Array, Index, Mesh, volumes
@@ -317,6 +318,22 @@ class Hexahedra:
             tensors = state[:, :, first : first + 6].transpose(0, 3, 1, 2)[..., TENSOR]
             turned = np.einsum("clij,clpjk,clmk->clpim", turns, tensors, turns)
             state[:, :, first : first + 6] = turned[..., *COMPONENTS].transpose(0, 2, 3, 1)
+
+    def peaks(self) -> Array:
+        """Return the largest squared von Mises stress, Pa^2, and plastic strain of each chunk, (chunks, 2)."""
+        found = np.zeros((len(self.blocks.filled), 2))
+        history_kernels.peaks_of_chunks(self.blocks.state, self.blocks.filled, self.points, found)
+        return found
+
+    def stress_places(self, elements: Index) -> Index:
+        """Return where the stress of each point begins, (own, points), of the elements that are of this kind."""
+        own = elements[np.isin(elements, self.number)]
+        number = self.number.ravel()
+        lane_of = np.zeros(number.max(initial=0) + 1, np.int64)
+        lane_of[number[::-1]] = np.arange(number.size)[::-1]  # of an element that is repeated the first
+        chunk, lane = np.divmod(lane_of[own], layout.LANES)
+        points = chunk[:, None] * self.points + np.arange(self.points)
+        return np.asarray(points * history_kernels.POINT + lane[:, None])
 
     def cell_values(self, elements: int) -> tuple[Array, Array]:
         """Return stress (elements, 6) and equivalent plastic strain (elements,), means over the points.

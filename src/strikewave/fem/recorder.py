@@ -8,9 +8,8 @@ from typing import NamedTuple
 import numpy as np
 
 from strikewave.base.errors import InputError
-from strikewave.fem._contact_kernels import NodeTouch
+from strikewave.fem._history_kernels import ROWS, WatchedNodes
 from strikewave.fem.boundary import unit
-from strikewave.fem.invariants import von_mises
 from strikewave.fem.mesh import TINY, Array, Index, Mesh, volumes
 from strikewave.fem.model import CutSection, Model
 from strikewave.fem.run import ENERGIES, PartHistory, PointHistory, SectionHistory
@@ -24,46 +23,75 @@ class NodeMotion(NamedTuple):
     velocity: Array
 
 
+class Noted(NamedTuple):
+    """What is summed of an instant where the steps are taken; `strikewave.fem._history_kernels` says how.
+
+    Attributes
+    ----------
+    moved : array (shares, 6)
+        Of the nodes that are watched: weighted sums of displacement and velocity, m, m/s.
+    kinetic : float
+        Twice the kinetic energy, J.
+    peaks : sequence of array (chunks, 2)
+        Largest squared von Mises stress, Pa^2, and plastic strain of chunks, for each kind of elements.
+    stress : mapping of str to array (6,)
+        Mean stress of each section but those of rigid parts, Pa.
+    acting : array (4,)
+        Power of all forces but those of contact on the velocities before, W, and their sum, N.
+    touching : mapping of str to array (shares, TOUCHED)
+        What each contact and wall feels.
+    """
+
+    moved: Array
+    kinetic: float
+    peaks: Sequence[Array]
+    stress: Mapping[str, Array]
+    acting: Array
+    touching: Mapping[str, Array]
+
+
 class HistoryRecorder:
     """What is noted at each instant: rows of named columns.
 
     Parameters
     ----------
     model : Model
-    mass : array (nodes,)
-        Of the nodes before ties hand any on, kg.
     shares : mapping of str to array (nodes of the part,)
-        The part's own mass at its nodes, kg.
+        The mass of each part at its nodes, before ties hand any on, kg.
     """
 
-    def __init__(self, model: Model, mass: Array, shares: Mapping[str, Array]) -> None:
-        self.mesh, self.mass, self.shares = model.mesh, mass, shares
-        self.nodes = {name: model.mesh.nodes_of(name) for name in model.mesh.names}
-        self.bearing = {n: self.mesh.elements_of(n) for n in model.mesh.names if n not in {r.part for r in model.rigid}}
-        self.points = {p.name: model.mesh.nearest_node(p.part, p.place) for p in model.points}
-        self.sections = {s.name: section_elements(model.mesh, s) for s in model.sections}
+    def __init__(self, model: Model, shares: Mapping[str, Array]) -> None:
+        mesh = model.mesh
+        self.names = mesh.names
+        self.masses = {name: float(share.sum()) for name, share in shares.items()}
+        rigid = {each.part for each in model.rigid}
+        self.bearing = [name for name in mesh.names if name not in rigid]
+        self.points = {p.name: mesh.nearest_node(p.part, p.place) for p in model.points}
+        self.sections = {s.name: section_elements(mesh, s) for s in model.sections}
+        groups = {f"part/{name}": (mesh.nodes_of(name), share / self.masses[name]) for name, share in shares.items()}
+        groups |= {f"point/{name}": (np.array([node]), np.ones(1)) for name, node in self.points.items()}
+        for name, (elements, volume) in self.sections.items():
+            groups[f"section/{name}"] = mesh.hexahedra[elements].ravel(), np.repeat(volume / 8.0, 8)
+        self.groups, self.first_shares, self.watched = list(groups), *watched(list(groups.values()))
         self.rows: dict[str, list[Array]] = {}
 
-    def note(self, time: float, motion: NodeMotion, cells: tuple[Array, Array], sums: Mapping[str, object]) -> None:
+    def note(self, time: float, noted: Noted, owners: Sequence[Index], sums: Mapping[str, object]) -> None:
         """Add a row: the sums (energies, forces, impulses) as they are, the motion of what is watched, the largest.
 
-        ``cells`` are stress (elements, 6) and plastic strain (elements,).
+        ``owners`` are the parts of the chunks of each kind of elements, (chunks,).
         """
-        stress, strain = cells
-        equivalent = von_mises(stress)
-        row: dict[str, object] = {"time": time, **sums, "momentum": self.mass @ motion.velocity}
-        for name, nodes in self.nodes.items():
-            share = self.shares[name] / self.shares[name].sum()
-            row[f"part/{name}"] = np.array([share @ field[nodes] for field in motion])
-        for name, own in self.bearing.items():
-            row[f"von_mises/{name}"] = equivalent[own].max()
-            row[f"plastic_strain/{name}"] = strain[own].max()
-        for name, node in self.points.items():
-            row[f"point/{name}"] = np.array([field[node] for field in motion])
-        for name, (elements, volume) in self.sections.items():
-            corners = self.mesh.hexahedra[elements]
-            row[f"stress/{name}"] = volume @ stress[elements]
-            row[f"section/{name}"] = np.array([volume @ field[corners].mean(axis=1) for field in motion])
+        moved = np.add.reduceat(noted.moved, self.first_shares).reshape(-1, 2, 3)
+        row: dict[str, object] = {"time": time, **sums, **dict(zip(self.groups, moved, strict=True))}
+        row |= {f"stress/{name}": noted.stress.get(name, np.zeros(6)) for name in self.sections}
+        momentum = np.zeros(3)
+        for name, motion in zip(self.masses, moved, strict=False):
+            momentum += self.masses[name] * motion[1]
+        row["momentum"] = momentum
+        for owner, peaks in zip(owners, noted.peaks, strict=True):
+            for part in np.unique(owner):
+                square, strain = peaks[owner == part].max(axis=0)
+                row[f"von_mises/{self.names[part]}"] = np.sqrt(square)
+                row[f"plastic_strain/{self.names[part]}"] = strain
         for key, value in row.items():
             self.rows.setdefault(key, []).append(np.asarray(value, float))
 
@@ -87,9 +115,9 @@ class HistoryRecorder:
     def part_histories(self) -> dict[str, PartHistory]:
         """Return the motion of the parts."""
         histories = {}
-        for name, share in self.shares.items():
+        for name, mass in self.masses.items():
             moved, speed, rate = self._motion(f"part/{name}")
-            histories[name] = PartHistory(float(share.sum()), speed, rate, moved)
+            histories[name] = PartHistory(mass, speed, rate, moved)
         return histories
 
     def point_histories(self) -> dict[str, PointHistory]:
@@ -139,18 +167,34 @@ def assembly(parts: Mapping[str, PartHistory], names: Sequence[str]) -> PartHist
     return PartHistory(float(mass.sum()), velocity, rate, moved)
 
 
-def pressed(touch: NodeTouch) -> Array:
+def pressed(felt: Array, surfaces: int) -> Array:
     """Return how much of each surface is pressed: its share by area, and the area over that of a face, (surfaces, 2).
 
-    A wall has one surface, a contact two.
+    ``felt`` (shares, TOUCHED) is what the shares of the nodes feel. A wall has one surface, a contact two.
     """
-    rows, under = [], np.any(touch.normal != 0.0, axis=1)
-    for side in (slice(None, touch.first), slice(touch.first, None)):
-        area, own = touch.area[side], under[side]
-        if len(area):
-            pressed_area = float(area[own].sum())
-            rows.append([pressed_area / float(area.sum()), pressed_area / float(area[own].max(initial=TINY))])
-    return np.array(rows)
+    area, under = felt[:, [4, 7]].sum(axis=0), felt[:, [5, 8]].sum(axis=0)
+    largest = np.maximum(felt[:, [6, 9]].max(axis=0), TINY)
+    return np.column_stack([under / np.maximum(area, TINY), under / largest])[:surfaces]
+
+
+def watched(groups: Sequence[tuple[Index, Array]]) -> tuple[Index, WatchedNodes]:
+    """Return the first share of each group of nodes, and all shares; groups are nodes and weights.
+
+    Examples
+    --------
+    >>> first, shares = watched([(np.arange(70), np.ones(70)), (np.array([3]), np.ones(1))])
+    >>> first.tolist(), shares.begin.tolist()
+    ([0, 2], [0, 64, 70, 71])
+    """
+    sizes = np.array([len(nodes) for nodes, _ in groups])
+    ends = np.cumsum(sizes)
+    begins = [np.arange(end - size, end, ROWS) for size, end in zip(sizes, ends, strict=True)]
+    first = np.cumsum([0, *(len(each) for each in begins[:-1])])
+    return first, WatchedNodes(
+        np.concatenate([*begins, ends[-1:]]).astype(np.int64),
+        np.concatenate([nodes for nodes, _ in groups]).astype(np.int32),
+        np.concatenate([weights for _, weights in groups]),
+    )
 
 
 def section_elements(mesh: Mesh, section: CutSection) -> tuple[Index, Array]:

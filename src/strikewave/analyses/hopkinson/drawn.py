@@ -10,7 +10,9 @@ from matplotlib.figure import Figure
 
 from strikewave.analyses.hopkinson.echo_result import EchoSolution
 from strikewave.analyses.hopkinson.figures import echo_summary, sensor_summary, shot_summary
-from strikewave.analyses.hopkinson.report import echo_report, sensor_report, shot_report
+from strikewave.analyses.hopkinson.report.echoes import echo_report
+from strikewave.analyses.hopkinson.report.sensor import sensor_report
+from strikewave.analyses.hopkinson.report.shot import shot_report
 from strikewave.analyses.hopkinson.result import HopkinsonSolution
 from strikewave.analyses.hopkinson.sensor_result import SensorSolution
 from strikewave.reporting.style import save

@@ -10,14 +10,9 @@ from typing import ClassVar
 from strikewave.analyses.hopkinson.echo_result import EchoSolution
 from strikewave.analyses.hopkinson.notices import digests
 from strikewave.analyses.hopkinson.outcome import marked_text
-from strikewave.analyses.hopkinson.report import (
-    echo_tables,
-    echo_words,
-    sensor_tables,
-    sensor_words,
-    shot_tables,
-    shot_words,
-)
+from strikewave.analyses.hopkinson.report.echoes import echo_tables, echo_words
+from strikewave.analyses.hopkinson.report.sensor import sensor_tables, sensor_words
+from strikewave.analyses.hopkinson.report.shot import shot_tables, shot_words
 from strikewave.analyses.hopkinson.result import HopkinsonSolution
 from strikewave.analyses.hopkinson.run import run_hopkinson
 from strikewave.analyses.hopkinson.sensor_result import SensorSolution

@@ -32,6 +32,7 @@ from strikewave.fem._hexahedron_kernels import (
     viscosity,
     work_share,
 )
+from strikewave.fem._history_kernels import ROWS as SHARE
 from strikewave.fem._layout import (
     BACK,
     BEFORE,
@@ -45,11 +46,13 @@ from strikewave.fem._layout import (
     HELD,
     HOURGLASS,
     KINEMATIC,
+    LANES,
     MASS,
     PLASTIC,
     SIX,
     STATES,
     STEP,
+    SUMS,
     WORK,
     ZERO,
     T,
@@ -261,12 +264,13 @@ def book_row(i, nodes, force, before, v, kick, done):
 
 @leaf_kernel
 def book_touch(i, touch, v, kick, done):
-    """Add the energy that contact took at a node, and its impulse on it; see `_contact_kernels.contact_work`."""
+    """Add the energy that contact took at a node, and its impulse on the first surface; see `contact_work`."""
     work = 0.0
     for c in range(3):
         force = touch.normal[i, c] + touch.friction[i, c]
         work -= 0.5 * force * (touch.velocity[i, c] + v[touch.nodes[i], c])
-        done[i, 1 + c] += kick * force
+        if i < touch.first:
+            done[i, 1 + c] += kick * force
     done[i, 0] += kick * work
 
 
@@ -296,6 +300,47 @@ def collect_node(n, state, start, sources, f):
             friction += nodal.friction_force[n, c]
         touch.normal[n, c], touch.friction[n, c] = normal, friction
         f[touch.nodes[n], c] += normal + friction
+
+
+@leaf_kernel
+def drain_share(k, done, sums):
+    """Write the sums over the rows of a share of what was done, (shares, DONE), and begin anew."""
+    for c in range(sums.shape[1]):
+        total = 0.0
+        for i in range(k * SHARE, min((k + 1) * SHARE, done.shape[0])):
+            total += done[i, c]
+            done[i, c] = 0.0
+        sums[k, c] = total
+
+
+@leaf_kernel
+def acting_share(k, force, before, sums):
+    """Write power and sum of the forces of a share, (shares, DONE); see `strikewave.fem.boundary.Acting.now`."""
+    power, x, y, z = 0.0, 0.0, 0.0, 0.0
+    for i in range(k * SHARE, min((k + 1) * SHARE, force.shape[0])):
+        for c in range(3):
+            power += force[i, c] * before[i, c]
+        x, y, z = x + force[i, 0], y + force[i, 1], z + force[i, 2]
+    sums[k, 0], sums[k, 1], sums[k, 2], sums[k, 3] = power, x, y, z
+
+
+@leaf_kernel
+def drain_chunk(chunk, works, sums):
+    """Write the sums over a chunk, (chunks, SUMS); what was summed over steps, all but the last, begins anew."""
+    for row in range(SUMS):
+        total = 0.0
+        for lane in range(LANES):
+            total += works[row, chunk * LANES + lane]
+            if row < SUMS - 1:
+                works[row, chunk * LANES + lane] = 0.0
+        sums[chunk, row] = total
+
+
+@leaf_kernel
+def take_stress(i, places, state, stress):
+    """Copy the stress that stands at six places."""
+    for c in range(6):
+        stress[i, c] = state[places[i, c]]
 
 
 @leaf_kernel

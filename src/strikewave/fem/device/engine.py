@@ -1,4 +1,4 @@
-"""A run whose steps are taken on a device. What is noted at an instant is brought here, where all else is done."""
+"""A run whose steps are taken, and whose instants are summed, on a device."""
 
 from __future__ import annotations
 
@@ -13,11 +13,14 @@ from strikewave.fem.device.parts import (
     DeviceElements,
     DeviceTies,
     DeviceWall,
+    DeviceWatch,
     Nodes,
     acting_there,
 )
 from strikewave.fem.engine import Engine
 from strikewave.fem.model import Model
+from strikewave.fem.recorder import Noted
+from strikewave.fem.run import FemRun, FieldFrame
 
 NODES = ("x", "v", "f", "mass", "inverse_mass", "yielding")
 """Arrays of the nodes that a step needs."""
@@ -26,7 +29,7 @@ NODES = ("x", "v", "f", "mass", "inverse_mass", "yielding")
 class DeviceEngine(Engine):
     """An `Engine` on a device.
 
-    Its arrays here are those of the last instant that was recorded; `fetch` brings them up to date.
+    What an instant notes is summed there. The arrays here are those of the last `fetch`.
     """
 
     def __init__(self, model: Model, device: Device) -> None:
@@ -43,25 +46,32 @@ class DeviceEngine(Engine):
         self.acts: dict[Acting, DeviceActing] = {each: acting_there(device, each, self.mass) for each in self.acting}
         self.met = {name: DeviceContact(device, state) for name, state in self.contacts.items()}
         self.stood = {name: DeviceWall(device, state) for name, state in self.walls.items()}
+        self.touch: dict[str, DeviceContact | DeviceWall] = {**self.met, **self.stood}
+        self.watching = DeviceWatch(device, self)
 
     def fetch(self) -> None:
         """Bring everything that changes here, with what was summed since the last time."""
+        self.collect()
         for name in ("x", "v", "f"):
             getattr(self, name)[:] = self.device.get(getattr(self.nodes, name))
+        for each in (*self.there, *self.acts.values(), *self.touch.values()):
+            each.fetch()
+        self.contacts = {name: contact.here for name, contact in self.met.items()}
+
+    def collect(self) -> None:
+        """Add what was summed there since the last time to the sums here."""
         for elements in self.there:
-            elements.fetch()
+            elements.collect()
         for acts in self.acts.values():
-            work, *given_impulse = acts.fetch()
+            work, *given_impulse = acts.collect()
             self.done["external"] += work
             self.impulse_given += given_impulse
-        touching: dict[str, DeviceContact | DeviceWall] = {**self.met, **self.stood}
-        for name, touch in touching.items():
-            work, *impulse = touch.fetch()
+        for name, touch in self.touch.items():
+            work, *impulse = touch.collect()
             self.done["contact"] += work
             self.impulse[name] += impulse
             if name in self.stood:
                 self.impulse_given += impulse
-        self.contacts = {name: contact.here for name, contact in self.met.items()}
 
     def begun_anew(self) -> Engine:
         """Return an engine of the same model, on the same device, that has not begun."""
@@ -93,13 +103,38 @@ class DeviceEngine(Engine):
         moving = nodes.x, nodes.v, nodes.f, nodes.inverse_mass, self.kick, dt
         self.device.each(node_kernels.move_node, len(self.x), *moving)
         self.tied.follow(nodes, dt)
-        booked: list[DeviceActing | DeviceContact | DeviceWall] = [*self.acts.values()]
-        for each in [*booked, *self.met.values(), *self.stood.values()]:
+        for each in (*self.acts.values(), *self.touch.values()):
             each.book(nodes, self.kick)
         self.note_step()
         self.critical = min((kind.add_forces(nodes, dt) for kind in self.there), default=np.inf)
 
-    def record(self) -> str:
-        """Note the instant; return why the run cannot go on, or nothing."""
+    def noted(self) -> Noted:
+        """Sum what the histories note of t_n there."""
+        self.collect()
+        moved, kinetic = self.watching.sums(self.nodes, self.tied, self.dt_previous, self.dt_next)
+        return Noted(
+            moved,
+            kinetic,
+            [elements.peaks() for elements in self.there],
+            {
+                section.name: section.mean(self.watching.stress(section, self.there[section.kind]))
+                for section in self.section_stresses
+            },
+            sum((acts.now() for acts in self.acts.values()), np.zeros(4)),
+            {name: touch.felt() for name, touch in self.touch.items()},
+        )
+
+    def frame(self) -> FieldFrame:
+        """Return the whole field at t_n, once it was noted."""
         self.fetch()
-        return super().record()
+        return super().frame()
+
+    def result(self, seconds: float, stopped: str, frames: tuple[FieldFrame, ...]) -> FemRun:
+        """Return what was noted, and bring the state here for what comes next."""
+        self.fetch()
+        return super().result(seconds, stopped, frames)
+
+    def worst_element(self) -> str:
+        """Name the element whose corners are bent most."""
+        self.fetch()
+        return super().worst_element()

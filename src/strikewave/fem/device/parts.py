@@ -9,15 +9,19 @@ import numpy as np
 
 from strikewave.fem import _boundary_kernels as boundary_kernels
 from strikewave.fem import _contact_kernels as contact_kernels
+from strikewave.fem import _history_kernels as history_kernels
 from strikewave.fem import _layout as layout
 from strikewave.fem import _rigid_kernels as rigid_kernels
 from strikewave.fem import _surface_kernels as surface_kernels
 from strikewave.fem._contact_kernels import ContactState, Step, WallState
+from strikewave.fem._history_kernels import TOUCHED
+from strikewave.fem._tie_kernels import move_tied_node
 from strikewave.fem.boundary import Acting, Dashpots, Held, Now, Pressed, Weight, value_at
 from strikewave.fem.device import _bodies as bodies
 from strikewave.fem.device.devices import Device
 from strikewave.fem.device.search import FaceSearch
 from strikewave.fem.device.tables import lists
+from strikewave.fem.engine import Engine, SectionStress
 from strikewave.fem.full import FullyIntegrated
 from strikewave.fem.hexahedron import Hexahedra, OnePoint
 from strikewave.fem.mesh import Array, Index
@@ -32,6 +36,11 @@ BODIES: dict[type[Hexahedra], Callable[..., None]] = {
 """What brings an element to the end of a step."""
 DONE = 4
 """What each node of a boundary or contact sums up: work and impulse."""
+
+
+def shares_of(count: int) -> int:
+    """Return in how many shares so many rows are summed there."""
+    return -(-count // history_kernels.ROWS)
 
 
 def put_fields(device: Device, state: Any) -> Any:
@@ -67,7 +76,8 @@ class DeviceElements:
     def __init__(self, device: Device, elements: Hexahedra, nodes: int) -> None:
         self.device, self.here, self.body, self.nodes = device, elements, BODIES[type(elements)], nodes
         blocks = elements.blocks
-        self.lanes = len(blocks.filled) * layout.LANES
+        self.chunks = len(blocks.filled)
+        self.lanes = self.chunks * layout.LANES
         corners = blocks.nodes.reshape(-1, 8, layout.LANES)
         filled = np.arange(layout.LANES) < blocks.filled[:, None, None]
         places = np.flatnonzero(np.broadcast_to(filled, corners.shape)).astype(np.int32)
@@ -84,18 +94,27 @@ class DeviceElements:
             put(np.zeros((layout.SUMS, self.lanes))),
             put(np.full(self.lanes, np.inf)),
         )
+        self.sums, self.found = put(np.zeros((self.chunks, layout.SUMS))), put(np.zeros((self.chunks, 2)))
 
     def fetch(self) -> None:
-        """Bring it, and what was summed since, here."""
+        """Bring it here."""
         self.here.blocks.state[:] = self.device.get(self.blocks.state)
+
+    def collect(self) -> None:
+        """Add what was summed since the last time to the sums here."""
         if not self.stepped:
             return  # the hourglass energy, which is no sum, is still that of the last time
         self.stepped = False
-        works = self.device.get(self.results.works).reshape(layout.SUMS, -1, layout.LANES).sum(axis=2)
-        by_slab = np.add.reduceat(works, self.here.slabs[:, 0], axis=1).T
+        self.device.each(bodies.drain_chunk, self.chunks, self.results.works, self.sums)
+        by_slab = np.add.reduceat(self.device.get(self.sums), self.here.slabs[:, 0])
         self.here.sums[:, :3] += by_slab[:, :3]
         self.here.sums[:, 3] = by_slab[:, 3]
-        self.results = self.results._replace(works=self.device.put(np.zeros((layout.SUMS, self.lanes))))
+
+    def peaks(self) -> Array:
+        """Return the largest stress and strain of each chunk, as `Hexahedra.peaks` does."""
+        rest = self.blocks.state, self.blocks.filled, self.here.points, self.found
+        self.device.each(history_kernels.peak_of_chunk, self.chunks, *rest)
+        return self.device.get(self.found)
 
     def add_forces(self, nodes: Nodes, dt: float) -> float:
         """Bring the elements to the end of a step and add their forces; return their critical step, s."""
@@ -123,6 +142,10 @@ class DeviceTies:
         self.device.each(bodies.tied_corner, self.carrying, self.corners, self.start, self.places, self.there, f)
         self.device.each(bodies.clear_row, self.count, self.there.nodes, f)
 
+    def move(self, field: Any) -> None:
+        """Give tied nodes the vectors of their places on the faces, as `strikewave.fem.tie.move_tied` does."""
+        self.device.each(move_tied_node, self.count, self.there, field)
+
     def follow(self, nodes: Nodes, dt: float) -> None:
         """Bring tied nodes to the end of a step with their faces."""
         self.device.each(bodies.follow_node, self.count, self.there, nodes.x, nodes.v, dt)
@@ -138,6 +161,7 @@ class DeviceActing:
         self.kick = 0.0
         self.force, self.before, self.first = (device.put(each) for each in (acting.force, acting.before, acting.force))
         self.done = device.put(np.zeros((self.count, DONE)))
+        self.totals = device.put(np.zeros((shares_of(self.count), DONE)))
 
     def add(self, now: Now) -> None:
         """Find the forces of this instant and add them to those of the nodes."""
@@ -170,12 +194,19 @@ class DeviceActing:
         rest = self.nodes, self.force, self.before, nodes.v, kick, self.done
         self.device.each(bodies.book_row, self.count, *rest)
 
-    def fetch(self) -> Array:
-        """Bring force and velocity before here; return work and impulse since the last time."""
+    def fetch(self) -> None:
+        """Bring force and velocity before here."""
         self.here.force[:], self.here.before[:] = self.device.get(self.force), self.device.get(self.before)
-        done = self.device.get(self.done).sum(axis=0)
-        self.done = self.device.put(np.zeros((self.count, DONE)))
-        return np.asarray(done)
+
+    def collect(self) -> Array:
+        """Return work and impulse since the last time."""
+        self.device.each(bodies.drain_share, len(self.totals), self.done, self.totals)
+        return np.asarray(self.device.get(self.totals).sum(axis=0))
+
+    def now(self) -> Array:
+        """Return power and sum of the forces, as `Acting.now` does."""
+        self.device.each(bodies.acting_share, len(self.totals), self.force, self.before, self.totals)
+        return np.asarray(self.device.get(self.totals).sum(axis=0))
 
 
 class DevicePressed(DeviceActing):
@@ -227,15 +258,23 @@ class DeviceTouch(Generic[S]):
         self.here: S = here
         self.device, self.count = device, len(here.touch.nodes)
         self.there, self.done = put_fields(device, here), device.put(np.zeros((self.count, DONE)))
+        self.totals, self.feeling = (device.put(np.zeros((shares_of(self.count), n))) for n in (DONE, TOUCHED))
 
-    def fetch(self) -> Array:
-        """Bring the state here; return work, and impulse on the first surface, since the last time."""
+    def fetch(self) -> None:
+        """Bring the state here."""
         before = self.here.touch.step[0]
         get_fields(self.device, self.there, self.here)
         self.here.touch.step[0] = before
-        done = self.device.get(self.done)
-        self.done = self.device.put(np.zeros((self.count, DONE)))
-        return np.append(done[:, 0].sum(), done[: self.here.touch.first, 1:].sum(axis=0))
+
+    def collect(self) -> Array:
+        """Return work, and impulse on the first surface, since the last time."""
+        self.device.each(bodies.drain_share, len(self.totals), self.done, self.totals)
+        return np.asarray(self.device.get(self.totals).sum(axis=0))
+
+    def felt(self) -> Array:
+        """Return what the shares of the nodes feel: see `_history_kernels.touch_share`."""
+        self.device.each(history_kernels.touch_share, len(self.feeling), self.there.touch, self.feeling)
+        return self.device.get(self.feeling)
 
     def book(self, nodes: Nodes, kick: float) -> None:
         """Add work and impulse of the step that led to the velocity now."""
@@ -274,14 +313,28 @@ class DeviceContact(DeviceTouch[ContactState]):
         each, there = self.device.each, self.there
         step = self.step(now)
         each(contact_kernels.predict_node, self.count, there, nodes.x, nodes.v, nodes.f, nodes.yielding, step)
-        self.here.moving[:] = self.device.get(there.moving)
-        travel = float(contact_kernels.travel_of(self.here, now.step))
+        travel = self._travel(now.step)
         self.travel += travel
         each(bodies.note_travel, 1, there, self.travel)
         each(contact_kernels.press_node, self.count, there, step._replace(travel=travel))
         each(bodies.collect_node, self.count, there, self.start, self.sources, nodes.f)
         if self.travel + 2.0 * travel > self.here.margin:
             self.search(nodes.x)
+
+    def fetch(self) -> None:
+        """Bring the state here, but for what is known here."""
+        middle = self.here.middle.copy()
+        super().fetch()
+        self.here.middle[:] = middle
+
+    def _travel(self, dt: float) -> float:
+        """Return how much closer any two nodes may come in a step, m."""
+        here, travel = self.here, 0.0
+        for _ in range(contact_kernels.passes(here)):
+            self.device.each(contact_kernels.speed_share, len(here.speeds), self.there, tuple(here.middle.tolist()))
+            here.speeds[:] = self.device.get(self.there.speeds)
+            travel = float(contact_kernels.travel_of(here, dt))
+        return travel
 
     def search(self, x: Any) -> None:
         """Search the faces anew for where the nodes (nodes, 3) are there."""
@@ -291,3 +344,33 @@ class DeviceContact(DeviceTouch[ContactState]):
         self.travel = 0.0
         self.device.each(bodies.note_travel, 1, self.there, self.travel)
         self._list_sources(self.device.get(self.there.nodal.face))
+
+
+class DeviceWatch:
+    """What is watched of nodes and sections, and the sums of it."""
+
+    def __init__(self, device: Device, engine: Engine) -> None:
+        watched = engine.recorder.watched
+        self.device, self.watched = device, put_fields(device, watched)
+        self.points, self.velocity = device.put(engine.model.mesh.points), device.put(engine.velocity)
+        self.moved, self.kinetic = device.put(engine.moved), device.put(engine.kinetic)
+        self.rows = {section.name: device.put(section.rows) for section in engine.section_stresses}
+        self.stresses = {section.name: device.put(np.zeros(section.rows.shape)) for section in engine.section_stresses}
+
+    def sums(self, nodes: Nodes, tied: DeviceTies, dt_previous: float, dt_next: float) -> tuple[Array, float]:
+        """Return the sums of the shares that are watched, (shares, 6), and twice the kinetic energy, J."""
+        each, velocity, half = self.device.each, self.velocity, 0.5 * dt_previous
+        each(history_kernels.velocity_of, len(nodes.mass), nodes.v, nodes.f, nodes.inverse_mass, half, velocity)
+        tied.move(velocity)
+        watched = self.watched, self.points, nodes.x, velocity, self.moved
+        each(history_kernels.watch_share, len(self.moved), *watched)
+        steps = dt_previous, dt_next
+        moving = nodes.v, nodes.f, nodes.mass, nodes.inverse_mass
+        each(history_kernels.kinetic_share, len(self.kinetic), *moving, *steps, self.kinetic)
+        return self.device.get(self.moved), float(self.device.get(self.kinetic).sum())
+
+    def stress(self, section: SectionStress, elements: DeviceElements) -> Array:
+        """Return the stress of the points of a section, (points, 6)."""
+        rows, stress = self.rows[section.name], self.stresses[section.name]
+        self.device.each(bodies.take_stress, len(section.rows), rows, elements.blocks.state, stress)
+        return self.device.get(stress)
