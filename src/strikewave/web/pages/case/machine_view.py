@@ -20,9 +20,8 @@ from strikewave.base.result import Band
 from strikewave.cases.tables.published import PUBLISHED_QUANTITIES
 from strikewave.machines.blows import Blow
 from strikewave.reporting.banded_numbers import with_band
-from strikewave.reporting.numbers import axis_unit, time_unit, with_unit
+from strikewave.reporting.numbers import SHOWN_UNITS, axis_unit, time_unit, with_unit
 from strikewave.reporting.parts import NONE
-from strikewave.reporting.shown_units import SHOWN_UNITS
 from strikewave.web.case.loading import loaded
 from strikewave.web.case.state import CaseSource
 from strikewave.web.case.view import by_full_run, result_file, told
