@@ -10,8 +10,8 @@ from strikewave.analyses.fem.build import build_model
 from strikewave.exchange.deck import Heading
 from strikewave.exchange.radioss.deck import radioss_deck
 from strikewave.exchange.units import SYSTEMS
-from strikewave.fem.engine import first_steps
 from strikewave.fem.hexahedron import element_masses
+from strikewave.fem.masses import first_steps
 from strikewave.fem.mesh import Mesh
 from strikewave.fem.model import Model
 from strikewave.fem.rigid import RigidBody

@@ -114,7 +114,10 @@ class Comparison:
 
 @dataclass(frozen=True)
 class InputShare:
-    """Share of one input in the variance of a result: ``field`` is its path in the case."""
+    """Share of one input in the variance of a result.
+
+    ``field`` is its path in the case, or that of what a named material stands for, ``material.PTFE.modulus``.
+    """
 
     field: str
     share: float

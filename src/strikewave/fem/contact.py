@@ -63,8 +63,10 @@ import numpy as np
 from strikewave.base.errors import InputError
 from strikewave.fem import _contact_kernels as kernels
 from strikewave.fem import _surface_kernels as surface_kernels
-from strikewave.fem._contact_kernels import ContactState, NodeContacts, NodeTouch, WallState
+from strikewave.fem import _touch_kernels as touch_kernels
+from strikewave.fem._contact_kernels import ContactState, NodeContacts
 from strikewave.fem._history_kernels import ROWS
+from strikewave.fem._touch_kernels import NodeTouch, Step, WallState
 from strikewave.fem.mesh import Array, Index, Mesh
 from strikewave.fem.model import STIFFNESS, RigidWall, SurfaceContact
 from strikewave.fem.surfaces import extents, have_common, neighbours, surface_of, thickness
@@ -87,9 +89,9 @@ REACH = 0.25
 NODES = 500
 """Nodes whose contact a thread finds at least: fewer take less time than handing the work to a thread."""
 
-add_wall = kernels.add_wall
-contact_force = kernels.contact_force
-contact_work = kernels.contact_work
+add_wall = touch_kernels.add_wall
+contact_force = touch_kernels.contact_force
+contact_work = touch_kernels.contact_work
 
 
 @dataclass(frozen=True)
@@ -282,7 +284,7 @@ def add_contact(
     """
     count, split = len(state.touch.nodes), state.touch.first
     shares = spans(count, threads, NODES)
-    step = kernels.Step(dt, kick if kick > 0.0 else dt, 0.0, 1.0)
+    step = Step(dt, kick if kick > 0.0 else dt, 0.0, 1.0)
     on_all(pool, kernels.predict_positions, [(state, x, v, f, inverse_mass, step, *span) for span in shares])
     step = kernels.begin_step(state, step)
     on_all(pool, kernels.press_nodes, [(state, step, *span) for span in shares])

@@ -4,19 +4,16 @@ from __future__ import annotations
 
 import hashlib
 import itertools
-import math
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Mapping
 from concurrent.futures import ThreadPoolExecutor
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
 from strikewave._version import __version__
-from strikewave.base.errors import InputError
 from strikewave.base.percents import percent
 from strikewave.fem import _history_kernels as history_kernels
 from strikewave.fem import _node_kernels as node_kernels
-from strikewave.fem._contact_kernels import NodeTouch
 from strikewave.fem.bodies import joined_parts
 from strikewave.fem.boundary import Acting, Now, Weight, build_boundaries
 from strikewave.fem.contact import (
@@ -31,20 +28,17 @@ from strikewave.fem.contact import (
     searched,
 )
 from strikewave.fem.full import FullyIntegrated, Mixed
-from strikewave.fem.full import critical_steps as full_critical_steps
 from strikewave.fem.hexahedron import (
     Hexahedra,
     OnePoint,
     build_blocks,
-    critical_steps,
-    element_masses,
     one_point_constants,
-    shapes,
 )
-from strikewave.fem.mesh import Array, Index, Mesh
+from strikewave.fem.masses import fitting, nodal_sums, part_masses, scaled_masses
+from strikewave.fem.mesh import Array
 from strikewave.fem.model import Model
 from strikewave.fem.quality import scaled_jacobians
-from strikewave.fem.recorder import HistoryRecorder, NodeMotion, Noted, assembly, pressed
+from strikewave.fem.recorder import HistoryRecorder, NodeMotion, Noted, assembly, felt_by, pressed, section_stresses
 from strikewave.fem.rigid import rigid_bodies, surface_inverse_mass
 from strikewave.fem.run import KEPT, FemRun, FieldFrame, Rest
 from strikewave.fem.threads import on_all, spans
@@ -60,11 +54,6 @@ up."""
 COLLAPSED = 1e-3
 """Share of the first critical step below which a run stops: it would take a thousand times as long, and an element that
 is squeezed so far is about to turn inside out."""
-SCALINGS = 60
-"""Rounds in which mass is added. Without bulk viscosity one round does; with it the step grows more slowly than the
-root of the mass, and where it stops growing no mass suffices."""
-ROUNDING = 1e-9
-"""Share by which a step may miss what it should fit: above rounding, far below what a step is cut by."""
 WORKS = ("contact", "external")
 """What is summed over the steps here; the elements sum theirs."""
 
@@ -402,49 +391,6 @@ class Engine:
         )
 
 
-def fitting(span: float, longest: float) -> float:
-    """Return the largest step up to a longest one that goes into a span a whole number of times, s."""
-    return span / max(1, math.ceil(span / longest - ROUNDING))
-
-
-def part_masses(mesh: Mesh, element_mass: Array, name: str) -> Array:
-    """Return the mass of a part at each of its nodes, kg."""
-    chosen = mesh.elements_of(name)
-    whole = nodal_sums(mesh.hexahedra[chosen], element_mass[chosen] / 8.0, len(mesh.points))
-    return whole[mesh.nodes_of(name)]
-
-
-def felt_by(touch: NodeTouch) -> Array:
-    """Return what the shares of the nodes of a contact or wall feel, (shares, TOUCHED): see `touch_share`."""
-    felt = np.zeros((-(-len(touch.nodes) // history_kernels.ROWS), history_kernels.TOUCHED))
-    history_kernels.touches(touch, felt)
-    return felt
-
-
-class SectionStress(NamedTuple):
-    """Where the stress of a section stands: rows (points, 6) of the state of a kind of elements, and their weights."""
-
-    name: str
-    kind: int
-    rows: Index
-    weights: Array
-
-    def mean(self, stress: Array) -> Array:
-        """Return the mean of the stress of the points, (points, 6), by volume."""
-        return np.asarray(self.weights @ stress)
-
-
-def section_stresses(kinds: Sequence[Hexahedra], sections: Mapping[str, tuple[Index, Array]]) -> list[SectionStress]:
-    """Return where the stress of each section stands, but of those of rigid parts, which have none."""
-    found = []
-    for (name, (elements, volume)), kind in itertools.product(sections.items(), range(len(kinds))):
-        places = kinds[kind].stress_places(elements)
-        if len(places):
-            rows = places.reshape(-1, 1) + np.array(history_kernels.STRESS)
-            found.append(SectionStress(name, kind, rows, np.repeat(volume / kinds[kind].points, kinds[kind].points)))
-    return found
-
-
 def build_elements(model: Model, parts: Iterable[str], mass: Array, pool: ThreadPoolExecutor | None) -> Mixed:
     """Return the elements of some parts, at rest and without stress; ``mass`` (elements,) is theirs, kg."""
     mesh, solids, controls = model.mesh, model.solids, model.controls
@@ -459,43 +405,3 @@ def build_elements(model: Model, parts: Iterable[str], mass: Array, pool: Thread
             if constants
         ]
     )
-
-
-def nodal_sums(hexahedra: Index, values: Array, nodes: int) -> Array:
-    """Return the sum of a value of elements over those of each node, (nodes,)."""
-    return np.asarray(np.bincount(hexahedra.ravel(), np.repeat(values, 8), nodes), float)
-
-
-def scaled_masses(model: Model, parts: Iterable[str]) -> tuple[Array, float, float]:
-    """Return the masses of the elements, kg; the mass that was added for the wanted step; the critical step, s.
-
-    Raises
-    ------
-    InputError
-        If no mass makes the wanted step stable.
-    """
-    mesh, controls = model.mesh, model.controls
-    mass = element_masses(mesh, model.solids)
-    before, least = mass.sum(), np.inf
-    for name in parts:
-        chosen, wanted = mesh.elements_of(name), controls.least_step / controls.safety
-        for _ in range(SCALINGS):
-            steps = first_steps(model, name, mass[chosen])
-            short = wanted / steps
-            if short.max() <= 1.0 + ROUNDING:
-                break
-            mass[chosen] *= np.maximum(short, 1.0) ** 2
-        else:
-            limit = f"at most about {controls.safety * float(steps.min()):.3g} s for {name}"
-            raise InputError("least_step", controls.least_step, limit, "the bulk viscosity allows no longer one")
-        least = min(least, float(steps.min()))
-    return mass, float(mass.sum() - before), least
-
-
-def first_steps(model: Model, part: str, mass: Array) -> Array:
-    """Return the critical steps of the elements of a part before the run, s; ``mass`` is that of its elements."""
-    mesh, controls = model.mesh, model.controls
-    hexahedra, rest = mesh.hexahedra[mesh.elements_of(part)], (mass, model.solids[part], controls.linear_viscosity)
-    if part in controls.full:
-        return full_critical_steps(mesh.points, hexahedra, *rest)
-    return critical_steps(shapes(mesh.points, hexahedra), *rest)

@@ -2,14 +2,18 @@
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Mapping, Sequence
 from typing import NamedTuple
 
 import numpy as np
 
 from strikewave.base.errors import InputError
+from strikewave.fem import _history_kernels as history_kernels
 from strikewave.fem._history_kernels import ROWS, WatchedNodes
+from strikewave.fem._touch_kernels import NodeTouch
 from strikewave.fem.boundary import unit
+from strikewave.fem.hexahedron import Hexahedra
 from strikewave.fem.mesh import TINY, Array, Index, Mesh, volumes
 from strikewave.fem.model import CutSection, Model
 from strikewave.fem.run import ENERGIES, PartHistory, PointHistory, SectionHistory
@@ -221,3 +225,34 @@ def section_elements(mesh: Mesh, section: CutSection) -> tuple[Index, Array]:
     elements = (np.flatnonzero(cut) + chosen.start).astype(np.int32)
     volume = volumes(mesh.points, mesh.hexahedra[elements])
     return elements, volume / volume.sum()
+
+
+def felt_by(touch: NodeTouch) -> Array:
+    """Return what the shares of the nodes of a contact or wall feel, (shares, TOUCHED): see `touch_share`."""
+    felt = np.zeros((-(-len(touch.nodes) // history_kernels.ROWS), history_kernels.TOUCHED))
+    history_kernels.touches(touch, felt)
+    return felt
+
+
+class SectionStress(NamedTuple):
+    """Where the stress of a section stands: rows (points, 6) of the state of a kind of elements, and their weights."""
+
+    name: str
+    kind: int
+    rows: Index
+    weights: Array
+
+    def mean(self, stress: Array) -> Array:
+        """Return the mean of the stress of the points, (points, 6), by volume."""
+        return np.asarray(self.weights @ stress)
+
+
+def section_stresses(kinds: Sequence[Hexahedra], sections: Mapping[str, tuple[Index, Array]]) -> list[SectionStress]:
+    """Return where the stress of each section stands, but of those of rigid parts, which have none."""
+    found = []
+    for (name, (elements, volume)), kind in itertools.product(sections.items(), range(len(kinds))):
+        places = kinds[kind].stress_places(elements)
+        if len(places):
+            rows = places.reshape(-1, 1) + np.array(history_kernels.STRESS)
+            found.append(SectionStress(name, kind, rows, np.repeat(volume / kinds[kind].points, kinds[kind].points)))
+    return found

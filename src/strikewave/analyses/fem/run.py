@@ -147,7 +147,7 @@ def check_model(model: Model) -> None:
 
 def first_step(model: Model) -> float:
     """Return the time step that a run begins with, s."""
-    from strikewave.fem.engine import fitting, scaled_masses
+    from strikewave.fem.masses import fitting, scaled_masses
 
     controls, rigid = model.controls, {body.part for body in model.rigid}
     with fields_of_case(model):

@@ -10,8 +10,8 @@ import numpy as np
 from strikewave.exchange.deck import or_smallest
 from strikewave.exchange.radioss.blocks import Groups, Value, block
 from strikewave.exchange.units import UnitSystem
-from strikewave.fem.engine import nodal_sums
 from strikewave.fem.hexahedron import element_masses
+from strikewave.fem.masses import nodal_sums
 from strikewave.fem.mesh import Array, Index
 from strikewave.fem.model import Model, Rigid
 from strikewave.fem.rigid import RigidBody

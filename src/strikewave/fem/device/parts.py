@@ -13,18 +13,20 @@ from strikewave.fem import _history_kernels as history_kernels
 from strikewave.fem import _layout as layout
 from strikewave.fem import _rigid_kernels as rigid_kernels
 from strikewave.fem import _surface_kernels as surface_kernels
-from strikewave.fem._contact_kernels import ContactState, Step, WallState
+from strikewave.fem._contact_kernels import ContactState
 from strikewave.fem._history_kernels import TOUCHED
 from strikewave.fem._tie_kernels import move_tied_node
+from strikewave.fem._touch_kernels import Step, WallState, wall_node
 from strikewave.fem.boundary import Acting, Dashpots, Held, Now, Pressed, Weight, value_at
 from strikewave.fem.device import _bodies as bodies
 from strikewave.fem.device.devices import Device
 from strikewave.fem.device.search import FaceSearch
 from strikewave.fem.device.tables import lists
-from strikewave.fem.engine import Engine, SectionStress
+from strikewave.fem.engine import Engine
 from strikewave.fem.full import FullyIntegrated
 from strikewave.fem.hexahedron import Hexahedra, OnePoint
 from strikewave.fem.mesh import Array, Index
+from strikewave.fem.recorder import SectionStress
 from strikewave.fem.rigid import SHARES, RigidBody
 from strikewave.fem.tie import TieState
 
@@ -82,13 +84,9 @@ class DeviceElements:
         filled = np.arange(layout.LANES) < blocks.filled[:, None, None]
         places = np.flatnonzero(np.broadcast_to(filled, corners.shape)).astype(np.int32)
         self.start, self.places = (device.put(each) for each in lists(blocks.nodes[places], places, nodes))
-        self.send()
-
-    def send(self) -> None:
-        """Bring the state of the elements there."""
-        put, self.stepped, stored, here = self.device.put, False, self.device.stored, self.here.blocks
-        kept = here._replace(constants=here.constants.astype(stored), state=here.state.astype(stored))
-        self.blocks = put_fields(self.device, kept)
+        put, self.stepped, stored = device.put, False, device.stored
+        kept = blocks._replace(constants=blocks.constants.astype(stored), state=blocks.state.astype(stored))
+        self.blocks = put_fields(device, kept)
         self.results = bodies.ElementResults(
             put(np.zeros((3, 8 * self.lanes), stored)),
             put(np.zeros((layout.SUMS, self.lanes))),
@@ -292,7 +290,7 @@ class DeviceWall(DeviceTouch[WallState]):
     def add(self, now: Now, nodes: Nodes) -> None:
         """Add its forces to those of the nodes."""
         rest = self.there, nodes.x, nodes.v, nodes.f, nodes.yielding, self.step(now)
-        self.device.each(contact_kernels.wall_node, self.count, *rest)
+        self.device.each(wall_node, self.count, *rest)
 
 
 class DeviceContact(DeviceTouch[ContactState]):

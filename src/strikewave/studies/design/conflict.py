@@ -2,7 +2,8 @@
 
 Goals are left out one after the other; one without which the others still cannot be met stays out (the deletion filter
 of Chinneck & Dravnieks 1991). What is left cannot be met together, and would without any one of them: as far as the
-searches find. A global search finds no proof that nothing is there.
+searches find. A global search finds no proof that nothing is there. What a goal comes to is that of runs that pass
+their checks, whether these are among the fewest or not.
 """
 
 from __future__ import annotations
@@ -68,7 +69,8 @@ def conflict_of(runs: DesignRuns) -> Conflict:
     names = runs.plan.evaluation.names
     reaches = []
     for salt, goal in enumerate(goals, len(runs.plan.goals) + 1):
-        others = [one for one in goals if one is not goal]
+        checks = [one for one in runs.plan.goals if one.is_check and one not in goals]
+        others = [*(one for one in goals if one is not goal), *checks]
         merit = reach_merit(goal, others, names)
         run = search(runs, merit, salt=salt)
         met = float(merit(runs.numbers)[run]) < INFEASIBLE

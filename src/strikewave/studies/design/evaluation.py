@@ -13,7 +13,8 @@ from strikewave.analyses.compare.specified import judged_by
 from strikewave.base.materials import material
 from strikewave.cases.case import Case
 from strikewave.cases.contact_notices import first_yield_of
-from strikewave.cases.contact_of_case import struck_material
+from strikewave.cases.contact_of_case import cushion_of_contact, struck_material
+from strikewave.cases.law_names import CUSHION
 from strikewave.specifications.decisions import CANNOT_TELL
 from strikewave.specifications.reading import load_specification
 from strikewave.studies.engine.case_evaluation import CaseEvaluation
@@ -23,6 +24,8 @@ from strikewave.studies.simulation import Simulation, number_units, owners
 SPEC, CLIPS, YIELDING, OF_YIELD = "spec:", "clips", "stress", " / yield"
 """Begin of the name of the least margin of a specification; name of the largest reading over the range of its sensor;
 name of the largest stress anywhere; and end of the name of a load over that at which its material yields."""
+PRESSED, PRESSED_BY = "pressed", "first.indentation"
+"""Name of how far the first blow presses the pad of the contact, over its thickness; and of what that follows from."""
 VON_MISES = "von_mises"
 """Name of the largest stress of a part of elements."""
 
@@ -32,10 +35,10 @@ def is_derived(name: str) -> bool:
 
     Examples
     --------
-    >>> [is_derived(name) for name in ("cv", "spec:jesd22-b110:B", "stress / yield", "clips sensor")]
-    [False, True, True, True]
+    >>> [is_derived(name) for name in ("cv", "spec:jesd22-b110:B", "stress / yield", "clips sensor", "pressed")]
+    [False, True, True, True, True]
     """
-    return name.startswith(SPEC) or name.endswith(OF_YIELD) or name.split(" ")[0] == CLIPS
+    return name.startswith(SPEC) or name.endswith(OF_YIELD) or name == PRESSED or name.split(" ")[0] == CLIPS
 
 
 @dataclass(frozen=True)
@@ -73,6 +76,7 @@ def evaluation_of(case: Case, analysis: str, names: Iterable[str], device: str |
         if name.endswith(OF_YIELD):
             load = name.removesuffix(OF_YIELD)
             needed += stress_names(case) if load == YIELDING else [load]
+    needed += [PRESSED_BY] if PRESSED in wanted else []
     needed = list(dict.fromkeys(needed))
     evaluation = CaseEvaluation(analysis, tuple(needed), device=device)
     return DesignEvaluation(evaluation, (*needed, *filter(is_derived, wanted)))
@@ -124,6 +128,9 @@ def _derived(name: str, case: Case, numbers: Mapping[str, float], simulation: Si
         loads = stress_names(case) if load == YIELDING else [load]
         shares = [numbers[one] / limit for one in loads if (limit := yield_of(case, one))]
         return float(np.nanmax(shares)) if shares and np.isfinite(shares).any() else math.nan
+    if name == PRESSED:
+        pad = case.impact().contact
+        return numbers[PRESSED_BY] / cushion_of_contact(pad).pad.thickness if pad.law == CUSHION else 0.0
     return _clipping(name.removeprefix(CLIPS).strip(), case, simulation)
 
 

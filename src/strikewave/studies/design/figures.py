@@ -32,7 +32,7 @@ def design_picture(study: DesignStudy) -> Figure:
     """Draw the runs over the numbers of two goals, over two settings, and the margins of the ranked settings."""
     from matplotlib.figure import Figure
 
-    bars = min(len(study.plan.goals), MOST_BARS)
+    bars = min(sum(not goal.is_check for goal in study.plan.goals), MOST_BARS)
     lower = 0.9 + BAR * max(bars, 1) * 1.6
     figure = Figure(figsize=(WIDTH, HEIGHT + (lower if bars else 0.0)), layout="constrained")
     sheet_title(figure, f"{study.case.name or 'case'}: {len(study.rows)} runs, {study.met} meet all goals")

@@ -18,8 +18,10 @@ from strikewave.base.errors import InputError, nearest
 from strikewave.base.quantities import Range
 from strikewave.base.units import DIMENSIONS
 from strikewave.cases.case import Case
+from strikewave.cases.law_names import CUSHION
+from strikewave.contact.cushions.laws import LARGEST_STRAIN
 from strikewave.specifications.reading import load_specification
-from strikewave.studies.design.evaluation import CLIPS, OF_YIELD, SPEC, YIELDING, stress_names, yield_of
+from strikewave.studies.design.evaluation import CLIPS, OF_YIELD, PRESSED, SPEC, YIELDING, stress_names, yield_of
 from strikewave.studies.engine.case_evaluation import numbers_of, read_kept, unit_of
 from strikewave.studies.fit.targets import PLUS_MINUS
 
@@ -50,12 +52,15 @@ class Goal(NamedTuple):
         Name of the number.
     low, high : float
         Limits, SI; infinite where there is none.
+    is_check : bool
+        Whether it is a check of the run, which passes or does not: its margin limits no setting that passes.
     """
 
     typed: str
     number: str
     low: float
     high: float
+    is_check: bool = False
 
     @property
     def scale(self) -> float:
@@ -67,14 +72,16 @@ class Goal(NamedTuple):
     def share(self, values: Array) -> Array:
         """Return the margins of values: the distance to the nearer limit over `scale`, below 0 outside.
 
-        It is what clauses of specifications have as theirs. A run without the number has none: NaN.
+        It is what clauses of specifications have as theirs. A run without the number has none: NaN. That of a check
+        that passes is infinite.
 
         Examples
         --------
         >>> Goal("cv < 4 %", "cv", -math.inf, 0.04).share(np.array([0.01, 0.04, 0.06])).round(9).tolist()
         [0.75, 0.0, -0.5]
         """
-        return np.asarray(np.minimum(values - self.low, self.high - values) / self.scale)
+        margins = np.asarray(np.minimum(values - self.low, self.high - values) / self.scale)
+        return np.where(margins > 0.0, math.inf, margins) if self.is_check else margins
 
     @property
     def nearest_limit(self) -> float:
@@ -124,6 +131,21 @@ def read_aim(case: Case, analysis: str, text: str, field: str = "goals") -> Aim:
     if found is None:
         raise InputError(field, text, "a goal or an objective", EXAMPLES)
     return _limited(case, analysis, typed, found, field)
+
+
+def checks_of(case: Case, analysis: str) -> tuple[Goal, ...]:
+    """Return the checks of a run that a setting must pass beside the goals: that no pad is pressed solid.
+
+    Examples
+    --------
+    >>> from strikewave import load_case
+    >>> [one.typed for one in checks_of(load_case("iec-60068-2-27-rubber"), "run")]
+    ['check cushion-solid: pressed < 100 %']
+    """
+    if analysis != "run" or case.contact is None or case.contact.law != CUSHION:
+        return ()
+    limit = f"{100.0 * LARGEST_STRAIN:g} %"
+    return (Goal(f"check cushion-solid: {PRESSED} < {limit}", PRESSED, -math.inf, LARGEST_STRAIN, is_check=True),)
 
 
 def _needs_history(case: Case, analysis: str, typed: str, field: str) -> None:

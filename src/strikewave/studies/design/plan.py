@@ -20,7 +20,7 @@ from strikewave.cases.case import Case
 from strikewave.cases.written_case import dump_case
 from strikewave.studies.axes import case_at
 from strikewave.studies.design.evaluation import DesignEvaluation, evaluation_of, is_derived
-from strikewave.studies.design.goals import EXAMPLES, Aim, Goal, Objective, read_aim
+from strikewave.studies.design.goals import EXAMPLES, Aim, Goal, Objective, checks_of, read_aim
 from strikewave.studies.engine.case_evaluation import checked_analysis, checked_device, numbers_of
 from strikewave.studies.engine.evaluation import Job, Row
 from strikewave.studies.engine.plan import AxisVariation, varied
@@ -266,6 +266,7 @@ def plan_of(
     if not 0 <= seed < 2**63:
         raise InputError("seed", seed, "a whole number from 0 to 2^63 - 1")
     variables = tuple(read_variable(case, text) for text in vary)
+    read += checks_of(case, chosen)
     return DesignPlan(case, variables, read, chosen, count, seed, robust, varied(case, variables, NOTE), way)
 
 

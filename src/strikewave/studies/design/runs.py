@@ -22,6 +22,8 @@ FAR = 1e9
 """Merit of a run that failed or has not all numbers: worse than any that has them."""
 INFEASIBLE = 1e6
 """What is added to the merit of a setting that misses a goal, so that any that meets all is better."""
+BROKEN = 1e5
+"""What is added to the merit of a setting that fails a check of the run, so that any that passes is nearer."""
 
 
 class DesignRuns:
@@ -87,10 +89,16 @@ class DesignRuns:
 
 
 def margin_merit(goals: Sequence[Goal], names: Sequence[str]) -> Merit:
-    """Return the merit whose smallest value has the largest least margin."""
+    """Return the merit whose smallest value has the largest least margin, of settings that pass all checks."""
+    checks, others = [goal for goal in goals if goal.is_check], [goal for goal in goals if not goal.is_check]
+
+    def missed(of: Sequence[Goal], numbers: Array) -> Array:
+        least = shares_of(of, names, numbers).min(axis=1, initial=np.inf)
+        return np.nan_to_num(-least, nan=FAR, posinf=FAR, neginf=-FAR)
 
     def merit(numbers: Array) -> Array:
-        return np.nan_to_num(-shares_of(goals, names, numbers).min(axis=1), nan=FAR, posinf=FAR, neginf=-FAR)
+        value, failed = missed(others, numbers), missed(checks, numbers)
+        return np.where(failed < 0.0, value, np.where(failed < FAR, BROKEN + failed, FAR))
 
     return merit
 

@@ -4,7 +4,8 @@ Every run is kept, so that a search that was stopped asks for the same rows agai
 same case begins with what earlier ones found, and runs of a generation share the processes. With goals alone the least
 of the margins is made as large as it can be: below zero it says by how much all limits at once must be widened. With an
 objective a setting that meets all goals beats any that does not, of two that do the better one wins, and of two that do
-not the one whose worst goal is missed by less (Deb 2000).
+not the one whose worst goal is missed by less (Deb 2000). Its last runs go from the best setting to the end of the
+valley that it lies in: see `strikewave.studies.design.refining`.
 """
 
 from __future__ import annotations
@@ -14,6 +15,7 @@ import warnings
 import numpy as np
 from numpy.typing import NDArray
 
+from strikewave.studies.design.refining import SHARE, refine
 from strikewave.studies.design.runs import DesignRuns, Merit
 from strikewave.studies.design.surrogate import surrogate_search
 from strikewave.studies.engine.plan import sobol_sequence
@@ -54,7 +56,8 @@ def search(runs: DesignRuns, merit: Merit, enough: float = -np.inf, salt: int = 
     plan = runs.plan
     first = _first_generation(runs, merit, salt)
     source = np.random.Generator(np.random.Philox(np.random.SeedSequence(plan.seed, spawn_key=(salt,))))
-    runs.most = len(runs.rows) + plan.runs
+    begun = len(runs.rows)
+    runs.most = begun + plan.runs
 
     def of_places(places: Array) -> Array:
         rows = [plan.row_at(place) for place in places.reshape(len(plan.variables), -1).T]
@@ -70,7 +73,7 @@ def search(runs: DesignRuns, merit: Merit, enough: float = -np.inf, salt: int = 
             plan.bounds,
             init=first,
             integrality=plan.whole,
-            maxiter=max(plan.runs // len(first) - 1, 0),
+            maxiter=max((plan.runs - plan.runs // SHARE) // len(first) - 1, 0),
             tol=SETTLED,
             rng=source,
             polish=False,
@@ -78,6 +81,7 @@ def search(runs: DesignRuns, merit: Merit, enough: float = -np.inf, salt: int = 
             updating="deferred",
             callback=is_enough,
         )
+    refine(runs, merit, enough, begun + plan.runs)
     return runs.best(merit)
 
 

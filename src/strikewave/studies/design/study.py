@@ -59,6 +59,8 @@ SURROGATE_SOURCES: tuple[str, ...] = ("sacks-1989", "dubrule-1983", "jones-1998"
 """The same by surrogate."""
 OPTUNA_SOURCES: tuple[str, ...] = ("ozaki-2022", "akiba-2019")
 """Those of the search for a whole front."""
+AT_LIMIT = 0.95
+"""Share of its limit from which on the number of a check is said to limit what a goal comes to."""
 WEIGHTS = (0.25, 0.5, 0.75)
 """Weights of the first of two objectives, between the ends of their front, at which it is searched for besides."""
 
@@ -322,18 +324,23 @@ def conflict_words(study: DesignStudy) -> str:
         return f"no run has {' or '.join(lacking)}"
     words = []
     for one in conflict.reaches:
-        words.append(f'"{one.goal.typed}" {_reach_words(study, one, len(conflict.goals) > 1)}')
+        words.append(f'"{one.goal.typed}" {_reach_words(study, one, conflict.goals)}')
     which = " and ".join(f'"{goal.typed}"' for goal in conflict.goals)
     head = f"{which} exclude each other" if len(conflict.goals) > 1 else f"{which} cannot be reached alone"
     return f"{head}: {'; '.join(words)}"
 
 
-def _reach_words(study: DesignStudy, reach: Reach, others: bool) -> str:
-    """Say what the number of a goal comes to at best, or that no run met the other goals."""
+def _reach_words(study: DesignStudy, reach: Reach, stated: tuple[Goal, ...]) -> str:
+    """Say what the number of a goal comes to at best, or that no run met the other goals that are stated with it."""
     if not math.isfinite(reach.value):
         return "is unknown: no run met the others"
     value = study.value_words(reach.goal.number, reach.value)
-    return f"comes to {value} {'with the others met' if others else 'at best'}"
+    limiting = [
+        f", where {goal.typed} limits it"
+        for goal in study.plan.goals
+        if goal.is_check and goal not in stated and study.value(reach.run, goal.number) > AT_LIMIT * goal.high
+    ]
+    return f"comes to {value} {'with the others met' if len(stated) > 1 else 'at best'}{''.join(limiting)}"
 
 
 @compiling_shown()

@@ -180,13 +180,21 @@ def _as_sampled(curve: ComparedCurve, one: MeasuredPulse) -> ComparedCurve:
 
 
 def _figures(one: MeasuredNumber | MeasuredPulse) -> list[tuple[str, str, float, float]]:
-    """Return name, unit, value and standard uncertainty of each figure that was measured."""
+    """Return name, unit, value and standard uncertainty of each figure that was measured.
+
+    A stated scatter is one of the amplitude: of the peak, and of the area with it.
+    """
     if isinstance(one, MeasuredNumber):
         return [(one.called, one.unit, one.value, one.uncertainty)]
     pulse: Pulse = one.record.pulse
     doubts = {FIGURES[key]: value for key, value in one.record.uncertainty.items() if math.isfinite(value)}
     units = {"peak": one.unit, "width": "s", "area": {"m/s^2": "m/s", "N": "N s"}.get(one.unit, "")}
-    return [(name, units[key], float(getattr(pulse, key)), doubts.get(key, 0.0)) for name, key in names_of(one.unit)]
+    found = []
+    for name, key in names_of(one.unit):
+        value = float(getattr(pulse, key))
+        scatter = 0.0 if key == "width" else one.scatter * abs(value)
+        found.append((name, units[key], value, math.hypot(doubts.get(key, 0.0), scatter)))
+    return found
 
 
 def _kind(one: MeasuredNumber | MeasuredPulse, name: str) -> str:
