@@ -5,13 +5,14 @@ import pytest
 
 from strikewave import dump_case, load_case, run_case
 from strikewave.analyses.machine.quick_look import MOST_PASSES, quick_look
+from strikewave.base.constants import STANDARD_GRAVITY
 from strikewave.base.errors import StrikewaveError
 from strikewave.web.case.edited_field import EditedField
 from strikewave.web.case.fields import edited_fields
 from strikewave.web.case.loading import loaded
 from strikewave.web.case.state import CaseSource, CaseState
 from strikewave.web.case.view import opened, saved
-from strikewave.web.pages.case.machine_view import full, look
+from strikewave.web.pages.case.machine_view import PUBLISHED, compared, full, look
 
 ENGINE = 1e-3
 """What the fast engine may change of a result: its tolerance of 1e-4 gave at most 6e-4 over the inputs of li-ma-2019."""
@@ -41,6 +42,21 @@ def test_no_striker_that_touches_is_a_view_without_a_pulse():
     assert view["figures"] == []
     assert {bar["name"] for bar in view["charts"][2]["series"][0]["data"]} == {"missed"}
     assert view["charts"][0]["series"][0]["data"] == []
+
+
+def test_one_blow_has_no_diagram_of_a_train():
+    drop, train = (look(CaseSource(name, "", (), "")) for name in ("jesd22-b111-b", "li-ma-2019"))
+    assert [len(view["charts"]) for view in (drop, train)] == [2, 3]
+
+
+def test_published_values_stand_beside_those_that_were_computed():
+    """With units: a difference alone cannot be judged."""
+    solution = run_case(load_case("jesd22-b111-b"))
+    rows = {row[0]: row for row in compared(solution)}
+    assert all(len(row) == len(PUBLISHED) for row in rows.values())
+    entry = next(one for one in solution.comparisons if one.quantity == "first.rigid_peak")
+    assert rows["first.rigid_peak"][3] == f"{entry.published / STANDARD_GRAVITY:.4g} g"
+    assert rows["first.rigid_peak"][4] == f"{entry.computed / STANDARD_GRAVITY:.4g} g"
 
 
 @pytest.mark.verify

@@ -408,3 +408,5 @@ def print_published(published: Sequence[Comparison]) -> None:
         *numerals("published", "computed", "difference"),
     ]
     table("Comparison with published values", columns, rows)
+    for note in dict.fromkeys(entry.note for entry in published if entry.role == "shown" and entry.note):
+        tell(f"shown, not comparable: {note}", "  ")

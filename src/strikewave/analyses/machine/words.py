@@ -16,8 +16,9 @@ from strikewave.cases.tables.machine_kinds import KINDS
 from strikewave.cases.yield_pressure import YIELDING
 from strikewave.reporting.banded_numbers import with_band
 from strikewave.reporting.layout import KEY, MAIN, MORE
-from strikewave.reporting.numbers import listed, with_unit
-from strikewave.reporting.parts import NONE, Cell, Table
+from strikewave.reporting.numbers import listed, shown, spelled, with_unit
+from strikewave.reporting.parts import NONE, Cell, Table, written
+from strikewave.reporting.shown_units import shown_unit
 from strikewave.reporting.table_columns import TableColumn, page_table
 
 if TYPE_CHECKING:
@@ -169,8 +170,9 @@ def key_numbers(solution: Solution) -> list[tuple[str, str]]:
         ("contact force, first blow", with_unit(first.peak_force, "N", "kN", 3)),
     ]
     if solution.contact is not None and solution.contact.differ and solution.contact.band is not None:
-        low, high = (with_unit(peak, "m/s^2", "g") for peak in solution.contact.band)
-        pairs.append(("first peak, range of a yielding contact", f"{low} to {high}"))
+        low, high = (written(shown(peak, "m/s^2", "g")) for peak in solution.contact.band)
+        text = f"{low} to {high}\xa0{spelled(shown_unit('m/s^2', 'g'))}"
+        pairs.append(("first peak, range of a yielding contact", text))
     interval = _interval(struck)
     if interval is not None:
         pairs.append(("interval, median", with_band(interval, band.get("interval"), "s", "ms")))

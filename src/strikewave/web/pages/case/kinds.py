@@ -19,7 +19,7 @@ class CaseKind(NamedTuple):
     view : str
         Module of its `full`, and its `look`, which run in processes.
     charts : tuple of (str, bool)
-        What each diagram shows, and whether it is as wide as the page.
+        What each diagram shows, and whether it is as wide as the page; the last ones are hidden where a view has fewer.
     main : tuple of str
         Fields with sliders until it is known which matter most.
     files : tuple of (str, str, str)

@@ -17,9 +17,10 @@ from strikewave.analyses.machine.run import run_case
 from strikewave.base.compiled import is_cold
 from strikewave.base.percents import percent
 from strikewave.base.result import Band
+from strikewave.cases.tables.published import PUBLISHED_QUANTITIES
 from strikewave.machines.blows import Blow
 from strikewave.reporting.banded_numbers import with_band
-from strikewave.reporting.numbers import axis_unit, time_unit
+from strikewave.reporting.numbers import SHOWN_UNITS, axis_unit, time_unit, with_unit
 from strikewave.reporting.parts import NONE
 from strikewave.web.case.loading import loaded
 from strikewave.web.case.state import CaseSource
@@ -36,7 +37,7 @@ FIGURES = (
     ("interval", "interval of the blows", "s", "ms", 4),
 )
 """The key numbers: name, words, SI unit, unit shown, digits."""
-PUBLISHED = ("quantity", "origin", "difference", "role")
+PUBLISHED = ("quantity", "origin", "role", "published", "computed", "difference")
 NOTHING = "No striker touches the object: more engagement, or another arrival of the feed."
 MOST_IMPORTANT = 6
 """Fields with a slider: as many as a screen shows beside the pictures."""
@@ -59,7 +60,7 @@ def look(source: CaseSource) -> dict[str, Any]:
     return {
         "by": by,
         "figures": shown_figures(figures_of(seen.blows), {}),
-        "charts": [*pulse_charts(seen.since, seen.force, seen.acceleration), train(seen.blows, {})],
+        "charts": [*pulse_charts(seen.since, seen.force, seen.acceleration), *train(seen.blows, {})],
         "tables": [blow_rows(seen.blows, {})],
         "nothing": NOTHING,
     }
@@ -84,10 +85,10 @@ def full(source: CaseSource, say: Say | None = None) -> dict[str, Any]:
     return {
         "by": by_full_run(solution),
         "figures": shown_figures(solution.figures, solution.band),
-        "charts": [*pulse_charts(*_first_pulse(solution, place)), train(solution.blows, solution.band)],
+        "charts": [*pulse_charts(*_first_pulse(solution, place)), *train(solution.blows, solution.band)],
         "tables": [
             blow_rows(solution.blows, solution.band),
-            *([("Compared with published values", PUBLISHED, published, (0, 1, 3))] if published else []),
+            *([("Compared with published values", PUBLISHED, published, (0, 1, 2))] if published else []),
         ],
         "nothing": NOTHING,
         **told(solution, solution.balance),
@@ -135,13 +136,15 @@ def pulse_charts(since: Any, force: Any, acceleration: Any) -> list[dict[str, An
     return charts
 
 
-def train(found: Sequence[Any], bands: Mapping[str, Band]) -> dict[str, Any]:
-    """Return a diagram of the peaks of all blows, with the band of the later ones."""
+def train(found: Sequence[Any], bands: Mapping[str, Band]) -> list[dict[str, Any]]:
+    """Return a diagram of the peaks of all blows, with the band of the later ones; none where one blow is all."""
+    if len(found) < 2:
+        return []
     size, name = axis_unit("m/s^2", "g")
     band = bands.get("typical.rigid_peak")
     bars = [[b.index, round(b.rigid_peak / size, 2) if b.kind != "missed" else 0.0, b.kind] for b in found]
     ends = None if band is None else [band.low / size, band.high / size]
-    return train_chart("Train of blows", name, bars, ends)
+    return [train_chart("Train of blows", name, bars, ends)]
 
 
 def blow_rows(
@@ -180,12 +183,10 @@ def important(bands: Mapping[str, Band]) -> list[str]:
 
 def compared(solution: Solution) -> list[list[str]]:
     """Return the comparison with published values as rows of words."""
-    return [
-        [
-            one.quantity,
-            one.measured_or_simulated,
-            NONE if one.difference is None else percent(one.difference, 1, "+"),
-            one.role,
-        ]
-        for one in solution.comparisons
-    ]
+    rows = []
+    for one in solution.comparisons:
+        unit = PUBLISHED_QUANTITIES[one.quantity] or "1"
+        values = [with_unit(value, unit, SHOWN_UNITS.get(unit, unit)) for value in (one.published, one.computed)]
+        difference = NONE if one.difference is None else percent(one.difference, 1, "+")
+        rows.append([one.quantity, one.measured_or_simulated, one.role, *values, difference])
+    return rows

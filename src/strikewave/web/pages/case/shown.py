@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from html import escape
+from itertools import zip_longest
 from typing import Any
 
 from nicegui import ui
@@ -73,9 +74,10 @@ class CaseShown:
         if self.is_gone:
             return
         self.view, beside = view, self.beside
-        for place, drawn in enumerate(self._charts):
-            options = view["charts"][place]
-            drawn.show(with_beside(options, beside["charts"][place]) if beside else options)
+        for drawn, options, other in zip_longest(self._charts, view["charts"], beside["charts"] if beside else ()):
+            drawn.set_visibility(options is not None)
+            if options is not None:
+                drawn.show(with_beside(options, other) if other else options)
         self._drawn.set_visibility(True)
         self._refused.show("")
         self._key.show(self._numbers(view, beside))

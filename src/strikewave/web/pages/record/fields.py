@@ -5,20 +5,20 @@ from __future__ import annotations
 import re
 
 TEXTS = {
-    "unit": ("unit of the numbers", "g"),
+    "unit": ("unit of the numbers", "that of the file, or such as g"),
     "channel": ("channel", "all, or a name or number"),
-    "sensitivity": ("sensitivity", "1.2 mV/g"),
-    "ac_coupling": ("AC coupling to take off", "auto, 10 ms, or 20 Hz"),
-    "q": ("Q of the spectrum", "10"),
-    "beside": ("simulation beside it", "li-ma-2019:rigid"),
+    "sensitivity": ("sensitivity", "such as 1.2 mV/g"),
+    "ac_coupling": ("AC coupling to take off", "none, or auto, 10 ms, 20 Hz"),
+    "q": ("Q of the spectrum", "10 by default"),
+    "beside": ("simulation beside it", "none, or such as li-ma-2019:rigid"),
 }
 """Options that are typed: what each is, and what one types."""
 SELDOM = {
     "polarity": ("polarity", "1, or -1 to turn it"),
     "base": ("base channel", "none, or the one that drives the others"),
-    "rate": ("sampling rate", "200 kHz, where a file has no time"),
+    "rate": ("sampling rate", "such as 200 kHz, where a file has no time"),
     "time": ("column of time", "found by itself, or a name or number"),
-    "time_unit": ("unit of the time", "ms"),
+    "time_unit": ("unit of the time", "that of the file, or such as ms"),
 }
 """The same of those that few files need, folded."""
 CUTOFFS = {
