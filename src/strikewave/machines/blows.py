@@ -35,6 +35,8 @@ WINDOW_BEFORE, WINDOW_AFTER, SAMPLE_STEP = 50e-6, 1.5e-3, 0.25e-6
 AGAIN = 1.25
 """How long a window goes on after the last release at least, over the time in touch: pictures show 2.2 widths of a
 pulse, which is no wider than the time in touch where the frame does not swing longer."""
+LONGEST_WINDOW = 1.0
+"""Longest window of a blow, s, as long as `machine.follow` may be: what touches for longer lies there at rest."""
 MOST_SAMPLES = 200_000
 """Samples of such a window at most, 30 MB with all that is sampled: beyond 50 ms it is sampled more coarsely."""
 
@@ -181,7 +183,8 @@ def window_ends(run: MachineRun, found: Sequence[Blow], tail: float = WINDOW_AFT
     """Return when the window of each blow ends, s: it lasts as long as the pulse, and holds what follows.
 
     After the last release of its pass it lasts somewhat longer than the pass was in touch, and ``tail`` and a swing of
-    the frame at least; but no longer than until the next blow, or the end of the run. NaN of a blow that missed.
+    the frame at least; but no longer than until the next blow, the end of the run, or `LONGEST_WINDOW`. NaN where
+    it missed.
 
     Parameters
     ----------
@@ -198,7 +201,8 @@ def window_ends(run: MachineRun, found: Sequence[Blow], tail: float = WINDOW_AFT
     for k, (blow, until) in enumerate(zip(found, edges[1:], strict=True)):
         if blow.kind != "missed":
             last = float(touches[(touches[:, 0] >= blow.time) & (touches[:, 0] < until), 1].max())
-            ends[k] = min(last + max(tail, swing, AGAIN * (last - blow.time)), until)
+            after = max(tail, swing, AGAIN * (last - blow.time))
+            ends[k] = min(last + after, until, blow.time + LONGEST_WINDOW)
     return ends
 
 
@@ -253,7 +257,8 @@ def _missed(run: MachineRun, index: int, number: int, time: float) -> Blow:
 def _struck(run: MachineRun, index: int, rows: Array, until: float) -> Blow:
     struck = run.machine.struck
     begin, striker, last = float(rows[0, 0]), int(rows[0, 3]), float(rows[:, 1].max())
-    lasting = min(until, last + max(WINDOW_AFTER, 1.0 / struck.frame_frequency)) - begin
+    after = max(WINDOW_AFTER, 1.0 / struck.frame_frequency)
+    lasting = min(until, last + after, begin + LONGEST_WINDOW) - begin
     step = max(SAMPLE_STEP, lasting / MOST_SAMPLES)
     since, moments = _window(run, begin, lasting, step)
     force, acceleration = moments.contact_force, moments.rigid_acceleration

@@ -68,12 +68,15 @@ def settling_time(channel: SensorChannel) -> float:
 
 
 def still_on(reading: Reading) -> bool:
-    """Tell whether a reading stands above a tenth of its peak where it ends, from where it began."""
+    """Tell whether a reading stands above a tenth of its peak where it ends: from zero, and from where it began.
+
+    Where it began in a fall, what lies at rest reads gravity more.
+    """
     values = reading.values
     if values.size == 0:
         return False
     ends = float(values[-max(int(LAST_SHARE * values.size), 1) :].mean())
-    return abs(ends - float(values[0])) > WIDTH_FRACTION * abs(largest(values))
+    return min(abs(ends), abs(ends - float(values[0]))) > WIDTH_FRACTION * abs(largest(values))
 
 
 def sensor_sources(channels: Sequence[SensorChannel]) -> list[str]:

@@ -77,6 +77,14 @@ def test_a_reading_that_ends_before_its_pulse_is_reported_and_given_to_no_study(
     assert Simulation(short).number("first.sensor_peak", "accel") is None
 
 
+def test_what_comes_to_rest_in_touch_is_not_called_cut():
+    changes = ["machine.until=rest", "machine.longest=3 s", "contact.restitution=0.3", "solver.output_step=1 ms"]
+    seen = observe(with_sensors("iec-60068-2-27-rubber", changes, accel=FILTERED))
+    assert len(seen.blows) > 1
+    assert seen.blows[-1].time + seen.blows[-1].contact_time == pytest.approx(seen.run.end) or seen.run.ended == "rest"
+    assert not any(reading.sensors["accel"].cut for reading in seen.readings)
+
+
 def test_a_slow_filter_that_has_not_answered_when_the_run_ends_is_reported():
     """At 100 Hz the answer to 6 ms is largest about 5 ms after the pulse: beyond 8 ms, within 30 ms."""
     for follow, cut in (("8 ms", True), ("30 ms", False)):

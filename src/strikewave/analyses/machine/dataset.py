@@ -70,11 +70,13 @@ def build_dataset(case: Case, seen: Observed) -> LabelledArrays:
     time = np.arange(0.0, run.end, case.solver.output_step.si)
     time = time[time <= run.end]  # rounding may lead beyond
     train = run.sample(time)
+    ends = window_ends(run, blows)
     pulse_time, pulse_step = pulse_axis(run, blows)
     force, acceleration = (np.full((len(blows), pulse_time.size), np.nan) for _ in range(2))
     for row, blow in enumerate(blows):
         if blow.kind != "missed":
-            since, f, a = pulse_window(run, blow.time, pulse_time[-1], pulse_step)
+            until = min(float(ends[row]) - blow.time, pulse_time[-1])
+            since, f, a = pulse_window(run, blow.time, until, pulse_step)
             first = round((since[0] - pulse_time[0]) / pulse_step)
             window = slice(first, first + since.size)
             force[row, window], acceleration[row, window] = (v[: pulse_time.size - first] for v in (f, a))

@@ -235,7 +235,7 @@ def blow_reading(history: BlowHistory, view: ReadingSetup) -> BlowReading:
 
 def _is_cut(channel: SensorChannel, reading: Reading, followed: float) -> bool:
     """Tell whether a reading ends before the pulse does: in touch, or before a slow filter has answered it."""
-    return followed <= 0.0 or (followed < settling_time(channel) and still_on(reading))
+    return followed <= settling_time(channel) and still_on(reading)
 
 
 class Observed(NamedTuple):
