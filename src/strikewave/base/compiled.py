@@ -15,7 +15,7 @@ import tempfile
 import warnings
 from collections.abc import Callable
 from pathlib import Path
-from typing import Any, TypeVar, cast
+from typing import Any, ClassVar, TypeVar, cast
 
 import llvmlite.binding as llvm
 import numba
@@ -153,6 +153,9 @@ class _PartLibrary(JITCodeLibrary):
         library._finalized = True
         return library
 
+    def enable_object_caching(self) -> None:
+        """Do nothing: what is kept is the bitcode."""
+
     def bitcode(self) -> bytes:
         """Return the code for linking."""
         return bytes(self._get_module_for_linking().as_bitcode())
@@ -179,12 +182,19 @@ class _PartLibrary(JITCodeLibrary):
         self._finalized = True
 
 
-class _PartCompiler(Compiler):
-    """Numba's compiler, into a `_PartLibrary`."""
+class _OwnCompiler(Compiler):
+    """Numba's compiler, into a library of a kind of its own."""
+
+    library: ClassVar[type[JITCodeLibrary]]
 
     def compile_extra(self, func: Any) -> Any:
-        self.state.library = _PartLibrary(self.state.targetctx.codegen(), func.__qualname__)
+        self.state.library = self.library(self.state.targetctx.codegen(), func.__qualname__)
+        self.state.library.enable_object_caching()
         return super().compile_extra(func)
+
+
+class _PartCompiler(_OwnCompiler):
+    library = _PartLibrary
 
 
 class _Part(CPUDispatcher):
@@ -222,13 +232,8 @@ class _WideLibrary(JITCodeLibrary):
         super().add_ir_module(module)
 
 
-class _WideCompiler(Compiler):
-    """Numba's compiler, into a `_WideLibrary`."""
-
-    def compile_extra(self, func: Any) -> Any:
-        self.state.library = _WideLibrary(self.state.targetctx.codegen(), func.__qualname__)
-        self.state.library.enable_object_caching()
-        return super().compile_extra(func)
+class _WideCompiler(_OwnCompiler):
+    library = _WideLibrary
 
 
 WIDE: Any = {**CALLED, "pipeline_class": _WideCompiler, "fastmath": FUSED}

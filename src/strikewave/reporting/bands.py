@@ -8,6 +8,7 @@ from collections.abc import Iterable, Mapping
 
 from strikewave.base.result import Band, BandMethod, MovedInput, Notice, Result
 from strikewave.base.units import in_unit
+from strikewave.cases.named_materials import MATERIAL
 from strikewave.reporting.banded_numbers import band_text, with_band
 from strikewave.reporting.numbers import listed, percent, spelled
 from strikewave.reporting.parts import NONE, Cell, Section, Table, written
@@ -99,7 +100,7 @@ def short_label(name: str) -> str:
 
 
 def short_fields(fields: Iterable[str]) -> dict[str, str]:
-    """Return the last words of each field, as few as tell it from the others.
+    """Return the last words of each field, as few as tell it from the others; of a named material its name too.
 
     Examples
     --------
@@ -107,8 +108,14 @@ def short_fields(fields: Iterable[str]) -> dict[str, str]:
     {'object.mass': 'object.mass', 'striker.mass': 'striker.mass', 'machine.engagement': 'engagement'}
     >>> short_fields(["stack.layer.upper.diameter", "stack.layer.lower.diameter"])
     {'stack.layer.upper.diameter': 'upper.diameter', 'stack.layer.lower.diameter': 'lower.diameter'}
+    >>> short_fields(["material.PTFE.modulus"])
+    {'material.PTFE.modulus': 'PTFE.modulus'}
     """
-    ends = {field: [".".join(field.split(".")[-k:]) for k in range(1, field.count(".") + 2)] for field in fields}
+    fewest = {field: 2 if field.startswith(f"{MATERIAL}.") else 1 for field in fields}
+    ends = {
+        field: [".".join(field.split(".")[-k:]) for k in range(least, field.count(".") + 2)]
+        for field, least in fewest.items()
+    }
     counts = Counter(end for of_one in ends.values() for end in of_one)
     return {field: next((end for end in of_one if counts[end] == 1), field) for field, of_one in ends.items()}
 

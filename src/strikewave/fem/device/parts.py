@@ -84,13 +84,9 @@ class DeviceElements:
         filled = np.arange(layout.LANES) < blocks.filled[:, None, None]
         places = np.flatnonzero(np.broadcast_to(filled, corners.shape)).astype(np.int32)
         self.start, self.places = (device.put(each) for each in lists(blocks.nodes[places], places, nodes))
-        self.send()
-
-    def send(self) -> None:
-        """Bring the state of the elements there."""
-        put, self.stepped, stored, here = self.device.put, False, self.device.stored, self.here.blocks
-        kept = here._replace(constants=here.constants.astype(stored), state=here.state.astype(stored))
-        self.blocks = put_fields(self.device, kept)
+        put, self.stepped, stored = device.put, False, device.stored
+        kept = blocks._replace(constants=blocks.constants.astype(stored), state=blocks.state.astype(stored))
+        self.blocks = put_fields(device, kept)
         self.results = bodies.ElementResults(
             put(np.zeros((3, 8 * self.lanes), stored)),
             put(np.zeros((layout.SUMS, self.lanes))),

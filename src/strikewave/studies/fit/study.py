@@ -21,6 +21,7 @@ from strikewave.studies.engine.chosen_pool import pool_of
 from strikewave.studies.engine.pools import Pool
 from strikewave.studies.fit.batches import running_on
 from strikewave.studies.fit.checking import check
+from strikewave.studies.fit.contradictions import speed_notices
 from strikewave.studies.fit.estimation import is_quadratic, profile
 from strikewave.studies.fit.fit_file import load_fit
 from strikewave.studies.fit.fitted_case import FittedTo, fitted_case
@@ -231,7 +232,8 @@ def fitted_study(
         separating=tuple(separate),
         citations=("liang-zeger-1986", "bell-mccaffrey-2002", "raue-2009"),
     )
-    return dataclasses.replace(study, notices=(*fit_notices(study), *read.notices))
+    noticed = (*speed_notices(solved.problem, runs), *fit_notices(study), *read.notices)
+    return dataclasses.replace(study, notices=noticed)
 
 
 def _digests(paths: Sequence[Path]) -> dict[str, str]:
