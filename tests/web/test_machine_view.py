@@ -128,3 +128,9 @@ def test_a_link_that_unpacks_to_gigabytes_is_refused():
 def test_a_link_asks_for_a_bounded_number_of_changes():
     with pytest.raises(StrikewaveError, match="at most"):
         CaseState.read([("set", "machine.speed=1 rpm")] * 1000, "li-ma-2019")
+
+
+def test_a_field_says_what_it_is_in_this_kind_of_machine():
+    """The object of a drop table is its carriage; that of a rotary machine is no such thing."""
+    words = [edited_fields(load_case(name))["object.mass"].what for name in ("jesd22-b111-b", "li-ma-2019")]
+    assert ["carriage" in one for one in words] == [True, False]

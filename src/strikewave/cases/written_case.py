@@ -83,6 +83,7 @@ def dump_case(case: Case, comments: Comments | None = None) -> str:
 
     Examples
     --------
+    >>> from strikewave.cases.case import load_case, parse_case
     >>> case = load_case("li-ma-2019")
     >>> parse_case(dump_case(case)) == case
     True

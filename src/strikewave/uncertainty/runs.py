@@ -69,8 +69,8 @@ def why_failed(function: Callable[[Item], object], items: Sequence[Item], result
 
     Examples
     --------
-    >>> why_failed(lambda x: 1 / x, [1, 0], on_threads(lambda x: 1 / x, [1, 0]))
-    'float division by zero'
+    >>> why_failed(float, ["1", "a"], on_threads(float, ["1", "a"]))
+    "could not convert string to float: 'a'"
     """
     failed = next((item for item, result in zip(items, results, strict=True) if result is None), None)
     if failed is None:

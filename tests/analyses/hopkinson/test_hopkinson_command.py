@@ -85,7 +85,7 @@ def test_files_are_whole_and_the_saved_case_gives_them_again(strikewave, shot, t
     assert code == 0, err
     assert "3-wave" in out
     folder = tmp_path / "out" / "shot"
-    names = ["case.toml", "pulses.csv", "reduction.csv", "reduction.nc", "report.html", "summary.svg"]
+    names = ["case.toml", "pulses.csv", "record.toml", "reduction.csv", "reduction.nc", "report.html", "summary.svg"]
     assert sorted(os.listdir(folder)) == names
     page = (folder / "report.html").read_text("utf-8")
     assert "<b>shot</b>" not in page

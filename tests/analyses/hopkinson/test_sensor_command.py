@@ -88,7 +88,8 @@ def test_files_of_a_sensor_are_whole_and_read_again(strikewave, sensor, tmp_path
     assert code == 0, err
     assert "mV/g" in out
     folder = tmp_path / "out" / "sensor"
-    assert sorted(os.listdir(folder)) == ["case.toml", "reduction.csv", "reduction.nc", "report.html", "summary.svg"]
+    names = ["case.toml", "record.toml", "reduction.csv", "reduction.nc", "report.html", "summary.svg"]
+    assert sorted(os.listdir(folder)) == names
     page = (folder / "report.html").read_text("utf-8")
     assert "&lt;i&gt;7&lt;/i&gt;" in page
     assert "<i>7" not in page

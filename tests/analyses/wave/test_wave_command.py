@@ -329,7 +329,7 @@ def test_run_with_a_stack_states_total_wave_bandwidth_and_sensors(fig5):
     for blow in document["blows"]:
         assert blow["bandwidth"] == pytest.approx(0.35 * np.sqrt(72e9 / 2780.0) / (5 * 0.03), rel=0.03)
         assert set(blow["sensors"]) == {"direct", "buffered"}
-        assert set(blow["sensors"]["direct"]) == {"peak", "width", "clipped"}
+        assert set(blow["sensors"]["direct"]) == {"peak", "width", "clipped", "cut"}
         assert abs(blow["wave_peak"]) < blow["total_peak"]
     assert document["route"] == "exact"
     assert document["balance"]["energy_error"] < 1e-6

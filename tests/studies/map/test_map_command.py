@@ -34,7 +34,17 @@ def test_files_agree_and_the_nearest_case_reads_back(strikewave, read_page):
     assert code == 0
     (folder,) = Path("out").iterdir()
     assert folder.name.startswith("map-li-ma-2019-")
-    names = {"case.toml", "map.json", "map.nc", "map.csv", "map.svg", "map.png", "equal-blows.toml", "report.html"}
+    names = {
+        "case.toml",
+        "record.toml",
+        "map.json",
+        "map.nc",
+        "map.csv",
+        "map.svg",
+        "map.png",
+        "equal-blows.toml",
+        "report.html",
+    }
     assert {path.name for path in folder.iterdir()} == names
     assert "The nearest setting with a CV" in out
     document = json.loads((folder / "map.json").read_text())

@@ -114,7 +114,7 @@ def read_aim(case: Case, analysis: str, text: str, field: str = "goals") -> Aim:
     >>> from strikewave import load_case
     >>> case = load_case("li-ma-2019")
     >>> read_aim(case, "run", "first.width = 200 us +- 10 %")[1:]
-    ('first.width', 0.00018, 0.00022)
+    ('first.width', 0.00018, 0.00022, False)
     >>> read_aim(case, "fast", "cv smallest")
     Objective(typed='cv smallest', number='cv', sign=1.0)
     """

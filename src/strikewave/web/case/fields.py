@@ -36,7 +36,7 @@ def edited_fields(case: Case) -> dict[str, EditedField]:
     ('machine speed (rpm)', True)
     """
     known = {one.path: one for one in known_inputs(case)} if case.machine is not None else {}
-    words = explanations()
+    words = explanations("" if case.machine is None else case.machine.kind)
     fields = {}
     for path, value in case.values().items():
         field = field_of(case, path)
