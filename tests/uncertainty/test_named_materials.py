@@ -9,9 +9,9 @@ from strikewave import load_case
 from strikewave.analyses.machine.build import build_machine
 from strikewave.analyses.wave.band import with_bands
 from strikewave.analyses.wave.run import bar_figures, run_wave
-from strikewave.base.materials import material, materials
+from strikewave.base.materials import MATERIAL, material, materials
 from strikewave.cases.case import parse_case
-from strikewave.cases.named_materials import MATERIAL, named_numbers
+from strikewave.cases.named_materials import named_numbers
 from strikewave.cases.sensors_of_case import build_channels
 from strikewave.cases.stack_of_case import build_stack
 from strikewave.contact.cushions import cushion_materials

@@ -10,6 +10,9 @@ from importlib import resources
 
 from strikewave.base.errors import InputError, nearest
 
+MATERIAL = "material"
+"""Table in the paths of numbers that a named material stands for: a case has no other of that name."""
+
 
 @dataclass(frozen=True)
 class Material:

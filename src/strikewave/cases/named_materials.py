@@ -10,7 +10,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from typing import Any, NamedTuple, TypeVar
 
-from strikewave.base.materials import Material, materials
+from strikewave.base.materials import MATERIAL, Material, materials
 from strikewave.base.quantities import Provenance, Value
 from strikewave.cases.case import Case
 from strikewave.cases.law_names import CUSHION
@@ -19,8 +19,6 @@ from strikewave.cases.tables.contact import CushionTable
 
 T = TypeVar("T")
 
-MATERIAL = "material"
-"""Table in the paths of numbers that a named material stands for: a case has no other of that name."""
 OF_A_LAYER, OF_A_JOINT = ("density", "modulus"), ("modulus", "loss_factor")
 OF_A_GASKET = ("density", "modulus", "loss_factor")
 """What a layer, a gasket between layers, and one under a sensor take from the table of materials."""

@@ -6,9 +6,9 @@ import re
 from collections import Counter
 from collections.abc import Iterable, Mapping
 
+from strikewave.base.materials import MATERIAL
 from strikewave.base.result import Band, BandMethod, MovedInput, Notice, Result
 from strikewave.base.units import in_unit
-from strikewave.cases.named_materials import MATERIAL
 from strikewave.reporting.banded_numbers import band_text, with_band
 from strikewave.reporting.numbers import listed, percent, spelled
 from strikewave.reporting.parts import NONE, Cell, Section, Table, written

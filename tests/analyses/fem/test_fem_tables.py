@@ -343,7 +343,11 @@ WRONG = [
         "mesh.part.ball.solid.poissons_ratio",
         "below 0.5",
     ),
-    ([('law = "bilinear"', 'law = "bilinear", density = "0 kg/m^3"')], "mesh.part.ball.solid.density", "above 0"),
+    (
+        [('law = "bilinear"', 'law = "bilinear", density = "0 kg/m^3"')],
+        "mesh.part.ball.solid.density",
+        "at least 0.1 kg/m^3",
+    ),
     ([('law = "bilinear"', 'law = "bilinar"')], "mesh.part.ball.solid.law", 'did you mean "bilinear"'),
     ([('elements = "full"', 'elements = "two"')], "mesh.part.block.elements", "'one-point' or 'full'"),
     ([('elements = "full"', 'rigid = "w"')], "mesh.part.block.rigid", "'free'"),

@@ -216,7 +216,7 @@ def test_a_group_moves_as_the_sum_of_its_parts(tmp_path, strikewave):
     for good, bad, said in (
         ('["striker", "bar"]', '["striker", "baar"]', 'did you mean "bar"'),
         ('["striker", "bar"]', '["bar", "bar"]', "each part once"),
-        ('["striker", "bar"]', "[]", "fem.group.0.parts"),
+        ('["striker", "bar"]', "[]", "fem.group.both.parts"),
         ('"both"', '"bar"', "a name that no part has"),
     ):
         (tmp_path / "bad.toml").write_text(text.replace(good, bad))
