@@ -50,6 +50,8 @@ _CLEARLY_OVER = 4.0
 On a square face the rim is (1 - |xi|)/2 of its size away; half of that again is left for skewed ones."""
 _HALF = 0.5
 """w of `strikewave.fem.contact`: both surfaces are checked against each other, and each closes half of the gap."""
+PASSES = 2
+"""How often the velocities of a contact are gone through in a step: for their mean, and for the offsets from it."""
 SPEEDS = 7
 """Numbers of a share of the velocities of a contact: see `speed_share`."""
 _TINY = 1e-300
@@ -82,7 +84,7 @@ class ContactState(NamedTuple):
     beyond which a node is not taken to be inside, m. The faces that node i may meet are ``candidates[start[i] :
     start[i + 1]]``, true until ``travel[0]`` exceeds ``margin``. ``place`` and ``moving`` are position and velocity
     that the nodes would have at the end of the step without contact, ``inverse_mass`` is that of the nodes, 1/kg.
-    ``speeds`` (shares, SPEEDS) is what `speed_share` finds, ``middle`` the mean velocity of the step before.
+    ``speeds`` (shares, SPEEDS) is what `speed_share` finds, ``middle`` the mean velocity.
     """
 
     touch: NodeTouch
@@ -309,7 +311,7 @@ def speed_share(k, state, middle):
     """Write of a share of the nodes the sums of their velocities, by surface, and the largest square of an offset.
 
     Offsets are those from a velocity ``middle``: no two nodes come closer faster than twice the largest, whatever it
-    is; the mean of both surfaces a step ago makes them small. ``middle`` is not a number before the first step.
+    is; the mean of both surfaces makes them small.
     """
     for c in range(SPEEDS):
         state.speeds[k, c] = 0.0
@@ -326,7 +328,7 @@ def speed_share(k, state, middle):
 def travel_of(state, dt):
     """Return the travel of the step, the most by which any two nodes of the two surfaces can come closer.
 
-    The shares of `speed_share` are there; their mean velocity is noted for the next step.
+    The shares of `speed_share` are there; their mean velocity is noted for another pass.
     """
     fastest, shares = 0.0, state.speeds.shape[0]
     for c in range(3):
@@ -339,16 +341,10 @@ def travel_of(state, dt):
     return 2.0 * dt * math.sqrt(fastest)
 
 
-@leaf_kernel
-def passes(state):
-    """Return how often velocities are gone through: at first twice, as no mean is known from a step ago."""
-    return 2 if math.isnan(state.middle[0]) else 1
-
-
 @called_kernel
 def begin_step(state, step):
     """Return the step with its travel, once all positions are predicted, and the share of depths that is kept."""
-    for _ in range(passes(state)):
+    for _ in range(PASSES):
         middle = as_tuple(state.middle)
         for k in range(state.speeds.shape[0]):
             speed_share(k, state, middle)

@@ -150,7 +150,6 @@ def prepare(
         raise _too_deep(overlap, mesh)
     state.nodal.offset[:] = gaps
     state.touch.step[0] = 0.0
-    state.middle[:] = np.nan
     return state
 
 
@@ -232,7 +231,7 @@ def two_surfaces(contact: SurfaceContact, mesh: Mesh) -> ContactState:
         inverse_mass=np.zeros(count),
         travel=np.zeros(1),
         speeds=np.zeros((-(-count // ROWS), kernels.SPEEDS)),
-        middle=np.full(3, np.nan),
+        middle=np.zeros(3),
         first_faces=split,
         margin=MARGIN * float(min(np.median(sizes[:split]), np.median(sizes[split:]))),
         stiffness=float(contact.stiffness),

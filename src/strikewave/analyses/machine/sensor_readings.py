@@ -184,11 +184,11 @@ def blow_history(
                 total[k] = superposed(rigid, wave.acceleration)
         if view.route != EXACT and not known:
             without.append(k)
-    start = float(since[0])
+    start, falls = float(since[0]), run.machine.launch is not None
     readings = []
     for channel in view.channels:
         felt = rigid if channel.tap is None else total[channel.tap]
-        readings.append(_recorded(channel, felt, step, start, blow.time - view.recorder_begin))
+        readings.append(_recorded(channel, felt, step, start, blow.time - view.recorder_begin, falls))
     steepest = min((front(values, step) for values in total), default=math.inf)
     if taps:
         filtered = stated(np.vstack([rigid, total, *by_route.values()]), step, view.bandwidth)
@@ -201,19 +201,20 @@ def blow_history(
     return BlowHistory(since, rigid, force, speed, total, tuple(readings), by_route, steepest, followed)
 
 
-def _recorded(channel: SensorChannel, felt: Array, step: float, start: float, touched: float) -> Reading:
+def _recorded(channel: SensorChannel, felt: Array, step: float, start: float, touched: float, falls: bool) -> Reading:
     """Return what a channel keeps of a history from ``start`` on; a slow recorder may take no sample in it.
 
-    ``touched`` is the time of first touch after a sampling instant of the recorder.
+    ``touched`` is the time of first touch after a sampling instant of the recorder. A sensor that ``falls`` has read
+    gravity for long; one on a spring, whose acceleration changes from blow to blow, was at rest.
     """
     rate = channel.recorder.sampling_rate
     if math.isinf(rate):
-        return read(channel.sensor, channel.recorder, felt, step, start, steady=True)
+        return read(channel.sensor, channel.recorder, felt, step, start, steady=falls)
     at = (touched + start) * rate
     phase = min(math.ceil(at) - at, 1.0 - 1e-9)
     if phase / rate > (felt.size - 1) * step:
         return Reading(np.empty(0), np.empty(0), False, False, math.nan, 0.0)
-    return read(channel.sensor, channel.recorder, felt, step, start, phase, steady=True)
+    return read(channel.sensor, channel.recorder, felt, step, start, phase, steady=falls)
 
 
 def without_peaks(reading: BlowReading) -> BlowReading:

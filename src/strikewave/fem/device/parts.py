@@ -328,7 +328,7 @@ class DeviceContact(DeviceTouch[ContactState]):
     def _travel(self, dt: float) -> float:
         """Return how much closer any two nodes may come in a step, m."""
         here, travel = self.here, 0.0
-        for _ in range(contact_kernels.passes(here)):
+        for _ in range(contact_kernels.PASSES):
             self.device.each(contact_kernels.speed_share, len(here.speeds), self.there, tuple(here.middle.tolist()))
             here.speeds[:] = self.device.get(self.there.speeds)
             travel = float(contact_kernels.travel_of(here, dt))

@@ -11,7 +11,7 @@ import importlib
 import logging
 import time
 from collections.abc import Sequence
-from concurrent.futures import CancelledError, Future
+from concurrent.futures import CancelledError, Future, InvalidStateError
 from dataclasses import dataclass
 from types import TracebackType
 from typing import Any, Generic
@@ -131,6 +131,17 @@ class ClusterPool:
             return Loss.BY_THIS
         return Loss.BY_NONE if isinstance(error, CancelledError) or name == CLOSED else None
 
+    def look(self) -> None:
+        """End what is out where the scheduler is gone: a batch that was on its way to it then is told of by nobody."""
+        if self._client.status not in ("running", "connecting", "newly-created"):
+            self._end_running()
+
+    def _end_running(self) -> None:
+        """End batches of a scheduler that is gone as if they were taken back: they are run again."""
+        for future in list(self._running):
+            with contextlib.suppress(InvalidStateError):  # it came back meanwhile
+                future.set_exception(CancelledError())
+
     def renew(self) -> None:
         """Wait till the scheduler is there again, and has a worker.
 
@@ -142,6 +153,7 @@ class ClusterPool:
         if self._client.status == "running":
             return
         self._client.close()
+        self._end_running()
         end = time.monotonic() + RETURN_SECONDS
         while True:
             try:

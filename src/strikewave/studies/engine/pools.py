@@ -50,6 +50,10 @@ class Pool(Protocol):
         """Return what an error says of a batch that ended before its time; None of an error of ours."""
         ...
 
+    def look(self) -> None:
+        """End batches that are lost without anyone having said so; called now and then while none comes back."""
+        ...
+
     def renew(self) -> None:
         """Make it fit to run further batches after a loss."""
         ...
@@ -90,6 +94,9 @@ class ProcessPool:
     def loss(self, error: BaseException) -> Loss | None:
         """Tell whether a process ended before its time."""
         return Loss.BY_ANY if isinstance(error, BrokenExecutor) else None
+
+    def look(self) -> None:
+        """Do nothing: a process that ends says so."""
 
     def renew(self) -> None:
         """Start other processes."""
@@ -133,6 +140,9 @@ class GivenPool:
     def loss(self, error: BaseException) -> Loss | None:
         """Tell whether a worker ended before its time."""
         return Loss.BY_ANY if isinstance(error, BrokenExecutor) else None
+
+    def look(self) -> None:
+        """Do nothing: what an executor does not say is not known."""
 
     def renew(self) -> None:
         """Go on where the executor can.

@@ -21,6 +21,8 @@ BATCH_SECONDS, OF_A_HUNDRED = 0.25, 1.6
 """About how long a batch takes: handing it over, some 2 ms, then costs a hundredth, and a study that is killed has lost
 no more than that of each process. With more than sixteen workers 1.6 s for every hundred of them: a scheduler of Dask
 works 8 ms on a batch (measured), half of its time then."""
+LOOK_SECONDS = 10.0
+"""Seconds without a batch that came back after which the pool looks whether all that is out is still under way."""
 MOST_IN_BATCH = 256
 """Most runs of a batch: what it keeps stays small."""
 
@@ -213,7 +215,11 @@ class _Unfinished(Generic[Asked]):
         if not self._out:
             return
         alone = len(self._out) == 1
-        losses = {self._kept(pool, future) for future in wait(self._out, return_when=FIRST_COMPLETED).done}
+        done = wait(self._out, LOOK_SECONDS, FIRST_COMPLETED).done
+        if not done:
+            pool.look()
+            return
+        losses = {self._kept(pool, future) for future in done}
         if Loss.BY_ANY in losses:
             for future in wait(self._out).done:  # what breaks a pool ends all that is out
                 self._kept(pool, future)
