@@ -132,7 +132,7 @@ class ClusterPool:
         return Loss.BY_NONE if isinstance(error, CancelledError) or name == CLOSED else None
 
     def look(self) -> None:
-        """End what is out where the scheduler is gone: a batch that was on its way to it then is told of by nobody."""
+        """End what is out where the scheduler is gone: nobody reports a batch that was on its way to it then."""
         if self._client.status not in ("running", "connecting", "newly-created"):
             self._end_running()
 

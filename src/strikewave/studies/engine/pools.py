@@ -51,7 +51,7 @@ class Pool(Protocol):
         ...
 
     def look(self) -> None:
-        """End batches that are lost without anyone having said so; called now and then while none comes back."""
+        """End batches whose loss nobody reports; called now and then while none comes back."""
         ...
 
     def renew(self) -> None:
@@ -96,7 +96,7 @@ class ProcessPool:
         return Loss.BY_ANY if isinstance(error, BrokenExecutor) else None
 
     def look(self) -> None:
-        """Do nothing: a process that ends says so."""
+        """Do nothing: a process that ends is reported."""
 
     def renew(self) -> None:
         """Start other processes."""
