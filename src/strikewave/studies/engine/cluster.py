@@ -70,9 +70,14 @@ class ClusterPool:
         self._address = address
         self._running = set[Future[Any]]()
         self._is_warm = False
-        self._client = self._connected(CONNECT_SECONDS)
-        self._executor = self._client.get_executor(pure=False)
+        self._connect()
         self._counted, self._width = 0.0, 1
+
+    def _connect(self) -> None:
+        """Connect, and note which scheduler it is."""
+        self._client = self._connected(CONNECT_SECONDS)
+        self._scheduler = self._client.scheduler_info()["id"]
+        self._executor = self._client.get_executor(pure=False)
 
     def _connected(self, seconds: float) -> Any:
         """Return a client that has a worker, all of whose workers have this strikewave."""
@@ -133,8 +138,17 @@ class ClusterPool:
 
     def look(self) -> None:
         """End what is out where the scheduler is gone: nobody reports a batch that was on its way to it then."""
-        if self._client.status not in ("running", "connecting", "newly-created"):
+        if not self._is_there():
             self._end_running()
+
+    def _is_there(self) -> bool:
+        """Tell whether the scheduler is still the one that batches were given to: another knows none of them."""
+        if self._client.status != "running":
+            return False
+        try:
+            return bool(self._client.scheduler_info()["id"] == self._scheduler)
+        except Exception:  # on the way to a scheduler that is gone
+            return False
 
     def _end_running(self) -> None:
         """End batches of a scheduler that is gone as if they were taken back: they are run again."""
@@ -150,20 +164,19 @@ class ClusterPool:
         StrikewaveError
             If it does not come back.
         """
-        if self._client.status == "running":
+        if self._is_there():
             return
         self._client.close()
         self._end_running()
         end = time.monotonic() + RETURN_SECONDS
         while True:
             try:
-                self._client = self._connected(CONNECT_SECONDS)
+                self._connect()
                 break
             except InputError:
                 if time.monotonic() > end:
                     gone = f"the scheduler at {self._address} ended, and was not back in {RETURN_SECONDS / 60:.0f} min"
                     raise StrikewaveError(f"{gone}; what was finished is kept") from None
-        self._executor = self._client.get_executor(pure=False)
         self._is_warm = False
 
     def __enter__(self) -> ClusterPool:
