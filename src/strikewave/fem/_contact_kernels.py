@@ -15,12 +15,14 @@ from strikewave.base.compiled import called_kernel, kernel, leaf_kernel
 from strikewave.fem._history_kernels import ROWS
 from strikewave.fem._surface_kernels import (
     add_scaled,
-    as_tuple,
+    apart,
+    closest_point,
     cross,
     dot,
     first_guess,
     foot_of,
     is_beyond,
+    middle_of,
     on_rim,
     patch,
     row,
@@ -50,8 +52,8 @@ _CLEARLY_OVER = 4.0
 On a square face the rim is (1 - |xi|)/2 of its size away; half of that again is left for skewed ones."""
 _HALF = 0.5
 """w of `strikewave.fem.contact`: both surfaces are checked against each other, and each closes half of the gap."""
-PASSES = 2
-"""How often the velocities of a contact are gone through in a step: for their mean, and for the offsets from it."""
+STANDING = 0.0, 0.0, 0.0
+"""No velocity: what offsets are taken from before the mean is known."""
 SPEEDS = 7
 """Numbers of a share of the velocities of a contact: see `speed_share`."""
 _TINY = 1e-300
@@ -84,7 +86,7 @@ class ContactState(NamedTuple):
     beyond which a node is not taken to be inside, m. The faces that node i may meet are ``candidates[start[i] :
     start[i + 1]]``, true until ``travel[0]`` exceeds ``margin``. ``place`` and ``moving`` are position and velocity
     that the nodes would have at the end of the step without contact, ``inverse_mass`` is that of the nodes, 1/kg.
-    ``speeds`` (shares, SPEEDS) is what `speed_share` finds, ``middle`` the mean velocity.
+    ``speeds`` (shares, SPEEDS) is what `speed_share` finds.
     """
 
     touch: NodeTouch
@@ -102,7 +104,6 @@ class ContactState(NamedTuple):
     inverse_mass: np.ndarray
     travel: np.ndarray
     speeds: np.ndarray
-    middle: np.ndarray
     first_faces: int
     margin: float
     stiffness: float
@@ -119,9 +120,8 @@ def corners(state, face):
 @leaf_kernel
 def is_far(a, b, c, d, radius, x, best):
     """Tell whether no point of a face of some radius can be closer to x than ``best``."""
-    off = add_scaled(scaled(add_scaled(add_scaled(a, 1.0, b), 1.0, add_scaled(c, 1.0, d)), 0.25), -1.0, x)
     reach = best + radius
-    return dot(off, off) > reach * reach
+    return apart(middle_of(a, b, c, d), x) > reach * reach
 
 
 @leaf_kernel
@@ -145,10 +145,7 @@ def nearest_face(state, i):
     last = state.nodal.face[i]
     if last >= 0:
         a, b, c, d = corners(state, last)
-        xi, eta, square = foot_of(x, a, b, c, d, *met_last(state.nodal, i))
-        rim = is_beyond(xi, eta)
-        if rim:
-            xi, eta, square = on_rim(x, a, b, c, d)
+        xi, eta, square, rim = closest_point(x, a, b, c, d, *met_last(state.nodal, i))
         chosen, best = last, math.sqrt(square)
         if not rim and _CLEARLY_OVER * best < (1.0 - max(abs(xi), abs(eta))) * state.size[last]:
             return chosen, xi, eta, best, rim
@@ -325,18 +322,25 @@ def speed_share(k, state, middle):
 
 
 @called_kernel
+def mean_speed(state):
+    """Return the mean velocity of both surfaces, once the shares of `speed_share` are there."""
+    first, second = (0.0, 0.0, 0.0), (0.0, 0.0, 0.0)
+    for k in range(state.speeds.shape[0]):
+        share = state.speeds[k]
+        first = add_scaled(first, 1.0, (share[0], share[1], share[2]))
+        second = add_scaled(second, 1.0, (share[3], share[4], share[5]))
+    others = state.moving.shape[0] - state.touch.first
+    return scaled(add_scaled(scaled(first, 1.0 / state.touch.first), 1.0 / others, second), 0.5)
+
+
+@called_kernel
 def travel_of(state, dt):
     """Return the travel of the step, the most by which any two nodes of the two surfaces can come closer.
 
-    The shares of `speed_share` are there; their mean velocity is noted for another pass.
+    The shares of `speed_share` are there, with offsets from `mean_speed`.
     """
-    fastest, shares = 0.0, state.speeds.shape[0]
-    for c in range(3):
-        first, second = 0.0, 0.0
-        for k in range(shares):
-            first, second = first + state.speeds[k, c], second + state.speeds[k, 3 + c]
-        state.middle[c] = 0.5 * (first / state.touch.first + second / (state.moving.shape[0] - state.touch.first))
-    for k in range(shares):
+    fastest = 0.0
+    for k in range(state.speeds.shape[0]):
         fastest = max(fastest, state.speeds[k, SPEEDS - 1])
     return 2.0 * dt * math.sqrt(fastest)
 
@@ -344,11 +348,13 @@ def travel_of(state, dt):
 @called_kernel
 def begin_step(state, step):
     """Return the step with its travel, once all positions are predicted, and the share of depths that is kept."""
-    for _ in range(PASSES):
-        middle = as_tuple(state.middle)
-        for k in range(state.speeds.shape[0]):
-            speed_share(k, state, middle)
-        travel = travel_of(state, step.dt)
+    shares = state.speeds.shape[0]
+    for k in range(shares):
+        speed_share(k, state, STANDING)
+    middle = mean_speed(state)
+    for k in range(shares):
+        speed_share(k, state, middle)
+    travel = travel_of(state, step.dt)
     state.travel[0] += travel
     return Step(step.dt, step.kick, travel, kept_depth(state.touch, step.dt))
 

@@ -21,6 +21,11 @@ STRESS, PLASTIC = tuple(int(row) for row in SIGMA), int(STRAIN_P)
 """Where the stress and the plastic strain of its first element begin there."""
 
 
+def shares_of(count: int) -> int:
+    """Return in how many shares so many rows are summed."""
+    return -(-count // ROWS)
+
+
 class WatchedNodes(NamedTuple):
     """Groups of nodes whose weighted sums are noted; share k has the rows ``begin[k] : begin[k + 1]``."""
 

@@ -134,11 +134,16 @@ def apart(x, a):
 
 
 @leaf_kernel
+def middle_of(a, b, c, d):
+    """Return the mean of the corners of a face."""
+    return scaled(add_scaled(add_scaled(a, 1.0, b), 1.0, add_scaled(c, 1.0, d)), 0.25)
+
+
+@leaf_kernel
 def first_guess(x, a, b, c, d):
     """Return xi, eta of the corner of a face that x is at, or of its middle where it is at none."""
-    middle = scaled(add_scaled(add_scaled(a, 1.0, b), 1.0, add_scaled(c, 1.0, d)), 0.25)
     at_a, at_b, at_c, at_d = apart(x, a), apart(x, b), apart(x, c), apart(x, d)
-    near = _AT_CORNER * apart(x, middle)
+    near = _AT_CORNER * apart(x, middle_of(a, b, c, d))
     if min(at_a, at_b, at_c, at_d) > near:
         return 0.0, 0.0
     xi = 1.0 if min(at_b, at_c) <= near else -1.0
@@ -179,14 +184,14 @@ def is_beyond(xi, eta):
     return abs(xi) > 1.0 + _INSIDE or abs(eta) > 1.0 + _INSIDE
 
 
-@called_kernel
-def closest_point(x, a, b, c, d):
+@leaf_kernel
+def closest_point(x, a, b, c, d, xi, eta):
     """Return xi, eta of the point of a bilinear face closest to x, their distance^2, and whether it lies on the rim.
 
     It is the foot of x; where that lies outside the face, or Newton's method finds none, the closest point of the four
-    straight edges.
+    straight edges. ``xi`` and ``eta`` are a first guess.
     """
-    xi, eta, square = foot_of(x, a, b, c, d, *first_guess(x, a, b, c, d))
+    xi, eta, square = foot_of(x, a, b, c, d, xi, eta)
     if is_beyond(xi, eta):
         xi, eta, square = on_rim(x, a, b, c, d)
         return xi, eta, square, True

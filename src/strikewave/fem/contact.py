@@ -65,7 +65,7 @@ from strikewave.fem import _contact_kernels as kernels
 from strikewave.fem import _surface_kernels as surface_kernels
 from strikewave.fem import _touch_kernels as touch_kernels
 from strikewave.fem._contact_kernels import ContactState, NodeContacts
-from strikewave.fem._history_kernels import ROWS
+from strikewave.fem._history_kernels import shares_of
 from strikewave.fem._touch_kernels import NodeTouch, Step, WallState
 from strikewave.fem.mesh import Array, Index, Mesh
 from strikewave.fem.model import STIFFNESS, RigidWall, SurfaceContact
@@ -230,8 +230,7 @@ def two_surfaces(contact: SurfaceContact, mesh: Mesh) -> ContactState:
         moving=np.zeros((count, 3)),
         inverse_mass=np.zeros(count),
         travel=np.zeros(1),
-        speeds=np.zeros((-(-count // ROWS), kernels.SPEEDS)),
-        middle=np.zeros(3),
+        speeds=np.zeros((shares_of(count), kernels.SPEEDS)),
         first_faces=split,
         margin=MARGIN * float(min(np.median(sizes[:split]), np.median(sizes[split:]))),
         stiffness=float(contact.stiffness),

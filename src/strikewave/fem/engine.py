@@ -113,7 +113,7 @@ class Engine:
         self.section_stresses = section_stresses(self.solid.kinds, self.recorder.sections)
         self.velocity = np.zeros_like(self.x)
         self.moved = np.zeros((len(self.recorder.watched.begin) - 1, 6))
-        self.kinetic = np.zeros(-(-len(self.x) // history_kernels.ROWS))
+        self.kinetic = np.zeros(history_kernels.shares_of(len(self.x)))
         self.time, self.instant, self.steps, self.dt_previous = 0.0, 0, 0, 0.0
         self.collapse = COLLAPSED * self.critical
         self.smallest = np.inf

@@ -10,7 +10,7 @@ import numpy as np
 
 from strikewave.base.errors import InputError
 from strikewave.fem import _history_kernels as history_kernels
-from strikewave.fem._history_kernels import ROWS, WatchedNodes
+from strikewave.fem._history_kernels import ROWS, WatchedNodes, shares_of
 from strikewave.fem._touch_kernels import NodeTouch
 from strikewave.fem.boundary import unit
 from strikewave.fem.hexahedron import Hexahedra
@@ -229,7 +229,7 @@ def section_elements(mesh: Mesh, section: CutSection) -> tuple[Index, Array]:
 
 def felt_by(touch: NodeTouch) -> Array:
     """Return what the shares of the nodes of a contact or wall feel, (shares, TOUCHED): see `touch_share`."""
-    felt = np.zeros((-(-len(touch.nodes) // history_kernels.ROWS), history_kernels.TOUCHED))
+    felt = np.zeros((shares_of(len(touch.nodes)), history_kernels.TOUCHED))
     history_kernels.touches(touch, felt)
     return felt
 

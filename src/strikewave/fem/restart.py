@@ -45,7 +45,7 @@ TOUCH = ("area", "velocity", "normal", "friction", "step")
 """State of the nodes of a contact or wall."""
 SEARCHED = ("start", "candidates")
 """Arrays of a contact whose length is that of the last search."""
-SURFACE = (*SEARCHED, "size", "radius", "place", "moving", "inverse_mass", "travel", "middle", "offset")
+SURFACE = (*SEARCHED, "size", "radius", "place", "moving", "inverse_mass", "travel", "offset")
 """Other arrays of a contact or wall that a step begins with."""
 
 Restore = Callable[[Mapping[str, np.ndarray]], None]

@@ -14,7 +14,7 @@ from strikewave.fem import _layout as layout
 from strikewave.fem import _rigid_kernels as rigid_kernels
 from strikewave.fem import _surface_kernels as surface_kernels
 from strikewave.fem._contact_kernels import ContactState
-from strikewave.fem._history_kernels import TOUCHED
+from strikewave.fem._history_kernels import TOUCHED, shares_of
 from strikewave.fem._tie_kernels import move_tied_node
 from strikewave.fem._touch_kernels import Step, WallState, wall_node
 from strikewave.fem.boundary import Acting, Dashpots, Held, Now, Pressed, Weight, value_at
@@ -38,11 +38,6 @@ BODIES: dict[type[Hexahedra], Callable[..., None]] = {
 """What brings an element to the end of a step."""
 DONE = 4
 """What each node of a boundary or contact sums up: work and impulse."""
-
-
-def shares_of(count: int) -> int:
-    """Return in how many shares so many rows are summed there."""
-    return -(-count // history_kernels.ROWS)
 
 
 def put_fields(device: Device, state: Any) -> Any:
@@ -319,20 +314,16 @@ class DeviceContact(DeviceTouch[ContactState]):
         if self.travel + 2.0 * travel > self.here.margin:
             self.search(nodes.x)
 
-    def fetch(self) -> None:
-        """Bring the state here, but for what is known here."""
-        middle = self.here.middle.copy()
-        super().fetch()
-        self.here.middle[:] = middle
-
     def _travel(self, dt: float) -> float:
         """Return how much closer any two nodes may come in a step, m."""
-        here, travel = self.here, 0.0
-        for _ in range(contact_kernels.PASSES):
-            self.device.each(contact_kernels.speed_share, len(here.speeds), self.there, tuple(here.middle.tolist()))
-            here.speeds[:] = self.device.get(self.there.speeds)
-            travel = float(contact_kernels.travel_of(here, dt))
-        return travel
+        self._find_speeds(contact_kernels.STANDING)
+        self._find_speeds(contact_kernels.mean_speed(self.here))
+        return float(contact_kernels.travel_of(self.here, dt))
+
+    def _find_speeds(self, middle: tuple[float, float, float]) -> None:
+        """Bring here what the shares of the nodes move at, by their offsets from a velocity."""
+        self.device.each(contact_kernels.speed_share, len(self.here.speeds), self.there, middle)
+        self.here.speeds[:] = self.device.get(self.there.speeds)
 
     def search(self, x: Any) -> None:
         """Search the faces anew for where the nodes (nodes, 3) are there."""
