@@ -11,8 +11,10 @@ import dataclasses
 import datetime
 import json
 import statistics
+import textwrap
 from collections.abc import Iterable, Sequence
-from typing import Any, Literal
+from pathlib import Path
+from typing import Any, Literal, NamedTuple
 
 from strikewave import __version__
 
@@ -21,6 +23,8 @@ from .pages import ROOT, table, written
 RECORD = ROOT / "docs" / "validation.json"
 PAGE = ROOT / "docs" / "validation.md"
 README = ROOT / "README.md"
+WIDTH = 120
+"""Characters of a line of text."""
 WEAKEST = 3
 """Studies whose worst prediction the page names first."""
 LARGE = 0.10
@@ -28,27 +32,39 @@ LARGE = 0.10
 NEAR = (0.01, 0.05, LARGE)
 """Misses within which predictions are counted."""
 
-STUDIES = {
-    "machines": ("Machines: built-in cases", "published.py"),
-    "paper": ("Li & Ma 2019 by elements", "reproduction.py"),
-    "shocks": ("Shocks of a drop table", "smd_shocks.py"),
-    "felt": ("A drop tower on felt", "felt_tower.py"),
-    "hopkinson": ("Split Hopkinson bars", "hopkinson_shots.py"),
-    "strikers": ("Striker bars on incident bars", "striker_on_bar.py"),
-    "taylor": ("Taylor bars by elements", "taylor_bars.py"),
-    "closed forms": ("Closed forms", "closed_forms.py"),
-    "other codes": ("Other codes", "other_codes.py"),
-}
-"""Title of each study, and the script that made its rows."""
+SHOCKS, BARS, TAYLOR = "Measured shock pulses", "Measured bar shots", "Measured Taylor bars"
+"""Kinds of measurements, each counted alone: a bar that is met says nothing of the peak of a shock machine."""
 
+
+class Study(NamedTuple):
+    """Title of a study, the script that makes its rows, and the kind of what it measures."""
+
+    title: str
+    script: str
+    measured: str = SHOCKS
+
+
+STUDIES = {
+    "machines": Study("Machines: built-in cases", "published.py"),
+    "paper": Study("Li & Ma 2019 by elements", "reproduction.py"),
+    "shocks": Study("Shocks of a drop table", "smd_shocks.py"),
+    "felt": Study("A drop tower on felt", "felt_tower.py"),
+    "hopkinson": Study("Split Hopkinson bars", "hopkinson_shots.py", BARS),
+    "strikers": Study("Striker bars on incident bars", "striker_on_bar.py", BARS),
+    "taylor": Study("Taylor bars by elements", "taylor_bars.py", TAYLOR),
+    "closed forms": Study("Closed forms", "closed_forms.py"),
+    "other codes": Study("Other codes", "other_codes.py"),
+}
+
+MEASURED = "measured"
 KINDS = {
-    "measured": "Measurements",
     "published": "Published and specified numbers",
     "specified": "Published and specified numbers",
     "simulated": "Published simulations",
     "closed form": "Closed forms",
 }
-"""Kind of what a number is held against, by the word for it; any other word is the name of a code."""
+"""Kind of what a number is held against, by the word for it: of what is measured the study says it; any other word is
+the name of a code."""
 OTHER_CODES = "Other codes, run beside"
 
 Role = Literal["predicted", "fitted", "shown"]
@@ -76,6 +92,11 @@ class Comparison:
         Range of what is computed when its inputs move within what is known of them (95 %).
     note : str
         Why it misses, and what is being done; of what is shown, why it cannot be compared.
+    written : str
+        Day on which a prediction was written down, where the reference was opened only after that.
+    within : tuple of int or None
+        How many of the measured values, whose mean the reference is, lie in the band, and of how many; the band is then
+        that of one of them.
     """
 
     what: str
@@ -88,6 +109,8 @@ class Comparison:
     miss: float | None = None
     band: tuple[float, float] | None = None
     note: str = ""
+    written: str = ""
+    within: tuple[int, int] | None = None
 
     def __post_init__(self) -> None:
         """Find the miss of two numbers."""
@@ -95,11 +118,6 @@ class Comparison:
             object.__setattr__(self, "miss", self.computed / self.reference - 1.0)
         if self.role == "predicted" and abs(self.miss or 0.0) > LARGE and not self.note:
             raise ValueError(f"{self.what}, {self.quantity} misses by {self.miss:.3g}: say why, and what is being done")
-
-    @property
-    def kind(self) -> str:
-        """Kind of what it is held against."""
-        return KINDS.get(self.against, OTHER_CODES)
 
     @property
     def held(self) -> bool | None:
@@ -136,10 +154,16 @@ def keep(study: str, rows: Sequence[Comparison], from_page: bool = False) -> Non
 
 
 def write_pages(record: Record) -> None:
-    """Write the page, and the summary into the README."""
-    PAGE.write_text(page(record), "utf-8")
-    summary = totals_by_kind(latest(record))
-    README.write_text(written(README.read_text("utf-8"), "how well it is known", summary), "utf-8")
+    """Write the page, and what the README has of it."""
+    for path, text in pages(record).items():
+        path.write_text(text, "utf-8")
+
+
+def pages(record: Record) -> dict[Path, str]:
+    """Return the pages as the record makes them: `docs/validation.md`, and the README with its two parts."""
+    studies = latest(record)
+    readme = written(README.read_text("utf-8"), "written down before", written_before(studies))
+    return {PAGE: page(record), README: written(readme, "how well it is known", totals_by_kind(studies))}
 
 
 def _row(one: Comparison) -> dict[str, Any]:
@@ -159,17 +183,25 @@ class Kept:
 
     def __init__(self, study: str, version: str, entry: dict[str, Any]) -> None:
         self.study, self.version, self.date, self.from_page = study, version, entry["date"], entry["from_page"]
-        self.title, self.script = STUDIES[study]
+        self.title, self.script, self.measured = STUDIES[study]
         self.rows = [
-            Comparison(**{"reference": None, "computed": None, **row, "band": _pair(row.get("band"))})
+            Comparison(**{"reference": None, "computed": None, **row, **{key: _pair(row.get(key)) for key in PAIRS}})
             for row in entry["rows"]
         ]
         predicted = [one for one in self.rows if one.role == "predicted" and one.miss is not None]
         self.worst = max(predicted, key=lambda one: abs(one.miss or 0.0), default=None)
 
+    def kind_of(self, row: Comparison) -> str:
+        """Return the kind of what a row is held against."""
+        return self.measured if row.against == MEASURED else KINDS.get(row.against, OTHER_CODES)
 
-def _pair(band: list[float] | None) -> tuple[float, float] | None:
-    return None if band is None else (band[0], band[1])
+
+PAIRS = ("band", "within")
+"""Fields of a comparison that JSON has as lists."""
+
+
+def _pair(pair: list[Any] | None) -> tuple[Any, Any] | None:
+    return None if pair is None else (pair[0], pair[1])
 
 
 def latest(record: Record) -> list[Kept]:
@@ -206,9 +238,11 @@ def totals_by_kind(studies: Iterable[Kept]) -> str:
 
 
 def _by_kind(studies: Iterable[Kept]) -> dict[str, list[Comparison]]:
-    rows = [row for one in studies for row in one.rows]
-    kinds = dict.fromkeys([*KINDS.values(), OTHER_CODES])
-    return {kind: own for kind in kinds if (own := [row for row in rows if row.kind == kind])}
+    kinds: dict[str, list[Comparison]] = {kind: [] for kind in (SHOCKS, BARS, TAYLOR, *KINDS.values(), OTHER_CODES)}
+    for study in studies:
+        for row in study.rows:
+            kinds[study.kind_of(row)].append(row)
+    return {kind: rows for kind, rows in kinds.items() if rows}
 
 
 def _misses(rows: Iterable[Comparison]) -> list[float]:
@@ -230,13 +264,65 @@ def _totals(groups: Iterable[tuple[str, Sequence[Comparison]]]) -> str:
     return table(heads, lines)
 
 
+def of_all(one: Comparison) -> str:
+    """Return how many of the measured values lie in the band, in words."""
+    return "–" if one.within is None else f"{one.within[0]} of {one.within[1]}"
+
+
+def written_before(studies: Iterable[Kept]) -> str:
+    """Return what was predicted before it was measured, or before the measured was opened: sentences and a table."""
+    rows, sentences = [], []
+    for study in studies:
+        own = [row for row in study.rows if row.written]
+        if own:
+            settings = len({row.what for row in own})
+            misses = "; ".join(
+                _written_misses([row for row in own if row.quantity == quantity])
+                for quantity in dict.fromkeys(row.quantity for row in own)
+            )
+            sentences.append(
+                f"{study.title}: {settings} settings were predicted, and written down, before their blows were opened; "
+                f"{misses}."
+            )
+        rows += own
+    if not rows:
+        return "No prediction was written down before its measurement was opened."
+    if any(row.held is False for row in rows):
+        sentences.insert(0, "**The next setting of a machine is not yet predicted.**")
+    heads = [
+        "Setting",
+        "Quantity",
+        "Written down",
+        "Predicted",
+        "95 % band of a blow",
+        "Measured",
+        "Miss",
+        "Blows in it",
+    ]
+    cells = []
+    for row in rows:
+        band = "–" if row.band is None else f"{row.band[0]:.4g} to {row.band[1]:.4g}"
+        numbers = [number(row.computed), band, number(row.reference), percents(row.miss or 0.0), of_all(row)]
+        cells.append([row.what, f"{row.quantity} ({row.unit})", row.written, *numbers])
+    return "\n".join([*textwrap.wrap(" ".join(sentences), WIDTH), "", table(heads, cells, 3)])
+
+
+def _written_misses(rows: Sequence[Comparison]) -> str:
+    """Return how far the predictions of a quantity are off, and how many measured values lie in their bands."""
+    misses = sorted((row.miss for row in rows if row.miss is not None), key=abs)
+    pairs = [row.within for row in rows if row.within is not None]
+    inside, count = (sum(pair[k] for pair in pairs) for k in (0, 1))
+    ends = f"{100.0 * misses[0]:+.0f} to {100.0 * misses[-1]:+.0f} %"
+    return f"{rows[0].quantity}: {ends}, {inside} of {count} blows in their 95 % bands"
+
+
 def history(record: Record) -> str:
     """Return the table of versions: predictions of each kind, and how near they come."""
     lines = []
     for version, own in record.items():
         kept = [Kept(study, version, entry) for study, entry in own.items()]
-        date = max(one.date for one in kept)
         for kind, rows in _by_kind(kept).items():
+            date = max(one.date for one in kept if any(one.kind_of(row) == kind for row in one.rows))
             misses = _misses(rows)
             near = [str(sum(miss <= most for miss in misses)) for most in NEAR]
             lines.append([version, date, kind, str(len(misses)), *near])
@@ -248,6 +334,8 @@ def line(one: Comparison, notes: Sequence[str]) -> list[str]:
     """Return the cells of a comparison; its note is named by its place among all."""
     band = "–" if one.band is None else f"{one.band[0]:.4g} to {one.band[1]:.4g}"
     held = {True: "yes", False: "no", None: "–"}[one.held]
+    if one.within is not None:
+        held += f", {of_all(one)}"
     miss = "–" if one.miss is None else percents(one.miss)
     unit = f" ({one.unit})" if one.unit not in ("", "1") else ""
     quantity = f"{one.quantity}{unit}"
@@ -296,6 +384,11 @@ def _section(one: Kept) -> list[str]:
     return [f"## {one.title}\n", f"{made}.\n", cells, "", *told, *([""] if told else [])]
 
 
+def _notes_of_written(studies: Iterable[Kept]) -> list[str]:
+    """Return why the predictions that were written down before miss, each reason once."""
+    return list(dict.fromkeys(row.note for one in studies for row in one.rows if row.written and row.note))
+
+
 def _sentence(note: str) -> str:
     return f"{note[:1].upper()}{note[1:].rstrip('.')}." if note else ""
 
@@ -304,7 +397,9 @@ def page(record: Record) -> str:
     """Return the page."""
     studies = latest(record)
     count = sum(len(one.rows) for one in studies)
-    parts = [INTRODUCTION, "## Totals\n", f"{count} comparisons, by what they are held against:\n"]
+    parts = [INTRODUCTION, "## Written down before it was measured\n", written_before(studies), ""]
+    parts += [*(f"- {_sentence(note)}" for note in _notes_of_written(studies)), ""]
+    parts += ["## Totals\n", f"{count} comparisons, by what they are held against:\n"]
     parts += [totals_by_kind(studies), "", "By study:\n", totals(studies), ""]
     parts += ["## The weakest predictions\n", "The worst row of each study, the three worst studies first.\n"]
     parts += [weakest(studies), "", "## History\n", history(record), ""]
