@@ -13,7 +13,7 @@ from typing import Annotated, Any, Literal, get_args
 from pydantic import BaseModel, BeforeValidator, ConfigDict
 
 from strikewave.base.errors import InputError, nearest
-from strikewave.base.units import DIMENSIONS, parse_quantity
+from strikewave.base.units import DIMENSIONS, parse_quantity, take_apart, typed_number
 
 Provenance = Literal["published", "measured", "user", "inferred", "assumed", "fitted"]
 PROVENANCES: tuple[Provenance, ...] = get_args(Provenance)
@@ -26,8 +26,6 @@ DEVIATIONS, TRUNCATION = 2.0, 3.0
 beyond, three in a thousand, an inspection sorts out."""
 TABLE = ("value", "provenance", "note", "tolerance", "distribution")
 """What the table of a quantity may hold."""
-_LONGEST_SHARE = 40
-"""Characters of a share such as "2 %": more are no number, and are not searched."""
 
 
 class ToleranceBand(BaseModel):
@@ -77,6 +75,12 @@ class Value(BaseModel):
     provenance: Provenance = "assumed"
     note: str = ""
     tolerance: ToleranceBand | None = None
+
+    @property
+    def typed_unit(self) -> str:
+        """The unit in which it was typed; empty for a bare number, and for a word."""
+        parts = take_apart(self.typed)
+        return "" if parts is None else parts.unit
 
     @property
     def half_width(self) -> float:
@@ -188,10 +192,10 @@ class Range:
         if self.unit in DIMENSIONS:
             return parse_quantity(typed, self.unit, "", self.usual)
         if isinstance(typed, str):
-            try:
-                typed = float(typed)
-            except ValueError:
-                raise InputError("", typed, self.allowed(), "this quantity has no unit") from None
+            bare = typed_number(typed)
+            if bare is None:
+                raise InputError("", typed, self.allowed(), "this quantity has no unit")
+            typed = bare
         if isinstance(typed, bool) or not isinstance(typed, int | float):
             raise InputError("", typed, self.allowed())
         try:
@@ -241,16 +245,8 @@ def _check_keys(raw: dict[str, Any]) -> None:
 
 def _percent(typed: Any) -> float | None:
     """Return the share that "2 %" says; None where it is no share."""
-    number, sign, rest = (
-        typed.partition("%") if isinstance(typed, str) and len(typed) <= _LONGEST_SHARE else ("", "", "")
-    )
-    if not sign or rest.strip():
-        return None
-    try:
-        share = float(number) / 100.0
-    except ValueError:
-        return None
-    return share if math.isfinite(share) else None
+    number = typed_number(typed, "%") if isinstance(typed, str) else None
+    return None if number is None else number / 100.0
 
 
 def _limited(unit: str, low: float = -math.inf, high: float = math.inf, open_low: bool = False) -> Any:

@@ -10,9 +10,9 @@ import functools
 import math
 import re
 import unicodedata
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 from strikewave.base.errors import InputError, nearest
 
@@ -50,14 +50,20 @@ DIMENSIONS: dict[str, tuple[str, str]] = {
 
 _NUMBER = r"[+-]?(?:\d+(?:\.\d*)?|\.\d+)(?:[eE][+-]?\d{1,4})?"
 _WORD = r"[A-Za-zµμΩ°%_]{1,30}(?:(?:\^|\*\*)-?\d|[23²³])?"
-_UNIT = rf"(?:1|{_WORD})(?:\s*[*/·]\s*{_WORD}|\s+{_WORD})*"
+_UNIT = rf"(?:(?<![\d.])1|{_WORD})(?:\s*[*/·]\s*{_WORD}|\s+{_WORD})*"
 _QUANTITY = re.compile(rf"\s*({_NUMBER})\s*({_UNIT})?\s*")
 """A number, the word of a unit with its power, a unit of several, and a quantity. Repeats are bounded, so that no text
-takes long; an exponent of more than four digits is no number anyway."""
+takes long; an exponent of more than four digits is no number anyway. A unit that begins with 1 needs a blank before it:
+"11/s" may be 1 1/s or 11/s."""
+_BEGIN = re.compile(rf"\s*({_NUMBER})")
+_MERGED = re.compile(rf"\s*({_NUMBER})1\s*/\s*({_WORD})\s*")
+"""A number and a unit such as 1/s without a blank between them."""
 _ANGLE = re.compile(r"(?<![A-Za-z])(?:rad|radian|deg|degree|°|r|rpm|turn|revolution)(?![A-Za-z])")
 """Words that mean an angle: pint takes turns as pure numbers, and would read "730 1/s" as a speed of rotation."""
 _LONGEST = 80
 """Characters of a quantity: more are none, and are not searched."""
+ENDLESS = ("inf", "infinity")
+"""Words for a number without end, where one is allowed."""
 _LARGEST_DIVISOR, _WHOLE = 1e15, 1e-12
 """Divisors up to which a float holds every whole number, and how near to one a factor's inverse must be to be one."""
 _ALIASES = {"g": "standard_gravity", "r": "revolution", "us": "microsecond", "µs": "microsecond"}
@@ -116,6 +122,98 @@ def _by_pint(unit: str, si: str) -> float:
     return float(_registry().Quantity(1.0, tidy(unit)).to(tidy(si)).magnitude)
 
 
+class TypedQuantity(NamedTuple):
+    """A quantity as it was typed: the text of its number, and that of its unit, empty where it has none.
+
+    Examples
+    --------
+    >>> typed = take_apart("-2e-05 s")
+    >>> typed.number, typed.unit, typed.value
+    ('-2e-05', 's', -2e-05)
+    """
+
+    number: str
+    unit: str
+
+    @property
+    def value(self) -> float:
+        """The number; infinite where its exponent is too large."""
+        return float(self.number)
+
+
+def take_apart(typed: object) -> TypedQuantity | None:
+    """Return number and unit of what was typed, as a text or as a bare number; None where it is no quantity.
+
+    All that needs a part of a typed quantity takes it from here, so that each spelling means the same everywhere. That
+    the unit exists is not checked: `parse_quantity` does. A per cent sign is a unit.
+
+    Examples
+    --------
+    >>> take_apart("+1.5E3rpm"), take_apart("2 %"), take_apart(0.5), take_apart("fast")
+    (TypedQuantity(number='+1.5E3', unit='rpm'), TypedQuantity(number='2', unit='%'), \
+TypedQuantity(number='0.5', unit=''), None)
+    """
+    text = str(typed) if isinstance(typed, int | float) and not isinstance(typed, bool) else typed
+    match = _QUANTITY.fullmatch(text) if isinstance(text, str) and len(text) <= _LONGEST else None
+    return None if match is None else TypedQuantity(match[1], (match[2] or "").strip())
+
+
+def typed_number(text: str, sign: str = "") -> float | None:
+    """Return the finite number that a text is, without a unit or with that ``sign`` alone; None where it is no such.
+
+    Examples
+    --------
+    >>> typed_number("+2e-05"), typed_number("5 %", "%"), typed_number("5 %"), typed_number("1_000")
+    (2e-05, 5.0, None, None)
+    """
+    typed = take_apart(text)
+    return typed.value if typed is not None and typed.unit == sign and math.isfinite(typed.value) else None
+
+
+def split_number(text: str) -> tuple[float, str] | None:
+    """Return the number that a text begins with, and what follows it; None where it begins with none.
+
+    For what is no quantity by itself, such as a sensitivity, whose unit has brackets.
+
+    Examples
+    --------
+    >>> split_number("1.2e0 mV/(m/s^2)"), split_number("mV")
+    ((1.2, 'mV/(m/s^2)'), None)
+    """
+    match = _BEGIN.match(text) if len(text) <= _LONGEST else None
+    return None if match is None else (float(match[1]), text[match.end() :].strip())
+
+
+def range_ends(text: str) -> tuple[str, str] | None:
+    """Return the two quantities of a range such as ``400..900 rpm``, a bare first one with the unit of the last.
+
+    None stands for what is no range: three dots are none either, since "0...5" may end at 5 or at 0.5.
+
+    Examples
+    --------
+    >>> range_ends("400..900rpm"), range_ends("1e-3 s .. 2 ms"), range_ends("0...5"), range_ends("5")
+    (('400 rpm', '900rpm'), ('1e-3 s', '2 ms'), None, None)
+    """
+    low, dots, high = (part.strip() for part in text.partition(".."))
+    if not (dots and low and high) or "..." in text:
+        return None
+    first, last = with_last_unit([low, high])
+    return first, last
+
+
+def with_last_unit(parts: Sequence[str]) -> list[str]:
+    """Return quantities of a list, bare ones with the unit of the last one.
+
+    Examples
+    --------
+    >>> with_last_unit(["400", "900rpm"]), with_last_unit(["1", "2"])
+    (['400 rpm', '900rpm'], ['1', '2'])
+    """
+    last = take_apart(parts[-1])
+    unit = "" if last is None else last.unit
+    return [f"{part.strip()} {unit}".strip() if typed_number(part) is not None else part for part in parts]
+
+
 def parse_quantity(text: object, si: str, field: str, example: str = "") -> float:
     """Turn "number unit" into a float in the SI unit ``si``.
 
@@ -148,14 +246,15 @@ def parse_quantity(text: object, si: str, field: str, example: str = "") -> floa
         bare = isinstance(text, int | float) and not isinstance(text, bool)
         hint = f'a bare number has no unit: write "{text} {si}" if that is meant' if bare else ""
         raise InputError(field, text, allowed, hint)
-    match = _QUANTITY.fullmatch(text) if len(text) <= _LONGEST else None
-    if match is None:
-        raise InputError(field, text, allowed, _of_comma(text) or "write one number, then its unit")
-    number, unit = float(match[1]), match[2]
-    if unit is None:
-        raise InputError(field, text, allowed, f'a bare number has no unit: write "{match[1]} {si}" if that is meant')
+    typed = take_apart(text)
+    if typed is None:
+        raise InputError(field, text, allowed, _of_spelling(text) or "write one number, then its unit")
+    unit = typed.unit
+    if not unit:
+        hint = f'a bare number has no unit: write "{typed.number} {si}" if that is meant'
+        raise InputError(field, text, allowed, hint)
     try:
-        value = _times(number, _factor(unit.strip(), si))
+        value = _times(typed.value, _factor(unit, si))
     except _pint().UndefinedUnitError as error:
         unknown = str(error.args[0][0] if isinstance(error.args[0], tuple | list) else error.args[0])
         raise InputError(field, text, allowed, f'unknown unit "{unknown}": {_nearest_unit(unknown)}') from None
@@ -163,27 +262,31 @@ def parse_quantity(text: object, si: str, field: str, example: str = "") -> floa
         hint = (
             '"g" is standard gravity here; write gram or kg' if re.search(r"(?<![A-Za-z])g(?![A-Za-z])", unit) else ""
         )
-        raise InputError(field, text, allowed, hint or f'"{unit.strip()}" is not {name}') from None
+        raise InputError(field, text, allowed, hint or f'"{unit}" is not {name}') from None
     except (_pint().PintError, ValueError, TypeError, ArithmeticError, AssertionError):
         raise InputError(field, text, allowed, "the unit could not be read") from None
     turns = bool(_ANGLE.search(unit))
     if si in ("rad", "rad/s") and not turns:
-        raise InputError(field, text, allowed, f'"{unit.strip()}" does not say turns or radians: write rpm, rad/s, deg')
+        raise InputError(field, text, allowed, f'"{unit}" does not say turns or radians: write rpm, rad/s, deg')
     if si == "Hz" and turns:
-        raise InputError(field, text, allowed, f'"{unit.strip()}" is a speed of rotation, not a frequency')
+        raise InputError(field, text, allowed, f'"{unit}" is a speed of rotation, not a frequency')
     if not math.isfinite(value):
         raise InputError(field, text, allowed, "the value is not finite")
     return value
 
 
-def _of_comma(text: str) -> str:
-    """Return what to write where a number has a comma; empty where that is not what is wrong.
+def _of_spelling(text: str) -> str:
+    """Return what to write where a number has a comma, or its unit needs a blank; empty where that is not the fault.
 
     Examples
     --------
-    >>> _of_comma("1,2 m"), _of_comma("1,200 g"), _of_comma("m")
+    >>> _of_spelling("1,2 m"), _of_spelling("1,200 g"), _of_spelling("m")
     ('write a decimal point, not a comma: "1.2 m"', 'a comma may mean either: write "1.200 g" or "1200 g"', '')
+    >>> _of_spelling("2001/s")
+    'a unit that begins with 1 needs a blank before it: "200 1/s"'
     """
+    if len(text) <= _LONGEST and (merged := _MERGED.fullmatch(text)) is not None:
+        return f'a unit that begins with 1 needs a blank before it: "{merged[1]} 1/{merged[2]}"'
     pointed = text.strip().replace(",", ".", 1)
     if "," not in text or len(text) > _LONGEST or _QUANTITY.fullmatch(pointed) is None:
         return ""
@@ -215,14 +318,10 @@ def parse_typed(text: str, si: str, field: str) -> float:
     >>> parse_typed("inf", "kg", "--m2")
     inf
     """
-    if text.strip().lower() in {"inf", "infinity"}:
+    if text.strip().lower() in ENDLESS:
         return math.inf
-    match = _QUANTITY.fullmatch(text) if len(text) <= _LONGEST else None
-    if match is not None and match[2] is None:
-        value = float(match[1])
-        if math.isfinite(value):
-            return value
-    return parse_quantity(text, si, field)
+    number = typed_number(text)
+    return parse_quantity(text, si, field) if number is None else number
 
 
 def si_value(value: str | float, si: str, field: str) -> float:

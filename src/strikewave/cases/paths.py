@@ -18,7 +18,7 @@ from pydantic_core import ErrorDetails
 
 from strikewave.base.errors import InputError, InputErrors, nearest, show
 from strikewave.base.quantities import Range, Value
-from strikewave.base.units import DIMENSIONS
+from strikewave.base.units import DIMENSIONS, take_apart
 
 Held = TypeVar("Held", bound=BaseModel)
 """What a file holds."""
@@ -314,12 +314,10 @@ def _is_zero(allowed: Range, typed: Any) -> bool:
 
 def _number(text: str) -> int | float | str:
     """Return a number where a text is one, else the text."""
-    for kind in (int, float):
-        try:
-            return kind(text)
-        except ValueError:
-            continue
-    return text
+    typed = take_apart(text)
+    if typed is None or typed.unit:
+        return text
+    return int(typed.number) if typed.number.lstrip("+-").isdecimal() else typed.value
 
 
 def _tables_of(kind: Any) -> tuple[list[type[BaseModel]], bool]:

@@ -20,7 +20,7 @@ import numpy as np
 
 from strikewave.base.errors import InputError, nearest
 from strikewave.base.toml_text import read_toml
-from strikewave.base.units import convertible, parse_quantity
+from strikewave.base.units import convertible, parse_quantity, split_number, typed_number
 from strikewave.records.health_notice import HealthNotice
 from strikewave.records.record import Channel
 
@@ -32,8 +32,6 @@ LARGEST_FILE = 100_000
 """Bytes of a calibration file: a few lines for each of hundreds of channels."""
 LONGEST_UNIT = 80
 """Characters of a unit that are looked at."""
-_MULTIPLE = re.compile(r"(\d{1,20}(?:\.\d{0,20})?(?:[eE][+-]?\d{1,2})?)\s*([^\d\s].*)")
-"""A unit with a number before it: ``1000 g``."""
 _AMBIGUOUS = {"kg": "1000 g", "mg": "0.001 g", "ug": "1e-6 g", "µg": "1e-6 g"}
 """Units that some write for multiples of standard gravity, and that are masses; how to write what is then meant."""
 _SPELLINGS = {
@@ -153,10 +151,10 @@ def known_unit(text: str) -> tuple[str, float] | None:
     (('m/s^2', 9.80665), ('m/s^2', 1.0), ('m/s^2', 9806.65), None)
     """
     plain = text.strip().strip("[]()").strip()
-    match = _MULTIPLE.fullmatch(plain[:LONGEST_UNIT])
-    if match is not None and float(match[1]) > 0.0:
-        known = known_unit(match[2])
-        return None if known is None or not math.isfinite(float(match[1])) else (known[0], float(match[1]) * known[1])
+    number, unit = split_number(plain[:LONGEST_UNIT]) or (0.0, "")
+    if unit and number > 0.0:  # a unit with a number before it, such as 1000 g
+        known = known_unit(unit)
+        return None if known is None or not math.isfinite(number) else (known[0], number * known[1])
     return convertible(_SPELLINGS.get(plain, _SPELLINGS.get(plain.lower(), plain)), (*MEASURED, "V"))
 
 
@@ -197,10 +195,7 @@ def check_part(name: str, text: str, field: str) -> None:
 
 
 def _is_number(text: str) -> bool:
-    try:
-        return math.isfinite(float(text)) and float(text) != 0.0
-    except ValueError:
-        return False
+    return (typed_number(text) or 0.0) != 0.0
 
 
 def ambiguous(unit: str) -> str:
@@ -279,13 +274,9 @@ def _volts(unit: str, field: str) -> float:
 
 
 def _number_and_unit(text: str, field: str, choices: tuple[str, ...]) -> tuple[float, str, float]:
-    match = re.fullmatch(r"\s*([+-]?[0-9.]{1,20}(?:[eE][+-]?\d{1,3})?)\s*(\S.{0,40})", text[:80])
-    unit = re.sub(r"/\s*\(([^()/]*)/([^()/]*)\)", r"/\1*\2", match[2].replace("²", "^2")) if match else ""
+    number, rest = split_number(text) or (math.nan, "")
+    unit = re.sub(r"/\s*\(([^()/]*)/([^()/]*)\)", r"/\1*\2", rest.replace("²", "^2"))
     si = convertible(unit, choices) if unit else None
-    try:
-        number = float(match[1]) if match else math.nan
-    except ValueError:
-        number = math.nan
     if si is None or not math.isfinite(number) or number == 0.0:
         example = "10 mV/pC" if choices == ("V/C",) else "1.2 mV/g"
         hint = "" if choices == ("V/C",) else "V or C (or V/V) per g, N, Pa, m/s, m or strain"

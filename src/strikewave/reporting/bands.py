@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-import re
 from collections import Counter
 from collections.abc import Iterable, Mapping
 
 from strikewave.base.materials import MATERIAL
 from strikewave.base.result import Band, BandMethod, MovedInput, Notice, Result
-from strikewave.base.units import in_unit
+from strikewave.base.units import in_unit, take_apart
 from strikewave.reporting.banded_numbers import band_text, with_band
 from strikewave.reporting.numbers import listed, percent, spelled
 from strikewave.reporting.parts import NONE, Cell, Section, Table, written
@@ -34,8 +33,6 @@ NO_BAND_OF_ELEMENTS = (
     "the band of the same bodies as a machine or a layered bar."
 )
 """Why a run of finite elements has no band."""
-_UNIT = re.compile(r"[^\W\d_][^\d]*.*$|%$")
-"""Unit of a quantity as it was typed."""
 
 
 def band_words(bands: Mapping[str, Band]) -> list[str]:
@@ -214,7 +211,7 @@ def moved_rows(method: BandMethod) -> list[list[Cell]]:
 
 def _ends(one: MovedInput) -> list[str]:
     """Return the ends of the range of an input with its unit."""
-    found = _UNIT.search(str(one.typed))
-    unit = found[0] if found and one.unit else one.unit
+    typed = take_apart(one.typed)
+    unit = typed.unit if typed is not None and typed.unit and one.unit else one.unit
     ends = (in_unit(end, one.unit, unit) if unit else end for end in (one.low, one.high))
     return [f"{written(float(end), 4)} {spelled(unit)}".strip() for end in ends]

@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 import math
-import re
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Annotated, ClassVar
 
 from strikewave.base.errors import InputError
-from strikewave.base.units import si_value
+from strikewave.base.units import si_value, typed_number
 from strikewave.reporting.options.kinds import Typed, bare_number, quantity
 
 if TYPE_CHECKING:
@@ -94,6 +93,6 @@ def low_pass_of(value: str | float | Filter | None) -> Filter | None:
 
     if value is None or isinstance(value, Filter):
         return value
-    if isinstance(value, str) and (found := re.fullmatch(r"\s*CFC\s*(\d+\.?\d*)\s*", value, re.IGNORECASE)):
-        return Filter.sae_j211(cutoff_of(float(found[1]), "filter", ALLOWED_FILTER))
+    if isinstance(value, str) and value.strip()[:3].upper() == "CFC":
+        return Filter.sae_j211(cutoff_of(typed_number(value.strip()[3:]) or 0.0, "filter", ALLOWED_FILTER))
     return Filter(cutoff_of(value, "filter", ALLOWED_FILTER))

@@ -5,7 +5,6 @@ from __future__ import annotations
 import contextlib
 import glob
 import hashlib
-import math
 import os
 import re
 import shlex
@@ -19,7 +18,7 @@ import typer
 
 from strikewave.base.errors import InputError, StrikewaveError, nearest
 from strikewave.base.result import Source
-from strikewave.base.units import parse_quantity, si_value
+from strikewave.base.units import parse_quantity, si_value, take_apart, typed_number
 from strikewave.reporting.command_inputs import ORIGIN, origin_text
 from strikewave.reporting.options.kinds import parsed, quantity
 from strikewave.reporting.options.output import Output
@@ -73,8 +72,9 @@ def read_time_unit(word: str, field: str) -> float:
     seconds = seconds_in(word)
     if seconds is not None:
         return seconds
-    number, _, unit = word.strip().partition(" ")
-    if is_bare(number) and float(number) > 0.0 and seconds_in(unit) is not None:
+    typed = take_apart(word)
+    unit = "" if typed is None else typed.unit
+    if typed is not None and typed.value > 0.0 and seconds_in(unit) is not None:
         return parse_quantity(word, "s", field)
     allowed = 'a unit of time, such as s, ms, us, ns or min, or a number of them, such as "10 us"'
     raise InputError(field, word, allowed, nearest(unit or word, UNITS_OF_TIME))
@@ -294,10 +294,7 @@ def _stated(name: str, value: str) -> Any:
 
 def is_bare(text: str) -> bool:
     """Tell whether a text is a number without a unit."""
-    try:
-        return math.isfinite(float(text))
-    except ValueError:
-        return False
+    return typed_number(text) is not None
 
 
 def check_channels(stated: Mapping[str, Any], known: Iterable[str]) -> None:

@@ -15,6 +15,7 @@ from pydantic import BeforeValidator, Field, model_validator
 
 from strikewave.base.errors import MISSING, InputError
 from strikewave.base.percents import sign_needed
+from strikewave.base.units import typed_number
 from strikewave.cases.paths import Form
 from strikewave.cases.small_file import read_small_file
 from strikewave.cases.tables.performed_test import Line
@@ -210,13 +211,10 @@ def load_budget(asked: str, field: str = "--uncertainty") -> Budget:
     """
     word = asked.strip()
     if not word.lower().endswith(".toml"):
-        try:
-            number = float(word.removesuffix("%"))
-        except ValueError:
-            number = math.nan
-        if not word.endswith("%"):
-            raise InputError(field, asked, ALLOWED, sign_needed(number) if math.isfinite(number) else "")
-        if not 0.0 < number < 100.0:
+        bare, number = typed_number(word), typed_number(word, "%")
+        if bare is not None:
+            raise InputError(field, asked, ALLOWED, sign_needed(bare))
+        if number is None or not 0.0 < number < 100.0:
             raise InputError(field, asked, ALLOWED)
         return of_share(0.01 * number)
     path = Path(word)

@@ -17,7 +17,7 @@ from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, model_valida
 from strikewave.base.errors import MISSING, InputError, nearest
 from strikewave.base.percents import sign_needed
 from strikewave.base.quantities import Range
-from strikewave.base.units import DIMENSIONS
+from strikewave.base.units import DIMENSIONS, typed_number
 from strikewave.cases.tables.base import CaseTable
 from strikewave.cases.tables.performed_test import Line, line_text, notes_text
 from strikewave.specifications.ideal_pulses import TRAPEZOID
@@ -30,8 +30,6 @@ FROM_MEMORY = "from memory"
 """Source of an indicative number that names none."""
 MOST_CONDITIONS, MOST_POINTS = 200, 1000
 """Conditions of a file and breakpoints of a spectrum, at most: no standard comes near."""
-LONGEST_NUMBER = 40
-"""Characters of a share or a level in dB: more are none, and are not searched."""
 
 
 class StatedNumber(BaseModel):
@@ -106,12 +104,8 @@ class NumberReader:
         sign, scale, example = ("%", 0.01, "20 %") if self.unit == "%" else ("dB", 1.0, "-6 dB")
         words = f'a {"number" if self.unit == "dB" else "share"} with its sign, such as "{example}"'
         limits = "" if math.isinf(self.high) else f", from {self.low / scale:g} to {self.high / scale:g} {sign}"
-        number = math.nan
-        if isinstance(typed, str) and len(typed) <= LONGEST_NUMBER and typed.strip().endswith(sign):
-            try:
-                number = float(typed.strip().removesuffix(sign)) * scale
-            except ValueError:
-                number = math.nan
+        read = typed_number(typed, sign) if isinstance(typed, str) else None
+        number = math.nan if read is None else read * scale
         if not self.low <= number <= self.high:
             bare = isinstance(typed, int | float) and not isinstance(typed, bool) and self.unit == "%"
             raise InputError("", typed, words + limits, sign_needed(typed) if bare else "")

@@ -120,8 +120,7 @@ def units_of(path: str, value: Value) -> tuple[str, str]:
     """Return the unit in which a quantity of a case was typed, and its SI unit."""
     allowed = FORM.range_at(path.split("."))
     si_unit = "" if allowed is None or allowed.unit == "count" else allowed.unit
-    typed = str(value.typed).strip().lstrip("+-0123456789.eE").strip() if isinstance(value.typed, str) else ""
-    return typed or si_unit, si_unit
+    return value.typed_unit or si_unit, si_unit
 
 
 def case_at(

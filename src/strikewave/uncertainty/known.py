@@ -11,12 +11,12 @@ stands for (`strikewave.cases.named_materials`) is known as its table has it, an
 from __future__ import annotations
 
 import dataclasses
-import re
 from collections.abc import Iterator, Mapping, Sequence
 
 import numpy as np
 
 from strikewave.base.quantities import AUTO, TRUNCATION, Range, Value
+from strikewave.base.units import take_apart
 from strikewave.cases.case import Case
 from strikewave.cases.contact_of_case import automatic_pressures
 from strikewave.cases.named_materials import named_numbers
@@ -62,7 +62,6 @@ UNKNOWN = ("assumed", "user")
 UNIFORM: Shape = "uniform"
 JITTER = 1e-9
 """What is added to the variances of a correlation, so that two inputs that always go together have a factor."""
-_NUMBER = re.compile(r"\s*[-+]?(\d*)\.?(\d*)(?:[eE]([-+]?\d+))?")
 
 
 def known_inputs(case: Case, tables: Sequence[str] = FELT) -> tuple[UncertainInput, ...]:
@@ -236,18 +235,17 @@ def default_share(value: Value) -> tuple[float, str]:
 
 
 def half_a_digit(typed: str | float) -> float:
-    """Return half a unit of the last digit typed as a share of the number; 0 where the text begins with no number.
+    """Return half a unit of the last digit typed as a share of the number; 0 where the text is no quantity.
 
     Examples
     --------
     >>> half_a_digit("1.25 kg"), half_a_digit("8 mm"), half_a_digit(0.5), half_a_digit("2e3 N")
     (0.004, 0.0625, 0.1, 0.25)
     """
-    match = _NUMBER.match(str(typed))
-    if match is None or not (match[1] or match[2]):
-        return 0.0
-    number = float(f"{match[1] or 0}.{match[2] or 0}")
-    return 0.5 * 10.0 ** -len(match[2]) / number if number else 0.0
+    parts = take_apart(typed)
+    mantissa = "" if parts is None else parts.number.lower().partition("e")[0].lstrip("+-")
+    number = float(mantissa or 0.0)
+    return 0.5 * 10.0 ** -len(mantissa.partition(".")[2]) / number if number else 0.0
 
 
 def _plausible(

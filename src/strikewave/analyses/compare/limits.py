@@ -11,7 +11,7 @@ from typing import NamedTuple
 from strikewave.base.errors import InputError, nearest
 from strikewave.base.percents import sign_needed
 from strikewave.base.result import FAILED, Notice
-from strikewave.base.units import parse_quantity
+from strikewave.base.units import parse_quantity, typed_number
 from strikewave.specifications.decisions import CANNOT_TELL, FAIL, PASS, together
 
 RELATIONS = {"<": operator.lt, "<=": operator.le, ">": operator.gt, ">=": operator.ge}
@@ -94,18 +94,12 @@ def _number(text: str, unit: str, word: str, field: str) -> float:
     if unit == "s":
         return _not_negative(parse_quantity(text, "s", field), word, field)
     sign = "dB" if unit == "dB" else "%"
-    bare = text.removesuffix(sign)
-    try:
-        value = float(bare)
-    except ValueError:
-        value = math.nan
-    if bare == text and unit != "1":
-        raise InputError(
-            field, word, EXAMPLES[unit], sign_needed(value) if unit == "%" and math.isfinite(value) else ""
-        )
-    value *= 0.01 if sign == "%" and bare != text else 1.0
-    if not math.isfinite(value):
+    bare, signed = typed_number(text), typed_number(text, sign)
+    if bare is not None and unit != "1":
+        raise InputError(field, word, EXAMPLES[unit], sign_needed(bare) if unit == "%" else "")
+    if bare is None and signed is None:
         raise InputError(field, word, EXAMPLES.get(unit, "a number of at most 1, such as 0.8"))
+    value = bare if bare is not None else 0.01 * (signed or 0.0) if sign == "%" else signed or 0.0
     if unit == "1" and value > 1.0:
         raise InputError(field, word, "a number of at most 1, such as 0.8", "it is a score, and 1 is the best")
     return value if unit == "1" else _not_negative(value, word, field)

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Annotated
 
 from strikewave.base.errors import InputError
-from strikewave.base.units import parse_quantity
+from strikewave.base.units import parse_quantity, take_apart
 from strikewave.reporting.low_pass import LowPassOptions, cutoff_of, low_pass_of
 from strikewave.reporting.options.kinds import parsed, quantity
 
@@ -31,7 +31,8 @@ def _time_constant(word: str, field: str) -> str | float:
     """
     if word.strip() == "auto":
         return "auto"
-    unit = word.strip().lstrip("+-.0123456789eE").strip()
+    typed = take_apart(word)
+    unit = "" if typed is None else typed.unit
     try:
         value = parse_quantity(word, "Hz" if "Hz" in unit else "s", field)
     except InputError as error:

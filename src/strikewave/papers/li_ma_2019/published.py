@@ -10,7 +10,7 @@ import math
 
 from strikewave.base.errors import InputError, nearest
 from strikewave.base.materials import Material
-from strikewave.base.units import DIMENSIONS, convertible, parse_quantity
+from strikewave.base.units import DIMENSIONS, convertible, parse_quantity, take_apart
 from strikewave.cases.case import load_case
 from strikewave.cases.tables.mesh import FramePart, HalfCylinder
 from strikewave.contact import contact_modulus
@@ -72,9 +72,11 @@ def published_number(name: str) -> PublishedNumber:
 
 def _number(name: str, where: str, quantity: str, text: str, origin: Origin, note: str = "") -> PublishedNumber:
     """Turn "4151.25 g" into a number; one without a unit is a count or a ratio."""
-    unit = text.partition(" ")[2] or "1"
+    typed = take_apart(text)
+    assert typed is not None
+    unit = typed.unit or "1"
     si = convertible(unit, DIMENSIONS)
-    value = float(text) if unit == "1" or si is None else parse_quantity(text, si[0], name)
+    value = typed.value if unit == "1" or si is None else parse_quantity(text, si[0], name)
     return PublishedNumber(name, where, quantity, value, unit, origin, note)
 
 

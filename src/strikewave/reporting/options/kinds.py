@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import typer
 
 from strikewave.base.errors import InputError, nearest
-from strikewave.base.units import DIMENSIONS, parse_quantity, parse_typed
+from strikewave.base.units import DIMENSIONS, ENDLESS, parse_quantity, parse_typed, typed_number
 
 if TYPE_CHECKING:
     from strikewave.base.quantities import Value
@@ -168,10 +168,8 @@ def bare_number(
     words = allowed or (f"a number above {above:g}" if low is None else f"a number from {low:g}") + most
 
     def read(word: str, field: str) -> float:
-        try:
-            value = float(word)
-        except ValueError:
-            value = math.nan
+        typed = math.inf if word.strip().lower() in ENDLESS else typed_number(word)
+        value = math.nan if typed is None else typed
         if not (value > above if low is None else value >= low) or not value <= high:
             raise InputError(field, word, words)
         return value
@@ -197,12 +195,9 @@ def read_share(word: str, field: str) -> float:
     >>> read_share("2 %", "--want-cv")
     0.02
     """
-    bare = word.strip()
-    try:
-        value = float(bare.removesuffix("%")) / (100.0 if bare.endswith("%") else 1.0)
-    except ValueError:
-        value = math.nan
-    if not 0.0 < value < 1.0:
+    number, percent = typed_number(word), typed_number(word, "%")
+    value = percent / 100.0 if percent is not None else number
+    if value is None or not 0.0 < value < 1.0:
         raise InputError(field, word, "a share above 0 and below 1, such as 2 %")
     return value
 

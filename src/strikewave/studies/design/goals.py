@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from strikewave.base.errors import InputError, nearest
 from strikewave.base.quantities import Range
-from strikewave.base.units import DIMENSIONS
+from strikewave.base.units import DIMENSIONS, range_ends, typed_number
 from strikewave.cases.case import Case
 from strikewave.cases.law_names import CUSHION
 from strikewave.contact.cushions.laws import LARGEST_STRAIN
@@ -37,8 +37,6 @@ _RELATION = re.compile(r"(?P<number>[^<>=]+?)\s*(?P<relation><=|>=|<|>|=)\s*(?P<
 _PASSES = re.compile(r"spec:(?P<name>\S+)\s+passes")
 _CLIPS = re.compile(r"(?P<sensor>\S.*?)\s+clips\s+never")
 _SENSE = re.compile(r"(?P<number>[^<>=]+?)\s+(?P<sense>smallest|largest)")
-_RANGE = re.compile(r"(?P<low>[^.]*(?:\.\d+)?[^.]*?)\s*\.\.\s*(?P<high>.+)")
-_BARE = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d+)?")
 
 
 class Goal(NamedTuple):
@@ -216,13 +214,9 @@ def _band(value: str, unit: str, typed: str, field: str, whole: bool) -> tuple[f
         if not half > 0.0:
             raise InputError(field, typed, "a tolerance above 0, such as +- 5 %")
         return middle - half, middle + half
-    between = _RANGE.fullmatch(value)
+    between = range_ends(value)
     if between is not None:
-        high = between["high"]
-        end = _BARE.match(high)
-        of_high = high[end.end() :].strip() if end else ""
-        low = f"{between['low']} {of_high}".strip() if _BARE.fullmatch(between["low"]) else between["low"]
-        ends = _read(low, unit, field), _read(high, unit, field)
+        ends = _read(between[0], unit, field), _read(between[1], unit, field)
         if not ends[0] < ends[1]:
             raise InputError(field, typed, "a range whose end lies above its begin")
         return ends
@@ -235,10 +229,11 @@ def _band(value: str, unit: str, typed: str, field: str, whole: bool) -> tuple[f
 def _read(text: str, unit: str, field: str) -> float:
     """Return a value, SI: with its unit, or a bare number or per cent where it has none."""
     word = text.strip()
-    bare = word.removesuffix("%").strip()
     is_ratio = unit == "1" or unit not in DIMENSIONS
-    if is_ratio and _BARE.fullmatch(bare):
-        return float(bare) * (0.01 if bare != word else 1.0)
+    if is_ratio:
+        number, share = typed_number(word), typed_number(word, "%")
+        if number is not None or share is not None:
+            return 0.01 * share if number is None and share is not None else float(number or 0.0)
     try:
         return Range(unit).read(word).si
     except InputError as error:

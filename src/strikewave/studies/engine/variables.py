@@ -6,7 +6,6 @@ A range has as many values as stand behind its colon, ``log`` at its end for log
 from __future__ import annotations
 
 import re
-from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -14,7 +13,7 @@ import numpy as np
 from strikewave.analyses.check import check
 from strikewave.base.errors import InputError, nearest
 from strikewave.base.quantities import Range, Value
-from strikewave.base.units import DIMENSIONS
+from strikewave.base.units import DIMENSIONS, range_ends, take_apart, with_last_unit
 from strikewave.cases.case import Case, parse_case
 from strikewave.cases.written_case import dump_case
 from strikewave.reporting.numbers import with_unit
@@ -29,7 +28,6 @@ EXAMPLE = 'such as machine.speed="400..900 rpm:11" or contact.damping=hunt-cross
 _RANGE = re.compile(
     r"(?P<low>[^:]*?)\s*\.\.\s*(?P<high>[^:]+?)\s*(:\s*(?P<count>\d{1,7})?)?\s*(?P<log>(?<=[\s:\d])log)?\s*"
 )
-_NUMBER = re.compile(r"\s*[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d+)?\s*")
 
 
 @dataclass(frozen=True)
@@ -146,7 +144,7 @@ def with_word(case: Case, path: str, word: str) -> Case:
 def _quantity(case: Case, path: str, given: str, points: int) -> StudyVariable:
     found = _RANGE.fullmatch(given)
     if found is None and ":" in given:  # as other tools write ranges; no quantity has a colon
-        low, high = _with_unit([given.partition(":")[0], given.rpartition(":")[2]])
+        low, high = with_last_unit([given.partition(":")[0], given.rpartition(":")[2]])
         hint = f'such as "{path}={low.partition(" ")[0]}..{high}:{points}"'
         raise InputError("--vary", f"{path}={given}", "a range written low..high:COUNT, or values and commas", hint)
     if found is None:
@@ -154,7 +152,11 @@ def _quantity(case: Case, path: str, given: str, points: int) -> StudyVariable:
         unit, si_unit = units_of(path, values[-1])
         numbers = sorted({value.si for value in values})
         return StudyVariable(Axis(path, unit, si_unit, tuple(numbers)))
-    ends = _ends(case, path, found["low"], found["high"])
+    ends = read_ends(case, path, f"{found['low']}..{found['high']}")
+    if ends is None:
+        raise InputError(
+            "--vary", f"{path}={given}", "a range written low..high:COUNT", "two dots stand between its ends"
+        )
     count = int(found["count"] or points)
     if not 2 <= count <= MOST_VALUES:
         raise InputError("--vary", given, f"2 to {MOST_VALUES} values of a range")
@@ -180,13 +182,8 @@ def read_ends(case: Case, path: str, given: str) -> tuple[Value, Value] | None:
     >>> [end.typed for end in read_ends(load_case("li-ma-2019"), "machine.speed", "400..900 rpm")]
     ['400 rpm', '900 rpm']
     """
-    low, dots, high = given.partition("..")
-    return _ends(case, path, low, high) if dots and low.strip() and high.strip() else None
-
-
-def _ends(case: Case, path: str, low: str, high: str) -> tuple[Value, Value]:
-    first, last = _with_unit([low, high])
-    return typed_value(case, path, first), typed_value(case, path, last)
+    ends = range_ends(given)
+    return None if ends is None else (typed_value(case, path, ends[0]), typed_value(case, path, ends[1]))
 
 
 def read_list(case: Case, path: str, given: str) -> list[Value]:
@@ -200,20 +197,7 @@ def read_list(case: Case, path: str, given: str) -> list[Value]:
     parts = [part for part in given.split(",") if part.strip()]
     if len(parts) > MOST_VALUES:
         raise InputError("--vary", f"{len(parts)} values", f"at most {MOST_VALUES}")
-    return [typed_value(case, path, part) for part in _with_unit(parts)] if parts else []
-
-
-def _with_unit(parts: Sequence[str]) -> list[str]:
-    """Return quantities, bare ones with the unit of the last one.
-
-    Examples
-    --------
-    >>> _with_unit(["400", "900rpm"]), _with_unit(["1", "2"])
-    (['400 rpm', '900rpm'], ['1', '2'])
-    """
-    number = _NUMBER.match(parts[-1])
-    unit = "" if number is None else parts[-1][number.end() :].strip()
-    return [f"{part.strip()} {unit}".strip() if _NUMBER.fullmatch(part) else part for part in parts]
+    return [typed_value(case, path, part) for part in with_last_unit(parts)] if parts else []
 
 
 def typed_value(case: Case, path: str, text: str) -> Value:
@@ -225,16 +209,14 @@ def typed_value(case: Case, path: str, text: str) -> Value:
         If it takes no such value.
     """
     allowed: Range = range_of(case, path)
-    bare = text.strip()
-    is_bare = _NUMBER.fullmatch(bare) is not None
+    typed = take_apart(text)
+    bare: str | float = text.strip()
+    if typed is not None and not typed.unit:
+        bare = f"{bare} {allowed.unit}" if allowed.unit in DIMENSIONS else typed.value
     try:
-        return allowed.read(f"{bare} {allowed.unit}" if is_bare and allowed.unit in DIMENSIONS else _plain(bare))
+        return allowed.read(bare)
     except InputError as error:
         raise error.at(path) from None
-
-
-def _plain(text: str) -> str | float:
-    return float(text) if _NUMBER.fullmatch(text) else text
 
 
 def spread_evenly(axis: Axis) -> bool:

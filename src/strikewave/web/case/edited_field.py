@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
+from strikewave.base.units import typed_number
 from strikewave.reporting.numbers import spelled
 
 
@@ -58,6 +59,19 @@ class EditedField(NamedTuple):
         """
         number = f"{value:.0f}" if self.step >= 1.0 and float(value).is_integer() else f"{value:.6g}"
         return f"{number} {self.unit}".strip()
+
+    def with_unit(self, typed: str) -> str:
+        """Return what was typed into the field: a bare number has the unit that stands in its label.
+
+        Examples
+        --------
+        >>> from strikewave import load_case
+        >>> from strikewave.web.case.fields import edited_fields
+        >>> speed = edited_fields(load_case("li-ma-2019"))["machine.speed"]
+        >>> speed.with_unit("7e2"), speed.with_unit("70 rad/s")
+        ('7e2 rpm', '70 rad/s')
+        """
+        return f"{typed.strip()} {self.unit}".strip() if typed_number(typed) is not None else typed.strip()
 
     @property
     def label(self) -> str:

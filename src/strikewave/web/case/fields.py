@@ -3,9 +3,8 @@
 from __future__ import annotations
 
 import math
-import re
 
-from strikewave.base.quantities import Range, Value
+from strikewave.base.quantities import Range
 from strikewave.base.units import DIMENSIONS, parse_quantity
 from strikewave.cases.case import Case
 from strikewave.cases.explained import explanations
@@ -22,7 +21,6 @@ LEAST = 0.05
 """Least that a slider gives of a value above nothing, as a share: a mass or a speed of nothing is no machine."""
 STEPS = 200
 """Places of a slider: as many as a hand can tell apart on it."""
-_UNIT = re.compile(r"\s*[-+]?[0-9.]+(?:[eE][-+]?[0-9]+)?\s*(.*)")
 
 
 def edited_fields(case: Case) -> dict[str, EditedField]:
@@ -41,7 +39,7 @@ def edited_fields(case: Case) -> dict[str, EditedField]:
     for path, value in case.values().items():
         field = field_of(case, path)
         allowed = range_of(case, path)
-        unit = unit_of(value)
+        unit = value.typed_unit
         scale = parse_quantity(f"1 {unit}", allowed.unit, path) if unit and allowed.unit in DIMENSIONS else 1.0
         one = known.get(path)
         half = max(one.high - value.si, value.si - one.low) if one is not None else 0.5 * SHARE * abs(value.si)
@@ -68,15 +66,3 @@ def _ends(value: float, reach: float, allowed: Range) -> tuple[float, float]:
     """Return the ends of a slider, SI: within what is allowed, and above nothing where the value is."""
     least = max(allowed.low, LEAST * value) if value > 0.0 else allowed.low
     return max(value - reach, least), min(value + reach, allowed.high)
-
-
-def unit_of(value: Value) -> str:
-    """Return the unit in which a value was typed; empty for a number.
-
-    Examples
-    --------
-    >>> unit_of(Value(si=0.5, typed="0.5 N s/m")), unit_of(Value(si=3.0, typed=3))
-    ('N s/m', '')
-    """
-    found = _UNIT.fullmatch(str(value.typed))
-    return found[1].strip() if found else ""

@@ -15,6 +15,7 @@ from scipy.optimize import brentq
 from scipy.special import beta, betainc
 
 from strikewave.base.errors import InputError, nearest
+from strikewave.base.units import typed_number
 from strikewave.cases.case import Case
 from strikewave.cases.cushion_of_case import PROPERTIES
 from strikewave.cases.law_names import CUSHION, POWER
@@ -109,12 +110,8 @@ class Programmer:
         why = "one of the programmers that are tried by default" if self.own else "asked for by --programmer"
 
         def stated(typed: str) -> dict[str, Any]:
-            number: str | float = typed
-            try:
-                number = float(typed)
-            except ValueError:
-                number = typed
-            return {"value": number, "provenance": "assumed", "note": why}
+            number = typed_number(typed)
+            return {"value": typed if number is None else number, "provenance": "assumed", "note": why}
 
         table: dict[str, Any] = {"law": CUSHION if self.is_pad else POWER, "slowest_approach": slowest}
         table["restitution"] = stated(self.restitution)

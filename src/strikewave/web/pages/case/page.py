@@ -141,8 +141,10 @@ class CasePage:
 
     async def type(self, path: str, text: str) -> None:
         """Set a field to what was typed; what is refused says why, and the field keeps what it had."""
-        typed, before, usual = text.strip(), self.side.typed(path), self.side.fields[path].typed
+        field, before = self.side.fields[path], self.side.typed(path)
+        typed, usual = field.with_unit(text), field.typed
         if typed == before:
+            self.side.show_typed(path)
             return
         await self.set(self.state.without(path) if typed == usual else self.state.changed(path, typed))
         self.side.show_typed(path)

@@ -7,6 +7,8 @@ from typing import Any
 
 from nicegui import ui
 
+from strikewave.base.errors import InputError
+from strikewave.base.units import in_unit, parse_quantity, typed_number
 from strikewave.web import parts
 from strikewave.web.case.edited_field import EditedField
 from strikewave.web.charts import BLUE, ChartLine, line_chart
@@ -20,6 +22,8 @@ KEY = "section"
 """Of the address."""
 STEPS = 500
 """Places of the slider: more than there are places of the field."""
+LONGEST_SHOWN = 40
+"""Characters of a refused text that are shown."""
 NAMES = ("Stress at the section", "Velocity at the section")
 
 
@@ -55,7 +59,8 @@ class SectionReadings:
         """Show another run, at the section where it was."""
         self._sections = sections
         low, high = float(sections.position[0]), float(sections.position[-1])
-        self._place = sections.nearest(_number(self._asked, 0.5 * (low + high)))
+        asked = _millimetres(self._asked)
+        self._place = sections.nearest(0.5 * (low + high) if asked is None else asked)
         at = float(sections.position[self._place])
         self._row.clear()
         with self._row:
@@ -65,7 +70,7 @@ class SectionReadings:
             )
             self._slider = LiveField(field, field.typed, at, has_slider=True)
             self._slider.on_move(self.move)
-            self._slider.on_type(lambda text: self.move(_number(text, at), typed=True))
+            self._slider.on_type(self.type)
         self._draw()
 
     def move(self, position: float, typed: bool = False) -> None:
@@ -77,6 +82,15 @@ class SectionReadings:
         self._slider.show(self._asked, position if typed else None)
         self._draw()
         self._rest.moved()
+
+    def type(self, text: str) -> None:
+        """Move the section to a length that was typed; what is none is refused, and the section stays."""
+        place = _millimetres(text)
+        if place is not None:
+            self.move(place, typed=True)
+        elif self._slider is not None:
+            ui.notify(f'refused: "{text[:LONGEST_SHOWN]}"; allowed: a length, such as 29 mm', type="warning")
+            self._slider.show(self._asked)
 
     def pick(self, event: Any) -> None:
         """Move the section to where the x-t diagram was clicked."""
@@ -97,15 +111,18 @@ class SectionReadings:
             chart.show(line_chart(f"{name}: {where}", sections.labels[0], label, [line]))
 
 
-def _number(text: str, otherwise: float) -> float:
-    """Return the number of a length in mm, as it was typed.
+def _millimetres(text: str) -> float | None:
+    """Return a typed length in mm, which a bare number is; None for what is no length.
 
     Examples
     --------
-    >>> _number("29 mm", 0.0), _number("there", 1.0)
-    (29.0, 1.0)
+    >>> _millimetres("29"), _millimetres("2.9e1mm"), _millimetres("2.9 cm"), _millimetres("there")
+    (29.0, 29.0, 29.0, None)
     """
+    number = typed_number(text)
+    if number is not None:
+        return number
     try:
-        return float(text.replace("mm", "").strip())
-    except ValueError:
-        return otherwise
+        return in_unit(parse_quantity(text, "m", KEY), "m", "mm")
+    except InputError:
+        return None

@@ -97,17 +97,23 @@ def _count(request: StudyRequest, key: str, most: int) -> int | None:
     text = request.one(key)
     if not text:
         return None
-    if not text.isdigit() or not 1 <= int(text) <= most:
+    count = _whole(text)
+    if not 1 <= count <= most:
         raise InputError(key, text, f"a whole number from 1 to {most}", "the command line takes more")
-    return int(text)
+    return count
+
+
+def _whole(text: str) -> int:
+    """Return the whole number that a text is, of few digits; 0 where it is none."""
+    return int(text) if text.isdecimal() and len(text) < 8 else 0
 
 
 def _points(request: StudyRequest) -> tuple[int, int]:
     text = request.one("points", MAP_POINTS)
-    first, _, second = text.partition("x")
-    if not (first.isdigit() and second.isdigit()) or not 4 <= int(first) * int(second) <= MOST_CELLS:
+    first, second = (_whole(part.strip()) for part in (text.partition("x")[::2]))
+    if not 4 <= first * second <= MOST_CELLS:
         raise InputError("points", text, f"two numbers such as {MAP_POINTS}, at most {MOST_CELLS} cells together")
-    return int(first), int(second)
+    return first, second
 
 
 def study_cases() -> list[str]:
