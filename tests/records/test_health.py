@@ -643,6 +643,38 @@ def test_blips_in_step_with_the_mains_are_suspect_and_blows_of_a_machine_are_not
     assert "mains" not in dict(codes(record(0.03), step=5e-6))
 
 
+def struck_train(rng, period, width, jitter=0.0, scatter=0.0, after=0.5, blows=7):
+    """Half-sines of 4000 a period apart, each early or late by a share of it, in noise of 2; `after` periods follow."""
+    step, length = min(width / 20.0, 20e-6), width / 0.936
+    time = np.arange(int((blows + after) * period / step)) * step
+    begins = 0.5 * period + period * (np.arange(blows) + jitter * rng.uniform(-1.0, 1.0, blows))
+    peaks = 4000.0 * (1.0 + scatter * rng.normal(size=blows))
+    u = (time[:, None] - begins) / length
+    return np.sum(np.where((u > 0.0) & (u < 1.0), peaks * np.sin(np.pi * u), 0.0), axis=1) + 2.0 * rng.normal(
+        size=time.size
+    ), step
+
+
+@pytest.mark.parametrize("jitter", [0.0, 0.005])
+@pytest.mark.parametrize("period", [10e-3, 1.0 / 60.0, 20e-3])
+def test_a_train_in_the_period_of_the_mains_of_blows_too_short_for_it_is_struck(rng, period, jitter):
+    values, step = struck_train(rng, period, 200e-6, jitter)
+    reading = read(values, step=step)
+    assert len(reading.pulses) == 7
+    assert reading.status == "good"
+    assert len(reading.figures("peak")) == 7
+
+
+@pytest.mark.parametrize(
+    ("how", "blips"),
+    [({}, True), ({"jitter": 0.005}, False), ({"scatter": 0.06}, False), ({"after": 2.0}, False)],
+)
+def test_long_blows_in_step_with_the_mains_are_struck_where_the_mains_would_not_do_so(rng, how, blips):
+    """Of 2 ms a 20 ms: early or late, of several heights, or none where one is due; else one record does not show it."""
+    values, step = struck_train(rng, 20e-3, 2e-3, **how)
+    assert ("mains" in dict(codes(values, step=step))) is blips
+
+
 def test_ringing_that_a_filter_takes_off_harms_nothing():
     """At 53 kHz by a fifth of the peak; a filter at 30 kHz leaves a hundredth of it, and widens the pulse of 100 us."""
     values = blow(ringing=0.2)

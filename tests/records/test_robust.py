@@ -8,6 +8,7 @@ import scipy.stats
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from strikewave.records.campaign import statistic, trend
 from strikewave.records.robust import SMALL_SAMPLE, kendall_bound, median_line, outliers, spread_of
 
 ROSNER = """-0.25 0.68 0.94 1.15 1.20 1.26 1.26 1.34 1.38 1.43 1.49 1.49 1.55 1.56 1.58 1.65 1.69 1.70 1.76 1.77 1.81 1.91
@@ -32,6 +33,23 @@ def test_one_outlier_is_that_of_grubbs():
 
 
 @pytest.mark.verify
+@given(
+    st.lists(st.sampled_from([-1e3, 0.0, 0.1, 1e3]), min_size=1, max_size=12),
+    st.sampled_from([0.0, 0.1, 5114.3, -2.0]),
+    st.integers(0, 12),
+)
+def test_values_of_which_many_or_all_are_equal_have_statistics(others, value, copies):
+    """Copies, and figures that take few values: no error, no warning, and no outlier beside equal ones."""
+    sample = np.array([*others, *[value] * copies])
+    spread_of(sample)
+    assert not set(sample[outliers(sample, 0.01)].tolist()) & {value} or np.ptp(sample[sample != value]) > 0.0
+    assert (outliers([value] * 5 + [value + 7.0], 0.01), outliers([value] * 9, 0.01)) == ([], [])
+    summary = statistic(sample)
+    assert summary.n == sample.size
+    median_line(np.arange(float(sample.size)), sample, 0.95) if sample.size > 1 else None
+    trend(np.arange(sample.size) // 2, sample) if sample.size > 2 else None
+
+
 @pytest.mark.parametrize(("n", "most"), [(5, 1.1), (8, 1.9), (12, 1.6), (20, 1.4), (50, 1.2)])
 def test_false_alarms_of_normal_samples_are_those_asked_for(rng, n, most):
     """Rosner gives the level from 25 values on; between 8 and 20 up to 1.9 times of it."""

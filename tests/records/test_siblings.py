@@ -133,3 +133,38 @@ def test_the_order_of_files_changes_no_statistic_but_the_trend(count, cv, seed):
     for name, one in plain.statistics.items():
         assert turned.statistics[name] == pytest.approx(one, rel=1e-9, nan_ok=True)
     assert {outlier.path for outlier in plain.outliers} == {outlier.path for outlier in turned.outliers}
+
+
+def named(files, code):
+    return [k for k, file in enumerate(files) if code in codes(file)]
+
+
+def test_copies_of_a_record_beside_another_are_summed_up():
+    """Five of one scatter by nothing: their scatter says nothing of how far off the sixth is."""
+    files = compare([*[file_of(f"copy{k}", shot(1500.0, 1)) for k in range(5)], file_of("other", shot(1535.0, 2))])
+    assert {file.status for file in files} == {"good"}
+    assert named(files, "copy") == [1, 2, 3, 4]
+    peaks = summed(files).statistics["peak"]
+    assert peaks.n == 6
+    assert peaks.mean / G == pytest.approx((5 * 1500.0 + 1535.0) / 6, rel=3e-3)
+
+
+def test_as_many_records_to_one_side_as_to_the_other_have_no_usual_peak():
+    """The median of a peak and of its negative is zero."""
+    files = compare([file_of(f"f{k}", sign * shot(1500.0, 1)) for k, sign in enumerate((1.0, -1.0, 1.0))])
+    assert named(files, "polarity-differs") == [1]
+    assert summed(files).statistics["peak"].n == 2
+
+
+def test_a_small_train_of_short_blows_in_the_period_of_the_mains_is_no_blip_of_it():
+    """200 us at a quarter of the usual peak: no blip of the mains is so short."""
+    time = STEP * np.arange(SIZE)
+
+    def train(peak, seed):
+        u = (time[:, None] - 5e-3 - 20e-3 * np.arange(5)) / (2.0 * LENGTH)
+        blows = np.sum(np.where((u > 0.0) & (u < 1.0), peak * np.sin(np.pi * u), 0.0), axis=1)
+        return blows + np.random.default_rng(seed).normal(size=SIZE)
+
+    files = compare([file_of(f"f{k}", train(peak, k)) for k, peak in enumerate((1500.0, 1540.0, 1480.0, 370.0))])
+    assert not named(files, "no-pulse")
+    assert not named(files, "mains")

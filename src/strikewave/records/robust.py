@@ -17,6 +17,8 @@ SMALL_SAMPLE = (1.196, 1.495, 1.363, 1.206, 1.200, 1.140, 1.129, 1.107)
 Source: ``croux-1992``; a test has them by simulation."""
 MOST_OUTLIERS = 4
 """One in so many values at most is an outlier: more of them are another group."""
+EQUAL = 1e-9
+"""Share of the largest value by which values scatter that are no copies of one another: more than rounding."""
 FEWEST_FOR_OUTLIERS = 5
 """Values without which the studentized deviate cannot tell an outlier: with four its bound is all but its largest
 value."""
@@ -56,12 +58,15 @@ def outliers(values: ArrayLike, false_alarm: float) -> list[int]:
 
     Notes
     -----
+    How far off a value is shows only beside the scatter of the others: of copies, or of a figure that takes few
+    values, none is an outlier where the others are equal.
+
     Source: ``rosner-1983``.
 
     Examples
     --------
-    >>> outliers([9.9, 10.0, 10.1, 9.8, 10.2, 10.05, 4.9, 9.95], 0.01)
-    [6]
+    >>> outliers([9.9, 10.0, 10.1, 9.8, 10.2, 10.05, 4.9, 9.95], 0.01), outliers([10.0, 10.0, 10.0, 10.0, 4.9], 0.01)
+    ([6], [])
     """
     sample = np.asarray(values, dtype=float)
     if sample.size < FEWEST_FOR_OUTLIERS:
@@ -76,9 +81,9 @@ def outliers(values: ArrayLike, false_alarm: float) -> list[int]:
         part = sample[left]
         deviations = np.abs(part - np.mean(part))
         spread = float(np.std(part, ddof=1))
-        if not spread > 0.0:
-            break
         k = int(np.argmax(deviations))
+        if not float(np.std(np.delete(part, k))) > EQUAL * float(np.max(np.abs(part))):
+            break
         gone.append(left.pop(k))
         t = float(stdtrit(n - 2, 1.0 - false_alarm / (2.0 * n)))
         if deviations[k] / spread > (n - 1) * t / math.sqrt((n - 2 + t * t) * n):

@@ -73,7 +73,7 @@ def compare(files: Sequence[FileReading]) -> list[FileReading]:
     if len(changed) < 2:
         return changed
     for number in sorted({reading.number for file in files for reading in file.channels}):
-        for judge in (_without_blow, _unlike_others, _other_gain, _outlying):
+        for judge in (_without_blow, _copies, _unlike_others, _other_gain, _outlying):
             found = ((k, file.numbered(number)) for k, file in enumerate(changed))
             readings = [(k, reading) for k, reading in found if reading is not None]
             for k, finding in list(judge(readings)):
@@ -126,7 +126,8 @@ def _without_blow(readings: list[tuple[int, ChannelReading]]) -> Iterator[tuple[
 
 def _of_mains(reading: ChannelReading) -> bool:
     """Tell whether blows come in the period of the mains."""
-    return mains_period(np.array([pulse.time for pulse in reading.pulses])) > 0.0
+    times = np.array([pulse.time for pulse in reading.pulses])
+    return mains_period(times, np.array([pulse.smooth.width() for pulse in reading.pulses])) > 0.0
 
 
 def _scaled(ratio: float, scatter: float) -> tuple[str, float] | None:
@@ -135,6 +136,24 @@ def _scaled(ratio: float, scatter: float) -> tuple[str, float] | None:
     settings = [(what, exact) for what, factors in FACTORS.items() for f in factors for exact in (f, 1.0 / f)]
     nearest = min(settings, key=lambda one: abs(math.log(ratio / one[1])))
     return nearest if abs(math.log(ratio / nearest[1])) < reach else None
+
+
+def _copies(readings: list[tuple[int, ChannelReading]]) -> Iterator[tuple[int, HealthNotice]]:
+    """Yield a finding for each file whose samples are those of a file before it."""
+    firsts: dict[tuple[int, float], list[int]] = {}
+    for place, (file, reading) in enumerate(readings):
+        values = reading.channel.values
+        alike = firsts.setdefault((values.size, float(np.sum(values))), [])
+        for other in alike:
+            if np.array_equal(values, readings[other][1].channel.values) and np.ptp(values) > 0.0:
+                message = (
+                    f"its samples are those of file {readings[other][0] + 1}: a copy tells nothing new of the scatter, "
+                    "and the mean and its bounds count it again"
+                )
+                yield file, HealthNotice("copy", message, readings[other][0] + 1, severity="good")
+                break
+        else:
+            alike.append(place)
 
 
 def _values(readings: list[tuple[int, ChannelReading]], name: str) -> tuple[list[int], list[float]]:
@@ -170,6 +189,8 @@ def _other_gain(readings: list[tuple[int, ChannelReading]]) -> Iterator[tuple[in
         file, reading = readings[place]
         others = [value for other, value in zip(places, peaks, strict=True) if other != place]
         usual = float(np.median(others))
+        if not usual:  # as many to one side as to the other
+            continue
         scatter = abs(spread_of(others) / usual)
         ratio = peak / usual
         same = _scaled(ratio, scatter) if ratio > 0.0 else None
@@ -199,9 +220,9 @@ def _outlying(readings: list[tuple[int, ChannelReading]]) -> Iterator[tuple[int,
             continue
         found = outliers(values, FALSE_ALARM / len(COMPARED))
         usual = float(np.median(np.delete(values, found)))
-        spread = float(np.std(np.delete(values, found), ddof=1))
+        spread = float(np.std(np.delete(values, found), ddof=1))  # above zero: equal values have no outlier
         for k in found:
-            if abs(values[k] / usual - 1.0) < LEAST_OUTLIER:
+            if abs(values[k] - usual) < LEAST_OUTLIER * abs(usual):
                 continue
             file, reading = readings[places[k]]
             unit = {"peak": reading.channel.unit, **dict.fromkeys(("velocity_change", "ratio"), ""), "frequency": "Hz"}
@@ -213,7 +234,8 @@ def _outlying(readings: list[tuple[int, ChannelReading]]) -> Iterator[tuple[int,
                 f"standard deviations {side} the median {with_unit(usual, unit.get(name, 's'))} of the other files"
             )
             harms = OF_SIZE if answers and name != "frequency" else (name,)
-            yield file, HealthNotice("outlier", message, values[k] / usual, harms=harms)
+            over = values[k] / usual if usual else math.inf
+            yield file, HealthNotice("outlier", message, over, harms=harms)
 
 
 def _unlike_others(readings: list[tuple[int, ChannelReading]]) -> Iterator[tuple[int, HealthNotice]]:

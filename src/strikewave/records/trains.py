@@ -61,29 +61,40 @@ MAINS_SHARE = 0.01
 """Share by which the median gap of blips of the mains differs from such a period."""
 LOCKED = 0.005
 """The same of the mean gap, and of most gaps around it, where nothing else shows that they are blips: grids keep their
-frequency to 0.4 %, what is struck does not keep to it."""
+frequency to 0.4 %."""
+CONDUCTS = 0.025
+"""Share of a period of 50 or 60 Hz that a blip of the mains lasts at least, 0.5 ms: a rectifier that charges its
+capacitor conducts for 1 to 3 ms. What a switch makes is shorter, but swings to both sides."""
+WHOLE_PERIOD = 1.0 / 75.0
+"""Periods of the mains longer than this are whole, the others half, s."""
 
 
-def mains_period(times: Array, locked: bool = False) -> float:
+def mains_period(times: Array, widths: Array, locked: bool = False) -> float:
     """Return the period of the mains in which contacts come, s; NaN where they do not, or fewer than three do.
+
+    Contacts too short for the mains are none of it, whatever their period.
 
     Parameters
     ----------
-    times : ndarray
+    times, widths : ndarray
         Of the contacts, s.
     locked : bool, optional
-        They come in it more regularly than a machine strikes.
+        They come in it more regularly than grids keep their frequency.
 
     Examples
     --------
-    >>> mains_period(np.array([3e-3, 23e-3, 43.01e-3, 63e-3]), locked=True), mains_period(np.array([0.0, 0.02, 0.05]))
-    (0.02, nan)
+    >>> times, wide = np.array([3e-3, 23e-3, 43.01e-3, 63e-3]), np.full(4, 2e-3)
+    >>> mains_period(times, wide, locked=True), mains_period(times, 0.1 * wide), mains_period(times[:2], wide[:2])
+    (0.02, nan, nan)
     """
     gaps = np.diff(times)
     if gaps.size < FEWEST_GAPS:
         return math.nan
     middle = float(np.median(gaps))
     period = min(MAINS, key=lambda one: abs(middle / one - 1.0))
+    whole = period if period > WHOLE_PERIOD else 2.0 * period
+    if float(np.median(widths)) < CONDUCTS * whole:
+        return math.nan
     if not locked:
         return period if abs(middle / period - 1.0) < MAINS_SHARE else math.nan
     off = gaps / period - 1.0

@@ -2,15 +2,27 @@
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 
 from strikewave.base.percents import percent
 from strikewave.records.health.examined import BLOW, Examined
 from strikewave.records.health_notice import HealthNotice
+from strikewave.records.record import Array
+from strikewave.records.robust import spread_of
 from strikewave.records.trains import mains_period, missing_of
 
 LISTED = 3
 """Places that a message names; the others are counted."""
+DUE = 1.25
+"""Periods of the mains before the first blow, or after the last, that hold a place where a blip is due: one and a
+quarter, because a blip that the record cuts is not seen."""
+EVEN, IN_TIME = 0.02, 0.001
+"""Shares of their height, and of a period, by which blips of the mains scatter at most where no noise moves them: what
+samples miss of a peak, and what a grid changes in a second."""
+UNSURE = 3.0
+"""Standard uncertainties within which they may scatter by their noise."""
 
 
 def rebounds(record: Examined) -> list[HealthNotice]:
@@ -62,12 +74,34 @@ def missing_blow(record: Examined) -> list[HealthNotice]:
 
 def mains_blips(record: Examined) -> list[HealthNotice]:
     """Find blows in step with the mains, 50 or 60 Hz: they may be blips of a supply, and no blows."""
-    period = mains_period(np.array([pulse.time for pulse in record.pulses]), locked=True)
-    if not period > 0.0:
+    times = np.array([pulse.time for pulse in record.pulses])
+    period = mains_period(times, np.array([pulse.smooth.width() for pulse in record.pulses]), locked=True)
+    if not period > 0.0 or _struck(record, times, period):
         return []
     message = (
         f"the {len(record.pulses)} blows come every {1e3 * period:.5g}\xa0ms, in step with the mains of "
-        f"{1.0 / period:.3g}\xa0Hz: they may be blips of a supply, and no blows; one record does not show which"
+        f"{1.0 / period:.3g}\xa0Hz, equally high and through the whole record: they may be blips of a supply, and no "
+        "blows; one record does not show which"
     )
     start, end = record.pulses[0].begin, record.pulses[-1].end
     return [HealthNotice("mains", message, period, severity="suspect", harms=(*BLOW, "interval"), start=start, end=end)]
+
+
+def _struck(record: Examined, times: Array, period: float) -> bool:
+    """Tell whether blows in step with the mains are struck by a machine all the same.
+
+    The mains neither begin nor end within a record, make every blip alike, and keep their time: what is missing where
+    one is due, scatters by more than its noise, or comes early or late by more than noise moves a peak, is struck.
+    """
+    pulses = record.pulses
+    before, after = times[0] - record.start, record.time(record.values.size - 1) - times[-1]
+    if max(before, after) > DUE * period:
+        return True
+    peaks = np.array([abs(pulse.peak) for pulse in pulses])
+    doubts = np.array([pulse.uncertainty.peak for pulse in pulses])
+    doubt = float(np.median(np.where(np.isfinite(doubts), doubts, record.scatter) / peaks))
+    if spread_of(peaks) > max(EVEN, UNSURE * doubt) * float(np.median(peaks)):
+        return True
+    moved = doubt * float(np.median([pulse.smooth.width() for pulse in pulses]))  # a level off over the slope of a side
+    resolved = UNSURE * math.sqrt(2.0) * math.hypot(moved, record.step / math.sqrt(12.0))
+    return spread_of(np.diff(times)) > max(IN_TIME * period, resolved)
