@@ -32,7 +32,6 @@ def test_one_outlier_is_that_of_grubbs():
             assert outliers(values, 0.05) == ([4] if deviation > 1.715 else [])
 
 
-@pytest.mark.verify
 @given(
     st.lists(st.sampled_from([-1e3, 0.0, 0.1, 1e3]), min_size=1, max_size=12),
     st.sampled_from([0.0, 0.1, 5114.3, -2.0]),
@@ -50,6 +49,7 @@ def test_values_of_which_many_or_all_are_equal_have_statistics(others, value, co
     trend(np.arange(sample.size) // 2, sample) if sample.size > 2 else None
 
 
+@pytest.mark.verify
 @pytest.mark.parametrize(("n", "most"), [(5, 1.1), (8, 1.9), (12, 1.6), (20, 1.4), (50, 1.2)])
 def test_false_alarms_of_normal_samples_are_those_asked_for(rng, n, most):
     """Rosner gives the level from 25 values on; between 8 and 20 up to 1.9 times of it."""
