@@ -18,13 +18,13 @@ PATIENCE = 90.0
 
 
 @contextlib.contextmanager
-def serving(place):
-    """Yield the address of an app that runs in an empty folder, as its first line says it."""
-    command = [sys.executable, "-m", "strikewave", "app", "--no-browser", "--port", "0"]
+def serving(place, *options):
+    """Yield the address of an app that runs in an empty folder, as it prints it."""
+    command = [sys.executable, "-m", "strikewave", "app", "--no-browser", "--port", "0", *options]
     environment = {**os.environ, "PYTHONPATH": os.pathsep.join(filter(None, sys.path))}
     server = subprocess.Popen(command, cwd=place, stderr=subprocess.PIPE, text=True, env=environment)
     try:
-        line = server.stderr.readline()
+        line = next((line for line in server.stderr if line.startswith("strikewave app: ")), "")
         assert "http://127.0.0.1:" in line, line
         yield line.split()[2].rstrip("/")
         assert server.poll() is None, "the server ended"

@@ -3,6 +3,8 @@
 import asyncio
 
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 
 from strikewave.web import guard
 from strikewave.web.guard import Guard
@@ -10,7 +12,7 @@ from strikewave.web.guard import Guard
 HOST = "127.0.0.1:8471"
 
 
-def asked(headers, kind="http", token="", query=b"", body=(b"",)):
+def asked(headers, kind="http", token="", query=b"", body=(b"",), host=""):
     """Return what a guarded app that answers 200 and how many bytes it got sends to a request."""
     sent, chunks = [], list(body)
 
@@ -36,9 +38,10 @@ def asked(headers, kind="http", token="", query=b"", body=(b"",)):
     async def send(message):
         sent.append(message)
 
-    raw = [(name.encode(), value.encode("latin-1")) for name, value in headers.items()]
+    listed = headers.items() if isinstance(headers, dict) else headers
+    raw = [(name.encode(), value.encode("latin-1")) for name, value in listed]
     scope = {"type": kind, "headers": raw, "query_string": query, "path": "/"}
-    asyncio.run(Guard(app, token)(scope, receive, send))
+    asyncio.run(Guard(app, token, host)(scope, receive, send))
     return sent
 
 
@@ -57,6 +60,16 @@ def status(sent):
         ({"host": "localhost.evil.example"}, 421),
         ({}, 421),
         ({"host": "[::1"}, 421),
+        ({"host": "["}, 421),
+        ({"host": f"{HOST}@evil.example"}, 421),
+        ({"host": "evil.example#@127.0.0.1:8471"}, 421),
+        ({"host": "127.0.0.1:99999999"}, 421),
+        ({"host": HOST, "origin": "http://["}, 403),
+        ({"host": HOST, "origin": "http://127.0.0.1:99999999"}, 403),
+        ({"host": HOST, "origin": f"http://{HOST}/"}, 403),  # no browser sends a path
+        ({"host": HOST, "origin": ""}, 403),
+        ([("host", HOST), ("host", "rebound.example")], 400),
+        ([("host", HOST), ("origin", f"http://{HOST}"), ("Origin", "http://evil.example")], 400),
         ({"host": HOST, "origin": "http://evil.example"}, 403),
         ({"host": HOST, "origin": "http://127.0.0.1:9999"}, 403),  # another server of this machine
         ({"host": HOST, "origin": "null"}, 403),  # a sandboxed frame, a file
@@ -71,9 +84,16 @@ def test_only_its_own_hosts_and_origins_are_answered(headers, expected):
         assert sent[1]["body"].decode().strip()
 
 
+def test_the_name_at_which_it_was_asked_to_listen_is_its_own():
+    assert status(asked({"host": "lab.example:8471"}, host="Lab.example")) == 200
+    assert status(asked({"host": "lab.example:8471"})) == 421
+    assert status(asked({"host": ""}, host="")) == 421
+
+
 def test_a_websocket_of_another_origin_is_closed_before_it_opens():
     assert asked({"host": HOST, "origin": "http://evil.example"}, "websocket")[0]["type"] == "websocket.close"
     assert asked({"host": "rebound.example"}, "websocket")[0]["type"] == "websocket.close"
+    assert asked({"host": HOST, "origin": "http://["}, "websocket")[0]["type"] == "websocket.close"
     assert asked({"host": HOST, "origin": f"http://{HOST}"}, "websocket")[0]["type"] == "websocket.accept"
 
 
@@ -86,12 +106,29 @@ def test_the_token_of_the_address_becomes_a_cookie_that_no_other_site_sends():
     assert status(sent) == 200
     assert "HttpOnly" in cookie
     assert "SameSite=Strict" in cookie
-    assert status(asked({"host": HOST, "cookie": cookie.partition(";")[0]}, token="secret")) == 200
+    kept = cookie.partition(";")[0]
+    assert status(asked({"host": HOST, "cookie": kept}, token="secret")) == 200
+    for other in ('a={"b": 1, "c": [2]}', "a[0]=1", "=", "a=\xe9"):  # programs of other ports set these
+        assert status(asked({"host": HOST, "cookie": f"{other}; {kept}"}, token="secret")) == 200
+        assert status(asked([("host", HOST), ("cookie", other), ("cookie", kept)], token="secret")) == 200
+
+
+HEADER = st.tuples(
+    st.sampled_from(["host", "origin", "cookie", "content-length", "sec-fetch-site"]), st.text(max_size=9)
+)
+
+
+@given(st.lists(HEADER), st.binary(max_size=20), st.sampled_from(["http", "websocket"]))
+def test_whatever_a_request_says_is_answered_in_words_or_let_in(headers, query, kind):
+    said = [(name, text.encode("utf-8", "replace").decode("latin-1")) for name, text in headers]
+    sent = asked([("host", HOST), *said], kind, token="secret", query=query)
+    assert status(sent) in (400, 401, 403, 413, 421, "websocket.close")
 
 
 def test_too_much_is_refused_by_its_length_and_where_that_lies(monkeypatch):
     assert status(asked({"host": HOST, "content-length": str(5 << 30)})) == 413
-    assert status(asked({"host": HOST, "content-length": "-1"})) == 413
+    for nonsense in ("-1", "\xb2", "", "1e3", "9" * 5000):
+        assert status(asked({"host": HOST, "content-length": nonsense})) == 413
     monkeypatch.setattr(guard, "LARGEST_UPLOAD", 1000)
     sent = asked({"host": HOST, "content-length": "10"}, body=[b"x" * 600, b"x" * 600, b""])
     assert dict(sent[0]["headers"])[b"x-size"] == b"-1"  # the app saw the client go, not the bytes

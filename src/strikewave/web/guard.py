@@ -9,11 +9,13 @@ from __future__ import annotations
 
 import hmac
 import ipaddress
+import re
 import socket
-from collections.abc import Awaitable, Callable, MutableMapping
-from http.cookies import CookieError, SimpleCookie
+from collections.abc import Awaitable, Callable, Iterable, MutableMapping
 from typing import Any
-from urllib.parse import parse_qs, urlsplit
+from urllib.parse import parse_qs
+
+from starlette.requests import cookie_parser
 
 Scope = MutableMapping[str, Any]
 Receive = Callable[[], Awaitable[MutableMapping[str, Any]]]
@@ -23,6 +25,14 @@ App = Callable[[Scope, Receive, Send], Awaitable[None]]
 LARGEST_UPLOAD = 256 << 20
 """Most bytes of one request: a record of 30 million samples in single precision, or 20 of a million as text."""
 COOKIE = "strikewave-token"
+"""Begin of the name of the cookie that holds the token; the port follows, for cookies of one host are sent to all its
+ports: a second app would take the first one's place."""
+HOST = re.compile(r"(?P<name>\[[0-9a-f:.]+\]|[^\[\]:/?#@\\\s]+)(:[0-9]{1,5})?", re.IGNORECASE)
+"""Name or number of a host and its port, as a request names them."""
+ONCE = ("host", "origin", "content-length")
+"""Headers that a request has once: of two, the guard might judge one and the pages heed the other."""
+LONGEST_LENGTH = 19
+"""Digits of the length of a request: any that a 64-bit machine can count; Python refuses to read thousands."""
 POLICY = "; ".join(
     (
         "default-src 'self'",
@@ -54,13 +64,13 @@ def is_own_host(host: str, names: frozenset[str]) -> bool:
     Examples
     --------
     >>> names = frozenset({"localhost"})
-    >>> [is_own_host(host, names) for host in ("127.0.0.1:8080", "[::1]:8080", "localhost", "evil.example:8080", "")]
+    >>> [is_own_host(host, names) for host in ("127.0.0.1:8080", "[::1]:8080", "localhost", "evil.example:8080", "[")]
     [True, True, True, False, False]
     """
-    try:
-        name = urlsplit(f"//{host}").hostname or ""
-    except ValueError:
+    parts = HOST.fullmatch(host)
+    if parts is None:
         return False
+    name = parts["name"].lower().strip("[]")
     if name in names:
         return True
     try:
@@ -77,11 +87,39 @@ def is_own_origin(origin: str, host: str) -> bool:
     --------
     >>> is_own_origin("http://127.0.0.1:8080", "127.0.0.1:8080"), is_own_origin("http://127.0.0.1:9", "127.0.0.1:8080")
     (True, False)
-    >>> is_own_origin("null", "127.0.0.1:8080")
-    False
+    >>> is_own_origin("null", "127.0.0.1:8080"), is_own_origin("http://[", "127.0.0.1:8080")
+    (False, False)
     """
-    parts = urlsplit(origin)
-    return parts.scheme in ("http", "https") and parts.netloc.lower() == host.lower()
+    return origin.lower() in (f"http://{host.lower()}", f"https://{host.lower()}")
+
+
+def of_headers(listed: Iterable[tuple[bytes, bytes]]) -> dict[str, list[str]]:
+    """Return the values of each header of a request, by its name in small letters.
+
+    Examples
+    --------
+    >>> of_headers([(b"Host", b"a"), (b"cookie", b"b=1"), (b"Cookie", b"c=2")])
+    {'host': ['a'], 'cookie': ['b=1', 'c=2']}
+    """
+    headers: dict[str, list[str]] = {}
+    for name, value in listed:
+        headers.setdefault(name.decode("latin-1").lower(), []).append(value.decode("latin-1"))
+    return headers
+
+
+def with_headers(
+    there: Iterable[tuple[bytes, bytes]], more: Iterable[tuple[bytes, bytes]]
+) -> list[tuple[bytes, bytes]]:
+    """Return the headers of an answer with more of them: what is there stays, and each cookie has a line of its own.
+
+    Examples
+    --------
+    >>> with_headers([(b"Set-Cookie", b"a=1"), (b"x", b"1")], [(b"set-cookie", b"b=2"), (b"x", b"2")])
+    [(b'Set-Cookie', b'a=1'), (b'x', b'1'), (b'set-cookie', b'b=2')]
+    """
+    kept = list(there)
+    names = {name.lower() for name, _ in kept} - {b"set-cookie"}
+    return [*kept, *(row for row in more if row[0].lower() not in names)]
 
 
 class Guard:
@@ -93,62 +131,76 @@ class Guard:
         What is guarded.
     token : str
         Who comes must know it; empty where only this machine can come.
+    host : str
+        Name at which it was asked to listen, which it answers to beside this machine's.
+    port : int
+        At which it listens.
     """
 
-    def __init__(self, app: App, token: str = "") -> None:
+    def __init__(self, app: App, token: str = "", host: str = "", port: int = 0) -> None:
         self.app, self._token = app, token
-        self._names = frozenset({"localhost", socket.gethostname().lower()})
+        self._names = frozenset({"localhost", socket.gethostname().lower(), host.lower()})
+        self._cookie = f"{COOKIE}-{port}"
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
         """Pass on what may come in, or say why not."""
         if scope["type"] not in ("http", "websocket"):
             await self.app(scope, receive, send)
             return
-        headers = {name.decode("latin-1").lower(): value.decode("latin-1") for name, value in scope["headers"]}
-        status, reason = self._refusal(scope, headers)
+        status, reason = self._refusal(scope, of_headers(scope["headers"]))
         if reason:
             await _refuse(scope, send, status, reason)
             return
-        given = parse_qs(scope.get("query_string", b"").decode("latin-1")).get("token", [""])[0]
-        await self.app(scope, _bounded(receive), self._with_headers(send, given))
+        await self.app(scope, _bounded(receive), self._sending(send, self._is_token(_token_of_address(scope))))
 
-    def _refusal(self, scope: Scope, headers: dict[str, str]) -> tuple[int, str]:
+    def _refusal(self, scope: Scope, headers: dict[str, list[str]]) -> tuple[int, str]:
         """Return status and reason for what is not let in; an empty reason for what is."""
-        host = headers.get("host", "")
+        twice = [name for name in ONCE if len(headers.get(name, ())) > 1]
+        if twice:
+            return 400, f"a request has one {twice[0]} header"
+        host = headers.get("host", [""])[0]
         if not is_own_host(host, self._names):
             return 421, "this is strikewave on this machine, and it answers to its own address alone"
-        if "origin" in headers and not is_own_origin(headers["origin"], host):
+        if not all(is_own_origin(origin, host) for origin in headers.get("origin", ())):
             return 403, "a page of another origin may not speak to this server"
-        if headers.get("sec-fetch-site") == "cross-site" and headers.get("sec-fetch-mode") != "navigate":
+        if headers.get("sec-fetch-site") == ["cross-site"] and headers.get("sec-fetch-mode") != ["navigate"]:
             return 403, "a page of another origin may not speak to this server"
         if self._token and not self._knows_token(scope, headers):
             return 401, "open the whole address that strikewave printed when it started: it holds the token"
-        length = headers.get("content-length", "0")
-        if not length.isdigit() or int(length) > LARGEST_UPLOAD:
+        if not _is_bounded(headers.get("content-length", ["0"])[0]):
             return 413, f"at most {LARGEST_UPLOAD >> 20} MB at a time: cut the file, or use `strikewave record` on it"
         return 200, ""
 
-    def _knows_token(self, scope: Scope, headers: dict[str, str]) -> bool:
-        given = parse_qs(scope.get("query_string", b"").decode("latin-1")).get("token", [""])[0]
-        try:
-            kept = SimpleCookie(headers.get("cookie", "")).get(COOKIE)
-        except CookieError:
-            kept = None
-        words = [given] if kept is None else [given, kept.value]
-        return any(hmac.compare_digest(word.encode(), self._token.encode()) for word in words)
+    def _knows_token(self, scope: Scope, headers: dict[str, list[str]]) -> bool:
+        cookies = cookie_parser("; ".join(headers.get("cookie", ())))
+        return any([self._is_token(_token_of_address(scope)), self._is_token(cookies.get(self._cookie, ""))])
 
-    def _with_headers(self, send: Send, given: str) -> Send:
+    def _is_token(self, word: str) -> bool:
+        return bool(self._token) and hmac.compare_digest(word.encode(), self._token.encode())
+
+    def _sending(self, send: Send, came_by_address: bool) -> Send:
+        """Return what sends an answer with our headers, and with the token as a cookie for who came by its address."""
         more = list(HEADERS)
-        if self._token and given == self._token:
-            more.append((b"set-cookie", f"{COOKIE}={self._token}; HttpOnly; SameSite=Strict; Path=/".encode()))
+        if came_by_address:
+            cookie = f"{self._cookie}={self._token}; HttpOnly; SameSite=Strict; Path=/"
+            more.append((b"set-cookie", cookie.encode()))
 
         async def sent(message: MutableMapping[str, Any]) -> None:
             if message["type"] == "http.response.start":
-                there = {name.lower() for name, _ in message.get("headers", [])}
-                message["headers"] = [*message.get("headers", []), *(row for row in more if row[0] not in there)]
+                message["headers"] = with_headers(message.get("headers", ()), more)
             await send(message)
 
         return sent
+
+
+def _token_of_address(scope: Scope) -> str:
+    return parse_qs(scope.get("query_string", b"").decode("latin-1")).get("token", [""])[0]
+
+
+def _is_bounded(length: str) -> bool:
+    """Tell whether the length that a request states is a number, and not too large."""
+    is_number = length.isascii() and length.isdecimal() and len(length) <= LONGEST_LENGTH
+    return is_number and int(length) <= LARGEST_UPLOAD
 
 
 def _bounded(receive: Receive) -> Receive:

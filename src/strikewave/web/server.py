@@ -33,6 +33,8 @@ RECONNECT = 30.0
 """Time that a browser may be away before its page is forgotten, s: a lid that was closed for a moment."""
 LARGEST_MESSAGE = 1 << 20
 """Most bytes of one message of a page: a case file may have as many."""
+SESSION = "strikewave-session"
+"""Begin of the name of the cookie of a browser's session; the port follows, as in that of the token."""
 
 
 def is_loopback(host: str) -> bool:
@@ -51,8 +53,25 @@ def is_loopback(host: str) -> bool:
         return False
 
 
-def make_app(folder: Path | None, token: str = "") -> Guard:
-    """Return the app, guarded."""
+def shown_address(listening: socket.socket, host: str) -> str:
+    """Return what a browser of this machine opens, for a socket that listens at a host.
+
+    An address that stands for all of this machine's is none that every browser opens: its loopback is shown.
+
+    Examples
+    --------
+    >>> with socket.create_server(("0.0.0.0", 0)) as listening:
+    ...     shown_address(listening, "0.0.0.0").rpartition(":")[0]
+    'http://127.0.0.1'
+    """
+    bound, port = listening.getsockname()[:2]
+    if ipaddress.ip_address(bound.partition("%")[0]).is_unspecified:
+        host = "::1" if listening.family == socket.AF_INET6 else "127.0.0.1"
+    return f"http://[{host}]:{port}" if ":" in host else f"http://{host}:{port}"
+
+
+def make_app(folder: Path | None, token: str = "", host: str = "", port: int = 0) -> Guard:
+    """Return the app, guarded: for who knows the token, at a host and port."""
     desk = make_desk(folder)
     for kind in KINDS:
         case_page.add(desk, kind)
@@ -67,10 +86,14 @@ def make_app(folder: Path | None, token: str = "") -> Guard:
         reconnect_timeout=RECONNECT,
         tailwind=False,
         storage_secret=desk.sessions.secret,
-        session_middleware_kwargs={"same_site": "strict", "max_age": 30 * 24 * 3600},
+        session_middleware_kwargs={
+            "session_cookie": f"{SESSION}-{port}",
+            "same_site": "strict",
+            "max_age": 30 * 24 * 3600,
+        },
         show_welcome_message=False,
     )
-    return Guard(server, token)
+    return Guard(server, token, host, port)
 
 
 def serve(host: str, port: int, folder: Path | None, browser: bool) -> None:
@@ -82,11 +105,10 @@ def serve(host: str, port: int, folder: Path | None, browser: bool) -> None:
         If the port is taken, or the host is none of this machine.
     """
     listening = _listen(host, port)
-    port = listening.getsockname()[1]
-    token = "" if is_loopback(host) else secrets.token_urlsafe(16)
-    app = make_app(folder, token)
-    shown = f"[{host}]" if ":" in host else ("127.0.0.1" if host == "0.0.0.0" else host)
-    address = f"http://{shown}:{port}/" + (f"?token={token}" if token else "")
+    bound, port = listening.getsockname()[:2]
+    token = "" if is_loopback(bound) else secrets.token_urlsafe(16)
+    app = make_app(folder, token, host, port)
+    address = f"{shown_address(listening, host)}/" + (f"?token={token}" if token else "")
     if token:
         say(
             f"warning: {host} can be reached by other machines, and what is sent is not encrypted. "
@@ -121,8 +143,8 @@ def _listen(host: str, port: int) -> socket.socket:
     try:
         family, kind, _, _, place = socket.getaddrinfo(host, port, type=socket.SOCK_STREAM, flags=socket.AI_PASSIVE)[0]
         listening = socket.socket(family, kind)
-    except OSError as error:
-        raise InputError("--host", host, "a host of this machine", error.strerror or "") from None
+    except (OSError, ValueError) as error:  # ValueError: a name with an empty or too long part, or a zero byte
+        raise InputError("--host", host, "a host of this machine", getattr(error, "strerror", None) or "") from None
     listening.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
     try:
         listening.bind(place)
