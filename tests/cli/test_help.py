@@ -73,6 +73,8 @@ def test_every_option_is_described_by_a_phrase(strikewave, name):
         (["help", "rnu"], "strikewave: No such command 'rnu'. Did you mean 'run'? (see `strikewave --help`)"),
         (["run"], "CASE: missing; needed: a case file, or the name of a built-in case; see `strikewave run --help`"),
         (["run", "x", "--anmate"], "strikewave run: No such option: --anmate (Possible options: --animate)"),
+        (["record", "-rf.csv"], "-rf.csv, write ./-rf.csv"),
+        (["srs", "--unit", "g", "--out.csv"], "--out.csv, write ./--out.csv"),
         (["fem", "x", "--threads"], "strikewave fem: Option '--threads' requires an argument (see `strikewave fem --help`)"),
         (["fem", "x", "--threads", "0"], "--threads: got 0; allowed: a whole number, at least 1; see `strikewave fem --help`"),
         (["impact", "--repeat", "2.5"], "--repeat: got 2.5; allowed: a whole number from 1 to 1000; see"),

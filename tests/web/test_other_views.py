@@ -2,16 +2,22 @@
 
 import inspect
 import json
+import os
+import shlex
 from urllib.parse import parse_qs, urlsplit
 
 import numpy as np
 import pytest
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
 
 import strikewave
 from strikewave import load_case, run_wave
+from strikewave.analyses.compare.sources import parse_name, paths_of
 from strikewave.base.errors import StrikewaveError
 from strikewave.studies.design.design_file import load_design
-from strikewave.web.case.state import CaseSource
+from strikewave.studies.fit.targets import parse_targets
+from strikewave.web.case.state import CaseSource, CaseState
 from strikewave.web.case.view import opened
 from strikewave.web.charts import ChartLine, heat_chart, line_chart
 from strikewave.web.pages.case import elements_view, target_view
@@ -20,6 +26,7 @@ from strikewave.web.pages.record.request import RecordRequest
 from strikewave.web.pages.record.view import campaign_tables, history_chart, measure, units_of_channels
 from strikewave.web.pages.study.request import KINDS, StudyRequest
 from strikewave.web.pages.study.view import refuse_other_files, study
+from strikewave.web.sessions import clean_name
 
 WIDE = 200e-6
 """Base of the half sine that is planted, s."""
@@ -213,6 +220,11 @@ def test_elements_show_forces_energies_and_the_bodies_in_motion():
         ("to", "/etc/passwd"),
         ("to", "@targets.txt"),
         ("to", "../other/shot.csv#1"),
+        ("to", ".."),
+        ("to", "rigid = .."),
+        ("to", "..#1; machine.speed=700 rpm"),
+        ("to", "sweep-1/.."),
+        ("goals", "spec:.. passes"),
         ("to", "shot.csv; load.file=/etc/passwd"),
         ("to", "C:\\data\\shot.csv"),
         ("goals", "spec:/etc/passwd passes"),
@@ -234,10 +246,52 @@ def test_a_study_opens_no_file_beside_those_that_were_dropped(key, line):
         ("vary", "object.damper=10 N s/m, 20 N s/m"),
         ("goals", "spec:jesd22-b110:B passes"),
         ("x", "machine.speed=600..800 rpm"),
+        ("x", "machine.speed = 600 rpm .. 800 rpm"),
+        ("to", "-rf.csv"),
+        ("to", "shot..1.csv"),
     ],
 )
 def test_what_a_study_asks_for_is_let_in(key, line):
     refuse_other_files(StudyRequest("fit", CaseSource("li-ma-2019", "", (), ""), ((key, (line,)),)))
+
+
+PIECES = ["..", ".", "/", "\\", "shot", "*", "[.]", "?", "#1", "@2", ";", " ", "=", "rigid", "+-", "~", ":", "studies"]
+
+
+@given(st.lists(st.sampled_from(PIECES), max_size=5).map("".join))
+@settings(suppress_health_check=[HealthCheck.function_scoped_fixture])
+def test_no_measured_name_that_is_let_in_stands_for_a_file_of_another_folder(tmp_path, monkeypatch, line):
+    own = tmp_path / "studies"
+    (own / "studies").mkdir(parents=True, exist_ok=True)
+    for place in (tmp_path, own, own / "studies"):
+        (place / "shot").write_text("1\n")
+    monkeypatch.chdir(own)
+    case = load_case("li-ma-2019")
+    try:
+        refuse_other_files(StudyRequest("fit", CaseSource("li-ma-2019", "", (), ""), (("to", (line,)),)))
+        files = [path for target in parse_targets([line], case) for path in paths_of(parse_name(target.right))]
+    except StrikewaveError:
+        return
+    assert all(path.resolve().is_relative_to(own.resolve()) for path in files)
+
+
+NAMES = st.text(st.characters(max_codepoint=0x2FFF), min_size=1, max_size=30).map(clean_name)
+
+
+@given(NAMES | st.sampled_from(["-rf.csv", "--out", "--", "-", "a b.csv", "'.csv"]))
+def test_each_command_that_is_shown_names_a_dropped_file_whatever_it_is_called(name):
+    """The words as a shell takes them apart: the file is among them, and none of its names is taken for an option."""
+    record = RecordRequest("", (name,), beside="li-ma-2019:rigid").commands()[0][1]
+    study = StudyRequest("sweep", CaseSource(name, "schema = 1", (), ""), ()).commands()[0][1]
+    case = CaseState(name, "schema = 1").command()
+    for line, file in [
+        *((line, name) for line in record.splitlines()),
+        (study, f"{name}.toml"),
+        (case, f"{name}.toml"),
+    ]:
+        program, _, word, *_ = shlex.split(line)
+        assert (program, os.path.normpath(word)) == ("strikewave", os.path.normpath(file))
+        assert not word.startswith("-")
 
 
 @pytest.mark.verify

@@ -10,6 +10,7 @@ from typing import Annotated
 
 import typer
 
+from strikewave.base.command_line import command_line, file_word
 from strikewave.base.errors import InputError
 from strikewave.base.json_document import head
 from strikewave.base.output_folder import write_atomically
@@ -80,11 +81,13 @@ def command(
         raise InputError("FILE", str(path), "a file in a folder that exists")
     if origin == TEST:
         write_atomically(path, example_file())
-        _tell(shown, [path], "record", "fill in what you have", f"record FILES --spec NAME --test {path}")
+        _tell(
+            shown, [path], "record", "fill in what you have", ["record", "FILES", "--spec", "NAME", "--test", str(path)]
+        )
         return 0
     if origin == BUDGET:
         write_atomically(path, example_budget())
-        _tell(shown, [path], "record", "type your numbers", f"record FILES --uncertainty {path}")
+        _tell(shown, [path], "record", "type your numbers", ["record", "FILES", "--uncertainty", str(path)])
         return 0
     if origin == HOPKINSON:
         record = _write_example(path, force)
@@ -104,12 +107,13 @@ def _felt_start() -> Case:
     return parse_case((resources.files("strikewave.cases") / "felt_start.toml").read_text("utf-8"))
 
 
-def _tell(shown: Shown, paths: Sequence[Path], command: str, words: str, line: str = "") -> None:
+def _tell(shown: Shown, paths: Sequence[Path], command: str, words: str, line: Sequence[str] = ()) -> None:
     """Say which files were written, and what to do next."""
     if shown.json:
         print_json({**head({}), "written": [str(path) for path in paths], "command": command})
     else:
-        say(f"written: {' and '.join(map(str, paths))}; {words}, then: strikewave {line or f'{command} {paths[0]}'}")
+        then = command_line(line or [command, file_word(str(paths[0]))])
+        say(f"written: {' and '.join(map(str, paths))}; {words}, then: {then}")
 
 
 def _write_example(path: Path, force: bool) -> Path:

@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 import errno
+import os
+import re
 import sys
 from typing import TYPE_CHECKING, Any
 
 import typer
 
+from strikewave.base.command_line import file_word
 from strikewave.base.errors import LONGEST_SHOWN, MISSING, InputError, show
 from strikewave.cli.group import entries
 from strikewave.reporting.options.kinds import one_of_words, wrong_choice
@@ -18,6 +21,10 @@ if TYPE_CHECKING:
 
 REFUSED_NAMES = (errno.ENAMETOOLONG, errno.ELOOP)
 """Numbers of the errors of a system that takes a path for no name at all."""
+
+
+FILE_NAME = re.compile(r"-[^=]*\.[A-Za-z]\w*")
+"""A word that begins as an option does, and ends as the name of a file."""
 
 
 def shortened(word: str) -> str:
@@ -41,7 +48,14 @@ def usage_line(error: Exception) -> str | None:
     words = " ".join(shortened(word) for word in str(error.format_message()).rstrip(". ").split())
     if "unexpected extra argument" in words:  # as the shell cuts --set machine.height=60 cm
         words += ": put quotes around a value that has a space"
+    files = [word for word in sys.argv[1:] if word.startswith("-") and _may_be_file(word)]
+    if "No such option" in words and files:
+        words += f": to name the file {shortened(files[0])}, write {shortened(file_word(files[0]))}"
     return f"{path}: {words} ({help_of})"
+
+
+def _may_be_file(word: str) -> bool:
+    return FILE_NAME.fullmatch(word) is not None or os.path.lexists(word)
 
 
 def _path_of(words: list[str]) -> str:

@@ -14,6 +14,7 @@ from pydantic import BaseModel
 
 from strikewave._version import __version__
 from strikewave.base.citations import SOURCES
+from strikewave.base.command_line import command_line, file_word
 from strikewave.base.percents import percent
 from strikewave.base.quantities import PROVENANCES, Value
 from strikewave.base.result import BALANCE_LIMIT, FAILED, INFO, WARNING
@@ -232,7 +233,7 @@ def reproduction(result: Result) -> Section:
         f"{either} gives the same numbers again with strikewave {__version__}; {source.file} is the text below, which "
         f"is also in the folder of this report. The text has the SHA-256 {source.digest}."
     )
-    commands = "\n".join(f"strikewave {result.command} {name}" for name in names)
+    commands = "\n".join(command_line([result.command, file_word(name)]) for name in names)
     return Section("How to run this again", text, [*read, Code(commands), inputs_text])
 
 

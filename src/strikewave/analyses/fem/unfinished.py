@@ -5,13 +5,13 @@ from __future__ import annotations
 import contextlib
 import os
 import re
-import shlex
 import shutil
 import sys
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 
 from strikewave.analyses.fem.result import of_blow
+from strikewave.base.command_line import command_line
 from strikewave.base.errors import InputError
 from strikewave.base.folder_claim import refusal
 from strikewave.base.interrupts import exit_code
@@ -73,7 +73,8 @@ def _command(option: str) -> str:
     """Return the command that runs now, with --restart or --force."""
     words = [word for word in sys.argv[1:] if word not in ("--restart", "--force")]
     words = ["fem" if k == 0 and word == "run" else word for k, word in enumerate(words)]  # run has no --restart
-    return shlex.join(["strikewave", *words, option])
+    end = words.index("--") if "--" in words else len(words)  # behind it all words are names
+    return command_line([*words[:end], option, *words[end:]])
 
 
 def _clear(home: Path) -> None:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import dataclasses
 import math
-import shlex
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -12,6 +11,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from strikewave.base.command_line import command_line, file_word
 from strikewave.base.errors import MISSING, InputError
 from strikewave.base.percents import percent
 from strikewave.base.result import Notice
@@ -192,7 +192,7 @@ def _reading(file: str, stated: dict[str, dict[str, Any]], options: Any) -> tupl
     findings = [finding for finding in reading.all_findings if finding.severity != "good"]
     if reading.status == "bad":
         why = "; ".join(f"{f.code}: {f.message}" for f in findings if f.severity == "bad")
-        hint = f"{why}; see `{shlex.join(['strikewave', 'record', file])}`, or take another --channel"
+        hint = f"{why}; see `{command_line(['record', file_word(file)])}`, or take another --channel"
         raise InputError("--record", file, "a record that its examination does not call bad", hint)
     return reading.channels[0], findings
 

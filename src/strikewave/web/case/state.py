@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import base64
-import shlex
 import zlib
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field, replace
@@ -12,6 +11,7 @@ from pathlib import Path
 from typing import NamedTuple
 from urllib.parse import urlencode
 
+from strikewave.base.command_line import command_line, file_word
 from strikewave.base.errors import InputError, StrikewaveError
 
 CASE_FILE = ".toml"
@@ -132,10 +132,10 @@ class CaseState:
         >>> CaseState("li-ma-2019", changes={"machine.speed": "700 rpm"}).command()
         "strikewave run li-ma-2019 --set 'machine.speed=700 rpm'"
         """
-        words = ["strikewave", program, self.file]
+        words = [program, file_word(self.file)]
         for path, value in self.changes.items():
             words += ["--set", f"{path}={value}"]
-        return shlex.join([*words, *more])
+        return command_line([*words, *more])
 
     def python(self, call: str = "run_case", more: str = "") -> str:
         """Return the Python lines that give the same.

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-import shlex
 from collections.abc import Sequence
 from typing import Any, NamedTuple
+
+from strikewave.base.command_line import command_line, file_word
 
 FILTERS = ("filter", "high_pass", "ac_coupling")
 """What changes the record and its baseline before blows are measured."""
@@ -88,18 +89,19 @@ class RecordRequest(NamedTuple):
         shared = self._words((*STATED, *FILTERS))
         channel = ["--channel", self.channel] if self.channel else []
         of_record = [*(["--base", self.base] if self.base else []), *(["--spec", self.spec] if self.spec else [])]
-        lines = [["strikewave", "record", *self.names, *channel, *shared, *of_record]]
+        files = [file_word(name) for name in self.names]
+        lines = [["record", *files, *channel, *shared, *of_record]]
         if self.spectrum:
             spectrum = ["--kind", "pseudo-velocity", "--q", self.q]
-            lines.append(["strikewave", "srs", *self.names, *channel, *shared, *spectrum])
+            lines.append(["srs", *files, *channel, *shared, *spectrum])
         if self.beside and self.names:
-            file = compared or self.names[0]
+            file = file_word(compared or self.names[0])
             place = f"{file}#{self.channel}" if self.channel else file
-            lines.append(["strikewave", "compare", place, self.beside, *self._words(COMPARED)])
+            lines.append(["compare", place, self.beside, *self._words(COMPARED)])
         keywords = self.keywords() | {key: getattr(self, key) for key in ("base", "spec") if getattr(self, key)}
         given = "".join(f", {key}={value!r}" for key, value in keywords.items())
         python = f"import strikewave\n\nresult = strikewave.record({list(self.names)!r}{given})"
-        return [("command line", "\n".join(map(shlex.join, lines))), ("Python", python)]
+        return [("command line", "\n".join(map(command_line, lines))), ("Python", python)]
 
     def _words(self, keys: Sequence[str]) -> list[str]:
         """Return options of a command line, those that are given."""

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import hashlib
 import json
-import shlex
 from collections.abc import Iterable
 from typing import NamedTuple
 
+from strikewave.base.command_line import command_line, file_word
 from strikewave.web.case.state import CaseSource
 
 
@@ -120,13 +120,13 @@ class StudyRequest(NamedTuple):
         if self.kind == "design":
             lines = [("design.toml", self._design_file(file)), ("command line", "strikewave design design.toml")]
         else:
-            words = ["strikewave", self.kind, *(["--from"] if self.kind == "settings" else []), file]
+            words = [self.kind, *(["--from"] if self.kind == "settings" else []), file_word(file)]
             for change in self.source.changes:
                 words += ["--set", change]
             for key, _ in self.texts:
                 for line in self.lines(key):
                     words += [f"--{key}", line]
-            lines = [("command line", shlex.join(words))]
+            lines = [("command line", command_line(words))]
         case = f"strikewave.load_case({file!r}, {list(self.source.changes)!r})"
         first = f"case={case}" if self.kind == "settings" else case
         call = ", ".join([first, *self._arguments()])

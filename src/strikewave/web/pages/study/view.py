@@ -23,8 +23,11 @@ MOST_RUNS = 2000
 MOST_CELLS = 3600
 """Runs and cells of one study on a page: an hour's work. The command line takes more."""
 MAP_POINTS = "20x20"
-OTHER_FILE = re.compile(r"^@|(?:^|[\s:=@,;\"'])(?:[~/\\]|[A-Za-z]:[\\/])|\.\.[\\/]|\.file\b")
-"""What begins as the path of another folder does, leads upwards, or is read for more lines."""
+OTHER_FILE = re.compile(
+    r"^@|(?:^|[\s:=@,;\"'])(?:[~/\\]|[A-Za-z]:[\\/])|(?:^|[:=@,;\"'])\s*\.\.|\.\.[\\/]|[\\/]\.\.|\.file\b"
+)
+"""What begins as the path of another folder does, leads upwards, or is read for more lines. The two dots of a range
+stand behind its first number."""
 
 
 def study(request: StudyRequest, say: Say) -> dict[str, Any]:
