@@ -5,8 +5,11 @@ import importlib
 import json
 import os
 import signal
+import socket
+import struct
 import subprocess
 import sys
+import threading
 import time
 from pathlib import Path
 
@@ -189,11 +192,66 @@ def test_a_worker_that_joins_late_with_another_version_runs_nothing():
         OfThisVersion(list, "9.9.9 abc")([(1.0,)])
 
 
-@pytest.mark.parametrize("address", ["tcp://127.0.0.1:9", "nowhere", "http://127.0.0.1:8786", "tcp://"])
-@pytest.mark.verify
-def test_a_scheduler_that_cannot_be_reached_is_refused_in_one_line(address, monkeypatch):
+@contextlib.contextmanager
+def listening(answer):
+    """Yield the port of what takes all connections and sends each these bytes; it hangs up behind some, and only then."""
+    lines = []
+    with socket.create_server(("127.0.0.1", 0)) as server:
+
+        def take():
+            with contextlib.suppress(OSError):  # at the end
+                while True:
+                    line, _ = server.accept()
+                    lines.append(line)
+                    line.sendall(answer)
+                    if answer:
+                        line.close()
+
+        threading.Thread(target=take, daemon=True).start()
+        yield server.getsockname()[1]
+        server.shutdown(socket.SHUT_RDWR)
+    for line in lines:
+        line.close()
+
+
+@pytest.mark.parametrize(
+    "answer",
+    [
+        b"",
+        b"HTTP/1.0 400 Bad request syntax\r\n\r\nnothing here",
+        bytes(range(256)) * 16,  # read as lengths of frames, these are exabytes
+        struct.pack("<QQ", 8, 0),
+    ],
+)
+def test_what_is_no_scheduler_is_refused_in_one_line_however_it_answers(answer, monkeypatch, capfd):
     monkeypatch.setattr(cluster, "CONNECT_SECONDS", 1.0)
-    with pytest.raises(InputError, match=r"--cluster: .*a Dask scheduler that can be reached") as refused:
+    with (
+        listening(answer) as port,
+        pytest.raises(InputError, match="does not answer as a scheduler of Dask does") as refused,
+    ):
+        ClusterPool(f"tcp://127.0.0.1:{port}")
+    assert "\n" not in str(refused.value)
+    assert capfd.readouterr().err == ""
+
+
+@pytest.mark.parametrize(
+    ("address", "reason"),
+    [
+        ("tcp://127.0.0.1:9", "nothing takes a connection there"),
+        ("tls://127.0.0.1:8786", r"certificates, .*distributed\.comm\.tls: ca-file, client\.cert and client\.key"),
+        ("ucx://127.0.0.1:8786", "Dask knows no ucx:// here"),
+        ("http://127.0.0.1:8786", "Dask knows no http:// here"),
+        ("nowhere", "no address of Dask"),
+        ("tcp://", "no address of Dask"),
+        ("tcp://127.0.0.1:99999", "no address of Dask"),
+        ("tcp://a..b:8786", "no address"),
+        ("tcp://[", "no address"),
+    ],
+)
+def test_a_scheduler_that_cannot_be_reached_is_refused_in_one_line(address, reason, monkeypatch, capfd):
+    monkeypatch.setattr(cluster, "CONNECT_SECONDS", 1.0)
+    with pytest.raises(InputError, match=f"--cluster: .*a Dask scheduler that can be reached; .*{reason}") as refused:
         ClusterPool(address)
     assert "\n" not in str(refused.value)
+    assert capfd.readouterr().err == ""
     assert not Path("dask-worker-space").exists()

@@ -6,9 +6,12 @@ waits till it is back at its address, and what was out is run again.
 
 from __future__ import annotations
 
+import asyncio
 import contextlib
 import importlib
 import logging
+import socket
+import threading
 import time
 from collections.abc import Sequence
 from concurrent.futures import CancelledError, Future, InvalidStateError
@@ -22,8 +25,15 @@ from strikewave.studies.engine.keys import program_key
 from strikewave.studies.engine.pools import Answer, Asked, Batch, Loss
 
 OPTION = "--cluster"
-CONNECT_SECONDS = 10.0
-"""Seconds in which a scheduler must answer: a wrong address is then known before anyone looks away."""
+CONNECT_SECONDS = 7.0
+"""Seconds in which a scheduler must answer: a wrong address is then known before anyone looks away. Ten are promised
+from the start of the command; the rest is for a machine that is slow to load Dask."""
+NO_ADDRESS = "this is no address of Dask, which has a protocol, a host and a port"
+OTHER_ANSWER = "what is there does not answer as a scheduler of Dask does"
+RETURN_PAUSE = 0.5
+"""Seconds between two tries to find a scheduler that ended: one may be refused at once."""
+CERTIFICATES = "distributed.comm.tls: ca-file, client.cert and client.key"
+"""Keys of the configuration of Dask that name certificates of a client."""
 RETURN_SECONDS = 300.0
 """Seconds in which a scheduler that ended must be back, with a worker. Chosen: a batch system starts one in minutes."""
 WIDTH_SECONDS = 5.0
@@ -85,12 +95,15 @@ class ClusterPool:
             distributed = importlib.import_module("distributed")
         except ImportError:
             raise InputError(OPTION, self._address, "dask.distributed", "pip install 'strikewave[cluster]'") from None
-        logging.getLogger("distributed").setLevel(logging.CRITICAL)  # what it says of lost connections, we say
+        _silence()
         allowed = "the address of a Dask scheduler that can be reached"
         hint = "such as tcp://host:8786; start one by dask scheduler, and its workers by dask worker ADDRESS"
+        reason = _reason_not_there(self._address, seconds)
+        if reason:
+            raise InputError(OPTION, self._address, allowed, f"{reason}; {hint}")
         try:
             client = distributed.Client(self._address, timeout=seconds, set_as_default=False)
-        except (OSError, ValueError, RuntimeError):
+        except (OSError, ValueError, RuntimeError, TypeError):
             raise InputError(OPTION, self._address, allowed, hint) from None
         try:
             client.wait_for_workers(1, timeout=seconds)
@@ -177,6 +190,7 @@ class ClusterPool:
                 if time.monotonic() > end:
                     gone = f"the scheduler at {self._address} ended, and was not back in {RETURN_SECONDS / 60:.0f} min"
                     raise StrikewaveError(f"{gone}; what was finished is kept") from None
+                time.sleep(RETURN_PAUSE)
         self._is_warm = False
 
     def __enter__(self) -> ClusterPool:
@@ -188,6 +202,80 @@ class ClusterPool:
         for future in list(self._running):
             future.cancel()
         self._client.close()
+
+
+def _silence() -> None:
+    """Leave it to us to say what went wrong with a connection; each module of Dask has a logger with its own level."""
+    for name in list(logging.root.manager.loggerDict):
+        if name.partition(".")[0] == "distributed":
+            logging.getLogger(name).setLevel(logging.CRITICAL + 1)
+
+
+def _reason_not_there(address: str, seconds: float) -> str:
+    """Return why no scheduler answers at an address within so many seconds; empty where one does.
+
+    It is asked without a client, which waits for an answer for ever, and for its own end when it is given up. What
+    hangs (a name server, a port that takes all and says nothing) is left to a thread that ends with the program.
+    """
+    reasons: list[str] = []
+
+    def ask() -> None:
+        reasons.append(_asked(address, seconds))
+
+    asking = threading.Thread(target=ask, name="strikewave cluster", daemon=True)
+    asking.start()
+    asking.join(seconds)
+    return reasons[0] if reasons else f"what is there gave no answer in {seconds:.0f} s"
+
+
+def _asked(address: str, seconds: float) -> str:
+    """Return why no scheduler answers, in words; empty where one does."""
+    comm = importlib.import_module("distributed.comm")
+    registry = importlib.import_module("distributed.comm.registry")
+    given: dict[str, Any] = {}
+    scheme = comm.parse_address(address)[0]
+    try:
+        registry.get_backend(scheme).get_connector()
+    except Exception:  # a protocol that is not known, or one whose package is not installed
+        return f"Dask knows no {scheme}:// here"
+    try:
+        if scheme in ("tcp", "tls"):
+            host, port = comm.get_address_host_port(address)
+            if not 0 < port < 1 << 16:
+                return NO_ADDRESS
+            socket.getaddrinfo(host, port)
+    except OSError:
+        return "no address is found for the name of its host"
+    except ValueError:
+        return NO_ADDRESS
+    if scheme == "tls":
+        try:
+            given = importlib.import_module("distributed").Security().get_connection_args("client")
+        except (OSError, ValueError) as error:
+            return f"the certificates that Dask is configured with cannot be read ({error}): see {CERTIFICATES}"
+        if given["ssl_context"] is None:
+            return f"tls:// needs certificates, which the configuration of Dask names under {CERTIFICATES}"
+    try:
+        answer = asyncio.run(asyncio.wait_for(_identity(comm, address, 0.8 * seconds, given), 0.9 * seconds))
+    except TimeoutError:
+        return OTHER_ANSWER
+    except OSError as error:
+        is_alone = type(error) is OSError  # that of all tries; a line that is cut has an error of its own
+        return "nothing takes a connection there" if is_alone else OTHER_ANSWER
+    except Exception:  # bytes of another protocol can be any error
+        return OTHER_ANSWER
+    return "" if answer == "Scheduler" else f"what answers there is a {str(answer).lower()} of Dask"
+
+
+async def _identity(comm: Any, address: str, seconds: float, given: dict[str, Any]) -> object:
+    """Return what one that speaks the protocol of Dask says that it is; what it sends is not unpickled."""
+    asyncio.get_running_loop().set_exception_handler(lambda *_: None)
+    line = await comm.connect(address, timeout=seconds, deserialize=False, **given)
+    try:
+        await line.write({"op": "identity", "reply": True})
+        return (await line.read())["type"]
+    finally:
+        line.abort()
 
 
 def _said(found: object) -> str:
