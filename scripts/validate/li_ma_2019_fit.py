@@ -49,7 +49,7 @@ NOT_GIVEN = {
 }
 """What the paper does not give and the first pulse feels, and how far it may be off."""
 PREDICTED = {
-    "first.velocity_change": ("velocity change (m/s)", 1.0),
+    "first.blow_velocity_change": ("velocity change of the blow (m/s)", 1.0),
     "typical.rigid_peak": ("later peaks (g)", STANDARD_GRAVITY),
 }
 """What the fitted machines are asked for: heading, and its unit."""

@@ -13,7 +13,7 @@ BLOW_KEYS = {
     "index", "kind", "time", "contacts", "approach_speed", "rebound_speed", "contact_time", "impulse", "peak_force", "rigid_peak", "width",
     "velocity_change", "largest_displacement", "wave_peak", "total_peak", "bandwidth", "turntable_speed", "sensors", "restitution", "indentation",
     "residual_indentation", "contact_stiffness", "flattening", "side_force",
-    "side_impulse", "friction_heat",
+    "side_impulse", "friction_heat", "blow_velocity_change", "contact_impulse",
 }  # fmt: skip
 
 
@@ -34,7 +34,7 @@ def test_run_json_has_exactly_its_keys(strikewave, tmp_path):
     assert document["fitted_fields"] == ["machine.engagement", "object.frame_stiffness"]
     assert all(set(w) == {"code", "severity", "message", "value", "limit"} for w in document["warnings"])
     for blow in document["blows"]:
-        assert blow["impulse"] == pytest.approx(document["masses"]["object"] * blow["velocity_change"], rel=1e-6)
+        assert blow["impulse"] == pytest.approx(document["masses"]["object"] * blow["blow_velocity_change"], rel=1e-6)
     names = {f"{which}.{what}" for which in ("first", "typical") for what in ("rigid_peak", "width", "velocity_change")}
     assert set(document["band"]) == names | {"interval"}
     assert all(set(band) == {"low", "high", "level", "inputs"} for band in document["band"].values())

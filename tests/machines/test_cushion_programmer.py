@@ -29,19 +29,20 @@ def test_the_programmer_is_the_rubber_of_the_table():
     """The contact is that of Gent & Lindley's pad; the blow that of two free bodies, 1e-3 for weight and frame."""
     case = changed()
     row = cushion_material("natural rubber 65 IRHD")
-    pad = elastomer(Pad(math.pi * 0.05**2, 0.025), **row.properties)
+    pad = elastomer(Pad(math.pi * 0.05**2, 0.0252), **row.properties)
     machine = build_machine(case)
     contact = machine.strikers.first.contact
     assert (contact.form, contact.stiffness, contact.limit) == (pad.form, pytest.approx(pad.stiffness), pad.limit)
     solution = run_case(case)
     blow = solution.blows[0]
     free = solve_impact(contact, 20.0, 2000.0, blow.approach_speed)
-    assert blow.rigid_peak == pytest.approx(float(free.peak_force) / 20.0, rel=3e-3)
+    # the pad bears the weight too, which a sensor zeroed in the fall reads
+    assert blow.rigid_peak - G == pytest.approx(float(free.peak_force) / 20.0, rel=3e-3)
     assert blow.restitution == pytest.approx(0.75, abs=2e-3)
-    assert blow.rigid_peak / G == pytest.approx(100.0, rel=0.01)
+    assert blow.rigid_peak / G == pytest.approx(100.0, rel=1e-3)  # fitted to it, rounded to 0.1 mm
     assert not [notice for notice in solution.warnings if notice.broken]
     notice = next(notice for notice in solution.warnings if notice.code == "cushion")
-    assert notice.value == pytest.approx(blow.indentation / 0.025, rel=1e-12)
+    assert notice.value == pytest.approx(blow.indentation / 0.0252, rel=1e-12)
     assert "gives back 56" in notice.message
     assert {"contact.cushion.thickness", "contact.cushion.diameter"} <= set(case.values())
     assert case.fitted_fields() == ["contact.cushion.thickness"]
@@ -55,7 +56,7 @@ def test_a_power_cushion_on_a_rigid_table_is_the_closed_form(n):
     machine = build_machine(parse_case(text.replace('material = "natural rubber 65 IRHD"', power)))
     run = run_machine(machine)
     (blow,) = blows(run)
-    k = 20e6 * math.pi * 0.05**2 / 0.025**n
+    k = 20e6 * math.pi * 0.05**2 / 0.0252**n
     # with the weight: K d^(n+1)/(n+1) = m v^2/2 + m g d, by a few fixed-point steps
     d = 0.0
     for _ in range(50):
@@ -92,7 +93,7 @@ def test_blows_before_wear_the_pad():
     """h (1 - s)^N and E (1 + g)^N with the shape factor of what is left."""
     worn = ["contact.cushion.blows_before=10", "contact.cushion.settling=0.01", "contact.cushion.stiffening=0.02"]
     contact = build_machine(changed(*worn)).strikers.first.contact
-    left = 0.025 * 0.99**10
+    left = 0.0252 * 0.99**10
     pad = elastomer(Pad(math.pi * 0.05**2, left), 5.72e6 * 1.02**10, 0.54)
     assert contact.stiffness == pytest.approx(pad.stiffness, rel=1e-12)
     assert contact.limit == pytest.approx(left, rel=1e-12)

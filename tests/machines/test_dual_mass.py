@@ -86,9 +86,9 @@ def test_the_case_is_followed_from_the_speeds_of_its_way():
     assert start.striker - start.object == pytest.approx(1.5 * v, rel=0.05)
     assert blow.approach_speed == pytest.approx(start.striker - start.object, rel=1e-6)
     assert blow.restitution == pytest.approx(0.8, rel=0.02)  # of the pad; the frame takes a part
-    assert 2.0 * blow.velocity_change == pytest.approx(blow.contact_impulse, rel=1e-3)  # weight for 100 us besides
+    assert 2.0 * blow.blow_velocity_change == pytest.approx(blow.contact_impulse, rel=1e-3)  # weight for 100 us besides
     # 2 %: the pad between rigid masses; here the frame of the fixture takes a part
-    assert start.object + blow.velocity_change == pytest.approx(start.gain * v, rel=0.02)
+    assert start.object + blow.blow_velocity_change == pytest.approx(start.gain * v, rel=0.02)
     assert solution.balance["energy_error"] < 1e-6
     assert solution.balance["momentum_error"] < 1e-6
     assert solution.launch["gain"] == pytest.approx(start.gain, rel=1e-12)

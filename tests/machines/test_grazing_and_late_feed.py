@@ -119,7 +119,7 @@ def test_late_light_touch_is_no_part_of_the_blow():
         before, after = run.sample(np.array([early[0, 0], early[:, 1].max()])).object_speed
         assert blow.kind == "full"
         assert blow.contacts == len(mine)
-        assert blow.velocity_change == pytest.approx(after - before, rel=1e-9)
+        assert blow.blow_velocity_change == pytest.approx(after - before, rel=1e-9)
         assert blow.momentum_error < 1e-6
         late += len(mine) > len(early)
     assert late > 0

@@ -50,7 +50,7 @@ def test_every_kind_has_a_bundled_case():
 
 @pytest.mark.parametrize("tolerance", [1e-9, 1e-7])
 def test_a_stiff_frame_does_not_ring_by_itself_in_a_long_flight(tolerance):
-    """After 11 ms on a soft spring the table flies for 27 ms at -1 g; steps that were unstable made it ring by 2819 g.
+    """After 11 ms on a soft spring the table flies for 27 ms, where its sensor reads nothing; steps that were unstable made it ring by 2819 g.
 
     0.1 g: what a frame of 51 kHz keeps of a blow that excites it by less than 1e-3 of its 40 g.
     """
@@ -65,7 +65,7 @@ def test_a_stiff_frame_does_not_ring_by_itself_in_a_long_flight(tolerance):
     _, run, blow = struck(load_case(KINDS["drop"], [*spring, *table, *of_run]), tolerance)
     flight = run.sample(np.arange(0.014, run.end, 1e-6))
     assert not flight.contact_force.any()
-    assert np.abs(flight.rigid_acceleration + G).max() < 0.1 * G
+    assert np.abs(flight.rigid_acceleration).max() < 0.1 * G
     assert 35.0 * G < blow.rigid_peak < 50.0 * G
 
 
@@ -172,7 +172,8 @@ def test_a_linear_shaper_gives_the_half_sine_of_its_closed_form():
     # 1e-4: the anvil gives way by 20 kg over 10^6 kg, and the frame, 10^12 N/m, by 0.8e-3 of the shaper
     assert end - begin == pytest.approx(pulse.width, rel=1e-3)
     assert blow.peak_force / machine.struck.mass == pytest.approx(pulse.peak + G, rel=1e-3)
-    assert blow.velocity_change == pytest.approx(2.0 * speed, rel=1e-4)
+    assert blow.rigid_peak == pytest.approx(pulse.peak + G, rel=1e-3)
+    assert blow.blow_velocity_change == pytest.approx(2.0 * speed, rel=1e-4)
 
 
 @pytest.mark.parametrize("restitution", [0.3, 0.6, 0.9])
@@ -180,7 +181,7 @@ def test_a_table_leaves_with_its_restitution(restitution):
     """Velocity change (1 + e) v of a rigid table; what gravity takes during the pulse is 1e-3 of it."""
     _, run, blow = struck(rigid_drop(restitution))
     speed, touching = math.sqrt(2.0 * G * 0.28), float(np.ptp(run.contacts()[0, :2]))
-    assert blow.velocity_change == pytest.approx((1.0 + restitution) * speed, abs=2.0 * G * touching, rel=1e-3)
+    assert blow.blow_velocity_change == pytest.approx((1.0 + restitution) * speed, abs=2.0 * G * touching, rel=1e-3)
 
 
 def test_a_ball_on_a_rigid_object_is_a_blow_of_two_free_bodies():
@@ -294,5 +295,5 @@ def test_a_ball_falls_on_a_stack_of_layers():
     assert solution.balance["momentum_error"] < BALANCE
     assert blow.approach_speed == pytest.approx(math.sqrt(2.0 * G), rel=1e-9)
     assert blow.support_impulse == 0.0
-    assert solution.masses["object"] * blow.velocity_change == pytest.approx(blow.contact_impulse, rel=BALANCE)
+    assert solution.masses["object"] * blow.blow_velocity_change == pytest.approx(blow.contact_impulse, rel=BALANCE)
     assert 0.0 < abs(solution.readings[0].wave_peak) < blow.rigid_peak

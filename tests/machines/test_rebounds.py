@@ -87,7 +87,7 @@ def test_the_energy_that_a_brake_takes_is_booked():
     run = run_machine(machine)
     (blow,) = blows(run)
     ratio = machine.struck.mass / machine.strikers.mass
-    anvil = ratio * blow.velocity_change
+    anvil = ratio * blow.blow_velocity_change
     # 2e-3: the weight of the table during the contact
     assert run.braked == pytest.approx(0.5 * machine.struck.mass * anvil**2, rel=5e-3)
     assert run.energy_error < BALANCE

@@ -18,10 +18,11 @@ if TYPE_CHECKING:
 
     from strikewave.base.variables import LabelledArrays
 
-SCHEMA = 8
+SCHEMA = 9
 """Of the files of a solution: 2 adds readings and waves, 3 the contact of each blow; 4 renames keys (balance); 5 adds
 the side force of each blow and the answers of its contact; 6 adds the bands, 7 the contact time of each blow; 8 keeps
-blows and readings for as long as their pulses last."""
+blows and readings for as long as their pulses last; 9 takes velocity_change of the pulse, blow_velocity_change of the
+whole blow, and the zero of a sensor that falls in the fall."""
 Severity = Literal["info", "warning", "failed"]
 INFO: Severity = "info"
 WARNING: Severity = "warning"

@@ -9,6 +9,7 @@ from strikewave.contact._chain_kernels import GRAVITY, MASS, OPEN, PUSHING, link
 from strikewave.contact._integrator import evaluate
 from strikewave.machines._kernels import HELD, NOSE_SHARE, PITCH, RELEASED, RETRACTING, place_bases
 from strikewave.machines._layout import OBJECT, layout_of
+from strikewave.signal.pulse import FOOT, WIDTH_FRACTION
 
 (
     PASS,
@@ -27,15 +28,17 @@ from strikewave.machines._layout import OBJECT, layout_of
     STOP_FORCE,
     ANGLE,
     DISC_SPEED,
+    BLOW_CHANGE,
     LAST_CHANGE,
-) = range(17)
+    BLOW_IMPULSE,
+) = range(19)
 """Columns of the table of blows: pass number, striker (from 0), time of first touch (of the apex where missed, then
-with CONTACTS 0), approach speed, rigid peak, its width at 10 %, velocity change to the release before the first gap
-longer than that, contacts, impulse of the contacts and of the second and later groups of them, place and speed of the
-face at first touch (place at the apex where missed), largest displacement (NaN where missed), largest force of the stop
-until the next pass, turntable's angle at first touch less that of the strike position, and its speed; velocity change
-to the last release."""
-BLOW_COLUMNS = 17
+with CONTACTS 0), approach speed, rigid peak, its width at 10 %, velocity change from foot to foot of that pulse,
+contacts, impulse of the contacts and of the second and later groups of them, place and speed of the face at first touch
+(place at the apex where missed), largest displacement (NaN where missed), largest force of the stop until the next
+pass, turntable's angle at first touch less that of the strike position, and its speed; velocity change of the object to
+the release before the first gap longer than the width, and to the last release; contact impulse of the blow."""
+BLOW_COLUMNS = 19
 
 CURRENT, SAMPLES, CONTACTS_SEEN, ROWS_USED, IN_TOUCH, FALLEN, FLIGHT_STEPS, BLOW_STEPS, COUNTS = range(9)
 """Places of `PassTable.counts`: row of the blow that lasts (-1 where none), samples and contacts of it, rows, in touch,
@@ -43,8 +46,8 @@ whether the pulse has fallen, steps taken between blows and in blows."""
 LET_GO, FIRST_PLACE, HIGHEST, SPEED_BEFORE, TOP, NUMBERS = range(6)
 """Places of `PassTable.numbers`: energy let go, J; of the blow that lasts: place of the assembly at first touch and
 highest since, m, speed of the object at first touch, m/s, largest rigid acceleration sampled, m/s^2."""
-LEVEL = 0.1
-"""Share of the peak at which the width is taken."""
+LEVEL, FOOT_LEVEL = WIDTH_FRACTION, FOOT
+"""Shares of the peak at which the width is taken, and at which the pulse ends whose velocity change is taken."""
 _NODES, _WEIGHTS = (0.5 * v for v in np.polynomial.legendre.leggauss(5))
 _STOP_SAMPLES = 8
 
@@ -52,7 +55,8 @@ _STOP_SAMPLES = 8
 class PassTable(NamedTuple):
     """What is written down: the table of blows, and of the one that lasts its samples and contacts.
 
-    Samples are time and rigid acceleration; contacts are begin, end, impulse, and velocity change to their end.
+    Samples are time, rigid acceleration and speed of the assembly; contacts are begin, end, impulse, and velocity
+    change of the object to their end.
     """
 
     table: np.ndarray
@@ -79,7 +83,8 @@ def open_row(flight, blow, going, struck, passes, t):
         row = passes.table[counts[CURRENT]]
         row[PASS], row[STRIKER], row[TIME] = number, going.mode[layout_of(flight).touching], t
         row[APPROACH], row[PEAK], row[WIDTH] = struck.memory[at.contacts.start], np.nan, np.nan
-        row[CONTACTS] = row[IMPULSE] = row[LATER] = row[VELOCITY_CHANGE] = row[LAST_CHANGE] = 0.0
+        row[CONTACTS] = row[IMPULSE] = row[LATER] = row[VELOCITY_CHANGE] = 0.0
+        row[BLOW_CHANGE] = row[LAST_CHANGE] = row[BLOW_IMPULSE] = 0.0
         row[FACE], row[FACE_SPEED] = y[at.positions][at.nose], y[at.speeds][at.nose]
         row[DISC_SPEED] = y[at.turntable_speed]
         row[ANGLE] = y[at.angle] - number * flight.settings[PITCH]
@@ -129,7 +134,7 @@ def missed_row(flight, going, passes, t, face):
         return False
     row = passes.table[counts[CURRENT]]
     row[PASS], row[STRIKER], row[TIME], row[FACE] = number, number % flight.seats.shape[0], t, face
-    row[CONTACTS] = row[VELOCITY_CHANGE] = row[LAST_CHANGE] = 0.0
+    row[CONTACTS] = row[VELOCITY_CHANGE] = row[BLOW_CHANGE] = row[LAST_CHANGE] = row[BLOW_IMPULSE] = 0.0
     row[DISC_SPEED] = going.y[at.turntable_speed]
     return True
 
@@ -189,9 +194,10 @@ def _sample_blow(blow, record, r, x, weight, passes, work):
         passes.samples[0, counts[SAMPLES]] = t
         a = pushed / chain.bodies[at.assembly, MASS] + chain.bodies[at.assembly, GRAVITY]
         passes.samples[1, counts[SAMPLES]] = a
+        passes.samples[2, counts[SAMPLES]] = work[at.speeds][at.assembly]
         counts[SAMPLES] += 1
         numbers[TOP] = max(numbers[TOP], a)
-        counts[FALLEN] = 1 if weight == 0.0 and a < LEVEL * numbers[TOP] else 0
+        counts[FALLEN] = 1 if weight == 0.0 and a < FOOT_LEVEL * numbers[TOP] else 0
     if weight > 0.0:
         force, _, _ = press(chain, at.contacts.start, work, mode, memory)
         row[IMPULSE] += weight * record.step[r] * force
@@ -215,23 +221,39 @@ def measure_row(passes):
         slope = left - curvature * before
         if curvature < 0.0:
             row[PEAK] = a[top] - 0.25 * slope * slope / curvature
-    level, begin, end = LEVEL * row[PEAK], np.nan, np.nan
-    for k in range(top, 0, -1):
-        if a[k - 1] <= level:
-            begin = time[k] + (level - a[k]) * (time[k - 1] - time[k]) / (a[k - 1] - a[k])
-            break
-    for k in range(top, count - 1):
-        if a[k + 1] <= level:
-            end = time[k] + (level - a[k]) * (time[k + 1] - time[k]) / (a[k + 1] - a[k])
-            break
+    begin, end, _, _ = _crossings(passes.samples, top, count, LEVEL * row[PEAK])
     row[WIDTH], row[LATER] = end - begin, 0.0
+    begin, end, before, after = _crossings(passes.samples, top, count, FOOT_LEVEL * row[PEAK])
+    row[VELOCITY_CHANGE] = after - before
     later = False
     for k in range(passes.counts[CONTACTS_SEEN]):
         later = later or (k > 0 and passes.contacts[k, 0] - passes.contacts[k - 1, 1] > row[WIDTH])
         if later:
             row[LATER] += passes.contacts[k, 2]
         else:
-            row[VELOCITY_CHANGE] = passes.contacts[k, 3]
+            row[BLOW_CHANGE] = passes.contacts[k, 3]
+    row[BLOW_IMPULSE] = row[IMPULSE] - row[LATER]
+
+
+@leaf_kernel
+def _crossings(samples, top, count, level):
+    """Return when the samples rise through a level before their top and fall through it after, and both speeds.
+
+    Where they do not, the times are NaN and the speeds those of the first and the last sample.
+    """
+    time, a, speed = samples[0], samples[1], samples[2]
+    begin, end, before, after = np.nan, np.nan, speed[0], speed[count - 1]
+    for k in range(top, 0, -1):
+        if a[k - 1] <= level:
+            part = (level - a[k]) / (a[k - 1] - a[k])
+            begin, before = time[k] + part * (time[k - 1] - time[k]), speed[k] + part * (speed[k - 1] - speed[k])
+            break
+    for k in range(top, count - 1):
+        if a[k + 1] <= level:
+            part = (level - a[k]) / (a[k + 1] - a[k])
+            end, after = time[k] + part * (time[k + 1] - time[k]), speed[k] + part * (speed[k + 1] - speed[k])
+            break
+    return begin, end, before, after
 
 
 @inner_kernel

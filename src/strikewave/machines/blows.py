@@ -15,7 +15,7 @@ from strikewave.machines._layout import APEX_SWITCH
 from strikewave.machines.rebounds import blow_numbers
 from strikewave.machines.run import MachineRun
 from strikewave.machines.spans import Moments
-from strikewave.signal.pulse import measure_pulse
+from strikewave.signal.pulse import foot_to_foot, measure_pulse
 
 Array = NDArray[np.float64]
 
@@ -45,7 +45,7 @@ MOST_SAMPLES = 200_000
 class Blow:
     """One pass of one striker, or one of the rebounds of a launched machine, all its re-contacts included; SI.
 
-    Theory of the velocity change: :eq:`machine-velocity-change`.
+    Theory of both velocity changes: :eq:`machine-velocity-change`.
 
     Attributes
     ----------
@@ -95,13 +95,18 @@ class Blow:
     friction_heat : float
         Heat of this sliding over all contacts of the pass, J.
     rigid_peak : float
-        Peak of the assembly's rigid-body acceleration, m/s^2.
+        Peak of the assembly's rigid-body acceleration, m/s^2. The zero is that of a sensor, taken before the blow: of
+        an object that falls, in the fall, so that gravity is in no figure of its pulse.
     width : float
         Width of that pulse at 10 % of its peak, s.
     rise : float
         Time in which that pulse rises from 10 to 90 % of its peak, s.
     velocity_change : float
-        Of the object's centre of mass from first touch to the release that ends the blow, m/s: impulse over its mass.
+        Integral of that pulse from foot to foot, where 2 % of its peak is left, m/s, as a record has it: what frame,
+        spring and stop give the assembly from about first touch to the last release of the pulse, nothing later.
+    blow_velocity_change : float
+        Of the object's centre of mass from first touch to the release that ends the blow, m/s: impulse over its mass,
+        gravity included; of a double blow over the whole pass, what spring and stop do between its contacts included.
     largest_displacement : float
         Largest displacement of the struck face, rearward, after first touch and until the next blow or the retraction,
         m; of a missed blow, how far behind its place of rest the face was when the striker passed.
@@ -134,6 +139,7 @@ class Blow:
     width: float
     rise: float
     velocity_change: float
+    blow_velocity_change: float
     largest_displacement: float
     turntable_speed: float
 
@@ -237,7 +243,7 @@ def _missed(run: MachineRun, index: int, number: int, time: float) -> Blow:
     zeros = dict.fromkeys(
         (
             *("impulse", "contact_impulse", "support_impulse", "peak_force", "velocity_change"),
-            *("side_force", "side_impulse", "friction_heat"),
+            *("blow_velocity_change", "side_force", "side_impulse", "friction_heat"),
         ),
         0.0,
     )
@@ -268,7 +274,7 @@ def _struck(run: MachineRun, index: int, rows: Array, until: float) -> Blow:
     edges = run.sample(np.array([begin, end]))
     contact, support, _ = run.impulses(begin, end)
     side_force, side_impulse, heat = _sliding(run, rows, moments.side_force)
-    velocity_change = float(np.diff(edges.object_speed)[0])
+    blow_change = float(np.diff(edges.object_speed)[0])
     free = min(until, max(run.released, last))
     path = run.sample(np.linspace(begin, free, 2001)).assembly_place
     before, (deep, restitution) = run.deepest(np.nextafter(begin, 0.0), striker), _work(run, rows)
@@ -296,7 +302,7 @@ def _struck(run: MachineRun, index: int, rows: Array, until: float) -> Blow:
         impulse=contact + support,
         contact_impulse=contact,
         support_impulse=support,
-        momentum_error=abs(contact + support - struck.mass * velocity_change)
+        momentum_error=abs(contact + support - struck.mass * blow_change)
         / max(contact, abs(support), struck.mass * SMALLEST_SPEED),
         peak_force=float(force.max()),
         side_force=side_force,
@@ -305,7 +311,8 @@ def _struck(run: MachineRun, index: int, rows: Array, until: float) -> Blow:
         rigid_peak=pulse.peak if pulse else math.nan,
         width=width,
         rise=pulse.rise if pulse else math.nan,
-        velocity_change=velocity_change,
+        velocity_change=foot_to_foot(acceleration, step) if pulse else math.nan,
+        blow_velocity_change=blow_change,
         largest_displacement=float(path.max() - path[0]),
         turntable_speed=float(edges.turntable_speed[0]),
     )

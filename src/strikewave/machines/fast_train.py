@@ -51,10 +51,10 @@ class TrainBlow:
 
     Attributes
     ----------
-    index, kind, striker, time, contacts, approach_speed, rigid_peak, width, velocity_change, turntable_speed
+    index, kind, striker, time, contacts, approach_speed, rigid_peak, width, turntable_speed
         As of a `Blow`.
-    impulse : float
-        Of the contacts.
+    velocity_change, blow_velocity_change, impulse, contact_impulse
+        As of a `Blow`.
     face_place, face_speed : float
         Of the struck face at first touch; its place at the apex where missed.
     angle : float
@@ -74,7 +74,9 @@ class TrainBlow:
     rigid_peak: float
     width: float
     velocity_change: float
+    blow_velocity_change: float
     impulse: float
+    contact_impulse: float
     face_place: float
     face_speed: float
     angle: float
@@ -122,6 +124,7 @@ class FastTrain:
         for index, (kind, row) in enumerate(zip(self.kinds, self.table, strict=True), start=1):
             values = {name: float(row[k]) for name, k in _COLUMNS.items()}
             striker, contacts = int(row[column.STRIKER]) + 1, int(row[column.CONTACTS])
+            values["impulse"] = self.machine.struck.mass * values["blow_velocity_change"]
             listed.append(TrainBlow(index=index, kind=kind, striker=striker, contacts=contacts, **values))
         return tuple(listed)
 
@@ -136,7 +139,8 @@ _COLUMNS = {
     "rigid_peak": column.PEAK,
     "width": column.WIDTH,
     "velocity_change": column.VELOCITY_CHANGE,
-    "impulse": column.IMPULSE,
+    "blow_velocity_change": column.BLOW_CHANGE,
+    "contact_impulse": column.BLOW_IMPULSE,
     "face_place": column.FACE,
     "face_speed": column.FACE_SPEED,
     "angle": column.ANGLE,
@@ -151,7 +155,8 @@ def _finished(machine: Machine, noted: Array) -> Array:
     table = noted.copy()
     kinds = np.array(_kinds(machine, table), dtype=object)
     double, missed = kinds == "double", kinds == "missed"
-    table[double, column.VELOCITY_CHANGE] = table[double, column.LAST_CHANGE]
+    table[double, column.BLOW_CHANGE] = table[double, column.LAST_CHANGE]
+    table[double, column.BLOW_IMPULSE] = table[double, column.IMPULSE]
     table[missed, column.LARGEST_DISPLACEMENT] = table[missed, column.FACE] + machine.engagement
     return table
 
@@ -266,7 +271,7 @@ def empty_passes(rows: int) -> PassTable:
     """Return passes with room for so many passes."""
     counts = np.zeros(column.COUNTS, dtype=np.int64)
     counts[column.CURRENT] = -1
-    samples, contacts = np.empty((2, _MOST_SAMPLES)), np.empty((_MOST_CONTACTS, 4))
+    samples, contacts = np.empty((3, _MOST_SAMPLES)), np.empty((_MOST_CONTACTS, 4))
     return PassTable(np.full((rows, column.BLOW_COLUMNS), np.nan), samples, contacts, counts, np.zeros(column.NUMBERS))
 
 

@@ -26,7 +26,11 @@ _TIMES_AT_ONCE = 50_000
 
 
 class Moments(NamedTuple):
-    """What the machine does at given times, SI, one value a time."""
+    """What the machine does at given times, SI, one value a time.
+
+    The rigid acceleration is that of a sensor whose zero is taken before the blow: of an object that falls without
+    gravity; see `StruckObject.sensed_gravity`. Places and speeds are those of the machine's frame.
+    """
 
     contact_force: Array
     rigid_acceleration: Array
@@ -79,7 +83,7 @@ class ChainSpan:
         momentum = v[:, at.nose] * struck.nose_mass + v[:, at.assembly] * struck.assembly_mass
         columns = (
             forces[:, at.contacts].sum(axis=1),
-            pushed / struck.assembly_mass + struck.gravity,
+            pushed / struck.assembly_mass + struck.sensed_gravity,
             x[:, at.nose],
             x[:, at.assembly],
             v[:, at.assembly],
@@ -173,7 +177,7 @@ class StackSpan:
     taps : TapHistories
         What the taps did; velocities and accelerations in the frame below.
     rigid_acceleration : ndarray
-        Of the assembly, average about each sample, m/s^2.
+        Of the assembly as in `Moments`, average about each sample, m/s^2.
     field_position : ndarray
         Places of the x-t field from the first face, m; empty where none was kept.
     field_step, field_force : float and ndarray
@@ -262,11 +266,14 @@ class StackSpan:
         return float(self._at(at, column.FACE_SPEED)[0] - self._at(at, column.STRIKER_SPEED)[0])
 
     def tap(self, k: int) -> tuple[Array, Array, Array]:
-        """Return force (N), speed (m/s) and acceleration (m/s^2) at tap k, at the times of the history."""
+        """Return force (N), speed (m/s) and acceleration (m/s^2) at tap k, at the times of the history.
+
+        The acceleration is that of a sensor, as the rigid one of `Moments`.
+        """
         since = self.step * np.arange(len(self.history))
         speed, gravity = self.frame
         moving = self.taps.velocity[:, k] + speed + gravity * since
-        return self.taps.force[:, k], moving, self.taps.acceleration[:, k] + gravity
+        return self.taps.force[:, k], moving, self.taps.acceleration[:, k] + self.struck.sensed_gravity
 
     def field(self) -> tuple[Array, Array]:
         """Return times after first touch, s, and force, N, at the places of the x-t field, shape (times, places)."""

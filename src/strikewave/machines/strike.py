@@ -117,7 +117,7 @@ def strike(
         striker=going.striker,
         history=history[:samples].copy(),
         taps=_tap_histories(taps, averages, still, samples, every * step),
-        rigid_acceleration=_mean_push(taps, averages, samples) / layered.assembly_mass + struck.gravity,
+        rigid_acceleration=_mean_push(taps, averages, samples) / layered.assembly_mass + struck.sensed_gravity,
         field_position=places,
         field_step=whole.every * step,
         field_force=whole.force[: (steps - 1) // whole.every + 1].copy(),

@@ -38,6 +38,8 @@ class StruckObject:
     friction, stiction : float, optional
         Coulomb friction of the rail between assembly and carriage, N: while it slides, and the most while it sticks
         (as much where left out).
+    falls : bool, optional
+        Whether it falls freely before the blow; its sensor then takes its zero in the fall.
     """
 
     nose_mass: float
@@ -52,6 +54,16 @@ class StruckObject:
     gravity: float
     friction: float = 0.0
     stiction: float | None = None
+    falls: bool = False
+
+    @property
+    def sensed_gravity(self) -> float:
+        """Gravity in the rigid acceleration, m/s^2: none of an object that falls, whose sensor reads nothing then.
+
+        A sensor's zero is what it reads before the blow. At rest something bears the object, and without that its
+        acceleration is that of gravity; a sensor zeroed in the fall reads the forces on the object alone.
+        """
+        return 0.0 if self.falls else self.gravity
 
     @property
     def rail(self) -> Friction:

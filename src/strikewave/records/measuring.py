@@ -25,15 +25,12 @@ from strikewave.records.ringing import RINGS_WITHIN, Stretch, ringing_of
 from strikewave.records.smooth_pulse import PulseUncertainty, SmoothPulse, fit_smooth_pulse
 from strikewave.records.smoothing import SmoothingWindow
 from strikewave.records.trains import Contacts, sort_contacts
-from strikewave.signal.pulse import WIDTH_FRACTION, area_between, crossing
+from strikewave.signal.pulse import FOOT, WIDTH_FRACTION, area_between, crossing
 
 Array = NDArray[np.float64]
 
 FEWEST = 16
 """Samples that a record needs: a blow of three, and as much beside it as its noise is estimated from."""
-FOOT = 0.02
-"""Share of the peak at which a pulse begins and ends when its area is taken: what lies below the foot of a half-sine is
-0.02 % of its area, and what drifts beside it is left out."""
 TOES = 5
 """Widths of a blow to either side in which its feet are sought."""
 SMALLEST_REBOUND = 0.1

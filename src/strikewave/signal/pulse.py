@@ -13,6 +13,9 @@ Array = NDArray[np.float64]
 WIDTH_FRACTION = 0.1
 """Share of the peak at which a pulse's width is taken unless said otherwise: the convention of shock tests, high enough
 to stand above noise and baseline."""
+FOOT = 0.02
+"""Share of the peak at which a pulse begins and ends when its area is taken: what lies below the foot of a half-sine is
+0.02 % of its area, and what drifts beside it is left out."""
 RISE_LOW, RISE_HIGH = 0.1, 0.9
 """Shares of the peak between which a rise time is taken: the field's definition."""
 HALF_SINE_WIDTH = 1.0 - 2.0 * math.asin(WIDTH_FRACTION) / math.pi
@@ -149,6 +152,20 @@ def measure_pulse(values: Array, step: float, start: float = 0.0, fraction: floa
     first, last = (0.0 if math.isnan(begin) else begin), (values.size - 1.0 if math.isnan(end) else end)
     area = area_between(values, first, last) * step
     return Pulse(float(start + place * step), peak, float((end - begin) * step), float((high - low) * step), area)
+
+
+def foot_to_foot(values: Array, step: float) -> float:
+    """Return the integral of the largest positive pulse of a history without noise, from foot to foot.
+
+    Of an acceleration it is the velocity change. Where the history begins or ends above a foot, it counts to there.
+
+    Examples
+    --------
+    >>> t = np.linspace(-0.5, 1.5, 4001)
+    >>> round(foot_to_foot(np.sin(np.pi * t), 5e-4) * np.pi / 2.0, 4)
+    0.9998
+    """
+    return measure_pulse(values, step, fraction=FOOT).area
 
 
 def largest(values: Array) -> float:

@@ -9,10 +9,10 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from strikewave import InputError, compare, load_solution
+from strikewave import InputError, compare, load_case, load_solution, run_case
 from strikewave.analyses.compare.agreement import agreement
 from strikewave.analyses.compare.curve import ComparedCurve, checked_curve, even_history, mean_curve
-from strikewave.analyses.compare.simulated import _parts
+from strikewave.analyses.compare.simulated import _parts, solution_curve
 from strikewave.base.variables import LabelledArrays
 from strikewave.signal.alignment import EvenHistory
 from strikewave.signal.filters import Filter
@@ -47,6 +47,17 @@ def test_a_history_agrees_with_itself_perfectly(strikewave, tmp_path):
     assert [metrics["iso18571"][name] for name in ("corridor", "phase", "magnitude", "slope", "overall")] == [1.0] * 5
     assert metrics["srs"]["largest"]["ratio"] == 0.0
     assert metrics["shift"]["value"] == pytest.approx(0.0, abs=1e-15)
+
+
+@pytest.mark.parametrize("name", ["jesd22-b111-b", "iec-60068-2-27-rubber", "en-166-ball", "li-ma-2019"])
+def test_compare_reads_off_the_figures_of_the_run(name):
+    """One pulse, one zero, one foot: 2e-3, of coarser samples, and of a carriage that still slows down by 3 g."""
+    solution = run_case(load_case(name))
+    first = solution.blows[0]
+    pulse = solution_curve("A", solution, "rigid", 0, "").pulse
+    assert pulse.peak == pytest.approx(first.rigid_peak, rel=2e-3)
+    assert pulse.width == pytest.approx(first.width, rel=2e-3)
+    assert pulse.area == pytest.approx(first.velocity_change, rel=2e-3)
 
 
 @settings(max_examples=20, deadline=None, derandomize=True)

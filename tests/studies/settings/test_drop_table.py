@@ -79,7 +79,7 @@ def test_a_design_for_jesd22_b110_gives_peak_and_width_when_its_case_is_run(row)
     assert study.best is not None
     stated = study.goal.specification.condition
     blow = run_case(study.case_of()).blows[0]
-    assert blow.rigid_peak + G == pytest.approx(stated.peak.si, rel=5e-3)
+    assert blow.rigid_peak == pytest.approx(stated.peak.si, rel=5e-3)
     width = stated.duration.si * (1.0 - 2.0 * math.asin(0.1) / math.pi)
     # the weight shifts the 10 % level of a run by 1 g: 0.7 % of the width at 100 g
     assert blow.width == pytest.approx(width, rel=5e-3 + 0.7 * G / stated.peak.si)
@@ -201,7 +201,7 @@ def test_the_written_case_gives_the_pulse_again(strikewave):
     assert code == 0
     (blow,) = json.loads(out)["blows"]
     assert blow["rigid_peak"] == pytest.approx(best["rigid_peak"], rel=1e-12)
-    assert blow["rigid_peak"] + G == pytest.approx(100.0 * G, rel=5e-3)
+    assert blow["rigid_peak"] == pytest.approx(100.0 * G, rel=5e-3)
 
 
 @pytest.mark.parametrize(
@@ -244,7 +244,7 @@ def test_pads_for_jesd22_b110_meet_peak_and_width_where_they_keep_their_limits(r
     assert {one.programmer.name for one in met} >= {"linear", "felt"}
     for one in met:
         blow = run_case(one.case).blows[0]
-        assert blow.rigid_peak + G == pytest.approx(stated.peak.si, rel=0.02)
+        assert blow.rigid_peak == pytest.approx(stated.peak.si, rel=0.02)
         assert one.reading.width == pytest.approx(0.9362 * stated.duration.si, rel=0.02)
 
 

@@ -15,7 +15,7 @@ from strikewave.base.frequencies import frequency_text
 from strikewave.base.result import Band, Notice
 from strikewave.signal.alignment import EvenHistory
 from strikewave.signal.filters import Filter
-from strikewave.signal.pulse import Pulse, measure_pulse
+from strikewave.signal.pulse import Pulse, foot_to_foot, measure_pulse
 
 Array = NDArray[np.float64]
 
@@ -23,8 +23,6 @@ FEWEST = 8
 """Samples of a history, at least: fewer are no pulse."""
 FIGURES = {"peak": "peak", "width": "width", "integral": "area"}
 """Figures of a pulse that are compared, and what `Pulse` calls them."""
-FOOT = 0.02
-"""Share of the peak at the feet of a pulse, as records have it."""
 QUANTITIES = {"m/s^2": "acceleration", "N": "force", "m/s": "velocity", "m": "displacement", "Pa": "stress"}
 """What a unit is of."""
 SHOWN_IN = {"m/s^2": "g", "N": "kN", "m/s": "m/s", "m": "mm", "Pa": "MPa"}
@@ -89,9 +87,9 @@ class ComparedCurve:
         """Its largest pulse, with its sign: the width at 10 % of the peak, the integral from foot to foot."""
         if self.measured is not None:
             return self.measured
-        upright, step, start = self.sign * self.history.values, self.history.step, self.history.start
-        found, feet = measure_pulse(upright, step, start), measure_pulse(upright, step, start, FOOT)
-        return found._replace(peak=self.sign * found.peak, area=self.sign * feet.area)
+        upright, step = self.sign * self.history.values, self.history.step
+        found = measure_pulse(upright, step, self.history.start)
+        return found._replace(peak=self.sign * found.peak, area=self.sign * foot_to_foot(upright, step))
 
     def filtered(self, low_pass: Filter | None) -> ComparedCurve:
         """Return it through a low-pass.

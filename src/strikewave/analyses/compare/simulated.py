@@ -15,7 +15,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from strikewave.analyses.compare.curve import FOOT, QUANTITIES, ComparedCurve, even_history
+from strikewave.analyses.compare.curve import QUANTITIES, ComparedCurve, even_history
 from strikewave.base.errors import InputError, nearest
 from strikewave.base.hdf5_files import is_sealed
 from strikewave.base.result import Band, Notice, Result
@@ -23,6 +23,7 @@ from strikewave.base.variables import LabelledArrays, open_result
 from strikewave.cases.case import load_case
 from strikewave.reporting.terminal import say
 from strikewave.signal.alignment import EvenHistory
+from strikewave.signal.pulse import FOOT
 from strikewave.signal.zero import zero_before
 
 Array = NDArray[np.float64]

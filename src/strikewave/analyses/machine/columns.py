@@ -63,7 +63,7 @@ COLUMNS = (
     BlowColumn("side_impulse", "N s", "N s", 3, "sliding"),
     BlowColumn("friction_heat", "J", "J", 2, "sliding", priority=MORE),
     BlowColumn("impulse", "N s", "N s", 3, "blows", priority=MORE + 1),
-    BlowColumn("contact_impulse", "N s", document=False),
+    BlowColumn("contact_impulse", "N s"),
     BlowColumn("support_impulse", "N s", document=False),
     BlowColumn("momentum_error", "1", document=False),
     BlowColumn("peak_force", "N", "kN", 2, "blows", priority=MORE),
@@ -71,6 +71,7 @@ COLUMNS = (
     BlowColumn("width", "s", "us", 1, "blows"),
     BlowColumn("rise", "s", document=False),
     BlowColumn("velocity_change", "m/s", "m/s", 3, "blows"),
+    BlowColumn("blow_velocity_change", "m/s"),
     BlowColumn("largest_displacement", "m", "mm", 2, "blows", priority=MORE + 1),
     BlowColumn("turntable_speed", "rad/s", "rad/s", 3, "sliding", priority=MORE),
 )

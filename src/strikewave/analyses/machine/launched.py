@@ -45,7 +45,7 @@ def build_launched(case: Case, kind: LaunchedKind) -> Machine:
     )
     return Machine(
         strikers=Strikers((flying,), contact.slowest_approach.si, contact.yields == "face"),
-        struck=_object(struck, bodies, gravity),
+        struck=_object(struck, bodies, gravity, kind.falls in ("object", "both")),
         start=_launch(start, kind, gravity),
         layered=layered,
     )
@@ -138,7 +138,7 @@ def _before(speed: float, gravity: float, time: float) -> float:
     return math.copysign(math.hypot(speed, gravity * time), speed) - gravity * time if speed else 0.0
 
 
-def _object(struck: AnyObject, bodies: Bodies, gravity: float) -> StruckObject:
+def _object(struck: AnyObject, bodies: Bodies, gravity: float, falls: bool) -> StruckObject:
     """Return the object with what holds it; what is left out holds nothing."""
     return StruckObject(
         *bodies,
@@ -150,6 +150,7 @@ def _object(struck: AnyObject, bodies: Bodies, gravity: float) -> StruckObject:
         gravity=gravity,
         friction=or_else(struck.friction, 0.0),
         stiction=None if struck.stiction is None else struck.stiction.si,
+        falls=falls,
     )
 
 

@@ -104,7 +104,7 @@ def _odd_blows(case: Case, blows: Sequence[Blow]) -> Iterator[Notice]:
     if odd:
         message = "not every blow is full: " + ", ".join(odd)
         if any(blow.kind == "double" for blow in blows):
-            message += "; impulse and velocity change of a double blow span its whole pass"
+            message += "; impulse and blow velocity change of a double blow span its whole pass"
         yield Notice("blow-kind", message, float(len(odd)), 0.0)
     away = [blow for blow in blows if blow.kind == "missed" and blow.largest_displacement > 0.0]
     if away:
@@ -262,6 +262,12 @@ def launch_notices(case: Case, seen: Observed, start: Release) -> Iterator[Notic
     if machine is None or not len(touched):
         return
     yield from _light_anvil(seen, start)
+    if seen.machine.struck.falls:
+        message = (
+            "rigid peak, width and velocity change are those of a sensor whose zero is taken in the fall, as "
+            "specifications and records mean them: 1\xa0g above the acceleration of the object"
+        )
+        yield Notice("zero-in-fall", message, -seen.machine.struck.gravity, severity=INFO)
     if seen.machine.rebounds is None:
         message = (
             f"only the first blow is followed, for {machine.follow.typed} after first touch (machine.follow): what "

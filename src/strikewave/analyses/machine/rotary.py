@@ -96,6 +96,7 @@ def build_rotary(case: Case) -> Machine:
             **bodies._asdict(),
             friction=or_else(tables.object.friction, 0.0),
             stiction=None if tables.object.stiction is None else tables.object.stiction.si,
+            falls=False,
         ),
         start=RotaryDrive(
             turntable=_turntable(tables.machine),

@@ -24,6 +24,7 @@ PUBLISHED_QUANTITIES = {
     "first.indentation": "m",
     "first.residual_indentation": "m",
     "first.velocity_change": "m/s",
+    "first.blow_velocity_change": "m/s",
     "first.force_width": "s",
     "first.force_over_mass": "m/s^2",
     "typical.rigid_peak": "m/s^2",

@@ -8,13 +8,14 @@ from pathlib import Path
 
 from strikewave._version import __version__
 from strikewave.base.compiled import PACKAGE, kernel_key
+from strikewave.base.result import SCHEMA
 from strikewave.cases.case import Case
 
 
 @functools.cache
 def program_key() -> str:
-    """Return what a result depends on beside its case: the version, and the source of the kernels."""
-    return f"{__version__} {kernel_key(PACKAGE)}"
+    """Return what a result depends on beside its case: version, meaning of its figures, source of the kernels."""
+    return f"{__version__} {SCHEMA} {kernel_key(PACKAGE)}"
 
 
 def run_key(case: Case, evaluation: object) -> bytes:

@@ -16,12 +16,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from strikewave.analyses.compare.agreement import BESIDE
-from strikewave.analyses.compare.curve import FOOT, ComparedCurve
+from strikewave.analyses.compare.curve import ComparedCurve
 from strikewave.base.errors import InputError
 from strikewave.records.baseline import MEDIAN
 from strikewave.signal.alignment import EvenHistory
 from strikewave.signal.filters import Filter
-from strikewave.signal.pulse import RISE_LOW, crossing
+from strikewave.signal.pulse import FOOT, RISE_LOW, crossing
 from strikewave.signal.resampling import REACH, resampled
 from strikewave.studies.fit.covariance import NONE
 from strikewave.studies.fit.noise import autocorrelation

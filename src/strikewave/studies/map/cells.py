@@ -154,7 +154,7 @@ def measured(run: FastTrain, blows: int, train: int) -> Array:
     missed = np.isnan(run.column("approach_speed"))
     own = own_blows(run, blows)
     peaks, times, struck = run.column("rigid_peak")[own], run.column("time")[own], ~missed[own]
-    leaves = (run.column("face_speed") + run.column("velocity_change"))[own][struck]
+    leaves = (run.column("face_speed") + run.column("blow_velocity_change"))[own][struck]
     back = arrivals(machine.struck, float(leaves[-1])) if leaves.size and leaves[-1] > 0.0 else (np.nan, np.nan)
     period = machine.pitch / machine.drive.turntable.speed
     regime = train_regime(run, missed, train)

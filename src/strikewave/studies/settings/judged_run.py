@@ -8,7 +8,6 @@ import numpy as np
 
 from strikewave.machines import MachineRun
 from strikewave.signal.pulse import crossing, refine_peak
-from strikewave.signal.zero import zero_before
 from strikewave.specifications.judging import PulseLimits, Shock
 
 SAMPLES = 2000
@@ -30,12 +29,8 @@ def followed(limits: PulseLimits) -> float:
     return (1.0 + beside(limits)[1] + 2.0 * ROOM) * limits.pulse.duration
 
 
-def shock_about(run: MachineRun, touch: float, limits: PulseLimits, falls: bool = False) -> Shock:
-    """Return the rigid-body acceleration about a first touch, s.
-
-    Where the object falls on what it strikes, its sensor is taken to read nothing in the fall: the acceleration before
-    the touch, that of gravity, is the zero, as where `strikewave record` takes its baseline before the blow.
-    """
+def shock_about(run: MachineRun, touch: float, limits: PulseLimits) -> Shock:
+    """Return the rigid-body acceleration about a first touch, s; its zero is that of a sensor, as in `Moments`."""
     duration, (before, after) = limits.pulse.duration, beside(limits)
     step = duration / SAMPLES
     first = -math.ceil((before + 1.0 + ROOM) * duration / step)
@@ -43,8 +38,6 @@ def shock_about(run: MachineRun, touch: float, limits: PulseLimits, falls: bool 
     since = step * np.arange(first, last + 1)
     begin = float(run.spans[0].begin)
     values = run.sample(np.clip(touch + since, begin, run.end)).rigid_acceleration
-    if falls:
-        values = np.where(since < 0.0, 0.0, values - zero_before(since, values))
     inside = (since >= 0.0) & (since <= 2.0 * duration)
     place = int(np.argmax(np.where(inside, values, -math.inf)))
     return Shock(np.asarray(values, dtype=np.float64), step, float(since[0]), place)

@@ -86,7 +86,7 @@ class DropReading(NamedTuple):
     peak, width : float
         Of its pulse; the width is that at the share of the peak where the specification takes it.
     blow : Blow
-        What the run says of the first blow, with the rigid-body peak that has the weight in it.
+        What the run says of the first blow.
     energy_error : float
         Of the balance of the run.
     """
@@ -360,7 +360,7 @@ class DropDesign:
         first = next((blow for blow in blows(run) if blow.kind != "missed"), None)
         if first is None:
             return None
-        shock = shock_about(run, first.time, self.goal.limits, falls=True)
+        shock = shock_about(run, first.time, self.goal.limits)
         return DropReading(shock, *peak_and_width(shock, self.goal.limits.level), first, run.energy_error)
 
 

@@ -414,11 +414,4 @@ def _notices(ranked: Sequence[DropCandidate]) -> list[Notice]:
     if not first.meets:
         message = f"the nearest design misses the goal: {first.obstacles}"
         notices.append(Notice("not-met", message, first.largest_miss, WITHIN))
-    weight = first.reading.peak - first.reading.blow.rigid_peak
-    message = (
-        f"a sensor whose zero is taken in the fall reads {with_unit(first.reading.peak, 'm/s^2', 'g')}; the rigid-body "
-        f"peak of `strikewave run` is {with_unit(first.reading.blow.rigid_peak, 'm/s^2', 'g')}, less the "
-        f"{with_unit(weight, 'm/s^2', 'g', 3)} of the fall"
-    )
-    notices.append(Notice("weight", message, weight, severity="info"))
     return notices
