@@ -9,7 +9,7 @@ from strikewave.cases.case_files import bundled_cases
 CODES = {
     *("contact-longer-than-face", "nose-heavy", "spot-wider-than-face", "indentation-large", "approach-fast"),
     *("slowest-approach", "struck-while-fed", "first-blow-moving", "anvil-light", "rope-slack", "gas-not-ideal"),
-    *("bodies-heavier-above", "no-gain", "gain-of-gaps", "contacts-overlap"),
+    *("bodies-heavier-above", "no-gain", "gain-of-gaps", "contacts-overlap", "ball-mass"),
 }
 ROTARY, BALL, TABLE, ARM = "li-ma-2019", "iso-16063-22-dropball", "jesd22-b111-b", "machete-13-teeth"
 ELASTIC = "contact.yield_pressure=900 GPa"
@@ -34,6 +34,9 @@ def warned(name, *changes):
         (ROTARY, ["feed.arrival=0.02"], "struck-while-fed", "feed.arrival"),
         (ROTARY, ["feed.stroke_time=200 ms"], "struck-while-fed", "short of its place"),
         (ROTARY, ["feed.stroke_time=5 ms"], "first-blow-moving", "feed.stroke_time"),
+        (BALL, ["striker.mass=2 kg"], "ball-mass", "18.25 mm radius (striker.nose_radius) of 45 steel"),
+        (BALL, ["striker.nose_radius=36.5 mm"], "ball-mass", "has 1.599\xa0kg, not 0.2 kg (striker.mass)"),
+        (BALL, ["striker.material=rubber", ELASTIC], "ball-mass", "of rubber (striker.material)"),
         (BALL, ["striker.material=rubber", ELASTIC], "spot-wider-than-face", "object.nose_mass"),
         (BALL, ["striker.material=rubber", ELASTIC], "indentation-large", "of the radius"),
         (GUN, ["machine.speed=9000 m/s"], "approach-fast", "rho v^2/2 > Y"),

@@ -32,9 +32,10 @@ class FallingBall(LaunchedKind):
     def release(self, case: Case, mass: float) -> Release:
         """Return a ball at v = sqrt(2 g (1 - friction) h)."""
         from strikewave.analyses.machine.falling import fall
+        from strikewave.cases.contact_range_notices import ball_notices
 
         speed, travel, energy = fall(self.height, self.friction, case.impact().striker.mass.si)
-        return Release(energy, travel, striker=speed)
+        return Release(energy, travel, striker=speed, notices=tuple(ball_notices(case)))
 
     def drawing(self, case: Case) -> Drawing:
         """Return a schematic."""
