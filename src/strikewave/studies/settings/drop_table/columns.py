@@ -8,7 +8,7 @@ from strikewave.reporting.clause_words import tag_of
 from strikewave.reporting.layout import KEY, MAIN, MORE
 from strikewave.reporting.parts import Tag
 from strikewave.reporting.table_columns import TableColumn
-from strikewave.studies.settings.drop_table.search import DropCandidate
+from strikewave.studies.settings.drop_table.search import DropCandidate, HeightOfFall
 
 
 class RankedDrop(NamedTuple):
@@ -22,6 +22,7 @@ DROP_COLUMNS: tuple[TableColumn[RankedDrop], ...] = (
     TableColumn("#", lambda row: str(row.place), priority=KEY),
     TableColumn("programmer", lambda row: row.one.programmer.name, words=True),
     TableColumn("height", lambda row: row.one.height, "m", "mm", priority=MAIN),
+    TableColumn("rebound (%)", lambda row: 100.0 * row.one.restitution, decimals=0, priority=MAIN),
     TableColumn("diameter", lambda row: row.one.diameter, "m", "mm", priority=MAIN),
     TableColumn("thickness", lambda row: row.one.thickness, "m", "mm", priority=MAIN),
     TableColumn("rate", lambda row: row.one.rate, "N/m", "MN/m", priority=MORE),
@@ -35,3 +36,8 @@ DROP_COLUMNS: tuple[TableColumn[RankedDrop], ...] = (
     TableColumn("meets", lambda row: Tag("yes", "good") if row.one.meets else Tag("no", "bad"), words=True),
 )
 """Designs, best first."""
+HEIGHT_COLUMNS: tuple[TableColumn[HeightOfFall], ...] = (
+    TableColumn("rebound (%)", lambda row: 100.0 * row.restitution, decimals=0, priority=KEY),
+    TableColumn("height of a free fall", lambda row: row.height, "m", "mm"),
+)
+"""Heights of a free fall that give the velocity change of the goal."""

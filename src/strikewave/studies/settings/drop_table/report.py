@@ -5,10 +5,11 @@ from __future__ import annotations
 from strikewave.base.percents import percent
 from strikewave.reporting import chapters
 from strikewave.reporting.clause_words import CLAUSE_HEADS, clause_cells, verdict_words
+from strikewave.reporting.numbers import with_unit
 from strikewave.reporting.parts import Cell, Picture, Section, Table, Tag
 from strikewave.reporting.table_columns import page_table
 from strikewave.studies.settings.columns import LIMIT_COLUMNS
-from strikewave.studies.settings.drop_table.columns import DROP_COLUMNS, RankedDrop
+from strikewave.studies.settings.drop_table.columns import DROP_COLUMNS, HEIGHT_COLUMNS, RankedDrop
 from strikewave.studies.settings.drop_table.figures import drop_figure
 from strikewave.studies.settings.drop_table.search import WITHIN, DropCandidate
 from strikewave.studies.settings.drop_table.study import DropStudy, goal_words
@@ -65,9 +66,12 @@ def _ranking(study: DropStudy) -> Section:
         f"Peak and width of each come to the ideal pulse within {percent(WITHIN)} where both can. The margin is the "
         "least of all clauses over half their tolerance, the departure the root mean square of the difference to the "
         "ideal pulse over its peak. Of a pad the rate is its largest force over the compression "
-        "there."
+        "there. The rebound is the coefficient of restitution in the full run: a programmer that gives back less takes "
+        "more height for the same velocity change, four times as much without any rebound."
     )
-    return Section("Designs", text, [page_table(f"Designs for {goal_words(study.goal)}", DROP_COLUMNS, rows)])
+    heights = page_table("Height of a free fall for this velocity change", HEIGHT_COLUMNS, study.heights)
+    designs = page_table(f"Designs for {goal_words(study.goal)}", DROP_COLUMNS, rows)
+    return Section("Designs", text, [designs, heights])
 
 
 def _without(study: DropStudy) -> list[Section]:
@@ -94,6 +98,9 @@ def drop_words(study: DropStudy) -> str:
         f"{'The first' if met else 'The nearest'}, {first.programmer.name}: {settings}; "
         f"{verdict_words(first.verdict.verdict, study.by_indicative)}.",
     ]
+    if first.lossless:
+        highest = with_unit(study.heights[-1].height, "m", "mm")
+        words.append(f"Its height counts on a full rebound: without any it is {highest}.")
     if not met:
         words.append(f"It misses the goal: {first.obstacles}.")
     return " ".join(words)

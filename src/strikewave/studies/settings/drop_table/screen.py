@@ -17,7 +17,7 @@ from strikewave.studies.engine.runner import share_reporter
 from strikewave.studies.engine.store import RunStore
 from strikewave.studies.resumable import ResumableCommand
 from strikewave.studies.settings.columns import LIMIT_COLUMNS
-from strikewave.studies.settings.drop_table.columns import DROP_COLUMNS, RankedDrop
+from strikewave.studies.settings.drop_table.columns import DROP_COLUMNS, HEIGHT_COLUMNS, RankedDrop
 from strikewave.studies.settings.drop_table.search import DropGoal
 from strikewave.studies.settings.drop_table.study import (
     DropChoices,
@@ -83,6 +83,7 @@ class DropCommand(ResumableCommand[DropStudy]):
         met = sum(one.meets for one in result.candidates)
         print_rows(f"{met} of {len(result.candidates)} designs give {goal_words(result.goal)}", DROP_COLUMNS, rows)
         tell("peak, width: as a sensor reads them whose zero is taken in the fall; margin: least of all clauses")
+        tell("rebound: coefficient of restitution of the programmer, speed back over speed of arrival")
         reasons: dict[str, list[str]] = {}
         for row in rows:
             if not row.one.meets:
@@ -91,6 +92,7 @@ class DropCommand(ResumableCommand[DropStudy]):
             tell(f"{', '.join(places)}: {obstacles}")
         for name in dict.fromkeys(row.one.programmer.name for row in rows if row.one.programmer.assumed):
             tell(f"{name}: its law is assumed, nobody measured it")
+        print_rows("Height of a free fall for this velocity change", HEIGHT_COLUMNS, result.heights)
         print_clauses("Clauses of the first", first.verdict.clauses)
         print_rows("Limits of the first", LIMIT_COLUMNS, first.limits)
         values = first.case.values()

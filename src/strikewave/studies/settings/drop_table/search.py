@@ -43,6 +43,9 @@ from strikewave.studies.settings.search import chosen, reason_of
 
 Array = NDArray[np.float64]
 
+LOSSLESS = 0.99
+"""Coefficient of restitution from which on a programmer is said to lose nothing. Chosen: one that gives back 0.99 takes
+1 % more height than one that gives back all, less than a height is set to; the frame of a table takes less."""
 WITHIN = 0.005
 """Largest miss of peak and width of a candidate: the search comes to 0.2 %; rounding to four digits moves it less."""
 OUTPUT_STEPS = 500.0
@@ -98,6 +101,13 @@ class DropReading(NamedTuple):
     energy_error: float
 
 
+class HeightOfFall(NamedTuple):
+    """Height of a free fall along the guides, m, for a coefficient of restitution of the programmer."""
+
+    restitution: float
+    height: float
+
+
 @dataclass(frozen=True, eq=False)
 class DropCandidate:
     """A programmer with a drop height: its case, its pulse in a full run, the verdict, the limits.
@@ -139,6 +149,16 @@ class DropCandidate:
             return self.reading.blow.peak_force / self.reading.blow.indentation
         values = self.case.values()
         return float(values["contact.reference_force"].si / values["contact.reference_depth"].si)
+
+    @property
+    def restitution(self) -> float:
+        """Coefficient of restitution of the programmer in the full run."""
+        return self.reading.blow.restitution
+
+    @property
+    def lossless(self) -> bool:
+        """Whether the programmer gives back all that it takes: the height then counts on a full rebound."""
+        return self.restitution >= LOSSLESS
 
     @property
     def chosen(self) -> tuple[str, ...]:

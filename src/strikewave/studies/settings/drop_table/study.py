@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import hashlib
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, ClassVar
 
 import numpy as np
@@ -17,7 +17,9 @@ from strikewave.base.constants import STANDARD_GRAVITY
 from strikewave.base.errors import InputError, InputErrors
 from strikewave.base.result import Notice, Source
 from strikewave.cases.case import Case
+from strikewave.cases.contact_of_case import or_else
 from strikewave.cases.written_case import dump_case
+from strikewave.machines.launch import drop_for_half_sine
 from strikewave.reporting.clause_words import first_upper
 from strikewave.reporting.columns import Column
 from strikewave.reporting.numbers import with_unit
@@ -35,6 +37,7 @@ from strikewave.studies.settings.drop_table.search import (
     DropCandidate,
     DropDesign,
     DropGoal,
+    HeightOfFall,
     drop_candidate,
     drop_rank,
 )
@@ -48,6 +51,8 @@ STROKE = 2.0
 SURELY = 1.2
 """Height of the closed forms over the stroke from which nothing is run: full runs of springs ask for up to 7 % less,
 where the frame rings (measured)."""
+RESTITUTIONS = (1.0, 0.9, 0.75, 0.5, 0.25, 0.0)
+"""Coefficients of restitution for which the height is shown: from no loss to no rebound."""
 MOST_CANDIDATES = 300
 """More programmers, diameters and masses than this are refused: at 0.1 to 0.5 s each they take two minutes."""
 SOURCES = ("mindlin-1945", "gent-lindley-1959", "stulov-2004", "jesd22-b104")
@@ -55,7 +60,7 @@ SOURCES = ("mindlin-1945", "gent-lindley-1959", "stulov-2004", "jesd22-b104")
 UNITS = {
     "peak": "m/s^2", "width": "s", "velocity_change": "m/s", "height": "m", "table_mass": "kg", "diameter": "m",
     "thickness": "m", "rate": "N/m", "approach": "m/s", "rigid_peak": "m/s^2", "peak_force": "N", "compression": "m",
-    "rise": "s", "stroke": "m", "duration": "s", "speed": "m/s", "margin": "1", "departure": "1",
+    "rise": "s", "restitution": "1", "stroke": "m", "duration": "s", "speed": "m/s", "margin": "1", "departure": "1",
 }  # fmt: skip
 """SI unit of each quantity of the document; settings, limits and clauses name their own. ``estimate.size`` is a rate or
 a thickness."""
@@ -109,6 +114,15 @@ class DropStudy(ShownResult):
         """Whether the verdict on the first rests on a limit that is from memory."""
         verdict = self.candidates[0].verdict
         return rests_on_indicative(verdict.clauses, verdict.verdict)
+
+    @property
+    def heights(self) -> tuple[HeightOfFall, ...]:
+        """Heights of free falls that give the velocity change of the ideal pulse, for `RESTITUTIONS`."""
+        pulse, friction = self.goal.pulse, or_else(getattr(self.case.machine, "friction", None), 0.0)
+        pull = STANDARD_GRAVITY * (1.0 - friction)
+        return tuple(
+            HeightOfFall(e, drop_for_half_sine(pulse.peak, pulse.duration, e, pull).height) for e in RESTITUTIONS
+        )
 
     @property
     def test(self) -> Mapping[str, str]:
@@ -192,6 +206,7 @@ class DropStudy(ShownResult):
             "met": not self.broken,
             "by_indicative_limits": self.by_indicative,
             "best": None if self.broken else rows[0],
+            "heights": [one._asdict() for one in self.heights],
             "candidates": rows,
             "failed": list(self.failed),
         }
@@ -214,6 +229,7 @@ def _row(place: int, one: DropCandidate) -> dict[str, Any]:
         "diameter": one.diameter,
         "thickness": None if one.diameter is None else one.thickness,
         "rate": one.rate,
+        "restitution": one.restitution,
         "settings": {
             path: {"si": values[path].si, "typed": values[path].typed, "provenance": values[path].provenance}
             for path in one.chosen
@@ -369,7 +385,8 @@ def design_drop_table(
     ranked = tuple(sorted(found, key=drop_rank))
     if not ranked:
         raise InputErrors(list(failed)[:MOST_REASONS])
-    return DropStudy(case, goal, choice, ranked, failed, notices=tuple(_notices(ranked)), citations=SOURCES)
+    study = DropStudy(case, goal, choice, ranked, failed, citations=SOURCES)
+    return replace(study, notices=tuple(_notices(study)))
 
 
 def _diameters(programmer: Programmer, case: Case, choice: DropChoices) -> Sequence[float | None]:
@@ -405,9 +422,19 @@ def _check_height(designs: Sequence[DropDesign], goal: DropGoal) -> None:
     )
 
 
-def _notices(ranked: Sequence[DropCandidate]) -> list[Notice]:
-    """Return the warnings on the first candidate, and on programmers of an assumed law."""
+def _notices(study: DropStudy) -> list[Notice]:
+    """Return the warnings on the first candidate, on programmers of an assumed law, and on those that lose nothing."""
+    ranked = study.candidates
     notices, first = [], ranked[0]
+    lossless = list(dict.fromkeys(one.programmer.name for one in ranked if one.lossless))
+    if lossless:
+        highest = study.heights[-1].height
+        message = (
+            f"{', '.join(lossless)}: nothing is lost, so the height counts on a full rebound; without any rebound the "
+            f"same velocity change takes {with_unit(highest, 'm', 'mm')}. Give the restitution of the programmer, such "
+            "as --programmer 'linear, restitution=0.5'"
+        )
+        notices.append(Notice("no-loss", message, min(one.height for one in ranked if one.lossless), highest))
     for name in dict.fromkeys(one.programmer.name for one in ranked if one.programmer.assumed):
         message = f"the law of {name} is assumed, nobody measured it: it stands after those that have a source"
         notices.append(Notice("assumed-law", message))
