@@ -227,6 +227,71 @@ def test_tdms(sample):
     assert record.channels[0].stamps is None
 
 
+def write_waveforms(path, channels):
+    """Write a TDMS file of (group, name, values, properties), as `nptdms` lays waveforms out."""
+    nptdms = pytest.importorskip("nptdms")
+    with nptdms.TdmsWriter(str(path)) as file:
+        file.write_segment([nptdms.ChannelObject(*channel) for channel in channels])
+    return path
+
+
+def waveform(start, step=STEP, **others):
+    return {"wf_increment": step, "wf_start_offset": 0.0, "wf_start_time": start, **others}
+
+
+NOON = np.datetime64("2026-01-05T12:00:00.000000", "us")
+LATER = NOON + np.timedelta64(3000, "us")
+
+
+def test_tdms_waveforms_are_laid_on_one_clock_by_their_start_times(tmp_path):
+    channels = [("a", "board", BOARD, waveform(LATER)), ("b", "frame", FRAME, waveform(NOON, 2.0 * STEP))]
+    record = read_record(write_waveforms(tmp_path / "a.tdms", channels))
+    assert [(c.start, c.step) for c in record.channels] == [(0.003, STEP), (0.0, 2.0 * STEP)]
+    assert [(f.code, f.value) for f in record.findings] == [("start-times", 0.003)]
+
+
+def test_tdms_start_times_finer_than_a_microsecond_count(tmp_path):
+    nptdms = pytest.importorskip("nptdms")
+    times = [nptdms.timestamp.TdmsTimestamp(3850761600, fraction) for fraction in (0, 2**64 // 10**8)]
+    channels = [("a", name, BOARD, waveform(time)) for name, time in zip("xy", times, strict=True)]
+    record = read_record(write_waveforms(tmp_path / "a.tdms", channels))
+    assert record.channels[1].start == pytest.approx(1e-8, abs=1e-12)
+
+
+@pytest.mark.parametrize("unset", [np.datetime64("1904-01-01T00:00:00", "us"), "no time"])
+def test_a_tdms_start_time_that_was_never_set_moves_nothing_and_is_reported(tmp_path, unset):
+    channels = [
+        ("a", "x", BOARD, waveform(unset)),
+        ("a", "y", BOARD, waveform(NOON)),
+        ("a", "z", BOARD, waveform(LATER)),
+    ]
+    record = read_record(write_waveforms(tmp_path / "a.tdms", channels))
+    assert [channel.start for channel in record.channels] == [0.0, 0.0, 0.003]
+    assert [f.code for f in record.findings] == ["start-times", "start-unknown"]
+
+
+def test_tdms_channels_of_clock_times_keep_the_time_between_groups(tmp_path):
+    stamps = NOON + np.arange(SIZE) * np.timedelta64(20, "us")
+    late = stamps + np.timedelta64(3000, "us")
+    channels = [
+        ("a", "time", stamps, {}),
+        ("a", "board", BOARD, {}),
+        ("b", "time", late, {}),
+        ("b", "frame", FRAME, {}),
+    ]
+    record = read_record(write_waveforms(tmp_path / "a.tdms", channels))
+    assert [channel.start for channel in record.channels] == pytest.approx([0.0, 0.003], abs=1e-12)
+    assert record.channels[1].step == pytest.approx(2e-5, rel=1e-9)
+
+
+def test_a_tdms_grid_is_in_the_unit_that_the_file_states_and_a_spectrum_is_no_record(tmp_path):
+    channels = [("a", "x", BOARD, waveform(NOON, 0.02, wf_xunit_string="ms"))]
+    channels += [("a", "y", BOARD, waveform(NOON, 5.0, wf_xunit_string="Hz"))]
+    record = read_record(write_waveforms(tmp_path / "a.tdms", channels))
+    assert [(c.name, c.step) for c in record.channels] == [("a/x", pytest.approx(2e-5, rel=1e-12))]
+    assert [f.code for f in record.findings] == ["array-ignored"]
+
+
 @pytest.mark.parametrize("version", ["3.30", "4.10"])
 def test_mdf(sample, version):
     record = read_record(sample("mdf", version=version))

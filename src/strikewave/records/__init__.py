@@ -9,7 +9,7 @@ if TYPE_CHECKING:
     from strikewave.records.file_reading import read_file, repeats
     from strikewave.records.health_notice import HealthNotice, unreadable, worst
     from strikewave.records.measuring import RecordedPulse, find_pulses
-    from strikewave.records.readers import Options, read_record
+    from strikewave.records.readers import Options, read_measurements, read_record
     from strikewave.records.reading import ChannelReading, FileReading, Request
     from strikewave.records.record import Channel, Record
     from strikewave.records.sample_store import SampleStore
@@ -20,7 +20,7 @@ _ROOMS = {
     "file_reading": ("read_file", "repeats"),
     "health_notice": ("HealthNotice", "unreadable", "worst"),
     "measuring": ("RecordedPulse", "find_pulses"),
-    "readers": ("Options", "read_record"),
+    "readers": ("Options", "read_measurements", "read_record"),
     "reading": ("ChannelReading", "FileReading", "Request"),
     "record": ("Channel", "Record"),
     "sample_store": ("SampleStore",),
@@ -45,6 +45,7 @@ __all__ = [
     "compare",
     "find_pulses",
     "read_file",
+    "read_measurements",
     "read_record",
     "repeats",
     "summed",

@@ -71,12 +71,15 @@ class Record:
         In the order of the file, without its time column.
     findings : tuple of HealthNotice
         What reading it showed: a last line cut off, a column left out.
+    further : tuple of Record
+        The other measurements of the file, where it holds several: each has a time of its own.
     """
 
     path: str
     format: str
     channels: tuple[Channel, ...]
     findings: tuple[HealthNotice, ...] = ()
+    further: tuple[Record, ...] = ()
 
     def channel(self, wanted: str | int = 1, field: str = "--channel") -> Channel:
         """Return a channel by its name, or by its number counted from 1; ``field`` is what an error calls it.

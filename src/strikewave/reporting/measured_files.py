@@ -131,6 +131,15 @@ class MeasurementOptions:
             help='Unit of the time column, such as ms or "10 us"; that of the file, or s, by default.',
         ),
     ] = None
+    measurement: Annotated[
+        int | None,
+        typer.Option(
+            "--measurement",
+            min=1,
+            help="Which of the measurements of a file to take, from 1; all of them by default, where many are read.",
+            show_default=False,
+        ),
+    ] = None
 
     @classmethod
     def in_python(
@@ -140,6 +149,7 @@ class MeasurementOptions:
         rate: str | float | None,
         time: str | int | None,
         time_unit: str | None,
+        measurement: int | None = None,
     ) -> MeasurementOptions:
         """Return the options that stand for the arguments of a call.
 
@@ -160,6 +170,7 @@ class MeasurementOptions:
             rate=None if rate is None else si_value(rate, "Hz", "rate"),
             time=None if time is None else str(time),
             time_unit=None if time_unit is None else read_time_unit(time_unit, "time_unit"),
+            measurement=measurement,
         )
 
     def calibration(self) -> dict[str, dict[str, Any]]:
@@ -189,7 +200,7 @@ class MeasurementOptions:
         """Return what is said of the files."""
         from strikewave.records import Options
 
-        return Options(self.rate, self.time, tuple(self.channel or ()), self.time_unit)
+        return Options(self.rate, self.time, tuple(self.channel or ()), self.time_unit, self.measurement)
 
 
 PARAMETERS = {
@@ -314,16 +325,20 @@ def check_channels(stated: Mapping[str, Any], known: Iterable[str]) -> None:
 
 
 def read_each(files: Sequence[str], options: Options) -> Iterator[tuple[str, Record | Exception]]:
-    """Read files one after the other, with a bar on stderr; one that cannot be read gives its error."""
-    from strikewave.records import read_record
+    """Read files one after the other, with a bar on stderr; one that cannot be read gives its error.
+
+    A file of several measurements gives a record of each.
+    """
+    from strikewave.records import read_measurements
 
     with progress_bar("reading") if len(files) > 1 else contextlib.nullcontext(lambda share: None) as report:
         for count, file in enumerate(files, start=1):
             try:
-                read: Record | Exception = read_record(file, options)
+                records: Sequence[Record | Exception] = read_measurements(file, options)
             except StrikewaveError as error:
-                read = error
-            yield file, read
+                records = [error]
+            for record in records:
+                yield file, record
             report(count / len(files))
 
 

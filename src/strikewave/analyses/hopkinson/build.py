@@ -260,7 +260,7 @@ def _calibration(table: AccelerometerTable) -> Calibration:
 
 def _channel(case: HopkinsonCase, table: RecordedTable, path: str) -> tuple[Channel, list[HealthNotice]]:
     """Read a channel with uniform sampling, and the findings of reading it."""
-    options = Options(_si(table.rate), table.time, (table.channel,))
+    options = Options(_si(table.rate), table.time, (table.channel,), measurement=table.measurement)
     try:
         channel, findings = even(read_record(recorded_file(case, table), options).channel(table.channel))
     except InputError as error:

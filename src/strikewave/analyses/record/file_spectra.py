@@ -60,6 +60,8 @@ CITED_OF_SEVERAL = (*CITED, "piersol-2009", "nist-handbook")
 """What several spectra and their limit follow."""
 SAME_STEP = 1e-9
 """Relative difference of steps that are one."""
+SAME_START = 0.05
+"""Difference of two begins, over a step, up to which channels were sampled together."""
 
 
 class FilesAsked(NamedTuple):
@@ -280,6 +282,9 @@ def _check_axes(asked: FilesAsked, wanted: SpectrumRequest, axes: Sequence[Chann
         if other.values.size != first.values.size or not math.isclose(other.step, first.step, rel_tol=SAME_STEP):
             sizes = [f"{r.channel.name} of {r.channel.values.size}" for r in axes]
             raise InputError("--resultant", ", ".join(sizes) + " samples", "channels sampled together")
+        if not abs(other.start - first.start) <= SAME_START * first.step:
+            got = f"{other.name}, which begins {other.start - first.start:.6g} s after {first.name}"
+            raise InputError("--resultant", got, "channels sampled together")
         if other.unit != first.unit:
             got = f"{other.name} in {other.unit}"
             raise InputError("--resultant", got, f"channels in the unit of {first.name}, {first.unit or 'unknown'}")

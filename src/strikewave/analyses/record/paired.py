@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from strikewave.base.errors import InputError
+from strikewave.records.measuring import FEWEST
 from strikewave.records.reading import ChannelReading, FileReading
 from strikewave.records.two_sensors import PairedMotion, Transfer, paired_motion
 from strikewave.reporting.columns import Column
@@ -18,8 +19,8 @@ Array = NDArray[np.float64]
 
 ALLOWED = "names or numbers of two channels, such as 1,2"
 SAME_STEP, SAME_START = 1e-6, 0.05
-"""Differences of two steps, over themselves, and of two begins, over a step, up to which channels were sampled
-together."""
+"""Differences of two steps, over themselves, and of samples of one channel from the nearest of the other, over a step,
+up to which channels were sampled together."""
 NO_BLOW = "no-pulse"
 """Bad for a channel by itself; one that only swings is still compared with the one that is struck."""
 COPIED = ("delay", "delay_uncertainty", "gain", "gain_uncertainty", "explained", "peak_lag")
@@ -158,8 +159,15 @@ def _paired(file: FileReading, pair: tuple[str, str]) -> RecordPair:
     if reason:
         return RecordPair(file.path, first, second, None, reason)
     a, b = first.channel, second.channel
-    size = min(a.values.size, b.values.size)
-    return RecordPair(file.path, first, second, paired_motion(a.values[:size], b.values[:size], a.step, blows, a.start))
+    later = round((b.start - a.start) / a.step)
+    skipped = max(later, 0), max(-later, 0)
+    size = min(a.values.size - skipped[0], b.values.size - skipped[1])
+    both = [one.values[skip : skip + size] for one, skip in zip((a, b), skipped, strict=True)]
+    start = a.start + skipped[0] * a.step
+    blows = tuple(blow for blow in blows if blow.end > start and blow.begin < start + size * a.step)
+    if not blows:
+        return RecordPair(file.path, first, second, None, "there is no blow while both channels record")
+    return RecordPair(file.path, first, second, paired_motion(both[0], both[1], a.step, blows, start))
 
 
 def _not_together(first: ChannelReading, second: ChannelReading) -> str:
@@ -167,8 +175,12 @@ def _not_together(first: ChannelReading, second: ChannelReading) -> str:
     a, b = first.channel, second.channel
     if a.unit != b.unit:
         return f"{a.name} is in {a.unit or 'an unknown unit'}, {b.name} in {b.unit or 'an unknown unit'}"
-    if not (abs(a.step - b.step) <= SAME_STEP * a.step and abs(a.start - b.start) <= SAME_START * a.step):
+    later = (b.start - a.start) / a.step
+    if not (abs(a.step - b.step) <= SAME_STEP * a.step and abs(later - round(later)) <= SAME_START):
         return f"{a.name} and {b.name} were not sampled at the same times"
+    overlap = min(a.values.size, b.values.size + round(later)) - max(0, round(later))
+    if overlap < FEWEST:
+        return f"{a.name} and {b.name} have only {max(overlap, 0)} samples at the same times"
     for reading in (first, second):
         bad = next((one for one in reading.findings if one.severity == "bad" and one.code != NO_BLOW), None)
         if bad is not None:

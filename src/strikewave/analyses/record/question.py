@@ -58,6 +58,7 @@ def record(
     rate: str | float | None = None,
     time: str | int | None = None,
     time_unit: str | None = None,
+    measurement: int | None = None,
     drop_height: str | float | None = None,
     filter: str | float | Filter | None = None,
     ac_coupling: str | float | None = None,
@@ -94,6 +95,8 @@ def record(
         Name or number of the column that holds time; found by default.
     time_unit : str, optional
         Unit of that column, such as ``"ms"``; that of the file, or s, by default.
+    measurement : int, optional
+        Which of the measurements of a file to take, from 1; each as a record of its own by default.
     drop_height : str or float, optional
         Free fall before the blow: with a unit, or in m; not checked by default.
     filter : str, float or Filter, optional
@@ -170,7 +173,7 @@ def record(
     }
     with measured.named_for_python():
         files = measured.files_of(paths)
-        stated = measured.MeasurementOptions.in_python(channels, calibration, rate, time, time_unit)
+        stated = measured.MeasurementOptions.in_python(channels, calibration, rate, time, time_unit, measurement)
         if base != "" and repeats_in_columns:
             raise InputError("base", base, "a channel of files whose columns are channels", "not repeats_in_columns")
         two = read_pair(",".join(map(str, pair)), "pair") if pair else ()
@@ -230,7 +233,7 @@ def examined(
             except StrikewaveError as error:
                 errors[file] = error
                 reading = FileReading(file, "", (), (unreadable(str(error)),))
-            read.append(dataclasses.replace(reading, path=measured.shown(file)))
+            read.append(dataclasses.replace(reading, path=measured.shown(reading.path)))
     if len(errors) == len(files):
         raise next(iter(errors.values()))
     measured.check_channels(wanted.calibrations, known)

@@ -274,7 +274,10 @@ def failed_on(files: Sequence[FileReading], status: str) -> tuple[Notice, ...]:
     return (Notice("fail-on", message, float(found), 0.0, FAILED),)
 
 
-NOTED = ("unit-unknown", "not-calibrated", "unreadable", "rate-overrules", "unit-overrules")
+NOTED = (
+    "unit-unknown", "not-calibrated", "unreadable", "rate-overrules", "unit-overrules", "measurements", "start-times",
+    "start-unknown", "count-differs",
+)  # fmt: skip
 """Codes of findings that are warnings of the result too: what all its figures depend on."""
 
 

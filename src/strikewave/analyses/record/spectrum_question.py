@@ -39,6 +39,7 @@ def shock_spectra(
     rate: str | float | None = None,
     time: str | int | None = None,
     time_unit: str | None = None,
+    measurement: int | None = None,
     filter: str | float | Filter | None = None,
     ac_coupling: str | float | None = None,
     high_pass: str | float | None = None,
@@ -69,8 +70,10 @@ def shock_spectra(
 
     Parameters
     ----------
-    paths, channels, unit, sensitivity, gain, excitation, rated_excitation, count, polarity, rate, time, time_unit
+    paths, channels, unit, sensitivity, gain, excitation, rated_excitation, count, polarity, rate, time
         As for `strikewave.record`; the first channel of each file by default.
+    time_unit, measurement
+        As for `strikewave.record`.
     filter, ac_coupling, high_pass, test
         As for `strikewave.record`.
     q : float, optional
@@ -137,7 +140,7 @@ def shock_spectra(
     }
     with measured.named_for_python():
         files = measured.files_of(paths)
-        stated = measured.MeasurementOptions.in_python(channels, calibration, rate, time, time_unit)
+        stated = measured.MeasurementOptions.in_python(channels, calibration, rate, time, time_unit, measurement)
         for field, word, choices in (
             *(("kinds", kind, tuple(KIND_UNITS)) for kind in kinds),
             *(("side", side, SIDES), ("part", part, PARTS), ("initial", initial, INITIAL)),

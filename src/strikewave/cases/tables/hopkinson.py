@@ -44,12 +44,16 @@ def _channel(raw: Any) -> str:
 
 
 class RecordedTable(CaseTable):
-    """Where a history stands: file and channel, time or rate where the file needs it; ``unit`` overrules the file's."""
+    """Where a history stands: file and channel, time or rate where the file needs it; ``unit`` overrules the file's.
+
+    ``measurement`` is the one to take of a file that holds several, from 1.
+    """
 
     file: str
     channel: Annotated[str, BeforeValidator(_channel)] = "1"
     time: Annotated[str, BeforeValidator(_channel)] | None = None
     rate: MaybeFrequency = None
+    measurement: Annotated[int, Field(ge=1)] | None = None
     unit: str = ""
 
 

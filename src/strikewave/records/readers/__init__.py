@@ -10,10 +10,12 @@ from __future__ import annotations
 
 import importlib
 from collections import Counter
+from dataclasses import replace
 from pathlib import Path
 from typing import NamedTuple
 
 from strikewave.base.errors import EXISTING_FILE, InputError, StrikewaveError, show
+from strikewave.records.health_notice import HealthNotice
 from strikewave.records.record import Record
 
 FORMATS = (
@@ -57,12 +59,15 @@ class Options(NamedTuple):
         Names or numbers of the channels wanted, where reading fewer saves memory; empty for all.
     time_unit : float or None
         Seconds of one number of the time column; overrules the unit that the file states.
+    measurement : int or None
+        Which of the measurements of a file to take, from 1.
     """
 
     rate: float | None = None
     time: str | None = None
     channels: tuple[str, ...] = ()
     time_unit: float | None = None
+    measurement: int | None = None
 
 
 def _of_folder(folder: Path) -> str:
@@ -73,7 +78,7 @@ def _of_folder(folder: Path) -> str:
 
 
 def read_record(path: str | Path, options: Options = Options()) -> Record:  # noqa: B008  (a tuple, frozen)
-    r"""Read a file of any known format.
+    r"""Read a file of any known format that holds one measurement, or the one that is asked for.
 
     Parameters
     ----------
@@ -90,7 +95,8 @@ def read_record(path: str | Path, options: Options = Options()) -> Record:  # no
     Raises
     ------
     InputError
-        If the file cannot be read, is empty, of no known format, damaged, or needs an extra that is missing.
+        If the file cannot be read, is empty, of no known format, damaged, or needs an extra that is missing; if it
+        holds several measurements and none is chosen.
 
     Examples
     --------
@@ -102,6 +108,63 @@ def read_record(path: str | Path, options: Options = Options()) -> Record:  # no
     >>> [(c.name, c.unit, c.values.tolist(), round(c.step, 9)) for c in record.channels]
     [('board', 'g', [1.0, 5.0, 2.0, 1.0], 1e-05)]
     """
+    records = read_measurements(path, options)
+    if len(records) > 1:
+        hint = f"{path} holds {len(records)}, each over a time of its own: take one, or save each as a file"
+        raise InputError("--measurement", "none", f"a number from 1 to {len(records)}", hint)
+    return records[0]
+
+
+def read_measurements(path: str | Path, options: Options = Options()) -> list[Record]:  # noqa: B008
+    r"""Read every measurement of a file: one of most files, several where time begins anew in it.
+
+    Each is a record of its own, called as the file with its number; no interval is known from one to the next.
+
+    Parameters
+    ----------
+    path, options
+        As for `read_record`; ``measurement`` takes one of them.
+
+    Raises
+    ------
+    InputError
+        As `read_record` does, but not for several measurements.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> lines = "".join(f"{0.01 * k:.2f}, {k}\n" for k in range(20))
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     file = Path(folder) / "blows.txt"
+    ...     _ = file.write_text("time [ms], board [g]\n" + lines + lines)
+    ...     records = read_measurements(file)
+    >>> [(record.path.rpartition(": ")[2], record.channels[0].values.size) for record in records]
+    [('measurement 1', 20), ('measurement 2', 20)]
+    """
+    whole = _read_whole(path, options)
+    records = [replace(whole, further=()), *whole.further]
+    several = len(records) > 1
+    for number, record in enumerate(records, start=1):
+        _check_steps(record)
+        if several:
+            message = f"the file holds {len(records)} measurements: each is a record, with no interval to the next"
+            notice = HealthNotice("measurements", message, float(len(records)), severity="good")
+            findings = (notice, *record.findings)
+            records[number - 1] = replace(record, path=f"{path}: measurement {number}", findings=findings)
+    if options.measurement is None:
+        return records
+    if not 1 <= options.measurement <= len(records):
+        holds = "one measurement" if len(records) == 1 else f"{len(records)} measurements"
+        raise InputError(
+            "--measurement", options.measurement, f"a number from 1 to {len(records)}", f"it holds {holds}"
+        )
+    return [records[options.measurement - 1]]
+
+
+def _read_whole(path: str | Path, options: Options) -> Record:
+    """Read a file, with its further measurements behind the first."""
+    from strikewave.records.readers.measurements import apart
+
     file = Path(path)
     if options.rate is not None and not 1.0 / LONGEST_STEP <= options.rate <= 1.0 / SHORTEST_STEP:
         raise InputError(
@@ -122,9 +185,7 @@ def read_record(path: str | Path, options: Options = Options()) -> Record:  # no
         hint = "it holds nothing but zeros or blanks" if head else "it is empty"
         raise InputError("FILE", str(path), "a file with samples", hint)
     try:
-        record: Record = _reader(path, head).read(file, options)
-        _check_steps(record)
-        return record
+        return apart(_reader(path, head).read(file, options))
     except StrikewaveError:
         raise
     except MemoryError:

@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from strikewave.base.errors import InputError, nearest
+from strikewave.base.first_few import first_few
 from strikewave.records.health_notice import HealthNotice
 from strikewave.records.readers import LARGEST_ARRAY, Options
 from strikewave.records.readers.clock import seconds_in, step_of, to_seconds
@@ -22,6 +23,8 @@ from strikewave.records.record import Channel, Record
 
 Array = NDArray[np.float64]
 
+PICO = 10**12
+"""Picoseconds of a second: clock times are whole ones, as a double of seconds since 1904 holds no microsecond."""
 MOST_ARRAYS = 10_000
 """A file with more arrays is refused: no recorder has as many channels, and each takes time to look at."""
 MOST_COLUMNS = 64
@@ -80,6 +83,8 @@ class ArrayColumn(NamedTuple):
         Arrays of the same folder share their time.
     time : bool
         True where the file marks this array as time.
+    origin : int or None
+        Clock time from which ``start`` counts, ps; None where the file states none.
     """
 
     name: str
@@ -90,6 +95,7 @@ class ArrayColumn(NamedTuple):
     start: float = math.nan
     folder: str = ""
     time: bool = False
+    origin: int | None = None
 
 
 def damaged(path: Path, hint: str, allowed: str = "a file that is whole") -> InputError:
@@ -289,7 +295,56 @@ def assemble(
         _channel(*pair, want, options, grid, stamps) for pair, want in zip(channels_with_clock, wanted, strict=True)
     ]
     channels = [replace(channel, name=name) for channel, name in zip(channels, names, strict=True)]
-    return Record(str(path), form, tuple(channels), (*findings, *left_out([c.name for c in ignored])))
+    origins = [(column if clock is None else clock).origin for column, clock in channels_with_clock]
+    channels, said = begin_together(channels, origins)
+    return Record(str(path), form, tuple(channels), (*findings, *said, *left_out([c.name for c in ignored])))
+
+
+def begin_together(
+    channels: Sequence[Channel], origins: Sequence[int | None]
+) -> tuple[list[Channel], list[HealthNotice]]:
+    """Lay channels on one clock: each begins as much later as its clock time is after the earliest one.
+
+    Parameters
+    ----------
+    channels : sequence of Channel
+        Each over a time from its own begin.
+    origins : sequence of int or None
+        Clock time from which each counts, ps; None where the file states none, and the channel is left as it is.
+
+    Returns
+    -------
+    list of Channel
+        Over one time.
+    list of HealthNotice
+        What was moved, or cannot be known.
+
+    Examples
+    --------
+    >>> two = [Channel(name, np.zeros(3), 1e-3) for name in ("board", "frame")]
+    >>> moved, findings = begin_together(two, [0, 3 * PICO // 1000])
+    >>> [channel.start for channel in moved], findings[0].code
+    ([0.0, 0.003], 'start-times')
+    """
+    stated = [origin for origin in origins if origin is not None]
+    if len(set(stated)) < 2:
+        return list(channels), []
+    first = min(stated)
+    moved, late = [], []
+    for channel, origin in zip(channels, origins, strict=True):
+        shift = 0.0 if origin is None else (origin - first) / PICO
+        stamps = None if channel.stamps is None else channel.stamps + shift
+        moved.append(replace(channel, start=channel.start + shift, stamps=stamps) if shift else channel)
+        late += [f"{channel.name} by {shift:.9g}\xa0s"] * (shift > 0.0)
+    unknown = [channel.name for channel, origin in zip(channels, origins, strict=True) if origin is None]
+    message = (
+        f"the channels begin at different times, and are laid on one clock: later are {first_few(late, MOST_NAMED)}"
+    )
+    findings = [HealthNotice("start-times", message, (max(stated) - first) / PICO, severity="good")]
+    if unknown:
+        message = f"{first_few(unknown, MOST_NAMED)}: no start time is stated, while that of other channels is"
+        findings.append(HealthNotice("start-unknown", message, float(len(unknown))))
+    return moved, findings
 
 
 def left_out(names: Sequence[str]) -> tuple[HealthNotice, ...]:

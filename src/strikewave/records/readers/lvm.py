@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import math
 import mmap
-from collections.abc import Sequence
+import re
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
+from datetime import date
 from itertools import pairwise
 from pathlib import Path
 from typing import NamedTuple
@@ -30,13 +32,16 @@ from strikewave.records.readers.columns import (
     parse,
     refuse,
 )
-from strikewave.records.readers.common import one_each
+from strikewave.records.readers.common import PICO, begin_together, one_each
 from strikewave.records.readers.headings import name_and_unit
+from strikewave.records.readers.measurements import FEWEST_SAMPLES, joined_pieces, parted
 from strikewave.records.readers.text import odd_cells
 from strikewave.records.record import Array, Channel, Record
 
 _BEGIN = b"LabVIEW Measurement"
 """First words of a file with a header."""
+_SPECIAL, _SPECIAL_END = b"***Start_Special***", b"***End_Special***"
+"""Around a block that other programs own, below the header of a segment."""
 _MARK = b"***End_of_Header***"
 """Ends the header of the file, and that of each segment."""
 _LARGEST_HEADER = 2**20
@@ -53,28 +58,56 @@ _SAME_STEP = 0.01
 """Share by which the steps of segments may differ where one goes on from the other."""
 _ROUNDING, _PER_SAMPLE = 8.0, 1e-9
 """Units in the last place, and share of a step a sample, within which header and stamps agree: both are printed."""
+_DATE = re.compile(r"(\d{4})/(\d{1,2})/(\d{1,2})")
+_TIME = re.compile(r"(\d{1,2}):(\d{1,2}):(\d{1,2})(?:[.,](\d{1,40}))?")
+"""Date and time of a segment's first samples, as LabVIEW writes them in any language."""
+_FIRST_YEAR = 1970
+"""An earlier year is that of no clock: LabVIEW counts from 1904, and a waveform without a time begins there."""
+_HEAD_LINES = 50
+"""Lines before that of the channels that may belong to a segment's head: notes and the name of the test."""
 _SEPARATORS = {"tab": "\t", "comma": ",", "semicolon": ";", "space": "", "": "\t"}
 """Marks between cells by the word of the header; empty for blanks."""
 
 
 class Segment(NamedTuple):
-    """One run of the instrument: its header by key, its column names, the bytes of its lines and their first line."""
+    """One run of the instrument: its header by key, its column names, the bytes of its lines and their first line.
+
+    ``kind`` is one, multi or no: whose channels have a column of time; ``part`` counts the headers of the file before
+    it, each of a session that appended to the file.
+    """
 
     keys: dict[str, list[str]]
     columns: list[str]
     start: int
     end: int
     line: int
+    marks: Marks
+    kind: str
+    part: int
+
+
+class Layout(NamedTuple):
+    """Channels of a segment: the column of each and that of its time, its name and unit, and whether it is wanted."""
+
+    columns: list[tuple[int, int | None]]
+    blank: list[Channel]
+    wanted: list[bool]
 
 
 class Read(NamedTuple):
-    """Values and time stamps of the channels of a segment, and what reading it showed."""
+    """Values and time stamps of the channels of a segment, and what reading it showed.
+
+    ``origins`` are the clock times of the channels by the header, ps; None where it has none. ``every`` is the number
+    of samples after which another measurement begins, 0 for none.
+    """
 
     values: list[Array]
     stamps: list[Array | None]
     steps: list[float]
     starts: list[float]
+    origins: list[int | None]
     findings: list[HealthNotice]
+    every: int = 0
 
 
 def sniff(head: bytes) -> bool:
@@ -85,12 +118,13 @@ def sniff(head: bytes) -> bool:
 def read(path: Path, options: Options = Options()) -> Record:  # noqa: B008  (a tuple, frozen)
     r"""Read a LabVIEW measurement file.
 
-    Segments are joined where their clock goes on; else only the first is read, and a finding reports it.
+    Segments are joined where their clock goes on; each of the others begins a measurement of its own.
 
     Raises
     ------
     InputError
-        If the header is not whole, or the lines below it are not columns of numbers.
+        If the header is not whole, the lines below it are not columns of numbers, or it cannot be known where one
+        measurement ends.
 
     Examples
     --------
@@ -104,94 +138,204 @@ def read(path: Path, options: Options = Options()) -> Record:  # noqa: B008  (a 
     >>> [(c.name, c.unit, c.step, c.values.tolist()) for c in record.channels]
     [('board', 'g', 5e-06, [1.5, 2.5])]
     """
-    with path.open("rb") as opened, mmap.mmap(opened.fileno(), 0, access=mmap.ACCESS_READ) as content:
-        encoding = encoding_of(content[:_LARGEST_HEADER])
-        if encoding is None or encoding.startswith("utf-16"):
-            raise refuse(path, "a LabVIEW measurement file in ASCII or UTF-8")
-        keys, segments = _segments(path, content, encoding)
-        ended = content[-1:] in (b"\n", b"\r")
-    marks = _marks(path, keys)
-    layout = _columns(segments[0], _said(keys, "X_Columns", "One").casefold(), path)
-    labels = [name_and_unit(segments[0].columns[k]) for k, _ in layout]
-    units = segments[0].keys.get("Y_Unit_Label", [])
-    names = one_each([name or f"channel {k}" for k, (name, _) in enumerate(labels, start=1)])
-    units = [(units[k] if k < len(units) else "") or labels[k][1] for k in range(len(names))]
-    blank = [Channel(name, np.empty(0), unit=unit) for name, unit in zip(names, units, strict=True)]
-    wanted = {c.name for c in Record(str(path), "lvm", tuple(blank)).only(options.channels).channels}
-    is_wanted = [name in wanted for name in names]
     if options.time is not None and options.time.strip().casefold() not in ("x_value", "1"):
         raise InputError("--time", options.time, "X_Value", nearest(options.time, ["X_Value"]))
     if options.time_unit is not None:
         raise InputError("--time-unit", f"{options.time_unit:g} s", "none here", "LabVIEW measurement files are in s")
-    runs, findings = _runs(path, encoding, marks, segments, layout, is_wanted, options, ended)
-    channels = [_channel(runs, j, blank[j], is_wanted[j], options) for j in range(len(names))]
-    size = max(channel.values.size for channel in channels)
-    if size < 2:
-        raise refuse(path, "at least two lines of numbers")
-    unread = np.broadcast_to(np.float64(np.nan), (size,))
-    whole = [c if want else replace(c, values=unread) for c, want in zip(channels, is_wanted, strict=True)]
-    return Record(str(path), "lvm", tuple(whole), tuple(findings))
-
-
-def _runs(
-    path: Path,
-    encoding: str,
-    marks: Marks,
-    segments: list[Segment],
-    layout: Sequence[tuple[int, int | None]],
-    is_wanted: list[bool],
-    options: Options,
-    ended: bool,
-) -> tuple[list[Read], list[HealthNotice]]:
-    """Read segments as long as their clock goes on."""
+    with path.open("rb") as opened, mmap.mmap(opened.fileno(), 0, access=mmap.ACCESS_READ) as content:
+        encoding = encoding_of(content[:_LARGEST_HEADER])
+        if encoding is None or encoding.startswith("utf-16"):
+            raise refuse(path, "a LabVIEW measurement file in ASCII or UTF-8")
+        segments = _segments(path, content, encoding)
+        ended = content[-1:] in (b"\n", b"\r")
+    pieces: list[Record] = []
     runs: list[Read] = []
-    findings: list[HealthNotice] = []
-    for k, segment in enumerate(segments):
-        alike = segment.columns == segments[0].columns
-        run = (
-            _run(path, encoding, marks, segment, layout, is_wanted, segment is segments[-1] and not ended)
-            if alike
-            else None
+    before, layout = segments[0], _layout(path, segments[0], options)
+    for segment in segments:
+        is_alike = (segment.columns, segment.kind, segment.part) == (before.columns, before.kind, before.part)
+        own = layout if is_alike else _layout(path, segment, options)
+        run = _run(path, encoding, segment, own, options, segment is segments[-1] and not ended)
+        shift = _shift(runs[-1], run, layout.wanted, options) if runs and is_alike else None
+        if runs and shift is None:
+            pieces.append(_record(path, layout, runs, options))
+            runs = []
+        before, layout = segment, own
+        runs.append(_shifted(run, shift) if shift else run)
+    pieces.append(_record(path, layout, runs, options))
+    whole = [piece for piece in pieces if max(channel.values.size for channel in piece.channels) > 1]
+    if not whole:
+        raise refuse(path, "at least two lines of numbers")
+    if len(whole) < len(pieces):
+        message = (
+            f"{len(pieces) - len(whole)} of {len(pieces)} measurements have fewer than two lines: they are left out"
         )
-        if run is None or (runs and not _goes_on(runs[-1], run, is_wanted, options)):
-            what = "the clock starts anew in" if alike else "other channels begin in"
-            message = f"it holds {len(segments)} segments; {what} number {k + 1}: read up to there"
-            findings.append(HealthNotice("segments", message, float(len(segments))))
-            break
-        runs.append(run)
-        findings += run.findings
-    return runs, findings
+        short = HealthNotice("segments", message, float(len(pieces) - len(whole)))
+        whole[0] = replace(whole[0], findings=(short, *whole[0].findings))
+    return joined_pieces([one for piece in whole for one in (replace(piece, further=()), *piece.further)])
 
 
-def _segments(path: Path, content: mmap.mmap, encoding: str) -> tuple[dict[str, list[str]], list[Segment]]:
-    """Find the headers of file and segments."""
-    if not len(content) or content.find(b"\n" + _BEGIN) >= 0:
-        raise refuse(path, "one record in a file", "several files are in this one: split them")
+def _record(path: Path, layout: Layout, runs: Sequence[Read], options: Options) -> Record:
+    """Return the record of segments whose clock goes on; in pieces where a header without time stands for several."""
+    channels = [_channel(runs, j, blank, layout.wanted[j], options) for j, blank in enumerate(layout.blank)]
+    size = max(channel.values.size for channel in channels)
+    findings = [finding for run in runs for finding in run.findings]
+    wanted = [channel for channel, want in zip(channels, layout.wanted, strict=True) if want]
+    origins = [origin for origin, want in zip(runs[0].origins, layout.wanted, strict=True) if want]
+    together, said = begin_together(wanted, origins)
+    moved = iter(together)
+    unread = np.broadcast_to(np.float64(np.nan), (size,))
+    whole = [
+        next(moved) if want else replace(channel, values=unread)
+        for channel, want in zip(channels, layout.wanted, strict=True)
+    ]
+    record = Record(str(path), "lvm", tuple(whole), (*findings, *said))
+    every = runs[0].every
+    return parted(record, range(every, size, every)) if every else record
+
+
+def _layout(path: Path, segment: Segment, options: Options) -> Layout:
+    """Return the channels of a segment, and which of them are wanted."""
+    columns = _columns(segment, path)
+    labels = [name_and_unit(segment.columns[k]) for k, _ in columns]
+    units = _cells(path, segment, "Y_Unit_Label", columns)
+    names = one_each([name or f"channel {k}" for k, (name, _) in enumerate(labels, start=1)])
+    units = [unit or label for unit, (_, label) in zip(units, labels, strict=True)]
+    blank = [Channel(name, np.empty(0), unit=unit) for name, unit in zip(names, units, strict=True)]
+    wanted = {c.name for c in Record(str(path), "lvm", tuple(blank)).only(options.channels).channels}
+    return Layout(columns, blank, [name in wanted for name in names])
+
+
+def _cells(path: Path, segment: Segment, key: str, columns: Sequence[tuple[int, int | None]]) -> list[str]:
+    """Return the cell of each channel in a line of the header, empty where it has none.
+
+    Where each channel has a column of time, LabVIEW lays the cells out as the columns are, two to a channel, of which
+    one is empty; other programs write one to a channel, or the same one twice.
+
+    Raises
+    ------
+    InputError
+        If two different cells stand for one channel.
+    """
+    cells, count = segment.keys.get(key, []), len(columns)
+    if segment.kind == "multi" and any(cells[1:]):
+        pairs = [[*cells[k : k + 2], "", ""][:2] for k in range(0, 2 * count, 2)]
+        if not any(second for _, second in pairs):
+            return [first for first, _ in pairs]
+        if any(cells[count:]):
+            if any(first and second and first != second for first, second in pairs):
+                hint = f"in the line {key} a channel has two different cells"
+                raise refuse(path, "a header with one value to a channel", hint)
+            return [first or second for first, second in pairs]
+    return [cells[k] if k < len(cells) else "" for k in range(count)]
+
+
+def _values(path: Path, segment: Segment, key: str, columns: Sequence[tuple[int, int | None]]) -> list[float]:
+    """Return the number of each channel in a line of the header; one that stands alone is that of all of them."""
+    cells = _cells(path, segment, key, columns)
+    if len(list(filter(None, segment.keys.get(key, [])))) == 1:
+        cells = [next(filter(None, segment.keys[key]))] * len(cells)
+    numbers = [number(cell.replace(",", ".")) for cell in cells]
+    return [math.nan if value is None else value for value in numbers]
+
+
+def _origins(path: Path, segment: Segment, columns: Sequence[tuple[int, int | None]]) -> list[int | None]:
+    """Return the clock time from which each channel counts, ps; None where the header has none."""
+    days = _cells(path, segment, "Date", columns)
+    return [_clock_time(day, time) for day, time in zip(days, _cells(path, segment, "Time", columns), strict=True)]
+
+
+def _clock_time(day: str, time: str) -> int | None:
+    """Return date and time as one number, ps.
+
+    Examples
+    --------
+    >>> _clock_time("2026/01/02", "10:00:00,003") - _clock_time("2026/01/02", "10:00:00")
+    3000000000
+    >>> _clock_time("1903/12/31", "19:00:00") is None
+    True
+    """
+    on, at = _DATE.fullmatch(day), _TIME.fullmatch(time)
+    if on is None or at is None or int(on[1]) < _FIRST_YEAR:
+        return None
+    try:
+        days = date(int(on[1]), int(on[2]), int(on[3])).toordinal()
+    except ValueError:
+        return None
+    seconds = ((24 * days + int(at[1])) * 60 + int(at[2])) * 60 + int(at[3])
+    return seconds * PICO + int((at[4] or "0").ljust(12, "0")[:12])
+
+
+def _segments(path: Path, content: mmap.mmap, encoding: str) -> list[Segment]:
+    """Find the headers of file and segments; a session that appended to the file wrote the header of a file again."""
+    starts, at = [0], content.find(b"\n" + _BEGIN)
+    while at >= 0 and len(starts) <= _MOST_SEGMENTS:
+        starts.append(at + 1)
+        at = content.find(b"\n" + _BEGIN, at + 1)
+    segments: list[Segment] = []
+    line, counted = 1, 0
+    for part, (begin, end) in enumerate(pairwise([*starts, len(content)])):
+        for segment in _of_session(path, content, encoding, (begin, end), part):
+            if len(segments) >= _MOST_SEGMENTS:
+                raise refuse(path, f"at most {_MOST_SEGMENTS} segments")
+            line, counted = line + _lines(content, counted, segment.start), segment.start
+            segments.append(segment._replace(line=line))
+    return segments
+
+
+def _of_session(path: Path, content: mmap.mmap, encoding: str, place: tuple[int, int], part: int) -> Iterator[Segment]:
+    """Yield the segments below one header of a file."""
+    whole = "a LabVIEW measurement file that is whole"
     marks: list[int] = []
-    at = content.find(_MARK)
+    at = content.find(_MARK, *place)
     while at >= 0 and len(marks) <= _MOST_SEGMENTS:
         marks.append(at)
-        at = content.find(_MARK, at + 1)
+        at = content.find(_MARK, at + 1, place[1])
     if len(marks) < 2:
-        raise refuse(path, "a LabVIEW measurement file that is whole", f"it lacks {_MARK.decode()}")
-    if len(marks) > _MOST_SEGMENTS:
-        raise refuse(path, f"at most {_MOST_SEGMENTS} segments")
-    begins = [max(content.rfind(b"\nChannels", last, mark) + 1, last) for last, mark in pairwise(marks)]
-    if marks[0] > _LARGEST_HEADER or any(m - b > _LARGEST_HEADER for m, b in zip(marks[1:], begins, strict=True)):
-        raise refuse(path, "a LabVIEW measurement file that is whole", "a header has no end")
-    keys = _keys(content[: marks[0]], encoding)
-    mark = _marks(path, keys)
-    segments, line, counted = [], 1, 0
+        raise refuse(path, whole, f"it lacks {_MARK.decode()}")
+    begins = [_head_of(content, last, mark) for last, mark in pairwise(marks)]
+    if marks[0] - place[0] > _LARGEST_HEADER or any(
+        m - b > _LARGEST_HEADER for m, b in zip(marks[1:], begins, strict=True)
+    ):
+        raise refuse(path, whole, "a header has no end")
+    keys = _keys(content[place[0] : marks[0]], encoding)
+    mark, kind = _marks(path, keys), _said(keys, "X_Columns", "One").casefold()
     for k, begin in enumerate(begins):
-        head = _after(content, marks[k + 1])
+        head = _after_special(content, _after(content, marks[k + 1]))
         start = _after(content, head)
         names = cells_of(decode(content[head : min(start, head + _LARGEST_HEADER)], encoding), mark)
-        line, counted = line + _lines(content, counted, start), start
-        end = begins[k + 1] if k + 1 < len(begins) else len(content)
+        end = begins[k + 1] if k + 1 < len(begins) else place[1]
         if end < start:
-            raise refuse(path, "a LabVIEW measurement file that is whole", "a segment lacks its names")
-        segments.append(Segment(_keys(content[begin : marks[k + 1]], encoding), names, start, end, line))
-    return keys, segments
+            raise refuse(path, whole, "a segment lacks its names")
+        own = _keys(content[begin : marks[k + 1]], encoding, mark.delimiter)
+        yield Segment(own, names, start, end, 0, mark, kind, part)
+
+
+def _head_of(content: mmap.mmap, last: int, mark: int) -> int:
+    """Return where the header of a segment begins: below the last blank line before its channels."""
+    begin = max(content.rfind(b"\nChannels", last, mark) + 1, last)
+    at = begin
+    for _ in range(_HEAD_LINES):
+        before = content.rfind(b"\n", last, max(at - 1, last)) + 1
+        if before <= last or not content[before:at].strip(b" \t\r\n,;"):
+            return at if before > last or at == begin else begin
+        at = before
+    return begin
+
+
+def _after_special(content: mmap.mmap, head: int) -> int:
+    """Return where the line of column names begins: below blank lines, and blocks that other programs own."""
+    for _ in range(_HEAD_LINES):
+        line = content[head : min(_after(content, head), head + _LARGEST_HEADER)]
+        if line.startswith(_SPECIAL):
+            end = content.find(_SPECIAL_END, head)
+            head = _after(content, end) if end >= 0 else head
+            if end < 0:
+                return head
+        elif line and not line.strip(b" \t\r\n,;"):
+            head = _after(content, head)
+        else:
+            return head
+    return head
 
 
 def _after(content: mmap.mmap, at: int) -> int:
@@ -204,11 +348,13 @@ def _lines(content: mmap.mmap, start: int, end: int) -> int:
     return sum(content[k : min(k + step, end)].count(b"\n") for k in range(start, end, step))
 
 
-def _keys(header: bytes, encoding: str) -> dict[str, list[str]]:
+def _keys(header: bytes, encoding: str, delimiter: str | None = None) -> dict[str, list[str]]:
+    """Return the cells of a header by its keys; before its delimiter is known, tabs go before other marks."""
     rows = [line.replace(",", "\t").replace(";", "\t").split("\t") for line in lines_of(decode(header, encoding))]
     loose = {row[0].strip(): [cell.strip() for cell in row[1:]] for row in rows if row[0].strip()}
-    tabs = [line.split("\t") for line in lines_of(decode(header, encoding)) if "\t" in line]
-    return loose | {row[0].strip(): [cell.strip() for cell in row[1:]] for row in tabs if row[0].strip()}
+    own = delimiter or "\t"
+    cut = [line.split(own) for line in lines_of(decode(header, encoding)) if own in line]
+    return loose | {row[0].strip(): [cell.strip() for cell in row[1:]] for row in cut if row[0].strip()}
 
 
 def _said(keys: dict[str, list[str]], key: str, otherwise: str) -> str:
@@ -224,10 +370,10 @@ def _marks(path: Path, keys: dict[str, list[str]]) -> Marks:
     return Marks(delimiter, decimal)
 
 
-def _columns(segment: Segment, kind: str, path: Path) -> list[tuple[int, int | None]]:
+def _columns(segment: Segment, path: Path) -> list[tuple[int, int | None]]:
     """Return the column of each channel, and that of its time."""
-    if kind not in ("one", "multi", "no"):
-        raise refuse(path, "X_Columns One, Multi or No", f"its header says {kind[:20]}")
+    if segment.kind not in ("one", "multi", "no"):
+        raise refuse(path, "X_Columns One, Multi or No", f"its header says {segment.kind[:20]}")
     names = [name.casefold() for name in segment.columns]
     if not names or len(names) > MOST_COLUMNS:
         raise refuse(path, f"1 to {MOST_COLUMNS} columns")
@@ -237,7 +383,7 @@ def _columns(segment: Segment, kind: str, path: Path) -> list[tuple[int, int | N
         if name == "x_value":
             time = k
         elif name not in ("comment", ""):
-            columns.append((k, None if kind == "no" else time))
+            columns.append((k, None if segment.kind == "no" else time))
     claimed = number(_said(segment.keys, "Channels", ""))
     if claimed is not None and 0 < claimed < len(columns):
         columns = columns[: int(claimed)]
@@ -246,35 +392,28 @@ def _columns(segment: Segment, kind: str, path: Path) -> list[tuple[int, int | N
     return columns
 
 
-def _run(
-    path: Path,
-    encoding: str,
-    marks: Marks,
-    segment: Segment,
-    layout: Sequence[tuple[int, int | None]],
-    is_wanted: Sequence[bool],
-    unended: bool,
-) -> Read:
+def _run(path: Path, encoding: str, segment: Segment, layout: Layout, options: Options, unended: bool) -> Read:
     """Read one segment."""
     read_columns = sorted(
-        {k for pair, want in zip(layout, is_wanted, strict=True) if want for k in pair if k is not None}
+        {k for pair, want in zip(layout.columns, layout.wanted, strict=True) if want for k in pair if k is not None}
     )
     region = Region(path, encoding, segment.start, segment.end, line=segment.line)
-    cut, digits = _look(region, marks, max(read_columns), unended)
+    cut, digits = _look(region, segment.marks, max(read_columns), unended)
     width = len(segment.columns)
     table = parse(
         region._replace(cut=cut),
-        CellLayout(marks, width, tuple(read_columns)),
+        CellLayout(segment.marks, width, tuple(read_columns)),
         100 + (segment.end - segment.start) // (4 * width),
     )
     values_of = dict(zip(read_columns, table.columns, strict=True))
+    samples, stated, begins = (_values(path, segment, key, layout.columns) for key in ("Samples", "Delta_X", "X0"))
     values, stamps, steps, starts = [], [], [], []
-    for j, ((k, time), want) in enumerate(zip(layout, is_wanted, strict=True)):
-        own = _trimmed(values_of[k], _nth(segment.keys, "Samples", j)) if want else np.empty(0)
-        clock = values_of[time][: own.size] if want and time is not None else None
-        stated = _nth(segment.keys, "Delta_X", j)
-        step = stated if stated > 0.0 else math.nan
-        start = _nth(segment.keys, "X0", j)
+    for j, ((k, time), want) in enumerate(zip(layout.columns, layout.wanted, strict=True)):
+        own = _trimmed(values_of[k], samples[j]) if want else np.empty(0)
+        own_grid = segment.kind == "one" and stated[j] > 0.0 and stated[j] != stated[0] and own.size <= samples[j]
+        clock = values_of[time][: own.size] if want and time is not None and not own_grid else None
+        step = stated[j] if stated[j] > 0.0 else math.nan
+        start = begins[j]
         if clock is not None and clock.size:
             digit = digits.get(time or 0, 0.0)
             step, start = _agreed(step, step_of(clock, digit), clock, digit), float(clock[0])
@@ -284,7 +423,38 @@ def _run(
         starts.append(start if math.isfinite(start) else 0.0)
     findings = odd_cells(ParsedColumns([], table.words, table.first_word))
     findings += [HealthNotice("truncated", "the last line is cut: it is left out")] if cut else []
-    return Read(values, stamps, steps, starts, findings)
+    sizes = [(own.size, count) for own, count, want in zip(values, samples, layout.wanted, strict=True) if want]
+    said, every = _counted(path, segment, [(size + cut, count) for size, count in sizes], options)
+    return Read(values, stamps, steps, starts, _origins(path, segment, layout.columns), findings + said, every)
+
+
+def _counted(
+    path: Path, segment: Segment, sizes: Sequence[tuple[int, float]], options: Options
+) -> tuple[list[HealthNotice], int]:
+    """Compare the samples of channels with those that the header counts: what differs, and where other ones begin.
+
+    LabVIEW appends later writes to one header without counting them. Where lines have no time, each write is a
+    measurement of its own: the distance between them is not known.
+
+    Raises
+    ------
+    InputError
+        If lines without time do not make whole measurements of that many samples.
+    """
+    off = next(((size, int(count)) for size, count in sizes if 0.0 < count < 1e15 and size != count), None)
+    if off is None:
+        return [], 0
+    size, count = off
+    if size < count:
+        message = f"its header counts {count} samples, the file has {size}: it was cut, or not written to its end"
+        return [HealthNotice("count-differs", message, float(size))], 0
+    if segment.kind != "no" or options.rate is not None:
+        message = f"its header counts {count} samples, the file has {size}, over one time"
+        return [HealthNotice("count-differs", message, float(size), severity="good")], 0
+    if size % count or count < FEWEST_SAMPLES or len({own for own, _ in sizes}) > 1:
+        hint = "if they go on without a break, state the sampling rate by --rate; else split the file"
+        raise refuse(path, f"{count} lines as its header counts, or whole measurements of as many: it has {size}", hint)
+    return [], count
 
 
 def _look(region: Region, marks: Marks, last: int, unended: bool) -> tuple[bool, dict[int, float]]:
@@ -305,12 +475,6 @@ def _look(region: Region, marks: Marks, last: int, unended: bool) -> tuple[bool,
     return cut, digits
 
 
-def _nth(keys: dict[str, list[str]], key: str, k: int) -> float:
-    cells = [cell.replace(",", ".") for cell in keys.get(key, []) if cell]
-    value = number(cells[min(k, len(cells) - 1)]) if cells else None
-    return math.nan if value is None else value
-
-
 def _trimmed(values: Array, samples: float) -> Array:
     """Cut a channel to the samples its header claims, where what is behind them is empty."""
     if 0.0 < samples < values.size and np.isnan(values[int(samples) :]).all():
@@ -328,16 +492,38 @@ def _agreed(stated: float, measured: float, stamps: Array, digit: float) -> floa
     return stated if off <= room else measured
 
 
-def _goes_on(before: Read, after: Read, is_wanted: Sequence[bool], options: Options) -> bool:
-    """Tell whether the clock of a segment goes on where the one before it ends."""
+def _shift(before: Read, after: Read, is_wanted: Sequence[bool], options: Options) -> float | None:
+    """Return by how much the times of a segment are to be moved, s, to go on where the one before it ends.
+
+    None where they do not go on: a segment may count on, or begin at zero at the clock time at which the one before
+    ends.
+    """
+    if before.every or after.every:
+        return None
     if options.rate is not None:
-        return True
+        return 0.0
+    moves = [0.0]
+    if None not in before.origins and None not in after.origins:
+        moves += [(b - a) / PICO for a, b in zip(before.origins[:1], after.origins[:1], strict=True) if a and b]
+    fitting = [move for move in moves if _goes_on(before, after, is_wanted, move)]
+    return fitting[0] if fitting else None
+
+
+def _shifted(run: Read, shift: float) -> Read:
+    """Return a segment whose times are moved, s."""
+    stamps = [None if part is None else part + shift for part in run.stamps]
+    return run._replace(stamps=stamps, starts=[start + shift for start in run.starts])
+
+
+def _goes_on(before: Read, after: Read, is_wanted: Sequence[bool], shift: float) -> bool:
+    """Tell whether the clock of a segment, moved by a shift, goes on where the one before it ends."""
     for j, want in enumerate(is_wanted):
         if not want or not after.values[j].size or not before.values[j].size:
             continue
         step = before.steps[j]
         due = before.starts[j] + before.values[j].size * step
-        if not abs(after.starts[j] - due) <= 0.5 * step or not abs(after.steps[j] - step) <= _SAME_STEP * step:
+        late = after.starts[j] + shift - due
+        if not abs(late) <= 0.5 * step or not abs(after.steps[j] - step) <= _SAME_STEP * step:
             return False
     return True
 

@@ -8,7 +8,8 @@ from typing import Any
 
 from strikewave.records.readers import Options
 from strikewave.records.readers.child import isolated
-from strikewave.records.readers.common import ArrayColumn, assemble, extra, guard, left_out, number, text
+from strikewave.records.readers.clock import seconds_in
+from strikewave.records.readers.common import PICO, ArrayColumn, assemble, extra, guard, left_out, number, text
 from strikewave.records.record import Record
 
 MANY_SEGMENTS = 1000
@@ -17,6 +18,10 @@ npTDMS looks at each of them for each channel, which takes minutes where there a
 _HEAD, _BIG_ENDIAN = 28, 1 << 6
 """Bytes of the head of a segment: its mark, flags, version, and how far the next one and its samples are; the flag of
 big-endian numbers."""
+
+_FIRST_SECOND = 24107 * 86400
+"""Seconds from 1904, from which TDMS counts, to 1970: an earlier time is that of no clock, but of a waveform without
+one."""
 
 
 def sniff(head: bytes) -> bool:
@@ -48,25 +53,53 @@ def parse(path: Path, options: Options) -> Record:
     """Read the numeric channels of a TDMS file; an index file beside it is not looked at."""
     nptdms = extra("nptdms", path)
     logging.getLogger("nptdms").setLevel(logging.CRITICAL)
-    with path.open("rb") as opened, nptdms.TdmsFile.open(opened) as file:
+    with path.open("rb") as opened, nptdms.TdmsFile.open(opened, raw_timestamps=True) as file:
         columns: list[ArrayColumn] = []
         skipped: list[str] = []
         for channel in (channel for group in file.groups() for channel in group.channels()):
             name = f"{channel.group_name}/{channel.name}"
             raw = channel._raw_data_dtype()
-            if channel.dtype.kind not in "biufM" or not len(channel):
+            is_stamp = channel.data_type is nptdms.types.TimeStamp
+            if (channel.dtype.kind not in "biuf" and not is_stamp) or not len(channel) or not _is_over_time(channel):
                 skipped.append(name)
                 continue
             guard(path, len(channel) * max(raw.itemsize, 1), compressed=False)
-            columns.append(_column(channel, name))
+            columns.append(_stamps(channel, name) if is_stamp else _column(channel, name))
         return assemble(path, "tdms", columns, options, findings=left_out(skipped))
 
 
-def _column(channel: Any, name: str) -> ArrayColumn:
-    """Return a channel with the grid and unit of its properties."""
+def _is_over_time(channel: Any) -> bool:
+    """Tell whether a channel is a waveform over time, or has no grid; a spectrum has a grid of frequencies."""
     properties = channel.properties
-    step = number(properties.get("wf_increment"))
-    start = number(properties.get("wf_start_offset"))
+    unit = text(properties.get("wf_xunit_string"))
+    return not unit or not number(properties.get("wf_increment")) > 0.0 or seconds_in(unit) is not None
+
+
+def _column(channel: Any, name: str) -> ArrayColumn:
+    """Return a channel with the grid, the clock time of its begin and the unit of its properties."""
+    properties = channel.properties
+    scale = seconds_in(text(properties.get("wf_xunit_string"))) or 1.0
+    step = number(properties.get("wf_increment")) * scale
+    start = number(properties.get("wf_start_offset")) * scale
     unit = text(properties.get("unit_string")) or text(properties.get("NI_UnitDescription"))
+    grid = step if step > 0.0 else float("nan")
+    origin = _clock_time(properties.get("wf_start_time")) if step > 0.0 else None
     folder = f"{channel.group_name}/"
-    return ArrayColumn(name, len(channel), channel.read_data, unit, step if step > 0.0 else float("nan"), start, folder)
+    return ArrayColumn(name, len(channel), channel.read_data, unit, grid, start, folder, origin=origin)
+
+
+def _stamps(channel: Any, name: str) -> ArrayColumn:
+    """Return a channel of clock times, as time since the first of them."""
+    folder = f"{channel.group_name}/"
+    origin = _clock_time(channel[0])
+    return ArrayColumn(
+        name, len(channel), lambda: channel.read_data().as_datetime64("ns"), folder=folder, time=True, origin=origin
+    )
+
+
+def _clock_time(value: Any) -> int | None:
+    """Return a timestamp as one number, ps; None for another value, and for one that was never set."""
+    seconds, fractions = getattr(value, "seconds", None), getattr(value, "second_fractions", None)
+    if seconds is None or fractions is None or int(seconds) < _FIRST_SECOND:
+        return None
+    return int(seconds) * PICO + (int(fractions) * PICO >> 64)
