@@ -11,7 +11,7 @@ from hypothesis import assume, given
 from hypothesis import strategies as st
 
 from strikewave.base.errors import InputError
-from strikewave.records.readers import Options, text
+from strikewave.records.readers import Options, read_measurements, text
 from strikewave.records.readers.clock import step_of
 from strikewave.records.readers.columns import cells_of
 from strikewave.records.record import Record
@@ -85,6 +85,99 @@ def test_trailing_delimiters_make_no_column(read):
     record = read(LINES.replace("\n", ",\n"))
     assert values(record) == [FIRST, SECOND]
     assert codes(record) == []
+
+
+# Settings of each channel, several measurements
+
+
+WAVES = "".join(f"05/01/2026 10:45:47.{35000 + 20 * k:06d}\t{k}\t{2 * k}\n" for k in range(30))
+
+
+def waveforms(*settings, below="time\tY[0]\tY[1]\n"):
+    return "".join(line + "\n" for line in settings) + "\n" + below + WAVES
+
+
+def test_waveforms_of_labview_as_text_have_their_samples_alone_over_their_own_step(read):
+    start = "t0\t05/01/2026 10:45:47.035\t05/01/2026 10:45:47.035"
+    record = read(waveforms("waveform\t[0]\t[1]", start, "delta t\t0.000020\t0.000020"))
+    assert named(record) == [("Y[0]", ""), ("Y[1]", "")]
+    assert [channel.values.tolist() for channel in record.channels] == [list(range(30)), list(range(0, 60, 2))]
+    assert [(channel.step, channel.start) for channel in record.channels] == [(2e-5, 0.0)] * 2
+
+
+def test_each_waveform_keeps_its_own_name_start_and_step(read):
+    start = "t0\t05/01/2026 10:45:47.035\t05/01/2026 10:45:47.032"
+    record = read(waveforms("waveform\tboard\tframe", start, "delta t\t0.000020\t0.000040"))
+    assert named(record) == [("board", ""), ("frame", "")]
+    assert [(channel.step, channel.start) for channel in record.channels] == [(2e-5, 0.003), (4e-5, 0.0)]
+    assert "start-times" in codes(record)
+
+
+@pytest.mark.parametrize("row", ["Offset;0;0", "Blockl\u00e4nge;30;30", "Gain;1;1", "Delta t [ms];0,02;0,02"])
+def test_rows_of_settings_with_a_number_for_each_channel_are_no_samples(read, row):
+    lines = "".join(f"05.01.2026 10:45:{k:02d},5;{k},5;{2 * k}\n" for k in range(30))
+    record = read("Name;board;frame\nEinheit;g;N\n" + row + "\n" + lines, Options(rate=1e3))
+    assert [channel.values[0] for channel in record.channels] == [0.5, 0.0]
+    assert record.channels[0].values.size == 30
+
+
+def test_a_word_beside_the_samples_is_no_setting(read):
+    lines = ["".join((word, f";{k};{2 * k}\n")) for k, word in enumerate([""] * 5 + ["Impact"] + [""] * 24)]
+    record = read("mark;board;frame\n" + "".join(lines), Options(rate=1e3))
+    assert values(record)[0] == list(range(30))
+
+
+@pytest.mark.parametrize("head", ["t0\t2026-01-05 10:45:47\n", "t0 = 05.01.2026\n", "start: 10:45:47\n"])
+def test_a_date_is_no_start_in_seconds(read, head):
+    record = read(f"{head}fs = 1000 Hz\n" + "".join(f"{k}.5\n" for k in range(20)))
+    assert record.channels[0].start == 0.0
+
+
+PIECE = "".join(f"{k / 100:.2f},{k}.5,-{k}\n" for k in range(20))
+
+
+@pytest.mark.parametrize(
+    "content",
+    [
+        "time [ms],board [g],frame [g]\n" + PIECE + PIECE,
+        2 * ("time [ms],board [g],frame [g]\n" + PIECE),
+        2 * ("# made by hand\n# time [ms], board [g], frame [g]\n" + PIECE + "\n"),
+        2 * ("run,1,2\ntime,board,frame\nms,g,g\n" + PIECE),
+    ],
+    ids=["time alone", "head", "comment", "head of lines"],
+)
+def test_measurements_one_after_another_are_records_of_their_own(tmp_path, content):
+    (tmp_path / "a.csv").write_text(content)
+    records = read_measurements(tmp_path / "a.csv")
+    assert [record.channels[0].values.tolist() for record in records] == [[k + 0.5 for k in range(20)]] * 2
+    assert [record.channels[0].stamps[0] for record in records] == [0.0, 0.0]
+    assert {named(record)[0] for record in records} == {("board", "g")}
+
+
+def test_each_measurement_has_the_settings_of_its_own_head(tmp_path):
+    pieces = [f"fs = {rate} Hz\nboard [g]\n" + "".join(f"{k}.5\n" for k in range(20)) for rate in (1000, 2000)]
+    (tmp_path / "a.csv").write_text("".join(pieces))
+    records = read_measurements(tmp_path / "a.csv")
+    assert [(r.channels[0].step, r.channels[0].values.size) for r in records] == [(1e-3, 20), (5e-4, 20)]
+
+
+def test_a_clock_that_is_set_back_once_makes_no_second_measurement(tmp_path):
+    lines = [f"{k / 100 - 0.05 * (k > 30):.2f},{k}.5\n" for k in range(60)]
+    (tmp_path / "a.csv").write_text("time [ms],board [g]\n" + "".join(lines))
+    assert len(read_measurements(tmp_path / "a.csv")) == 1
+
+
+@pytest.mark.parametrize(("count", "sizes"), [(20, [20, 20]), (40, [40])])
+def test_lines_without_time_are_measurements_of_as_many_samples_as_the_head_counts(tmp_path, count, sizes):
+    lines = "".join(f"{k}.5\n" for k in range(40))
+    (tmp_path / "a.csv").write_text(f"Samples: {count}\nfs = 1000 Hz\n{lines}")
+    assert [r.channels[0].values.size for r in read_measurements(tmp_path / "a.csv")] == sizes
+
+
+@pytest.mark.parametrize(("count", "severity"), [(30, "suspect"), (500, "good")])
+def test_a_head_that_counts_other_samples_than_the_file_has_is_reported(read, count, severity):
+    record = read(f"Record Length,{count},Points\nfs = 1000 Hz\n" + "".join(f"{k}.5\n" for k in range(40)))
+    assert [(f.code, f.severity) for f in record.findings] == [("count-differs", severity)]
 
 
 # Headers
@@ -320,7 +413,7 @@ def test_channels_not_wanted_keep_their_place_and_cost_nothing(read):
         (b"once upon a time\nthere was no number\n", "columns of numbers"),
         (b"1,2\n", "at least two lines"),
         (b"t,a\n" + LINES.encode() + b"0.04,1,2,3,4\n", "line 6 has 5"),
-        (b"time,a,b\n" + LINES.encode() + b"time,a,b\n" + LINES.encode(), "the header comes again in line 6"),
+        (b'"time,a,b"\n' + 9 * b'"1,2,3"\n' + b'"time,a,b"\n' + b'"1,2,3"\n', "the header comes again in line 11"),
         (b"0,05,1,5\n0,06,1,7\n", "semicolons"),
         (b"1" * 3_000_000, "lines of at most"),
         (b"1," * 20_000 + b"1\n" + b"1," * 20_000 + b"1\n", "at most 10000 columns"),

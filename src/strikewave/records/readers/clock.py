@@ -29,6 +29,8 @@ _NUMBER = r"([+-]?(?:\d{1,25}(?:[.,]\d{0,25})?|[.,]\d{1,25})(?:[eE][+-]?\d{1,3})
 """A number in a line; its parts are bounded, so that hostile lines take no time."""
 _LINK = r"\"?\s{0,5}(?:[\[(]([^\])]{1,12})[\])])?\"?\s{0,5}[:=,;\t ]\s{0,5}\"?(?:[A-Za-z]\w{0,9}:)?\s{0,5}"
 """What stands between a name and its number: a unit in brackets, a mark, blanks, the letters of a drive or channel."""
+_NO_DATE = r"(?!\d|[-/:.]\d)"
+"""What follows a number that is not the first one of a date or a time of day."""
 _AFTER = r"\"?[\s,;]{0,5}\"?([A-Za-zµμ/]{0,14})"
 """A unit after the number."""
 _RATE = r"sampl(?:e|ing)[ _-]?(?:rate|frequency|freq\.?)|fs|f_s|abtastrate|abtastfrequenz|samples per second"
@@ -41,7 +43,7 @@ _INTERVAL = (
 _START = r"t0|x0|t_0|xzero|start"
 """Names of the time of the first sample."""
 _STATED = {
-    kind: re.compile(rf"(?<![A-Za-z0-9_])(?:{names}){_LINK}{_NUMBER}{_AFTER}", re.IGNORECASE)
+    kind: re.compile(rf"(?<![A-Za-z0-9_])(?:{names}){_LINK}{_NUMBER}{_NO_DATE}{_AFTER}", re.IGNORECASE)
     for kind, names in (("rate", _RATE), ("interval", _INTERVAL), ("start", _START))
 }
 """Patterns of a rate, a step and a start in the lines above the data."""

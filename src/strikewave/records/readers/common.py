@@ -19,12 +19,11 @@ from strikewave.records.health_notice import HealthNotice
 from strikewave.records.readers import LARGEST_ARRAY, Options
 from strikewave.records.readers.clock import seconds_in, step_of, to_seconds
 from strikewave.records.readers.headings import is_time, name_and_unit
+from strikewave.records.readers.settings import PICO
 from strikewave.records.record import Channel, Record
 
 Array = NDArray[np.float64]
 
-PICO = 10**12
-"""Picoseconds of a second: clock times are whole ones, as a double of seconds since 1904 holds no microsecond."""
 MOST_ARRAYS = 10_000
 """A file with more arrays is refused: no recorder has as many channels, and each takes time to look at."""
 MOST_COLUMNS = 64

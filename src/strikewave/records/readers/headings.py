@@ -73,11 +73,13 @@ def name_and_unit(text: str) -> tuple[str, str]:
     --------
     >>> [name_and_unit(text) for text in ("Acc (g)", "Time/s", "acc, m/s^2", "board", "[V]", "in ms")]
     [('Acc', 'g'), ('Time', 's'), ('acc', 'm/s^2'), ('board', ''), ('', 'V'), ('', 'ms')]
-    >>> name_and_unit("time in ms since the trigger")
-    ('time', 'ms')
+    >>> name_and_unit("time in ms since the trigger"), name_and_unit("Y[0]"), name_and_unit("strain [1]")
+    (('time', 'ms'), ('Y[0]', ''), ('strain', '1'))
     """
     text = text.strip(" \"'\t")[:LONGEST_NAME]
     match = _BRACKETS.match(text)
+    if match is not None and match[2].isdecimal() and (match[2] != "1" or match.end(1) == match.start(2) - 1):
+        return text, ""
     if match is not None:
         return match[1].strip(), match[2].strip()
     for mark in _BEHIND.finditer(text):

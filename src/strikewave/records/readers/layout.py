@@ -8,6 +8,7 @@ from itertools import islice
 from pathlib import Path
 from typing import NamedTuple
 
+from strikewave.base.first_few import first_few
 from strikewave.records.health_notice import HealthNotice
 from strikewave.records.readers.columns import (
     LONGEST_LINE,
@@ -40,6 +41,8 @@ _SPARSE, _FEWEST = 100, 16
 none, holds settings, not samples."""
 _BESIDE = 40
 """First lines of the data beside which settings may stand without a column of their own."""
+_MOST_SETTINGS, _LONGEST_KIND = 40, 60
+"""Lines above the data in which settings of each channel are looked for, and letters of their names."""
 _FEWEST_ALIKE, _FEWEST_MANY = 8, 50
 """Numbers above the last one, all of as many digits, or so many of any, by which it is known to be cut."""
 _OVER = re.compile(
@@ -53,7 +56,8 @@ _DECIMALS = re.compile(r"[+-]?\d*(?:[.,](\d*))?(?:[eE][+-]?(\d*))?")
 class Look(NamedTuple):
     """Lines from the beginning, the middle and the end of a file; `ended` when its last line has an end.
 
-    Where lines are `quoted` as a whole, their quotes are taken off.
+    It may be a part of a file, from the byte ``begin``, which is in the line ``line``, to ``end``. Where lines are
+    `quoted` as a whole, their quotes are taken off.
     """
 
     path: Path
@@ -65,6 +69,9 @@ class Look(NamedTuple):
     tail: list[str]
     ended: bool
     quoted: bool = False
+    begin: int = 0
+    end: int | None = None
+    line: int = 1
 
 
 class NumberLayout(NamedTuple):
@@ -84,22 +91,33 @@ class NumberLayout(NamedTuple):
     beside: int = 0
 
 
-def look_at(path: Path) -> Look:
-    """Look at the beginning, the middle and the end of a text file.
+def look_at(path: Path, part: tuple[int, int, int] | None = None, encoding: str | None = None) -> Look:
+    """Look at the beginning, the middle and the end of a text file, or of a part of it.
+
+    Parameters
+    ----------
+    path : Path
+        The file.
+    part : (int, int, int), optional
+        First byte and end of a part, and the line in which it begins.
+    encoding : str, optional
+        Of the whole file, for a part of it.
 
     Raises
     ------
     InputError
         If it is no text, or its lines are too long.
     """
-    size = path.stat().st_size
+    begin, end = (0, path.stat().st_size) if part is None else part[:2]
+    size = end - begin
     with path.open("rb") as opened:
-        head = opened.read(HEAD)
-        opened.seek(size // 2 & ~1)
+        opened.seek(begin)
+        head = opened.read(min(HEAD, size))
+        opened.seek(begin + (size // 2 & ~1))
         middle = opened.read(_PART) if size > HEAD else b""
-        opened.seek(max(0, size - _PART) & ~1)
-        tail = opened.read(_PART) if size > HEAD else b""
-    encoding = encoding_of(head)
+        opened.seek(begin + (max(0, size - _PART) & ~1))
+        tail = opened.read(min(_PART, size)) if size > HEAD else b""
+    encoding = encoding or encoding_of(head)
     if encoding is None:
         raise refuse(path, "text, or another known format", "it holds bytes that are no text")
     lines = lines_of(decode(head, encoding).removeprefix("\ufeff"))
@@ -120,7 +138,8 @@ def look_at(path: Path) -> Look:
     quoted = _are_quoted(lines[:_LINES])
     if quoted:
         lines, between, ends = ([line.replace('"', "") for line in part] for part in (lines, between, ends))
-    return Look(path, size, encoding, lone, lines, between, ends, ended, quoted)
+    place = () if part is None else part
+    return Look(path, size, encoding, lone, lines, between, ends, ended, quoted, *place)
 
 
 def _are_quoted(lines: list[str]) -> bool:
@@ -167,6 +186,7 @@ def lay_out(look: Look) -> NumberLayout:
     )
     first = _first_line(look, marks, width, full)
     above = look.head[:first]
+    findings += _settings_above(above, marks, full)
     beside = _settings_beside(look, marks, width, first)
     if beside:
         message = f"settings stand behind the columns in lines {first + 1} to {beside}: they are left out"
@@ -254,7 +274,59 @@ def _first_line(look: Look, marks: Marks, width: int, full: list[int]) -> int:
         raise refuse(look.path, "columns of numbers", f"the first {HEAD} bytes hold none")
     while first > 0 and _nearly(look.head[first - 1], marks, width, full):
         first -= 1
-    return first
+    after = _after_settings(look, marks, full, first)
+    return next((k for k in range(after, len(look.head)) if holds(look.head[k], least)), first) if after else first
+
+
+def _after_settings(look: Look, marks: Marks, full: list[int], first: int) -> int:
+    """Return the line after settings that have a number for each channel, such as ``delta t``; 0 without one.
+
+    They begin with a name where the lines of data begin with none, with a date, or with names that come again. Where
+    more columns stand before those of the data, settings have their values there, beside the samples.
+    """
+    if full[0] != 1:
+        return 0
+    lines = look.head[first : first + _MOST_SETTINGS]
+    body = [line for line in look.head[first:] if line.strip()]
+    if look.size > HEAD:
+        body = look.middle + look.tail
+    usual = [cells_of(line, marks)[0] for line in body[len(body) // 2 :][-_LINES:]]
+    kinds, counts = Counter(map(_kind, usual)), Counter(usual + [cells_of(line, marks)[0] for line in lines])
+    come_again = bool(usual) and sum(counts[cell] > 1 for cell in usual) > len(usual) // 2
+    after = 0
+    for k, line in enumerate(lines, start=first):
+        cells = cells_of(line, marks)
+        has_numbers = any(number(cell, marks.decimal) is not None for cell in cells[1:] if cell)
+        is_name = cells[0][:1].isalpha() and (_kind(cells[0]) not in kinds or (come_again and counts[cells[0]] == 1))
+        if has_numbers and not is_name:
+            break
+        after = k + 1 if is_name else after
+    return after
+
+
+def _settings_above(above: list[str], marks: Marks, full: list[int]) -> list[HealthNotice]:
+    """Say which lines above the data have a number for each channel and are settings."""
+    rows = [cells_of(line, marks) for line in above if full[0] == 1 and not is_comment(line)]
+    names = [
+        row[0]
+        for row in rows
+        if row[0][:1].isalpha() and all(k < len(row) and number(row[k] or "-", marks.decimal) is not None for k in full)
+    ]
+    if not names:
+        return []
+    message = f"settings above the data are no samples: {first_few([name[:_LONGEST_KIND] for name in names], 4)}"
+    return [HealthNotice("settings", message, float(len(names)), severity="good")]
+
+
+def _kind(cell: str) -> str:
+    """Return what a cell looks like: all words and all numbers are one.
+
+    Examples
+    --------
+    >>> _kind("05/01/2026 10:45"), _kind("delta t"), _kind("")
+    ('0/0/0 0:0', 'a a', '')
+    """
+    return re.sub(r"[^\W\d_]+", "a", re.sub(r"\d+", "0", cell[:_LONGEST_KIND]))
 
 
 def _nearly(line: str, marks: Marks, width: int, full: list[int]) -> bool:
@@ -265,6 +337,14 @@ def _nearly(line: str, marks: Marks, width: int, full: list[int]) -> bool:
     values = [number(cells[k], marks.decimal) for k in full]
     rest = [cells[k] for k, value in zip(full, values, strict=True) if value is None]
     return values[0] is not None and values[0] == values[0] and all(_OVER.fullmatch(cell[:20]) for cell in rest)
+
+
+def is_data(line: str, layout: NumberLayout) -> bool:
+    """Tell whether a line is one of data: a number in every column that is full of them, or nearly."""
+    cells = cells_of(line, layout.marks)
+    values = [number(cells[k] if k < len(cells) else "", layout.marks.decimal) for k in layout.full]
+    whole = not is_comment(line) and all(value is not None and value == value for value in values)
+    return whole or _nearly(line, layout.marks, layout.width, layout.full)
 
 
 def is_cut(look: Look, layout: NumberLayout) -> bool:

@@ -32,9 +32,10 @@ from strikewave.records.readers.columns import (
     parse,
     refuse,
 )
-from strikewave.records.readers.common import PICO, begin_together, one_each
+from strikewave.records.readers.common import begin_together, one_each
 from strikewave.records.readers.headings import name_and_unit
 from strikewave.records.readers.measurements import FEWEST_SAMPLES, joined_pieces, parted
+from strikewave.records.readers.settings import PICO
 from strikewave.records.readers.text import odd_cells
 from strikewave.records.record import Array, Channel, Record
 

@@ -12,7 +12,7 @@ from strikewave.base.errors import InputError
 from strikewave.records.record import Array, Channel, Record
 
 FEWEST_SAMPLES = 16
-"""A shorter piece is no measurement: no blow has so few samples, and a clock that jumps to and fro makes such ones."""
+"""A shorter piece is no measurement: no blow has so few samples, and a clock that is often set back makes such ones."""
 MOST_MEASUREMENTS = 1000
 """Measurements of a file that are read: each is examined as a record of its own."""
 BACK = 0.5

@@ -9,7 +9,8 @@ from typing import Any
 from strikewave.records.readers import Options
 from strikewave.records.readers.child import isolated
 from strikewave.records.readers.clock import seconds_in
-from strikewave.records.readers.common import PICO, ArrayColumn, assemble, extra, guard, left_out, number, text
+from strikewave.records.readers.common import ArrayColumn, assemble, extra, guard, left_out, number, text
+from strikewave.records.readers.settings import PICO
 from strikewave.records.record import Record
 
 MANY_SEGMENTS = 1000

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import mmap
 import re
 from collections.abc import Iterable, Sequence
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -30,9 +32,11 @@ from strikewave.records.readers.columns import (
     parse,
     refuse,
 )
-from strikewave.records.readers.common import one_each
+from strikewave.records.readers.common import begin_together, one_each
 from strikewave.records.readers.headings import is_counter, is_time
-from strikewave.records.readers.layout import Look, NumberLayout, is_cut, lay_out, look_at
+from strikewave.records.readers.layout import Look, NumberLayout, is_cut, is_data, lay_out, look_at
+from strikewave.records.readers.measurements import FEWEST_SAMPLES, MOST_MEASUREMENTS, joined_pieces, parted
+from strikewave.records.readers.settings import counted_samples, settings_of
 from strikewave.records.record import Array, Channel, Record
 
 Rows = Sequence[Sequence[str]]
@@ -49,6 +53,8 @@ _MARKED = 20
 """Lines of samples by which two first numbers are known to be none: start and step of Tektronix and the like."""
 SAME_RATE = 0.01
 """Share by which a rate that is stated may differ from that of the file without a warning: clocks are good to 1e-4."""
+_SHORTEST_HEAD, _MOST_HEAD_LINES = 3, 200
+"""Letters of the last line of a head that comes again with each measurement, and lines of such a head at most."""
 _SPARE = 1.05
 """Times the lines that a file is thought to have: lines grow longer with time."""
 
@@ -79,9 +85,61 @@ def read(path: Path, options: Options = Options()) -> Record:  # noqa: B008  (a 
     """
     look = look_at(path)
     layout = lay_out(look)
+    parts = _parts(look, layout)
+    if len(parts) == 1:
+        return _read(look, layout, options)
+    looks = [look_at(path, part, look.encoding) for part in parts]
+    return joined_pieces([_read(one, lay_out(one), options) for one in looks])
+
+
+def _parts(look: Look, layout: NumberLayout) -> list[tuple[int, int, int]]:
+    """Return the measurements of a file whose head comes again: first byte, end, and first line of each."""
+    size = look.path.stat().st_size
+    above = [line for line in layout.above if line.strip()]
+    key = above[-1].rstrip() if above and not look.quoted and not look.lone_returns else ""
+    if len(key) < _SHORTEST_HEAD or not re.search(r"[^\W\d_]", key):
+        return [(0, size, 1)]
+    encoding = look.encoding
+    raw, line_end = key.encode(encoding, "replace"), "\n".encode(encoding)
+    parts, begin, line = [], 0, 1
+    with look.path.open("rb") as opened, mmap.mmap(opened.fileno(), 0, access=mmap.ACCESS_READ) as content:
+        at = content.find(raw)
+        while (at := content.find(line_end + raw, at + 1)) >= 0 and len(parts) <= MOST_MEASUREMENTS:
+            place = at + len(line_end)
+            after = content.find(line_end, place)
+            if content[place : after if after >= 0 else size].decode(encoding, "replace").rstrip() != key:
+                continue
+            end = _end_of_data(content, place, begin, line_end, look.encoding, layout)
+            parts.append((begin, end, line))
+            line += content[begin:end].count(line_end)
+            begin = end
+    return [*parts, (begin, size, line)]
+
+
+def _end_of_data(
+    content: mmap.mmap, place: int, begin: int, line_end: bytes, encoding: str, layout: NumberLayout
+) -> int:
+    """Return the byte at which the last line of data above a head ends."""
+    for _ in range(_MOST_HEAD_LINES):
+        before = content.rfind(line_end, begin, place - len(line_end))
+        if before < 0:
+            break
+        start = before + len(line_end)
+        if is_data(content[start:place].decode(encoding, "replace"), layout):
+            break
+        place = start
+    return place
+
+
+def _read(look: Look, layout: NumberLayout, options: Options) -> Record:
+    """Read columns of numbers from a file, or a part of it."""
+    path = look.path
     rows = _rows(look.head[layout.first : layout.first + _SHOWN], layout)
     time = _time_column(rows, layout, options)
     shown, findings = _channels(path, rows, layout, time)
+    own = settings_of(layout.above, layout.marks, layout.width, list(shown))
+    unique = one_each([own.names.get(k, name) for k, (name, _) in shown.items()])
+    shown = {k: (name, unit) for (k, (_, unit)), name in zip(shown.items(), unique, strict=True)}
     wanted = _wanted(str(path), shown, options.channels)
     clock = None if options.rate is not None else time
     if options.time_unit is not None and time is None:
@@ -99,11 +157,38 @@ def read(path: Path, options: Options = Options()) -> Record:  # noqa: B008  (a 
         step, start = 1.0 / options.rate, 0.0
         notes += _overruled(look, rows, layout, time, options.rate)
     unread = np.broadcast_to(np.float64(np.nan), (size,))
+    has_grid = stamps is not None or options.rate is not None
     channels = [
-        Channel(name, columns[k][skip:] if k in wanted else unread, step, start, unit, stamps)
+        Channel(
+            name,
+            columns[k][skip:] if k in wanted else unread,
+            step if has_grid else own.steps.get(k, step),
+            start if has_grid else own.starts.get(k, start),
+            unit,
+            stamps,
+        )
         for k, (name, unit) in shown.items()
     ]
-    return Record(str(path), "text", tuple(channels), (*findings, *odd, *lost, *notes))
+    if stamps is None:
+        channels, said = begin_together(channels, [own.origins.get(k) for k in shown])
+        notes += said
+    record = Record(str(path), "text", tuple(channels), (*findings, *odd, *lost, *notes))
+    return _as_counted(record, counted_samples(layout.above), size, stamps is not None or options.rate is not None)
+
+
+def _as_counted(record: Record, count: int, size: int, goes_on: bool) -> Record:
+    """Compare the samples of a record with those that its head counts, and part it where they are whole measurements.
+
+    Lines with a time, or of a rate that the user states, go on as they say.
+    """
+    if not count or size == count:
+        return record
+    if size > count and not goes_on and size % count == 0 and count >= FEWEST_SAMPLES:
+        return parted(record, range(count, size, count))
+    message = f"its head counts {count} samples, the file has {size}"
+    severity = "suspect" if size > count and not goes_on else "good"
+    found = HealthNotice("count-differs", message, float(size), severity=severity)
+    return replace(record, findings=(*record.findings, found))
 
 
 def _wanted(path: str, shown: dict[int, tuple[str, str]], names: Sequence[str]) -> set[int]:
@@ -117,7 +202,7 @@ def _numbers(look: Look, layout: NumberLayout, columns: set[int]) -> tuple[dict[
     """Read columns of numbers; report cells that are none, and a last line that was cut."""
     wanted, cut = tuple(sorted(columns)), is_cut(look, layout)
     lone = look.lone_returns
-    region = Region(look.path, look.encoding, skip=layout.first, cut=cut, lone_returns=lone, quoted=look.quoted)
+    region = Region(look.path, look.encoding, look.begin, look.end, layout.first, cut, lone, look.line, look.quoted)
     cells = CellLayout(layout.marks, layout.width, wanted, layout.headings.header, layout.beside)
     table = parse(region, cells, _expected(look))
     findings = odd_cells(table)
