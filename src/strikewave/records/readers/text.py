@@ -101,7 +101,8 @@ def _parts(look: Look, layout: NumberLayout) -> list[tuple[int, int, int]]:
         return [(0, size, 1)]
     encoding = look.encoding
     raw, line_end = key.encode(encoding, "replace"), "\n".encode(encoding)
-    parts, begin, line = [], 0, 1
+    parts: list[tuple[int, int, int]] = []
+    begin, line = 0, 1
     with look.path.open("rb") as opened, mmap.mmap(opened.fileno(), 0, access=mmap.ACCESS_READ) as content:
         at = content.find(raw)
         while (at := content.find(line_end + raw, at + 1)) >= 0 and len(parts) <= MOST_MEASUREMENTS:
