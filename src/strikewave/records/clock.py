@@ -28,6 +28,9 @@ SENSELESS = 1e30
 """No time, and no sample, is as large: instruments write such numbers for none (9.9e37)."""
 USUAL = 0.5
 """Share of the usual step by which others may differ and still count into its mean: gaps and repeated stamps do not."""
+MOST_TWICE = 0.4
+"""Share of the kept samples whose stamps stand twice beyond which they are no slips of a recorder: of two channels that
+share a column, all do."""
 BRIDGED, BRIDGED_AT_LEAST = 4, 1000
 """Samples of the uniform grid for each of the record, and as many more, up to which gaps are bridged: bounds the memory
 of stamps that jump by years."""
@@ -99,7 +102,12 @@ def _resampled(channel: Channel, stamps: Array) -> tuple[Channel, list[HealthNot
         values = values[order][first]
         if same:
             message = f"{same} time stamps stand twice; the first sample of each is kept"
-            findings.append(HealthNotice("time-twice", message, same))
+            mixed = same >= MOST_TWICE * values.size
+            if mixed:
+                message += ": most do, so that samples of several channels may stand in one column"
+            findings.append(
+                HealthNotice("time-twice", message, same, "bad" if mixed else "suspect", FIGURES if mixed else ())
+            )
         steps = np.diff(stamps)
     if stamps.size < 2:
         return dataclasses.replace(channel, values=values, stamps=None), findings
@@ -141,6 +149,8 @@ def _rounded(stamps: Array, steps: Array) -> tuple[float, float] | None:
     middle = float(np.mean(stamps))
     step = float(np.sum(places * (stamps - middle)) / np.sum(places**2))  # np.dot would wait for threads of BLAS
     stray = float(np.max(np.abs(stamps - middle - step * places)))
+    if float(np.min(steps)) == 0.0 and step >= (1.0 - UNEVEN) * _last_digit(stamps):
+        return None  # digits as fine as the step never make neighbours equal: the lines are those of several channels
     if _share_odd(steps, float(np.median(steps))) <= ODD_STEPS or stray > WITHIN_DIGIT * _last_digit(stamps):
         return None
     return middle - 0.5 * step * steps.size, step

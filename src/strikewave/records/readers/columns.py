@@ -23,6 +23,8 @@ MOST_COLUMNS = 10_000
 """A line with more cells is refused: no recorder has as many channels, and each column takes memory of its own."""
 COMMENTS = ("#", "%", "//")
 """A line that begins so is a comment."""
+MOST_WORDS = 1000
+"""Different words of a coded column that are told apart: more are no names of channels."""
 _MISSING = frozenset({"nan", "+nan", "-nan", "na", "n/a", "null"})
 """Words for a missing value, in small letters."""
 _NULLS = ["", " ", "nan", "NaN", "NAN", "+nan", "-nan", "-NaN", "NA", "N/A", "n/a", "null", "NULL"]
@@ -66,7 +68,7 @@ class Region(NamedTuple):
 class CellLayout(NamedTuple):
     """How a line is cut into cells, how many it has, which are wanted, and the header that must not come again.
 
-    Up to the line `beside`, settings may stand behind the cells.
+    Up to the line `beside`, settings may stand behind the cells. Of the wanted ones, those that are `coded` hold words.
     """
 
     marks: Marks
@@ -74,14 +76,19 @@ class CellLayout(NamedTuple):
     wanted: tuple[int, ...]
     header: tuple[str, ...] = ()
     beside: int = 0
+    coded: tuple[int, ...] = ()
 
 
 class ParsedColumns(NamedTuple):
-    """Columns wanted, how many of their cells are no numbers, and the line of the first of these."""
+    """Columns wanted, how many of their cells are no numbers, and the line of the first of these.
+
+    ``labels`` are the words of each coded column: its values are their places, NaN for none and beyond `MOST_WORDS`.
+    """
 
     columns: list[Array]
     words: int
     first_word: int
+    labels: dict[int, list[str]] = {}  # noqa: RUF012  (never changed)
 
 
 def refuse(path: Path, allowed: str, hint: str = "") -> InputError:
@@ -253,7 +260,8 @@ def parse(region: Region, grid: CellLayout, expected: int) -> ParsedColumns:
     for block in blocks(region):
         _take(block, line, grid, store, region.encoding)
         line += block.count(b"\n")
-    return ParsedColumns(store.columns(), store.words, store.first_word)
+    labels = {k: list(codes) for k, codes in store.labels.items()}
+    return ParsedColumns(store.columns(), store.words, store.first_word, labels)
 
 
 class _Store:
@@ -264,8 +272,16 @@ class _Store:
         self.used = 0
         self.words = 0
         self.first_word = 0
+        self.labels: dict[int, dict[str, int]] = {}
         self._arrays = [np.empty(0)] * count
         self._grow(expected)
+
+    def code(self, column: int, word: str) -> float:
+        """Return the code of a word of a column."""
+        known, word = self.labels.setdefault(column, {}), word.strip()
+        if not word or (word not in known and len(known) >= MOST_WORDS):
+            return math.nan
+        return float(known.setdefault(word, len(known)))
 
     def add(self, columns: Sequence[Array]) -> None:
         """Append as many values to every column."""
@@ -334,7 +350,7 @@ def _raw(region: Region) -> Iterator[bytes]:
 
 def _take(block: bytes, line: int, grid: CellLayout, store: _Store, encoding: str) -> None:
     """Read a block at once; halve it where that fails, so that only few lines are read one by one."""
-    columns = _at_once(block, grid)
+    columns = _at_once(block, grid, store)
     if columns is not None:
         return store.add(columns)
     middle = block.rfind(b"\n", 0, len(block) // 2) + 1
@@ -344,7 +360,7 @@ def _take(block: bytes, line: int, grid: CellLayout, store: _Store, encoding: st
     return _take(block[middle:], line + block.count(b"\n", 0, middle), grid, store, encoding)
 
 
-def _at_once(block: bytes, grid: CellLayout) -> list[Array] | None:
+def _at_once(block: bytes, grid: CellLayout, store: _Store) -> list[Array] | None:
     import pyarrow as pa  # type: ignore[import-untyped]
     from pyarrow import csv as fast
 
@@ -352,7 +368,7 @@ def _at_once(block: bytes, grid: CellLayout) -> list[Array] | None:
     names = [str(k) for k in range(grid.width)]
     wanted = [names[k] for k in grid.wanted]
     convert = fast.ConvertOptions(
-        column_types=dict.fromkeys(wanted, pa.float64()),
+        column_types={names[k]: pa.string() if k in grid.coded else pa.float64() for k in grid.wanted},
         include_columns=wanted,
         null_values=_NULLS,
         decimal_point=decimal,
@@ -366,8 +382,21 @@ def _at_once(block: bytes, grid: CellLayout) -> list[Array] | None:
         )
     except pa.ArrowInvalid:
         return None
-    columns = [_floats(table.column(k)) for k in range(len(wanted))]
+    columns = [
+        _codes(table.column(k), place, store) if place in grid.coded else _floats(table.column(k))
+        for k, place in enumerate(grid.wanted)
+    ]
     return None if any(np.isinf(column).any() for column in columns) else columns
+
+
+def _codes(column: Any, place: int, store: _Store) -> Array:
+    """Return the codes of an Arrow column of words."""
+    parts = [np.empty(0)]
+    for chunk in column.chunks:
+        coded = chunk.dictionary_encode()
+        codes = np.array([store.code(place, word.as_py() or "") for word in coded.dictionary] or [math.nan])
+        parts.append(codes[coded.indices.to_numpy(zero_copy_only=False)])
+    return np.concatenate(parts)
 
 
 def _floats(column: Any) -> Array:
@@ -404,7 +433,8 @@ def _one_by_one(block: bytes, line: int, grid: CellLayout, store: _Store, encodi
             raise refuse(store.path, f"{grid.width} columns in every line", hint)
         if grid.header and tuple(cells[: len(grid.header)]) == grid.header:
             raise refuse(store.path, "one record in a file", f"the header comes again in line {k}: split it there")
-        rows.append([_value(cells[j] if j < len(cells) else "", grid, store, k) for j in grid.wanted])
+        own = [(j, cells[j] if j < len(cells) else "") for j in grid.wanted]
+        rows.append([store.code(j, cell) if j in grid.coded else _value(cell, grid, store, k) for j, cell in own])
     if rows:
         store.add(list(np.array(rows, dtype=float).T))
 

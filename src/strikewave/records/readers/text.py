@@ -11,6 +11,7 @@ from pathlib import Path
 import numpy as np
 
 from strikewave.base.errors import InputError, nearest
+from strikewave.base.first_few import first_few
 from strikewave.records.health_notice import HealthNotice
 from strikewave.records.readers import Options
 from strikewave.records.readers.clock import (
@@ -32,9 +33,10 @@ from strikewave.records.readers.columns import (
     parse,
     refuse,
 )
-from strikewave.records.readers.common import begin_together, one_each
+from strikewave.records.readers.common import MOST_NAMED, begin_together, one_each
 from strikewave.records.readers.headings import is_counter, is_time
-from strikewave.records.readers.layout import Look, NumberLayout, is_cut, is_data, lay_out, look_at
+from strikewave.records.readers.layout import HEAD, Look, NumberLayout, is_cut, is_data, lay_out, look_at
+from strikewave.records.readers.long_table import MOST_LABELS, Labels, as_long_table, labels_of, may_be_labels
 from strikewave.records.readers.measurements import FEWEST_SAMPLES, MOST_MEASUREMENTS, joined_pieces, parted
 from strikewave.records.readers.settings import counted_samples, settings_of
 from strikewave.records.record import Array, Channel, Record
@@ -53,6 +55,8 @@ _MARKED = 20
 """Lines of samples by which two first numbers are known to be none: start and step of Tektronix and the like."""
 SAME_RATE = 0.01
 """Share by which a rate that is stated may differ from that of the file without a warning: clocks are good to 1e-4."""
+_MOST_CODED = 4
+"""Columns of words in which names of channels, measurements and units are looked for."""
 _SHORTEST_HEAD, _MOST_HEAD_LINES = 3, 200
 """Letters of the last line of a head that comes again with each measurement, and lines of such a head at most."""
 _SPARE = 1.05
@@ -137,6 +141,9 @@ def _read(look: Look, layout: NumberLayout, options: Options) -> Record:
     path = look.path
     rows = _rows(look.head[layout.first : layout.first + _SHOWN], layout)
     time = _time_column(rows, layout, options)
+    table = _read_long(look, layout, rows, time, options)
+    if table is not None:
+        return table
     shown, findings = _channels(path, rows, layout, time)
     own = settings_of(layout.above, layout.marks, layout.width, list(shown))
     unique = one_each([own.names.get(k, name) for k, (name, _) in shown.items()])
@@ -147,7 +154,7 @@ def _read(look: Look, layout: NumberLayout, options: Options) -> Record:
         raise InputError(
             "--time-unit", f"{options.time_unit:g} s", "a file with time", "no column of it is: name it by --time"
         )
-    columns, odd = _numbers(look, layout, wanted if clock is None else {*wanted, clock})
+    columns, odd, _ = _numbers(look, layout, wanted if clock is None else {*wanted, clock})
     unit = 1.0 if clock is None else options.time_unit or seconds_in(layout.headings.units[clock]) or 1.0
     stamps, lost = _with_time(columns, clock, unit)
     step, start, skip, notes = _grid(look, layout, clock, unit, stamps, [] if time is not None else list(shown))
@@ -199,17 +206,99 @@ def _wanted(path: str, shown: dict[int, tuple[str, str]], names: Sequence[str]) 
     return {columns[channel.name] for channel in blank.only(names).channels}
 
 
-def _numbers(look: Look, layout: NumberLayout, columns: set[int]) -> tuple[dict[int, Array], list[HealthNotice]]:
-    """Read columns of numbers; report cells that are none, and a last line that was cut."""
+def _read_long(look: Look, layout: NumberLayout, rows: Rows, time: int | None, options: Options) -> Record | None:
+    """Read a table in which a column names the channel, or the measurement, of each line; None where there is none.
+
+    Raises
+    ------
+    InputError
+        If a column names channels, and their lines make no records.
+    """
+    names, units, _ = layout.headings
+    rest = look.middle + look.tail if look.size > HEAD else look.head[layout.first :][_SHOWN:][-_SHOWN:]
+    sample = [*rows, *_rows(rest, layout)]
+    may = [
+        k
+        for k in range(layout.width)
+        if k != time and may_be_labels(names[k], [row[k] for row in sample if len(row) > k], k in layout.filled)
+    ]
+    whole, coded = [k for k in may if k in layout.filled], tuple(k for k in may if k not in layout.filled)[:_MOST_CODED]
+    if not whole and not coded:
+        return None
+    columns, odd, words = _numbers(look, layout, {*layout.filled, *coded}, coded)
+    named = [(k, Labels(names[k], columns[k], words.get(k, []))) for k in coded]
+    counted = [(k, labels_of(names[k], columns[k])) for k in whole]
+    clock = time if time is not None or layout.headings.named else _rising(columns, layout, [*named, *counted])
+    unit = 1.0 if clock is None else options.time_unit or seconds_in(units[clock]) or 1.0
+    stamps, lost = _with_time(columns, clock, unit)
+    step, start = said_step([re.sub(r"^[#%/\s]+", "", line) for line in look.head[: layout.first]])
+    for chosen in (counted, *([one] for one in counted), []):
+        labels = {
+            k: one._replace(codes=columns[k]) if not one.are_numbers else labels_of(names[k], columns[k])
+            for k, one in [*named, *chosen]
+        }
+        values = [k for k in layout.filled if k != clock and k not in labels]
+        unique = one_each([names[k] or f"value {n}" for n, k in enumerate(values, start=1)])
+        channels = [
+            Channel(name, columns[k], step, start, units[k], stamps) for name, k in zip(unique, values, strict=True)
+        ]
+        findings = [one for one in layout.findings if one.value - 1.0 not in labels]
+        record = Record(str(look.path), "text", tuple(channels), (*findings, *odd, *lost))
+        table = as_long_table(record, list(labels.values()))
+        if table is not None:
+            return _as_asked(table, options)
+    several = next((one for _, one in named if one.is_channel and len(one.present()) > 1), None)
+    if several is not None:
+        allowed = f"2 to {MOST_LABELS} channels of at least {FEWEST_SAMPLES} lines in the column {several.heading}"
+        raise refuse(look.path, allowed, f"it has {len(several.present())} names")
+    return None
+
+
+def _rising(columns: dict[int, Array], layout: NumberLayout, labels: Sequence[tuple[int, Labels]]) -> int | None:
+    """Return the first column without a name that rises evenly in the lines of each label, where one is."""
+    taken = {k for k, _ in labels}
+    for _, label in labels:
+        lines = [label.codes == code for code in label.present()]
+        for k in layout.filled:
+            if k not in taken and lines and all(rises_evenly(columns[k][own], 0.0) for own in lines):
+                return k
+    return None
+
+
+def _as_asked(table: Record, options: Options) -> Record:
+    """Return the wanted channels of a long table, over the rate that is stated."""
+    pieces = []
+    for piece in (table, *table.further):
+        channels = piece.channels
+        if options.rate is not None:
+            channels = tuple(replace(one, step=1.0 / options.rate, start=0.0, stamps=None) for one in channels)
+        wanted = {channel.name for channel in piece.only(options.channels).channels}
+        channels = tuple(
+            one if one.name in wanted else replace(one, values=np.broadcast_to(np.float64(np.nan), one.values.shape))
+            for one in channels
+        )
+        message = f"a long table: each line is of one of {first_few([one.name for one in channels], MOST_NAMED)}"
+        found = HealthNotice("long-table", message, float(len(channels)), severity="good")
+        pieces.append(replace(piece, channels=channels, findings=(*piece.findings, found), further=()))
+    return joined_pieces(pieces)
+
+
+def _numbers(
+    look: Look, layout: NumberLayout, columns: set[int], coded: tuple[int, ...] = ()
+) -> tuple[dict[int, Array], list[HealthNotice], dict[int, list[str]]]:
+    """Read columns of numbers; report cells that are none, and a last line that was cut.
+
+    Those that are ``coded`` hold words, and become their places among the words that are returned.
+    """
     wanted, cut = tuple(sorted(columns)), is_cut(look, layout)
     lone = look.lone_returns
     region = Region(look.path, look.encoding, look.begin, look.end, layout.first, cut, lone, look.line, look.quoted)
-    cells = CellLayout(layout.marks, layout.width, wanted, layout.headings.header, layout.beside)
+    cells = CellLayout(layout.marks, layout.width, wanted, layout.headings.header, layout.beside, coded)
     table = parse(region, cells, _expected(look))
     findings = odd_cells(table)
     if cut:
         findings.append(HealthNotice("truncated", "the last line is cut: it is left out"))
-    return dict(zip(wanted, table.columns, strict=True)), findings
+    return dict(zip(wanted, table.columns, strict=True)), findings, table.labels
 
 
 def _time_column(rows: Rows, layout: NumberLayout, options: Options) -> int | None:

@@ -1,0 +1,185 @@
+"""Long tables: a column says of which channel, or of which measurement, each line is."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator, Sequence
+from dataclasses import replace
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+
+from strikewave.base.errors import InputError
+from strikewave.records.readers.clock import step_of
+from strikewave.records.readers.measurements import FEWEST_SAMPLES, joined_pieces
+from strikewave.records.record import Array, Channel, Record
+
+MOST_LABELS = 64
+"""More different words are no names of channels: recorders have fewer, and a column of remarks has more."""
+_NUMBERED = r"(?:[ _-]?(?:no\.?|nr\.?|num(?:ber)?|nummer|name|id|index))?"
+_OF_CHANNEL = re.compile(
+    rf"(?:channel|chan|ch|kanal|sensor|signal|probe|gauge|variable|series|voie|canal|messstelle|position|quantity|"
+    rf"measurand){_NUMBERED}|name|id",
+    re.IGNORECASE,
+)
+_SURELY_OF_CHANNEL = re.compile(
+    rf"(?:channel|kanal|voie|canal){_NUMBERED}|(?:sensor|signal)[ _-]?(?:no\.?|nr\.?|name|id)", re.IGNORECASE
+)
+_OF_MEASUREMENT = re.compile(
+    rf"(?:shot|run|test|measurement|event|trial|blow|repeat|record|segment|versuch|messung|schuss|schlag|stoss){_NUMBERED}",
+    re.IGNORECASE,
+)
+_OF_UNIT = re.compile(r"units?|einheit(?:en)?|unit(?:e|é)s?|dimension", re.IGNORECASE)
+"""Headings of columns that name a channel, surely so, a measurement, or the unit of the line."""
+
+
+class Labels(NamedTuple):
+    """A column of names: its heading, the code of each line (NaN for none), and the word of each code.
+
+    ``are_numbers`` marks whole numbers, which may be samples too.
+    """
+
+    heading: str
+    codes: Array
+    words: Sequence[str]
+    are_numbers: bool = False
+
+    @property
+    def is_unit(self) -> bool:
+        """Whether it gives the unit of each line."""
+        return _OF_UNIT.fullmatch(self.heading) is not None
+
+    @property
+    def is_channel(self) -> bool:
+        """Whether its heading says that it names channels."""
+        return _SURELY_OF_CHANNEL.fullmatch(self.heading) is not None
+
+    @property
+    def is_measurement(self) -> bool:
+        """Whether it counts measurements."""
+        return _OF_MEASUREMENT.fullmatch(self.heading) is not None
+
+    def of(self, lines: Array) -> Labels:
+        """Return those of some lines."""
+        return self._replace(codes=self.codes[lines])
+
+    def present(self) -> list[int]:
+        """Return the codes that lines have, in the order in which they first come."""
+        codes, first = np.unique(self.codes[np.isfinite(self.codes)], return_index=True)
+        return [int(code) for code in codes[np.argsort(first)]]
+
+
+def may_be_labels(heading: str, cells: Sequence[str], are_numbers: bool) -> bool:
+    """Tell whether cells of some lines may name channels: few different ones, each many times.
+
+    Examples
+    --------
+    >>> may_be_labels("", ["A", "B"] * 8, False), may_be_labels("note", ["start"] + [""] * 9, False)
+    (True, False)
+    """
+    filled = [cell for cell in cells if cell]
+    known = any(pattern.fullmatch(heading) for pattern in (_OF_CHANNEL, _OF_MEASUREMENT, _OF_UNIT))
+    if 10 * len(filled) < 9 * len(cells) or not filled or (are_numbers and heading and not known):
+        return False
+    if are_numbers and not all(re.fullmatch(r"[+-]?\d{1,6}", cell) for cell in filled):
+        return False
+    different = len(set(filled))
+    if not are_numbers and _SURELY_OF_CHANNEL.fullmatch(heading):
+        return True
+    return different <= MOST_LABELS and (known or 4 * different <= len(filled))
+
+
+def labels_of(heading: str, values: Array) -> Labels:
+    """Return a column of whole numbers as labels."""
+    numbers = np.unique(values[np.isfinite(values)])
+    codes = np.where(np.isfinite(values), np.searchsorted(numbers, values).astype(np.float64), np.nan)
+    named = [f"{heading or 'channel'} {number:g}" for number in numbers[: MOST_LABELS + 1]]
+    return Labels(heading, codes, named, are_numbers=True)
+
+
+def as_long_table(record: Record, columns: Sequence[Labels]) -> Record | None:
+    """Return the channels, and the measurements, of a long table; None for a table that is none.
+
+    Parameters
+    ----------
+    record : Record
+        Its channels hold the lines of all, over stamps that all share, or over none.
+    columns : sequence of Labels
+        What may name channels, measurements or units.
+
+    Raises
+    ------
+    InputError
+        If one channel has lines in several units.
+
+    Examples
+    --------
+    >>> time = np.repeat(np.arange(20) * 1e-3, 2)
+    >>> table = Record("a.csv", "text", (Channel("value", np.arange(40.0), stamps=time, unit="g"),))
+    >>> found = as_long_table(table, [Labels("Channel", np.tile([0.0, 1.0], 20), ["A", "B"])])
+    >>> [(channel.name, channel.unit, channel.values[:3].tolist(), channel.step) for channel in found.channels]
+    [('A', 'g', [0.0, 2.0, 4.0], 0.001), ('B', 'g', [1.0, 3.0, 5.0], 0.001)]
+    """
+    if not record.channels:
+        return None
+    stamps, size = record.channels[0].stamps, record.channels[0].values.size
+    of_unit = next((one for one in columns if one.is_unit), None)
+    rest = [one for one in columns if not one.is_unit]
+    shots = next((one for one in rest if one.is_measurement and _part(one, stamps)), None)
+    channels = [one for one in rest if not one.is_measurement]
+    lines = [np.arange(size)] if shots is None else [np.flatnonzero(shots.codes == code) for code in shots.present()]
+    pieces = []
+    parted = shots is not None
+    for chosen in lines:
+        times = None if stamps is None else stamps[chosen]
+        names = next((own for one in channels if _part(own := one.of(chosen), times)), None)
+        parted = parted or names is not None
+        pieces.append(tuple(_channels(record, chosen, names, None if of_unit is None else of_unit.of(chosen))))
+    return joined_pieces([replace(record, channels=piece) for piece in pieces]) if parted else None
+
+
+def _part(labels: Labels, stamps: Array | None) -> bool:
+    """Tell whether lines are those of different channels, or measurements, by a column of names.
+
+    They are where times stand twice, or begin anew, in all of them and not in those of each name; where they rise in
+    all of them, by a heading that says so, or names that take turns.
+    """
+    codes = labels.present()
+    if not 2 <= len(codes) <= MOST_LABELS:
+        return False
+    counts = [int(np.count_nonzero(labels.codes == code)) for code in codes]
+    if min(counts) < FEWEST_SAMPLES:
+        return False
+    if stamps is None:
+        return labels.is_measurement or labels.is_channel
+    rises = [bool(np.all(np.diff(stamps[labels.codes == code]) > 0.0)) for code in codes]
+    if not np.all(np.diff(stamps) > 0.0):
+        return all(rises) or (labels.is_channel and not labels.are_numbers)
+    turns = max(counts) - min(counts) <= 1 and int(np.count_nonzero(np.diff(labels.codes))) >= labels.codes.size - 1
+    return not labels.is_measurement and (turns or (labels.is_channel and not labels.are_numbers))
+
+
+def _channels(record: Record, lines: Array, names: Labels | None, units: Labels | None) -> Iterator[Channel]:
+    """Yield each value of each name as a channel."""
+    chosen = [("", lines)]
+    if names is not None:
+        chosen = [(str(names.words[code]), lines[names.codes == code]) for code in names.present()]
+    for word, own in chosen:
+        unit = None if units is None else _unit(record, word, units, np.isin(lines, own))
+        for channel in record.channels:
+            stamps = None if channel.stamps is None else channel.stamps[own]
+            step = channel.step if stamps is None else step_of(stamps, 0.0)
+            start = channel.start if stamps is None or not stamps.size else float(stamps[0])
+            name = word if word and len(record.channels) == 1 else f"{word} {channel.name}".strip()
+            values = channel.values[own]
+            yield Channel(name, values, step, start, channel.unit if unit is None else unit, stamps)
+
+
+def _unit(record: Record, word: str, units: Labels, own: Array) -> str:
+    """Return the unit of the lines of one name."""
+    present = units.of(own).present()
+    if len(present) > 1:
+        several = ", ".join(str(units.words[code]) for code in present[:4])
+        raise InputError("FILE", str(Path(record.path)), f"one unit for all lines of {word or 'a channel'}", several)
+    return str(units.words[present[0]]) if present else ""
