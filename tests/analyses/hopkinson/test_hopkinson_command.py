@@ -459,3 +459,58 @@ def test_validate_tells_what_is_wrong_with_a_set_up(strikewave, tmp_path, change
     code, _, err = strikewave("validate", "mine.toml", "--set", change)
     assert code == 2
     assert told in err
+
+
+def tension_warnings(strikewave, *command):
+    code, out, err = strikewave("hopkinson", *command, "--json")
+    assert code == 0, err
+    return [
+        (one["code"], one["message"])
+        for one in json.loads(out)["warnings"]
+        if one["code"] in ("tension", "signs-differ")
+    ]
+
+
+def test_the_first_sentence_says_that_compression_is_assumed(strikewave, shot):
+    code, out, err = strikewave("hopkinson", shot)
+    assert code == 0, err
+    assert " ".join(out.split()).startswith("Each first pulse is taken as compression, whatever its sign: the specimen")
+    assert tension_warnings(strikewave, shot) == []
+
+
+@pytest.mark.parametrize(
+    ("title", "warned"),
+    [
+        ("18CrNiMo7-6 in tension", "title of the set-up says tension"),
+        ("SHTB 7", "title of the set-up says SHTB"),
+        ("Zugversuch", "title of the set-up says Zugversuch"),
+        ("\u62c9\u4f38\u8bd5\u9a8c", "title of the set-up says \u62c9\u4f38"),
+        ("tension positive", "tension positive, and the first pulse of bar.incident.gauge is positive"),
+        ("compression negative", "compression negative, and the first pulse of bar.incident.gauge is positive"),
+        ("compression positive, no tension", ""),
+        ("tension is negative", ""),
+        ("attention: extension pulley", ""),
+    ],
+)
+def test_a_sign_or_a_shot_that_the_set_up_calls_tension_is_warned_of(strikewave, shot, title, warned):
+    """The pulses of the shot are positive."""
+    found = tension_warnings(strikewave, shot, "--set", f"title={title}")
+    assert warned in (found[0][1] if found else "")
+    assert bool(found) == bool(warned)
+
+
+def test_a_head_or_a_channel_of_the_file_that_says_tension_is_warned_of(strikewave, shot, tmp_path):
+    text = (tmp_path / "shot.csv").read_text()
+    (tmp_path / "shot.csv").write_text("# gauges: tension is positive\n" + text)
+    assert [code for code, _ in tension_warnings(strikewave, shot)] == ["tension", "tension"]
+    (tmp_path / "shot.csv").write_text(text.replace("incident", "incident tension"))
+    renamed = tension_warnings(strikewave, shot, "--set", "bar.incident.gauge.channel=incident tension")
+    assert [code for code, _ in renamed] == ["tension"]
+
+
+def test_first_pulses_of_opposite_signs_are_warned_of(strikewave, shot, tmp_path):
+    head, *lines = (tmp_path / "shot.csv").read_text().splitlines()
+    cells = [line.split(",") for line in lines]
+    turned = [f"{time},{first},{-float(second):.9g}" for time, first, second in cells]
+    (tmp_path / "shot.csv").write_text("\n".join([head, *turned]) + "\n")
+    assert [code for code, _ in tension_warnings(strikewave, shot)] == ["signs-differ"]

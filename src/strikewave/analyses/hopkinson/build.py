@@ -189,11 +189,15 @@ def check_setup(case: HopkinsonCase) -> list[str]:
 
 
 class Gauged(NamedTuple):
-    """The strain of a gauge, the findings of reading it, and file and name of the channel that it came from."""
+    """The strain of a gauge, the findings of reading it, and file and name of the channel that it came from.
+
+    ``is_strain`` tells whether the file holds strain, not a voltage.
+    """
 
     trace: GaugeTrace
     findings: list[HealthNotice]
     source: tuple[Path, str]
+    is_strain: bool
 
 
 def build_trace(case: HopkinsonCase, table: GaugeTable, path: str, bar: Bar) -> Gauged:
@@ -206,7 +210,8 @@ def build_trace(case: HopkinsonCase, table: GaugeTable, path: str, bar: Bar) -> 
     """
     channel, findings = _channel(case, table, path)
     trace = GaugeTrace(_strain(channel, table, path, bar), channel.step, channel.start)
-    return Gauged(trace, findings, (recorded_file(case, table).resolve(), channel.name))
+    is_strain = table.bridge is None and table.strain_per_volt is None
+    return Gauged(trace, findings, (recorded_file(case, table).resolve(), channel.name), is_strain)
 
 
 class AccelerometerSignal(NamedTuple):

@@ -13,6 +13,7 @@ from strikewave.analyses.hopkinson.notices import citations, constant_notices, d
 from strikewave.analyses.hopkinson.plausibility import strain_notices
 from strikewave.analyses.hopkinson.sensor_result import SensorSolution
 from strikewave.analyses.hopkinson.setup_file import HopkinsonCase
+from strikewave.analyses.hopkinson.sign_notices import sign_notices, stated_kind, stated_texts
 from strikewave.base.materials import material
 from strikewave.base.percents import percent
 from strikewave.base.result import Notice
@@ -41,7 +42,8 @@ def compare_accelerometer(case: HopkinsonCase) -> SensorSolution:
     table, sensor = setup.bar.incident, setup.accelerometer
     assert sensor is not None
     bar, constants = build_bar(table, "bar.incident")
-    trace, findings, _ = build_trace(case, table.gauge, "bar.incident.gauge", bar)
+    gauged = build_trace(case, table.gauge, "bar.incident.gauge", bar)
+    trace, findings = gauged.trace, gauged.findings
     reading = build_reading(case, sensor)
     standing = _standing(setup, bar)
     bandwidth = setup.solver.bandwidth
@@ -53,6 +55,11 @@ def compare_accelerometer(case: HopkinsonCase) -> SensorSolution:
     notices = [
         *reading_notices([*findings, *reading.findings]),
         *constant_notices({"incident": constants}),
+        *sign_notices(
+            stated_kind(stated_texts(case, [gauged])),
+            [(comparison.pulses.traces[0], "bar.incident.gauge")],
+            gauged.is_strain,
+        ),
         *drift_notices(comparison.pulses.traces[:1], ["bar.incident.gauge"]),
         *strain_notices(comparison.pulses),
         *rise_notices(stack, rise, comparison.bandwidth.value),

@@ -20,6 +20,7 @@ from strikewave.analyses.hopkinson.plausibility import (
 from strikewave.analyses.hopkinson.result import HopkinsonSolution
 from strikewave.analyses.hopkinson.sensor_result import SensorSolution
 from strikewave.analyses.hopkinson.setup_file import HopkinsonCase
+from strikewave.analyses.hopkinson.sign_notices import sign_notices, stated_kind, stated_texts
 from strikewave.base.compile_progress import compiling_shown
 from strikewave.base.errors import InputError
 from strikewave.base.percents import percent
@@ -101,6 +102,11 @@ def _reduce(case: HopkinsonCase) -> HopkinsonSolution:
     checked = None if striker is None else striker_check(pulses, reduction, striker)
     notices = [
         *reading_notices([finding for one in gauged for finding in one.findings]),
+        *sign_notices(
+            stated_kind(stated_texts(case, gauged)),
+            list(zip(pulses.traces, [path for _, path in gauges], strict=True)),
+            all(one.is_strain for one in gauged),
+        ),
         *drift_notices(pulses.traces, [path for _, path in gauges]),
         *constant_notices({"incident": constants, "transmitted": others}),
         *strain_notices(pulses),
@@ -131,7 +137,7 @@ def _calibrate(case: HopkinsonCase) -> EchoSolution:
     setup = case.setup
     table = setup.bar.incident
     bar, constants = build_bar(table, "bar.incident")
-    trace, findings, _ = build_trace(case, table.gauge, "bar.incident.gauge", bar)
+    trace, findings, *_ = build_trace(case, table.gauge, "bar.incident.gauge", bar)
     echoes = calibrate_bar(trace, bar, setup.echoes.way, int(setup.echoes.skip.si), setup.solver.dispersion)
     notices = [
         *reading_notices(findings),

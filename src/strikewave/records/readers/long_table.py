@@ -143,7 +143,7 @@ def _part(labels: Labels, stamps: Array | None) -> bool:
     """Tell whether lines are those of different channels, or measurements, by a column of names.
 
     They are where times stand twice, or begin anew, in all of them and not in those of each name; where they rise in
-    all of them, by a heading that says so, or names that take turns.
+    all of them, by a heading such as channel, or names that take turns.
     """
     codes = labels.present()
     if not 2 <= len(codes) <= MOST_LABELS:

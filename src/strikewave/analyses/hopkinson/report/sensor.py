@@ -74,13 +74,14 @@ def sensor_words(solution: SensorSolution) -> str:
     """Say in words what the sensor read: on the screen and at the head of the report."""
     comparison = solution.comparison
     sensitivity = _sensitivity(solution.sensitivity, solution.unit)
-    what = "The sensitivity of the sensor" if solution.unit == "V" else "The reading over the reference"
+    what = "the sensitivity of the sensor" if solution.unit == "V" else "the reading over the reference"
+    assumed = "The first pulse at the gauge is taken as compression, whatever its sign"
     return (
-        f"{what} is {sensitivity} at {with_unit(comparison.bandwidth.value, 'Hz', 'kHz')} (standard "
+        f"{assumed}: {what} is {sensitivity} at {with_unit(comparison.bandwidth.value, 'Hz', 'kHz')} (standard "
         f"uncertainty {percent(solution.uncertainty.combined, 2)}), and {percent(comparison.agreement.residual, 1)} of "
         "the reading does not follow the reference."
         if solution.quoted
-        else "The rise of the pulse is too steep at this bandwidth for accelerations to be quoted."
+        else f"{assumed}. The rise of the pulse is too steep at this bandwidth for accelerations to be quoted."
     )
 
 

@@ -86,7 +86,8 @@ def shot_words(solution: HopkinsonSolution) -> str:
     """Say in words what the specimen did: on the screen and at the head of the report."""
     summary = solution.summary()
     return (
-        f"The specimen reached a true strain of {percent(summary['strain'], 1)} at {summary['rate']:.0f} 1/s (median) "
+        "Each first pulse is taken as compression, whatever its sign: "
+        f"the specimen reached a true strain of {percent(summary['strain'], 1)} at {summary['rate']:.0f} 1/s (median) "
         f"and a true stress of {with_unit(summary['stress'], 'Pa', 'MPa')}. The forces on its faces differ by "
         f"{percent(solution.equilibrium.misfit, 1)} of their mean, and {percent(abs(solution.momentum.closure), 2)} "
         f"of the incident impulse is {_closing(solution)}."
