@@ -6,15 +6,18 @@ import re
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from pathlib import Path
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from strikewave.base.errors import InputError
 from strikewave.records.readers.clock import step_of
 from strikewave.records.readers.measurements import FEWEST_SAMPLES, joined_pieces
 from strikewave.records.record import Array, Channel, Record
 
+Lines = NDArray[Any]
+"""Places of lines, or whether each is one."""
 MOST_LABELS = 64
 """More different words are no names of channels: recorders have fewer, and a column of remarks has more."""
 _NUMBERED = r"(?:[ _-]?(?:no\.?|nr\.?|num(?:ber)?|nummer|name|id|index))?"
@@ -60,7 +63,7 @@ class Labels(NamedTuple):
         """Whether it counts measurements."""
         return _OF_MEASUREMENT.fullmatch(self.heading) is not None
 
-    def of(self, lines: Array) -> Labels:
+    def of(self, lines: Lines) -> Labels:
         """Return those of some lines."""
         return self._replace(codes=self.codes[lines])
 
@@ -160,7 +163,7 @@ def _part(labels: Labels, stamps: Array | None) -> bool:
     return not labels.is_measurement and (turns or (labels.is_channel and not labels.are_numbers))
 
 
-def _channels(record: Record, lines: Array, names: Labels | None, units: Labels | None) -> Iterator[Channel]:
+def _channels(record: Record, lines: Lines, names: Labels | None, units: Labels | None) -> Iterator[Channel]:
     """Yield each value of each name as a channel."""
     chosen = [("", lines)]
     if names is not None:
@@ -176,7 +179,7 @@ def _channels(record: Record, lines: Array, names: Labels | None, units: Labels 
             yield Channel(name, values, step, start, channel.unit if unit is None else unit, stamps)
 
 
-def _unit(record: Record, word: str, units: Labels, own: Array) -> str:
+def _unit(record: Record, word: str, units: Labels, own: Lines) -> str:
     """Return the unit of the lines of one name."""
     present = units.of(own).present()
     if len(present) > 1:
