@@ -174,6 +174,24 @@ def test_a_record_at_the_mounting_surface(strikewave, shot):
     assert {"record-bandwidth"} <= {w["code"] for w in found["warnings"]}
 
 
+def test_a_record_has_one_peak_width_and_velocity_change_whatever_reads_it(strikewave, tmp_path):
+    """The largest sample of a noisy record stands above its peak by about two standard deviations of the noise."""
+    time = np.arange(0.0, 6e-3, 2e-6)
+    pulse = 1200.0 * np.sin(np.pi * (time - 2e-3) / 5e-4) * ((time > 2e-3) & (time < 2.5e-3))
+    values = pulse + 3.0 + np.random.default_rng(3).normal(0.0, 6.0, time.size)
+    table = np.column_stack([time, values])
+    np.savetxt("noisy.csv", table, "%.9g", ",", header="time (s),board (g)", comments="")
+    of_record = json.loads(strikewave("record", "noisy.csv", "--json")[1])["files"][0]["channels"][0]["pulses"][0]
+    words = ("--mass", "5 gram", "--diameter", "15 mm", "--record", "noisy.csv", "--limit", "5000 g", *FEW)
+    of_buffer = json.loads(strikewave("buffer", *words, "--json")[1])["blow"]
+    same = {"peak": "surface_peak", "width": "pulse_width", "velocity_change": "surface_velocity_change"}
+    assert {key: of_record[key] for key in same} == {key: of_buffer[name] for key, name in same.items()}
+    assert of_record["peak"] / STANDARD_GRAVITY == pytest.approx(1200.0, abs=3.0)  # noise over the root of some 30
+    above = (of_buffer["largest_sample"] - of_buffer["surface_peak"]) / STANDARD_GRAVITY
+    assert 3.0 < above < 24.0
+    assert f"(largest sample {of_buffer['largest_sample'] / STANDARD_GRAVITY:.5g} g" in strikewave("buffer", *words)[1]
+
+
 @pytest.mark.verify
 def test_the_sensor_that_a_record_leaves_fits_into_a_case(strikewave, shot):
     words = ("--mass", "5 gram", "--diameter", "15 mm", "--model", "Endevco 7270A-20K", "--record", shot)

@@ -8,7 +8,7 @@ import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -29,6 +29,9 @@ from strikewave.sensors import Gasket, Mounting, Reading, Recorder, Sensor, acce
 from strikewave.sensors.channel import SensorChannel, shortest_period
 from strikewave.sensors.mounting import RESOLVED
 from strikewave.signal.pulse import largest, measure_pulse
+
+if TYPE_CHECKING:
+    from strikewave.records.measuring import RecordedPulse
 
 Array = NDArray[np.float64]
 
@@ -145,6 +148,8 @@ class BaseMotion:
         Time of first touch after a sampling instant of the recorder, s; the first sample where ``start`` is 0.
     rigid_peak, rigid_width : float or None
         Of the rigid-body acceleration, where it is known, m/s^2, and at 10 % of its peak, s.
+    recorded : RecordedPulse or None
+        The blow as `strikewave record` measures it, where it was measured: above its own baseline, without noise.
     """
 
     name: str
@@ -154,6 +159,7 @@ class BaseMotion:
     touched: float = 0.0
     rigid_peak: float | None = None
     rigid_width: float | None = None
+    recorded: RecordedPulse | None = field(default=None, repr=False)
 
     @cached_property
     def text(self) -> str:
@@ -163,12 +169,24 @@ class BaseMotion:
     @property
     def width(self) -> float:
         """Width of the pulse at 10 % of its peak, s: of the rigid body where it is known, else of the surface."""
+        if self.recorded is not None:
+            return self.recorded.width
         return pulse_width(self.acceleration, self.step) if self.rigid_width is None else self.rigid_width
 
     @property
     def peak(self) -> float:
-        """Value of largest magnitude, m/s^2."""
+        """Peak of the surface, m/s^2: of a record that of its blow, else the value of largest magnitude."""
+        return self.largest_sample if self.recorded is None else self.recorded.peak
+
+    @property
+    def largest_sample(self) -> float:
+        """Value of largest magnitude, m/s^2: of a record with its noise, which every stack passes on."""
         return largest(self.acceleration)
+
+    @property
+    def surface_change(self) -> float:
+        """Velocity change of the surface, m/s: of a record that of its blow, else over the history."""
+        return self.velocity_change if self.recorded is None else self.recorded.velocity_change
 
     @property
     def after_peak(self) -> float:

@@ -145,9 +145,12 @@ def _sensor_section(study: BufferStudy) -> Section:
         ["range", with_unit(sensor.range, "m/s^2", "g") if math.isfinite(sensor.range) else "none stated"],
         ["sampling rate", "ideal recorder" if rate is None else hertz(rate)],
         ["blow", motion.name],
-        ["largest acceleration of the surface", with_unit(motion.peak, "m/s^2", "g")],
-        ["velocity change of the surface", with_unit(motion.velocity_change, "m/s", "m/s", 3)],
+        ["peak of the surface", with_unit(motion.peak, "m/s^2", "g")],
+        ["velocity change of the surface", with_unit(motion.surface_change, "m/s", "m/s", 3)],
     ]
+    if motion.recorded is not None:
+        sample = with_unit(motion.largest_sample, "m/s^2", "g")
+        rows.insert(-1, ["largest sample, with the noise that readings have too", sample])
     if motion.rigid_peak is not None:
         rows.append(["rigid-body peak", with_unit(motion.rigid_peak, "m/s^2", "g")])
     parts: list[Part] = [Table("Sensor and blow", ["", "value"], rows)]

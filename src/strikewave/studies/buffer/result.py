@@ -34,6 +34,7 @@ from strikewave.studies.buffer.mounting_site import BaseMotion, Blows, MountingS
 UNITS = {
     "limit": "m/s^2", "mass": "kg", "area": "m^2", "resonance": "Hz", "quality": "1", "range": "m/s^2",
     "sampling_rate": "Hz", "surface_peak": "m/s^2", "surface_velocity_change": "m/s", "rigid_peak": "m/s^2",
+    "largest_sample": "m/s^2",
     "pulse_width": "s", "moduli": "1", "duration": "s", "thickness": "m", "height": "m", "peak": "m/s^2", "width": "s",
     "element_peak": "m/s^2",    "true_peak": "m/s^2", "ringing": "1",
     "margin": "1", "within_5": "Hz", "within_10": "Hz", "half_power": "Hz", "largest": "1", "largest_at": "Hz",
@@ -180,7 +181,8 @@ class BufferStudy(ShownResult):
         blow = {
             "name": motion.name,
             "surface_peak": motion.peak,
-            "surface_velocity_change": motion.velocity_change,
+            "largest_sample": motion.largest_sample,
+            "surface_velocity_change": motion.surface_change,
             "rigid_peak": motion.rigid_peak,
             "pulse_width": motion.width,
             "duration": motion.step * (motion.acceleration.size - 1),

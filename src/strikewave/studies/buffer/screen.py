@@ -198,11 +198,13 @@ def _reading(file: str, stated: dict[str, dict[str, Any]], options: Any) -> tupl
 
 
 def _recorded(path: Path | None, reading: ChannelReading, findings: Sequence[HealthNotice]) -> Blows:
-    """Return the motion about the largest value of a record, its baseline taken off."""
+    """Return the motion about the largest value of a record, with the baseline of its blow taken off."""
     channel = reading.channel
-    values = channel.values - reading.baseline
-    first = max(int(np.argmax(np.abs(values))) - LONGEST // 4, 0)
-    values = values[first : first + LONGEST]
+    place = int(np.argmax(np.abs(channel.values - reading.baseline)))
+    at = channel.start + place * channel.step
+    blow = min(reading.pulses, key=lambda pulse: abs(pulse.time - at), default=None)
+    first = max(place - LONGEST // 4, 0)
+    values = channel.values[first : first + LONGEST] - (reading.baseline if blow is None else blow.offset)
     message = (
         f"the record holds nothing above {0.5e-3 * channel.sampling_rate:.4g} kHz, nor what its own sensor and filter "
         "took off: a stiff buffer may read more than is shown"
@@ -210,7 +212,8 @@ def _recorded(path: Path | None, reading: ChannelReading, findings: Sequence[Hea
     warnings = [Notice("record-bandwidth", message, 0.5 * channel.sampling_rate, 0.0)]
     warnings += [Notice("record-suspect", f"{f.code}: {f.message}", f.value, 0.0) for f in findings]
     name = f"{path.name if path else ''} {channel.name}".strip()
-    return Blows((BaseMotion(name, values, channel.step, channel.start + first * channel.step),), 0, tuple(warnings))
+    motion = BaseMotion(name, values, channel.step, channel.start + first * channel.step, recorded=blow)
+    return Blows((motion,), 0, tuple(warnings))
 
 
 def _called(source: BlowSource) -> str:
@@ -222,6 +225,10 @@ def _called(source: BlowSource) -> str:
 def _print(study: BufferStudy) -> None:
     motion, site = study.motion, study.site
     rigid = "" if motion.rigid_peak is None else f", rigid-body peak {with_unit(motion.rigid_peak, 'm/s^2', 'g', 5)}"
+    if motion.recorded is not None:
+        rigid += (
+            f" (largest sample {with_unit(motion.largest_sample, 'm/s^2', 'g', 5)}: readings below have its noise too)"
+        )
     tell(
         f"{site.table.name}, {with_unit(site.mass, 'kg', 'gram')}, on {with_unit(site.area, 'm^2', 'mm^2')} of gasket; "
         f"{motion.name}: surface {with_unit(motion.peak, 'm/s^2', 'g', 5)}{rigid}",
