@@ -13,7 +13,7 @@ import pytest
 from strikewave.base import folder_claim
 from strikewave.base.errors import InputError, StrikewaveWarning
 from strikewave.base.folder_claim import Claim, claimed
-from strikewave.base.output_folder import atomic_folder
+from strikewave.base.output_folder import atomic_folder, mark_text
 
 WRITER = """
 import sys, time
@@ -49,14 +49,14 @@ def test_a_second_run_is_told_who_has_the_folder_and_takes_what_a_kill_left(tmp_
     with another_run(folder, environment) as run:
         with pytest.raises(InputError, match=f"process {run.pid} is at work"), claimed(folder):
             pass
-        assert (folder / "case.toml").read_text() == "before"
+        assert mark_text(folder / "case.toml") == "before"
         run.send_signal(signal.SIGKILL)
         run.wait()
     left = {path.name for path in tmp_path.iterdir()}
     assert len(left) == 3  # the result, what was being written, and its lock
     write(folder, "after")
     assert [path.name for path in tmp_path.iterdir()] == ["out"]
-    assert (folder / "case.toml").read_text() == "after"
+    assert mark_text(folder / "case.toml") == "after"
 
 
 def test_runs_on_other_folders_of_a_place_do_not_wait(tmp_path, environment):
@@ -73,12 +73,12 @@ def test_an_older_result_goes_only_for_a_whole_one(tmp_path, monkeypatch, exchan
         monkeypatch.setattr(folder_claim, "_exchange", lambda one, other: False)
     write(folder, "first")
     write(folder, "second")
-    assert (folder / "case.toml").read_text() == "second"
+    assert mark_text(folder / "case.toml") == "second"
     with pytest.raises(KeyboardInterrupt), claimed(folder) as claim, atomic_folder(claim, "", force=True) as place:
         (place / "case.toml").write_text("third")
         raise KeyboardInterrupt
     assert not claim.written
-    assert (folder / "case.toml").read_text() == "second"
+    assert mark_text(folder / "case.toml") == "second"
     assert [path.name for path in tmp_path.iterdir()] == ["out"]
 
 
@@ -111,7 +111,7 @@ def test_a_run_killed_between_two_renames_is_put_right_by_the_next(tmp_path):
     claim.begin()
     folder.rename(claim._old)
     with pytest.warns(StrikewaveWarning, match="the older result is back"), claimed(folder):
-        assert (folder / "case.toml").read_text() == "before"
+        assert mark_text(folder / "case.toml") == "before"
     assert [path.name for path in tmp_path.iterdir()] == ["out"]
 
 

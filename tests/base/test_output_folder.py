@@ -2,7 +2,6 @@
 
 import contextlib
 import errno
-import os
 import shutil
 import subprocess
 import sys
@@ -13,7 +12,7 @@ import pytest
 from strikewave.base.compiled import PACKAGE, kernel_key
 from strikewave.base.errors import InputError
 from strikewave.base.folder_claim import claimed
-from strikewave.base.output_folder import atomic_folder, check_place, check_unchanged, keep_true_files
+from strikewave.base.output_folder import atomic_folder, check_place, check_unchanged, keep_true_files, mark_text
 
 
 def test_unwritable_kernel_cache_is_survived_with_a_word(tmp_path, environment):
@@ -99,7 +98,7 @@ def test_an_interrupted_result_keeps_the_old_one(tmp_path):
         (place / "case.toml").write_text("half")
         raise KeyboardInterrupt
     assert names(tmp_path) == ["out"]
-    assert (tmp_path / "out" / "case.toml").read_text() == "x"
+    assert mark_text(tmp_path / "out" / "case.toml") == "x"
 
 
 def test_another_result_is_only_replaced_by_force(tmp_path):
@@ -112,7 +111,7 @@ def test_another_result_is_only_replaced_by_force(tmp_path):
     with pytest.raises(InputError, match="--force"):
         write("two")
     write("two", force=True)
-    assert (tmp_path / "out" / "case.toml").read_text() == "two"
+    assert mark_text(tmp_path / "out" / "case.toml") == "two"
     assert names(tmp_path) == ["out"]
 
 
@@ -144,6 +143,54 @@ def test_what_is_no_result_is_never_replaced(tmp_path):
     assert (tmp_path / "out" / "thesis.docx").read_text() == "years of work"
 
 
+@pytest.mark.parametrize("force", [False, True])
+@pytest.mark.parametrize("mine", ["histories.csv", "report.html", "case-2.toml", "of-mine/shot.csv"])
+def test_a_folder_that_only_looks_like_a_result_is_never_replaced(tmp_path, force, mine):
+    """A case of the user's own with measurements beside it, under names that results have too."""
+    folder = tmp_path / "bench"
+    (folder / mine).parent.mkdir(parents=True)
+    (folder / "case.toml").write_text("x")
+    (folder / mine).write_text("measured")
+    with pytest.raises(InputError, match="has no list of the files of a result"), written(folder, "x", force):
+        pass
+    assert (folder / mine).read_text() == "measured"
+    assert (folder / "case.toml").read_text() == "x"
+
+
+@pytest.mark.parametrize("identity", ["x", "another"])
+@pytest.mark.parametrize("mine", ["histories.csv", "blows.csv", "of-mine/shot.csv"])
+def test_what_was_added_to_a_result_or_changed_in_it_is_never_replaced(tmp_path, mine, identity):
+    folder = tmp_path / "out"
+
+    def write():
+        with written(folder, identity, force=True) as place:
+            (place / "blows.csv").write_text("1")
+            (place / "case.toml").write_text("x")
+
+    write()
+    (folder / mine).parent.mkdir(exist_ok=True)
+    (folder / mine).write_text("mine")
+    with pytest.raises(InputError, match=f"added or changed since its run .*{mine}"):
+        write()
+    assert (folder / mine).read_text() == "mine"
+    (folder / mine).unlink()
+    if mine.startswith("of-mine"):
+        with pytest.raises(InputError, match="of-mine"):
+            write()
+        (folder / "of-mine").rmdir()
+    write()
+    assert names(folder) == ["blows.csv", "case.toml"]
+
+
+def test_a_link_in_a_result_is_the_users(tmp_path):
+    with written(tmp_path / "out", "x") as place:
+        (place / "case.toml").write_text("x")
+    (tmp_path / "shot.csv").write_text("measured")
+    (tmp_path / "out" / "shot.csv").symlink_to(tmp_path / "shot.csv")
+    with pytest.raises(InputError, match=r"shot\.csv"), written(tmp_path / "out", "x", force=True):
+        pass
+
+
 def test_a_case_changed_by_hand_in_a_result_is_not_replaced_unasked(tmp_path):
     folder = tmp_path / "out"
     with written(folder, "x") as place:
@@ -151,9 +198,7 @@ def test_a_case_changed_by_hand_in_a_result_is_not_replaced_unasked(tmp_path):
         (place / "case.toml").write_text("x")
     check_unchanged(folder, "another case of that name")  # as its run wrote it
     mark = folder / "case.toml"
-    mark.write_text("y")
-    later = mark.stat().st_mtime + 10.0
-    os.utime(mark, (later, later))
+    mark.write_text(mark.read_text().replace("x", "y", 1))
     with pytest.raises(InputError, match="was changed after the run"):
         check_unchanged(folder, "x")
     check_unchanged(folder, "y")  # what would be written is what stands there

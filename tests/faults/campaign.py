@@ -33,6 +33,8 @@ from pathlib import Path
 
 import h5py
 
+from strikewave.base.output_folder import list_files, mark_text
+
 IMPACT = ("impact", "--stiffness", "4.7e9", "--exponent", "1.5", "-e", "0.5", "--m1", "1", "--m2", "2", "--speed", "1")
 COMMANDS: dict[str, tuple[str, ...]] = {
     "impact": IMPACT,
@@ -217,7 +219,14 @@ def state_of(folder: Path) -> dict[str, str]:
     if not folder.is_dir():
         return {}
     files = (path for path in sorted(folder.iterdir()) if path.name != "report.html")
-    return {path.name: fields_of(path) if path.suffix == ".vtkhdf" else digest(path.read_bytes()) for path in files}
+    return {path.name: _state_of(path) for path in files}
+
+
+def _state_of(path: Path) -> str:
+    """Return the SHA-256 of a file: of that which marks the result without those of the others, the page among them."""
+    if path.suffix == ".vtkhdf":
+        return fields_of(path)
+    return digest(mark_text(path).encode() if path.name in MARKS else path.read_bytes())
 
 
 def digest(content: bytes) -> str:
@@ -283,6 +292,7 @@ class Bench:
         if folder.exists():
             oldest = next(path for path in sorted(folder.iterdir()) if path.suffix in TEXTS and path.name not in MARKS)
             oldest.write_text(oldest.read_text() + "\n")
+            list_files(folder)
 
     def survives(self, name: str, fault: Fault) -> str:
         """Let a fault befall a command; return what was lost, or nothing."""

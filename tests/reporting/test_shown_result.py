@@ -173,6 +173,16 @@ def test_the_report_is_that_of_the_command_whole_and_nothing_beside_it(run, tmp_
     assert sorted(path.name for path in tmp_path.iterdir()) == ["report.html", "run.html"]
 
 
+def test_a_report_for_a_folder_takes_the_place_of_no_page_of_the_users(run, tmp_path):
+    (tmp_path / "report.html").write_text("<!doctype html><title>thesis</title>")
+    with pytest.raises(InputError, match="no other page of this name"):
+        run.report(tmp_path)
+    assert "thesis" in (tmp_path / "report.html").read_text()
+    for _ in range(2):  # the second takes the place of the first: strikewave wrote it
+        run.report(tmp_path / "run.html").rename(tmp_path / "report.html")
+        assert run.report(tmp_path).name == "report.html"
+
+
 @pytest.mark.parametrize("name", ["run.pdf", "run", "nowhere/run.html"])
 def test_a_report_elsewhere_is_refused_in_one_line(run, tmp_path, name):
     with pytest.raises(InputError, match=r"ends in \.html") as error:

@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import contextlib
+import hashlib
 import os
-import re
 import secrets
 import shutil
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from pathlib import Path
 
 from strikewave.base.errors import InputError, show
@@ -15,117 +15,94 @@ from strikewave.base.folder_claim import Claim, hidden_beside, refusal
 
 MARKS = ("case.toml", "record.toml")
 """One of these files marks a folder as a result; its text distinguishes one result from another."""
-RESULT_FILES = (
-    *MARKS,
-    "waves.nc",
-    "taps.csv",
-    "solution.nc",
-    "blows.csv",
-    "pulses.csv",
-    "motion.csv",
-    "pairs.csv",
-    "transfer.csv",
-    "responses.csv",
-    "spectrum.csv",
-    "comparison.csv",
-    "response.csv",
-    "response.svg",
-    "rolling.csv",
-    "rolling.svg",
-    "summary.svg",
-    "field.svg",
-    "animation.html",
-    "animation.gif",
-    "machine.html",
-    "machine.gif",
-    "tripartite.svg",
-    "impact.json",
-    "impact.svg",
-    "history.csv",
-    "identify.json",
-    "reduction.csv",
-    "reduction.nc",
-    "echoes.csv",
-    "echoes.nc",
-    "buffer.json",
-    "buffers.csv",
-    "sensor.csv",
-    "sensor.toml",
-    "peak-bandwidth.svg",
-    "histories.svg",
-    "transmissibility.svg",
-    "fit.json",
-    "fit.svg",
-    "fitted.toml",
-    "parameters.csv",
-    "residuals.csv",
-    "runs.csv",
-    "runs.parquet",
-    "run-histories.parquet",
-    "design.json",
-    "design.svg",
-    "sweep.json",
-    "sweep.svg",
-    "scatter.json",
-    "scatter.svg",
-    "map.json",
-    "map.nc",
-    "map.csv",
-    "map.svg",
-    "acceleration.csv",
-    "synthesis.json",
-    "map.png",
-    "equal-blows.toml",
-    "settings.json",
-    "settings.svg",
-    "spec.json",
-    "specification.toml",
-    "laws.json",
-    "asked-given.svg",
-    "asked-given.png",
-    "stiffness-laws.svg",
-    "stiffness-laws.png",
-    "cushion-laws.svg",
-    "cushion-laws.png",
-    "histories.nc",
-    "histories.csv",
-    "histories-pulse.csv",
-    "histories-record.csv",
-    "histories-reading.csv",
-    "histories-interval.csv",
-    "histories.parquet",
-    "histories-pulse.parquet",
-    "histories-record.parquet",
-    "histories-reading.parquet",
-    "histories-interval.parquet",
-    "field.vtkhdf",
-    "result.xlsx",
-    "comparison.json",
-    "comparison.svg",
-    "report.html",
-    "report.pdf",
-    "test-report.html",
-    "test-report.pdf",
-    "shocks.csv",
-)
-"""What a result consists of; a folder that holds anything else is never replaced, for it may be the user's own."""
 ANIMATIONS = ("machine.html", "machine.gif", "animation.html", "animation.gif")
 """Files that take long to make and depend on the inputs alone: a rerun that does not make them keeps them."""
 _RANDOM_BYTES = 6
 """Random bytes behind the name of a file that is being written, of which no two runs ever share."""
+_LIST = "\n# The files of this result with their SHA-256. What was added or changed since is never replaced.\n"
+"""Begins the list of the files at the end of the text that marks a folder."""
 
 
-_NUMBER = re.compile(r"[-_]\d+\.")
-"""Of the files of a later blow: histories-2.csv is one of the files that a result consists of, as histories.csv is; and
-of the readings of a sensor."""
+def mark_of(folder: Path) -> Path | None:
+    """Return the file that marks a folder as a result; None where there is none."""
+    return next((folder / name for name in MARKS if (folder / name).is_file()), None)
 
 
-def check_place(folder: Path, identity: str, force: bool = False, own: Sequence[str] = ()) -> None:
+def mark_text(mark: Path) -> str:
+    """Return the text that marks a result, without the list of its files."""
+    return mark.read_text("utf-8", errors="replace").partition(_LIST)[0]
+
+
+def list_files(folder: Path) -> None:
+    """Write the files of a folder with their SHA-256 into the file that marks it, as comments; nothing without a mark.
+
+    By the list a result is told from files that only have such names: a measurement may be called ``histories.csv``.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> with tempfile.TemporaryDirectory() as place:
+    ...     mark, table = Path(place) / "case.toml", Path(place) / "blows.csv"
+    ...     _ = mark.write_text("schema = 1"), table.write_text("1")
+    ...     list_files(Path(place))
+    ...     _ = table.write_text("2")
+    ...     changed_files(Path(place)), mark_text(mark)
+    (['blows.csv'], 'schema = 1')
+    """
+    mark = mark_of(folder)
+    if mark is None:
+        return
+    text = mark_text(mark)
+    lines = [f"# {_digest(path)}  {path.relative_to(folder).as_posix()}\n" for path in _entries(folder) if path != mark]
+    lines.append(f"# {_digest_of(text)}  {mark.name}\n")
+    with mark.open("w", encoding="utf-8", newline="\n") as file:
+        file.write(text + _LIST + "".join(lines))
+
+
+def _listed(mark: Path) -> dict[str, str] | None:
+    """Return the SHA-256 of each file of a result as its list has it; None where it has no list."""
+    _, begin, rest = mark.read_text("utf-8", errors="replace").partition(_LIST)
+    pairs = (line.removeprefix("# ").partition("  ") for line in rest.splitlines())
+    return {name: digest for digest, _, name in pairs} if begin else None
+
+
+def changed_files(folder: Path) -> list[str] | None:
+    """Return what lies in a result folder and was not written with it, or was changed since, but for what marks it.
+
+    None stands for a folder without a list: an older strikewave wrote it, or somebody else.
+    """
+    mark = mark_of(folder)
+    listed = None if mark is None else _listed(mark)
+    if listed is None:
+        return None
+    others = {path.relative_to(folder).as_posix(): path for path in _entries(folder) if path != mark}
+    return [name for name, path in others.items() if name not in listed or _digest(path) != listed[name]]
+
+
+def _entries(folder: Path) -> list[Path]:
+    """Return all files below a folder, links, and folders that hold nothing; sorted."""
+    entries = (path for path in folder.rglob("*") if path.is_symlink() or not path.is_dir() or not any(path.iterdir()))
+    return sorted(entries)
+
+
+def _digest(path: Path) -> str:
+    """Return the SHA-256 of a file; a word for what is none."""
+    if path.is_symlink() or not path.is_file():
+        return "none"
+    with path.open("rb") as file:
+        return hashlib.file_digest(file, "sha256").hexdigest()
+
+
+def _digest_of(text: str) -> str:
+    return hashlib.sha256(text.encode()).hexdigest()
+
+
+def check_place(folder: Path, identity: str, force: bool = False) -> None:
     """Refuse a result folder that holds something else.
 
     A folder that is absent, empty, or holds the very same result (its ``case.toml`` or ``record.toml`` equals
     ``identity``, or begins with it where it is one line) may be written; any other result only by ``force``; one that
-    holds other files never. ``own`` are files of this result beside `RESULT_FILES`, such as those named after the case.
+    holds other files, or files that were changed since, never, nor one without a list of its files.
 
     Raises
     ------
@@ -133,12 +110,12 @@ def check_place(folder: Path, identity: str, force: bool = False, own: Sequence[
         If the place is taken, is a file, or its parent cannot be written.
     """
     try:
-        _check(folder, identity, force, own)
+        _check(folder, identity, force)
     except OSError as error:
         raise InputError("--out", str(folder), "a folder that can be written", error.strerror or str(error)) from None
 
 
-def _check(folder: Path, identity: str, force: bool, own: Sequence[str]) -> None:
+def _check(folder: Path, identity: str, force: bool) -> None:
     if folder.is_symlink() or (folder.exists() and not folder.is_dir()):
         raise InputError("--out", str(folder), "a folder", "this is a file or a link; choose another name")
     parent = next((p for p in folder.absolute().parents if p.exists()), None)
@@ -148,16 +125,23 @@ def _check(folder: Path, identity: str, force: bool, own: Sequence[str]) -> None
         raise InputError("--out", str(folder), "a place that can be written", f"{parent} cannot")
     if not folder.exists() or not any(folder.iterdir()):
         return
-    mark = next((folder / name for name in MARKS if (folder / name).is_file()), None)
-    known, names = {*RESULT_FILES, *own}, (entry.name for entry in folder.iterdir())
-    foreign = sorted(name for name in names if not {name, _NUMBER.sub(".", name)} & known)
-    if foreign or mark is None:
-        hint = (
-            f"it holds files that are not of a result ({show(', '.join(foreign))}); move them, or choose another folder"
-        )
-        raise InputError("--out", str(folder), "an empty or new folder", hint)
-    if not force and not _is_marked(mark.read_text("utf-8", errors="replace"), identity):
+    mark, changed = mark_of(folder), changed_files(folder)
+    if mark is None or changed is None or changed:
+        raise InputError("--out", str(folder), "an empty or new folder", _whose(folder, mark, changed))
+    if not force and not _is_marked(mark_text(mark), identity):
         raise InputError("--out", str(folder), "a new folder", "it holds another result; add --force to replace it")
+
+
+def _whose(folder: Path, mark: Path | None, changed: list[str] | None) -> str:
+    """Return why a folder is not replaced, and what to do."""
+    if mark is None:
+        names = ", ".join(sorted(entry.name for entry in folder.iterdir()))
+        return f"it holds files that are not of a result ({show(names)}); move them, or choose another folder"
+    if changed is None:
+        why = f"{mark.name} there has no list of the files of a result: an older strikewave wrote it, or it is yours"
+        return f"{why}; move the folder, or choose another one"
+    names = show(", ".join(changed))
+    return f"it holds files that were added or changed since its run ({names}); move them, or choose another folder"
 
 
 def _is_marked(text: str, identity: str) -> bool:
@@ -166,31 +150,26 @@ def _is_marked(text: str, identity: str) -> bool:
     return text.startswith(identity) if asked else text == identity
 
 
-LATER = 2.0
-"""Seconds by which a file is newer than all others where it was changed after the run: a run writes the text that marks
-its folder before tables and PDF, and some file systems keep times to 2 s."""
-
-
 def check_unchanged(folder: Path, identity: str) -> None:
     """Refuse to replace a result whose ``case.toml`` was changed by hand after the run: it may be someone's only copy.
 
     Raises
     ------
     InputError
-        If the text that marks the folder is another one, and newer than all else there.
+        If the text that marks the folder is not the one that its run wrote, nor the one to write.
     """
     with contextlib.suppress(OSError):
-        mark = next((folder / name for name in MARKS if (folder / name).is_file()), None)
-        if mark is None or mark.read_text("utf-8", errors="replace") == identity:
+        mark = mark_of(folder)
+        listed = None if mark is None else _listed(mark)
+        if mark is None or listed is None or mark_text(mark) == identity:
             return
-        others = [entry.stat().st_mtime for entry in folder.iterdir() if entry.name != mark.name]
-        if others and mark.stat().st_mtime > max(others) + LATER:
-            hint = f"{mark} was changed after the run: copy it to run it, or add --force to replace it"
+        if _digest_of(mark_text(mark)) != listed.get(mark.name):
+            hint = f"{mark} was changed after the run: move it to run it, or choose another folder"
             raise InputError("--out", str(folder), "a result as its run wrote it", hint)
 
 
 @contextlib.contextmanager
-def atomic_folder(claim: Claim, identity: str, force: bool = False, own: Sequence[str] = ()) -> Iterator[Path]:
+def atomic_folder(claim: Claim, identity: str, force: bool = False) -> Iterator[Path]:
     """Give a temporary folder to write into; it takes the place of the claimed one once all is written.
 
     On any error, Ctrl-C or a full disk included, the temporary folder goes and the old result stays.
@@ -210,11 +189,12 @@ def atomic_folder(claim: Claim, identity: str, force: bool = False, own: Sequenc
     ...     [p.name for p in (Path(home) / "out").iterdir()], len(list(Path(home).iterdir()))
     (['case.toml'], 1)
     """
-    check_place(claim.folder, identity, force, own)
+    check_place(claim.folder, identity, force)
     try:
         claim.begin()
         yield claim.place
-        check_place(claim.folder, identity, force, own)
+        list_files(claim.place)
+        check_place(claim.folder, identity, force)
         claim.swap()
     except OSError as error:
         allowed, reason = "a place that can be written", refusal(error, claim.folder)
@@ -234,7 +214,7 @@ def keep_true_files(old: Path, new: Path, identity: str) -> tuple[list[str], lis
         return [], []
     rest = sorted(entry.name for entry in old.iterdir() if not (new / entry.name).exists())
     shared = [path for kind in ("*.csv", "*.svg") for path in new.glob(kind) if (old / path.name).is_file()]
-    same = any((old / mark).is_file() and (old / mark).read_text("utf-8", "replace") == identity for mark in MARKS)
+    same = any((old / mark).is_file() and mark_text(old / mark) == identity for mark in MARKS)
     same = same and bool(shared) and all(path.read_bytes() == (old / path.name).read_bytes() for path in shared)
     kept = [name for name in rest if same and name in ANIMATIONS]
     for name in kept:

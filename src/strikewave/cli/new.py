@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import functools
+import os
 from collections.abc import Sequence
 from importlib import resources
 from pathlib import Path
@@ -90,7 +91,7 @@ def command(
         _tell(shown, [path], "record", "type your numbers", ["record", "FILES", "--uncertainty", str(path)])
         return 0
     if origin == HOPKINSON:
-        record = _write_example(path, force)
+        record = _write_example(path)
         _tell(shown, [path, record], HOPKINSON, "a measured shot; name your bars and files")
         return 0
     case = own_case(_felt_start() if origin == FELT else load_case(origin), path.stem, origin)
@@ -116,14 +117,15 @@ def _tell(shown: Shown, paths: Sequence[Path], command: str, words: str, line: S
         say(f"written: {' and '.join(map(str, paths))}; {words}, then: {then}")
 
 
-def _write_example(path: Path, force: bool) -> Path:
-    """Write a set-up of split bars, and the record that it names beside it; return the path of the record."""
+def _write_example(path: Path) -> Path:
+    """Write a set-up of split bars, and beside it the record that it names; return the path of the record."""
     from strikewave.analyses.hopkinson.setup_file import example_record, example_setup
 
-    name, record = example_record()
+    name, record = example_record(path.stem)
     beside = path.with_name(name)
-    if beside.exists() and not force and beside.read_bytes() != record.encode():
-        raise InputError("FILE", str(beside), "no other file of this name there", "add --force to replace it")
+    if os.path.lexists(beside) and not (beside.is_file() and beside.read_bytes() == record.encode()):
+        hint = "move it, or give the set-up another name: no file of yours is replaced by the example's record"
+        raise InputError("FILE", str(beside), "no other file of this name there", hint)
     write_atomically(beside, record)
-    write_atomically(path, example_setup() + TEST_EXAMPLE)
+    write_atomically(path, example_setup(name) + TEST_EXAMPLE)
     return beside

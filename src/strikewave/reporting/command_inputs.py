@@ -11,10 +11,12 @@ from pathlib import Path
 from typing import Any
 
 from strikewave.base.errors import InputError, show
-from strikewave.base.output_folder import MARKS
+from strikewave.base.output_folder import MARKS, mark_of, mark_text
 
 ORIGIN = "record.toml"
 """The file of a result that says what was asked, and of what."""
+CASE = MARKS[0]
+"""The file of a result that runs again."""
 LISTED = 2
 """Inputs that an error names; the others are counted."""
 
@@ -68,6 +70,22 @@ def is_within(folder: Path) -> bool:
     return any(home in (Path(name).absolute(), *Path(name).absolute().parents) for name in command_inputs())
 
 
+def check_inputs_stay(folder: Path) -> None:
+    """Refuse to replace a result that holds an input of the new one, but for its case, which the new one has too.
+
+    Raises
+    ------
+    InputError
+        With the input.
+    """
+    home = folder.absolute()
+    for name in command_inputs():
+        path = Path(name).absolute()  # of "history.csv#2" the file is below that folder too
+        if home in path.parents and path != home / CASE:
+            hint = "choose another folder by --out DIR, or move the input first"
+            raise InputError("--out", str(folder), f"a folder without an input, and it holds {show(name)}", hint)
+
+
 def check_inputs(folder: Path, identity: str | None) -> None:
     """Refuse the folder that a command chose by itself where it holds the result of another input.
 
@@ -90,8 +108,8 @@ def check_inputs(folder: Path, identity: str | None) -> None:
     known = _places(before)
     if not now or not known or is_within(folder) or now <= known or known <= now:
         return
-    mark = next((folder / name for name in MARKS if (folder / name).is_file()), None)
-    if identity is not None and mark is not None and mark.read_text("utf-8", errors="replace") == identity:
+    mark = mark_of(folder)
+    if identity is not None and mark is not None and mark_text(mark) == identity:
         return
     is_case = mark is not None and mark.name != ORIGIN
     others = [name for name in before if os.path.abspath(name) not in now]

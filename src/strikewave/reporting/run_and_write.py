@@ -14,7 +14,14 @@ from strikewave.base.folder_claim import Claim, claimed
 from strikewave.base.output_folder import atomic_folder, check_place, check_unchanged, keep_true_files
 from strikewave.base.result import Notice, Result
 from strikewave.reporting.bands import band_words
-from strikewave.reporting.command_inputs import ORIGIN, check_inputs, command_inputs, is_within, origin_text
+from strikewave.reporting.command_inputs import (
+    ORIGIN,
+    check_inputs,
+    check_inputs_stay,
+    command_inputs,
+    is_within,
+    origin_text,
+)
 from strikewave.reporting.measured_files import asked
 from strikewave.reporting.options.output import Output
 from strikewave.reporting.shown_units import showing
@@ -72,9 +79,7 @@ def case_folder(name: str, text: str, changes: Sequence[str]) -> str:
     return f"{name or 'case'}{case_hash(text, changes)}"
 
 
-def run_and_write(
-    command: Command[R], output: Output, usual: str | None, identity: str | None, own: Sequence[str] = ()
-) -> int:
+def run_and_write(command: Command[R], output: Output, usual: str | None, identity: str | None) -> int:
     """Solve, write and print, and return the exit code.
 
     Parameters
@@ -88,8 +93,6 @@ def run_and_write(
     identity : str or None
         The text that will mark the folder, or its first line, so that a place which holds something else is refused
         before the work; None where only the result knows it, and another result is refused after it.
-    own : sequence of str, optional
-        Names of files of this result beside the usual ones.
 
     Raises
     ------
@@ -100,24 +103,22 @@ def run_and_write(
         raise InputError("--test", str(output.test), "none here: this is not of a test that was made", "leave it out")
     output.check_files(usual)
     with showing(output.show):
-        return _run_and_write(command, output, usual, identity, own)
+        return _run_and_write(command, output, usual, identity)
 
 
-def _run_and_write(
-    command: Command[R], output: Output, usual: str | None, identity: str | None, own: Sequence[str]
-) -> int:
+def _run_and_write(command: Command[R], output: Output, usual: str | None, identity: str | None) -> int:
     """Do what `run_and_write` says, in the units shown."""
     place = output.place(usual)
     if place.folder is None:
         return _print(command, output, command.solve(), timed=usual is not None)
-    check_place(place.folder, identity or "", place.replace or identity is None, own)
+    check_place(place.folder, identity or "", place.replace or identity is None)
+    check_inputs_stay(place.folder)
+    check_unchanged(place.folder, identity or "")
     if not place.force:
         check_inputs(place.folder, identity)
-        if identity is not None:
-            check_unchanged(place.folder, identity)
     with claimed(place.folder) as claim:
         try:
-            result, words = _written(command, output, claim, identity, place.replace, own)
+            result, words = _written(command, output, claim, identity, place.replace)
             return _print(command, output, result, timed=True, words=words)
         except KeyboardInterrupt as stop:
             if claim.written:
@@ -126,14 +127,14 @@ def _run_and_write(
 
 
 def _written(
-    command: Command[R], output: Output, claim: Claim, identity: str | None, replace: bool, own: Sequence[str]
+    command: Command[R], output: Output, claim: Claim, identity: str | None, replace: bool
 ) -> tuple[R, list[str]]:
     """Solve, write the folder whole, and return the result and what is said of its files."""
     late = None
     with command.under_way(claim.typed):
         result = command.solve()
         try:
-            with atomic_folder(claim, identity or result.source.text, replace, own) as folder:
+            with atomic_folder(claim, identity or result.source.text, replace) as folder:
                 names = [
                     *command.draw(result, folder),
                     *write_files(result, folder),

@@ -8,6 +8,7 @@ which is found by its name: it takes long to import, and imports the result.
 from __future__ import annotations
 
 import contextlib
+import os
 import sys
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
@@ -42,19 +43,35 @@ COLUMNS = 210
 """Columns into which the samples of the curve are gathered, two pixels each."""
 
 
+OWN_PAGE, HEAD_OF_PAGE = b'<meta name="generator" content="strikewave', 2000
+"""What is in the head of each page that strikewave writes, and within how many bytes."""
+
+
 def html_place(path: Path | str, usual: str) -> Path:
     """Return the HTML file that a path means: itself, or the usual one of a folder.
 
     Raises
     ------
     InputError
-        If it is no HTML file in a folder that exists.
+        If it is no HTML file in a folder that exists, or a folder that has a page of somebody else of that name.
     """
     place = Path(path)
-    place = place / usual if place.is_dir() else place
+    if place.is_dir():
+        place = place / usual
+        if os.path.lexists(place) and not _is_own_page(place):
+            hint = f"name the file: it is replaced, but {usual} of a folder only where strikewave wrote it"
+            raise InputError("path", str(place), "no other page of this name there", hint)
     if place.suffix.lower() not in (".html", ".htm") or not place.parent.is_dir():
         raise InputError("path", str(path), "a file that ends in .html, in a folder that exists, or that folder")
     return place
+
+
+def _is_own_page(place: Path) -> bool:
+    """Tell whether a file is a page that strikewave wrote."""
+    if not place.is_file():
+        return False
+    with place.open("rb") as file:
+        return OWN_PAGE in file.read(HEAD_OF_PAGE)
 
 
 def columns_of(rows: Sequence[Mapping[str, Any]], units: Mapping[str, str]) -> list[Column]:

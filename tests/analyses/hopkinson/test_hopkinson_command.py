@@ -7,6 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from strikewave.analyses.hopkinson.setup_file import load_setup
 from strikewave.cases.tables.performed_test import EXAMPLE as TEST_EXAMPLE
 
 from ...hopkinson import bench
@@ -430,18 +431,18 @@ def test_a_calibration_states_students_factor(strikewave, tmp_path):
 def test_new_writes_the_example_of_the_docs_and_validate_takes_it(strikewave, tmp_path):
     import re
 
-    code, _, err = strikewave("new", "mine", "--from", "hopkinson")
+    code, _, err = strikewave("new", "my-bars", "--from", "hopkinson")
     assert code == 0, err
     docs = (Path(__file__).parents[3] / "docs" / "hopkinson.md").read_text("utf-8")
-    written = (tmp_path / "mine.toml").read_text("utf-8")
+    written = (tmp_path / "my-bars.toml").read_text("utf-8")
     assert written.removesuffix(TEST_EXAMPLE) == re.findall(r"```toml\n(.*?)```", docs, re.DOTALL)[0]
-    assert strikewave("new", "mine", "--from", "hopkinson")[0] == 2
-    code, out, err = strikewave("validate", "mine.toml")
+    assert strikewave("new", "my-bars", "--from", "hopkinson")[0] == 2
+    code, out, err = strikewave("validate", "my-bars.toml")
     assert code == 0, err
     assert "bar.incident.speed" in out
     assert "3 measured" in out
     assert "not there yet" not in err
-    document = json.loads(strikewave("validate", "mine.toml", "--json")[1])
+    document = json.loads(strikewave("validate", "my-bars.toml", "--json")[1])
     assert document["values"]["specimen.length"]["value"] == pytest.approx(3.204e-3)
 
 
@@ -514,3 +515,31 @@ def test_first_pulses_of_opposite_signs_are_warned_of(strikewave, shot, tmp_path
     turned = [f"{time},{first},{-float(second):.9g}" for time, first, second in cells]
     (tmp_path / "shot.csv").write_text("\n".join([head, *turned]) + "\n")
     assert [code for code, _ in tension_warnings(strikewave, shot)] == ["signs-differ"]
+
+
+@pytest.mark.parametrize("force", [(), ("--force",)])
+def test_the_record_of_the_example_takes_the_place_of_no_measurement(strikewave, tmp_path, force):
+    (tmp_path / "shot.csv").write_text("mine")
+    code, _, err = strikewave("new", "my-bars", "--from", "hopkinson", *force)
+    assert code == 0, err
+    assert sorted(os.listdir(tmp_path)) == ["my-bars-shot.csv", "my-bars.toml", "shot.csv"]
+    assert (tmp_path / "shot.csv").read_text() == "mine"
+    setup = load_setup("my-bars.toml").setup
+    assert setup.bar.incident.gauge.file == setup.bar.transmitted.gauge.file == "my-bars-shot.csv"
+    (tmp_path / "my-bars-shot.csv").write_text("mine too")
+    (tmp_path / "my-bars.toml").unlink()
+    for name in ("shot", "my-bars"):  # the record of a set-up called shot is shot.csv
+        code, _, err = strikewave("new", name, "--from", "hopkinson", *force)
+        assert (code, (tmp_path / f"{name}.toml").exists()) == (2, False)
+        assert "no file of yours is replaced" in err
+    assert (tmp_path / "shot.csv").read_text() == "mine"
+    assert (tmp_path / "my-bars-shot.csv").read_text() == "mine too"
+
+
+def test_the_example_of_a_set_up_runs_under_any_name(strikewave):
+    for name in ("my-bars", "a b", 'q"1'):
+        assert strikewave("new", name, "--from", "hopkinson")[0] == 0
+        assert strikewave("new", name, "--from", "hopkinson", "--force")[0] == 0  # the same record stays
+        assert load_setup(f"{name}.toml").setup.bar.incident.gauge.file == f"{name}-shot.csv"
+    code, _, err = strikewave("hopkinson", "my-bars.toml", "--json")
+    assert code in (0, 3), err

@@ -6,7 +6,7 @@ import re
 
 import pytest
 
-from strikewave.papers.li_ma_2019.screen import FILES, own_files, progress
+from strikewave.papers.li_ma_2019.screen import progress
 
 ROW = {"name", "where", "quantity", "value_si", "si", "published_value", "published_unit", "origin", "note", "computed"}
 ANSWER = {"by", "value_si", "low_si", "high_si", "role", "note", "difference"}
@@ -63,8 +63,6 @@ def test_the_folder_is_whole_and_its_table_holds_the_document(strikewave, tmp_pa
         assert line["name"] == row["name"]
         assert float(line["published"]) == row["value_si"]
         assert line["computed"] == ("" if answer is None else repr(answer["value_si"]))
-    (place / "figure-15-f.svg").write_text("of a run with elements")
-    assert own_files(place).count("figure-15-f.svg") == 1
     (place / "mine.txt").write_text("kept")
     code, _, err = strikewave(*QUICK, "--out", "result", "--force")
     assert code == 2
@@ -77,14 +75,6 @@ def test_a_run_has_one_line_however_often_it_reports(capsys):
         for share, words in ((0.0, "a"), (0.1, "b: 3 s left"), (0.2, "b: 2 s left"), (0.6, "c"), (1.0, "")):
             report(share, words)
     assert capsys.readouterr() == ("", "  0 %  a\n 10 %  b\n 60 %  c\n")
-
-
-def test_pictures_of_the_paper_are_files_of_the_result_and_others_are_not(tmp_path):
-    kept = ("figure-5.svg", "figure-11-g.svg")
-    for name in (*kept, "figure-6.svg", "figure-5-ab.svg", "figure-5.png", "my-figure-5.svg"):
-        (tmp_path / name).touch()
-    assert sorted(own_files(tmp_path)) == sorted((*FILES, *kept))
-    assert own_files(tmp_path / "absent") == FILES
 
 
 @pytest.mark.parametrize(

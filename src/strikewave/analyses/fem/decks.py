@@ -126,10 +126,8 @@ def write_deck(case: Case, changes: list[str], code: str, system: UnitSystem, ou
     """
     text = marked_text(case, code, system)
     model = build_model(case)
-    stem = _heading(case, model).stem
-    own = [f"{stem}{ending}" for endings in CODES.values() for ending in endings]
     command = DeckCommand(case, model, code, system)
-    return run_and_write(command, output, case_folder(f"{case.name or 'case'}-deck", text, changes), text, own)
+    return run_and_write(command, output, case_folder(f"{case.name or 'case'}-deck", text, changes), text)
 
 
 @dataclass(frozen=True)

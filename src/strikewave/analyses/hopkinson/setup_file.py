@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import re
 from collections.abc import Iterable, Iterator, Mapping
 from importlib import resources
@@ -21,6 +22,8 @@ from strikewave.cases.tables.performed_test import PerformedTest
 
 EXAMPLE = resources.files("strikewave.cases") / "hopkinson_example"
 """Folder of the example: set-up, record, and the licence of the record."""
+RECORD = "shot.csv"
+"""The record there, as its set-up calls it."""
 LARGEST_FILE = 1_000_000
 """A set-up above this many bytes is refused: a record was named in its place, since no set-up comes near."""
 FORM = Form(HopkinsonSetup, "set-up", 'bar.incident.speed="4866 m/s"')
@@ -35,28 +38,34 @@ class HopkinsonCase(NamedTuple):
     folder: Path
 
 
-def example_setup() -> str:
-    """Return the text of a set-up of a shot to begin from, every key with a comment.
+def example_setup(record: str = RECORD) -> str:
+    """Return the text of a set-up of a shot to begin from, every key with a comment; ``record`` is its file.
 
     Examples
     --------
-    >>> parse_setup(example_setup()).setup.kind
-    'shot'
+    >>> parse_setup(example_setup("my-bars-shot.csv")).setup.bar.incident.gauge.file
+    'my-bars-shot.csv'
     """
-    return (EXAMPLE / "setup.toml").read_text("utf-8")
+    text = (EXAMPLE / "setup.toml").read_text("utf-8")
+    quoted, plain = re.escape(f'"{RECORD}"'), re.escape(RECORD)
+    typed = json.dumps(record, ensure_ascii=False)
+    return re.sub(f"{quoted}|{plain}", lambda found: typed if found[0].startswith('"') else record, text)
 
 
-def example_record() -> tuple[str, str]:
-    """Return name and text of the record that the example names: a shot that was measured, with its credit.
+def example_record(name: str = "") -> tuple[str, str]:
+    """Return name and text of the record of the example: a shot that was measured, with its credit.
+
+    The record of a set-up is called after that, so that it takes the place of no measurement: ``my-bars-shot.csv``.
 
     Examples
     --------
-    >>> example_record()[0]
-    'shot.csv'
+    >>> example_record("my-bars")[0], example_record("shot")[0]
+    ('my-bars-shot.csv', 'shot.csv')
     """
     import lzma
 
-    return "shot.csv", lzma.decompress((EXAMPLE / "shot.csv.xz").read_bytes()).decode("utf-8")
+    called = f"{name}.csv" if name.endswith(Path(RECORD).stem) else "-".join(filter(None, (name, RECORD)))
+    return called, lzma.decompress((EXAMPLE / f"{RECORD}.xz").read_bytes()).decode("utf-8")
 
 
 def load_setup(path: str, changes: Iterable[str] = ()) -> HopkinsonCase:

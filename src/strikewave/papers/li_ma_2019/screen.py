@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 import contextlib
-import os
-import re
 import sys
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -26,10 +24,6 @@ from strikewave.studies.engine.pools import Pool
 from strikewave.studies.engine.store import RunStore
 from strikewave.studies.resumable import ResumableCommand
 
-FILES = ("report.html", "reproduction.json", "published.csv")
-PICTURES = re.compile(r"figure-(?:5|7|9|11|13|15)(?:-[a-z])?\.svg")
-"""Names of the pictures: the figure of the paper, and a letter from its second picture on."""
-
 
 def run_reproduction(command: ReproduceCommand, output: Output) -> int:
     """Reproduce the paper, write and print the result, and return the exit code.
@@ -40,15 +34,7 @@ def run_reproduction(command: ReproduceCommand, output: Output) -> int:
         If the place is taken.
     """
     usual = f"{PAPER}-reproduced"
-    folder = output.place(usual).folder
-    return run_and_write(command, output, usual, marked_text(command.effort), own_files(folder))
-
-
-def own_files(folder: Path | None) -> tuple[str, ...]:
-    """Return the names of its files, with those of the pictures that a folder holds."""
-    readable = folder is not None and folder.is_dir() and os.access(folder, os.R_OK)
-    there = [path.name for path in folder.iterdir()] if folder is not None and readable else []
-    return (*FILES, *(name for name in there if PICTURES.fullmatch(name)))
+    return run_and_write(command, output, usual, marked_text(command.effort))
 
 
 @dataclass

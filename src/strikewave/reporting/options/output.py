@@ -84,7 +84,7 @@ REPORTS = ("report.html", "test-report.html")
 class Place:
     """The folder of a result, None where none is written, and whether it may replace another one there.
 
-    ``force`` is false where nobody said that what was changed by hand there may go.
+    ``force`` is false where nobody said that the result of another input may go.
     """
 
     folder: Path | None

@@ -116,8 +116,8 @@ def _millimetres(text: str) -> float | None:
 
     Examples
     --------
-    >>> _millimetres("29"), _millimetres("2.9e1mm"), _millimetres("2.9 cm"), _millimetres("there")
-    (29.0, 29.0, 29.0, None)
+    >>> _millimetres("29"), _millimetres("2.9e1mm"), _millimetres("3 cm"), _millimetres("there")
+    (29.0, 29.0, 30.0, None)
     """
     number = typed_number(text)
     if number is not None:
