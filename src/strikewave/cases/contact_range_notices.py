@@ -119,20 +119,42 @@ def indentation_notices(indentation: float, radius: float) -> Iterator[Notice]:
         yield Notice("indentation-large", message, share, LARGEST_INDENTATION)
 
 
-def speed_notices(bodies: Iterable[Material], speed: float) -> Iterator[Notice]:
-    """Warn where an approach (m/s) is so fast that the inertia of what yields counts beside its strength.
+def speed_notices(bodies: Iterable[Material], speed: float, stated: str) -> Iterator[Notice]:
+    """Warn where an approach is faster than a wave, or so fast that the inertia of what yields exceeds its strength.
 
-    From v = sqrt(2 Y/rho) on, the stagnation pressure rho v^2/2 of material that flows is above its yield strength Y:
-    contact laws are those of slow pressing, and no longer hold.
+    Above the wave speed c = sqrt(E/rho) of a body nothing runs ahead of the contact, and the elastic stress rho c v/2
+    of equal bodies is half the modulus: it is a shock front. From v = sqrt(2 Y/rho) on, the stagnation pressure
+    rho v^2/2 of material that flows is above its yield strength Y: contact laws are those of slow pressing, and no
+    longer hold.
+
+    Parameters
+    ----------
+    bodies : iterable of Material
+        What meets.
+    speed : float
+        Of the approach, m/s.
+    stated : str
+        Field and value that make it, such as ``load.speed = 6 km/s``.
     """
-    known = [(row, row.yield_strength) for row in bodies if row.yield_strength is not None]
+    rows = list(bodies)
+    slowest = min(rows, key=lambda row: row.bar_speed)
+    if speed > slowest.bar_speed:
+        message = (
+            f"{stated}: the approach at {speed:.4g}\xa0m/s is faster than a wave in {slowest.name}, "
+            f"{slowest.bar_speed:.4g}\xa0m/s (sqrt(E/rho)): it is a shock front, of which neither contact laws nor "
+            "elastic waves know; look at the unit, and do not trust force or pulse"
+        )
+        yield Notice("faster-than-wave", message, speed, slowest.bar_speed)
+        return
+    known = [(row, row.yield_strength) for row in rows if row.yield_strength is not None]
     if not known:
         return
     limit, name = min((math.sqrt(2.0 * strength / row.density), row.name) for row, strength in known)
     if speed > limit:
         message = (
-            f"the approach at {speed:.4g}\xa0m/s is beyond {limit:.3g}\xa0m/s, where the inertia of yielding {name} "
-            "exceeds its strength (rho v^2/2 > Y): contact laws are those of slow pressing; do not trust force or pulse"
+            f"{stated}: the approach at {speed:.4g}\xa0m/s is beyond {limit:.3g}\xa0m/s, where the inertia of yielding "
+            f"{name} exceeds its strength (rho v^2/2 > Y): contact laws are those of slow pressing; do not trust force "
+            "or pulse"
         )
         yield Notice("approach-fast", message, speed, limit)
 

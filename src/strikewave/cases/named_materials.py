@@ -91,7 +91,7 @@ def _of_table(table: Any, path: str, keys: tuple[str, ...]) -> Iterator[tuple[st
         provenance: Provenance = "assumed" if column in row.from_memory else "published"
         known = "" if row.from_memory and column not in row.from_memory else f" ({row.status})"
         note = f"{row.name} of the table of materials{known}"
-        value = Value(si=number, typed=_typed(key, number), provenance=provenance, note=note)
+        value = Value(si=number, typed=as_typed(key, number), provenance=provenance, note=note)
         yield f"{MATERIAL}.{row.name}.{key}", f"{path}.{key}", NamedNumber(value, (), _plausible(row, key))
 
 
@@ -108,7 +108,7 @@ def _of_cushion(table: CushionTable, path: str) -> Iterator[tuple[str, str, Name
     for key, number in {} if row is None else row.properties.items():
         if row is not None and getattr(table, key) is None:
             note = f"{row.name} of the cushion materials ({row.status})"
-            value = Value(si=number, typed=_typed(key, number), provenance="published", note=note)
+            value = Value(si=number, typed=as_typed(key, number), provenance="published", note=note)
             plausible = PLAUSIBLE.get(f"contact.cushion.{key}")
             yield f"{MATERIAL}.{row.name}.{key}", f"{path}.{key}", NamedNumber(value, (), plausible)
 
@@ -118,12 +118,12 @@ def _row(name: str, rows: Mapping[str, T]) -> T | None:
     return next((row for known, row in rows.items() if known.lower() == name.lower()), None)
 
 
-def _typed(key: str, number: float) -> str | float:
+def as_typed(key: str, number: float) -> str | float:
     """Return a number as a case file would have it: in the unit in which it is below a thousand.
 
     Examples
     --------
-    >>> _typed("modulus", 211e9), _typed("plateau", 70e3), _typed("density", 7820), _typed("loss_factor", 0.05)
+    >>> as_typed("modulus", 211e9), as_typed("plateau", 70e3), as_typed("density", 7820), as_typed("loss_factor", 0.05)
     ('211 GPa', '70 kPa', '7820 kg/m^3', 0.05)
     """
     if key in _WITHOUT_UNIT:

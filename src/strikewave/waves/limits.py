@@ -17,7 +17,7 @@ from strikewave.base.constants import STANDARD_GRAVITY
 from strikewave.base.first_few import first_few
 from strikewave.base.percents import percent
 from strikewave.base.result import Notice
-from strikewave.waves import BarRun, Layer, Stack, TimeGrid
+from strikewave.waves import BarRun, Layer, Stack, Tap, TimeGrid
 
 Array = NDArray[np.float64]
 
@@ -42,6 +42,9 @@ TENSION_SHARE = 0.01
 leave."""
 MOST_NAMES = 5
 """Names that a notice lists before it counts the rest: a line stays a line."""
+LARGEST_STRAIN = 0.1
+"""Stress over modulus from which on a layer is reported: a tenth of the modulus is about the strength of a perfect
+crystal, and of rubber the linear law is off by as much there."""
 _ROUNDING = 1e-9
 """Relative rounding that a force at its limit, or a number about to be rounded down, may be off by."""
 _SAME_PLACE = 1e-12
@@ -105,7 +108,7 @@ def _quotable(layer: Layer, rise: float, refused: float) -> str:
 
 
 def layer_notices(stack: Stack, largest_force: Array) -> Iterator[Notice]:
-    """Yield layers shorter than thick, and layers whose stress passes yield.
+    """Yield layers shorter than thick, and layers whose stress passes yield or comes near the modulus.
 
     ``largest_force`` is the largest magnitude of the force in each layer, N.
     """
@@ -127,6 +130,13 @@ def layer_notices(stack: Stack, largest_force: Array) -> Iterator[Notice]:
                 f"{strength / 1e6:.4g}\xa0MPa (a wave of {speed:.3g}\xa0m/s): elastic waves no longer hold"
             )
             yield Notice("stress-yield", message, stress, strength)
+        elif stress > LARGEST_STRAIN * layer.modulus:
+            message = (
+                f"the stress in {layer.name} reaches {stress / 1e6:.4g}\xa0MPa, {percent(stress / layer.modulus)} of "
+                f"its modulus of {layer.modulus / 1e6:.4g}\xa0MPa: linear waves hold for small strains alone; look at "
+                "the units of load, speed, modulus and sizes"
+            )
+            yield Notice("strain-large", message, stress, LARGEST_STRAIN * layer.modulus)
 
 
 def joint_notices(stack: Stack, least_force: Array, greatest_force: Array, load_peak: float = 0.0) -> Iterator[Notice]:
@@ -183,6 +193,83 @@ def end_notices(stack: Stack, duration: float) -> Iterator[Notice]:
             f"after {echo * 1e6:.3g}\xa0us, within the load of {duration * 1e6:.3g}\xa0us"
         )
         yield Notice("matched-end", message, echo, duration)
+
+
+def arrival_time(stack: Stack, layer: int, position: float, faces: Sequence[int] = (0,)) -> float:
+    """Return when the first wave comes to a place, s.
+
+    Parameters
+    ----------
+    stack : Stack
+        What it runs through.
+    layer : int
+        Of the place, from 0.
+    position : float
+        In the layer, as a share of its length.
+    faces : sequence of int
+        Where waves begin at time 0: face k stands before layer k, the last one behind the last layer.
+
+    Returns
+    -------
+    float
+        Infinite without such a face. Loss is counted as what makes the front faster, dispersion not: no part of a wave
+        is before it.
+
+    Examples
+    --------
+    >>> from strikewave.waves import Layer
+    >>> bars = [Layer(name, 7820.0, 211e9, 7.0686e-4, 0.07) for name in ("upper", "lower")]
+    >>> round(arrival_time(Stack(tuple(bars)), 1, 0.5) * 1e6, 4)
+    20.2139
+    """
+    transits = [_front_transit(layer) for layer in stack.layers]
+    ends = np.concatenate([[0.0], np.cumsum(transits)])
+    place = ends[layer] + position * transits[layer]
+    return min((abs(float(place - ends[face])) for face in faces), default=math.inf)
+
+
+def not_reached_notices(
+    stack: Stack, taps: Sequence[tuple[str, Tap]], lasting: float, stated: str, faces: Sequence[int] = (0,)
+) -> Iterator[Notice]:
+    """Yield the places that no wave reaches within a run: taps, and layers as a whole.
+
+    Parameters
+    ----------
+    stack : Stack
+        What is followed.
+    taps : sequence of (str, Tap)
+        Name and place of each.
+    lasting : float
+        How long it is followed after the first wave begins, s.
+    stated : str
+        What ends it, such as ``solver.duration = 20 us``.
+    faces : sequence of int
+        Where waves begin; see `arrival_time`.
+    """
+    late = [
+        (f"tap {name}", time)
+        for name, tap in taps
+        if (time := arrival_time(stack, tap.layer, tap.position, faces)) > lasting
+    ]
+    for k, layer in enumerate(stack.layers):
+        time = min(arrival_time(stack, k, position, faces) for position in (0.0, 1.0))
+        if time >= lasting:
+            late.append((f"layer {layer.name}", time))
+    if late and faces:
+        places = first_few([f"{place} ({time * 1e6:.4g}\xa0us)" for place, time in late], MOST_NAMES)
+        last = max(time for _, time in late)
+        message = (
+            f"{stated} ends before the wave arrives at {places}: what is shown there is no result; follow it for more "
+            f"than {last * 1e6:.4g}\xa0us"
+        )
+        yield Notice("not-reached", message, lasting, last)
+
+
+def _front_transit(layer: Layer) -> float:
+    """Return the time of the front of a wave from face to face, s: the springs of a loss all push at first."""
+    loss = layer.loss
+    stiffness = 1.0 if loss is None else loss.stiffness + sum(branch.stiffness for branch in loss.branches)
+    return layer.transit / math.sqrt(stiffness)
 
 
 def bar_extremes(run: BarRun) -> tuple[Array, Array, Array]:

@@ -7,6 +7,7 @@ import pytest
 
 from strikewave.analyses.check import check
 from strikewave.analyses.fem.build import build_model
+from strikewave.analyses.fem.notices import model_notices
 from strikewave.analyses.fem.parts import LARGEST, built_parts, estimated_elements, exact_volume
 from strikewave.analyses.fem.screen import say_faceted
 from strikewave.base.errors import InputError, InputErrors
@@ -573,3 +574,28 @@ def test_a_part_of_a_file_without_a_row_is_named(filed):
     row = FILED[FILED.index('[[mesh.part]]\nname = "UPPER"') : FILED.index("[fem]")]
     with pytest.raises(InputError, match="no row for UPPER"):
         filed(row, "")
+
+
+@pytest.mark.parametrize(
+    ("change", "code", "words"),
+    [
+        ("mesh.part.ball.velocity.z=-7 km/s", "faster-than-wave", "mesh.part.ball.velocity"),
+        (
+            "mesh.part.ball.solid.density=7.82 kg/m^3",
+            "material-far",
+            "mesh.part.ball.solid.density = 7.82 kg/m^3",
+        ),
+    ],
+)
+def test_a_speed_above_the_wave_speed_and_a_modulus_of_no_material_are_named_before_the_run(
+    tmp_path, change, code, words
+):
+    """By what `--check` says: no step is run."""
+    (tmp_path / "case.toml").write_text(CASE)
+    plain, changed = (load_case(str(tmp_path / "case.toml"), changes) for changes in ([], [change]))
+    assert not {notice.code for notice in model_notices(plain, build_model(plain))} & {
+        "faster-than-wave",
+        "material-far",
+    }
+    (notice,) = [one for one in model_notices(changed, build_model(changed)) if one.code == code]
+    assert words in notice.message

@@ -114,6 +114,12 @@ def test_a_result_of_other_data_is_not_replaced_without_force(strikewave, shot, 
     assert strikewave("hopkinson", shot, "--out", "kept", "--force")[0] == 0
 
 
+def test_a_density_of_no_material_is_named(strikewave, shot):
+    _, out, _ = strikewave("hopkinson", shot, "--json", "--set", "specimen.density=2.7 kg/m^3")
+    messages = [warning["message"] for warning in json.loads(out)["warnings"] if warning["code"] == "material-far"]
+    assert [message.partition(" is ")[0] for message in messages] == ["specimen.density = 2.7 kg/m^3"]
+
+
 def test_a_broken_limit_is_told_and_exits_with_3(strikewave, shot):
     """A transmitted bar of half the stiffness makes half the force: impulses miss by half."""
     code, out, err = strikewave("hopkinson", shot, "--json", "--set", "bar.transmitted.modulus=105 GPa")

@@ -10,6 +10,7 @@ CODES = {
     *("contact-longer-than-face", "nose-heavy", "spot-wider-than-face", "indentation-large", "approach-fast"),
     *("slowest-approach", "struck-while-fed", "first-blow-moving", "anvil-light", "rope-slack", "gas-not-ideal"),
     *("bodies-heavier-above", "no-gain", "gain-of-gaps", "contacts-overlap", "ball-mass"),
+    *("faster-than-wave", "material-far", "not-reached", "strain-large"),
 }
 ROTARY, BALL, TABLE, ARM = "li-ma-2019", "iso-16063-22-dropball", "jesd22-b111-b", "machete-13-teeth"
 ELASTIC = "contact.yield_pressure=900 GPa"
@@ -39,7 +40,13 @@ def warned(name, *changes):
         (BALL, ["striker.material=rubber", ELASTIC], "ball-mass", "of rubber (striker.material)"),
         (BALL, ["striker.material=rubber", ELASTIC], "spot-wider-than-face", "object.nose_mass"),
         (BALL, ["striker.material=rubber", ELASTIC], "indentation-large", "of the radius"),
-        (GUN, ["machine.speed=9000 m/s"], "approach-fast", "rho v^2/2 > Y"),
+        (GUN, ["machine.speed=900 m/s"], "approach-fast", "rho v^2/2 > Y"),
+        (GUN, ["machine.speed=900 m/s"], "approach-fast", "machine.speed = 900 m/s"),
+        (GUN, ["machine.speed=9000 m/s"], "faster-than-wave", "machine.speed = 9000 m/s"),
+        pytest.param(
+            *("li-ma-2019-fig13", ["stack.layer.upper.modulus=211 kPa"], "not-reached", "tap sensor"),
+            marks=pytest.mark.verify,
+        ),
         (TABLE, ["striker.mass=1 kg"], "anvil-light", "striker.mount_stiffness"),
         (ARM, ["machine.mass=3 kg", "machine.centre=0.4 m", "machine.drum=2 m"], "rope-slack", "machine.drum"),
         (LINE, ["striker.mass=0.1 kg"], "bodies-heavier-above", "striker (0.1 kg) than third"),

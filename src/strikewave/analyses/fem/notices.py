@@ -13,6 +13,7 @@ from strikewave.base.percents import percent
 from strikewave.base.result import BALANCE_LIMIT, FAILED, Notice
 from strikewave.cases.case import Case
 from strikewave.cases.comparisons import origin_notices
+from strikewave.cases.material_notices import material_notices
 from strikewave.fem.blow_measures import still_presses
 from strikewave.fem.measures import ENERGY_LIMIT, HOURGLASS_LIMIT, balance_measure
 from strikewave.fem.mesh import TINY
@@ -65,6 +66,8 @@ def notices(case: Case, model: Model, run: FemRun) -> Iterator[Notice]:
 
 def model_notices(case: Case, model: Model) -> Iterator[Notice]:
     """Yield what a user should know about a model before it is run."""
+    yield from material_notices(case)
+    yield from _fast_parts(model)
     cuts = list(open_cuts(model, sectors(case, model)))
     if cuts:
         message = (
@@ -72,6 +75,25 @@ def model_notices(case: Case, model: Model) -> Iterator[Notice]:
             f'as gone: add [[fem.boundary]] kind = "symmetry", side = "{cuts[0]}"'
         )
         yield Notice("cut-without-symmetry", message, float(len(cuts)), 0.0)
+
+
+def _fast_parts(model: Model) -> Iterator[Notice]:
+    """Report parts that meet faster than a wave runs in one of them: of shock fronts the solids here know nothing."""
+    rigid = {body.part for body in model.rigid}
+    for sides in model.touching.values():
+        parts = [side.rpartition(".")[0] or side for side in sides]
+        solids = {part: model.solids[part] for part in parts if part in model.solids and part not in rigid}
+        speeds = [np.array(model.velocity.get(part, (0.0, 0.0, 0.0))) for part in parts]
+        speed = float(np.linalg.norm(speeds[0] - (speeds[1] if len(speeds) > 1 else 0.0)))
+        slowest = min(solids, key=lambda part: solids[part].wave_speed, default=None)
+        if slowest is not None and speed > solids[slowest].wave_speed:
+            limit = solids[slowest].wave_speed
+            fields = " and ".join(f"mesh.part.{part}.velocity" for part in parts if part in model.velocity)
+            message = (
+                f"{fields}: {' and '.join(parts)} meet at {speed:.4g}\xa0m/s, faster than a wave in {slowest}, "
+                f"{limit:.4g}\xa0m/s: it is a shock front, of which the laws of solids do not know; look at the unit"
+            )
+            yield Notice("faster-than-wave", message, speed, limit)
 
 
 def blow_notices(case: Case, model: Model, run: FemRun) -> Iterator[Notice]:

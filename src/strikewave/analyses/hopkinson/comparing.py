@@ -54,7 +54,7 @@ def compare_accelerometer(case: HopkinsonCase) -> SensorSolution:
     rise = comparison.pulses.rise
     notices = [
         *reading_notices([*findings, *reading.findings]),
-        *constant_notices({"incident": constants}),
+        *constant_notices(setup, {"incident": constants}),
         *sign_notices(
             stated_kind(stated_texts(case, [gauged])),
             [(comparison.pulses.traces[0], "bar.incident.gauge")],

@@ -10,7 +10,8 @@ from strikewave.analyses.hopkinson.build import recorded_file
 from strikewave.analyses.hopkinson.setup_file import HopkinsonCase
 from strikewave.base.percents import percent
 from strikewave.base.result import Notice
-from strikewave.cases.tables.hopkinson import RecordedTable
+from strikewave.cases.material_notices import far_numbers
+from strikewave.cases.tables.hopkinson import HopkinsonSetup, RecordedTable
 from strikewave.hopkinson import BarMaterial
 from strikewave.hopkinson.pulses import Quiet
 from strikewave.records.health_notice import HealthNotice
@@ -50,8 +51,9 @@ def reading_notices(findings: Iterable[HealthNotice]) -> Iterator[Notice]:
             yield Notice(f"record-{finding.code}", finding.message, float(finding.value), 0.0)
 
 
-def constant_notices(constants: dict[str, BarMaterial]) -> Iterator[Notice]:
-    """Yield bars whose stated modulus contradicts density and speed."""
+def constant_notices(setup: HopkinsonSetup, constants: dict[str, BarMaterial]) -> Iterator[Notice]:
+    """Yield densities and moduli of no material, and bars whose stated modulus contradicts density and speed."""
+    yield from far_numbers(setup)
     for name, elastic in constants.items():
         if abs(elastic.mismatch) > MISMATCH:
             message = (

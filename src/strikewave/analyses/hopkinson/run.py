@@ -108,7 +108,7 @@ def _reduce(case: HopkinsonCase) -> HopkinsonSolution:
             all(one.is_strain for one in gauged),
         ),
         *drift_notices(pulses.traces, [path for _, path in gauges]),
-        *constant_notices({"incident": constants, "transmitted": others}),
+        *constant_notices(setup, {"incident": constants, "transmitted": others}),
         *strain_notices(pulses),
         *gauge_notices(bars),
         *specimen_notices(specimen, bars),
@@ -142,7 +142,7 @@ def _calibrate(case: HopkinsonCase) -> EchoSolution:
     notices = [
         *reading_notices(findings),
         *drift_notices([echoes.quiet], ["bar.incident.gauge"]),
-        *constant_notices({"incident": constants}),
+        *constant_notices(setup, {"incident": constants}),
         *echo_notices(echoes, bar, setup.echoes.way),
     ]
     return EchoSolution(

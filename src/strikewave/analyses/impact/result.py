@@ -210,7 +210,7 @@ def _beyond(setup: Setup, blow: Impact) -> list[Notice]:
         notices += indentation_notices(float(blow.max_indentation), radius)
     if bodies is not None:
         names = [body.name for body in bodies]
-        notices += speed_notices(bodies, setup.speed)
+        notices += speed_notices(bodies, setup.speed, f"--speed {setup.speed:g}\xa0m/s")
         notices += duration_notices(zip(names, setup.masses, strict=True), float(blow.duration))
     return notices
 

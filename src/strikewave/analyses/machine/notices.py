@@ -8,7 +8,7 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 
 from strikewave.analyses.machine.contact_answers import ContactAnswer, ContactAnswers
-from strikewave.analyses.machine.kind import Release
+from strikewave.analyses.machine.kind import Release, kind_of
 from strikewave.analyses.machine.sensor_readings import (
     BlowHistory,
     BlowReading,
@@ -28,6 +28,8 @@ from strikewave.cases.contact_notices import (
 )
 from strikewave.cases.contact_of_case import struck_material
 from strikewave.cases.contact_range_notices import damping_speed_notices, size_notices, speed_notices
+from strikewave.cases.material_notices import material_notices
+from strikewave.cases.stack_of_case import build_taps
 from strikewave.cases.yield_pressure import ELASTIC, YIELDING
 from strikewave.machines import Blow
 from strikewave.machines.rebounds import REST_SHARE
@@ -40,6 +42,7 @@ from strikewave.waves.limits import (
     grid_notices,
     joint_notices,
     layer_notices,
+    not_reached_notices,
     rise_notices,
 )
 
@@ -64,7 +67,7 @@ def notices(case: Case, blows: Sequence[Blow], answers: ContactAnswers | None) -
         Of the contact of the first one that struck.
     """
     struck = [blow for blow in blows if blow.kind != "missed"]
-    listed = [*origin_notices(case), *law_notices(case)]
+    listed = [*origin_notices(case), *material_notices(case), *law_notices(case)]
     if not struck:
         listed.append(
             Notice(
@@ -170,10 +173,18 @@ def _contact(case: Case, struck: Sequence[Blow]) -> Iterator[Notice]:
     peak = max(blow.peak_force for blow in struck)
     approaches = [blow.approach_speed for blow in struck]
     yield from size_notices(case, peak, max(blow.indentation for blow in struck))
-    yield from speed_notices((material(parts.striker.material), struck_material(case)), max(approaches))
+    bodies = material(parts.striker.material), struck_material(case)
+    yield from speed_notices(bodies, max(approaches), _stated_speed(case))
     launched = case.launched()
     if launched is None or launched.until in (None, "time"):  # rebounds die out below any limit
         yield from damping_speed_notices(parts.contact, approaches)
+
+
+def _stated_speed(case: Case) -> str:
+    """Return the first setting of a machine that the case states: what makes the speed of its striker."""
+    values = case.values()
+    paths = [f"machine.{setting.field}" for setting in kind_of(case).settings]
+    return next((f"{path} = {values[path].typed}" for path in paths if path in values), "machine")
 
 
 def _rail(case: Case) -> Iterator[Notice]:
@@ -240,10 +251,14 @@ def wave_notices(
     fronts = [history.front for history in histories if history is not None]
     _, force = span.field()
     largest, least, greatest = field_extremes(stack, span.field_position, force)
+    lasting = span.end - span.begin
     return (
         *grid_notices(run.machine.layered.grid),
         *rise_notices(stack, min(contact_rise(span), *fronts), bandwidth, first.total_peak),
         *layer_notices(stack, largest),
+        *not_reached_notices(
+            stack, build_taps(case), lasting, f"the first blow, followed for {lasting * 1e6:.4g}\xa0us,"
+        ),
         *joint_notices(stack, least, greatest),
         *joint_yield_notices(case, greatest.tolist()),
     )

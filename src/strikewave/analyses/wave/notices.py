@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Sequence
+from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
@@ -11,6 +12,7 @@ from numpy.typing import NDArray
 
 from strikewave.analyses.wave.build import of_the_paper, wanted
 from strikewave.analyses.wave.result import WaveSolution, load_peak
+from strikewave.base.first_few import first_few
 from strikewave.base.materials import material
 from strikewave.base.result import BALANCE_LIMIT, FAILED, INFO, Notice
 from strikewave.cases.case import Case
@@ -23,16 +25,20 @@ from strikewave.cases.contact_range_notices import (
     size_notices,
     speed_notices,
 )
+from strikewave.cases.material_notices import material_notices
 from strikewave.cases.sensors_of_case import sensor_notices
 from strikewave.reporting.numbers import percent
 from strikewave.sensors.channel import SensorChannel, channel_notices, shortest_period
-from strikewave.waves import BarRun, Impactor, LoadPulse, Sampled, Tap
+from strikewave.waves import BarRun, Impactor, LoadPulse, Sampled, Stack
 from strikewave.waves.limits import (
+    MOST_NAMES,
+    arrival_time,
     end_notices,
     grid_notices,
     joint_notices,
     layer_notices,
     loss_notices,
+    not_reached_notices,
     rise_notices,
 )
 from strikewave.waves.routes import too_thin
@@ -66,6 +72,8 @@ def layered_bar_notices(
     most, least, greatest = extremes
     yield from _momentum_balance(run)
     yield from origin_notices(case)
+    yield from material_notices(case)
+    yield from _fast_layers(case, stack)
     yield from grid_notices(run.grid)
     yield from _file_notices(run)
     yield from _longer_load(run)
@@ -73,7 +81,7 @@ def layered_bar_notices(
     if front.rise > 0.0:
         yield from rise_notices(stack, front.rise, front.bandwidth, front.peak)
     yield from layer_notices(stack, most)
-    yield from _not_reached(run, solution.taps, accuracy)
+    yield from _not_reached(solution)
     yield from joint_notices(stack, least, greatest, load_peak(run))
     yield from loss_notices(solution.losses)
     yield from end_notices(stack, lasting)
@@ -85,6 +93,22 @@ def layered_bar_notices(
     yield from _contact_notices(case, run)
     yield from joint_size_notices(case)
     yield from joint_yield_notices(case, greatest.tolist())
+
+
+def _fast_layers(case: Case, stack: Stack) -> Iterator[Notice]:
+    """Report layers that meet faster than a wave runs in one of them."""
+    typed = {layer.name: layer.speed.typed for layer in case.stack.layer if layer.speed is not None}
+    for pair in pairwise(stack.layers):
+        meeting = abs(pair[0].speed - pair[1].speed)
+        slowest = min(pair, key=lambda layer: layer.bar_speed)
+        if meeting > slowest.bar_speed:
+            fields = " and ".join(f"stack.layer.{x.name}.speed = {typed[x.name]}" for x in pair if x.name in typed)
+            message = (
+                f"{fields}: {pair[0].name} and {pair[1].name} meet at {meeting:.4g}\xa0m/s, faster than a wave in "
+                f"{slowest.name}, {slowest.bar_speed:.4g}\xa0m/s: it is a shock front, of which elastic waves do not "
+                "know; look at the unit"
+            )
+            yield Notice("faster-than-wave", message, meeting, slowest.bar_speed)
 
 
 def _jump(rise: float) -> list[Notice]:
@@ -167,18 +191,57 @@ def _momentum_balance(run: BarRun) -> list[Notice]:
     return [Notice("momentum-balance", message, run.momentum_error, BALANCE_LIMIT, severity=FAILED)]
 
 
-def _not_reached(run: BarRun, taps: Sequence[tuple[str, Tap]], accuracy: tuple[float, float]) -> list[Notice]:
-    """Name the taps that the waves of the load do not reach within the run."""
-    if isinstance(run.load, Impactor) or not math.isfinite(max(accuracy)) or any(x.speed for x in run.stack.layers):
-        return []
-    transits = [layer.transit for layer in run.stack.layers]
-    late = [(name, sum(transits[: tap.layer]) + tap.position * transits[tap.layer]) for name, tap in taps]
-    late = [(name, time) for name, time in late if time > run.duration]
-    if not late:
-        return []
-    names = ", ".join(f"{name} ({time * 1e6:.4g}\xa0us)" for name, time in late)
-    message = f"the run of {run.duration * 1e6:.4g}\xa0us ends before the wave arrives at {names}"
-    return [Notice("not-reached", message, run.duration, max(time for _, time in late))]
+def _not_reached(solution: WaveSolution) -> Iterator[Notice]:
+    """Name taps, their sensors and layers that no wave reaches within the run, and taps that no whole rise reaches."""
+    case, run, stack = solution.case, solution.run, solution.run.stack
+    faces, (onset, peak) = _moved_faces(run), _times_of_load(run)
+    if not faces:
+        return
+    stated = f"solver.duration = {case.solver.duration.typed}" if case.solver.duration else "the run"
+    taps = [(f"{name}{_sensors_at(solution, k)}", tap) for k, (name, tap) in enumerate(solution.taps)]
+    left = run.duration - onset
+    yield from not_reached_notices(stack, taps, left, stated, faces)
+    arrivals = [(name, arrival_time(stack, tap.layer, tap.position, faces)) for name, tap in taps]
+    cut = [(name, time + peak) for name, time in arrivals if time <= left < time + peak - onset]
+    if cut:
+        last = max(time for _, time in cut)
+        places = first_few([f"tap {name} ({time * 1e6:.4g}\xa0us)" for name, time in cut], MOST_NAMES)
+        message = (
+            f"{stated} ends before the top of the first pulse arrives at {places}: what is shown there is no peak; "
+            f"follow it for more than {last * 1e6:.4g}\xa0us"
+        )
+        yield Notice("peak-not-reached", message, run.duration, last)
+
+
+def _sensors_at(solution: WaveSolution, tap: int) -> str:
+    """Return the sensors that sit at a tap, in words."""
+    names = [channel.sensor.name for channel in solution.channels if channel.tap == tap]
+    return f" with {'sensor' if len(names) == 1 else 'sensors'} {', '.join(names)}" if names else ""
+
+
+def _moved_faces(run: BarRun) -> list[int]:
+    """Return the faces at which waves begin: that of the load, and those beside which layers differ in speed."""
+    speeds, end = [layer.speed for layer in run.stack.layers], run.stack.end.kind
+    faces = [k + 1 for k, (one, other) in enumerate(pairwise(speeds)) if one != other]
+    if isinstance(run.load, Impactor) or run.load.largest > 0.0:
+        faces.insert(0, 0)
+    if speeds[-1] and end != "free":
+        faces.append(len(speeds))
+    return faces
+
+
+def _times_of_load(run: BarRun) -> tuple[float, float]:
+    """Return when the load begins and when it is largest, s; both 0 where layers with a speed are all that moves."""
+    load = run.load
+    values = run.face_force if isinstance(load, Impactor) else np.abs(load.at(run.time))
+    if not values.any():
+        return 0.0, 0.0
+    if isinstance(load, Impactor):
+        return 0.0, float(run.time[np.argmax(values)])
+    onset = max(int(np.flatnonzero(values)[0]) - 1, 0)
+    if load.kind == "speed":
+        return float(run.time[onset]), float(run.time[onset])  # a face that keeps its speed has no peak
+    return float(run.time[onset]), float(run.time[np.argmax(values)])
 
 
 def _contact_notices(case: Case, run: BarRun) -> list[Notice]:
@@ -187,11 +250,12 @@ def _contact_notices(case: Case, run: BarRun) -> list[Notice]:
         return []
     face = struck_material(case)
     peak, speed = load_peak(run), run.load.speed
+    stated = case.load.speed.typed if case.load is not None and case.load.speed is not None else f"{speed:g}\xa0m/s"
     return [
         *law_notices(case),
         *yield_notices(case.striker, case.contact, face, peak),
         *size_notices(case, peak),
-        *speed_notices((material(case.striker.material), face), speed),
+        *speed_notices((material(case.striker.material), face), speed, f"load.speed = {stated}"),
         *damping_speed_notices(case.contact, [speed]),
     ]
 
