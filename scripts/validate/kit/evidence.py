@@ -65,7 +65,7 @@ KINDS = {
 }
 """Kind of what a number is held against, by the word for it: of what is measured the study says it; any other word is
 the name of a code."""
-OTHER_CODES = "Other codes, run beside"
+OTHER_CODES = "Other codes, run beside or published"
 
 Role = Literal["predicted", "fitted", "shown"]
 
@@ -289,6 +289,7 @@ def written_before(studies: Iterable[Kept]) -> str:
         return "No prediction was written down before its measurement was opened."
     if any(row.held is False for row in rows):
         sentences.insert(0, "**The next setting of a machine is not yet predicted.**")
+        sentences.append(SAME_SETTING)
     heads = [
         "Setting",
         "Quantity",
@@ -344,6 +345,8 @@ def line(one: Comparison, notes: Sequence[str]) -> list[str]:
     return [one.what, quantity, one.against, one.role, *numbers]
 
 
+SAME_SETTING = "All other predictions of shock pulses are of later blows at the setting that was fitted."
+"""What the other rows of measured shock pulses are: later blows of Li & Ma 2019, records of a drop table kept out."""
 HEADS = ("What", "Quantity", "Against", "Role", "Reference", "Computed", "Miss", "Band", "Held", "Note")
 WORDS = 4
 """Columns of words among them."""
