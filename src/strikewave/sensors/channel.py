@@ -67,16 +67,17 @@ def settling_time(channel: SensorChannel) -> float:
     return FILTER_PERIODS / channel.recorder.cutoff
 
 
-def still_on(reading: Reading) -> bool:
-    """Tell whether a reading stands above a tenth of its peak where it ends: from zero, and from where it began.
+def still_on(reading: Reading, at_rest: float = 0.0) -> bool:
+    """Tell whether a reading stands above a tenth of its peak where it ends: from where it began, from zero, from rest.
 
-    Where it began in a fall, what lies at rest reads gravity more.
+    ``at_rest`` is what it reads at rest, m/s^2: gravity, where its zero was taken in the fall.
     """
     values = reading.values
     if values.size == 0:
         return False
     ends = float(values[-max(int(LAST_SHARE * values.size), 1) :].mean())
-    return min(abs(ends), abs(ends - float(values[0]))) > WIDTH_FRACTION * abs(largest(values))
+    nearest = min(abs(ends - level) for level in (0.0, at_rest, float(values[0])))
+    return nearest > WIDTH_FRACTION * abs(largest(values))
 
 
 def sensor_sources(channels: Sequence[SensorChannel]) -> list[str]:

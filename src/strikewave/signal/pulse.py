@@ -157,7 +157,9 @@ def measure_pulse(values: Array, step: float, start: float = 0.0, fraction: floa
 def foot_to_foot(values: Array, step: float) -> float:
     """Return the integral of the largest positive pulse of a history without noise, from foot to foot.
 
-    Of an acceleration it is the velocity change. Where the history begins or ends above a foot, it counts to there.
+    Of an acceleration it is the velocity change. A pulse that does not come back to its foot ends as near to the last
+    value as the foot is to zero: a table that stays on its pad then reads 1 g for as long as it lies there. One that
+    begins above its foot counts from the first sample.
 
     Examples
     --------
@@ -165,7 +167,14 @@ def foot_to_foot(values: Array, step: float) -> float:
     >>> round(foot_to_foot(np.sin(np.pi * t), 5e-4) * np.pi / 2.0, 4)
     0.9998
     """
-    return measure_pulse(values, step, fraction=FOOT).area
+    pulse, top = measure_pulse(values, step, fraction=FOOT), int(np.argmax(values))
+    foot = FOOT * pulse.peak
+    if not math.isnan(crossing(values, top, foot, 1)):
+        return pulse.area
+    settled = crossing(values, top, float(values[-1]) + foot, 1)
+    if math.isnan(settled):
+        return pulse.area
+    return measure_pulse(values[: math.ceil(settled) + 1], step, fraction=FOOT).area
 
 
 def largest(values: Array) -> float:

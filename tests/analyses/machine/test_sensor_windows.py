@@ -1,5 +1,7 @@
 """A sensor's trace lasts as long as the pulse that it reads; one that does not is reported."""
 
+import math
+
 import numpy as np
 import pytest
 
@@ -8,6 +10,10 @@ from strikewave.analyses.machine.dataset import pulse_axis
 from strikewave.analyses.machine.observe import observe
 from strikewave.analyses.machine.sensor_readings import MOST_A_WINDOW, RIGID_STEP
 from strikewave.cases.tables.sensor import SensorTable
+from strikewave.sensors import Reading
+from strikewave.sensors.channel import still_on
+
+G = 9.80665
 
 LINEAR = "contact.law=power", "contact.exponent=1", "contact.reference_depth=1 mm"
 """A linear pad: as soft as its force at 1 mm says."""
@@ -83,6 +89,26 @@ def test_what_comes_to_rest_in_touch_is_not_called_cut():
     assert len(seen.blows) > 1
     assert seen.blows[-1].time + seen.blows[-1].contact_time == pytest.approx(seen.run.end) or seen.run.ended == "rest"
     assert not any(reading.sensors["accel"].cut for reading in seen.readings)
+
+
+def test_a_reading_of_gravity_at_rest_is_not_called_cut():
+    """A sensor zeroed in the fall reads 1 g once it lies: a fifth of a pulse of 5 g, and yet over."""
+    time = np.arange(2000) * 1e-5
+    over = Reading(time, np.where(time < 11e-3, 5.0 * G * np.sin(np.pi * time / 11e-3), G), False, False, 5.0 * G, 0.0)
+    assert still_on(over)
+    assert not still_on(over, at_rest=G)
+
+
+def test_the_velocity_change_of_a_table_that_stays_on_its_pad_ends_with_its_pulse():
+    """It lies at 1 g for as long as it is followed, and that is in no pulse: v + g T, with the swings left to it."""
+    changes = [*("contact.restitution=0.05", "machine.height=4 mm", "solver.output_step=0.1 ms")]
+    short, long = (
+        observe(with_sensors("iec-60068-2-27-rubber", [*changes, f"machine.follow={follow} ms"])).blows[0]
+        for follow in (100, 800)
+    )
+    speed = math.sqrt(2.0 * G * 0.004)
+    assert long.velocity_change == pytest.approx(short.velocity_change, rel=1e-3)
+    assert speed < long.velocity_change < 1.05 * speed + 2.0 * G * long.width
 
 
 def test_a_slow_filter_that_has_not_answered_when_the_run_ends_is_reported():

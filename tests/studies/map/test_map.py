@@ -155,6 +155,18 @@ def test_arrivals_against_integration(damper):
     assert arrivals(struck, 5.0) == pytest.approx((first, first + bounce_time(struck) + second), rel=1e-8)
 
 
+def test_the_object_leaves_with_the_momentum_of_the_whole_blow():
+    """Its return after the last blow from its speed there in the full run, 1e-3 as blows agree; not from the pulse."""
+    case = load_case("li-ma-2019", ["feed.blows=2"])
+    machine = machine_of(case)
+    run = run_machine(machine)
+    last = blows(run)[-1]
+    leaves = float(run.sample(np.array([last.time + last.contact_time])).object_speed[0])
+    cell = measured(fast_train(machine), 2, 0)
+    period = machine.pitch / machine.drive.turntable.speed
+    assert cell[PLACE["return_ratio"]] == pytest.approx(arrivals(machine.struck, leaves)[0] / period, rel=1e-3)
+
+
 def test_object_that_its_preload_does_not_hold_never_returns():
     assert all(math.isnan(t) for t in arrivals(held(preload=4.0), 5.0))
 

@@ -293,7 +293,8 @@ def launch_notices(case: Case, seen: Observed, start: Release) -> Iterator[Notic
         yield _rebound_notice(seen)
     if touched[-1, 1] >= seen.run.end:
         message = (
-            "striker and object still touch at the end: width, impulse and rebound are not those of the whole blow"
+            "striker and object still touch at the end: width, velocity change, impulse and rebound are not those of "
+            "the whole blow"
         )
         yield Notice("contact-not-over", f"{message}; raise machine.follow", seen.run.end, machine.follow.si)
 

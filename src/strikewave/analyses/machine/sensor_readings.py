@@ -96,7 +96,8 @@ class BlowHistory(NamedTuple):
     (at the bandwidth) have one row a tap; ``readings`` one a sensor, each with its own instants; ``routes`` holds
     the wave acceleration (at the bandwidth) by tap and route of the paper; ``front`` is the rise time of the steepest
     front at any tap, before the filter, s; ``followed`` how long after the pulse they go on, s: it ends half a swing
-    of the frame after the release that ends the blow. Without taps, ``since`` and ``rigid`` are empty.
+    of the frame after the release that ends the blow; ``at_rest`` what a sensor reads at rest, m/s^2. Without taps,
+    ``since`` and ``rigid`` are empty.
     """
 
     since: Array
@@ -108,6 +109,7 @@ class BlowHistory(NamedTuple):
     routes: dict[tuple[int, str], Array]
     front: float
     followed: float
+    at_rest: float
 
 
 def blow_histories(run: MachineRun, found: Sequence[Blow], view: ReadingSetup) -> tuple[BlowHistory | None, ...]:
@@ -158,8 +160,9 @@ def blow_history(
     # the last sample of a stack is an average over what lies before it alone: a filter would count its jump twice
     last = span.end - span.step if isinstance(span, StackSpan) else end
     followed = last - blow.time - blow.contact_time - 0.5 / run.machine.struck.frame_frequency
+    at_rest = run.machine.struck.sensed_gravity - run.machine.struck.gravity
     if layered is None and not view.channels:
-        return BlowHistory(*(np.empty(0),) * 5, (), {}, math.inf, followed)
+        return BlowHistory(*(np.empty(0),) * 5, (), {}, math.inf, followed, at_rest)
     before = round(min(WINDOW_BEFORE, blow.time) / step)
     after = math.floor((last - blow.time) / step + 1e-9)
     since = step * np.arange(-before, after + 1, dtype=np.float64)
@@ -184,11 +187,11 @@ def blow_history(
                 total[k] = superposed(rigid, wave.acceleration)
         if view.route != EXACT and not known:
             without.append(k)
-    start, falls = float(since[0]), run.machine.launch is not None
+    start, launched = float(since[0]), run.machine.launch is not None
     readings = []
     for channel in view.channels:
         felt = rigid if channel.tap is None else total[channel.tap]
-        readings.append(_recorded(channel, felt, step, start, blow.time - view.recorder_begin, falls))
+        readings.append(_recorded(channel, felt, step, start, blow.time - view.recorder_begin, launched))
     steepest = min((front(values, step) for values in total), default=math.inf)
     if taps:
         filtered = stated(np.vstack([rigid, total, *by_route.values()]), step, view.bandwidth)
@@ -198,23 +201,26 @@ def blow_history(
             history[without] = np.nan
     else:  # nothing shows more of the blow than the readings: a thousand of them would take 250 MB
         since = rigid = np.empty(0)
-    return BlowHistory(since, rigid, force, speed, total, tuple(readings), by_route, steepest, followed)
+    return BlowHistory(since, rigid, force, speed, total, tuple(readings), by_route, steepest, followed, at_rest)
 
 
-def _recorded(channel: SensorChannel, felt: Array, step: float, start: float, touched: float, falls: bool) -> Reading:
+def _recorded(
+    channel: SensorChannel, felt: Array, step: float, start: float, touched: float, launched: bool
+) -> Reading:
     """Return what a channel keeps of a history from ``start`` on; a slow recorder may take no sample in it.
 
-    ``touched`` is the time of first touch after a sampling instant of the recorder. A sensor that ``falls`` has read
-    gravity for long; one on a spring, whose acceleration changes from blow to blow, was at rest.
+    ``touched`` is the time of first touch after a sampling instant of the recorder. Before the blow of a launched
+    machine (``launched``) a sensor has read its first value for long; one on a spring, whose acceleration changes from
+    blow to blow, was at rest.
     """
     rate = channel.recorder.sampling_rate
     if math.isinf(rate):
-        return read(channel.sensor, channel.recorder, felt, step, start, steady=falls)
+        return read(channel.sensor, channel.recorder, felt, step, start, steady=launched)
     at = (touched + start) * rate
     phase = min(math.ceil(at) - at, 1.0 - 1e-9)
     if phase / rate > (felt.size - 1) * step:
         return Reading(np.empty(0), np.empty(0), False, False, math.nan, 0.0)
-    return read(channel.sensor, channel.recorder, felt, step, start, phase, steady=falls)
+    return read(channel.sensor, channel.recorder, felt, step, start, phase, steady=launched)
 
 
 def without_peaks(reading: BlowReading) -> BlowReading:
@@ -226,7 +232,7 @@ def blow_reading(history: BlowHistory, view: ReadingSetup) -> BlowReading:
     """Return the peaks of a blow's history."""
     pairs = zip(view.channels, history.readings, strict=True)
     sensors = {
-        channel.sensor.name: replace(sensor_pulse(reading), cut=_is_cut(channel, reading, history.followed))
+        channel.sensor.name: replace(sensor_pulse(reading), cut=_is_cut(channel, reading, history))
         for channel, reading in pairs
     }
     if not len(history.total):
@@ -234,9 +240,9 @@ def blow_reading(history: BlowHistory, view: ReadingSetup) -> BlowReading:
     return BlowReading(largest(history.total[0]), largest(history.total[0] - history.rigid), view.bandwidth, sensors)
 
 
-def _is_cut(channel: SensorChannel, reading: Reading, followed: float) -> bool:
+def _is_cut(channel: SensorChannel, reading: Reading, history: BlowHistory) -> bool:
     """Tell whether a reading ends before the pulse does: in touch, or before a slow filter has answered it."""
-    return followed <= settling_time(channel) and still_on(reading)
+    return history.followed <= settling_time(channel) and still_on(reading, history.at_rest)
 
 
 class Observed(NamedTuple):
