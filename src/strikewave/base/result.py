@@ -7,7 +7,8 @@ import functools
 import hashlib
 import math
 from abc import ABC, abstractmethod
-from collections.abc import Iterator, Mapping
+from collections import Counter
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, ClassVar, Literal, NamedTuple
 
@@ -77,6 +78,199 @@ class Notice:
         row: dict[str, Any] = {"code": self.code, "severity": self.severity, "message": self.message}
         row |= {"value": self.value, "limit": self.limit}
         return {"case": self.case, **row} if self.case else row
+
+
+Status = Literal["passed", "broken", "failed"]
+RUN_PASSED: Status = "passed"
+RUN_BROKEN: Status = "broken"
+RUN_FAILED: Status = "failed"
+RUN_STATUSES = (RUN_PASSED, RUN_BROKEN, RUN_FAILED)
+"""What the checks of a run came to: all hold; a stated limit is broken; the run could not be made."""
+FailOn = Literal["failed", "broken", "never"]
+"""What makes a command end with `EXIT_BROKEN`: a run that could not be made; a broken limit too; nothing."""
+EXIT_BROKEN = 3
+"""Exit code of a command whose result, or one of whose runs, broke a stated limit, or that missed its goal."""
+VERDICT = "verdict"
+"""Attribute of a NetCDF file that says what the checks of its result came to."""
+MOST_CODES = 3
+"""Broken checks that a sentence names."""
+
+
+@dataclass(frozen=True)
+class Verdict:
+    """What the checks of a run came to, decided where the run is made; a study keeps its text, faces ask it.
+
+    Attributes
+    ----------
+    status : str
+        "passed", "broken" (a stated limit was) or "failed" (the run could not be made).
+    codes : tuple of str
+        Of the checks that failed, such as ``blow-count``.
+    not_judged : tuple of str
+        Checks that the engine cannot make, such as ``momentum-balance`` of a fast run.
+    """
+
+    status: Status
+    codes: tuple[str, ...] = ()
+    not_judged: tuple[str, ...] = ()
+
+    @classmethod
+    def of(cls, notices: Iterable[Notice], not_judged: Sequence[str] = ()) -> Verdict:
+        """Return the verdict of the notices of a run: broken where one of them is a failed check.
+
+        Examples
+        --------
+        >>> Verdict.of([Notice("blow-count", "12 blows", severity=FAILED), Notice("blow-kind", "1 glancing")]).text
+        'broken: blow-count'
+        """
+        codes = tuple(dict.fromkeys(notice.code for notice in notices if notice.broken))
+        return cls(RUN_BROKEN if codes else RUN_PASSED, codes, tuple(not_judged))
+
+    @property
+    def text(self) -> str:
+        """The verdict as a cell of a table: status, and which checks failed."""
+        return f"{self.status}: {', '.join(self.codes)}" if self.codes else self.status
+
+
+def status_of(text: str) -> str:
+    """Return the status of the text of a verdict.
+
+    Examples
+    --------
+    >>> status_of("broken: blow-count"), status_of("")
+    ('broken', '')
+    """
+    return text.partition(":")[0]
+
+
+def worse(first: str, second: str) -> str:
+    """Return the text of the worse of two verdicts; one that is not known is no worse.
+
+    Examples
+    --------
+    >>> worse("passed", "broken: no-blow"), worse("passed", "")
+    ('broken: no-blow', 'passed')
+    """
+    order = ("", *RUN_STATUSES)
+    return max(first, second, key=lambda text: order.index(status_of(text)))
+
+
+class Verdicts:
+    """Verdicts of the runs that a result is made of.
+
+    Parameters
+    ----------
+    texts : iterable of str
+        `Verdict.text` of each run; empty where none is known, as of runs kept by an older version.
+    noun : str, optional
+        What a run is called, in the plural.
+    reason : str, optional
+        Why one of the failed runs could not be made.
+    not_judged : sequence of str, optional
+        Checks that the engine cannot make.
+    deciding : iterable of str, optional
+        Verdicts of the runs that decide the exit code: of a search those of what it offers, for what was tried on the
+        way is no part of the answer; all of them by default.
+
+    Examples
+    --------
+    >>> verdicts = Verdicts(["passed", "broken: blow-count", "failed"])
+    >>> verdicts.words, verdicts.document(), verdicts.fails("failed"), verdicts.fails("never")
+    ('1 of 3 runs broke a stated limit (blow-count), 1 failed', {'passed': 1, 'broken': 1, 'failed': 1}, True, False)
+    """
+
+    def __init__(
+        self,
+        texts: Iterable[str],
+        noun: str = "runs",
+        reason: str = "",
+        not_judged: Sequence[str] = (),
+        deciding: Iterable[str] | None = None,
+    ) -> None:
+        self.texts = tuple(texts)
+        self.deciding = self.texts if deciding is None else tuple(deciding)
+        self.noun, self.reason, self.not_judged = noun, reason, tuple(not_judged)
+        self.statuses = tuple(map(status_of, self.texts))
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, Verdicts) and self.texts == other.texts
+
+    def __hash__(self) -> int:
+        return hash(self.texts)
+
+    def count(self, status: str) -> int:
+        """Return how many runs have a status; those of "" are not judged."""
+        return self.statuses.count(status)
+
+    @property
+    def marked(self) -> tuple[bool, ...]:
+        """Which runs are to be marked: they broke a limit, or failed."""
+        return tuple(status in (RUN_BROKEN, RUN_FAILED) for status in self.statuses)
+
+    @property
+    def codes(self) -> dict[str, int]:
+        """The checks that failed, the most frequent first, and in how many runs."""
+        codes = (code for text in self.texts for code in text.partition(": ")[2].split(", ") if code)
+        return dict(Counter(codes).most_common())
+
+    def counted(self, status: str) -> str:
+        """Return "1 of 3 runs"."""
+        return f"{self.count(status)} of {len(self.texts)} {self.noun}"
+
+    @property
+    def words(self) -> str:
+        """How many broke a limit, or failed, in words; empty where none did."""
+        parts = []
+        if self.count(RUN_BROKEN):
+            parts.append(f"{self.counted(RUN_BROKEN)} broke a stated limit ({', '.join([*self.codes][:MOST_CODES])})")
+        if self.count(RUN_FAILED):
+            parts.append(f"{self.count(RUN_FAILED) if parts else self.counted(RUN_FAILED)} failed")
+        return ", ".join(parts)
+
+    def _weight(self, status: Status) -> Severity:
+        """Return how much runs of a status weigh: a failed check where they decide, else a warning."""
+        return FAILED if status in map(status_of, self.deciding) else WARNING
+
+    def document(self) -> dict[str, int]:
+        """Return the counts for the JSON document."""
+        return {status: self.count(status) for status in RUN_STATUSES}
+
+    def fails(self, fail_on: str) -> bool:
+        """Tell whether the command ends with `EXIT_BROKEN`; "broken" includes what failed."""
+        statuses = {"failed": (RUN_FAILED,), "broken": (RUN_BROKEN, RUN_FAILED)}.get(fail_on, ())
+        return any(status_of(text) in statuses for text in self.deciding)
+
+    def notices(self) -> tuple[Notice, ...]:
+        """Return what should be known of them: how many broke a limit or failed, and what was not judged."""
+        listed = []
+        if self.count(RUN_BROKEN):
+            checks = ", ".join(f"{code} in {count}" for code, count in self.codes.items())
+            message = f"{self.counted(RUN_BROKEN)} broke a stated limit: {checks}"
+            listed.append(
+                Notice("runs-broken", message, float(self.count(RUN_BROKEN)), severity=self._weight(RUN_BROKEN))
+            )
+        if self.count(RUN_FAILED):
+            such = f", such as: {self.reason}" if self.reason else ""
+            message = f"{self.counted(RUN_FAILED)} could not be made{such}"
+            listed.append(
+                Notice("runs-failed", message, float(self.count(RUN_FAILED)), severity=self._weight(RUN_FAILED))
+            )
+        if self.count(""):
+            message = (
+                f"{self.counted('')} were kept by a version that kept no verdicts: whether they broke a limit is not "
+                "known; --fresh makes them anew"
+            )
+            listed.append(Notice("runs-not-judged", message, float(self.count(""))))
+        if self.not_judged:
+            message = (
+                f"the {self.noun} are of an engine that does not judge {' and '.join(self.not_judged)}: a full run does"
+            )
+            listed.append(Notice("checks-not-made", message, severity=INFO))
+        return tuple(listed)
+
+
+NO_RUNS = Verdicts(())
+"""Verdicts of a result that is not made of runs."""
 
 
 @dataclass(frozen=True)
@@ -187,6 +381,8 @@ class BandMethod:
         Runs, further ones of the first blow alone, and full ones of the first blow for sensors.
     missed, failed : int
         Runs in which a striker missed; that could not be made.
+    broken : int
+        Runs that broke a stated limit, a missed blow among them; of sensors and first blows alone it is not judged.
     why : str
         Why the first of those could not be made.
     rest : dict
@@ -212,18 +408,27 @@ class BandMethod:
     ranked: tuple[str, ...] = ()
     inputs: tuple[MovedInput, ...] = ()
     why: str = ""
+    broken: int = 0
 
     def words(self) -> str:
         """Return the method in one line, with what it leaves out."""
         more = f" and {self.first_runs} of the first blow" if self.first_runs else ""
         full = f", of sensors {self.sensor_runs} full runs of the first blow" if self.sensor_runs else ""
-        lost = [f"{count} {what}" for count, what in ((self.missed, "with a miss"), (self.failed, "failed")) if count]
+        other = max(self.broken - self.missed, 0)
+        counts = (self.missed, "with a miss"), (other, "broke another limit"), (self.failed, "failed")
+        lost = [f"{count} {what}" for count, what in counts if count]
         among = f" ({', '.join(lost)})" if lost else ""
         return (
             f"{100.0 * self.level:.0f} % of {self.runs} runs{more}{among} by {self.engine}{full}, {len(self.inputs)} "
             "inputs moved within what is known of them; laws and other choices stay, and the error of the "
             "model is not in it"
         )
+
+    def broken_words(self) -> list[str]:
+        """Say how many runs of the ranges broke a stated limit; nothing where none did."""
+        if not self.broken:
+            return []
+        return [f"Of the {self.runs} runs of these ranges {self.broken} broke a stated limit."]
 
     def document(self) -> dict[str, Any]:
         """Return the entry of the JSON document."""
@@ -299,6 +504,8 @@ class Result(ABC):
         Band of each result that has one, by its name, such as ``first.rigid_peak``; empty where none was asked for.
     band_method : BandMethod or None
         How the bands were found.
+    verdicts : Verdicts
+        Of the runs that it is made of; of none where it is one run itself, or made of none.
     """
 
     command: ClassVar[str]
@@ -311,6 +518,7 @@ class Result(ABC):
     citations: tuple[str, ...] = ()
     band: Mapping[str, Band] = dataclasses.field(default_factory=dict)
     band_method: BandMethod | None = None
+    verdicts: Verdicts = NO_RUNS
 
     @property
     @abstractmethod
@@ -345,6 +553,32 @@ class Result(ABC):
         """Whether a check failed, or a goal was missed: the command exits with 3."""
         return any(notice.broken for notice in self.notices)
 
+    @property
+    def own_verdict(self) -> Verdict:
+        """What its own checks came to; the runs that it is made of have `verdicts`."""
+        return Verdict.of(self.notices)
+
+    @property
+    def state(self) -> str:
+        """What its checks came to, in words, as every face says it."""
+        codes = self.own_verdict.codes
+        if codes:
+            return failed_words(codes)
+        count = sum(notice.severity == WARNING for notice in self.notices)
+        return f"{count} warning{'s' if count > 1 else ''}" if count else "all checks passed"
+
+    def exit_code(self, fail_on: str = "broken") -> int:
+        """Return what its command ends with: `EXIT_BROKEN`, or 0.
+
+        Parameters
+        ----------
+        fail_on : str, optional
+            "broken": a check failed, a goal was missed, or a run broke a stated limit or could not be made; "failed":
+            a run could not be made; "never": nothing.
+        """
+        own = fail_on == "broken" and (self.broken or self.own_verdict.status == RUN_BROKEN)
+        return EXIT_BROKEN if own or self.verdicts.fails(fail_on) else 0
+
     @abstractmethod
     def units(self) -> Mapping[str, str]:
         """Return the unit of each key of the JSON document."""
@@ -364,7 +598,8 @@ class Result(ABC):
         """Return the JSON document; values that do not exist are null."""
         warnings = [notice.document() for notice in self.notices]
         test = {"test": dict(self.test)} if self.test else {}
-        return dict(plain({**head(dict(self.units()), warnings), **test, **self.content()}))
+        runs = {"verdicts": self.verdicts.document()} if self.verdicts.texts else {}
+        return dict(plain({**head(dict(self.units()), warnings), **test, **runs, **self.content()}))
 
     def tables(self) -> dict[str, str]:
         """Return its tables as CSV text, by the names of their files."""
@@ -390,7 +625,10 @@ class Result(ABC):
 
     def datasets(self) -> dict[str, LabelledArrays]:
         """Return what is kept as NetCDF, by the names of the files."""
-        return {} if self.arrays is None else {self.data_file: self.arrays}
+        if self.arrays is None:
+            return {}
+        attributes = {**self.arrays.attrs, VERDICT: self.own_verdict.text}
+        return {self.data_file: dataclasses.replace(self.arrays, attrs=attributes)}
 
     def texts(self) -> dict[str, str]:
         """Return further text files, by name."""
@@ -404,6 +642,17 @@ class Result(ABC):
     def document_text(self, indent: int | None = None) -> str:
         """Return the JSON document as the text of a file."""
         return json_text(self.document(), indent)
+
+
+def failed_words(codes: Sequence[str]) -> str:
+    """Say which checks failed.
+
+    Examples
+    --------
+    >>> failed_words(["no-blow"])
+    'check failed: no-blow'
+    """
+    return f"check{'s' if len(codes) > 1 else ''} failed: {', '.join(codes)}"
 
 
 def comparison_document(comparison: Comparison, *left_out: str) -> dict[str, Any]:

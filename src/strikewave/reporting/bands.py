@@ -48,6 +48,11 @@ def band_words(bands: Mapping[str, Band]) -> list[str]:
     ]
 
 
+def banded_words(result: Result) -> list[str]:
+    """Say in sentences what the ranges of a result are, and how many of their runs broke a stated limit."""
+    return [*band_words(result.band), *([] if result.band_method is None else result.band_method.broken_words())]
+
+
 def lacking_notices(names: Iterable[str], bands: Mapping[str, Band], method: BandMethod | None) -> list[Notice]:
     """Return a notice where results that may have a band have none, with what failed.
 

@@ -17,13 +17,13 @@ from strikewave.base.citations import SOURCES
 from strikewave.base.command_line import command_line, file_word
 from strikewave.base.percents import percent
 from strikewave.base.quantities import PROVENANCES, Value
-from strikewave.base.result import BALANCE_LIMIT, FAILED, INFO, WARNING
+from strikewave.base.result import BALANCE_LIMIT, FAILED, INFO, RUN_PASSED, WARNING, failed_words
 from strikewave.cases.case import Case, load_case
 from strikewave.cases.case_files import bundled_cases
 from strikewave.cases.paths import row_name
 from strikewave.cases.tables.published import PUBLISHED_QUANTITIES
 from strikewave.cases.written_case import dump_case
-from strikewave.reporting.bands import band_words
+from strikewave.reporting.bands import banded_words
 from strikewave.reporting.numbers import SHOWN_UNITS, headed, listed, shown
 from strikewave.reporting.page import Head, whole_page
 from strikewave.reporting.parts import NONE, Cell, Code, Section, Table, Tag, written
@@ -273,8 +273,8 @@ def result_page(result: Result, summary: Summary, sections: Sequence[Section]) -
         subject=source.kind.capitalize(),
         name=source.name,
         digest=source.digest,
-        status=summary.status or status(result.notices),
-        summary=[summary.words, *band_words(result.band)],
+        status=summary.status or status(result),
+        summary=[summary.words, *banded_words(result)],
         numbers=summary.numbers,
         foot=f"{source.kind} {source.name or 'without name'}"
         + (f" · SHA-256 of the {sealed} {source.digest}" if source.digest else ""),
@@ -283,10 +283,12 @@ def result_page(result: Result, summary: Summary, sections: Sequence[Section]) -
     return whole_page(head, [*sections, sources(result.citations), reproduction(result)])
 
 
-def status(notices: Sequence[Notice]) -> Tag:
-    """Return which checks failed, or how many warnings there are, or that all checks passed."""
-    failed = [notice.code for notice in notices if notice.broken]
-    return failed_checks(failed) if failed else passed_checks(sum(notice.severity == WARNING for notice in notices))
+def status(result: Result) -> Tag:
+    """Return which checks of a result failed, or how many warnings there are, or that all checks passed."""
+    if result.own_verdict.status != RUN_PASSED:
+        return Tag(result.state, "bad")
+    warned = any(notice.severity == WARNING for notice in result.notices)
+    return Tag(f"{result.state}, see below", "warned") if warned else Tag(result.state, "good")
 
 
 def failed_checks(codes: Sequence[str]) -> Tag:
@@ -295,22 +297,9 @@ def failed_checks(codes: Sequence[str]) -> Tag:
     Examples
     --------
     >>> failed_checks(["energy-balance", "no-blow"]).text
-    'checks failed: energy-balance and no-blow'
+    'checks failed: energy-balance, no-blow'
     """
-    return Tag(f"check{'s' if len(codes) > 1 else ''} failed: {listed(list(codes))}", "bad")
-
-
-def passed_checks(warnings: int) -> Tag:
-    """Return the status of a result of which no check failed: all passed only where nothing is warned of.
-
-    Examples
-    --------
-    >>> passed_checks(0).text, passed_checks(2).text
-    ('all checks passed', '2 warnings, see below')
-    """
-    if not warnings:
-        return Tag("all checks passed", "good")
-    return Tag(f"{warnings} warning{'s' if warnings > 1 else ''}, see below", "warned")
+    return Tag(failed_words(codes), "bad")
 
 
 def balance_table(balance: Mapping[str, float]) -> Table:

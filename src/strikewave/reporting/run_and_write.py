@@ -13,7 +13,7 @@ from strikewave.base.errors import InputError
 from strikewave.base.folder_claim import Claim, claimed
 from strikewave.base.output_folder import atomic_folder, check_place, check_unchanged, keep_true_files
 from strikewave.base.result import Notice, Result
-from strikewave.reporting.bands import band_words
+from strikewave.reporting.bands import banded_words
 from strikewave.reporting.command_inputs import (
     ORIGIN,
     check_inputs,
@@ -26,9 +26,6 @@ from strikewave.reporting.measured_files import asked
 from strikewave.reporting.options.output import Output
 from strikewave.reporting.shown_units import showing
 from strikewave.reporting.terminal import STARTED, case_hash, complain, most_memory, print_json, say, show_notices, tell
-
-BROKEN = 3
-"""Exit code of a run that failed a check, or missed its goal."""
 
 R = TypeVar("R", bound=Result)
 
@@ -176,19 +173,19 @@ def _print(command: Command[R], output: Output, result: R, timed: bool, words: S
         say(line)
     if timed:
         say(f"done in {time.perf_counter() - STARTED:.2f} s{most_memory()}")
-    if not result.broken:
-        return 0
-    failed = ", ".join(dict.fromkeys(notice.code for notice in result.notices if notice.broken))
-    complain(
-        f"exit code {BROKEN}: "
-        + (f"check failed: {failed}" if failed else "the goal is missed, or something could not be read")
-    )
-    return BROKEN
+    code = result.exit_code(output.fails_on)
+    if code:
+        failed = ", ".join(result.own_verdict.codes)
+        complain(
+            f"exit code {code}: "
+            + (f"check failed: {failed}" if failed else "the goal is missed, or something could not be read")
+        )
+    return code
 
 
 def print_result(command: Command[R], result: R) -> None:
     """Print what came out: a sentence, tables, and what the user should know."""
-    tell(" ".join([command.summary(result), *band_words(result.band)]))
+    tell(" ".join([command.summary(result), *banded_words(result)]))
     command.show(result)
     show_notices(command.printed_notices(result))
 

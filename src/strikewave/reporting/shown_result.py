@@ -22,7 +22,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from strikewave.base.errors import InputError, StrikewaveError
 from strikewave.base.output_folder import write_atomically
-from strikewave.base.result import WARNING, Band, Result
+from strikewave.base.result import RUN_PASSED, WARNING, Band, Result
 from strikewave.reporting.banded_numbers import table_decimals
 from strikewave.reporting.bands import bands_of
 from strikewave.reporting.columns import Column
@@ -289,15 +289,12 @@ class ShownResult(Result):
 
     def __repr__(self) -> str:
         numbers = [f"{label} {value}" for label, value in self.highlights()[:MOST_NUMBERS]]
-        failed = [notice.code for notice in self.notices if notice.broken]
-        numbers += [f"check failed: {code}" for code in dict.fromkeys(failed)]
+        numbers += [f"check failed: {code}" for code in self.own_verdict.codes]
         return f"<{type(self).__name__} {self.label}" + (f": {', '.join(numbers)}>" if numbers else ">")
 
     def _repr_html_(self) -> str:
-        failed = list(dict.fromkeys(notice.code for notice in self.notices if notice.broken))
-        count = sum(notice.severity == WARNING for notice in self.notices)
-        warned = f"{count} warning{'s' if count > 1 else ''}: see notices" if count else "all checks passed"
-        state = f"check failed: {', '.join(failed)}" if failed else warned
+        warned = self.own_verdict.status == RUN_PASSED and any(one.severity == WARNING for one in self.notices)
+        state = f"{self.state}: see notices" if warned else self.state
         numbers = "".join(_row("th", "td", [label, value]) for label, value in self.highlights())
         curve = self.preview()
         beside = [f"<table>{numbers}</table>"] * bool(numbers) + ([_svg(curve)] if curve is not None else [])

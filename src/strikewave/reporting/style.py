@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from strikewave.base import control_characters
+from strikewave.base.result import RUN_BROKEN, RUN_FAILED, Verdicts
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -33,6 +34,39 @@ def quiet(axes: Any, title: str, x: str, y: str) -> None:
     axes.set_axisbelow(True)
     axes.spines[["top", "right"]].set_visible(False)
     axes.margins(x=0.0)
+
+
+def mark_runs(axes: Any, x: Any, y: Any, verdicts: Verdicts, noun: str = "run", size: float = 7.0) -> None:
+    """Mark points of runs that broke a stated limit, by an open diamond, and of those that failed, by a cross.
+
+    Parameters
+    ----------
+    axes : Axes
+        Where the points are drawn.
+    x, y : ndarray
+        Of the points, one a run; a point without a number is not marked.
+    verdicts : Verdicts
+        Of the runs.
+    noun : str, optional
+        What a run is called in the legend.
+    size : float, optional
+        Of the marks, points.
+    """
+    import numpy as np
+
+    if not verdicts.texts:
+        return
+    for status, marker, words in (
+        (RUN_BROKEN, "D", f"{noun} broke a stated limit"),
+        (RUN_FAILED, "x", f"{noun} failed"),
+    ):
+        chosen = np.array([one == status for one in verdicts.statuses], dtype=bool)
+        chosen &= np.isfinite(np.asarray(x, dtype=float)) & np.isfinite(np.asarray(y, dtype=float))
+        if chosen.any():
+            axes.plot(
+                np.asarray(x)[chosen], np.asarray(y)[chosen], marker, color=RED, markersize=size,
+                markerfacecolor="none", markeredgewidth=1.4, linestyle="none", label=words, zorder=4, clip_on=False,
+            )  # fmt: skip
 
 
 def save(figure: Any, path: Path) -> None:

@@ -9,6 +9,7 @@ from typing import Any
 from strikewave.analyses.compare.curve import ComparedCurve
 from strikewave.base.errors import InputError, nearest
 from strikewave.base.quantities import Value
+from strikewave.base.result import Verdict
 from strikewave.base.variables import LabelledArrays
 from strikewave.cases.case import Case
 from strikewave.cases.tables.machine import RotaryTable
@@ -67,6 +68,20 @@ class Simulation:
         from strikewave.analyses.fem.run import run_fem
 
         return run_fem(self.case, device=self.device)
+
+    @functools.cached_property
+    def verdict(self) -> Verdict:
+        """What the checks of the run came to, by the limits of its analysis."""
+        if self.case.command == "run":
+            from strikewave.analyses.machine.notices import run_verdict
+
+            return run_verdict(self.case, self.observed.run, self.observed.blows)
+        if self.case.command == "wave":
+            from strikewave.analyses.wave.notices import momentum_notices
+
+            return Verdict.of(momentum_notices(self.bar.run))
+        verdict: Verdict = self.elements.own_verdict
+        return verdict
 
     @functools.cached_property
     def _arrays(self) -> LabelledArrays | None:

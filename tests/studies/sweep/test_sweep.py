@@ -75,7 +75,7 @@ def test_a_run_that_fails_is_a_row_with_its_reason_and_a_mark():
     study = sweep(ONE, {"machine.engagement": ["1 mm", "400 mm"]}, analysis="fast", keep=["first.rigid_peak"])
     assert [bool(failure) for failure in study.failures] == [False, True]
     assert study.notices[0].code == "runs-failed"
-    assert not study.broken
+    assert [study.exit_code(fail_on) for fail_on in ("failed", "broken", "never")] == [3, 3, 0]
     assert "run failed" in [text.get_text() for text in sweep_picture(study).legends[0].get_texts()]
     assert next(iter(study.reasons)) in unescape(sweep_report(study))
 

@@ -11,7 +11,7 @@ from strikewave.reporting import measured_files as measured
 from strikewave.reporting.decision_options import Decision, Uncertainty
 from strikewave.reporting.low_pass import LowPassOptions
 from strikewave.reporting.options.kinds import bare_number, parsed, quantity
-from strikewave.reporting.options.output import Output
+from strikewave.reporting.options.output import StudyOutput
 from strikewave.reporting.options.shared import WithBand, complete_case
 
 
@@ -60,7 +60,7 @@ def command(
     uncertainty: Uncertainty = None,
     measurement: measured.MeasurementOptions,
     filtering: LowPassOptions,
-    output: Output,
+    output: StudyOutput,
 ) -> int:
     """Compare two histories, measured or simulated.
 

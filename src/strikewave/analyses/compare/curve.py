@@ -61,6 +61,8 @@ class ComparedCurve:
         Why a figure is not to be trusted: by peak, width and velocity_change.
     notices : tuple of Notice
         What the user should know of it.
+    verdict : str
+        What the checks of a simulation came to, `strikewave.base.result.Verdict.text`; empty of what is none.
     """
 
     name: str
@@ -75,6 +77,7 @@ class ComparedCurve:
     budgeted: bool = False
     troubles: Mapping[str, str] = field(default_factory=dict)
     notices: tuple[Notice, ...] = ()
+    verdict: str = ""
 
     @property
     def sign(self) -> float:

@@ -21,7 +21,7 @@ from strikewave.analyses.compare.specified import (
     verdict_notices,
 )
 from strikewave.base.errors import InputError
-from strikewave.base.result import INFO, Notice, Result, Source
+from strikewave.base.result import INFO, Notice, Result, Source, Verdicts
 from strikewave.base.units import si_value
 from strikewave.reporting import measured_files as measured
 from strikewave.reporting.clause_words import budget_notices
@@ -254,6 +254,7 @@ def compared_curves(
         origin=origin,
         citations=("iso-18571", "smallwood-1981", *(("jcgm-100", "jcgm-101") if request.reading.budget else ())),
         budget=request.reading.budget,
+        verdicts=Verdicts([one.verdict for one in (first, second) if one.verdict], "simulations"),
     )
     judged = judge(request.limits, result.values)
     failed = () if specified is None else verdict_notices(specified)

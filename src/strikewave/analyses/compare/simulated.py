@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from strikewave.analyses.compare.curve import QUANTITIES, ComparedCurve, even_history
 from strikewave.base.errors import InputError, nearest
 from strikewave.base.hdf5_files import is_sealed
-from strikewave.base.result import Band, Notice, Result
+from strikewave.base.result import FAILED, RUN_BROKEN, VERDICT, Band, Notice, Result, status_of
 from strikewave.base.variables import LabelledArrays, open_result
 from strikewave.cases.case import load_case
 from strikewave.reporting.terminal import say
@@ -93,10 +93,10 @@ def simulated_curve(option: str, place: str, part: str, blow: int, unit: str, ba
         If the case cannot be run, the file is none of a result, or the part is none of its.
     """
     if place.lower().endswith(".nc"):
-        name, parts, notices = _kept(place)
+        name, parts, checked = _kept(place)
     else:
-        name, parts, notices = _run(place, band)
-    return _curve(option, name, parts, notices, part, blow, unit)
+        name, parts, checked = _run(place, band)
+    return _curve(option, name, parts, checked, part, blow, unit)
 
 
 def solution_curve(option: str, solution: Result, part: str, blow: int, unit: str) -> ComparedCurve:
@@ -110,13 +110,36 @@ def solution_curve(option: str, solution: Result, part: str, blow: int, unit: st
     arrays = solution.arrays
     if arrays is None or not {"pulse_acceleration", "tap_acceleration", "momentum"} & set(arrays.variables):
         raise InputError(option, type(solution).__name__, "a solution of run, wave or fem, or a name")
-    name, notices = solution.source.name, [notice for notice in solution.notices if notice.broken]
-    return _curve(option, name, list(_parts(arrays, solution.band)), notices, part, blow, unit)
+    return _curve(
+        option, solution.source.name, list(_parts(arrays, solution.band)), checked_run(solution), part, blow, unit
+    )
+
+
+class CheckedRun(NamedTuple):
+    """What the checks of a simulation came to: its verdict, and the checks that failed."""
+
+    verdict: str = ""
+    notices: tuple[Notice, ...] = ()
+
+
+def checked_run(solution: Result) -> CheckedRun:
+    """Return what the checks of a solution came to."""
+    failed = tuple(notice for notice in solution.notices if notice.broken)
+    return CheckedRun(solution.own_verdict.text, failed)
+
+
+def _checked_then(name: str, verdict: str) -> CheckedRun:
+    """Return what the checks of a kept result came to when it was made; nothing where its file does not say so."""
+    codes = verdict.partition(": ")[2]
+    if status_of(verdict) != RUN_BROKEN:
+        return CheckedRun(verdict)
+    message = f"{name} failed a check when it was made: {codes}"
+    return CheckedRun(verdict, (Notice("simulation-broken", message, severity=FAILED),))
 
 
 def arrays_curve(option: str, name: str, arrays: LabelledArrays, part: str, blow: int, unit: str) -> ComparedCurve:
     """Return a history of the arrays of a run of a case of this name, without bands; see `simulated_curve`."""
-    return _curve(option, name, list(_parts(arrays, {})), (), part, blow, unit)
+    return _curve(option, name, list(_parts(arrays, {})), CheckedRun(), part, blow, unit)
 
 
 def _parts(arrays: LabelledArrays, bands: Mapping[str, Band]) -> Iterator[SimulatedPart]:
@@ -130,7 +153,7 @@ def _curve(
     option: str,
     name: str,
     parts: Sequence[SimulatedPart],
-    notices: Sequence[Notice],
+    checked: CheckedRun,
     part: str,
     blow: int,
     unit: str,
@@ -140,7 +163,8 @@ def _curve(
     words = f"{name}:{chosen.part}" + (f".{chosen.quantity}" if chosen.quantity != "acceleration" else "")
     words += f"@{chosen.blow}" if chosen.blow and len({one.blow for one in parts}) > 1 else ""
     history = even_history(chosen.time, chosen.values - chosen.zero)
-    curve = ComparedCurve(words, "simulation", _from_rest(history), chosen.unit, notices=tuple(notices))
+    curve = ComparedCurve(words, "simulation", _from_rest(history), chosen.unit)
+    curve = replace(curve, notices=checked.notices, verdict=checked.verdict)
     return replace(curve, band=_of_sensor(chosen, curve) if chosen.zero else chosen.band)
 
 
@@ -195,7 +219,7 @@ def _chosen(option: str, name: str, parts: Sequence[SimulatedPart], part: str, b
 
 
 @functools.lru_cache(maxsize=2)
-def _run(place: str, band: bool) -> tuple[str, list[SimulatedPart], list[Notice]]:
+def _run(place: str, band: bool) -> tuple[str, list[SimulatedPart], CheckedRun]:
     """Run a case and return its name, its histories, and what was noticed."""
     case = load_case(place)
     solution: Any
@@ -214,8 +238,7 @@ def _run(place: str, band: bool) -> tuple[str, list[SimulatedPart], list[Notice]
         from strikewave.analyses.machine.run import run_case
 
         solution = run_case(case, band=band)
-    broken = [notice for notice in solution.notices if notice.broken]
-    return case.name, list(_parts(solution.arrays, solution.band)), broken
+    return case.name, list(_parts(solution.arrays, solution.band)), checked_run(solution)
 
 
 def is_solution(path: Path) -> bool:
@@ -226,7 +249,7 @@ def is_solution(path: Path) -> bool:
         return False
 
 
-def _kept(place: str) -> tuple[str, list[SimulatedPart], list[Notice]]:
+def _kept(place: str) -> tuple[str, list[SimulatedPart], CheckedRun]:
     """Return the histories of a result that was kept."""
     path = Path(place)
     name = path.parent.name or path.stem
@@ -234,8 +257,9 @@ def _kept(place: str) -> tuple[str, list[SimulatedPart], list[Notice]]:
         from strikewave.analyses.machine.result import load_solution
 
         solution = load_solution(path)
-        return name, list(_parts(solution.arrays, solution.band)), []
-    return name, list(_parts(_arrays(path), {})), []
+        return name, list(_parts(solution.arrays, solution.band)), checked_run(solution)
+    arrays = _arrays(path)
+    return name, list(_parts(arrays, {})), _checked_then(name, str(arrays.attrs.get(VERDICT, "")))
 
 
 def _arrays(path: Path) -> LabelledArrays:

@@ -51,6 +51,8 @@ def compare_words(result: CompareResult) -> str:
         words.insert(0, f"{SHOWN[verdict_of(result.judged) or PASS]}: {count} of {len(result.judged)} limits kept.")
     if result.specified is not None:
         words.insert(0, specification_words(result.specified))
+    if result.verdicts.words:
+        words.insert(0, f"{result.verdicts.words}.")
     return " ".join(words)
 
 

@@ -17,13 +17,14 @@ from numpy.typing import NDArray
 
 from strikewave.analyses.machine.build import build_machine
 from strikewave.analyses.machine.figures_of import TimedBlow, figures_of, sensor_figures
+from strikewave.analyses.machine.notices import run_verdict
 from strikewave.analyses.machine.observe import observe
 from strikewave.analyses.machine.sensor_readings import BlowReading
 from strikewave.base.quantities import Value
-from strikewave.base.result import Band, BandMethod
+from strikewave.base.result import RUN_BROKEN, Band, BandMethod
 from strikewave.cases.case import Case
 from strikewave.cases.sensors_of_case import build_channels
-from strikewave.machines import Blow, blows, run_machine
+from strikewave.machines import Blow, MachineRun, blows, run_machine
 from strikewave.machines.fast_train import fast_train, why_not
 from strikewave.uncertainty.allowed import allowed_inputs
 from strikewave.uncertainty.bands import LEVEL, SEED, Sample, find_bands, latin_hypercube, moved
@@ -114,10 +115,19 @@ class _Outcome:
 
     figures: Figures
     missed: bool
+    broken: bool = False
+
+
+def _judged(case: Case, run: MachineRun, found: Sequence[Blow], more: Figures) -> _Outcome:
+    """Return the outcome of a full run, judged by its limits."""
+    outcome, broken = _outcome(found), run_verdict(case, run, found).status == RUN_BROKEN
+    return _Outcome({**outcome.figures, **more}, outcome.missed, broken)
 
 
 def _outcome(found: Sequence[TimedBlow]) -> _Outcome:
-    return _Outcome(figures_of(found), any(blow.kind == "missed" for blow in found) or not found)
+    """Return the outcome of a run that is followed for a number of passes: one that misses has too few blows."""
+    missed = any(blow.kind == "missed" for blow in found) or not found
+    return _Outcome(figures_of(found), missed, missed)
 
 
 @dataclass(frozen=True)
@@ -169,7 +179,7 @@ def _fast_bands(case: Case, figures: Figures, runs: FastRuns) -> tuple[dict[str,
         if short < passes and not name.startswith("first."):
             values[RUNS:] = np.nan
     missed, failed = _missed(found[:RUNS]), _failed(found)
-    method = BandMethod("the fast engine", LEVEL, SEED, RUNS, FIRST_RUNS, missed, failed, why=runs.why)
+    method = BandMethod("the fast engine", LEVEL, SEED, RUNS, FIRST_RUNS, missed, failed, why=runs.why, broken=missed)
     return find_bands(Sample(inputs, points), results, method)
 
 
@@ -182,16 +192,17 @@ def _as_it_is(
     def run(numbers: Array) -> _Outcome:
         changed = drawn_case(case, inputs, numbers.tolist())
         if not sensors:
-            return _outcome(blows(run_machine(build_machine(changed), FULL_TOLERANCE)))
+            full = run_machine(build_machine(changed), FULL_TOLERANCE)
+            return _judged(changed, full, blows(full), {})
         seen = observe(changed)
-        outcome = _outcome(seen.blows)
-        return _Outcome({**outcome.figures, **sensor_figures(seen.readings)}, outcome.missed)
+        return _judged(changed, seen.run, seen.blows, sensor_figures(seen.readings))
 
     points = _points(inputs, LAUNCHED_RUNS, WHOLE_STREAM)
     rows = list(drawn(inputs, points))
     found = on_threads(run, rows, threads, say)
     why = why_failed(run, rows, found)
     method = BandMethod("full runs", LEVEL, SEED, LAUNCHED_RUNS, 0, _missed(found), _failed(found), why=why)
+    method = dataclasses.replace(method, broken=sum(one is not None and one.broken for one in found))
     return find_bands(Sample(inputs, points), _columns(found, list(figures)), method)
 
 

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 from collections.abc import Iterator, Sequence
+from typing import TYPE_CHECKING, Protocol
 
 import numpy as np
 
@@ -16,7 +18,7 @@ from strikewave.analyses.machine.sensor_readings import (
 )
 from strikewave.base.materials import material
 from strikewave.base.quantities import AUTO
-from strikewave.base.result import FAILED, INFO, Notice
+from strikewave.base.result import FAILED, INFO, Notice, Verdict, balance_notices
 from strikewave.cases.case import Case
 from strikewave.cases.comparisons import origin_notices
 from strikewave.cases.contact_notices import (
@@ -28,6 +30,7 @@ from strikewave.cases.contact_notices import (
 )
 from strikewave.cases.contact_of_case import struck_material
 from strikewave.cases.contact_range_notices import damping_speed_notices, size_notices, speed_notices
+from strikewave.cases.law_names import CUSHION
 from strikewave.cases.material_notices import material_notices
 from strikewave.cases.stack_of_case import build_taps
 from strikewave.cases.yield_pressure import ELASTIC, YIELDING
@@ -45,6 +48,9 @@ from strikewave.waves.limits import (
     not_reached_notices,
     rise_notices,
 )
+
+if TYPE_CHECKING:
+    from strikewave.machines.fast_train import FastTrain
 
 HEAVY_ANVIL = 10.0
 """Mass of a free anvil over that of what meets it from which on it counts as fixed: it then costs less than a tenth of
@@ -69,17 +75,7 @@ def notices(case: Case, blows: Sequence[Blow], answers: ContactAnswers | None) -
     struck = [blow for blow in blows if blow.kind != "missed"]
     listed = [*origin_notices(case), *material_notices(case), *law_notices(case)]
     if not struck:
-        listed.append(
-            Notice(
-                "no-blow",
-                "no striker touched the object: see "
-                + ("where it rests against machine.engagement" if case.launched() is None else "[machine]"),
-                0.0,
-                1.0,
-                severity=FAILED,
-            )
-        )
-        return tuple(listed)
+        return (*listed, *count_notices(case, blows))
     listed += [*_odd_blows(case, blows), *_rail(case), *_yield(case, answers), *_contact(case, struck)]
     listed += cushion_notices(case, struck)
     listed += _recorder(case, struck)
@@ -97,12 +93,55 @@ def _wanted(case: Case, made: int) -> float:
     return float(made) if launched.until == "rest" else 1.0 if after is None else after.si
 
 
-def _odd_blows(case: Case, blows: Sequence[Blow]) -> Iterator[Notice]:
+class CountedBlow(Protocol):
+    """A blow of a full run or of a fast one."""
+
+    @property
+    def kind(self) -> str:
+        """One of `strikewave.machines.blows.KINDS`."""
+        ...
+
+
+def count_notices(case: Case, blows: Sequence[CountedBlow]) -> Iterator[Notice]:
+    """Report where no blow struck, or not as many as are wanted: a full or a fast run."""
     delivered = sum(blow.kind != "missed" for blow in blows)
+    if not delivered:
+        where = "where it rests against machine.engagement" if case.launched() is None else "[machine]"
+        yield Notice("no-blow", f"no striker touched the object: see {where}", 0.0, 1.0, severity=FAILED)
+        return
     wanted = _wanted(case, delivered)
     if delivered != wanted:
         message = f"{delivered} blows instead of the {wanted:.0f} wanted"
         yield Notice("blow-count", message, float(delivered), wanted, severity=FAILED)
+
+
+def balance_of(run: MachineRun, blows: Sequence[Blow]) -> dict[str, float]:
+    """Return the errors of the balances of a run, as shares."""
+    errors = [blow.momentum_error for blow in blows if blow.kind != "missed"]
+    errors += [span.momentum_error for span in run.spans if isinstance(span, StackSpan)]
+    return {"energy_error": run.energy_error, "momentum_error": max(errors, default=0.0)}
+
+
+def run_verdict(case: Case, run: MachineRun, blows: Sequence[Blow]) -> Verdict:
+    """Return the verdict of a run without making its readings: that of all notices of `run_case`, which tests hold."""
+    struck = [blow for blow in blows if blow.kind != "missed"]
+    checks = balance_notices(balance_of(run, blows)), count_notices(case, blows), cushion_notices(case, struck)
+    return Verdict.of(itertools.chain(*checks))
+
+
+def fast_not_judged(case: Case) -> tuple[str, ...]:
+    """Return the checks that the fast engine cannot make: it has no impulse beside the momentum, and no indentation."""
+    return ("momentum-balance", *(["cushion-solid"] if case.impact().contact.law == CUSHION else []))
+
+
+def fast_verdict(case: Case, run: FastTrain) -> Verdict:
+    """Return the verdict of a fast run, by the same limits: its blows are counted, and its energy balance is judged."""
+    checks = balance_notices({"energy_error": run.energy_error}), count_notices(case, run.blows)
+    return Verdict.of(itertools.chain(*checks), fast_not_judged(case))
+
+
+def _odd_blows(case: Case, blows: Sequence[Blow]) -> Iterator[Notice]:
+    yield from count_notices(case, blows)
     odd = [f"{blow.index} {blow.kind}" for blow in blows if blow.kind != "full"]
     if odd:
         message = "not every blow is full: " + ", ".join(odd)

@@ -13,7 +13,7 @@ from strikewave.analyses.machine.feed_notices import feed_notices
 from strikewave.analyses.machine.figures_of import figures_of, sensor_figures
 from strikewave.analyses.machine.kind import Release, kind_of
 from strikewave.analyses.machine.launched import line_collisions, release
-from strikewave.analyses.machine.notices import cut_notices, launch_notices, notices, wave_notices
+from strikewave.analyses.machine.notices import balance_of, cut_notices, launch_notices, notices, wave_notices
 from strikewave.analyses.machine.observe import observe
 from strikewave.analyses.machine.result import RigidReference, Solution
 from strikewave.analyses.machine.sensor_readings import (
@@ -33,7 +33,6 @@ from strikewave.cases.contact_of_case import contact_source
 from strikewave.cases.sensors_of_case import sensor_notices
 from strikewave.contact import damping_law, solve_impact
 from strikewave.machines import Blow, Machine
-from strikewave.machines.spans import StackSpan
 from strikewave.reporting.bands import lacking_notices
 from strikewave.sensors.channel import channel_notices, sensor_sources
 from strikewave.waves.routes import EXACT
@@ -101,12 +100,7 @@ def run_case(case: Case, progress: Callable[[float], None] | None = None, *, ban
     ]
     refused = any(notice.code == "rise-too-steep" for notice in listed)
     readings = tuple(reading and (without_peaks(reading) if refused else reading) for reading in seen.readings)
-    momentum = max(
-        [blow.momentum_error for blow in seen.blows if blow.kind != "missed"]
-        + [span.momentum_error for span in run.spans if isinstance(span, StackSpan)],
-        default=0.0,
-    )
-    balance = {"energy_error": run.energy_error, "momentum_error": momentum}
+    balance = balance_of(run, seen.blows)
     struck = machine.struck
     return Solution(
         case=case,

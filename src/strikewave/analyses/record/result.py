@@ -153,6 +153,11 @@ class RecordResult(AskedResult):
         failed = any(notice.broken for notice in self.notices)
         return failed or any(notice.code == "unreadable" for file in self.readings for notice in file.findings)
 
+    @property
+    def state(self) -> str:
+        """How many files have which status; which checks failed, where some did."""
+        return super().state if self.own_verdict.codes else ", ".join(counted(self.readings)) or super().state
+
     def units(self) -> dict[str, str]:
         """Return the unit of each key of the JSON document."""
         units = units_of(self.readings)
@@ -247,6 +252,12 @@ def name_of(paths: Sequence[Path]) -> str:
     ('a', 'shots')
     """
     return paths[0].stem if len(paths) == 1 else paths[0].absolute().parent.name or "records"
+
+
+def counted(files: Sequence[FileReading]) -> list[str]:
+    """Return how many files there are of each status, in words."""
+    statuses = [file.status for file in files]
+    return [f"{statuses.count(status)} {status}" for status in STATUSES if status in statuses]
 
 
 def record_result(

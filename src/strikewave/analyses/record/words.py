@@ -7,12 +7,12 @@ from collections.abc import Mapping, Sequence
 
 from strikewave.analyses.record.pair_chapter import pair_words
 from strikewave.analyses.record.response_chapter import response_words
-from strikewave.analyses.record.result import RecordResult
+from strikewave.analyses.record.result import RecordResult, counted
 from strikewave.analyses.record.tables import amount, between, called, percent, plus_minus, rows_of, short_names
 from strikewave.analyses.record.verdicts.words import sentence
 from strikewave.base.first_few import are_many, first_few
 from strikewave.records.campaign import Campaign, Outlier
-from strikewave.records.health_notice import STATUSES, worst
+from strikewave.records.health_notice import worst
 from strikewave.records.measuring import RecordedPulse
 from strikewave.records.reading import FileReading
 from strikewave.reporting.numbers import listed
@@ -26,12 +26,6 @@ MOST_NAMED = 4
 WITHOUT_UNIT = ("unit-unknown", "not-calibrated")
 """Findings after which all figures are numbers without the unit that was meant."""
 NO_PEAK = "No record gave a peak that can be trusted."
-
-
-def counted(files: Sequence[FileReading]) -> list[str]:
-    """Return how many files there are of each status, in words."""
-    statuses = [file.status for file in files]
-    return [f"{statuses.count(status)} {status}" for status in STATUSES if status in statuses]
 
 
 def record_words(result: RecordResult) -> str:

@@ -70,7 +70,7 @@ def layered_bar_notices(
     """Yield the notices on a layered bar under a load that lasts so long, s; for the extremes see `bar_extremes`."""
     case, run, stack, accuracy = solution.case, solution.run, solution.run.stack, solution.accuracy
     most, least, greatest = extremes
-    yield from _momentum_balance(run)
+    yield from momentum_notices(run)
     yield from origin_notices(case)
     yield from material_notices(case)
     yield from _fast_layers(case, stack)
@@ -184,7 +184,8 @@ def _without_routes(case: Case, run: BarRun) -> Iterator[Notice]:
         yield Notice("routes-left-out", message, float(len(run.time)), 0.0, severity=INFO)
 
 
-def _momentum_balance(run: BarRun) -> list[Notice]:
+def momentum_notices(run: BarRun) -> list[Notice]:
+    """Return the failed check of the momentum balance of a bar; none where it holds."""
     if run.momentum_error <= BALANCE_LIMIT:
         return []
     message = f"the momentum balance error is {run.momentum_error:.1e}"

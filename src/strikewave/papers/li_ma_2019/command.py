@@ -8,7 +8,7 @@ from typing import Annotated, Literal
 import typer
 
 from strikewave.reporting.options.kinds import one_of
-from strikewave.reporting.options.output import Output
+from strikewave.reporting.options.output import StudyOutput
 from strikewave.reporting.options.shared import Running
 
 LEFT_OUT = ("elements", "studies")
@@ -39,7 +39,7 @@ def command(
         ),
     ] = 1,
     running: Running,
-    output: Output,
+    output: StudyOutput,
 ) -> int:
     """Reproduce a published paper.
 

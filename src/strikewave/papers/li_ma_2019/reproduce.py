@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from strikewave.base.result import Verdicts
 from strikewave.papers.li_ma_2019.answers import number_rows
 from strikewave.papers.li_ma_2019.element_pulses import element_numbers
 from strikewave.papers.li_ma_2019.equations import equation_rows
@@ -63,6 +64,6 @@ def reproduce(
     rows = findings(equations, checks, measured, (low / buffered, high / buffered))
     rows += machine_findings(runs, unknowns.joints)
     sources = notices_of(runs)
-    return Reproduction(
-        runs, equations, numbers, checks, rows, unknowns, further, effort, notices=sources, citations=(PAPER,)
-    )
+    verdicts = Verdicts(text for _, text in runs.checked)
+    found = runs, equations, numbers, checks, rows, unknowns, further, effort
+    return Reproduction(*found, notices=sources, citations=(PAPER,), verdicts=verdicts)

@@ -177,6 +177,7 @@ class Reproduction(ShownResult):
             "paper": PAPER,
             "quick": runs.quick,
             "cases": [case.name for case in runs.cases],
+            "runs": [{"case": name, "verdict": verdict} for name, verdict in runs.checked],
             "equations": [equation_document(row) for row in self.equations],
             "published": [number_document(row) for row in self.numbers],
             "consistency": [asdict(row) for row in self.checks],

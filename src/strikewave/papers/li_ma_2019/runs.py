@@ -98,6 +98,13 @@ class Runs:
         return self.machine, self.comparison, self.fixture, self.equal_blows
 
     @property
+    def checked(self) -> tuple[tuple[str, str], ...]:
+        """Name of each run, and what its checks came to."""
+        pairs = [(one.case.name, one.own_verdict.text) for one in self.impacts]
+        pairs += [(one.case.name, one.own_verdict.text) for one in (self.bar, self.passing)]
+        return (*pairs, *((one.case.name, one.own_verdict.text) for one in self.elements))
+
+    @property
     def cases(self) -> tuple[Case, ...]:
         """All built-in cases that were run, each once."""
         own = tuple(solution.case for solution in self.impacts)

@@ -76,6 +76,17 @@ Quiet = Annotated[
 ]
 
 
+FailOnOption = Annotated[
+    Literal["failed", "broken", "never"],
+    typer.Option(
+        "--fail-on",
+        help=(
+            "What makes the exit code 3: a run that could not be made (failed), one that broke a stated limit or a "
+            "missed goal too (broken), or nothing (never)."
+        ),
+    ),
+]
+
 REPORTS = ("report.html", "test-report.html")
 """Pages of a result that are written as PDF too."""
 
@@ -154,6 +165,11 @@ class Output(Shown):
     show: Show = None
     pdf: Pdf = None
     xlsx: Xlsx = False
+
+    @property
+    def fails_on(self) -> str:
+        """What makes the exit code 3, as `Result.exit_code` takes it."""
+        return "broken"
 
     @functools.cached_property
     def performed(self) -> StatedTest:
@@ -271,7 +287,25 @@ def folder_name(name: str) -> str:
 
 
 @dataclass(frozen=True)
-class RunOutput(Output):
+class StudyOutput(Output):
+    """Where the result of several runs goes, and which of them make the exit code 3.
+
+    Attributes
+    ----------
+    fail_on : str
+        "failed", "broken" or "never"; see `strikewave.base.result.Result.exit_code`.
+    """
+
+    fail_on: FailOnOption = "broken"
+
+    @property
+    def fails_on(self) -> str:
+        """What makes the exit code 3."""
+        return self.fail_on
+
+
+@dataclass(frozen=True)
+class RunOutput(StudyOutput):
     """Where the result of a run goes, and which files hold it.
 
     Attributes

@@ -10,7 +10,7 @@ from strikewave.base.errors import InputError
 from strikewave.base.quantities import Value
 from strikewave.reporting import measured_files as measured
 from strikewave.reporting.options.kinds import quantity, typed_value
-from strikewave.reporting.options.output import Output
+from strikewave.reporting.options.output import StudyOutput
 from strikewave.reporting.options.shared import Changes, Running, case_name
 from strikewave.studies.buffer.defaults import LAYERS, THICKEST, WORST
 
@@ -84,7 +84,7 @@ def command(
     measurement: measured.MeasurementOptions,
     changes: Changes = None,
     running: Running,
-    output: Output,
+    output: StudyOutput,
 ) -> int:
     """Rank gasket stacks under a sensor.
 

@@ -13,14 +13,14 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from strikewave.analyses.machine.notices import notices, wave_notices
+from strikewave.analyses.machine.notices import balance_of, notices, wave_notices
 from strikewave.analyses.machine.observe import observe
 from strikewave.analyses.machine.yielding import contact_answers
 from strikewave.analyses.wave.run import run_wave
 from strikewave.base.errors import MISSING, InputError, checked, nearest
 from strikewave.base.materials import material, materials
 from strikewave.base.quantities import Value
-from strikewave.base.result import Notice
+from strikewave.base.result import Notice, Verdict, balance_notices
 from strikewave.cases.case import Case
 from strikewave.cases.sensors_of_case import build_channels
 from strikewave.cases.stack_of_case import area_of, need
@@ -259,12 +259,15 @@ class Blows(NamedTuple):
         What to know of the run that they come from.
     assembly_mass : float
         Of what the sensor sits on, kg; infinite where it is not known.
+    verdict : str
+        What the checks of that run came to, `strikewave.base.result.Verdict.text`; empty of a measured blow.
     """
 
     motions: tuple[BaseMotion, ...]
     chosen: int = 0
     warnings: tuple[Notice, ...] = ()
     assembly_mass: float = math.inf
+    verdict: str = ""
 
     @property
     def motion(self) -> BaseMotion:
@@ -373,7 +376,7 @@ def blows_of(
         motion = _motion("the load of the bar", solution.readings[0])
         width = pulse_width(solution.rigid, motion.step)
         motion = dataclasses.replace(motion, rigid_peak=largest(solution.rigid), rigid_width=width)
-        return Blows((motion,), 0, solution.warnings, solution.run.stack.mass)
+        return Blows((motion,), 0, solution.warnings, solution.run.stack.mass, solution.own_verdict.text)
     observed = observe(bare, progress)
     pairs = [(blow, h) for blow, h in zip(observed.blows, observed.histories, strict=True) if h is not None]
     motions = tuple(
@@ -389,10 +392,12 @@ def blows_of(
         raise InputError("--blow", blow, "a case in which a striker touches the object", "see `strikewave run`")
     first = next(struck for struck, _ in pairs)
     warnings = (
+        *balance_notices(balance_of(observed.run, observed.blows)),
         *notices(case, observed.blows, contact_answers(case, first)),
         *wave_notices(case, observed.run, observed.histories, observed.readings, observed.view.bandwidth),
     )
-    return Blows(motions, _chosen(blow, motions), warnings, observed.machine.struck.assembly_mass)
+    verdict = Verdict.of(warnings).text
+    return Blows(motions, _chosen(blow, motions), warnings, observed.machine.struck.assembly_mass, verdict)
 
 
 def _motion(name: str, reading: Reading) -> BaseMotion:

@@ -59,6 +59,8 @@ def buffer_words(study: BufferStudy) -> str:
         f"{study.order[0].upper()}{study.order[1:]}: {first.name}, {_peak(first)}, amplitudes within 10 % up to "
         f"{hertz(first.band.within_10)}.",
     ]
+    if study.verdicts.words:
+        words.insert(0, f"{study.verdicts.words}: the blow is that of this run.")
     if study.robust is None:
         words.append("No stack is known to keep the limit whatever the moduli of its gaskets.")
     elif study.robust is not first:

@@ -14,6 +14,7 @@ from dataclasses import dataclass
 from typing import ClassVar
 
 from strikewave.base.errors import InputErrors
+from strikewave.base.result import Verdicts
 from strikewave.sensors import Mounting
 from strikewave.sensors.mounting import mounting_system
 from strikewave.studies.buffer.candidate import (
@@ -128,7 +129,8 @@ def design_buffer(
         found = dict(zip(map(id, leading), _answered(answers(closer, kept, open_pool)), strict=True))
     looked_at = [dataclasses.replace(one, leading=found.get(id(one))) for one in order]
     place = tuple(ranked(looked_at, goal, blows.motion.width))
-    study = BufferStudy(site, blows, goal, place, _present(site, blows, goal))
+    verdicts = Verdicts([blows.verdict] if blows.verdict else [], "simulated runs")
+    study = BufferStudy(site, blows, goal, place, _present(site, blows, goal), verdicts=verdicts)
     return dataclasses.replace(study, notices=(*blows.warnings, *study_notices(study, len(every) - len(small))))
 
 

@@ -9,6 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from strikewave.base.result import RUN_BROKEN, status_of
 from strikewave.studies.design.goals import Goal, Objective, shares_of
 from strikewave.studies.design.plan import DesignPlan
 from strikewave.studies.design.runs import DesignRuns
@@ -74,6 +75,9 @@ class DesignCandidate:
         Why the run that verifies it failed; empty where it did not.
     robustness : Robustness or None
         None where it was not asked for.
+    verdict : str
+        What the checks of its run came to, of that which verifies it where this one's came to worse: the text of
+        `strikewave.base.result.Verdict`.
     """
 
     run: int
@@ -83,6 +87,7 @@ class DesignCandidate:
     verified: Array | None = None
     failure: str = ""
     robustness: Robustness | None = None
+    verdict: str = ""
 
     @property
     def margin(self) -> float:
@@ -96,14 +101,22 @@ class DesignCandidate:
 
     @property
     def holds(self) -> bool:
-        """Whether no margin falls below zero when it is verified."""
-        return not self.failure and (self.verified is None or not bool((self.verified < 0.0).any()))
+        """Whether its runs broke no stated limit, and no margin falls below zero when it is verified."""
+        if self.failure or self.breaks:
+            return False
+        return self.verified is None or not bool((self.verified < 0.0).any())
+
+    @property
+    def breaks(self) -> bool:
+        """Whether one of its runs broke a stated limit."""
+        return status_of(self.verdict) == RUN_BROKEN
 
 
 def chosen_runs(runs: DesignRuns, merit: Array) -> list[int]:
     """Return the runs that are ranked, the smallest merit first, each `APART` from those before it.
 
-    Those that meet no goal are only taken where none does, and then the nearest alone.
+    Those that meet no goal are only taken where none does, and then the nearest alone; those that broke a stated limit
+    where all that meet the goals did.
     """
     plan = runs.plan
     names = plan.evaluation.names
@@ -111,6 +124,8 @@ def chosen_runs(runs: DesignRuns, merit: Array) -> list[int]:
     able = np.flatnonzero((least >= 0.0) & np.isfinite(merit))
     if not able.size:
         return [int(np.argmin(merit))]
+    sound = [run for run in able if status_of(runs.verdicts[run]) != RUN_BROKEN]
+    able = np.array(sound) if sound else able
     taken, places = list[int](), list[Array]()
     whole = np.array(plan.whole)
     for run in able[np.argsort(merit[able], kind="stable")]:
@@ -123,10 +138,12 @@ def chosen_runs(runs: DesignRuns, merit: Array) -> list[int]:
     return taken
 
 
-def verified(plan: DesignPlan, rows: Sequence[Row], store: RunStore, pool: Pool) -> tuple[Array | None, list[str]]:
-    """Return the margins of rows by the runs that verify them, shape (rows, goals), and why some failed."""
+def verified(
+    plan: DesignPlan, rows: Sequence[Row], store: RunStore, pool: Pool
+) -> tuple[Array | None, list[str], Sequence[str]]:
+    """Return the margins of rows by the runs that verify them, shape (rows, goals), why some failed, and verdicts."""
     if plan.verifying is None:
-        return None, [""] * len(rows)
+        return None, [""] * len(rows), [""] * len(rows)
     better, _ = plan.verifying
     finished = carry_out(better.job, rows, store, pool)
     numbers, failures, _ = store.table(better.evaluation.names, finished.keys)
@@ -134,7 +151,7 @@ def verified(plan: DesignPlan, rows: Sequence[Row], store: RunStore, pool: Pool)
     shares = shares_of(better.goals, better.evaluation.names, numbers)
     for k, goal in enumerate(better.goals):
         margins[:, plan.goals.index(goal)] = shares[:, k]
-    return margins, failures
+    return margins, failures, store.verdicts(finished.keys).texts
 
 
 def robustness_of(plan: DesignPlan, row: Row, store: RunStore, pool: Pool) -> Robustness:

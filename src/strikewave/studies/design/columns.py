@@ -8,6 +8,7 @@ from typing import NamedTuple
 
 from strikewave.base.percents import percent
 from strikewave.reporting.layout import KEY, MORE
+from strikewave.reporting.parts import NONE
 from strikewave.reporting.table_columns import TableColumn
 from strikewave.studies.design.candidates import DesignCandidate, Sensitivity
 from strikewave.studies.design.conflict import Reach
@@ -50,6 +51,7 @@ def ranked_columns(study: DesignStudy) -> tuple[TableColumn[RankedRow], ...]:
         columns.append(TableColumn("verified", _verified))
     if study.plan.robust:
         columns.append(TableColumn("draws that meet all", _draws))
+    columns.append(TableColumn("verdict", lambda row: row.one.verdict or NONE, words=True))
     return tuple(columns)
 
 

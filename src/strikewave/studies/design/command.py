@@ -8,7 +8,7 @@ from typing import Annotated
 
 import typer
 
-from strikewave.reporting.options.output import Output
+from strikewave.reporting.options.output import StudyOutput
 from strikewave.reporting.options.shared import Changes, Cluster, ElementDevice, Fresh, KeptRuns, Processes
 
 
@@ -49,7 +49,7 @@ def command(
         bool, typer.Option("--dry-run", help="Say how many runs there are and how long they take, and search nothing.")
     ] = False,
     changes: Changes = None,
-    output: Output,
+    output: StudyOutput,
 ) -> int:  # fmt: skip
     """Find settings of a case for wanted results.
 

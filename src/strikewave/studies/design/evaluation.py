@@ -58,14 +58,16 @@ class DesignEvaluation:
 
     def __call__(self, case: Case) -> RunOutcome:
         """Return the numbers of a case."""
-        numbers = (
-            dict(zip(self.analysis.names, self.analysis(case).numbers, strict=True)) if self.analysis.names else {}
-        )
         simulation = Simulation(case, self.analysis.device)
+        numbers, verdict = dict[str, float](), ""
+        if self.analysis.names:
+            run = self.analysis(case)
+            numbers, verdict = dict(zip(self.analysis.names, run.numbers, strict=True)), run.verdict
         for name in self.names:
             if name not in numbers:
                 numbers[name] = _derived(name, case, numbers, simulation)
-        return RunOutcome(tuple(numbers[name] for name in self.names))
+        verdict = verdict or simulation.verdict.text
+        return RunOutcome(tuple(numbers[name] for name in self.names), verdict=verdict)
 
 
 def evaluation_of(case: Case, analysis: str, names: Iterable[str], device: str | None = None) -> DesignEvaluation:

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from strikewave.reporting.numbers import axis_unit
-from strikewave.reporting.style import BLUE, GREY, ORANGE, RED, legend_below, quiet, sheet_title
+from strikewave.reporting.style import BLUE, GREY, ORANGE, RED, legend_below, mark_runs, quiet, sheet_title
 from strikewave.studies.design.study import DesignStudy, goal_of
 from strikewave.studies.log_ticks import plain_log_ticks
 from strikewave.studies.sweep.study import KeptNumber
@@ -127,6 +127,7 @@ def _dots(axes: Any, study: DesignStudy, x: Array, y: Array, legend: bool = Fals
         dots += axes.plot(x[met], y[met], ".", color=BLUE, markersize=5, alpha=0.7, label=label("all goals met"))
     for one in dots:
         one.set_rasterized(True)
+    mark_runs(axes, x, y, study.verdicts, size=5.0)
     if study.front:
         places = list(study.front)
         axes.plot(x[places], y[places], "o", color=RED, markersize=4, fillstyle="none", label=label("Pareto-optimal"))

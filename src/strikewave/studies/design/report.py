@@ -29,7 +29,8 @@ def design_report(study: DesignStudy) -> str:
     """Return the report of a design as one HTML page: no script, nothing fetched, the same bytes each time."""
     caption = (
         "Each dot is a run: over two of the numbers, with the area in which their goals are met, and over two of the "
-        "settings. Diamonds are the ranked settings with their places."
+        "settings. Diamonds are the ranked settings with their places. Red marks are runs that broke a stated limit, "
+        "or failed."
     )
     sections = [
         Section("Picture", "", [Picture(design_picture(study), caption, caption)]),
@@ -49,14 +50,17 @@ def design_report(study: DesignStudy) -> str:
 def design_words(study: DesignStudy) -> str:
     """Say in words what came out."""
     first = study.candidates[0]
-    count = f"{len(study.rows)} runs, {study.met} of them meet all goals."
+    broken = f" {study.verdicts.words}." if study.verdicts.words else ""
+    count = f"{len(study.rows)} runs, {study.met} of them meet all goals.{broken}"
     if study.conflict is not None:
-        return f"No setting was found that meets all goals: {conflict_words(study)}. Nearest: {study.at(first.row)}."
+        nearest = f"Nearest: {study.at(first.row)}.{broken}"
+        return f"No setting was found that meets all goals: {conflict_words(study)}. {nearest}"
     checked = study.plan.verifying
     held = "" if checked is None else f", {'verified' if first.holds else 'not held'} by {checked[1]}"
     drawn = first.robustness
     robust = f" Of {drawn.drawn} draws within tolerances, {drawn.met} meet all goals." if drawn is not None else ""
-    return f"Best: {study.at(first.row)}{held}. {count}{robust}"
+    limits = f" (its run is {first.verdict})" if first.breaks else ""
+    return f"Best: {study.at(first.row)}{limits}{held}. {count}{robust}"
 
 
 def _conflict_section(study: DesignStudy) -> Section:

@@ -44,7 +44,7 @@ class DesignRuns:
     def __init__(self, plan: DesignPlan, store: RunStore, pool: Pool, advance: Advance | None = None) -> None:
         self.plan, self._store, self._pool, self._advance = plan, store, pool, advance
         self.rows = list[Row]()
-        self.failures = list[str]()
+        self.failures, self.verdicts = list[str](), list[str]()
         self._numbers = list[Array]()
         self._places = dict[Row, int]()
         self.most = plan.runs
@@ -62,11 +62,13 @@ class DesignRuns:
             names = self.plan.evaluation.names
             finished = carry_out(self.plan.job, new, self._store, self._pool, self._told)
             numbers, failures, _ = self._store.table(names, finished.keys)
-            for row, found, failure in zip(new, numbers, failures, strict=True):
+            verdicts = self._store.verdicts(finished.keys).texts
+            for row, found, failure, verdict in zip(new, numbers, failures, verdicts, strict=True):
                 self._places[row] = len(self.rows)
                 self.rows.append(row)
                 self._numbers.append(found)
                 self.failures.append(failure)
+                self.verdicts.append(verdict)
         return np.array([self._numbers[self._places[row]] for row in rows])
 
     def _told(self, done: StudyProgress) -> None:

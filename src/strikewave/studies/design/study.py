@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from strikewave.base.citations import citation
 from strikewave.base.compile_progress import compiling_shown
-from strikewave.base.result import FAILED, Notice, Source
+from strikewave.base.result import FAILED, Notice, Source, Verdicts, worse
 from strikewave.cases.case import Case
 from strikewave.cases.written_case import dump_case
 from strikewave.reporting.columns import HISTORY_DIGITS, Column, csv_table
@@ -197,14 +197,11 @@ class DesignStudy(ShownResult):
             message = f"no setting was found that meets all goals: {conflict_words(self)}"
             notices.append(Notice("not-met", message, first.margin, 0.0, FAILED))
         elif not first.holds:
-            message = f"the setting does not hold when it is verified: {first.failure or 'a goal is missed'}"
-            notices.append(Notice("not-verified", message, 0.0, 0.0, FAILED))
-        failed = sum(map(bool, self.failures))
-        if failed:
-            reason = next(filter(None, self.failures))
-            message = f"{failed} of {len(self.failures)} runs failed, such as: {reason}"
-            notices.append(Notice("runs-failed", message, float(failed), 0.0))
-        return tuple(notices)
+            why = first.failure or (f"its run is {first.verdict}" if first.breaks else "a goal is missed")
+            notices.append(
+                Notice("not-verified", f"the setting does not hold when it is verified: {why}", 0.0, 0.0, FAILED)
+            )
+        return (*notices, *self.verdicts.notices())
 
     def highlights(self) -> list[tuple[str, str]]:
         """Return how many runs meet all goals, and the first setting."""
@@ -264,6 +261,7 @@ class DesignStudy(ShownResult):
             "margins": dict(zip(goals, one.shares.tolist(), strict=True)),
             "verified_margins": checked,
             "failure": one.failure,
+            "verdict": one.verdict,
             "robust": None if one.robustness is None else _robust(one.robustness),
         }
 
@@ -287,7 +285,8 @@ class DesignStudy(ShownResult):
     def tables(self) -> dict[str, str]:
         """Return the table of all runs."""
         columns = [Column("run", range(1, len(self.rows) + 1)), *self._columns(list(range(len(self.rows))))]
-        return {"runs.csv": csv_table([*columns, Column("failure", self.failures)], HISTORY_DIGITS)}
+        columns += [Column("verdict", self.verdicts.texts), Column("failure", self.failures)]
+        return {"runs.csv": csv_table(columns, HISTORY_DIGITS)}
 
     def _columns(self, runs: list[int]) -> list[Column]:
         columns = []
@@ -301,13 +300,14 @@ class DesignStudy(ShownResult):
     def columns(self) -> list[Column]:
         """Return the ranked settings."""
         runs = [one.run for one in self.candidates]
-        return [Column("place", range(1, len(runs) + 1)), *self._columns(runs)]
+        verdicts = Column("verdict", [one.verdict for one in self.candidates])
+        return [Column("place", range(1, len(runs) + 1)), *self._columns(runs), verdicts]
 
     def brief(self) -> dict[str, str]:
         """Return settings, numbers and margin."""
         settings = {one.path: one.axis.unit or "1" for one in self.plan.variables[:4]}
         numbers = {name: self.kept(name).usual.replace("%", "1") for name in self.plan.evaluation.names[:4]}
-        return {"place": "", **settings, **numbers, **({"margin": "1"} if self.plan.goals else {})}
+        return {"place": "", **settings, **numbers, **({"margin": "1"} if self.plan.goals else {}), "verdict": ""}
 
 
 def _robust(one: Robustness) -> dict[str, Any]:
@@ -390,6 +390,12 @@ def make_design(
         conflict=conflict,
         surrogate=left_out_errors(runs) if plan.by_surrogate else (),
         citations=sources,
+        verdicts=Verdicts(
+            runs.verdicts,
+            reason=next(filter(None, runs.failures), ""),
+            not_judged=plan.evaluation.analysis.not_judged(plan.case),
+            deciding=[candidates[0].verdict],
+        ),
     )
     return dataclasses.replace(study, notices=study.found_notices())
 
@@ -460,7 +466,7 @@ def _candidates(runs: DesignRuns, ranked: list[int], store: RunStore, pool: Pool
     """Return the ranked settings with what verifies them; those that hold first, the most robust of them first."""
     plan = runs.plan
     rows = [runs.rows[run] for run in ranked]
-    margins, failures = verified(plan, rows, store, pool)
+    margins, failures, verdicts = verified(plan, rows, store, pool)
     shares = shares_of(plan.goals, plan.evaluation.names, runs.numbers)
     found = [
         DesignCandidate(
@@ -471,6 +477,7 @@ def _candidates(runs: DesignRuns, ranked: list[int], store: RunStore, pool: Pool
             None if margins is None else margins[k],
             failures[k],
             robustness_of(plan, row, store, pool) if plan.robust else None,
+            worse(runs.verdicts[run], verdicts[k]),
         )
         for k, (run, row) in enumerate(zip(ranked, rows, strict=True))
     ]

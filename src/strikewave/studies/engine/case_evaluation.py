@@ -11,7 +11,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from strikewave.analyses.machine.figures_of import OF_A_BLOW, figures_of
+from strikewave.analyses.machine.notices import fast_not_judged, fast_verdict, run_verdict
 from strikewave.base.errors import InputError, nearest
+from strikewave.base.result import Verdict
 from strikewave.cases.case import Case
 from strikewave.machines.blows import KINDS
 from strikewave.studies.engine.evaluation import KeptHistory, RunOutcome, ordered
@@ -142,8 +144,12 @@ class CaseEvaluation:
 
     def __call__(self, case: Case) -> RunOutcome:
         """Return what is kept of a case."""
-        numbers, histories = EVALUATED[self.analysis](self, case)
-        return RunOutcome(ordered(numbers, self.names), tuple(histories))
+        numbers, histories, verdict = EVALUATED[self.analysis](self, case)
+        return RunOutcome(ordered(numbers, self.names), tuple(histories), verdict=verdict.text)
+
+    def not_judged(self, case: Case) -> tuple[str, ...]:
+        """Return the checks of a run of a case that this analysis cannot make."""
+        return fast_not_judged(case) if self.analysis == "fast" else ()
 
 
 def read_kept(case: Case, analysis: str, words: Sequence[str]) -> CaseEvaluation:
@@ -182,7 +188,7 @@ def unit_of(case: Case, analysis: str, name: str) -> str:
     return numbers_of(case, analysis)[name_and_owner(name)[0]] or "1"
 
 
-Evaluated = tuple[dict[str, float | None], Sequence[KeptHistory]]
+Evaluated = tuple[dict[str, float | None], Sequence[KeptHistory], Verdict]
 
 
 def _machine(wanted: CaseEvaluation, case: Case) -> Evaluated:
@@ -206,7 +212,7 @@ def _machine(wanted: CaseEvaluation, case: Case) -> Evaluated:
     if "pulses" in wanted.histories and simulation is not None:
         struck = [blow.index for blow in found if blow.kind != "missed"]
         histories += [_pulse(simulation, number) for number in struck]
-    return numbers, histories
+    return numbers, histories, run_verdict(case, run, found)
 
 
 def _fast(wanted: CaseEvaluation, case: Case) -> Evaluated:
@@ -217,7 +223,7 @@ def _fast(wanted: CaseEvaluation, case: Case) -> Evaluated:
     found = run.blows
     forces = [blow.stop_force for blow in found if math.isfinite(blow.stop_force)]
     numbers = train_numbers(found) | {"energy_error": run.energy_error, "stop_force": max(forces, default=None)}
-    return numbers, _blow_table(found, wanted)
+    return numbers, _blow_table(found, wanted), fast_verdict(case, run)
 
 
 def train_numbers(found: Sequence[Any]) -> dict[str, float | None]:
@@ -275,14 +281,14 @@ def _simulated(wanted: CaseEvaluation, case: Case) -> Evaluated:
     """Run a layered bar, or elements."""
     simulation = Simulation(case, wanted.device)
     numbers = {name: simulation.number(*name_and_owner(name)) for name in wanted.names}
-    return numbers, [_pulse(simulation)] if "pulses" in wanted.histories else []
+    return numbers, [_pulse(simulation)] if "pulses" in wanted.histories else [], simulation.verdict
 
 
 def _impact(wanted: CaseEvaluation, case: Case) -> Evaluated:
     from strikewave.analyses.machine.build import build_machine
     from strikewave.analyses.machine.run import rigid_reference
 
-    return dict(dataclasses.asdict(rigid_reference(case, build_machine(case)))), []
+    return dict(dataclasses.asdict(rigid_reference(case, build_machine(case)))), [], Verdict.of(())
 
 
 EVALUATED: Mapping[str, Callable[[CaseEvaluation, Case], Evaluated]] = {

@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from strikewave.base.errors import StrikewaveError, show
+from strikewave.base.result import RUN_FAILED
 from strikewave.cases.case import Case
 from strikewave.studies.engine.keys import run_key
 
@@ -62,6 +63,8 @@ class RunOutcome:
         An answer that is more than numbers, as JSON; empty where there is none.
     failure : str
         Why there is nothing; empty where there is.
+    verdict : str
+        What the checks of the run came to, `strikewave.base.result.Verdict.text`; empty of an answer that is no run.
     retry : bool
         Whether another try may end otherwise: it failed for want of memory, or its process was ended.
     seconds : float
@@ -72,8 +75,14 @@ class RunOutcome:
     histories: tuple[KeptHistory, ...] = ()
     document: str = ""
     failure: str = ""
+    verdict: str = ""
     retry: bool = False
     seconds: float = 0.0
+
+    @property
+    def judged(self) -> str:
+        """Text of its verdict, that of a failure where it failed; empty of what is no run."""
+        return RUN_FAILED if self.failure else self.verdict
 
 
 class Evaluation(Protocol):

@@ -26,6 +26,7 @@ from numpy.typing import NDArray
 
 from strikewave.base.errors import InputError
 from strikewave.base.folder_claim import refusal
+from strikewave.base.result import RUN_FAILED, Verdicts
 from strikewave.studies.engine.evaluation import KeptHistory, RunOutcome
 
 Array = NDArray[np.float64]
@@ -33,8 +34,10 @@ Array = NDArray[np.float64]
 INDEX = "index.sqlite"
 CHUNK, STATE = "run-histories-{}.parquet", "state-{}.h5"
 """Names of the files in the folder."""
-APPLICATION, FORMAT = 0x5354524B, 3
+APPLICATION, FORMAT = 0x5354524B, 4
 """What tells the index from other files of SQLite ("STRK"), and its version."""
+BEFORE_VERDICTS = 3
+"""Version of the index whose runs have no verdict: it is read, and the verdicts of its runs are not known."""
 CHUNK_BYTES = 32_000_000
 """Bytes of histories in a file. Chosen: some 2000 runs of eleven blows, which a process holds without noticing, and
 100 000 of them make fifty files."""
@@ -43,6 +46,9 @@ LONGEST_NAME = 200
 KEY_DIGITS = 32
 """Digits of a key in the name of a file: 128 bits tell all runs apart."""
 _HINT = "begin anew with --fresh, or choose another folder"
+
+
+_VERDICTS = "SELECT key, verdict, failure FROM runs"
 
 
 def runs_beside(folder: Path) -> Path:
@@ -121,7 +127,7 @@ class RunStore:
         index, allowed = str(self.folder / INDEX), "an index of this version of strikewave"
         if tables and mark != APPLICATION:
             raise InputError(self._option, index, allowed, "choose another folder: this one is of another program")
-        if tables and version != FORMAT and not fresh:
+        if tables and version not in (BEFORE_VERDICTS, FORMAT) and not fresh:
             raise InputError(self._option, index, allowed, _HINT)
 
     @staticmethod
@@ -136,8 +142,10 @@ class RunStore:
         base.execute(
             "CREATE TABLE IF NOT EXISTS runs "
             "(key BLOB PRIMARY KEY, failure TEXT NOT NULL, retry INTEGER NOT NULL, seconds REAL NOT NULL, "
-            "document TEXT NOT NULL) WITHOUT ROWID"
+            "document TEXT NOT NULL, verdict TEXT NOT NULL DEFAULT '') WITHOUT ROWID"
         )
+        if "verdict" not in {row[1] for row in base.execute("PRAGMA table_info(runs)")}:
+            base.execute("ALTER TABLE runs ADD COLUMN verdict TEXT NOT NULL DEFAULT ''")
         base.execute("DELETE FROM runs WHERE retry")
         base.execute(
             "CREATE TABLE IF NOT EXISTS histories (key BLOB NOT NULL, name TEXT NOT NULL, unit TEXT NOT NULL, "
@@ -217,9 +225,17 @@ class RunStore:
                 for key, outcome in finished:
                     numbers = outcome.numbers or (None,) * len(names)
                     done = self._base.execute(
-                        f"INSERT OR IGNORE INTO runs (key, failure, retry, seconds, document{places}) "
-                        f"VALUES (?, ?, ?, ?, ?{marks})",
-                        (key, outcome.failure, outcome.retry, outcome.seconds, outcome.document, *numbers),
+                        f"INSERT OR IGNORE INTO runs (key, failure, retry, seconds, document, verdict{places}) "
+                        f"VALUES (?, ?, ?, ?, ?, ?{marks})",
+                        (
+                            key,
+                            outcome.failure,
+                            outcome.retry,
+                            outcome.seconds,
+                            outcome.document,
+                            outcome.judged,
+                            *numbers,
+                        ),
                     )
                     if done.rowcount:
                         self._keep_histories(key, outcome.histories)
@@ -297,6 +313,14 @@ class RunStore:
                     failures[place], seconds[place] = failure, time
         at = [wanted[key] for key in keys]
         return numbers[at], [failures[place] for place in at], seconds[at]
+
+    def verdicts(self, keys: Sequence[bytes], noun: str = "runs", not_judged: Sequence[str] = ()) -> Verdicts:
+        """Return the verdicts of runs that are there, in the order of their keys; "" of those kept without one."""
+        with self._in_words():
+            rows = {key: (verdict, failure) for key, verdict, failure in self._base.execute(_VERDICTS)}
+        texts = [RUN_FAILED if rows[key][1] else rows[key][0] for key in keys]
+        reason = next((rows[key][1] for key in keys if rows[key][1]), "")
+        return Verdicts(texts, noun, reason, not_judged)
 
     def documents(self, keys: Sequence[bytes]) -> list[tuple[str, str]]:
         """Return the documents of runs that are there, and their failures."""

@@ -10,7 +10,7 @@ import numpy as np
 from strikewave.analyses.compare.curve import SHOWN_IN
 from strikewave.reporting.layout import KEY, MORE
 from strikewave.reporting.numbers import headed, listed, percent, shown
-from strikewave.reporting.parts import Tag
+from strikewave.reporting.parts import NONE, Tag
 from strikewave.reporting.table_columns import TableColumn
 from strikewave.studies.fit.checking import Checks, PredictedFigure
 from strikewave.studies.fit.notices import MET
@@ -55,6 +55,8 @@ def fit_words(study: FitStudy) -> str:
         words.insert(0, f"Of {len(study.tries)} choices, {study.tries[0].choice} {_best_by(study.tries[0])}.")
     if study.checks is not None:
         words.append(check_words(study.checks))
+    if study.verdicts.words:
+        words.insert(0, f"{study.verdicts.words}.")
     return " ".join(words)
 
 
@@ -134,6 +136,13 @@ def correlation_columns(study: FitStudy) -> tuple[TableColumn[CorrelationRow], .
     return (TableColumn("", lambda row: row.field, priority=KEY, words=True), *numbers)
 
 
+class ResidualRow(NamedTuple):
+    """What is left of a measured thing, and the verdict of the fitted run that it is held against."""
+
+    one: Misfit
+    verdict: str
+
+
 def _verdict(one: Misfit) -> Tag:
     if one.is_number:
         return Tag("number")
@@ -142,12 +151,13 @@ def _verdict(one: Misfit) -> Tag:
     return Tag("noise", "good")
 
 
-RESIDUAL_COLUMNS: tuple[TableColumn[Misfit], ...] = (
-    TableColumn("measured", lambda one: one.called, priority=KEY, words=True),
-    TableColumn("RMS residual (%)", lambda one: 100.0 * one.share, digits=3),
-    TableColumn("over its noise or uncertainty", lambda one: one.size, digits=3),
-    TableColumn("independent samples", lambda one: math.floor(one.independent), priority=MORE),
-    TableColumn("is", _verdict, words=True),
+RESIDUAL_COLUMNS: tuple[TableColumn[ResidualRow], ...] = (
+    TableColumn("measured", lambda row: row.one.called, priority=KEY, words=True),
+    TableColumn("RMS residual (%)", lambda row: 100.0 * row.one.share, digits=3),
+    TableColumn("over its noise or uncertainty", lambda row: row.one.size, digits=3),
+    TableColumn("independent samples", lambda row: math.floor(row.one.independent), priority=MORE),
+    TableColumn("is", lambda row: _verdict(row.one), words=True),
+    TableColumn("verdict of the run", lambda row: row.verdict or NONE, words=True),
 )
 
 
@@ -191,6 +201,7 @@ def check_words(checks: Checks) -> str:
     return f"{words} Predictions agree to {np.mean(scores):.2f} of 1 by ISO/TS 18571." if scores else words
 
 
-def residual_rows(study: FitStudy) -> list[Misfit]:
+def residual_rows(study: FitStudy) -> list[ResidualRow]:
     """Return a row for each record and number, the largest residuals over noise or uncertainty first."""
-    return sorted(study.solved.misfits, key=lambda one: -one.size)
+    rows = map(ResidualRow, study.solved.misfits, study.verdicts_of_measured())
+    return sorted(rows, key=lambda row: -row.one.size)

@@ -8,7 +8,7 @@ import typer
 
 from strikewave.reporting import measured_files as measured
 from strikewave.reporting.low_pass import LowPassOptions
-from strikewave.reporting.options.output import Output
+from strikewave.reporting.options.output import StudyOutput
 from strikewave.reporting.options.shared import Changes, Shared, case_name
 
 STATES_ALL = "the file of a whole fit states them: beside it there are only --set, of its case, and --bayes"
@@ -67,7 +67,7 @@ def command(
     measurement: measured.MeasurementOptions,
     filtering: LowPassOptions,
     shared: Shared,
-    output: Output,
+    output: StudyOutput,
 ) -> int:
     """Fit values of a case to measurements.
 

@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import functools
+import math
 from collections.abc import Mapping
 
+from strikewave.base.result import Verdict
 from strikewave.cases.case import Case
-from strikewave.studies.engine.case_evaluation import CaseEvaluation, numbers_of
+from strikewave.studies.engine.case_evaluation import EVALUATED, CaseEvaluation, numbers_of
 from strikewave.studies.simulation import Simulation
 
 
@@ -14,13 +16,19 @@ class FastRun(Simulation):
     """A run whose numbers are those of `strikewave.machines.fast_train`: a tenth of the time, and within 1e-3."""
 
     @functools.cached_property
-    def _numbers(self) -> Mapping[str, float]:
-        names = tuple(numbers_of(self.case, "fast"))
-        return dict(zip(names, CaseEvaluation("fast", names)(self.case).numbers, strict=True))
+    def _found(self) -> tuple[Mapping[str, float | None], Verdict]:
+        numbers, _, verdict = EVALUATED["fast"](CaseEvaluation("fast", tuple(numbers_of(self.case, "fast"))), self.case)
+        return numbers, verdict
+
+    @property
+    def verdict(self) -> Verdict:
+        """What the checks of the fast run came to."""
+        return self._found[1]
 
     def number(self, name: str, sensor: str = "") -> float | None:
         """Return a number, SI; NaN where this run has none."""
-        return self._numbers[name]
+        value = self._found[0].get(name)
+        return math.nan if value is None else float(value)
 
 
 def runs_fast(case: Case) -> bool:

@@ -146,6 +146,12 @@ class FitStudy(AskedResult):
         """The stated numbers."""
         return [one for one in self.solved.problem.measured if isinstance(one, MeasuredNumber)]
 
+    def verdicts_of_measured(self) -> list[str]:
+        """Return the verdict of the fitted run of each measured thing, in the order of the misfits."""
+        experiments = self.solved.problem.experiments
+        texts = self.verdicts.texts or ("",) * len(experiments)
+        return [text for one, text in zip(experiments, texts, strict=True) for _ in one.measured]
+
     def units(self) -> Mapping[str, str]:
         """Return the unit of each key of the JSON document."""
         return {
@@ -205,7 +211,10 @@ class FitStudy(AskedResult):
                 "residuals": int(found.residuals.size),
                 "excess": {"within": excess.within, "between": excess.between},
                 "shots": self.solved.problem.shot_count,
-                "measured": [vars(one) for one in self.solved.misfits],
+                "measured": [
+                    {**vars(one), "verdict": verdict}
+                    for one, verdict in zip(self.solved.misfits, self.verdicts_of_measured(), strict=True)
+                ],
             },
             "numbers": [
                 {

@@ -15,6 +15,7 @@ from strikewave.analyses.compare.sources import SourceOptions
 from strikewave.base.compile_progress import compiling_shown
 from strikewave.base.errors import InputError, StrikewaveError
 from strikewave.base.first_few import first_few
+from strikewave.base.result import Verdicts
 from strikewave.cases.case import Case
 from strikewave.reporting.measured_files import digests_of
 from strikewave.studies.engine.chosen_pool import pool_of
@@ -222,6 +223,7 @@ def fitted_study(
     )
     to = FittedTo(_words(targets), _digests(read.paths), tuple(dict.fromkeys(aside)), sensors)
     runs = solved.problem.runs(found.place)
+    verdicts = Verdicts([run.verdict.text for run in runs], "fitted runs")
     study = FitStudy(
         base=case,
         case=fitted_case(case, fields, found, to),
@@ -231,8 +233,9 @@ def fitted_study(
         computed=_computed(solved.problem, runs),
         separating=tuple(separate),
         citations=("liang-zeger-1986", "bell-mccaffrey-2002", "raue-2009"),
+        verdicts=verdicts,
     )
-    noticed = (*speed_notices(solved.problem, runs), *fit_notices(study), *read.notices)
+    noticed = (*verdicts.notices(), *speed_notices(solved.problem, runs), *fit_notices(study), *read.notices)
     return dataclasses.replace(study, notices=noticed)
 
 

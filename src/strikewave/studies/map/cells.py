@@ -9,7 +9,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from strikewave.analyses.machine.build import build_machine
+from strikewave.analyses.machine.notices import count_notices
 from strikewave.base.errors import InputError, IntegrationError, StrikewaveError
+from strikewave.base.quantities import Value
+from strikewave.base.result import RUN_FAILED, Verdict
 from strikewave.cases.case import Case, parse_case
 from strikewave.machines import Machine
 from strikewave.machines.fast_train import FastTrain, fast_train, why_not
@@ -57,6 +60,8 @@ REASONS = (
 NO_MACHINE, NOT_RIGID, EDGE, CROWDED, LOST, SHORT = range(1, 7)
 """Codes of the reasons but the first, which stands for none."""
 
+NOT_JUDGED = ("energy-balance", "momentum-balance", "blows during the retraction")
+"""Checks of a full run that a cell does not make."""
 REPEATS = 1e-5
 """A train ends early once its blows repeat within this, a hundredth of what a regime calls alike. Measured on
 li-ma-2019: sixty blows end after 44, and the peak that is then repeated is within 3e-5 of the sixtieth."""
@@ -116,20 +121,26 @@ def machine_of(case: Case) -> Machine:
 
 
 def cell_of(case: Case, blows: int, train: int) -> Array:
-    """Return what the blows of a case come to, in the order of `FIELDS`; NaN where there is no result.
+    """Return what the blows of a case come to; see `judged_cell`."""
+    return judged_cell(case, blows, train)[0]
+
+
+def judged_cell(case: Case, blows: int, train: int) -> tuple[Array, Verdict]:
+    """Return what the blows of a case come to, in the order of `FIELDS`, and their verdict; NaN where there is nothing.
 
     Where only the longer train fails, the machine's own blows stand, and the regime is "failed".
     """
+    lost = Verdict(RUN_FAILED)
     out = np.full(len(FIELDS), np.nan)
     out[PLACE["regime"]], out[PLACE["period"]] = FAILED, 0.0
     try:
         machine = machine_of(case)
     except StrikewaveError:
         out[PLACE["reason"]] = NO_MACHINE
-        return out
+        return out, lost
     if why_not(machine):
         out[PLACE["reason"]] = NOT_RIGID
-        return out
+        return out, lost
     for length in dict.fromkeys((max(blows, train), blows)):
         try:
             run = fast_train(machine, length, repeats=REPEATS if length > blows else 0.0, least=blows)
@@ -139,8 +150,19 @@ def cell_of(case: Case, blows: int, train: int) -> Array:
         cell = measured(run, blows, train if length >= train else 0)
         if length < train:
             cell[PLACE["regime"]], cell[PLACE["reason"]] = FAILED, out[PLACE["reason"]]
-        return cell
-    return out
+        return cell, own_verdict(case, run, blows)
+    return out, lost
+
+
+def own_verdict(case: Case, run: FastTrain, blows: int) -> Verdict:
+    """Return the verdict of the machine's own blows in a longer train: by their number, as of a full run.
+
+    What strikes before the hold of the feed is over counts, the blow too many among it, where the map has the blows of
+    the case; the train is not followed over the retraction, and its energy balance is not that of the own blows.
+    """
+    wanted = case.with_values({"feed.blows": Value(si=float(blows), typed=blows)})
+    struck = run.blows[: before_release(run) if blows == round(case.rotary_tables().feed.blows.si) else blows]
+    return Verdict.of(count_notices(wanted, struck), NOT_JUDGED)
 
 
 def _reason(text: str) -> int:
@@ -179,8 +201,13 @@ def measured(run: FastTrain, blows: int, train: int) -> Array:
 
 def own_blows(run: FastTrain, blows: int) -> slice:
     """Return which passes of a run are the machine's own: so many at most, and those before its hold is over."""
+    return slice(0, min(blows, before_release(run)))
+
+
+def before_release(run: FastTrain) -> int:
+    """Return how many passes come before the hold of the machine's own feed is over."""
     feed = run.machine.drive.feed
-    return slice(0, min(blows, int(np.sum(run.column("time") <= feed.valve_delay + feed.stroke_time + feed.hold))))
+    return int(np.sum(run.column("time") <= feed.valve_delay + feed.stroke_time + feed.hold))
 
 
 def train_regime(run: FastTrain, missed: NDArray[np.bool_], train: int) -> Regime:
@@ -224,4 +251,5 @@ class CellEvaluation:
 
     def __call__(self, case: Case) -> RunOutcome:
         """Return what the blows of a case come to: a cell without a result has its reason as a number."""
-        return RunOutcome(tuple(cell_of(case, self.blows, self.train).tolist()))
+        cell, verdict = judged_cell(case, self.blows, self.train)
+        return RunOutcome(tuple(cell.tolist()), verdict=verdict.text)

@@ -8,7 +8,7 @@ from typing import Annotated, Literal
 import typer
 
 from strikewave.reporting.options.kinds import Size, grid_size, one_of, share
-from strikewave.reporting.options.output import Output
+from strikewave.reporting.options.output import StudyOutput
 from strikewave.reporting.options.shared import CaseName, Changes, Cluster, Fresh, Processes
 from strikewave.studies.map.defaults import EQUAL, POINTS, TRAIN, X, Y
 
@@ -76,7 +76,7 @@ def command(
     cluster: Cluster = None,
     fresh: Fresh = False,
     changes: Changes = None,
-    output: Output,
+    output: StudyOutput,
 ) -> int:
     """Map a machine over two of its settings.
 

@@ -9,8 +9,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from strikewave.base.errors import InputError, nearest
+from strikewave.base.result import Verdicts
 from strikewave.reporting.numbers import axis_unit, headed
-from strikewave.reporting.style import BLUE, GREY, ORANGE, RED, put_below, quiet, sheet_title
+from strikewave.reporting.style import BLUE, GREY, ORANGE, RED, mark_runs, put_below, quiet, sheet_title
 from strikewave.studies.log_ticks import plain_log_ticks
 from strikewave.studies.map.regimes import FAILED, NAMES, PERIOD_1, UNKNOWN
 from strikewave.studies.map.study import MapStudy
@@ -60,6 +61,13 @@ COLOURS = {
     "missed": Colour("missed blows", "1", "1"),
 }
 """What may be shown in colour."""
+
+
+CELL = "cell"
+"""What a run is called in the legend."""
+ACROSS, SMALLEST_MARK, LARGEST_MARK = 130.0, 1.5, 6.0
+"""Points of a panel over the cells along it, a mark: half a cell of the panel's 260; and the ends between which marks
+are seen and cover no neighbour."""
 
 
 def check_colour(name: str) -> None:
@@ -120,6 +128,7 @@ def _panel(axes: Any, study: MapStudy, k: int, values: Array, norm: Any) -> Any:
     _plain(axes, study)
     _regimes(axes, study, k, x, y)
     _returns(axes, study, k, x, y)
+    _broken(axes, study, k, x, y)
     _marks(axes, study, k)
     third = study.plan.axes[2] if len(study.plan.axes) > 2 else None
     title = "" if third is None else f"{third.label}: {third.shown(third.values[k]):.4g}"
@@ -127,6 +136,14 @@ def _panel(axes: Any, study: MapStudy, k: int, values: Array, norm: Any) -> Any:
     quiet(axes, title, study.plan.axes[0].label, first.label if k == 0 else "")
     axes.grid(False)
     return drawn
+
+
+def _broken(axes: Any, study: MapStudy, k: int, x: Array, y: Array) -> None:
+    """Mark the cells whose blows broke a stated limit, or that failed."""
+    panel = slice(k * x.size * y.size, (k + 1) * x.size * y.size)
+    across, up = np.meshgrid(x, y)
+    size = min(max(SMALLEST_MARK, ACROSS / max(x.size, y.size)), LARGEST_MARK)
+    mark_runs(axes, across.ravel(), up.ravel(), Verdicts(study.verdicts.texts[panel]), CELL, size)
 
 
 def _plain(axes: Any, study: MapStudy) -> None:
@@ -214,6 +231,8 @@ def _legend(figure: Figure, axes: Any, study: MapStudy) -> None:
         ratio = study.field(name)
         if np.isfinite(ratio).any() and any(np.nanmin(ratio) < level < np.nanmax(ratio) for level in LEVELS):
             handles.append(Line2D([], [], color=GREY, linestyle=style, linewidth=1.6, label=f"{label} (white)"))
+    marks = {line.get_label(): line for part in figure.axes for line in part.get_lines()}
+    handles += [line for label, line in marks.items() if str(label).startswith(f"{CELL} ")]
     for name in study.shares:
         code = NAMES.index(name)
         if HATCHES[code]:

@@ -13,8 +13,10 @@ from typing import Any, ClassVar, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from strikewave.analyses.machine.notices import run_verdict
 from strikewave.base.errors import InputError, IntegrationError, StrikewaveError
-from strikewave.base.result import Notice, Source
+from strikewave.base.quantities import Value
+from strikewave.base.result import RUN_PASSED, RUN_STATUSES, Notice, Source
 from strikewave.base.variables import LabelledArrays, quantity
 from strikewave.cases.case import Case, parse_case
 from strikewave.cases.written_case import dump_case
@@ -30,6 +32,7 @@ from strikewave.studies.engine.runner import StudyProgress, carry_out
 from strikewave.studies.engine.store import RunStore, given_or_temporary
 from strikewave.studies.map.cells import (
     FIELDS,
+    NOT_JUDGED,
     NOTE,
     PLACE,
     REASONS,
@@ -236,7 +239,8 @@ class MapStudy(ShownResult):
             "refused": [
                 {"settings": dict(zip(self.paths, r.values, strict=True)), "why": r.reason} for r in self.refused
             ],
-            "cells": {name: self.field(name) for name in FIELDS},
+            "cells": {**{name: self.field(name) for name in FIELDS}, "verdict": self._verdict_codes()},
+            "verdict_codes": list(RUN_STATUSES),
         }
 
     def _nearest(self) -> dict[str, Any] | None:
@@ -261,8 +265,16 @@ class MapStudy(ShownResult):
         variables = {
             name: quantity(dimensions, self.field(name), unit, meaning) for name, (unit, meaning) in FIELDS.items()
         }
+        variables["verdict"] = quantity(
+            dimensions, self._verdict_codes(), "1", f"what the checks came to, by code: {' | '.join(RUN_STATUSES)}"
+        )
         words = {"case": self.plan.case, "regimes": " | ".join(NAMES), "reasons": " | ".join(REASONS)}
         return LabelledArrays.of(variables, coordinates, {**words, "blows": self.plan.blows, "train": self.plan.train})
+
+    def _verdict_codes(self) -> Array:
+        """Return the verdict of each cell by its place in `RUN_STATUSES`; NaN where none is known."""
+        codes = [RUN_STATUSES.index(one) if one in RUN_STATUSES else math.nan for one in self.verdicts.statuses]
+        return np.array(codes, dtype=float).reshape(self.plan.shape)
 
     def texts(self) -> dict[str, str]:
         """Return the JSON document, and the case of the nearest even setting, as files."""
@@ -284,12 +296,12 @@ class MapStudy(ShownResult):
         for name, (si, _) in FIELDS.items():
             values = [_named(name, self.values[place][PLACE[name]]) for place in places]
             columns.append(Column(name, values, "" if name in COUNTED else si))
-        return columns
+        return [*columns, Column("verdict", self.verdicts.texts)]
 
     def brief(self) -> dict[str, str]:
         """Return settings, scatter, mean peak, missed blows and regime."""
         settings = {axis.path: axis.unit or "1" for axis in self.plan.axes}
-        return {**settings, "cv": "1", "peak": "g", "missed": "", "regime": ""}
+        return {**settings, "cv": "1", "peak": "g", "missed": "", "regime": "", "verdict": ""}
 
     def _values(self, place: tuple[int, ...]) -> tuple[float, ...]:
         """Return the settings of a cell (panel, row, column)."""
@@ -408,10 +420,11 @@ def make_map(
         with ProcessPool(workers) if pool is None else pool as ready:
             finished = carry_out(plan.job, plan.rows, kept, ready, progress)
         cells, _, _ = kept.table(tuple(FIELDS), finished.keys)
-    study = MapStudy(plan, cells.reshape(*plan.shape, len(FIELDS)), wanted, present)
+        verdicts = kept.verdicts(finished.keys, "cells", NOT_JUDGED)
+    study = MapStudy(plan, cells.reshape(*plan.shape, len(FIELDS)), wanted, present, verdicts=verdicts)
     setting, refused = confirmed(study)
     study = dataclasses.replace(study, setting=setting, refused=refused)
-    return dataclasses.replace(study, notices=tuple(range_notices(study)))
+    return dataclasses.replace(study, notices=(*verdicts.notices(), *range_notices(study)))
 
 
 def range_notices(study: MapStudy) -> Iterator[Notice]:
@@ -450,15 +463,19 @@ def in_full(case: Case, count: int) -> tuple[float, float]:
     Raises
     ------
     StrikewaveError
-        If not all blows came.
+        If not all blows came, or the run broke another stated limit.
     """
     machine = machine_of(case)
-    machine = machine.with_feed(blows=count)
-    peaks = np.array(
-        [blow.rigid_peak for blow in blows(run_machine(machine, RUN_TOLERANCE))[:count] if blow.kind != "missed"]
-    )
+    own = count == round(case.rotary_tables().feed.blows.si)
+    run = run_machine(machine.with_feed(blows=count), RUN_TOLERANCE)
+    found = blows(run)
+    peaks = np.array([blow.rigid_peak for blow in found[:count] if blow.kind != "missed"])
     if peaks.size < count:
         raise StrikewaveError(f"{peaks.size} of {count} blows came")
+    wanted = case.with_values({"feed.blows": Value(si=float(count), typed=count)})
+    verdict = run_verdict(wanted, run, found if own else found[:count])
+    if verdict.status != RUN_PASSED:
+        raise StrikewaveError(f"it broke a stated limit ({', '.join(verdict.codes)})")
     return variation(peaks), float(peaks.mean())
 
 

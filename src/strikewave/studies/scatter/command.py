@@ -8,7 +8,7 @@ from typing import Annotated, Literal
 
 import typer
 
-from strikewave.reporting.options.output import Output
+from strikewave.reporting.options.output import StudyOutput
 from strikewave.reporting.options.shared import CaseName, Changes, Cluster, Fresh, KeptRuns
 
 
@@ -30,7 +30,7 @@ def command(
     store: KeptRuns = None,
     fresh: Fresh = False,
     changes: Changes = None,
-    output: Output,
+    output: StudyOutput,
 ) -> int:
     """Propagate tolerances to the blows.
 

@@ -9,7 +9,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from strikewave.analyses.machine.build import build_machine
+from strikewave.analyses.machine.notices import run_verdict
 from strikewave.base.errors import InputError, IntegrationError, show
+from strikewave.base.result import RUN_FAILED
 from strikewave.cases.case import Case
 from strikewave.machines import Blow, Machine, MachineRun, blows, run_machine
 from strikewave.machines.blows import KINDS
@@ -41,7 +43,8 @@ class RunResult:
     """Result of one run: kind and figures of each blow in order of time, SI; NaN where a blow has none.
 
     ``interval`` is the time since the blow before; NaN where that one missed. A run that could not be made has no
-    blows, and says why in ``failure``.
+    blows, and says why in ``failure``. ``verdict`` is the text of `strikewave.base.result.Verdict`; empty where no
+    verdict was kept.
     """
 
     kinds: tuple[str, ...] = ()
@@ -51,6 +54,7 @@ class RunResult:
     velocity_change: Array = field(default_factory=_none)
     largest_displacement: float = np.nan
     failure: str = ""
+    verdict: str = ""
 
     @property
     def struck(self) -> NDArray[np.bool_]:
@@ -94,9 +98,11 @@ def run_result(case: Case) -> RunResult:
     """
     try:
         machine = build_machine(case)
-        return of_blows(blows(_followed(machine)))
+        run = _followed(machine)
+        train = blows(run)
+        return replace(of_blows(train), verdict=run_verdict(case, run, train).text)
     except (InputError, IntegrationError, ValueError) as error:
-        return RunResult(failure=show(str(error), MOST_REASON).strip('"'))
+        return RunResult(failure=show(str(error), MOST_REASON).strip('"'), verdict=RUN_FAILED)
 
 
 def _followed(machine: Machine) -> MachineRun:
@@ -138,7 +144,7 @@ class TrainEvaluation:
         kinds = np.array([KINDS.index(kind) for kind in run.kinds], dtype=float)
         kept = {"kind": kinds, **{name: getattr(run, name) for name in FIGURES}}
         histories = [KeptHistory(name, UNITS[name], 0, np.nan, np.nan, values) for name, values in kept.items()]
-        return RunOutcome((run.largest_displacement,), tuple(histories))
+        return RunOutcome((run.largest_displacement,), tuple(histories), verdict=run.verdict)
 
 
 class Runner:
@@ -201,9 +207,10 @@ def kept_runs(store: RunStore, keys: Sequence[bytes]) -> list[RunResult]:
             blows[key][history.name] = history.values
     numbers, failures, _ = store.table(TrainEvaluation().names, keys)
     runs = []
-    for key, (displacement,), failure in zip(keys, numbers, failures, strict=True):
+    verdicts = store.verdicts(keys).texts
+    for key, (displacement,), failure, verdict in zip(keys, numbers, failures, verdicts, strict=True):
         if failure:
-            runs.append(RunResult(failure=failure))
+            runs.append(RunResult(failure=failure, verdict=verdict))
             continue
         of_run = blows[key]
         runs.append(
@@ -214,6 +221,7 @@ def kept_runs(store: RunStore, keys: Sequence[bytes]) -> list[RunResult]:
                 interval=of_run["interval"],
                 velocity_change=of_run["velocity_change"],
                 largest_displacement=float(displacement),
+                verdict=verdict,
             )
         )
     return runs

@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 from strikewave.base.citations import citation
 from strikewave.base.compile_progress import compiling_shown
 from strikewave.base.errors import InputError
-from strikewave.base.result import INFO, Notice, Source
+from strikewave.base.result import INFO, Notice, Source, Verdicts
 from strikewave.cases.case import Case
 from strikewave.cases.written_case import dump_case
 from strikewave.records.campaign import Statistic, statistic
@@ -244,11 +244,7 @@ class ScatterStudy(ShownResult):
 
     def found_notices(self) -> tuple[Notice, ...]:
         """Return what should be known."""
-        notices = []
-        failed = [run.failure for run in self.runs if run.failure]
-        if failed:
-            message = f"{len(failed)} of {len(self.runs)} runs could not be made and are left out, such as: {failed[0]}"
-            notices.append(Notice("runs-failed", message, float(len(failed)), 0.0))
+        notices = list(self.verdicts.notices())
         outside = unfelt(self.case, self.tolerances)
         if outside:
             message = f"no blow depends on {', '.join(outside)}: this tolerance does not enter"
@@ -342,12 +338,13 @@ class ScatterStudy(ShownResult):
                 results = [float(read(run, name)) for run in self.runs]
                 columns.append(Column(f"{how} {name}", results, "1" if how.startswith("cv ") else si))
         columns.append(Column("largest displacement", [float(run.largest_displacement) for run in self.runs], "m"))
+        columns.append(Column("verdict", [run.verdict for run in self.runs]))
         return [*columns, Column("failure", [run.failure for run in self.runs])]
 
     def brief(self) -> dict[str, str]:
         """Return number, blows, mean peak, its scatter, width and interval of each run."""
         figures = {"mean peak": "g", "cv of peak": "1", "mean width": "us", "mean interval": "ms"}
-        return {"run": "", "blows": "", **figures}
+        return {"run": "", "blows": "", **figures, "verdict": ""}
 
 
 def marked_text(case: Case, plan: ScatterPlan) -> str:
@@ -412,10 +409,14 @@ def scatter(
         runs = runner(numbers)
         sobol = ("saltelli-2010", "jansen-1999") if plan.shares == "sobol" else ()
         citations = ("vangel-1996", "wilks-1941", *sobol)
-        study = ScatterStudy(case, plan, tolerances, numbers, tuple(runs), nominal_run, (), citations=citations)
+        reason = next((run.failure for run in runs if run.failure), "")
+        verdicts = Verdicts([run.verdict for run in runs], reason=reason)
+        known = case, plan, tolerances, numbers, tuple(runs), nominal_run, ()
+        study = ScatterStudy(*known, citations=citations, verdicts=verdicts)
         if sum(run.struck.any() for run in study.completed) < FEWEST:
-            reason = next((run.failure for run in runs if run.failure), "no blow struck")
-            raise InputError("tolerance", reason, f"tolerances with which at least {FEWEST} runs can be made")
+            raise InputError(
+                "tolerance", reason or "no blow struck", f"tolerances with which at least {FEWEST} runs can be made"
+            )
         study = dataclasses.replace(study, shares=_shares_of(study, points, runner))
         return dataclasses.replace(study, notices=study.found_notices())
 

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from strikewave.base.materials import material
 from strikewave.base.percents import percent
-from strikewave.base.result import BALANCE_LIMIT
+from strikewave.base.result import BALANCE_LIMIT, RUN_BROKEN, status_of
 from strikewave.cases.case import Case
 from strikewave.cases.law_names import CUSHION, POWER
 from strikewave.contact import Geometry, first_yield, stiffness_law
@@ -127,7 +127,8 @@ class Observation:
 class SettingsCandidate:
     """A setting: its case, the blows of its full run, the limits, and how many runs were needed.
 
-    ``estimate`` holds the closed forms that the search began with, ``halt`` says why it ended before the goal.
+    ``estimate`` holds the closed forms that the search began with, ``halt`` says why it ended before the goal, and
+    ``run_verdict`` what the checks of its full run came to (text of `strikewave.base.result.Verdict`).
     """
 
     case: Case
@@ -139,6 +140,7 @@ class SettingsCandidate:
     runs: int
     halt: str = ""
     verdicts: tuple[ShockVerdict, ...] = ()
+    run_verdict: str = ""
 
     @property
     def judged(self) -> str:
@@ -167,6 +169,7 @@ class SettingsCandidate:
         And whether the specification passes every blow, where there is one.
         """
         kept = self.largest_miss <= WITHIN and not self.observation.odd and not self.broken
+        kept = kept and status_of(self.run_verdict) != RUN_BROKEN
         return kept and self.judged in ("", PASS)
 
     @property
@@ -177,6 +180,8 @@ class SettingsCandidate:
         ]
         reasons += [self.observation.odd] if self.observation.odd else []
         reasons += [f"{limit.name.replace('_', ' ')} above its limit" for limit in self.broken]
+        if status_of(self.run_verdict) == RUN_BROKEN:
+            reasons.append(f"the run is {self.run_verdict}")
         odd = [one for one in worst_clauses(self.verdicts) if one[0].verdict in (FAIL, CANNOT_TELL)]
         reasons += [f"{clause.clause} of blow {place + 1} not passed" for clause, place in odd]
         return "; ".join(reasons + ([self.halt] if self.halt and reasons else []))

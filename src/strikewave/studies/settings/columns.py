@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 from strikewave.reporting.layout import KEY, MAIN, MORE
 from strikewave.reporting.numbers import shown, spelled
-from strikewave.reporting.parts import Tag, written
+from strikewave.reporting.parts import NONE, Tag, written
 from strikewave.reporting.shown_units import shown_unit
 from strikewave.reporting.table_columns import TableColumn
 from strikewave.studies.settings.candidate import Limit, SettingsCandidate
@@ -63,6 +63,7 @@ def candidate_columns(varied: str) -> tuple[TableColumn[RankedSettings], ...]:
         ),
         TableColumn("0.1 mm (%)", _sensitivity, decimals=1, priority=MORE),
         TableColumn("meets", lambda row: _yes(row.candidate.meets), words=True),
+        TableColumn("verdict of the run", lambda row: row.candidate.run_verdict or NONE, words=True, priority=MAIN),
     )
 
 

@@ -10,7 +10,7 @@ import typer
 from strikewave.analyses.record.verdicts.options import complete_specification
 from strikewave.base.errors import InputError
 from strikewave.reporting.options.kinds import quantity
-from strikewave.reporting.options.output import Output
+from strikewave.reporting.options.output import StudyOutput
 from strikewave.reporting.options.shared import Changes, Running, complete_case
 from strikewave.studies.settings.defaults import DISC, DROP_TABLE, REFERENCE, STIFFNESS
 from strikewave.studies.settings.drop_table.options import DropOptions
@@ -101,7 +101,7 @@ def command(
     ] = None,
     drop: DropOptions,
     running: Running,
-    output: Output,
+    output: StudyOutput,
 ) -> int:
     """Find machine settings for wanted blows.
 
@@ -149,7 +149,7 @@ def _refuse(options: Mapping[str, object], allowed: str) -> None:
 
 
 def _drop_table(
-    case: Case, spec: str, drop: DropOptions, running: Running, output: Output, changes: Sequence[str], plain: bool
+    case: Case, spec: str, drop: DropOptions, running: Running, output: StudyOutput, changes: Sequence[str], plain: bool
 ) -> int:
     """Design a drop table, and return the exit code."""
     from strikewave.specifications.reading import load_specification

@@ -125,7 +125,13 @@ class SettingsStudy(ShownResult):
     def brief(self) -> dict[str, str]:
         """Return the main settings of each candidate, and its typical blow."""
         settings = {"strikers": "", "machine.speed": "rpm", "machine.engagement": "mm"}
-        blow = {"peak.typical": "g", "width.typical": "us", "interval.typical": "ms", "peak.variation": "1"}
+        blow = {
+            "peak.typical": "g",
+            "width.typical": "us",
+            "interval.typical": "ms",
+            "peak.variation": "1",
+            "run_verdict": "",
+        }
         return {"place": "", "meets": "", **settings, **blow}
 
     def units(self) -> dict[str, str]:
@@ -192,6 +198,7 @@ def _row(place: int, one: SettingsCandidate) -> dict[str, Any]:
         "limits": [{**limit._asdict(), "kept": limit.kept} for limit in one.limits],
         "estimate": one.estimate,
         "runs": one.runs,
+        "run_verdict": one.run_verdict,
         **_verdict_row(one),
     }
 

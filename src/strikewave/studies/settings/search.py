@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from strikewave.analyses.machine.build import build_machine
+from strikewave.analyses.machine.notices import run_verdict
 from strikewave.base.errors import InputError, InputErrors, StrikewaveError
 from strikewave.base.quantities import Value
 from strikewave.base.units import in_unit
@@ -98,6 +99,7 @@ class FoundSettings:
     observation: Observation
     limits: tuple[Limit, ...]
     verdicts: tuple[ShockVerdict, ...]
+    run_verdict: str = ""
 
 
 @dataclass(frozen=True)
@@ -316,8 +318,9 @@ def found_settings(design: Design) -> FoundSettings:
     if observation is None:
         raise StrikewaveError("no striker touches the object")
     limits = limits_of(case, run, observation, design.goal)
-    settings = tuple(float(x) for x in end.settings)
-    return FoundSettings(settings, end.runs + 1, end.halt, observation, limits, judged_blows(run, design.goal))
+    settings, judged = tuple(float(x) for x in end.settings), judged_blows(run, design.goal)
+    verdict = run_verdict(case, run, blows(run)).text
+    return FoundSettings(settings, end.runs + 1, end.halt, observation, limits, judged, verdict)
 
 
 def settings_candidate(design: Design, found: FoundSettings) -> SettingsCandidate:
@@ -325,7 +328,7 @@ def settings_candidate(design: Design, found: FoundSettings) -> SettingsCandidat
     settings = np.array(found.settings)
     paths = tuple(design.changes(settings))
     known = design.case_at(settings), paths, found.observation, design.goal, found.limits, design.estimates()
-    return SettingsCandidate(*known, found.runs, found.halt, found.verdicts)
+    return SettingsCandidate(*known, found.runs, found.halt, found.verdicts, found.run_verdict)
 
 
 def judged_blows(run: MachineRun, goal: BlowGoal) -> tuple[ShockVerdict, ...]:

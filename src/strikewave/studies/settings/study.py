@@ -10,7 +10,7 @@ import dataclasses
 from collections.abc import Iterator, Sequence
 
 from strikewave.base.errors import InputErrors
-from strikewave.base.result import Notice
+from strikewave.base.result import RUN_FAILED, Notice, Verdicts
 from strikewave.cases.case import Case
 from strikewave.studies.engine.answers import Failure, answers
 from strikewave.studies.engine.pools import Pool, ProcessPool
@@ -83,9 +83,17 @@ def design_settings(
         raise InputErrors(list(dict.fromkeys(reason for _, reason in failures))[:MOST_REASONS])
     failed = tuple(dict.fromkeys(f"{design.rig.strikers} strikers: {reason}" for design, reason in failures))
     ranked = tuple(sorted(candidates, key=rank_key))
+    verdicts = searched([one.run_verdict for one in ranked], [reason for _, reason in failures])
+    notices = (*_notices(ranked[0]), *verdicts.notices())
     return SettingsStudy(
-        case, goal, choice, ranked, left_out, failed, notices=tuple(_notices(ranked[0])), citations=SOURCES
+        case, goal, choice, ranked, left_out, failed, notices=notices, citations=SOURCES, verdicts=verdicts
     )
+
+
+def searched(found: Sequence[str], reasons: Sequence[str]) -> Verdicts:
+    """Return the verdicts of the runs that searches ended at, the first one's decides; and why others came to none."""
+    texts = [*found, *[RUN_FAILED] * len(reasons)]
+    return Verdicts(texts, "settings", next(iter(reasons), ""), deciding=texts[:1])
 
 
 Tried = list[tuple[Design, SettingsCandidate | Failure]]

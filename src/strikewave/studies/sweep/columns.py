@@ -2,17 +2,20 @@
 
 from __future__ import annotations
 
+from functools import partial
 from typing import NamedTuple
 
 import numpy as np
 
 from strikewave.reporting.layout import KEY, MORE
-from strikewave.reporting.numbers import percent
-from strikewave.reporting.parts import NONE
+from strikewave.reporting.numbers import percent, shown
+from strikewave.reporting.parts import NONE, written
 from strikewave.reporting.table_columns import TableColumn
 from strikewave.studies.engine.case_evaluation import called
 from strikewave.studies.sweep.study import KeptNumber, SweepStudy
 
+MOST_RUN_ROWS = 100
+"""Runs of a sweep over one setting that are printed: more are read in runs.csv, and in the picture."""
 MOST_EFFECTS = 12
 """Settings that a table of main effects names, those with the largest shares."""
 
@@ -54,6 +57,38 @@ NUMBER_COLUMNS: tuple[TableColumn[KeptNumberRow], ...] = (
 def number_rows(study: SweepStudy) -> list[KeptNumberRow]:
     """Return a row a number."""
     return [KeptNumberRow(study, one) for one in study.plan.kept]
+
+
+class RunRow(NamedTuple):
+    """One run of a sweep over a single setting."""
+
+    study: SweepStudy
+    run: int
+
+    def number(self, one: KeptNumber) -> str:
+        """Return a number of it, in the unit of its head."""
+        value = float(self.study.number(one.name)[self.run])
+        if value != value:
+            return NONE
+        return percent(value, 2).removesuffix(" %") if one.usual == "%" else written(shown(value, one.si, one.usual), 4)
+
+
+def run_columns(study: SweepStudy) -> tuple[TableColumn[RunRow], ...]:
+    """Return the columns of the runs over a single setting: the setting, each number, and what its checks came to."""
+    (variable,) = study.plan.variables
+    return (
+        TableColumn(variable.path, lambda row: variable.brief(study.plan.rows[row.run][0]), priority=KEY),
+        *(TableColumn(one.label, partial(RunRow.number, one=one)) for one in study.plan.kept),
+        TableColumn("verdict", lambda row: study.verdicts.texts[row.run] or NONE, priority=KEY, words=True),
+    )
+
+
+def run_rows(study: SweepStudy) -> list[RunRow]:
+    """Return a row a run of a sweep over a single setting, in its order; none over several, or of too many runs."""
+    count = len(study.plan.rows)
+    if len(study.plan.variables) != 1 or count > MOST_RUN_ROWS:
+        return []
+    return [RunRow(study, int(run)) for run in np.argsort(study.settings[:, 0], kind="stable")]
 
 
 class EffectRow(NamedTuple):

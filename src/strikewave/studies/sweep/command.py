@@ -7,7 +7,7 @@ from typing import Annotated, Literal
 
 import typer
 
-from strikewave.reporting.options.output import Output
+from strikewave.reporting.options.output import StudyOutput
 from strikewave.reporting.options.shared import Changes, Cluster, ElementDevice, Fresh, KeptRuns, Processes, case_name
 
 
@@ -73,7 +73,7 @@ def command(
         bool, typer.Option("--dry-run", help="Say how many runs there are and how long they take, and make none.")
     ] = False,
     changes: Changes = None,
-    output: Output,
+    output: StudyOutput,
 ) -> int:
     """Run a case over any of its settings.
 

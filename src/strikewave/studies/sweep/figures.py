@@ -10,8 +10,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from strikewave.base.result import RUN_BROKEN
 from strikewave.reporting.numbers import axis_unit
-from strikewave.reporting.style import BLUE, GREY, ORANGE, RED, legend_below, quiet, sheet_title
+from strikewave.reporting.style import BLUE, GREY, ORANGE, RED, legend_below, mark_runs, quiet, sheet_title
 from strikewave.studies.engine.plan import GRID
 from strikewave.studies.engine.variables import StudyVariable
 from strikewave.studies.log_ticks import plain_log_ticks
@@ -74,6 +75,7 @@ def _lines(study: SweepStudy) -> Figure:
     for drawn, one in zip(axes[:, 0], numbers, strict=True):
         values = shown_number(study, one)
         drawn.plot(x[order], values[order], line, marker="o", color=BLUE, markersize=3.5, linewidth=1.4, zorder=3)
+        mark_runs(drawn, x, values, study.verdicts)
         _mark_failures(drawn, study, x)
         quiet(drawn, _extent(study, one), variable.label, one.label)
         _along(drawn.xaxis, drawn.set_xscale, variable)
@@ -131,10 +133,7 @@ def _maps(study: SweepStudy, draw: Any) -> Figure:
         drawn.grid(False)
         _along(drawn.xaxis, drawn.set_xscale, first)
         _along(drawn.yaxis, drawn.set_yscale, second)
-        failed = np.array([bool(failure) for failure in study.failures])
-        if failed.any():
-            x, y = _setting(study, 0), _setting(study, 1)
-            drawn.plot(x[failed], y[failed], "x", color=RED, markersize=4, label="run failed", linestyle="none")
+        mark_runs(drawn, _setting(study, 0), _setting(study, 1), study.verdicts, size=4.0)
     for drawn in list(axes.flat)[len(numbers) :]:
         drawn.set_axis_off()
     return legend_below(figure)
@@ -204,7 +203,13 @@ def _parallel(figure: Figure, part: Any, study: SweepStudy, chosen: list[int], o
     if failed.size:
         lost = [np.column_stack([places[:-1], scaled[run, :-1]]) for run in failed[:MOST_LINES]]
         axes.add_collection(LineCollection(lost, colors=RED, linewidths=0.9, linestyles="dashed"))
+    broken = [run for run in kept if study.verdicts.statuses[run] == RUN_BROKEN]
+    if broken:
+        axes.add_collection(
+            LineCollection([np.column_stack([places, scaled[run]]) for run in broken], colors=RED, linewidths=0.9)
+        )
     note = f" ({kept.size} of {known.size} runs drawn)" if kept.size < known.size else ""
+    note += "; red, and diamonds below: broke a stated limit" if broken else ""
     note += "; dashed: failed" if failed.size else ""
     quiet(axes, f"Runs through their settings{note}", "", "")
     axes.grid(False)
@@ -244,6 +249,7 @@ def _effect(axes: Any, study: SweepStudy, k: int, one: KeptNumber, first: bool) 
     x = effect.places if variable.words else variable.axis.shown(effect.places)
     dots = axes.plot(_setting(study, k), shown_number(study, one), ".", color=GREY, markersize=3, alpha=0.35)[0]
     dots.set_rasterized(True)
+    mark_runs(axes, _setting(study, k), shown_number(study, one), study.verdicts, size=3.5)
     axes.plot(x, effect.means / size, "o-", color=ORANGE, markersize=4, linewidth=1.8)
     share, chance = 100.0 * max(effect.share, 0.0), 100.0 * study.chance(effect)
     words = "no variance" if np.isnan(effect.share) else f"share {share:.0f} %"

@@ -2,12 +2,20 @@
 
 from __future__ import annotations
 
+from strikewave.base.result import RUN_BROKEN, RUN_FAILED
 from strikewave.reporting import chapters
 from strikewave.reporting.parts import Cell, Link, Part, Picture, Section, Table
 from strikewave.reporting.table_columns import page_table
 from strikewave.studies.engine.case_evaluation import called
 from strikewave.studies.engine.plan import GRID, HYPERCUBE, SOBOL, TOLERANCES
-from strikewave.studies.sweep.columns import EFFECT_COLUMNS, NUMBER_COLUMNS, effect_rows, number_rows
+from strikewave.studies.sweep.columns import (
+    EFFECT_COLUMNS,
+    NUMBER_COLUMNS,
+    effect_rows,
+    number_rows,
+    run_columns,
+    run_rows,
+)
 from strikewave.studies.sweep.figures import MOST_NUMBERS, MOST_SETTINGS, sweep_picture
 from strikewave.studies.sweep.study import SweepStudy
 
@@ -47,7 +55,7 @@ def sweep_report(study: SweepStudy) -> str:
 def sweep_words(study: SweepStudy) -> str:
     """Say in words what came out."""
     plan = study.plan
-    words = [f"{plan.words}." if not study.failed else f"{plan.words}; {study.failed} failed."]
+    words = [f"{plan.words}{f'; {study.verdicts.words}' if study.verdicts.words else ''}."]
     for one in plan.kept[:1]:
         ends = study.best(one.name)
         if ends is None:
@@ -69,7 +77,13 @@ def row_words(share: float) -> str:
 def _caption(study: SweepStudy) -> str:
     count = len(study.plan.variables)
     more = f" The first {MOST_NUMBERS} numbers are drawn." if len(study.plan.kept) > MOST_NUMBERS else ""
-    failed = " Marks in red are runs that failed." if study.failed else ""
+    marked = {RUN_BROKEN: "diamonds", RUN_FAILED: "crosses"}
+    meaning = {RUN_BROKEN: "broke a stated limit", RUN_FAILED: "failed"}
+    failed = "".join(
+        f" Red {marks} are runs that {meaning[status]}."
+        for status, marks in marked.items()
+        if study.verdicts.count(status)
+    )
     if count == 1:
         return f"Each number over {study.plan.variables[0].path}, a dot a run.{failed}{more}"
     if count == 2:
@@ -84,6 +98,8 @@ def _caption(study: SweepStudy) -> str:
 
 def _number_section(study: SweepStudy) -> Section:
     parts: list[Part] = [page_table("Each number over all runs", NUMBER_COLUMNS, number_rows(study))]
+    if run_rows(study):
+        parts.append(page_table("All runs", run_columns(study), run_rows(study)))
     parts.append(Link("runs.csv", "All runs, runs.csv"))
     parts.append(Link("runs.parquet", "The same as Parquet, runs.parquet"))
     return Section("Numbers", "", parts)

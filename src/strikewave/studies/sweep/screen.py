@@ -19,7 +19,14 @@ from strikewave.studies.engine.pools import Pool
 from strikewave.studies.engine.runner import StudyProgress, finished_before
 from strikewave.studies.engine.store import RunStore, runs_beside
 from strikewave.studies.resumable import ResumableCommand
-from strikewave.studies.sweep.columns import EFFECT_COLUMNS, NUMBER_COLUMNS, effect_rows, number_rows
+from strikewave.studies.sweep.columns import (
+    EFFECT_COLUMNS,
+    NUMBER_COLUMNS,
+    effect_rows,
+    number_rows,
+    run_columns,
+    run_rows,
+)
 from strikewave.studies.sweep.estimate import estimated
 from strikewave.studies.sweep.study import SweepPlan, SweepStudy, make_sweep
 
@@ -100,6 +107,8 @@ class SweepCommand(ResumableCommand[SweepStudy]):
     def show(self, result: SweepStudy) -> None:
         """Print the range of each number, and the main effects."""
         print_rows("Each number over all runs", NUMBER_COLUMNS, number_rows(result))
+        if run_rows(result):
+            print_rows("All runs", run_columns(result), run_rows(result))
         rows = effect_rows(result)
         if rows:
             print_rows("Main effects", EFFECT_COLUMNS, rows)

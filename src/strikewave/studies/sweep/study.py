@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from strikewave.base.compile_progress import compiling_shown
 from strikewave.base.first_few import first_few
-from strikewave.base.result import FAILED, WARNING, Notice, Source
+from strikewave.base.result import Notice, Source
 from strikewave.cases.case import Case
 from strikewave.cases.written_case import dump_case
 from strikewave.reporting.columns import HISTORY_DIGITS, Column, csv_table
@@ -247,12 +247,7 @@ class SweepStudy(ShownResult):
 
     def found_notices(self) -> tuple[Notice, ...]:
         """Return what should be known: runs that failed, and numbers that runs have not."""
-        notices = []
-        if self.failed:
-            reason = next(iter(self.reasons))
-            message = f"{self.failed} of {len(self.failures)} runs failed, most often: {reason}"
-            severity = FAILED if self.failed == len(self.failures) else WARNING
-            notices.append(Notice("runs-failed", message, float(self.failed), 0.0, severity))
+        notices = list(self.verdicts.notices())
         for one in self.plan.kept:
             lacking = int(np.sum(np.isnan(self.number(one.name)))) - self.failed
             if lacking > 0:
@@ -291,6 +286,7 @@ class SweepStudy(ShownResult):
             "keep": [*plan.evaluation.names, *plan.evaluation.histories],
             "settings": {v.path: self._setting(k) for k, v in enumerate(plan.variables)},
             "numbers": {name: self.number(name) for name in plan.evaluation.names},
+            "verdict": list(self.verdicts.texts),
             "failures": {str(k + 1): failure for k, failure in enumerate(self.failures) if failure},
             "effects": {
                 name: {
@@ -323,12 +319,13 @@ class SweepStudy(ShownResult):
         columns += [Column(one.name, self.number(one.name), one.si) for one in self.plan.kept]
         if self.plan.evaluation.histories:
             columns.append(Column("key", self.keys))
-        return [*columns, Column("failure", self.failures)]
+        return [*columns, Column("verdict", self.verdicts.texts), Column("failure", self.failures)]
 
     def brief(self) -> dict[str, str]:
         """Return settings and numbers."""
         settings = {variable.path: variable.axis.unit or "1" for variable in self.plan.variables[:4]}
-        return {"run": "", **settings, **{one.name: one.usual.replace("%", "1") for one in self.plan.kept[:4]}}
+        numbers = {one.name: one.usual.replace("%", "1") for one in self.plan.kept[:4]}
+        return {"run": "", **settings, **numbers, "verdict": ""}
 
 
 def _variable(variable: StudyVariable) -> dict[str, Any]:
@@ -372,8 +369,9 @@ def make_sweep(
     numbers, failures, _ = store.table(plan.evaluation.names, finished.keys)
     keys = tuple(key.hex() for key in finished.keys)
     sources = SOURCES.get(plan.design, ())
-    study = SweepStudy(plan, numbers, tuple(failures), keys, citations=sources)
-    return SweepStudy(plan, numbers, tuple(failures), keys, citations=sources, notices=study.found_notices())
+    verdicts = store.verdicts(finished.keys, not_judged=plan.evaluation.not_judged(plan.case))
+    study = SweepStudy(plan, numbers, tuple(failures), keys, citations=sources, verdicts=verdicts)
+    return replace(study, notices=study.found_notices())
 
 
 def is_drawn(plan: SweepPlan) -> bool:

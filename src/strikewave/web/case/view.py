@@ -82,8 +82,9 @@ def told(result: Result, balance: dict[str, float]) -> dict[str, Any]:
 
 
 def by_full_run(result: Result) -> str:
-    """Return in words that a full run is shown, and whether all checks passed."""
-    return "a full run; every check passed" if not result.broken else "a full run; a check failed"
+    """Return in words that a full run is shown, and what its checks came to, and those of the runs it is made of."""
+    words = [f"a full run; {result.state}", *([result.verdicts.words] if result.verdicts.words else [])]
+    return "; ".join(words)
 
 
 def result_file(result: ShownResult, wanted: str) -> bytes:

@@ -115,7 +115,7 @@ def _status(solution: FemSolution) -> Tag:
     failed = _failed(solution)
     if solution.run.stopped:
         return Tag("stopped early" + (f"; {chapters.failed_checks(failed).text}" if failed else ""), "bad")
-    return chapters.failed_checks(failed) if failed else chapters.status(solution.notices)
+    return chapters.failed_checks(failed) if failed else chapters.status(solution)
 
 
 def _failed(solution: FemSolution) -> list[str]:

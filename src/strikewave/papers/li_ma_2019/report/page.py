@@ -13,7 +13,7 @@ from strikewave.papers.li_ma_2019.report.studies import study_tables
 from strikewave.papers.li_ma_2019.runs import BAR, PASSING, quick_changes
 from strikewave.reporting import chapters
 from strikewave.reporting.numbers import listed
-from strikewave.reporting.parts import Code, Section, Tag
+from strikewave.reporting.parts import Cell, Code, Section, Table, Tag
 
 if TYPE_CHECKING:
     from strikewave.papers.li_ma_2019.result import Reproduction
@@ -52,11 +52,12 @@ def reproduction_words(result: Reproduction) -> str:
     """Say in words what the paper claims, and what came out: on the screen and at the head of the report."""
     verdicts = [row.verdict for row in result.equations]
     counted = listed([f"{verdicts.count(name)} {name}" for name in tables.VERDICTS if name in verdicts])
+    broken = f"{result.verdicts.words}. " if result.verdicts.words else ""
     return (
-        "The paper says that a contact law with damping gives the rigid-body pulse of a rotary shock machine, that "
-        "one-dimensional waves give what a sensor reads beyond it, and that tests and LS-DYNA confirm both. Of its "
-        f"{len(verdicts)} numbered equations: {counted}. What the machine was fitted to agrees by construction; what "
-        "was not shows how far bodies, springs and waves of assumed dimensions come."
+        f"{broken}The paper says that a contact law with damping gives the rigid-body pulse of a rotary shock "
+        "machine, that one-dimensional waves give what a sensor reads beyond it, and that tests and LS-DYNA confirm "
+        f"both. Of its {len(verdicts)} numbered equations: {counted}. What the machine was fitted to agrees by "
+        "construction; what was not shows how far bodies, springs and waves of assumed dimensions come."
     )
 
 
@@ -69,7 +70,8 @@ def _done(result: Reproduction) -> Section:
         + ". Every equation was computed as printed, as corrected and exactly; every published number is set beside "
         f"what was computed. Fitted to published numbers: {listed(fitted)}."
     )
-    return Section("What was done", text)
+    rows: list[list[Cell]] = [[name, verdict] for name, verdict in result.runs.checked]
+    return Section("What was done", text, [Table("What the checks of the runs came to", ["run", "verdict"], rows)])
 
 
 def _one_by_one(result: Reproduction) -> Section:

@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 from strikewave.reporting.clause_words import tag_of
 from strikewave.reporting.layout import KEY, MAIN, MORE
-from strikewave.reporting.parts import Tag
+from strikewave.reporting.parts import NONE, Tag
 from strikewave.reporting.table_columns import TableColumn
 from strikewave.studies.settings.drop_table.search import DropCandidate, HeightOfFall
 
@@ -34,6 +34,7 @@ DROP_COLUMNS: tuple[TableColumn[RankedDrop], ...] = (
     TableColumn("departure (%)", lambda row: 100.0 * row.one.departure, decimals=1, priority=MORE),
     TableColumn("verdict", lambda row: tag_of(row.one.verdict.verdict), words=True, priority=MORE),
     TableColumn("meets", lambda row: Tag("yes", "good") if row.one.meets else Tag("no", "bad"), words=True),
+    TableColumn("verdict of the run", lambda row: row.one.run_verdict or NONE, words=True, priority=MORE),
 )
 """Designs, best first."""
 HEIGHT_COLUMNS: tuple[TableColumn[HeightOfFall], ...] = (

@@ -11,11 +11,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from strikewave.analyses.machine.build import build_machine
+from strikewave.analyses.machine.notices import run_verdict
 from strikewave.base.constants import STANDARD_GRAVITY
 from strikewave.base.errors import StrikewaveError
 from strikewave.base.percents import percent
 from strikewave.base.quantities import Value
-from strikewave.base.result import BALANCE_LIMIT
+from strikewave.base.result import BALANCE_LIMIT, RUN_BROKEN, status_of
 from strikewave.cases.case import FORM, Case
 from strikewave.cases.contact_of_case import cushion_of_contact, or_else
 from strikewave.cases.written_case import document_of
@@ -92,6 +93,8 @@ class DropReading(NamedTuple):
         What the run says of the first blow.
     energy_error : float
         Of the balance of the run.
+    verdict : str
+        What the checks of the run came to: the text of `strikewave.base.result.Verdict`.
     """
 
     shock: Shock
@@ -99,6 +102,7 @@ class DropReading(NamedTuple):
     width: float
     blow: Blow
     energy_error: float
+    verdict: str = ""
 
 
 class HeightOfFall(NamedTuple):
@@ -208,7 +212,13 @@ class DropCandidate:
     @property
     def meets(self) -> bool:
         """Whether peak and width come to the ideal pulse, the specification passes it, and every limit is kept."""
-        return self.largest_miss <= WITHIN and self.verdict.verdict == PASS and not self.broken
+        kept = not self.broken and status_of(self.run_verdict) != RUN_BROKEN
+        return self.largest_miss <= WITHIN and self.verdict.verdict == PASS and kept
+
+    @property
+    def run_verdict(self) -> str:
+        """What the checks of its full run came to."""
+        return self.reading.verdict
 
     @property
     def obstacles(self) -> str:
@@ -217,6 +227,8 @@ class DropCandidate:
             f"{name} off by {percent(miss, 1, '+')}" for name, miss in self.misses.items() if not abs(miss) <= WITHIN
         ]
         reasons += [_limit_words(limit, self.goal) for limit in self.broken]
+        if status_of(self.run_verdict) == RUN_BROKEN:
+            reasons.append(f"the run is {self.run_verdict}")
         failed = [one.clause for one in self.verdict.clauses if one.verdict not in (PASS, "not-judged")]
         reasons += [f"{', '.join(failed)} not passed"] if failed else []
         return "; ".join(reasons + ([self.halt] if self.halt and reasons else []))
@@ -250,6 +262,8 @@ class FoundDrop:
         What the run says of the first blow.
     energy_error : float
         Of the balance of the run.
+    verdict : str
+        What the checks of the run came to: the text of `strikewave.base.result.Verdict`.
     """
 
     settings: tuple[float, ...]
@@ -261,6 +275,7 @@ class FoundDrop:
     peak_index: int
     blow: Blow
     energy_error: float
+    verdict: str = ""
 
 
 @dataclass(frozen=True)
@@ -377,11 +392,13 @@ class DropDesign:
             If it does not fit together, or cannot be followed.
         """
         run = run_machine(build_machine(case), case.solver.tolerance.si)
-        first = next((blow for blow in blows(run) if blow.kind != "missed"), None)
+        train = blows(run)
+        first = next((blow for blow in train if blow.kind != "missed"), None)
         if first is None:
             return None
         shock = shock_about(run, first.time, self.goal.limits)
-        return DropReading(shock, *peak_and_width(shock, self.goal.limits.level), first, run.energy_error)
+        figures = peak_and_width(shock, self.goal.limits.level)
+        return DropReading(shock, *figures, first, run.energy_error, run_verdict(case, run, train).text)
 
 
 def found_drop(design: DropDesign) -> FoundDrop:
@@ -413,14 +430,18 @@ def found_drop(design: DropDesign) -> FoundDrop:
         raise StrikewaveError(UNTOUCHED)
     shock = reading.shock
     history = tuple(shock.values.tolist()), shock.step, shock.begin, shock.peak_index
-    return FoundDrop(tuple(settings.tolist()), end.runs + 1, halt, *history, reading.blow, reading.energy_error)
+    return FoundDrop(
+        tuple(settings.tolist()), end.runs + 1, halt, *history, reading.blow, reading.energy_error, reading.verdict
+    )
 
 
 def drop_candidate(design: DropDesign, found: FoundDrop) -> DropCandidate:
     """Return what was found with all that it is judged by."""
     case = design.case_at(np.array(found.settings))
     shock = Shock(np.array(found.values), found.step, found.begin, found.peak_index)
-    reading = DropReading(shock, *peak_and_width(shock, design.goal.limits.level), found.blow, found.energy_error)
+    reading = DropReading(
+        shock, *peak_and_width(shock, design.goal.limits.level), found.blow, found.energy_error, found.verdict
+    )
     verdict = judge_shock(shock, design.goal.limits)
     limits = limits_of(case, design, reading)
     given = design.programmer, design.diameter

@@ -41,7 +41,7 @@ from strikewave.studies.settings.drop_table.search import (
     drop_candidate,
     drop_rank,
 )
-from strikewave.studies.settings.study import MOST_REASONS
+from strikewave.studies.settings.study import MOST_REASONS, searched
 
 DIAMETERS = (0.05, 0.075, 0.1, 0.15, 0.2, 0.3)
 """Diameters of a pad that are tried by default, m: from that of a striking post to that of a table, in steps of a half
@@ -171,7 +171,15 @@ class DropStudy(ShownResult):
     def brief(self) -> dict[str, str]:
         """Return the main settings of each candidate, and its pulse."""
         settings = {"programmer": "", "height": "mm", "diameter": "mm", "thickness": "mm"}
-        return {"place": "", "meets": "", **settings, "peak": "g", "width": "ms", "velocity_change": "m/s"}
+        return {
+            "place": "",
+            "meets": "",
+            **settings,
+            "peak": "g",
+            "width": "ms",
+            "velocity_change": "m/s",
+            "run_verdict": "",
+        }
 
     def preview(self) -> Curve:
         """Return the pulse of the first."""
@@ -247,6 +255,7 @@ def _row(place: int, one: DropCandidate) -> dict[str, Any]:
         "limits": [{**limit._asdict(), "kept": limit.kept} for limit in one.limits],
         "estimate": one.estimate._asdict(),
         "runs": one.runs,
+        "run_verdict": one.run_verdict,
     }
 
 
@@ -385,8 +394,10 @@ def design_drop_table(
     ranked = tuple(sorted(found, key=drop_rank))
     if not ranked:
         raise InputErrors(list(failed)[:MOST_REASONS])
-    study = DropStudy(case, goal, choice, ranked, failed, citations=SOURCES)
-    return replace(study, notices=tuple(_notices(study)))
+    reasons = [one.reason for _, one in tried if isinstance(one, Failure)]
+    verdicts = searched([one.run_verdict for one in ranked], reasons)
+    study = DropStudy(case, goal, choice, ranked, failed, citations=SOURCES, verdicts=verdicts)
+    return replace(study, notices=(*_notices(study), *verdicts.notices()))
 
 
 def _diameters(programmer: Programmer, case: Case, choice: DropChoices) -> Sequence[float | None]:

@@ -7,6 +7,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from strikewave.base.result import RUN_PASSED, status_of
 from strikewave.cases.case import Case
 from strikewave.reporting.numbers import axis_unit
 from strikewave.studies.design.figures import drawn_numbers
@@ -26,6 +27,10 @@ MOST_LISTED = 12
 """Of what was found, how many are listed: the best, or the first; a diagram has all."""
 DIGITS = 4
 """Significant digits of a number in a diagram: more are no pixel."""
+
+
+BROKE = "broke a stated limit"
+"""What runs are called that are marked."""
 
 
 class PickedChart(NamedTuple):
@@ -83,7 +88,7 @@ def _listed(result: Any, link: Linker) -> Iterator[tuple[str, str]]:
         for one in result.candidates:
             values = one.case.values()
             yield (
-                ", ".join(f"{path} = {values[path].typed}" for path in one.chosen),
+                _marked(", ".join(f"{path} = {values[path].typed}" for path in one.chosen), one.run_verdict),
                 link.of_case(one.case, one.chosen),
             )
     elif isinstance(result, FitStudy):
@@ -92,13 +97,21 @@ def _listed(result: Any, link: Linker) -> Iterator[tuple[str, str]]:
         yield ", ".join(f"{path} = {values[path].typed}" for path in paths), link.of_case(result.case, paths)
     elif isinstance(result, DesignStudy):
         for candidate in result.candidates:
-            yield result.at(candidate.row), link.of_row(result.plan.variables, candidate.row)
+            yield (
+                _marked(result.at(candidate.row), candidate.verdict),
+                link.of_row(result.plan.variables, candidate.row),
+            )
     elif isinstance(result, SweepStudy):
         for run, row in enumerate(result.plan.rows):
-            yield result.at(run), link.of_row(result.plan.variables, row)
+            yield _marked(result.at(run), result.verdicts.texts[run]), link.of_row(result.plan.variables, row)
     elif isinstance(result, MapStudy) and result.setting is not None:
         typed = {a.path: str(a.typed(v)) for a, v in zip(result.plan.axes, result.setting.values, strict=True)}
         yield ", ".join(f"{path} = {value}" for path, value in typed.items()), link.of(typed)
+
+
+def _marked(words: str, verdict: str) -> str:
+    """Return words of a run with its verdict, where it broke a limit or failed."""
+    return f"{words} ({verdict})" if verdict and status_of(verdict) != RUN_PASSED else words
 
 
 def picked_chart(result: Any, source: CaseSource) -> PickedChart | None:
@@ -119,9 +132,12 @@ def _design_chart(study: DesignStudy, link: Linker) -> PickedChart:
     (x, x_label), (y, y_label) = (_numbers(study, name) for name in (names if len(names) == 2 else [None, *names]))
     met = study.margins >= 0.0
     ranked = {one.run for one in study.candidates}
+    marked = study.verdicts.marked
+    others = [k for k in range(len(study.rows)) if k not in ranked and not marked[k]]
     groups = [
-        ("a goal is missed", [k for k in range(len(study.rows)) if not met[k] and k not in ranked]),
-        ("all goals met", [k for k in range(len(study.rows)) if met[k] and k not in ranked]),
+        ("a goal is missed", [k for k in others if not met[k]]),
+        ("all goals met", [k for k in others if met[k]]),
+        (BROKE, [k for k in range(len(study.rows)) if marked[k] and k not in ranked]),
         ("ranked", sorted(ranked)),
     ]
     links = [link.of_row(study.plan.variables, row) for row in study.rows]
@@ -146,7 +162,10 @@ def _sweep_chart(study: SweepStudy, link: Linker) -> PickedChart:
     for run in runs:
         words = variables[1].brief(study.plan.rows[run][1]) if len(variables) > 1 else "runs"
         groups.setdefault(words, []).append(run)
+    marked = study.verdicts.marked
     listed = list(groups.items()) if len(groups) <= MOST_LISTED else [("runs", list(runs))]
+    listed = [(words, [run for run in of_group if not marked[run]]) for words, of_group in listed]
+    listed += [(BROKE, [run for run in runs if marked[run]])] if any(marked) else []
     links = [link.of_row(variables, row) for row in study.plan.rows]
     options = dot_chart("Runs", first.label, kept.label, _dots(listed, x, study.number(kept.name) / _size(kept)))
     return PickedChart(options, links)
