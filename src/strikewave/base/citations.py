@@ -248,6 +248,10 @@ SOURCES: dict[str, str] = {
         "T. L. Kelley, An Unbiased Correlation Ratio Measure, Proceedings of the National Academy of Sciences 21 "
         "(1935) 554-559 (from memory)"
     ),
+    "efron-stein-1981": (
+        "B. Efron, C. Stein, The Jackknife Estimate of Variance, The Annals of Statistics 9 (1981) 586-596 "
+        "(from memory)"
+    ),
     "storn-price-1997": (
         "R. Storn, K. Price, Differential Evolution: A Simple and Efficient Heuristic for Global Optimization over "
         "Continuous Spaces, Journal of Global Optimization 11 (1997) 341-359, doi:10.1023/A:1008202821328 (from memory)"

@@ -85,11 +85,11 @@ RUN_PASSED: Status = "passed"
 RUN_BROKEN: Status = "broken"
 RUN_FAILED: Status = "failed"
 RUN_STATUSES = (RUN_PASSED, RUN_BROKEN, RUN_FAILED)
-"""What the checks of a run came to: all hold; a stated limit is broken; the run could not be made."""
+"""What the checks of a run came to: all hold; a check failed; the run could not be made."""
 FailOn = Literal["failed", "broken", "never"]
-"""What makes a command end with `EXIT_BROKEN`: a run that could not be made; a broken limit too; nothing."""
+"""What makes a command end with `EXIT_BROKEN`: a run that could not be made; a failed check too; nothing."""
 EXIT_BROKEN = 3
-"""Exit code of a command whose result, or one of whose runs, broke a stated limit, or that missed its goal."""
+"""Exit code of a command whose result, or one of whose runs, failed a check, or that missed its goal."""
 VERDICT = "verdict"
 """Attribute of a NetCDF file that says what the checks of its result came to."""
 MOST_CODES = 3
@@ -103,7 +103,7 @@ class Verdict:
     Attributes
     ----------
     status : str
-        "passed", "broken" (a stated limit was) or "failed" (the run could not be made).
+        "passed", "broken" (a check failed) or "failed" (the run could not be made).
     codes : tuple of str
         Of the checks that failed, such as ``blow-count``.
     not_judged : tuple of str
@@ -175,8 +175,10 @@ class Verdicts:
     Examples
     --------
     >>> verdicts = Verdicts(["passed", "broken: blow-count", "failed"])
-    >>> verdicts.words, verdicts.document(), verdicts.fails("failed"), verdicts.fails("never")
-    ('1 of 3 runs broke a stated limit (blow-count), 1 failed', {'passed': 1, 'broken': 1, 'failed': 1}, True, False)
+    >>> verdicts.words
+    '1 of 3 runs failed a check (blow-count), 1 could not be made'
+    >>> verdicts.document(), verdicts.fails("failed"), verdicts.fails("never")
+    ({'passed': 1, 'broken': 1, 'failed': 1}, True, False)
     """
 
     def __init__(
@@ -222,9 +224,10 @@ class Verdicts:
         """How many broke a limit, or failed, in words; empty where none did."""
         parts = []
         if self.count(RUN_BROKEN):
-            parts.append(f"{self.counted(RUN_BROKEN)} broke a stated limit ({', '.join([*self.codes][:MOST_CODES])})")
+            parts.append(f"{self.counted(RUN_BROKEN)} failed a check ({', '.join([*self.codes][:MOST_CODES])})")
         if self.count(RUN_FAILED):
-            parts.append(f"{self.count(RUN_FAILED) if parts else self.counted(RUN_FAILED)} failed")
+            count = str(self.count(RUN_FAILED)) if parts else self.counted(RUN_FAILED)
+            parts.append(f"{count} could not be made")
         return ", ".join(parts)
 
     def _weight(self, status: Status) -> Severity:
@@ -245,7 +248,7 @@ class Verdicts:
         listed = []
         if self.count(RUN_BROKEN):
             checks = ", ".join(f"{code} in {count}" for code, count in self.codes.items())
-            message = f"{self.counted(RUN_BROKEN)} broke a stated limit: {checks}"
+            message = f"{self.counted(RUN_BROKEN)} failed a check: {checks}"
             listed.append(
                 Notice("runs-broken", message, float(self.count(RUN_BROKEN)), severity=self._weight(RUN_BROKEN))
             )
@@ -311,11 +314,13 @@ class Comparison:
 class InputShare:
     """Share of one input in the variance of a result.
 
-    ``field`` is its path in the case, or that of what a named material stands for, ``material.PTFE.modulus``.
+    ``field`` is its path in the case, or that of what a named material stands for, ``material.PTFE.modulus``; a
+    ``standard_error`` that is not known, as of bands that an older version kept, is NaN.
     """
 
     field: str
     share: float
+    standard_error: float = math.nan
 
 
 @dataclass(frozen=True)
@@ -342,15 +347,20 @@ class Band:
 
         Examples
         --------
-        >>> Band(1.0, 2.0, 0.95, (InputShare("machine.engagement", 0.5),)).document()["inputs"]
-        [{'field': 'machine.engagement', 'share': 0.5}]
+        >>> Band(1.0, 2.0, 0.95, (InputShare("machine.engagement", 0.5, 0.1),)).document()["inputs"]
+        [{'field': 'machine.engagement', 'share': 0.5, 'standard_error': 0.1}]
         """
         return dataclasses.asdict(self) | {"inputs": [dataclasses.asdict(one) for one in self.inputs]}
 
     @classmethod
     def read(cls, document: Mapping[str, Any]) -> Band:
         """Return the band of an entry of the JSON document."""
-        return cls(**{**document, "inputs": tuple(InputShare(**one) for one in document["inputs"])})
+        return cls(**{**document, "inputs": tuple(InputShare(**_without_null(one)) for one in document["inputs"])})
+
+
+def _without_null(row: Mapping[str, Any]) -> dict[str, Any]:
+    """Return a row without what is null: NaN in JSON."""
+    return {key: value for key, value in row.items() if value is not None}
 
 
 class MovedInput(NamedTuple):
@@ -382,7 +392,7 @@ class BandMethod:
     missed, failed : int
         Runs in which a striker missed; that could not be made.
     broken : int
-        Runs that broke a stated limit, a missed blow among them; of sensors and first blows alone it is not judged.
+        Runs that failed a check, a missed blow among them; of sensors and first blows alone it is not judged.
     why : str
         Why the first of those could not be made.
     rest : dict
@@ -415,7 +425,7 @@ class BandMethod:
         more = f" and {self.first_runs} of the first blow" if self.first_runs else ""
         full = f", of sensors {self.sensor_runs} full runs of the first blow" if self.sensor_runs else ""
         other = max(self.broken - self.missed, 0)
-        counts = (self.missed, "with a miss"), (other, "broke another limit"), (self.failed, "failed")
+        counts = (self.missed, "with a miss"), (other, "failed another check"), (self.failed, "failed")
         lost = [f"{count} {what}" for count, what in counts if count]
         among = f" ({', '.join(lost)})" if lost else ""
         return (
@@ -425,10 +435,10 @@ class BandMethod:
         )
 
     def broken_words(self) -> list[str]:
-        """Say how many runs of the ranges broke a stated limit; nothing where none did."""
+        """Say how many runs of the ranges failed a check; nothing where none did."""
         if not self.broken:
             return []
-        return [f"Of the {self.runs} runs of these ranges {self.broken} broke a stated limit."]
+        return [f"Of the {self.runs} runs of these ranges {self.broken} failed a check."]
 
     def document(self) -> dict[str, Any]:
         """Return the entry of the JSON document."""
@@ -573,7 +583,7 @@ class Result(ABC):
         Parameters
         ----------
         fail_on : str, optional
-            "broken": a check failed, a goal was missed, or a run broke a stated limit or could not be made; "failed":
+            "broken": a check failed, a goal was missed, or a run failed a check or could not be made; "failed":
             a run could not be made; "never": nothing.
         """
         own = fail_on == "broken" and (self.broken or self.own_verdict.status == RUN_BROKEN)

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+import math
 from collections import Counter
 from collections.abc import Iterable, Mapping
 
 from strikewave.base.materials import MATERIAL
-from strikewave.base.result import Band, BandMethod, MovedInput, Notice, Result
+from strikewave.base.result import Band, BandMethod, InputShare, MovedInput, Notice, Result
 from strikewave.base.units import in_unit, take_apart
 from strikewave.reporting.banded_numbers import band_text, with_band
 from strikewave.reporting.numbers import listed, percent, spelled
@@ -40,7 +41,7 @@ def band_words(bands: Mapping[str, Band]) -> list[str]:
     if not bands:
         return []
     name, band = next(iter(bands.items()))
-    most = listed([f"{one.field} ({percent(one.share, 0)})" for one in band.inputs])
+    most = listed([f"{one.field} ({share_words(one)})" for one in band.inputs])
     depends = f" What moves the {band_label(name)} most, with its share of the variance: {most}." if most else ""
     return [
         f"In brackets: the range of {percent(band.level, 0)} of all results when inputs move within what is known of "
@@ -49,7 +50,7 @@ def band_words(bands: Mapping[str, Band]) -> list[str]:
 
 
 def banded_words(result: Result) -> list[str]:
-    """Say in sentences what the ranges of a result are, and how many of their runs broke a stated limit."""
+    """Say in sentences what the ranges of a result are, and how many of their runs failed a check."""
     return [*band_words(result.band), *([] if result.band_method is None else result.band_method.broken_words())]
 
 
@@ -172,7 +173,20 @@ def band_rows(result: Result, values: Mapping[str, float], whole: bool = True) -
 
 
 def _shares(band: Band, called: Mapping[str, str] | None = None) -> list[str]:
-    return [f"{(called or {}).get(one.field, one.field)} {percent(one.share, 0)}" for one in band.inputs]
+    return [f"{(called or {}).get(one.field, one.field)} {share_words(one)}" for one in band.inputs]
+
+
+def share_words(one: InputShare) -> str:
+    """Write a share with its standard error, where that is known.
+
+    Examples
+    --------
+    >>> share_words(InputShare("machine.speed", 0.5, 0.04)), share_words(InputShare("machine.speed", 0.5))
+    ('50 ± 4 %', '50 %')
+    """
+    error = one.standard_error
+    share = percent(one.share, 0)
+    return f"{share.removesuffix(' %')} ± {percent(error, 0)}" if math.isfinite(error) else share
 
 
 def _rest(result: Result, name: str) -> str:

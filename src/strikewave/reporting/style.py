@@ -37,7 +37,7 @@ def quiet(axes: Any, title: str, x: str, y: str) -> None:
 
 
 def mark_runs(axes: Any, x: Any, y: Any, verdicts: Verdicts, noun: str = "run", size: float = 7.0) -> None:
-    """Mark points of runs that broke a stated limit, by an open diamond, and of those that failed, by a cross.
+    """Mark points of runs that failed a check, by an open diamond, and of those that failed, by a cross.
 
     Parameters
     ----------
@@ -57,7 +57,7 @@ def mark_runs(axes: Any, x: Any, y: Any, verdicts: Verdicts, noun: str = "run", 
     if not verdicts.texts:
         return
     for status, marker, words in (
-        (RUN_BROKEN, "D", f"{noun} broke a stated limit"),
+        (RUN_BROKEN, "D", f"{noun} failed a check"),
         (RUN_FAILED, "x", f"{noun} failed"),
     ):
         chosen = np.array([one == status for one in verdicts.statuses], dtype=bool)

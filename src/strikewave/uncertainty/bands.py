@@ -138,9 +138,9 @@ def find_band(sample: Sample, results: Array, level: float = LEVEL) -> FoundBand
     if fit.explained < RANKED_BELOW:
         of_ranks = fit_expansion(polynomials, _normal_scores(results))
         fit, ranked = (of_ranks, True) if of_ranks.explained > fit.explained else (fit, False)
-    shares = fit.shares(sample.owners)
+    shares, errors = fit.shares(sample.owners), fit.share_errors(sample.owners, len(results))
     largest = sorted(shares.items(), key=lambda item: -item[1])[:INPUTS]
-    told = tuple(InputShare(path, share) for path, share in largest if share >= LEAST_SHARE)
+    told = tuple(InputShare(path, share, errors[path]) for path, share in largest if share >= LEAST_SHARE)
     return FoundBand(Band(low, high, level, told), max(1.0 - sum(shares.values()), 0.0), fitted, ranked)
 
 

@@ -97,6 +97,24 @@ class Expansion:
                     shares[owners.pop()] += float(coefficient) ** 2 / self.variance
         return shares
 
+    def share_errors(self, owner: Sequence[str], runs: int) -> dict[str, float]:
+        """Return the standard errors of `shares`, as the regression on so many runs gives them.
+
+        A coefficient of orthonormal terms has the variance e/n, with e what the fit does not explain, and e itself
+        2 e^2/n; by the derivatives of S = sum c_own^2/V, V = sum c^2 + e, these give that of a share. The choice of the
+        terms is taken as given.
+        """
+        squares, variance = self.coefficients[1:] ** 2, self.variance
+        if not variance > 0.0:
+            return dict.fromkeys(owner, 0.0)
+        errors, spread = dict[str, float](), self.error / runs
+        owners = [{owner[place] for place, _ in term} for term in self.terms]
+        for name, share in self.shares(owner).items():
+            own = np.array([of_term == {name} for of_term in owners], dtype=bool)
+            slopes = 4.0 * squares * (own - share) ** 2 / variance**2
+            errors[name] = float(np.sqrt(spread * slopes.sum() + 2.0 * self.error * spread * (share / variance) ** 2))
+        return errors
+
 
 def polynomials_at(inputs: Sequence[UncertainInput], points: Array, needed: Collection[int] | None = None) -> Array:
     """Return polynomials of degree 1 to `DEGREE` at quantiles of the inputs, shape (numbers drawn, points, degrees).

@@ -6,6 +6,10 @@ over those of the same blows of the nominal run, which takes out what the dynami
 interact, shares add up to 1; a sum that cannot be 1 is reported.
 
 Sobol indices split a variance whatever the interactions, at several times the runs.
+
+A share is never below 0, but its estimator may be: 0 then stands for it, as for the ends of its bounds, which brings it
+nearer to the share in every case. Its standard error, of the bootstrap, is that of the estimator, so that a share of 0
+says how large it may be; sums and tests take the estimator as it is, whose mean is the share.
 """
 
 from __future__ import annotations
@@ -32,7 +36,10 @@ BOOTSTRAP_STREAM = 0xB007
 
 @dataclass(frozen=True)
 class Share:
-    """Share of one tolerance, with its bounds at 95 %; the total one counts interactions too (Sobol alone)."""
+    """Share of one tolerance, with its standard error and its bounds at 95 %, none of them below 0.
+
+    The total one counts interactions too (Sobol alone).
+    """
 
     path: str
     share: float
@@ -42,6 +49,8 @@ class Share:
     total: float | None = None
     total_low: float | None = None
     total_high: float | None = None
+    standard_error: float = np.nan
+    total_standard_error: float | None = None
 
     @property
     def distinct(self) -> bool:
@@ -144,9 +153,18 @@ def sobol_shares(of: str, paths: Sequence[str], a: Array, b: Array, mixed: Array
     place = _resamples(a.size, seed)
     resampled = [sobol_indices(a[place], b[place], group[place]) for group in mixed]
     firsts = np.array([row.first for row in resampled])
-    first, total = _bounds(firsts), _bounds(np.array([row.total for row in resampled]))
+    totals = np.array([row.total for row in resampled])
+    first, total = _bounds(firsts), _bounds(totals)
+    errors, total_errors = _errors(firsts), _errors(totals)
     rows = [
-        Share(path, *_floats(indices.first[k], *first[:, k]), 0.0, *_floats(indices.total[k], *total[:, k]))
+        Share(
+            path,
+            *_floats(indices.first[k], *first[:, k]),
+            0.0,
+            *_floats(indices.total[k], *total[:, k]),
+            float(errors[k]),
+            float(total_errors[k]),
+        )
         for k, path in enumerate(paths)
     ]
     return _shares(of, rows, float(indices.first.sum()), firsts.sum(axis=0), a.size)
@@ -195,8 +213,11 @@ def _alone(
     with np.errstate(divide="ignore", invalid="ignore"):
         shares, floor = size(alone) / size(whole), float(rounding**2 / size(whole))
         resampled = np.array([size(row[place]) for row in alone]) / size(whole[place])
-    bounds = _bounds(resampled)
-    rows = [Share(path, *_floats(shares[k], *bounds[:, k]), floor) for k, path in enumerate(paths)]
+    bounds, errors = _bounds(resampled), _errors(resampled)
+    rows = [
+        Share(path, *_floats(shares[k], *bounds[:, k]), floor, standard_error=float(errors[k]))
+        for k, path in enumerate(paths)
+    ]
     return _shares(of, rows, float(shares.sum()), resampled.sum(axis=0), whole.size)
 
 
@@ -207,7 +228,19 @@ def _unknown(of: str, paths: Sequence[str]) -> Shares:
 
 
 def _floats(share: float, low: float, high: float) -> tuple[float, float, float]:
-    return float(share), float(low), float(high)
+    """Return a share and its bounds, 0 in the place of what is below; NaN stays."""
+    return _not_below_0(share), _not_below_0(low), _not_below_0(high)
+
+
+def _not_below_0(value: float) -> float:
+    return float(np.maximum(value, 0.0))  # which leaves NaN
+
+
+def _errors(resampled: Array) -> Array:
+    """Return the standard errors of resampled numbers along the last axis; NaN where there are none."""
+    if resampled.shape[-1] == 0 or not np.isfinite(resampled).all():
+        return np.full(resampled.shape[:-1], np.nan)
+    return np.asarray(resampled.std(axis=-1, ddof=1))
 
 
 def _shares(of: str, rows: list[Share], whole: float, resampled: Array, runs: int) -> Shares:

@@ -129,7 +129,7 @@ def checked_run(solution: Result) -> CheckedRun:
 
 
 def _checked_then(name: str, verdict: str) -> CheckedRun:
-    """Return what the checks of a kept result came to when it was made; nothing where its file does not say so."""
+    """Return what the checks of a kept result came to when it was made; nothing where its file does not hold it."""
     codes = verdict.partition(": ")[2]
     if status_of(verdict) != RUN_BROKEN:
         return CheckedRun(verdict)

@@ -81,7 +81,7 @@ FailOnOption = Annotated[
     typer.Option(
         "--fail-on",
         help=(
-            "What makes the exit code 3: a run that could not be made (failed), one that broke a stated limit or a "
+            "What makes the exit code 3: a run that could not be made (failed), one that failed a check or a "
             "missed goal too (broken), or nothing (never)."
         ),
     ),

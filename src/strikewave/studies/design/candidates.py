@@ -101,21 +101,21 @@ class DesignCandidate:
 
     @property
     def holds(self) -> bool:
-        """Whether its runs broke no stated limit, and no margin falls below zero when it is verified."""
+        """Whether its runs failed no check, and no margin falls below zero when it is verified."""
         if self.failure or self.breaks:
             return False
         return self.verified is None or not bool((self.verified < 0.0).any())
 
     @property
     def breaks(self) -> bool:
-        """Whether one of its runs broke a stated limit."""
+        """Whether one of its runs failed a check."""
         return status_of(self.verdict) == RUN_BROKEN
 
 
 def chosen_runs(runs: DesignRuns, merit: Array) -> list[int]:
     """Return the runs that are ranked, the smallest merit first, each `APART` from those before it.
 
-    Those that meet no goal are only taken where none does, and then the nearest alone; those that broke a stated limit
+    Those that meet no goal are only taken where none does, and then the nearest alone; those that failed a check
     where all that meet the goals did.
     """
     plan = runs.plan

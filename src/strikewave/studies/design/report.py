@@ -29,7 +29,7 @@ def design_report(study: DesignStudy) -> str:
     """Return the report of a design as one HTML page: no script, nothing fetched, the same bytes each time."""
     caption = (
         "Each dot is a run: over two of the numbers, with the area in which their goals are met, and over two of the "
-        "settings. Diamonds are the ranked settings with their places. Red marks are runs that broke a stated limit, "
+        "settings. Diamonds are the ranked settings with their places. Red marks are runs that failed a check, "
         "or failed."
     )
     sections = [

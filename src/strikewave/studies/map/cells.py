@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from strikewave.analyses.machine.build import build_machine
-from strikewave.analyses.machine.notices import count_notices
+from strikewave.analyses.machine.notices import fast_verdict
 from strikewave.base.errors import InputError, IntegrationError, StrikewaveError
 from strikewave.base.quantities import Value
 from strikewave.base.result import RUN_FAILED, Verdict
@@ -60,8 +60,6 @@ REASONS = (
 NO_MACHINE, NOT_RIGID, EDGE, CROWDED, LOST, SHORT = range(1, 7)
 """Codes of the reasons but the first, which stands for none."""
 
-NOT_JUDGED = ("energy-balance", "momentum-balance", "blows during the retraction")
-"""Checks of a full run that a cell does not make."""
 REPEATS = 1e-5
 """A train ends early once its blows repeat within this, a hundredth of what a regime calls alike. Measured on
 li-ma-2019: sixty blows end after 44, and the peak that is then repeated is within 3e-5 of the sixtieth."""
@@ -150,19 +148,17 @@ def judged_cell(case: Case, blows: int, train: int) -> tuple[Array, Verdict]:
         cell = measured(run, blows, train if length >= train else 0)
         if length < train:
             cell[PLACE["regime"]], cell[PLACE["reason"]] = FAILED, out[PLACE["reason"]]
-        return cell, own_verdict(case, run, blows)
+        return cell, own_verdict(case, machine, blows)
     return out, lost
 
 
-def own_verdict(case: Case, run: FastTrain, blows: int) -> Verdict:
-    """Return the verdict of the machine's own blows in a longer train: by their number, as of a full run.
-
-    What strikes before the hold of the feed is over counts, the blow too many among it, where the map has the blows of
-    the case; the train is not followed over the retraction, and its energy balance is not that of the own blows.
-    """
+def own_verdict(case: Case, machine: Machine, blows: int) -> Verdict:
+    """Return the verdict of a fast run with the machine's own feed, so many blows and the retraction, as of any run."""
     wanted = case.with_values({"feed.blows": Value(si=float(blows), typed=blows)})
-    struck = run.blows[: before_release(run) if blows == round(case.rotary_tables().feed.blows.si) else blows]
-    return Verdict.of(count_notices(wanted, struck), NOT_JUDGED)
+    try:
+        return fast_verdict(wanted, fast_train(machine.with_feed(blows=blows)))
+    except (IntegrationError, ValueError):
+        return Verdict(RUN_FAILED)
 
 
 def _reason(text: str) -> int:
@@ -201,13 +197,8 @@ def measured(run: FastTrain, blows: int, train: int) -> Array:
 
 def own_blows(run: FastTrain, blows: int) -> slice:
     """Return which passes of a run are the machine's own: so many at most, and those before its hold is over."""
-    return slice(0, min(blows, before_release(run)))
-
-
-def before_release(run: FastTrain) -> int:
-    """Return how many passes come before the hold of the machine's own feed is over."""
     feed = run.machine.drive.feed
-    return int(np.sum(run.column("time") <= feed.valve_delay + feed.stroke_time + feed.hold))
+    return slice(0, min(blows, int(np.sum(run.column("time") <= feed.valve_delay + feed.stroke_time + feed.hold))))
 
 
 def train_regime(run: FastTrain, missed: NDArray[np.bool_], train: int) -> Regime:

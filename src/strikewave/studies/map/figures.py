@@ -139,7 +139,7 @@ def _panel(axes: Any, study: MapStudy, k: int, values: Array, norm: Any) -> Any:
 
 
 def _broken(axes: Any, study: MapStudy, k: int, x: Array, y: Array) -> None:
-    """Mark the cells whose blows broke a stated limit, or that failed."""
+    """Mark the cells whose blows failed a check, or that failed."""
     panel = slice(k * x.size * y.size, (k + 1) * x.size * y.size)
     across, up = np.meshgrid(x, y)
     size = min(max(SMALLEST_MARK, ACROSS / max(x.size, y.size)), LARGEST_MARK)

@@ -13,7 +13,7 @@ from typing import Any, ClassVar, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from strikewave.analyses.machine.notices import run_verdict
+from strikewave.analyses.machine.notices import fast_not_judged, run_verdict
 from strikewave.base.errors import InputError, IntegrationError, StrikewaveError
 from strikewave.base.quantities import Value
 from strikewave.base.result import RUN_PASSED, RUN_STATUSES, Notice, Source
@@ -32,7 +32,6 @@ from strikewave.studies.engine.runner import StudyProgress, carry_out
 from strikewave.studies.engine.store import RunStore, given_or_temporary
 from strikewave.studies.map.cells import (
     FIELDS,
-    NOT_JUDGED,
     NOTE,
     PLACE,
     REASONS,
@@ -239,7 +238,8 @@ class MapStudy(ShownResult):
             "refused": [
                 {"settings": dict(zip(self.paths, r.values, strict=True)), "why": r.reason} for r in self.refused
             ],
-            "cells": {**{name: self.field(name) for name in FIELDS}, "verdict": self._verdict_codes()},
+            "cells": {name: self.field(name) for name in FIELDS},
+            "verdict": self._verdict_codes(),
             "verdict_codes": list(RUN_STATUSES),
         }
 
@@ -420,7 +420,7 @@ def make_map(
         with ProcessPool(workers) if pool is None else pool as ready:
             finished = carry_out(plan.job, plan.rows, kept, ready, progress)
         cells, _, _ = kept.table(tuple(FIELDS), finished.keys)
-        verdicts = kept.verdicts(finished.keys, "cells", NOT_JUDGED)
+        verdicts = kept.verdicts(finished.keys, "cells", fast_not_judged(case))
     study = MapStudy(plan, cells.reshape(*plan.shape, len(FIELDS)), wanted, present, verdicts=verdicts)
     setting, refused = confirmed(study)
     study = dataclasses.replace(study, setting=setting, refused=refused)
@@ -463,7 +463,7 @@ def in_full(case: Case, count: int) -> tuple[float, float]:
     Raises
     ------
     StrikewaveError
-        If not all blows came, or the run broke another stated limit.
+        If not all blows came, or the run failed another check.
     """
     machine = machine_of(case)
     own = count == round(case.rotary_tables().feed.blows.si)
@@ -475,7 +475,7 @@ def in_full(case: Case, count: int) -> tuple[float, float]:
     wanted = case.with_values({"feed.blows": Value(si=float(count), typed=count)})
     verdict = run_verdict(wanted, run, found if own else found[:count])
     if verdict.status != RUN_PASSED:
-        raise StrikewaveError(f"it broke a stated limit ({', '.join(verdict.codes)})")
+        raise StrikewaveError(f"it failed a check ({', '.join(verdict.codes)})")
     return variation(peaks), float(peaks.mean())
 
 

@@ -53,6 +53,19 @@ def _bare(value: float | None) -> str:
     return in_percent(value).removesuffix(" %")
 
 
+def _with_error(share: float | None, error: float | None) -> str:
+    """Write a share with its standard error for a column that has the sign in its head.
+
+    Examples
+    --------
+    >>> _with_error(0.412345, 0.031), _with_error(0.0, 0.021), _with_error(0.5, float("nan"))
+    ('41.2 ± 3.1', '0 ± 2.1', '50')
+    """
+    if share is None or error is None or not math.isfinite(error):
+        return _bare(share)
+    return f"{'0' if share == 0.0 else _bare(share)} ± {written(100.0 * error, 2)}"
+
+
 class FigureRow(NamedTuple):
     """A figure of a blow over the runs: its key, over all blows or the later ones."""
 
@@ -158,13 +171,13 @@ def share_columns(study: ScatterStudy) -> tuple[TableColumn[ShareRow], ...]:
         TableColumn("value", lambda row: row.typed, priority=MORE, words=True),
         TableColumn("drawn", lambda row: row.drawn, priority=MORE, words=True),
         TableColumn("provenance", lambda row: row.tolerance.value.provenance, priority=MORE, words=True),
-        TableColumn("share (%)", lambda row: _bare(row.share.share)),
+        TableColumn("share (%)", lambda row: _with_error(row.share.share, row.share.standard_error)),
         TableColumn("", lambda row: "" if row.share.distinct else "*", words=True),
         TableColumn("95 % bounds", lambda row: between(_bare(row.share.low), _bare(row.share.high))),
     ]
     if study.plan.shares == "sobol":
         columns += [
-            TableColumn("total (%)", lambda row: _bare(row.share.total)),
+            TableColumn("total (%)", lambda row: _with_error(row.share.total, row.share.total_standard_error)),
             TableColumn(
                 "95 % bounds of the total",
                 lambda row: between(_bare(row.share.total_low), _bare(row.share.total_high)),

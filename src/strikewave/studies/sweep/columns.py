@@ -91,6 +91,19 @@ def run_rows(study: SweepStudy) -> list[RunRow]:
     return [RunRow(study, int(run)) for run in np.argsort(study.settings[:, 0], kind="stable")]
 
 
+def share_words(share: float, error: float) -> str | None:
+    """Write a share with its standard error; None where there is none, without an error where nothing is by chance.
+
+    Examples
+    --------
+    >>> share_words(0.25, 0.031), share_words(0.25, 0.0), share_words(0.0, 0.01)
+    ('25.0 ± 3.1 %', '25.0 %', '0.0 ± 1.0 %')
+    """
+    if share != share:
+        return None
+    return f"{percent(share).removesuffix(' %')} ± {percent(error)}" if error > 0.0 else percent(share)
+
+
 class EffectRow(NamedTuple):
     """The main effect of a setting on a number."""
 
@@ -100,6 +113,7 @@ class EffectRow(NamedTuple):
     chance: float
     low: float
     high: float
+    standard_error: float
 
     @property
     def stands_out(self) -> bool:
@@ -110,7 +124,7 @@ class EffectRow(NamedTuple):
 EFFECT_COLUMNS: tuple[TableColumn[EffectRow], ...] = (
     TableColumn("number", lambda row: called(row.number.name), priority=KEY, words=True),
     TableColumn("setting", lambda row: row.path, priority=KEY, words=True),
-    TableColumn("share of the variance", lambda row: percent(row.share) if row.share == row.share else None),
+    TableColumn("share of the variance", lambda row: share_words(row.share, row.standard_error)),
     TableColumn("by chance below", lambda row: percent(row.chance) if row.chance else None),
     TableColumn("smallest mean", lambda row: row.number.words(row.low)),
     TableColumn("largest mean", lambda row: row.number.words(row.high)),
@@ -126,7 +140,13 @@ def effect_rows(study: SweepStudy) -> list[EffectRow]:
         effects = study.effects.get(one.name, {})
         found = [
             EffectRow(
-                path, one, effect.share, study.chance(effect), float(effect.means.min()), float(effect.means.max())
+                path,
+                one,
+                effect.share,
+                study.chance(effect),
+                float(effect.means.min()),
+                float(effect.means.max()),
+                effect.standard_error,
             )
             for path, effect in effects.items()
             if effect.means.size

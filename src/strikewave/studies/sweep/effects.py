@@ -17,6 +17,8 @@ GROUPS = 8
 twelve in each."""
 
 
+FEWEST_LEFT = 3
+"""Runs that a standard error takes: of two, each alone has no variance."""
 SIGNIFICANCE = 0.05
 """Share of studies of settings that do nothing in which one is named all the same."""
 
@@ -33,9 +35,12 @@ class MainEffect(NamedTuple):
     share : float
         Correlation ratio: variance of the means, weighted by their runs, over that of all runs. In a full grid it is
         the share of the setting alone; of groups of random runs the share expected by chance is taken off
-        (epsilon squared), so that it may be below 0 by chance.
+        (epsilon squared), and 0 stands for what then is below it.
     runs : int
         How many have the number.
+    standard_error : float
+        Of the share before that, by the jackknife over the runs; 0 in a full grid, which leaves nothing to chance. NaN
+        of fewer than three runs.
     """
 
     places: Array
@@ -44,6 +49,7 @@ class MainEffect(NamedTuple):
     highs: Array
     share: float
     runs: int
+    standard_error: float = float("nan")
 
 
 def main_effect(setting: ArrayLike, number: ArrayLike, grid: bool) -> MainEffect:
@@ -74,17 +80,60 @@ def main_effect(setting: ArrayLike, number: ArrayLike, grid: bool) -> MainEffect
     means = np.add.reduceat(y, begins) / sizes
     total = float(np.sum((y - y.mean()) ** 2)) if y.size else 0.0
     between = float(np.sum(sizes * (means - y.mean()) ** 2)) if y.size else 0.0
-    free = y.size - begins.size
-    if not grid and free > 0:
-        between -= (begins.size - 1) * (total - between) / free
+    share = float(_share(np.array(between), np.array(total), y.size, np.array(begins.size), grid))
     return MainEffect(
         np.add.reduceat(x, begins) / sizes,
         means,
         np.minimum.reduceat(y, begins),
         np.maximum.reduceat(y, begins),
-        between / total if total > 0.0 else float("nan"),
+        share if share != share else max(share, 0.0),
         y.size,
+        0.0 if grid else jackknife_error(y, sizes, means),
     )
+
+
+def _share(between: Array, total: Array, runs: int, groups: Array, grid: bool) -> Array:
+    """Return the share of the squares between groups in those of all runs, less what is expected by chance."""
+    free = runs - groups
+    by_chance = (groups - 1) * (total - between) / np.where(free > 0, free, 1)
+    taken = between if grid else between - np.where(free > 0, by_chance, 0.0)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        return np.where(total > 0.0, taken / total, np.nan)
+
+
+def jackknife_error(y: Array, sizes: Array, means: Array) -> float:
+    """Return the standard error of a share: by the shares without each of the runs.
+
+    Parameters
+    ----------
+    y : ndarray
+        Numbers of the runs, group after group.
+    sizes, means : ndarray
+        Of the groups.
+
+    Notes
+    -----
+    Variance (n - 1)/n sum (s_i - mean s)^2 over the shares s_i without run i. Source: ``efron-stein-1981``.
+
+    Examples
+    --------
+    >>> jackknife_error(np.array([0.0, 1.0]), np.array([2]), np.array([0.5]))
+    nan
+    """
+    runs = y.size
+    if runs < FEWEST_LEFT:
+        return float("nan")
+    group = np.repeat(np.arange(sizes.size), sizes)
+    y = y - y.mean()
+    sums = np.bincount(group, y, sizes.size)
+    squares = sums**2 / sizes
+    left, sums_left = sizes[group] - 1, sums[group] - y
+    of_group = np.where(left > 0, sums_left**2 / np.where(left > 0, left, 1), 0.0)
+    of_mean = y**2 / (runs - 1)  # the mean of all is 0, so that the others add up to -y
+    between = squares.sum() - squares[group] + of_group - of_mean
+    total = float(np.sum(y**2)) - y**2 - of_mean
+    shares = _share(between, total, runs - 1, sizes.size - (left == 0), False)
+    return float(np.sqrt((runs - 1) / runs * np.sum((shares - shares.mean()) ** 2)))
 
 
 def share_by_chance(runs: int, groups: int, settings: int) -> float:

@@ -209,7 +209,7 @@ def _parallel(figure: Figure, part: Any, study: SweepStudy, chosen: list[int], o
             LineCollection([np.column_stack([places, scaled[run]]) for run in broken], colors=RED, linewidths=0.9)
         )
     note = f" ({kept.size} of {known.size} runs drawn)" if kept.size < known.size else ""
-    note += "; red, and diamonds below: broke a stated limit" if broken else ""
+    note += "; red, and diamonds below: failed a check" if broken else ""
     note += "; dashed: failed" if failed.size else ""
     quiet(axes, f"Runs through their settings{note}", "", "")
     axes.grid(False)
@@ -251,8 +251,9 @@ def _effect(axes: Any, study: SweepStudy, k: int, one: KeptNumber, first: bool) 
     dots.set_rasterized(True)
     mark_runs(axes, _setting(study, k), shown_number(study, one), study.verdicts, size=3.5)
     axes.plot(x, effect.means / size, "o-", color=ORANGE, markersize=4, linewidth=1.8)
-    share, chance = 100.0 * max(effect.share, 0.0), 100.0 * study.chance(effect)
-    words = "no variance" if np.isnan(effect.share) else f"share {share:.0f} %"
+    share, chance = 100.0 * effect.share, 100.0 * study.chance(effect)
+    error = f" ± {100.0 * effect.standard_error:.0f}" if effect.standard_error > 0.0 else ""
+    words = "no variance" if np.isnan(effect.share) else f"share {share:.0f}{error} %"
     words += f" (chance: {chance:.0f} %)" if chance else ""
     quiet(axes, words, variable.label.replace(" of the ", "\nof the "), one.label if first else "")
     axes.xaxis.label.set_fontsize(8)

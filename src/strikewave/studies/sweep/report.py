@@ -78,7 +78,7 @@ def _caption(study: SweepStudy) -> str:
     count = len(study.plan.variables)
     more = f" The first {MOST_NUMBERS} numbers are drawn." if len(study.plan.kept) > MOST_NUMBERS else ""
     marked = {RUN_BROKEN: "diamonds", RUN_FAILED: "crosses"}
-    meaning = {RUN_BROKEN: "broke a stated limit", RUN_FAILED: "failed"}
+    meaning = {RUN_BROKEN: "failed a check", RUN_FAILED: "failed"}
     failed = "".join(
         f" Red {marks} are runs that {meaning[status]}."
         for status, marks in marked.items()
@@ -112,7 +112,8 @@ def _effect_section(study: SweepStudy) -> Section:
         + (
             "."
             if study.plan.design == GRID
-            else ", or from chance: in runs that are no grid, the share expected by chance is taken off. A share below "
+            else ", or from chance: in runs that are no grid, the share expected by chance is taken off, 0 stands "
+            "for what then is below it, and the standard error is that of the jackknife over the runs. A share below "
             "the one by chance tells nothing: in 95 of 100 studies of settings that do nothing, none exceeds it."
         )
     )

@@ -270,7 +270,13 @@ class SweepStudy(ShownResult):
         settings = {
             variable.path: variable.axis.si_unit or "1" for variable in self.plan.variables if not variable.words
         }
-        return {**settings, **{one.name: one.si for one in self.plan.kept}, "share": "1", "share_by_chance": "1"}
+        return {
+            **settings,
+            **{one.name: one.si for one in self.plan.kept},
+            "share": "1",
+            "standard_error": "1",
+            "share_by_chance": "1",
+        }
 
     def content(self) -> dict[str, Any]:
         """Return what the JSON document holds beside its head."""
@@ -290,7 +296,11 @@ class SweepStudy(ShownResult):
             "failures": {str(k + 1): failure for k, failure in enumerate(self.failures) if failure},
             "effects": {
                 name: {
-                    path: {"share": effect.share, "share_by_chance": self.chance(effect)}
+                    path: {
+                        "share": effect.share,
+                        "standard_error": effect.standard_error,
+                        "share_by_chance": self.chance(effect),
+                    }
                     for path, effect in effects.items()
                 }
                 for name, effects in self.effects.items()

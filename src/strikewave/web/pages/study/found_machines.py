@@ -29,7 +29,7 @@ DIGITS = 4
 """Significant digits of a number in a diagram: more are no pixel."""
 
 
-BROKE = "broke a stated limit"
+BROKE = "failed a check"
 """What runs are called that are marked."""
 
 
