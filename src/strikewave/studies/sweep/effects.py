@@ -88,7 +88,7 @@ def main_effect(setting: ArrayLike, number: ArrayLike, grid: bool) -> MainEffect
         np.maximum.reduceat(y, begins),
         share if share != share else max(share, 0.0),
         y.size,
-        0.0 if grid else jackknife_error(y, sizes, means),
+        0.0 if grid else jackknife_error(y, sizes),
     )
 
 
@@ -101,14 +101,14 @@ def _share(between: Array, total: Array, runs: int, groups: Array, grid: bool) -
         return np.where(total > 0.0, taken / total, np.nan)
 
 
-def jackknife_error(y: Array, sizes: Array, means: Array) -> float:
+def jackknife_error(y: Array, sizes: NDArray[np.int64]) -> float:
     """Return the standard error of a share: by the shares without each of the runs.
 
     Parameters
     ----------
     y : ndarray
         Numbers of the runs, group after group.
-    sizes, means : ndarray
+    sizes : ndarray
         Of the groups.
 
     Notes
@@ -117,7 +117,7 @@ def jackknife_error(y: Array, sizes: Array, means: Array) -> float:
 
     Examples
     --------
-    >>> jackknife_error(np.array([0.0, 1.0]), np.array([2]), np.array([0.5]))
+    >>> jackknife_error(np.array([0.0, 1.0]), np.array([2]))
     nan
     """
     runs = y.size
