@@ -148,8 +148,8 @@ def test_share_of_random_runs_is_that_of_the_analysis_of_variance(rng):
 
 
 def test_chance_has_no_share(rng):
-    """Of a setting that does nothing, the share of 200 trials of 100 runs is 0 on the mean: within four standard errors."""
-    shares = [main_effect(rng.random(100), rng.normal(size=100), False).share for _ in range(200)]
+    """Of a setting that does nothing, the estimate of 200 trials of 100 runs is 0 on the mean: within four standard errors."""
+    shares = [main_effect(rng.random(100), rng.normal(size=100), False).estimate for _ in range(200)]
     assert abs(np.mean(shares)) < 4.0 * np.std(shares) / math.sqrt(200)
 
 

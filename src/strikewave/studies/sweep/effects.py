@@ -38,8 +38,10 @@ class MainEffect(NamedTuple):
         (epsilon squared), and 0 stands for what then is below it.
     runs : int
         How many have the number.
+    estimate : float
+        The share before that: over many studies of settings that do nothing it is 0 on the mean.
     standard_error : float
-        Of the share before that, by the jackknife over the runs; 0 in a full grid, which leaves nothing to chance. NaN
+        Of the estimate, by the jackknife over the runs; 0 in a full grid, which leaves nothing to chance. NaN
         of fewer than three runs.
     """
 
@@ -49,6 +51,7 @@ class MainEffect(NamedTuple):
     highs: Array
     share: float
     runs: int
+    estimate: float = float("nan")
     standard_error: float = float("nan")
 
 
@@ -88,6 +91,7 @@ def main_effect(setting: ArrayLike, number: ArrayLike, grid: bool) -> MainEffect
         np.maximum.reduceat(y, begins),
         share if share != share else max(share, 0.0),
         y.size,
+        share,
         0.0 if grid else jackknife_error(y, sizes),
     )
 
