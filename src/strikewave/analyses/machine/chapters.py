@@ -46,8 +46,9 @@ _WORDS = (
     "half of the nominal one, double when a second group of contacts, more than a pulse width later, carries a tenth "
     "of the contact impulse, missed when the striker passed an object in place without touching it, and full "
     "otherwise. Time counts from {begun}. The rigid peak and its width, taken at 10 % of the peak, belong to "
-    "the rigid-body acceleration: the momentum rate of the assembly over its mass. The velocity change is that of the "
-    "object's centre of mass from first touch to last release. g is standard gravity, 9.80665 m/s²."
+    "the rigid-body acceleration: the momentum rate of the assembly over its mass, its zero that of a sensor, taken "
+    "before the blow (of an object that falls, in the fall: 1 g more). The velocity change is the integral of this "
+    "pulse from foot to foot, where 2 % of its peak is left. g is standard gravity, 9.80665 m/s²."
 )
 
 

@@ -139,8 +139,8 @@ def summary_words(solution: Solution) -> str:
     change = with_band(first.velocity_change, band.get("first.velocity_change"), "m/s", "m/s", 3)
     words = [
         f"{many}{apart}.",
-        f"The first reaches a rigid-body acceleration of {_first_peak(solution, first)}, {wide} and changes the "
-        f"object's velocity by {change}; the contact force peaks at {with_unit(first.peak_force, 'N', 'kN', 3)}.",
+        f"The first reaches a rigid-body acceleration of {_first_peak(solution, first)}, {wide} and has a "
+        f"velocity change of {change}; the contact force peaks at {with_unit(first.peak_force, 'N', 'kN', 3)}.",
     ]
     later = _later(struck)
     if later:
