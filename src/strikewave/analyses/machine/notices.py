@@ -16,6 +16,7 @@ from strikewave.analyses.machine.sensor_readings import (
     BlowReading,
     Observed,
 )
+from strikewave.base.constants import STANDARD_GRAVITY
 from strikewave.base.materials import material
 from strikewave.base.quantities import AUTO
 from strikewave.base.result import FAILED, INFO, Notice, Verdict, balance_notices
@@ -317,11 +318,13 @@ def launch_notices(case: Case, seen: Observed, start: Release) -> Iterator[Notic
         return
     yield from _light_anvil(seen, start)
     if seen.machine.struck.falls:
+        fall = -seen.machine.struck.gravity
         message = (
             "rigid peak, width and velocity change are those of a sensor whose zero is taken in the fall, as "
-            "specifications and records mean them: 1\xa0g above the acceleration of the object"
+            f"specifications and records mean them: {fall / STANDARD_GRAVITY:.4g}\xa0g above the acceleration of the "
+            "object"
         )
-        yield Notice("zero-in-fall", message, -seen.machine.struck.gravity, severity=INFO)
+        yield Notice("zero-in-fall", message, fall, severity=INFO)
     if seen.machine.rebounds is None:
         message = (
             f"only the first blow is followed, for {machine.follow.typed} after first touch (machine.follow): what "
