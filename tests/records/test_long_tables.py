@@ -163,3 +163,51 @@ def test_rounded_stamps_that_stand_twice_are_no_second_channel():
     stamps = np.round(5e-6 * np.arange(4000), 5)
     _, findings = even(Channel("value", np.arange(4000.0), 5e-6, stamps=stamps))
     assert findings == []
+
+
+def write_workbook(path, rows):
+    openpyxl = pytest.importorskip("openpyxl")
+    book = openpyxl.Workbook()
+    for row in rows:
+        book.active.append(row)
+    book.save(path)
+    return path
+
+
+def rows_of(order, name=lambda n: n):
+    return [
+        [float(t), name(n), float(v)]
+        for t, n, v in (line.split(",") for line in lines(order, lambda t, n, v: f"{t:.5f},{n},{v}").splitlines())
+    ]
+
+
+@pytest.mark.parametrize("order", ["interleaved", "sorted"])
+@pytest.mark.parametrize("name", [str, NUMBER.get], ids=["words", "numbers"])
+def test_a_long_table_in_a_workbook_or_parquet_is_read_channel_by_channel(tmp_path, order, name):
+    import pyarrow as pa
+    import pyarrow.parquet as pq
+
+    rows, head = rows_of(order, name), ["time [s]", "channel", "acc [g]"]
+    same(read_record(write_workbook(tmp_path / "a.xlsx", [head, *rows])))
+    columns = {key: list(column) for key, column in zip(head, zip(*rows, strict=True), strict=True)}
+    pq.write_table(pa.table(columns), tmp_path / "a.parquet")
+    same(read_record(tmp_path / "a.parquet"))
+
+
+def test_a_workbook_whose_first_column_names_the_channel(tmp_path):
+    rows = [[n, t, v] for t, n, v in rows_of("sorted")]
+    same(read_record(write_workbook(tmp_path / "a.xlsx", [["channel", "time [s]", "acc [g]"], *rows])))
+
+
+def test_rows_of_settings_of_a_workbook_are_no_samples(tmp_path):
+    head = [
+        ["Name", "board", "frame"],
+        ["Unit", "g", "N"],
+        ["t0", "05/01/2026 10:45:47.003", "05/01/2026 10:45:47.000"],
+    ]
+    head += [["delta t", STEP, 2.0 * STEP], ["Offset", 0, 0]]
+    rows = [[None, float(a), float(b)] for a, b in zip(FIRST, SECOND, strict=True)]
+    record = read_record(write_workbook(tmp_path / "a.xlsx", [*head, *rows]))
+    assert given(record) == [("board", "g"), ("frame", "N")]
+    assert [channel.values.tolist() for channel in record.channels] == [FIRST.tolist(), SECOND.tolist()]
+    assert [(channel.step, channel.start) for channel in record.channels] == [(STEP, 0.003), (2.0 * STEP, 0.0)]

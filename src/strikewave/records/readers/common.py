@@ -19,6 +19,7 @@ from strikewave.records.health_notice import HealthNotice
 from strikewave.records.readers import LARGEST_ARRAY, Options
 from strikewave.records.readers.clock import seconds_in, step_of, to_seconds
 from strikewave.records.readers.headings import is_time, name_and_unit
+from strikewave.records.readers.long_table import Labels, as_asked, as_long_table, labels_of, may_count
 from strikewave.records.readers.settings import PICO
 from strikewave.records.record import Channel, Record
 
@@ -84,6 +85,8 @@ class ArrayColumn(NamedTuple):
         True where the file marks this array as time.
     origin : int or None
         Clock time from which ``start`` counts, ps; None where the file states none.
+    words : tuple of str
+        Where the array holds words: all that there are; ``load`` returns their places, NaN for none.
     """
 
     name: str
@@ -95,6 +98,7 @@ class ArrayColumn(NamedTuple):
     folder: str = ""
     time: bool = False
     origin: int | None = None
+    words: tuple[str, ...] = ()
 
 
 def damaged(path: Path, hint: str, allowed: str = "a file that is whole") -> InputError:
@@ -275,6 +279,13 @@ def assemble(
         What reading showed so far.
     """
     columns = [column for column in columns if column.size]
+    labels, columns = [c for c in columns if c.words], [c for c in columns if not c.words]
+    named = labels + [
+        column for column in columns if may_count(_named(column)[0].removeprefix(column.folder) or "-", "1")
+    ]
+    if named and (table := _long_table(path, form, (columns, named), options, grid, findings)) is not None:
+        return table
+    findings = (*findings, *left_out([column.name for column in labels]))
     if not columns:
         raise damaged(path, "it has no arrays of numbers", "a file with samples")
     check_count(path, len(columns))
@@ -297,6 +308,32 @@ def assemble(
     origins = [(column if clock is None else clock).origin for column, clock in channels_with_clock]
     channels, said = begin_together(channels, origins)
     return Record(str(path), form, tuple(channels), (*findings, *said, *left_out([c.name for c in ignored])))
+
+
+def _long_table(
+    path: Path,
+    form: str,
+    columns: tuple[Sequence[ArrayColumn], Sequence[ArrayColumn]],
+    options: Options,
+    grid: tuple[float, float],
+    findings: Iterable[HealthNotice],
+) -> Record | None:
+    """Return the record of arrays of which some may name the channel of each line; None where none does."""
+    arrays, named = columns
+    size = named[0].size
+    values = [column for column in arrays if column not in named]
+    if not values or any(column.size != size or column.folder != named[0].folder for column in (*arrays, *named)):
+        return None
+    guard(path, 8.0 * size * (len(arrays) + len(named)))
+    labels = []
+    for column in named:
+        heading, codes = _named(column)[0].removeprefix(column.folder), floats(column.load())
+        if column.words or np.array_equal(codes, np.round(codes)):
+            labels.append(Labels(heading, codes, column.words) if column.words else labels_of(heading, codes))
+    record = assemble(path, form, values, options._replace(channels=(), rate=None), grid, findings)
+    shared = {id(channel.stamps) for channel in record.channels}
+    table = as_long_table(record, labels) if len(shared) == 1 and labels else None
+    return None if table is None else as_asked(table, options)
 
 
 def begin_together(

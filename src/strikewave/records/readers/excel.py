@@ -2,19 +2,22 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 import warnings
 import zipfile
 from array import array
-from collections.abc import Iterable
+from collections.abc import Container, Iterable, Iterator
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from strikewave.records.readers import Options
+from strikewave.records.readers.columns import MOST_WORDS, Marks
 from strikewave.records.readers.common import ArrayColumn, assemble, damaged, extra, guard, left_out, text
 from strikewave.records.readers.headings import is_unit, name_and_unit
+from strikewave.records.readers.settings import names_a_setting, settings_of
 from strikewave.records.record import Record
 
 MOST_ROWS = 2**20
@@ -25,6 +28,8 @@ FEWEST_NUMBERS = 16
 """A column with fewer numbers, beside columns of twice as many and more, holds settings: no blow has so few samples."""
 MOST_SHEETS = 100
 """Sheets of a workbook that are read: a hundred blows, one a sheet."""
+LONGEST_CELL = 100
+"""Characters of a cell of the head in which a setting is looked for."""
 LONGEST_HEAD = 200
 """Rows before the first row of numbers that are kept: names and units stand in the last two, settings above them."""
 
@@ -66,32 +71,81 @@ def read(path: Path, options: Options) -> Record:
 
 
 def _columns(path: Path, rows: Iterable[tuple[Any, ...]], left: int) -> tuple[list[ArrayColumn], int]:
-    """Return the columns of a sheet and how many cells it has."""
-    above: list[tuple[Any, ...]] = []
+    """Return the columns of a sheet and how many cells it has; those of words behind those of numbers."""
     numbers_at: dict[int, array[float]] = {}
-    cells = count = 0
-    for k, row in enumerate(rows):
-        cells += len(row) + 1
-        if k >= MOST_ROWS or cells > left:
-            raise damaged(path, f"a sheet has more than {k} rows", "a workbook of fewer cells")
-        if not count and not _numeric(row):
-            above = [*above, row][-LONGEST_HEAD:]
-            continue
-        for place in set(numbers_at).union(range(len(row))):
-            value = _number(row[place] if place < len(row) else None)
-            if place not in numbers_at:
-                if math.isnan(value):
-                    continue
-                numbers_at[place] = array("d", [math.nan]) * count
-            numbers_at[place].append(value)
-        count += 1
-    names = _names(above, max(numbers_at, default=-1) + 1)
+    codes_at: dict[int, array[float]] = {}
+    words_at: dict[int, dict[str, int]] = {}
+    counted = _Counted(path, rows, left)
+    above, lines = _begin(counted)
+    for count, row in enumerate(lines):
+        for place in {*numbers_at, *codes_at}.union(range(len(row))):
+            cell = row[place] if place < len(row) else None
+            code = math.nan
+            if isinstance(cell, str) and cell.strip():
+                words = words_at.setdefault(place, {})
+                if cell.strip() in words or len(words) < MOST_WORDS:
+                    code = float(words.setdefault(cell.strip(), len(words)))
+            for known, value in ((numbers_at, _number(cell)), (codes_at, code)):
+                if place not in known:
+                    if math.isnan(value):
+                        continue
+                    known[place] = array("d", [math.nan]) * count
+                known[place].append(value)
+    names = _names(above, max(*numbers_at, *codes_at, -1, -1) + 1, numbers_at)
+    texts = ["\t".join("" if cell is None else str(cell)[:LONGEST_CELL] for cell in row) for row in above]
+    own = settings_of(texts, Marks("\t"), len(names), sorted(numbers_at))
     columns = []
     for place, numbers in sorted(numbers_at.items()):
         values = np.frombuffer(numbers, np.float64)
         (name, unit) = names[place]
-        columns.append(ArrayColumn(name or f"column {place + 1}", values.size, _loader(values), unit))
-    return _trimmed(columns), cells
+        step, start, origin = own.steps.get(place, math.nan), own.starts.get(place, math.nan), own.origins.get(place)
+        name = own.names.get(place) or name or f"column {place + 1}"
+        columns.append(ArrayColumn(name, values.size, _loader(values), unit, step, start, origin=origin))
+    columns = _trimmed(columns)
+    last = max((column.size for column in columns), default=0)
+    for place, coded in codes_at.items():
+        codes = np.frombuffer(coded, np.float64)[:last]
+        if place not in numbers_at and codes.size == last and 2 * np.count_nonzero(~np.isnan(codes)) > last:
+            columns.append(ArrayColumn(names[place][0], last, _loader(codes), words=tuple(words_at[place])))
+    return columns, counted.cells
+
+
+class _Counted:
+    """The rows of a sheet, counted and refused where they are too many."""
+
+    def __init__(self, path: Path, rows: Iterable[tuple[Any, ...]], left: int) -> None:
+        self.path, self.rows, self.left, self.cells = path, rows, left, 0
+
+    def __iter__(self) -> Iterator[tuple[Any, ...]]:
+        for k, row in enumerate(self.rows):
+            self.cells += len(row) + 1
+            if k >= MOST_ROWS or self.cells > self.left:
+                raise damaged(self.path, f"a sheet has more than {k} rows", "a workbook of fewer cells")
+            yield row
+
+
+def _begin(rows: Iterable[tuple[Any, ...]]) -> tuple[list[tuple[Any, ...]], Iterator[tuple[Any, ...]]]:
+    """Part the head of a sheet from its lines.
+
+    A row of numbers behind a name, such as ``delta t``, is one of the head, unless the name comes again: then it names
+    the channel of each line.
+    """
+    above: list[tuple[Any, ...]] = []
+    waiting: list[tuple[Any, ...]] = []
+    left = iter(rows)
+    for row in left:
+        is_named = bool(row) and isinstance(row[0], str) and row[0].strip()[:1].isalpha()
+        if not _numeric(row):
+            above, waiting = [*above, *waiting, row][-LONGEST_HEAD:], []
+        elif not is_named:
+            return [*above, *waiting], itertools.chain([row], left)
+        else:
+            names = [other[0] for other in waiting]
+            waiting.append(row)
+            if row[0] in names or len(waiting) > LONGEST_HEAD:
+                first = names.index(row[0]) if row[0] in names else 0
+                return [*above, *waiting[:first]], itertools.chain(waiting[first:], left)
+    return above, iter(waiting)
 
 
 def _without_settings(columns: list[ArrayColumn]) -> tuple[list[ArrayColumn], list[str]]:
@@ -129,12 +183,14 @@ def _number(value: object) -> float:
     return math.nan
 
 
-def _names(above: list[tuple[Any, ...]], width: int) -> list[tuple[str, str]]:
+def _names(above: list[tuple[Any, ...]], width: int, places: Container[int]) -> list[tuple[str, str]]:
     """Return name and unit of each column: of the last row of text, or of two where the last holds units only."""
-    rows = [[text(row[k]) if k < len(row) else "" for k in range(width)] for row in above]
+    plain = [row for row in above if all(cell is None or isinstance(cell, str) for cell in row)]
+    rows = [[text(row[k]) if k < len(row) else "" for k in range(width)] for row in plain]
+    rows = [row for row in rows if not row or not names_a_setting(row[0])]
     rows = [row for row in rows if any(row)]
     last = rows[-1] if rows else [""] * width
-    units = [word.strip("[]() ") for word in last]
+    units = [word.strip("[]() ") if k in places else "" for k, word in enumerate(last)]
     if len(rows) > 1 and any(units) and all(is_unit(unit) for unit in units if unit):
         return [(name_and_unit(name)[0], unit) for name, unit in zip(rows[-2], units, strict=True)]
     return [name_and_unit(name) for name in last]

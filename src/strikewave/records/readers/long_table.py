@@ -12,6 +12,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from strikewave.base.errors import InputError
+from strikewave.base.first_few import first_few
+from strikewave.records.health_notice import HealthNotice
+from strikewave.records.readers import Options
 from strikewave.records.readers.clock import step_of
 from strikewave.records.readers.measurements import FEWEST_SAMPLES, joined_pieces
 from strikewave.records.record import Array, Channel, Record
@@ -73,6 +76,18 @@ class Labels(NamedTuple):
         return [int(code) for code in codes[np.argsort(first)]]
 
 
+def may_count(heading: str, cell: str) -> bool:
+    """Tell whether a column of numbers may name channels, by its heading and one cell: most are known not to at once.
+
+    Examples
+    --------
+    >>> may_count("acc", "3"), may_count("channel", "3"), may_count("", "3.5")
+    (False, True, False)
+    """
+    known = any(pattern.fullmatch(heading) for pattern in (_OF_CHANNEL, _OF_MEASUREMENT)) if heading else True
+    return known and re.fullmatch(r"[+-]?\d{1,6}(?:\.0*)?", cell) is not None
+
+
 def may_be_labels(heading: str, cells: Sequence[str], are_numbers: bool) -> bool:
     """Tell whether cells of some lines may name channels: few different ones, each many times.
 
@@ -85,7 +100,7 @@ def may_be_labels(heading: str, cells: Sequence[str], are_numbers: bool) -> bool
     known = any(pattern.fullmatch(heading) for pattern in (_OF_CHANNEL, _OF_MEASUREMENT, _OF_UNIT))
     if 10 * len(filled) < 9 * len(cells) or not filled or (are_numbers and heading and not known):
         return False
-    if are_numbers and not all(re.fullmatch(r"[+-]?\d{1,6}", cell) for cell in filled):
+    if are_numbers and not all(re.fullmatch(r"[+-]?\d{1,6}(?:\.0*)?", cell) for cell in filled):
         return False
     different = len(set(filled))
     if not are_numbers and _SURELY_OF_CHANNEL.fullmatch(heading):
@@ -140,6 +155,24 @@ def as_long_table(record: Record, columns: Sequence[Labels]) -> Record | None:
         parted = parted or names is not None
         pieces.append(tuple(_channels(record, chosen, names, None if of_unit is None else of_unit.of(chosen))))
     return joined_pieces([replace(record, channels=piece) for piece in pieces]) if parted else None
+
+
+def as_asked(table: Record, options: Options) -> Record:
+    """Return the wanted channels of a long table, over the rate that is stated."""
+    pieces = []
+    for piece in (table, *table.further):
+        channels = piece.channels
+        if options.rate is not None:
+            channels = tuple(replace(one, step=1.0 / options.rate, start=0.0, stamps=None) for one in channels)
+        wanted = {channel.name for channel in piece.only(options.channels).channels}
+        channels = tuple(
+            one if one.name in wanted else replace(one, values=np.broadcast_to(np.float64(np.nan), one.values.shape))
+            for one in channels
+        )
+        message = f"a long table: each line is of one of {first_few([one.name for one in channels], 4)}"
+        found = HealthNotice("long-table", message, float(len(channels)), severity="good")
+        pieces.append(replace(piece, channels=channels, findings=(*piece.findings, found), further=()))
+    return joined_pieces(pieces)
 
 
 def _part(labels: Labels, stamps: Array | None) -> bool:

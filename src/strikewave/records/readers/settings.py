@@ -48,6 +48,18 @@ class PerChannel(NamedTuple):
     names: Mapping[int, str]
 
 
+def names_a_setting(cell: str) -> bool:
+    """Tell whether a cell is the name of a step or a start.
+
+    Examples
+    --------
+    >>> names_a_setting("delta t [ms]"), names_a_setting("board")
+    (True, False)
+    """
+    name = name_and_unit(cell)[0]
+    return bool(_STEP.fullmatch(name) or _START.fullmatch(name))
+
+
 def settings_of(lines: Sequence[str], marks: Marks, width: int, columns: Sequence[int]) -> PerChannel:
     """Return what lines above the data say of each channel: a name, and a cell in the column of each.
 

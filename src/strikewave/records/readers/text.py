@@ -11,7 +11,6 @@ from pathlib import Path
 import numpy as np
 
 from strikewave.base.errors import InputError, nearest
-from strikewave.base.first_few import first_few
 from strikewave.records.health_notice import HealthNotice
 from strikewave.records.readers import Options
 from strikewave.records.readers.clock import (
@@ -33,10 +32,18 @@ from strikewave.records.readers.columns import (
     parse,
     refuse,
 )
-from strikewave.records.readers.common import MOST_NAMED, begin_together, one_each
+from strikewave.records.readers.common import begin_together, one_each
 from strikewave.records.readers.headings import is_counter, is_time
 from strikewave.records.readers.layout import HEAD, Look, NumberLayout, is_cut, is_data, lay_out, look_at
-from strikewave.records.readers.long_table import MOST_LABELS, Labels, as_long_table, labels_of, may_be_labels
+from strikewave.records.readers.long_table import (
+    MOST_LABELS,
+    Labels,
+    as_asked,
+    as_long_table,
+    labels_of,
+    may_be_labels,
+    may_count,
+)
 from strikewave.records.readers.measurements import FEWEST_SAMPLES, MOST_MEASUREMENTS, joined_pieces, parted
 from strikewave.records.readers.settings import counted_samples, settings_of
 from strikewave.records.record import Array, Channel, Record
@@ -217,10 +224,13 @@ def _read_long(look: Look, layout: NumberLayout, rows: Rows, time: int | None, o
     names, units, _ = layout.headings
     rest = look.middle + look.tail if look.size > HEAD else look.head[layout.first :][_SHOWN:][-_SHOWN:]
     sample = [*rows, *_rows(rest, layout)]
+    numbers = set(layout.filled)
     may = [
         k
         for k in range(layout.width)
-        if k != time and may_be_labels(names[k], [row[k] for row in sample if len(row) > k], k in layout.filled)
+        if k != time
+        and (k not in numbers or may_count(names[k], sample[0][k] if len(sample[0]) > k else ""))
+        and may_be_labels(names[k], [row[k] for row in sample if len(row) > k], k in numbers)
     ]
     whole, coded = [k for k in may if k in layout.filled], tuple(k for k in may if k not in layout.filled)[:_MOST_CODED]
     if not whole and not coded:
@@ -246,7 +256,7 @@ def _read_long(look: Look, layout: NumberLayout, rows: Rows, time: int | None, o
         record = Record(str(look.path), "text", tuple(channels), (*findings, *odd, *lost))
         table = as_long_table(record, list(labels.values()))
         if table is not None:
-            return _as_asked(table, options)
+            return as_asked(table, options)
     several = next((one for _, one in named if one.is_channel and len(one.present()) > 1), None)
     if several is not None:
         allowed = f"2 to {MOST_LABELS} channels of at least {FEWEST_SAMPLES} lines in the column {several.heading}"
@@ -263,24 +273,6 @@ def _rising(columns: dict[int, Array], layout: NumberLayout, labels: Sequence[tu
             if k not in taken and lines and all(rises_evenly(columns[k][own], 0.0) for own in lines):
                 return k
     return None
-
-
-def _as_asked(table: Record, options: Options) -> Record:
-    """Return the wanted channels of a long table, over the rate that is stated."""
-    pieces = []
-    for piece in (table, *table.further):
-        channels = piece.channels
-        if options.rate is not None:
-            channels = tuple(replace(one, step=1.0 / options.rate, start=0.0, stamps=None) for one in channels)
-        wanted = {channel.name for channel in piece.only(options.channels).channels}
-        channels = tuple(
-            one if one.name in wanted else replace(one, values=np.broadcast_to(np.float64(np.nan), one.values.shape))
-            for one in channels
-        )
-        message = f"a long table: each line is of one of {first_few([one.name for one in channels], MOST_NAMED)}"
-        found = HealthNotice("long-table", message, float(len(channels)), severity="good")
-        pieces.append(replace(piece, channels=channels, findings=(*piece.findings, found), further=()))
-    return joined_pieces(pieces)
 
 
 def _numbers(
