@@ -80,6 +80,13 @@ def test_a_column_of_units_gives_each_channel_its_own(read):
     assert given(record) == [("A", "g"), ("B", "N")]
 
 
+def test_lines_that_name_no_channel_are_left_out_and_reported(read):
+    content = lines("interleaved", lambda t, n, v: f"{t:.5f},{n if t % 1e-4 > 1e-9 else ''},{v}")
+    record = read("time [s],channel,acc [g]\n" + content)
+    assert [channel.name for channel in record.channels] == ["A", "B"]
+    assert [(f.code, f.severity) for f in record.findings][:1] == [("label-missing", "suspect")]
+
+
 def test_two_units_for_one_channel_are_refused(read):
     content = lines("interleaved", lambda t, n, v: f"{t:.5f},{n},{v},{'g' if t < 4e-4 else 'N'}")
     with pytest.raises(InputError, match=r"one unit for all lines of A.*g, N"):

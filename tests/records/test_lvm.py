@@ -317,6 +317,7 @@ def test_a_file_without_a_header_is_text(read):
         (header("Some") + segment(TWO, ROWS), "X_Columns One, Multi or No"),
         (header() + segment(("X_Value",), [["0"], ["1"]], units=("g",)), "it names no channels"),
         (header() + segment(TWO, ROWS[:1]), "at least two lines"),
+        (header() + segment(("***Start_Special***",), ROWS, units=("g",)), "lacks its names"),
         (
             header() + segment(TWO, [*ROWS, ["0.003", "1", "2", "", "", "3"], ROWS[0]]),
             "4 columns in every line; line 24",

@@ -97,14 +97,14 @@ def may_be_labels(heading: str, cells: Sequence[str], are_numbers: bool) -> bool
     (True, False)
     """
     filled = [cell for cell in cells if cell]
+    if not are_numbers and filled and _SURELY_OF_CHANNEL.fullmatch(heading):
+        return True
     known = any(pattern.fullmatch(heading) for pattern in (_OF_CHANNEL, _OF_MEASUREMENT, _OF_UNIT))
     if 10 * len(filled) < 9 * len(cells) or not filled or (are_numbers and heading and not known):
         return False
     if are_numbers and not all(re.fullmatch(r"[+-]?\d{1,6}(?:\.0*)?", cell) for cell in filled):
         return False
     different = len(set(filled))
-    if not are_numbers and _SURELY_OF_CHANNEL.fullmatch(heading):
-        return True
     return different <= MOST_LABELS and (known or 4 * different <= len(filled))
 
 
@@ -148,13 +148,19 @@ def as_long_table(record: Record, columns: Sequence[Labels]) -> Record | None:
     channels = [one for one in rest if not one.is_measurement]
     lines = [np.arange(size)] if shots is None else [np.flatnonzero(shots.codes == code) for code in shots.present()]
     pieces = []
-    parted = shots is not None
+    parted, missing = shots is not None, size - sum(map(len, lines))
     for chosen in lines:
         times = None if stamps is None else stamps[chosen]
         names = next((own for one in channels if _part(own := one.of(chosen), times)), None)
         parted = parted or names is not None
+        missing += 0 if names is None else int(np.count_nonzero(np.isnan(names.codes)))
         pieces.append(tuple(_channels(record, chosen, names, None if of_unit is None else of_unit.of(chosen))))
-    return joined_pieces([replace(record, channels=piece) for piece in pieces]) if parted else None
+    if not parted:
+        return None
+    if missing:
+        found = HealthNotice("label-missing", f"{missing} lines name no channel: they are left out", float(missing))
+        record = replace(record, findings=(*record.findings, found))
+    return joined_pieces([replace(record, channels=piece) for piece in pieces])
 
 
 def as_asked(table: Record, options: Options) -> Record:

@@ -305,7 +305,7 @@ def _of_session(path: Path, content: mmap.mmap, encoding: str, place: tuple[int,
         start = _after(content, head)
         names = cells_of(decode(content[head : min(start, head + _LARGEST_HEADER)], encoding), mark)
         end = begins[k + 1] if k + 1 < len(begins) else place[1]
-        if end < start:
+        if end < start or names[0].startswith("***"):
             raise refuse(path, whole, "a segment lacks its names")
         own = _keys(content[begin : marks[k + 1]], encoding, mark.delimiter)
         yield Segment(own, names, start, end, 0, mark, kind, part)
