@@ -199,6 +199,7 @@ def test_a_header_with_two_cells_to_a_channel_gives_each_channel_its_own_unit_an
         ("g\tN", ("g", "N")),
         ("g\tg\tN\tN", ("g", "N")),
         ("\tg\t\tN", ("g", "N")),
+        ("s\tg\ts\tN", ("g", "N")),
     ],
 )
 def test_cells_of_a_header_find_their_channel_however_they_are_laid_out(read, cells, units):
@@ -207,7 +208,7 @@ def test_cells_of_a_header_find_their_channel_however_they_are_laid_out(read, ce
 
 
 def test_two_different_cells_for_one_channel_are_refused(read):
-    content = multi(("m/s^2", "N"), ("3", "3")).replace("Y_Unit_Label\tm/s^2\t\tN\t\t", "Y_Unit_Label\ts\tg\ts\tN")
+    content = multi(("m/s^2", "N"), ("3", "3")).replace("Y_Unit_Label\tm/s^2\t\tN\t\t", "Y_Unit_Label\tV\tg\tV\tN")
     with pytest.raises(InputError, match="two different cells"):
         read(content)
 

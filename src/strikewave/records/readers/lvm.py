@@ -17,7 +17,7 @@ import numpy as np
 from strikewave.base.errors import InputError, nearest
 from strikewave.records.health_notice import HealthNotice
 from strikewave.records.readers import Options
-from strikewave.records.readers.clock import last_digit, step_of
+from strikewave.records.readers.clock import last_digit, seconds_in, step_of
 from strikewave.records.readers.columns import (
     MOST_COLUMNS,
     CellLayout,
@@ -223,6 +223,7 @@ def _cells(path: Path, segment: Segment, key: str, columns: Sequence[tuple[int, 
         if not any(second for _, second in pairs):
             return [first for first, _ in pairs]
         if any(cells[count:]):
+            pairs = [("" if second and seconds_in(first) else first, second) for first, second in pairs]
             if any(first and second and first != second for first, second in pairs):
                 hint = f"in the line {key} a channel has two different cells"
                 raise refuse(path, "a header with one value to a channel", hint)
