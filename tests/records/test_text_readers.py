@@ -127,6 +127,13 @@ def test_a_word_beside_the_samples_is_no_setting(read):
     assert values(record)[0] == list(range(30))
 
 
+def test_a_start_and_an_increment_behind_the_columns_of_an_oscilloscope_are_its_time(read):
+    rows = "".join(f"{k},{k}.5,-{k},\n" for k in range(20))
+    record = read("X,CH1,CH2,Start,Increment,\nSequence,Volt,Volt,-8.000000e-03,2.000000e-05,\n" + rows)
+    assert named(record) == [("CH1", "Volt"), ("CH2", "Volt")]
+    assert [(channel.step, channel.start) for channel in record.channels] == [(2e-5, -0.008)] * 2
+
+
 @pytest.mark.parametrize("head", ["t0\t2026-01-05 10:45:47\n", "t0 = 05.01.2026\n", "start: 10:45:47\n"])
 def test_a_date_is_no_start_in_seconds(read, head):
     record = read(f"{head}fs = 1000 Hz\n" + "".join(f"{k}.5\n" for k in range(20)))

@@ -39,6 +39,7 @@ _SPELLINGS = {
     "volt": "V", "volts": "V", "v": "V", "millivolts": "mV",
     "m/s2": "m/s^2", "m/s²": "m/s^2", "m/sec^2": "m/s^2", "m/s/s": "m/s^2",
     "me": "ustrain", "ue": "ustrain", "µe": "ustrain", "με": "ustrain", "µε": "ustrain", "microstrain": "ustrain",
+    "ε": "strain", "ϵ": "strain",
 }  # fmt: skip
 """Units as instruments and loggers write them, and as `strikewave.base.units` does."""
 
@@ -147,8 +148,8 @@ def known_unit(text: str) -> tuple[str, float] | None:
 
     Examples
     --------
-    >>> known_unit("G"), known_unit("m/s²"), known_unit("1000 g"), known_unit("bananas")
-    (('m/s^2', 9.80665), ('m/s^2', 1.0), ('m/s^2', 9806.65), None)
+    >>> known_unit("G"), known_unit("m/s²"), known_unit("1000 g"), known_unit("ε"), known_unit("bananas")
+    (('m/s^2', 9.80665), ('m/s^2', 1.0), ('m/s^2', 9806.65), ('1', 1.0), None)
     """
     plain = text.strip().strip("[]()").strip()
     number, unit = split_number(plain[:LONGEST_UNIT]) or (0.0, "")

@@ -6,6 +6,7 @@ import math
 import re
 from collections.abc import Mapping, Sequence
 from datetime import date
+from itertools import pairwise
 from typing import NamedTuple
 
 from strikewave.records.readers.clock import seconds_in
@@ -130,6 +131,27 @@ def _day(text: str) -> int | None:
         return None if match is None else date(int(match[1]), int(match[2]), int(match[3])).toordinal()
     except ValueError:
         return None
+
+
+def below_start_and_increment(lines: Sequence[str], marks: Marks) -> tuple[float, float]:
+    """Return step and start, s, that stand below these words in a head of two lines; NaN for what does not.
+
+    Examples
+    --------
+    >>> below_start_and_increment(["X,CH1,Start,Increment,", "Sequence,Volt,-8e-03,2e-05,"], Marks(","))
+    (2e-05, -0.008)
+    """
+    step = start = math.nan
+    for names, values in pairwise(cells_of(line[:_LONGEST], marks) for line in lines):
+        for name, cell in zip(names, values, strict=False):
+            value = number(cell, marks.decimal)
+            if value is None or not math.isfinite(value):
+                continue
+            if name.casefold().startswith("incr") and value > 0.0:
+                step = value
+            elif name.casefold() == "start":
+                start = value
+    return step, start
 
 
 def counted_samples(lines: Sequence[str]) -> int:

@@ -45,7 +45,7 @@ from strikewave.records.readers.long_table import (
     may_count,
 )
 from strikewave.records.readers.measurements import FEWEST_SAMPLES, MOST_MEASUREMENTS, joined_pieces, parted
-from strikewave.records.readers.settings import counted_samples, settings_of
+from strikewave.records.readers.settings import below_start_and_increment, counted_samples, settings_of
 from strikewave.records.record import Array, Channel, Record
 
 Rows = Sequence[Sequence[str]]
@@ -438,13 +438,8 @@ def _grid(
             findings = [HealthNotice("counter", message)]
         return step_of(stamps, digit), float(stamps[0]), 0, findings
     step, start = said_step([re.sub(r"^[#%/\s]+", "", line) for line in look.head[: layout.first + _AFTER_HEAD]])
-    names, units, _ = layout.headings
-    for k in range(layout.width):
-        value = number(units[k], layout.marks.decimal)
-        if value is not None and value == value and not names[k].casefold().find("incr"):
-            step = value if value > 0.0 else step
-        if value is not None and value == value and names[k].casefold() == "start":
-            start = value
+    below = below_start_and_increment(layout.above, layout.marks)
+    step, start = (known if np.isfinite(known) else other for known, other in zip(below, (step, start), strict=True))
     rows = [cells_of(line, layout.marks) for line in look.head[layout.first : layout.first + _MARKED + 2]]
     if np.isnan(step) and _begins_with_a_clock(rows, loose, layout.marks.decimal):
         begun = [number(rows[k][loose[0]], layout.marks.decimal) or 0.0 for k in (0, 1)]
