@@ -217,6 +217,15 @@ def test_new_case_is_valid_and_differs_as_it_is_changed(strikewave):
     assert "the cases are equal" in strikewave("diff", "li-ma-2019", "li-ma-2019")[1]
 
 
+def test_validate_names_a_modulus_of_no_material(strikewave):
+    change = ("--set", "stack.layer.upper.modulus=211 MPa")
+    document = json.loads(strikewave("validate", "li-ma-2019-fig13-bar", "--json", *change)[1])
+    assert [warning["code"] for warning in document["warnings"]] == ["material-far"]
+    code, _, err = strikewave("validate", "li-ma-2019-fig13-bar", *change)
+    assert code == 0
+    assert "stack.layer.upper.modulus = 211 MPa is 1/1000 of that of 65Mn" in err
+
+
 def test_validate_lists_every_value_with_its_provenance(strikewave):
     document = json.loads(strikewave("validate", "li-ma-2019", "--json")[1])
     assert document["values"]["machine.speed"]["provenance"] == "published"

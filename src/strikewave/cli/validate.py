@@ -3,33 +3,35 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 
 from strikewave.base.json_document import head
 from strikewave.base.quantities import PROVENANCES, Value
+from strikewave.base.result import Notice
 from strikewave.cases.case import load_case
 from strikewave.cases.case_files import read_case_text
 from strikewave.reporting.layout import MORE, keys, texts
 from strikewave.reporting.options.output import Shown
 from strikewave.reporting.options.shared import CaseName, Changes
-from strikewave.reporting.terminal import print_json, say, table, tell
+from strikewave.reporting.terminal import print_json, say, show_notices, table, tell
 
 
 def command(case: CaseName, *, changes: Changes = None, shown: Shown) -> int:
     """Check a case without running it.
 
-    Lists every value and where it comes from.
+    Lists every value and where it comes from, and names densities and moduli of no material.
     """
     from strikewave.analyses.by_tables import holds_setup
     from strikewave.analyses.check import check
     from strikewave.analyses.fem.build import build_model
     from strikewave.analyses.hopkinson.build import check_setup
     from strikewave.analyses.hopkinson.setup_file import load_setup, values_of
+    from strikewave.cases.material_notices import far_numbers, material_notices
 
     if holds_setup(read_case_text(case)[0]):
         setup_case = load_setup(case, changes or ())
         missing, setup = check_setup(setup_case), setup_case.setup
-        _show(setup.name, setup.title, dict(values_of(setup)), shown.json)
+        _show(setup.name, setup.title, dict(values_of(setup)), tuple(far_numbers(setup)), shown.json)
         if missing:
             say("not there yet: " + ", ".join(missing))
         return 0
@@ -37,21 +39,22 @@ def command(case: CaseName, *, changes: Changes = None, shown: Shown) -> int:
     check(read)
     if read.fem is not None:
         build_model(read)
-    _show(read.name, read.title, read.values(), shown.json)
+    _show(read.name, read.title, read.values(), tuple(material_notices(read)), shown.json)
     if read.fem is not None:
         say(f"the mesh fits together; not checked: what boundaries and ties hold (strikewave fem {case} --check)")
     return 0
 
 
-def _show(name: str, title: str, values: Mapping[str, Value], json: bool) -> None:
-    """Print the values of a case with their provenance."""
+def _show(name: str, title: str, values: Mapping[str, Value], notices: Sequence[Notice], json: bool) -> None:
+    """Print the values of a case with their provenance, and what a user should know of them."""
     counted = Counter[str](value.provenance for value in values.values())
     if json:
         rows = {
             path: {"value": v.si, "typed": v.typed, "provenance": v.provenance, "note": v.note, **_tolerance(v)}
             for path, v in values.items()
         }
-        print_json({**head({"value": "SI"}), "case": name, "provenance": dict(counted), "values": rows})
+        warnings = [notice.document() for notice in notices]
+        print_json({**head({"value": "SI"}, warnings), "case": name, "provenance": dict(counted), "values": rows})
         return
     counts = ", ".join(f"{counted[provenance]} {provenance}" for provenance in PROVENANCES if counted[provenance])
     tell(f"valid: {counts}")
@@ -61,6 +64,7 @@ def _show(name: str, title: str, values: Mapping[str, Value], json: bool) -> Non
         [*keys("field"), *texts("value"), *texts("provenance"), *texts("note", priority=MORE)],
         shown,
     )
+    show_notices(notices)
 
 
 def _typed(value: Value) -> str:
