@@ -229,7 +229,12 @@ def arrival_time(stack: Stack, layer: int, position: float, faces: Sequence[int]
 
 
 def not_reached_notices(
-    stack: Stack, taps: Sequence[tuple[str, Tap]], lasting: float, stated: str, faces: Sequence[int] = (0,)
+    stack: Stack,
+    taps: Sequence[tuple[str, Tap]],
+    lasting: float,
+    stated: str,
+    faces: Sequence[int] = (0,),
+    begin: float = 0.0,
 ) -> Iterator[Notice]:
     """Yield the places that no wave reaches within a run: taps, and layers as a whole.
 
@@ -240,19 +245,21 @@ def not_reached_notices(
     taps : sequence of (str, Tap)
         Name and place of each.
     lasting : float
-        How long it is followed after the first wave begins, s.
+        How long it is followed, s.
     stated : str
         What ends it, such as ``solver.duration = 20 us``.
     faces : sequence of int
         Where waves begin; see `arrival_time`.
+    begin : float
+        When they do, s.
     """
     late = [
         (f"tap {name}", time)
         for name, tap in taps
-        if (time := arrival_time(stack, tap.layer, tap.position, faces)) > lasting
+        if (time := begin + arrival_time(stack, tap.layer, tap.position, faces)) > lasting
     ]
     for k, layer in enumerate(stack.layers):
-        time = min(arrival_time(stack, k, position, faces) for position in (0.0, 1.0))
+        time = begin + min(arrival_time(stack, k, position, faces) for position in (0.0, 1.0))
         if time >= lasting:
             late.append((f"layer {layer.name}", time))
     if late and faces:

@@ -102,9 +102,10 @@ def test_a_record_that_rests_at_first_loads_the_bar_later(tmp_path):
     path = tmp_path / "pulse.csv"
     path.write_text(f"time (s),force (N)\n{rows}\n", "utf-8")
     load = f'[load]\nshape = "file"\nfile = "{path}"\n'
-    for duration, named in ((TAP + 4.8e-6, True), (TAP + 5.3e-6, False)):
+    for duration, named in ((3e-6, True), (TAP + 4.8e-6, True), (TAP + 5.3e-6, False)):
         _, codes = run(load, duration)
         assert ("tap gauge" in codes["not-reached"].message) is named
+        assert codes["not-reached"].limit == pytest.approx(LAST + 5e-6, rel=1e-3)  # to a sample of the file
 
 
 def test_the_built_in_bar_is_followed_long_enough():

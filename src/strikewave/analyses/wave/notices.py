@@ -46,8 +46,8 @@ from strikewave.waves.routes import too_thin
 Array = NDArray[np.float64]
 
 LOAD_OFFSET = 0.005
-"""Share of its largest value with which a measured load may begin without a notice (chosen: a jump of half a
-per cent changes peaks by less than the calibration of a sensor does)."""
+"""Share of its largest value with which a measured load may begin without a notice, and up to which it has not begun
+(chosen: a jump of half a per cent changes peaks by less than the calibration of a sensor does)."""
 LONGER = 10.0
 """A measured load that lasts so many times as long as the run is noticed (chosen: nine tenths of it are then
 ignored)."""
@@ -200,10 +200,9 @@ def _not_reached(solution: WaveSolution) -> Iterator[Notice]:
         return
     stated = f"solver.duration = {case.solver.duration.typed}" if case.solver.duration else "the run"
     taps = [(f"{name}{_sensors_at(solution, k)}", tap) for k, (name, tap) in enumerate(solution.taps)]
-    left = run.duration - onset
-    yield from not_reached_notices(stack, taps, left, stated, faces)
+    yield from not_reached_notices(stack, taps, run.duration, stated, faces, onset)
     arrivals = [(name, arrival_time(stack, tap.layer, tap.position, faces)) for name, tap in taps]
-    cut = [(name, time + peak) for name, time in arrivals if time <= left < time + peak - onset]
+    cut = [(name, time + peak) for name, time in arrivals if time + onset <= run.duration < time + peak]
     if cut:
         last = max(time for _, time in cut)
         places = first_few([f"tap {name} ({time * 1e6:.4g}\xa0us)" for name, time in cut], MOST_NAMES)
@@ -232,17 +231,20 @@ def _moved_faces(run: BarRun) -> list[int]:
 
 
 def _times_of_load(run: BarRun) -> tuple[float, float]:
-    """Return when the load begins and when it is largest, s; both 0 where layers with a speed are all that moves."""
+    """Return when the load begins and when it is largest within the run, s; where it only begins later, that twice.
+
+    A face that a file moves has no peak: it keeps its speed. A striker touches at the start.
+    """
     load = run.load
-    values = run.face_force if isinstance(load, Impactor) else np.abs(load.at(run.time))
-    if not values.any():
-        return 0.0, 0.0
     if isinstance(load, Impactor):
-        return 0.0, float(run.time[np.argmax(values)])
-    onset = max(int(np.flatnonzero(values)[0]) - 1, 0)
+        return 0.0, float(run.time[np.argmax(run.face_force)])
+    onset = 0.0
+    if isinstance(load, Sampled) and load.largest > 0.0:
+        first = int(np.flatnonzero(np.abs(load.values) > LOAD_OFFSET * load.largest)[0])
+        onset = float(load.time[max(first - 1, 0)])
     if load.kind == "speed":
-        return float(run.time[onset]), float(run.time[onset])  # a face that keeps its speed has no peak
-    return float(run.time[onset]), float(run.time[np.argmax(values)])
+        return onset, onset
+    return onset, max(onset, float(run.time[np.argmax(np.abs(load.at(run.time)))]))
 
 
 def _contact_notices(case: Case, run: BarRun) -> list[Notice]:
