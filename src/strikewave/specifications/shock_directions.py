@@ -91,6 +91,8 @@ def cross_axis_fits(word: str, path: str, keys: AbstractSet[str]) -> bool:
     --------
     >>> [cross_axis_fits(word, "x1.csv", {"y", "2"}) for word in ("y", "x*#2", "y*#2")]
     [True, True, False]
+    >>> cross_axis_fits("x*.csv#2", "x1.csv: measurement 3", {"2"})
+    True
     """
     return word in keys or any(_file_fits(files, path) and name in keys for files, name in _split(word))
 
@@ -101,7 +103,10 @@ def _split(word: str) -> Iterator[tuple[str, str]]:
 
 
 def _file_fits(pattern: str, path: str) -> bool:
-    return not pattern or pattern == path or fnmatch.fnmatch(Path(path).name, pattern) or fnmatch.fnmatch(path, pattern)
+    names = {path, path.rpartition(": ")[0]} - {""}  # a measurement of a file is called as the file with its number
+    return not pattern or any(
+        pattern == name or fnmatch.fnmatch(Path(name).name, pattern) or fnmatch.fnmatch(name, pattern) for name in names
+    )
 
 
 def check_directions(stated: Sequence[StatedDirection], files: Sequence[tuple[str, Sequence[set[str]]]]) -> None:

@@ -1,6 +1,7 @@
 """The calls of Python on measured files take what the commands take, and give the same."""
 
 import inspect
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -118,3 +119,45 @@ def test_a_refusal_of_spectra_names_the_parameter(here, said, words):
     with pytest.raises(InputError) as refused:
         strikewave.shock_spectra("shot.csv", **said)
     assert str(refused.value).startswith(words)
+
+
+def struck_at(instant, size=2000, step=1e-5):
+    """A shock of 1 ms and 500 g at an instant, with a little noise."""
+    time = step * np.arange(size)
+    at = (time - instant) / 1e-3
+    noise = np.random.default_rng(1).normal(0.0, 0.5, size)
+    return time, np.where((at > 0.0) & (at < 1.0), 500.0 * np.sin(np.pi * np.clip(at, 0.0, 1.0)) ** 2, 0.0) + noise
+
+
+def test_a_file_of_two_measurements_is_two_records_with_no_interval(here):
+    time, values = struck_at(0.01)
+    lines = "".join(f"{t:.5f},{v:.4f}\n" for t, v in zip(time, values, strict=True))
+    Path("shots.csv").write_text("time [s],frame [g]\n" + lines + lines)
+    found = strikewave.record("shots.csv")
+    assert [file.path for file in found.readings] == ["shots.csv: measurement 1", "shots.csv: measurement 2"]
+    assert [file.channels[0].pulses[0].time for file in found.readings] == pytest.approx([0.0105] * 2, abs=1e-5)
+    assert all(not file.channels[0].intervals for file in found.readings)
+    assert "measurements" in [notice.code for notice in found.notices]
+    assert [file.path for file in strikewave.record("shots.csv", measurement=2).readings] == [
+        "shots.csv: measurement 2"
+    ]
+    with pytest.raises(InputError, match=r"measurement: got 3; allowed: a number from 1 to 2"):
+        strikewave.record("shots.csv", measurement=3)
+
+
+def test_channels_that_begin_at_different_times_are_one_body_struck_once(here):
+    """Both write the same shock; the second recorder begins 3 ms after the first."""
+    nptdms = pytest.importorskip("nptdms")
+    noon = np.datetime64("2026-01-05T12:00:00", "us")
+    starts = (noon, noon + np.timedelta64(3000, "us"))
+    with nptdms.TdmsWriter("late.tdms") as file:
+        for name, start, instant in zip(("board", "frame"), starts, (0.01, 0.007), strict=True):
+            said = {"wf_increment": 1e-5, "wf_start_offset": 0.0, "wf_start_time": start, "unit_string": "g"}
+            file.write_segment([nptdms.ChannelObject("a", name, struck_at(instant)[1], said)])
+    found = strikewave.record("late.tdms", pair=(1, 2))
+    (pair,) = found.pairs
+    assert (pair.one_body, pair.found.delay) == ("yes", pytest.approx(0.0, abs=1e-6))
+    times = [channel.pulses[0].time for channel in found.readings[0].channels]
+    assert times == pytest.approx([0.0105] * 2, abs=1e-5)
+    (answer,) = strikewave.record("late.tdms", base=1).readings[0].channels[1].responses
+    assert answer.delay == pytest.approx(0.0, abs=1e-5)

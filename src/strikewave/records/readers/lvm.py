@@ -219,7 +219,8 @@ def _cells(path: Path, segment: Segment, key: str, columns: Sequence[tuple[int, 
     """
     cells, count = segment.keys.get(key, []), len(columns)
     if segment.kind == "multi" and any(cells[1:]):
-        pairs = [[*cells[k : k + 2], "", ""][:2] for k in range(0, 2 * count, 2)]
+        padded = [*cells, *[""] * (2 * count)]
+        pairs = [(padded[k], padded[k + 1]) for k in range(0, 2 * count, 2)]
         if not any(second for _, second in pairs):
             return [first for first, _ in pairs]
         if any(cells[count:]):
