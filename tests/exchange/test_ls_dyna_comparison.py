@@ -153,6 +153,19 @@ def test_the_side_whose_impulse_points_as_ours_is_taken(written, ours):
     assert pair.angle < 0.01
 
 
+def test_a_sector_is_compared_as_meshed(written, ours, solution):
+    """The deck holds a quarter of ball and half-space: a run of it comes to the forces of the quarter."""
+    from strikewave.analyses.fem.ls_dyna.report import ls_dyna_words
+
+    found = compare_runs(read_folder(written(), MM), ours)
+    (pair,) = found.forces
+    assert pair.strikewave.peak == pytest.approx(solution.model_contacts[NAME].peak, rel=1e-9)
+    assert pair.strikewave.peak < 0.26 * solution.contacts[NAME].peak
+    assert abs(pair.difference("peak")) < DIGITS
+    assert not found.warnings
+    assert ls_dyna_words(found).endswith("of both are those of the meshed sector, not of whole bodies.")
+
+
 def test_sectors_that_differ_are_named(written, ours):
     found = compare_runs(read_folder(written(factor=4.0), MM), ours)
     assert ("sector", 4.0) in [(notice.code, notice.limit) for notice in found.warnings]
@@ -354,7 +367,7 @@ def test_our_internal_energy_is_with_the_work_of_bulk_viscosity(folder, ours):
     import xarray
 
     with xarray.open_dataset(folder / "histories.nc", engine="h5netcdf") as held:
-        internal, viscous = (held[f"energy.{name}"].values for name in ("internal", "viscous"))
+        internal, viscous = (held[f"model_energy.{name}"].values for name in ("internal", "viscous"))
     assert viscous.max() > 1e-4 * internal.max()
     assert np.array_equal(ours.energies.energy["internal"], internal + viscous)
     assert "viscous" not in ours.energies.energy

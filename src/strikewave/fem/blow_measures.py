@@ -87,10 +87,13 @@ def _velocity(run: FemRun, part: str) -> Array:
     return np.asarray(momentum / sum(run.parts[name].mass for name in names))
 
 
+def pressing_at_end(run: FemRun, name: str) -> float:
+    """Return the mean force of a contact over the last interval of a run, N."""
+    last = (run.impulse[name][-1] - run.impulse[name][-2]) / (run.time[-1] - run.time[-2])
+    return float(np.linalg.norm(last))
+
+
 def still_presses(run: FemRun, name: str) -> bool:
     """Tell whether a contact presses at the end of a run, by the mean force of the last interval."""
     measure = contact_measure(run, name)
-    if measure is None:
-        return False
-    last = (run.impulse[name][-1] - run.impulse[name][-2]) / (run.time[-1] - run.time[-2])
-    return float(np.linalg.norm(last)) > PRESSES * measure.peak
+    return measure is not None and pressing_at_end(run, name) > PRESSES * measure.peak

@@ -27,6 +27,8 @@ HOURGLASS_LIMIT = 0.05
 ALIGNED = math.cos(math.radians(5.0))
 """Cosine of the angle to x, y or z below which a direction is taken as that one: 1 - cos 5 degrees is 0.4 % of a
 force."""
+TOP = 0.75
+"""Share of the peak above which a force is at its top: a half-sine is for 0.46 of its duration, a rectangle for all."""
 UNLOADED = 1e-9
 """Internal energy of less than this share of the energy in play is rounding: nothing was touched."""
 STILL = 1e-12
@@ -177,6 +179,16 @@ def contact_measure(run: FemRun, name: str) -> ContactMeasure | None:
     )
 
 
+def top_duration(run: FemRun, name: str) -> float:
+    """Return how long the mean force of a contact stays above `TOP` of its peak about it, s, in whole intervals."""
+    size = np.linalg.norm(mean_force(run, name), axis=1)
+    at = int(np.argmax(size))
+    below = np.flatnonzero(~(size > TOP * size[at]))
+    begin = int(below[below < at].max(initial=-1)) + 1
+    end = int(below[below > at].min(initial=size.size))
+    return float(run.time[end] - run.time[begin])
+
+
 def _ends(values: Array, time: Array, first: int, last: int) -> tuple[float, float]:
     """Return when means reach a tenth of their largest before one interval and after another, s.
 
@@ -188,15 +200,11 @@ def _ends(values: Array, time: Array, first: int, last: int) -> tuple[float, flo
     return float(time[0]) if math.isnan(begin) else start, over
 
 
-def part_measure(run: FemRun, name: str, free: Array | None = None) -> PartMeasure:
-    """Measure the blow that a part or group took, zeros where its velocity does not change, and what a part bore.
-
-    Of a sector, ``free`` (3, 3) projects onto its planes of symmetry: its momentum across them is none of the body's.
-    """
+def part_measure(run: FemRun, name: str) -> PartMeasure:
+    """Measure the blow that a part or group took, zeros where its velocity does not change, and what a part bore."""
     part = run.parts[name] if name in run.parts else run.groups[name]
     bore = [float(most[name].max()) if name in most else math.nan for most in (run.von_mises, run.plastic_strain)]
-    free = np.eye(3) if free is None else free
-    change = (part.velocity - part.velocity[0]) @ free
+    change = part.velocity - part.velocity[0]
     size = np.linalg.norm(change, axis=1)
     scale = max((float(np.abs(other.velocity).max()) for other in run.parts.values()), default=0.0)
     if not float(size.max()) > STILL * scale:

@@ -128,9 +128,7 @@ class Simulation:
 
     @functools.cached_property
     def _balance(self) -> Any:
-        from strikewave.fem.measures import balance_measure
-
-        return balance_measure(self.elements.run)
+        return self.elements.balance
 
     def history(self, part: str, blow: int = 0, unit: str = "") -> ComparedCurve:
         """Return the history of a part: PART or PART.QUANTITY, the usual one where it is empty."""

@@ -101,26 +101,16 @@ def test_the_histories_of_the_page_are_those_of_the_run(page, solution):
     (curve,) = force["curves"]
     (history,) = curve["histories"]
     assert curve["name"] == "striker.top-bar.bottom"
-    assert force["name"] == "contact force, whole bodies"  # of which quarters are modelled
-    sizes = 4e-3 * np.abs(mean_force(solution.run, "striker.top-bar.bottom")[:, 2])  # along the blow
+    assert force["name"] == "contact force"  # of whole bodies, of which quarters are meshed
+    sizes = 4e-3 * np.abs(mean_force(solution.model_run, "striker.top-bar.bottom")[:, 2])  # along the blow
     assert unpacked(history["values"], "<f4").max() == pytest.approx(sizes.max(), rel=1e-6)
     assert unpacked(history["values"], "<f4").max() == pytest.approx(
-        solution.wholes["striker.top-bar.bottom"].peak / 1e3, rel=1e-6
+        4.0 * solution.model_contacts["striker.top-bar.bottom"].peak / 1e3, rel=1e-6
     )
     assert unpacked(history["time"], "<f4")[-1] == pytest.approx(39.8e-6, rel=1e-6)  # the middle of the last interval
     assert [one["name"] for one in acceleration["curves"]] == ["striker", "bar"]
     rates = unpacked(acceleration["curves"][0]["histories"][0]["values"], "<f4")  # slows down along the blow
     assert rates.min() == pytest.approx(-solution.parts["striker"].rigid_peak / 9.80665, rel=1e-6)
-
-
-def test_forces_of_whole_bodies_are_told_from_others_where_sectors_do_not_match(solution, monkeypatch):
-    forces = {"a": (np.ones((4, 3)), True), "b": (np.full((4, 3), 2.0), False)}
-    monkeypatch.setattr(fem_animation, "_forces", lambda of: forces)
-    monkeypatch.setattr(fem_animation, "middles", lambda time: np.arange(len(time) - 1.0))
-    monkeypatch.setattr(fem_animation, "mean_acceleration", lambda run, name: np.zeros((4, 3)))
-    force, _ = fem_animation.traces_of(solution)
-    assert force.label == "contact force"
-    assert list(force.curves) == ["b", "a, whole bodies"]
 
 
 def test_names_of_curves_hold_no_letters_that_control_a_screen():

@@ -144,7 +144,7 @@ def test_the_document_has_its_keys_and_every_number_its_unit(bars):
     keys = {"schema", "version", "units", "warnings", "case", "elements", "nodes", "steps", "element_steps_per_second"}
     assert keys | {"contact_force_peak", "contacts", "parts", "energy", "momentum_error"} <= set(document)
     measured = {"mass", "direction", "rigid_peak", "width", "velocity_change", "von_mises", "plastic_strain"}
-    measured |= {"sectors", "whole_mass"}
+    measured |= {"sectors", "whole_mass", "model_mass"}
     assert set(document["parts"]["bar"]) == measured
     words = {"initial", "kinetic", "internal", "plastic", "hourglass", "contact", "viscous", "external", "error"}
     assert set(document["energy"]) == words
@@ -265,7 +265,7 @@ def test_words_before_a_run_tell_sectors_from_whole_bodies_and_hold_no_exponents
     code, out, err = strikewave("fem", "quarter.toml", "--check")
     assert code == 0
     whole = 7820.0 * 8e-3**3
-    assert f"mass: striker {whole / 4:.4g} kg (quarter; {whole:.4g} kg whole), anvil" in err
+    assert f"mass: striker {whole:.4g} kg (a quarter is meshed, {whole / 4:.4g} kg), anvil" in err
     (words,) = [line for line in err.splitlines() if line.startswith("step about")]
     assert not re.search(r"\de[-+]", words)
     rows = [line.split() for line in out.splitlines() if line.strip().startswith(("striker ", "anvil "))]
@@ -321,7 +321,7 @@ def test_the_width_of_a_published_force_is_that_of_the_whole_contact(bars):
     assert found == bars.contacts["striker.top-bar.bottom"].duration
 
 
-def test_the_terminal_says_where_the_largest_values_are_and_which_impulse_is_of_whole_bodies(bars, capsys, monkeypatch):
+def test_the_terminal_says_where_the_largest_values_are_and_the_impulse_of_whole_bodies(bars, capsys, monkeypatch):
     from strikewave.analyses.fem.screen import show
 
     monkeypatch.setenv("COLUMNS", "200")
@@ -329,7 +329,9 @@ def test_the_terminal_says_where_the_largest_values_are_and_which_impulse_is_of_
     out = capsys.readouterr().out
     contacts = out[out.index("Contacts") :]
     assert "impulse" not in out[: out.index("Contacts")]
-    assert "whole bodies" in contacts
+    (impulse,) = (contact.impulse for contact in bars.contacts.values())
+    assert impulse == pytest.approx(4.0 * np.linalg.norm(next(iter(bars.model_run.impulse.values()))[-1]), rel=1e-6)
+    assert f" {impulse:.4g} " in contacts
     assert re.search(r"von Mises stress \S+ MPa in (striker|bar) at \(.*\) mm at \S+ µs", out)
 
 

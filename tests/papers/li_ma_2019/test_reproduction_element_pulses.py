@@ -32,10 +32,12 @@ def test_momentum_and_impulse_are_those_of_whole_bodies():
     """Four quarters; the free body takes all that the contact gives, but for its weight in 60 us."""
     solution = coarse(RIGID_ELEMENTS)
     numbers, name = element_numbers(solution), next(iter(solution.run.force))
-    impulse = 4.0 * abs(solution.run.impulse[name][-1, 2])  # sideways the quarters cancel
+    impulse = 4.0 * abs(solution.model_run.impulse[name][-1, 2])  # sideways the quarters cancel
     assert numbers.impulse == pytest.approx(impulse, rel=1e-12)
-    assert numbers.peak_force == pytest.approx(4.0 * np.abs(mean_force(solution.run, name)[:, 2]).max(), rel=1e-12)
-    weight = 4.0 * solution.run.groups["object"].mass * 9.8 * 60e-6
+    assert numbers.peak_force == pytest.approx(
+        4.0 * np.abs(mean_force(solution.model_run, name)[:, 2]).max(), rel=1e-12
+    )
+    weight = solution.run.groups["object"].mass * 9.8 * 60e-6
     assert numbers.momentum == pytest.approx(impulse, abs=weight + 1e-3 * impulse)
 
 

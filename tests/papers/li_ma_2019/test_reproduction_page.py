@@ -256,7 +256,6 @@ def test_the_impulse_stands_beside_that_of_half_sines(struck, chapters):
 
 
 def test_force_over_mass_is_that_of_whole_bodies(struck, chapters):
-    """A quarter's force over a quarter's mass is the same."""
     solution = struck.runs.element_solution(QUIET_ELEMENTS)
     peak = next(iter(solution.contacts.values())).peak / solution.run.groups["object"].mass
     lines = {line.get_label(): line for line in chapters["11"].parts[0].figure.axes[0].lines}

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import functools
 import re
+import tomllib
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
@@ -268,7 +269,17 @@ def _arrays(path: Path) -> LabelledArrays:
     with open_result(path, allowed) as opened:
         if "strikewave_schema" not in opened.attrs:
             raise InputError("solution", str(path), allowed)
+        if int(opened.attrs["strikewave_schema"]) < 2 and _of_sectors(opened.attrs):
+            hint = "its forces are those of the meshed sector; run the case again for those of whole bodies"
+            raise InputError("solution", str(path), "histories of whole bodies", hint)
         return LabelledArrays.of_xarray(opened.load())
+
+
+def _of_sectors(attributes: Mapping[Any, Any]) -> bool:
+    """Tell whether sectors of bodies are meshed in the case that a file of histories holds."""
+    case = tomllib.loads(str(attributes.get("case", "")))
+    parts = case.get("mesh", {}).get("part", [])
+    return any(part.get("sector", "whole") != "whole" for part in parts)
 
 
 def _machine_parts(arrays: LabelledArrays, bands: Mapping[str, Band]) -> Iterator[SimulatedPart]:

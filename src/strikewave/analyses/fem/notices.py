@@ -4,24 +4,37 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
+from typing import TYPE_CHECKING
 
 import numpy as np
 
-from strikewave.analyses.fem.sectors import open_cuts, sectors
+from strikewave.analyses.fem.sectors import open_cuts, sectors, unlike_sectors
 from strikewave.base.materials import material
 from strikewave.base.percents import percent
 from strikewave.base.result import BALANCE_LIMIT, FAILED, Notice
 from strikewave.cases.case import Case
 from strikewave.cases.comparisons import origin_notices
 from strikewave.cases.material_notices import material_notices
-from strikewave.fem.blow_measures import still_presses
-from strikewave.fem.measures import ENERGY_LIMIT, HOURGLASS_LIMIT, balance_measure
+from strikewave.fem.blow_measures import PRESSES, pressing_at_end, still_presses
+from strikewave.fem.measures import (
+    ENERGY_LIMIT,
+    HOURGLASS_LIMIT,
+    TOP,
+    BalanceMeasure,
+    contact_measure,
+    top_duration,
+)
 from strikewave.fem.mesh import TINY
 from strikewave.fem.model import Model, stays
 from strikewave.fem.repeated_blows import ROUNDING
 from strikewave.fem.run import FemRun
 from strikewave.fem.solids import Bilinear, HeatedSolid
+from strikewave.fem.surfaces import thickness
+from strikewave.reporting.numbers import listed
 from strikewave.signal.pulse import FEWEST_INTERVALS
+
+if TYPE_CHECKING:
+    from strikewave.analyses.fem.result import FemSolution
 
 FEWEST_FACES = 16.0
 """Pressed faces of a whole contact below which its force depends on the mesh: 9 are 5 % off Hertz's peak, 21 are 1
@@ -29,29 +42,42 @@ FEWEST_FACES = 16.0
 ALL_PRESSED = 0.9
 """Share of a surface that is pressed, above which its ends, not its faces, bound the contact: flat on flat presses all
 but a rim, a curved surface much less."""
+FEWEST_TRANSITS = 1.0
+"""Transits of a wave through an element at the contact for which the top of its force lasts at least.
+
+Nodes on a face carry half an element with them, and turn at once: where a bar with elements of length h meets its like,
+the mean force of the first interval is h/(2 c interval) times A rho c v/2. Of the bars of ``two-bars-fem``, on elements
+of 1 to 8 mm and intervals of 0.1 to 2 us, a top of less than one transit came with peaks up to seven times those of
+fine elements; without it they stayed within 5 %."""
+LONGER = 1.1
+"""By how much longer a run is to last than its last force, continued, takes to fall to nothing."""
+RISING = 0.9
+"""Share of the peak above which the force at the end may still rise: its fall tells nothing of when it ends."""
 RESTLESS, REST_YIELD = 1e-9, 1e-4
 """Shares of the energy of a blow that may be left as vibration before it, and taken by yield on the way to rest.
 
 Ten times what relaxation aims at (`strikewave.fem.repeated_blows.REST`); and a hundredth of the 1 % of the balance."""
 
 
-def all_notices(case: Case, model: Model, runs: Sequence[FemRun]) -> Iterator[Notice]:
+def all_notices(solution: FemSolution) -> Iterator[Notice]:
     """Yield what a user should know about all blows; of later ones what is new, or breaks a limit."""
-    first = list(notices(case, model, runs[0]))
+    model, (before, *later) = solution.model, solution.blows
+    first = list(notices(before))
     yield from first
     codes = {notice.code for notice in first}
-    for run in runs:
-        later = blow_notices(case, model, run) if run.blow > 1 else ()
-        yield from (notice for notice in later if notice.broken or notice.code not in codes)
-        yield from _unfinished(model, run)
+    yield from _unfinished(model, before.run)
+    for blow in later:
+        yield from (notice for notice in blow_notices(blow) if notice.broken or notice.code not in codes)
+        yield from _unfinished(model, blow.run)
 
 
-def notices(case: Case, model: Model, run: FemRun) -> Iterator[Notice]:
-    """Yield what a user should know about a run."""
+def notices(solution: FemSolution) -> Iterator[Notice]:
+    """Yield what a user should know about the first blow."""
+    case, model, run = solution.case, solution.model, solution.run
     if run.stopped:
         message = f"the run ended early: {run.stopped}"
         yield Notice("stopped", message, float(run.time[-1]), model.controls.duration, severity=FAILED)
-    yield from _balances(run)
+    yield from _balances(solution.balance)
     yield from origin_notices(case)
     yield from model_notices(case, model)
     if run.added_mass > 0.0:
@@ -59,7 +85,7 @@ def notices(case: Case, model: Model, run: FemRun) -> Iterator[Notice]:
         message = f"fem.least_step added {run.added_mass:.3g}\xa0kg to small elements, {percent(share, 2)} of all mass"
         yield Notice("added-mass", message, share, 0.0)
     yield from _overlaps(model, run)
-    yield from _contacts(run)
+    yield from _contacts(model, run)
     yield from _coarse_contacts(case, model, run)
     yield from _strength(case, model, run)
 
@@ -68,13 +94,21 @@ def model_notices(case: Case, model: Model) -> Iterator[Notice]:
     """Yield what a user should know about a model before it is run."""
     yield from material_notices(case)
     yield from _fast_parts(model)
-    cuts = list(open_cuts(model, sectors(case, model)))
+    sector_of = sectors(case, model)
+    cuts, unlike = list(open_cuts(model, sector_of)), unlike_sectors(model, sector_of)
     if cuts:
         message = (
             f"nothing holds the cut {' and '.join(cuts)} in its plane, so the other sectors of that body are as good "
             f'as gone: add [[fem.boundary]] kind = "symmetry", side = "{cuts[0]}"'
         )
         yield Notice("cut-without-symmetry", message, float(len(cuts)), 0.0)
+    if unlike:
+        message = (
+            f"{listed(unlike)} {'is a sector' if len(unlike) == 1 else 'are sectors'} that other parts do not match: "
+            "energies, momentum, and forces between unlike parts are those of the mesh, not of whole bodies; mesh "
+            "the same sector of all parts"
+        )
+        yield Notice("sectors-differ", message, float(len(unlike)), 0.0)
 
 
 def _fast_parts(model: Model) -> Iterator[Notice]:
@@ -96,8 +130,9 @@ def _fast_parts(model: Model) -> Iterator[Notice]:
             yield Notice("faster-than-wave", message, speed, limit)
 
 
-def blow_notices(case: Case, model: Model, run: FemRun) -> Iterator[Notice]:
+def blow_notices(solution: FemSolution) -> Iterator[Notice]:
     """Yield what a user should know about a blow after the first, and how the bodies came to it."""
+    case, model, run = solution.case, solution.model, solution.run
     rest = run.rest
     if rest is not None and not rest.kinetic_share <= RESTLESS:
         message = f"before it, bodies still vibrate with {rest.kinetic_share:.1e} of the energy of the blow before"
@@ -111,7 +146,7 @@ def blow_notices(case: Case, model: Model, run: FemRun) -> Iterator[Notice]:
     if run.stopped:
         message = f"the run ended early: {run.stopped}"
         yield _named(run, Notice("stopped", message, float(run.time[-1]), model.controls.duration, severity=FAILED))
-    for group in (_balances(run), _contacts(run), _strength(case, model, run)):
+    for group in (_balances(solution.balance), _contacts(model, run), _strength(case, model, run)):
         yield from (_named(run, notice) for notice in group)
 
 
@@ -121,18 +156,25 @@ def _named(run: FemRun, notice: Notice) -> Notice:
 
 
 def _unfinished(model: Model, run: FemRun) -> Iterator[Notice]:
-    """Say which contacts still press when a blow ends that another one follows."""
-    for name in run.force if run.blow < model.controls.blows else ():
-        if still_presses(run, name) and not stays(model, model.touching[name]):
-            message = (
-                f"the contact {name} still presses when blow {run.blow} ends, and the next begins without it: "
-                "a longer fem.duration"
-            )
-            yield Notice("blow-unfinished", message, float(run.time[-1]), model.controls.duration)
+    """Say which contacts of bodies that met still press when a run ends, how much, and how long it would take."""
+    follows = run.blow < model.controls.blows
+    for name in run.force if not run.stopped else ():
+        measure, at_end = contact_measure(run, name), pressing_at_end(run, name)
+        if measure is None or not still_presses(run, name) or stays(model, model.touching[name]):
+            continue
+        end, share = float(run.time[-1]), at_end / measure.peak
+        falling = measure.at + (end - measure.at) / max(1.0 - share, 1.0 - RISING)
+        enough = measure.begin + 2.0 * (end - measure.begin) if share > RISING else falling
+        message = (
+            f"the contact {name} still presses with {percent(share, 0 if share > 0.1 else 1)} of its peak when "
+            f"{f'blow {run.blow}' if follows else 'the run'} ends"
+            + (", and the next begins without it" if follows else ": its impulse, and what it moves, are not whole")
+            + f"; take fem.duration of {LONGER * enough * 1e6:.0f}\xa0us or more"
+        )
+        yield Notice("blow-unfinished" if follows else "contact-unfinished", message, share, PRESSES)
 
 
-def _balances(run: FemRun) -> Iterator[Notice]:
-    balance = balance_measure(run)
+def _balances(balance: BalanceMeasure) -> Iterator[Notice]:
     if not abs(balance.energy) <= ENERGY_LIMIT:
         what = "too much" if balance.energy > 0.0 else "missing"
         message = (
@@ -164,10 +206,8 @@ def _overlaps(model: Model, run: FemRun) -> Iterator[Notice]:
             yield Notice("initial-overlap", message, overlap.deepest, least)
 
 
-def _contacts(run: FemRun) -> Iterator[Notice]:
-    """Say which contacts nothing touched, and which pulses the interval of the histories is too long for."""
-    from strikewave.fem.measures import contact_measure
-
+def _contacts(model: Model, run: FemRun) -> Iterator[Notice]:
+    """Say which contacts nothing touched, and for which pulses intervals are too long, or elements too coarse."""
     interval = float(run.time[1] - run.time[0])
     for name in run.force:
         measure = contact_measure(run, name)
@@ -180,6 +220,33 @@ def _contacts(run: FemRun) -> Iterator[Notice]:
                 "intervals of the histories: take a shorter fem.interval"
             )
             yield Notice("fem-interval", message, measure.duration / interval, FEWEST_INTERVALS)
+        transit, side = _transit(model, model.touching[name])
+        top = 0.0 if measure is None else top_duration(run, name)
+        if measure is not None and top < FEWEST_TRANSITS * transit:
+            message = (
+                f"the elements of {side} are too coarse for the force of the contact {name}: it is above "
+                f"{percent(TOP, 0)} of its peak, {measure.peak / 1e3:.3g}\xa0kN, for {top * 1e6:.2g}\xa0us, and a wave "
+                f"takes {transit * 1e6:.2g}\xa0us through one of them, so that their size decides the peak; take "
+                "smaller elements there"
+            )
+            if measure.duration >= FEWEST_INTERVALS * LONGER * transit:
+                message += f", or fem.interval of {LONGER * transit * 1e6:.2g}\xa0us or more"
+            yield Notice("pulse-coarse", message, top / transit, FEWEST_TRANSITS)
+
+
+def _transit(model: Model, sides: Sequence[str]) -> tuple[float, str]:
+    """Return how long a wave takes through the thinnest element of the coarser side of a contact, s, and that side.
+
+    Elements of a graded part are thinnest where it is struck. Rigid parts have no waves.
+    """
+    rigid, mesh = {body.part for body in model.rigid}, model.mesh
+    of_parts = {side: side.rpartition(".")[0] for side in sides}
+    transits = [
+        (float(thickness(mesh, mesh.side(side)).min()) / model.solids[part].wave_speed, side)
+        for side, part in of_parts.items()
+        if part not in rigid
+    ]
+    return max(transits, default=(0.0, ""))
 
 
 def _coarse_contacts(case: Case, model: Model, run: FemRun) -> Iterator[Notice]:
@@ -189,13 +256,13 @@ def _coarse_contacts(case: Case, model: Model, run: FemRun) -> Iterator[Notice]:
     for name, pressed in run.pressed.items():
         for side, (share, faces) in zip(sides[name], pressed.max(axis=0), strict=False):
             pieces = sector_of[side.partition(".")[0]].pieces
-            if 0.0 < share < ALL_PRESSED and pieces * faces < FEWEST_FACES:
+            if 0.0 < share < ALL_PRESSED and faces < FEWEST_FACES:
                 message = (
-                    f"only {pieces * faces:.2g} faces of {side} are ever pressed at once: their number decides the "
+                    f"only {faces:.2g} faces of {side} are ever pressed at once: their number decides the "
                     f"force; take a smaller finest size there, so that {FEWEST_FACES:.0f} or more are"
                     + (f" (a {'half' if pieces == 2 else 'quarter'} of them in the sector)" if pieces > 1 else "")
                 )
-                yield Notice("contact-coarse", message, pieces * float(faces), FEWEST_FACES)
+                yield Notice("contact-coarse", message, float(faces), FEWEST_FACES)
 
 
 def _strength(case: Case, model: Model, run: FemRun) -> Iterator[Notice]:

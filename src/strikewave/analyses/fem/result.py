@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from strikewave._version import __version__
-from strikewave.analyses.fem.sectors import Sector, WholeForce, sectors, whole_forces
+from strikewave.analyses.fem.sectors import Sector, sectors
 from strikewave.base.result import Comparison, Source, comparison_document
 from strikewave.base.variables import LabelledArrays, quantity
 from strikewave.cases.case import Case
@@ -22,6 +22,7 @@ from strikewave.cases.comparisons import comparisons, stale_fits_document
 from strikewave.cases.written_case import dump_case
 from strikewave.fem.blow_measures import blow_measure
 from strikewave.fem.measures import (
+    BalanceMeasure,
     ContactMeasure,
     PartMeasure,
     balance_measure,
@@ -32,7 +33,7 @@ from strikewave.fem.measures import (
     part_measure,
 )
 from strikewave.fem.model import Model
-from strikewave.fem.run import ENERGIES, FemRun, FieldFrame
+from strikewave.fem.run import ENERGIES, FemRun, FieldFrame, PartHistory
 from strikewave.fem.snapshots import SnapshotRecorder
 from strikewave.reporting.columns import HISTORY_DIGITS, Column, csv_table
 from strikewave.reporting.numbers import with_unit
@@ -43,8 +44,8 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 
-SCHEMA = 1
-"""Of the file of histories."""
+SCHEMA = 2
+"""Of the file of histories: 2 has forces, impulses, energies and momentum of whole bodies where sectors are meshed."""
 STRESS = ("xx", "yy", "zz", "xy", "yz", "zx")
 """Components of a stress."""
 
@@ -60,13 +61,15 @@ class FemSolution(ShownResult):
     model : Model
         Mesh, solids, and what holds and loads them.
     run : FemRun
-        Histories and balance.
+        Histories, of whole bodies where sectors of them are meshed.
     frames : tuple of FieldFrame
         Fields to be shown.
     film : SnapshotRecorder, optional
         Instants that pictures are made of.
     later : tuple of FemRun
         The blows after the first, which is ``run``.
+    modelled : tuple of FemRun
+        All blows as meshed, of the sectors alone; empty where whole bodies are meshed.
     """
 
     command: ClassVar[str] = "fem"
@@ -79,11 +82,26 @@ class FemSolution(ShownResult):
     frames: tuple[FieldFrame, ...] = field(repr=False)
     film: SnapshotRecorder | None = field(default=None, repr=False)
     later: tuple[FemRun, ...] = field(default=(), repr=False)
+    modelled: tuple[FemRun, ...] = field(default=(), repr=False)
 
     @property
     def blows(self) -> tuple[FemSolution, ...]:
         """Each blow by itself, the first one first."""
-        return tuple(dataclasses.replace(self, run=run, later=()) for run in (self.run, *self.later))
+        runs = (self.run, *self.later)
+        return tuple(
+            dataclasses.replace(self, run=run, later=(), modelled=self.modelled[k : k + 1])
+            for k, run in enumerate(runs)
+        )
+
+    @property
+    def model_run(self) -> FemRun:
+        """The first blow as meshed: of the sectors, where sectors are meshed."""
+        return self.modelled[0] if self.modelled else self.run
+
+    @property
+    def balance(self) -> BalanceMeasure:
+        """How well the balances of the first blow close, of what was meshed: its momentum across cuts counts too."""
+        return balance_measure(self.model_run)
 
     @property
     def title(self) -> str:
@@ -103,14 +121,12 @@ class FemSolution(ShownResult):
     @property
     def parts(self) -> dict[str, PartMeasure]:
         """The blow that each part took."""
-        sector_of = self.sectors
-        return {name: part_measure(self.run, name, sector_of[name].free) for name in self.run.parts}
+        return {name: part_measure(self.run, name) for name in self.run.parts}
 
     @property
     def groups(self) -> dict[str, PartMeasure]:
         """The blow that each group of parts took as one body."""
-        sector_of = self.sectors
-        return {name: part_measure(self.run, name, sector_of[name].free) for name in self.run.groups}
+        return {name: part_measure(self.run, name) for name in self.run.groups}
 
     @property
     def sectors(self) -> dict[str, Sector]:
@@ -118,14 +134,14 @@ class FemSolution(ShownResult):
         return sectors(self.case, self.model)
 
     @property
-    def wholes(self) -> dict[str, WholeForce | None]:
-        """Contacts and walls of the whole bodies, where their parts are sectors that match; else None."""
-        return whole_forces(self.model, self.run, self.sectors)
+    def contacts(self) -> dict[str, ContactMeasure | None]:
+        """What each contact and wall of the whole bodies came to; None where nothing touched."""
+        return {name: contact_measure(self.run, name) for name in self.run.force}
 
     @property
-    def contacts(self) -> dict[str, ContactMeasure | None]:
-        """What each contact and wall came to; None where nothing touched."""
-        return {name: contact_measure(self.run, name) for name in self.run.force}
+    def model_contacts(self) -> dict[str, ContactMeasure | None]:
+        """What each contact and wall came to as meshed, of the sectors alone; None where nothing touched."""
+        return {name: contact_measure(self.model_run, name) for name in self.model_run.force}
 
     def compared(self) -> tuple[Comparison, ...]:
         """Return the published numbers of the case beside what the first blow came to."""
@@ -138,32 +154,34 @@ class FemSolution(ShownResult):
     def number(self, name: str, body: str = "") -> float | None:
         """Return a number of the first blow by its name as published ones have it; None where there is no such thing.
 
-        Forces are those of the first contact of the case, of the whole bodies where sectors match; ``body`` is the
-        part or group that others are of.
+        Forces are those of the first contact of the case; ``body`` is the part or group that others are of.
         """
         which, _, quantity = name.partition(".")
         first = next(iter(self.contacts), None)
         touched = None if first is None else self.contacts[first]
         part = {**self.parts, **self.groups}.get(body)
-        whole = None if first is None else self.wholes[first]
-        peak = whole.peak if whole is not None else touched.peak if touched is not None else None
         value: float | None = None
-        if which != "first" or peak is None or touched is None:
+        if which != "first" or touched is None:
             return None
         if quantity == "peak_force":
-            value = peak
+            value = touched.peak
         elif quantity == "force_width":
             value = touched.duration
         elif part is not None and quantity == "force_over_mass":
-            value = peak / (part.mass * (1 if whole is None else self.sectors[body].pieces))
+            value = touched.peak / part.mass
         elif part is not None and quantity in ("rigid_peak", "width"):
             value = getattr(part, quantity)
         return None if value is None or math.isnan(value) else value
 
     @property
     def contact_force_peak(self) -> float:
-        """Largest mean force of any contact over an interval of the histories, N."""
+        """Largest mean force of any contact of the whole bodies over an interval of the histories, N."""
         return max((contact.peak for contact in self.contacts.values() if contact is not None), default=0.0)
+
+    @property
+    def model_contact_force_peak(self) -> float:
+        """Largest mean force of any contact as meshed, of the sectors alone, N."""
+        return max((contact.peak for contact in self.model_contacts.values() if contact is not None), default=0.0)
 
     def units(self) -> dict[str, str]:
         """Return the unit of each key of the JSON document."""
@@ -171,10 +189,8 @@ class FemSolution(ShownResult):
 
     def content(self) -> dict[str, Any]:
         """Return what the JSON document holds beside its head."""
-        run, balance = self.run, balance_measure(self.run)
-        energy = {name: float(run.energy[name][-1]) for name in ENERGIES}
-        wholes, sector_of = self.wholes, self.sectors
-        contacts = {name: None if x is None else _contact(x, wholes[name]) for name, x in self.contacts.items()}
+        run, model_run, balance = self.run, self.model_run, self.balance
+        blows = [_blow(each) for each in self.blows]
         return {
             "case": self.case.name,
             "elements": run.elements,
@@ -182,20 +198,21 @@ class FemSolution(ShownResult):
             "steps": run.steps,
             "step": run.step,
             "added_mass": run.added_mass,
+            "model_added_mass": model_run.added_mass,
             "seconds": run.seconds,
             "element_steps_per_second": run.speed,
             "contact_force_peak": self.contact_force_peak,
-            "contacts": contacts,
-            "parts": {name: _part(part, sector_of[name]) for name, part in self.parts.items()},
-            "groups": {name: _part(part, sector_of[name]) for name, part in self.groups.items()},
-            "energy": {"initial": run.initial_energy, **energy, "error": balance.energy},
+            "model_contact_force_peak": self.model_contact_force_peak,
+            **{name: blows[0][name] for name in ("contacts", "parts", "groups")},
+            "energy": {**_energy(run), "error": balance.energy},
+            "model_energy": _energy(model_run),
             "hourglass_share": balance.hourglass,
             "momentum_error": balance.momentum,
             "published": [comparison_document(row, "note") for row in self.comparisons],
             "fitted_fields": self.case.fitted_fields(),
             "stale_fits": stale_fits_document(self.case),
             "stopped": run.stopped or None,
-            "blows": [_blow(each) for each in self.blows],
+            "blows": blows,
         }
 
     def highlights(self) -> list[tuple[str, str]]:
@@ -273,18 +290,26 @@ class FemSolution(ShownResult):
 
     @functools.cached_property
     def arrays(self) -> LabelledArrays:
-        """Histories of the first blow by the names of the case: vectors by ``axis``, stresses by ``component``."""
+        """Histories of the first blow by the names of the case: vectors by ``axis``, stresses by ``component``.
+
+        Of sectors, ``model_contact`` and ``model_energy`` are what the mesh alone came to.
+        """
         run, vector, means = self.run, ("time", "axis"), ("interval", "axis")
         variables = {}
 
         def add(kind: str, name: str, what: str, values: Array, unit: str, where: tuple[str, ...] = vector) -> None:
-            words = f"{what.replace('_', ' ')} of {kind} {name}"
+            words = f"{what.replace('_', ' ')} of {kind.replace('model_', 'the meshed sectors at ')} {name}"
             variables[f"{kind}.{name}.{what}"] = quantity(where, values, unit, words)
 
-        for name, force in run.force.items():
-            add("contact", name, "force", force, "N")
-            add("contact", name, "impulse", run.impulse[name], "N s")
-            add("contact", name, "mean_force", mean_force(run, name), "N", means)
+        bases = {"": run, **({"model_": self.model_run} if self.modelled else {})}
+        for base, of in bases.items():
+            for name, force in of.force.items():
+                add(f"{base}contact", name, "force", force, "N")
+                add(f"{base}contact", name, "impulse", of.impulse[name], "N s")
+                add(f"{base}contact", name, "mean_force", mean_force(of, name), "N", means)
+            for name in ENERGIES:
+                words = f"{name} energy{' of the meshed sectors' if base else ''}"
+                variables[f"{base}energy.{name}"] = quantity("time", of.energy[name], "J", words)
         for kind, named in (("part", run.parts), ("group", run.groups)):
             for name in named:
                 add(kind, name, "mean_acceleration", mean_acceleration(run, name), "m/s^2", means)
@@ -299,8 +324,6 @@ class FemSolution(ShownResult):
                         add(kind, name, what, getattr(history, what), unit)
         for name, section in run.sections.items():
             add("section", name, "stress", section.stress, "Pa", ("time", "component"))
-        for name in ENERGIES:
-            variables[f"energy.{name}"] = quantity("time", run.energy[name], "J", f"{name} energy")
         variables["energy.error"] = quantity("time", run.energy_error, "1", "energy missing (-) or too much")
         variables["momentum"] = quantity(vector, run.momentum, "kg m/s", "momentum of everything")
         variables["impulse_given"] = quantity(vector, run.impulse_given, "N s", "impulse from outside")
@@ -319,9 +342,11 @@ MOTION = {"displacement": "m", "velocity": "m/s", "acceleration": "m/s^2"}
 UNITS = {
     "step": "s",
     "added_mass": "kg",
+    "model_added_mass": "kg",
     "seconds": "s",
     "element_steps_per_second": "1/s",
     "contact_force_peak": "N",
+    "model_contact_force_peak": "N",
     "peak": "N",
     "time": "s",
     "impulse": "N s",
@@ -330,8 +355,11 @@ UNITS = {
     "duration": "s",
     "whole_peak": "N",
     "whole_impulse": "N s",
+    "model_peak": "N",
+    "model_impulse": "N s",
     "mass": "kg",
     "whole_mass": "kg",
+    "model_mass": "kg",
     "sectors": "1",
     "direction": "1",
     "rigid_peak": "m/s^2",
@@ -347,6 +375,7 @@ UNITS = {
     "momentum_error": "1",
     "restitution": "1",
     "plastic_energy": "J",
+    "model_plastic_energy": "J",
     "kinetic_share": "1",
     "added_distance": "m",
     "overlap": "m",
@@ -369,33 +398,42 @@ def of_blow(name: str, blow: int) -> str:
 
 def _blow(solution: FemSolution) -> dict[str, Any]:
     """Return what one of several blows came to, for the JSON document."""
-    blow, wholes, sector = blow_measure(solution.run, solution.model.touching), solution.wholes, solution.sectors
-    contacts = {name: None if x is None else _contact(x, wholes[name]) for name, x in solution.contacts.items()}
+    blow, modelled, sector = blow_measure(solution.run, solution.model.touching), solution.model_run, solution.sectors
+    twins = solution.model_contacts
     return {
         "blow": blow.blow,
-        "contacts": contacts,
-        "parts": {name: _part(part, sector[name]) for name, part in solution.parts.items()},
-        "groups": {name: _part(part, sector[name]) for name, part in solution.groups.items()},
+        "contacts": {name: _contact(x, twins[name]) for name, x in solution.contacts.items()},
+        "parts": {name: _part(part, sector[name], modelled.parts[name]) for name, part in solution.parts.items()},
+        "groups": {name: _part(part, sector[name], modelled.groups[name]) for name, part in solution.groups.items()},
         "restitution": dict(blow.restitution),
         "plastic_strain": dict(blow.plastic_strain),
         "plastic_energy": dict(blow.plastic_energy),
-        "energy_error": balance_measure(solution.run).energy,
+        "model_plastic_energy": dict(modelled.plastic_work),
+        "energy_error": solution.balance.energy,
         "rest": blow.rest._asdict() if blow.rest else None,
         "stopped": solution.run.stopped or None,
     }
 
 
-def _part(measure: PartMeasure, sector: Sector) -> dict[str, Any]:
+def _energy(run: FemRun) -> dict[str, float]:
+    """Return the energies at the start, all, and at the end."""
+    return {"initial": run.initial_energy, **{name: float(run.energy[name][-1]) for name in ENERGIES}}
+
+
+def _part(measure: PartMeasure, sector: Sector, modelled: PartHistory) -> dict[str, Any]:
     """Return the blow that a part took, and how many such sectors make its body, for the JSON document."""
-    whole = {"sectors": sector.pieces, "whole_mass": sector.pieces * measure.mass}
-    return {**dataclasses.asdict(measure), **whole}
+    masses = {"sectors": sector.pieces, "whole_mass": measure.mass, "model_mass": modelled.mass}
+    return {**dataclasses.asdict(measure), **masses}
 
 
-def _contact(found: ContactMeasure, whole: WholeForce | None) -> dict[str, float | None]:
-    """Return what a contact came to, and its force on whole bodies where parts are sectors, for the JSON document."""
+def _contact(found: ContactMeasure | None, modelled: ContactMeasure | None) -> dict[str, float] | None:
+    """Return what a contact came to on whole bodies and on what is meshed, for the JSON document."""
+    if found is None:
+        return None
     times = {"time": found.at, "begin": found.begin, "end": found.end, "duration": found.duration}
-    beyond = {"whole_peak": whole.peak, "whole_impulse": whole.impulse} if whole else {}
-    return {"peak": found.peak, "impulse": found.impulse, **times, **beyond}
+    meshed = {} if modelled is None else {"model_peak": modelled.peak, "model_impulse": modelled.impulse}
+    whole = {"whole_peak": found.peak, "whole_impulse": found.impulse}
+    return {"peak": found.peak, "impulse": found.impulse, **times, **whole, **meshed}
 
 
 def _components(name: str, unit: str, values: Array, axes: tuple[str, ...] = ("x", "y", "z")) -> Iterator[Any]:

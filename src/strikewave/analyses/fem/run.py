@@ -10,6 +10,7 @@ from strikewave.analyses.fem.build import build_model
 from strikewave.analyses.fem.field_names import fields_of_case
 from strikewave.analyses.fem.notices import all_notices
 from strikewave.analyses.fem.result import FemSolution
+from strikewave.analyses.fem.sectors import of_whole_bodies, sectors
 from strikewave.base import citations
 from strikewave.base.compile_progress import compiling_shown
 from strikewave.cases.case import Case
@@ -116,16 +117,19 @@ def run_model(case: Case, model: Model, options: RunOptions | None = None, snaps
         options = options._replace(writer=watch, later=later or (lambda _: Watch()), observer=recorder, frames=frames)
         run, *others = solve_blows(model, options)
     origin = [key for key in citations.SOURCES if case.source.startswith(key)][:1]
+    sector_of = sectors(case, model)
+    whole, *later_whole = (of_whole_bodies(model, blow, sector_of) for blow in (run, *others))
     solution = FemSolution(
         case=case,
         model=model,
-        run=run,
+        run=whole,
         frames=watch.shown,
         film=recorder,
-        notices=tuple(all_notices(case, model, (run, *others))),
         citations=(*origin, *sources(model)),
-        later=tuple(others),
+        later=tuple(later_whole),
+        modelled=() if whole is run else (run, *others),
     )
+    solution = dataclasses.replace(solution, notices=tuple(all_notices(solution)))
     return dataclasses.replace(solution, comparisons=solution.compared())
 
 

@@ -6,7 +6,7 @@ import contextlib
 import dataclasses
 import math
 import os
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -17,7 +17,7 @@ from strikewave.analyses.fem.parts import exact_volume
 from strikewave.analyses.fem.report.largest import largest_words
 from strikewave.analyses.fem.result import FemSolution
 from strikewave.analyses.fem.run import check_model, first_step, run_model
-from strikewave.analyses.fem.sectors import WholeForce, blow_of_bodies, sectors
+from strikewave.analyses.fem.sectors import blow_of_bodies, sectors
 from strikewave.analyses.fem.unfinished import STATE, FieldFiles, unfinished
 from strikewave.base.errors import InputError
 from strikewave.base.json_document import head, plain, without
@@ -26,7 +26,7 @@ from strikewave.cases.case import Case
 from strikewave.cases.written_case import dump_case
 from strikewave.fem.blow_measures import blow_measure
 from strikewave.fem.device.devices import Device, device_named
-from strikewave.fem.measures import ENERGY_LIMIT, HOURGLASS_LIMIT, ContactMeasure, balance_measure
+from strikewave.fem.measures import ENERGY_LIMIT, HOURGLASS_LIMIT, ContactMeasure
 from strikewave.fem.model import Model
 from strikewave.fem.quality import UNWARPED, PartQuality, quality_report
 from strikewave.fem.run import ENERGIES
@@ -49,8 +49,6 @@ from strikewave.reporting.terminal import (
 )
 
 NAMES = {2: "half", 4: "quarter"}
-SHARES = {1: "", 2: " (half of it)", 4: " (quarter of it)"}
-"""Said of a part that is a sector, by how many make the whole."""
 LEAST_OFF = 1e-4
 """Share of a part's volume that its flat faces take, and is reported: chosen, a tenth of what a mesh errs by."""
 MOST_REST, REST_WORDS = 3.5, "1 to 3.5 times"
@@ -97,7 +95,8 @@ def check_element_case(case: Case, json: bool, threads: int = 1) -> int:
     model, quality = _reported_model(case, threads)
     check_model(model)
     show_notices(tuple(model_notices(case, model)))
-    print_json(_check_document(case, model, quality)) if json else _show_quality(model, quality)
+    masses = _masses(case, model, quality)
+    print_json(_check_document(case, model, quality, masses)) if json else _show_quality(quality, masses)
     return 0
 
 
@@ -192,10 +191,9 @@ def progress() -> Iterator[Callable[[Progress], None]]:
 
 def say_model(case: Case, model: Model, quality: Sequence[PartQuality]) -> None:
     """Say what will be run: elements, nodes, masses, the worst element, about how many steps."""
-    mesh, controls, sector_of = model.mesh, model.controls, sectors(case, model)
+    mesh, controls = model.mesh, model.controls
     say(f"{len(mesh.hexahedra)} elements, {len(mesh.points)} nodes")
-    masses = {row.part: row.volume * model.solids[row.part].density for row in quality}
-    say("mass: " + ", ".join(f"{name} {_mass_words(mass, sector_of[name].pieces)}" for name, mass in masses.items()))
+    say("mass: " + ", ".join(f"{name} {_mass_words(*mass)}" for name, mass in _masses(case, model, quality).items()))
     worst = min(quality, key=lambda row: row.scaled_jacobian)
     place = ", ".join(f"{x * 1e3:.4g}" for x in worst.worst_at)
     say(f"worst element: scaled Jacobian {worst.scaled_jacobian:.2f} in {worst.part} at ({place}) mm")
@@ -217,16 +215,22 @@ def say_model(case: Case, model: Model, quality: Sequence[PartQuality]) -> None:
     )
 
 
+def _masses(case: Case, model: Model, quality: Sequence[PartQuality]) -> dict[str, tuple[float, int]]:
+    """Return the mass of the mesh of each part, kg, and how many such sectors make its body."""
+    sector_of = sectors(case, model)
+    return {row.part: (row.volume * model.solids[row.part].density, sector_of[row.part].pieces) for row in quality}
+
+
 def _mass_words(mass: float, pieces: int) -> str:
-    """Write the mass of a part, and that of the whole body where it is a sector.
+    """Write the mass of a body, and of it that of the mesh where that is a sector.
 
     Examples
     --------
     >>> _mass_words(0.1655, 4), _mass_words(0.1655, 1)
-    ('0.1655 kg (quarter; 0.662 kg whole)', '0.1655 kg')
+    ('0.662 kg (a quarter is meshed, 0.1655 kg)', '0.1655 kg')
     """
-    whole = f" ({NAMES[pieces]}; {pieces * mass:.4g} kg whole)" if pieces > 1 else ""
-    return f"{mass:.4g} kg{whole}"
+    meshed = f" (a {NAMES[pieces]} is meshed, {mass:.4g} kg)" if pieces > 1 else ""
+    return f"{pieces * mass:.4g} kg{meshed}"
 
 
 def brief(value: float) -> str:
@@ -252,10 +256,9 @@ def say_faceted(case: Case, quality: Sequence[PartQuality]) -> None:
 
 def show(solution: FemSolution) -> None:
     """Print parts, contacts and balance."""
-    sector_of = solution.sectors
     rows = [
         [
-            name + SHARES[sector_of[name].pieces],
+            name,
             number(part.mass, "kg", "kg"),
             number(part.rigid_peak, "m/s^2", "g", 5),
             number(part.width, "s", "us"),
@@ -278,11 +281,7 @@ def show(solution: FemSolution) -> None:
     table("Largest in the elements", [*keys("part"), *numerals("von Mises stress (MPa)", "plastic strain")], rows)
     if solution.film is not None and (words := largest_words(solution.film, solution.model.mesh)):
         tell(words)
-    wholes = solution.wholes
-    rows = [
-        [name, *([*"-----"] if one is None else _contact_cells(one)), *_whole_cells(wholes[name] if one else None)]
-        for name, one in solution.contacts.items()
-    ]
+    rows = [[name, *([*"-----"] if one is None else _contact_cells(one))] for name, one in solution.contacts.items()]
     if rows:
         columns = [
             *keys("contact"),
@@ -290,10 +289,9 @@ def show(solution: FemSolution) -> None:
             *numerals("at (us)", priority=MORE),
             *numerals("impulse (N s)"),
             *numerals("begins (us)", priority=MORE),
-            *numerals("lasts (us)", "peak, whole bodies (kN)", "impulse, whole bodies (N s)"),
+            *numerals("lasts (us)"),
         ]
-        many = len(columns) if any(wholes.values()) else len(columns) - 2
-        table("Contacts", columns[:many], [row[:many] for row in rows])
+        table("Contacts", columns, rows)
     print_published(solution.comparisons)
     _show_balance(solution)
     if solution.later:
@@ -305,12 +303,8 @@ def _contact_cells(found: Any) -> list[str]:
     return [number(found.peak, "N", "kN", 5), times[0], number(found.impulse, "N s", "N s"), *times[1:]]
 
 
-def _whole_cells(whole: WholeForce | None) -> list[str]:
-    return ["-", "-"] if whole is None else [number(whole.peak, "N", "kN", 5), number(whole.impulse, "N s", "N s")]
-
-
 def _show_balance(solution: FemSolution) -> None:
-    run, balance = solution.run, balance_measure(solution.run)
+    run, balance = solution.run, solution.balance
     kinds = [name for name in ENERGIES if run.energy[name].any()]
     cells = [number(run.initial_energy, "J", "J"), *(number(float(run.energy[name][-1]), "J", "J") for name in kinds)]
     table("Energy at the end", numerals(*(headed(name, "J", "J") for name in ("initial", *kinds))), [cells])
@@ -328,7 +322,7 @@ def _show_blows(solution: FemSolution) -> None:
     for each in solution.blows:
         blow, touched = blow_measure(each.run, each.model.touching), [x for x in each.contacts.values() if x]
         most = max(touched, key=lambda x: x.peak, default=None)
-        body, pulse = next(iter(blow_of_bodies(each.model, each.run, each.sectors).items()))
+        body, pulse = next(iter(blow_of_bodies(each.model, each.run).items()))
         back = [x for x in blow.restitution.values() if x is not None]
         rows.append(
             [
@@ -338,7 +332,7 @@ def _show_blows(solution: FemSolution) -> None:
                 f"{body}: {number(pulse.rigid_peak, 'm/s^2', 'g', 5)}",
                 number(max(blow.plastic_strain.values(), default=math.nan), "1", "1", 3),
                 number(sum(blow.plastic_energy.values()), "J", "J", 3),
-                f"{balance_measure(each.run).energy:+.1e}",
+                f"{each.balance.energy:+.1e}",
             ]
         )
     columns = [*numerals("blow", priority=KEY), *numerals("peak (kN)", "impulse (N s)", "lasts (us)")]
@@ -360,14 +354,14 @@ def _pulse_cells(found: ContactMeasure) -> list[str]:
     return [number(found.peak, "N", "kN", 5), number(found.impulse, "N s", "N s"), number(found.duration, "s", "us")]
 
 
-def _show_quality(model: Model, quality: Sequence[PartQuality]) -> None:
-    """Print the quality of the mesh by part."""
+def _show_quality(quality: Sequence[PartQuality], masses: Mapping[str, tuple[float, int]]) -> None:
+    """Print the quality of the mesh by part, with the masses of the bodies."""
     rows = [
         [
             row.part,
             str(row.elements),
             str(row.nodes),
-            number(row.volume * model.solids[row.part].density, "kg", "kg"),
+            number(math.prod(masses[row.part]), "kg", "kg"),
             number(row.shortest_edge, "m", "mm"),
             number(row.longest_edge, "m", "mm"),
             f"{row.aspect_ratio:.2f}",
@@ -382,10 +376,17 @@ def _show_quality(model: Model, quality: Sequence[PartQuality]) -> None:
     table("Mesh", columns, rows)
 
 
-def _check_document(case: Case, model: Model, quality: Sequence[PartQuality]) -> dict[str, Any]:
+def _check_document(
+    case: Case, model: Model, quality: Sequence[PartQuality], masses: Mapping[str, tuple[float, int]]
+) -> dict[str, Any]:
     """Return the JSON document of a model that was checked."""
     units = {"volume": "m^3", "shortest_edge": "m", "longest_edge": "m", "warpage": "rad", "worst_at": "m", "step": "s"}
+    units |= {"mass": "kg", "model_mass": "kg"}
     counted = {"elements": len(model.mesh.hexahedra), "nodes": len(model.mesh.points), "step": first_step(model)}
-    rows = {row.part: without(dataclasses.asdict(row), "part", "step") for row in quality}
+    rows = {
+        row.part: without(dataclasses.asdict(row), "part", "step")
+        | {"mass": math.prod(masses[row.part]), "model_mass": masses[row.part][0]}
+        for row in quality
+    }
     notices = [notice.document() for notice in model_notices(case, model)]
     return plain({**head(units, notices), "case": case.name, **counted, "parts": rows})

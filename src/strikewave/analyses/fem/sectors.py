@@ -1,24 +1,34 @@
-"""Sectors of a finite element model: how much of each body is there, along which planes it was cut, what holds them."""
+"""Sectors of a finite element model: how much of each body is meshed, what holds its cuts, and the run of whole bodies.
+
+Sums over a body (mass, force, impulse, energy) are so many times those of its sector as sectors make the body; vectors
+lose what lies across a plane of symmetry, which cancels with that of the mirror image. `of_whole_bodies` does both
+once, where a result is made: all that is shown of a run is taken from what it returns.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from dataclasses import dataclass
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from strikewave.cases.case import Case
 from strikewave.fem.boundary import unit
-from strikewave.fem.measures import PartMeasure, interval_means, part_measure
+from strikewave.fem.measures import PartMeasure, part_measure
 from strikewave.fem.model import Fixed, Guided, Model, NonReflecting, Symmetry
-from strikewave.fem.run import FemRun
+from strikewave.fem.recorder import assembly
+from strikewave.fem.run import FemRun, PartHistory, SectionHistory
 from strikewave.fem.skin import outward
 
 Array = NDArray[np.float64]
 
 ACROSS = 1e-6
 """Sine of the angle below which a way lies in a plane: files of meshes keep six digits or more."""
+_TENSOR = np.array([[0, 3, 5], [3, 1, 4], [5, 4, 2]])
+"""Where the components of a stress, xx yy zz xy yz zx, stand in a tensor."""
+_COMPONENTS = np.array([0, 4, 8, 1, 5, 2])
+"""Where they are found in a tensor, row by row."""
 
 
 @dataclass(frozen=True)
@@ -47,13 +57,9 @@ class Sector:
             projector = projector - np.outer(normal, normal)
         return projector
 
-
-@dataclass(frozen=True)
-class WholeForce:
-    """A contact of whole bodies, from that of their sectors: largest mean force, N, and impulse, N s."""
-
-    peak: float
-    impulse: float
+    def whole(self, summed: Array) -> Array:
+        """Return the vectors (instants, 3) of the whole body from those summed over its sector."""
+        return np.asarray(self.pieces * (summed @ self.free)) if self.pieces > 1 else summed
 
 
 def sectors(case: Case | None, model: Model) -> dict[str, Sector]:
@@ -100,44 +106,96 @@ def open_cuts(model: Model, sector_of: dict[str, Sector]) -> Iterator[str]:
                 yield side
 
 
-def whole_forces(model: Model, run: FemRun, sector_of: dict[str, Sector]) -> dict[str, WholeForce | None]:
-    """Return `whole_force` of each contact and wall."""
-    return {name: whole_force(run, sector_of, name, sides) for name, sides in model.touching.items()}
+def of_whole_bodies(model: Model, run: FemRun, sector_of: dict[str, Sector]) -> FemRun:
+    """Return the histories of whole bodies from those of their sectors; the run itself where all are whole.
 
-
-def whole_force(run: FemRun, sector_of: dict[str, Sector], name: str, sides: tuple[str, ...]) -> WholeForce | None:
-    """Return the contact of the whole bodies; None where they are no sectors, or not the same.
-
-    Forces across a plane of symmetry cancel with those on its mirror image; the others add up.
+    A contact of sectors that do not match stays as it is modelled; so do energies, momentum and added mass of
+    everything where the parts are not all the same sector (`unlike_sectors`).
     """
-    impulse = whole_impulse(run, sector_of, name, sides)
-    if impulse is None:
-        return None
-    mean = np.linalg.norm(interval_means(impulse, run.time), axis=1)
-    return WholeForce(float(mean.max(initial=0.0)), float(np.linalg.norm(impulse[-1])))
+    if all(sector_of[name].pieces == 1 for name in run.parts):
+        return run
+    shared = _shared(sector_of, list(run.parts))
+    touching = {name: _shared(sector_of, [_part(side) for side in sides]) for name, sides in model.touching.items()}
+    parts = {name: _whole_part(part, sector_of[name]) for name, part in run.parts.items()}
+    cuts = {section.name: section for section in model.sections}
+    sections = {
+        name: _whole_section(section, sector_of[cuts[name].part], unit(cuts[name].normal, "normal"))
+        for name, section in run.sections.items()
+    }
+    rest = run.rest and run.rest._replace(
+        plastic_energy=shared.pieces * run.rest.plastic_energy, plastic_before=shared.pieces * run.rest.plastic_before
+    )
+    return replace(
+        run,
+        force={name: touching[name].whole(force) for name, force in run.force.items()},
+        impulse={name: touching[name].whole(impulse) for name, impulse in run.impulse.items()},
+        energy={name: shared.pieces * values for name, values in run.energy.items()},
+        initial_energy=shared.pieces * run.initial_energy,
+        parts=parts,
+        groups={name: assembly(parts, model.groups[name]) for name in run.groups},
+        sections=sections,
+        momentum=shared.whole(run.momentum),
+        impulse_given=shared.whole(run.impulse_given),
+        added_mass=shared.pieces * run.added_mass,
+        pressed={name: _whole_faces(pressed, touching[name].pieces) for name, pressed in run.pressed.items()},
+        rest=rest,
+        plastic_work={name: sector_of[name].pieces * work for name, work in run.plastic_work.items()},
+    )
 
 
-def whole_impulse(run: FemRun, sector_of: dict[str, Sector], name: str, sides: tuple[str, ...]) -> Array | None:
-    """Return the impulse of a contact of the whole bodies, N s, (instants, 3); None as of `whole_force`."""
-    both = [sector_of[side.partition(".")[0]] for side in sides]
-    if both[0].pieces == 1 or any(not _alike(both[0], other) for other in both):
-        return None
-    return np.asarray(both[0].pieces * (run.impulse[name] @ both[0].free))
+def unlike_sectors(model: Model, sector_of: dict[str, Sector]) -> list[str]:
+    """Return the parts that are sectors, where the parts of a model are not all the same sector."""
+    shared = _shared(sector_of, list(model.mesh.names))
+    return [] if shared.pieces > 1 else [name for name in model.mesh.names if sector_of[name].pieces > 1]
 
 
-def blow_of_bodies(model: Model, run: FemRun, sector_of: dict[str, Sector]) -> dict[str, PartMeasure]:
+def blow_of_bodies(model: Model, run: FemRun) -> dict[str, PartMeasure]:
     """Return the blow that each body took: groups, then parts that nothing holds, then the others, the heaviest first.
 
-    Held are parts with a fixed or non-reflecting side. What does not move comes last.
+    Held are parts with a fixed or non-reflecting side. What does not move comes last. ``run`` is that of whole bodies.
     """
-    held_parts = {b.side.partition(".")[0] for b in model.boundaries if isinstance(b, Fixed | NonReflecting)}
-    bodies = {name: part_measure(run, name, sector_of[name].free) for name in (*run.groups, *run.parts)}
+    held_parts = {_part(b.side) for b in model.boundaries if isinstance(b, Fixed | NonReflecting)}
+    bodies = {name: part_measure(run, name) for name in (*run.groups, *run.parts)}
 
     def place(name: str) -> tuple[bool, bool, bool, float]:
         body, part = bodies[name], name not in run.groups
-        return body.velocity_change == 0.0, part, part and name in held_parts, -body.mass * sector_of[name].pieces
+        return body.velocity_change == 0.0, part, part and name in held_parts, -body.mass
 
     return {name: bodies[name] for name in sorted(bodies, key=place)}
+
+
+def _part(side: str) -> str:
+    return side.partition(".")[0]
+
+
+def _shared(sector_of: dict[str, Sector], names: Sequence[str]) -> Sector:
+    """Return the sector that all parts of some names are; the whole where they are not the same."""
+    first, *others = (sector_of[name] for name in names)
+    return first if all(_alike(first, other) for other in others) else Sector()
+
+
+def _whole_part(part: PartHistory, sector: Sector) -> PartHistory:
+    moved = (history @ sector.free for history in (part.velocity, part.acceleration, part.displacement))
+    return PartHistory(sector.pieces * part.mass, *moved)
+
+
+def _whole_section(section: SectionHistory, sector: Sector, normal: Array) -> SectionHistory:
+    """Return the means over a section of the whole body: over its mirror images at the planes that it crosses squarely.
+
+    A plane along the cut itself has its mirror image elsewhere, which is another section.
+    """
+    stress, velocity, acceleration = section.stress[:, _TENSOR], section.velocity, section.acceleration
+    for cut in sector.normals:
+        if abs(float(normal @ cut)) < ACROSS:
+            mirror = np.eye(3) - 2.0 * np.outer(cut, cut)
+            stress = 0.5 * (stress + mirror @ stress @ mirror)
+            velocity, acceleration = (0.5 * (history + history @ mirror) for history in (velocity, acceleration))
+    return SectionHistory(section.elements, stress.reshape(-1, 9)[:, _COMPONENTS], velocity, acceleration)
+
+
+def _whole_faces(pressed: Array, pieces: int) -> Array:
+    """Return the share of surfaces that is pressed, which is that of the whole, and how many faces that is."""
+    return np.asarray(pressed * np.array([1.0, pieces]))
 
 
 def _alike(first: Sector, second: Sector) -> bool:

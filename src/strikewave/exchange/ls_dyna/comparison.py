@@ -1,6 +1,7 @@
 """A run of LS-DYNA compared with one of strikewave: forces, energies, fields, and their differences; SI.
 
-Of strikewave it reads what `strikewave fem` wrote: ``histories.nc`` and, where it is there, ``field.vtkhdf``.
+Of strikewave it reads what `strikewave fem` wrote: ``histories.nc`` and, where it is there, ``field.vtkhdf``. Where a
+sector of the bodies is meshed both runs are compared as meshed: the deck holds that sector alone.
 """
 
 from __future__ import annotations
@@ -67,6 +68,8 @@ class StrikewaveRun:
         By part, over the frames of ``field.vtkhdf``; empty without it.
     blows : int
         That the folder holds; only the first is read.
+    as_meshed : bool
+        Forces and energies are those of meshed sectors, whole bodies have more.
     """
 
     folder: Path
@@ -75,6 +78,7 @@ class StrikewaveRun:
     energies: EnergyHistory
     extremes: Mapping[str, Extreme]
     blows: int = 1
+    as_meshed: bool = False
 
 
 @dataclass(frozen=True)
@@ -157,13 +161,15 @@ def read_strikewave(folder: Path) -> StrikewaveRun:
         import xarray
 
         with xarray.open_dataset(path, engine="h5netcdf") as dataset:
-            forces, energies = _forces(dataset), _energies(dataset)
+            as_meshed = "model_energy.kinetic" in dataset
+            meshed = "model_" if as_meshed else ""
+            forces, energies = _forces(dataset, meshed), _energies(dataset, meshed)
             title = tomllib.loads(str(dataset.attrs["case"])).get("title", folder.name)
         blows = 1 + sum(LATER.fullmatch(file.name) is not None for file in folder.iterdir())
     except (OSError, KeyError, ValueError, TypeError, RuntimeError, AttributeError, MemoryError) as error:
         hint = str(error)[:LONGEST_HINT]
         raise InputError("--compare", str(path), "histories as strikewave fem writes them", hint) from None
-    return StrikewaveRun(folder, str(title), forces, energies, _extremes(folder / "field.vtkhdf"), blows)
+    return StrikewaveRun(folder, str(title), forces, energies, _extremes(folder / "field.vtkhdf"), blows, as_meshed)
 
 
 def compare_runs(
@@ -270,23 +276,24 @@ def _matched(
     return pairs
 
 
-def _forces(dataset: Any) -> dict[str, Force]:
+def _forces(dataset: Any, meshed: str) -> dict[str, Force]:
+    """Return the mean forces of contacts; ``meshed`` begins the names of those of sectors, as the deck has them."""
     time = np.asarray(dataset["interval"].values, float)
     forces = {}
     for key in dataset.data_vars:
         name = str(key)
-        if name.startswith("contact.") and name.endswith(".mean_force"):
+        if name.startswith(f"{meshed}contact.") and name.endswith(".mean_force"):
             own = name.removesuffix(".mean_force")
             impulse = np.asarray(dataset[f"{own}.impulse"].values, float)[-1]
-            forces[own.removeprefix("contact.")] = Force(time, np.asarray(dataset[key].values, float), impulse)
+            forces[own.removeprefix(f"{meshed}contact.")] = Force(time, np.asarray(dataset[key].values, float), impulse)
     if time.ndim != 1 or any(force.force.shape != (time.size, 3) for force in forces.values()):
         raise ValueError("its contact forces are not three components over the intervals")
     return forces
 
 
-def _energies(dataset: Any) -> EnergyHistory:
+def _energies(dataset: Any, meshed: str) -> EnergyHistory:
     """Return the energies in LS-DYNA's words: bulk viscosity is part of ``internal``."""
-    energy = {name: np.asarray(dataset[f"energy.{name}"].values, float) for name in (*KEPT, "external")}
+    energy = {name: np.asarray(dataset[f"{meshed}energy.{name}"].values, float) for name in (*KEPT, "external")}
     total = np.sum([energy[name] for name in KEPT], axis=0)
     internal = energy["internal"] + energy.pop("viscous")
     return EnergyHistory(np.asarray(dataset["time"].values, float), {**energy, "internal": internal, "total": total})

@@ -15,7 +15,6 @@ from strikewave.analyses.fem.result import FemSolution
 from strikewave.analyses.fem.run import run_fem
 from strikewave.base.percents import percent
 from strikewave.cases.case import Case, load_case
-from strikewave.fem.measures import balance_measure
 from strikewave.papers.li_ma_2019.element_pulses import specimen_body
 from strikewave.papers.li_ma_2019.execution import Execution
 from strikewave.papers.li_ma_2019.runs import coarser
@@ -64,14 +63,14 @@ class Answer(NamedTuple):
 def answer(solution: FemSolution) -> Answer:
     """Return the answer of a run; NaN where nothing touched."""
     name = next(iter(solution.contacts))
-    touched, whole = solution.contacts[name], solution.wholes[name]
+    touched = solution.contacts[name]
     if touched is None:
         return Answer(*[math.nan] * 5)
     body = {**solution.parts, **solution.groups}[specimen_body(solution)]
     return Answer(
-        peak_force=touched.peak if whole is None else whole.peak,
+        peak_force=touched.peak,
         width=touched.duration,
-        impulse=touched.impulse if whole is None else whole.impulse,
+        impulse=touched.impulse,
         body_peak=body.rigid_peak,
         plastic_strain=max(part.plastic_strain for part in solution.parts.values()),
     )
@@ -104,7 +103,7 @@ class MeshRow:
 def mesh_row(case: Case, size: float, threads: int = 1) -> MeshRow:
     """Run a case whose elements have ``size`` times their usual size, and return its row."""
     solution = run_fem(case, threads)
-    run, balance = solution.run, balance_measure(solution.run)
+    run, balance = solution.run, solution.balance
     return MeshRow(size, run.elements, run.steps, run.seconds, balance.energy, balance.hourglass, answer(solution))
 
 

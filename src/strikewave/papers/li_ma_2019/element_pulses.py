@@ -85,13 +85,10 @@ def specimen_body(solution: FemSolution) -> str:
 def whole_force(solution: FemSolution) -> tuple[Array, Array, float] | None:
     """Return the force of the first contact between the whole bodies: s, N, and its impulse, N s; None without one."""
     run, name = solution.run, next(iter(solution.run.force), None)
-    part = None if name is None else contact_measure(run, name)
-    if name is None or part is None:
+    measure = None if name is None else contact_measure(run, name)
+    if name is None or measure is None:
         return None
-    whole = solution.wholes[name]
-    size = np.linalg.norm(mean_force(run, name), axis=1)
-    scale, impulse = (1.0, part.impulse) if whole is None else (whole.peak / part.peak, whole.impulse)
-    return middles(run.time), scale * size, impulse
+    return middles(run.time), np.linalg.norm(mean_force(run, name), axis=1), measure.impulse
 
 
 def rise_slope(time: Array, values: Array, shares: tuple[float, float]) -> float:
@@ -133,7 +130,7 @@ def element_numbers(solution: FemSolution) -> ElementNumbers:
         rigid_peak=pulse.measure.rigid_peak,
         width=pulse.measure.width,
         impulse=None if force is None else force[2],
-        momentum=pulse.measure.velocity_change * pulse.measure.mass * solution.sectors[body].pieces,
+        momentum=pulse.measure.velocity_change * pulse.measure.mass,
         slope_early=None if force is None else rise_slope(*force[:2], EARLY),
         slope_late=None if force is None else rise_slope(*force[:2], LATE),
         section_peak=None if section is None else float((interval_means(section.velocity, run.time) @ along).max()),

@@ -13,7 +13,6 @@ from strikewave.analyses.fem.result import FemSolution
 from strikewave.base.json_document import without
 from strikewave.base.result import Notice, Result, Source
 from strikewave.base.units import DIMENSIONS, convertible, in_unit
-from strikewave.fem.measures import balance_measure
 from strikewave.papers.li_ma_2019.assumed import SHARE, DimensionStudy, MeshRow
 from strikewave.papers.li_ma_2019.body_rows import BodyRow, body_rows
 from strikewave.papers.li_ma_2019.further import Further
@@ -324,7 +323,7 @@ def joint_document(cell: JointCell, study: JointStudy) -> dict[str, Any]:
 
 def element_document(solution: FemSolution) -> dict[str, Any]:
     """Return what a finite-element run took, and its balance errors."""
-    run, balance = solution.run, balance_measure(solution.run)
+    run, balance = solution.run, solution.balance
     return {
         "case": solution.case.name,
         "elements": run.elements,

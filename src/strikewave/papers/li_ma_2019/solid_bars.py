@@ -210,7 +210,7 @@ def element_answer(solution: FemSolution, watched: float | None) -> SimpleAnswer
     _, force, _ = contact_force
     spans = np.diff(solution.run.time)
     body = struck_body(solution)
-    mass = solution.sectors[body].pieces * {**solution.parts, **solution.groups}[body].mass
+    mass = {**solution.parts, **solution.groups}[body].mass
     return answer_of("elements", solution.run.time, np.concatenate([[0.0], np.cumsum(force * spans)]), mass, watched)
 
 

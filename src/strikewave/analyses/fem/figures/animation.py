@@ -28,8 +28,7 @@ from strikewave.analyses.fem.figures.cut import (
     window_of,
 )
 from strikewave.analyses.fem.figures.pictures.windows import frame_window, instant_words
-from strikewave.analyses.fem.sectors import whole_impulse
-from strikewave.fem.measures import blow_axis, interval_means, mean_acceleration, mean_force, middles
+from strikewave.fem.measures import blow_axis, mean_acceleration, mean_force, middles
 from strikewave.fem.skin import Skin
 from strikewave.fem.snapshots import Snapshot, SnapshotRecorder
 from strikewave.reporting.animation.gif import write_gif
@@ -180,34 +179,19 @@ def chosen(film: SnapshotRecorder) -> list[Snapshot]:
 def traces_of(solution: FemSolution) -> list[PanelHistories]:
     """Return the contact forces and the rigid-body accelerations along the blow, those that reach farthest.
 
-    Forces are those of whole bodies where sectors match; their names state it. Parts of a group move as the group.
+    Parts of a group move as the group.
     """
     run, groups = solution.run, solution.model.groups
     between = middles(run.time)
-    means = _forces(solution)
-    every = bool(means) and all(whole for _, whole in means.values())
     (newton, force_unit), (size, unit) = axis_unit("N", "kN"), axis_unit("m/s^2", "g")
-    forces = {
-        name + ", whole bodies" * (whole and not every): np.linalg.norm(mean, axis=1) / newton
-        for name, (mean, whole) in means.items()
-    }
+    forces = {shortened(name, 34): np.linalg.norm(mean_force(run, name), axis=1) / newton for name in run.force}
     axis, grouped = blow_axis(run), {part for parts in groups.values() for part in parts}
     bodies = [*groups, *(name for name in run.parts if name not in grouped)]
     rates = {name: mean_acceleration(run, name) @ axis / size for name in bodies}
     return [
-        PanelHistories("contact force" + ", whole bodies" * every, force_unit, _curves(between, forces)),
+        PanelHistories("contact force", force_unit, _curves(between, forces)),
         PanelHistories("rigid-body acceleration along the blow", unit, _curves(between, rates)),
     ]
-
-
-def _forces(solution: FemSolution) -> dict[str, tuple[Array, bool]]:
-    """Return the mean contact forces, N, of whole bodies where sectors match, and whether they are."""
-    run, sector, forces = solution.run, solution.sectors, {}
-    for name, sides in solution.model.touching.items():
-        whole = whole_impulse(run, sector, name, sides)
-        mean = mean_force(run, name) if whole is None else interval_means(whole, run.time)
-        forces[shortened(name, 34)] = mean, whole is not None
-    return forces
 
 
 def _curves(time: Array, values: Mapping[str, Array]) -> dict[str, tuple[Array, Array]]:

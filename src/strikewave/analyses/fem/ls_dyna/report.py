@@ -63,7 +63,7 @@ def ls_dyna_words(comparison: RunComparison) -> str:
         return (
             f"Contact {pair.name}: LS-DYNA reaches {with_unit(pair.ls_dyna.peak, 'N', 'kN')}, strikewave "
             f"{with_unit(pair.strikewave.peak, 'N', 'kN')} ({share(pair.difference('peak'))}); pulse width "
-            f"{share(pair.difference('width'))}, impulse {share(pair.difference('impulse'))}."
+            f"{share(pair.difference('width'))}, impulse {share(pair.difference('impulse'))}.{_meshed(comparison)}"
         )
     pulses = {contact.name: pulse_of(contact.first) for contact in comparison.ls_dyna.contacts}
     touched = {name: pulse for name, pulse in pulses.items() if pulse}
@@ -71,6 +71,12 @@ def ls_dyna_words(comparison: RunComparison) -> str:
         return "No contact force is in the folder." if not pulses else "Nothing touched."
     name, strongest = max(touched.items(), key=lambda entry: entry[1].peak)
     return f"Contact {name} of LS-DYNA reaches {with_unit(strongest.peak, 'N', 'kN')}; no run of strikewave to compare."
+
+
+def _meshed(comparison: RunComparison) -> str:
+    """Say that a sector is compared, where forces of whole bodies stand elsewhere."""
+    of_sector = comparison.strikewave is not None and comparison.strikewave.as_meshed
+    return " Forces and energies of both are those of the meshed sector, not of whole bodies." if of_sector else ""
 
 
 def _key_numbers(comparison: RunComparison) -> list[tuple[str, str]]:

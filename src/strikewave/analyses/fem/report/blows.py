@@ -8,7 +8,6 @@ from typing import TYPE_CHECKING
 from strikewave.analyses.fem.figures.blows import blows_figure
 from strikewave.analyses.fem.sectors import blow_of_bodies
 from strikewave.fem.blow_measures import blow_measure
-from strikewave.fem.measures import balance_measure
 from strikewave.reporting.numbers import shown, shown_heads
 from strikewave.reporting.parts import NONE, Cell, Picture, Section, Table, written
 
@@ -37,7 +36,7 @@ def _forces(solution: FemSolution) -> Table:
     rows: list[list[Cell]] = []
     for blow in solution.blows:
         restitution = blow_measure(blow.run, blow.model.touching).restitution
-        name, pulse = next(iter(blow_of_bodies(blow.model, blow.run, blow.sectors).items()))
+        name, pulse = next(iter(blow_of_bodies(blow.model, blow.run).items()))
         width = NONE if math.isnan(pulse.width) else written(shown(pulse.width, "s", "us"))
         change = written(shown(pulse.velocity_change, "m/s", "m/s"))
         rigid = [f"{name}: {written(shown(pulse.rigid_peak, 'm/s^2', 'g'))}", width, change]
@@ -69,7 +68,7 @@ def _yield(solution: FemSolution) -> Table:
             NONE if math.isnan(strain) else written(strain),
             *(written(shown(value, "J", "J")) for value in energy),
         ]
-        rows.append([str(measure.blow), *cells, f"{balance_measure(blow.run).energy:+.1e}", *to_rest])
+        rows.append([str(measure.blow), *cells, f"{blow.balance.energy:+.1e}", *to_rest])
     heads = ["blow", "plastic strain, largest", "taken by yield (J)", "energy at the start (J)", "energy balance error"]
     heads += [
         "kinetic-energy maxima of relaxation",

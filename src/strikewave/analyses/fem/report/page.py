@@ -14,15 +14,14 @@ from strikewave.analyses.fem.figures import histories
 from strikewave.analyses.fem.figures.pictures import contact_zone, mesh_picture, view_of
 from strikewave.analyses.fem.report.blows import blows_section
 from strikewave.analyses.fem.report.fields import fields_section
-from strikewave.analyses.fem.sectors import Sector, WholeForce, blow_of_bodies
+from strikewave.analyses.fem.sectors import blow_of_bodies
 from strikewave.base.result import BALANCE_LIMIT
+from strikewave.fem.blow_measures import still_presses
 from strikewave.fem.measures import (
     ENERGY_LIMIT,
     HOURGLASS_LIMIT,
     BalanceMeasure,
     ContactMeasure,
-    PartMeasure,
-    balance_measure,
     contact_measure,
     part_measure,
 )
@@ -50,13 +49,9 @@ _SOLIDS = {
 }
 _BOUNDARIES = {"NonReflecting": "non-reflecting", "Symmetry": "plane of symmetry"}
 _SHARES = {2: "half", 4: "quarter"}
-TOUCHES_AT_END = 0.01
-"""Share of the peak force above which a contact counts as touching at the end (chosen: well below the tenth of the peak
-that ends its duration, so that a contact that still fades is marked)."""
 MOST_BODIES = 4
 """Bodies whose pulses the summary names (chosen: the text stays a paragraph; the table of parts has them all)."""
 _OF_BLOW = re.compile(r"blow (\d+): ")
-_OF_SECTORS = " Force and impulse of the modelled sectors; the table has those of whole bodies."
 _GROUPS_FIRST = (
     " Groups, drawn thicker, set the scale; a part that reaches far beyond it is cut off, and its legend says how far "
     "it goes."
@@ -88,24 +83,22 @@ def fem_report(solution: FemSolution) -> str:
     solution : FemSolution
         What ran and what it gave; without frames the page has a note of it.
     """
-    sectors, wholes = solution.sectors, solution.wholes
-    bodies = blow_of_bodies(solution.model, solution.run, sectors)
-    tables = [_contact_table(solution.run, wholes), _part_table(solution.run, sectors)]
+    tables = [_contact_table(solution.run), _part_table(solution.run)]
     sections = [
-        _histories(solution.run, wholes),
+        _histories(solution.run),
         fields_section(solution),
         Section("Contacts and parts", f"{_CONTACT} {_PARTS}", tables),
         *([blows_section(solution)] if solution.later else []),
-        _balances(solution.run),
+        _balances(solution.run, solution.balance),
         *chapters.published(solution.comparisons),
         chapters.warnings(solution.notices),
-        _what_ran(solution.model, solution.run),
+        _what_ran(solution),
         chapters.inputs(solution.case, unused="solver"),
     ]
     summary = chapters.Summary(
         kicker="Report of an explicit finite-element run",
         words=f"{fem_words(solution)} {NO_BAND_OF_ELEMENTS}",
-        numbers=_key_numbers(solution.run, wholes, bodies),
+        numbers=_key_numbers(solution),
         status=_status(solution),
     )
     return chapters.result_page(solution, summary, sections)
@@ -135,17 +128,14 @@ def _failed(solution: FemSolution) -> list[str]:
 
 def fem_words(solution: FemSolution) -> str:
     """Say in words what happened: on the screen and at the head of the report."""
-    run, wholes, sectors_of = solution.run, solution.wholes, solution.sectors
-    bodies = blow_of_bodies(solution.model, run, sectors_of)
+    run, bodies = solution.run, blow_of_bodies(solution.model, solution.run)
     sentences = [f"The run ended early: {run.stopped}."] if run.stopped else []
     touched = _touched(run)
     if touched:
-        name, strongest = max(touched.items(), key=lambda pair: _whole_of(pair, wholes).peak)
-        whole = _whole_of((name, strongest), wholes)
+        name, strongest = max(touched.items(), key=lambda pair: pair[1].peak)
         sentences.append(
-            f"The contact {name} reaches {with_unit(whole.peak, 'N', 'kN')}, lasts "
-            f"{with_unit(strongest.duration, 's', 'us', 3)} and carries {with_unit(whole.impulse, 'N s', 'N s')}"
-            f"{', of whole bodies' if wholes[name] else ''}."
+            f"The contact {name} reaches {with_unit(strongest.peak, 'N', 'kN')}, lasts "
+            f"{with_unit(strongest.duration, 's', 'us', 3)} and carries {with_unit(strongest.impulse, 'N s', 'N s')}."
         )
     else:
         sentences.append("Nothing touched." if run.force else "No contact is in the model.")
@@ -156,21 +146,19 @@ def fem_words(solution: FemSolution) -> str:
     ]
     if moved:
         sentences.append(f"Rigid-body peak and change of velocity: {listed(moved[:MOST_BODIES])}.")
-    balance = balance_measure(run)
-    sentences.append(_energy_words(balance))
-    return " ".join(sentences) + _sector_words(sectors_of)
+    sentences.append(_energy_words(solution.balance))
+    return " ".join(sentences) + _sector_words(solution)
 
 
-def _sector_words(sectors: dict[str, Sector]) -> str:
-    """Say which parts are sectors: their masses and forces are not those of whole bodies."""
-    cut = [f"{name} is a {_SHARES[s.pieces]} of its body" for name, s in sectors.items() if s.pieces > 1]
-    return f" Sectors: {listed(cut)}; values are those of the sectors unless marked as whole bodies." if cut else ""
-
-
-def _whole_of(pair: tuple[str, ContactMeasure], wholes: dict[str, WholeForce | None]) -> WholeForce:
-    """Return peak and impulse of a contact of the whole bodies where sectors match, else as modelled."""
-    name, measure = pair
-    return wholes[name] or WholeForce(measure.peak, measure.impulse)
+def _sector_words(solution: FemSolution) -> str:
+    """Say of which parts a sector is meshed, and that numbers are those of whole bodies."""
+    pieces = {name: solution.sectors[name].pieces for name in solution.run.parts}
+    meshed = [
+        f"a {share} of {listed(names)}"
+        for many, share in _SHARES.items()
+        if (names := [name for name in pieces if pieces[name] == many])
+    ]
+    return f" Meshed is {listed(meshed)}; masses, forces and energies are those of whole bodies." if meshed else ""
 
 
 def _touched(run: FemRun) -> dict[str, ContactMeasure]:
@@ -179,21 +167,18 @@ def _touched(run: FemRun) -> dict[str, ContactMeasure]:
     return {name: measure for name, measure in measures.items() if measure is not None}
 
 
-def _key_numbers(
-    run: FemRun, wholes: dict[str, WholeForce | None], bodies: dict[str, PartMeasure]
-) -> list[tuple[str, str]]:
-    touched = _touched(run)
+def _key_numbers(solution: FemSolution) -> list[tuple[str, str]]:
+    run, balance, touched = solution.run, solution.balance, _touched(solution.run)
+    bodies = blow_of_bodies(solution.model, run)
     numbers: list[tuple[str, str]] = []
     if touched:
-        name, strongest = max(touched.items(), key=lambda pair: _whole_of(pair, wholes).peak)
-        label = "contact force, peak" + (", whole bodies" if wholes[name] else "")
+        strongest = max(touched.values(), key=lambda measure: measure.peak)
         numbers += [
-            (label, with_unit(_whole_of((name, strongest), wholes).peak, "N", "kN")),
+            ("contact force, peak", with_unit(strongest.peak, "N", "kN")),
             ("contact duration", with_unit(strongest.duration, "s", "us", 3)),
         ]
     for name, body in list(bodies.items())[:1]:
         numbers.append((f"rigid-body peak of {shortened(name, 28)}", with_unit(body.rigid_peak, "m/s^2", "g")))
-    balance = balance_measure(run)
     return [
         *numbers,
         ("energy balance error", f"{balance.energy:+.1e}" if math.isfinite(balance.energy) else _share(balance.energy)),
@@ -213,12 +198,12 @@ def _share(value: float) -> str:
     return f"{100.0 * value:+.3g} %" if math.isfinite(value) else "no bound"
 
 
-def _histories(run: FemRun, wholes: dict[str, WholeForce | None]) -> Section:
+def _histories(run: FemRun) -> Section:
     """Draw forces, accelerations, energies, and what sections and watched points saw."""
     parts: list[Part] = []
     if run.force:
         caption = "Magnitude of the contact force, mean of each interval, with its peak; dotted: its impulse."
-        parts.append(Picture(histories.force_figure(run), caption + (_OF_SECTORS if any(wholes.values()) else "")))
+        parts.append(Picture(histories.force_figure(run), caption))
     caption = "Rigid-body acceleration of the parts along the blow."
     parts.append(Picture(histories.acceleration_figure(run), caption + (_GROUPS_FIRST if run.groups else "")))
     parts.append(
@@ -236,41 +221,32 @@ def _histories(run: FemRun, wholes: dict[str, WholeForce | None]) -> Section:
     return Section("Histories", "", parts)
 
 
-def _contact_table(run: FemRun, wholes: dict[str, WholeForce | None]) -> Table:
+def _contact_table(run: FemRun) -> Table:
     rows: list[list[Cell]] = []
     for name in run.force:
         measure = contact_measure(run, name)
         if measure is None:
-            rows.append([name, NONE, NONE, NONE, NONE, NONE, NONE, "never touched"])
+            rows.append([name, NONE, NONE, NONE, NONE, "never touched"])
             continue
-        last = float(np.linalg.norm(run.force[name][-1]))
-        note = "touches at the end" if last > TOUCHES_AT_END * measure.peak else NONE
+        note = "touches at the end" if still_presses(run, name) else NONE
         peak, impulse = shown(measure.peak, "N", "kN"), shown(measure.impulse, "N s", "N s")
         values = [peak, shown(measure.at, "s", "us"), impulse, shown(measure.duration, "s", "us")]
-        whole = wholes[name]
-        of_whole = [NONE, NONE]
-        if whole is not None:
-            of_whole = [written(shown(whole.peak, "N", "kN")), written(shown(whole.impulse, "N s", "N s"))]
-        rows.append([name, *(written(v) for v in values), *of_whole, note])
-    heads = shown_heads("contact", "peak force (kN)", "at (us)", "impulse (N s)", "duration (us)")
-    heads += shown_heads("peak force, whole bodies (kN)", "impulse, whole bodies (N s)", "note")
-    if not any(wholes.values()):
-        heads, rows = [*heads[:5], heads[7]], [[*row[:5], row[7]] for row in rows]
+        rows.append([name, *(written(v) for v in values), note])
+    heads = shown_heads("contact", "peak force (kN)", "at (us)", "impulse (N s)", "duration (us)", "note")
     return Table("Contacts and walls", heads, rows, empty="No contact is in the model.")
 
 
-def _part_table(run: FemRun, sectors: dict[str, Sector]) -> Table:
+def _part_table(run: FemRun) -> Table:
     rows: list[list[Cell]] = []
     for name in (*run.parts, *run.groups):
-        pulse = part_measure(run, name, sectors[name].free)
+        pulse = part_measure(run, name)
         direction = ", ".join(f"{v:.3g}" for v in np.round(pulse.direction, 4) + 0.0)
         width = NONE if math.isnan(pulse.width) else written(shown(pulse.width, "s", "us"))
         moved = pulse.velocity_change > 0.0
         peak = written(shown(pulse.rigid_peak, "m/s^2", "g")) if moved else NONE
         change = written(shown(pulse.velocity_change, "m/s", "m/s")) if moved else NONE
-        share = f" ({_SHARES[sectors[name].pieces]})" if sectors[name].pieces > 1 else ""
         mass = written(shown(pulse.mass, "kg", "gram"))
-        row = [name + share, mass, peak, width, change, direction if moved else "does not move"]
+        row = [name, mass, peak, width, change, direction if moved else "does not move"]
         rigid = math.isnan(pulse.von_mises)
         largest = [NONE, NONE]
         if not rigid:
@@ -281,8 +257,8 @@ def _part_table(run: FemRun, sectors: dict[str, Sector]) -> Table:
     return Table("Parts, each as one rigid body", shown_heads(*heads, *largest_heads), rows)
 
 
-def _what_ran(model: Model, run: FemRun) -> Section:
-    view = view_of(model)
+def _what_ran(solution: FemSolution) -> Section:
+    model, run, view = solution.model, solution.run, view_of(solution.model)
     pictures = [Picture(mesh_picture(model.mesh, view), "The mesh before the blow" + _cut_words(view.cut is not None))]
     zone = contact_zone(model)
     if zone is not None:
@@ -292,7 +268,7 @@ def _what_ran(model: Model, run: FemRun) -> Section:
         pictures.append(Picture(mesh_picture(model.mesh, near), caption))
     pace = f"{run.steps} steps, the smallest {with_unit(run.step, 's', 'ns')}, took {run.seconds:.3g} s."
     added = f" Mass scaling added {with_unit(run.added_mass, 'kg', 'gram', 3)}." if run.added_mass > 0.0 else ""
-    parts: list[Part] = [_solid_table(model), _condition_table(model), _quality_table(model), *pictures]
+    parts: list[Part] = [_solid_table(solution), _condition_table(model), _quality_table(model), *pictures]
     return Section("Model and method", f"{_METHOD}\n\n{pace}{added}", parts)
 
 
@@ -300,8 +276,8 @@ def _cut_words(cut: bool) -> str:
     return ", cut along the blow." if cut else "."
 
 
-def _solid_table(model: Model) -> Table:
-    rows: list[list[Cell]] = []
+def _solid_table(solution: FemSolution) -> Table:
+    model, rows = solution.model, list[list[Cell]]()
     for name in model.mesh.names:
         solid = model.solids[name]
         kind = _SOLIDS.get(type(solid).__name__, type(solid).__name__)
@@ -311,6 +287,7 @@ def _solid_table(model: Model) -> Table:
         rows.append(
             [
                 name,
+                _SHARES.get(solution.sectors[name].pieces, "whole"),
                 "rigid" if rigid else kind + _yield_words(solid),
                 NONE if rigid else "full" if name in model.controls.full else "one point",
                 f"{solid.density:g}",
@@ -322,6 +299,7 @@ def _solid_table(model: Model) -> Table:
         )
     heads = [
         "part",
+        "meshed",
         "solid",
         "integration",
         "density (kg/m³)",
@@ -430,8 +408,7 @@ def _energy_words(balance: BalanceMeasure) -> str:
     return text
 
 
-def _balances(run: FemRun) -> Section:
-    balance = balance_measure(run)
+def _balances(run: FemRun, balance: BalanceMeasure) -> Section:
     checks = [
         ("energy, largest error", balance.energy, ENERGY_LIMIT, "energy in play"),
         ("hourglass energy, largest", balance.hourglass, HOURGLASS_LIMIT, "largest internal energy"),

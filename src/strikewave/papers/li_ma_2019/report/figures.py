@@ -302,7 +302,7 @@ def _force_over_mass(result: Reproduction) -> Iterator[Trace]:
         return
     time, force, _ = history
     body = struck_body(solution)
-    mass = solution.run.groups[body].mass * solution.sectors[body].pieces
+    mass = solution.run.groups[body].mass
     yield Trace("the same, contact force over mass", time - first_touch(solution), force / mass)
 
 

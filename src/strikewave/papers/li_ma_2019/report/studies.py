@@ -102,18 +102,17 @@ def blow_table(solution: FemSolution) -> Table:
     rows: list[list[Cell]] = []
     for blow in solution.blows:
         measure, contact = blow_measure(blow.run, blow.model.touching), next(iter(blow.contacts))
-        touched, whole, back = blow.contacts[contact], blow.wholes[contact], measure.restitution[contact]
+        touched, back = blow.contacts[contact], measure.restitution[contact]
         if touched is None:
             continue
-        pieces = blow.sectors[contact.partition(".")[0]].pieces if whole is not None else 1
         rows.append(
             [
                 str(measure.blow),
-                written((touched.peak if whole is None else whole.peak) / 1e3, 5),
+                written(touched.peak / 1e3, 5),
                 written(touched.duration * 1e6, 5),
-                written(touched.impulse if whole is None else whole.impulse, 5),
+                written(touched.impulse, 5),
                 NONE if back is None else f"{back:.4f}",
-                written(pieces * sum(measure.plastic_energy.values()), 3),
+                written(sum(measure.plastic_energy.values()), 3),
                 written(max(measure.plastic_strain.values(), default=math.nan), 3),
             ]
         )

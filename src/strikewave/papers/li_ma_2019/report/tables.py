@@ -11,7 +11,6 @@ from strikewave.base.materials import Material, material
 from strikewave.base.quantities import PROVENANCES
 from strikewave.base.units import DIMENSIONS, convertible
 from strikewave.cases.case import Case
-from strikewave.fem.measures import balance_measure
 from strikewave.papers.li_ma_2019.values import EQUAL
 from strikewave.reporting.numbers import spelled
 from strikewave.reporting.parts import NONE, Cell, Code, Formula, Part, Picture, Section, Table, Tag, written
@@ -330,7 +329,7 @@ def elements_section(solutions: Sequence[FemSolution], tables: Iterable[Part] = 
     """List what the finite-element runs took and their balance errors; ``tables`` are shown behind."""
     rows: list[list[Cell]] = []
     for one in solutions:
-        run, balance = one.run, balance_measure(one.run)
+        run, balance = one.run, one.balance
         rows.append(
             [
                 one.case.name,
