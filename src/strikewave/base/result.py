@@ -310,6 +310,48 @@ class Comparison:
     sensor: str = ""
 
 
+class BalanceCheck(NamedTuple):
+    """An error of a balance beside its limit, which is that of the analysis.
+
+    Attributes
+    ----------
+    name : str
+        Of the balance, in words.
+    error : float
+        With its sign where that tells something, as a share.
+    limit : float
+        Beyond which the check fails.
+    share_of : str
+        What both are shares of, where that is stated.
+    """
+
+    name: str
+    error: float
+    limit: float = BALANCE_LIMIT
+    share_of: str = ""
+
+    @property
+    def holds(self) -> bool:
+        """Whether the error is within the limit; what is no number is not."""
+        return abs(self.error) <= self.limit
+
+    @property
+    def limit_text(self) -> str:
+        """The limit to one digit."""
+        return f"{self.limit:.0e}".replace("e-0", "e-")
+
+    @property
+    def words(self) -> str:
+        """Error and limit.
+
+        Examples
+        --------
+        >>> BalanceCheck("energy", -3.61e-5, 0.01).words, BalanceCheck("momentum", 2e-15).words
+        ('energy -3.6e-05 (limit 1e-2)', 'momentum 2.0e-15 (limit 1e-6)')
+        """
+        return f"{self.name} {self.error:.1e} (limit {self.limit_text})"
+
+
 @dataclass(frozen=True)
 class InputShare:
     """Share of one input in the variance of a result.
@@ -557,6 +599,15 @@ class Result(ABC):
     def published(self) -> tuple[Comparison, ...]:
         """The comparisons, by the key of the JSON document."""
         return self.comparisons
+
+    @property
+    def balance_checks(self) -> tuple[BalanceCheck, ...]:
+        """Each error of a balance beside its limit: what every face shows of them.
+
+        By the usual limit of errors in ``balance`` (``energy_error``, ``momentum_error``), where a result has that.
+        """
+        errors: Mapping[str, float] = getattr(self, "balance", {})
+        return tuple(BalanceCheck(name.removesuffix("_error"), error) for name, error in errors.items())
 
     @property
     def broken(self) -> bool:

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from pydantic import BaseModel
@@ -17,7 +17,7 @@ from strikewave.base.citations import SOURCES
 from strikewave.base.command_line import command_line, file_word
 from strikewave.base.percents import percent
 from strikewave.base.quantities import PROVENANCES, Value
-from strikewave.base.result import BALANCE_LIMIT, FAILED, INFO, RUN_PASSED, WARNING, failed_words
+from strikewave.base.result import FAILED, INFO, RUN_PASSED, WARNING, BalanceCheck, failed_words
 from strikewave.cases.case import Case, load_case
 from strikewave.cases.case_files import bundled_cases
 from strikewave.cases.paths import row_name
@@ -302,17 +302,18 @@ def failed_checks(codes: Sequence[str]) -> Tag:
     return Tag(failed_words(codes), "bad")
 
 
-def balance_table(balance: Mapping[str, float]) -> Table:
-    """List the balance errors with their limit."""
+def balance_table(checks: Sequence[BalanceCheck]) -> Table:
+    """List the balance errors with their limits, and what they are shares of where that is stated."""
+    stated = any(check.share_of for check in checks)
     rows: list[list[Cell]] = [
         [
-            name.removesuffix("_error"),
-            f"{error:.1e}",
-            f"{BALANCE_LIMIT:.0e}",
-            Tag("holds", "good") if error <= BALANCE_LIMIT else Tag("broken", "bad"),
+            check.name,
+            f"{check.error:.1e}",
+            check.limit_text,
+            Tag("holds", "good") if check.holds else Tag("broken", "bad"),
+            *([check.share_of] if stated else []),
         ]
-        for name, error in balance.items()
+        for check in checks
     ]
-    return Table(
-        "Balances", ["balance", "balance error (share)", "limit", "result"], rows, empty="No balance was computed."
-    )
+    heads = ["balance", "balance error (share)", "limit", "result", *(["share of"] if stated else [])]
+    return Table("Balances", heads, rows, empty="No balance was computed.")

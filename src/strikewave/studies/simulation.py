@@ -128,7 +128,7 @@ class Simulation:
 
     @functools.cached_property
     def _balance(self) -> Any:
-        return self.elements.balance
+        return self.elements.measured_balance
 
     def history(self, part: str, blow: int = 0, unit: str = "") -> ComparedCurve:
         """Return the history of a part: PART or PART.QUANTITY, the usual one where it is empty."""

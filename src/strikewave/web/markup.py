@@ -90,10 +90,9 @@ def notices(rows: Sequence[Sequence[str]]) -> str:
     )
 
 
-def checks(balance: Sequence[Sequence[str]], found: Sequence[Sequence[str]]) -> str:
-    """Return the errors of balances, and what the user should know."""
-    listed = "; ".join(f"{escape(name)} {escape(value)}" for name, value in balance)
-    words = f'<div class="sw-soft">balances: {listed} (a run that is off by 1e-6 fails)</div>' if balance else ""
+def checks(balance: Sequence[str], found: Sequence[Sequence[str]]) -> str:
+    """Return the errors of balances with their limits, and what the user should know."""
+    words = f'<div class="sw-soft">balances: {escape("; ".join(balance))}</div>' if balance else ""
     return box("Checks and warnings", words + notices(found)) if balance or found else ""
 
 

@@ -77,7 +77,7 @@ def notices(solution: FemSolution) -> Iterator[Notice]:
     if run.stopped:
         message = f"the run ended early: {run.stopped}"
         yield Notice("stopped", message, float(run.time[-1]), model.controls.duration, severity=FAILED)
-    yield from _balances(solution.balance)
+    yield from _balances(solution.measured_balance)
     yield from origin_notices(case)
     yield from model_notices(case, model)
     if run.added_mass > 0.0:
@@ -146,7 +146,7 @@ def blow_notices(solution: FemSolution) -> Iterator[Notice]:
     if run.stopped:
         message = f"the run ended early: {run.stopped}"
         yield _named(run, Notice("stopped", message, float(run.time[-1]), model.controls.duration, severity=FAILED))
-    for group in (_balances(solution.balance), _contacts(model, run), _strength(case, model, run)):
+    for group in (_balances(solution.measured_balance), _contacts(model, run), _strength(case, model, run)):
         yield from (_named(run, notice) for notice in group)
 
 

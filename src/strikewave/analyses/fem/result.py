@@ -15,13 +15,15 @@ from numpy.typing import NDArray
 
 from strikewave._version import __version__
 from strikewave.analyses.fem.sectors import Sector, sectors
-from strikewave.base.result import Comparison, Source, comparison_document
+from strikewave.base.result import BALANCE_LIMIT, BalanceCheck, Comparison, Source, comparison_document
 from strikewave.base.variables import LabelledArrays, quantity
 from strikewave.cases.case import Case
 from strikewave.cases.comparisons import comparisons, stale_fits_document
 from strikewave.cases.written_case import dump_case
 from strikewave.fem.blow_measures import blow_measure
 from strikewave.fem.measures import (
+    ENERGY_LIMIT,
+    HOURGLASS_LIMIT,
     BalanceMeasure,
     ContactMeasure,
     PartMeasure,
@@ -99,9 +101,19 @@ class FemSolution(ShownResult):
         return self.modelled[0] if self.modelled else self.run
 
     @property
-    def balance(self) -> BalanceMeasure:
+    def measured_balance(self) -> BalanceMeasure:
         """How well the balances of the first blow close, of what was meshed: its momentum across cuts counts too."""
         return balance_measure(self.model_run)
+
+    @property
+    def balance_checks(self) -> tuple[BalanceCheck, ...]:
+        """The largest errors of the first blow beside their limits."""
+        balance = self.measured_balance
+        return (
+            BalanceCheck("energy", balance.energy, ENERGY_LIMIT, "energy in play"),
+            BalanceCheck("hourglass energy", balance.hourglass, HOURGLASS_LIMIT, "largest internal energy"),
+            BalanceCheck("momentum", balance.momentum, BALANCE_LIMIT, "momentum in play"),
+        )
 
     @property
     def title(self) -> str:
@@ -189,7 +201,7 @@ class FemSolution(ShownResult):
 
     def content(self) -> dict[str, Any]:
         """Return what the JSON document holds beside its head."""
-        run, model_run, balance = self.run, self.model_run, self.balance
+        run, model_run, balance = self.run, self.model_run, self.measured_balance
         blows = [_blow(each) for each in self.blows]
         return {
             "case": self.case.name,
@@ -409,7 +421,7 @@ def _blow(solution: FemSolution) -> dict[str, Any]:
         "plastic_strain": dict(blow.plastic_strain),
         "plastic_energy": dict(blow.plastic_energy),
         "model_plastic_energy": dict(modelled.plastic_work),
-        "energy_error": solution.balance.energy,
+        "energy_error": solution.measured_balance.energy,
         "rest": blow.rest._asdict() if blow.rest else None,
         "stopped": solution.run.stopped or None,
     }

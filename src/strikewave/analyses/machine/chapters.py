@@ -214,7 +214,7 @@ def checks(solution: Solution) -> Section:
         "Energy: what the balance of work and losses misses, over the energy that flowed. Momentum: impulse of all "
         "forces less change of momentum, over the contact impulse; the worst blow.",
         [
-            balance_table(solution.balance),
+            balance_table(solution.balance_checks),
             Table("Masses", ["body", "mass (kg)"], masses, empty="No mass is listed."),
             *launch_tables(solution),
             Table(f"Phases, from {begun}", ["phase", "begins (s)"], phases, empty="No phase is listed."),

@@ -114,8 +114,7 @@ def show(solution: Solution) -> None:
     fitted = [f"{path} = {value.typed}" for path, value in values.items() if value.provenance == "fitted"]
     if fitted:
         tell("fitted: " + ", ".join(fitted))
-    balance = solution.balance
-    tell(f"balance: energy {balance['energy_error']:.1e}, momentum {balance['momentum_error']:.1e} (limit 1e-6)")
+    tell("balance: " + ", ".join(check.words for check in solution.balance_checks))
 
 
 def _alone_words(solution: Solution) -> str:

@@ -24,7 +24,7 @@ from strikewave.records.measuring import RecordedPulse
 from strikewave.records.reading import ChannelReading, FileReading
 from strikewave.reporting.numbers import listed, spelled
 from strikewave.reporting.parts import NONE, Cell, Part, Section, Table, written
-from strikewave.signal.filters import Filter, effect_on_half_sine
+from strikewave.signal.filters import ADVISED_LOSS, Filter, effect_on_half_sine
 from strikewave.signal.pulse import HALF_SINE_WIDTH
 
 MOST_ROWS = 200
@@ -277,7 +277,7 @@ def filter_section(files: Sequence[FileReading], names: Names, filter_: Filter |
         text = (
             "No filter was used: all figures are those of the records as they are. The table says what filters would "
             "do; from the advised cutoff on, peak, pulse width and velocity change of the steepest blow that enters "
-            "the means are changed by at most 2 %, 4 poles a pass, zero-phase."
+            f"the means are changed by at most {percent(ADVISED_LOSS, 0)}, 4 poles a pass, zero-phase."
         )
         parts, filters = [], [("", Filter.sae_j211(k)) for k in (1000, 600)]
     widths = [pulse.width for pulse in pulses if pulse.width > 0.0]

@@ -10,6 +10,8 @@ from pathlib import Path
 from strikewave.analyses.record.paired import RecordPair
 from strikewave.analyses.record.tables import amount, plus_minus
 from strikewave.base.first_few import first_few
+from strikewave.base.percents import percent
+from strikewave.records.two_sensors import CALIBRATED
 from strikewave.reporting.numbers import listed, with_unit
 from strikewave.reporting.parts import NONE, Cell, Part, Picture, Section, Table
 
@@ -104,9 +106,9 @@ def pair_section(pairs: Sequence[RecordPair]) -> Section:
         "Common motion is half the sum of both channels, differential motion half of second less first. The delay is "
         "that of the largest cross-correlation, the gain that of the second over the first so shifted, each ± a "
         "standard uncertainty. Two sensors move as one rigid body where the gain is 1 and the delay 0 within twice "
-        "their uncertainty, 2 % for calibration and a share of a sample included. The peak of the common motion is "
-        "that without ringing where it can be separated; what the differential motion does in its band is in its "
-        "uncertainty. pairs.csv and transfer.csv have all figures."
+        f"their uncertainty, {percent(CALIBRATED, 0)} for calibration and a share of a sample included. The peak of "
+        "the common motion is that without ringing where it can be separated; what the differential motion does in its "
+        "band is in its uncertainty. pairs.csv and transfer.csv have all figures."
     )
     parts: list[Part] = [pair_table(pairs, why=True)]
     drawn = next((one for one in pairs if one.found is not None and one.found.transfer is not None), None)

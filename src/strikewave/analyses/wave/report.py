@@ -321,7 +321,7 @@ def wave_report(solution: WaveSolution, quantity: str = "stress") -> str:
         Section(
             "Momentum balance",
             "Balance error: impulses at both ends less the momentum of the bar, over the greater impulse.",
-            [chapters.balance_table(solution.balance)],
+            [chapters.balance_table(solution.balance_checks)],
         ),
     ]
     summary = chapters.Summary("Report of waves in a layered bar", wave_words(solution), key_numbers(solution))

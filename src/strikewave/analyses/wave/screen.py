@@ -124,4 +124,4 @@ def show(solution: WaveSolution) -> None:
         print_losses(solution.channels)
     print_bands(solution, solution.figures)
     tell(error_words(solution))
-    tell(f"balance: momentum {solution.run.momentum_error:.1e} (limit 1e-6)")
+    tell("balance: " + ", ".join(check.words for check in solution.balance_checks))

@@ -103,7 +103,7 @@ class MeshRow:
 def mesh_row(case: Case, size: float, threads: int = 1) -> MeshRow:
     """Run a case whose elements have ``size`` times their usual size, and return its row."""
     solution = run_fem(case, threads)
-    run, balance = solution.run, solution.balance
+    run, balance = solution.run, solution.measured_balance
     return MeshRow(size, run.elements, run.steps, run.seconds, balance.energy, balance.hourglass, answer(solution))
 
 

@@ -323,7 +323,7 @@ def joint_document(cell: JointCell, study: JointStudy) -> dict[str, Any]:
 
 def element_document(solution: FemSolution) -> dict[str, Any]:
     """Return what a finite-element run took, and its balance errors."""
-    run, balance = solution.run, solution.balance
+    run, balance = solution.run, solution.measured_balance
     return {
         "case": solution.case.name,
         "elements": run.elements,

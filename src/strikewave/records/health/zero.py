@@ -12,6 +12,7 @@ from strikewave.base.percents import percent
 from strikewave.records.baseline import LOOK_BACK
 from strikewave.records.health.examined import BEGINNING, BLOW, FEWEST_OF_PART, Examined, effects_of_level
 from strikewave.records.health_notice import FIGURES, HealthNotice, by_effect
+from strikewave.records.measuring import FOOT
 from strikewave.records.pulses import MAD_TO_SIGMA
 
 Array = NDArray[np.float64]
@@ -216,8 +217,8 @@ def no_foot(record: Examined) -> list[HealthNotice]:
         effect = pulse.velocity_change / area - 1.0 if area * pulse.peak > 0.0 else math.inf
         worst = max(worst, effect, key=abs)
     message = (
-        f"the record does not come back to 2 % of the peak beside the blow at {open_[0].time:.6g}\xa0s: the velocity "
-        "change is that of the smooth pulse; against the record over its length"
+        f"the record does not come back to {percent(FOOT, 0)} of the peak beside the blow at {open_[0].time:.6g}\xa0s: "
+        "the velocity change is that of the smooth pulse; against the record over its length"
     )
     effects = {"velocity_change": worst}
     return [by_effect("no-foot", message, len(open_), effects, start=open_[0].begin, end=open_[0].end)]

@@ -73,11 +73,11 @@ def saved(source: CaseSource) -> str:
     return dump_case(loaded(source))
 
 
-def told(result: Result, balance: dict[str, float]) -> dict[str, Any]:
-    """Return what a page says of every result: notices, and the errors of its balances."""
+def told(result: Result) -> dict[str, Any]:
+    """Return what a page says of every result: notices, and the errors of its balances with their limits."""
     return {
         "notices": [(one.severity, one.code, one.message) for one in result.notices],
-        "balance": [(name.replace("_", " "), f"{value:.1e}") for name, value in balance.items()],
+        "balance": [check.words for check in result.balance_checks],
     }
 
 

@@ -68,7 +68,7 @@ def _yield(solution: FemSolution) -> Table:
             NONE if math.isnan(strain) else written(strain),
             *(written(shown(value, "J", "J")) for value in energy),
         ]
-        rows.append([str(measure.blow), *cells, f"{blow.balance.energy:+.1e}", *to_rest])
+        rows.append([str(measure.blow), *cells, f"{blow.measured_balance.energy:+.1e}", *to_rest])
     heads = ["blow", "plastic strain, largest", "taken by yield (J)", "energy at the start (J)", "energy balance error"]
     heads += [
         "kinetic-energy maxima of relaxation",

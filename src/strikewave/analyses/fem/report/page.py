@@ -15,12 +15,9 @@ from strikewave.analyses.fem.figures.pictures import contact_zone, mesh_picture,
 from strikewave.analyses.fem.report.blows import blows_section
 from strikewave.analyses.fem.report.fields import fields_section
 from strikewave.analyses.fem.sectors import blow_of_bodies
-from strikewave.base.result import BALANCE_LIMIT
 from strikewave.fem.blow_measures import still_presses
 from strikewave.fem.measures import (
-    ENERGY_LIMIT,
-    HOURGLASS_LIMIT,
-    BalanceMeasure,
+    ALIGNED,
     ContactMeasure,
     contact_measure,
     part_measure,
@@ -34,6 +31,7 @@ from strikewave.reporting.bands import NO_BAND_OF_ELEMENTS
 from strikewave.reporting.curves import shortened
 from strikewave.reporting.numbers import listed, percent, shown, shown_heads, with_unit
 from strikewave.reporting.parts import NONE, Cell, Part, Picture, Section, Table, Tag, written
+from strikewave.signal.pulse import WIDTH_FRACTION
 
 if TYPE_CHECKING:
     from strikewave.analyses.fem.result import FemSolution
@@ -69,9 +67,10 @@ _CONTACT = (
     "gaps included."
 )
 _PARTS = (
-    "Peak, pulse width (at 10 % of the peak) and change of velocity are those along the direction in which the "
-    "velocity of the part changes most, or the axis within 5 degrees of it. Stress and plastic strain are the largest "
-    "of any element at the instants of the histories."
+    f"Peak, pulse width (at {percent(WIDTH_FRACTION, 0)} of the peak) and change of velocity are those along the "
+    "direction in which the velocity of the part changes most, or the axis within "
+    f"{math.degrees(math.acos(ALIGNED)):.0f} degrees of it. Stress and plastic strain are the largest of any element "
+    "at the instants of the histories."
 )
 
 
@@ -89,7 +88,7 @@ def fem_report(solution: FemSolution) -> str:
         fields_section(solution),
         Section("Contacts and parts", f"{_CONTACT} {_PARTS}", tables),
         *([blows_section(solution)] if solution.later else []),
-        _balances(solution.run, solution.balance),
+        _balances(solution),
         *chapters.published(solution.comparisons),
         chapters.warnings(solution.notices),
         _what_ran(solution),
@@ -146,7 +145,7 @@ def fem_words(solution: FemSolution) -> str:
     ]
     if moved:
         sentences.append(f"Rigid-body peak and change of velocity: {listed(moved[:MOST_BODIES])}.")
-    sentences.append(_energy_words(solution.balance))
+    sentences.append(_energy_words(solution))
     return " ".join(sentences) + _sector_words(solution)
 
 
@@ -168,7 +167,7 @@ def _touched(run: FemRun) -> dict[str, ContactMeasure]:
 
 
 def _key_numbers(solution: FemSolution) -> list[tuple[str, str]]:
-    run, balance, touched = solution.run, solution.balance, _touched(solution.run)
+    run, balance, touched = solution.run, solution.measured_balance, _touched(solution.run)
     bodies = blow_of_bodies(solution.model, run)
     numbers: list[tuple[str, str]] = []
     if touched:
@@ -389,43 +388,29 @@ def _quality_table(model: Model) -> Table:
     return Table(caption, heads, rows)
 
 
-def _energy_words(balance: BalanceMeasure) -> str:
+def _energy_words(solution: FemSolution) -> str:
     """Say whether the energy balance holds, and whether hourglass modes are small."""
-    limit, hourglass_limit = f"{100.0 * ENERGY_LIMIT:.0f} %", f"{100.0 * HOURGLASS_LIMIT:.0f} %"
-    text = f"The energy balance error is {_share(balance.energy)}, "
-    if abs(balance.energy) <= ENERGY_LIMIT:
-        text += f"within its limit of {limit}."
+    energy, hourglass, _ = solution.balance_checks
+    text = f"The energy balance error is {_share(energy.error)}, "
+    if energy.holds:
+        text += f"within its limit of {percent(energy.limit, 0)}."
     else:
         text += (
-            f"beyond its limit of {limit}: take a smaller fem.safety, or a finer mesh where parts touch; do not trust "
-            "these numbers."
+            f"beyond its limit of {percent(energy.limit, 0)}: take a smaller fem.safety, or a finer mesh where parts "
+            "touch; do not trust these numbers."
         )
-    if balance.hourglass > HOURGLASS_LIMIT:
+    if not hourglass.holds:
         text += (
-            f" Hourglass modes hold {100.0 * balance.hourglass:.3g} % of the internal energy, beyond "
-            f"{hourglass_limit}: refine the mesh where it bends or is touched, or integrate that part fully."
+            f" Hourglass modes hold {100.0 * hourglass.error:.3g} % of the internal energy, beyond "
+            f"{percent(hourglass.limit, 0)}: refine the mesh where it bends or is touched, or integrate that part "
+            "fully."
         )
     return text
 
 
-def _balances(run: FemRun, balance: BalanceMeasure) -> Section:
-    checks = [
-        ("energy, largest error", balance.energy, ENERGY_LIMIT, "energy in play"),
-        ("hourglass energy, largest", balance.hourglass, HOURGLASS_LIMIT, "largest internal energy"),
-        ("momentum, largest error", balance.momentum, BALANCE_LIMIT, "momentum in play"),
-    ]
-    rows: list[list[Cell]] = [
-        [
-            name,
-            f"{value:.2e}",
-            f"{limit:.0e}",
-            Tag("holds", "good") if abs(value) <= limit else Tag("broken", "bad"),
-            of_what,
-        ]
-        for name, value, limit, of_what in checks
-    ]
-    table = Table("Energy and momentum balance", ["check", "share", "limit", "result", "share of"], rows)
-    return Section("Energy and momentum balance", _energy_words(balance), [table, _energy_table(run)])
+def _balances(solution: FemSolution) -> Section:
+    tables = [chapters.balance_table(solution.balance_checks), _energy_table(solution.run)]
+    return Section("Energy and momentum balance", _energy_words(solution), tables)
 
 
 def _energy_table(run: FemRun) -> Table:

@@ -9,6 +9,7 @@ import numpy as np
 
 from strikewave.analyses.hopkinson.report.page import outcome_page, time_text
 from strikewave.hopkinson import ANALYSES, stress_difference, transits_to_uniform
+from strikewave.hopkinson.uniformity import UNIFORM
 from strikewave.reporting import chapters
 from strikewave.reporting.numbers import fixed, headed, percent, shown, shown_heads, spelled, with_unit
 from strikewave.reporting.parts import NONE, Cell, Picture, Section, Table, written
@@ -153,6 +154,7 @@ def _balance_table(solution: HopkinsonSolution) -> Table:
         solution.energy,
         solution.case.setup.limits,
     )
+    uniform = percent(UNIFORM, 0)
     specimen = NONE if math.isnan(impulses.specimen) else with_unit(impulses.specimen, "N s", "mN s", 3)
     wrong = "" if work.acceleration >= 0.0 else "; below 0: the forces do not balance"
     rows: list[list[Cell]] = [
@@ -162,7 +164,11 @@ def _balance_table(solution: HopkinsonSolution) -> Table:
             f"limit {percent(limits.force_misfit.si, 0)}",
         ],
         ["impulse on face 1 over face 2", f"{equilibrium.force_ratio:.4f}", "1 but for the specimen's own momentum"],
-        ["forces agree to 5 %", _agreeing(equilibrium), f"in all over {percent(equilibrium.share, 0)} of the loading"],
+        [
+            f"forces agree to {uniform}",
+            _agreeing(equilibrium),
+            f"in all over {percent(equilibrium.share, 0)} of the loading",
+        ],
         [
             "missing impulse" if impulses.closure >= 0.0 else "excess impulse",
             percent(abs(impulses.closure), 2),
@@ -249,13 +255,16 @@ def _theory_table(solution: HopkinsonSolution) -> list[Table]:
     beta, transit = specimen.impedance_ratio(bar), specimen.transit
     if beta is None or transit is None:
         return []
-    rise = solution.pulses.rise / RISE_SHARE / transit
+    rise, uniform = solution.pulses.rise / RISE_SHARE / transit, percent(UNIFORM, 0)
     rows: list[list[Cell]] = [
         ["impedance of the specimen over that of the bar", f"{beta:.4g}"],
         [headed("transit of the specimen", "s", "us"), written(shown(transit, "s", "us"))],
         ["force difference after a step, transit 3", percent(float(stress_difference(beta, 3)), 1)],
         ["force difference after a step, transit 5", percent(float(stress_difference(beta, 5)), 2)],
-        ["transits to 5 % after a step", f"{transits_to_uniform(beta):.4g}"],
-        [f"transits to 5 % under a straight rise of {rise:.3g} transits", f"{transits_to_uniform(beta, rise):.4g}"],
+        [f"transits to {uniform} after a step", f"{transits_to_uniform(beta):.4g}"],
+        [
+            f"transits to {uniform} under a straight rise of {rise:.3g} transits",
+            f"{transits_to_uniform(beta, rise):.4g}",
+        ],
     ]
     return [Table("Theoretical equilibrium of an elastic specimen", ["quantity", "value"], rows)]

@@ -12,7 +12,7 @@ from strikewave.analyses.record.tables import rows_of, short_names
 from strikewave.records import FileReading
 from strikewave.reporting.numbers import percent
 from strikewave.reporting.terminal import significant, tell
-from strikewave.signal.filters import Filter
+from strikewave.signal.filters import ADVISED_LOSS, Filter
 
 
 def print_filter(files: Sequence[FileReading], filter_: Filter | None) -> None:
@@ -43,7 +43,7 @@ def _print_advice(files: Sequence[FileReading]) -> None:
         kilohertz = significant(advised.cutoff / 1e3, 3)
         tell(
             f"a low-pass of {kilohertz} kHz or more (--filter) changes peak, pulse width and velocity change "
-            "of a half-sine as steep as these by at most 2 %"
+            f"of a half-sine as steep as these by at most {percent(ADVISED_LOSS, 0)}"
         )
 
 

@@ -329,7 +329,7 @@ def elements_section(solutions: Sequence[FemSolution], tables: Iterable[Part] = 
     """List what the finite-element runs took and their balance errors; ``tables`` are shown behind."""
     rows: list[list[Cell]] = []
     for one in solutions:
-        run, balance = one.run, one.balance
+        run, balance = one.run, one.measured_balance
         rows.append(
             [
                 one.case.name,

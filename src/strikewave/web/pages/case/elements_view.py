@@ -48,10 +48,7 @@ def full(source: CaseSource, say: Say | None = None) -> dict[str, Any]:
         "tables": [("Parts", heads, rows, (0,))],
         "body": body_field(solution),
         "page": "" if movie is None else fem_page(movie, solution.title, case.name),
-        **told(
-            solution,
-            {name: float(np.max(np.abs(getattr(solution.run, name)))) for name in ("energy_error", "momentum_error")},
-        ),
+        **told(solution),
         "texts": solution.tables(),
     }
 

@@ -91,7 +91,7 @@ def full(source: CaseSource, say: Say | None = None) -> dict[str, Any]:
             *([("Compared with published values", PUBLISHED, published, (0, 1, 2))] if published else []),
         ],
         "nothing": NOTHING,
-        **told(solution, solution.balance),
+        **told(solution),
         "important": important(solution.band),
         "texts": {"blows.csv": solution.tables()["blows.csv"]},
     }

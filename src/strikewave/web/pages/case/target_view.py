@@ -50,7 +50,7 @@ def full(source: CaseSource, say: Say | None = None) -> dict[str, Any]:
             *([("Sensors", ["sensor", "peak", "width", "clipped"], sensors, (0,))] if sensors else []),
             ("Layers", ["layer", "length asked", "length used", "steps"], layers, (0,)),
         ],
-        **told(solution, solution.balance),
+        **told(solution),
         "sections": sections(solution),
         "texts": solution.tables(),
     }
