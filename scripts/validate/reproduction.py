@@ -50,7 +50,13 @@ def slower_runs(whole: Reproduction) -> dict[str, FemSolution]:
     threads, solutions = os.cpu_count() or 1, {}
     for name in NON_REFLECTING:
         mesh = coarser(load_case(name)) if whole.effort.quick else []
-        changes = [*mesh, f"mesh.part.striker.velocity.z={SLOWER}", "fem.duration=300 us", "fem.frames=0", "compare=true"]
+        changes = [
+            *mesh,
+            f"mesh.part.striker.velocity.z={SLOWER}",
+            "fem.duration=300 us",
+            "fem.frames=0",
+            "compare=true",
+        ]
         solutions[name] = run_fem(load_case(name, changes), threads)
     return solutions
 
