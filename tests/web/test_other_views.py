@@ -15,6 +15,7 @@ import strikewave
 from strikewave import load_case, run_wave
 from strikewave.analyses.compare.sources import parse_name, paths_of
 from strikewave.base.errors import StrikewaveError
+from strikewave.reporting.shown_result import shown_table
 from strikewave.studies.design.design_file import load_design
 from strikewave.studies.fit.targets import parse_targets
 from strikewave.web.case.state import CaseSource, CaseState
@@ -23,7 +24,7 @@ from strikewave.web.charts import ChartLine, heat_chart, line_chart
 from strikewave.web.pages.case import elements_view, target_view
 from strikewave.web.pages.record.four_axes import four_axes
 from strikewave.web.pages.record.request import RecordRequest
-from strikewave.web.pages.record.view import campaign_tables, history_chart, measure, units_of_channels
+from strikewave.web.pages.record.view import campaign_tables, files_in_unit, history_chart, measure, units_of_channels
 from strikewave.web.pages.study.request import KINDS, StudyRequest
 from strikewave.web.pages.study.view import refuse_other_files, study
 from strikewave.web.sessions import clean_name
@@ -87,6 +88,30 @@ def test_numbers_of_a_file_that_names_no_unit_are_not_called_g(shots):
     assert dict(row[:2] for row in rows)["peak"] == "3050"
     spectra = strikewave.shock_spectra(["a.csv", "b.csv"], kinds=("pseudo-velocity",))
     assert four_axes(spectra)["yAxis"]["name"] == "pseudo-velocity (unit·s)"
+
+
+@pytest.mark.parametrize(
+    ("head", "peak", "of_integral"),
+    [("channel", "500 (no unit)", "(no unit)"), ("force [N]", "500 N", "N s")],
+)
+@pytest.mark.parametrize("first", [True, False])
+def test_a_file_in_another_unit_or_none_changes_no_number_of_the_others(shots, head, peak, of_integral, first):
+    """A half sine of 500 over 200 us has the integral 2/pi of 0.1; each number stands with the unit of its own file."""
+    rows = (shots / "a.csv").read_text().splitlines()[1:]
+    other = [f"{t},{float(a) / 6.0}" for t, a in (row.split(",") for row in rows)]
+    (shots / "other.csv").write_text("\n".join([f"time [s],{head}", *other]) + "\n")
+    names = ("other.csv", "a.csv", "b.csv") if first else ("a.csv", "b.csv", "other.csv")
+    result = strikewave.record(names)
+    heads, rows = shown_table(result)
+    shown = {row[0]: dict(zip(heads, row, strict=True)) for row in rows}
+    assert [shown[name]["peak"] for name in ("a.csv", "b.csv", "other.csv")] == ["3000 g", "3100 g", peak]
+    integral, unit = shown["other.csv"]["velocity change"].split(" ", 1)
+    assert float(integral) == pytest.approx(0.1 * 2.0 / np.pi, rel=1e-3)
+    assert unit == of_integral
+    assert units_of_channels(result)[0]  # what has no unit stands last, and in a diagram of its own
+    assert files_in_unit(result, "m/s^2") == ["a.csv", "b.csv"]
+    if not first:  # else the campaign is of the first file, whose channel has another name
+        assert dict(result.highlights())["mean peak"] == "3050 g"
 
 
 def test_numbers_that_touch_are_left_out_at_every_axis():

@@ -76,9 +76,16 @@ def compare(files: Sequence[FileReading]) -> list[FileReading]:
         for judge in (_without_blow, _copies, _unlike_others, _other_gain, _outlying):
             found = ((k, file.numbered(number)) for k, file in enumerate(changed))
             readings = [(k, reading) for k, reading in found if reading is not None]
-            for k, finding in list(judge(readings)):
-                changed[k] = _with(changed[k], number, finding)
+            for compared in _in_one_unit(readings) if judge in OF_SIZES else [readings]:
+                for k, finding in list(judge(compared)):
+                    changed[k] = _with(changed[k], number, finding)
     return changed
+
+
+def _in_one_unit(readings: list[tuple[int, ChannelReading]]) -> list[list[tuple[int, ChannelReading]]]:
+    """Return readings apart by unit: 500 of a file that names none is neither more nor less than 3000 g."""
+    units = dict.fromkeys(reading.channel.unit for _, reading in readings)
+    return [[pair for pair in readings if pair[1].channel.unit == unit] for unit in units]
 
 
 def _with(file: FileReading, number: int, finding: HealthNotice) -> FileReading:
@@ -276,3 +283,7 @@ def _unlike_others(readings: list[tuple[int, ChannelReading]]) -> Iterator[tuple
             rate, usual_rate = 1.0 / channel.step, 1.0 / usual_step
             message = f"sampled at {rate:.6g}\xa0Hz, the other files at {usual_rate:.6g}\xa0Hz"
             yield file, HealthNotice("rate-differs", message, rate, severity="good")
+
+
+OF_SIZES = (_without_blow, _other_gain, _outlying)
+"""What compares peaks, which only those of one unit can be."""

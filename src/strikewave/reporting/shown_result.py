@@ -182,6 +182,18 @@ class ShownResult(Result):
         """
         return {}
 
+    def brief_columns(self) -> list[Column]:
+        """Return the columns that a notebook shows; a number whose unit depends on the row stands there with its unit.
+
+        Examples
+        --------
+        >>> from strikewave import load_case, run_case
+        >>> [column.name for column in run_case(load_case("li-ma-2019", ["feed.blows=1"])).brief_columns()][:3]
+        ['index', 'kind', 'time']
+        """
+        usual = self.brief()
+        return [column for column in self.columns() if column.name in usual]
+
     def preview(self) -> Curve | None:
         """Return the pulse, or what says most of it; None where no single curve does.
 
@@ -337,8 +349,7 @@ def shown_table(result: ShownResult, most: int | None = None) -> tuple[list[str]
     >>> heads[:3], rows[0][:3]
     (['index', 'kind', 'time (ms)'], ['1', 'full', '42.07'])
     """
-    usual = result.brief()
-    kept = [column for column in result.columns() if column.name in usual]
+    usual, kept = result.brief(), result.brief_columns()
     heads = [headed(column.name.replace("_", " "), column.si, usual[column.name]) for column in kept]
     if most is not None and result.is_history:
         kept = [column._replace(values=_spread(column.values, most)) for column in kept]

@@ -13,7 +13,7 @@ import numpy as np
 
 from strikewave.analyses.record.chosen import advised_filter, sources_of
 from strikewave.analyses.record.document import campaign_row, file_row
-from strikewave.analyses.record.figure_units import SENSOR_UNITS, units_of
+from strikewave.analyses.record.figure_units import INTEGRALS, OF_CHANNEL, OF_INTEGRAL, SENSOR_UNITS, units_of
 from strikewave.analyses.record.moved import MOTION_UNITS, RecordMotion, all_moved, motion_columns
 from strikewave.analyses.record.paired import OF_CHANNEL as PAIR_OF_CHANNEL
 from strikewave.analyses.record.paired import PAIR_UNITS, RecordPair, all_pairs, pair_columns, transfer_columns
@@ -195,8 +195,13 @@ class RecordResult(AskedResult):
         """Return the number of files and blows, and the means of their peaks, widths and velocity changes."""
         blows = sum(len(reading.pulses) for file in self.readings for reading in file.channels)
         numbers = [("files", str(len(self.readings))), ("blows", str(blows))]
-        units, shown = self.units(), {"m/s^2": "g", "s": "us", "N": "kN", "m/s": "m/s"}
-        for name, statistic in self.campaigns[0].statistics.items() if self.campaigns else ():
+        campaign = min(self.campaigns, key=lambda one: one.unit == "", default=None)
+        units, shown = {**self.units()}, {"m/s^2": "g", "s": "us", "N": "kN", "m/s": "m/s"}
+        if campaign is not None:  # files in other units are in none of its figures
+            units |= dict.fromkeys(OF_CHANNEL, campaign.unit) | dict.fromkeys(
+                OF_INTEGRAL, INTEGRALS.get(campaign.unit, "")
+            )
+        for name, statistic in campaign.statistics.items() if campaign is not None else ():
             if units.get(name) in shown:
                 numbers.append(
                     (f"mean {name.replace('_', ' ')}", with_unit(statistic.mean, units[name], shown[units[name]]))
@@ -212,6 +217,21 @@ class RecordResult(AskedResult):
         shown, units = {"m/s^2": "g", "s": "us", "N": "kN"}, {column.name: column.si for column in self.columns()}
         places = {"file": "", "channel": "", "index": "", "time": "s"}
         return places | {n: shown.get(units[n], units[n]) for n in ("peak", "width", "velocity_change")}
+
+    def brief_columns(self) -> list[Column]:
+        """Return them with the unit in each cell where channels differ in it: 4900 m/s^2 is no number beside 4900 N."""
+        units = [reading.channel.unit for file in self.readings for reading in file.channels for _ in reading.pulses]
+        columns = super().brief_columns()
+        if len(set(units)) < 2:
+            return columns
+        from strikewave.analyses.record.tables import in_own_unit
+
+        return [
+            Column(one.name, [in_own_unit(one.name, *pair) for pair in zip(units, one.values, strict=True)])
+            if one.name in (*OF_CHANNEL, *OF_INTEGRAL)
+            else one
+            for one in columns
+        ]
 
     def preview(self) -> Curve | None:
         """Return the first channel over the first blow; over the whole record where there is none."""

@@ -77,8 +77,11 @@ class RecordRequest(NamedTuple):
         given = {key: value for key, value in plain.items() if value}
         return {**given, **({"channels": [self.channel]} if self.channel else {})}
 
-    def commands(self, compared: str = "") -> list[tuple[str, str]]:
-        """Return the lines that do the same; the first file is held against the simulation unless another one is named.
+    def commands(self, compared: str = "", alike: Sequence[str] = ()) -> list[tuple[str, str]]:
+        """Return the lines that do the same.
+
+        The first file is held against the simulation unless another one is named; spectra are of all files unless those
+        are named that are in one unit.
 
         Examples
         --------
@@ -93,7 +96,7 @@ class RecordRequest(NamedTuple):
         lines = [["record", *files, *channel, *shared, *of_record]]
         if self.spectrum:
             spectrum = ["--kind", "pseudo-velocity", "--q", self.q]
-            lines.append(["srs", *files, *channel, *shared, *spectrum])
+            lines.append(["srs", *map(file_word, alike or self.names), *channel, *shared, *spectrum])
         if self.beside and self.names:
             file = file_word(compared or self.names[0])
             place = f"{file}#{self.channel}" if self.channel else file

@@ -75,11 +75,8 @@ def _measured(request: RecordRequest, say: Say) -> dict[str, Any]:
         plain = strikewave.record(
             names, base=request.base, **{key: value for key, value in options.items() if key not in FILTERS}
         )
-    charts = [
-        chart
-        for unit in units_of_channels(result) or [""]
-        for chart in (history_chart(result, unit), overlay_chart(result, unit, plain))
-    ]
+    units = units_of_channels(result) or [""]
+    charts = [chart for unit in units for chart in (history_chart(result, unit), overlay_chart(result, unit, plain))]
     lead = [*([] if plain is None else [cost_table(result, plain)]), file_table(result)]
     tables = [("Pulses", *shown_table(result), (0, 1)), *campaign_tables(result)]
     notices = [(one.severity, one.code, one.message) for one in result.notices]
@@ -89,10 +86,16 @@ def _measured(request: RecordRequest, say: Say) -> dict[str, Any]:
         words = verdict_words(judged.verdict, judged.by_indicative, [clause for clause, _ in judged.clauses])
         verdict = (words, f"by {judged.specification.title}")
         lead.append(page_table(clause_table(judged, {name: name for name in names})))
+    alike = files_in_unit(result, units[0]) or names
     if request.spectrum:
         say(None, "shock response spectra")
         try:
-            spectrum = strikewave.shock_spectra(names, kinds=("pseudo-velocity",), q=float(request.q), **options)
+            if len(alike) < len(names):
+                others = ", ".join(sorted({*names} - {*alike}))
+                notices.append(
+                    ("info", "spectrum-of-one-unit", f"the spectrum is without {others}, in another unit or none")
+                )
+            spectrum = strikewave.shock_spectra(alike, kinds=("pseudo-velocity",), q=float(request.q), **options)
             charts.append(four_axes(spectrum))
         except strikewave.StrikewaveError as error:
             notices.append(("warning", "no-spectrum", str(error)))
@@ -117,7 +120,7 @@ def _measured(request: RecordRequest, say: Say) -> dict[str, Any]:
         "tables": tables,
         "notices": notices,
         "files": {**result.tables(), "report.html": report},
-        "same": request.commands(_best(result)),
+        "same": request.commands(_best(result), alike),
     }
 
 
@@ -168,8 +171,14 @@ def file_table(result: RecordResult) -> PageTable:
 
 
 def units_of_channels(result: RecordResult) -> list[str]:
-    """Return the SI units of the channels, each once: no two share an axis."""
-    return list(dict.fromkeys(channel.channel.unit for file in result.readings for channel in file.channels))
+    """Return the SI units of the channels, each once: no two share an axis. None at all, the file's own, comes last."""
+    units = dict.fromkeys(channel.channel.unit for file in result.readings for channel in file.channels)
+    return sorted(units, key=lambda unit: unit == "")
+
+
+def files_in_unit(result: RecordResult, unit: str) -> list[str]:
+    """Return the files whose channels are all in a unit; those without a channel are in none that is another."""
+    return [file.path for file in result.readings if {one.channel.unit for one in file.channels} <= {unit}]
 
 
 def _channels(result: RecordResult, unit: str) -> list[tuple[str, ChannelReading]]:
