@@ -67,6 +67,29 @@ def test_twenty_files_are_dropped_at_once_and_judged(visit):
     one.page.get_by_text("strikewave record").first.wait_for()
 
 
+def test_files_are_removed_and_dropped_again_and_what_is_shown_is_marked_till_it_is_of_them(visit):
+    one = visit("/record?spectrum=no")
+    drop = one.page.locator("input[type=file]")
+    drop.wait_for(state="attached")
+    files = [*shots(2), {**shots(3)[2], "name": "SHOT-00.csv"}]
+    drop.set_input_files(files)
+    one.shows("3 files read and judged")
+    stale, busy = one.page.locator(".sw-stale"), one.page.locator(".sw-stale[aria-busy=true]")
+    assert stale.count() == 0
+    one.page.get_by_role("button", name="remove shot-00.csv", exact=True).click()
+    busy.wait_for()
+    drop.set_input_files([*files, *({**file, "name": "x.csv"} for file in files[:2])])
+    one.shows("5 files read and judged")
+    assert stale.count() == 0
+    assert "refused" not in " ".join(one.page.locator(".q-notification").all_inner_texts())
+    one.page.get_by_label("channel", exact=True).fill("1")
+    one.shows("what is shown is of the settings before: press judge")
+    assert (stale.count(), busy.count()) == (1, 0)
+    one.page.get_by_role("button", name="remove all").click()
+    one.page.locator(".sw-empty").wait_for()
+    assert one.page.locator(".sw-card").count() == 0
+
+
 def test_a_study_is_begun_stopped_and_gone_on_with(visit):
     one = visit("/study?case=jesd22-b111-b&study=sweep&vary=machine.height%3D0.2..0.4+m%3A3&keep=first.rigid_peak")
     one.page.get_by_role("button", name="begin, or go on").click()
@@ -89,10 +112,13 @@ def test_a_bar_is_changed_and_its_link_shows_it_again(visit):
     one = visit("/target")
     one.shows("a full run; every check passed")
     force = one.number("force at sensor")
+    assert one.page.locator(".sw-stale").count() == 0
     box = one.page.get_by_label("load.peak").first
     box.fill("10 kN")
     box.press("Enter")
+    one.page.locator(".sw-stale[aria-busy=true]").wait_for()  # till the numbers of the new setting come
     one.until(lambda: one.number("force at sensor") != force, "nothing changes")
+    one.page.wait_for_function("() => !document.querySelector('.sw-stale')")
     two = visit(urlsplit(one.page.url)._replace(scheme="", netloc="").geturl())
     two.shows("a full run; every check passed")
     assert two.number("force at sensor") == one.number("force at sensor")

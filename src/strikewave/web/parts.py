@@ -14,7 +14,6 @@ from nicegui import context, ui
 
 from strikewave.base.errors import StrikewaveError
 from strikewave.reporting.style import BLUE, ORANGE
-from strikewave.web.guard import LARGEST_UPLOAD
 from strikewave.web.live.chart import LiveChart
 from strikewave.web.sessions import KEPT, Session
 
@@ -26,15 +25,6 @@ PAGES = {
     "/elements": "Elements",
 }
 """Address and name of each page."""
-DROP_HEAD = """
-<div class="row no-wrap items-center q-pa-sm">
-  <div class="col q-uploader__title">{label}</div>
-  <q-spinner v-if="props.isUploading" />
-  <q-btn v-if="props.canAddFiles" type="a" icon="add_box" flat dense aria-label="choose files: {label}">
-    <q-uploader-add-trigger />
-  </q-btn>
-</div>"""
-"""Head of a field that files are dropped on: that of the kit has a button without a name."""
 LONGEST_NOTE = 400
 """Characters of a note that passes: as many as are read in its quarter of a minute."""
 CSS = (Path(__file__).parent / "style.css").read_text("utf-8")
@@ -145,21 +135,6 @@ def svg_picture(svg: bytes, caption: str) -> None:
         f"<figure style='margin:0'>{picture}<figcaption class='sw-soft'>{html.escape(caption)}</figcaption></figure>",
         sanitize=False,
     )
-
-
-def drop_zone(label: str, taken: Callable[[Any], Awaitable[None]], multiple: bool = True) -> ui.upload:
-    """Return a field that files are dropped on, or chosen in."""
-    with ui.element("div").classes("sw-drop").classes("sw-full"):
-        zone = ui.upload(
-            label=label,
-            multiple=multiple,
-            auto_upload=True,
-            max_file_size=LARGEST_UPLOAD,
-            on_multi_upload=taken,
-            on_rejected=lambda: ui.notify(f"refused: a file takes {LARGEST_UPLOAD >> 20} MB at most", type="warning"),
-        )
-    zone.add_slot("header", DROP_HEAD.format(label=html.escape(label)))
-    return zone.props(f'flat bordered aria-label="{html.escape(label)}"')
 
 
 async def tried(work: Callable[[], Awaitable[Any]]) -> Any:

@@ -9,8 +9,9 @@ import shutil
 import tempfile
 import time
 import unicodedata
+from collections.abc import Sequence
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 from strikewave.base.errors import StrikewaveError
 
@@ -21,6 +22,8 @@ IDLE = 4 * 3600.0
 MOST_KEPT = 2 << 30
 """Most bytes of all files that one session keeps."""
 LONGEST_NAME = 80
+LONGEST_BYTES = 180
+"""Bytes of a name, whose letters may take four each: a disk takes 255, with what a page adds."""
 SECRET = "session-secret"
 KEPT = "pages"
 """Folder, of each session, of what its open pages ask for."""
@@ -44,9 +47,31 @@ def clean_name(name: str) -> str:
     plain = "".join(letter if letter.isprintable() and letter not in "<>:\"|?*&'`$" else "_" for letter in last)
     plain = plain.strip(" .")
     stem, dot, kind = plain.rpartition(".")
-    if len(plain) > LONGEST_NAME:
-        plain = f"{stem[: LONGEST_NAME - len(kind) - 1]}{dot}{kind}" if len(kind) < 10 else plain[:LONGEST_NAME]
+    if len(plain) > LONGEST_NAME or len(plain.encode()) > LONGEST_BYTES:
+        stem, end = (stem, dot + kind) if len(kind) < 10 else (plain, "")
+        most = LONGEST_BYTES - len(end.encode())
+        plain = stem[: LONGEST_NAME - len(end)].encode()[:most].decode(errors="ignore").rstrip(" .") + end
     return plain or "file"
+
+
+def is_there(path: Path) -> bool:
+    """Tell whether a file is there under a name, or, on disks that do not tell capitals apart, under one like it."""
+    return path.exists()
+
+
+class TakenFile(NamedTuple):
+    """A file that was dropped: where it is kept, and what somebody should know of that; empty where it is as it was."""
+
+    path: Path
+    remark: str
+
+
+def _free(path: Path) -> Path:
+    """Return a path like this one that no file has."""
+    count = 2
+    while is_there(free := path.with_name(f"{path.stem}-{count}{path.suffix}")):
+        count += 1
+    return free
 
 
 class Session:
@@ -82,13 +107,39 @@ class Session:
         FullError
             If the session would keep too much.
         """
-        if self.size() + len(content) > MOST_KEPT:
-            raise FullError(
-                f"{clean_name(name)}: a session keeps {MOST_KEPT >> 30} GB at most; remove other files first"
-            )
         path = self.place(*below) / clean_name(name)
+        if path.is_dir():
+            raise FullError(f"{path.name}: a folder of this page is called so; give the file another name")
+        before = path.stat().st_size if path.is_file() else 0
+        if self.size() - before + len(content) > MOST_KEPT:
+            raise FullError(f"{path.name}: a session keeps {MOST_KEPT >> 30} GB at most; remove other files first")
         path.write_bytes(content)
         return path
+
+    def take(self, dropped: Sequence[tuple[str, bytes]], *below: str) -> list[TakenFile]:
+        """Keep files that were dropped together, none in the place of another: names may differ in case alone.
+
+        One that was dropped before takes the place of its older self.
+
+        Raises
+        ------
+        FullError
+            As `keep`.
+        """
+        taken: dict[Path, str] = {}
+        for name, content in dropped:
+            place = self.place(*below)
+            path, remark = place / clean_name(name), ""
+            listed = {other.name for other in place.iterdir()}
+            is_known = path.name in listed and not path.is_dir()
+            is_same = is_known and path.stat().st_size == len(content) and path.read_bytes() == content
+            if not is_same and (path in taken or (path.name not in listed and is_there(path))):
+                path = _free(path)
+                remark = f"{clean_name(name)} is kept as {path.name}: another file has that name"
+            elif is_known and not is_same:
+                remark = f"{path.name}: the file that was dropped now is in the place of the one before"
+            taken[self.keep(path.name, content, *below)] = remark
+        return [TakenFile(path, remark) for path, remark in taken.items()]
 
     def size(self) -> int:
         """Return how many bytes its files take."""

@@ -12,6 +12,7 @@ from strikewave.base.errors import StrikewaveError
 from strikewave.web import markup, parts
 from strikewave.web.desk import started
 from strikewave.web.jobs import CancelledError, PageJob
+from strikewave.web.live.marked import MarkedResult
 from strikewave.web.sessions import Session
 
 
@@ -29,17 +30,43 @@ class Workbench:
     def __init__(self, session: Session, empty: str) -> None:
         self.session = session
         self._job: PageJob | None = None
+        self._todo = ""
         self.state = ui.label("").classes("sw-state").props('role="status"')
-        self._result = ui.element("div").classes("sw-main")
-        with self._result:
-            ui.label(empty).classes("sw-empty")
+        self._result, self._empty = MarkedResult(), empty
         self._same = ui.element("div").classes("sw-main")
+        self.empty()
+
+    def empty(self) -> None:
+        """Show nothing, for nothing is asked."""
+        self.stop(quietly=True)
+        self._job, self._todo, self.state.text = None, "", ""
+        self._same.clear()
+        self._clear()
+        with self._result:
+            ui.label(self._empty).classes("sw-empty")
+
+    def _clear(self) -> None:
+        """Take away what is shown, and its mark."""
+        self._result.clear()
+        self._result.show_as(stale=False)
+
+    def changed(self, todo: str) -> None:
+        """Mark what is shown as that of other settings, until somebody does this; nothing where nothing is shown."""
+        self._todo = todo
+        if self.state.text and self._job is None:
+            self._mark_as_old()
+
+    def _mark_as_old(self) -> None:
+        self._result.show_as(stale=True)
+        self.state.text = f"what is shown is of the settings before: {self._todo}"
 
     def begin(self, function: str, *arguments: Any, same: Sequence[tuple[str, str]] = ()) -> None:
         """Begin other work in the place of what is under way, and show the lines that do the same."""
         self.stop(quietly=True)
         self._show_same(same)
-        background_tasks.create(self._work(PageJob(function, *arguments)), name=function)
+        self._result.show_as(stale=True, busy=True)
+        self._job, self._todo = PageJob(function, *arguments), ""
+        background_tasks.create(self._work(self._job), name=function)
 
     def _show_same(self, lines: Sequence[tuple[str, str]]) -> None:
         self._same.clear()
@@ -48,29 +75,31 @@ class Workbench:
                 parts.code(label, text)
 
     async def _work(self, job: PageJob) -> None:
-        self._job = job
         self.state.text = "under way"
 
         def progress(share: float | None, words: str) -> None:
-            self.state.text = parts.under_way(share, words)
+            if self._job is job:
+                self.state.text = parts.under_way(share, words)
 
         try:
             view = await started(self.session, job, progress)
         except CancelledError:
             if self._job is job:
-                self.state.text = "stopped; what was there before is still shown"
+                self._job, self.state.text = None, "stopped; what was there before is still shown"
+                self._result.show_as(stale=True)
             return
         except StrikewaveError as error:
-            self.state.text = "refused"
-            self._result.clear()
-            with self._result:
-                parts.shown(markup.refusal(str(error)))
-            return
-        finally:
             if self._job is job:
-                self._job = None
-        self.state.text = f"shown: {view['by']}"
-        self.show(view)
+                self._job, self.state.text = None, "refused"
+                self._clear()
+                with self._result:
+                    parts.shown(markup.refusal(str(error)))
+            return
+        if self._job is job:  # else others are wanted by now
+            self._job, self.state.text = None, f"shown: {view['by']}"
+            self.show(view)
+            if self._todo:  # something was changed meanwhile
+                self._mark_as_old()
 
     def stop(self, quietly: bool = False) -> None:
         """Stop the work that is under way."""
@@ -83,7 +112,7 @@ class Workbench:
         """Show what came of it."""
         if view.get("same"):
             self._show_same(view["same"])
-        self._result.clear()
+        self._clear()
         with self._result:
             parts.shown(
                 (markup.verdict(*view["verdict"]) if view.get("verdict") else "")

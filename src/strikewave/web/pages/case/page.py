@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
+from pathlib import Path
 from typing import Any
 
 from nicegui import Client, background_tasks, ui
@@ -12,6 +13,7 @@ from strikewave.base.errors import StrikewaveError
 from strikewave.web import parts
 from strikewave.web.case.state import CaseSource, CaseState, address, is_case
 from strikewave.web.desk import Desk
+from strikewave.web.dropped_files import DroppedFiles
 from strikewave.web.pages.case.files import CaseFiles
 from strikewave.web.pages.case.kinds import CASES, CaseKind
 from strikewave.web.pages.case.runs import CaseRuns
@@ -22,6 +24,8 @@ from strikewave.web.pages.case.stack_layers import StackLayers
 from strikewave.web.pages.case.wanted_blows import WantedBlows
 from strikewave.web.sessions import Session
 
+FOLDER = "cases"
+"""Folder, of each session, of what is dropped on the pages of cases."""
 MOST_UNDONE = 100
 BESIDE = "beside"
 """Key of the address for the changes of the state that is kept beside."""
@@ -41,7 +45,11 @@ def add(desk: Desk, kind: CaseKind) -> None:
 
         async def asked(session: Session) -> tuple[CaseState, Mapping[str, str], dict[str, Any]]:
             state, kept = CaseState.read(given, kind.usual), CaseState.read(given, kind.usual, BESIDE).changes
-            return state, kept, await desk.lookers.ask(f"{CASES}:opened", state.source(session.folder), kind.program)
+            return (
+                state,
+                kept,
+                await desk.lookers.ask(f"{CASES}:opened", state.source(session.place(FOLDER)), kind.program),
+            )
 
         opened = await desk.open_page(kind.place, client, asked)
         if opened is not None:
@@ -64,6 +72,7 @@ class CasePage:
                 self.side = CaseSide(
                     kind,
                     self._actions(),
+                    lambda label: DroppedFiles(session, FOLDER, label, self._dropped),
                     opened["titles"],
                     opened["fields"],
                     state,
@@ -88,7 +97,6 @@ class CasePage:
             moved=self.move,
             typed=self.type,
             chosen=self.open,
-            dropped=self._dropped,
             undo=self.undo,
             reset=self.reset,
             keep_beside=self.keep_beside,
@@ -97,7 +105,7 @@ class CasePage:
         )
 
     def _source(self, state: CaseState | None = None) -> CaseSource:
-        return (state or self.state).source(self.session.folder)
+        return (state or self.state).source(self.session.place(FOLDER))
 
     def begin(self, beside: Mapping[str, str] | None) -> None:
         """Show what the address asks for, and beside it what it keeps."""
@@ -111,18 +119,16 @@ class CasePage:
 
     # what the user does
 
-    async def _dropped(self, event: Any) -> None:
+    async def _dropped(self, paths: Sequence[Path]) -> None:
         cases = []
-        for file in event.files:
+        for path in filter(is_case, paths):
             try:
-                path = self.session.keep(file.name, await file.read())
-                if is_case(path):
-                    cases.append(CaseState.of_file(path))
+                cases.append(CaseState.of_file(path))
             except StrikewaveError as error:
                 ui.notify(f"refused: {error}", type="warning")
         if cases:
             await self.open(cases[-1])
-        elif event.files:
+        elif paths:
             ui.notify("kept; a case that names these files can be dropped now", type="info")
 
     async def open(self, state: CaseState) -> None:

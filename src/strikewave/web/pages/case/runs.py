@@ -67,6 +67,7 @@ class CaseRuns:
         self.source, self.is_full = source, False
         if self._job is not None:
             self._job.cancel()
+        self.shown.mark(stale=True, busy=not self.kind.waits)
         if self.kind.waits:
             self._rested()
             self.shown.say("changed: press run")
@@ -81,12 +82,14 @@ class CaseRuns:
         try:
             while self._again:
                 self._again = False
+                source = self.source
                 try:
-                    view = await self.desk.lookers.ask(f"{self.kind.view}:look", self.source)
+                    view = await self.desk.lookers.ask(f"{self.kind.view}:look", source)
                 except StrikewaveError as error:
                     self.shown.refuse(str(error))
                     continue
                 self.shown.show(view)
+                self.shown.mark(stale=source is not self.source, busy=True)
                 self.shown.say(f"shown: {view['by']}; the full run follows when you pause")
         finally:
             self._looking = False
@@ -109,6 +112,7 @@ class CaseRuns:
         if self._job is not None:
             self._job.cancel()
         self._job = job
+        self.shown.mark(busy=True)
         self._rested()
 
         def progress(share: float | None, words: str) -> None:
@@ -130,6 +134,7 @@ class CaseRuns:
         if source is self.source:
             self.is_full = True
             self.shown.show(view)
+            self.shown.mark(stale=False)
             self.shown.say(f"shown: {view['by']}")
             self._finished(view)
 
@@ -145,4 +150,5 @@ class CaseRuns:
             ui.notify("nothing is under way")
         else:
             self._job.cancel()
+            self.shown.mark()
             self.shown.say("stopped")

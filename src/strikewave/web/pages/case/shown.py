@@ -13,6 +13,7 @@ from strikewave.web import markup, parts
 from strikewave.web.charts import line_chart, with_beside
 from strikewave.web.live.body import LiveBody
 from strikewave.web.live.html import LiveHtml
+from strikewave.web.live.marked import MarkedResult
 from strikewave.web.pages.case.kinds import CaseKind
 from strikewave.web.pages.case.section_readings import SectionReadings
 from strikewave.web.sessions import Session
@@ -36,7 +37,15 @@ class CaseShown:
         self.view: dict[str, Any] = {}
         self.beside: dict[str, Any] | None = None
         self._state = LiveHtml().classes("sw-state").props('role="status"')
-        self._key, self._refused = LiveHtml().classes("sw-full"), LiveHtml().classes("sw-full")
+        self._refused = LiveHtml().classes("sw-full")
+        self._results = MarkedResult()
+        with self._results:
+            self._build(section, moved)
+
+    def _build(self, section: str, moved: Callable[[], None]) -> None:
+        """Put what results are shown in on the page."""
+        kind = self.kind
+        self._key = LiveHtml().classes("sw-full")
         self._body = ui.element("div").classes("sw-full")
         self._drawn = ui.element("div").classes("sw-charts")
         empty = line_chart("", "", "", [])
@@ -58,8 +67,13 @@ class CaseShown:
         """Say what is shown, and what is under way."""
         self._state.show(escape(text))
 
+    def mark(self, stale: bool | None = None, busy: bool = False) -> None:
+        """Mark what is shown as that of another state, or no longer so, and whether it is being computed."""
+        self._results.show_as(self._results.is_stale if stale is None else stale, busy)
+
     def refuse(self, message: str) -> None:
         """Say why the state that was asked for is not shown."""
+        self.mark()
         self.say("shown: the last state that could be run")
         self._refused.show(markup.refusal(message))
 

@@ -26,7 +26,6 @@ class SideActions(NamedTuple):
     moved: Callable[[str, float], Any]
     typed: Callable[[str, str], Any]
     chosen: Callable[[CaseState], Any]
-    dropped: Callable[[Any], Any]
     undo: Callable[[], Any]
     reset: Callable[[], Any]
     keep_beside: Callable[[], Any]
@@ -41,6 +40,8 @@ class CaseSide:
     ----------
     kind : CaseKind
     actions : SideActions
+    drop_zone : callable
+        Makes the field that files are dropped on, of its label.
     titles : mapping of str to str
         The built-in cases.
     fields : mapping of str to EditedField
@@ -56,6 +57,7 @@ class CaseSide:
         self,
         kind: CaseKind,
         actions: SideActions,
+        drop_zone: Callable[[str], object],
         titles: Mapping[str, str],
         fields: Mapping[str, EditedField],
         state: CaseState,
@@ -67,7 +69,7 @@ class CaseSide:
         self.important = important
         self._shown: dict[str, LiveField] = {}
         self._titles = titles
-        self._choice()
+        self._choice(drop_zone)
         self._place = ui.element("div").classes("sw-side")
         self.build()
 
@@ -80,13 +82,13 @@ class CaseSide:
         if event.value != self.state.name:
             await self.actions.chosen(CaseState(str(event.value)))
 
-    def _choice(self) -> None:
+    def _choice(self, drop_zone: Callable[[str], object]) -> None:
         with parts.box("Case"):
             self._select = ui.select(
                 self._options(), value=self.state.name, label="built-in case", on_change=self._chosen
             )
             self._select.props("dense outlined options-dense").classes("sw-full")
-            parts.drop_zone("or drop a case file (.toml)", self.actions.dropped, multiple=True)
+            drop_zone("or drop a case file (.toml)")
             with ui.element("div").classes("sw-row sw-gap"):
                 if self.kind.waits:
                     ui.button("run", icon="play_arrow", on_click=self.actions.run).props("unelevated dense no-caps")

@@ -29,14 +29,21 @@ class CutoffField:
         What stands in it at first; empty for no filter.
     none_at_top : bool
         Whether no filter is at the upper end, as of a low-pass.
-    changed : callable
-        Called when it rests at another value.
+    moved, changed : callable
+        Called when it begins to move, and when it rests at another value.
     """
 
     def __init__(
-        self, key: str, label: str, what: str, typed: str, none_at_top: bool, changed: Callable[[], object]
+        self,
+        key: str,
+        label: str,
+        what: str,
+        typed: str,
+        none_at_top: bool,
+        moved: Callable[[], object],
+        changed: Callable[[], object],
     ) -> None:
-        self.value, self._changed = typed, changed
+        self.value, self._moved, self._changed = typed, moved, changed
         self._steps = (*CUTOFFS, "") if none_at_top else ("", *CUTOFFS)
         self._rest = RestingHand(changed)
         how = "typed with its unit, or slid; at the end of the slider nothing is filtered"
@@ -55,6 +62,7 @@ class CutoffField:
     def _move(self, place: float) -> None:
         self.value = self._steps[min(max(int(place), 0), len(self._steps) - 1)]
         self._shown.show(self.value)
+        self._moved()
         self._rest.moved()
 
     def _type(self, text: str) -> None:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from pathlib import Path
 from typing import Any
 
 from nicegui import Client, ui
@@ -11,6 +13,7 @@ from strikewave.base.errors import StrikewaveError
 from strikewave.web import parts
 from strikewave.web.case.state import CaseState, address, is_case
 from strikewave.web.desk import Desk
+from strikewave.web.dropped_files import DroppedFiles
 from strikewave.web.pages.study.request import KINDS, StudyRequest
 from strikewave.web.sessions import Session
 from strikewave.web.workbench import Workbench
@@ -58,9 +61,12 @@ class StudyPage:
                     ui.select(options, value=self.state.name, label="case", on_change=self._other_case).props(
                         "dense outlined options-dense"
                     ).style("width:100%")
-                    parts.drop_zone("or drop a case (.toml), and records to fit", self._dropped)
+                    label = "or drop a case (.toml), and records to fit"
+                    self.files = DroppedFiles(self.session, FOLDER, label, self._dropped)
                     self.changes = ui.textarea(
-                        "changes, a line each", value="\n".join(self.state.source().changes)
+                        "changes, a line each",
+                        value="\n".join(self.state.source().changes),
+                        on_change=self._changed,
                     ).props('dense outlined stack-label rows=2 autogrow placeholder="machine.speed=700 rpm"')
                     self.changes.style("width:100%")
                 self.form = ui.element("div").style("width:100%")
@@ -83,7 +89,7 @@ class StudyPage:
             for text in kind.texts:
                 value = "\n".join(value for key, value in self.given if key == text.key)
                 make = ui.textarea if text.lines else ui.input
-                box = make(text.label, value=value, placeholder=text.example)
+                box = make(text.label, value=value, placeholder=text.example, on_change=self._changed)
                 box.props("dense outlined stack-label" + (" rows=2 autogrow" if text.lines else ""))
                 self.boxes[text.key] = box.style("width:100%; margin-bottom:.35rem")
 
@@ -91,16 +97,22 @@ class StudyPage:
         self.given = [pair for pair in self._query() if pair[0] != "study"]
         self.kind = str(event.value)
         self._form()
+        self._changed()
 
     def _other_case(self, event: Any) -> None:
         self.state = CaseState(str(event.value))
+        self._changed()
 
-    async def _dropped(self, event: Any) -> None:
-        for file in event.files:
+    def _changed(self) -> None:
+        """Mark what is shown as that of other settings."""
+        self.bench.changed("press begin")
+
+    async def _dropped(self, paths: Sequence[Path]) -> None:
+        for path in paths:
             try:
-                path = self.session.keep(file.name, await file.read(), FOLDER)
                 if is_case(path):
                     self.state = CaseState.of_file(path)
+                    self._changed()
                     ui.notify(f"the case is {path.name} now", type="positive")
                 else:
                     ui.notify(f"{path.name} is kept: name it to fit to it", type="positive")
@@ -117,7 +129,7 @@ class StudyPage:
         changes = {path.strip(): value.strip() for path, _, value in lines if path.strip()}
         state = CaseState(self.state.name, self.state.text, changes)
         texts = tuple((key, tuple(str(box.value or "").splitlines())) for key, box in self.boxes.items())
-        return StudyRequest(self.kind, state.source(self.session.place(FOLDER)), texts)
+        return StudyRequest(self.kind, state.source(self.files.place), texts)
 
     def _query(self) -> list[tuple[str, str]]:
         asked = self.request()
