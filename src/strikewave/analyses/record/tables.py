@@ -62,7 +62,7 @@ def amount(name: str, unit: str, value: float, digits: int = 4) -> str:
 
 
 def in_own_unit(name: str, unit: str, value: float) -> str:
-    """Write a figure of a channel beside figures of channels in other units: one that has no unit says so.
+    """Write a figure of a channel beside those in other units; what has none is marked.
 
     Examples
     --------
