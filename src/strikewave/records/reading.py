@@ -20,6 +20,7 @@ from strikewave.records.calibration import Calibration, calibrated
 from strikewave.records.clock import even
 from strikewave.records.coupling import uncoupled
 from strikewave.records.health import Examined, examine, level_step, ringing
+from strikewave.records.health.examined import with_unit
 from strikewave.records.health_notice import FIGURES, RESPONSE_FIGURES, STATUSES, HealthNotice, worst, worst_first
 from strikewave.records.measuring import FEWEST, RecordedPulse, contacts_of, find_pulses
 from strikewave.records.record import Array, Channel
@@ -254,7 +255,25 @@ def read_channel(channel: Channel, number: int, calibration: Calibration, reques
             ):  # what rings no more after the filter harms nothing
                 findings = [finding for finding in findings if finding.code != "ringing"]
                 findings += ringing(dataclasses.replace(examined, values=channel.values, pulses=pulses))
+    if channel.of_body:
+        pulses, findings = _as_body_motion(pulses, findings)
     return ChannelReading(channel, number, pulses, tuple(findings), calibration, unfiltered)
+
+
+def _as_body_motion(
+    pulses: Sequence[RecordedPulse], findings: Sequence[HealthNotice]
+) -> tuple[tuple[RecordedPulse, ...], list[HealthNotice]]:
+    """Return blows and findings of the acceleration of a whole body: what rings is its own motion, and stays in it."""
+    own = tuple(dataclasses.replace(pulse, rigid=None, split=None) for pulse in pulses)
+    frequency = next((pulse.ringing_frequency for pulse in pulses if pulse.ringing_frequency > 0.0), math.nan)
+    rings = f"the blow rings at {with_unit(frequency, 'Hz')}" if frequency > 0.0 else "the record swings after the blow"
+    message = f"{rings}: the channel holds the acceleration of a whole body, so that this is its own motion and stays"
+    return own, [
+        dataclasses.replace(finding, message=message, severity="good", harms=(), effects=())
+        if finding.code == "ringing"
+        else finding
+        for finding in findings
+    ]
 
 
 def filtered_channel(channel: Channel, request: Request) -> Channel:

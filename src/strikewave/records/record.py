@@ -13,6 +13,10 @@ from strikewave.records.health_notice import HealthNotice
 
 Array = NDArray[np.float64]
 
+OF_BODY = ("record_acceleration", "rigid_acceleration", "pulse_acceleration")
+"""Names under which the histories of a run hold the acceleration of a whole body: what swings in it is the body's own
+motion, and no sensor's or mount's."""
+
 
 @dataclass(frozen=True, eq=False)
 class Channel:
@@ -40,6 +44,11 @@ class Channel:
     start: float = 0.0
     unit: str = ""
     stamps: Array | None = None
+
+    @property
+    def of_body(self) -> bool:
+        """Whether the file says that this is the acceleration of a whole body, as a run writes it."""
+        return self.name in OF_BODY
 
     @property
     def sampling_rate(self) -> float:

@@ -49,6 +49,15 @@ ROUNDS = 6
 """Of narrowing the window to the time constant found."""
 AT_ONCE, HALF_THERE = 3, 0.5
 """First stretches in which a shift must be there to half: what moves begins from zero. A model explains half, too."""
+REVERSED, AT_REST, PUSHED = 0.25, 0.2, 5.0
+"""Share of the velocity change by which the velocity after a blow goes to the other side, share of that to which it
+comes back, and times what the record stands off its zero at last that it is pushed back by at least, where a machine
+pushes back and stops what it struck.
+
+What a zero does, shifting, warming or drifting, and a high-pass of first order change the velocity one way only; and
+where the baseline is off, the velocity comes back no faster than that."""
+LAST_THIRD = 3
+"""Of the stretches of a tail, the last third show where the record stands at last."""
 RATES = 120
 """Time constants tried for a free exponential."""
 
@@ -66,12 +75,15 @@ class Tail(NamedTuple):
         Mean of the integral of the record from before the first blow on.
     one_side : float
         Share of the samples of the first stretch that have the sign of its level.
+    moved : ndarray or None
+        Mean of the integral over the baseline before this blow, from before it on; that of ``velocity`` by default.
     """
 
     time: Array
     level: Array
     velocity: Array
     one_side: float = 1.0
+    moved: Array | None = None
 
 
 class TailModel(NamedTuple):
@@ -128,19 +140,63 @@ def tail_of(values: Array, step: float, start: float, pulses: Sequence[RecordedP
     origin = max(round((first.begin - start) / step - width), 0)
     places = np.arange(origin, edges[-1], dtype=np.float64)
     middle = (first.time - start) / step
-    above = values[origin : edges[-1]] - first.offset - first.baseline.slope * (places - middle)
+    above = values[origin : edges[-1]] - first.offset - _carried_slope(pulses, step) * (places - middle)
     velocity = integral(above, step)
+    own = max(round((pulse.begin - start) / step - width), origin)
+    moved = integral(values[own : edges[-1]] - pulse.offset, step)
     rows = []
     for low, high in zip(edges[:-2], edges[2:], strict=True):
         weights = np.hanning(high - low + 2)[1:-1]
         part = slice(low - origin, high - origin)
         weights /= np.sum(weights)
         middle = start + step * 0.5 * (low + high - 1) - pulse.end
-        rows.append((middle, float(weights @ above[part]), float(weights @ velocity[part])))
+        since = weights @ moved[low - own : high - own]
+        rows.append((middle, float(weights @ above[part]), float(weights @ velocity[part]), float(since)))
     near = above[edges[0] - origin : edges[2] - origin]
     one_side = float(np.mean(np.sign(near) == math.copysign(1.0, rows[0][1])))
-    time, level, velocities = np.array(rows).T
-    return Tail(time, level, velocities, one_side)
+    time, level, velocities, moved_by = np.array(rows).T
+    return Tail(time, level, velocities, one_side, moved_by)
+
+
+def _carried_slope(pulses: Sequence[RecordedPulse], step: float) -> float:
+    """Return the slope a sample of the baseline before the first blow, or none where that before later ones has not it.
+
+    What a machine does before its first blow, such as a feed that comes to rest, is over at the next.
+    """
+    first, later = pulses[0], pulses[1:]
+    slope = first.baseline.slope
+    off_line = sum(abs(p.offset - first.offset - slope * (p.time - first.time) / step) for p in later)
+    return slope if off_line <= sum(abs(p.offset - first.offset) for p in later) else 0.0
+
+
+def comes_to_rest(tail: Tail) -> bool:
+    """Tell whether the velocity after a blow goes to the other side and comes back: what was struck moves, no zero.
+
+    Examples
+    --------
+    >>> time = np.linspace(1e-4, 2e-2, 40)
+    >>> velocity = 5.0 * np.cos(np.pi * time / 1e-2) * (time < 1e-2)  # a spring pulls back, a stop holds
+    >>> comes_to_rest(Tail(time, 0.0 * time, velocity)), comes_to_rest(Tail(time, 0.0 * time, 5.0 - 600.0 * time))
+    (True, False)
+    """
+    velocity = tail.velocity if tail.moved is None else tail.moved
+    velocity = math.copysign(1.0, float(velocity[0])) * velocity
+    farthest = np.minimum.accumulate(velocity)
+    rests = (farthest < -REVERSED * velocity[0]) & (velocity > AT_REST * farthest)
+    if not rests.any():
+        return False
+    returned = int(np.argmax(rests))
+    turned = int(np.argmin(velocity[: returned + 1]))
+    pushed = float(velocity[returned] - velocity[turned]) / float(tail.time[returned] - tail.time[turned])
+    last = slice(-max(velocity.size // LAST_THIRD, 2), None)
+    stands = float(np.polyfit(tail.time[last], velocity[last], 1)[0])  # off the baseline before this blow
+    return pushed > PUSHED * abs(stands)
+
+
+def _at_last(tail: Tail) -> tuple[float, float]:
+    """Return where the record stands in the last third of a tail, and the standard error of that."""
+    last = tail.level[-max(tail.level.size // LAST_THIRD, 2) :]
+    return float(np.mean(last)), float(np.std(last, ddof=1)) / math.sqrt(last.size)
 
 
 def model_of(tail: Tail) -> TailModel:
@@ -157,6 +213,9 @@ def model_of(tail: Tail) -> TailModel:
     >>> model_of(Tail(time, 0.5 + noise, 6e-3 + 0.5 * time)).kind, model_of(Tail(time, noise, 6e-3 + 0.0 * time)).kind
     ('shift', 'rest')
     """
+    if comes_to_rest(tail):
+        level, error = _at_last(tail)
+        return TailModel("shift" if abs(level) > SURE * error else "motion", level, error)
     coupled = _coupled(tail)
     if coupled is not None:
         return coupled

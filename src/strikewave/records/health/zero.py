@@ -192,7 +192,7 @@ def velocity_drift(record: Examined) -> list[HealthNotice]:
     drift = float(np.mean(tail)) * after.size * record.step
     unsure = SHIFTED * float(np.std(tail)) / math.sqrt(tail.size) * after.size * record.step
     share = abs(drift) / total
-    if share < NOTED_DRIFT or abs(drift) < unsure:
+    if share < NOTED_DRIFT or abs(drift) < unsure or _as_at_first(record, float(np.mean(tail)) + pulse.offset, drift):
         return []
     message = (
         f"long after the last blow the record stands {record.text(float(np.mean(tail)))} off its zero: the integrated "
@@ -200,6 +200,20 @@ def velocity_drift(record: Examined) -> list[HealthNotice]:
     )
     severity = "suspect" if share > LARGE_DRIFT else "good"
     return [HealthNotice("velocity-drift", message, drift, severity=severity, harms=("spectrum",), start=pulse.end)]
+
+
+def _as_at_first(record: Examined, level: float, drift: float) -> bool:
+    """Tell whether a record ends where it began, long before the first blow, much nearer than its drift says.
+
+    Then its zero stands, and what it stood at before a later blow was motion: of a feed, or what the blow before left.
+    """
+    first = record.values[: record.values.size // BEGINNING]
+    if first.size < FEWEST_OF_PART or record.time(2 * first.size) > record.pulses[0].begin:
+        return False
+    after = (record.values.size - record.place(record.pulses[-1].end)) * record.step
+    return abs(level - float(np.median(first))) * after < NOTED_DRIFT * min(
+        abs(drift), abs(record.pulses[-1].velocity_change)
+    )
 
 
 def no_foot(record: Examined) -> list[HealthNotice]:
