@@ -61,7 +61,11 @@ def misses(solution, result):
         return [f"{len(reading.pulses)} blows of {len(truth)}"]
     wrong = [] if file.status == "good" else [f"{file.status}: {file.reasons}"]
     read = np.array([(pulse.peak, pulse.width, pulse.velocity_change) for pulse in reading.pulses])
+    blows = np.array([(blow.rigid_peak, blow.width, blow.velocity_change) for blow in solution.blows])
     off_by = (read / truth[:, :3] - 1.0).T
+    wrong += [
+        f"the table of blows: {row}" for row in np.argwhere(~(np.abs(blows / truth[:, :3] - 1.0) < CLOSE)).tolist()
+    ]
     for name, whole, off in zip(("peak", "width", "velocity change"), truth[:, :3].T, off_by, strict=True):
         wrong += [f"{name} of blow {k + 1} by {one:+.2%}" for k, one in enumerate(off) if not abs(one) < CLOSE]
         stated = [one.statistics.get(name.replace(" ", "_")) for one in result.campaigns]
