@@ -142,6 +142,25 @@ def test_the_same_samples_under_another_name_may_be_those_of_a_sensor_that_rings
     assert "zero-shift" not in codes  # the object is drawn back and comes to rest: that is no zero
 
 
+@pytest.mark.parametrize(("planted", "severity"), [(0.0, "info"), (0.3, "warning")])
+def test_what_rings_beside_the_run_of_its_machine_is_its_motion_unless_something_else_rings(
+    planted, severity, run, tmp_path
+):
+    """The frame swings at 6.6 kHz; a mount of 12 kHz by a third of the peak is not the machine."""
+    solution = run("li-ma-2019", QUICK["li-ma-2019"])
+    blows = [blow.time for blow in solution.blows]
+
+    def with_mount(t, a):
+        since = t[:, None] - np.array(blows)
+        swing = np.exp(-np.maximum(since, 0.0) / 1e-3) * np.sin(2.0 * np.pi * 12e3 * since)
+        return t, a + planted * np.max(a) * np.sum(np.where(since > 0.0, swing, 0.0), axis=1)
+
+    named = changed(with_mount)
+    read_back(solution, tmp_path, lambda text: named(text).replace("record_acceleration", "sensor"))
+    notices = strikewave.compare(solution, str(tmp_path / "histories-record.csv")).notices
+    assert [notice.severity for notice in notices if notice.code == "ringing"] == [severity]
+
+
 @pytest.mark.verify
 @pytest.mark.parametrize("share", [-0.05, 0.05, 0.1])
 @pytest.mark.parametrize("blow", [0, 5])

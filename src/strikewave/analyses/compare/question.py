@@ -8,6 +8,8 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import get_args
 
+import numpy as np
+
 from strikewave.analyses.compare.agreement import LOST, RULES, CurveAgreement, agreement, shift_to_gap
 from strikewave.analyses.compare.curve import QUANTITIES, ComparedCurve, checked_curve
 from strikewave.analyses.compare.limits import ComparisonLimit, judge, limit_notices, read_limit
@@ -23,6 +25,7 @@ from strikewave.analyses.compare.specified import (
 from strikewave.base.errors import InputError
 from strikewave.base.result import INFO, Notice, Result, Source, Verdicts
 from strikewave.base.units import si_value
+from strikewave.records.ringing import FEWEST_AFTER, LOWEST_RATIO, RINGS_WITHIN, strongest_frequency
 from strikewave.reporting import measured_files as measured
 from strikewave.reporting.clause_words import budget_notices
 from strikewave.reporting.decision_options import budget_in_python
@@ -31,6 +34,7 @@ from strikewave.reporting.numbers import listed, percent
 from strikewave.reporting.options.kinds import wrong_choice
 from strikewave.signal.alignment import Shift, are_opposite
 from strikewave.signal.filters import Filter
+from strikewave.signal.pulse import measure_pulse
 from strikewave.specifications.decisions import Rule
 
 MEASURED = ("record", "campaign")
@@ -42,7 +46,9 @@ SHIFTS_APART = 3.0
 DEVIATIONS = 2.0
 """Standard deviations of a campaign that its corridor is wide to either side, where none is stated: 95 % of normal
 records."""
-
+SAME_RING, SAME_SWING = 0.1, 0.25
+"""Shares by which frequency and size of what rings after a blow may differ in a record and in the run of its machine
+for both to be one motion: a run with assumed masses and stiffnesses is no better, and a mount rings elsewhere."""
 
 Compared = str | Path | Result | tuple[Result, str]
 """What Python takes: a name, or a solution of run, wave or fem, alone or with the name of its part."""
@@ -263,10 +269,36 @@ def compared_curves(
         *failed,
         *limit_notices(judged, result.expanded),
         *_notices(first, second, found, result),
-        *first.notices,
-        *second.notices,
+        *_as_the_run_does(first, second),
+        *_as_the_run_does(second, first),
     )
     return dataclasses.replace(result, judged=judged, notices=notices)
+
+
+def _as_the_run_does(curve: ComparedCurve, other: ComparedCurve) -> list[Notice]:
+    """Return the notices of a curve: what rings in a record is the motion of the machine where its run rings alike."""
+    rings = [notice for notice in curve.notices if notice.code == "ringing"]
+    if not rings or curve.kind == "simulation" or other.kind != "simulation":
+        return list(curve.notices)
+    (mine, swing), (theirs, its_swing) = _ringing(curve), _ringing(other)
+    if not (abs(mine / theirs - 1.0) < SAME_RING and abs(swing / its_swing - 1.0) < SAME_SWING):
+        return list(curve.notices)
+    message = (
+        f"{curve.name} rings at {mine / 1e3:.3g}\xa0kHz, by {percent(swing, 0)} of the peak after the blow, as "
+        f"{other.name} does ({theirs / 1e3:.3g}\xa0kHz, {percent(its_swing, 0)}): it is the motion of the machine"
+    )
+    return [*(one for one in curve.notices if one not in rings), Notice("ringing", message, swing, severity=INFO)]
+
+
+def _ringing(curve: ComparedCurve) -> tuple[float, float]:
+    """Return the frequency of what swings after the largest pulse, Hz, and by which share of its peak; NaN for none."""
+    upright, step = curve.sign * curve.history.values, curve.history.step
+    pulse = measure_pulse(upright, step, curve.history.start)
+    begin = round((pulse.time + pulse.width - curve.history.start) / step)
+    after = upright[begin : begin + round(RINGS_WITHIN * pulse.width / step)]
+    if after.size < FEWEST_AFTER:
+        return math.nan, math.nan
+    return strongest_frequency(after, step, LOWEST_RATIO / pulse.width), 0.5 * float(np.ptp(after)) / pulse.peak
 
 
 def _check_units(a: ComparedCurve, b: ComparedCurve) -> None:
