@@ -153,6 +153,12 @@ def test_a_digital_trigger_is_a_channel_of_its_own(read):
     assert len(read(rows).channels) == 2
 
 
+def test_a_trigger_beside_stamps_that_stand_twice_in_a_part_is_a_channel(read):
+    """Only the lines of 1 rise in time: those of 0 are of one recorder with a coarse clock."""
+    rows = "".join(f"{(k // 2 if k < 60 else k - 30) * 1e-5:.5f},{int(k >= 60)},{k}.5\n" for k in range(100))
+    assert [channel.name for channel in read("time [s],signal,acc [g]\n" + rows).channels] == ["signal", "acc"]
+
+
 def test_more_names_than_a_recorder_has_channels_are_refused(read):
     rows = "".join(f"{1e-5 * k:.5f},c{k % 80},{k}\n" for k in range(1600))
     with pytest.raises(InputError, match=r"2 to 64 channels.*80 names"):
