@@ -220,6 +220,16 @@ def test_channels_that_begin_at_different_clock_times_are_laid_on_one_clock(read
     assert codes(record) == ["start-times"]
 
 
+def test_a_channel_that_is_read_alone_keeps_its_place_on_the_clock_of_all(read):
+    content = multi(("g", "g"), ("3", "3"), times=("10:00:00.003", "10:00:00.000"))
+    assert read(content, Options(channels=("a",))).channels[0].start == 0.003
+
+
+def test_segments_in_other_units_are_measurements_of_their_own(read):
+    content = header() + segment(TWO, ROWS) + segment(TWO, NEXT, start="0.003", units=("N", "V"))
+    assert [read(content, Options(measurement=k)).channels[0].unit for k in (1, 2)] == ["g", "N"]
+
+
 def test_clock_times_that_were_never_set_move_nothing(read):
     record = read(multi(("g", "g"), ("3", "3")).replace("2026/01/05", "1903/12/31", 1))
     assert [channel.start for channel in record.channels] == [0.0, 0.0]

@@ -153,8 +153,9 @@ def read(path: Path, options: Options = Options()) -> Record:  # noqa: B008  (a 
     runs: list[Read] = []
     before, layout = segments[0], _layout(path, segments[0], options)
     for segment in segments:
+        own = _layout(path, segment, options)
         is_alike = (segment.columns, segment.kind, segment.part) == (before.columns, before.kind, before.part)
-        own = layout if is_alike else _layout(path, segment, options)
+        is_alike = is_alike and [one.unit for one in own.blank] == [one.unit for one in layout.blank]
         run = _run(path, encoding, segment, own, options, segment is segments[-1] and not ended)
         shift = _shift(runs[-1], run, layout.wanted, options) if runs and is_alike else None
         if runs and shift is None:
@@ -180,14 +181,11 @@ def _record(path: Path, layout: Layout, runs: Sequence[Read], options: Options) 
     channels = [_channel(runs, j, blank, layout.wanted[j], options) for j, blank in enumerate(layout.blank)]
     size = max(channel.values.size for channel in channels)
     findings = [finding for run in runs for finding in run.findings]
-    wanted = [channel for channel, want in zip(channels, layout.wanted, strict=True) if want]
-    origins = [origin for origin, want in zip(runs[0].origins, layout.wanted, strict=True) if want]
-    together, said = begin_together(wanted, origins)
-    moved = iter(together)
+    together, said = begin_together(channels, runs[0].origins)
     unread = np.broadcast_to(np.float64(np.nan), (size,))
     whole = [
-        next(moved) if want else replace(channel, values=unread)
-        for channel, want in zip(channels, layout.wanted, strict=True)
+        channel if want else replace(channel, values=unread)
+        for channel, want in zip(together, layout.wanted, strict=True)
     ]
     record = Record(str(path), "lvm", tuple(whole), (*findings, *said))
     every = runs[0].every
