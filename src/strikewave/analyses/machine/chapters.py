@@ -47,8 +47,8 @@ _WORDS = (
     "of the contact impulse, missed when the striker passed an object in place without touching it, and full "
     "otherwise. Time counts from {begun}. The rigid peak and its width, taken at 10 % of the peak, belong to "
     "the rigid-body acceleration: the momentum rate of the assembly over its mass, its zero that of a sensor, taken "
-    "before the blow (of an object that falls, in the fall: 1 g more). The velocity change is the integral of this "
-    "pulse from foot to foot, where 2 % of its peak is left. g is standard gravity, 9.80665 m/s²."
+    "before the blow (of an object that falls, in the fall: gravity is not in it). The velocity change is the integral "
+    "of this pulse from foot to foot, where 2 % of its peak is left. g is standard gravity, 9.80665 m/s²."
 )
 
 
