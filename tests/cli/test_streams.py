@@ -24,6 +24,16 @@ def test_a_full_disk_under_stdout_is_one_line(environment):
     assert done.stderr == "the system refused what was to be printed or written: No space left on device\n"
 
 
+@pytest.mark.skipif(not Path("/dev/full").exists(), reason="a disk without room, of Linux")
+def test_a_full_disk_under_stderr_costs_words_and_no_result(environment, tmp_path):
+    command = "strikewave impact --m1 0.2 --m2 0.4 --speed 20 -e 0.5 --stiffness 1e9 --exponent 1.5"
+    whole = shell(f"{command} --out {tmp_path}/a", environment)
+    done = shell(f"{command} --out {tmp_path}/b 2> /dev/full", environment)
+    assert (done.returncode, done.stdout) == (whole.returncode, whole.stdout) == (0, whole.stdout)
+    assert "written: " in whole.stderr
+    assert {path.name for path in (tmp_path / "b").iterdir()} == {path.name for path in (tmp_path / "a").iterdir()}
+
+
 def test_closed_streams_are_no_fault(environment):
     done = shell("strikewave materials <&- >&-", environment)
     assert (done.returncode, done.stderr) == (0, "")

@@ -157,7 +157,19 @@ def say(text: str) -> None:
 def complain(text: str) -> None:
     """Print words on stderr in any case: an error, or a check that failed. A file gets them in one line."""
     width = screen_width(sys.stderr) if sys.stderr.isatty() else math.inf
-    _write(map(Line, wrapped(_showable(text, sys.stderr), width, "  ")), sys.stderr)
+    _write_beside(map(Line, wrapped(_showable(text, sys.stderr), width, "  ")))
+
+
+def _write_beside(lines: Iterable[Line]) -> None:
+    """Write lines on stderr; where it takes none, such as a log on a full disk, the result is none the worse for it."""
+    try:
+        _write(lines, sys.stderr)
+        sys.stderr.flush()
+    except BrokenPipeError:  # who read it has left, which ends the work
+        raise
+    except OSError:
+        with contextlib.suppress(OSError):  # a stream that is no file has nothing to lead elsewhere
+            os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stderr.fileno())
 
 
 def show_notices(notices: Sequence[Notice]) -> None:
@@ -180,7 +192,7 @@ def show_notices(notices: Sequence[Notice]) -> None:
         elif not shown.quiet:
             line = cut(text, width, _showable("…", sys.stderr))
             shortened = shortened or line != text
-            _write([Line(line, "dim" if notice.severity == INFO else "")], sys.stderr)
+            _write_beside([Line(line, "dim" if notice.severity == INFO else "")])
     if shortened:
         say("shortened to a line each: -v shows all of it")
 
