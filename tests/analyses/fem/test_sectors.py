@@ -11,6 +11,7 @@ import pytest
 from strikewave import load_case
 from strikewave.analyses.fem.build import build_model
 from strikewave.analyses.fem.notices import model_notices
+from strikewave.analyses.fem.report.page import fem_words
 from strikewave.analyses.fem.run import run_fem
 from strikewave.analyses.fem.sectors import blow_of_bodies, of_whole_bodies, open_cuts, sectors
 from strikewave.fem.model import Fixed, Guided, Rigid
@@ -130,6 +131,8 @@ def test_sectors_that_do_not_match_are_reported(tmp_path):
     (notice,) = model_notices(case, build_model(case))
     assert notice.code == "sectors-differ"
     assert notice.message.startswith("striker and bar are sectors that other parts do not match")
+    words = fem_words(run_fem(case))
+    assert "Meshed is a half of bar and a quarter of striker; masses are those of whole bodies" in words
     alike = case_of(tmp_path, "quarter")
     assert not list(model_notices(alike, build_model(alike)))
 

@@ -251,11 +251,11 @@ def _transit(model: Model, sides: Sequence[str]) -> tuple[float, str]:
 
 def _coarse_contacts(case: Case, model: Model, run: FemRun) -> Iterator[Notice]:
     """Say which contacts press so few faces of a larger surface that their force depends on the mesh."""
-    sector_of = sectors(case, model)
-    sides = model.touching
+    sector_of, sides = sectors(case, model), model.touching
+    unlike = unlike_sectors(model, sector_of)
     for name, pressed in run.pressed.items():
         for side, (share, faces) in zip(sides[name], pressed.max(axis=0), strict=False):
-            pieces = sector_of[side.partition(".")[0]].pieces
+            pieces = 1 if unlike else sector_of[side.partition(".")[0]].pieces
             if 0.0 < share < ALL_PRESSED and faces < FEWEST_FACES:
                 message = (
                     f"only {faces:.2g} faces of {side} are ever pressed at once: their number decides the "

@@ -14,7 +14,7 @@ from strikewave.analyses.fem.figures import histories
 from strikewave.analyses.fem.figures.pictures import contact_zone, mesh_picture, view_of
 from strikewave.analyses.fem.report.blows import blows_section
 from strikewave.analyses.fem.report.fields import fields_section
-from strikewave.analyses.fem.sectors import blow_of_bodies
+from strikewave.analyses.fem.sectors import blow_of_bodies, unlike_sectors
 from strikewave.fem.blow_measures import still_presses
 from strikewave.fem.measures import (
     ALIGNED,
@@ -157,7 +157,9 @@ def _sector_words(solution: FemSolution) -> str:
         for many, share in _SHARES.items()
         if (names := [name for name in pieces if pieces[name] == many])
     ]
-    return f" Meshed is {listed(meshed)}; masses, forces and energies are those of whole bodies." if meshed else ""
+    unlike = unlike_sectors(solution.model, solution.sectors)
+    whole = "masses" if unlike else "masses, forces and energies"
+    return f" Meshed is {listed(meshed)}; {whole} are those of whole bodies." if meshed else ""
 
 
 def _touched(run: FemRun) -> dict[str, ContactMeasure]:
