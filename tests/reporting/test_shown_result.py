@@ -74,7 +74,7 @@ class Checked(HTMLParser):
 
 def test_a_run_is_one_line(run):
     text = repr(run)
-    assert text.startswith("<Solution li-ma-2019: blows 11, first peak 4151 g, width 200 µs")
+    assert text.startswith("<Solution li-ma-2019: blows 11, first peak 4151 g, width 200.0 µs")
     assert len(text) < 120
     assert "\n" not in text
 

@@ -1,4 +1,4 @@
-"""Numbers with a band: as many digits as its width leaves."""
+"""Numbers with a band: one digit more than its width leaves, in sentences and tables alike, and the ends without it."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ MOST_DIGITS = 4
 
 
 def decimals_within(low: float, high: float) -> int:
-    """Return the decimals that a number keeps between the ends of its band; below 0 for tens, hundreds and so on.
+    """Return the decimals that the ends of a band keep; below 0 for tens, hundreds and so on.
 
     Examples
     --------
@@ -35,10 +35,24 @@ def decimals_within(low: float, high: float) -> int:
     return min(finest, -place + (1 if half / 10.0**place < TWO_DIGITS_BELOW else 0))
 
 
-def table_decimals(bands: Iterable[Band], si: str, usual: str, decimals: int = MOST_DIGITS) -> int:
-    """Return the decimals of a column of a table, in its usual unit: one more than the narrowest band allows.
+def decimals_beside(low: float, high: float) -> int:
+    """Return the decimals of a number beside its band: one more than the ends have, `MOST_DIGITS` digits at most.
 
-    What is not known of the inputs moves all rows together, so that rows that differ are told apart by one digit more.
+    What is not known of the inputs moves all that is shown together, so that numbers that differ are told apart by it.
+
+    Examples
+    --------
+    >>> decimals_beside(800.0, 1570.0), decimals_beside(0.98, 1.26), decimals_beside(4151.2, 4151.4)
+    (-1, 3, 0)
+    """
+    largest = max(abs(low), abs(high))
+    within = decimals_within(low, high)
+    return min(within + 1, MOST_DIGITS - 1 - math.floor(math.log10(largest))) if largest > 0.0 else within
+
+
+def table_decimals(bands: Iterable[Band], si: str, usual: str, decimals: int = MOST_DIGITS) -> int:
+    """Return the decimals of a column of a table, in its usual unit: those beside the narrowest of its bands.
+
     Without a band, and at most, there are so many.
 
     Examples
@@ -47,7 +61,7 @@ def table_decimals(bands: Iterable[Band], si: str, usual: str, decimals: int = M
     (-1, 1)
     """
     ends = [[float(in_unit(end, si, usual)) for end in (band.low, band.high)] for band in bands]
-    allowed = [decimals_within(*pair) + 1 for pair in ends if all(map(math.isfinite, pair))]
+    allowed = [decimals_beside(*pair) for pair in ends if all(map(math.isfinite, pair))]
     return min(decimals, max(allowed, default=decimals))
 
 
@@ -64,16 +78,16 @@ def fixed_within(value: float | None, bands: Iterable[Band], si: str, usual: str
 
 
 def with_band(value: float | None, band: Band | None, si: str, usual: str, digits: int = 4) -> str:
-    """Write an SI value with its unit and its band, which digits follow; without a band with so many digits.
+    """Write an SI value with its unit and its band, by which its digits go; without a band with so many digits.
 
     Examples
     --------
     >>> with_band(11424.0, Band(7850.0, 15400.0, 0.95), "m/s^2", "g")
-    '1200 g (800 to 1600 g)'
+    '1160 g (800 to 1600 g)'
     """
     if value is None or math.isnan(value) or band is None or not math.isfinite(band.low + band.high):
         return with_unit(value, si, usual, digits)
-    decimals = decimals_within(*(shown(end, si, usual) for end in (band.low, band.high)))
+    decimals = decimals_beside(*(shown(end, si, usual) for end in (band.low, band.high)))
     name = spelled(shown_unit(si, usual))
     return f"{rounded(shown(value, si, usual), decimals)} {name} ({band_text(band, si, usual)})"
 

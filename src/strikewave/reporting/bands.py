@@ -45,7 +45,7 @@ def band_words(bands: Mapping[str, Band]) -> list[str]:
     depends = f" What moves the {band_label(name)} most, with its share of the variance: {most}." if most else ""
     return [
         f"In brackets: the range of {percent(band.level, 0)} of all results when inputs move within what is known of "
-        f"them; a number has the digits that this range leaves it, and the model's own error is not in it.{depends}"
+        f"them; a number is rounded to one digit more than its range, and the model's own error is not in it.{depends}"
     ]
 
 

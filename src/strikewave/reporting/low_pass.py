@@ -94,5 +94,8 @@ def low_pass_of(value: str | float | Filter | None) -> Filter | None:
     if value is None or isinstance(value, Filter):
         return value
     if isinstance(value, str) and value.strip()[:3].upper() == "CFC":
-        return Filter.sae_j211(cutoff_of(typed_number(value.strip()[3:]) or 0.0, "filter", ALLOWED_FILTER))
+        number = typed_number(value.strip()[3:])
+        if number is None or not number > 0.0:
+            raise InputError("filter", value, ALLOWED_FILTER)
+        return Filter.sae_j211(number)
     return Filter(cutoff_of(value, "filter", ALLOWED_FILTER))

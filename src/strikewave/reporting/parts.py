@@ -191,17 +191,29 @@ class Section:
         return [words for words in (part.strip() for part in re.split(r"\n\s*\n", self.text)) if words]
 
 
+EXACT = 1e-9
+"""Share of a number by which it may differ from what is written and still be the same: a conversion of units, and the
+sum of a few decimal fractions, are off by 1e-16 to 1e-12, a result by more than any digit that is shown."""
+
+
 def written(value: str | int | float | None, digits: int = 4) -> str:
     """Write a value for a cell: text stays, numbers get so many significant digits, no number is a dash.
+
+    A zero at the end stands where the number was rounded, and not where it is exact: 2.995 is 3.00 and 3 is 3.
 
     Examples
     --------
     >>> written(19685.34), written(1.5e-7), written(None), written(11), written("as it is")
     ('19685', '1.5e-07', '–', '11', 'as it is')
+    >>> written(2.995, 3), written(3.0, 3), written(0.1 + 0.2, 3), written(99.996)
+    ('3.00', '3', '0.3', '100.0')
     """
     if value is None or (isinstance(value, float) and math.isnan(value)):
         return NONE
     if isinstance(value, str | bool | int):
         return str(value)
     text = f"{value:.{digits}g}"
-    return f"{value:.0f}" if "e" in text and 1e-4 <= abs(value) < 1e7 else text
+    if "e" in text and 1e-4 <= abs(value) < 1e7:
+        return f"{value:.0f}"
+    is_exact = not math.isfinite(value) or math.isclose(float(text), value, rel_tol=EXACT, abs_tol=0.0)
+    return text if is_exact else f"{value:#.{digits}g}".rstrip(".")

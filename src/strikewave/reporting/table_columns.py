@@ -43,7 +43,7 @@ class TableColumn(Generic[Row]):
     --------
     >>> speed = TableColumn[dict]("speed", lambda row: row["speed"], "rad/s", "rpm")
     >>> speed.head, speed.cell({"speed": 76.445}), speed.cell({"speed": None})
-    ('speed (rpm)', '730', '–')
+    ('speed (rpm)', '730.0', '–')
     """
 
     name: str
@@ -90,7 +90,7 @@ def page_table(
     Examples
     --------
     >>> page_table("Machines", [TableColumn[float]("speed", float, "rad/s", "rpm")], [76.445]).cells()
-    [['730']]
+    [['730.0']]
     """
     cells = [[column.cell(row) for column in columns] for row in rows]
     return Table(caption, [column.head for column in columns], cells, empty)

@@ -305,10 +305,9 @@ def significant(value: float, digits: int) -> str:
     >>> significant(19685.34, 3), significant(1.5e-7, 3), significant(float("inf"), 3)
     ('19685', '1.5e-07', 'inf')
     """
-    if value == 0.0 or not 1e-4 <= abs(value) < 1e7:
-        return f"{value:.{digits}g}"
-    text = f"{value:.{digits}g}"
-    return f"{value:.0f}" if "e" in text else text
+    from strikewave.reporting.parts import written
+
+    return written(float(value), digits)
 
 
 def table(title: str, columns: Sequence[ScreenColumn], rows: Iterable[Sequence[str]], detail: bool = False) -> None:

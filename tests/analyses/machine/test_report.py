@@ -145,7 +145,7 @@ def test_head_names_case_version_and_digest(solution, page):
     assert f"strikewave {__import__('strikewave').__version__}" in page
     text = Page(page).text
     first = solution.blows[0]
-    assert f"{len(solution.blows)} blows, all full, 20.6 ms apart" in text
+    assert f"{len(solution.blows)} blows, all full, 20.60 ms apart" in text
     assert f"{first.rigid_peak / 9.80665:.0f} g" in text
     assert f"{first.velocity_change:.3g} m/s" in text
 

@@ -11,6 +11,7 @@ from strikewave.analyses.machine.kind import PartEntry, PartNumber
 from strikewave.base.quantities import PROVENANCES
 from strikewave.base.units import in_unit
 from strikewave.reporting.curves import shortened
+from strikewave.reporting.parts import written
 
 if TYPE_CHECKING:
     from strikewave.base.quantities import Value
@@ -28,10 +29,7 @@ def significant(value: float, digits: int = 4) -> str:
     >>> significant(5.501265), significant(40000.0), significant(1e-7), significant(-0.0)
     ('5.501', '40000', '1e-07', '0')
     """
-    if value == 0.0:
-        return "0"
-    text = f"{value:.{digits}g}"
-    return f"{value:.0f}" if "e" in text and 1e-4 <= abs(value) < 1e7 else text
+    return written(value + 0.0, digits)  # no zero has a sign
 
 
 def quantity(name: str, value: Value | None, si: str = "", unit: str = "", spelled: str = "") -> list[PartNumber]:
