@@ -25,7 +25,7 @@ from strikewave.base.citations import CHECKED as CHECKED
 from strikewave.base.citations import FROM_MEMORY as FROM_MEMORY
 from strikewave.base.citations import QUOTED as QUOTED
 from strikewave.base.citations import SOURCES
-from strikewave.base.errors import InputError, StrikewaveError, StrikewaveWarning, nearest
+from strikewave.base.errors import InputError, StrikewaveError, StrikewaveWarning, nearest, show
 
 
 @dataclass(frozen=True)
@@ -186,7 +186,7 @@ def _added(group: str, kind: str) -> dict[str, Any]:
     for point in entry_points(group=group):
         try:
             law = point.load()
-        except Exception as error:  # whatever a foreign package does wrong
+        except (Exception, SystemExit) as error:  # whatever a foreign package does wrong
             _leave_out(point.name, f"{type(error).__name__}: {error}")
             continue
         if type(law).__name__ == kind and isinstance(law, Law):
@@ -201,13 +201,18 @@ def _named(law: Law) -> Callable[..., Any]:
 
     @wraps(law.function)
     def function(*arguments: Any, **sizes: Any) -> Any:
+        called = f"the contact law {law.name!r} of an installed package"
         try:
-            return law.function(*arguments, **sizes)
+            answer = law.function(*arguments, **sizes)
         except StrikewaveError:
             raise
-        except Exception as error:
-            failed = f"the contact law {law.name!r} of an installed package failed ({type(error).__name__}: {error})"
-            raise StrikewaveError(failed) from error
+        except (Exception, SystemExit) as error:  # one that ends the program is no better
+            raise StrikewaveError(f"{called} failed ({type(error).__name__}: {error})") from error
+        if isinstance(law, DampingLaw) and np.asarray(answer).dtype.kind not in "fiu":
+            raise StrikewaveError(
+                f"{called} gives {show(answer)}, which is no hysteresis factor: a real number is wanted"
+            )
+        return answer
 
     return function
 

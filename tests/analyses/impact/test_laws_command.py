@@ -182,6 +182,29 @@ def test_a_broken_law_is_told_and_left_out(strikewave, install):
     assert "'number' of an installed package is left out (it is a float" in err
 
 
+def ends(restitution):
+    raise SystemExit(0)
+
+
+@pytest.mark.parametrize(
+    ("function", "words"),
+    [
+        (lambda e: "much", "is no hysteresis factor"),
+        (lambda e: None, "is no hysteresis factor"),
+        (lambda e: 1.0 + 2.0j, "is no hysteresis factor"),
+        (ends, "failed (SystemExit: 0)"),
+        (lambda e: 1.0 / 0.0, "failed (ZeroDivisionError"),
+    ],
+)
+def test_a_law_of_a_package_that_gives_no_number_is_named(strikewave, install, function, words):
+    install(own=replace(OWN, function=function))
+    contact = ("--m1", "1", "--m2", "1", "--speed", "1", "--stiffness", "1e9", "--exponent", "1.5")
+    code, out, err = strikewave("impact", *contact, "-e", "0.5", "--damping", "own")
+    assert (code, out, len(err.splitlines())) == (2, "", 1)
+    assert "the contact law 'own' of an installed package" in err
+    assert words in err
+
+
 @pytest.mark.verify
 @pytest.mark.parametrize("function", [lambda e: 1.0 / 0.0, lambda e: -1.0, lambda e: "much"])
 def test_a_law_that_fails_is_told_and_left_out(strikewave, install, function):
