@@ -64,8 +64,8 @@ def slower_runs(whole: Reproduction) -> dict[str, FemSolution]:
 def speed_range(
     number: PublishedNumber, computed: Computed, slower: Mapping[str, FemSolution]
 ) -> tuple[float, float] | None:
-    """Return what a model computes at both speeds; None of a model that the machine's own blow was fitted with."""
-    if computed.by not in slower or computed.value is None:
+    """Return what a model computes at both speeds of a number that follows them; a prediction hardly does."""
+    if computed.by not in slower or computed.value is None or computed.role == "predicted":
         return None
     for entry in slower[computed.by].compared():
         if entry.computed is not None and math.isclose(entry.published, number.value, rel_tol=1e-6):
