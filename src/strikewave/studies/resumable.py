@@ -3,18 +3,19 @@
 from __future__ import annotations
 
 import contextlib
+import shutil
 from abc import abstractmethod
 from collections.abc import Iterator
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import ClassVar, NoReturn, TypeVar
 
-from strikewave.base.errors import StrikewaveError
+from strikewave.base.errors import InputError, StrikewaveError
 from strikewave.base.interrupts import exit_code
 from strikewave.base.result import Result
 from strikewave.reporting.run_and_write import Command
 from strikewave.reporting.terminal import say
-from strikewave.studies.engine.store import RunStore, runs_beside
+from strikewave.studies.engine.store import RunStore, begin_from, runs_beside
 
 Study = TypeVar("Study", bound=Result)
 
@@ -43,8 +44,11 @@ class ResumableCommand(Command[Study]):
 
     @contextlib.contextmanager
     def under_way(self, folder: Path) -> Iterator[None]:
-        """Keep finished runs beside the folder until all is written, or in a folder of their own."""
-        self.store = self._opened(runs_beside(folder.absolute()) if self.place is None else self.place)
+        """Keep finished runs beside the folder until all is written, or in a folder of their own.
+
+        A finished study that is asked again begins with the runs that its result keeps, so that none is made.
+        """
+        self.store = self._beside(folder) if self.place is None else self._opened(self.place)
         with self.store:
             try:
                 yield
@@ -55,6 +59,29 @@ class ResumableCommand(Command[Study]):
                 raise
             if self.place is None:
                 self.store.remove()
+
+    def _beside(self, folder: Path) -> RunStore:
+        """Return the store beside a result, with the finished runs that this keeps unless they are to be made anew."""
+        beside = runs_beside(folder.absolute())
+        if self.fresh or not begin_from(folder, beside):
+            return self._opened(beside)
+        try:
+            store = self._opened(beside)
+        except InputError:  # of another version, or damaged: as if there were none
+            shutil.rmtree(beside, ignore_errors=True)
+            return self._opened(beside)
+        say(f"read: {len(store.known())} finished runs of {folder}; --fresh makes them anew")
+        return store
+
+    def hand_over(self, result: Study, folder: Path) -> list[str]:
+        """Copy the finished runs into the folder, where the same question finds them."""
+        return self._with_runs(folder, [])
+
+    def _with_runs(self, folder: Path, handed_over: list[str]) -> list[str]:
+        """Return names of files that were handed over, and that of the finished runs, which are copied there."""
+        if self.store is None or self.place is not None:
+            return handed_over
+        return [*handed_over, *self.store.copy_into(folder, handed_over)]
 
     def solve(self) -> Study:
         """Return the study; its runs are kept for as long as it takes where nothing is written."""

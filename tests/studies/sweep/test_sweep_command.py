@@ -24,7 +24,7 @@ def test_a_sweep_writes_its_runs_and_a_report(strikewave, read_page):
     assert "Main effects" in out
     names = {path.name for path in Path("o").iterdir()}
     assert names == {
-        "case.toml", "report.html", "sweep.svg", "sweep.json", "runs.csv", "runs.parquet", "run-histories-1.parquet",
+        "case.toml", "report.html", "sweep.svg", "sweep.json", "runs.csv", "runs.parquet", "runs.sqlite", "run-histories-1.parquet",
     }  # fmt: skip
     assert not list(Path().glob(".*"))
     page = read_page("o/report.html")

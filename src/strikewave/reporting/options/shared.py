@@ -65,7 +65,9 @@ KeptRuns = Annotated[
         show_default=False,
     ),
 ]
-Fresh = Annotated[bool, typer.Option("--fresh", help="Run the finished runs of a stopped study again.")]
+Fresh = Annotated[
+    bool, typer.Option("--fresh", help="Make all runs anew: none of a stopped or a finished study is read.")
+]
 
 
 @dataclass(frozen=True)

@@ -16,7 +16,7 @@ from typing import Any, Generic, Protocol, TypeVar
 from pydantic import TypeAdapter
 
 from strikewave.cases.case import Case
-from strikewave.studies.engine.evaluation import RunOutcome, attempt
+from strikewave.studies.engine.evaluation import RunOutcome, attempts
 from strikewave.studies.engine.keys import program_key, run_key
 from strikewave.studies.engine.pools import Pool
 from strikewave.studies.engine.runner import Advance, carry_out
@@ -103,7 +103,7 @@ class Answering:
 
     def __call__(self, questions: Sequence[Question[Any]]) -> list[RunOutcome]:
         """Return the answers to some questions, each found alone."""
-        return [attempt(functools.partial(_outcome, question)) for question in questions]
+        return attempts(functools.partial(_outcome, question) for question in questions)
 
 
 def _outcome(question: Question[Any]) -> RunOutcome:

@@ -124,10 +124,28 @@ class Job:
 
     def __call__(self, rows: Iterable[Row]) -> list[RunOutcome]:
         """Return what some rows come to, each computed alone, so that no bit depends on what it is computed with."""
-        return [attempt(partial(self._run, row)) for row in rows]
+        return attempts(partial(self._run, row) for row in rows)
 
     def _run(self, row: Row) -> RunOutcome:
         return self.evaluation(self.variation.case_of(row))
+
+
+def attempts(runs: Iterable[Callable[[], RunOutcome]]) -> list[RunOutcome]:
+    """Return what some runs come to; where Ctrl-C stops them, what is finished goes with it, as ``finished``.
+
+    Raises
+    ------
+    KeyboardInterrupt
+        Where this process is stopped.
+    """
+    outcomes = list[RunOutcome]()
+    try:
+        for run in runs:
+            outcomes.append(attempt(run))
+    except KeyboardInterrupt as stop:
+        stop.finished = outcomes  # type: ignore[attr-defined]  # for whoever keeps them
+        raise
+    return outcomes
 
 
 def attempt(run: Callable[[], RunOutcome]) -> RunOutcome:

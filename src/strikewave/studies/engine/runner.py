@@ -21,6 +21,9 @@ BATCH_SECONDS, OF_A_HUNDRED = 0.25, 1.6
 """About how long a batch takes: handing it over, some 2 ms, then costs a hundredth, and a study that is killed has lost
 no more than that of each process. With more than sixteen workers 1.6 s for every hundred of them: a scheduler of Dask
 works 8 ms on a batch (measured), half of its time then."""
+AFTER_STOP = 2.0
+"""Seconds after Ctrl-C in which batches under way may end: eight times what one is to take. Runs that take longer are
+not finished, and are made again."""
 LOOK_SECONDS = 10.0
 """Seconds without a batch that came back after which the pool looks whether all that is out is still under way."""
 MOST_IN_BATCH = 256
@@ -184,7 +187,23 @@ class _Unfinished(Generic[Asked]):
         return key
 
     def all_on(self, pool: Pool) -> None:
-        """Run what is left on a pool."""
+        """Run what is left on a pool; where Ctrl-C stops it, what was finished by then is kept."""
+        try:
+            self._all_on(pool)
+        except KeyboardInterrupt:
+            self._keep_finished()
+            raise
+
+    def _keep_finished(self) -> None:
+        """Keep the batches that have ended, and those that do so within about the time of one."""
+        for future in self._out:
+            future.cancel()
+        under_way = [future for future in self._out if not future.cancelled()]
+        for future in wait(under_way, AFTER_STOP).done:
+            if error_of(future) is None:
+                self._finish(self._out.pop(future), future.result(), quiet=True)
+
+    def _all_on(self, pool: Pool) -> None:
         if is_cold() and self._next:  # one process compiles the kernels, and the others find them on the disk
             self._submit(pool, [self._taken()])
             self._take(pool)
@@ -208,7 +227,13 @@ class _Unfinished(Generic[Asked]):
         return batch
 
     def _submit(self, pool: Pool, keys: list[bytes]) -> None:
-        self._out[begin(pool, self._job, [self._rows[key] for key in keys])] = keys
+        try:
+            future = begin(pool, self._job, [self._rows[key] for key in keys])
+        except KeyboardInterrupt as stop:  # of this process, which runs batches itself
+            finished: list[RunOutcome] = getattr(stop, "finished", [])
+            self._finish(keys[: len(finished)], finished, quiet=True)
+            raise
+        self._out[future] = keys
 
     def _take(self, pool: Pool) -> None:
         """Wait for a batch, and keep all that are there."""
@@ -230,10 +255,12 @@ class _Unfinished(Generic[Asked]):
 
     def _kept(self, pool: Pool, future: Future[list[RunOutcome]]) -> Loss | None:
         """Keep a batch that came back; or return what ended it before its time, and have it run again."""
-        keys = self._out.pop(future)
+        keys = self._out[future]
         error = error_of(future)
         if error is None:
             self._finish(keys, future.result())
+        del self._out[future]  # not before it is kept: Ctrl-C may come in between
+        if error is None:
             return None
         loss = pool.loss(error)
         if loss is None:
@@ -259,13 +286,14 @@ class _Unfinished(Generic[Asked]):
         reason = f"its process ended {MOST_DEATHS} times before it did: killed, or out of memory"
         self._finish(keys, [failed(reason, retry=True)])
 
-    def _finish(self, keys: list[bytes], outcomes: list[RunOutcome]) -> None:
+    def _finish(self, keys: list[bytes], outcomes: list[RunOutcome], quiet: bool = False) -> None:
+        """Keep what a batch came to, and report it unless the study is ending."""
         self._store.keep(self._job.names, zip(keys, outcomes, strict=True))
         for key in keys:
-            del self._rows[key]
+            self._rows.pop(key, None)
         self._done += len(keys)
         self._failed += sum(bool(one.failure) for one in outcomes)
         self._seconds += sum(one.seconds for one in outcomes)
-        if self._advance is not None:
+        if self._advance is not None and not quiet:
             rate = self._done / max(time.perf_counter() - self._begin, 1e-9)
             self._advance(StudyProgress(len(self._all), self.reused + self._done, self._failed, rate))

@@ -31,9 +31,10 @@ from strikewave.studies.engine.evaluation import KeptHistory, RunOutcome
 
 Array = NDArray[np.float64]
 
-INDEX = "index.sqlite"
+INDEX, KEPT_INDEX = "index.sqlite", "runs.sqlite"
+"""Names of the index in the folder of a store, and of its copy in the folder of a result."""
 CHUNK, STATE = "run-histories-{}.parquet", "state-{}.h5"
-"""Names of the files in the folder."""
+"""Names of the other files in the folder."""
 APPLICATION, FORMAT = 0x5354524B, 4
 """What tells the index from other files of SQLite ("STRK"), and its version."""
 BEFORE_VERDICTS = 3
@@ -60,6 +61,25 @@ def runs_beside(folder: Path) -> Path:
     'out/.map.runs'
     """
     return folder.with_name(f".{folder.name[:LONGEST_NAME]}.runs")
+
+
+def begin_from(result: Path, folder: Path) -> bool:
+    """Begin a store with the finished runs that a result keeps, and tell whether there were any.
+
+    Nothing is done where the store is there already: it has what a later study was stopped with.
+    """
+    index = result / KEPT_INDEX
+    if folder.exists() or not index.is_file() or index.is_symlink():
+        return False
+    try:
+        folder.mkdir()
+        for path in result.glob(CHUNK.format("*")):
+            shutil.copyfile(path, folder / path.name)
+        shutil.copyfile(index, folder / INDEX)
+    except OSError:  # the runs are made anew, and what refuses the copy refuses the store
+        shutil.rmtree(folder, ignore_errors=True)
+        return False
+    return True
 
 
 class RunStore:
@@ -297,6 +317,17 @@ class RunStore:
                 if _hand_over(path, folder / CHUNK.format(len(names) + 1), wanted):
                     names.append(CHUNK.format(len(names) + 1))
         return names
+
+    def copy_into(self, folder: Path, handed_over: Sequence[str]) -> list[str]:
+        """Write a copy of the index into the folder of a result, so that the same question is answered from there.
+
+        Of what has histories in files of its own, only where all of these were handed over with it. Return the name.
+        """
+        with self._in_words(folder):
+            if [path.name for path in self.chunks] != list(handed_over):
+                return []
+            self._base.execute("VACUUM INTO ?", (str(folder / KEPT_INDEX),))
+        return [KEPT_INDEX]
 
     def table(self, names: Sequence[str], keys: Sequence[bytes]) -> tuple[Array, list[str], Array]:
         """Return numbers (runs, names), failures and seconds of runs that are there; NaN where there is no number."""

@@ -129,5 +129,5 @@ class SweepCommand(ResumableCommand[SweepStudy]):
     def hand_over(self, result: SweepStudy, folder: Path) -> list[str]:
         """Put the histories of the runs into the folder."""
         if self.store is None or not self.plan.evaluation.histories:
-            return []
-        return self.store.hand_over(folder, map(bytes.fromhex, result.keys))
+            return super().hand_over(result, folder)
+        return self._with_runs(folder, self.store.hand_over(folder, map(bytes.fromhex, result.keys)))
