@@ -34,7 +34,7 @@ def test_a_design_writes_its_settings_and_a_report(strikewave, written, read_pag
     assert code == 0, err
     assert "Ranked settings" in out
     assert {path.name for path in Path("o").iterdir()} == {
-        "case.toml", "report.html", "design.svg", "design.json", "runs.csv",
+        "case.toml", "report.html", "design.svg", "design.json", "runs.csv", "runs.sqlite",
     }  # fmt: skip
     assert not list(Path().glob(".*"))
     document = json.loads(Path("o/design.json").read_text())

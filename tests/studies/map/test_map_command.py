@@ -31,7 +31,7 @@ FEW = ("map", "li-ma-2019", "--points", "4x3", "--workers", "1", "--train", "0",
 
 def test_files_agree_and_the_nearest_case_reads_back(strikewave, read_page):
     code, out, _ = strikewave(*FEW, "--want-cv", "4.5 %")
-    assert code == 0
+    assert code == 3  # cells in which blows are missing failed a check
     (folder,) = Path("out").iterdir()
     assert folder.name.startswith("map-li-ma-2019-")
     names = {
@@ -44,6 +44,7 @@ def test_files_agree_and_the_nearest_case_reads_back(strikewave, read_page):
         "map.png",
         "equal-blows.toml",
         "report.html",
+        "runs.sqlite",
     }
     assert {path.name for path in folder.iterdir()} == names
     assert "The nearest setting with a CV" in out
