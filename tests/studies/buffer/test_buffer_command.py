@@ -110,6 +110,7 @@ def test_the_written_case_reads_what_the_study_said(strikewave, bar, read_page):
         "histories.svg",
         "transmissibility.svg",
         "report.html",
+        "runs.sqlite",
     }
     assert set(os.listdir("there")) == files
     assert "back-effect" in out

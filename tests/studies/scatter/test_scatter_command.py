@@ -47,7 +47,7 @@ def test_files_appear_whole_and_agree(strikewave, read_page):
     assert code == 0
     (folder,) = Path("out").iterdir()
     assert folder.name.startswith("scatter-li-ma-2019-")
-    names = ["case.toml", "record.toml", "report.html", "runs.csv", "scatter.json", "scatter.svg"]
+    names = ["case.toml", "record.toml", "report.html", "runs.csv", "runs.sqlite", "scatter.json", "scatter.svg"]
     assert sorted(path.name for path in folder.iterdir()) == names
     assert f"written: {folder}/" in err
     for words in ("CV between runs", "dynamics", "Shares in the variance of the typical peak", "each striker"):

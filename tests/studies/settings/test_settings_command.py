@@ -76,6 +76,7 @@ def test_folder_holds_case_document_page_and_picture(strikewave, read_page):
         "report.html",
         "settings.json",
         "settings.svg",
+        "runs.sqlite",
     }
     assert load_case("found/case-2.toml").name == "settings-20ms-4000g-200us-2"
     assert "settings give blows of 4000 g and 200 us every 20 ms" in out
