@@ -1,7 +1,7 @@
 """Compare what two versions of strikewave leave, command by command: documents, files, screens, messages, pages.
 
     python scripts/compare_documents.py OLD/.venv/bin/strikewave .venv/bin/strikewave
-    python scripts/compare_documents.py OLD/.venv/bin/strikewave --keep old.json      # for later: OLD may be this file
+    python scripts/compare_documents.py OLD/.venv/bin/strikewave --keep old.json      # for later; goes on where it was
     python scripts/compare_documents.py old.json .venv/bin/strikewave
 
 Takes the commands of ``scripts/corpus/commands.txt`` on the samples of ``scripts/corpus/samples.py``. Everything must
@@ -117,7 +117,8 @@ def main() -> int:
         return leavings(source.absolute(), commands, asked.jobs)
 
     if asked.keep:
-        kept = {}
+        kept = json.loads(asked.keep.read_text()) if asked.keep.exists() else {}
+        commands = [c for c in commands if c.label not in kept]
         for label, left in states(asked.old):
             kept[label] = left
             print(f"exit {left.get('exit', '-')}  {label}"[:160], flush=True)
