@@ -38,6 +38,8 @@ TIMEOUT = 1800.0
 """Longest time of a command, s: a run of elements takes minutes of a busy machine."""
 LONGEST_TABLE = 200
 """Rows of a table that is kept whole; of a longer one, a hash."""
+STEADY, MOST_LOOKS = 10, 240
+"""Looks at a page, half a second each, after which equal texts are its last; and most of them."""
 UNSEEN = {"script", "style", "svg", "head"}
 """Elements of a page without text that a reader sees."""
 
@@ -176,15 +178,14 @@ def served_pages(program: Path, folder: Path) -> Iterator[object]:
             def text_of(place: str) -> list[str]:
                 page = browser.new_page(viewport={"width": 1280, "height": 1000})
                 page.goto(address[0].rstrip("/") + place, wait_until="networkidle", timeout=120_000)
-                before = ""
-                for _ in range(120):  # half a second each: a page is done when its text stays for two looks
-                    page.wait_for_timeout(500)
-                    text = page.inner_text("body")
-                    if text == before and page.locator("[aria-busy=true]").count() == 0:
+                texts: list[str] = []
+                while len(texts) < STEADY or len(set(texts[-STEADY:])) > 1 or page.locator("[aria-busy=true]").count():
+                    if len(texts) > MOST_LOOKS:
                         break
-                    before = text
+                    page.wait_for_timeout(500)
+                    texts.append(page.inner_text("body"))
                 page.close()
-                return steadied(text, folder)
+                return steadied(texts[-1], folder)
 
             yield text_of
             browser.close()
