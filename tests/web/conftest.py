@@ -85,6 +85,11 @@ class Visitor:
         """Wait until the page says that it shows this."""
         self.page.locator(".sw-state", has_text=text).wait_for()
 
+    def shows_full_run(self):
+        """Wait until the page shows a full run; no check of it failed."""
+        self.shows("a full run; ")
+        assert "failed" not in self.page.locator(".sw-state").inner_text()
+
     def options(self, place=0):
         """Return what a diagram draws, as ECharts holds it."""
         return self.page.evaluate(

@@ -25,12 +25,12 @@ def downloaded(visitor, button):
 
 def test_a_slider_moves_the_plot_and_a_download_runs_again_to_the_same_numbers(visit):
     one = visit(f"/?case={QUICK}")
-    one.shows("a full run; every check passed")
+    one.shows_full_run()
     before, peak = one.options()["series"][0]["data"], one.number("peak, first blow")
     slider = one.page.get_by_role("slider", name="machine.height")
     slider.press("ArrowRight")  # the keyboard alone will do
     one.until(lambda: one.options()["series"][0]["data"] != before, "the plot does not move")
-    one.shows("a full run; every check passed")
+    one.shows_full_run()
     assert one.number("peak, first blow") != peak
     height = settings_of(one.page)["set"][0]
     assert height.startswith("machine.height=")
@@ -44,19 +44,19 @@ def test_a_slider_moves_the_plot_and_a_download_runs_again_to_the_same_numbers(v
 
 def test_a_link_and_a_reload_give_the_view_again_and_undo_goes_back(visit):
     one = visit(f"/?case={QUICK}&set=machine.height%3D1.2+m")
-    one.shows("a full run; every check passed")
+    one.shows_full_run()
     box = one.page.get_by_label("machine.height").first
     assert box.input_value() == "1.2 m"
     box.fill("1 m")
     box.press("Enter")
     one.until(lambda: settings_of(one.page).get("set") == ["machine.height=1 m"], "the address does not follow")
-    one.shows("a full run; every check passed")
+    one.shows_full_run()
     peak, address = one.number("peak, first blow"), one.page.url
     one.page.reload()
-    one.shows("a full run; every check passed")
+    one.shows_full_run()
     assert one.number("peak, first blow") == peak
     other = visit(urlsplit(address)._replace(scheme="", netloc="").geturl())
-    other.shows("a full run; every check passed")
+    other.shows_full_run()
     assert other.number("peak, first blow") == peak
     box = other.page.get_by_label("machine.height").first
     box.fill("2 furlongs per fortnight")
@@ -104,13 +104,13 @@ def test_a_dropped_case_is_shown_and_one_that_is_none_is_refused_in_words(visit)
     mine = dump_case(load_case(QUICK, ["machine.height=1.3 m"]))
     drop.set_input_files({"name": "mine.toml", "mimeType": "text/plain", "buffer": mine.encode()})
     one.page.get_by_text("save the case as mine.toml first").wait_for()
-    one.shows("a full run; every check passed")
+    one.shows_full_run()
     assert settings_of(one.page)["case"] == ["mine"]
 
 
 def test_two_people_do_not_see_one_another_and_a_case_that_is_too_large_is_refused(visit):
     one, two = visit(f"/?case={QUICK}&set=recorder.memory%3D40000000000"), visit(f"/?case={QUICK}")
-    two.shows("a full run; every check passed")
+    two.shows_full_run()
     one.page.get_by_text("refused.").wait_for()
     assert "set" not in settings_of(two.page)
     two.page.get_by_role("button", name="keep beside").click()
@@ -119,13 +119,13 @@ def test_two_people_do_not_see_one_another_and_a_case_that_is_too_large_is_refus
 
 def test_a_narrow_screen_shows_all_without_scrolling_sideways(visit):
     one = visit(f"/?case={QUICK}", width=390)
-    one.shows("a full run; every check passed")
+    one.shows_full_run()
     assert one.page.evaluate("document.documentElement.scrollWidth") == 390
 
 
 def test_a_connection_that_is_cut_goes_on_where_it_was(visit):
     one = visit(f"/?case={QUICK}")
-    one.shows("a full run; every check passed")
+    one.shows_full_run()
     one.context.set_offline(True)
     one.page.evaluate("window.socket.io.engine.close()")
     one.page.wait_for_timeout(300)  # as a train in a tunnel

@@ -93,7 +93,7 @@ def test_files_are_removed_and_dropped_again_and_what_is_shown_is_marked_till_it
 def test_a_study_is_begun_stopped_and_gone_on_with(visit):
     one = visit("/study?case=jesd22-b111-b&study=sweep&vary=machine.height%3D0.2..0.4+m%3A3&keep=first.rigid_peak")
     one.page.get_by_role("button", name="begin, or go on").click()
-    one.shows("shown: sweep; every check passed")
+    one.shows("shown: sweep; all checks passed")
     rows = one.page.get_by_role("table", name="Sweep").locator("tbody tr")
     assert rows.count() == 3
     assert parse_qs(urlsplit(one.page.url).query)["study"] == ["sweep"]
@@ -110,7 +110,7 @@ def test_a_study_is_begun_stopped_and_gone_on_with(visit):
 
 def test_a_bar_is_changed_and_its_link_shows_it_again(visit):
     one = visit("/target")
-    one.shows("a full run; every check passed")
+    one.shows_full_run()
     force = one.number("force at sensor")
     assert one.page.locator(".sw-stale").count() == 0
     box = one.page.get_by_label("load.peak").first
@@ -120,46 +120,46 @@ def test_a_bar_is_changed_and_its_link_shows_it_again(visit):
     one.until(lambda: one.number("force at sensor") != force, "nothing changes")
     one.page.wait_for_function("() => !document.querySelector('.sw-stale')")
     two = visit(urlsplit(one.page.url)._replace(scheme="", netloc="").geturl())
-    two.shows("a full run; every check passed")
+    two.shows_full_run()
     assert two.number("force at sensor") == one.number("force at sensor")
 
 
 def test_a_section_is_moved_and_the_link_holds_it(visit):
     one = visit("/target")
-    one.shows("a full run; every check passed")
+    one.shows_full_run()
     before = one.options(3)["series"][0]["data"]
     one.page.get_by_role("slider", name="section").press("Home")
     one.until(lambda: one.options(3)["series"][0]["data"] != before, "the readings do not follow")
     one.until(lambda: parse_qs(urlsplit(one.page.url).query).get("section") == ["0 mm"], "the address does not follow")
     two = visit(urlsplit(one.page.url)._replace(scheme="", netloc="").geturl())
-    two.shows("a full run; every check passed")
+    two.shows_full_run()
     assert two.options(3)["series"][0]["data"] == one.options(3)["series"][0]["data"]
 
 
 def test_layers_are_put_in_another_order_by_the_keyboard_and_by_dragging(visit):
     one = visit("/target")
-    one.shows("a full run; every check passed")
+    one.shows_full_run()
     names = one.page.locator(".sw-layer .sw-grow")
     assert [text.split(":")[0] for text in names.all_inner_texts()] == ["upper", "sensor", "lower"]
     one.page.get_by_role("button", name="layer sensor up").press("Enter")
     one.page.get_by_text("save the case as li-ma-2019-fig13-bar-layers.toml first").wait_for()
-    one.shows("a full run; every check passed")
+    one.shows_full_run()
     assert [text.split(":")[0] for text in names.all_inner_texts()] == ["sensor", "upper", "lower"]
     one.page.locator(".sw-grip").nth(2).drag_to(one.page.locator(".sw-layer").nth(0))
     one.until(lambda: names.first.inner_text().startswith("lower"), "nothing was dragged")
-    one.shows("a full run; every check passed")
+    one.shows_full_run()
 
 
 def test_layers_and_joints_are_added_and_removed_and_undo_takes_it_back(visit, tmp_path):
     one = visit("/target")
-    one.shows("a full run; every check passed")
+    one.shows_full_run()
     rows, joints = one.page.locator(".sw-layer"), one.page.locator(".sw-joint")
 
     def has(layers, of_joints, line):
         one.until(lambda: (rows.count(), joints.count()) == (layers, of_joints), "the list does not follow")
         lines = one.page.locator(".sw-code")
         one.until(lambda: f"strikewave wave {line}" in lines.all_inner_texts(), "the command line does not follow")
-        one.shows("a full run; every check passed")
+        one.shows_full_run()
 
     one.page.get_by_role("button", name="layer sensor remove").press("Enter")
     has(2, 0, "li-ma-2019-fig13-bar-layers.toml")
@@ -212,7 +212,7 @@ def test_a_filter_is_moved_by_its_handle_and_its_cost_and_line_are_shown(visit):
 def test_a_point_of_a_study_opens_its_machine(visit):
     one = visit("/study?case=jesd22-b111-b&study=sweep&vary=machine.height%3D0.2..0.4+m%3A3&keep=first.rigid_peak")
     one.page.get_by_role("button", name="begin, or go on").click()
-    one.shows("shown: sweep; every check passed")
+    one.shows("shown: sweep; all checks passed")
     at = one.page.evaluate(
         "() => getElement(Number(document.querySelector('.sw-chart').id.slice(1))).chart.convertToPixel("
         "{ seriesIndex: 0 }, getElement(Number(document.querySelector('.sw-chart').id.slice(1))).chart.getOption()"
@@ -236,7 +236,7 @@ def test_bodies_are_turned_cut_and_shown_at_any_instant(visit):
     one = visit("/elements?case=two-bars-fem")
     one.shows("press run")
     one.page.get_by_role("button", name="run", exact=True).click()
-    one.shows("a full run; every check passed")
+    one.shows_full_run()
     canvas = one.page.locator(".sw-view canvas")
     one.page.get_by_text("drag to turn").wait_for()
     seen = [canvas.screenshot()]
