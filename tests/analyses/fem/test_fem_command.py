@@ -553,7 +553,7 @@ def test_the_bundled_taylor_bar_ends_as_published():
     assert 21.4 < 32.4 + moved["top"][2] < 21.6
     assert 7.0 < 3.2 + moved["foot"][0] < 7.5
     assert solution.run.energy["plastic"][-1] > 0.95 * solution.run.initial_energy
-    assert solution.warnings == ()
+    assert [notice.code for notice in solution.warnings] == ["contact-unfinished"]  # the bar leaves the wall later
 
 
 @pytest.mark.verify
