@@ -217,10 +217,10 @@ def arrival_time(stack: Stack, layer: int, position: float, faces: Sequence[int]
 
     Examples
     --------
-    >>> from strikewave.waves import Layer
+    >>> from strikewave.waves import Joint, Layer
     >>> bars = [Layer(name, 7820.0, 211e9, 7.0686e-4, 0.07) for name in ("upper", "lower")]
-    >>> round(arrival_time(Stack(tuple(bars)), 1, 0.5) * 1e6, 4)
-    20.2139
+    >>> round(arrival_time(Stack(tuple(bars), (Joint(),)), 1, 0.5) * 1e6, 4)
+    20.214
     """
     transits = [_front_transit(layer) for layer in stack.layers]
     ends = np.concatenate([[0.0], np.cumsum(transits)])
