@@ -38,7 +38,9 @@ def test_run_json_has_exactly_its_keys(strikewave, tmp_path):
     names = {f"{which}.{what}" for which in ("first", "typical") for what in ("rigid_peak", "width", "velocity_change")}
     assert set(document["band"]) == names | {"interval"}
     assert all(set(band) == {"low", "high", "level", "inputs"} for band in document["band"].values())
-    assert all(set(one) == {"field", "share", "standard_error"} for band in document["band"].values() for one in band["inputs"])
+    assert all(
+        set(one) == {"field", "share", "standard_error"} for band in document["band"].values() for one in band["inputs"]
+    )
     known = {"field", "typed", "low", "high", "unit", "basis", "reason"}
     assert all(set(one) == known for one in document["band_method"]["inputs"])
     assert "done in" in err
