@@ -1,5 +1,6 @@
 """A run's verdict is made where the run is, kept with its numbers, and shown by every study on every face."""
 
+import functools
 import json
 import sqlite3
 
@@ -67,8 +68,26 @@ def planted(*_):
 @pytest.fixture
 def broken_runs(monkeypatch):
     """Let every run fail a check, at the one place where the checks of machines and of bars are made."""
-    monkeypatch.setattr("strikewave.analyses.machine.notices.count_notices", planted)
-    monkeypatch.setattr("strikewave.analyses.wave.notices.momentum_notices", planted)
+    plant(monkeypatch)
+
+
+def plant(patch):
+    """Put the planted check in the place of those of machines and of bars."""
+    patch.setattr("strikewave.analyses.machine.notices.count_notices", planted)
+    patch.setattr("strikewave.analyses.wave.notices.momentum_notices", planted)
+
+
+@pytest.fixture(scope="module")
+def broken():
+    """Return what makes a study whose runs all fail the planted check; each is made once for all tests."""
+
+    @functools.cache
+    def made(make):
+        with pytest.MonkeyPatch.context() as patch:
+            plant(patch)
+            return make()
+
+    return made
 
 
 def a_sweep():
@@ -138,11 +157,15 @@ def a_reproduction():
     return reproduce(Effort(elements=False, studies=False))
 
 
+def dear(make, *more):
+    """Return a parameter of `make verify` alone: other studies check the same at less cost."""
+    return pytest.param(make, *more, marks=pytest.mark.verify)
+
+
 STUDIES = (
-    a_sweep, a_sweep_of_two, a_sweep_of_three, a_fast_sweep, a_sweep_of_a_bar, a_map, a_scatter, a_design,
-    a_drop_table, a_buffer, a_fit, a_comparison,
-    pytest.param(settings_of_a_machine, marks=pytest.mark.verify),
-    pytest.param(a_reproduction, marks=pytest.mark.verify),
+    a_sweep, a_map, a_scatter, a_drop_table, a_buffer, a_fit,
+    *map(dear, (a_sweep_of_two, a_sweep_of_three, a_fast_sweep, a_sweep_of_a_bar, a_design, a_comparison)),
+    *map(dear, (settings_of_a_machine, a_reproduction)),
 )  # fmt: skip
 WITHOUT_COLUMN = ("buffer", "fit", "compare", "reproduce")
 """Whose main table has no row a run: stacks, values, samples, equations. Of a fit the residuals have the column."""
@@ -170,9 +193,9 @@ def first_words(study):
 
 
 @pytest.mark.parametrize("make", STUDIES)
-def test_a_planted_broken_run_is_marked_on_every_face(make, broken_runs, tmp_path):
+def test_a_planted_broken_run_is_marked_on_every_face(make, broken):
     """What is planted is known nowhere but where the checks are made: a face that judged by itself would miss it."""
-    study = make()
+    study = broken(make)
     verdicts = study.verdicts
     assert verdicts.count("broken") > 0
     assert set(verdicts.codes) == {PLANTED}
@@ -180,7 +203,6 @@ def test_a_planted_broken_run_is_marked_on_every_face(make, broken_runs, tmp_pat
     document = study.document()
     assert document["verdicts"] == {status: verdicts.count(status) for status in RUN_STATUSES}
     assert [study.exit_code(fail_on) for fail_on in ("broken", "never", "failed")] == [3, 0, 0]
-    assert PLANTED in study.report(tmp_path / "report.html").read_text("utf-8")
     html = study._repr_html_()
     assert "check failed" in html or "checks failed" in html
     assert "all checks passed" not in html
@@ -195,29 +217,47 @@ def test_a_planted_broken_run_is_marked_on_every_face(make, broken_runs, tmp_pat
         assert document["misfit"]["measured"][0]["verdict"] == f"broken: {PLANTED}"
 
 
-@pytest.mark.parametrize("make", [a_sweep, a_sweep_of_two, a_map, a_design])
-def test_broken_runs_have_a_mark_of_their_own_in_the_picture(make, broken_runs):
-    figure = make().plot()
-    labels = {line.get_label() for axes in figure.axes for line in axes.get_lines()}
-    assert any(str(label).endswith("failed a check") for label in labels)
+@pytest.mark.parametrize("make", [a_sweep, *(dear(getattr(one, "values", (one,))[0]) for one in STUDIES[1:])])
+def test_a_planted_broken_run_stands_on_the_page(make, broken, tmp_path):
+    assert PLANTED in broken(make).report(tmp_path / "report.html").read_text("utf-8")
+
+
+@pytest.mark.parametrize(
+    ("make", "points"),
+    [
+        (a_sweep, 2), (a_map, 9), (a_scatter, 10), (a_fit, 1),
+        (a_drop_table, lambda study: len(study.candidates)),
+        (a_buffer, lambda study: sum(bool(one.stack) for one in study.candidates)),
+        dear(a_sweep_of_two, 8), dear(a_design, lambda study: 2 * len(study.rows)), dear(settings_of_a_machine, lambda study: 2 * len(study.candidates)),
+    ],
+)  # fmt: skip
+def test_broken_runs_have_a_mark_of_their_own_in_the_picture(make, points, broken):
+    """Each point of a run or candidate is marked, once on each of the axes that show it; a fit marks its values."""
+    study = broken(make)
+    figure = study.plot()
+    lines = [line for axes in figure.axes for line in axes.get_lines()]
+    marks = [line for line in lines if str(line.get_label()).endswith("failed a check")]
+    assert {line.get_marker() for line in marks} == {"D"}
+    assert sum(len(line.get_xdata()) for line in marks) == (points(study) if callable(points) else points)
     texts = [text.get_text() for legend in [*figure.legends] for text in legend.get_texts()]
     texts += [text.get_text() for axes in figure.axes if axes.get_legend() for text in axes.get_legend().get_texts()]
     assert any(text.endswith("failed a check") for text in texts)
 
 
-def test_the_page_of_the_app_says_what_the_runs_came_to(broken_runs):
+def test_the_page_of_the_app_says_what_the_runs_came_to(broken):
     from strikewave.web.case.state import CaseSource
     from strikewave.web.pages.study.result_view import result_view
 
-    view = result_view(a_fast_sweep(), "Sweep", CaseSource("li-ma-2019", "", ONE, ""))
+    view = result_view(broken(a_sweep), "Sweep", CaseSource("li-ma-2019", "", ONE, ""))
     assert f"2 of 2 runs failed a check ({PLANTED})" in view["by"]
     assert all(f"(broken: {PLANTED})" in words for words, _ in view["found"])
     assert any(series["name"] == "failed a check" for series in view["charts"][0]["series"])
     assert "verdict" in view["tables"][0][1]
 
 
-def test_netcdf_of_a_map_has_the_verdict_of_each_cell(broken_runs):
-    data = a_map().data
+@pytest.mark.verify
+def test_netcdf_of_a_map_has_the_verdict_of_each_cell(broken):
+    data = broken(a_map).data
     assert (data["verdict"] == RUN_STATUSES.index("broken")).all()
 
 
@@ -325,6 +365,7 @@ def test_the_notebook_says_suspect_where_the_screen_does(tmp_path):
 
 def test_command_ends_by_fail_on_and_json_counts(strikewave):
     ask = "sweep", "li-ma-2019", "--vary", "machine.speed=940,950 rpm", "--analysis", "fast", "--json"
+    ask += "--workers", "1"
     for fail_on, code in (((), 3), (("--fail-on", "failed"), 0), (("--fail-on", "never"), 0)):
         ended, out, err = strikewave(*ask, *fail_on)
         assert ended == code, err

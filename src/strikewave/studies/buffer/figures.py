@@ -8,9 +8,10 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from strikewave.base.result import Verdicts
 from strikewave.reporting.curves import thin
 from strikewave.reporting.numbers import axis_unit, headed
-from strikewave.reporting.style import BLUE, GREEN, GREY, ORANGE, RED, put_below, quiet
+from strikewave.reporting.style import BLUE, GREEN, GREY, ORANGE, RED, mark_runs, put_below, quiet
 from strikewave.sensors import transmission
 from strikewave.sensors.mounting import RESOLVED
 from strikewave.studies.buffer.candidate import BufferCandidate, distinct
@@ -44,6 +45,8 @@ def peak_bandwidth(study: BufferStudy) -> Figure:
     _points(axes, above, "above the limit", color=GREY, marker="o", markersize=3, alpha=0.6)
     _points(axes, clipped, "cut off", color=ORANGE, marker="x", markersize=4)
     _points(axes, keeping, "keeps the limit", color=BLUE, marker="o", markersize=3.5)
+    of_blow = Verdicts([study.blows.verdict] * len(buffered))
+    mark_runs(axes, *_places(buffered), of_blow, "the blow is of a run that", size=6.0)
     front = sorted((c for c in buffered if c.pareto), key=lambda c: c.band.within_10)
     x, y = _places(front)
     if buffered:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
@@ -9,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from strikewave.analyses.compare.curve import QUANTITIES, SHOWN_IN
+from strikewave.base.result import Verdicts, worse
 from strikewave.reporting.curves import thin
 from strikewave.reporting.numbers import axis_unit, headed, time_unit
 from strikewave.reporting.style import (
@@ -19,6 +21,7 @@ from strikewave.reporting.style import (
     RED,
     WHOLE,
     legend_below,
+    mark_runs,
     new_figure,
     one_diagram,
     plain,
@@ -91,6 +94,9 @@ def draw_values(axes: Any, study: FitStudy) -> None:
         axes.plot([field.place(one.low), field.place(one.high)], [place, place], color=colour, linewidth=3.0)
         axes.plot(field.place(one.value), place, "o", color=colour, markersize=6)
         axes.plot(field.place(field.value.si), place, "|", color=GREY, markersize=12)
+    worst = functools.reduce(worse, study.verdicts.texts, "")
+    found = [one.field.place(one.value) for one in study.parameters]
+    mark_runs(axes, found, places, Verdicts([worst] * len(found)), "fitted run", size=10.0)
     axes.set_yticks(places, names)
     axes.set_ylim(-0.6, len(names) - 0.4)
     axes.set_xticks([0.0, 1.0], ["lower bound", "upper bound"])
@@ -120,7 +126,8 @@ def overlay(study: FitStudy) -> Figure:
 
 def values_figure(study: FitStudy) -> Figure:
     """Return the values within their bounds."""
-    return one_diagram(lambda axes: draw_values(axes, study), (WHOLE[0], 1.2 + 0.45 * len(study.parameters)))
+    figure = one_diagram(lambda axes: draw_values(axes, study), (WHOLE[0], 1.2 + 0.45 * len(study.parameters)))
+    return legend_below(figure)
 
 
 def profile_figures(study: FitStudy) -> list[tuple[Figure, str]]:

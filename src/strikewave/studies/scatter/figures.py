@@ -9,7 +9,7 @@ import numpy as np
 
 from strikewave.base.percents import percent
 from strikewave.reporting.numbers import axis_unit, headed
-from strikewave.reporting.style import BLUE, GREY, ORANGE, RED, quiet, sheet_title
+from strikewave.reporting.style import BLUE, GREY, ORANGE, RED, mark_runs, quiet, sheet_title
 from strikewave.studies.scatter.study import ScatterStudy
 from strikewave.uncertainty.shares import Shares
 
@@ -54,6 +54,7 @@ def _peaks(axes: Any, study: ScatterStudy) -> None:
     axes.vlines(number, low, high, color=BLUE, alpha=0.35, linewidth=9.0, label="95 % of runs")
     axes.plot(number, middle, "_", color=BLUE, markersize=15, markeredgewidth=2.0, label="median")
     axes.plot(np.arange(1, nominal.size + 1), nominal, "o", color=RED, markersize=4, label="dynamics alone")
+    _mark_largest(axes, study, size)
     missed = sum("missed" in run.kinds for run in study.completed)
     typical = study.figure("peak").within
     alone = study.nominal_run.variation("peak")
@@ -66,6 +67,14 @@ def _peaks(axes: Any, study: ScatterStudy) -> None:
     axes.xaxis.set_major_locator(MaxNLocator(integer=True))
     axes.margins(x=0.04, y=0.12)
     axes.legend(frameon=False, fontsize=8, loc="upper left", bbox_to_anchor=(1.0, 1.0))
+
+
+def _mark_largest(axes: Any, study: ScatterStudy, size: float) -> None:
+    """Mark the largest peak of each run that failed a check: a run that could not be made has none."""
+    peaks = [np.nan_to_num(run.peak, nan=-np.inf) for run in study.runs]
+    blows = [int(np.argmax(one)) + 1 if one.size else np.nan for one in peaks]
+    largest = [float(np.max(one)) / size if one.size else np.nan for one in peaks]
+    mark_runs(axes, blows, largest, study.verdicts, "run (at its largest peak)", size=5.0)
 
 
 def _bars(axes: Any, shares: Shares, sobol: bool) -> None:

@@ -74,10 +74,12 @@ def _key_numbers(study: ScatterStudy) -> list[tuple[str, str]]:
 
 
 def _caption(study: ScatterStudy) -> str:
-    return (
+    words = (
         "Above, the rigid-body peak of each blow: median and the band that holds 95 % of the runs, beside the dynamics "
-        f"alone.{' Below, the share of each tolerance with its bounds at 95 %.' if study.shares else ''}"
+        "alone."
     )
+    words += " A run that failed a check is marked at its largest peak." if any(study.verdicts.marked) else ""
+    return words + (" Below, the share of each tolerance with its bounds at 95 %." if study.shares else "")
 
 
 def _figure_section(study: ScatterStudy) -> Section:

@@ -9,8 +9,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from strikewave.base.percents import percent
+from strikewave.base.result import Verdicts
 from strikewave.reporting.numbers import axis_unit, headed
-from strikewave.reporting.style import BLUE, GREEN, GREY, ORANGE, RED, quiet, sheet_title
+from strikewave.reporting.style import BLUE, GREEN, GREY, ORANGE, RED, mark_runs, quiet, sheet_title
 from strikewave.studies.log_ticks import plain_log_ticks
 from strikewave.studies.settings.candidate import WITHIN, SettingsCandidate
 from strikewave.studies.settings.result import SettingsStudy
@@ -52,6 +53,7 @@ def _misses(axes: Any, candidates: Sequence[SettingsCandidate]) -> None:
     for name, colour, marker in QUANTITIES:
         values = [100.0 * one.misses[name] for one in candidates]
         axes.plot(places, values, marker, color=colour, markersize=4, label=name)
+    mark_runs(axes, places, typical, _verdicts(candidates))
     axes.set_yscale("symlog", linthresh=LINEAR)
     ticks = [-100, -20, -5, -1, 0, 1, 5, 20, 100]
     low, high = axes.get_ylim()
@@ -79,6 +81,7 @@ def _scatter(axes: Any, candidates: Sequence[SettingsCandidate]) -> None:
         axes.plot([], [], marker, color=colour, markersize=5, label=label)
     axes.plot(*_places(candidates[:1]), "o", color="#333333", markersize=11, fillstyle="none", label="first")
     axes.plot([], [], "o", color=GREY, fillstyle="none", markersize=5, label="goal not met")
+    mark_runs(axes, *_places(candidates), _verdicts(candidates))
     axes.set_xscale("log")
     axes.set_yscale("log")
     for axis in (axes.xaxis, axes.yaxis):
@@ -89,6 +92,11 @@ def _scatter(axes: Any, candidates: Sequence[SettingsCandidate]) -> None:
         axes.set_yticks([], minor=False)
     axes.margins(0.08)
     axes.legend(frameon=False, fontsize=8, loc="upper center", bbox_to_anchor=(0.5, -0.14), ncols=4)
+
+
+def _verdicts(candidates: Sequence[SettingsCandidate]) -> Verdicts:
+    """Return the verdicts of the full runs of candidates."""
+    return Verdicts(one.run_verdict for one in candidates)
 
 
 def _places(candidates: Sequence[SettingsCandidate]) -> tuple[list[float], list[float]]:

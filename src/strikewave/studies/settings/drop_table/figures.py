@@ -2,13 +2,28 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from strikewave.analyses.record.verdicts.figures import draw_shock
-from strikewave.reporting.numbers import axis_unit
-from strikewave.reporting.style import BLUE, GREEN, GREY, ORANGE, RED, legend_below, new_figure, plain, quiet, titled
+from strikewave.base.result import Verdicts
+from strikewave.reporting.numbers import axis_unit, headed
+from strikewave.reporting.style import (
+    BLUE,
+    GREEN,
+    GREY,
+    ORANGE,
+    RED,
+    legend_below,
+    mark_runs,
+    new_figure,
+    plain,
+    quiet,
+    titled,
+)
+from strikewave.studies.settings.drop_table.search import DropCandidate
 from strikewave.studies.settings.drop_table.study import DropStudy
 
 if TYPE_CHECKING:
@@ -31,20 +46,27 @@ def drop_figure(study: DropStudy) -> Figure:
 
 def _designs(axes: Any, study: DropStudy) -> None:
     """Draw drop height and share of the pulse in which it rises, of each design; filled where it meets the goal."""
-    metre, unit = axis_unit("m", "mm")
     names = list(dict.fromkeys(one.programmer.name for one in study.candidates))
     for k, name in enumerate(names):
         marker, colour = MARKERS[k % len(MARKERS)]
         mine = [one for one in study.candidates if one.programmer.name == name]
         for met, fill in ((True, colour), (False, "none")):
             points = [one for one in mine if one.meets == met]
-            x = [one.height / metre for one in points]
-            y = [100.0 * one.reading.blow.rise / one.reading.width for one in points]
             if points:
-                axes.plot(x, y, marker, color=colour, markerfacecolor=fill, markersize=6)
+                axes.plot(*_places(points), marker, color=colour, markerfacecolor=fill, markersize=6)
         axes.plot([], [], marker, color=colour, markersize=6, label=plain(name, 30))
     axes.plot([], [], "o", color=GREY, fillstyle="none", markersize=6, label="does not meet it")
+    mark_runs(axes, *_places(study.candidates), Verdicts(one.run_verdict for one in study.candidates))
     sine = (np.arcsin(0.9) - np.arcsin(0.1)) / (np.pi - 2.0 * np.arcsin(0.1))
     axes.axhline(100.0 * sine, color=GREY, linewidth=1.0, linestyle="--", label="half-sine")
-    quiet(axes, "Designs", f"drop height ({unit})", "rise time over pulse width (%)")
+    quiet(axes, "Designs", headed("drop height", "m", "mm"), "rise time over pulse width (%)")
     axes.margins(0.08)
+
+
+def _places(candidates: Sequence[DropCandidate]) -> tuple[list[float], list[float]]:
+    """Return drop heights as shown, and rise times over widths in %."""
+    metre, _ = axis_unit("m", "mm")
+    return (
+        [one.height / metre for one in candidates],
+        [100.0 * one.reading.blow.rise / one.reading.width for one in candidates],
+    )
