@@ -202,3 +202,19 @@ def test_a_case_changed_by_hand_in_a_result_is_not_replaced_unasked(tmp_path):
     with pytest.raises(InputError, match="was changed after the run"):
         check_unchanged(folder, "x")
     check_unchanged(folder, "y")  # what would be written is what stands there
+
+
+def test_what_was_written_behind_the_list_of_a_result_is_a_change_too(tmp_path):
+    """The end of the file, where somebody adds a table, is behind the list."""
+    folder = tmp_path / "out"
+    with written(folder, "x") as place:
+        (place / "case.toml").write_text("x")
+    mark = folder / "case.toml"
+    with mark.open("a") as file:
+        file.write("\n[[tap]]\nname = 'mine'\n")
+    before = mark.read_text()
+    with pytest.raises(InputError, match="another result"), written(folder, "x"):
+        pass
+    with pytest.raises(InputError, match="was changed after the run"):
+        check_unchanged(folder, "x")
+    assert mark.read_text() == before

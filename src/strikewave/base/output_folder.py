@@ -5,6 +5,7 @@ from __future__ import annotations
 import contextlib
 import hashlib
 import os
+import re
 import secrets
 import shutil
 from collections.abc import Iterator
@@ -21,6 +22,8 @@ _RANDOM_BYTES = 6
 """Random bytes behind the name of a file that is being written, of which no two runs ever share."""
 _LIST = "\n# The files of this result with their SHA-256. What was added or changed since is never replaced.\n"
 """Begins the list of the files at the end of the text that marks a folder."""
+_ROW = re.compile(r"# ([0-9a-f]{64}|none)  (.+)")
+"""A line of that list: the SHA-256 of a file, or that it is none, and its name."""
 
 
 def mark_of(folder: Path) -> Path | None:
@@ -29,8 +32,19 @@ def mark_of(folder: Path) -> Path | None:
 
 
 def mark_text(mark: Path) -> str:
-    """Return the text that marks a result, without the list of its files."""
-    return mark.read_text("utf-8", errors="replace").partition(_LIST)[0]
+    """Return the text that marks a result, without the list of its files.
+
+    What was written behind the list belongs to the text: who adds a table to a case adds it at the end of the file.
+    """
+    return _parted(mark)[0]
+
+
+def _parted(mark: Path) -> tuple[str, dict[str, str] | None]:
+    """Return the text that marks a result, and the SHA-256 of each file of its list; None where it has no list."""
+    text, begin, rest = mark.read_text("utf-8", errors="replace").partition(_LIST)
+    rows = [(line, _ROW.fullmatch(line)) for line in rest.splitlines() if line.strip()]
+    added = "".join(f"{line}\n" for line, row in rows if row is None)
+    return text + added, {row[2]: row[1] for _, row in rows if row is not None} if begin else None
 
 
 def list_files(folder: Path) -> None:
@@ -59,20 +73,13 @@ def list_files(folder: Path) -> None:
         file.write(text + _LIST + "".join(lines))
 
 
-def _listed(mark: Path) -> dict[str, str] | None:
-    """Return the SHA-256 of each file of a result as its list has it; None where it has no list."""
-    _, begin, rest = mark.read_text("utf-8", errors="replace").partition(_LIST)
-    pairs = (line.removeprefix("# ").partition("  ") for line in rest.splitlines())
-    return {name: digest for digest, _, name in pairs} if begin else None
-
-
 def changed_files(folder: Path) -> list[str] | None:
     """Return what lies in a result folder and was not written with it, or was changed since, but for what marks it.
 
     None stands for a folder without a list: an older strikewave wrote it, or somebody else.
     """
     mark = mark_of(folder)
-    listed = None if mark is None else _listed(mark)
+    listed = None if mark is None else _parted(mark)[1]
     if listed is None:
         return None
     others = {path.relative_to(folder).as_posix(): path for path in _entries(folder) if path != mark}
@@ -160,10 +167,12 @@ def check_unchanged(folder: Path, identity: str) -> None:
     """
     with contextlib.suppress(OSError):
         mark = mark_of(folder)
-        listed = None if mark is None else _listed(mark)
-        if mark is None or listed is None or mark_text(mark) == identity:
+        if mark is None:
             return
-        if _digest_of(mark_text(mark)) != listed.get(mark.name):
+        text, listed = _parted(mark)
+        if listed is None or text == identity:
+            return
+        if _digest_of(text) != listed.get(mark.name):
             hint = f"{mark} was changed after the run: move it to run it, or choose another folder"
             raise InputError("--out", str(folder), "a result as its run wrote it", hint)
 

@@ -66,8 +66,13 @@ def origin_text(command: str, digests: Mapping[str, str] | None = None, test: Ma
 
 def is_within(folder: Path) -> bool:
     """Tell whether the command works on a file of that very folder, as where ``out/NAME/case.toml`` runs again."""
-    home = folder.absolute()
-    return any(home in (Path(name).absolute(), *Path(name).absolute().parents) for name in command_inputs())
+    home = _absolute(folder)
+    return any(home in (path, *path.parents) for path in map(_absolute, command_inputs()))
+
+
+def _absolute(name: str | Path) -> Path:
+    """Return where a name leads without ``..``, which would hide that a file lies below a folder."""
+    return Path(os.path.abspath(name))
 
 
 def check_inputs_stay(folder: Path) -> None:
@@ -78,9 +83,9 @@ def check_inputs_stay(folder: Path) -> None:
     InputError
         With the input.
     """
-    home = folder.absolute()
+    home = _absolute(folder)
     for name in command_inputs():
-        path = Path(name).absolute()  # of "history.csv#2" the file is below that folder too
+        path = _absolute(name)  # of "history.csv#2" the file is below that folder too
         if home in path.parents and path != home / CASE:
             hint = "choose another folder by --out DIR, or move the input first"
             raise InputError("--out", str(folder), f"a folder without an input, and it holds {show(name)}", hint)
