@@ -497,6 +497,9 @@ def test_the_first_sentence_says_that_compression_is_assumed(strikewave, shot):
         ("compression positive, no tension", ""),
         ("tension is negative", ""),
         ("attention: extension pulley", ""),
+        ("compression - steel, shot 3", ""),
+        ("shot 3 - compression", ""),
+        ("compression (-)", "compression (-, and the first pulse of bar.incident.gauge is positive"),
     ],
 )
 def test_a_sign_or_a_shot_that_the_set_up_calls_tension_is_warned_of(strikewave, shot, title, warned):

@@ -24,22 +24,26 @@ _TENSION = (
 _COMPRESSION = r"compress(?:ion|ive|ed)|druck(?:versuch|probe|spannung|welle|belastung|beanspruchung)?|gestaucht|压缩"
 """Words for the kind of a shot in English, German, French and Chinese. The name of the pressure bar itself is none: it
 is used of tensile bars too."""
-_SIGN = r"positive?|pos\.|negative?|neg\.|plus|minus|\+|[-−]"
+_SIGN_WORD = r"positive?|pos\.|negative?|neg\.|plus|minus"
+_SIGN_MARK = r"\+|[-−]"
 _WORD = {
     kind: re.compile(rf"(?:(?<![^\W_])|(?<=[一-鿿]))(?:{words})(?:(?![^\W_])|(?=[一-鿿]))", re.IGNORECASE)
     for kind, words in (("tension", _TENSION), ("compression", _COMPRESSION))
 }
 _STATED = [
     re.compile(
-        rf"(?<![^\W_])(?:(?P<tension>{_TENSION})|{_COMPRESSION})[\s:=(,]{{0,3}}(?:is|ist|are)?\s{{0,2}}(?P<sign>{_SIGN})(?![^\W_])",
+        rf"(?<![^\W_])(?:(?P<tension>{_TENSION})|{_COMPRESSION})[\s:=(,]{{0,3}}(?:is|ist|are)?\s{{0,2}}"
+        rf"(?P<sign>(?:{_SIGN_WORD})(?![^\W_])|(?:{_SIGN_MARK})(?=\s{{0,9}}(?:$|[),;\]])))",
         re.IGNORECASE,
     ),
     re.compile(
-        rf"(?<![^\W_])(?P<sign>{_SIGN})\s{{0,2}}(?:is|ist|=|:|in)?\s{{0,2}}(?:(?P<tension>{_TENSION})|{_COMPRESSION})(?![^\W_])",
+        rf"(?<![^\W_])(?:(?P<sign>{_SIGN_WORD}|(?:{_SIGN_MARK})(?=\s{{0,2}}(?:is|ist|=|:)))\s{{0,2}}(?:is|ist|=|:|in)?)\s{{0,2}}"
+        rf"(?:(?P<tension>{_TENSION})|{_COMPRESSION})(?![^\W_])",
         re.IGNORECASE,
     ),
 ]
-"""A sign that is stated: ``tension positive``, ``compression is negative``, ``+ = tension``."""
+"""A sign that is stated: ``tension positive``, ``compression (-)``, ``+ = tension``. A mark is a sign where nothing
+follows it, or where it is said to mean something: in ``compression - shot 3`` it is a dash."""
 
 
 class StatedKind(NamedTuple):
