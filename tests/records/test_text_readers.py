@@ -121,6 +121,18 @@ def test_rows_of_settings_with_a_number_for_each_channel_are_no_samples(read, ro
     assert record.channels[0].values.size == 30
 
 
+@pytest.mark.parametrize("names_first", [True, False])
+@pytest.mark.parametrize("count", [2, 3])
+def test_a_column_that_is_left_out_is_named_however_many_settings_stand_above(read, count, names_first):
+    """The third one here, below two settings and below three; their numbers are the names of no channels."""
+    settings = ["t0;0;;0", "delta t;0.00001;;0.00001", "offset;1;;1"][:count]
+    rows = "".join(f";{k % 7}.0;;{0.5 * k}\n" for k in range(60))
+    head = ["name;left [g];spare;right [g]", *settings]
+    record = read("\n".join([*(head if names_first else [*settings, head[0]]), rows]))
+    assert {finding.value for finding in record.findings if finding.code == "column-dropped"} == {1.0, 3.0}
+    assert named(record) == [("left", "g"), ("right", "g")]
+
+
 def test_a_word_beside_the_samples_is_no_setting(read):
     lines = ["".join((word, f";{k};{2 * k}\n")) for k, word in enumerate([""] * 5 + ["Impact"] + [""] * 24)]
     record = read("mark;board;frame\n" + "".join(lines), Options(rate=1e3))

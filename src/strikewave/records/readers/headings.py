@@ -132,6 +132,8 @@ def find_headings(above: Sequence[str], marks: Marks, width: int, filled: Sequen
     rows = [row for row in rows if sum(bool(row[k]) for k in filled) * 2 > len(filled)]
     if not rows:
         return _commented(lines, marks, width, filled)
+    worded = [row for row in rows if any(row[k] and number(row[k], marks.decimal) is None for k in filled)]
+    rows = worded or rows  # numbers beside a row of words are a setting of each channel, such as an offset
     found = _of_rows(rows, marks, filled)
     said = _said_units(lines, marks, width, filled)
     return found._replace(units=[own or unit for own, unit in zip(found.units, said, strict=True)])

@@ -192,7 +192,7 @@ def lay_out(look: Look) -> NumberLayout:
         message = f"settings stand behind the columns in lines {first + 1} to {beside}: they are left out"
         findings.append(HealthNotice("column-dropped", message, width + 1.0, severity="good"))
     headings = find_headings(above, marks, width, filled)
-    dropped = {finding.value for finding in findings}
+    dropped = {finding.value for finding in findings if finding.code == "column-dropped"}
     for k, name in enumerate(headings.names):
         if name and k not in filled and k + 1.0 not in dropped:
             message = f"column {k + 1}, {name}, is left out: it holds no number"

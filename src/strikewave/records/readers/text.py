@@ -252,7 +252,9 @@ def _read_long(look: Look, layout: NumberLayout, rows: Rows, time: int | None, o
         channels = [
             Channel(name, columns[k], step, start, units[k], stamps) for name, k in zip(unique, values, strict=True)
         ]
-        findings = [one for one in layout.findings if one.value - 1.0 not in labels]
+        findings = [
+            one for one in layout.findings if one.code != "column-dropped" or one.value - 1.0 not in labels
+        ]  # a column of labels is none that is left out
         record = Record(str(look.path), "text", tuple(channels), (*findings, *odd, *lost))
         table = as_long_table(record, list(labels.values()))
         if table is not None:
