@@ -12,6 +12,7 @@ from hypothesis import strategies as st
 from strikewave import InputError, compare, load_case, load_solution, run_case
 from strikewave.analyses.compare.agreement import agreement
 from strikewave.analyses.compare.curve import ComparedCurve, checked_curve, even_history, mean_curve
+from strikewave.analyses.compare.question import _ringing
 from strikewave.analyses.compare.simulated import _parts, solution_curve
 from strikewave.base.variables import LabelledArrays
 from strikewave.signal.alignment import EvenHistory
@@ -416,3 +417,11 @@ def test_a_table_in_its_fall_is_compared_as_a_sensor_reads_it(strikewave):
     assert found.figures["velocity_change"].difference == pytest.approx(0.0, abs=5e-3)
     judged = strikewave("compare", "kept", "spec:iec-60068-2-27:50g-11ms")  # not held before, nothing was judged
     assert "CANNOT TELL" not in judged[1]
+
+
+@pytest.mark.parametrize("length", [150, 2000])
+def test_a_run_that_ends_within_its_pulse_or_rests_after_it_has_no_ringing(length):
+    """A half-sine of 100 samples: what follows stands still, or is not there."""
+    values = np.where(np.arange(length) < 100, np.sin(np.pi * np.arange(length) / 100.0), 0.0)
+    cut = values[:60] if length == 150 else values
+    assert np.isnan(_ringing(curve(cut))).all()

@@ -294,11 +294,15 @@ def _ringing(curve: ComparedCurve) -> tuple[float, float]:
     """Return the frequency of what swings after the largest pulse, Hz, and by which share of its peak; NaN for none."""
     upright, step = curve.sign * curve.history.values, curve.history.step
     pulse = measure_pulse(upright, step, curve.history.start)
+    if math.isnan(pulse.width):  # it goes on beyond an end of the history
+        return math.nan, math.nan
     begin = round((pulse.time + pulse.width - curve.history.start) / step)
     after = upright[begin : begin + round(RINGS_WITHIN * pulse.width / step)]
     if after.size < FEWEST_AFTER:
         return math.nan, math.nan
-    return strongest_frequency(after, step, LOWEST_RATIO / pulse.width), 0.5 * float(np.ptp(after)) / pulse.peak
+    swing = 0.5 * float(np.ptp(after)) / pulse.peak
+    frequency = strongest_frequency(after, step, LOWEST_RATIO / pulse.width)
+    return (frequency, swing) if swing > 0.0 else (math.nan, math.nan)
 
 
 def _check_units(a: ComparedCurve, b: ComparedCurve) -> None:
