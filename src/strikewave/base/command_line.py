@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import shlex
 from collections.abc import Iterable
 
 
@@ -25,4 +24,6 @@ def command_line(words: Iterable[str]) -> str:
     >>> command_line(["record", file_word("-a b.csv"), "--unit", "g"])
     "strikewave record './-a b.csv' --unit g"
     """
+    import shlex  # each command of the screen imports this module for its names of files
+
     return shlex.join(["strikewave", *words])

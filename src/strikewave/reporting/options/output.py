@@ -13,6 +13,7 @@ import typer
 
 from strikewave.base import control_characters
 from strikewave.base.errors import InputError
+from strikewave.base.result import FailOn
 from strikewave.reporting.options.kinds import parsed
 from strikewave.reporting.shown_units import ShownUnits
 from strikewave.reporting.terminal import Screen, screen
@@ -77,7 +78,7 @@ Quiet = Annotated[
 
 
 FailOnOption = Annotated[
-    Literal["failed", "broken", "never"],
+    FailOn,
     typer.Option(
         "--fail-on",
         help=(
