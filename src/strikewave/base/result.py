@@ -148,11 +148,11 @@ def worse(first: str, second: str) -> str:
 
     Examples
     --------
-    >>> worse("passed", "broken: no-blow"), worse("passed", "")
-    ('broken: no-blow', 'passed')
+    >>> worse("passed", "broken: no-blow"), worse("passed", ""), worse("of another program", "passed")
+    ('broken: no-blow', 'passed', 'passed')
     """
-    order = ("", *RUN_STATUSES)
-    return max(first, second, key=lambda text: order.index(status_of(text)))
+    rank = {status: place for place, status in enumerate(RUN_STATUSES, start=1)}
+    return max(first, second, key=lambda text: rank.get(status_of(text), 0))
 
 
 class Verdicts:
