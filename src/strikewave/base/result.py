@@ -151,7 +151,7 @@ def worse(first: str, second: str) -> str:
     >>> worse("passed", "broken: no-blow"), worse("passed", ""), worse("of another program", "passed")
     ('broken: no-blow', 'passed', 'passed')
     """
-    rank = {status: place for place, status in enumerate(RUN_STATUSES, start=1)}
+    rank: dict[str, int] = {status: place for place, status in enumerate(RUN_STATUSES, start=1)}
     return max(first, second, key=lambda text: rank.get(status_of(text), 0))
 
 
