@@ -1,5 +1,6 @@
 """A finished study that is asked again is read, and Ctrl-C keeps each finished run, from the first on."""
 
+import functools
 import os
 import signal
 import sqlite3
@@ -8,6 +9,7 @@ import sys
 import threading
 import time
 
+import numpy as np
 import pytest
 
 from strikewave.studies.engine import runner
@@ -15,6 +17,7 @@ from strikewave.studies.engine.evaluation import RunOutcome, attempts
 from strikewave.studies.engine.pools import ProcessPool, ThreadPool
 from strikewave.studies.engine.runner import carry_out
 from strikewave.studies.engine.store import INDEX, KEPT_INDEX, RunStore
+from strikewave.studies.fit import batches
 from strikewave.studies.resumable import ResumableCommand
 
 BALL = "iso-16063-22-dropball"
@@ -36,6 +39,10 @@ STUDIES = {
     ),
     "scatter": ("scatter", "li-ma-2019", *FEW, "--runs", "10", "--shares", "none", "--workers", "1"),
     "design": ("design", "d.toml", "--runs", "16", "--workers", "1"),
+    "fit": (
+        *("fit", "jesd22-b111-b", "--set", "contact.reference_force=700 kN"),
+        *("--to", "first.rigid_peak=1500 g +- 1 %", "--free", "contact.reference_force"),
+    ),
     "settings": ("settings", "--spec", "jesd22-b110:A", "--programmer", "linear"),
     "buffer": (
         *("buffer", "li-ma-2019-fig5", "--sensor", "buffered", "--limit", "7000 g", "--material", "PTFE"),
@@ -58,11 +65,48 @@ def test_a_finished_study_that_is_asked_again_makes_no_run(strikewave, monkeypat
     assert not (tmp_path / ".o.runs").exists()
     with monkeypatch.context() as patch:
         patch.setattr(runner, "begin", lambda *_: pytest.fail("a finished run was made again"))
+        patch.setattr(batches, "_made", lambda *_: pytest.fail("a finished run of a fit was made again"))
         ended, again, err = strikewave(*words)
     assert ended in (0, None), err
     assert "finished runs of o; --fresh makes them anew" in err
     assert again == first
     assert {path.name: path.read_bytes() for path in (tmp_path / "o").glob("*.csv")} == tables
+
+
+def scaled(factors, place):
+    """Return a place times factors; a first factor of 0 has no result."""
+    MADE.append(place)
+    return factors * place if factors[0] else 1.0 / 0.0
+
+
+MADE = []
+"""Places at which `scaled` was asked."""
+
+
+def test_results_of_a_fit_are_read_by_the_content_of_what_is_asked():
+    """To the bit, and what failed as failed; a factor or a place that differs by one bit is another question."""
+    places = [np.array([0.1, -0.0]), np.array([0.1 + 2.0**-56, np.nan])]
+    factors = [np.array([first, 1.0]) for first in (2.0, 2.0 + 2.0**-51, 0.0)]
+    found = []
+    with RunStore(None) as store:
+        for _ in range(2):
+            MADE.clear()
+            with batches.keeping_in(store):
+                asked = [functools.partial(scaled, one.copy()) for one in factors]
+                found.append([batches.each_or_none(one, places) for one in asked])
+            assert len(MADE) == (6 if len(found) == 1 else 0)
+    assert found[0][2] == found[1][2] == [None, None]
+    for made, read in zip(found[0][:2], found[1][:2], strict=True):
+        assert [one.tobytes() for one in made] == [one.tobytes() for one in read]
+
+
+def test_what_a_lambda_holds_is_not_seen_so_that_it_is_asked_each_time():
+    MADE.clear()
+    with RunStore(None) as store, batches.keeping_in(store):
+        for factor in (2.0, 3.0):
+            found = batches.each_or_none(lambda place, factor=factor: scaled(np.array([factor]), place), [np.ones(1)])
+            assert found == [np.array([factor])]
+    assert len(MADE) == 2
 
 
 @pytest.mark.verify

@@ -84,7 +84,7 @@ def test_a_file_asks_what_the_command_line_asks(whole, strikewave, monkeypatch):
     """The same case, fields, targets and reading: what `requested` gets decides the result."""
     asked = []
 
-    def ask(case, request, progress, pool):
+    def ask(case, request, progress, pool, store):
         asked.append((case, request))
         raise InputError("stop", "here", "no run")
 

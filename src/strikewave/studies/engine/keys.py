@@ -4,7 +4,13 @@ from __future__ import annotations
 
 import functools
 import hashlib
+from collections.abc import Mapping
+from enum import Enum
 from pathlib import Path
+from types import BuiltinFunctionType, FunctionType, MethodType
+from typing import Any
+
+import numpy as np
 
 from strikewave._version import __version__
 from strikewave.base.compiled import PACKAGE, kernel_key
@@ -35,6 +41,59 @@ def run_key(case: Case, evaluation: object) -> bytes:
     for file in case_files(case):
         digest.update(_file_digest(file, file.stat().st_mtime_ns))
     return digest.digest()
+
+
+def content_key(thing: object) -> bytes:
+    """Return the SHA-256 of the content of an object, of a function with what it is bound to, or of a tuple of these.
+
+    What is computed once and remembered (`functools.cached_property`) is no content.
+
+    Raises
+    ------
+    TypeError
+        If it holds something whose content is not known, such as a file or a lambda.
+
+    Examples
+    --------
+    >>> content_key(("a", 1.0)) == content_key(("a", 1.0)), content_key((1, (2,))) == content_key(((1, 2),))
+    (True, False)
+    """
+    digest = hashlib.sha256(program_key().encode())
+    _add_content(digest, thing)
+    return digest.digest()
+
+
+def _add_content(digest: Any, thing: Any) -> None:
+    """Add the kind of a thing, how much it holds, and all that."""
+    parts: list[Any] = []
+    words = f"{type(thing).__module__}.{type(thing).__qualname__}"
+    if isinstance(thing, Case):
+        words += run_key(thing, "").hex()
+    elif isinstance(thing, np.ndarray):
+        words += f" {thing.dtype} {thing.shape} {hashlib.sha256(thing.tobytes()).hexdigest()}"
+    elif thing is None or isinstance(thing, str | bytes | int | float | complex | Path | Enum | np.generic):
+        words += f" {thing!r}"
+    elif isinstance(thing, type | FunctionType | BuiltinFunctionType):
+        if "<" in thing.__qualname__:  # a lambda, or a function within one: what it holds is not seen
+            raise TypeError(f"the content of {thing.__qualname__} is not known")
+        words += f" {thing.__module__}.{thing.__qualname__}"
+    elif isinstance(thing, MethodType):
+        parts = [thing.__func__, thing.__self__]
+    elif isinstance(thing, functools.partial):
+        parts = [thing.func, thing.args, thing.keywords]
+    elif isinstance(thing, tuple | list):
+        parts = [*thing]
+    elif isinstance(thing, Mapping):
+        parts = [part for item in thing.items() for part in item]
+    elif hasattr(thing, "__dict__"):
+        remembered = functools.cached_property
+        own = {k: v for k, v in vars(thing).items() if not isinstance(getattr(type(thing), k, None), remembered)}
+        parts = [own]
+    else:
+        raise TypeError(f"the content of a {words} is not known")
+    digest.update(f"{words} {len(parts)}\n".encode())
+    for part in parts:
+        _add_content(digest, part)
 
 
 def case_text(case: Case) -> str:

@@ -9,7 +9,7 @@ import typer
 from strikewave.reporting import measured_files as measured
 from strikewave.reporting.low_pass import LowPassOptions
 from strikewave.reporting.options.output import StudyOutput
-from strikewave.reporting.options.shared import Changes, Shared, case_name
+from strikewave.reporting.options.shared import Changes, Running, case_name
 
 STATES_ALL = "the file of a whole fit states them: beside it there are only --set, of its case, and --bayes"
 
@@ -66,7 +66,7 @@ def command(
     changes: Changes = None,
     measurement: measured.MeasurementOptions,
     filtering: LowPassOptions,
-    shared: Shared,
+    running: Running,
     output: StudyOutput,
 ) -> int:
     """Fit values of a case to measurements.
@@ -86,9 +86,9 @@ def command(
 
     reading = SourceOptions(measurement.calibration(), measurement.reading(), filtering.low_pass(), band=False)
     asked = FitRequest(tuple(to or ()), tuple(free or ()), tries, tuple(check_on or ()), reading, bayes)
-    pool = fit_pool(None, shared.workers, shared.cluster)
+    pool = fit_pool(None, running.workers, running.cluster)
     if is_fit_file(case):
         if asked != FitRequest(reading=SourceOptions(band=False), bayes=bayes):
             raise InputError("CASE", case, "a case, where records, fields or their reading are typed", STATES_ALL)
-        return run_fit_file(case, changes or (), output, pool, bayes)
-    return run_fit(output.tested(load_case(case, changes or ())), changes or (), asked, output, pool)
+        return run_fit_file(case, changes or (), output, pool, running, bayes)
+    return run_fit(output.tested(load_case(case, changes or ())), changes or (), asked, output, pool, running)

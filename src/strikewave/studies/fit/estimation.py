@@ -13,10 +13,9 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from strikewave.studies.fit.batches import each_or_none
+from strikewave.studies.fit.batches import each_or_none, result_of
 from strikewave.studies.fit.covariance import Estimate
 from strikewave.uncertainty.bands import latin_hypercube
-from strikewave.uncertainty.runs import or_none
 
 Array = NDArray[np.float64]
 Residuals = Callable[[Array], Array]
@@ -101,8 +100,7 @@ class Search:
 
     def many(self, places: Sequence[Array]) -> list[Array | None]:
         """Return the residuals at some places; None where they cannot be found."""
-        alone = len(places) == 1  # threads would take longer to begin
-        found = [or_none(self._residuals, places[0])] if alone else each_or_none(self._residuals, list(places))
+        found = each_or_none(self._residuals, list(places))
         for place, residuals in zip(places, found, strict=True):
             self.runs += 1
             if residuals is not None and (self.best is None or float(residuals @ residuals) < self.best[0]):
@@ -122,7 +120,7 @@ class Search:
 
     def begin(self, place: Array) -> Array:
         """Return the residuals at the first place; what makes it fail is raised."""
-        found = self._residuals(place)
+        found = result_of(self._residuals, place)
         self._failed = np.full(found.size, FAILED_OVER * max(float(np.max(np.abs(found))), 1.0))
         self.best = (float(found @ found), place)
         return found

@@ -14,9 +14,11 @@ from strikewave.cases.case import Case
 from strikewave.cases.written_case import dump_case
 from strikewave.reporting import measured_files as measured
 from strikewave.reporting.options.output import Output
-from strikewave.reporting.run_and_write import Command, case_folder, run_and_write
+from strikewave.reporting.options.shared import Running
+from strikewave.reporting.run_and_write import case_folder, run_and_write
 from strikewave.reporting.terminal import print_rows, progress_bar, tell
 from strikewave.studies.engine.pools import Pool
+from strikewave.studies.engine.store import RunStore
 from strikewave.studies.fit.columns import (
     CHECK_COLUMNS,
     CORRELATION_TITLE,
@@ -36,6 +38,7 @@ from strikewave.studies.fit.request import FitRequest
 from strikewave.studies.fit.result import FitStudy
 from strikewave.studies.fit.study import requested
 from strikewave.studies.fit.targets import parse_targets
+from strikewave.studies.resumable import ResumableCommand
 
 MOST_ROWS = 20
 """Residuals that the screen lists: more fill it."""
@@ -45,7 +48,9 @@ EXPECTED = 60
 """Runs that a fit takes for each free field, roughly: for the bar alone."""
 
 
-def run_fit_file(path: str, changes: Sequence[str], output: Output, pool: Pool | None, bayes: bool = False) -> int:
+def run_fit_file(
+    path: str, changes: Sequence[str], output: Output, pool: Pool | None, running: Running, bayes: bool = False
+) -> int:
     """Do the fit of a file, with its posterior if asked; write and print it, and return the exit code.
 
     Raises
@@ -56,10 +61,12 @@ def run_fit_file(path: str, changes: Sequence[str], output: Output, pool: Pool |
     read = load_fit(path, changes)
     usual = f"fit-{case_folder(read.path.stem, read.path.read_text('utf-8-sig'), changes)}"
     request = dataclasses.replace(read.request, bayes=read.request.bayes or bayes)
-    return _run(output.tested(read.case), request, output, usual, pool, [read.path])
+    return _run(output.tested(read.case), request, output, usual, pool, running, [read.path])
 
 
-def run_fit(case: Case, changes: Sequence[str], request: FitRequest, output: Output, pool: Pool | None) -> int:
+def run_fit(
+    case: Case, changes: Sequence[str], request: FitRequest, output: Output, pool: Pool | None, running: Running
+) -> int:
     """Fit a case, write and print the result, and return the exit code.
 
     Raises
@@ -67,23 +74,30 @@ def run_fit(case: Case, changes: Sequence[str], request: FitRequest, output: Out
     InputError, StrikewaveError
         What `requested` raises, or if the place is taken.
     """
-    return _run(case, request, output, f"fit-{case_folder(case.name, dump_case(case), changes)}", pool)
+    return _run(case, request, output, f"fit-{case_folder(case.name, dump_case(case), changes)}", pool, running)
 
 
 def _run(
-    case: Case, request: FitRequest, output: Output, usual: str, pool: Pool | None, files: Sequence[Path] = ()
+    case: Case,
+    request: FitRequest,
+    output: Output,
+    usual: str,
+    pool: Pool | None,
+    running: Running,
+    files: Sequence[Path] = (),
 ) -> int:
     targets = parse_targets([*request.to, *request.check_on], case)
     paths = [*files, *(path for one in targets if not one.is_number for path in paths_of(parse_name(one.right)))]
     origin = measured.source_of(
         "fit", case.name, list(dict.fromkeys(paths)) if output.writes(usual) else [], output.stated_test()
     )
-    return run_and_write(FitCommand(case, request, origin, pool), output, usual, origin.text)
+    command = FitCommand(case, request, origin, pool, place=running.store, fresh=running.fresh)
+    return run_and_write(command, output, usual, origin.text)
 
 
-@dataclass(frozen=True)
-class FitCommand(Command[FitStudy]):
-    """A fit of a case to measurements."""
+@dataclass
+class FitCommand(ResumableCommand[FitStudy]):
+    """A fit of a case to measurements; asked again, it reads what its runs came to."""
 
     indent: ClassVar[int | None] = 2
 
@@ -92,15 +106,18 @@ class FitCommand(Command[FitStudy]):
     origin: Source
     pool: Pool | None
 
-    def solve(self) -> FitStudy:
-        """Return the fit, with a bar on stderr."""
+    def solved(self, store: RunStore) -> FitStudy:
+        """Return the fit, with a bar on stderr; where it is stopped before it has begun, end with `stopped`."""
         with progress_bar("fitting") as report:
 
             def advance(runs: int, misfit: float) -> None:
                 whole = EXPECTED * max(len(self.request.free), 2) + SAMPLED * self.request.bayes
                 report(min(runs / whole, 0.99), f"{runs} runs, sum of squares {misfit:.4g}")
 
-            study = requested(self.case, self.request, advance, self.pool)
+            try:
+                study = requested(self.case, self.request, advance, self.pool, store)
+            except KeyboardInterrupt as stop:
+                self.stopped_after(stop, store)
         return dataclasses.replace(study, origin=self.origin)
 
     def summary(self, result: FitStudy) -> str:

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from strikewave.base.errors import InputError, StrikewaveError
 from strikewave.base.quantities import DEVIATIONS
+from strikewave.studies.fit.batches import result_of
 from strikewave.studies.fit.covariance import Estimate, estimate
 from strikewave.studies.fit.estimation import FINAL_STEP, ROUGH, Search
 from strikewave.studies.fit.measured import MeasuredPulse
@@ -65,7 +66,7 @@ def solve(problem: Problem, advance: Callable[[int, float], None] | None = None)
         assert search.best is not None
         place, stopped = search.best[1], True
         search.residuals = problem.residuals
-    residuals = used.residuals(place)
+    residuals = result_of(used.residuals, place)
     moved = None
     try:
         jacobian = search.slopes(place, residuals, FINAL_STEP, both=True)
@@ -76,7 +77,8 @@ def solve(problem: Problem, advance: Callable[[int, float], None] | None = None)
     on_stairs = np.diag(problem.stairs**2 / 3.0)  # anywhere within one to either side fits as well
     found = replace(found, covariance=found.covariance + on_stairs)
     left = used.misfits(residuals, used.alone(residuals, jacobian))
-    base = residuals if used is problem else problem.residuals(place)  # other ends have the weights of the search
+    # other ends have the weights of the search
+    base = residuals if used is problem else result_of(problem.residuals, place)
     return Solved(used, found, tuple(left), _others(ends, found, base), search.runs, stopped, search)
 
 
@@ -104,7 +106,7 @@ def _weighted(problem: Problem, search: Search, place: Array, residuals: Array) 
         search = search.of_others(used.residuals)
         search.begin(place)
         place, _ = search.descend(place)
-        excess = problem.excess_of(problem.residuals(place))
+        excess = problem.excess_of(result_of(problem.residuals, place))
         if math.isclose(excess.between, used.excess.between, rel_tol=CLOSE):
             break
     return used, search, place

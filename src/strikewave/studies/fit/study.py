@@ -20,7 +20,8 @@ from strikewave.cases.case import Case
 from strikewave.reporting.measured_files import digests_of
 from strikewave.studies.engine.chosen_pool import pool_of
 from strikewave.studies.engine.pools import Pool
-from strikewave.studies.fit.batches import running_on
+from strikewave.studies.engine.store import RunStore
+from strikewave.studies.fit.batches import keeping_in, running_on
 from strikewave.studies.fit.checking import check
 from strikewave.studies.fit.contradictions import speed_notices
 from strikewave.studies.fit.estimation import is_quadratic, profile
@@ -134,11 +135,12 @@ def requested(
     request: FitRequest,
     progress: Callable[[int, float], None] | None = None,
     pool: Pool | None = None,
+    store: RunStore | None = None,
 ) -> FitStudy:
-    """Return the fit that is asked for; see `fit`."""
+    """Return the fit that is asked for; see `fit`. What its runs come to is kept in a store where one is given."""
     if request.bayes:
         check_sampler()
-    with running_on(pool):
+    with running_on(pool), keeping_in(store):
         study = _tried(case, request, progress) if request.tries else _fit(case, request, progress)
         return with_posterior(study, progress) if request.bayes and not study.solved.stopped else study
 

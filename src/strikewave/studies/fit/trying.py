@@ -10,6 +10,7 @@ import numpy as np
 
 from strikewave.base.errors import InputError, nearest
 from strikewave.cases.case import Case
+from strikewave.studies.fit.batches import result_of
 from strikewave.studies.fit.estimation import Search
 from strikewave.studies.fit.measured import Measured, MeasuredNumber, MeasuredPulse
 from strikewave.studies.fit.problem import Problem
@@ -107,7 +108,7 @@ def _kept_out(solved: Solved) -> float:
         search.begin(solved.estimate.place)
         place, _ = search.descend(solved.estimate.place)
         left = _without(problem, out, keep=True)
-        sizes += [one.size for one in left.misfits(left.residuals(place))]
+        sizes += [one.size for one in left.misfits(result_of(left.residuals, place))]
     return _mean(sizes)
 
 
