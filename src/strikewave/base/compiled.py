@@ -48,11 +48,16 @@ LOCATORS = ("UserWideCacheLocator", "IPythonCacheLocator", "ZipCacheLocator")
 """Numba's own, for kernels that come from no plain file: a frozen program, a notebook, a zipped package."""
 
 
+def kernel_sources(package: Path) -> list[Path]:
+    """Return the files of a package folder that machine code is made of: kernels, what keeps them, their constants."""
+    beside = ("base/compiled.py", "base/kernel_files.py", "signal/pulse.py")  # the last has the levels of a pulse
+    return sorted([*package.glob("**/_[a-z]*.py"), *(package / name for name in beside)])
+
+
 def kernel_key(package: Path) -> str:
     """Return a key made of numba's version and the source of every kernel in a package folder."""
     digest = hashlib.sha256(numba.__version__.encode())
-    keeping = (package / "base" / name for name in ("compiled.py", "kernel_files.py"))
-    for source in sorted([*package.glob("**/_[a-z]*.py"), *keeping]):
+    for source in kernel_sources(package):
         digest.update(source.read_bytes())
     return digest.hexdigest()[:KEY_DIGITS]
 
