@@ -227,7 +227,7 @@ def test_a_planted_broken_run_stands_on_the_page(make, broken, tmp_path):
     [
         (a_sweep, 2), (a_map, 9), (a_scatter, 10), (a_fit, 1),
         (a_drop_table, lambda study: len(study.candidates)),
-        (a_buffer, lambda study: sum(bool(one.stack) for one in study.candidates)),
+        (a_buffer, lambda study: sum(bool(one.stack) for one in study.candidates) + (study.present is not None)),
         dear(a_sweep_of_two, 8), dear(a_design, lambda study: 2 * len(study.rows)), dear(settings_of_a_machine, lambda study: 2 * len(study.candidates)),
     ],
 )  # fmt: skip

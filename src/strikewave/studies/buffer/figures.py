@@ -45,8 +45,9 @@ def peak_bandwidth(study: BufferStudy) -> Figure:
     _points(axes, above, "above the limit", color=GREY, marker="o", markersize=3, alpha=0.6)
     _points(axes, clipped, "cut off", color=ORANGE, marker="x", markersize=4)
     _points(axes, keeping, "keeps the limit", color=BLUE, marker="o", markersize=3.5)
-    of_blow = Verdicts([study.blows.verdict] * len(buffered))
-    mark_runs(axes, *_places(buffered), of_blow, "the blow is of a run that", size=6.0)
+    drawn = buffered if study.present is None else [*buffered, study.present]
+    of_blow = Verdicts([study.blows.verdict] * len(drawn))
+    mark_runs(axes, *_places(drawn), of_blow, "the blow is of a run that", size=5.0)
     front = sorted((c for c in buffered if c.pareto), key=lambda c: c.band.within_10)
     x, y = _places(front)
     if buffered:
