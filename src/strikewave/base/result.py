@@ -24,6 +24,9 @@ SCHEMA = 9
 the side force of each blow and the answers of its contact; 6 adds the bands, 7 the contact time of each blow; 8 keeps
 blows and readings for as long as their pulses last; 9 takes velocity_change of the pulse, blow_velocity_change of the
 whole blow, and the zero of a sensor that falls in the fall."""
+ELEMENTS_SCHEMA = 2
+"""Of the file of histories of elements: 2 has forces, impulses, energies and momentum of whole bodies where sectors
+are meshed. It stands here because the keys of runs hold it, and are made without importing elements."""
 Severity = Literal["info", "warning", "failed"]
 INFO: Severity = "info"
 WARNING: Severity = "warning"

@@ -285,6 +285,13 @@ def test_the_key_holds_case_evaluation_version_and_files(monkeypatch, tmp_path):
     with_file = run_key(bar, one)
     record.write_text("t [s],F [N]\n0,0\n1e-5,11\n2e-5,00\n")
     assert run_key(bar, one) != with_file
+    for schema in ("SCHEMA", "ELEMENTS_SCHEMA"):
+        with monkeypatch.context() as patched:
+            keys.program_key.cache_clear()
+            patched.setattr(keys, schema, 99)
+            assert run_key(CASE, one) != key
+    keys.program_key.cache_clear()
+    assert run_key(CASE, one) == key
     monkeypatch.setattr(keys, "program_key", lambda: "another version")
     assert run_key(CASE, one) != key
 

@@ -15,7 +15,14 @@ from numpy.typing import NDArray
 
 from strikewave._version import __version__
 from strikewave.analyses.fem.sectors import Sector, sectors
-from strikewave.base.result import BALANCE_LIMIT, BalanceCheck, Comparison, Source, comparison_document
+from strikewave.base.result import (
+    BALANCE_LIMIT,
+    ELEMENTS_SCHEMA,
+    BalanceCheck,
+    Comparison,
+    Source,
+    comparison_document,
+)
 from strikewave.base.variables import LabelledArrays, quantity
 from strikewave.cases.case import Case
 from strikewave.cases.comparisons import comparisons, stale_fits_document
@@ -46,8 +53,6 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 
-SCHEMA = 2
-"""Of the file of histories: 2 has forces, impulses, energies and momentum of whole bodies where sectors are meshed."""
 STRESS = ("xx", "yy", "zz", "xy", "yz", "zx")
 """Components of a stress."""
 
@@ -345,7 +350,7 @@ class FemSolution(ShownResult):
             "axis": ("axis", np.array(["x", "y", "z"], dtype=object)),
             "component": ("component", np.array(STRESS, dtype=object)),
         }
-        attributes = {"strikewave_schema": SCHEMA, "strikewave_version": __version__, "case": self.source.text}
+        attributes = {"strikewave_schema": ELEMENTS_SCHEMA, "strikewave_version": __version__, "case": self.source.text}
         return LabelledArrays.of(variables, coordinates, attributes)
 
 

@@ -14,14 +14,14 @@ import numpy as np
 
 from strikewave._version import __version__
 from strikewave.base.compiled import PACKAGE, kernel_key
-from strikewave.base.result import SCHEMA
+from strikewave.base.result import ELEMENTS_SCHEMA, SCHEMA
 from strikewave.cases.case import Case
 
 
 @functools.cache
 def program_key() -> str:
-    """Return what a result depends on beside its case: version, meaning of its figures, source of the kernels."""
-    return f"{__version__} {SCHEMA} {kernel_key(PACKAGE)}"
+    """Return what a result depends on beside its case: version, meaning of its numbers, source of the kernels."""
+    return f"{__version__} {SCHEMA} {ELEMENTS_SCHEMA} {kernel_key(PACKAGE)}"
 
 
 def run_key(case: Case, evaluation: object) -> bytes:
