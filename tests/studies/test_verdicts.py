@@ -305,6 +305,14 @@ def test_a_search_ends_by_what_it_offers_not_by_what_it_tried():
     assert Verdicts(verdicts.texts, deciding=["broken: blow-count"]).fails("broken")
 
 
+def test_verdicts_that_decide_otherwise_are_others():
+    held = {"noun": "cells", "reason": "why", "not_judged": ("momentum-balance",), "deciding": ["passed"]}
+    whole = Verdicts(["broken: blow-count", "passed"], **held)
+    assert whole == Verdicts(list(whole.texts), **held)
+    assert hash(whole) == hash(Verdicts(whole.texts, **held))
+    assert all(whole != Verdicts(whole.texts, **{k: v for k, v in held.items() if k != left}) for left in held)
+
+
 def test_a_design_does_not_offer_a_run_that_fails_a_check_where_another_meets_the_goals(monkeypatch):
     """Every fast run at more than 700 rpm is made to fail: the largest speed that passes is offered."""
 

@@ -198,10 +198,14 @@ class Verdicts:
         self.statuses = tuple(map(status_of, self.texts))
 
     def __eq__(self, other: object) -> bool:
-        return isinstance(other, Verdicts) and self.texts == other.texts
+        return isinstance(other, Verdicts) and self._held == other._held
 
     def __hash__(self) -> int:
-        return hash(self.texts)
+        return hash(self._held)
+
+    @property
+    def _held(self) -> tuple[object, ...]:
+        return self.texts, self.deciding, self.noun, self.reason, self.not_judged
 
     def count(self, status: str) -> int:
         """Return how many runs have a status; those of "" are not judged."""
