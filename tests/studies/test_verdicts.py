@@ -313,6 +313,14 @@ def test_verdicts_that_decide_otherwise_are_others():
     assert all(whole != Verdicts(whole.texts, **{k: v for k, v in held.items() if k != left}) for left in held)
 
 
+def test_the_page_of_the_app_tells_runs_that_could_not_be_made_from_failed_checks():
+    from strikewave.web.pages.study.found_machines import _marked_groups
+
+    verdicts = Verdicts(["passed", "broken: no-blow", "failed", "broken: no-blow"])
+    assert _marked_groups(verdicts) == [("failed a check", [1, 3]), ("could not be made", [2])]
+    assert _marked_groups(verdicts, {1, 2, 3}) == []
+
+
 def test_a_design_does_not_offer_a_run_that_fails_a_check_where_another_meets_the_goals(monkeypatch):
     """Every fast run at more than 700 rpm is made to fail: the largest speed that passes is offered."""
 

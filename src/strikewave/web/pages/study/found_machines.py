@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Container, Iterable, Iterator, Mapping, Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
 
-from strikewave.base.result import RUN_PASSED, status_of
+from strikewave.base.result import RUN_BROKEN, RUN_FAILED, RUN_PASSED, Verdicts, status_of
 from strikewave.cases.case import Case
 from strikewave.reporting.numbers import axis_unit
 from strikewave.studies.design.figures import drawn_numbers
@@ -29,8 +29,8 @@ DIGITS = 4
 """Significant digits of a number in a diagram: more are no pixel."""
 
 
-BROKE = "failed a check"
-"""What runs are called that are marked."""
+MARKED = {RUN_BROKEN: "failed a check", RUN_FAILED: "could not be made"}
+"""What runs are called that are marked, by their status."""
 
 
 class PickedChart(NamedTuple):
@@ -137,7 +137,7 @@ def _design_chart(study: DesignStudy, link: Linker) -> PickedChart:
     groups = [
         ("a goal is missed", [k for k in others if not met[k]]),
         ("all goals met", [k for k in others if met[k]]),
-        (BROKE, [k for k in range(len(study.rows)) if marked[k] and k not in ranked]),
+        *_marked_groups(study.verdicts, ranked),
         ("ranked", sorted(ranked)),
     ]
     links = [link.of_row(study.plan.variables, row) for row in study.rows]
@@ -165,10 +165,19 @@ def _sweep_chart(study: SweepStudy, link: Linker) -> PickedChart:
     marked = study.verdicts.marked
     listed = list(groups.items()) if len(groups) <= MOST_LISTED else [("runs", list(runs))]
     listed = [(words, [run for run in of_group if not marked[run]]) for words, of_group in listed]
-    listed += [(BROKE, [run for run in runs if marked[run]])] if any(marked) else []
+    listed += _marked_groups(study.verdicts)
     links = [link.of_row(variables, row) for row in study.plan.rows]
     options = dot_chart("Runs", first.label, kept.label, _dots(listed, x, study.number(kept.name) / _size(kept)))
     return PickedChart(options, links)
+
+
+def _marked_groups(verdicts: Verdicts, left_out: Container[int] = ()) -> list[tuple[str, list[int]]]:
+    """Return the runs that failed a check, and those that could not be made, each where there are any."""
+    groups = [
+        (words, [run for run, found in enumerate(verdicts.statuses) if found == status and run not in left_out])
+        for status, words in MARKED.items()
+    ]
+    return [(words, runs) for words, runs in groups if runs]
 
 
 def _dots(groups: Iterable[tuple[str, list[int]]], x: Any, y: Any) -> list[Dots]:
