@@ -212,6 +212,12 @@ def test_a_workbook_whose_first_column_names_the_channel(tmp_path):
     same(read_record(write_workbook(tmp_path / "a.xlsx", [["channel", "time [s]", "acc [g]"], *rows])))
 
 
+def test_names_of_waveforms_of_a_workbook_give_their_units(tmp_path):
+    head = [["waveform", "board [g]", "frame [N]"], ["delta t", STEP, STEP]]
+    rows = [[None, float(a), float(b)] for a, b in zip(FIRST, SECOND, strict=True)]
+    assert given(read_record(write_workbook(tmp_path / "a.xlsx", [*head, *rows]))) == [("board", "g"), ("frame", "N")]
+
+
 def test_rows_of_settings_of_a_workbook_are_no_samples(tmp_path):
     head = [
         ["Name", "board", "frame"],

@@ -105,6 +105,13 @@ def test_waveforms_of_labview_as_text_have_their_samples_alone_over_their_own_st
     assert [(channel.step, channel.start) for channel in record.channels] == [(2e-5, 0.0)] * 2
 
 
+def test_names_of_waveforms_give_their_units(read):
+    settings = ("waveform\tboard [g]\tframe (N)", "delta t\t0.000020\t0.000020")
+    assert named(read(waveforms(*settings))) == [("board", "g"), ("frame", "N")]
+    stated = waveforms(*settings, below="time\tY[0] [m/s^2]\tY[1]\n")  # the heading of the samples counts first
+    assert named(read(stated)) == [("board", "m/s^2"), ("frame", "N")]
+
+
 def test_each_waveform_keeps_its_own_name_start_and_step(read):
     start = "t0\t05/01/2026 10:45:47.035\t05/01/2026 10:45:47.032"
     record = read(waveforms("waveform\tboard\tframe", start, "delta t\t0.000020\t0.000040"))

@@ -100,6 +100,7 @@ def _columns(path: Path, rows: Iterable[tuple[Any, ...]], left: int) -> tuple[li
         (name, unit) = names[place]
         step, start, origin = own.steps.get(place, math.nan), own.starts.get(place, math.nan), own.origins.get(place)
         name = own.names.get(place) or name or f"column {place + 1}"
+        unit = unit or own.units.get(place, "")
         columns.append(ArrayColumn(name, values.size, _loader(values), unit, step, start, origin=origin))
     columns = _trimmed(columns)
     last = max((column.size for column in columns), default=0)

@@ -41,12 +41,13 @@ _ISO = re.compile(r"(\d{4})[-/](\d{1,2})[-/](\d{1,2})")
 
 
 class PerChannel(NamedTuple):
-    """Settings by the column of each channel: step and start, s, clock time, ps, and name; empty where none is."""
+    """Settings by the column of each channel: step and start, s, clock time, ps, name, unit; empty where none is."""
 
     steps: Mapping[int, float]
     starts: Mapping[int, float]
     origins: Mapping[int, int]
     names: Mapping[int, str]
+    units: Mapping[int, str]
 
 
 def names_a_setting(cell: str) -> bool:
@@ -66,15 +67,16 @@ def settings_of(lines: Sequence[str], marks: Marks, width: int, columns: Sequenc
 
     Examples
     --------
-    >>> lines = ["waveform;bar;[1]", "t0;10:00:00,000;10:00:00,003", "delta t [ms];0,02;0,04"]
+    >>> lines = ["waveform;bar [g];[1]", "t0;10:00:00,000;10:00:00,003", "delta t [ms];0,02;0,04"]
     >>> found = settings_of(lines, Marks(";", ","), 3, [1, 2])
-    >>> found.steps, found.origins[2] - found.origins[1], found.names
-    ({1: 2e-05, 2: 4e-05}, 3000000000, {1: 'bar'})
+    >>> found.steps, found.origins[2] - found.origins[1], found.names, found.units
+    ({1: 2e-05, 2: 4e-05}, 3000000000, {1: 'bar'}, {1: 'g'})
     """
     steps: dict[int, float] = {}
     starts: dict[int, float] = {}
     origins: dict[int, int] = {}
     names: dict[int, str] = {}
+    units: dict[int, str] = {}
     for line in lines:
         cells = cells_of(line[:_LONGEST], marks)
         name, unit = name_and_unit(cells[0].strip("#%/;!* :="))
@@ -91,8 +93,10 @@ def settings_of(lines: Sequence[str], marks: Marks, width: int, columns: Sequenc
         elif _START.fullmatch(name) and own:
             origins = clock_times(own) or origins
         elif name.casefold() == "waveform":
-            names = {k: cell for k, cell in own.items() if not re.fullmatch(r"\[\d{1,9}\]", cell)}
-    return PerChannel(steps, starts, origins, names)
+            stated = {k: name_and_unit(cell) for k, cell in own.items() if not re.fullmatch(r"\[\d{1,9}\]", cell)}
+            names = {k: called for k, (called, _) in stated.items() if called}
+            units = {k: in_unit for k, (_, in_unit) in stated.items() if in_unit}
+    return PerChannel(steps, starts, origins, names, units)
 
 
 def _in_seconds(value: float, factor: float) -> float:

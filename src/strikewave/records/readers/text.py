@@ -154,7 +154,8 @@ def _read(look: Look, layout: NumberLayout, options: Options) -> Record:
     shown, findings = _channels(path, rows, layout, time)
     own = settings_of(layout.above, layout.marks, layout.width, list(shown))
     unique = one_each([own.names.get(k, name) for k, (name, _) in shown.items()])
-    shown = {k: (name, unit) for (k, (_, unit)), name in zip(shown.items(), unique, strict=True)}
+    units = [unit or own.units.get(k, "") for k, (_, unit) in shown.items()]
+    shown = dict(zip(shown, zip(unique, units, strict=True), strict=True))
     wanted = _wanted(str(path), shown, options.channels)
     clock = None if options.rate is not None else time
     if options.time_unit is not None and time is None:
