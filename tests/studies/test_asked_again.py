@@ -16,7 +16,7 @@ from strikewave.studies.engine import runner
 from strikewave.studies.engine.evaluation import RunOutcome, attempts
 from strikewave.studies.engine.pools import ProcessPool, ThreadPool
 from strikewave.studies.engine.runner import carry_out
-from strikewave.studies.engine.store import INDEX, KEPT_INDEX, RunStore
+from strikewave.studies.engine.store import CHUNK, INDEX, KEPT_INDEX, RunStore, begin_from
 from strikewave.studies.fit import batches
 from strikewave.studies.resumable import ResumableCommand
 
@@ -160,6 +160,18 @@ def test_kept_runs_that_cannot_be_read_are_made_anew(tmp_path, what, capsys):
     assert known == ({b"a"} if what == "as it was written" else set())
     assert ("finished runs of" in capsys.readouterr().err) == bool(known)
     assert not (tmp_path / ".o.runs").exists()
+
+
+def test_links_among_kept_histories_are_not_followed(tmp_path):
+    kept, secret = tmp_path / "o", tmp_path / "secret"
+    kept.mkdir()
+    secret.write_text("of another")
+    with RunStore(None) as store:
+        assert store.copy_into(kept, []) == [KEPT_INDEX]
+    (kept / CHUNK.format(1)).write_text("histories")
+    (kept / CHUNK.format(2)).symlink_to(secret)
+    assert begin_from(kept, tmp_path / "runs")
+    assert sorted(path.name for path in (tmp_path / "runs").iterdir()) == [INDEX, CHUNK.format(1)]
 
 
 class Stopping:

@@ -74,7 +74,8 @@ def begin_from(result: Path, folder: Path) -> bool:
     try:
         folder.mkdir()
         for path in result.glob(CHUNK.format("*")):
-            shutil.copyfile(path, folder / path.name)
+            if path.is_file() and not path.is_symlink():  # a link may lead to anything that may be read
+                shutil.copyfile(path, folder / path.name)
         shutil.copyfile(index, folder / INDEX)
     except OSError:  # the runs are made anew, and what refuses the copy refuses the store
         shutil.rmtree(folder, ignore_errors=True)
