@@ -78,11 +78,14 @@ def test_a_run_that_ends_while_bars_press_says_how_much_and_how_long_it_takes():
     assert "contact-unfinished" not in codes(bars("1.5 mm"))
 
 
-def half_sine(ends):
-    """A contact with a force of 1 kN that lasts 100 us, begins at 10 us, and a run of 0.5 us intervals to ``ends``."""
-    time = np.arange(0.0, ends, 0.5e-6)
-    given_by = np.clip((time - 10e-6) / 100e-6, 0.0, 1.0)
-    impulse = 1e3 * 100e-6 / np.pi * (1.0 - np.cos(np.pi * given_by))
+def half_sine(ends, times=1.0):
+    """A contact with a force of 1 kN that lasts 100 us, begins at 10 us, and a run of 0.5 us intervals to ``ends``.
+
+    All times are so many ``times`` as long.
+    """
+    time = times * np.arange(0.0, ends, 0.5e-6)
+    given_by = np.clip((time / times - 10e-6) / 100e-6, 0.0, 1.0)
+    impulse = 1e3 * times * 100e-6 / np.pi * (1.0 - np.cos(np.pi * given_by))
     run = {"time": time, "impulse": {"a": np.outer(impulse, [0.0, 0.0, 1.0])}, "force": {"a": None}}
     model = SimpleNamespace(
         controls=SimpleNamespace(blows=1),
@@ -103,6 +106,15 @@ def test_the_duration_that_is_named_ends_a_half_sine(ends):
     assert notice.value == pytest.approx(share, abs=1e-3)
     model.velocity = {}  # bodies that rest on each other press for ever
     assert not list(_unfinished(model, run))
+
+
+@pytest.mark.parametrize("times", [1e-4, 1e-3, 1.0, 1e3])
+def test_the_duration_that_is_named_has_three_digits_however_short_the_run(times):
+    named = [
+        re.search(r"fem\.duration of ([\d.]+)\xa0us", next(_unfinished(*half_sine(80e-6, by))).message)[1]
+        for by in (1.0, times)
+    ]
+    assert float(named[1]) == pytest.approx(times * float(named[0]), rel=5e-3 * 2)  # each is rounded to three digits
 
 
 @given(st.floats(111e-6, 300e-6))

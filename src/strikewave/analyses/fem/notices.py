@@ -31,6 +31,7 @@ from strikewave.fem.run import FemRun
 from strikewave.fem.solids import Bilinear, HeatedSolid
 from strikewave.fem.surfaces import thickness
 from strikewave.reporting.numbers import listed
+from strikewave.reporting.parts import written
 from strikewave.signal.pulse import FEWEST_INTERVALS
 
 if TYPE_CHECKING:
@@ -169,7 +170,7 @@ def _unfinished(model: Model, run: FemRun) -> Iterator[Notice]:
             f"the contact {name} still presses with {percent(share, 0 if share > 0.1 else 1)} of its peak when "
             f"{f'blow {run.blow}' if follows else 'the run'} ends"
             + (", and the next begins without it" if follows else ": its impulse, and what it moves, are not whole")
-            + f"; take fem.duration of {LONGER * enough * 1e6:.0f}\xa0us or more"
+            + f"; take fem.duration of {written(LONGER * enough * 1e6, 3)}\xa0us or more"
         )
         yield Notice("blow-unfinished" if follows else "contact-unfinished", message, share, PRESSES)
 
