@@ -425,3 +425,22 @@ def test_a_run_that_ends_within_its_pulse_or_rests_after_it_has_no_ringing(lengt
     values = np.where(np.arange(length) < 100, np.sin(np.pi * np.arange(length) / 100.0), 0.0)
     cut = values[:60] if length == 150 else values
     assert np.isnan(_ringing(curve(cut))).all()
+
+
+@pytest.mark.parametrize(
+    "attributes",
+    [
+        {},
+        {"strikewave_schema": "two"},
+        {"strikewave_schema": 1, "case": "mesh = ["},
+        {"strikewave_schema": 1, "case": 'mesh = "fine"'},
+        {"strikewave_schema": 2},
+    ],
+    ids=["no schema", "no number", "broken TOML", "another table", "an array without a unit"],
+)
+def test_a_sealed_file_of_something_else_is_refused_in_a_sentence(tmp_path, attributes):
+    file = tmp_path / "histories.nc"
+    arrays = {"part.bar.velocity": (("time", "axis"), np.zeros((2, 3))), "time": ("time", [0.0, 1.0])}
+    LabelledArrays.of(arrays, {}, attributes).write(file)
+    with pytest.raises(InputError, match=r"the file of a result that `strikewave run`, `wave` or `fem` wrote"):
+        compare(f"{file}:bar", f"{file}:bar")

@@ -259,12 +259,12 @@ def _kept(place: str) -> tuple[str, list[SimulatedPart], CheckedRun]:
 
         solution = load_solution(path)
         return name, list(_parts(solution.arrays, solution.band)), checked_run(solution)
-    arrays = _arrays(path)
-    return name, list(_parts(arrays, {})), _checked_then(name, str(arrays.attrs.get(VERDICT, "")))
+    arrays, parts = _histories(path)
+    return name, parts, _checked_then(name, str(arrays.attrs.get(VERDICT, "")))
 
 
-def _arrays(path: Path) -> LabelledArrays:
-    """Return the arrays of a file of a result."""
+def _histories(path: Path) -> tuple[LabelledArrays, list[SimulatedPart]]:
+    """Return the arrays of a file of a result, and their histories."""
     allowed = "the file of a result that `strikewave run`, `wave` or `fem` wrote"
     with open_result(path, allowed) as opened:
         if "strikewave_schema" not in opened.attrs:
@@ -272,7 +272,8 @@ def _arrays(path: Path) -> LabelledArrays:
         if int(opened.attrs["strikewave_schema"]) < 2 and _of_sectors(opened.attrs):
             hint = "its forces are those of the meshed sector; run the case again for those of whole bodies"
             raise InputError("solution", str(path), "histories of whole bodies", hint)
-        return LabelledArrays.of_xarray(opened.load())
+        arrays = LabelledArrays.of_xarray(opened.load())
+        return arrays, list(_parts(arrays, {}))
 
 
 def _of_sectors(attributes: Mapping[Any, Any]) -> bool:
