@@ -144,6 +144,8 @@ def test_copies_of_a_record_beside_another_are_summed_up():
     files = compare([*[file_of(f"copy{k}", shot(1500.0, 1)) for k in range(5)], file_of("other", shot(1535.0, 2))])
     assert {file.status for file in files} == {"good"}
     assert named(files, "copy") == [1, 2, 3, 4]
+    (message,) = (one.message for one in files[4].all_findings if one.code == "copy")
+    assert message.startswith('its samples are those of file 1, "copy0": ')
     peaks = summed(files).statistics["peak"]
     assert peaks.n == 6
     assert peaks.mean / G == pytest.approx((5 * 1500.0 + 1535.0) / 6, rel=3e-3)

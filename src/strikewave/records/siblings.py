@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import dataclasses
+import functools
 import math
 from collections.abc import Iterator, Sequence
+from pathlib import Path
 
 import numpy as np
 
@@ -72,8 +74,9 @@ def compare(files: Sequence[FileReading]) -> list[FileReading]:
     changed = list(files)
     if len(changed) < 2:
         return changed
+    copies = functools.partial(_copies, paths=[file.path for file in files])
     for number in sorted({reading.number for file in files for reading in file.channels}):
-        for judge in (_without_blow, _copies, _unlike_others, _other_gain, _outlying):
+        for judge in (_without_blow, copies, _unlike_others, _other_gain, _outlying):
             found = ((k, file.numbered(number)) for k, file in enumerate(changed))
             readings = [(k, reading) for k, reading in found if reading is not None]
             for compared in _in_one_unit(readings) if judge in OF_SIZES else [readings]:
@@ -145,7 +148,7 @@ def _scaled(ratio: float, scatter: float) -> tuple[str, float] | None:
     return nearest if abs(math.log(ratio / nearest[1])) < reach else None
 
 
-def _copies(readings: list[tuple[int, ChannelReading]]) -> Iterator[tuple[int, HealthNotice]]:
+def _copies(readings: list[tuple[int, ChannelReading]], paths: Sequence[str]) -> Iterator[tuple[int, HealthNotice]]:
     """Yield a finding for each file whose samples are those of a file before it."""
     firsts: dict[tuple[int, float], list[int]] = {}
     for place, (file, reading) in enumerate(readings):
@@ -153,11 +156,12 @@ def _copies(readings: list[tuple[int, ChannelReading]]) -> Iterator[tuple[int, H
         alike = firsts.setdefault((values.size, float(np.sum(values))), [])
         for other in alike:
             if np.array_equal(values, readings[other][1].channel.values) and np.ptp(values) > 0.0:
+                first = readings[other][0]
                 message = (
-                    f"its samples are those of file {readings[other][0] + 1}: a copy tells nothing new of the scatter, "
-                    "and the mean and its bounds count it again"
+                    f"its samples are those of file {first + 1}, {show(Path(paths[first]).name)}: a copy tells nothing "
+                    "new of the scatter, and the mean and its bounds count it again"
                 )
-                yield file, HealthNotice("copy", message, readings[other][0] + 1, severity="good")
+                yield file, HealthNotice("copy", message, first + 1, severity="good")
                 break
         else:
             alike.append(place)
