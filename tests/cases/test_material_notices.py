@@ -1,4 +1,4 @@
-"""Densities and moduli that are those of no material are named, wherever a case or a set-up states them."""
+"""Densities and moduli far from those of any known material are named, wherever a case or a set-up states them."""
 
 import math
 

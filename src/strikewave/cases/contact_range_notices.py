@@ -141,8 +141,8 @@ def speed_notices(bodies: Iterable[Material], speed: float, stated: str) -> Iter
     if speed > slowest.bar_speed:
         message = (
             f"{stated}: the approach at {speed:.4g}\xa0m/s is faster than a wave in {slowest.name}, "
-            f"{slowest.bar_speed:.4g}\xa0m/s (sqrt(E/rho)): it is a shock front, of which neither contact laws nor "
-            "elastic waves know; look at the unit, and do not trust force or pulse"
+            f"{slowest.bar_speed:.4g}\xa0m/s (sqrt(E/rho)): that is a shock, which these laws do not describe; "
+            "look at the unit, and do not trust force or pulse"
         )
         yield Notice("faster-than-wave", message, speed, slowest.bar_speed)
         return

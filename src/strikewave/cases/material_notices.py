@@ -1,4 +1,4 @@
-"""Where a density or a modulus that a case states is that of no material: as a rule its unit is wrong."""
+"""Where a density or a modulus of a case is far from that of any known material: as a rule its unit is wrong."""
 
 from __future__ import annotations
 
@@ -41,7 +41,7 @@ def material_notices(case: Case) -> Iterator[Notice]:
 
 
 def far_numbers(parts: Iterable[tuple[str, Any]]) -> Iterator[Notice]:
-    """Report densities and moduli of tables, by their names, that are those of no material, alone or together."""
+    """Report densities and moduli of named tables far from those of any known material, alone or together."""
     values, named = dict[str, Value](), dict[str, Material]()
     for name, part in parts:
         values.update(quantities_of(part, name))

@@ -19,7 +19,7 @@ from strikewave.reporting.terminal import print_json, say, show_notices, table, 
 def command(case: CaseName, *, changes: Changes = None, shown: Shown) -> int:
     """Check a case without running it.
 
-    Lists every value and where it comes from, and names densities and moduli of no material.
+    Lists every value and where it comes from, and names densities and moduli far from those of any known material.
     """
     from strikewave.analyses.by_tables import holds_setup
     from strikewave.analyses.check import check

@@ -52,7 +52,7 @@ def reading_notices(findings: Iterable[HealthNotice]) -> Iterator[Notice]:
 
 
 def constant_notices(setup: HopkinsonSetup, constants: dict[str, BarMaterial]) -> Iterator[Notice]:
-    """Yield densities and moduli of no material, and bars whose stated modulus contradicts density and speed."""
+    """Yield densities and moduli far from those of any known material, and bars whose modulus belies their speed."""
     yield from far_numbers(setup)
     for name, elastic in constants.items():
         if abs(elastic.mismatch) > MISMATCH:

@@ -145,6 +145,6 @@ def sign_notices(kind: StatedKind, traces: Sequence[tuple[Quiet, str]], in_strai
     if len(polarities) > 1:
         message = (
             f"the first pulses of {' and '.join(name for _, name in traces)} have opposite signs, while in "
-            "compression, as in tension, both have one: is a gauge turned round, or a channel not of this shot?"
+            "compression as in tension they have the same sign: is a gauge turned round, or a channel not of this shot?"
         )
         yield Notice("signs-differ", message, float("nan"), severity=WARNING if in_strain else INFO)
