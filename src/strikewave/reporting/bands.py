@@ -2,15 +2,14 @@
 
 from __future__ import annotations
 
-import math
 from collections import Counter
 from collections.abc import Iterable, Mapping
 
 from strikewave.base.materials import MATERIAL
-from strikewave.base.result import Band, BandMethod, InputShare, MovedInput, Notice, Result
+from strikewave.base.result import Band, BandMethod, MovedInput, Notice, Result
 from strikewave.base.units import in_unit, take_apart
 from strikewave.reporting.banded_numbers import band_text, with_band
-from strikewave.reporting.numbers import listed, percent, spelled
+from strikewave.reporting.numbers import listed, percent, share_with_error, spelled
 from strikewave.reporting.parts import NONE, Cell, Section, Table, written
 
 BAND_HEADS = ("result", "value and range", "shares of the inputs that matter most", "rest")
@@ -41,7 +40,7 @@ def band_words(bands: Mapping[str, Band]) -> list[str]:
     if not bands:
         return []
     name, band = next(iter(bands.items()))
-    most = listed([f"{one.field} ({share_words(one)})" for one in band.inputs])
+    most = listed([f"{one.field} ({share_with_error(one.share, one.standard_error)})" for one in band.inputs])
     depends = f" What moves the {band_label(name)} most, with its share of the variance: {most}." if most else ""
     return [
         f"In brackets: the range of {percent(band.level, 0)} of all results when inputs move within what is known of "
@@ -173,20 +172,10 @@ def band_rows(result: Result, values: Mapping[str, float], whole: bool = True) -
 
 
 def _shares(band: Band, called: Mapping[str, str] | None = None) -> list[str]:
-    return [f"{(called or {}).get(one.field, one.field)} {share_words(one)}" for one in band.inputs]
-
-
-def share_words(one: InputShare) -> str:
-    """Write a share with its standard error, where that is known.
-
-    Examples
-    --------
-    >>> share_words(InputShare("machine.speed", 0.5, 0.04)), share_words(InputShare("machine.speed", 0.5))
-    ('50 ± 4 %', '50 %')
-    """
-    error = one.standard_error
-    share = percent(one.share, 0)
-    return f"{share.removesuffix(' %')} ± {percent(error, 0)}" if math.isfinite(error) else share
+    return [
+        f"{(called or {}).get(one.field, one.field)} {share_with_error(one.share, one.standard_error)}"
+        for one in band.inputs
+    ]
 
 
 def _rest(result: Result, name: str) -> str:

@@ -22,6 +22,8 @@ SHOWN_UNITS = {"m/s^2": "g", "s": "us", "N": "N", "": ""}
 """SI unit of a published number and the unit in which it is shown as a rule."""
 NO_DOUBT = 1e-5
 """Uncertainty over its value below which no digit that is shown depends on it."""
+LEAST_SHARE = 1e-6
+"""Shares of a variance below it are written as such, and smaller errors not at all: rounding of the runs makes them."""
 FEWEST_DIGITS = 4
 """Significant digits, at least, of a number of a message in another unit: "5 kN" is 1124 lbf, not 1000."""
 NO_BREAK = "\N{NO-BREAK SPACE}"
@@ -297,6 +299,26 @@ def doubted(value: float, doubt: float) -> tuple[str, str]:
         return written(value), written(doubt, 2)
     decimals = 1 - math.floor(math.log10(float(f"{doubt:.1e}")))
     return rounded(value, decimals), rounded(doubt, decimals)
+
+
+def share_with_error(share: float, error: float, decimals: int = 0) -> str:
+    """Write a share with its standard error, in per cent: the error to one digit at least, the share as far.
+
+    A share without an error, as where nothing is by chance, gets so many ``decimals``; one that is not known is a dash.
+
+    Examples
+    --------
+    >>> share_with_error(0.59123, 0.0004), share_with_error(0.5, 0.04), share_with_error(0.0, 0.126)
+    ('59.12 ± 0.04 %', '50 ± 4 %', '0 ± 13 %')
+    >>> share_with_error(0.5, math.nan), share_with_error(0.25, 0.0, 1), share_with_error(math.nan, 0.1)
+    ('50 %', '25.0 %', '–')
+    """
+    if math.isnan(share):
+        return NONE
+    if not LEAST_SHARE < error < math.inf:
+        return percent(share, decimals)
+    to = max(0, -math.floor(math.log10(float(f"{100.0 * error:.0e}"))))
+    return f"{percent(share, to).removesuffix(' %')} ± {percent(error, to)}"
 
 
 def one_in(count: int) -> str:

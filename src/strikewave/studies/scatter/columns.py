@@ -6,7 +6,7 @@ import math
 from typing import NamedTuple
 
 from strikewave.reporting.layout import KEY, MORE
-from strikewave.reporting.numbers import headed, shown
+from strikewave.reporting.numbers import LEAST_SHARE, headed, share_with_error, shown
 from strikewave.reporting.parts import NONE, written
 from strikewave.reporting.table_columns import TableColumn
 from strikewave.studies.scatter.study import ScatterStudy
@@ -22,8 +22,6 @@ CALLED = {
 """Figures of a blow: what they are called, SI unit, and the usual unit."""
 FEWEST_DIGITS = 3
 """Significant digits of coefficients of variation and shares: their bounds are wider."""
-LEAST_SHARE = 1e-6
-"""Shares below it are written as such: rounding of the runs makes them."""
 
 
 def in_percent(value: float | None) -> str:
@@ -59,11 +57,11 @@ def _with_error(share: float | None, error: float | None) -> str:
     Examples
     --------
     >>> _with_error(0.412345, 0.031), _with_error(0.0, 0.021), _with_error(0.5, float("nan"))
-    ('41.2 ± 3.1', '0 ± 2.1', '50')
+    ('41 ± 3', '0 ± 2', '50')
     """
-    if share is None or error is None or not math.isfinite(error):
+    if share is None or error is None or not LEAST_SHARE < error < math.inf:
         return _bare(share)
-    return f"{'0' if share == 0.0 else _bare(share)} ± {written(100.0 * error, 2)}"
+    return share_with_error(share, error).removesuffix(" %")
 
 
 class FigureRow(NamedTuple):

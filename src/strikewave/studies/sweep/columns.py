@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 
 from strikewave.reporting.layout import KEY, MORE
-from strikewave.reporting.numbers import percent, shown
+from strikewave.reporting.numbers import percent, share_with_error, shown
 from strikewave.reporting.parts import NONE, written
 from strikewave.reporting.table_columns import TableColumn
 from strikewave.studies.engine.case_evaluation import called
@@ -91,19 +91,6 @@ def run_rows(study: SweepStudy) -> list[RunRow]:
     return [RunRow(study, int(run)) for run in np.argsort(study.settings[:, 0], kind="stable")]
 
 
-def share_words(share: float, error: float) -> str | None:
-    """Write a share with its standard error; None where there is none, without an error where nothing is by chance.
-
-    Examples
-    --------
-    >>> share_words(0.25, 0.031), share_words(0.25, 0.0), share_words(0.0, 0.01)
-    ('25.0 ± 3.1 %', '25.0 %', '0.0 ± 1.0 %')
-    """
-    if share != share:
-        return None
-    return f"{percent(share).removesuffix(' %')} ± {percent(error)}" if error > 0.0 else percent(share)
-
-
 class EffectRow(NamedTuple):
     """The main effect of a setting on a number."""
 
@@ -124,7 +111,7 @@ class EffectRow(NamedTuple):
 EFFECT_COLUMNS: tuple[TableColumn[EffectRow], ...] = (
     TableColumn("number", lambda row: called(row.number.name), priority=KEY, words=True),
     TableColumn("setting", lambda row: row.path, priority=KEY, words=True),
-    TableColumn("share of the variance", lambda row: share_words(row.share, row.standard_error)),
+    TableColumn("share of the variance", lambda row: share_with_error(row.share, row.standard_error, 1)),
     TableColumn("by chance below", lambda row: percent(row.chance) if row.chance else None),
     TableColumn("smallest mean", lambda row: row.number.words(row.low)),
     TableColumn("largest mean", lambda row: row.number.words(row.high)),

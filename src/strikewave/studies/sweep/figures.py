@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from strikewave.base.result import RUN_BROKEN
-from strikewave.reporting.numbers import axis_unit
+from strikewave.reporting.numbers import axis_unit, share_with_error
 from strikewave.reporting.style import BLUE, GREY, ORANGE, RED, legend_below, mark_runs, quiet, sheet_title
 from strikewave.studies.engine.plan import GRID
 from strikewave.studies.engine.variables import StudyVariable
@@ -251,9 +251,9 @@ def _effect(axes: Any, study: SweepStudy, k: int, one: KeptNumber, first: bool) 
     dots.set_rasterized(True)
     mark_runs(axes, _setting(study, k), shown_number(study, one), study.verdicts, size=3.5)
     axes.plot(x, effect.means / size, "o-", color=ORANGE, markersize=4, linewidth=1.8)
-    share, chance = 100.0 * effect.share, 100.0 * study.chance(effect)
-    error = f" ± {100.0 * effect.standard_error:.0f}" if effect.standard_error > 0.0 else ""
-    words = "no variance" if np.isnan(effect.share) else f"share {share:.0f}{error} %"
+    chance = 100.0 * study.chance(effect)
+    share = share_with_error(effect.share, effect.standard_error)
+    words = "no variance" if np.isnan(effect.share) else f"share {share}"
     words += f" (chance: {chance:.0f} %)" if chance else ""
     quiet(axes, words, variable.label.replace(" of the ", "\nof the "), one.label if first else "")
     axes.xaxis.label.set_fontsize(8)
