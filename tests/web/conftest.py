@@ -88,8 +88,7 @@ class Visitor:
 
     def shows_full_run(self):
         """Wait until the page shows a full run; no check of it failed."""
-        self.shows("a full run; ")
-        state = self.page.locator(".sw-state").inner_text()
+        state = self.page.locator(".sw-state", has_text="a full run; ").inner_text()  # waits: it may soon be another
         assert re.fullmatch(r"shown: a full run; (all checks passed|[1-9]\d* warnings?)", state), state
 
     def options(self, place=0):
