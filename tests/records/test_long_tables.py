@@ -213,7 +213,7 @@ def test_a_workbook_whose_first_column_names_the_channel(tmp_path):
 
 
 def test_names_of_waveforms_of_a_workbook_give_their_units(tmp_path):
-    head = [["waveform", "board [g]", "frame [N]"], ["delta t", STEP, STEP]]
+    head = [["waveform", "board [g]", "frame [N]"], ["delta t", STEP, STEP], ["time", "Y[0]", "Y[1]"]]
     rows = [[None, float(a), float(b)] for a, b in zip(FIRST, SECOND, strict=True)]
     assert given(read_record(write_workbook(tmp_path / "a.xlsx", [*head, *rows]))) == [("board", "g"), ("frame", "N")]
 
