@@ -62,6 +62,7 @@ def changed(text, before, after):
     return text.replace(before, after)
 
 
+@pytest.mark.verify
 def test_planted_materials_lie_in_the_band_as_often_as_it_says():
     """Bars of other pieces, whose numbers are drawn here and typed as a user would: a rod's within 1 %, a pad's modulus
     within a fifth, its loss factor within a factor of 1.5. Of 300 the share within a band of 95 % has a standard

@@ -12,6 +12,7 @@ from strikewave.studies.engine.store import RunStore
 CASE = load_case("two-bars-fem", ["fem.duration=20 us"])
 
 
+@pytest.mark.verify
 def test_a_run_of_elements_that_was_stopped_goes_on_and_has_the_bits_of_one_that_was_not(monkeypatch):
     monkeypatch.setattr(solve, "REPORT", 0.0)  # told of each instant
 
