@@ -13,6 +13,7 @@ from scipy.integrate import cumulative_trapezoid
 
 from strikewave.base.errors import InputError
 from strikewave.fem.engine import Engine
+from strikewave.fem.measures import balance_measure
 from strikewave.fem.mesh import joined
 from strikewave.fem.model import (
     Controls,
@@ -28,6 +29,7 @@ from strikewave.fem.model import (
     Symmetry,
     TimeCurve,
 )
+from strikewave.fem.run import ENERGIES
 from strikewave.fem.shapes import block, moved
 from strikewave.fem.solids import Bilinear, Elastic
 from strikewave.fem.solve import Checkpoint, RunOptions, solve
@@ -332,3 +334,20 @@ def test_mean_stress_of_a_softer_solid_is_that_of_its_elements():
     run = solve(model)
     assert run.sections["s"].elements == 4
     assert run.sections["s"].stress[-1, 2] == pytest.approx(1e6, rel=0.02)
+
+
+def test_bodies_at_rest_stay_so_and_keep_their_balance():
+    """All energy there is rounding of coordinates, of which nothing is a share: no check may fail, nothing divides."""
+    at_rest = two_bars(speed=0.0, duration=2e-6)
+    run = solve(at_rest)
+    assert run.stopped == ""
+    assert run.initial_energy == 0.0
+    balance = balance_measure(run)
+    assert abs(balance.energy) < 1e-6
+    assert balance.hourglass < 1e-6
+    engine = Engine(at_rest)
+    assert engine.record() == ""
+    engine.steps = 1
+    nothing = dict.fromkeys(ENERGIES, 0.0)
+    assert engine._broken(nothing) == ""
+    assert "the energy is off" in engine._broken({**nothing, "internal": 1e-3})  # a millijoule from nowhere is none

@@ -40,7 +40,7 @@ from strikewave.fem.model import Model
 from strikewave.fem.quality import scaled_jacobians
 from strikewave.fem.recorder import HistoryRecorder, NodeMotion, Noted, assembly, felt_by, pressed, section_stresses
 from strikewave.fem.rigid import rigid_bodies, surface_inverse_mass
-from strikewave.fem.run import KEPT, FemRun, FieldFrame, Rest
+from strikewave.fem.run import KEPT, FemRun, FieldFrame, Rest, energy_at_rest
 from strikewave.fem.threads import on_all, spans
 from strikewave.fem.tie import gather_mass, gather_tied_forces, move_tied, prepare_ties
 
@@ -325,6 +325,7 @@ class Engine:
         accounted = sum(energies[name] for name in KEPT)
         supplied = self.initial_energy + energies["external"]
         largest = max(abs(supplied), self.initial_energy, *(abs(e) for e in self.recorder.column("external")))
+        largest = max(largest, energy_at_rest(float(self.mass.sum())))  # where nothing moves, all energy is rounding
         where = f"at {self.time:.4g} s"
         if not np.isfinite(accounted):
             return f"the numbers end {where}: {self.worst_element()}"

@@ -220,9 +220,8 @@ def part_measure(run: FemRun, name: str) -> PartMeasure:
 def balance_measure(run: FemRun) -> BalanceMeasure:
     """Measure the energy error, the hourglass energy and the momentum error of a run."""
     error = run.energy_error
-    supplied = float(np.max(np.abs(run.initial_energy + run.energy["external"])))
     before = run.rest.plastic_before if run.rest else 0.0
-    internal = max(float(np.max(run.energy["internal"])) + before, UNLOADED * supplied)
+    internal = max(float(np.max(run.energy["internal"])) + before, UNLOADED * run.energy_in_play, run.rounding_energy)
     glass = float(np.max(np.abs(run.energy["hourglass"])))
     share = glass / internal if internal > 0.0 else (0.0 if glass == 0.0 else np.inf)
     return BalanceMeasure(float(error[int(np.argmax(np.abs(error)))]), share, run.momentum_error)

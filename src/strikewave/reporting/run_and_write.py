@@ -3,13 +3,18 @@
 from __future__ import annotations
 
 import contextlib
+import dataclasses
+import os
 import time
+import traceback
 from abc import ABC, abstractmethod
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from contextvars import ContextVar
 from pathlib import Path
+from types import FrameType
 from typing import ClassVar, Generic, TypeVar
 
-from strikewave.base.errors import InputError
+from strikewave.base.errors import InputError, show
 from strikewave.base.folder_claim import Claim, claimed
 from strikewave.base.output_folder import atomic_folder, check_place, check_unchanged, keep_true_files
 from strikewave.base.result import Notice, Result
@@ -23,11 +28,15 @@ from strikewave.reporting.command_inputs import (
     origin_text,
 )
 from strikewave.reporting.measured_files import asked
-from strikewave.reporting.options.output import Output
+from strikewave.reporting.options.output import REPORTS, Output
 from strikewave.reporting.shown_units import showing
 from strikewave.reporting.terminal import STARTED, case_hash, complain, most_memory, print_json, say, show_notices, tell
 
 R = TypeVar("R", bound=Result)
+NOT_DRAWN = "not-drawn"
+"""Code of the notice of a page or picture that could not be drawn."""
+_failed: ContextVar[list[str] | None] = ContextVar("failed", default=None)
+"""What could not be drawn while a command writes its result, in words; None where none does."""
 
 
 class Command(ABC, Generic[R]):
@@ -132,8 +141,9 @@ def _written(
         result = command.solve()
         try:
             with atomic_folder(claim, identity or result.source.text, replace) as folder:
+                result, drawn, output = _drawn(command, result, folder, output)
                 names = [
-                    *command.draw(result, folder),
+                    *drawn,
                     *write_files(result, folder),
                     *output.write_more(result, folder),
                     *(_write_origin(claim.folder, folder) if output.out is None and result.source.whole else ()),
@@ -153,6 +163,61 @@ def _written(
         if files
     ]
     return result, words
+
+
+def _drawn(command: Command[R], result: R, folder: Path, output: Output) -> tuple[R, list[str], Output]:
+    """Draw page and pictures, and return the result, the names of the files, and what is wanted beside them.
+
+    What fails costs no result: a notice names it, see `drawing`. A page that is not there makes no PDF.
+    """
+    failed: list[str] = []
+    before = _failed.set(failed)
+    try:
+        names: list[str] = []
+        with drawing(folder / "page and pictures"):
+            names += command.draw(result, folder)
+        if failed:
+            written = sorted(path.name for path in folder.iterdir())
+            names = [*(name for name in names if name in written), *(name for name in written if name not in names)]
+    finally:
+        _failed.reset(before)
+    if not failed:
+        return result, names, output
+    if output.pdf is not None and not any(name in names for name in REPORTS):
+        failed.append(f"there is no PDF, for there is no {REPORTS[0]}")
+        output = dataclasses.replace(output, pdf=None)
+    notices = [Notice(NOT_DRAWN, f"{words}; the numbers are whole, please report it") for words in failed]
+    return dataclasses.replace(result, notices=(*result.notices, *notices)), names, output
+
+
+@contextlib.contextmanager
+def drawing(path: Path) -> Iterator[Path]:
+    """Give the path of a page or picture that is drawn in the block, and go on behind it where that fails.
+
+    Nothing is left of a file that failed. Where no command runs, the error is raised as it is. So it is for a full
+    disk, and where STRIKEWAVE_TRACE asks for the place in the code.
+
+    Examples
+    --------
+    >>> with drawing(Path("summary.svg")) as path:
+    ...     path.name
+    'summary.svg'
+    """
+    failed = _failed.get()
+    try:
+        yield path
+    except OSError:
+        raise
+    except Exception as error:
+        if failed is None or os.environ.get("STRIKEWAVE_TRACE"):
+            raise
+        path.unlink(missing_ok=True)
+        places = [frame for frame, _ in traceback.walk_tb(error.__traceback__) if _is_ours(frame)]
+        failed.append(f"{path.name} could not be drawn (in {places[-1].f_code.co_name}: {show(str(error))})")
+
+
+def _is_ours(frame: FrameType) -> bool:
+    return str(frame.f_globals.get("__name__", "")).startswith("strikewave.")
 
 
 def _write_origin(place: Path, folder: Path) -> list[str]:

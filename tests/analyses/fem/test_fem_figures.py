@@ -379,6 +379,34 @@ def test_the_zone_of_a_contact_is_where_its_sides_are_nearest(mesh):
     assert fem_pictures.contact_zone(dataclasses.replace(synthetic.model(mesh), contacts=())) is None
 
 
+def wedge(name):
+    """One element whose corners lie beyond the middle of its extent but for one: a cut there leaves nothing of it."""
+    one = synthetic.grid(name, (0, 0, 0), (0.01, 0.01, 0.01), (1, 1, 1))
+    points = one.points + np.where(one.points[:, 1:2] == 0.0, [[0.0, 0.008, 0.0]], 0.0)
+    points[0, 1] = 0.0
+    return dataclasses.replace(one, points=points)
+
+
+@pytest.mark.parametrize(
+    "parts",
+    [
+        [synthetic.grid(*box, (1, 1, 1)) for box in (("a", (0, 0, 0), (0.01, 0.01, 1.0)), ("b", (0, 0, 1), (1, 1, 2)))],
+        [synthetic.grid("a", (0, 0, -3), (0.1, 0.1, 0), (1, 1, 1)), synthetic.ball("b", (0.05, 0.05, 0.2), 0.2, 2)],
+        [synthetic.grid("a", (0, 0, 0), (0.006, 0.006, 0.06), (1, 1, 10)), wedge("b")],
+        [wedge("a"), wedge("b")],
+    ],
+)
+def test_the_automatic_views_show_both_bodies_of_meshes_as_coarse_as_one_element(parts):
+    sides = (f"a.{'top' if 'a.top' in parts[0].sides else 'all'}", f"b.{'all' if 'b.all' in parts[1].sides else 'top'}")
+    model = dataclasses.replace(synthetic.model(joined(parts)), contacts=(SurfaceContact(*sides),), velocity={})
+    view = fem_pictures.view_of(model)
+    seen = fem_pictures.kept_elements(model.mesh, view)
+    near = dataclasses.replace(view, near=fem_pictures.contact_zone(model, view))
+    zone = fem_pictures.kept_elements(model.mesh, near)
+    assert set(model.mesh.part[zone]) == set(model.mesh.part[seen])
+    pixels(fem_pictures.mesh_picture(model.mesh, near))
+
+
 @pytest.mark.verify
 def test_pyvista_shows_the_same_and_its_absence_is_told(mesh, monkeypatch):
     frame = synthetic.frame(mesh, 3e-5)

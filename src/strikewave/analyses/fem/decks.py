@@ -162,7 +162,7 @@ class DeckCommand(Command[DeckResult]):
         for line in result.deck.left_out or ("nothing",):
             tell(f"left out: {line}", "  ")
 
-    def draw(self, result: DeckResult, folder: Path) -> list[str]:
+    def hand_over(self, result: DeckResult, folder: Path) -> list[str]:
         """Write the files of the deck piece by piece, for they may be long."""
         for name, pieces in zip(result.names, result.deck.files.values(), strict=True):
             with (folder / name).open("w", encoding="ascii", newline="\n") as file:

@@ -9,6 +9,7 @@ from strikewave.analyses.fem.figures.animation import fem_page, movie_of, write_
 from strikewave.analyses.fem.figures.histories import summary_sheet
 from strikewave.analyses.fem.report.page import fem_report
 from strikewave.analyses.fem.result import FemSolution
+from strikewave.reporting.run_and_write import drawing
 from strikewave.reporting.style import save
 from strikewave.reporting.terminal import progress_bar
 
@@ -27,9 +28,11 @@ def picture(solution: FemSolution) -> Figure:
 def draw_result(solution: FemSolution, folder: Path, report: bool = True, animate: bool = False) -> list[str]:
     """Write page and pictures of a run into a folder, and return their names."""
     names = ["summary.svg"]
-    save(picture(solution), folder / names[0])
+    with drawing(folder / names[0]) as path:
+        save(picture(solution), path)
     if report:
-        (folder / "report.html").write_text(fem_report(solution), "utf-8", newline="\n")
+        with drawing(folder / "report.html") as path:
+            path.write_text(fem_report(solution), "utf-8", newline="\n")
         names.insert(0, "report.html")
     return names + (animate_run(solution, folder) if animate else [])
 
@@ -40,7 +43,9 @@ def animate_run(solution: FemSolution, folder: Path) -> list[str]:
         movie = movie_of(solution, progress=lambda share: progress(0.5 * share))
         if movie is None:
             return []
-        page = fem_page(movie, solution.title, solution.case.name)
-        (folder / "animation.html").write_text(page, "utf-8", newline="\n")
-        write_fem_gif(movie, solution.title, folder / "animation.gif", lambda share: progress(0.5 + 0.5 * share))
+        with drawing(folder / "animation.html") as path:
+            page = fem_page(movie, solution.title, solution.case.name)
+            path.write_text(page, "utf-8", newline="\n")
+        with drawing(folder / "animation.gif") as path:
+            write_fem_gif(movie, solution.title, path, lambda share: progress(0.5 + 0.5 * share))
     return ["animation.html", "animation.gif"]

@@ -15,6 +15,7 @@ from strikewave.analyses.hopkinson.report.sensor import sensor_report
 from strikewave.analyses.hopkinson.report.shot import shot_report
 from strikewave.analyses.hopkinson.result import HopkinsonSolution
 from strikewave.analyses.hopkinson.sensor_result import SensorSolution
+from strikewave.reporting.run_and_write import drawing
 from strikewave.reporting.style import save
 
 picture: dict[type, Callable[[Any], Figure]] = {
@@ -32,6 +33,8 @@ page: dict[type, Callable[[Any], str]] = {
 
 def draw_result(solution: HopkinsonSolution | SensorSolution | EchoSolution, folder: Path) -> list[str]:
     """Write page and picture of a set-up into a folder, and return their names."""
-    save(picture[type(solution)](solution), folder / "summary.svg")
-    (folder / "report.html").write_text(page[type(solution)](solution), "utf-8", newline="\n")
+    with drawing(folder / "summary.svg") as path:
+        save(picture[type(solution)](solution), path)
+    with drawing(folder / "report.html") as path:
+        path.write_text(page[type(solution)](solution), "utf-8", newline="\n")
     return ["report.html", "summary.svg"]

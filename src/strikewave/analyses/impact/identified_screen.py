@@ -18,7 +18,7 @@ from strikewave.reporting import measured_files as measured
 from strikewave.reporting.layout import keys, numerals, texts
 from strikewave.reporting.options.kinds import Typed
 from strikewave.reporting.options.output import Output
-from strikewave.reporting.run_and_write import Command, run_and_write
+from strikewave.reporting.run_and_write import Command, drawing, run_and_write
 from strikewave.reporting.terminal import significant, table, tell
 
 
@@ -75,8 +75,10 @@ class IdentifyCommand(Command[IdentifyResult]):
         from strikewave.analyses.impact.identified_report import identified_report
         from strikewave.reporting.style import save, titled
 
-        save(titled(identified_figure(result.found), result.title), folder / "summary.svg")
-        (folder / "report.html").write_text(identified_report(result), "utf-8", newline="\n")
+        with drawing(folder / "summary.svg") as path:
+            save(titled(identified_figure(result.found), result.title), path)
+        with drawing(folder / "report.html") as path:
+            path.write_text(identified_report(result), "utf-8", newline="\n")
         return ["report.html", "summary.svg"]
 
 

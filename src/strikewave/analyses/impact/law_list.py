@@ -33,7 +33,7 @@ from strikewave.reporting.columns import Column
 from strikewave.reporting.layout import KEY, MORE, keys, numerals, texts
 from strikewave.reporting.numbers import listed
 from strikewave.reporting.options.output import Output
-from strikewave.reporting.run_and_write import Command, run_and_write
+from strikewave.reporting.run_and_write import Command, drawing, run_and_write
 from strikewave.reporting.shown_result import columns_of
 from strikewave.reporting.terminal import say, table, tell
 
@@ -184,7 +184,8 @@ class LawsCommand(Command[LawsResult]):
         }
         names = [f"{name}{suffix}" for name in figures for suffix in (".svg", ".png")]
         for name in names:
-            save(figures[Path(name).stem], folder / name)
+            with drawing(folder / name) as path:
+                save(figures[Path(name).stem], path)
         return names
 
 

@@ -21,7 +21,7 @@ from strikewave.contact import Impact
 from strikewave.reporting import measured_files as measured
 from strikewave.reporting.layout import KEY, MORE, keys, numerals, texts
 from strikewave.reporting.options.output import Output
-from strikewave.reporting.run_and_write import Command, run_and_write
+from strikewave.reporting.run_and_write import Command, drawing, run_and_write
 from strikewave.reporting.terminal import table, tell
 
 
@@ -69,8 +69,10 @@ class ImpactCommand(Command[ImpactResult]):
         from strikewave.reporting.style import save
 
         labels = [f"blow {k + 1}" for k in result.drawn]
-        save(impact_sheet([result.blows[k] for k in result.drawn], labels, result.title), folder / "impact.svg")
-        (folder / "report.html").write_text(impact_report(result), "utf-8", newline="\n")
+        with drawing(folder / "impact.svg") as path:
+            save(impact_sheet([result.blows[k] for k in result.drawn], labels, result.title), path)
+        with drawing(folder / "report.html") as path:
+            path.write_text(impact_report(result), "utf-8", newline="\n")
         return ["report.html", "impact.svg"]
 
 

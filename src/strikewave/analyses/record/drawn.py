@@ -13,6 +13,7 @@ from strikewave.analyses.record.result import RecordResult
 from strikewave.analyses.record.spectrum import SpectrumResult
 from strikewave.analyses.record.spectrum_report import spectrum_report
 from strikewave.analyses.record.test_report.page import report_of_test, write_report_of_test
+from strikewave.reporting.run_and_write import drawing
 from strikewave.reporting.style import save, titled
 
 if TYPE_CHECKING:
@@ -42,6 +43,8 @@ test_page: dict[type, Callable[[Any], str]] = {RecordResult: report_of_test}
 
 def draw_result(result: RecordResult, folder: Path) -> list[str]:
     """Write page and picture of records into a folder, and return their names."""
-    save(record_picture(result), folder / "summary.svg")
-    (folder / "report.html").write_text(record_report(result), "utf-8", newline="\n")
+    with drawing(folder / "summary.svg") as path:
+        save(record_picture(result), path)
+    with drawing(folder / "report.html") as path:
+        path.write_text(record_report(result), "utf-8", newline="\n")
     return ["report.html", *write_report_of_test(result, folder), "summary.svg"]

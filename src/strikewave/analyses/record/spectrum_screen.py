@@ -18,7 +18,7 @@ from strikewave.reporting.clause_words import held_words
 from strikewave.reporting.layout import KEY, MAIN, MORE, numerals
 from strikewave.reporting.numbers import headed, one_in
 from strikewave.reporting.options.output import Output
-from strikewave.reporting.run_and_write import Command, run_and_write
+from strikewave.reporting.run_and_write import Command, drawing, run_and_write
 from strikewave.reporting.terminal import number, table, tell
 
 MOST_SHOWN = 4
@@ -91,8 +91,10 @@ class SrsCommand(Command[SpectrumResult]):
         if result.rollings:
             pictures["rolling.svg"] = rolling_figure(result)
         for name, figure in pictures.items():
-            save(figure if name == "summary.svg" else titled(figure, result.title), folder / name)
-        (folder / "report.html").write_text(spectrum_report(result), "utf-8", newline="\n")
+            with drawing(folder / name) as path:
+                save(figure if name == "summary.svg" else titled(figure, result.title), path)
+        with drawing(folder / "report.html") as path:
+            path.write_text(spectrum_report(result), "utf-8", newline="\n")
         return ["report.html", *pictures]
 
 

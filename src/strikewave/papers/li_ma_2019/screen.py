@@ -18,7 +18,7 @@ from strikewave.papers.li_ma_2019.result import PAPER, Reproduction, marked_text
 from strikewave.papers.li_ma_2019.runs import Effort
 from strikewave.reporting.layout import MORE, keys, numerals, texts
 from strikewave.reporting.options.output import Output
-from strikewave.reporting.run_and_write import run_and_write
+from strikewave.reporting.run_and_write import drawing, run_and_write
 from strikewave.reporting.terminal import progress_bar, say, table, tell
 from strikewave.studies.engine.pools import Pool
 from strikewave.studies.engine.store import RunStore
@@ -93,9 +93,11 @@ class ReproduceCommand(ResumableCommand[Reproduction]):
         from strikewave.reporting.style import save
 
         names = ["report.html"]
-        (folder / names[0]).write_text(reproduction_report(result), "utf-8", newline="\n")
+        with drawing(folder / names[0]) as path:
+            path.write_text(reproduction_report(result), "utf-8", newline="\n")
         for name, figure in pictures(result):
-            save(figure, folder / f"{name}.svg")
+            with drawing(folder / f"{name}.svg") as path:
+                save(figure, path)
             names.append(f"{name}.svg")
         return names
 

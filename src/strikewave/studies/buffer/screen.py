@@ -25,7 +25,7 @@ from strikewave.records import (
 from strikewave.reporting import measured_files as measured
 from strikewave.reporting.numbers import with_unit
 from strikewave.reporting.options.output import Output
-from strikewave.reporting.run_and_write import run_and_write
+from strikewave.reporting.run_and_write import drawing, run_and_write
 from strikewave.reporting.terminal import print_rows, progress_bar, tell
 from strikewave.studies.buffer.candidate import ALIKE, RINGING, BufferGoal, distinct
 from strikewave.studies.buffer.choice import StackChoices
@@ -150,10 +150,14 @@ class BufferCommand(ResumableCommand[BufferStudy]):
         from strikewave.studies.buffer.figures import buffer_histories, buffer_transmissibility, peak_bandwidth
         from strikewave.studies.buffer.report import buffer_report
 
-        save(peak_bandwidth(result), folder / "peak-bandwidth.svg")
-        save(buffer_histories(result), folder / "histories.svg")
-        save(buffer_transmissibility(result), folder / "transmissibility.svg")
-        (folder / "report.html").write_text(buffer_report(result), "utf-8", newline="\n")
+        with drawing(folder / "peak-bandwidth.svg") as path:
+            save(peak_bandwidth(result), path)
+        with drawing(folder / "histories.svg") as path:
+            save(buffer_histories(result), path)
+        with drawing(folder / "transmissibility.svg") as path:
+            save(buffer_transmissibility(result), path)
+        with drawing(folder / "report.html") as path:
+            path.write_text(buffer_report(result), "utf-8", newline="\n")
         return ["report.html", "peak-bandwidth.svg", "histories.svg", "transmissibility.svg"]
 
 

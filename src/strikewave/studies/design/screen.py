@@ -131,10 +131,13 @@ class DesignCommand(ResumableCommand[DesignStudy]):
 
     def draw(self, result: DesignStudy, folder: Path) -> list[str]:
         """Write the page and the picture."""
+        from strikewave.reporting.run_and_write import drawing
         from strikewave.reporting.style import save
         from strikewave.studies.design.figures import design_picture
         from strikewave.studies.design.report import design_report
 
-        save(design_picture(result), folder / "design.svg")
-        (folder / "report.html").write_text(design_report(result), "utf-8", newline="\n")
+        with drawing(folder / "design.svg") as path:
+            save(design_picture(result), path)
+        with drawing(folder / "report.html") as path:
+            path.write_text(design_report(result), "utf-8", newline="\n")
         return ["report.html", "design.svg"]

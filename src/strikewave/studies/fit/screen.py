@@ -15,7 +15,7 @@ from strikewave.cases.written_case import dump_case
 from strikewave.reporting import measured_files as measured
 from strikewave.reporting.options.output import Output
 from strikewave.reporting.options.shared import Running
-from strikewave.reporting.run_and_write import case_folder, run_and_write
+from strikewave.reporting.run_and_write import case_folder, drawing, run_and_write
 from strikewave.reporting.terminal import print_rows, progress_bar, tell
 from strikewave.studies.engine.pools import Pool
 from strikewave.studies.engine.store import RunStore
@@ -148,9 +148,12 @@ class FitCommand(ResumableCommand[FitStudy]):
         from strikewave.studies.fit.figures import fit_figure
         from strikewave.studies.fit.report import fit_report
 
-        save(fit_figure(result), folder / "fit.svg")
-        (folder / "report.html").write_text(fit_report(result), "utf-8", newline="\n")
+        with drawing(folder / "fit.svg") as path:
+            save(fit_figure(result), path)
+        with drawing(folder / "report.html") as path:
+            path.write_text(fit_report(result), "utf-8", newline="\n")
         if result.posterior is None:
             return ["report.html", "fit.svg"]
-        save(titled(corner_figure(result), f"Posterior: {result.title}"), folder / "posterior.svg")
+        with drawing(folder / "posterior.svg") as path:
+            save(titled(corner_figure(result), f"Posterior: {result.title}"), path)
         return ["report.html", "fit.svg", "posterior.svg"]

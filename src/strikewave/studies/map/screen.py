@@ -10,7 +10,7 @@ from pathlib import Path
 from strikewave.reporting.layout import keys, numerals
 from strikewave.reporting.measured_files import asked
 from strikewave.reporting.options.output import Output
-from strikewave.reporting.run_and_write import case_folder, run_and_write
+from strikewave.reporting.run_and_write import case_folder, drawing, run_and_write
 from strikewave.reporting.terminal import print_rows, progress_bar, say, table, tell
 from strikewave.studies.engine.pools import Pool
 from strikewave.studies.engine.runner import StudyProgress, finished_before
@@ -91,9 +91,12 @@ class MapCommand(ResumableCommand[MapStudy]):
         from strikewave.studies.map.report import map_report
 
         figure = map_figure(result, self.colour)
-        save(figure, folder / "map.svg")
-        save(figure, folder / "map.png")
-        (folder / "report.html").write_text(map_report(result, self.colour), "utf-8", newline="\n")
+        with drawing(folder / "map.svg") as path:
+            save(figure, path)
+        with drawing(folder / "map.png") as path:
+            save(figure, path)
+        with drawing(folder / "report.html") as path:
+            path.write_text(map_report(result, self.colour), "utf-8", newline="\n")
         return ["report.html", "map.svg", "map.png"]
 
 

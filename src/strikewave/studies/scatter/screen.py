@@ -13,7 +13,7 @@ from strikewave.cases.written_case import dump_case
 from strikewave.reporting.measured_files import asked
 from strikewave.reporting.numbers import with_unit
 from strikewave.reporting.options.output import Output
-from strikewave.reporting.run_and_write import case_folder, run_and_write
+from strikewave.reporting.run_and_write import case_folder, drawing, run_and_write
 from strikewave.reporting.terminal import print_rows, progress_bar, tell
 from strikewave.studies.engine.pools import Pool
 from strikewave.studies.engine.store import RunStore
@@ -95,8 +95,10 @@ class ScatterCommand(ResumableCommand[ScatterStudy]):
         from strikewave.studies.scatter.figures import scatter_picture
         from strikewave.studies.scatter.report import scatter_report
 
-        save(scatter_picture(result), folder / "scatter.svg")
-        (folder / "report.html").write_text(scatter_report(result), "utf-8", newline="\n")
+        with drawing(folder / "scatter.svg") as path:
+            save(scatter_picture(result), path)
+        with drawing(folder / "report.html") as path:
+            path.write_text(scatter_report(result), "utf-8", newline="\n")
         return ["report.html", "scatter.svg"]
 
 

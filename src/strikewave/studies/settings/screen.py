@@ -14,7 +14,7 @@ from strikewave.reporting.layout import MORE, keys, numerals, texts
 from strikewave.reporting.numbers import with_unit
 from strikewave.reporting.options.output import Output
 from strikewave.reporting.parts import Tag
-from strikewave.reporting.run_and_write import run_and_write
+from strikewave.reporting.run_and_write import drawing, run_and_write
 from strikewave.reporting.terminal import print_rows, progress_bar, table, tell
 from strikewave.specifications.judging import Clause, worst_clauses
 from strikewave.studies.engine.pools import Pool
@@ -80,8 +80,10 @@ class SettingsCommand(ResumableCommand[SettingsStudy]):
         from strikewave.studies.settings.figures import settings_figure
         from strikewave.studies.settings.report import settings_report
 
-        save(settings_figure(result), folder / "settings.svg")
-        (folder / "report.html").write_text(settings_report(result), "utf-8", newline="\n")
+        with drawing(folder / "settings.svg") as path:
+            save(settings_figure(result), path)
+        with drawing(folder / "report.html") as path:
+            path.write_text(settings_report(result), "utf-8", newline="\n")
         return ["report.html", "settings.svg"]
 
 

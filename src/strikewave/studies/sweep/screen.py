@@ -13,7 +13,7 @@ from strikewave.cases.written_case import dump_case
 from strikewave.reporting.histories import write_parquet
 from strikewave.reporting.measured_files import asked
 from strikewave.reporting.options.output import Output
-from strikewave.reporting.run_and_write import case_folder, run_and_write
+from strikewave.reporting.run_and_write import case_folder, drawing, run_and_write
 from strikewave.reporting.terminal import print_json, print_rows, progress_bar, say, tell
 from strikewave.studies.engine.pools import Pool
 from strikewave.studies.engine.runner import StudyProgress, finished_before
@@ -121,8 +121,10 @@ class SweepCommand(ResumableCommand[SweepStudy]):
         from strikewave.studies.sweep.figures import sweep_picture
         from strikewave.studies.sweep.report import sweep_report
 
-        save(sweep_picture(result), folder / "sweep.svg")
-        (folder / "report.html").write_text(sweep_report(result), "utf-8", newline="\n")
+        with drawing(folder / "sweep.svg") as path:
+            save(sweep_picture(result), path)
+        with drawing(folder / "report.html") as path:
+            path.write_text(sweep_report(result), "utf-8", newline="\n")
         write_parquet(result.columns(), folder / "runs.parquet")
         return ["report.html", "sweep.svg", "runs.parquet"]
 

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 from strikewave.analyses.fem.ls_dyna.figures import comparison_sheet
 from strikewave.analyses.fem.ls_dyna.report import ls_dyna_report
 from strikewave.analyses.fem.ls_dyna.result import LsDynaResult
+from strikewave.reporting.run_and_write import drawing
 from strikewave.reporting.style import save
 
 if TYPE_CHECKING:
@@ -24,6 +25,8 @@ def picture(result: LsDynaResult) -> Figure:
 
 def draw_result(result: LsDynaResult, folder: Path) -> list[str]:
     """Write page and picture into a folder, and return their names."""
-    save(picture(result), folder / "comparison.svg")
-    (folder / "report.html").write_text(ls_dyna_report(result), "utf-8", newline="\n")
+    with drawing(folder / "comparison.svg") as path:
+        save(picture(result), path)
+    with drawing(folder / "report.html") as path:
+        path.write_text(ls_dyna_report(result), "utf-8", newline="\n")
     return ["report.html", "comparison.svg"]

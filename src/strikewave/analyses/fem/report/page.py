@@ -261,7 +261,7 @@ def _part_table(run: FemRun) -> Table:
 def _what_ran(solution: FemSolution) -> Section:
     model, run, view = solution.model, solution.run, view_of(solution.model)
     pictures = [Picture(mesh_picture(model.mesh, view), "The mesh before the blow" + _cut_words(view.cut is not None))]
-    zone = contact_zone(model)
+    zone = contact_zone(model, view)
     if zone is not None:
         near = dataclasses.replace(view, near=zone)
         name = getattr(blow_contact(model), "name", "")

@@ -12,7 +12,7 @@ from strikewave.base.result import Source
 from strikewave.reporting import measured_files as measured
 from strikewave.reporting.layout import keys, numerals
 from strikewave.reporting.options.output import Output
-from strikewave.reporting.run_and_write import Command, run_and_write
+from strikewave.reporting.run_and_write import Command, drawing, run_and_write
 from strikewave.reporting.terminal import table
 from strikewave.specifications.reading import Specification, load_specification
 
@@ -62,6 +62,8 @@ class SynthesisCommand(Command[SynthesisResult]):
         from strikewave.analyses.record.synthesis.drawn import page, picture
         from strikewave.reporting.style import save
 
-        (folder / "report.html").write_text(page(result), "utf-8", newline="\n")
-        save(picture(result), folder / "summary.svg")
+        with drawing(folder / "report.html") as path:
+            path.write_text(page(result), "utf-8", newline="\n")
+        with drawing(folder / "summary.svg") as path:
+            save(picture(result), path)
         return ["report.html", "summary.svg"]

@@ -32,6 +32,7 @@ from strikewave.reporting.measured_files import digests_of
 from strikewave.reporting.numbers import listed
 from strikewave.reporting.page import Head, whole_page
 from strikewave.reporting.parts import NONE, Cell, Code, Part, Photo, Picture, Section, SignatureLines, Table, Tag
+from strikewave.reporting.run_and_write import drawing
 from strikewave.specifications.decisions import CANNOT_TELL, FAIL, NOT_JUDGED, PASS
 from strikewave.specifications.judged_records import RecordsVerdict
 
@@ -378,5 +379,6 @@ def write_report_of_test(result: RecordResult, folder: Path) -> list[str]:
     """Write the test report into a folder, and return its name; nothing where no test and verdict are there."""
     if result.verdict is None or result.performed is None:
         return []
-    (folder / FILE).write_text(report_of_test(result), "utf-8", newline="\n")
+    with drawing(folder / FILE) as path:
+        path.write_text(report_of_test(result), "utf-8", newline="\n")
     return [FILE]

@@ -14,6 +14,7 @@ from strikewave.analyses.record.verdicts.specification_result import (
 )
 from strikewave.reporting import chapters
 from strikewave.reporting.parts import NONE, Cell, Part, Picture, Section, Table, Tag
+from strikewave.reporting.run_and_write import drawing
 from strikewave.reporting.style import save
 
 if TYPE_CHECKING:
@@ -59,9 +60,11 @@ def page(result: SpecificationResult) -> str:
 def draw_specification(result: SpecificationResult, folder: Path) -> list[str]:
     """Write page and picture of a specification into a folder, and return their names."""
     names = ["report.html"]
-    (folder / "report.html").write_text(page(result), "utf-8", newline="\n")
+    with drawing(folder / "report.html") as path:
+        path.write_text(page(result), "utf-8", newline="\n")
     figure = picture(result)
     if figure is not None:
-        save(figure, folder / "summary.svg")
+        with drawing(folder / "summary.svg") as path:
+            save(figure, path)
         names.append("summary.svg")
     return names

@@ -10,7 +10,7 @@ from strikewave.cases.case import Case
 from strikewave.reporting import measured_files as measured
 from strikewave.reporting.layout import keys, numerals, texts
 from strikewave.reporting.options.output import Output
-from strikewave.reporting.run_and_write import run_and_write
+from strikewave.reporting.run_and_write import drawing, run_and_write
 from strikewave.reporting.terminal import print_rows, progress_bar, table, tell
 from strikewave.studies.engine.pools import Pool
 from strikewave.studies.engine.runner import share_reporter
@@ -107,8 +107,10 @@ class DropCommand(ResumableCommand[DropStudy]):
         from strikewave.studies.settings.drop_table.figures import drop_figure
         from strikewave.studies.settings.drop_table.report import drop_report
 
-        save(drop_figure(result), folder / "settings.svg")
-        (folder / "report.html").write_text(drop_report(result), "utf-8", newline="\n")
+        with drawing(folder / "settings.svg") as path:
+            save(drop_figure(result), path)
+        with drawing(folder / "report.html") as path:
+            path.write_text(drop_report(result), "utf-8", newline="\n")
         return ["report.html", "settings.svg"]
 
 

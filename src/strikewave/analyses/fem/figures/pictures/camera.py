@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 from dataclasses import dataclass
 
 import numpy as np
@@ -19,6 +20,9 @@ Vector = tuple[float, float, float]
 ZONE_FACES = 16.0
 """Radius of the zone of a contact over the size of its faces, at most (chosen: about 32 elements across, each large
 enough to have mesh lines)."""
+ROUNDING = 1e-9
+"""Share by which the radius of a zone exceeds the distance of a middle that shall be in it: far beyond the rounding of
+coordinates, 1e-16, and no change of the picture."""
 
 
 @dataclass(frozen=True)
@@ -86,13 +90,16 @@ def view_of(model: Model) -> Camera:
     normal = next(n for n in (np.array([0.0, -1.0, 0.0]), np.array([-1.0, 0.0, 0.0])) if abs(n @ axis) < 0.9)
     middle = 0.5 * (mesh.points.min(axis=0) + mesh.points.max(axis=0))
     toward = normal + 0.35 * np.cross(normal, up) + 0.45 * up
-    return Camera(toward=_vector(toward), up=_vector(up), cut=(_vector(middle), _vector(normal)))
+    whole = Camera(toward=_vector(toward), up=_vector(up))
+    cut = dataclasses.replace(whole, cut=(_vector(middle), _vector(normal)))
+    return cut if _visible(mesh, cut).any() else whole
 
 
-def contact_zone(model: Model) -> tuple[Vector, float] | None:
+def contact_zone(model: Model, view: Camera | None = None) -> tuple[Vector, float] | None:
     """Return the middle and a radius of where the bodies of the blow are nearest before it; None without a contact.
 
-    The radius is half the extent of the smaller side, or `ZONE_FACES` times the size of the faces there.
+    The radius is half the extent of the smaller side, or `ZONE_FACES` times the size of the faces there, and reaches
+    at least one element of each body of those that the view shows: a coarse mesh has no middle that near.
     """
     contact, place = blow_contact(model), meeting_place(model)
     if place is None or not isinstance(contact, SurfaceContact):
@@ -103,12 +110,23 @@ def contact_zone(model: Model) -> tuple[Vector, float] | None:
     corners = mesh.points[mesh.side(contact.first)]
     close = np.argsort(np.linalg.norm(corners.mean(axis=1) - place, axis=1))[:4]
     size = float(np.linalg.norm(np.roll(corners[close], -1, axis=1) - corners[close], axis=2).mean())
-    return _vector(place), min(0.5 * reach, ZONE_FACES * size)
+    radius = min(0.5 * reach, ZONE_FACES * size)
+    away = np.linalg.norm(_middles(mesh) - place, axis=1)
+    shown = kept_elements(mesh, view or Camera())
+    for side in (contact.first, contact.second):
+        on_side = shown & np.isin(mesh.hexahedra, mesh.side(side)).any(axis=1)
+        radius = max(radius, (1.0 + ROUNDING) * float(away[on_side if on_side.any() else shown].min()))
+    return _vector(place), radius
 
 
 def _vector(values: Array) -> Vector:
     x, y, z = (float(v) for v in values)
     return x, y, z
+
+
+def _middles(mesh: Mesh) -> Array:
+    """Return the middle of each element before the blow, (elements, 3), m."""
+    return np.asarray(mesh.points[mesh.hexahedra].mean(axis=1))
 
 
 def kept_elements(mesh: Mesh, view: Camera) -> NDArray[np.bool_]:
@@ -119,7 +137,15 @@ def kept_elements(mesh: Mesh, view: Camera) -> NDArray[np.bool_]:
     InputError
         If the view names a part that is not there, or leaves nothing.
     """
-    middle = mesh.points[mesh.hexahedra].mean(axis=1)
+    visible = _visible(mesh, view)
+    if not visible.any():
+        raise InputError("view", "nothing left", "a cut, a zone and parts that leave elements to be drawn")
+    return visible
+
+
+def _visible(mesh: Mesh, view: Camera) -> NDArray[np.bool_]:
+    """Return which elements a view leaves, (elements,); it may be none."""
+    middle = _middles(mesh)
     visible = np.ones(len(middle), bool)
     if view.parts:
         visible[:] = False
@@ -131,6 +157,4 @@ def kept_elements(mesh: Mesh, view: Camera) -> NDArray[np.bool_]:
     if view.near is not None:
         centre, radius = view.near
         visible &= np.linalg.norm(middle - np.asarray(centre), axis=1) <= radius
-    if not visible.any():
-        raise InputError("view", "nothing left", "a cut, a zone and parts that leave elements to be drawn")
     return visible
