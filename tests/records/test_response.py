@@ -226,3 +226,42 @@ def test_ac_coupling_of_a_response_is_recognised_and_taken_off(wanted):
     true = np.max(np.abs(late)) * 9.80665
     assert abs(abs(coupled.response.peak) / true - 1.0) > 0.02
     assert abs(free.response.peak) == pytest.approx(true, rel=0.01)
+
+
+def led(lead, colour, blows=1, silent=False):
+    """Return the findings of a channel of 150 g that comes so much before a base of the same shape, s."""
+    time = STEP * np.arange(10_000 if blows == 1 else 24_000)
+
+    def train(late, peak):
+        u = (time[:, None] - 0.012 - late - 0.035 * np.arange(blows)) / 5e-4
+        return np.sum(np.where((u > 0.0) & (u < 1.0), peak * np.sin(np.pi * u), 0.0), axis=1)
+
+    rng = np.random.default_rng(5)
+    answer = (0.0 if silent else 1.0) * train(-lead, 150.0) + 0.05 * noises.noise(rng, time.size, colour)
+    base = train(0.0, 700.0) + 0.3 * rng.normal(size=time.size)
+    channels = Channel("frame", base, STEP, unit="g"), Channel("board", answer, STEP, unit="g")
+    board = read_file(Record("a.csv", "text", channels), {}, Request(base="frame")).channels[1]
+    return {finding.code: finding.message for finding in board.findings}
+
+
+@pytest.mark.parametrize("blows", [1, 3])
+@pytest.mark.parametrize("colour", ["white", "brown"])
+@pytest.mark.parametrize("lead", [1e-3, 3e-3, 5e-3])
+def test_a_channel_that_comes_before_its_base_is_connected(lead, colour, blows):
+    """What is wrong is a name, a clock or the base: the message says by how much the channel leads."""
+    message = led(lead, colour, blows)["no-response"]
+    assert f"{1e3 * lead:.3g}\xa0ms before the peak of the {'first ' if blows > 1 else ''}blow" in message
+    assert "not connected" not in message
+    peak = float(message.partition("reaches ")[2].partition("\xa0")[0])
+    assert peak == pytest.approx(150.0, abs=0.25)  # five deviations of the noise
+
+
+@pytest.mark.parametrize("lag", [1e-3, 5e-3])
+def test_a_channel_that_comes_after_its_base_answers_it(lag):
+    assert "no-response" not in led(-lag, "white")
+
+
+@pytest.mark.parametrize("colour", ["white", "pink", "brown"])
+@pytest.mark.parametrize("blows", [1, 3])
+def test_a_channel_of_noise_is_not_connected(colour, blows):
+    assert "not connected" in led(0.0, colour, blows, silent=True)["no-response"]
