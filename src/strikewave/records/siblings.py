@@ -25,6 +25,8 @@ OF_SIZE = ("peak", "ratio", "rms")
 """Figures of a response that grow with it."""
 ODD = ("gain-differs", "outlier", "polarity-differs")
 """Codes of findings whose figures are left out because the other files disagree."""
+COPY = "copy"
+"""Code of the finding of a channel whose samples are those of a file before it."""
 FAR = 100
 """Standard deviations beyond which more tell nothing more."""
 FALSE_ALARM = 0.01
@@ -161,7 +163,7 @@ def _copies(readings: list[tuple[int, ChannelReading]], paths: Sequence[str]) ->
                     f"its samples are those of file {first + 1}, {show(Path(paths[first]).name)}: a copy tells nothing "
                     "new of the scatter, and the mean and its bounds count it again"
                 )
-                yield file, HealthNotice("copy", message, first + 1, severity="good")
+                yield file, HealthNotice(COPY, message, first + 1, severity="good")
                 break
         else:
             alike.append(place)

@@ -5,6 +5,8 @@ import pytest
 
 import strikewave
 from strikewave.analyses.record.report import record_report
+from strikewave.analyses.record.screen.files import print_files
+from strikewave.analyses.record.tables import short_names
 from strikewave.analyses.record.words import record_words
 from strikewave.base.constants import STANDARD_GRAVITY
 
@@ -61,3 +63,20 @@ def test_that_no_unit_is_known_stands_before_the_figures(tmp_path):
 def test_a_record_that_begins_in_its_blow_is_said_to(tmp_path):
     words = record_words(strikewave.record(written(tmp_path / "late.csv", begin=0.0103)))
     assert "late.csv is bad: the record begins in a blow" in words
+
+
+def test_copies_of_a_record_are_named_where_they_are_summed_up(tmp_path, capsys):
+    """Three copies scatter by nothing, and are no three tests: first sentence, screen, JSON and report say so."""
+    files = [written(tmp_path / f"{k}.csv") for k in range(3)]
+    other = tmp_path / "other.csv"
+    other.write_text("\n".join(files[0].read_text().splitlines()[:-100]) + "\n")
+    result = strikewave.record([*files, other])
+    assert "; 2 of them (1.csv and 2.csv) repeat the samples of another file, and mean, scat" in record_words(result)
+    print_files(result.readings, short_names([str(path) for path in [*files, other]]))
+    screen = " ".join(capsys.readouterr().out.split())
+    assert '1.csv and 2.csv: its samples are those of file 1, "0.csv"' in screen
+    channels = [file["channels"] for file in result.document()["files"]]
+    health = [[finding["code"] for finding in one["health"]] for [one] in channels]
+    assert ["copy" in codes for codes in health] == [False, True, True, False]
+    assert "its samples are those of file 1, " in record_report(result)
+    assert "repeat" not in record_words(strikewave.record([files[0], other]))

@@ -15,6 +15,7 @@ from strikewave.records.campaign import Campaign, Outlier
 from strikewave.records.health_notice import worst
 from strikewave.records.measuring import RecordedPulse
 from strikewave.records.reading import FileReading
+from strikewave.records.siblings import COPY
 from strikewave.reporting.numbers import listed
 
 MOST_REASONS = 4
@@ -36,7 +37,7 @@ def record_words(result: RecordResult) -> str:
         return "No file was read."
     words = [] if result.verdict is None else [sentence(result.verdict, names)]
     words += [pair_words(result.pairs)] if result.pair else []
-    words += [f"{len(files)} files: {listed(counted(files))}." if len(files) != 1 else f"One file, {files[0].status}."]
+    words += [_files_words(files, names)]
     words += [f"{one.message[:1].upper()}{one.message[1:]}." for one in result.notices if one.code in WITHOUT_UNIT]
     several = len(campaigns) > 1
     told = [one for one in campaigns if one.statistics or not several]
@@ -62,6 +63,27 @@ def record_words(result: RecordResult) -> str:
     if more:
         words.append(f"{more} more record{'s are' if more > 1 else ' is'} bad, see below.")
     return " ".join(words)
+
+
+def _files_words(files: Sequence[FileReading], names: Mapping[str, str]) -> str:
+    """Say how many files there are of each status, and which repeat the samples of another."""
+    text = f"{len(files)} files: {listed(counted(files))}" if len(files) != 1 else f"One file, {files[0].status}"
+    by_channel: dict[tuple[str, ...], list[str]] = {}
+    for file in files:
+        repeated = tuple(
+            one.channel.name for one in file.channels if COPY in {finding.code for finding in one.findings}
+        )
+        if repeated:  # of all channels: the file
+            key = () if len(repeated) == len(file.channels) else repeated
+            by_channel.setdefault(key, []).append(names[file.path])
+    for channels, where in by_channel.items():
+        what = f"{named(channels)} of {len(where)} of them" if channels else f"{len(where)} of them"
+        verb = "repeats" if len(channels or where) == 1 else "repeat"
+        text += (
+            f"; {what} ({named(where)}) {verb} the samples of another file, and mean, scatter and bounds count them "
+            "again as tests of their own"
+        )
+    return f"{text}."
 
 
 def named(files: Sequence[str]) -> str:

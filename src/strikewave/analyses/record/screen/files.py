@@ -14,8 +14,10 @@ from strikewave.analyses.record.screen.kit import (
     tell_first,
     value_text,
 )
+from strikewave.analyses.record.tables import rows_of
 from strikewave.analyses.record.words import named
 from strikewave.records import ChannelReading, FileReading, worst
+from strikewave.records.siblings import COPY
 from strikewave.reporting.layout import MORE, keys, numerals, texts
 from strikewave.reporting.numbers import percent, with_unit
 from strikewave.reporting.terminal import number, tell
@@ -39,7 +41,14 @@ def print_files(readings: Sequence[FileReading], names: Mapping[str, str]) -> No
         if file.status != "good":
             alike.setdefault((file.status, _reasons(file)), []).append(names[file.path])
     lines = [f"{named(where)}, {status}: {reasons}" for (status, reasons), where in alike.items()]
-    tell_first(lines, MOST_LINES, "files are not good, for reasons of their own", "  ")
+    copies: dict[str, list[str]] = {}
+    for file, reading in rows_of(readings):
+        for finding in reading.findings:
+            if finding.code == COPY:  # harms no figure and leaves the file good, but not the scatter
+                of = f"{reading.channel.name} of " if len(file.channels) > 1 else ""
+                copies.setdefault(finding.message, []).append(of + names[file.path])
+    lines += [f"{named(where)}: {message}" for message, where in copies.items()]
+    tell_first(lines, MOST_LINES, "reasons why files are not good, or are copies", "  ")
 
 
 def _reasons(file: FileReading) -> str:
