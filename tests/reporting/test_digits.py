@@ -1,6 +1,7 @@
 """The digits of a number are one rule: a headline agrees with the table below it, and what was rounded shows it."""
 
 import math
+from decimal import Decimal
 
 from hypothesis import given
 from hypothesis import strategies as st
@@ -21,6 +22,18 @@ def test_a_headline_and_the_table_below_it_have_the_same_digits(value, down, up)
     assert headline == fixed_within(value, [band], "N", "N", 9)
     room = max(0.01 * (band.high - band.low), 0.51e-3 * band.high)  # a digit beyond those of the range, or four in all
     assert abs(float(headline) - value) <= room
+
+
+@given(NUMBERS, st.integers(0, 3))
+def test_without_a_range_a_table_has_every_digit_of_the_headline(value, decimals):
+    """A headline of 99.98 g stood above 100.0 g in the table, for one peak."""
+    headline, cell = with_band(value, None, "N", "N").partition(" ")[0], fixed_within(value, [], "N", "N", decimals)
+    if value < 0.1 * 10.0**-decimals:  # beyond that a table has no more digits, as rounding leaves no true zero
+        return
+    last = [Decimal(1).scaleb(int(Decimal(text).as_tuple().exponent)) for text in (headline, cell)]
+    assert abs(Decimal(headline) - Decimal(cell)) <= sum(last) / 2
+    exact = math.isclose(float(headline), value, rel_tol=1e-9)
+    assert last[1] <= last[0] or exact
 
 
 @given(NUMBERS, st.integers(2, 6))

@@ -7,7 +7,7 @@ from collections.abc import Iterable
 
 from strikewave.base.result import Band
 from strikewave.base.units import in_unit
-from strikewave.reporting.numbers import fixed, rounded, shown, spelled, with_unit
+from strikewave.reporting.numbers import decimals_of, fixed, rounded, shown, spelled, with_unit
 from strikewave.reporting.shown_units import shown_unit
 
 TWO_DIGITS_BELOW = 3.0
@@ -68,13 +68,19 @@ def table_decimals(bands: Iterable[Band], si: str, usual: str, decimals: int = M
 def fixed_within(value: float | None, bands: Iterable[Band], si: str, usual: str, decimals: int = MOST_DIGITS) -> str:
     """Write an SI value of a table as `fixed` does, with so many decimals as `table_decimals` leaves of its bands.
 
+    Without a band it has as many digits as `with_band` gives it in a sentence, at least.
+
     Examples
     --------
     >>> band = Band(7850.0, 15400.0, 0.95)
     >>> fixed_within(11421.3, [band], "m/s^2", "g", 1), fixed_within(9806.65, [], "m/s^2", "g", 1)
     ('1160', '1000.0')
+    >>> fixed_within(980.5, [], "m/s^2", "g", 0), with_band(980.5, None, "m/s^2", "g")
+    ('99.98', '99.98 g')
     """
-    return fixed(value, si, usual, table_decimals(bands, si, usual, decimals))
+    bands = list(bands)
+    decimals = table_decimals(bands, si, usual, decimals)
+    return fixed(value, si, usual, decimals if bands else decimals_of(value, si, usual, decimals))
 
 
 def with_band(value: float | None, band: Band | None, si: str, usual: str, digits: int = 4) -> str:

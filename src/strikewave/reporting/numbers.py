@@ -26,6 +26,8 @@ LEAST_SHARE = 1e-6
 """Shares of a variance below it are written as such, and smaller errors not at all: rounding of the runs makes them."""
 FEWEST_DIGITS = 4
 """Significant digits, at least, of a number of a message in another unit: "5 kN" is 1124 lbf, not 1000."""
+MOST_MORE = 4
+"""Decimals, at most, of a number of a table beyond those of its column: what rounding leaves of zero has no end."""
 NO_BREAK = "\N{NO-BREAK SPACE}"
 _SI_OF = {unit: si for si, offered in reversed(OFFERED.items()) for unit in offered}
 _JOINED = re.compile(
@@ -166,6 +168,23 @@ def fixed(value: float | None, si: str, usual: str, decimals: int) -> str:
     if value is None or value != value:
         return NONE
     return rounded(shown(value, si, usual), _decimals(si, usual, decimals))
+
+
+def decimals_of(value: float | None, si: str, usual: str, decimals: int, digits: int = FEWEST_DIGITS) -> int:
+    """Return the decimals of a number of a table, in its usual unit, that leave it the digits of a sentence on it.
+
+    These are those of its column, or up to `MOST_MORE` more: a sentence has so many significant digits.
+
+    Examples
+    --------
+    >>> decimals_of(980.5, "m/s^2", "g", 1), decimals_of(40709.86, "m/s^2", "g", 1), decimals_of(0.0, "m/s^2", "g", 1)
+    (2, 1, 1)
+    """
+    number = 0.0 if value is None else abs(shown(value, si, usual))
+    if not (digits and number and math.isfinite(number)):
+        return decimals
+    needed = digits - 1 - math.floor(math.log10(number)) - _decimals(si, usual, 0)
+    return min(max(decimals, needed), decimals + MOST_MORE)
 
 
 def time_unit(last: float) -> tuple[float, str]:

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from typing import Generic, TypeVar
 
 from strikewave.reporting.layout import MAIN, ScreenColumn
-from strikewave.reporting.numbers import fixed, headed, shown
+from strikewave.reporting.numbers import decimals_of, fixed, headed, shown
 from strikewave.reporting.parts import NONE, Table, Tag, written
 
 Row = TypeVar("Row")
@@ -34,6 +34,8 @@ class TableColumn(Generic[Row]):
         Significant digits.
     decimals : int, optional
         Decimals in the usual unit, instead of significant digits.
+    least_digits : int
+        Significant digits that a sentence gives a number of the column: it then has as many here, with more decimals.
     priority : int
         `KEY`, `MAIN` or `MORE` of `strikewave.reporting.layout`: what a narrow screen leaves out first.
     words : bool
@@ -54,6 +56,7 @@ class TableColumn(Generic[Row]):
     decimals: int | None = None
     priority: int = MAIN
     words: bool = False
+    least_digits: int = 0
 
     @property
     def head(self) -> str:
@@ -73,7 +76,8 @@ class TableColumn(Generic[Row]):
         if isinstance(value, str | Tag):
             return value
         if self.decimals is not None:
-            return fixed(value, self.si or "1", self.usual or "1", self.decimals)
+            si, usual = self.si or "1", self.usual or "1"
+            return fixed(value, si, usual, decimals_of(value, si, usual, self.decimals, self.least_digits))
         return written(shown(value, self.si, self.usual) if self.si else float(value), self.digits)
 
     def text(self, row: Row) -> str:

@@ -2,11 +2,16 @@
 
 import dataclasses
 import re
+from decimal import Decimal
 
 import pytest
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
 
 from strikewave.analyses.machine.chapters import blow_table
+from strikewave.analyses.machine.columns import blow_columns
 from strikewave.analyses.machine.screen import show
+from strikewave.analyses.machine.words import answer_columns, key_numbers, summary_words
 from strikewave.base.constants import STANDARD_GRAVITY as G
 from strikewave.base.result import Band
 from strikewave.reporting.shown_units import ShownUnits, showing
@@ -59,3 +64,32 @@ def test_without_a_range_and_in_data_nothing_is_rounded(solution, banded, capsys
     assert banded.tables() == solution.tables()
     assert banded.document()["blows"] == solution.document()["blows"]
     assert banded.to_dataframe().equals(solution.to_dataframe())
+
+
+def without_contradiction(sentence, columns, rows):
+    """Check that each number of a sentence stands in a column of its unit, with as many decimals or more."""
+    said = re.findall(r"([\d.]+(?:e[+-]?\d+)?)\s(g|µs|m/s|kN)(?![\w/])", sentence)
+    for number, unit in said:
+        cells = [column.text(row) for column in columns if f"({unit})" in column.head for row in rows]
+        off = {cell: abs(Decimal(cell) - Decimal(number)) for cell in cells if cell[0].isdigit()}
+        ends = {cell: Decimal(1).scaleb(int(Decimal(cell).as_tuple().exponent)) for cell in [*off, number]}
+        assert any(off[cell] <= (ends[cell] + ends[number]) / 2 and ends[cell] <= ends[number] for cell in off), number
+    return [unit for _, unit in said]
+
+
+@settings(max_examples=60, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
+@given(peak=st.floats(0.1, 1e5), width=st.floats(1e-6, 0.1), change=st.floats(1e-3, 100.0), force=st.floats(1.0, 1e7))
+def test_a_sentence_without_ranges_contradicts_no_table(solution, peak, width, change, force):
+    """A headline of 99.98 g above 100.0 g: of blows of any size each number of the sentence is in the table."""
+    first = dataclasses.replace(
+        solution.blows[0], rigid_peak=peak * G, width=width, velocity_change=change, peak_force=force
+    )
+    one = dataclasses.replace(solution, blows=(first,), readings=(None,))
+    for sentence in (summary_words(one), "; ".join(words for name, words in key_numbers(one) if "range" not in name)):
+        assert without_contradiction(sentence, blow_columns("blows"), one.blows) == ["g", "µs", "m/s", "kN"]
+
+
+def test_a_range_of_a_yielding_contact_has_the_digits_of_its_table(solution):
+    """A peak of 99.98 g beside answers of a contact in whole g."""
+    row = dataclasses.replace(solution.contact.rows[0], rigid_peak=99.98 * G)
+    assert without_contradiction("99.98 g", answer_columns(solution.contact), [row]) == ["g"]

@@ -5,7 +5,7 @@ A new column is a field of `strikewave.machines.Blow` and a line here.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Mapping
 from operator import attrgetter
 from typing import Any, NamedTuple
 
@@ -86,31 +86,21 @@ CALLED = {
     "yield_pressure": "largest pressure",
 }
 """Head of each column whose name is short for the field's term."""
+SENTENCE_DIGITS = {"rigid_peak": 4, "width": 4, "velocity_change": 3, "peak_force": 3}
+"""Significant digits of what sentences give too, without a band; a table has as many, so that neither contradicts."""
 HIDDEN = frozenset(column.name for column in COLUMNS if not column.document)
 """Columns that the JSON document leaves out."""
 
 
-def shown_in(table: str, bands: Mapping[str, Band] | None = None) -> list[tuple[str, str, str, int]]:
+def shown_in(table: str) -> list[tuple[str, str, str, int]]:
     """Return name, SI unit, unit shown and decimals of the columns of a table, ``blows``, ``contact`` or ``sliding``.
-
-    Of a quantity with bands there are the decimals that they leave.
 
     Examples
     --------
     >>> shown_in("contact")[1]
     ('rebound_speed', 'm/s', 'm/s', 3)
     """
-    return with_banded_decimals([column[:4] for column in COLUMNS if table in column.tables], bands)
-
-
-def with_banded_decimals(
-    columns: Sequence[tuple[str, str, str, int]], bands: Mapping[str, Band] | None
-) -> list[tuple[str, str, str, int]]:
-    """Return columns of the first blow, or of all, with the decimals that the bands of their quantities leave."""
-    return [
-        (name, si, usual, table_decimals(bands_of(bands or {}, name), si, usual, decimals))
-        for name, si, usual, decimals in columns
-    ]
+    return [column[:4] for column in COLUMNS if table in column.tables]
 
 
 def blow_columns(table: str, bands: Mapping[str, Band] | None = None) -> tuple[TableColumn[Blow], ...]:
@@ -123,18 +113,32 @@ def blow_columns(table: str, bands: Mapping[str, Band] | None = None) -> tuple[T
     """
     priorities = [column.priority for column in COLUMNS if table in column.tables]
     number: TableColumn[Blow] = TableColumn("#", lambda blow: str(blow.index), priority=KEY)
-    shown = quantity_columns(shown_in(table, bands), priorities)
+    shown = quantity_columns(shown_in(table), priorities, bands)
     if table != "blows":
         return (number, *shown)
     kind: TableColumn[Blow] = TableColumn("kind", lambda blow: Tag(blow.kind, blow.kind), words=True)
     return (number, kind, *shown, TableColumn("contacts", lambda blow: str(blow.contacts), priority=MORE + 2))
 
 
-def quantity_columns(columns: Iterable[tuple[str, str, str, int]], priorities: Iterable[int]) -> list[TableColumn[Any]]:
-    """Return the columns of quantities, each a field of the row: name, SI unit, usual unit, decimals."""
-    return [
-        TableColumn(
-            CALLED.get(name, name).replace("_", " "), attrgetter(name), si, usual, decimals=decimals, priority=priority
+def quantity_columns(
+    columns: Iterable[tuple[str, str, str, int]], priorities: Iterable[int], bands: Mapping[str, Band] | None = None
+) -> list[TableColumn[Any]]:
+    """Return the columns of quantities, each a field of the row: name, SI unit, usual unit, decimals.
+
+    Of a quantity with bands there are the decimals that they leave, of another the digits that a sentence has of it.
+    """
+    made = []
+    for (name, si, usual, decimals), priority in zip(columns, priorities, strict=True):
+        own = bands_of(bands or {}, name)
+        made.append(
+            TableColumn[Any](
+                CALLED.get(name, name).replace("_", " "),
+                attrgetter(name),
+                si,
+                usual,
+                decimals=table_decimals(own, si, usual, decimals),
+                priority=priority,
+                least_digits=0 if own else SENTENCE_DIGITS.get(name, 0),
+            )
         )
-        for (name, si, usual, decimals), priority in zip(columns, priorities, strict=True)
-    ]
+    return made

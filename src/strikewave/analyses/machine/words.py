@@ -8,7 +8,7 @@ from operator import attrgetter
 from statistics import median
 from typing import TYPE_CHECKING, Any
 
-from strikewave.analyses.machine.columns import quantity_columns, with_banded_decimals
+from strikewave.analyses.machine.columns import quantity_columns
 from strikewave.analyses.machine.contact_answers import ContactAnswer, ContactAnswers
 from strikewave.analyses.machine.kind import MachineKind, kind_of
 from strikewave.base.result import Band
@@ -86,8 +86,7 @@ def answer_columns(
         return row.name + (" (this run)" if row.name == answers.taken else "")
 
     name: TableColumn[ContactAnswer] = TableColumn("contact", named, priority=KEY, words=True)
-    columns = with_banded_decimals(_ANSWER_COLUMNS, bands)
-    return (name, *quantity_columns(columns, (MORE, MAIN, MAIN, MAIN, MORE)))
+    return (name, *quantity_columns(_ANSWER_COLUMNS, (MORE, MAIN, MAIN, MAIN, MORE), bands))
 
 
 def restitution_words(answers: ContactAnswers) -> str:
