@@ -1,5 +1,6 @@
 """The engine of studies: keys, what is kept, resuming, workers that die, and equal numbers whoever runs them."""
 
+import math
 import sqlite3
 from concurrent.futures import Future, ThreadPoolExecutor
 from concurrent.futures.process import BrokenProcessPool
@@ -11,12 +12,12 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from strikewave import load_case
+from strikewave import load_case, run_case
 from strikewave.base.errors import InputError, StrikewaveError
 from strikewave.cases.case_files import bundled_cases
 from strikewave.studies.engine import keys
 from strikewave.studies.engine import store as stores
-from strikewave.studies.engine.case_evaluation import CaseEvaluation, read_kept
+from strikewave.studies.engine.case_evaluation import OF_FIRST, CaseEvaluation, numbers_of, read_kept
 from strikewave.studies.engine.evaluation import Job, KeptHistory, RunOutcome
 from strikewave.studies.engine.keys import run_key
 from strikewave.studies.engine.plan import DrawVariation, drawn_rows, filled, grid, sobol_sequence, varied
@@ -495,3 +496,21 @@ def test_unknown_numbers_and_histories_are_refused():
 def test_a_range_as_other_tools_write_it_is_refused_with_the_one_that_is_meant(given):
     with pytest.raises(InputError, match=r'such as "machine\.speed=400(rpm)?\.\.900 ?rpm:11"'):
         read_variable(CASE, f"machine.speed={given}")
+
+
+@pytest.mark.parametrize(("analysis", "blows"), [("run", 3), ("fast", 3), ("impact", 1)])
+def test_every_number_that_may_be_kept_is_there_where_the_blow_struck(analysis, blows):
+    """Sensors and layers, which this case has not, are left out; three blows have each number of later ones."""
+    case = load_case("li-ma-2019", [f"feed.blows={blows}"])
+    others = ("first.sensor_peak", "first.sensor_width", "first.total_peak", "first.wave_peak")
+    names = [name for name in numbers_of(case, analysis) if name not in others]
+    kept = read_kept(case, analysis, names)
+    outcome = dict(zip(kept.names, kept(case).numbers, strict=True))
+    assert [name for name in names if outcome[name] is None or not math.isfinite(outcome[name])] == []
+    if analysis == "impact":
+        return
+    first = next(blow for blow in run_case(case).blows if blow.kind != "missed")
+    for name in OF_FIRST:
+        if f"first.{name}" in names:  # the fast run holds its object as one body: its own tests say how near it is
+            near = pytest.approx(getattr(first, name), rel=1e-12 if analysis == "run" else 0.05)
+            assert outcome[f"first.{name}"] == near

@@ -10,18 +10,18 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from strikewave.analyses.machine.figures_of import OF_A_BLOW, figures_of
+from strikewave.analyses.machine.figures_of import figures_of
 from strikewave.analyses.machine.notices import fast_not_judged, fast_verdict, run_verdict
 from strikewave.base.errors import InputError, nearest
 from strikewave.base.result import Verdict
 from strikewave.cases.case import Case
-from strikewave.machines.blows import KINDS
+from strikewave.cases.tables.published import PUBLISHED_QUANTITIES
+from strikewave.machines.blows import KINDS, Blow
 from strikewave.studies.engine.evaluation import KeptHistory, RunOutcome, ordered
 from strikewave.studies.simulation import Simulation, checked_owner, name_and_owner, number_units
 from strikewave.uncertainty.statistics import variation
 
 if TYPE_CHECKING:
-    from strikewave.machines import Blow
     from strikewave.machines.fast_train import FastTrain
 
 ANALYSES = ("run", "fast", "wave", "fem", "impact")
@@ -36,6 +36,12 @@ OF_TRAIN = {
 """Further numbers of a machine's blows, and their SI units: `NUMBER_WORDS` says what they are."""
 OF_FAST = {"stop_force": "N"}
 """Numbers that the fast run alone has."""
+OF_FIRST = tuple(
+    quantity
+    for which, _, quantity in (name.partition(".") for name in PUBLISHED_QUANTITIES)
+    if which == "first" and quantity in {field.name for field in dataclasses.fields(Blow)}
+)
+"""Numbers of the first blow that are kept with it; the others are of its waves, of sensors, or of elements."""
 OF_CONTACT = ("contact_time", "rebound_speed", "restitution", "indentation", "residual_indentation")
 """Numbers of the contact of the first blow."""
 NOT_FAST = ("total_peak", "wave_peak", "sensor_peak", "sensor_width", "peak_force", *OF_CONTACT)
@@ -242,9 +248,7 @@ def train_numbers(found: Sequence[Any]) -> dict[str, float | None]:
     numbers: dict[str, float | None] = dict(figures_of(found))
     if struck:
         first = struck[0]
-        numbers |= {
-            f"first.{name}": getattr(first, name, None) for name in ("approach_speed", "peak_force", *OF_CONTACT)
-        }
+        numbers |= {f"first.{name}": getattr(first, name, None) for name in OF_FIRST}
         numbers["window"] = struck[-1].time - first.time
     return numbers | {
         "count": float(len(struck)),
@@ -299,7 +303,6 @@ EVALUATED: Mapping[str, Callable[[CaseEvaluation, Case], Evaluated]] = {
     "impact": _impact,
 }
 """How each analysis is made."""
-OF_FIRST = (*OF_A_BLOW, "peak_force", "approach_speed", *OF_CONTACT)
 NUMBER_WORDS = {
     **{
         f"{which}.{name}": f"{name.replace('_', ' ')} of the {which} blow"
