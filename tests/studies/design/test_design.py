@@ -2,6 +2,7 @@
 
 import math
 from concurrent.futures import Future, ThreadPoolExecutor
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -11,13 +12,13 @@ from hypothesis import strategies as st
 import strikewave
 from strikewave import load_case
 from strikewave.base.errors import InputError, InputErrors
-from strikewave.studies.design.candidates import Robustness, _beaten, sensitivities
+from strikewave.studies.design.candidates import Robustness, _beaten, front, sensitivities
 from strikewave.studies.design.evaluation import evaluation_of
 from strikewave.studies.design.figures import design_picture
 from strikewave.studies.design.goals import Goal, Objective, read_aim
 from strikewave.studies.design.plan import plan_of
 from strikewave.studies.design.question import design
-from strikewave.studies.design.report import design_report
+from strikewave.studies.design.report import design_report, design_words
 from strikewave.studies.design.runs import DesignRuns, margin_merit
 from strikewave.studies.engine.pools import ProcessPool
 from strikewave.studies.engine.store import RunStore
@@ -363,3 +364,37 @@ def test_a_specification_is_judged_as_a_comparison_judges_it():
 
 def test_a_share_of_draws():
     assert Robustness(30, 40, 0.6, 0.9).share == 0.75
+
+
+def test_where_only_runs_that_fail_a_check_meet_the_goals_it_is_said_and_the_nearest_that_passes_is_named():
+    """From 944 rpm on a second blow comes where one is wanted, after a first that only grazes the object."""
+    case = load_case("li-ma-2019", ["feed.blows=1"])
+    study = design(case, ["machine.speed=930..960 rpm"], ["first.rigid_peak < 2000 g"], analysis="fast", runs=16)
+    margins = study.margins
+    broken = np.array([status == "broken" for status in study.verdicts.statuses])
+    assert (margins[~broken] < 0.0).all()
+    assert (study.met, study.met_broken) == (0, np.sum(margins >= 0.0))
+    assert study.met_broken > 1
+    assert study.document()["meeting_all_goals"] == 0
+    nearest = study.nearest_sound
+    assert margins[nearest] == margins[~broken].max()
+    first, words = study.candidates[0], design_words(study)
+    assert first.confirmed
+    assert not first.holds
+    none = f"o setting whose run passes its checks meets all goals; {study.met_broken} runs that fail one do"
+    assert words.startswith(f"N{none}; the nearest that passes is {study.at(study.rows[nearest])}")
+    assert "Best" not in words
+    assert "not held" not in words
+    assert [notice.code for notice in study.notices if notice.broken] == ["not-met", "runs-broken"]
+    assert study.notices[0].message.startswith(f"n{none}")
+
+
+def test_a_broken_run_is_ahead_of_no_other_on_a_front(monkeypatch):
+    """One run of a front is taken as broken: it leaves the front to the others."""
+    goals = ["approach_speed smallest", "peak_force largest", "duration < 1 s"]
+    study = design(BALL, HEIGHT, goals, analysis="impact", runs=32)
+    best = study.front[0]
+    verdicts = ["broken: blow-count" if run == best else "passed" for run in range(len(study.rows))]
+    runs = SimpleNamespace(plan=study.plan, rows=study.rows, numbers=study.numbers, verdicts=verdicts)
+    assert best not in front(runs, study.plan.objectives)
+    assert set(study.front) - {best} <= set(front(runs, study.plan.objectives))

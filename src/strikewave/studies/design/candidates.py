@@ -102,9 +102,12 @@ class DesignCandidate:
     @property
     def holds(self) -> bool:
         """Whether its runs failed no check, and no margin falls below zero when it is verified."""
-        if self.failure or self.breaks:
-            return False
-        return self.verified is None or not bool((self.verified < 0.0).any())
+        return self.confirmed and not self.breaks
+
+    @property
+    def confirmed(self) -> bool:
+        """Whether no margin falls below zero by the run that verifies it, whatever the checks of its runs say."""
+        return not self.failure and (self.verified is None or not bool((self.verified < 0.0).any()))
 
     @property
     def breaks(self) -> bool:
@@ -124,8 +127,7 @@ def chosen_runs(runs: DesignRuns, merit: Array) -> list[int]:
     able = np.flatnonzero((least >= 0.0) & np.isfinite(merit))
     if not able.size:
         return [int(np.argmin(merit))]
-    sound = [run for run in able if status_of(runs.verdicts[run]) != RUN_BROKEN]
-    able = np.array(sound) if sound else able
+    able = _sound(runs, able)
     taken, places = list[int](), list[Array]()
     whole = np.array(plan.whole)
     for run in able[np.argsort(merit[able], kind="stable")]:
@@ -136,6 +138,12 @@ def chosen_runs(runs: DesignRuns, merit: Array) -> list[int]:
         if len(taken) == MOST_CANDIDATES:
             break
     return taken
+
+
+def _sound(runs: DesignRuns, able: NDArray[np.intp]) -> NDArray[np.intp]:
+    """Return those of some runs that failed no check; all of them where each did."""
+    sound = [run for run in able if status_of(runs.verdicts[run]) != RUN_BROKEN]
+    return np.array(sound, np.intp) if sound else able
 
 
 def verified(
@@ -155,7 +163,7 @@ def verified(
 
 
 def robustness_of(plan: DesignPlan, row: Row, store: RunStore, pool: Pool) -> Robustness:
-    """Return how many draws within the tolerances of a setting meet all goals.
+    """Return how many draws within the tolerances of a setting meet all goals, and fail no check.
 
     Source: ``clopper-pearson-1934``.
 
@@ -172,7 +180,8 @@ def robustness_of(plan: DesignPlan, row: Row, store: RunStore, pool: Pool) -> Ro
     finished = carry_out(Job(DrawVariation(case, inputs), plan.evaluation), drawn, store, pool)
     numbers, _, _ = store.table(plan.evaluation.names, finished.keys)
     least = shares_of(plan.goals, plan.evaluation.names, numbers).min(axis=1, initial=math.inf)
-    met = int(np.sum(least >= 0.0))
+    passed = np.array([status_of(text) != RUN_BROKEN for text in store.verdicts(finished.keys).texts])
+    met = int(np.sum((least >= 0.0) & passed))
     interval = binomtest(met, plan.robust).proportion_ci(0.95, "exact")
     return Robustness(met, plan.robust, float(interval.low), float(interval.high))
 
@@ -245,11 +254,14 @@ def _room(goals: Sequence[Goal], names: Sequence[str], numbers: Array, slopes: A
 
 
 def front(runs: DesignRuns, objectives: Sequence[Objective]) -> list[int]:
-    """Return the runs that meet all goals and that no other such run beats in all objectives, by the first of them."""
+    """Return the runs that meet all goals and that no other such run beats in all objectives, by the first of them.
+
+    Those that failed a check are taken where all that meet the goals did.
+    """
     plan, names = runs.plan, runs.plan.evaluation.names
     least = shares_of(plan.goals, names, runs.numbers).min(axis=1, initial=math.inf)
     values = np.column_stack([one.sign * runs.numbers[:, names.index(one.number)] for one in objectives])
-    able = np.flatnonzero((least >= 0.0) & np.isfinite(values).all(axis=1))
+    able = _sound(runs, np.flatnonzero((least >= 0.0) & np.isfinite(values).all(axis=1)))
     kept = [run for run in able if not _beaten(values[run], values[able])]
     return sorted(map(int, kept), key=lambda run: float(values[run, 0]))
 

@@ -18,7 +18,7 @@ from strikewave.studies.design.columns import (
     surrogate_rows,
 )
 from strikewave.studies.design.figures import design_picture
-from strikewave.studies.design.study import DesignStudy, conflict_words
+from strikewave.studies.design.study import DesignStudy, all_broken_words, conflict_words
 from strikewave.studies.sweep.report import ANALYSES
 
 MOST_FRONT = 20
@@ -51,16 +51,28 @@ def design_words(study: DesignStudy) -> str:
     """Say in words what came out."""
     first = study.candidates[0]
     broken = f" {study.verdicts.words}." if study.verdicts.words else ""
-    count = f"{len(study.rows)} runs, {study.met} of them meet all goals.{broken}"
+    count = f"{len(study.rows)} runs, {study.met} of them meet all goals{_also_broken(study)}.{broken}"
     if study.conflict is not None:
         nearest = f"Nearest: {study.at(first.row)}.{broken}"
         return f"No setting was found that meets all goals: {conflict_words(study)}. {nearest}"
     checked = study.plan.verifying
-    held = "" if checked is None else f", {'verified' if first.holds else 'not held'} by {checked[1]}"
     drawn = first.robustness
     robust = f" Of {drawn.drawn} draws within tolerances, {drawn.met} meet all goals." if drawn is not None else ""
-    limits = f" (its run is {first.verdict})" if first.breaks else ""
-    return f"Best: {study.at(first.row)}{limits}{held}. {count}{robust}"
+    if first.breaks and not study.met:
+        none = all_broken_words(study)
+        held = "" if checked is None else f", its numbers are {'' if first.confirmed else 'not '}held by {checked[1]}"
+        best = f"Of the settings that fail a check, {study.at(first.row)} ranks first ({first.verdict}){held}"
+        return f"{none[0].upper()}{none[1:]}. {best}. {len(study.rows)} runs.{broken}{robust}"
+    held = "" if checked is None else f", {'verified' if first.confirmed else 'not held'} by {checked[1]}"
+    limits = f" (the run that verifies it is {first.verdict})" if first.breaks else ""
+    return f"Best: {study.at(first.row)}{held}{limits}. {count}{robust}"
+
+
+def _also_broken(study: DesignStudy) -> str:
+    """Say how many runs besides meet the goals, but fail a check; nothing where none does."""
+    more = study.met_broken
+    words = "1 more meets them but fails a check" if more == 1 else f"{more} more meet them but fail a check"
+    return f", {words}" if more else ""
 
 
 def _conflict_section(study: DesignStudy) -> Section:

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from strikewave.base.citations import citation
 from strikewave.base.compile_progress import compiling_shown
-from strikewave.base.result import FAILED, Notice, Source, Verdicts, worse
+from strikewave.base.result import FAILED, RUN_BROKEN, Notice, Source, Verdicts, worse
 from strikewave.cases.case import Case
 from strikewave.cases.written_case import dump_case
 from strikewave.reporting.columns import HISTORY_DIGITS, Column, csv_table
@@ -186,8 +186,23 @@ class DesignStudy(ShownResult):
 
     @property
     def met(self) -> int:
-        """How many runs meet all goals."""
-        return int(np.sum(self.margins >= 0.0))
+        """How many runs meet all goals, and fail no check."""
+        return int(np.sum((self.margins >= 0.0) & ~self._failed_check))
+
+    @property
+    def met_broken(self) -> int:
+        """How many runs meet all goals, but fail a check."""
+        return int(np.sum((self.margins >= 0.0) & self._failed_check))
+
+    @property
+    def _failed_check(self) -> NDArray[np.bool_]:
+        return np.array([status == RUN_BROKEN for status in self.verdicts.statuses], dtype=bool)
+
+    @property
+    def nearest_sound(self) -> int | None:
+        """The run that fails no check and comes nearest to the goals; None where there is none."""
+        able = np.flatnonzero(~self._failed_check & np.isfinite(self.margins))
+        return int(able[np.argmax(self.margins[able])]) if able.size else None
 
     def found_notices(self) -> tuple[Notice, ...]:
         """Return what should be known: goals that are not met, settings that do not hold, runs that failed."""
@@ -196,8 +211,10 @@ class DesignStudy(ShownResult):
         if first.margin < 0.0 or math.isnan(first.margin):
             message = f"no setting was found that meets all goals: {conflict_words(self)}"
             notices.append(Notice("not-met", message, first.margin, 0.0, FAILED))
+        elif first.breaks and not self.met:
+            notices.append(Notice("not-met", all_broken_words(self), float(self.met_broken), 0.0, FAILED))
         elif not first.holds:
-            why = first.failure or (f"its run is {first.verdict}" if first.breaks else "a goal is missed")
+            why = first.failure or (f"that run is {first.verdict}" if first.breaks else "a goal is missed")
             notices.append(
                 Notice("not-verified", f"the setting does not hold when it is verified: {why}", 0.0, 0.0, FAILED)
             )
@@ -328,6 +345,20 @@ def conflict_words(study: DesignStudy) -> str:
     which = " and ".join(f'"{goal.typed}"' for goal in conflict.goals)
     head = f"{which} exclude each other" if len(conflict.goals) > 1 else f"{which} cannot be reached alone"
     return f"{head}: {'; '.join(words)}"
+
+
+def all_broken_words(study: DesignStudy) -> str:
+    """Say that all runs that meet the goals failed a check, and which that passed comes nearest to the goals."""
+    goals = " meets all goals" if study.plan.goals else " was found"
+    count = study.met_broken
+    others = f"{count} runs that fail one do" if count > 1 else "one run that fails one does"
+    words = f"no setting whose run passes its checks{goals}" + (f"; {others}" if study.plan.goals else "")
+    near = study.nearest_sound
+    if near is None or not study.plan.goals:
+        return words
+    goal = study.plan.goals[int(np.argmin(study.shares[near]))]
+    comes_to = study.value_words(goal.number, study.value(near, goal.number))
+    return f'{words}; the nearest that passes is {study.at(study.rows[near])}, where "{goal.typed}" comes to {comes_to}'
 
 
 def _reach_words(study: DesignStudy, reach: Reach, stated: tuple[Goal, ...]) -> str:
