@@ -393,3 +393,14 @@ def test_command_ends_by_fail_on_and_json_counts(strikewave):
 def test_the_verdict_of_notices_is_of_failed_checks_alone():
     assert Verdict.of([Notice("odd", "a warning")]).text == "passed"
     assert Verdict.of([Notice("odd", "a warning"), *planted(), *planted()]).text == f"broken: {PLANTED}"
+
+
+def test_of_a_single_run_no_count_is_given():
+    """ "1 of 1 fitted runs" is a riddle; of two each is counted."""
+    single = Verdicts(["broken: blow-count"], "fitted runs")
+    assert single.words == "the fitted run failed a check (blow-count)"
+    assert single.sentence == "The fitted run failed a check (blow-count)."
+    assert single.notices()[0].message == "the fitted run failed a check: blow-count"
+    assert Verdicts(["failed"], "simulations").words == "the simulation could not be made"
+    assert Verdicts(["failed", "passed"]).sentence == "1 of 2 runs could not be made."
+    assert Verdicts(["passed"]).sentence == ""

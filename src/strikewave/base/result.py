@@ -223,7 +223,9 @@ class Verdicts:
         return dict(Counter(codes).most_common())
 
     def counted(self, status: str) -> str:
-        """Return "1 of 3 runs"."""
+        """Return "1 of 3 runs", or "the run" where it is the only one."""
+        if len(self.texts) == self.count(status) == 1:
+            return f"the {self.noun.removesuffix('s')}"
         return f"{self.count(status)} of {len(self.texts)} {self.noun}"
 
     @property
@@ -236,6 +238,11 @@ class Verdicts:
             count = str(self.count(RUN_FAILED)) if parts else self.counted(RUN_FAILED)
             parts.append(f"{count} could not be made")
         return ", ".join(parts)
+
+    @property
+    def sentence(self) -> str:
+        """The same as a sentence; empty where none did."""
+        return f"{self.words[0].upper()}{self.words[1:]}." if self.words else ""
 
     def _weight(self, status: Status) -> Severity:
         """Return how much runs of a status weigh: a failed check where they decide, else a warning."""
@@ -254,7 +261,8 @@ class Verdicts:
         """Return what should be known of them: how many broke a limit or failed, and what was not judged."""
         listed = []
         if self.count(RUN_BROKEN):
-            checks = ", ".join(f"{code} in {count}" for code, count in self.codes.items())
+            several = len(self.texts) > 1
+            checks = ", ".join(f"{code} in {count}" if several else code for code, count in self.codes.items())
             message = f"{self.counted(RUN_BROKEN)} failed a check: {checks}"
             listed.append(
                 Notice("runs-broken", message, float(self.count(RUN_BROKEN)), severity=self._weight(RUN_BROKEN))
@@ -267,8 +275,8 @@ class Verdicts:
             )
         if self.count(""):
             message = (
-                f"{self.counted('')} were kept by a version that kept no verdicts: whether they broke a limit is not "
-                "known; --fresh makes them anew"
+                f"{self.count('')} of {len(self.texts)} {self.noun} are from a version that kept no verdicts: "
+                "whether a limit was broken is not known; --fresh makes them anew"
             )
             listed.append(Notice("runs-not-judged", message, float(self.count(""))))
         if self.not_judged:

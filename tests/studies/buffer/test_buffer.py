@@ -37,6 +37,7 @@ from strikewave.studies.buffer.mounting_site import (
     reading_of,
     usual_materials,
 )
+from strikewave.studies.buffer.report import _bandwidth
 from strikewave.studies.buffer.study import design_buffer
 from strikewave.studies.engine.pools import GivenPool
 from strikewave.studies.engine.store import RunStore
@@ -630,3 +631,8 @@ def test_a_blow_that_a_case_cannot_have_is_refused_before_it_runs(monkeypatch):
     for blow in ("99", "0", "-1", "8", "last"):
         with pytest.raises(InputError, match="worst, first, or a number from 1 to 7"):
             blows_of(case, choose_sensor(case, "buffered"), blow)
+
+
+def test_a_band_without_an_end_is_said_as_such():
+    assert _bandwidth(12.3e3) == "12.3 kHz"
+    assert _bandwidth(math.inf) == "200 kHz and beyond"

@@ -52,7 +52,7 @@ def compare_words(result: CompareResult) -> str:
     if result.specified is not None:
         words.insert(0, specification_words(result.specified))
     if result.verdicts.words:
-        words.insert(0, f"{result.verdicts.words}.")
+        words.insert(0, result.verdicts.sentence)
     return " ".join(words)
 
 

@@ -10,6 +10,7 @@ from strikewave.reporting import chapters
 from strikewave.reporting.numbers import headed, hertz, percent, shown, with_unit
 from strikewave.reporting.parts import Cell, Part, Picture, Section, Table, Tag, written
 from strikewave.reporting.table_columns import page_table
+from strikewave.sensors.mounting import RESOLVED
 from strikewave.studies.buffer.candidate import ALIKE, BufferCandidate, distinct
 from strikewave.studies.buffer.columns import MODULI_COLUMNS, RANK_COLUMNS, RankedStack, needed
 from strikewave.studies.buffer.figures import buffer_histories, buffer_transmissibility, peak_bandwidth
@@ -57,10 +58,10 @@ def buffer_words(study: BufferStudy) -> str:
         f"{within} of {len(study.candidates)} stacks keep the reading of {study.motion.name} within {limit}; directly "
         f"on the surface {study.site.table.name} would read {_peak(study.direct)}.",
         f"{study.order[0].upper()}{study.order[1:]}: {first.name}, {_peak(first)}, amplitudes within 10 % up to "
-        f"{hertz(first.band.within_10)}.",
+        f"{_bandwidth(first.band.within_10)}.",
     ]
     if study.verdicts.words:
-        words.insert(0, f"{study.verdicts.words}: the blow is that of this run.")
+        words.insert(0, f"{study.verdicts.sentence[:-1]}: the blow is that of this run.")
     if study.robust is None:
         words.append("No stack is known to keep the limit whatever the moduli of its gaskets.")
     elif study.robust is not first:
@@ -69,13 +70,18 @@ def buffer_words(study: BufferStudy) -> str:
     return " ".join(words)
 
 
+def _bandwidth(within_10: float) -> str:
+    """Return the frequency, Hz, up to which amplitudes pass; it is sought up to `RESOLVED`."""
+    return hertz(within_10) if math.isfinite(within_10) else f"{hertz(RESOLVED)} and beyond"
+
+
 def _key_numbers(study: BufferStudy) -> list[tuple[str, str]]:
     first = study.candidates[0]
     return [
         ("stacks that keep the limit", f"{sum(one.keeps for one in study.candidates)} of {len(study.candidates)}"),
         (f"reading on the first; limit {with_unit(study.goal.limit, 'm/s^2', 'g')}", _peak(first)),
         ("reading without gaskets", _peak(study.direct)),
-        ("amplitude within 10 % up to, first", hertz(first.band.within_10)),
+        ("amplitude within 10 % up to, first", _bandwidth(first.band.within_10)),
         ("resonance of the first", hertz(first.band.resonance)),
         ("height of the first", with_unit(first.height, "m", "mm", 3)),
     ]

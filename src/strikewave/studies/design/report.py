@@ -50,7 +50,7 @@ def design_report(study: DesignStudy) -> str:
 def design_words(study: DesignStudy) -> str:
     """Say in words what came out."""
     first = study.candidates[0]
-    broken = f" {study.verdicts.words}." if study.verdicts.words else ""
+    broken = f" {study.verdicts.sentence}" if study.verdicts.words else ""
     count = f"{len(study.rows)} runs, {study.met} of them meet all goals{_also_broken(study)}.{broken}"
     if study.conflict is not None:
         nearest = f"Nearest: {study.at(first.row)}.{broken}"

@@ -56,7 +56,7 @@ def fit_words(study: FitStudy) -> str:
     if study.checks is not None:
         words.append(check_words(study.checks))
     if study.verdicts.words:
-        words.insert(0, f"{study.verdicts.words}.")
+        words.insert(0, study.verdicts.sentence)
     return " ".join(words)
 
 

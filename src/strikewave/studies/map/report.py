@@ -37,7 +37,7 @@ def map_words(study: MapStudy) -> str:
     panels, rows, columns = study.plan.shape
     cells, even = panels * rows * columns, len(study.even_settings())
     words = [f"{cells} machines of {study.plan.blows} blows each, over {' and '.join(study.paths)}."]
-    words += [f"{study.verdicts.words}."] if study.verdicts.words else []
+    words += [study.verdicts.sentence] if study.verdicts.words else []
     if study.plan.train:
         first = max(study.shares, key=study.shares.__getitem__)
         words.append(f"Most of them ({percent(study.shares[first], 0)}) are in the regime {first}.")

@@ -43,7 +43,7 @@ def scatter_words(study: ScatterStudy) -> str:
     low, high = (with_unit(value, "m/s^2", "g") for value in study.peaks()[[0, 2], 0])
     words = [
         f"{len(study.completed)} full runs with every one of {_count(len(study.tolerances), 'tolerance')} drawn anew."
-        + (f" {study.verdicts.words}." if study.verdicts.words else ""),
+        + (f" {study.verdicts.sentence}" if study.verdicts.words else ""),
         f"The peak of the first blow lies between {low} and {high} in 95 % of them.",
         f"Within a run the peaks scatter by a CV of {in_percent(peak.within.median)} (median of the runs; the dynamics "
         f"alone, at nominal values, give {in_percent(still)}); from run to run the typical peak by "

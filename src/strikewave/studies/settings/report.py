@@ -53,7 +53,7 @@ def settings_words(study: SettingsStudy) -> str:
     ]
     if not met:
         words.append(f"It misses the goal: {first.obstacles}.")
-    words += [f"{study.verdicts.words}."] if study.verdicts.words else []
+    words += [study.verdicts.sentence] if study.verdicts.words else []
     return " ".join(words)
 
 

@@ -52,7 +52,7 @@ def reproduction_words(result: Reproduction) -> str:
     """Say in words what the paper claims, and what came out: on the screen and at the head of the report."""
     verdicts = [row.verdict for row in result.equations]
     counted = listed([f"{verdicts.count(name)} {name}" for name in tables.VERDICTS if name in verdicts])
-    broken = f"{result.verdicts.words}. " if result.verdicts.words else ""
+    broken = f"{result.verdicts.sentence} " if result.verdicts.words else ""
     return (
         f"{broken}The paper says that a contact law with damping gives the rigid-body pulse of a rotary shock "
         "machine, that one-dimensional waves give what a sensor reads beyond it, and that tests and LS-DYNA confirm "

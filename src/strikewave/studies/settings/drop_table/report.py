@@ -103,5 +103,5 @@ def drop_words(study: DropStudy) -> str:
         words.append(f"Its height counts on a full rebound: without any it is {highest}.")
     if not met:
         words.append(f"It misses the goal: {first.obstacles}.")
-    words += [f"{study.verdicts.words}."] if study.verdicts.words else []
+    words += [study.verdicts.sentence] if study.verdicts.words else []
     return " ".join(words)
