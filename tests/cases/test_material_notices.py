@@ -29,7 +29,7 @@ def far(**fields):
         ({"density": "200000 kg/m^3", "modulus": "211 GPa"}, ["density = 200000 kg/m^3", "10.4 times", "tungsten"]),
         ({"density": "7820 kg/m^3", "modulus": "0.05 MPa"}, ["modulus = 0.05 MPa", "softest", "5.72 MPa"]),
         ({"density": "7820 kg/m^3", "modulus": "40000 GPa"}, ["modulus = 40000 GPa", "100 times", "400 GPa"]),
-        ({"density": "78.2 kg/m^3", "modulus": "211 GPa"}, ["78.2 kg/m^3", "211 GPa", "5.194e+04", "65Mn"]),
+        ({"density": "78.2 kg/m^3", "modulus": "211 GPa"}, ["78.2 kg/m^3", "211 GPa", "51944\xa0m/s", "65Mn"]),
         ({"material": "65Mn", "modulus": "211 MPa"}, ["modulus = 211 MPa", "1/1000 of that of 65Mn", "211 GPa"]),
         ({"material": "65Mn", "density": "7820000 gram/m^3", "modulus": "5000 GPa"}, ["23.7 times that of 65Mn"]),
     ],

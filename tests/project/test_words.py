@@ -214,3 +214,22 @@ def test_percents_are_written_by_one_function():
     assert form.search('f"{share:.1%} of it"')
     slips = [f"{path.name}: {slip}" for path in (*MODULES, *CASES) for slip in form.findall(path.read_text("utf-8"))]
     assert slips == []
+
+
+ROUNDED = re.compile(r":[,+]?\.\d+g\}")
+"""A number of a text with so many digits: from as many before the point on it has an exponent, as "4.6e+02 %"."""
+
+
+def with_exponents(text):
+    """Return the lines of a module in which a number may get an exponent."""
+    return [line.strip() for line in text.splitlines() if ROUNDED.search(line)]
+
+
+@pytest.mark.parametrize("path", [path for path in MODULES if "notices" in path.stem], ids=lambda path: path.stem)
+def test_numbers_of_notices_are_written_as_plain_digits(path):
+    """`strikewave.base.percents.plain` writes them."""
+    assert with_exponents(path.read_text("utf-8")) == []
+
+
+def test_a_planted_number_with_an_exponent_is_found():
+    assert with_exponents('message = f"{100.0 * share:.2g} % of the radius"\nother = f"{plain(1e3)} kN"') != []

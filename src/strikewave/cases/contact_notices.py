@@ -6,7 +6,7 @@ from collections.abc import Iterator, Sequence
 from typing import Protocol
 
 from strikewave.base.materials import Material, material
-from strikewave.base.percents import percent
+from strikewave.base.percents import percent, plain
 from strikewave.base.quantities import AUTO, Value
 from strikewave.base.result import FAILED, INFO, Notice
 from strikewave.cases.case import Case
@@ -83,7 +83,8 @@ def low_pressure_notices(striker: AnyStriker, contact: ContactTable, face: Mater
     first, cap = first_yield_of(striker, contact, face), contact.yield_pressure
     if first is not None and isinstance(cap, Value) and cap.si < first.pressure:
         message = (
-            f"contact.yield_pressure, {cap.typed}, is below the {first.pressure / 1e6:.4g}\xa0MPa at which the "
+            f"contact.yield_pressure, {plain(cap.si / 1e6, 4)}\xa0MPa, is below the "
+            f"{plain(first.pressure / 1e6, 4)}\xa0MPa at which the "
             "weaker material first yields inside: the contact is taken as softer than it is"
         )
         yield Notice("yield-pressure-low", message, cap.si, first.pressure)
@@ -141,12 +142,13 @@ def cushion_notices(case: Case, pressed: Sequence[PressedBlow]) -> Iterator[Noti
     most = max(pressed, key=lambda blow: blow.indentation)
     strain = most.indentation / thickness
     message = (
-        f"the cushion ({cushion.law}) is pressed to {percent(strain)} of its {thickness * 1e3:.3g}\xa0mm, with up to "
-        f"{most.peak_force / area / 1e6:.3g}\xa0MPa; it gives back {percent(most.restitution**2)} of the work of "
+        f"the cushion ({cushion.law}) is pressed to {percent(strain)} of its {plain(thickness * 1e3)}\xa0mm, with "
+        "up to "
+        f"{plain(most.peak_force / area / 1e6)}\xa0MPa; it gives back {percent(most.restitution**2)} of the work of "
         "that blow"
     )
     if law.cap is not None:
-        message += f", and {pressed[-1].residual_indentation * 1e3:.3g}\xa0mm stay after the last one"
+        message += f", and {plain(pressed[-1].residual_indentation * 1e3)}\xa0mm stay after the last one"
     yield Notice("cushion", message, strain, LARGEST_STRAIN, severity=INFO)
     if strain >= LARGEST_STRAIN:
         message = (
@@ -164,4 +166,4 @@ def cushion_notices(case: Case, pressed: Sequence[PressedBlow]) -> Iterator[Noti
 
 def force_words(newtons: float) -> str:
     """Return a force in words, N or kN."""
-    return f"{newtons:.3g}\xa0N" if newtons < KILO else f"{newtons / KILO:.3g}\xa0kN"
+    return f"{plain(newtons)}\xa0N" if newtons < KILO else f"{plain(newtons / KILO)}\xa0kN"

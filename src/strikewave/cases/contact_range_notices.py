@@ -7,6 +7,7 @@ from collections.abc import Iterable, Iterator
 from typing import NamedTuple
 
 from strikewave.base.materials import Material, material
+from strikewave.base.percents import plain
 from strikewave.base.quantities import Value
 from strikewave.base.result import Notice
 from strikewave.cases.case import Case
@@ -89,9 +90,10 @@ def ball_notices(case: Case) -> Iterator[Notice]:
     ball = 4.0 / 3.0 * math.pi * striker.nose_radius.si**3 * row.density
     if abs(ball - striker.mass.si) > BALL_MASS_OFF * striker.mass.si:
         message = (
-            f"mass, size and material of the ball contradict one another: one of {striker.nose_radius.typed} radius "
-            f"(striker.nose_radius) of {row.name} (striker.material) has {ball:.4g}\xa0kg, not {striker.mass.typed} "
-            "(striker.mass); correct one of the three"
+            "mass, size and material of the ball contradict one another: one of "
+            f"{plain(striker.nose_radius.si * 1e3, 4)}\xa0mm radius "
+            f"(striker.nose_radius) of {row.name} (striker.material) has {plain(ball, 4)}\xa0kg, not "
+            f"{plain(striker.mass.si, 4)}\xa0kg (striker.mass); correct one of the three"
         )
         yield Notice("ball-mass", message, ball, striker.mass.si)
 
@@ -113,7 +115,7 @@ def indentation_notices(indentation: float, radius: float) -> Iterator[Notice]:
     share = indentation / radius
     if share > LARGEST_INDENTATION:
         message = (
-            f"the indentation is {100.0 * share:.2g} % of the radius of the nose: Hertz's law holds for small "
+            f"the indentation is {plain(100.0 * share, 2)} % of the radius of the nose: Hertz's law holds for small "
             "indentations; look at radius and materials"
         )
         yield Notice("indentation-large", message, share, LARGEST_INDENTATION)
@@ -140,8 +142,8 @@ def speed_notices(bodies: Iterable[Material], speed: float, stated: str) -> Iter
     slowest = min(rows, key=lambda row: row.bar_speed)
     if speed > slowest.bar_speed:
         message = (
-            f"{stated}: the approach at {speed:.4g}\xa0m/s is faster than a wave in {slowest.name}, "
-            f"{slowest.bar_speed:.4g}\xa0m/s (sqrt(E/rho)): that is a shock, which these laws do not describe; "
+            f"{stated}: the approach at {plain(speed, 4)}\xa0m/s is faster than a wave in {slowest.name}, "
+            f"{plain(slowest.bar_speed, 4)}\xa0m/s (sqrt(E/rho)): that is a shock, which these laws do not describe; "
             "look at the unit, and do not trust force or pulse"
         )
         yield Notice("faster-than-wave", message, speed, slowest.bar_speed)
@@ -152,7 +154,8 @@ def speed_notices(bodies: Iterable[Material], speed: float, stated: str) -> Iter
     limit, name = min((math.sqrt(2.0 * strength / row.density), row.name) for row, strength in known)
     if speed > limit:
         message = (
-            f"{stated}: the approach at {speed:.4g}\xa0m/s is beyond {limit:.3g}\xa0m/s, where the inertia of yielding "
+            f"{stated}: the approach at {plain(speed, 4)}\xa0m/s is beyond {plain(limit)}\xa0m/s, where the "
+            "inertia of yielding "
             f"{name} exceeds its strength (rho v^2/2 > Y): contact laws are those of slow pressing; do not trust force "
             "or pulse"
         )
@@ -178,8 +181,9 @@ def duration_notices(bodies: Iterable[tuple[str, float]], duration: float) -> It
     if slowest is not None and duration < slowest[0]:
         back, mass, name = slowest
         message = (
-            f"the contact lasts {duration * 1e6:.3g}\xa0us, and a wave takes {back * 1e6:.3g}\xa0us through a cube of "
-            f"{mass:.3g}\xa0kg of {name} and back: the body does not move as one; follow it as layers (strikewave wave)"
+            f"the contact lasts {plain(duration * 1e6)}\xa0us, and a wave takes {plain(back * 1e6)}\xa0us through "
+            f"a cube of {plain(mass)}\xa0kg of {name} and back: the body does not move as one; follow it as layers "
+            "(strikewave wave)"
         )
         yield Notice("contact-short", message, duration, back)
 
@@ -191,8 +195,9 @@ def damping_speed_notices(contact: ContactTable, approaches: Iterable[float]) ->
     if not slow:
         return
     message = (
-        f"contact.slowest_approach, {contact.slowest_approach.typed}, is above the approach speed of {len(slow)} of "
-        f"{len(every)} blows (from {min(slow):.3g}\xa0m/s): their damping is that of a blow at this speed, and they "
+        f"contact.slowest_approach, {plain(contact.slowest_approach.si, 4)}\xa0m/s, is above the approach speed of "
+        f"{len(slow)} of "
+        f"{len(every)} blows (from {plain(min(slow))}\xa0m/s): their damping is that of a blow at this speed, and they "
         f"give back more than the restitution asked for ({contact.restitution.si:g}); take a tenth of the approach "
         "speed"
     )
@@ -226,9 +231,9 @@ def _struck_face(case: Case) -> _Face | None:
 def _longer_than_face(path: str, length: Value, width: float, field: str, typed: object) -> Iterator[Notice]:
     if length.si > width:
         message = (
-            f"the line of contact, {length.typed} ({path}), is longer than the struck face is wide, "
-            f"{width * 1e3:.4g}\xa0mm ({field} = {typed}): the contact is too stiff; give the length that touches, "
-            "at most the width"
+            f"the line of contact, {plain(length.si * 1e3, 4)}\xa0mm ({path}), is longer than the struck face is wide, "
+            f"{plain(width * 1e3, 4)}\xa0mm ({field} = {typed}): the contact is too stiff; give the length that "
+            "touches, at most the width"
         )
         yield Notice("contact-longer-than-face", message, length.si, width)
 
@@ -243,9 +248,10 @@ def _slender_nose(case: Case, path: str, length: Value) -> Iterator[Notice]:
     if length.si > SLENDER * thickness:
         longest = (SLENDER * math.sqrt(volume)) ** (2.0 / 3.0)
         message = (
-            f"a struck nose of {nose.typed} (object.nose_mass) of {row.name} that is {length.typed} long ({path}) "
-            f"would be {thickness * 1e3:.3g}\xa0mm thick: it bends, and the line is not loaded evenly; give the length "
-            f"of the face (up to {longest * 1e3:.3g}\xa0mm for this mass), or the mass of the nose"
+            f"a struck nose of {plain(nose.si, 4)}\xa0kg (object.nose_mass) of {row.name} that is "
+            f"{plain(length.si * 1e3, 4)}\xa0mm long ({path}) "
+            f"would be {plain(thickness * 1e3)}\xa0mm thick: it bends, and the line is not loaded evenly; give the "
+            f"length of the face (up to {plain(longest * 1e3)}\xa0mm for this mass), or the mass of the nose"
         )
         yield Notice("contact-longer-than-face", message, length.si, longest)
 
@@ -259,8 +265,10 @@ def _heavy_nose(case: Case, path: str, length: Value) -> Iterator[Notice]:
     nose = 0.5 * math.pi * striker.nose_radius.si**2 * length.si * row.density
     if nose > striker.mass.si:
         message = (
-            f"a semi-cylinder of {striker.nose_radius.typed} (striker.nose_radius) and {length.typed} ({path}) of "
-            f"{row.name} has {nose:.3g}\xa0kg, more than the striker ({striker.mass.typed}): one of the three is wrong"
+            f"a semi-cylinder of {plain(striker.nose_radius.si * 1e3, 4)}\xa0mm (striker.nose_radius) and "
+            f"{plain(length.si * 1e3, 4)}\xa0mm ({path}) of "
+            f"{row.name} has {plain(nose)}\xa0kg, more than the striker ({plain(striker.mass.si, 4)}\xa0kg): one "
+            "of the three is wrong"
         )
         yield Notice("nose-heavy", message, nose, striker.mass.si)
 
@@ -281,8 +289,8 @@ def _spot_notices(case: Case, face: _Face | None, peak: float, indentation: floa
     if face is not None and 2.0 * spot > face.width:
         whose = "the struck face" if face.own else "a cube of the nose's mass"
         message = (
-            f"the spot of contact is {2e3 * spot:.3g}\xa0mm wide at the largest force, and {whose} "
-            f"{face.width * 1e3:.3g}\xa0mm ({face.field} = {face.typed}): the law takes the face as endless; give a "
+            f"the spot of contact is {plain(2e3 * spot)}\xa0mm wide at the largest force, and {whose} "
+            f"{plain(face.width * 1e3)}\xa0mm ({face.field} = {face.typed}): the law takes the face as endless; give a "
             "smaller striker.nose_radius, or a larger face"
         )
         yield Notice("spot-wider-than-face", message, 2.0 * spot, face.width)

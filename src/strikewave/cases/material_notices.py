@@ -6,6 +6,7 @@ from collections.abc import Iterable, Iterator, Mapping
 from typing import Any
 
 from strikewave.base.materials import Material, material, materials
+from strikewave.base.percents import plain
 from strikewave.base.quantities import Value
 from strikewave.base.result import Notice
 from strikewave.cases.by_path import entries_of, quantities_of
@@ -102,8 +103,8 @@ def _too_fast(table: str, stated: Mapping[str, Value], row: Material | None) -> 
     if speed > ABOVE * fastest.bar_speed:
         fields = " and ".join(f"{table}.{key} = {value.typed}" for key, value in stated.items())
         message = (
-            f"{fields} make a wave of {speed:.4g}\xa0m/s, {_times(speed / fastest.bar_speed)} that in {fastest.name}, "
-            f"the fastest known material ({fastest.bar_speed:.4g}\xa0m/s): look at their units"
+            f"{fields} make a wave of {plain(speed, 4)}\xa0m/s, {_times(speed / fastest.bar_speed)} that in "
+            f"{fastest.name}, the fastest known material ({plain(fastest.bar_speed, 4)}\xa0m/s): look at their units"
         )
         yield Notice("material-far", message, speed, fastest.bar_speed)
 
@@ -116,4 +117,4 @@ def _times(ratio: float) -> str:
     >>> _times(250.0), _times(1e-3)
     ('250 times', '1/1000 of')
     """
-    return f"{ratio:.3g} times" if ratio >= 1.0 else f"1/{float(f'{1.0 / ratio:.3g}'):.10g} of"
+    return f"{plain(ratio)} times" if ratio >= 1.0 else f"1/{plain(1.0 / ratio)} of"

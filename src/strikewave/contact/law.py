@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from strikewave.base.errors import IntegrationError, nearest
+from strikewave.base.percents import plain
 from strikewave.contact import _pair_kernels
 from strikewave.contact._law_kernels import (
     COLUMNS,
@@ -401,14 +402,14 @@ def check_end(contact: AnyContact, deepest: float) -> None:
     """
     if isinstance(contact, Contact) or deepest < float(contact.end_depth):
         return
-    end = f"{float(contact.end_depth) * 1e3:.3g} mm"
+    end = f"{plain(float(contact.end_depth) * 1e3)} mm"
     if isinstance(contact, HardeningContact):
         raise IntegrationError(
-            f"a cushion is pressed {deepest * 1e3:.3g} mm deep: it bottoms out, its law ends at {end}; take a thicker "
-            "or larger one, or one that bears more"
+            f"a cushion is pressed {plain(deepest * 1e3)} mm deep: it bottoms out, its law ends at {end}; take a "
+            "thicker or larger one, or one that bears more"
         )
     raise IntegrationError(
-        f"a contact is pressed {deepest * 1e3:.3g} mm deep, beyond the end of its logarithmic law at {end}: "
+        f"a contact is pressed {plain(deepest * 1e3)} mm deep, beyond the end of its logarithmic law at {end}: "
         "take a power law"
     )
 

@@ -11,6 +11,7 @@ from pathlib import Path
 import numpy as np
 
 from strikewave.base.errors import show
+from strikewave.base.percents import plain
 from strikewave.records.health.examined import BLOW, with_unit
 from strikewave.records.health_notice import HealthNotice
 from strikewave.records.reading import ChannelReading, FileReading
@@ -127,8 +128,8 @@ def _without_blow(readings: list[tuple[int, ChannelReading]]) -> Iterator[tuple[
         if ratio > NO_BLOW or (ratio > LOWER and (wider > OTHER_WIDTH or mains)):
             unit = reading.channel.unit
             message = (
-                f"no blow: its largest excursion, {with_unit(_largest(reading), unit)}, is {ratio:.3g} times below the "
-                f"median {with_unit(usual, unit)} of the other files"
+                f"no blow: its largest excursion, {with_unit(_largest(reading), unit)}, is {plain(ratio)} times "
+                f"below the median {with_unit(usual, unit)} of the other files"
             )
             message += ", and comes again in the period of the mains" if mains else ""
             if _scaled(1.0 / ratio, 0.0) is None or wider > 1.0 + SAME_WIDTH:
@@ -240,7 +241,7 @@ def _outlying(readings: list[tuple[int, ChannelReading]]) -> Iterator[tuple[int,
             file, reading = readings[places[k]]
             unit = {"peak": reading.channel.unit, **dict.fromkeys(("velocity_change", "ratio"), ""), "frequency": "Hz"}
             off, side = abs(values[k] - usual) / spread, "above" if values[k] > usual else "below"
-            far = f"{off:.2g}" if off < FAR else f"more than {FAR}"
+            far = f"{plain(off, 2)}" if off < FAR else f"more than {FAR}"
             called = "peak over that of the base" if name == "ratio" else name.replace("_", " ")
             message = (
                 f"its {called}, {with_unit(values[k], unit.get(name, 's'))}, is an outlier: {far} "
@@ -277,7 +278,9 @@ def _unlike_others(readings: list[tuple[int, ChannelReading]]) -> Iterator[tuple
                 HealthNotice("polarity-differs", message, sign, severity="suspect", harms=("peak", "velocity_change")),
             )
         if len(readings) > 2 and fixed and duration < SHORTER * usual:
-            message = f"it lasts {duration:.4g}\xa0s, the other files {usual:.4g}\xa0s: it may have been cut off"
+            message = (
+                f"it lasts {plain(duration, 4)}\xa0s, the other files {plain(usual, 4)}\xa0s: it may have been cut off"
+            )
             yield file, HealthNotice("truncated", message, duration, severity="suspect")
         if channel.unit != usual_unit:
             message = f"it is in {channel.unit or 'unknown units'}, the other files in {usual_unit or 'unknown units'}"

@@ -11,7 +11,10 @@ import re
 from collections.abc import Sequence
 from dataclasses import dataclass
 
+from strikewave.base.percents import NO_DOUBT as NO_DOUBT
+from strikewave.base.percents import beside_doubt
 from strikewave.base.percents import percent as percent
+from strikewave.base.percents import rounded as rounded
 from strikewave.base.units import DIMENSIONS, in_unit, parse_quantity
 from strikewave.reporting.parts import NONE, written
 from strikewave.reporting.shown_units import OFFERED, are_chosen, plain_unit, shown_unit
@@ -20,8 +23,6 @@ LONGEST_IN_MICROSECONDS = 5e-3
 """Runs that last longer, s, are shown in milliseconds: µs would need five digits before the point."""
 SHOWN_UNITS = {"m/s^2": "g", "s": "us", "N": "N", "": ""}
 """SI unit of a published number and the unit in which it is shown as a rule."""
-NO_DOUBT = 1e-5
-"""Uncertainty over its value below which no digit that is shown depends on it."""
 LEAST_SHARE = 1e-6
 """Shares of a variance below it are written as such, and smaller errors not at all: rounding of the runs makes them."""
 FEWEST_DIGITS = 4
@@ -295,17 +296,6 @@ def _in_shown_unit(found: re.Match[str]) -> str:
     return f"{written(value, max(digits, FEWEST_DIGITS))} {spelled(shown_unit(si, unit))}"
 
 
-def rounded(value: float, decimals: int) -> str:
-    """Write a number with so many decimals; below 0 it is rounded to tens, hundreds and so on. No zero has a sign.
-
-    Examples
-    --------
-    >>> rounded(1165.2, -2), rounded(1165.2, 1), rounded(-0.2, 0)
-    ('1200', '1165.2', '0')
-    """
-    return f"{round(value, decimals) + 0.0:.{max(decimals, 0)}f}"
-
-
 def doubted(value: float, doubt: float) -> tuple[str, str]:
     """Write a number and its uncertainty: that with two digits, the number with as many decimals.
 
@@ -316,8 +306,7 @@ def doubted(value: float, doubt: float) -> tuple[str, str]:
     """
     if not (math.isfinite(value + doubt) and doubt > NO_DOUBT * abs(value)):
         return written(value), written(doubt, 2)
-    decimals = 1 - math.floor(math.log10(float(f"{doubt:.1e}")))
-    return rounded(value, decimals), rounded(doubt, decimals)
+    return beside_doubt(value, doubt)
 
 
 def share_with_error(share: float, error: float, decimals: int = 0) -> str:

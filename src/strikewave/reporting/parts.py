@@ -11,6 +11,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, ClassVar
 
+from strikewave.base.percents import plain
+
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
@@ -212,8 +214,8 @@ def written(value: str | int | float | None, digits: int = 4) -> str:
         return NONE
     if isinstance(value, str | bool | int):
         return str(value)
-    text = f"{value:.{digits}g}"
-    if "e" in text and 1e-4 <= abs(value) < 1e7:
-        return f"{value:.0f}"
+    text = plain(value, digits)
+    if text.lstrip("-").isdigit() and len(text.lstrip("-")) > digits:
+        return text
     is_exact = not math.isfinite(value) or math.isclose(float(text), value, rel_tol=EXACT, abs_tol=0.0)
     return text if is_exact else f"{value:#.{digits}g}".rstrip(".")

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from strikewave.base.constants import STANDARD_GRAVITY
 from strikewave.base.first_few import first_few
-from strikewave.base.percents import percent
+from strikewave.base.percents import percent, plain
 from strikewave.base.result import Notice
 from strikewave.waves import BarRun, Layer, Stack, Tap, TimeGrid
 
@@ -84,10 +84,10 @@ def rise_notices(stack: Stack, rise: float, bandwidth: float, peak: float | None
     ratio, layer = rise_in_diameters(stack, rise, bandwidth)
     refused, warned = rise_limits(stack)
     theory = "one-dimensional theory" if refused == REFUSED else "the first mode"
-    at = "" if math.isinf(bandwidth) else f" at {bandwidth / 1e3:.3g}\xa0kHz"
-    what = f"a rise of {rise * 1e6:.3g} us{at} is {ratio:.2g} diameters of travel in {layer.name}"
+    at = "" if math.isinf(bandwidth) else f" at {plain(bandwidth / 1e3)}\xa0kHz"
+    what = f"a rise of {plain(rise * 1e6)} us{at} is {plain(ratio, 2)} diameters of travel in {layer.name}"
     if ratio < refused:
-        shown = "" if peak is None else f" ({theory} would say {peak / STANDARD_GRAVITY:.4g}\xa0g)"
+        shown = "" if peak is None else f" ({theory} would say {plain(peak / STANDARD_GRAVITY, 4)}\xa0g)"
         message = (
             f"no peak acceleration is quoted{shown}: {what}, below {refused:g}; sensor readings are no better "
             f'founded; state it at a lower bandwidth: --set solver.bandwidth="{_quotable(layer, rise, refused)} kHz"'
@@ -104,7 +104,7 @@ def _quotable(layer: Layer, rise: float, refused: float) -> str:
     left = math.sqrt(max((refused * layer.diameter / layer.bar_speed) ** 2 - rise**2, 0.0))
     highest = RISE_OF_BANDWIDTH / left / 1e3
     digit = 10.0 ** (math.floor(math.log10(highest)) - 1)
-    return f"{math.floor(highest / digit - _ROUNDING) * digit:.3g}"
+    return f"{plain(math.floor(highest / digit - _ROUNDING) * digit)}"
 
 
 def layer_notices(stack: Stack, largest_force: Array) -> Iterator[Notice]:
@@ -126,15 +126,16 @@ def layer_notices(stack: Stack, largest_force: Array) -> Iterator[Notice]:
         if strength is not None and stress > strength:
             speed = strength * layer.area / layer.impedance
             message = (
-                f"the stress in {layer.name} reaches {stress / 1e6:.4g}\xa0MPa, beyond its yield strength of "
-                f"{strength / 1e6:.4g}\xa0MPa (a wave of {speed:.3g}\xa0m/s): elastic waves no longer hold"
+                f"the stress in {layer.name} reaches {plain(stress / 1e6, 4)}\xa0MPa, beyond its yield strength of "
+                f"{plain(strength / 1e6, 4)}\xa0MPa (a wave of {plain(speed)}\xa0m/s): elastic waves no longer hold"
             )
             yield Notice("stress-yield", message, stress, strength)
         elif stress > LARGEST_STRAIN * layer.modulus:
             message = (
-                f"the stress in {layer.name} reaches {stress / 1e6:.4g}\xa0MPa, {percent(stress / layer.modulus)} of "
-                f"its modulus of {layer.modulus / 1e6:.4g}\xa0MPa: linear waves hold for small strains alone; look at "
-                "the units of load, speed, modulus and sizes"
+                f"the stress in {layer.name} reaches {plain(stress / 1e6, 4)}\xa0MPa, "
+                f"{percent(stress / layer.modulus)} of "
+                f"its modulus of {plain(layer.modulus / 1e6, 4)}\xa0MPa: linear waves hold for small strains "
+                "alone; look at the units of load, speed, modulus and sizes"
             )
             yield Notice("strain-large", message, stress, LARGEST_STRAIN * layer.modulus)
 
@@ -151,21 +152,21 @@ def joint_notices(stack: Stack, least_force: Array, greatest_force: Array, load_
         least, greatest = float(least_force[k]), float(greatest_force[k])
         if max(-least, greatest) > joint.yield_force:
             message = (
-                f"the gasket {where} is loaded with {max(-least, greatest) / 1e3:.3g}\xa0kN, beyond its yield at "
-                f"{joint.yield_force / 1e3:.3g}\xa0kN: its linear spring no longer holds"
+                f"the gasket {where} is loaded with {plain(max(-least, greatest) / 1e3)}\xa0kN, beyond its yield at "
+                f"{plain(joint.yield_force / 1e3)}\xa0kN: its linear spring no longer holds"
             )
             yield Notice("gasket-yield", message, max(-least, greatest), joint.yield_force)
         if joint.unilateral and joint.gap > 0.0:
             outcome = "closes" if greatest > 0.0 else "stays open and transmits nothing"
-            message = f"the gap of {joint.gap * 1e6:.3g}\xa0um {where} {outcome}"
+            message = f"the gap of {plain(joint.gap * 1e6)}\xa0um {where} {outcome}"
             yield Notice("joint-gap", message, greatest, 0.0)
         elif joint.unilateral and joint.preload > 0.0 and least <= -joint.preload * (1.0 - _ROUNDING):
-            message = f"the joint {where} opens: tension reaches its preload of {joint.preload:.4g}\xa0N"
+            message = f"the joint {where} opens: tension reaches its preload of {plain(joint.preload, 4)}\xa0N"
             yield Notice("joint-opened", message, least, -joint.preload)
         elif not joint.unilateral and least < -TENSION_SHARE * most:
             pulled.append((least, where))
     if pulled:
-        places = first_few([f"{where} ({-least / 1e3:.3g}\xa0kN)" for least, where in pulled], MOST_NAMES)
+        places = first_few([f"{where} ({plain(-least / 1e3)}\xa0kN)" for least, where in pulled], MOST_NAMES)
         message = (
             f"tension in the joint {places}: true only if it is glued, welded or bolted hard enough (a gasket counts "
             "as glued on both sides); else make it unilateral, with the preload of its bolt"
@@ -190,7 +191,7 @@ def end_notices(stack: Stack, duration: float) -> Iterator[Notice]:
     if stack.end.kind == "matched" and echo < duration:
         message = (
             f"the end is matched, as if {stack.layers[-1].name} were endless; at its length the echo would be back "
-            f"after {echo * 1e6:.3g}\xa0us, within the load of {duration * 1e6:.3g}\xa0us"
+            f"after {plain(echo * 1e6)}\xa0us, within the load of {plain(duration * 1e6)}\xa0us"
         )
         yield Notice("matched-end", message, echo, duration)
 
@@ -263,11 +264,11 @@ def not_reached_notices(
         if time >= lasting:
             late.append((f"layer {layer.name}", time))
     if late and faces:
-        places = first_few([f"{place} ({time * 1e6:.4g}\xa0us)" for place, time in late], MOST_NAMES)
+        places = first_few([f"{place} ({plain(time * 1e6, 4)}\xa0us)" for place, time in late], MOST_NAMES)
         last = max(time for _, time in late)
         message = (
             f"{stated} ends before the wave arrives at {places}: what is shown there is no result; follow it for more "
-            f"than {last * 1e6:.4g}\xa0us"
+            f"than {plain(last * 1e6, 4)}\xa0us"
         )
         yield Notice("not-reached", message, lasting, last)
 
@@ -303,7 +304,7 @@ def grid_notices(grid: TimeGrid) -> Iterator[Notice]:
     """Yield a time step that changes a layer noticeably."""
     if grid.mismatch > MISMATCH_LIMIT:
         message = (
-            f"the time step of {grid.step * 1e9:.4g} ns changes a transit by {percent(grid.mismatch)}: leave "
+            f"the time step of {plain(grid.step * 1e9, 4)} ns changes a transit by {percent(grid.mismatch)}: leave "
             "solver.step out, or take a finer one"
         )
         yield Notice("coarse-step", message, grid.mismatch, MISMATCH_LIMIT)

@@ -488,10 +488,10 @@ def test_the_first_sentence_says_that_compression_is_assumed(strikewave, shot):
 @pytest.mark.parametrize(
     ("title", "warned"),
     [
-        ("18CrNiMo7-6 in tension", "title of the set-up says tension"),
-        ("SHTB 7", "title of the set-up says SHTB"),
-        ("Zugversuch", "title of the set-up says Zugversuch"),
-        ("\u62c9\u4f38\u8bd5\u9a8c", "title of the set-up says \u62c9\u4f38"),
+        ("18CrNiMo7-6 in tension", "the title of the set-up says tension"),
+        ("SHTB 7", "the title of the set-up says SHTB"),
+        ("Zugversuch", "the title of the set-up says Zugversuch"),
+        ("\u62c9\u4f38\u8bd5\u9a8c", "the title of the set-up says \u62c9\u4f38"),
         ("tension positive", "tension positive, and the first pulse of bar.incident.gauge is positive"),
         ("compression negative", "compression negative, and the first pulse of bar.incident.gauge is positive"),
         ("compression positive, no tension", ""),

@@ -10,7 +10,7 @@ import numpy as np
 
 from strikewave.analyses.fem.sectors import open_cuts, sectors, unlike_sectors
 from strikewave.base.materials import material
-from strikewave.base.percents import percent
+from strikewave.base.percents import percent, plain
 from strikewave.base.result import BALANCE_LIMIT, FAILED, Notice
 from strikewave.cases.case import Case
 from strikewave.cases.comparisons import origin_notices
@@ -83,7 +83,9 @@ def notices(solution: FemSolution) -> Iterator[Notice]:
     yield from model_notices(case, model)
     if run.added_mass > 0.0:
         share = run.added_mass / sum(part.mass for part in run.parts.values())
-        message = f"fem.least_step added {run.added_mass:.3g}\xa0kg to small elements, {percent(share, 2)} of all mass"
+        message = (
+            f"fem.least_step added {plain(run.added_mass)}\xa0kg to small elements, {percent(share, 2)} of all mass"
+        )
         yield Notice("added-mass", message, share, 0.0)
     yield from _overlaps(model, run)
     yield from _contacts(model, run)
@@ -125,8 +127,9 @@ def _fast_parts(model: Model) -> Iterator[Notice]:
             limit = solids[slowest].wave_speed
             fields = " and ".join(f"mesh.part.{part}.velocity" for part in parts if part in model.velocity)
             message = (
-                f"{fields}: {' and '.join(parts)} meet at {speed:.4g}\xa0m/s, faster than a wave in {slowest}, "
-                f"{limit:.4g}\xa0m/s: it is a shock front, of which the laws of solids do not know; look at the unit"
+                f"{fields}: {' and '.join(parts)} meet at {plain(speed, 4)}\xa0m/s, faster than a wave in {slowest}, "
+                f"{plain(limit, 4)}\xa0m/s: it is a shock front, of which the laws of solids do not know; look at "
+                "the unit"
             )
             yield Notice("faster-than-wave", message, speed, limit)
 
@@ -141,7 +144,8 @@ def blow_notices(solution: FemSolution) -> Iterator[Notice]:
     yielded = rest.plastic_energy / max(run.initial_energy, TINY) if rest is not None else 0.0
     if rest is not None and yielded > REST_YIELD:
         message = (
-            f"on the way to rest before it the bodies yield with {rest.plastic_energy:.3g}\xa0J, {yielded:.1e} of its"
+            f"on the way to rest before it the bodies yield with {plain(rest.plastic_energy)}\xa0J, {yielded:.1e} "
+            "of its"
         )
         yield _named(run, Notice("blow-yield", f"{message} energy", yielded, REST_YIELD))
     if run.stopped:
@@ -198,11 +202,11 @@ def _overlaps(model: Model, run: FemRun) -> Iterator[Notice]:
     least = ROUNDING * float(np.ptp(model.mesh.points, axis=0).max())
     for overlap in run.overlaps:
         if overlap.deepest > least:
-            place = ", ".join(f"{x * 1e3:.4g}" for x in overlap.place)
+            place = ", ".join(f"{plain(x * 1e3, 4)}" for x in overlap.place)
             message = (
                 f"{overlap.nodes} nodes of the contact {overlap.contact} stand inside the other side before the blow, "
-                f"the deepest by {overlap.deepest * 1e6:.3g}\xa0um at ({place}) mm: they are let out without a force; "
-                "move the parts apart, or match their meshes, where that matters"
+                f"the deepest by {plain(overlap.deepest * 1e6)}\xa0um at ({place}) mm: they are let out without a "
+                "force; move the parts apart, or match their meshes, where that matters"
             )
             yield Notice("initial-overlap", message, overlap.deepest, least)
 
@@ -217,7 +221,7 @@ def _contacts(model: Model, run: FemRun) -> Iterator[Notice]:
             yield Notice("no-contact", message, 0.0, 0.0)
         elif measure.duration < FEWEST_INTERVALS * interval:
             message = (
-                f"the contact {name} lasts {measure.duration * 1e6:.3g}\xa0us, {measure.duration / interval:.1f} "
+                f"the contact {name} lasts {plain(measure.duration * 1e6)}\xa0us, {measure.duration / interval:.1f} "
                 "intervals of the histories: take a shorter fem.interval"
             )
             yield Notice("fem-interval", message, measure.duration / interval, FEWEST_INTERVALS)
@@ -226,12 +230,13 @@ def _contacts(model: Model, run: FemRun) -> Iterator[Notice]:
         if measure is not None and top < FEWEST_TRANSITS * transit:
             message = (
                 f"the elements of {side} are too coarse for the force of the contact {name}: it is above "
-                f"{percent(TOP, 0)} of its peak, {measure.peak / 1e3:.3g}\xa0kN, for {top * 1e6:.2g}\xa0us, and a wave "
-                f"takes {transit * 1e6:.2g}\xa0us through one of them, so that their size decides the peak; take "
+                f"{percent(TOP, 0)} of its peak, {plain(measure.peak / 1e3)}\xa0kN, for "
+                f"{plain(top * 1e6, 2)}\xa0us, and a wave "
+                f"takes {plain(transit * 1e6, 2)}\xa0us through one of them, so that their size decides the peak; take "
                 "smaller elements there"
             )
             if measure.duration >= FEWEST_INTERVALS * LONGER * transit:
-                message += f", or fem.interval of {LONGER * transit * 1e6:.2g}\xa0us or more"
+                message += f", or fem.interval of {plain(LONGER * transit * 1e6, 2)}\xa0us or more"
             yield Notice("pulse-coarse", message, top / transit, FEWEST_TRANSITS)
 
 
@@ -259,7 +264,7 @@ def _coarse_contacts(case: Case, model: Model, run: FemRun) -> Iterator[Notice]:
             pieces = 1 if unlike else sector_of[side.partition(".")[0]].pieces
             if 0.0 < share < ALL_PRESSED and faces < FEWEST_FACES:
                 message = (
-                    f"only {faces:.2g} faces of {side} are ever pressed at once: their number decides the "
+                    f"only {plain(faces, 2)} faces of {side} are ever pressed at once: their number decides the "
                     f"force; take a smaller finest size there, so that {FEWEST_FACES:.0f} or more are"
                     + (f" (a {'half' if pieces == 2 else 'quarter'} of them in the sector)" if pieces > 1 else "")
                 )
@@ -274,7 +279,8 @@ def _strength(case: Case, model: Model, run: FemRun) -> Iterator[Notice]:
         yields = isinstance(model.solids[part.name], Bilinear | HeatedSolid)
         if strength is not None and stress > strength and not yields:
             message = (
-                f"the elastic part {part.name} is loaded with {stress / 1e6:.4g}\xa0MPa (von Mises), beyond the "
-                f"{strength / 1e6:.4g}\xa0MPa at which {part.material} yields: give it a solid with a yield strength"
+                f"the elastic part {part.name} is loaded with {plain(stress / 1e6, 4)}\xa0MPa (von Mises), beyond the "
+                f"{plain(strength / 1e6, 4)}\xa0MPa at which {part.material} yields: give it a solid with a yield "
+                "strength"
             )
             yield Notice("fem-yield", message, stress, strength)

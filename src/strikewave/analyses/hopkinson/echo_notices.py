@@ -6,7 +6,7 @@ import math
 from collections.abc import Iterator
 
 from strikewave.analyses.hopkinson.notices import MISMATCH
-from strikewave.base.percents import percent
+from strikewave.base.percents import percent, plain
 from strikewave.base.result import Notice
 from strikewave.hopkinson import Bar
 from strikewave.hopkinson.echoes import Echoes, Way
@@ -36,7 +36,8 @@ def echo_notices(found: Echoes, bar: Bar, way: Way) -> Iterator[Notice]:
     if found.odd is not None:
         number, late, strength = found.odd
         message = (
-            f"pass {number} does not go with those after it: {late * 1e6:+.3g}\xa0us late, {strength:.3g} times as "
+            f"pass {number} does not go with those after it: {plain(late * 1e6, sign='+')}\xa0us late, "
+            f"{plain(strength)} times as "
             f"strong as they say; did it meet a specimen? echoes.skip = {number} leaves it out"
         )
         yield Notice("first-passes-differ", message, float(number), math.nan)
@@ -47,14 +48,14 @@ def _speed_notices(found: Echoes, bar: Bar, way: Way) -> Iterator[Notice]:
     off = speed.value / bar.speed - 1.0
     limit = max(MISMATCH, speed.student * speed.error / bar.speed if speed.freedom > 0 else 0.0)
     turned = "away" if way == "towards" else "towards"
-    ask = f'echoes.way = "{turned}" would give {other.speed:.5g}\xa0m/s: which way does the first pulse run?'
+    ask = f'echoes.way = "{turned}" would give {plain(other.speed, 5)}\xa0m/s: which way does the first pulse run?'
     if other.misfit < OTHER_WAY:
         message = f"the times of the passes fit the other way of the first pulse better; {ask}"
         yield Notice("way-differs", message, other.misfit, OTHER_WAY)
     if abs(off) > limit:
         message = (
-            f"the speed by echoes, {speed.value:.5g}\xa0m/s, is {percent(off, 2, '+')} off the stated "
-            f"{bar.speed:.5g}\xa0m/s"
+            f"the speed by echoes, {plain(speed.value, 5)}\xa0m/s, is {percent(off, 2, '+')} off the stated "
+            f"{plain(bar.speed, 5)}\xa0m/s"
         )
         if not other.misfit < OTHER_WAY and abs(other.speed / bar.speed - 1.0) < OTHER_WAY * abs(off):
             message += f"; {ask}"
@@ -67,8 +68,8 @@ def _length_notices(found: Echoes, bar: Bar) -> Iterator[Notice]:
     off = found.round_trip.value / bar.length - 1.0 if math.isfinite(bar.length) else 0.0
     if abs(off) > LENGTH_MISMATCH:
         message = (
-            f"the stated length of {bar.length * 1e3:.5g}\xa0mm is {percent(-off / (1.0 + off), 1, '+')} off the "
-            f"{found.round_trip.value * 1e3:.5g}\xa0mm by round trips and turns at the near end: is it, or the gauge "
-            "distance, off?"
+            f"the stated length of {plain(bar.length * 1e3, 5)}\xa0mm is {percent(-off / (1.0 + off), 1, '+')} off the "
+            f"{plain(found.round_trip.value * 1e3, 5)}\xa0mm by round trips and turns at the near end: is it, or "
+            "the gauge distance, off?"
         )
         yield Notice("length-differs", message, off, LENGTH_MISMATCH)

@@ -8,7 +8,7 @@ from collections.abc import Iterable, Iterator
 
 from strikewave.analyses.hopkinson.build import recorded_file
 from strikewave.analyses.hopkinson.setup_file import HopkinsonCase
-from strikewave.base.percents import percent
+from strikewave.base.percents import percent, plain
 from strikewave.base.result import Notice
 from strikewave.cases.material_notices import far_numbers
 from strikewave.cases.tables.hopkinson import HopkinsonSetup, RecordedTable
@@ -58,7 +58,7 @@ def constant_notices(setup: HopkinsonSetup, constants: dict[str, BarMaterial]) -
         if abs(elastic.mismatch) > MISMATCH:
             message = (
                 f"the modulus stated for the {name} bar differs by {percent(elastic.mismatch, 1, '+')} from rho c^2 = "
-                f"{elastic.modulus / 1e9:.4g}\xa0GPa of its density and speed, which is used"
+                f"{plain(elastic.modulus / 1e9, 4)}\xa0GPa of its density and speed, which is used"
             )
             yield Notice("constants-disagree", message, elastic.mismatch, MISMATCH)
 
@@ -70,7 +70,7 @@ def drift_notices(quiets: Iterable[Quiet], names: Iterable[str]) -> Iterator[Not
         limit = max(DRIFT * error, DRIFT_SHARE * float(abs(quiet.trace.strain).max()))
         if difference > limit:
             message = (
-                f"the baseline of {name} moves by {difference * 1e6:.3g} ustrain before the pulse, more than noise "
+                f"the baseline of {name} moves by {plain(difference * 1e6)} ustrain before the pulse, more than noise "
                 "does: forces and impulses are no surer than that"
             )
             yield Notice("baseline-drifts", message, difference, limit)

@@ -84,7 +84,7 @@ def stated_kind(texts: Mapping[str, str]) -> StatedKind:
 
 def stated_texts(case: HopkinsonCase, gauged: Sequence[Gauged]) -> dict[str, str]:
     """Return what set-up, names of channels and heads of files say, by where it stands."""
-    texts = {f"{path} of the set-up": text for path, text in texts_of(case.setup).items()}
+    texts = {f"the {path} of the set-up": text for path, text in texts_of(case.setup).items()}
     for one in gauged:
         file, name = one.source
         texts |= {f"the channel {name}": name, f"the head of {file.name}": head_of(file)}

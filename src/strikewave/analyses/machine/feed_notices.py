@@ -7,6 +7,7 @@ from collections.abc import Iterator, Sequence
 
 import numpy as np
 
+from strikewave.base.percents import plain
 from strikewave.base.result import Notice
 from strikewave.machines import Blow
 from strikewave.machines.run import MachineRun
@@ -39,20 +40,20 @@ def feed_notices(run: MachineRun, blows: Sequence[Blow]) -> Iterator[Notice]:
     moving, away = abs(forward) > STANDING_SHARE * nominal, abs(short) > STANDING_SHARE * drive.engagement
     if first.time < fed and (moving or away):
         more = sum(blow.time < fed for blow in struck) - 1
-        where = f"{short * 1e3:.3g}\xa0mm short of its place" if away else "in its place"
+        where = f"{plain(short * 1e3)}\xa0mm short of its place" if away else "in its place"
         message = (
             f"the first blow{f' and {more} more' if more else ''} meets the object while it is still fed: at first "
-            f"touch it is {where} and comes with {forward:.3g}\xa0m/s, and the approach is "
-            f"{first.approach_speed:.3g}\xa0m/s instead of {nominal:.3g}\xa0m/s; the feed ends "
-            f"{(fed - first.time) * 1e3:.3g}\xa0ms later: let it end between two strikers (feed.arrival), or take a "
+            f"touch it is {where} and comes with {plain(forward)}\xa0m/s, and the approach is "
+            f"{plain(first.approach_speed)}\xa0m/s instead of {plain(nominal)}\xa0m/s; the feed ends "
+            f"{plain((fed - first.time) * 1e3)}\xa0ms later: let it end between two strikers (feed.arrival), or take a "
             "shorter feed.stroke_time"
         )
         yield Notice("struck-while-fed", message, first.time, fed)
     elif moving:
         way = "towards the striker" if forward > 0.0 else "away from the striker"
         message = (
-            f"the first blow meets an object that still moves, {abs(forward):.3g}\xa0m/s {way}: the approach is "
-            f"{first.approach_speed:.3g}\xa0m/s instead of {nominal:.3g}\xa0m/s; {_why_it_moves(run)}lengthen "
+            f"the first blow meets an object that still moves, {plain(abs(forward))}\xa0m/s {way}: the approach is "
+            f"{plain(first.approach_speed)}\xa0m/s instead of {plain(nominal)}\xa0m/s; {_why_it_moves(run)}lengthen "
             "feed.stroke_time, raise object.preload, or let it arrive earlier (feed.arrival)"
         )
         yield Notice("first-blow-moving", message, abs(forward), STANDING_SHARE * nominal)
@@ -66,6 +67,6 @@ def _why_it_moves(run: MachineRun) -> str:
     if largest <= held:
         return ""
     return (
-        f"the feed speeds up and stops with up to {largest:.3g}\xa0m/s^2, and the preload holds the object on its stop "
-        f"only up to {held:.3g}\xa0m/s^2: "
+        f"the feed speeds up and stops with up to {plain(largest)}\xa0m/s^2, and the preload holds the object on "
+        f"its stop only up to {plain(held)}\xa0m/s^2: "
     )

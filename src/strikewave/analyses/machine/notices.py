@@ -18,6 +18,7 @@ from strikewave.analyses.machine.sensor_readings import (
 )
 from strikewave.base.constants import STANDARD_GRAVITY
 from strikewave.base.materials import material
+from strikewave.base.percents import plain
 from strikewave.base.quantities import AUTO
 from strikewave.base.result import FAILED, INFO, Notice, Verdict, balance_notices
 from strikewave.cases.case import Case
@@ -153,7 +154,7 @@ def _odd_blows(case: Case, blows: Sequence[Blow]) -> Iterator[Notice]:
     if away:
         farthest = max(blow.largest_displacement for blow in away)
         message = (
-            f"the object was still away, by up to {farthest * 1e3:.3g}\xa0mm, when the strikers of blow "
+            f"the object was still away, by up to {plain(farthest * 1e3)}\xa0mm, when the strikers of blow "
             f"{', '.join(str(blow.index) for blow in away)} passed: it needs a stiffer spring, more preload, less "
             "friction or a longer interval"
         )
@@ -181,8 +182,8 @@ def _yield(case: Case, answers: ContactAnswers | None) -> Iterator[Notice]:
             yield Notice("contact-yields", message, elastic.peak_force, limit, severity=INFO)
         if asked < 1.0 and yielding.restitution < asked - YIELD_TAKES:
             message = (
-                f"damping and yield together give e = {yielding.restitution:.3g} in the first blow, not the {asked:g} "
-                "asked of the damping; where that already stood for what yields, ask for 1"
+                f"damping and yield together give e = {plain(yielding.restitution)} in the first blow, not the "
+                f"{asked:g} asked of the damping; where that already stood for what yields, ask for 1"
             )
             yield Notice("restitution-differs", message, yielding.restitution, asked)
         return
@@ -254,13 +255,13 @@ def _recorder(case: Case, struck: Sequence[Blow]) -> Iterator[Notice]:
         )
         yield Notice("recorder-memory", message, end, last)
     if begin > struck[0].time:
-        message = f"the recorder starts at {begin * 1e3:.4g}\xa0ms, after the first blow: shorten recorder.delay"
+        message = f"the recorder starts at {plain(begin * 1e3, 4)}\xa0ms, after the first blow: shorten recorder.delay"
         yield Notice("recorder-delay", message, begin, struck[0].time)
     intervals = struck[0].width * recorder.sampling_rate.si
     if intervals < FEWEST_INTERVALS:
         least = FEWEST_INTERVALS / struck[0].width
         message = f"{intervals:.1f} sampling intervals a pulse: {_peak_lost(intervals)}"
-        message += f"; give recorder.sampling_rate at least {least / 1e3:.3g}\xa0kHz"
+        message += f"; give recorder.sampling_rate at least {plain(least / 1e3)}\xa0kHz"
         yield Notice("recorder-rate", message, intervals, FEWEST_INTERVALS)
 
 
@@ -297,7 +298,7 @@ def wave_notices(
         *rise_notices(stack, min(contact_rise(span), *fronts), bandwidth, first.total_peak),
         *layer_notices(stack, largest),
         *not_reached_notices(
-            stack, build_taps(case), lasting, f"the first blow, followed for {lasting * 1e6:.4g}\xa0us,"
+            stack, build_taps(case), lasting, f"the first blow, followed for {plain(lasting * 1e6, 4)}\xa0us,"
         ),
         *joint_notices(stack, least, greatest),
         *joint_yield_notices(case, greatest.tolist()),
@@ -321,13 +322,14 @@ def launch_notices(case: Case, seen: Observed, start: Release) -> Iterator[Notic
         fall = -seen.machine.struck.gravity
         message = (
             "rigid peak, width and velocity change are those of a sensor whose zero is taken in the fall, as "
-            f"specifications and records mean them: {fall / STANDARD_GRAVITY:.4g}\xa0g above the acceleration of the "
-            "object"
+            f"specifications and records mean them: {plain(fall / STANDARD_GRAVITY, 4)}\xa0g above the "
+            "acceleration of the object"
         )
         yield Notice("zero-in-fall", message, fall, severity=INFO)
     if seen.machine.rebounds is None:
         message = (
-            f"only the first blow is followed, for {machine.follow.typed} after first touch (machine.follow): what "
+            f"only the first blow is followed, for {plain(machine.follow.si * 1e3)}\xa0ms after first touch "
+            "(machine.follow): what "
             'rebounds strikes again unless a brake catches it; machine.until = "rest" follows it'
         )
         yield Notice("first-blow-only", message, machine.follow.si, 0.0, severity=INFO)
@@ -365,7 +367,8 @@ def _light_anvil(seen: Observed, start: Release) -> Iterator[Notice]:
         return
     if anvil.mass < HEAVY_ANVIL * mass:
         message = (
-            f"the anvil ([striker], {anvil.mass:.4g}\xa0kg) is free and not heavy beside the {mass:.4g}\xa0kg that "
+            f"the anvil ([striker], {plain(anvil.mass, 4)}\xa0kg) is free and not heavy beside the "
+            f"{plain(mass, 4)}\xa0kg that "
             f"meet it: it is thrown away, and the velocity change is {percent(anvil.mass / (anvil.mass + mass), 0)} of "
             "that on a fixed one; give its whole mass, or striker.mount_stiffness to the ground"
         )
@@ -376,14 +379,14 @@ def _rebound_notice(seen: Observed) -> Notice:
     """Report how following over rebounds ended."""
     run, count = seen.run, len(seen.blows)
     if run.ended == "brake":
-        message = f"a brake catches it at the top of its rebound after {count} blows and takes {run.braked:.3g}\xa0J"
+        message = f"a brake catches it at the top of its rebound after {count} blows and takes {plain(run.braked)}\xa0J"
         return Notice("brake", message, run.braked, 0.0, severity=INFO)
     if run.ended == "rest":
         limit = REST_SHARE * float(run.contacts()[0, 2])
         message = (
-            f"it rests after {count} blows: it comes again with less than {limit:.3g}\xa0m/s, {REST_SHARE:g} of "
+            f"it rests after {count} blows: it comes again with less than {plain(limit)}\xa0m/s, {REST_SHARE:g} of "
             "the first"
         )
         return Notice("rest", message, run.end, limit, severity=INFO)
-    message = f"followed for {run.end:.4g}\xa0s and {count} blows: it neither rests nor is it caught by then"
+    message = f"followed for {plain(run.end, 4)}\xa0s and {count} blows: it neither rests nor is it caught by then"
     return Notice("follow-ended", f"{message}; raise machine.longest, or take a time (machine.until)", run.end, run.end)

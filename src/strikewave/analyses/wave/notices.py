@@ -14,6 +14,7 @@ from strikewave.analyses.wave.build import of_the_paper, wanted
 from strikewave.analyses.wave.result import WaveSolution, load_peak
 from strikewave.base.first_few import first_few
 from strikewave.base.materials import material
+from strikewave.base.percents import plain
 from strikewave.base.result import BALANCE_LIMIT, FAILED, INFO, Notice
 from strikewave.cases.case import Case
 from strikewave.cases.comparisons import origin_notices
@@ -104,9 +105,9 @@ def _fast_layers(case: Case, stack: Stack) -> Iterator[Notice]:
         if meeting > slowest.bar_speed:
             fields = " and ".join(f"stack.layer.{x.name}.speed = {typed[x.name]}" for x in pair if x.name in typed)
             message = (
-                f"{fields}: {pair[0].name} and {pair[1].name} meet at {meeting:.4g}\xa0m/s, faster than a wave in "
-                f"{slowest.name}, {slowest.bar_speed:.4g}\xa0m/s: it is a shock front, of which elastic waves do not "
-                "know; look at the unit"
+                f"{fields}: {pair[0].name} and {pair[1].name} meet at {plain(meeting, 4)}\xa0m/s, faster than a "
+                f"wave in {slowest.name}, {plain(slowest.bar_speed, 4)}\xa0m/s: it is a shock front, of which elastic "
+                "waves do not know; look at the unit"
             )
             yield Notice("faster-than-wave", message, meeting, slowest.bar_speed)
 
@@ -126,17 +127,21 @@ def _file_notices(run: BarRun) -> list[Notice]:
     notices = []
     if not load.told:
         message = (
-            f"the load file names no unit: taken as N and s, {load.largest:.4g}\xa0N over {load.duration:.4g}\xa0s"
+            f"the load file names no unit: taken as N and s, {plain(load.largest, 4)}\xa0N over "
+            f"{plain(load.duration, 4)}\xa0s"
         )
         notices.append(Notice("load-unit", message, load.largest, 0.0))
     if load.duration > LONGER * run.duration:
-        message = f"the load lasts {load.duration:.4g}\xa0s, the run {run.duration:.4g}\xa0s: most of it is ignored"
+        message = (
+            f"the load lasts {plain(load.duration, 4)}\xa0s, the run {plain(run.duration, 4)}\xa0s: most of it is "
+            "ignored"
+        )
         notices.append(Notice("load-long", message, load.duration, run.duration))
     begins = abs(float(load.values[0]))
     if load.kind != "speed" and begins > LOAD_OFFSET * load.largest:
         message = (
-            f"the load begins with {begins:.4g}\xa0N, {percent(begins / load.largest, 1)} of its largest: it jumps "
-            "there; subtract the baseline, and cut the record at the onset of the blow"
+            f"the load begins with {plain(begins, 4)}\xa0N, {percent(begins / load.largest, 1)} of its largest: it "
+            "jumps there; subtract the baseline, and cut the record at the onset of the blow"
         )
         notices.append(Notice("load-offset", message, begins, LOAD_OFFSET * load.largest))
     return notices
@@ -147,14 +152,15 @@ def _longer_load(run: BarRun) -> Iterator[Notice]:
     load = run.load
     if isinstance(load, LoadPulse) and load.duration > run.duration:
         message = (
-            f"the load lasts {load.duration * 1e6:.4g}\xa0us and the run {run.duration * 1e6:.4g}\xa0us: what is shown "
+            f"the load lasts {plain(load.duration * 1e6, 4)}\xa0us and the run "
+            f"{plain(run.duration * 1e6, 4)}\xa0us: what is shown "
             "is the begin of the blow; raise solver.duration, or shorten load.duration"
         )
         yield Notice("load-long", message, load.duration, run.duration)
     if isinstance(load, Impactor) and run.touches.size and run.touches[-1, 1] >= run.duration:
         message = (
-            f"the striker still touches at the end of the run, {run.duration * 1e6:.4g}\xa0us: its impulse and rebound "
-            "are not those of the whole blow; raise solver.duration"
+            f"the striker still touches at the end of the run, {plain(run.duration * 1e6, 4)}\xa0us: its impulse "
+            "and rebound are not those of the whole blow; raise solver.duration"
         )
         yield Notice("contact-not-over", message, float(run.touches[-1, 1]), run.duration)
 
@@ -165,10 +171,10 @@ def _unresolved(channels: Sequence[SensorChannel], step: float) -> Iterator[Noti
         period = shortest_period([channel])
         if period < FEWEST_SAMPLES * step:
             message = (
-                f"sensor {channel.sensor.name} answers up to {1e-3 / period:.4g}\xa0kHz, but what it feels is kept "
-                "every "
-                f"{step * 1e9:.4g} ns: its reading of steep fronts is low; leave solver.step out, or take one below "
-                f"{period / FEWEST_SAMPLES * 1e9:.3g} ns and a shorter solver.duration"
+                f"sensor {channel.sensor.name} answers up to {plain(1e-3 / period, 4)}\xa0kHz, but what it feels "
+                "is kept every "
+                f"{plain(step * 1e9, 4)} ns: its reading of steep fronts is low; leave solver.step out, or take "
+                f"one below {plain(period / FEWEST_SAMPLES * 1e9)} ns and a shorter solver.duration"
             )
             yield Notice("sensor-unresolved", message, step, period / FEWEST_SAMPLES)
 
@@ -205,10 +211,10 @@ def _not_reached(solution: WaveSolution) -> Iterator[Notice]:
     cut = [(name, time + peak) for name, time in arrivals if time + onset <= run.duration < time + peak]
     if cut:
         last = max(time for _, time in cut)
-        places = first_few([f"tap {name} ({time * 1e6:.4g}\xa0us)" for name, time in cut], MOST_NAMES)
+        places = first_few([f"tap {name} ({plain(time * 1e6, 4)}\xa0us)" for name, time in cut], MOST_NAMES)
         message = (
             f"{stated} ends before the top of the first pulse arrives at {places}: what is shown there is no peak; "
-            f"follow it for more than {last * 1e6:.4g}\xa0us"
+            f"follow it for more than {plain(last * 1e6, 4)}\xa0us"
         )
         yield Notice("peak-not-reached", message, run.duration, last)
 
@@ -268,7 +274,8 @@ def _missed_accuracy(case: Case, run: BarRun, accuracy: tuple[float, float]) -> 
     asked, (velocity, acceleration) = wanted(case), accuracy
     if velocity <= asked.velocity and acceleration > asked.acceleration and case.solver.bandwidth is None:
         message = (
-            f"the error bound of acceleration is {acceleration:.2g} of its peak instead of {asked.acceleration:g}: "
+            f"the error bound of acceleration is {plain(acceleration, 2)} of its peak instead of "
+            f"{asked.acceleration:g}: "
             "where the load has a corner it jumps, and no step bounds it; round the load, or state a solver.bandwidth"
         )
         return [Notice("error-bound", message, acceleration, asked.acceleration)]
@@ -281,5 +288,5 @@ def _missed_accuracy(case: Case, run: BarRun, accuracy: tuple[float, float]) -> 
             message = "no error bound: a striker, joints that open, and layers with a speed are beyond its theorem"
         return [Notice("no-error-bound", message, math.inf, asked.velocity)]
     why = "the step is that of the case" if asked.step else "a finer step would take too long, or the load jumps"
-    message = f"the error bound of velocity is {velocity:.2g} of its peak instead of {asked.velocity:g}: {why}"
+    message = f"the error bound of velocity is {plain(velocity, 2)} of its peak instead of {asked.velocity:g}: {why}"
     return [Notice("error-bound", message, velocity, asked.velocity)]

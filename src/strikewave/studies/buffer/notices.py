@@ -9,7 +9,7 @@ from strikewave.base.citations import FROM_MEMORY
 from strikewave.base.constants import STANDARD_GRAVITY
 from strikewave.base.errors import IntegrationError
 from strikewave.base.materials import material
-from strikewave.base.percents import percent
+from strikewave.base.percents import percent, plain
 from strikewave.base.result import FAILED, INFO, Notice
 from strikewave.cases.sensors_of_case import memory_notices
 from strikewave.contact import AnyContact
@@ -56,9 +56,10 @@ def study_notices(study: BufferStudy, skipped: int) -> Iterator[Notice]:
     yield from memory_notices(study.site.table)
     if not first.whole:
         message = (
-            f"the history ends {study.motion.after_peak * 1e6:.4g}\xa0us after the surface's largest value, before "
-            f"{first.name} has swung to one side at {first.band.resonance:.4g}\xa0Hz: its largest reading may come "
-            "later"
+            f"the history ends {plain(study.motion.after_peak * 1e6, 4)}\xa0us after the surface's largest value, "
+            "before "
+            f"{first.name} has swung to one side at {plain(first.band.resonance, 4)}\xa0Hz: its largest reading "
+            "may come later"
         )
         yield Notice("short-history", message, study.motion.after_peak, SHOWN_PERIODS / first.band.resonance)
     if reading.quantum > COARSE * limit:
@@ -72,9 +73,10 @@ def _pulse_lost(study: BufferStudy, first: BufferCandidate) -> Iterator[Notice]:
     width, passed = study.motion.width, first.band.within_10
     if not carries(first, width):
         message = (
-            f"{first.name} passes within 10 % only up to {passed:.3g}\xa0Hz, and a pulse of {width * 1e6:.4g}\xa0us "
-            f"needs about {1.0 / width:.4g}\xa0Hz, one over its width: the reading is the buffer's own swing; it tells "
-            "that the sensor survives, not what the pulse was"
+            f"{first.name} passes within 10 % only up to {plain(passed)}\xa0Hz, and a pulse of "
+            f"{plain(width * 1e6, 4)}\xa0us "
+            f"needs about {plain(1.0 / width, 4)}\xa0Hz, one over its width: the reading is the buffer's own "
+            "swing; it tells that the sensor survives, not what the pulse was"
         )
         yield Notice("pulse-lost", message, passed, 1.0 / width)
 
@@ -98,7 +100,8 @@ def _not_robust(study: BufferStudy, first: BufferCandidate) -> Iterator[Notice]:
         slowest = slowest_shown(first.stack, study.motion)
         message += (
             "measure the gaskets, or try thicker ones; no stack is known to be robust, which takes a history of half a "
-            f"period of the softest: this one is long enough for stacks like this that ring above {slowest:.3g}\xa0Hz"
+            "period of the softest: this one is long enough for stacks like this that ring above "
+            f"{plain(slowest)}\xa0Hz"
         )
     else:
         message += "measure the gaskets, or look for a robust stack with --rank robust"
@@ -131,7 +134,8 @@ def _gasket_notices(study: BufferStudy, first: BufferCandidate) -> Iterator[Noti
         strength = material(layer.material).yield_strength
         if strength is not None and stress > strength:
             message = (
-                f"{layer} carries {stress / 1e6:.3g}\xa0MPa, beyond its yield strength of {strength / 1e6:.3g}\xa0MPa"
+                f"{layer} carries {plain(stress / 1e6)}\xa0MPa, beyond its yield strength of "
+                f"{plain(strength / 1e6)}\xa0MPa"
             )
             yield Notice("gasket-yield", message, stress, strength)
         if strain > LARGE_STRAIN:
@@ -146,7 +150,7 @@ def _gasket_notices(study: BufferStudy, first: BufferCandidate) -> Iterator[Noti
     stiffer, usual = max(zip(factors, elastic, strict=True), key=lambda pair: pair[0] / pair[1])
     if stiffer > usual:
         message = (
-            f"the elastomer is thin for its width: where its faces cannot slip it is up to {stiffer:.3g} times as "
+            f"the elastomer is thin for its width: where its faces cannot slip it is up to {plain(stiffer)} times as "
             "stiff as computed (Gent & Lindley); the column no slip shows what is then read"
         )
         yield Notice("elastomer-confined", message, stiffer, usual)

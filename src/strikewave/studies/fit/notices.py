@@ -7,6 +7,7 @@ from collections.abc import Iterator
 import numpy as np
 from numpy.typing import NDArray
 
+from strikewave.base.percents import plain
 from strikewave.base.result import FAILED, INFO, Notice
 from strikewave.cases.case import Case
 from strikewave.reporting.numbers import listed, percent
@@ -32,7 +33,8 @@ def posterior_notices(posterior: Posterior) -> list[Notice]:
         return []
     why = "stopped: " if posterior.stopped else ""
     message = (
-        f"{why}chains of {posterior.steps} steps are too short for an autocorrelation time of {posterior.memory:.3g} "
+        f"{why}chains of {posterior.steps} steps are too short for an autocorrelation time of "
+        f"{plain(posterior.memory)} "
         f"steps: about {posterior.independent:.0f} independent draws, {ENOUGH:.0f} and {LONG:.0f} times that are "
         "needed; ends of its intervals may be off"
     )
@@ -83,7 +85,7 @@ def _of_records(study: FitStudy) -> Iterator[Notice]:
         others = f" (the worst of {len(broken)} records)" if len(broken) > 1 else ""
         message = (
             f"the residual of {worst.called} is not noise{others}: its RMS is {percent(worst.share, 1)} of the peak, "
-            f"{worst.size:.3g} {known}; the model lacks something, and standard errors are those of what is left"
+            f"{plain(worst.size)} {known}; the model lacks something, and standard errors are those of what is left"
         )
         yield Notice("residual-not-noise", message, worst.size, 1.0)
     apart = [one for one in study.solved.misfits if one.scatters]
@@ -114,7 +116,8 @@ def _of_numbers(study: FitStudy) -> Iterator[Notice]:
         worst = max(missed, key=lambda one: one.size)
         others = f" (the worst of {len(missed)} of {len(study.numbers)} numbers)" if len(missed) > 1 else ""
         message = (
-            f"{worst.called} is missed by {worst.size:.2g} times its uncertainty, {percent(worst.share, 1)}{others}"
+            f"{worst.called} is missed by {plain(worst.size, 2)} times its uncertainty, "
+            f"{percent(worst.share, 1)}{others}"
         )
         yield Notice("not-met", message, worst.size, MET)
 

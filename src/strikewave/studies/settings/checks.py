@@ -7,6 +7,7 @@ from collections.abc import Iterable
 
 from strikewave.base.errors import InputError
 from strikewave.base.materials import material
+from strikewave.base.percents import plain
 from strikewave.cases.case import Case
 from strikewave.cases.contact_of_case import face_contact
 from strikewave.contact.law import indentation_under
@@ -47,9 +48,9 @@ def check_goal(case: Case, goal: BlowGoal, choice: SettingsChoices) -> None:
     _check_choice(goal, choice)
     least = least_width(case, goal, choice)
     if goal.width < least:
-        allowed = f"at least about {least * 1e6:.3g} us at this peak: object and striker are no stiffer"
+        allowed = f"at least about {plain(least * 1e6)} us at this peak: object and striker are no stiffer"
         hint = "a lighter striker or a stiffer contact helps" + ("" if choice.vary == "frame" else ", or --vary frame")
-        raise InputError("--width", f"{goal.width * 1e6:.4g} us", allowed, hint)
+        raise InputError("--width", f"{plain(goal.width * 1e6, 4)} us", allowed, hint)
 
 
 def _check_machine(case: Case) -> None:
@@ -70,13 +71,13 @@ def _check_blows(goal: BlowGoal) -> None:
             raise InputError(field, value, "above zero")
     if goal.width * SHORTEST > goal.interval:
         longest = goal.interval / SHORTEST * 1e6
-        allowed = f"at most {longest:.4g} us, a tenth of the interval"
-        raise InputError("--width", f"{goal.width * 1e6:.4g} us", allowed, "longer pulses run into the next blow")
+        allowed = f"at most {plain(longest, 4)} us, a tenth of the interval"
+        raise InputError("--width", f"{plain(goal.width * 1e6, 4)} us", allowed, "longer pulses run into the next blow")
 
 
 def _check_feed(case: Case, goal: BlowGoal) -> None:
     """Refuse a feed that holds the object for the next striker, or brings it there with the first one."""
-    feed, typed = case.rotary_tables().feed, f"{goal.interval * 1e3:.4g} ms"
+    feed, typed = case.rotary_tables().feed, f"{plain(goal.interval * 1e3, 4)} ms"
     if feed.release_delay.si >= goal.interval:
         allowed = f"less than the interval, {typed}: the next striker comes before the object leaves"
         raise InputError("feed.release_delay", feed.release_delay.typed, allowed, "shorten it by --set")

@@ -10,6 +10,7 @@ import dataclasses
 from collections.abc import Iterator, Sequence
 
 from strikewave.base.errors import InputErrors
+from strikewave.base.percents import plain
 from strikewave.base.result import RUN_FAILED, Notice, Verdicts
 from strikewave.cases.case import Case
 from strikewave.studies.engine.answers import Failure, answers
@@ -133,8 +134,8 @@ def _notices(candidate: SettingsCandidate) -> Iterator[Notice]:
     for limit in candidate.limits:
         if not limit.decides and not limit.kept:
             message = (
-                f"the contact yields below its surface (von Mises) beyond {limit.limit / 1e3:.3g} kN and is loaded "
-                f"with {limit.value / 1e3:.3g} kN: give contact.yield_pressure by --set, or trust peak and width, "
+                f"the contact yields below its surface (von Mises) beyond {plain(limit.limit / 1e3)} kN and is loaded "
+                f"with {plain(limit.value / 1e3)} kN: give contact.yield_pressure by --set, or trust peak and width, "
                 "which depend on frame and mount, more than the contact force"
             )
             yield Notice("contact-yield", message, limit.value, limit.limit)

@@ -6,6 +6,7 @@ import numpy as np
 
 from strikewave.base.constants import STANDARD_GRAVITY
 from strikewave.base.errors import InputError
+from strikewave.base.percents import plain
 from strikewave.cases.case import Case
 from strikewave.studies.settings.estimate import (
     Support,
@@ -73,13 +74,15 @@ def sensible_strikers(case: Case, goal: BlowGoal, choice: SettingsChoices) -> tu
         reached = max(reached, reach)
         if 2.0 * reach < change:
             left_out[number] = (
-                f"engaged by the {deepest * 1e3:.3g} mm that strikers and stroke allow, the noses come at {reach:.3g} "
-                f"m/s; even a blow without loss takes {0.5 * change:.3g} m/s"
+                f"engaged by the {plain(deepest * 1e3)} mm that strikers and stroke allow, the noses come at "
+                f"{plain(reach)} m/s; even a blow without loss takes {plain(0.5 * change)} m/s"
             )
             continue
         passing = passage_time(engagement(0.5 * change, speed, radius), speed, radius)
         if passing > RETURN_SHARE[1] * goal.interval:
-            left_out[number] = f"a nose is in the way for {passing * 1e3:.3g} ms of the {goal.interval * 1e3:.4g} ms"
+            left_out[number] = (
+                f"a nose is in the way for {plain(passing * 1e3)} ms of the {plain(goal.interval * 1e3, 4)} ms"
+            )
             continue
         sensible.append(number)
     if not sensible:
@@ -95,11 +98,11 @@ def _none_left(goal: BlowGoal, reached: float, change: float, left_out: dict[int
     if 2.0 * reached < change:
         largest = goal.peak * 2.0 * reached / change / STANDARD_GRAVITY
         allowed = (
-            f"at most {largest:.4g} g with this width, interval and radius, where the noses come at {reached:.3g} m/s "
-            "and nothing is lost"
+            f"at most {plain(largest, 4)} g with this width, interval and radius, where the noses come at "
+            f"{plain(reached)} m/s and nothing is lost"
         )
         hint = "a larger machine.radius or feed.stroke (--set), other --strikers, a shorter width or interval help"
-        return InputError("--peak", f"{goal.peak / STANDARD_GRAVITY:.4g} g", allowed, hint)
+        return InputError("--peak", f"{plain(goal.peak / STANDARD_GRAVITY, 4)} g", allowed, hint)
     why = "; ".join(f"{number} strikers: {reason}" for number, reason in left_out.items())
     return InputError(
         "--strikers", ", ".join(map(str, left_out)), "a number that leaves the object time to return", why
