@@ -250,6 +250,21 @@ def test_tdms_waveforms_are_laid_on_one_clock_by_their_start_times(tmp_path):
     assert [(f.code, f.value) for f in record.findings] == [("start-times", 0.003)]
 
 
+@pytest.mark.parametrize(
+    ("apart", "words", "severity"),
+    [
+        (np.timedelta64(3, "ms"), "later: a/board by 3\xa0ms", "good"),
+        (np.timedelta64(3600, "s"), "later: a/board by 1\xa0h", "good"),
+        (np.timedelta64(36, "h"), "later: a/board by 1.5\xa0d; starts more than an hour apart", "suspect"),
+    ],
+)
+def test_channels_that_begin_more_than_an_hour_apart_are_suspect(tmp_path, apart, words, severity):
+    channels = [("a", "board", BOARD, waveform(NOON + apart)), ("b", "frame", FRAME, waveform(NOON))]
+    (notice,) = read_record(write_waveforms(tmp_path / "a.tdms", channels)).findings
+    assert notice.message.partition("one clock; ")[2].startswith(words)
+    assert notice.severity == severity
+
+
 def test_tdms_start_times_finer_than_a_microsecond_count(tmp_path):
     nptdms = pytest.importorskip("nptdms")
     times = [nptdms.timestamp.TdmsTimestamp(3850761600, fraction) for fraction in (0, 2**64 // 10**8)]

@@ -5,6 +5,7 @@ import math
 import numpy as np
 import pytest
 
+from strikewave.base.percents import beside_doubt
 from strikewave.records import find_pulses
 from strikewave.records.two_sensors import paired_motion
 from strikewave.waves import End, Layer, LoadPulse, Stack, Tap, run_bar
@@ -107,6 +108,8 @@ def test_a_wave_that_passes_is_late_by_distance_over_speed(rng):
     assert found.delay == pytest.approx(0.06 / SPEED, abs=3.0 * found.delay_uncertainty + run.grid.step)
     assert found.gain == pytest.approx(1.0, abs=0.01)
     assert (found.one_body, found.leads) == ("no", 1)
+    number, doubt = beside_doubt(1e6 * found.delay, 1e6 * found.delay_uncertainty)  # as the table has them
+    assert f"delay {number} ± {doubt} µs (standard uncertainties; sampling " in found.reason
     transfer = found.transfer
     low = (transfer.frequency > 0.0) & (transfer.frequency < 0.3 / 60e-6)
     phase = -2.0 * np.pi * transfer.frequency[low] * 0.06 / SPEED

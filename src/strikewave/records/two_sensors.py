@@ -26,7 +26,7 @@ from numpy.typing import NDArray
 from scipy.fft import next_fast_len
 from scipy.ndimage import uniform_filter1d
 
-from strikewave.base.percents import percent
+from strikewave.base.percents import beside_doubt, percent, plain
 from strikewave.records.band_split import UNKNOWN
 from strikewave.records.correlation import alike_as_one
 from strikewave.records.health.examined import with_unit
@@ -468,11 +468,13 @@ def _as_one_body(found: PairedMotion, ambiguous: bool, step: float, width: float
     gain_doubt = math.hypot(found.gain_uncertainty, CALIBRATED)
     delay_doubt = math.hypot(found.delay_uncertainty, step / math.sqrt(12.0))
     gain_off, delay_off = abs(found.gain - 1.0) > TWICE * gain_doubt, abs(found.delay) > TWICE * delay_doubt
-    gain_words = f"gain {found.gain:.3g} ± {gain_doubt:.2g}"
-    delay_words = f"delay {1e6 * found.delay:.3g} ± {1e6 * delay_doubt:.2g} µs"
+    gain_words = "gain " + " ± ".join(beside_doubt(found.gain, found.gain_uncertainty))
+    delay_words = "delay " + " ± ".join(beside_doubt(1e6 * found.delay, 1e6 * found.delay_uncertainty)) + " µs"
     if gain_off or delay_off:
         words = " and ".join([gain_words] * gain_off + [delay_words] * delay_off)
-        return "no", f"{words} (standard uncertainties, of calibration and sampling too)"
+        more = [f"calibration {percent(CALIBRATED, 0)}"] * gain_off
+        more += [f"sampling {plain(1e6 * step / math.sqrt(12.0), 2)} µs"] * delay_off
+        return "no", f"{words} (standard uncertainties; {' and '.join(more)} more)"
     if gain_doubt > SURE or delay_doubt > SURE * width:
         return "cannot-tell", f"{gain_words} and {delay_words}: too uncertain to tell"
     if math.isnan(found.transfer.alike_to):

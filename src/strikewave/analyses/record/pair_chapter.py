@@ -12,7 +12,7 @@ from strikewave.analyses.record.tables import amount, plus_minus
 from strikewave.base.first_few import first_few
 from strikewave.base.percents import percent
 from strikewave.records.two_sensors import CALIBRATED
-from strikewave.reporting.numbers import listed, with_unit
+from strikewave.reporting.numbers import axis_unit, doubted, listed, with_unit
 from strikewave.reporting.parts import NONE, Cell, Part, Picture, Section, Table
 
 MOST_ROWS = 60
@@ -32,6 +32,7 @@ MOVE = {
 def pair_table(pairs: Sequence[RecordPair], why: bool = False) -> Table:
     """Return what two channels of each file do together, and in words why that is one rigid body or not."""
     rows: list[list[Cell]] = []
+    size, delay_unit = axis_unit("s", "us")
     for one in pairs[:MOST_ROWS]:
         found, unit = one.found, "" if one.first is None else one.first.channel.unit
         if found is None:
@@ -44,9 +45,9 @@ def pair_table(pairs: Sequence[RecordPair], why: bool = False) -> Table:
                 ANSWERS[one.one_body],
                 NONE
                 if math.isnan(found.delay)
-                else f"{with_unit(found.delay, 's', 'us', 3)} ± {with_unit(found.delay_uncertainty, 's', 'us', 2)}",
+                else f"{' ± '.join(doubted(found.delay / size, found.delay_uncertainty / size))} {delay_unit}",
                 one.leads or ("neither" if math.isfinite(found.delay) else NONE),
-                NONE if math.isnan(found.gain) else f"{found.gain:.3f} ± {found.gain_uncertainty:.2g}",
+                NONE if math.isnan(found.gain) else " ± ".join(doubted(found.gain, found.gain_uncertainty)),
                 "not separable"
                 if math.isnan(found.rigid_peak)
                 else plus_minus("peak", unit, found.rigid_peak, found.common_uncertainty),

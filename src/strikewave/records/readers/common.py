@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 
 from strikewave.base.errors import InputError, nearest
 from strikewave.base.first_few import first_few
+from strikewave.base.percents import plain
 from strikewave.records.health_notice import HealthNotice
 from strikewave.records.readers import LARGEST_ARRAY, Options
 from strikewave.records.readers.clock import seconds_in, step_of, to_seconds
@@ -38,6 +39,9 @@ FREE_BYTES = 256 * 2**20
 that."""
 LONGEST_TEXT = 200
 """Characters of an attribute that is shown: a line or two."""
+ONE_MEASUREMENT = 3600.0
+"""Time between the begins of channels, s, beyond which they are hardly of one measurement: blows and shots last
+seconds, and a recorder starts its channels together."""
 MOST_NAMED = 8
 """Arrays named in a finding, and `LONGEST_NAMED` characters of each: enough to know them, few enough for a line."""
 LONGEST_NAMED = 40
@@ -336,6 +340,13 @@ def _long_table(
     return None if table is None else as_asked(table, options)
 
 
+def _lasting(seconds: float) -> str:
+    """Write a time that passed, s, in the unit that leaves one to three digits before the point."""
+    sizes = ((86400.0, "d"), (3600.0, "h"), (1.0, "s"), (1e-3, "ms"), (1e-6, "us"), (1e-9, "ns"))
+    size, unit = next((pair for pair in sizes if seconds >= pair[0]), sizes[-1])
+    return f"{plain(seconds / size, 6)}\xa0{unit}"
+
+
 def begin_together(
     channels: Sequence[Channel], origins: Sequence[int | None]
 ) -> tuple[list[Channel], list[HealthNotice]]:
@@ -371,12 +382,13 @@ def begin_together(
         shift = 0.0 if origin is None else (origin - first) / PICO
         stamps = None if channel.stamps is None else channel.stamps + shift
         moved.append(replace(channel, start=channel.start + shift, stamps=stamps) if shift else channel)
-        late += [f"{channel.name} by {shift:.9g}\xa0s"] * (shift > 0.0)
+        late += [f"{channel.name} by {_lasting(shift)}"] * (shift > 0.0)
     unknown = [channel.name for channel, origin in zip(channels, origins, strict=True) if origin is None]
-    message = (
-        f"the channels begin at different times, and are laid on one clock: later are {first_few(late, MOST_NAMED)}"
-    )
-    findings = [HealthNotice("start-times", message, (max(stated) - first) / PICO, severity="good")]
+    message = f"the channels begin at different times, and are laid on one clock; later: {first_few(late, MOST_NAMED)}"
+    apart = (max(stated) - first) / PICO
+    if apart > ONE_MEASUREMENT:
+        message += "; starts more than an hour apart are those of different measurements as a rule: read them apart"
+    findings = [HealthNotice("start-times", message, apart, severity="suspect" if apart > ONE_MEASUREMENT else "good")]
     if unknown:
         message = f"{first_few(unknown, MOST_NAMED)}: no start time is stated, while that of other channels is"
         findings.append(HealthNotice("start-unknown", message, float(len(unknown))))
