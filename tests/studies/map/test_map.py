@@ -390,7 +390,8 @@ def test_a_map_that_ends_before_the_case_says_so():
             Value(si=high * math.pi / 30.0, typed=f"{high} rpm"),
         )
         axes = axis_of(case, "machine.speed", speed, 3, False), axis_of(case, "object.spring", None, 5, False)
-        return [notice.code for notice in make_map(plan_of(case, axes, train=0), 0.02).notices]
+        notices = make_map(plan_of(case, axes, train=0), 0.02).notices
+        return [notice.code for notice in notices if notice.code != "checks-not-made"]
 
     assert codes(800, 900) == ["range-end"]
     assert codes(700, 800) == []
