@@ -54,7 +54,7 @@ def test_the_folder_is_whole_and_its_table_holds_the_document(strikewave, tmp_pa
     place = tmp_path / "result"
     names = {path.name for path in place.iterdir()}
     figures = {f"figure-{name}.svg" for name in ("5", "5-b", "7", "7-b", "7-c", "9", "11", "13", "13-b", "13-c", "15")}
-    assert names == {"record.toml", "report.html", "reproduction.json", "published.csv", *figures}
+    assert names == {"record.toml", "report.html", "reproduction.json", "published.csv", "runs.sqlite", *figures}
     document = json.loads((place / "reproduction.json").read_text())
     rows = list(csv.DictReader((place / "published.csv").open()))
     answers = [(row, answer) for row in document["published"] for answer in row["computed"] or (None,)]
