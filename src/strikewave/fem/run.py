@@ -31,7 +31,7 @@ def energy_at_rest(mass: float) -> float:
 
     Examples
     --------
-    >>> energy_at_rest(2.0)
+    >>> round(energy_at_rest(2.0), 20)
     1e-16
     """
     return 0.5 * mass * AT_REST**2
