@@ -1,6 +1,5 @@
 """Kernel cache: an unwritable place is survived with a word. Result folders: whole or not at all, and never another's."""
 
-import ast
 import contextlib
 import errno
 import shutil
@@ -10,7 +9,7 @@ from pathlib import Path
 
 import pytest
 
-from strikewave.base.compiled import PACKAGE, kernel_key, kernel_sources
+from strikewave.base.compiled import PACKAGE, kernel_key
 from strikewave.base.errors import InputError
 from strikewave.base.folder_claim import claimed
 from strikewave.base.output_folder import atomic_folder, check_place, check_unchanged, keep_true_files, mark_text
@@ -45,19 +44,6 @@ def test_changed_kernel_source_has_another_cache(tmp_path):
         with (copy / changed).open("a") as file:
             file.write("# changed\n")
         assert kernel_key(copy) != before
-
-
-def test_kernels_take_constants_from_files_alone_that_make_their_key():
-    """A constant is part of the machine code: one from another file would change and the old code would answer."""
-    sources = kernel_sources(PACKAGE)
-    for source in PACKAGE.glob("**/_[a-z]*.py"):
-        for node in ast.walk(ast.parse(source.read_text())):
-            names = [node.module] if isinstance(node, ast.ImportFrom) and not node.level else []
-            names += [alias.name for alias in node.names] if isinstance(node, ast.Import) else []
-            for name in names:
-                if (name or "").startswith("strikewave."):
-                    path = PACKAGE.parent / f"{name.replace('.', '/')}.py"
-                    assert not path.exists() or path in sources, f"{source.name} imports from {name}"
 
 
 @pytest.mark.parametrize(
