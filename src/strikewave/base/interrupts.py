@@ -4,16 +4,24 @@ from __future__ import annotations
 
 import _thread
 import contextlib
+import os
 import signal
 import sys
 import threading
+import time
+from collections.abc import Iterator
 from types import FrameType
-from typing import Any, NoReturn
+from typing import Any
 
 OTHERS = tuple(getattr(signal, name) for name in ("SIGTERM", "SIGHUP") if hasattr(signal, name))
 """Sent where a session, a terminal or a machine ends; Windows has no SIGHUP."""
 AGAIN = 0.02
-"""Seconds after which an interrupt that was swallowed comes once more: what swallowed it has returned by then."""
+"""Seconds after which an interrupt that was put off or swallowed comes once more."""
+LONGEST = 10.0
+"""Seconds for which an interrupt is put off at most: importing a module or linking a kernel takes less than one."""
+WHOLE = ("<frozen importlib", f"{os.sep}llvmlite{os.sep}", f"{os.sep}numba{os.sep}core{os.sep}codegen.py")
+"""Files whose functions must not be left half done: modules in C and the compiler's library go on to fail, or to write
+where they must not, when they are."""
 
 
 class Terminated(KeyboardInterrupt):
@@ -50,34 +58,89 @@ def _number_of(stop: BaseException | None) -> signal.Signals:
     return stop.number if isinstance(stop, Terminated) else signal.SIGINT
 
 
-def _terminate(number: int, frame: FrameType | None) -> NoReturn:
-    raise Terminated(number)
+class _Signals:
+    """What came: when the first of the interrupts that are put off did, and what was raised since somebody asked."""
+
+    put_off: float | None = None
+    raised: signal.Signals | None = None
+
+
+def _stop(number: int) -> KeyboardInterrupt:
+    """Return what a signal raises."""
+    return KeyboardInterrupt() if number == signal.SIGINT else Terminated(number)
+
+
+def _answer(number: int, frame: FrameType | None) -> None:
+    """Raise a signal as an interrupt, as soon as nothing is under way that must not be left half done."""
+    now = time.monotonic()
+    if _is_half_done(frame) and now - (_Signals.put_off or now) < LONGEST:
+        _Signals.put_off = _Signals.put_off or now
+        return _send_again(number)
+    _Signals.put_off, _Signals.raised = None, signal.Signals(number)
+    raise _stop(number)
+
+
+def _is_half_done(frame: FrameType | None) -> bool:
+    """Tell whether any function that is running must be left to end."""
+    while frame is not None:
+        code = frame.f_code
+        if code.co_name == "__del__" or any(name in code.co_filename for name in WHOLE):
+            return True
+        frame = frame.f_back
+    return False
 
 
 def _again(swallowed: Any) -> None:
     """Interrupt once more where Python had to swallow it: in a destructor, or in what a library in C calls back."""
     if not isinstance(swallowed.exc_value, KeyboardInterrupt):
         return sys.__unraisablehook__(swallowed)
-    later = threading.Timer(AGAIN, _interrupt, (_number_of(swallowed.exc_value),))
-    later.daemon = True
-    return later.start()
+    return _send_again(_number_of(swallowed.exc_value))
 
 
-def _interrupt(number: signal.Signals) -> None:
+def _send_again(number: int) -> None:
+    """Send a signal to the main thread in a while; `threading` may hold its lock where a signal comes."""
+
+    def send() -> None:
+        time.sleep(AGAIN)
+        _interrupt(number)
+
+    _thread.start_new_thread(send, ())
+
+
+def _interrupt(number: int) -> None:
     """Send a signal to the main thread, which wakes it where the system can do that."""
     if hasattr(signal, "pthread_kill"):
         signal.pthread_kill(threading.main_thread().ident or 0, number)
     else:
-        _thread.interrupt_main(number)
+        _thread.interrupt_main(signal.Signals(number))
 
 
 def heed() -> None:
     """Let the other signals act as Ctrl-C does from now on; what ``nohup`` has them ignored by stays ignored.
 
-    No interrupt is lost: what a destructor swallows comes again.
+    No interrupt is lost: what a destructor swallows comes again. None tears what must not be left half done: it waits
+    until a module is imported, or a kernel linked.
     """
     sys.unraisablehook = _again
-    for number in OTHERS:
-        if signal.getsignal(number) == signal.SIG_DFL:
+    for number in (signal.SIGINT, *OTHERS):
+        if signal.getsignal(number) in (signal.SIG_DFL, signal.default_int_handler):
             with contextlib.suppress(ValueError):  # not in the main thread
-                signal.signal(number, _terminate)
+                signal.signal(number, _answer)
+
+
+@contextlib.contextmanager
+def interrupts_as_such() -> Iterator[None]:
+    """Raise an interrupt as such where a library in C made another error of it.
+
+    Raises
+    ------
+    KeyboardInterrupt
+        In the place of any error of the block, if a signal came before it.
+    """
+    _Signals.raised = None
+    try:
+        yield
+    except Exception:
+        if _Signals.raised is None:
+            raise
+        raise _stop(_Signals.raised) from None

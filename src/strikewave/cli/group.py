@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import typer
 from typer.core import TyperCommand, TyperGroup
 
-from strikewave.base.interrupts import Stopped
+from strikewave.base.interrupts import Stopped, interrupts_as_such
 from strikewave.cli.option_groups import spread
 from strikewave.reporting.command_inputs import working_on
 
@@ -181,7 +181,8 @@ class CommandGroup(WholeWords, TyperGroup):
     def invoke(self, ctx: Context) -> Any:
         """Run the command that is named."""
         try:
-            return super().invoke(ctx)
+            with interrupts_as_such():
+                return super().invoke(ctx)
         except KeyboardInterrupt as stop:
             raise Stopped from stop
 

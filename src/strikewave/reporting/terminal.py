@@ -18,6 +18,7 @@ from contextvars import ContextVar
 from typing import TYPE_CHECKING, Any, NamedTuple, TextIO, TypeVar
 
 from strikewave.base.compile_progress import WORDS, compiling_shown
+from strikewave.base.interrupts import interrupts_as_such
 from strikewave.base.json_document import json_text
 from strikewave.base.result import FAILED, INFO, WARNING
 from strikewave.reporting import banded_numbers, numbers
@@ -232,8 +233,15 @@ def progress_bar(what: str, done: float = 0.0, clocks: Sequence[str] = ("elapsed
     A dumb terminal gets the lines, and nothing is shown where only the result is wanted.
 
     Gives a function that takes the share done, and words beside it. It begins with ``done``; ``clocks`` are "elapsed",
-    and "left" for the time that is left.
+    and "left" for the time that is left. Ctrl-C leaves it as such.
     """
+    with interrupts_as_such(), _shown(what, done, clocks) as report:
+        yield report
+
+
+@contextlib.contextmanager
+def _shown(what: str, done: float, clocks: Sequence[str]) -> Iterator[Callable[..., None]]:
+    """Show the bar, the lines or nothing."""
     if _screen.get().quiet:
         with compiling_shown(lambda *_: None):
             yield lambda share, words="": None
