@@ -10,9 +10,11 @@ INSTALL = install --quiet --disable-pip-version-check --no-deps
 COMPILE = .uv/bin/uv pip compile --quiet pyproject.toml requirements/build.in --constraint constraints.txt --universal \
 	--python-version 3.11 --generate-hashes --no-annotate --no-header --default-index https://pypi.org/simple
 JOBS ?= 2
+SEED ?= 1
+COUNT ?= 30
 CASES ?= li-ma-2019 li-ma-2019-fig13
 
-.PHONY: demo test verify validate docs docs-pdf package pictures lint requirements bench clean help
+.PHONY: demo test verify validate mutate docs docs-pdf package pictures lint requirements bench clean help
 .DEFAULT_GOAL := help
 
 help:
@@ -20,6 +22,7 @@ help:
 	@echo "make test    set up, then run the tests but for those of make verify"
 	@echo "make verify  set up, then the longer checks: damaged files of every format, all planted records, equal blows, elements (with CalculiX and gmsh where they are installed), the app in a browser"
 	@echo "make validate  set up, then studies that run once, outside CI: every comparison with what is known (docs/validation.md), the whole reproduction, finer maps (out/validate)"
+	@echo "make mutate   set up, then try COUNT ($(COUNT)) small faults, drawn by SEED ($(SEED)), in each ROOM (all rooms), and say which no test sees"
 	@echo "make docs     set up, then build the site (docs/_build/html) and the man page (docs/_build/man); notebooks and pages are run, warnings are errors"
 	@echo "make docs-pdf  the same, then the manual as one PDF (docs/_build/strikewave-manual.pdf; needs Pango)"
 	@echo "make package  set up, then build wheel and source distribution (dist), check both, install and run the wheel alone with each of PYTHONS"
@@ -43,6 +46,10 @@ verify: $(VENV)/dev
 # one file a study, in the order of their names; each prints what it found and writes its tables and pictures
 validate: $(VENV)/dev
 	@for study in scripts/validate/*.py; do echo "$$study"; $(BIN)/python "$$study" || exit 1; done
+
+# small faults in the code of a room, one at a time: which of them do the tests beside it see? (.mutants keeps what came)
+mutate: $(VENV)/dev
+	@$(BIN)/python scripts/mutate.py $(ROOM) --seed $(SEED) --count $(COUNT) --jobs $(JOBS)
 
 # equations, links and cells are checked by the build: what is wrong there ends it
 docs: $(VENV)/docs

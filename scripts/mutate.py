@@ -1,0 +1,192 @@
+"""Make small faults in the code of a room, one at a time, and see whether a test beside it fails.
+
+    python scripts/mutate.py contact --seed 1 --count 30
+
+A sample of the faults of the room (`scripts/mutation/sites.py`) is drawn by its seed. A fault is run by the tests of
+`tests/<room>` that enter its line (doctests, and those of ``make verify``, do not count), the shortest first, until one
+fails. What comes of each is kept in ``.mutants`` and not tried again: a killed one as long as its file stands, a
+survivor as long as the tests do. Kept libraries do not fit: mutmut puts every version of a function into its module,
+which the compiler of the kernels does not follow, and cosmic-ray starts the tests anew for each fault, some ten times
+as long. Linux and macOS only: a fault is run in a copy of the process.
+"""
+
+from __future__ import annotations
+
+import argparse
+import hashlib
+import json
+import math
+import os
+import random
+import sys
+import tomllib
+from collections import Counter
+from collections.abc import Iterable, Sequence
+from pathlib import Path
+
+os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # before numpy is imported
+ROOT = Path(__file__).resolve().parents[1]
+sys.path.insert(0, str(ROOT / "scripts"))
+
+import pytest  # noqa: E402
+from mutation.session import Runner  # noqa: E402
+from mutation.sites import Site, sites_of  # noqa: E402
+
+ROOMS = {
+    name: name
+    for name in (
+        *("contact", "waves", "machines", "signal", "records", "sensors", "fem", "uncertainty", "specifications"),
+        "hopkinson",
+    )
+} | {"fit": "studies/fit"}
+"""Folders by their rooms, in src/strikewave and in tests."""
+PLUGINS = [word for name in ("cacheprovider", "xdist", "doctest") for word in ("-p", f"no:{name}")]
+"""Of pytest, that are left out."""
+EQUIVALENT = ROOT / "scripts" / "mutation" / "equivalent.toml"
+
+
+def sampled(room: str, seed: int, count: int) -> list[tuple[str, Site]]:
+    """Return a sample of the faults of a room with their names, in the order they are drawn in."""
+    found = []
+    for path in sorted((ROOT / "src/strikewave" / ROOMS[room]).rglob("*.py")):
+        text = path.read_text("utf-8")
+        found += [(site.name(text), site) for site in sites_of(path, ROOT)]
+    drawn = random.Random(f"{room} {seed}").sample(found, min(count, len(found)))
+    return list(dict(drawn).items())
+
+
+def digest(paths: Iterable[Path]) -> str:
+    """Return a key of the contents of files."""
+    key = hashlib.sha256()
+    for path in sorted(paths):
+        key.update(path.as_posix().encode() + path.read_bytes())
+    return key.hexdigest()[:16]
+
+
+def known(file: Path) -> dict[str, dict[str, object]]:
+    """Return what came of faults, the last by name."""
+    if not file.exists():
+        return {}
+    return {line["name"]: line for line in map(json.loads, file.read_text("utf-8").splitlines())}
+
+
+def interval(killed: int, of: int) -> tuple[float, float]:
+    """Return the 95 % interval of a share (Wilson).
+
+    Examples
+    --------
+    >>> [round(end, 3) for end in interval(27, 30)]
+    [0.744, 0.965]
+    """
+    if not of:
+        return 0.0, 1.0
+    z, share = 1.96, killed / of
+    middle = (share + z * z / (2 * of)) / (1 + z * z / of)
+    half = z / (1 + z * z / of) * math.sqrt(share * (1 - share) / of + z * z / (4 * of * of))
+    return middle - half, middle + half
+
+
+def equivalents() -> dict[str, str]:
+    """Return reasons of faults that change nothing anybody could see, by name."""
+    return tomllib.loads(EQUIVALENT.read_text("utf-8")) if EQUIVALENT.exists() else {}
+
+
+def run(room: str, seed: int, count: int, jobs: int, folder: Path, deadline: float | None = None) -> list[dict]:
+    """Try a sample of the faults of a room; return what came of each."""
+    tests = ROOT / "tests" / ROOMS[room]
+    of_tests, of_source = digest(tests.rglob("*.py")), digest((ROOT / "src").rglob("*.py"))
+    kept_file = folder / f"{room}.jsonl"
+    before, sample = known(kept_file), sampled(room, seed, count)
+    files = {site.file: digest([ROOT / site.file]) for _, site in sample}
+    folder.mkdir(parents=True, exist_ok=True)
+
+    def stands(name: str, site: Site) -> bool:
+        kept = before.get(name)
+        return (
+            kept is not None
+            and kept["source"] == files[site.file]
+            and (kept["state"] == "killed" or kept["tests"] == of_tests)
+        )
+
+    todo = [(name, site) for name, site in sample if name not in equivalents() and not stands(name, site)]
+    names = {id(site): name for name, site in todo}
+    if todo:
+        with kept_file.open("a", encoding="utf-8") as out:
+
+            def report(site: Site, state: str, test: str, seconds: float, ran: int) -> None:
+                line = {
+                    "name": names[id(site)],
+                    "state": state,
+                    "file": site.file,
+                    "line": site.line,
+                    "scope": site.scope,
+                    "kind": site.kind,
+                    "before": site.before,
+                    "after": site.after,
+                    "test": test,
+                    "ran": ran,
+                    "seconds": round(seconds, 2),
+                    "source": files[site.file],
+                    "tests": of_tests,
+                }
+                out.write(json.dumps(line) + "\n")
+                out.flush()
+                print(worded(line), flush=True)
+
+            cover = folder / f"cover-{room}-{of_source}-{of_tests}"
+            runner = Runner(ROOT, [site for _, site in todo], cover, jobs, report)
+            words = [
+                "-q",
+                *PLUGINS,
+                "-o",
+                "addopts=--import-mode=importlib",
+                "-W",
+                "ignore::pytest.PytestConfigWarning",
+            ]
+            pytest.main([*words, str(tests)], plugins=[runner])
+    came = known(kept_file)
+    return [came[name] for name, _ in sample if name in came and name not in equivalents()]
+
+
+def worded(line: dict) -> str:
+    """Return one fault and what came of it in a line."""
+    seen = f" by {line['test']}" if line["state"] == "killed" else ""
+    change = f"{line['before'] or 'nothing'!r} -> {line['after'] or 'nothing'!r}"
+    place = f"{line['file']}:{line['line']} {line['scope']}"
+    return f"{line['state']}: {place}, {line['kind']} {change}{seen} ({line['seconds']} s)"
+
+
+def summed(room: str, seed: int, lines: Sequence[dict], alike: int) -> str:
+    """Return the score of a room in a line."""
+    killed = sum(line["state"] == "killed" for line in lines)
+    low, high = interval(killed, len(lines))
+    share = 100.0 * killed / max(len(lines), 1)
+    states = ", ".join(f"{count} {state}" for state, count in Counter(line["state"] for line in lines).items())
+    score = f"{killed} of {len(lines)} killed, {share:.0f} % ({100 * low:.0f} to {100 * high:.0f} %)"
+    return f"{room}, seed {seed}: {score}; {states or 'none tried'}; {alike} equivalent"
+
+
+def main() -> int:
+    """Try the faults that are asked for, and print the score and the survivors."""
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("rooms", nargs="*", metavar="ROOM", help=f"any of {', '.join(ROOMS)}; all if none is named")
+    parser.add_argument("--seed", type=int, default=1)
+    parser.add_argument("--count", type=int, default=30, help="faults of each room")
+    parser.add_argument("--jobs", type=int, default=2, help="copies that run at a time")
+    parser.add_argument("--folder", type=Path, default=ROOT / ".mutants", help="where what came of each is kept")
+    asked = parser.parse_args()
+    wrong = sorted({*asked.rooms} - {*ROOMS})
+    if wrong:
+        parser.error(f"no room of that name: {', '.join(wrong)}; there are {', '.join(ROOMS)}")
+    texts = []
+    for room in asked.rooms or ROOMS:
+        lines = run(room, asked.seed, asked.count, asked.jobs, asked.folder)
+        alike = sum(name in equivalents() for name, _ in sampled(room, asked.seed, asked.count))
+        texts += [summed(room, asked.seed, lines, alike)]
+        texts += [f"  {worded(line)}" for line in lines if line["state"] != "killed"]
+    print("\n".join(texts))
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
