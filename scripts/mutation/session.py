@@ -132,7 +132,7 @@ class Runner:
                 if failed.any:
                     state = ("killed", test, k + 1)
                     break
-        except Unreached as error:
+        except (Unreached, SyntaxError) as error:
             state = ("not reached", str(error), 0)
         except BaseException as error:  # a fault that not even pytest outlives
             state = ("killed", f"{type(error).__name__}: {error}"[:200], 0)

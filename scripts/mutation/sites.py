@@ -149,9 +149,9 @@ class _Finder:
             before, after = ("and", "or") if isinstance(node.op, ast.And) else ("or", "and")
             yield from self._between(node.values[0], node.values[1], before, after, scope, "condition")
         elif isinstance(node, ast.UnaryOp) and isinstance(node.op, ast.USub | ast.Not):
-            begin, inner = self._place(node)[0], self._place(node.operand)[0]
-            kind = "sign" if isinstance(node.op, ast.USub) else "condition"
-            yield self._site(scope, kind, node.lineno, begin, inner, "")
+            begin, sign = self._place(node)[0], isinstance(node.op, ast.USub)
+            end = begin + len("-" if sign else "not ")  # brackets may follow
+            yield self._site(scope, "sign" if sign else "condition", node.lineno, begin, end, "")
         elif isinstance(node, ast.Call):
             name = node.func
             word = name.id if isinstance(name, ast.Name) else name.attr if isinstance(name, ast.Attribute) else ""
