@@ -62,7 +62,7 @@ def test_what_lies_two_widths_after_the_blow_before_or_far_back_is_not_seen(rng)
     assert np.array_equal(noise_before(values, 3500, 10), noise_before(values[3090:], 410, 10))
 
 
-@pytest.mark.parametrize("widths, slope", [(12, 0.2), (40, -0.5), (40, 0.0), (11, 0.2)])
+@pytest.mark.parametrize(("widths", "slope"), [(12, 0.2), (40, -0.5), (40, 0.0), (11, 0.2)])
 def test_a_slope_is_carried_on_as_a_regression_predicts(widths, slope):
     """Residuals that alternate have no memory: level and what it misses are those of a prediction of one new value."""
     place = np.arange(widths, dtype=float)

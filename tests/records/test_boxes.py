@@ -65,7 +65,7 @@ def test_the_strongest_boxes_of_rectangles_on_a_line():
     assert found(1, 0.5, np.zeros((2, 2))) == [[10.0, 2.0], [40.0, 1.0]]
 
 
-@pytest.mark.parametrize("apart, count", [(5, 2), (4, 1)])
+@pytest.mark.parametrize(("apart", "count"), [(5, 2), (4, 1)])
 def test_maxima_closer_than_a_box_are_one(apart, count):
     values = with_values(40, (10, 11, 5.0), (10 + apart, 11 + apart, 5.0))
     assert strongest_boxes(values, 0.0, 0.0, 3, 1, 0.1, np.empty((9, 2))) == (2 if apart >= 3 else 1)
@@ -111,7 +111,8 @@ def test_boxes_touch_within_three_tenths_of_a_width():
 def test_all_boxes_within_reach_are_near_and_few_others(rng):
     grid = BoxGrid(10)
     boxes = [
-        Box(int(first), int(width), 1.0) for first, width in zip(rng.integers(0, 500, 80), rng.integers(1, 11, 80))
+        Box(int(first), int(width), 1.0)
+        for first, width in zip(rng.integers(0, 500, 80), rng.integers(1, 11, 80), strict=False)
     ]
     for box in boxes:
         grid.add(box)
@@ -137,10 +138,23 @@ def test_a_hump_ends_at_half_its_height_or_in_the_valley():
 
 
 @pytest.mark.parametrize(
-    "place, value, goes_on",
-    [(14, 4.6, True), (14, 4.4, False), (15, 4.6, False), (5, 4.6, True), (4, 4.6, False)]
-    + [(35, 4.6, True), (34, 4.6, False), (44, 4.6, True), (45, 4.6, False)]
-    + [(10, -2.1, True), (10, -1.9, False), (9, -2.1, False), (49, -2.1, True), (50, -2.1, False)],
+    ("place", "value", "goes_on"),
+    [
+        (14, 4.6, True),
+        (14, 4.4, False),
+        (15, 4.6, False),
+        (5, 4.6, True),
+        (4, 4.6, False),
+        (35, 4.6, True),
+        (34, 4.6, False),
+        (44, 4.6, True),
+        (45, 4.6, False),
+        (10, -2.1, True),
+        (10, -1.9, False),
+        (9, -2.1, False),
+        (49, -2.1, True),
+        (50, -2.1, False),
+    ],
 )
 def test_a_ringing_goes_on_beside_two_humps(place, value, goes_on):
     """Humps of 10 at 20 and 30: 45 % of it as far apart, or 20 % to the other side, within one and two distances."""
@@ -150,10 +164,23 @@ def test_a_ringing_goes_on_beside_two_humps(place, value, goes_on):
 
 
 @pytest.mark.parametrize(
-    "place, value, left",
-    [(75, -1.7, 1), (74, -1.7, 2), (75, -1.5, 2), (194, -1.7, 1), (195, -1.7, 2)]
-    + [(60, 3.7, 1), (60, 3.5, 2), (59, 3.7, 2), (89, 3.7, 1), (90, 3.7, 2), (150, 3.7, 1), (149, 3.7, 2)]
-    + [(179, 3.7, 1), (180, 3.7, 2)],
+    ("place", "value", "left"),
+    [
+        (75, -1.7, 1),
+        (74, -1.7, 2),
+        (75, -1.5, 2),
+        (194, -1.7, 1),
+        (195, -1.7, 2),
+        (60, 3.7, 1),
+        (60, 3.5, 2),
+        (59, 3.7, 2),
+        (89, 3.7, 1),
+        (90, 3.7, 2),
+        (150, 3.7, 1),
+        (149, 3.7, 2),
+        (179, 3.7, 1),
+        (180, 3.7, 2),
+    ],
 )
 def test_of_two_lobes_the_higher_is_left(place, value, left):
     """Boxes of means 10 and 8, 30 apart: a fifth of 8 to the other side, or 45 % of it on their own, beside them."""
@@ -187,9 +214,19 @@ def test_a_small_box_rises_again_where_half_of_it_falls_between():
 
 
 @pytest.mark.parametrize(
-    "first, value, swings",
-    [(80, -3.1, True), (80, -2.9, False), (70, -3.1, True), (69, -3.1, False), (110, -6.1, True), (110, -5.9, False)]
-    + [(135, -6.1, True), (136, -6.1, False), (95, -3.1, True), (96, -3.1, False)],
+    ("first", "value", "swings"),
+    [
+        (80, -3.1, True),
+        (80, -2.9, False),
+        (70, -3.1, True),
+        (69, -3.1, False),
+        (110, -6.1, True),
+        (110, -5.9, False),
+        (135, -6.1, True),
+        (136, -6.1, False),
+        (95, -3.1, True),
+        (96, -3.1, False),
+    ],
 )
 def test_a_box_swings_with_half_of_it_before_or_all_of_it_after(first, value, swings):
     line = Baseline(2.0, -0.5)
@@ -208,7 +245,7 @@ def test_what_swings_behind_another_box_is_not_looked_at():
         assert not pulses._swings(values, FLAT, 1, Box(100, 10, 6.0), near, 0.0)
 
 
-@pytest.mark.parametrize("share, counts", [(0.22, (2, 0)), (0.17, (1, 1)), (0.06, (1, 1)), (0.04, (1, 0))])
+@pytest.mark.parametrize(("share", "counts"), [(0.22, (2, 0)), (0.17, (1, 1)), (0.06, (1, 1)), (0.04, (1, 0))])
 @pytest.mark.parametrize("sign", [1, -1])
 def test_a_fifth_of_the_largest_area_is_a_blow_and_a_twentieth_a_small_contact(share, counts, sign, rng):
     values = sign * with_values(4000, (1000, 1096, 200.0), (2500, 2596, 200.0 * share)) + rng.normal(size=4000)
@@ -229,7 +266,7 @@ def half_sines(apart, length=64, size=1200):
     return sum(100.0 * np.sin(np.pi * np.clip(u - k, 0.0, 1.0)) for k in (0.0, apart))
 
 
-@pytest.mark.parametrize("apart, hits", [(1.0, 2), (0.75, 1)])
+@pytest.mark.parametrize(("apart", "hits"), [(1.0, 2), (0.75, 1)])
 def test_two_hits_foot_to_foot_are_told_apart(apart, hits):
     """At foot to foot each box lies between the halves of its half-sine, 500 + 64 / 6 and 500 + 64 5 / 6."""
     values = half_sines(apart)

@@ -62,7 +62,7 @@ def test_the_longest_tail_is_taken_until_a_width_before_the_next_blow():
     found = tail_of(values, STEP, START, blows)
     assert found.time.size == 6  # 344 is a width before the second
     assert found.level == pytest.approx(np.full(6, 0.5))
-    assert tail_of(values, STEP, START, [blow(100, 120), *([blow(363, 383)] + blows[2:])]) is None
+    assert tail_of(values, STEP, START, [blow(100, 120), *([blow(363, 383), *blows[2:]])]) is None
     later = [blow(100, 120), blow(130, 150)]
     shifted = record(374, 0.5, *later)
     again = tail_of(shifted, STEP, START, later)
@@ -122,7 +122,7 @@ def test_the_error_of_a_time_constant_is_that_of_a_slope(rng):
     assert found.explained == pytest.approx(1.0 - left / np.sum(y**2), rel=1e-9)
 
 
-@pytest.mark.parametrize("constant, coupled", [(61e-3, False), (59e-3, True)])
+@pytest.mark.parametrize(("constant", "coupled"), [(61e-3, False), (59e-3, True)])
 def test_half_a_time_constant_must_be_seen(constant, coupled):
     assert (tail._coupled(exact(constant)) is not None) is coupled
 
@@ -192,7 +192,7 @@ def bounced(depth, back, last=0.0):
 
 
 @pytest.mark.parametrize("sign", [1.0, -1.0])
-@pytest.mark.parametrize("depth, back, rests", [(0.3, 0.05, True), (0.24, 0.0, False), (0.26, 0.0, True)])
+@pytest.mark.parametrize(("depth", "back", "rests"), [(0.3, 0.05, True), (0.24, 0.0, False), (0.26, 0.0, True)])
 def test_what_is_stopped_comes_to_rest(depth, back, rests, sign):
     for share in (1.0, 0.19, 0.21):
         found = bounced(depth, depth * share if share != 1.0 else back)
