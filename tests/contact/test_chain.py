@@ -7,10 +7,36 @@ import numpy as np
 import pytest
 from hypothesis import assume, given
 from hypothesis import strategies as st
-from scipy.integrate import solve_ivp
+from scipy.integrate import DOP853, solve_ivp
 
-from strikewave.contact import Chain, ChainContact, Contact, Spring, Stop, exact, simulate, solve_impact
+from strikewave.base.errors import IntegrationError
+from strikewave.contact import (
+    Chain,
+    ChainContact,
+    Contact,
+    Damper,
+    Friction,
+    PressureCap,
+    Spring,
+    Stop,
+    Vibration,
+    exact,
+    simulate,
+    solve_impact,
+)
+from strikewave.contact import motion as motions
+from strikewave.contact._chain_kernels import OPEN, PUSHING, SLIDING, SLIDING_BACK, STICKING
 from strikewave.contact._dop853 import A, B, C
+from strikewave.contact.chain import (
+    _longest_step,
+    _speed_scale,
+    compressions,
+    first_depths,
+    first_modes,
+    link_arrays,
+    shortest_time,
+    stored_energy,
+)
 from strikewave.contact.dampers import cut_off_damping_ratio, cut_off_restitution
 
 
@@ -212,8 +238,6 @@ def test_random_chains_keep_momentum_and_energy(count, random):
     v0 = np.array([speeds[name] for name in names])
     scale = m @ np.abs(v0)
     assert m @ v == pytest.approx(m @ v0, abs=1e-12 * scale)
-    from strikewave.contact.chain import link_arrays, stored_energy
-
     stored = stored_energy(link_arrays(links, names), motion.positions(2e-3))
     before = 0.5 * m @ v0**2
     error = 1e-7 * before + 1e-8 * 0.5 * m.sum() * np.max(np.abs(v0)) ** 2
@@ -306,3 +330,204 @@ def test_impossible_chains_are_refused():
         Chain({"a": 0.0}, links=[])
     with pytest.raises(ValueError, match='did you mean "striker"'):
         Chain({"striker": 1.0, "object": 1.0}, links=[ChainContact("strker", "object", Contact(1e9, 1.5))])
+
+
+def of_every_kind():
+    """Links of two bodies and a wall: nodes a, b, wall."""
+    capped = Contact(1e9, 1.5, cap=PressureCap(1e3, "point"))
+    return [
+        Spring("a", "b", 100.0, 3.0, preload=5.0, offset=0.1),
+        Stop("a", "b", 200.0, 1.0, offset=0.2),
+        ChainContact("b", "wall", Contact(3e3, 2.0), offset=-0.5),
+        ChainContact("a", "wall", capped),
+        Friction("a", "b", 2.0),
+    ]
+
+
+def test_compressions_and_what_links_store_worked_by_hand():
+    """d = x_a - x_b - offset; spring P d + k d^2/2 either way, stop and contact only where pressed, friction nothing."""
+    links = link_arrays(of_every_kind(), ["a", "b", "wall"])
+    nodes = np.array([0.5, 0.1, 0.4])
+    assert compressions(links, nodes) == pytest.approx([0.3, 0.2, 0.2, 0.1, 0.4], rel=1e-14)
+    elastic = Contact(1e9, 1.5)
+    apart = link_arrays([*of_every_kind()[:3], ChainContact("a", "wall", elastic)], ["a", "b", "wall"])
+    # 5 x 0.3 + 50 x 0.09, 100 x 0.04, 1e3 x 0.008, 4e8 x 0.1^2.5
+    parts = [6.0, 4.0, 8.0, 4e8 * 0.1**2.5]
+    assert stored_energy(apart, nodes) == pytest.approx(sum(parts), rel=1e-14)
+    mode = np.array([PUSHING, PUSHING, OPEN, PUSHING])
+    assert stored_energy(apart, nodes, mode=mode) == pytest.approx(sum(parts) - 8.0, rel=1e-14)
+    # apart: d = -0.5, -0.6, -0.3, -0.4
+    assert stored_energy(apart, np.array([0.0, 0.4, 1.2 - 0.8])) == pytest.approx(-2.5 + 12.5 + 3e3 / 3 * 0.5**3)
+
+
+def test_first_depths_and_modes_of_every_kind():
+    links = link_arrays(of_every_kind(), ["a", "b", "wall"])
+    assert first_depths(links) == pytest.approx([0.0, 0.0, 0.0, (1e3 / 1e9) ** (2 / 3), 0.0], rel=1e-14)
+    near, far = np.array([0.5, 0.1, 0.4]), np.array([0.0, 0.4, 1.2])
+    assert list(first_modes(links, near)) == [PUSHING, PUSHING, PUSHING, PUSHING, STICKING]
+    assert list(first_modes(links, far)) == [PUSHING, OPEN, OPEN, OPEN, STICKING]
+    ways = [first_modes(links, near, speeds=np.array([v, 1.0, 0.0]))[4] for v in (2.0, 1.0, 0.5)]
+    assert ways == [SLIDING, STICKING, SLIDING_BACK]
+    # a spot that has yielded to 2 mm begins where it has sunk, D (1 - 1/s) with F_e/F = s
+    from strikewave.contact.elastoplastic import spot_after
+
+    left = spot_after(of_every_kind()[3].contact, 1e-3, 2e-3).residual_indentation
+    for d, mode in ((0.99 * left, OPEN), (1.01 * left, PUSHING)):
+        found = first_modes(links, np.array([d, 1.0, 0.0]), deepest=np.array([0.0, 0.0, 0.0, 2e-3, 0.0]))
+        assert found[3] == mode
+
+
+def test_time_and_speed_scales_of_a_chain_worked_by_hand():
+    """sqrt(m/k) with the reduced mass, d_max/v0 of a contact, 1/rate of a base; speeds from all that can give some."""
+    spring = Chain({"a": 2.0, "b": 3.0}, [Spring("a", "b", 120.0)])
+    assert shortest_time(spring, 1.0) == pytest.approx(0.1, rel=1e-14)
+    held = Chain({"a": 2.0}, [Stop("a", "wall", 200.0), Friction("a", "wall", 1.0)], {"wall": 0.0})
+    assert shortest_time(held, 1.0) == pytest.approx(0.1, rel=1e-14)
+    blow = Chain({"a": 2.0}, [ChainContact("a", "wall", Contact(800.0, 1.0))], {"wall": 0.0})
+    assert shortest_time(blow, 7.0) == pytest.approx(0.05, rel=1e-14)
+    shaken = Chain({"a": 2.0}, [Spring("a", "table", 0.0)], {"table": Vibration(0.0, 1e-3, -50.0)})
+    assert shortest_time(shaken, 1.0) == pytest.approx(0.02, rel=1e-14)
+    assert shortest_time(Chain({"a": 2.0}, [Spring("a", "wall", 0.0)], {"wall": 0.0}), 1.0) == 1.0
+    # at least eight steps a period of the fastest base
+    assert _longest_step(shaken, 1.0) == pytest.approx(2 * math.pi / 50.0 / 8, rel=1e-14)
+    assert _longest_step(shaken, 1e-4) == 1e-4
+    assert _longest_step(spring, 0.7) == 0.7
+
+    def scale(chain, x, v):
+        links = link_arrays(chain.links, chain.nodes)
+        return _speed_scale(chain, links, np.array(x), np.array(v))
+
+    # the larger of speeds and their differences
+    assert scale(spring, [0.0, 0.0], [-3.0, 1.0]) == 4.0
+    assert scale(spring, [0.0, 0.0], [3.0, 1.0]) == 3.0
+    # stored 120 x 0.5^2/2 J in 5 kg
+    assert scale(spring, [0.5, 0.0], [0.0, 0.0]) == pytest.approx(math.sqrt(6.0), rel=1e-14)
+    assert scale(shaken, [0.0, 0.0], [0.0]) == pytest.approx(0.05, rel=1e-14)
+    assert scale(spring, [0.0, 0.0], [0.0, 0.0]) == 1e-6
+    # gravity over the widest gap, 0.5 m; a preload over a millimetre
+    fall = Chain({"a": 2.0}, [Spring("a", "wall", 0.0)], {"wall": 0.0}, gravity=-9.0)
+    assert scale(fall, [-0.5, 0.0], [0.0]) == pytest.approx(3.0, rel=1e-14)
+    pushed = Chain({"a": 2.0}, [Spring("a", "wall", 0.0, preload=-4.0)], {"wall": 0.0})
+    assert scale(pushed, [0.0, 0.0], [0.0]) == pytest.approx(math.sqrt(2 * 4.0 * 1e-3 / 2.0), rel=1e-14)
+
+
+def test_a_spring_with_preload_and_offset_rests_where_it_bears_the_weight():
+    """Base behind: x = x_base + (m g + P + k s)/k - ...: P + k (x_base - x - s) + m g = 0, and forces say so."""
+    links = [Spring("post", "m", 1e4, 40.0, preload=3.0, offset=0.02)]
+    chain = Chain({"m": 0.5}, links, {"post": 0.3}, gravity=-9.0)
+    rest = 0.3 - 0.02 + (3.0 - 0.5 * 9.0) / 1e4
+    still = simulate(chain, {"m": rest}, {}, 0.5)
+    # 1e-9 a step of the speed that 4.5 N give in a millimetre, over some hundred steps
+    assert still.positions(0.4)[0] == pytest.approx(rest, abs=1e-7)
+    assert still.forces(0.4)[0] == pytest.approx(4.5, abs=1e-3)
+    # let go from elsewhere: F = P + k d + c d' all the time, and the loss is the energy that goes
+    motion = simulate(chain, {"m": rest + 1e-3}, {}, 0.05)
+    t = np.linspace(0.0, 0.05, 7)
+    d = 0.3 - motion.positions(t)[:, 0] - 0.02
+    assert motion.forces(t)[:, 0] == pytest.approx(3.0 + 1e4 * d - 40.0 * motion.speeds(t)[:, 0], rel=1e-12)
+    left = 0.5 * 0.5 * motion.speeds(0.05)[0] ** 2 + 0.5 * 1e4 * (motion.positions(0.05)[0] - rest) ** 2
+    assert motion.dissipated()[0] == pytest.approx(5e-3 - left, rel=1e-7)
+
+
+def test_a_stop_pushes_from_its_offset_on_and_lets_go():
+    """Half a sine from d = 0: contact of pi sqrt(m/k) from the time of touch, peak v sqrt(k m)."""
+    chain = Chain({"m": 2.0}, [Stop("m", "wall", 800.0, offset=-0.3)], {"wall": 1.0})
+    motion = simulate(chain, {"m": 0.5}, {"m": 2.0}, 0.4)
+    ((begin, end, speed),) = motion.contacts(0)
+    assert (begin, end, speed) == pytest.approx((0.1, 0.1 + math.pi / 20.0, 2.0), rel=1e-9)
+    assert motion.forces(0.1 + math.pi / 40.0)[0] == pytest.approx(80.0, rel=1e-8)
+    assert motion.forces([0.05, 0.39])[:, 0] == pytest.approx([0.0, 0.0])
+    assert motion.motion.impulses(begin, end)[0] == pytest.approx(8.0, rel=1e-8)
+
+
+def test_impulses_between_two_switches_are_changes_of_momentum():
+    """Two blows of a ball between walls: m (v + v e) of each, and nothing while it flies."""
+    contact = Contact(1e8, 1.5, exact(0.8))
+    links = [ChainContact("ball", "right", contact), ChainContact("left", "ball", contact)]
+    chain = Chain({"ball": 0.5}, links, {"left": -0.01, "right": 0.01})
+    motion = simulate(chain, {}, {"ball": 2.0}, 0.03)
+    (right,), (left,) = motion.contacts(0), motion.contacts(1)
+    # approach speeds: 2, and 0.8 of it
+    assert [right[2], left[2]] == pytest.approx([2.0, 1.6], rel=1e-7)
+    assert motion.motion.impulses(right[0], right[1]) == pytest.approx([0.5 * 2.0 * 1.8, 0.0], rel=1e-7)
+    assert motion.motion.impulses(left[0], left[1]) == pytest.approx([0.0, 0.5 * 1.6 * 1.8], rel=1e-7)
+    assert motion.motion.impulses(right[1], left[0]) == pytest.approx([0.0, 0.0], abs=1e-15)
+
+
+def test_a_contact_with_a_damper_in_a_chain_whose_base_stands_behind():
+    """Kelvin-Voigt that pulls: exp(-pi zeta/sqrt(1 - zeta^2)) of the speed, pi/w of the time, towards a wall behind."""
+    m, k, zeta = 0.3, 1e6, 0.2
+    w0 = math.sqrt(k / m)
+    contact = Contact(k, 1.0, damper=Damper(2 * zeta * m * w0, 0.0, "pulls"))
+    chain = Chain({"m": m}, [ChainContact("wall", "m", contact)], {"wall": 0.0})
+    motion = simulate(chain, {"m": 1e-3}, {"m": -2.0}, 0.01)
+    ((begin, end, speed),) = motion.contacts(0)
+    w = w0 * math.sqrt(1 - zeta**2)
+    assert (begin, end - begin, speed) == pytest.approx((5e-4, math.pi / w, 2.0), rel=1e-8)
+    assert motion.speeds(0.01)[0] == pytest.approx(2.0 * math.exp(-math.pi * zeta / math.sqrt(1 - zeta**2)), rel=1e-8)
+
+
+def steps_of(motion):
+    """Times, steps and states at the begin of each step."""
+    parts = [(r.time, r.step, r.dense[:, 0]) for r in motion.motion.records()]
+    return [np.concatenate(column) for column in zip(*parts, strict=True)]
+
+
+def test_steps_are_those_of_the_dop853_of_scipy():
+    """The same estimate of the error and the same choice of steps, once the first ones have grown: equal to 1e-6."""
+    k = 4.0
+    chain = Chain({"m": 1.0}, [Spring("m", "wall", k, 0.4)], {"wall": 0.0})
+    tolerance, speed = 1e-7, 2.0
+    motion = simulate(chain, {"m": 0.5}, {"m": speed}, 12.0, tolerance)
+    time, step, states = steps_of(motion)
+    first = int(np.argmax(step > 0.05))
+    # scales of `simulate`: speed and its way in sqrt(m/k), energies of bodies at that speed
+    links = link_arrays(chain.links, chain.nodes)
+    scale = _speed_scale(chain, links, np.array([0.5, 0.0]), np.array([speed]))
+    atol = tolerance * np.array([scale * 0.5, scale, 0.5 * speed**2 + 0.5 * scale**2])
+    solver = DOP853(
+        lambda _, y: [y[1], -k * y[0] - 0.4 * y[1], 0.4 * y[1] ** 2],
+        time[first], states[first], 12.0, first_step=step[first], rtol=2.3e-14, atol=atol,
+    )  # fmt: skip
+    for j in range(first, first + 8):
+        solver.step()
+        assert solver.t_old == pytest.approx(time[j], rel=1e-6)
+        assert solver.step_size == pytest.approx(step[j], rel=1e-6)
+        # rtol of scipy is 2.3e-7 of the tolerance, and cannot be zero
+        assert states[j + 1] == pytest.approx(solver.y, abs=1e-6)
+
+
+def test_a_long_motion_comes_out_equal_to_the_bit_where_its_steps_are_found_again(monkeypatch):
+    """Some 1 400 steps of an undamped spring in stretches of 512; what is not kept is followed anew."""
+    chain = Chain({"m": 1.0}, [Spring("m", "wall", 1e4)], {"wall": 0.0})
+    times = np.linspace(0.0, 6.0, 23)
+    asked = []
+    kept = simulate(chain, {"m": 1e-3}, {"m": 0.1}, 6.0, 1e-11)
+    steps = steps_of(kept)
+    assert steps[0].size > 1024
+    assert len(list(kept.motion.records())) == steps[0].size // 512 + 1
+    assert steps[0][1:] == pytest.approx(np.cumsum(steps[1])[:-1], rel=1e-12)
+    x, v = kept.positions(times)[:, 0], kept.speeds(times)[:, 0]
+    assert x == pytest.approx(1e-3 * np.cos(100 * times) + 1e-3 * np.sin(100 * times), abs=1e-11)
+    assert v == pytest.approx(0.1 * np.cos(100 * times) - 0.1 * np.sin(100 * times), abs=1e-9)
+    monkeypatch.setattr(motions, "_KEPT_BYTES", 0)
+    monkeypatch.setattr(motions, "_RECENT", 1)
+    short = motions.integrate(
+        kept.motion.system, motions.MotionState(0.0, steps[2][0].copy(), np.array([PUSHING]), np.array([0.0, 0.0, 1.0])),
+        kept.motion._control, (1, 3), asked.append,
+    )  # fmt: skip
+    assert asked[-1] == 6.0
+    assert len(asked) == len(list(kept.motion.records()))
+    assert np.array_equal(short.sample(times)[0][:, 0], x)
+    assert np.array_equal(short.sample(times[::-1])[0][::-1, 0], x)
+    assert short.nbytes < 0.7 * kept.motion.nbytes
+    # impulse over the whole is the change of momentum
+    assert short.impulses(0.0, 6.0)[0] == pytest.approx(0.1 - v[-1], abs=1e-11)
+    # rounding beyond both ends is taken, more is not
+    assert np.array_equal(short.sample(6.0 * (1 + 5e-10))[0], short.sample(6.0)[0])
+    for outside in (-6.0 * 2e-9, 6.0 * (1 + 2e-9)):
+        with pytest.raises(ValueError, match="within the motion"):
+            short.sample(outside)
+    monkeypatch.setattr(motions, "_MOST_STEPS", 600)
+    with pytest.raises(IntegrationError, match="more than 6e\\+02 steps"):
+        simulate(chain, {"m": 1e-3}, {"m": 0.1}, 6.0, 1e-11)

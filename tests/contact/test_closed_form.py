@@ -223,3 +223,36 @@ def test_impossible_impacts_are_refused(contact, m1, m2, speed):
 def test_impossible_restitutions_are_refused(e):
     with pytest.raises(ValueError, match="0 < e <= 1"):
         exact(e)
+
+
+@pytest.mark.parametrize(("n", "error"), [(0.1, 1e-9), (0.5, 1e-9), (3.0, 4e-9), (5.0, 1e-6), (10.0, 1e-4)])
+def test_next_to_elastic_a_contact_of_any_exponent_is_symmetric_and_lasts_as_gamma_functions_say(n, error):
+    """T = 2 sqrt(pi) G(1 + 1/(n+1))/G(1/(n+1) + 1/2) d/v; the ends of the rule, in closed form, grow with the exponent."""
+    blow = solve_impact(Contact(1e9, n, 2e-9), 1.0, np.inf, 0.5)
+    q = 1 / (n + 1)
+    depth = ((n + 1) * 0.125 / 1e9) ** q
+    lasts = 2 * math.sqrt(math.pi) * math.gamma(1 + q) / math.gamma(q + 0.5) * depth / 0.5
+    # chi moves the moments by as much, and what the rule leaves of the ends is measured
+    assert float(blow.duration) == pytest.approx(lasts, rel=error)
+    assert float(blow.turning_time) == pytest.approx(lasts / 2, rel=error)
+    assert float(blow.peak_time) == pytest.approx(lasts / 2, rel=max(error, 2e-8))
+
+
+@pytest.mark.parametrize(
+    ("n", "e", "lasts", "error"),
+    [
+        (1.0, 0.5, 3.285325452938822, 2e-11),
+        (1.5, 0.5, 3.6035605840461358, 2e-11),
+        (2.0, 0.1, 7.519804996862562, 2e-11),
+        (1.5, 0.02, 15.448082540041721, 1e-10),
+        (3.0, 0.3, 4.818199866588878, 4e-9),
+        (6.0, 0.6, 3.4939828342973613, 5e-6),
+    ],
+)
+def test_durations_by_mpmath(n, e, lasts, error):
+    """`independent_duration` with K = m = v0 = 1; the error of the rule, which grows beyond n = 2."""
+    blow = solve_impact(Contact(1.0, n, exact(e)), 1.0, np.inf, 1.0)
+    assert float(blow.duration) == pytest.approx(lasts, rel=error)
+    # K -> k, m, v: T = (m v^(1-n)/K)^(1/(n+1)) T(1, 1, 1)
+    other = solve_impact(Contact(3e6, n, exact(e)), 0.2, np.inf, 5.0)
+    assert float(other.duration) == pytest.approx(lasts * (0.2 * 5.0 ** (1 - n) / 3e6) ** (1 / (n + 1)), rel=error)

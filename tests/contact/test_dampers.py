@@ -2,6 +2,7 @@
 
 import math
 
+import mpmath
 import numpy as np
 import pytest
 from hypothesis import given, settings
@@ -171,3 +172,52 @@ def test_a_chain_with_a_damper_that_jumps_at_touch_meets_the_impact():
     # it ends where the force is gone, 2 arccos(zeta)/w, not where the indentation is
     w = math.sqrt(1e8 / 0.3 * (1 - 0.3**2))
     assert float(blow.duration) == pytest.approx(2 * math.acos(0.3) / w, rel=1e-6)
+
+
+def test_jankowski_2006_at_a_half_and_at_both_ends():
+    """xi = 13.5 sqrt(5)/(9 pi + 16) at e = 1/2; near 1 its law gives e itself, near 0 zeta e = 9/16 (n = 3/2)."""
+    stiffness = Stiffness(1e8, 1.5)
+    half = damper_laws()["jankowski"].function(stiffness, 0.04, 0.5)
+    # c = 2 xi sqrt(m K), p = 1/4
+    assert float(half.coefficient) == pytest.approx(2 * 13.5 * math.sqrt(5) / (9 * math.pi + 16) * 2e3, rel=1e-14)
+    assert (half.exponent, half.style) == (0.25, "on-approach")
+    given_ = damper_laws()["jankowski"].given
+    # the next order of 1 - e
+    assert float(given_(1 - 1e-6, 1.5)) == pytest.approx(1 - 1e-6, abs=1e-11)
+    nearly_dead = damper_laws()["jankowski"].function(stiffness, 0.04, 1e-9)
+    assert float(nearly_dead.coefficient) == pytest.approx(9 / 16 * 1e9 * math.sqrt(5) * 2e3, rel=1e-8)
+
+
+@pytest.mark.parametrize("zeta", [0.05, 0.4, 0.97, 1.03, 2.5, 30.0])
+def test_decay_to_turning_and_its_slope_by_mpmath(zeta):
+    """arccos(zeta)/sqrt(1 - zeta^2) is one analytic function through zeta = 1, real on both sides."""
+    from strikewave.contact.dampers import _decay_and_slope
+
+    def decay(z):
+        return mpmath.re(z * mpmath.acos(z) / mpmath.sqrt(1 - z * z))
+
+    with mpmath.workdps(30):
+        value, slope = float(decay(mpmath.mpf(zeta))), float(mpmath.diff(decay, zeta))
+    # near 1 both lose the digits of 1 - zeta
+    assert [float(x) for x in _decay_and_slope(np.array(zeta))] == pytest.approx([value, slope], rel=1e-12)
+
+
+def test_decay_to_turning_at_critical_damping_is_one_with_slope_two_thirds():
+    from strikewave.contact.dampers import _decay_and_slope
+
+    assert [float(x) for x in _decay_and_slope(np.array(1.0))] == [1.0, pytest.approx(2 / 3, rel=1e-15)]
+
+
+def test_anagnostopoulos_1988_cut_off_gives_the_published_half():
+    """0.5 asked for comes out as 0.5503 where the linear damper never pulls."""
+    law = damper_laws()["anagnostopoulos"]
+    assert float(law.given(0.5, 1.0)) == pytest.approx(0.5503, abs=5e-5)
+
+
+def test_a_damper_close_to_critical_lets_go_as_late_as_its_closed_form_says():
+    """pi/w of a damper that may pull, zeta = 0.97: four times the undamped duration, and a rebound of 4e-6."""
+    zeta, w0 = 0.97, math.sqrt(1e8 / 0.4)
+    stiffness = Stiffness(1e8, 1.0)
+    blow = solve_impact(stiffness.contact(damper=damper_of_ratio(stiffness, 0.4, zeta, "pulls")), 0.4, np.inf, 3.0)
+    # 1e-7 of the speed at first touch is 1e-2 of that at the end, which lasts 1e-4 of the duration
+    assert float(blow.duration) == pytest.approx(math.pi / (w0 * math.sqrt(1 - zeta**2)), rel=1e-5)

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from scipy.integrate import solve_ivp
+from scipy.integrate import quad, solve_ivp
 
 from strikewave.base.citations import CHECKED, FROM_MEMORY, QUOTED, SOURCES
 from strikewave.base.errors import InputError
@@ -126,3 +126,30 @@ def test_li_ma_corrected_has_the_exact_integral():
 
 def test_arrays_keep_their_shape():
     assert np.shape(factor("flores", np.full((2, 3), 0.5))) == (2, 3)
+
+
+@pytest.mark.parametrize(
+    ("law", "half", "four_fifths"),
+    [
+        ("hunt-crossley", 3 / 4, 3 / 10),
+        ("herbert-mcwhannell", 1.0, 5 / 14),
+        ("lee-wang", 3 / 8, 3 / 20),
+        ("lankarani-nikravesh", 9 / 16, 27 / 100),
+        ("gonthier", 3 / 2, 9 / 20),
+        ("zhiying-qishao", 9 / 16 * math.e, 27 / 100 * math.exp(2 / 5)),
+        ("flores", 8 / 5, 2 / 5),
+        ("gharib-hurmuzlu", 2.0, 5 / 4),
+        ("hu-guo", 3 / 2, 3 / 8),
+        ("carvalho-martins", 63 / 44, 153 / 410),
+        ("safaeifar-farshidianfar", 5 / 4, 5 / 16),
+        ("li-ma-printed", 30 / 19, 15 / 38),
+    ],
+)
+def test_factors_at_a_half_and_four_fifths_are_fractions_worked_by_hand(law, half, four_fifths):
+    assert factor(law, [0.5, 0.8]) == pytest.approx([half, four_fifths], rel=1e-14)
+
+
+def test_li_ma_corrected_is_the_printed_law_with_the_integral_by_quadrature():
+    integral, _ = quad(lambda x: x ** (10 / 9) * math.sqrt(1 - x * x), 0, 1, epsabs=1e-13)
+    # quad's own 1e-10 at the root's end
+    assert factor("li-ma-corrected", [0.25, 0.8]) == pytest.approx([27 / 19 / integral, 9 / 76 / integral], rel=1e-9)

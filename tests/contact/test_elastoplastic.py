@@ -13,6 +13,7 @@ from strikewave.contact import (
     Chain,
     ChainContact,
     Contact,
+    Geometry,
     PressureCap,
     contact_modulus,
     exact,
@@ -30,7 +31,7 @@ from strikewave.contact import (
     thornton_restitution,
     yield_speed,
 )
-from strikewave.contact.elastoplastic import spot_after
+from strikewave.contact.elastoplastic import LARGEST_PRESSURE, cap_law_of, cap_of, first_yield, spot_after
 
 STEEL = material("65Mn")
 MODULUS = contact_modulus(STEEL, STEEL)
@@ -41,6 +42,10 @@ LINES = {
     "palmgren": palmgren(STEEL, STEEL, LENGTH).contact(cap=LINE_CAP),
     "johnson": johnson(STEEL, STEEL, RADIUS, math.inf, LENGTH, datum_depth=0.03).contact(cap=LINE_CAP),
 }
+NUMBERS = (
+    *("restitution", "max_indentation", "peak_force", "duration", "energy_lost", "deepest", "residual_indentation"),
+    *("flattening", "peak_time", "turning_time"),
+)
 EVERY = {"thornton": SPHERE, **LINES}
 
 
@@ -291,3 +296,102 @@ def test_slope_on_the_way_back_is_the_derivative_of_the_force(name):
     for d in (25e-6, 39e-6):
         slope = (slow_force(contact, d + step, deepest) - slow_force(contact, d - step, deepest)) / (2 * step)
         assert spot_after(contact, d, deepest).stiffness == pytest.approx(float(slope), rel=1e-5)
+
+
+def test_spot_that_a_blow_leaves_has_the_numbers_of_thornton_1997():
+    """R_p/R = F_e/F, d_r = D (1 - R/R_p) and slope (3/2) K sqrt(R_p/R) sqrt(d - d_r), F_e = K D^1.5, F on the straight line."""
+    deepest, k = 50e-6, 4 / 3 * MODULUS * math.sqrt(RADIUS)
+    yields = (math.pi * PRESSURE / (2 * MODULUS)) ** 2 * RADIUS
+    force = math.pi * PRESSURE * RADIUS * (deepest - yields / 3)
+    flat = k * deepest**1.5 / force
+    left = deepest * (1 - 1 / flat)
+    pressed = 0.5 * (left + deepest)
+    spot = spot_after(SPHERE, pressed, deepest)
+    assert spot.flattening == pytest.approx(flat, rel=1e-12)
+    assert spot.residual_indentation == pytest.approx(left, rel=1e-12)
+    assert spot.stiffness == pytest.approx(1.5 * k * math.sqrt(flat * (pressed - left)), rel=1e-12)
+    bare = spot_after(Contact(1e9, 2.0), 1e-6, 0.0)
+    assert bare == (pytest.approx(2e3, rel=1e-13), 0.0, 1.0)
+
+
+def test_green_2005_factors_of_first_yield_at_a_quarter_and_a_tenth():
+    """Of a line 1/(1 - 2 nu) up to nu = 0.1938, where the stress on the surface decides; polynomials by hand at 1/4."""
+
+    class Body:
+        youngs_modulus, poissons_ratio = 1.0, 0.1
+
+    assert line_yield_pressure(Body(), 3.0) == pytest.approx(3.75, rel=1e-14)
+    Body.poissons_ratio = 0.1938
+    assert line_yield_pressure(Body(), 1.0) == pytest.approx(1 / (1 - 2 * 0.1938), rel=1e-14)
+    Body.poissons_ratio = 0.25
+    assert line_yield_pressure(Body(), 2.0) == pytest.approx(2 * 1.726125, rel=1e-14)
+    assert point_yield_pressure(Body(), 2.0) == pytest.approx(2 * 1.554295625, rel=1e-14)
+
+
+def test_first_yield_is_that_of_the_weaker_body_in_the_shape_of_the_contact():
+    soft, hard = material("45 steel"), material("17-4PH")
+    sphere, line = Geometry(RADIUS), Geometry(RADIUS, length=LENGTH)
+    for geometry, pressure_of, cap in (
+        (sphere, point_yield_pressure, lambda p: point_cap(soft, hard, RADIUS, math.inf, p)),
+        (line, line_yield_pressure, lambda p: line_cap(soft, hard, RADIUS, math.inf, LENGTH, p)),
+    ):
+        pressure = min(pressure_of(body, body.yield_strength) for body in (soft, hard))
+        assert pressure == pressure_of(soft, soft.yield_strength)
+        for pair in ((soft, hard), (hard, soft)):
+            found = first_yield(*pair, geometry)
+            assert found.pressure == pressure
+            assert found.load == pytest.approx(float(cap(pressure).yield_load), rel=1e-14)
+    # where one strength alone is known it decides; without any, or without a radius, there is none
+    assert first_yield(soft, material("rubber"), sphere).pressure == point_yield_pressure(soft, soft.yield_strength)
+    assert first_yield(material("rubber"), material("rubber"), sphere) is None
+    assert first_yield(soft, hard, Geometry(length=LENGTH)) is None
+
+
+def test_caps_have_the_shape_of_the_geometry_and_the_law_of_their_shape():
+    point, line = (cap_of(STEEL, STEEL, Geometry(RADIUS, length=h), PRESSURE) for h in (None, LENGTH))
+    assert point == point_cap(STEEL, STEEL, RADIUS, math.inf, PRESSURE)
+    assert line == LINE_CAP
+    assert (cap_law_of(point).name, cap_law_of(line).name) == ("thornton", "line")
+    # 4.1 of Johnson 1985: F = pi R h p^2/E*
+    assert float(line.yield_load) == pytest.approx(math.pi * RADIUS * LENGTH * PRESSURE**2 / MODULUS, rel=1e-14)
+    with pytest.raises(ValueError, match="radii"):
+        cap_of(STEEL, STEEL, Geometry(length=LENGTH), PRESSURE)
+    assert float(point_cap(STEEL, STEEL, RADIUS, math.inf, LARGEST_PRESSURE).yield_load) > 0.0
+    for wrong in (0.0, 1.001e15, math.nan):
+        with pytest.raises(ValueError, match=r"positive and at most 1e\+15 Pa"):
+            point_cap(STEEL, STEEL, RADIUS, math.inf, wrong)
+
+
+def test_yield_speed_of_a_line_is_that_at_which_the_rebound_begins_to_lose():
+    for contact in LINES.values():
+        speed = float(yield_speed(contact, 0.1))
+        assert float(solve_impact(contact, 0.1, np.inf, 0.999 * speed).residual_indentation) == 0.0
+        assert float(solve_impact(contact, 0.1, np.inf, 1.001 * speed).residual_indentation) > 0.0
+
+
+def test_energy_lost_of_a_sphere_is_that_of_the_closed_form_at_the_depth_it_reached():
+    """W = int F over loading - that of Hertz unloading (2/5) F (D - d_r); the integrator's 1e-7."""
+    blow = solve_impact(SPHERE, 0.1, np.inf, 3.0)
+    deep = float(blow.max_indentation)
+    yields = (math.pi * PRESSURE / (2 * MODULUS)) ** 2 * RADIUS
+    load = float(SPHERE.cap.yield_load)
+    force = load + math.pi * PRESSURE * RADIUS * (deep - yields)
+    work = 0.4 * load * yields + 0.5 * (load + force) * (deep - yields)
+    assert work == pytest.approx(0.5 * 0.1 * 9.0, rel=1e-6)
+    assert float(blow.peak_force) == pytest.approx(force, rel=1e-7)
+    back = 0.4 * force * (deep - float(blow.residual_indentation))
+    assert float(blow.energy_lost) == pytest.approx(work - back, rel=1e-6)
+    assert float(blow.deepest) == pytest.approx(deep, rel=1e-9)
+
+
+def test_arrays_of_spots_hold_each_what_one_alone_holds():
+    """Several depths and laws in one call: residual, flattening, force and yield speed of each row."""
+    loads, speeds = np.array([300.0, 450.0, 600.0]), np.array([1.0, 3.0, 2.0])
+    several = solve_impact(Contact(1.5e10, 1.5, 0.1, cap=PressureCap(loads, "point")), 0.03, np.inf, speeds)
+    apart = yield_speed(Contact(1.5e10, 1.5, cap=PressureCap(loads, "point")), [0.1, 0.2, 0.3])
+    for k, (load, speed) in enumerate(zip(loads, speeds, strict=True)):
+        law = Contact(1.5e10, 1.5, 0.1, cap=PressureCap(load, "point"))
+        one = solve_impact(law, 0.03, np.inf, speed)
+        for name in NUMBERS:
+            assert float(getattr(several, name)[k]) == float(getattr(one, name)), name
+        assert apart[k] == pytest.approx(float(yield_speed(law, 0.1 * (k + 1))), rel=1e-15)

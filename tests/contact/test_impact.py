@@ -7,6 +7,7 @@ import pytest
 from hypothesis import example, given, settings
 from hypothesis import strategies as st
 from scipy.integrate import quad
+from scipy.optimize import brentq
 from scipy.special import betainc
 
 from strikewave.base.errors import IntegrationError
@@ -15,13 +16,25 @@ from strikewave.contact import (
     ChainContact,
     Contact,
     Damper,
+    HardeningContact,
     LogarithmicContact,
     PressureCap,
+    Stiffness,
     exact,
     impact_history,
     restitution,
     simulate,
     solve_impact,
+)
+from strikewave.contact.damping import named_contact
+from strikewave.contact.law import (
+    check_end,
+    elastic_indentation,
+    indentation_under,
+    not_negative,
+    positive,
+    single,
+    striking_law,
 )
 from strikewave.waves import Impactor, Layer, Stack, Tap, WantedError, run_bar
 
@@ -255,3 +268,136 @@ def test_next_to_elastic_loses_what_its_factor_says():
     blow = solve_impact(Contact(1e9, 1.5, 9e-10), 1.0, np.inf, 1.0)
     assert 1.0 - float(blow.restitution) == pytest.approx(6e-10, rel=1e-6)
     assert float(blow.energy_lost) == pytest.approx(6e-10, rel=1e-6)
+
+
+def test_one_law_in_arrays_of_one_is_the_law_of_its_numbers_and_two_are_refused():
+    plain = single(Contact(3e9, 1.25, 0.5, cap=PressureCap(20.0, "point")))
+    for shape in ((1,), (1, 1)):
+        arrays = (np.full(shape, x) for x in (3e9, 1.25, 0.5))
+        assert np.array_equal(single(Contact(*arrays, cap=PressureCap(np.full(shape, 20.0), "point"))), plain)
+    for wrong in (Contact([1e9, 2e9], 1.5), Contact(np.empty(0), 1.5)):
+        with pytest.raises(ValueError, match=r"one contact law is wanted here, got [02]"):
+            single(wrong)
+
+
+@pytest.mark.parametrize("n", [1.0, 1.5, 3.0])
+def test_indentation_without_losses_holds_the_energy_and_bears_its_force(n):
+    """K d^(n+1)/(n+1) = m v^2/2, d = (F/K)^(1/n)."""
+    depth = elastic_indentation(Contact(2e9, n), mass=0.3, speed=5.0)
+    assert 2e9 * depth ** (n + 1) / (n + 1) == pytest.approx(0.5 * 0.3 * 25.0, rel=1e-13)
+    assert indentation_under(Contact(2e9, n), 2e9 * depth**n) == pytest.approx(depth, rel=1e-13)
+
+
+def area(contact, depth):
+    """The energy of a logarithmic law up to a depth, by quadrature over its force."""
+    slope, load = contact.slope, contact.load
+    force = brentq(
+        lambda f: f / slope * math.log(load / f) - depth, 1e-12 * load, load / math.e, xtol=1e-18, rtol=1e-15
+    )
+    return force * depth - quad(lambda f: f / slope * math.log(load / f), 0.0, force, epsabs=0.0, epsrel=1e-12)[0]
+
+
+@pytest.mark.parametrize("energy", [1e-9, 1e-3, 0.03])
+def test_logarithmic_law_reaches_the_depth_that_holds_an_energy(energy):
+    contact = LogarithmicContact(1e10, 1e5)
+    depth = elastic_indentation(contact, 2.0 * energy, 1.0)
+    assert area(contact, depth) == pytest.approx(energy, rel=1e-9)
+
+
+def test_logarithmic_law_ends_at_its_load_over_e():
+    contact = LogarithmicContact(1e10, 1e5)
+    end = 1e-5 / math.e
+    assert float(contact.end_depth) == pytest.approx(end, rel=1e-15)
+    assert indentation_under(contact, 1e3) == pytest.approx(1e-7 * math.log(100.0), rel=1e-14)
+    assert indentation_under(contact, 1e5 / math.e) == indentation_under(contact, 1e6) == pytest.approx(end, rel=1e-14)
+    # beyond the energy of its end, B^2/(4 G e^2), there is no deeper
+    assert elastic_indentation(contact, 2.0, 1.0) == pytest.approx(end, rel=1e-14)
+    check_end(contact, 0.9999 * end)
+    check_end(Contact(1e9, 1.5), 1.0)
+    with pytest.raises(IntegrationError, match=r"0\.003679 mm|beyond the end of its logarithmic law"):
+        check_end(contact, end)
+
+
+def test_cushions_reach_the_depth_that_holds_an_energy():
+    """tangent: W = (4 k L^2/pi^2) ln(1/cos(pi d/2L)); a plateau without densification: P d - P^2/(2 k)."""
+    k, limit, depth = 2e5, 0.01, 0.007
+    energy = 4 * k * limit**2 / math.pi**2 * -math.log(math.cos(math.pi * depth / (2 * limit)))
+    assert elastic_indentation(HardeningContact("tangent", k, limit), 2 * energy, 1.0) == pytest.approx(
+        depth, rel=1e-12
+    )
+    flat = HardeningContact("plateau", k, math.inf, plateau=100.0)
+    assert elastic_indentation(flat, 2 * (100.0 * depth - 0.025), 1.0) == pytest.approx(depth, rel=1e-12)
+    assert elastic_indentation(flat, 2 * 0.5 * k * 1e-8, 1.0) == pytest.approx(1e-4, rel=1e-12)
+    # the elastomer by quadrature
+    rubber = HardeningContact("elastomer", k, limit)
+    work = quad(lambda d: k * limit / 3 * ((1 - d / limit) ** -2 - (1 - d / limit)), 0.0, depth)[0]
+    assert elastic_indentation(rubber, 2 * work, 1.0) == pytest.approx(depth, rel=1e-10)
+    assert float(rubber.end_depth) == pytest.approx(0.0099, rel=1e-14)
+
+
+def test_a_striker_takes_any_damper_but_one_that_pulls():
+    assert np.array_equal(striking_law(Contact(1e9, 1.5, 0.5)), single(Contact(1e9, 1.5, 0.5)))
+    for style in ("never-pulls", "on-approach", "retarded"):
+        assert np.any(striking_law(Contact(1e9, 1.5, damper=Damper(2.0, 0.25, style))) == 2.0)
+    assert striking_law(Contact(1e9, 1.5, damper=Damper(0.0, style="pulls"))) is not None
+    with pytest.raises(ValueError, match="a damper that never pulls"):
+        striking_law(Contact(1e9, 1.5, damper=Damper(1.0, style="pulls")))
+
+
+def test_numbers_at_the_edges_of_what_a_law_takes():
+    for n in (0.1, 10.0):
+        assert float(solve_impact(Contact(1e9, n), 1.0, 1.0, 1.0).restitution) == pytest.approx(1.0)
+    for n in (0.0999, 10.001):
+        with pytest.raises(ValueError, match=r"within 0\.1 to 10"):
+            solve_impact(Contact(1e9, n), 1.0, 1.0, 1.0)
+    assert float(not_negative("x", 0.0)) == 0.0
+    assert float(positive("x", 5e-324)) == 5e-324
+    for check, wrong in ((not_negative, [-1.0, math.inf, math.nan]), (positive, [0.0, math.inf, math.nan])):
+        for x in wrong:
+            with pytest.raises(ValueError, match="x must be"):
+                check("x", x)
+    # the yield load of a logarithmic law lies below B/e
+    solve_impact(LogarithmicContact(1e10, 1e5, cap=PressureCap(0.999e5 / math.e, "line")), 1.0, np.inf, 1e-3)
+    with pytest.raises(ValueError, match="below the end of the logarithmic law"):
+        solve_impact(LogarithmicContact(1e10, 1e5, cap=PressureCap(1.001e5 / math.e, "line")), 1.0, np.inf, 1e-3)
+
+
+def test_an_impact_says_which_restitution_it_missed_most():
+    stiffness = Stiffness(1e9, 1.5)
+    assert solve_impact(Contact(1e9, 1.5, 0.7), 1.0, 1.0, 1.0).words == ()
+    assert solve_impact(named_contact(stiffness, "exact", [0.2, 0.9]), 1.0, 1.0, 1.0).words == ()
+    asked = [0.9, 0.5, 0.7]  # flores gives 0.8945, 0.4704, 0.6816
+    (said,) = solve_impact(named_contact(stiffness, "flores", asked), 1.0, 1.0, 1.0).words
+    assert said == "the damping law flores gives e = 0.4704, not the 0.5 asked for; exact gives it"
+    cap = PressureCap(10.0, "point")
+    (said,) = solve_impact(named_contact(stiffness, "exact", 0.5, cap), 1.0, 1.0, 1.0).words
+    assert said.startswith("the contact yields: e = 0.")
+    assert said.endswith("not the 0.5 asked for of exact alone")
+
+
+def test_history_without_times_goes_in_501_steps_from_touch_to_release():
+    for contact in (Contact(1e9, 1.5, 0.4), by_steps(Contact(1e9, 1.5, 0.4))):
+        blow = solve_impact(contact, 0.5, 0.5, 2.0)
+        history = impact_history(blow)
+        assert history.method == blow.method
+        assert history.time == pytest.approx(np.linspace(0.0, float(blow.duration), 501), rel=1e-14)
+        assert (history.rate[0], history.indentation[0]) == (pytest.approx(2.0, rel=1e-12), 0.0)
+        assert history.rate[-1] == pytest.approx(-2.0 * float(blow.restitution), rel=1e-6)
+        # force = reduced mass times the slope of the rate, by differences of 0.2 % of the contact
+        slope = -0.25 * np.gradient(history.rate, history.time)
+        assert history.force[5:-5] == pytest.approx(slope[5:-5], abs=1e-4 * float(blow.peak_force))
+        assert np.gradient(history.indentation, history.time)[5:-5] == pytest.approx(history.rate[5:-5], abs=1e-3)
+
+
+def test_arrays_of_impacts_hold_each_what_one_alone_holds():
+    """All numbers and times of each, to the bit, in closed form and by steps."""
+    k, n, chi = np.array([1e9, 2e9, 5e9]), np.array([1.0, 1.5, 1.2]), np.array([0.0, 0.3, 2.0])
+    mass, speed = np.array([0.5, 0.1, 0.2]), np.array([1.0, 3.0, 2.0])
+    for law in (Contact, lambda *row: by_steps(Contact(*row))):
+        several = solve_impact(law(k, n, chi), mass, np.inf, speed)
+        for i in range(3):
+            one = solve_impact(law(k[i], n[i], chi[i]), mass[i], np.inf, speed[i])
+            for name in NUMBERS:
+                assert float(getattr(several, name)[i]) == float(getattr(one, name)), name
+    assert restitution(chi) == pytest.approx([float(restitution(x)) for x in chi], rel=1e-15)
+    assert exact([0.3, 0.5, 0.9]) == pytest.approx([float(exact(e)) for e in (0.3, 0.5, 0.9)], rel=1e-15)

@@ -8,7 +8,28 @@ import pytest
 from strikewave.base.errors import InputError
 from strikewave.base.materials import material
 from strikewave.contact import Geometry, contact_modulus, hertz, johnson, palmgren, stiffness_of
-from strikewave.contact.stiffness import dubowsky_freudenstein, pereira, radzimovsky
+from strikewave.contact.law import Damper, PressureCap
+from strikewave.contact.stiffness import (
+    LogarithmicStiffness,
+    Stiffness,
+    dubowsky_freudenstein,
+    lankarani_nikravesh_cylinder,
+    pereira,
+    radzimovsky,
+    reduced_radius,
+)
+
+
+class Soft:
+    """(1 - nu^2)/E = 1/4."""
+
+    youngs_modulus, poissons_ratio = 3.0, 0.5
+
+
+class Hard:
+    """(1 - nu^2)/E = 1/12."""
+
+    youngs_modulus, poissons_ratio = 11.52, 0.2
 
 
 def test_palmgren_constant_for_bearing_steel():
@@ -122,3 +143,87 @@ def test_impossible_sizes_are_refused():
         palmgren(steel, steel, 0.0)
     with pytest.raises(ValueError, match="radii"):
         hertz(steel, steel, -0.01)
+
+
+def test_contact_modulus_and_hertz_of_unlike_bodies_worked_by_hand():
+    """1/E* = 1/4 + 1/12, R = 0.03 x 0.01/0.04: E* = 3, K = 4 sqrt(0.0075)."""
+    assert contact_modulus(Soft, Hard) == pytest.approx(3.0, rel=1e-15)
+    assert Geometry(radius1=0.01, radius2=0.03).reduced_radius == pytest.approx(0.0075, rel=1e-14)
+    for law in (hertz, lankarani_nikravesh_cylinder):
+        made = law(Soft, Hard, 0.01, 0.03)
+        assert made.stiffness == pytest.approx(4.0 * math.sqrt(0.0075), rel=1e-14)
+        assert made.exponent == 1.5
+
+
+def test_reduced_radius_of_a_hole_a_plane_and_what_does_not_fit():
+    assert reduced_radius(0.010, -0.011) == pytest.approx(0.11, rel=1e-12)
+    assert reduced_radius(0.02, math.inf) == 0.02
+    # a proton is just not refused
+    assert reduced_radius(1.5e-15, math.inf) == pytest.approx(1.5e-15, rel=1e-15, abs=0.0)
+    for one, other in ((0.01, -0.01), (0.01, -0.009), (0.0, 1.0), (math.inf, 1.0), (0.01, 0.0), (0.01, math.nan)):
+        with pytest.raises(ValueError, match="radi"):
+            reduced_radius(one, other)
+    for one, other in ((5e-16, 1.0), (1.0, 5e-16), (1e-16, -5e-16)):
+        with pytest.raises(ValueError, match="radii below 1e-15 m"):
+            reduced_radius(one, other)
+
+
+@pytest.mark.parametrize(("radius2", "by_length"), [(0.03, math.log(4 / 3)), (-0.0125, math.log(3.2))])
+def test_line_laws_differ_by_multiples_of_the_mean_approach(radius2, by_length):
+    """All are d = F/(pi E* h)(ln 1/F + constant): radzimovsky 5/3 - ln 4 beyond johnson, dubowsky 2 + ln[h^2/(4 R dR)]."""
+    force, length = 0.3, 0.04
+    unit = force / (math.pi * 3.0 * length)
+    line, wide, pin = (
+        float(law(Soft, Hard, 0.01, radius2, length).indentation(force))
+        for law in (johnson, radzimovsky, dubowsky_freudenstein)
+    )
+    # johnson by halves: (1 - nu^2)/(pi E) F/h [2 ln(4 R_i/a) - 1]
+    a = math.sqrt(4 * unit * reduced_radius(0.01, radius2))
+    halves = sum(
+        share / math.pi * force / length * (2 * math.log(4 * abs(radius) / a) - 1)
+        for share, radius in ((1 / 4, 0.01), (1 / 12, radius2))
+    )
+    assert line == pytest.approx(halves, rel=1e-13)
+    mean = unit * (math.log(4 * abs(0.01 + radius2) / unit) - 1)
+    assert wide - mean == pytest.approx((5 / 3 - math.log(4)) * unit, rel=1e-11)
+    assert pin - mean == pytest.approx((2 + by_length) * unit, rel=1e-11)
+
+
+def test_logarithmic_stiffness_is_exact_at_a_power_of_e_and_hands_its_numbers_on():
+    law = LogarithmicStiffness(2e9, 1e6, "given", "given", "")
+    assert float(law.indentation(1e6 * math.exp(-4.0))) == pytest.approx(4e6 * math.exp(-4.0) / 2e9, rel=1e-14)
+    cap, damper = PressureCap(5.0, "line"), Damper(3.0)
+    made = law.contact(0.25, cap)
+    assert (made.slope, made.load, made.hysteresis_factor, made.cap) == (2e9, 1e6, 0.25, cap)
+    power = Stiffness(7.0, 1.2).contact(0.5, cap, damper)
+    assert (power.stiffness, power.exponent, power.hysteresis_factor) == (7.0, 1.2, 0.5)
+    assert (power.damper, power.cap) == (damper, cap)
+
+
+def test_palmgren_goes_with_length_and_modulus_by_their_powers():
+    """K ~ h^(8/9) E*; with E* = 3: d = 3.81 (1/(3 pi))^0.9 F^0.9/h^0.8."""
+    one = palmgren(Soft, Hard, 1.0)
+    assert 3.81 * (1 / (3 * math.pi)) ** 0.9 * one.stiffness**0.9 == pytest.approx(1.0, rel=1e-13)
+    assert palmgren(Soft, Hard, 2.0).stiffness / one.stiffness == pytest.approx(2 ** (8 / 9), rel=1e-13)
+
+
+def test_pereira_changes_its_exponent_where_it_says():
+    """Y = 1.51 [ln(1000 dR)]^-0.151 up to 0.34954 mm, and a line above; both ends of 0.005 to 10 mm are taken."""
+    steel = material("65Mn")
+    for gap, y in ((0.3494, 1.51 * math.log(349.4) ** -0.151), (0.3497, 0.0151 * 0.3497 + 1.151)):
+        assert pereira(steel, steel, 0.01, -0.01 - gap * 1e-3, 0.04).exponent == pytest.approx(
+            y * gap**-0.005, rel=1e-9
+        )
+    for gap in (0.00500001, 9.99999):
+        assert pereira(steel, steel, 0.01, -0.01 - gap * 1e-3, 0.04).exponent > 0.0
+    with pytest.raises(ValueError, match=r"within 0\.005 to 10 mm"):
+        pereira(steel, steel, 0.01, -0.02001, 0.04)
+
+
+def test_a_law_asks_only_for_what_it_needs_and_leaves_out_what_may_be_missing():
+    steel = material("65Mn")
+    assert stiffness_of("palmgren", steel, steel, Geometry(length=0.04)) == palmgren(steel, steel, 0.04)
+    plane = stiffness_of("johnson", steel, steel, Geometry(radius1=0.01, length=0.04, datum_depth=0.03))
+    assert plane == johnson(steel, steel, 0.01, math.inf, 0.04, 0.03)
+    with pytest.raises(InputError, match="radius1: missing"):
+        stiffness_of("hertz", steel, steel, Geometry(length=0.04))
