@@ -25,7 +25,17 @@ from strikewave.contact import (
     solve_impact,
 )
 from strikewave.contact import motion as motions
-from strikewave.contact._chain_kernels import OPEN, PUSHING, SLIDING, SLIDING_BACK, STICKING
+from strikewave.contact._chain_kernels import (
+    OPEN,
+    PUSHING,
+    SLIDING,
+    SLIDING_BACK,
+    STICKING,
+    YIELDING,
+    let_go,
+    link_of,
+    never_touches,
+)
 from strikewave.contact._dop853 import A, B, C
 from strikewave.contact.chain import (
     _longest_step,
@@ -531,3 +541,28 @@ def test_a_long_motion_comes_out_equal_to_the_bit_where_its_steps_are_found_agai
     monkeypatch.setattr(motions, "_MOST_STEPS", 600)
     with pytest.raises(IntegrationError, match="more than 6e\\+02 steps"):
         simulate(chain, {"m": 1e-3}, {"m": 0.1}, 6.0, 1e-11)
+
+
+def test_a_contact_that_is_let_go_loses_what_it_stores_and_remembers_how_deep_it_was():
+    contact = Contact(1e9, 1.5, cap=PressureCap(1e3, "point"))
+    links = [
+        Spring("a", "b", 5.0),
+        ChainContact("a", "wall", contact, spot=1),
+        ChainContact("b", "wall", contact, spot=1),
+    ]
+    chain = Chain({"a": 1.0, "b": 2.0}, links, {"wall": 0.5})
+    system = simulate(chain, {}, {}, 1e-3).motion.system
+    y, depth = np.array([0.502, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0]), float(first_depths(link_arrays(links, chain.nodes))[1])
+    for mode_before, deepest in ((PUSHING, depth), (YIELDING, 0.002)):
+        mode, memory = np.array([PUSHING, mode_before, OPEN]), np.array([0.0] * 3 + [0.0, depth, depth] + [1.0] * 3)
+        lost = let_go(system.chain, 1, y, mode, memory)
+        assert list(mode) == [PUSHING, OPEN, OPEN]
+        assert memory[4] == memory[5] == pytest.approx(deepest, rel=1e-12)
+        assert lost == pytest.approx(
+            stored_energy(link_arrays(links[1:2], chain.nodes), np.array([0.502, 0.0, 0.5]), np.array([0.002])),
+            rel=1e-12,
+        )
+    g = np.full(9, -1.0)
+    never_touches(2, g)
+    assert list(g) == [-1.0] * 6 + [1.0] + [-1.0] * 2
+    assert [link_of(k) for k in (0, 2, 3, 8)] == [0, 0, 1, 2]

@@ -13,7 +13,15 @@ from scipy.optimize import brentq
 
 from strikewave.base.citations import CHECKED, QUOTED
 from strikewave.base.errors import InputError, IntegrationError
-from strikewave.contact import HardeningContact, exact, impact_history, slow_force, solve_impact
+from strikewave.contact import (
+    Damper,
+    HardeningContact,
+    LogarithmicContact,
+    exact,
+    impact_history,
+    slow_force,
+    solve_impact,
+)
 from strikewave.contact.cushions import (
     Cushion,
     Pad,
@@ -33,6 +41,7 @@ from strikewave.contact.cushions import (
     repeated_blows,
     retardation_of,
     retarded,
+    solid_strain,
     tangent,
 )
 from strikewave.contact.dampers import cut_off_restitution
@@ -416,3 +425,92 @@ def test_every_law_says_what_it_needs():
         names = list(inspect.signature(law.function).parameters)
         assert names == ["pad", *law.needs, *law.options]
         assert (law.status == QUOTED) == bool(law.seen), law.name
+
+
+def test_a_mass_carried_by_a_ramp_follows_its_closed_form():
+    """a = r t on a spring: d = (r/w^2)(t - sin(w t)/w), and the mass has w^2 d; a jump gives A (1 - cos w t)."""
+    w = math.sqrt(5e6 * AREA / THICKNESS / MASS)
+    step, rise = 1e-4, 3e4
+    t = step * np.arange(200)
+    ramp = carried(linear(PAD, 5e6), MASS, rise * t, step)
+    d = rise / w**2 * (t - np.sin(w * t) / w)
+    # 1e-8 a step
+    assert ramp.compression == pytest.approx(d, abs=1e-6 * d[-1])
+    assert ramp.acceleration == pytest.approx(w**2 * d, abs=1e-6 * w**2 * d[-1])
+    jump = carried(linear(PAD, 5e6), MASS, np.full(200, 50.0), step)
+    assert jump.acceleration == pytest.approx(50.0 * (1 - np.cos(w * t)), abs=1e-4)
+
+
+def test_a_mass_flies_where_the_surface_falls_back_and_is_caught_by_the_same_law():
+    """A kick of speed v: half a sine, then flight at 2 v; pulled back as fast, the surface never holds it."""
+    w = math.sqrt(5e6 * AREA / THICKNESS / MASS)
+    step = 1e-5
+    kick = np.zeros(4000)
+    kick[2000:2002] = 0.5 / step  # late, so that a step across it would miss it
+    motion = carried(linear(PAD, 5e6), MASS, kick, step)
+    t = step * np.arange(4000) - 2000.5 * step
+    on = (t > 2 * step) & (t < math.pi / w)
+    assert motion.compression[on] == pytest.approx(np.sin(w * t[on]) / w, abs=1e-4 / w)
+    assert np.all(motion.acceleration[t > 1.01 * math.pi / w] == 0.0)
+    assert np.all(motion.compression[t > 1.01 * math.pi / w] == 0.0)
+    assert np.all(motion.compression[:2000] == 0.0)
+    for short in ([7.0], np.zeros(3)):
+        assert np.array_equal(carried(linear(PAD, 5e6), MASS, short, step), np.zeros((2, len(short))))
+
+
+def test_wear_and_properties_of_a_pad_are_products_worked_by_hand():
+    wear = Wear(settling=0.1, stiffening=0.5)
+    assert (wear.thickness_left(3), wear.stiffened(3)) == pytest.approx((0.729, 3.375), rel=1e-14)
+    assert (Wear().thickness_left(7), Wear().stiffened(7)) == (1.0, 1.0)
+    pad = Cushion("foam", PAD, PROPERTIES["foam"], wear).after(2)
+    assert (pad.pad.area, pad.pad.thickness) == (AREA, pytest.approx(0.81 * THICKNESS, rel=1e-14))
+    # stresses stiffen, strains do not
+    assert pad.properties == {
+        "modulus": pytest.approx(11.25e6, rel=1e-14),
+        "plateau": pytest.approx(0.5625e6, rel=1e-14),
+        "densification": 0.8,
+    }
+    assert solid_strain(0.25) == pytest.approx(0.65, rel=1e-14)
+    assert retardation_of(0.5, 10.0) == pytest.approx(1 / (40 * math.pi), rel=1e-14)
+    lossy = Cushion("linear", PAD, {"modulus": 5e6}, retardation=1e-4).contact()
+    assert (lossy.damper, lossy.hysteresis_factor) == (Damper(1e-4, style="retarded"), 0.0)
+    assert Cushion("linear", PAD, {"modulus": 5e6}).contact("flores", 0.5).hysteresis_factor == pytest.approx(1.6)
+
+
+def test_what_a_crush_without_end_holds_and_keeps():
+    """Set + F/k = deepest; taken = stored + lost, and what comes back is what is stored."""
+    balance = balance_of(solve_impact(crush(PAD, 50e6, 1e6), [MASS, 2 * MASS], math.inf, [SPEED, 1.5]))
+    held = (AREA * 1e6) ** 2 / (2 * 50e6 * AREA / THICKNESS)
+    assert balance.taken == pytest.approx([6.0, 6.75], rel=1e-14)
+    assert balance.stored == pytest.approx([held, held], rel=1e-6)
+    assert balance.returned == pytest.approx([held, held], rel=1e-5)
+    assert balance.lost == pytest.approx([6.0 - held, 6.75 - held], rel=1e-6)
+    assert balance.set == pytest.approx((np.array([6.0, 6.75]) - held) / (AREA * 1e6), rel=1e-6)
+
+
+def test_edges_of_what_a_pad_can_be_are_taken():
+    assert float(tangent(PAD, 1e6, 1.0).limit) == THICKNESS
+    assert elastomer(PAD, 1e6, compression_factor=0.0).stiffness == pytest.approx(1e6 * AREA / THICKNESS, rel=1e-14)
+    slightly = elastomer(PAD, 1e6, compression_factor=0.005, shape_factor=0.005)
+    assert slightly.stiffness == pytest.approx(1e6 * AREA / THICKNESS * (1 + 0.01 * 25e-6), rel=1e-13)
+    assert foam(PAD, 1e6, 1e4, 1e-2 + 1e-2).limit == pytest.approx(4e-4, rel=1e-14)
+    assert Wear(settling=0.999).thickness_left(1) == pytest.approx(1e-3)
+    for area, thickness in ((0.0, 1.0), (math.inf, 1.0), (1.0, -1.0), (1.0, math.nan)):
+        with pytest.raises(ValueError, match="of a cushion must be above zero and finite"):
+            Pad(area, thickness)
+    for wrong in (
+        lambda: linear(PAD, 0.0),
+        lambda: power(PAD, 1e6, math.inf),
+        lambda: foam(PAD, 1e6, -1.0, 0.5),
+        lambda: foam(PAD, 1e6, 1e4, 0.0),
+        lambda: crush(PAD, 1e6, 1e4, 1.01),
+        lambda: elastomer(PAD, 1e6, -0.1),
+        lambda: elastomer(PAD, 1e6, 1.0, math.inf),
+        lambda: Wear(settling=-0.1),
+        lambda: Wear(stiffening=-0.1),
+        lambda: Wear(stiffening=math.inf),
+        lambda: retarded(LogarithmicContact(1e9, 1e5), 1e-5),
+        lambda: retarded(retarded(linear(PAD, 1e6), 1e-5), 1e-5),
+    ):
+        with pytest.raises(ValueError, match=r"must|a cushion"):
+            wrong()

@@ -395,3 +395,11 @@ def test_arrays_of_spots_hold_each_what_one_alone_holds():
         for name in NUMBERS:
             assert float(getattr(several, name)[k]) == float(getattr(one, name)), name
         assert apart[k] == pytest.approx(float(yield_speed(law, 0.1 * (k + 1))), rel=1e-15)
+
+
+def test_thornton_1997_restitution_begins_at_the_speed_of_yield_and_ends_as_its_quarter_power():
+    """1 up to v_y, below beyond; far beyond (6 sqrt(3)/5)^(1/2) [s/(2 sqrt(6/5))]^(1/4)."""
+    assert thornton_restitution([0.0, 0.5, 1.0]) == pytest.approx([1.0, 1.0, 1.0], rel=1e-15)
+    assert 0.999 < float(thornton_restitution(1.001)) < 1.0
+    far = math.sqrt(1.2 * math.sqrt(3)) * (1e-8 / (2 * math.sqrt(1.2))) ** 0.25
+    assert float(thornton_restitution(1e8)) == pytest.approx(far, rel=1e-7)

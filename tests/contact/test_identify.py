@@ -1,7 +1,10 @@
 """Identification from force pulses: integrated independently, with noise, with ringing, and those it must refuse."""
 
+import itertools
 import math
+from types import SimpleNamespace
 
+import mpmath
 import numpy as np
 import pytest
 from hypothesis import given
@@ -10,9 +13,26 @@ from scipy.integrate import solve_ivp
 from scipy.stats import chi2
 
 from strikewave.contact import Contact, exact, impact_history, solve_impact
-from strikewave.contact.force_pulse import ForcePulse, cut_out
-from strikewave.contact.identification import COMBINATIONS, identify
-from strikewave.contact.pulse_fit import SCALES, VALUES
+from strikewave.contact.force_pulse import (
+    ForcePulse,
+    _beyond,
+    _check_clear,
+    _checked,
+    _neighbour,
+    _rest,
+    cut_out,
+    shape,
+)
+from strikewave.contact.identification import (
+    COMBINATIONS,
+    IdentifiedValue,
+    _limits,
+    _others,
+    _quality,
+    _trades,
+    identify,
+)
+from strikewave.contact.pulse_fit import FREE, SCALES, VALUES, PulseFitProblem, _moments, derivatives, near
 
 STEP = 0.5e-6
 PULSE = ForcePulse(1e-4, 2e4, 60e-6, 1.5, 0.6)
@@ -276,3 +296,344 @@ def test_a_window_on_the_second_blow_takes_its_zero_from_within():
     found = identify(t, force, {"mass": 0.1}, window=(2e-3, 1.0))
     assert found.offset == 0.0
     assert found.values["restitution"].value == pytest.approx(0.6, rel=1e-4)
+
+
+def test_a_half_sine_has_its_area_duration_and_units_in_closed_form():
+    """n = 1, e = 1: F = F_p sin(pi t/T), impulse 2 F_p T/pi, m v = half of it, sqrt(m/K) = T/pi, K v = F_p/sqrt(m/K)."""
+    pulse = ForcePulse(2e-4, 3.0, 2e-4 / math.pi, 1.0, 1.0)
+    t = np.linspace(1.5e-4, 3.5e-4, 41)
+    inside = (t > 2e-4) & (t < 3e-4)
+    expected = np.where(inside, 3.0 * np.sin(math.pi * (t - 2e-4) / 1e-4), 0.0)
+    # cubics between nodes: 2e-6 of the peak
+    assert pulse.force(t) == pytest.approx(expected, abs=6e-6)
+    assert pulse.momentum == pytest.approx(3e-4 / math.pi, rel=1e-14)
+    assert pulse.time_unit == pytest.approx(1e-4 / math.pi, rel=1e-12)
+    assert pulse.stiffness_speed == pytest.approx(3.0 * math.pi / 1e-4, rel=1e-12)
+    assert pulse.duration == pytest.approx(1e-4, rel=1e-10)
+
+
+@pytest.mark.parametrize(("n", "e"), [(0.6, 0.3), (1.0, 0.9), (1.5, 0.05), (2.5, 1.0), (5.0, 0.6)])
+def test_a_shape_has_height_and_area_one_and_slopes_of_its_own_curve(n, e):
+    t, g, slope = shape(n, e)
+    assert g.max() == pytest.approx(1.0, abs=1e-3)  # the peak lies between nodes
+    length = np.diff(t)
+    area = np.sum(length * (g[1:] + g[:-1]) / 2 + length**2 * (slope[:-1] - slope[1:]) / 12)
+    assert area == pytest.approx(1.0, rel=1e-6)
+    middle = slice(20, -20)
+    by_chord = (g[2:] - g[:-2]) / (t[2:] - t[:-2])
+    assert slope[1:-1][middle] == pytest.approx(by_chord[middle], abs=0.05 * np.abs(slope[np.isfinite(slope)]).max())
+
+
+def test_rest_of_the_exponential_by_mpmath():
+    x = np.array([-3.0, -0.021, -0.019, -1e-4, 1e-9, 0.0199, 0.0201, 1.0])
+    with mpmath.workdps(40):
+        expected = [float(mpmath.expm1(mpmath.mpf(v)) - mpmath.mpf(v)) for v in x]
+    # the difference loses 9e-15 at the end of the series
+    assert _rest(x) == pytest.approx(expected, rel=2e-14, abs=0.0)
+
+
+T = np.arange(200.0)
+TRIANGLE = np.maximum(100.0 - 10.0 * np.abs(T - 100.0), 0.0)
+"""A pulse from sample 90 to 110; half its height lies between 94 and 106, and its baseline in samples 23 to 81."""
+
+
+def test_a_triangle_is_cut_out_with_a_fifth_of_its_length_to_either_side():
+    found = cut_out(T, 10.0 + TRIANGLE)
+    assert np.array_equal(found.time, T[86:115])
+    assert np.array_equal(found.force, TRIANGLE[86:115])
+    assert (found.offset, found.noise, found.before, found.peak) == (10.0, 0.0, 59, 100.0)
+    assert found.length == 28.0
+    # 4 samples a second
+    fine = cut_out(T / 4.0, 10.0 + TRIANGLE)
+    assert (fine.before, fine.time.size) == (59, 29)
+
+
+def test_other_blows_before_a_triangle_are_left_out_of_its_baseline_and_small_ones_not():
+    bumps = TRIANGLE.copy()
+    bumps[40:43] = 15.0
+    assert cut_out(T, bumps)[2:5] == (0.0, 0.0, 56)
+    bumps[40:43] = 5.9
+    found = cut_out(T, bumps)
+    assert found.offset == pytest.approx(3 * 5.9 / 59, rel=1e-13)
+    assert found.noise == pytest.approx(5.9 * math.sqrt(3 * 56 / 59 / 58), rel=1e-13)
+    # a blow that begins anew within the margin ends it
+    again = TRIANGLE.copy()
+    again[113:120] = 30.0
+    again[88] = 9.0
+    found = cut_out(T, again)
+    assert (found.time[0], found.time[-1]) == (89.0, 112.0)
+
+
+def test_the_foot_stands_four_deviations_above_the_noise_and_never_above_three_tenths():
+    """+-4.9 before the pulse: the foot below 20, from 91 to 109; -9.9, 9.9 and 0: at 30, from 92 to 108."""
+    for pattern, deviation, first, last in (
+        ([4.9, -4.9], 4.9 * math.sqrt(59 / 58 * (1 - 1 / 59**2)), 91, 109),
+        ([0.0, -9.9, 9.9], 9.9 * math.sqrt(40 / 58), 92, 108),
+    ):
+        noisy = TRIANGLE.copy()
+        noisy[22:82] = np.resize(pattern, 60)
+        found = cut_out(T, noisy)
+        assert found.noise == pytest.approx(deviation, rel=1e-12)
+        margin = 0.2 * (last - first)
+        rows = np.flatnonzero((first - margin <= T) & (last + margin >= T))
+        assert (found.time[0], found.time[-1]) == (rows[0], rows[-1])
+
+
+def test_a_window_takes_what_lies_within_and_its_baseline_from_before_where_it_has_none():
+    found = cut_out(T, 10.0 + TRIANGLE, window=(95.0, 105.0))
+    assert np.array_equal(found.time, T[95:106])
+    assert (found.offset, found.before, found.peak) == (10.0, 59, 100.0)
+    own = cut_out(T, 10.0 + TRIANGLE, window=(60.0, 120.0))
+    assert (own.offset, own.before, own.time.size) == (10.0, 22, 61)
+    assert cut_out(T, TRIANGLE, window=(96.0, 103.0)).time.size == 8
+    with pytest.raises(ValueError, match="only 7 samples lie within the window"):
+        cut_out(T, TRIANGLE, window=(96.0, 102.0))
+    with pytest.raises(ValueError, match="only 6 samples lie within the pulse"):
+        cut_out(T, TRIANGLE, window=(80.0, 96.0))
+
+
+def test_eight_samples_are_enough_and_seven_are_not():
+    for count, taken in ((8, True), (7, False)):
+        narrow = np.maximum(100.0 - 200.0 / (count + 1) * np.abs(T - 100.0 - 0.5 * (count % 2 == 0)), 0.0)
+        assert np.count_nonzero(narrow) == count
+        if taken:
+            assert np.count_nonzero(cut_out(T, narrow).force) == count
+        else:
+            with pytest.raises(ValueError, match="only 7 samples lie within the pulse; 8 are needed"):
+                cut_out(T, narrow)
+    assert _checked(T[:8], T[:8])[0].size == 8
+    with pytest.raises(ValueError, match="7 samples; a pulse needs at least 8"):
+        _checked(T[:7], T[:7])
+
+
+def test_a_pulse_stands_out_of_six_deviations_of_the_steps_of_64_samples():
+    """Steps of 2 are noise of 2/0.954; six of that are 12.58."""
+    steps = (-1.0) ** np.arange(64)
+    _check_clear(steps, 12.6)
+    with pytest.raises(ValueError, match=r"noise of 2\.1 N: the largest sample is 12\.5 N"):
+        _check_clear(steps, 12.5)
+    _check_clear(steps[:63], 1e-9)
+
+
+def test_feet_and_neighbours_are_found_on_either_side():
+    f = np.array([9.0, 1.0, 0.0, 3.0, 8.0, 3.0, 1.0, 0.5, 7.0])
+    assert [_beyond(f, 4, 2.0, side) for side in (-1, 1)] == [2, 6]
+    assert [_beyond(f, 4, 0.2, side) for side in (-1, 1)] == [2, None]
+    assert [_neighbour(f, foot, 2.0, side) for foot, side in ((2, -1), (6, 1))] == [0, 8]
+    assert [_neighbour(f, foot, 20.0, side) for foot, side in ((2, -1), (6, 1))] == [-1, 9]
+
+
+def test_derivatives_are_exact_of_squares_and_one_sided_at_a_bound():
+    def squares(x):
+        return np.array([x[0] ** 2, x[0] * x[1] + 3.0 * x[1] ** 2, 7.0 * x[1]])
+
+    expected = [[1.0, 0.0], [2.0, 0.5 + 12.0], [0.0, 7.0]]
+    for high in ([9.0, 9.0], [0.5, 2.0]):
+        assert derivatives(squares, np.array([0.5, 2.0]), np.array(high)) == pytest.approx(np.array(expected), abs=1e-9)
+    # central: the third derivative is off by step^2 / 6, one-sided by step^2 / 3
+    cubed = derivatives(lambda x: 6e6 * x**3, np.array([0.0]), np.array([1.0]))[0, 0]
+    assert cubed == pytest.approx(6e6 * 1e-10, rel=1e-6)
+
+
+def test_moments_of_a_rectangle_leave_out_what_is_below_a_tenth():
+    force = np.zeros(30)
+    force[5:16], force[0], force[29] = 2.0, 0.19, 0.19
+    t = np.arange(30.0)
+    # trapezoids: half a sample beyond both ends, weight 11
+    weights = np.where(force > 1.0, force, 0.0)
+    middle, deviation = _moments(t, force)
+    assert middle == pytest.approx(10.0, rel=1e-14)
+    assert deviation == pytest.approx(math.sqrt(np.sum(weights * (t - 10.0) ** 2) / np.sum(weights)), rel=1e-14)
+    assert deviation == pytest.approx(math.sqrt(10.0), rel=1e-14)
+
+
+KNOWN = {"stiffness": 3e8, "mass": 0.2, "speed": 7.0}
+
+
+@pytest.mark.parametrize(("n", "e"), [(1.5, 0.6), (1.0, 1.0), (2.5, 0.2)])
+def test_whatever_scales_are_known_make_the_pulse_of_their_impact(n, e):
+    """Any two or three of K, m and v give peak and width of `solve_impact`, and any one gives the other two."""
+    blow = solve_impact(Contact(KNOWN["stiffness"], n, exact(e)), KNOWN["mass"], np.inf, KNOWN["speed"])
+    peak = float(blow.peak_force)
+    made = ForcePulse(1e-4, peak, KNOWN["mass"] * KNOWN["speed"] * (1 + e) / peak, n, e)
+    t = np.linspace(0.0, 3e-4 + 2.0 * made.duration, 300)
+    record = cut_out(t, made.force(t))
+    for count in range(4):
+        for names in itertools.combinations(SCALES, count):
+            problem = PulseFitProblem(record, {name: KNOWN[name] for name in names})
+            assert len(problem.free) == 5 - max(count - 1, 0)
+            found = problem.pulse(problem.unknowns(made))
+            for name in FREE:
+                assert getattr(found, name) == pytest.approx(getattr(made, name), rel=1e-10), (names, name)
+            # without any it is that of 1 m/s
+            K, m, v = problem.scaled(made)
+            expected = KNOWN if names else {"stiffness": 3e8 * 7.0**n, "mass": 1.4, "speed": 1.0}
+            if count:
+                assert (K, m, v) == pytest.approx((3e8, 0.2, 7.0), rel=1e-8)
+                sums = [1.4, 1.4 * (1 + e), peak, float(blow.duration), 3e8 * 7.0**n]
+                values = [3e8, n, e, 0.2, 7.0]
+                logarithms = problem.logarithms(problem.unknowns(made))
+                assert np.exp(logarithms[:-1]) == pytest.approx(values + sums, rel=1e-8)
+                assert logarithms[-1] == pytest.approx(1e-4, rel=1e-10)
+            else:
+                assert m * v == pytest.approx(expected["mass"], rel=1e-10)
+    assert PulseFitProblem(record, {"exponent": n, "mass": 0.2}).without_scales.given == {"exponent": n}
+
+
+def test_known_values_of_a_hundred_times_the_size_are_refused_and_of_fifty_times_not():
+    alone = SimpleNamespace(problem=PulseFitProblem(cut_out(TIME, PULSE.force(TIME)), {}), unknown=None)
+    alone.unknown = alone.problem.unknowns(PULSE)
+    # mass and speed give the peak, at the same width, by their product over 0.75 N s
+    for times, taken in ((50.0, True), (0.02, True), (150.0, False), (1 / 150.0, False)):
+        problem = PulseFitProblem(alone.problem.record, {"mass": 0.1 * times, "speed": 7.5, "exponent": 1.5})
+        if taken:
+            assert problem.pulse(near(problem, alone)).peak == pytest.approx(times * PULSE.peak, rel=1e-3)
+        else:
+            with pytest.raises(ValueError, match="check their units"):
+                near(problem, alone)
+
+
+def fitted(miss, noise=None, before=0):
+    """A fit of five unknowns with a misfit, to a record of 100 N."""
+    record = SimpleNamespace(peak=100.0, noise=noise, before=before)
+    miss = np.asarray(miss)
+    deviation = math.sqrt(miss @ miss / (miss.size - 5))
+    problem = SimpleNamespace(record=record)
+    return SimpleNamespace(problem=problem, misfit=miss, unknown=np.zeros(5), deviation=deviation)
+
+
+def test_noise_and_misfit_of_forty_samples_worked_by_hand():
+    """Steps of two, 0.01 of the peak: deviation^2 = 8/7, lag-1 autocorrelation 1/40; bounds of four standard errors."""
+    pairs = 0.01 * np.tile([1.0, 1.0, -1.0, -1.0], 10)
+    variance = 8 / 7
+    plain = _quality(fitted(pairs), None)
+    assert plain == pytest.approx((math.sqrt(variance), 0.01, 0.0, 1 / 40), rel=1e-12)
+    # stated: within 1 + 4 sqrt(2/35) = 1.96 of the variance it stands, beyond it is the misfit that is more
+    assert _quality(fitted(pairs), 1.0)[:3] == pytest.approx((1.0, 0.01, 0.0), rel=1e-12)
+    assert _quality(fitted(pairs), 0.7)[:3] == pytest.approx((0.7, 0.01, math.sqrt(variance - 0.49) / 100), rel=1e-12)
+    # seen in 21 samples before: pooled up to 1 + 4 sqrt(2/35 + 2/20) = 2.59, else the deviation
+    pooled = math.sqrt((35 * variance + 20 * 0.49) / 55)
+    assert _quality(fitted(pairs, 0.7, 21), None)[:3] == pytest.approx((pooled, 0.01, 0.0), rel=1e-12)
+    more = math.sqrt(variance), 0.01, math.sqrt(variance - 0.25) / 100
+    assert _quality(fitted(pairs, 0.5, 21), None)[:3] == pytest.approx(more, rel=1e-12)
+    # all on one side: autocorrelation 39/40, that share of the deviation is no noise
+    one_sided = _quality(fitted(np.full(40, 0.01)), None)
+    assert one_sided[2:] == pytest.approx((math.sqrt(39 / 40 * variance) / 100, 39 / 40), rel=1e-12)
+    other_sides = _quality(fitted(0.01 * (-1.0) ** np.arange(40)), None)
+    assert other_sides[2:] == pytest.approx((math.sqrt(39 / 40 * variance) / 100, -39 / 40), rel=1e-12)
+
+
+def valued(n=1.5, e=0.6, error=0.01, given_=False, correlation=0.0):
+    values = {
+        "exponent": IdentifiedValue(n, None if given_ else error * n, given_),
+        "restitution": IdentifiedValue(e, None if given_ else error, given_),
+    }
+    return SimpleNamespace(values=values, correlated=lambda one, other: None if given_ else correlation)
+
+
+def test_values_at_a_bound_of_the_search_are_said_within_five_and_one_percent():
+    def said(elastic=False, **numbers):
+        return _limits(valued(**numbers), SimpleNamespace(elastic=elastic))
+
+    assert said() == said(n=0.2021) == said(n=7.91) == said(e=0.00106) == []
+    for n in (0.2019, 7.93):
+        assert said(n=n) == [f"exponent is at the bound of the search, {n:.3g}: the law does not suit this pulse"]
+    assert said(e=0.00104) == ["restitution is at the lower bound of the search, 0.001"]
+    assert said(n=0.2, e=0.001, given_=True) == []
+    # one-sided: exp(-1.645 x 0.01), and none where that is 1 to three digits
+    assert said(True, e=1.0) == ["restitution is at its limit 1: it is above 0.984 with 95 % confidence"]
+    assert said(True, e=1.0, error=3.1e-4) == ["restitution is at its limit 1: it is above 0.999 with 95 % confidence"]
+    assert said(True, e=1.0, error=3.0e-4) == ["restitution is at its limit 1: no loss is seen in this pulse"]
+
+
+def test_values_that_trade_or_are_loose_are_said_beyond_their_limits():
+    assert _trades(valued(correlation=0.89)) == _trades(valued(correlation=-0.89)) == _trades(valued(given_=True)) == []
+    for correlation in (0.91, -0.91):
+        (said,) = _trades(valued(correlation=correlation))
+        assert said.startswith(f"exponent and restitution trade against each other (correlation {correlation})")
+    assert _trades(valued(e=1.0, error=0.19)) == []
+    assert _trades(valued(e=1.0, error=0.21)) == ["loosely determined: exponent to 21 %, restitution to 21 %"]
+
+
+def test_another_shape_is_said_where_it_fits_as_well_and_is_another():
+    """Within 9 variances of the noise more, or 1.2 times the misfit where the law does not describe the pulse."""
+
+    def shaped(e, miss, deviation=1.0):
+        fit = fitted(miss)
+        fit.problem.pulse = lambda _: SimpleNamespace(restitution=e, exponent=1.4)
+        fit.deviation = deviation
+        return fit
+
+    best = shaped(0.6, [0.01] * 10)
+
+    def said(e, more, deviation=2.0, systematic=0.0):
+        other = shaped(e, [math.sqrt(1e-4 + more / 1e4)] + [0.01] * 9, deviation)
+        quality = SimpleNamespace(noise=2.0, systematic=systematic)
+        return len(_others([best, other], quality))
+
+    # 9 x 2^2 N^2
+    assert [said(0.3, more) for more in (35.9, 36.1)] == [1, 0]
+    assert [said(e, 1.0) for e in (0.54, 0.56, 0.64, 0.66)] == [1, 0, 0, 1]
+    assert [said(0.3, 50.0, deviation, 1e-3) for deviation in (1.19, 1.21)] == [1, 0]
+    assert said(0.3, 50.0, 1.19) == 0
+
+
+def test_edges_of_what_can_be_known_are_taken():
+    for name, good, wrong in (
+        ("exponent", (0.2, 8.0), (0.199, 8.01)),
+        ("restitution", (0.001, 1.0), (0.0009, 1.001)),
+        ("mass", (1e-300, np.float32(2.0)), (0.0, math.inf)),
+    ):
+        from strikewave.contact.identification import _checked_known
+
+        for value in good:
+            assert _checked_known({name: value}) == {name: float(value)}
+        for value in (*wrong, math.nan):
+            with pytest.raises(ValueError, match=f"the {name} known must be"):
+                _checked_known({name: value})
+    with pytest.raises(ValueError, match="must be a number"):
+        _checked_known({"mass": "1"})
+
+
+def test_numbers_of_a_fit_belong_together():
+    """Combinations of values, fitted samples, correlations by name, and the baseline's share of the errors."""
+    noise = 0.004 * PULSE.peak * np.random.default_rng(5).normal(size=TIME.size)
+    found = identify(TIME, PULSE.force(TIME) + 300.0 + noise, {"mass": 0.1})
+    values = {name: x.value for name, x in found.values.items()}
+    assert found.combinations["momentum"].value == pytest.approx(0.1 * values["speed"], rel=1e-9)
+    impulse = 0.1 * values["speed"] * (1 + values["restitution"])
+    assert found.combinations["impulse"].value == pytest.approx(impulse, rel=1e-9)
+    stiff = values["stiffness"] * values["speed"] ** values["exponent"]
+    assert found.combinations["stiffness_speed"].value == pytest.approx(stiff, rel=1e-9)
+    assert found.names == ("stiffness", "exponent", "restitution", "speed", "begin")
+    assert np.abs(found.correlation - found.correlation.T).max() < 1e-9
+    assert found.correlated("speed", "begin") == found.correlation[3, 4]
+    assert found.correlated("mass", "speed") is None
+    assert found.offset == pytest.approx(300.0, abs=5 * 80.0 / math.sqrt(100))
+    miss = found.fitted - found.measured
+    assert found.residual == pytest.approx(math.sqrt(np.mean(miss**2)) / PULSE.peak, rel=0.02)
+    # impulse by quadrature, and the standard error that of the sum of its samples with that of the baseline
+    whole = np.trapezoid(found.measured, found.time)
+    assert found.combinations["impulse"].value == pytest.approx(
+        whole, abs=5 * found.noise * STEP * math.sqrt(miss.size)
+    )
+    single = identify(TIME, PULSE.force(TIME), {"mass": 0.1, "restitution": 0.6}, noise=20.0)
+    assert single.values["restitution"] == (0.6, None, True)
+
+
+def test_a_baseline_adds_to_the_variance_by_the_inverse_of_its_samples():
+    """Of the same exact pulse with a stated noise and some 35 to 95 samples before; none where it begins at once."""
+    before, variances = [], []
+    for first in (0, 30, 60, 195):
+        t = TIME[first:]
+        before.append(cut_out(t, PULSE.force(t)).before)
+        found = identify(t, PULSE.force(t), {"mass": 0.1}, noise=20.0)
+        variances.append(found.combinations["impulse"].standard_error ** 2)
+    assert before[3] == 0
+    most, middle, least = (1 / count for count in before[:3])
+    slope = (variances[2] - variances[0]) / (least - most)
+    # the same fit to 1e-5
+    assert variances[1] - variances[0] == pytest.approx(slope * (middle - most), rel=1e-3)
+    # a shift of the baseline by one deviation moves the impulse by at least that over the pulse, 0.15 ms
+    assert slope > (20.0 * 1e-4) ** 2
+    assert variances[3] < variances[0]
