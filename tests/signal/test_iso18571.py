@@ -5,7 +5,17 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from strikewave.signal.iso18571 import Rating, corridor_score, rate, warped_path
+from strikewave.signal.iso18571 import (
+    RATE,
+    SAMPLES,
+    Rating,
+    best_delay,
+    corridor_score,
+    magnitude_score,
+    rate,
+    slope_score,
+    warped_path,
+)
 
 TIME = np.linspace(0.0, 1.0, 400)
 PULSE = np.where((TIME > 0.3) & (TIME < 0.7), np.sin(np.pi * (TIME - 0.3) / 0.4) ** 2, 0.0)
@@ -70,6 +80,71 @@ def test_the_overall_rating_is_the_weighted_mean():
     found = rate(PULSE, 1.3 * np.roll(PULSE, 9) + 0.02)
     parts = 0.4 * found.corridor + 0.2 * (found.phase + found.magnitude + found.slope)
     assert found.overall == pytest.approx(parts, rel=1e-12)
+
+
+@settings(max_examples=40, deadline=None, derandomize=True)
+@given(st.integers(0, 10**6), st.integers(18, 45))
+def test_the_delay_is_that_of_the_largest_coefficient_of_overlapping_parts(seed, size):
+    """By numpy's coefficient of correlation, shift by shift, up to whole samples of a fifth of the interval."""
+    reference, compared = np.random.default_rng(seed).normal(size=(2, size))
+    most = int(0.2 * size + 1e-9)
+
+    def coefficient(lag):
+        kept = size - abs(lag)
+        pair = (reference[:kept], compared[lag:]) if lag >= 0 else (reference[-kept:], compared[:kept])
+        return np.corrcoef(*pair)[0, 1]
+
+    assert best_delay(reference, compared) == max(range(-most, most + 1), key=coefficient)
+
+
+def test_a_delay_does_not_depend_on_an_offset_a_million_times_the_pulse():
+    """Offsets are taken off first: of 1e6 squared, the sums would have lost all digits of the pulse."""
+    assert best_delay(PULSE + 1e7, np.roll(PULSE, 23) - 3e6) == 23
+
+
+@pytest.mark.parametrize(("compared", "delay"), [(1.0, 0), (-1.0, 4), (0.0, 0)])
+def test_of_equal_coefficients_the_least_shift_counts_and_that_forward_first(compared, delay):
+    """A wave of 8 samples fits at -8, 0 and 8, its negative at -4 and 4; nothing correlates with a constant."""
+    wave = np.tile([1.0, 2.0, 1.0, 0.0, -1.0, -2.0, -1.0, 0.0], 5)
+    assert best_delay(wave, compared * wave) == delay
+
+
+@pytest.mark.parametrize(("size", "reach"), [(40, 3), (35, 3), (30, 2), (21, 2)])
+def test_a_spike_may_be_warped_by_less_than_a_tenth_of_the_interval(size, reach):
+    """One sample less than a tenth, rounded up, as the package has it; farther away it is missed twice over."""
+    reference = np.zeros(size)
+    reference[size // 2] = 1.0
+    for side in (-1, 1):
+        assert magnitude_score(reference, np.roll(reference, side * reach)) == 1.0
+        assert magnitude_score(reference, np.roll(reference, side * (reach + 1))) == 0.0
+
+
+@pytest.mark.parametrize("size", [18, 19, 30])
+def test_slopes_are_averaged_over_nine_samples_and_over_fewer_at_the_ends(size):
+    reference, compared = np.random.default_rng(size).normal(size=(2, size)).cumsum(axis=1)
+
+    def averaged(values):
+        slope = np.gradient(values)
+        half = [min(k, size - 1 - k, 4) for k in range(size)]
+        return np.array([slope[k - n : k + n + 1].mean() for k, n in enumerate(half)])
+
+    wanted = averaged(reference)
+    error = np.abs(averaged(compared) - wanted).sum() / np.abs(wanted).sum()
+    assert slope_score(reference, compared) == pytest.approx(max(1.0 - 0.5 * error, 0.0), rel=1e-12)
+    assert slope_score(reference, reference + 0.1 * (compared - reference)) == pytest.approx(
+        1.0 - 0.05 * error, rel=1e-12
+    )
+
+
+def test_of_a_level_reference_only_a_level_has_its_slope():
+    """The error is then infinite, and no warning is given."""
+    assert slope_score(np.ones(20), np.full(20, 3.0)) == 1.0
+    assert slope_score(np.ones(20), np.arange(20.0)) == 0.0
+
+
+def test_samples_at_the_rate_of_the_standard_are_a_crash_pulse_of_a_tenth_of_a_second():
+    assert RATE == 10_000.0
+    assert SAMPLES / RATE == 0.1
 
 
 @pytest.mark.parametrize(

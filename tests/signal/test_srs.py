@@ -348,6 +348,28 @@ def test_finer_samples_on_the_same_lines_change_nothing(kind, q):
         assert np.allclose(one.negative, other.negative, rtol=rtol, atol=0)
 
 
+@pytest.mark.parametrize("part", ["total", "primary"])
+@pytest.mark.parametrize("q", [0.3, 10.0, math.inf])
+def test_a_blow_has_its_spectrum_wherever_it_stands_among_the_segments_of_the_record(part, q):
+    """A segment of 512 samples ends before, in and after it; the same blow ten times smaller stands in the next one."""
+    blow = np.random.default_rng(9).normal(size=7)
+    blow, fn = np.concatenate([blow, np.zeros(40)]), np.array([0.004, 0.03, 0.11, 0.24])
+    found = [
+        srs(
+            np.concatenate([np.zeros(before), blow, np.zeros(900), 0.1 * blow]),
+            1.0,
+            fn,
+            q,
+            scope=Scope(part, end=before + 46.0, upsample=False),
+        )
+        for before in (1, 250, 500, *range(503, 514), 1020, 1022, 1024)
+    ]
+    for one in found[1:]:
+        # a segment that exceeds the best by less than 1e-6 is not gone through
+        assert one.positive == pytest.approx(found[0].positive, rel=1e-6)
+        assert one.negative == pytest.approx(found[0].negative, rel=1e-6)
+
+
 @pytest.mark.parametrize("kind", KINDS)
 @pytest.mark.parametrize("q", [0.4, 10.0, math.inf])
 def test_total_is_the_larger_of_primary_and_residual(q, kind):

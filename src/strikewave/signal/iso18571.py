@@ -146,14 +146,14 @@ def magnitude_score(reference: Array, compared: Array) -> float:
     """Return 1 - e / 0.5, e the summed difference along the warped path over the summed magnitude of the reference."""
     path = warped_path(compared, reference, math.ceil(WARPING * reference.size) - 1)
     a, b = reference[path[:, 1]], compared[path[:, 0]]
-    error = float(np.abs(a - b).sum()) / max(float(np.abs(a).sum()), np.finfo(float).tiny)
+    error = float(np.abs(a - b).sum()) / max(float(np.abs(a).sum()), float(np.finfo(float).tiny))
     return max(1.0 - error / MOST_MAGNITUDE, 0.0)
 
 
 def slope_score(reference: Array, compared: Array) -> float:
     """Return 1 - e / 2, e the summed difference of the averaged slopes over their summed magnitude in the reference."""
     a, b = _averaged_slope(reference), _averaged_slope(compared)
-    error = float(np.abs(a - b).sum()) / max(float(np.abs(a).sum()), np.finfo(float).tiny)
+    error = float(np.abs(a - b).sum()) / max(float(np.abs(a).sum()), float(np.finfo(float).tiny))
     return max(1.0 - error / MOST_SLOPE, 0.0)
 
 
