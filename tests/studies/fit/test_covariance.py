@@ -9,8 +9,10 @@ from scipy.stats import t
 
 from strikewave.studies.fit.covariance import (
     NONE,
+    Estimate,
     ResidualBlock,
     by_noise,
+    by_what_is_left,
     design_effect,
     estimate,
     larger,
@@ -215,3 +217,139 @@ def test_the_design_effect_is_of_what_two_records_have_in_common():
     assert design_effect([*own]) == pytest.approx(1.0, abs=0.05)
     assert design_effect([common + one for one in own]) == pytest.approx(3.0, abs=0.1)
     assert design_effect([common[:500], common[:500]]) == pytest.approx(2.0)
+
+
+DESIGN = np.array([[1.0, 0.2], [0.3, 1.0], [-0.5, 0.8], [1.2, -0.4], [0.1, 0.9], [0.7, 0.7]])
+INVERSE = np.linalg.inv(DESIGN.T @ DESIGN)
+
+
+def test_the_covariance_of_coloured_noise_and_of_what_is_shared_is_that_of_generalised_errors():
+    """A^-1 J' C J A^-1 with the whole covariance C of the residuals written out, two records apart from one another."""
+    colour, baseline, scatter = np.array([2.0, 0.7, 0.3]), np.full((3, 1), 0.4), np.array([[0.5], [1.0], [0.2]])
+    blocks = [
+        ResidualBlock(slice(0, 3), colour, 0, shared=baseline, quiet=9.0),
+        ResidualBlock(slice(3, 6), np.array([1.5]), 1, stated=scatter, quiet=5.0),
+    ]
+    whole = np.zeros((6, 6))
+    whole[:3, :3] = [[2.0, 0.7, 0.3], [0.7, 2.0, 0.7], [0.3, 0.7, 2.0]]
+    whole[:3, :3] += 0.16
+    whole[3:, 3:] = 1.5 * np.eye(3)
+    first = INVERSE @ DESIGN[:3].T @ whole[:3, :3] @ DESIGN[:3] @ INVERSE
+    second = INVERSE @ DESIGN[3:].T @ whole[3:, 3:] @ DESIGN[3:] @ INVERSE
+    found = by_noise(DESIGN, np.eye(2), blocks)
+    assert found.covariance == pytest.approx(first + second, rel=1e-12)
+    spent = np.diag(first) ** 2 / 9.0 + np.diag(second) ** 2 / 5.0
+    assert found.freedom == pytest.approx(np.diag(first + second) ** 2 / spent, rel=1e-12)
+    amplitude = INVERSE @ DESIGN[3:].T @ scatter @ scatter.T @ DESIGN[3:] @ INVERSE
+    one = [block._replace(shot=0) for block in blocks]  # of one shot no scatter counts
+    whole_estimate = estimate(np.full(2, 0.5), np.zeros(6), 100.0 * DESIGN, one)
+    wanted = (first + second) / 1e4 + amplitude / 1e4
+    assert whole_estimate.covariance == pytest.approx(wanted, rel=1e-9)
+    assert whole_estimate.stated is None
+    moved = np.array([[0.01, 0.003], [0.02, -0.004]])
+    refitted = estimate(np.full(2, 0.5), np.zeros(6), 100.0 * DESIGN, one, moved)
+    assert refitted.covariance == pytest.approx((first + second) / 1e4 + moved @ moved.T, rel=1e-9)
+    assert refitted.stated == pytest.approx(np.diag(moved @ moved.T), rel=1e-9)
+    mostly = np.diag(moved @ moved.T) > np.diag(first + second) / 1e4
+    assert [refitted.mostly_stated(k) for k in range(2)] == list(mostly)
+    assert not whole_estimate.mostly_stated(0)
+
+
+def test_a_variance_that_is_half_stated_is_not_mostly_stated():
+    covariance = np.diag([1.0, 1.0])
+    found = Estimate(np.zeros(2), np.zeros(2), np.eye(2), covariance, np.zeros((2, 0)), np.ones(2), [0.499, 0.501])
+    assert [found.mostly_stated(k) for k in range(2)] == [False, True]
+
+
+def test_what_is_left_beyond_noise_counts_by_its_own_colour_and_raised_by_the_values_that_were_fitted():
+    """White remainders of two records that have nothing in common, one value: sigma^2/(J'J) n/(n - 1), with n - 1 degrees."""
+    rng = np.random.default_rng(3)
+    first = rng.standard_normal(9)
+    second = rng.standard_normal(9)
+    first, second = first - first.mean(), second - second.mean()  # of fewer than ten samples no colour is known
+    second -= first * (first @ second) / (first @ first)
+    jacobian = np.full((18, 1), 50.0)
+    blocks = [ResidualBlock(slice(9 * k, 9 * k + 9), np.ones(1), 0, one) for k, one in enumerate((first, second))]
+    found = by_what_is_left(jacobian, np.eye(1), blocks)
+    squares = (first @ first + second @ second) / 18.0
+    assert found.covariance[0, 0] == pytest.approx(squares / (18.0 * 2500.0) * 18.0 / 17.0, rel=1e-12)
+    assert found.freedom == pytest.approx([17.0], rel=1e-9)
+    alike = [block._replace(left=first) for block in blocks]  # the same in both: as if there were one
+    found = by_what_is_left(jacobian, np.eye(1), alike)
+    assert found.covariance[0, 0] == pytest.approx(first @ first / 9.0 / (9.0 * 2500.0) * 9.0 / 8.0, rel=1e-12)
+    assert found.freedom == pytest.approx([8.0], rel=1e-9)
+    mixed = [blocks[0], blocks[1]._replace(left=None, quiet=7.0)]  # the other by its noise
+    found = by_what_is_left(jacobian, np.eye(1), mixed)
+    of_first = first @ first / 9.0 * 9.0 * 2500.0 * 9.0 / 8.0
+    of_noise = 9.0 * 2500.0
+    assert found.covariance[0, 0] == pytest.approx((of_first + of_noise) / (18.0 * 2500.0) ** 2, rel=1e-12)
+    wanted = (of_first + of_noise) ** 2 / (of_first**2 / 8.0 + of_noise**2 / 7.0)
+    assert found.freedom == pytest.approx([wanted], rel=1e-9)
+
+
+def test_the_design_effect_of_records_of_other_lengths_is_of_their_shapes():
+    """A straight line of 7 and of 31 samples is the same; one turned round has nothing in common, and no less."""
+    line = np.linspace(1.0, 2.0, 31)
+    assert design_effect([line[::5], line]) == pytest.approx(2.0, rel=1e-12)
+    assert design_effect([line]) == design_effect([]) == 1.0
+    assert design_effect([line, -line]) == 1.0
+    wave = np.sin(2.0 * np.pi * np.arange(40) / 40.0)
+    other = np.cos(2.0 * np.pi * np.arange(40) / 40.0)
+    assert design_effect([wave, 0.6 * wave + 0.8 * other]) == pytest.approx(1.6, rel=1e-12)
+    assert design_effect([wave, wave, other]) == pytest.approx(5.0 / 3.0, rel=1e-12)
+
+
+def test_the_freedom_of_unequal_shots_is_that_of_bell_and_mccaffrey():
+    """A value felt by three shots with 1, 1 and 4 of the information: (sum v)^2/sum v^2 of the eigenvalues v of their form.
+
+    With the residuals of white noise, e = (I - H) z, the estimate is z'B'Bz: its eigenvalues are written out here.
+    """
+    slopes = np.array([1.0, 1.0, 2.0])
+    blocks = [ResidualBlock(slice(k, k + 1), np.ones(1), k) for k in range(3)]
+    share = slopes**2 / 6.0
+    maker = np.eye(3) - np.outer(slopes, slopes) / 6.0
+    form = np.diag(slopes / np.sqrt(1.0 - share)) @ maker
+    values = np.linalg.eigvalsh(form @ form.T)
+    found = scatter_of_shots(np.array([1.0, -1.0, 0.0]), slopes[:, None], np.eye(1), blocks)
+    assert found.freedom == pytest.approx([values.sum() ** 2 / np.sum(values**2)], rel=1e-9)
+    assert found.covariance[0, 0] == pytest.approx((2.0 / (1.0 - 1.0 / 6.0)) / 36.0, rel=1e-12)
+
+
+def test_directions_are_lost_from_an_eighth_of_the_bounds_on():
+    """Errors of 0.12 and 0.13 of the bounds, of independent numbers: the second is not determined."""
+    sizes = np.array([0.12, 0.13, 0.01])
+    blocks = [ResidualBlock(slice(0, 3), np.ones(1), 0)]
+    found = estimate(np.full(3, 0.5), np.zeros(3), np.diag(1.0 / sizes), blocks)
+    assert found.groups() == [[1]]
+    assert found.errors == pytest.approx([0.12, np.inf, 0.01], rel=1e-9)
+    assert np.abs(found.undetermined[:, 0]) == pytest.approx([0.0, 1.0, 0.0], abs=1e-12)
+    assert found.reach == pytest.approx(np.full(3, 1.96))
+    assert found.widest == 1.96
+
+
+def test_groups_are_of_coordinates_that_share_a_lost_direction():
+    """Two directions that are lost, of two coordinates each, and one that takes part by less than a twentieth."""
+    lost = np.zeros((6, 2))
+    lost[[0, 3], 0] = np.sqrt(0.5)
+    lost[[1, 4], 1] = 0.6, -0.8
+    found = Estimate(np.zeros(6), np.zeros(1), np.zeros((1, 6)), np.eye(6), lost, np.arange(1.0, 7.0))
+    assert found.groups() == [[0, 3], [1, 4]]
+    assert found.widest == 6.0  # the largest of those that are determined, 2 and 5 here
+    for share, groups in ((0.049, [[0]]), (0.06, [[0, 1]])):
+        lost = np.sqrt([[1.0 - share], [share]])
+        one = Estimate(np.zeros(2), np.zeros(1), np.zeros((1, 2)), np.eye(2), lost, np.ones(2))
+        assert one.groups() == groups
+    assert (
+        Estimate(np.zeros(1), np.zeros(1), np.zeros((1, 1)), np.eye(1), np.ones((1, 1)), np.full(1, 9.0)).widest == 1.96
+    )
+
+
+def test_intervals_are_the_widest_of_noise_and_of_shots():
+    """Two shots that are off by u each way have a mean sure to u by one degree, 12.7 standard errors; noise to sqrt(1/2)."""
+    blocks = [ResidualBlock(slice(k, k + 1), np.ones(1), k) for k in range(2)]
+    jacobian = np.full((2, 1), 100.0)
+    for off, variance, reach in ((1.0, 1.0, t_of(1.0)), (0.5, 0.5, t_of(1.0) * np.sqrt(0.5)), (0.01, 0.5, 1.96)):
+        found = estimate(np.array([0.5]), np.array([off, -off]), jacobian, blocks)
+        assert found.covariance[0, 0] == pytest.approx(variance / 1e4, rel=1e-9)
+        assert found.reach[0] == pytest.approx(reach, rel=1e-9)
+        assert found.misfit == pytest.approx(2.0 * off**2)

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scipy.signal import lfilter
 
-from strikewave.studies.fit.covariance import ResidualBlock, estimate
+from strikewave.studies.fit.covariance import Estimate, ResidualBlock, estimate
 from strikewave.studies.fit.estimation import FINAL_STEP, Search, is_quadratic, profile
 from strikewave.studies.fit.noise import autocorrelation, independent_count
 
@@ -140,3 +140,217 @@ def test_colour_of_noise_is_found_from_few_samples():
         independent_count(600, autocorrelation(coloured(np.random.default_rng(seed), 0.9, 600))) for seed in range(30)
     ]
     assert np.median(counts) == pytest.approx(600.0 * 0.19 / 1.81, rel=0.2)
+
+
+def burg(noise):
+    """Return the autoregression of each order, its power and criterion, by definition: errors over shifted copies."""
+    x = noise - noise.mean()
+    rows, weights = [(np.ones(1), np.mean(x**2))], np.ones(1)
+    for order in range(1, x.size // 10 + 1):
+        windows = np.lib.stride_tricks.sliding_window_view(x, order + 1)[:, ::-1]  # newest first
+        longer = np.append(weights, 0.0)
+        ahead, behind = windows @ longer, windows @ longer[::-1]
+        share = -np.dot(ahead, behind) / np.mean([ahead @ ahead, behind @ behind])
+        weights = longer + share * longer[::-1]
+        rows.append((weights, rows[-1][1] * (1.0 - share) * (1.0 + share)))
+    values = np.arange(1, len(rows) + 1)  # of each, with the power
+    criteria = [x.size * np.log(power) for _, power in rows] + 2.0 * values * x.size / (x.size - values - 1.0)
+    return rows, criteria
+
+
+@pytest.mark.parametrize("count", [20, 29, 45, 60])
+@pytest.mark.parametrize("share", [0.3, 0.8])
+def test_colour_is_that_of_the_spectrum_of_the_slowest_autoregression_that_the_criterion_supports(count, share):
+    """Autocorrelation by the inverse transform of its spectral density (Wiener & Khinchin), 1e-9 where no lag folds back.
+
+    Within 8 of the least criterion of Akaike, corrected; the density at frequency 0 says which wanders most.
+    """
+    for seed in range(25):
+        noise = coloured(np.random.default_rng(seed), share, count)
+        rows, criteria = burg(noise)
+        supported = [row for row, one in zip(rows, criteria, strict=True) if one <= criteria.min() + 8.0]
+        weights, _ = max(supported, key=lambda row: row[1] / np.sum(row[0]) ** 2)
+        lags = np.fft.irfft(1.0 / np.abs(np.fft.rfft(weights, 8192)) ** 2)
+        lags /= lags[0]
+        found = autocorrelation(noise)
+        assert found == pytest.approx(lags[: found.size], abs=1e-9)
+        assert np.abs(lags[found.size : 4096]).max() <= 1e-4 < abs(found[-1])
+
+
+def test_noise_of_a_few_samples_or_of_none_is_taken_for_white():
+    for noise in (np.zeros(50), np.array([1.0, 2.0]), np.arange(9.0)):
+        assert autocorrelation(noise).tolist() == [1.0]
+
+
+def test_colour_of_noise_is_followed_over_40_samples_and_no_more():
+    """An echo of 0.9 after 30 samples is found, after 60 it is not."""
+    for after, found in ((30, True), (60, False)):
+        filtered = lfilter([1.0], [1.0, *np.zeros(after - 1), -0.9], np.random.default_rng(2).standard_normal(1500))
+        colour = autocorrelation(filtered)
+        assert (colour.size > after and colour[after] > 0.7) == found
+
+
+def test_a_noise_of_correlation_a_has_one_and_a_squared_over_one_less_a_squared_fewer_samples():
+    """The mean square of n samples with autocorrelation a^k is as sure as that of n (1 - a^2)/(1 + a^2)."""
+    assert independent_count(700, 5.0 * 0.6 ** np.arange(80)) == pytest.approx(700.0 * 0.64 / 1.36, rel=1e-12)
+    assert independent_count(10, np.ones(1)) == 10.0
+
+
+def test_slopes_are_those_of_a_parabola_inside_and_at_either_end():
+    """Of x^2 from both sides 2 x exactly, from one side 2 x and the step; beside a bound from within; none where all fail."""
+    place = np.array([0.3, 1.0, 0.0])
+    search = Search(lambda one: one**2, 3)
+    middle = search.begin(place)
+    single, both = (search.slopes(place, middle, 1e-3, both=one) for one in (False, True))
+    assert single == pytest.approx(np.diag([0.601, 1.999, 0.001]), abs=1e-12)
+    assert both == pytest.approx(np.diag([0.6, 1.999, 0.001]), abs=1e-12)
+
+    def one_side(one):
+        if abs(one[1] - 0.5) > 1e-9 or one[0] > 0.4:
+            raise ValueError("cannot be run")
+        return one**2
+
+    edge = np.array([0.4, 0.5])
+    search = Search(one_side, 2)
+    found = search.slopes(edge, search.begin(edge), 1e-3, both=True)
+    assert found == pytest.approx(np.array([[0.799, 0.0], [0.0, 0.0]]), abs=1e-12)
+
+
+def test_slopes_are_taken_over_three_stairs():
+    """Steps of 0.02 in a coordinate: from the middle of one, three to either side, whose slope is exact."""
+
+    def stepped(place):
+        return np.array([np.floor(place[0] / 0.02 + 1e-9), place[1] ** 2])
+
+    search, place = Search(stepped, 2, stairs=np.array([0.02, 0.0])), np.array([0.51, 0.5])
+    middle = search.begin(place)
+    assert search.slopes(place, middle, 1e-3, both=True) == pytest.approx(np.diag([50.0, 1.0]), rel=1e-9)
+    other = search.of_others(lambda one: 2.0 * stepped(one))
+    assert other.runs == search.runs == 4
+    assert other.slopes(place, 2.0 * middle, 1e-3) == pytest.approx(np.diag([100.0, 2.002]), rel=1e-9)
+
+
+def test_a_search_counts_its_runs_keeps_its_best_and_asks_for_a_place_once():
+    told = []
+    search = Search(lambda place: place - 0.3, 1, lambda runs, misfit: told.append((runs, misfit)))
+    search.begin(np.array([0.5]))
+    search.many([np.array([0.9]), np.array([0.4])])
+    assert search.best[0] == pytest.approx(0.01)
+    assert search.best[1] == pytest.approx([0.4])
+    assert search.at(np.array([0.8])) == pytest.approx([0.5])
+    search.at(np.array([0.8]))
+    assert search.runs == 3
+    assert told == [(2, pytest.approx(0.01)), (3, pytest.approx(0.01))]
+    search.residuals = lambda place: place
+    assert search.best[0] == np.inf
+    assert search.at(np.array([0.8])) == pytest.approx([0.8])  # nothing of the others is remembered
+
+
+def test_a_place_that_cannot_be_run_is_ten_times_worse_than_the_first():
+    def residuals(place):
+        if place[0] > 0.5:
+            raise ValueError("cannot be run")
+        return np.array([-3.0, 0.5]) if place[0] < 0.3 else np.array([0.1, 0.2])
+
+    for start, size in ((0.2, 30.0), (0.4, 10.0)):  # over 1 at least
+        search = Search(residuals, 1)
+        search.begin(np.array([start]))
+        assert search.at(np.array([0.9])).tolist() == [size, size]
+
+
+def test_only_free_coordinates_move_and_none_where_none_is_free():
+    """x1 and x0 of one sum: with x0 held at 0.2 the other is at 0.7."""
+    search = Search(lambda place: np.array([10.0 * (place[0] + place[1] - 0.9)]), 2)
+    search.begin(np.array([0.2, 0.2]))
+    place, left = search.descend(np.array([0.2, 0.2]), [1])
+    assert place == pytest.approx([0.2, 0.7], abs=1e-6)
+    assert left == pytest.approx([0.0], abs=1e-5)
+    place, left = search.descend(np.array([0.2, 0.2]), [])
+    assert place.tolist() == [0.2, 0.2]
+    assert left == pytest.approx([-5.0])
+
+
+SKEW = np.array([[30.0, 12.0], [-4.0, 25.0], [9.0, 7.0]])
+
+
+@pytest.mark.parametrize("coordinate", [0, 1])
+def test_a_profile_of_a_linear_model_is_its_parabola(coordinate):
+    """The others at their best, the misfit rises by ((x - best)/error)^2 where the covariance is that of white noise.
+
+    With a covariance of four times as much by half of that: ends lie at reach times the error, to the 0.5 % of a search.
+    """
+    best, inverse = np.array([0.45, 0.55]), np.linalg.inv(SKEW.T @ SKEW)
+    for factor, reach in ((1.0, 1.96), (4.0, 2.6)):
+        found = Estimate(best, np.zeros(3), SKEW, factor * inverse, np.zeros((2, 0)), np.full(2, reach))
+        search = Search(lambda place: SKEW @ (place - best), 2)
+        search.begin(best)
+        assert is_quadratic(search, found, coordinate)
+        error = np.sqrt(factor * inverse[coordinate, coordinate])
+        ends = profile(search, found, coordinate)
+        middle = best[coordinate]
+        assert [ends.low, ends.high] == pytest.approx([middle - reach * error, middle + reach * error], rel=6e-3)
+        assert ends.deviations == pytest.approx((ends.places - middle) / error, abs=1e-3)
+        assert 0.0 in ends.deviations
+        assert np.all(np.diff(ends.places) > 0.0)
+
+
+def test_a_profile_ends_at_a_bound_that_the_misfit_does_not_reach():
+    """Flat to the left: the lower end is 0; to the right it has risen by 1.96 errors where (x - 0.5)/0.05 is 1.96 + 0.4^2."""
+
+    def residuals(place):
+        return np.array([max(place[0] - 0.5, 0.0) / 0.05])
+
+    found = Estimate(np.array([0.5]), np.zeros(1), np.array([[20.0]]), np.array([[0.0025]]), np.zeros((1, 0)), [1.96])
+    search = Search(residuals, 1)
+    search.begin(np.array([0.5]))
+    ends = profile(search, found, 0)
+    assert ends.low == 0.0
+    assert ends.high == pytest.approx(0.5 + 1.96 * 0.05, rel=6e-3)
+    assert not is_quadratic(search, found, 0)
+
+
+@pytest.mark.parametrize(("cubic", "parabola"), [(0.27, True), (0.33, False), (-0.27, True), (-0.33, False)])
+def test_a_misfit_within_three_tenths_of_its_parabola_at_two_errors_is_one(cubic, parabola):
+    """r^2 = z^2 (1 + c z/2) at z = 2 errors is 1 + c times that of the parabola, 1 - c at -2."""
+
+    def residuals(place):
+        z = (place[0] - 0.5) / 0.1
+        return np.array([z * np.sqrt(1.0 + cubic * z / 2.0)])
+
+    found = Estimate(np.array([0.5]), np.zeros(1), np.array([[10.0]]), np.array([[0.01]]), np.zeros((1, 0)), [1.96])
+    search = Search(residuals, 1)
+    search.begin(np.array([0.5]))
+    assert is_quadratic(search, found, 0) == parabola
+    for place, answer in (
+        (0.79, True),
+        (0.81, False),
+        (0.19, False),
+        (0.21, True),
+    ):  # two errors beyond a bound are none
+        moved = Search(lambda one, p=place: np.array([(one[0] - p) / 0.1]), 1)
+        other = Estimate(np.array([place]), np.zeros(1), found.jacobian, found.covariance, np.zeros((1, 0)), [1.96])
+        assert is_quadratic(moved, other, 0) == answer
+    known = Estimate(np.array([0.5]), np.zeros(1), found.jacobian, np.zeros((1, 1)), np.zeros((1, 0)), [1.96])
+    assert is_quadratic(search, known, 0)
+
+
+def test_more_searches_begin_while_ends_differ_and_none_explains_the_data():
+    """Three starts where ends agree or one is explained, at most eight where none is; the best end comes first."""
+    rng = np.random.default_rng(1)
+
+    def rough(place):
+        return np.array([np.sin(40.0 * place[0]) + 1.5, np.cos(31.0 * place[1]) + 1.5, place[0] - 0.3])
+
+    def smooth(place):
+        return 10.0 * (place - 0.4)
+
+    start = rng.uniform(0.2, 0.8, 2)
+    counts = []
+    for residuals, explained in ((rough, False), (rough, True), (smooth, False)):
+        search = Search(residuals, 2)
+        search.begin(start)
+        ends = search.wide(start, lambda left, answer=explained: answer)
+        counts.append(len(ends))
+        misfits = [float(left @ left) for _, left in ends]
+        assert misfits == sorted(misfits)
+    assert counts == [8, 3, 3]

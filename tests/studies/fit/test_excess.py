@@ -2,8 +2,9 @@
 
 import numpy as np
 import pytest
+from scipy.stats import chi2
 
-from strikewave.studies.fit.excess import ALONE, excess_of
+from strikewave.studies.fit.excess import ALONE, Excess, excess_of
 
 
 def test_of_as_many_repeats_each_it_is_the_analysis_of_variance():
@@ -60,3 +61,46 @@ def test_planted_excesses_are_found_and_weights_by_them_are_those_of_the_best_es
     rows = weights[:, None] * design
     best = np.linalg.inv(design.T @ np.linalg.solve(whole, design))  # of generalized least squares
     assert np.linalg.inv(rows.T @ rows) == pytest.approx(best, rel=1e-9)
+
+
+def test_repeats_scatter_beyond_chance_from_its_thousandth_on():
+    """Four numbers in two settings, scattered by (1, -1, 1, -1) d: 4 d^2 beside chi-squared of two degrees."""
+    limit = np.sqrt(chi2.isf(1e-3, 2) / 4.0)
+    for size, scattered in ((limit * 0.999, False), (limit * 1.001, True)):
+        found = excess_of(size * np.array([1.0, -1.0, 1.0, -1.0]), [4, 4, 7, 7], 1)
+        assert found.within == pytest.approx(np.sqrt(2.0) * size if scattered else 1.0, rel=1e-12)
+        assert (found.between, found.freedom) == (0.0, 2.0 if scattered else np.inf)
+
+
+def test_settings_are_off_beyond_chance_from_its_thousandth_on():
+    """Three settings of which the first has two repeats, one value: means weigh 2, 1, 1, chi-squared has two degrees."""
+    residuals, groups = np.array([1.0, 1.0, -1.0, -1.0]), [0, 0, 1, 2]
+    limit = np.sqrt(chi2.isf(1e-3, 2) / 4.0)
+    assert excess_of(0.999 * limit * residuals, groups, 1) == Excess()
+    found = excess_of(1.001 * limit * residuals, groups, 1)
+    assert (found.within, found.freedom) == (1.0, 2.0)
+    square = (1.001 * limit) ** 2
+    assert square / (0.5 + found.between**2) + 2.0 * square / (1.0 + found.between**2) == pytest.approx(2.0, rel=1e-9)
+
+
+def test_with_as_many_values_as_settings_none_is_off():
+    """No degree of freedom is left, but that of a value known from elsewhere."""
+    off = np.array([50.0, -50.0])
+    assert excess_of(off, [0, 1], 2) == Excess()
+    assert excess_of(np.array([50.0]), [ALONE], 0) == Excess()
+    assert excess_of(off, [0, 1], 1).freedom == 1.0
+    assert excess_of(off, [0, 1], 1).of_another == pytest.approx(np.sqrt(5000.0), rel=1e-9)
+
+
+def test_what_is_known_from_elsewhere_alone_off_ends_the_search_for_the_excess():
+    """It is off by 10 and leaves 100 of two degrees whatever the excess of the numbers: that is (100 + 2)/2 at most."""
+    found = excess_of(np.array([10.0, 1.0, -1.0]), [ALONE, 0, 1], 1)
+    assert found.between**2 == pytest.approx(102.0 / 2.0, rel=1e-12)
+
+
+def test_the_weight_of_repeats_gives_their_mean_both_parts():
+    """Of n repeats the mean has within^2/n + between^2, which is weight^2/n: 3 and 4 of one, of 5 repeats."""
+    found = Excess(3.0, 4.0)
+    assert found.of_another == 5.0
+    assert found.weight(1) == 5.0
+    assert found.weight(5) ** 2 / 5.0 == pytest.approx(9.0 / 5.0 + 16.0, rel=1e-12)
