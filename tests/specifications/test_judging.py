@@ -10,7 +10,20 @@ import pytest
 from strikewave.signal.filters import Filter
 from strikewave.specifications.decisions import decide
 from strikewave.specifications.ideal_pulses import IdealPulse
-from strikewave.specifications.judging import Limits, MeasuredFigure, PulseLimits, Shock, judge_shock, worst_clauses
+from strikewave.specifications.judging import (
+    Clause,
+    Limits,
+    MeasuredFigure,
+    PulseLimits,
+    Shock,
+    ShockVerdict,
+    judge_shock,
+    judged,
+    not_judged,
+    refused,
+    weakest,
+    worst_clauses,
+)
 from strikewave.specifications.pulse_bands import PulseBand
 from strikewave.specifications.reading import load_specification
 from strikewave.specifications.spectrum_limits import DecibelBand, SpectrumLimits, judge_spectrum
@@ -324,3 +337,280 @@ def test_a_cross_axis_channel_without_numbers_or_of_some_shocks_alone_is_no_pass
     assert [only(shock, limits).verdict for shock in (quiet, lacking)] == ["pass", "cannot-tell"]
     verdicts = [judge_shock(shock, limits) for shock in (quiet, shock_of(1000.0))]
     assert [(clause.verdict, place) for clause, place in worst_clauses(verdicts)] == [("not-judged", 1)]
+
+
+@pytest.mark.parametrize(
+    ("low", "high", "value", "share"),
+    [
+        (2.0, 6.0, 3.0, 0.5),
+        (2.0, 6.0, 7.0, -0.5),
+        (-math.inf, 4.0, 3.0, 0.25),
+        (4.0, math.inf, 5.0, 0.25),
+        (0.0, math.inf, 5.0, math.nan),
+    ],
+)
+def test_the_share_of_a_margin_is_of_half_the_tolerance_or_of_the_one_limit(low, high, value, share):
+    assert judged("x", value, Limits(low, high, "quoted"), "1").share == pytest.approx(share, nan_ok=True)
+
+
+@pytest.mark.parametrize(
+    ("value", "low", "high", "verdict"),
+    [
+        (1.0 + 0.9e-9, 0.0, 1.0, "pass"),
+        (1.0 + 1.1e-9, 0.0, 1.0, "fail"),
+        (1.0 - 0.9e-9, 1.0, 2.0, "pass"),
+        (1.0 - 1.1e-9, 1.0, 2.0, "fail"),
+        (0.9e-9, -1.0, 0.0, "pass"),  # of the larger of value and lower limit
+        (1e-13, -math.inf, 0.0, "fail"),
+    ],
+)
+def test_a_value_may_miss_its_limit_by_1e_9_of_itself_for_rounding(value, low, high, verdict):
+    assert judged("x", value, Limits(low, high, "quoted"), "1").verdict == verdict
+
+
+def test_rounding_gives_nothing_inside_a_guard_band():
+    assert (
+        judged("x", 1000.0, Limits(999.995, math.inf, "quoted"), "1", 0.005 + 1e-9, "guarded").verdict == "cannot-tell"
+    )
+
+
+def test_a_clause_says_why_nothing_is_stated():
+    limits = Limits(0.0, 1.0, "quoted")
+    reasons = [
+        judged("x", 0.9, limits, "1", 0.2, "guarded"),
+        judged("x", math.nan, limits, "1", 0.2, "guarded"),
+        judged("x", 0.9, limits, "1", math.nan, "guarded"),
+        judged("x", math.nan, limits, "1", math.nan, "guarded"),
+        judged("x", 2.0, limits, "1", 0.0, "simple", "clipped"),
+        judged("x", 0.9, limits, "1"),
+        judged("x", 1.9, limits, "1"),
+    ]
+    assert [one.reason for one in reasons] == [
+        "the uncertainty reaches over the limit",
+        "it could not be measured",
+        "its uncertainty is not known",
+        "it could not be measured",
+        "clipped",
+        "",
+        "",
+    ]
+
+
+def test_the_weakest_status_is_the_one_that_is_known_least():
+    assert [weakest("normative", "quoted"), weakest("quoted", "indicative", "normative")] == ["quoted", "indicative"]
+
+
+def test_clauses_of_nothing_are_neither_refused_nor_judged():
+    one = not_judged("directions", Limits(1.0, 2.0, "indicative"), "1", "not stated")
+    assert refused(one) is one
+    assert (one.low, one.high, one.verdict) == (1.0, 2.0, "not-judged")
+
+
+@pytest.mark.parametrize("shape", ["half-sine", "sawtooth", "trapezoid"])
+@pytest.mark.parametrize("level", [0.1, 0.5])
+def test_the_ideal_pulse_begins_where_it_was_put_and_has_its_width(shape, level):
+    """Crossings lie within a step, 5e-4 of the duration, of those of the ideal pulse."""
+    pulse = IdealPulse(shape, 300.0, 2e-3, 0.15, 0.35)
+    step, begin = 1e-6, 0.7
+    values = pulse.at(np.arange(5000) * step - 1.2e-3)
+    limits = PulseLimits(pulse, "quoted", level=level, width=Limits(0.0, 1.0, "quoted"))
+    figures = {"peak": MeasuredFigure(300.0)}
+    found = judge_shock(Shock(values, step, begin, int(values.argmax()), figures), limits)
+    assert found.start == pytest.approx(begin + 1.2e-3, abs=step)
+    assert found.clauses[0].value == pytest.approx(pulse.width(level), abs=step)
+
+
+@pytest.mark.parametrize(("kept", "at"), [(slice(1900, None), 60), (slice(None, 2100), 1900)])
+def test_a_pulse_that_is_cut_begins_by_its_peak(kept, at):
+    """The middle of the top of a trapezoid is at (rise + 1 - fall) / 2 = 0.4 durations."""
+    pulse = IdealPulse("trapezoid", 300.0, 2e-3, 0.15, 0.35)
+    values = pulse.at(np.arange(5000) * 1e-6 - 1.2e-3)[kept]
+    found = judge_shock(Shock(values, 1e-6, 0.5, at), PulseLimits(pulse, "quoted", width=Limits(0.0, 1.0, "quoted")))
+    assert found.start == pytest.approx(0.5 + at * 1e-6 - 0.8e-3, abs=1e-12)
+    assert found.clauses[0].reason == "it could not be measured"
+
+
+def test_a_measured_width_at_a_tenth_stands_in_place_of_that_of_the_samples():
+    limits = PulseLimits(PULSE, "quoted", width=Limits(0.0, 1.0, "quoted"))
+    clause = only(shock_of(1000.0, figures={"width": MeasuredFigure(5e-4, 1e-5)}), limits)
+    assert (clause.clause, clause.value, clause.uncertainty) == ("pulse width at 10 %", 5e-4, 2e-5)
+
+
+def test_ten_samples_a_pulse_are_enough_and_a_tenth_of_the_peak_may_be_filtered_away():
+    pulse = IdealPulse("half-sine", 1000.0, 1.0)
+    limits = PulseLimits(pulse, "quoted", width=Limits(0.0, 9.0, "quoted"))
+    shock = Shock(pulse.at(np.arange(40) * 0.1 - 1.0), 0.1, 0.0, 15)
+    assert only(shock, limits).verdict == "pass"
+    assert only(replace(shock, filter_left=0.9), limits).verdict == "pass"
+    assert (
+        only(replace(shock, filter_left=0.895), limits).reason
+        == "the filter leaves 90 % of the peak of the ideal pulse"
+    )
+
+
+@pytest.mark.parametrize(
+    ("figure", "share", "expanded"),
+    [
+        (MeasuredFigure(1000.0, 15.0), 0.04, 50.0),  # 2 * 15 and 40: 3, 4, 5
+        (MeasuredFigure(1000.0, 15.0), 0.0, 30.0),
+        (MeasuredFigure(1000.0, 15.0, whole=True), 0.04, 30.0),
+        (MeasuredFigure(1000.0, math.nan), 0.04, 40.0),
+        (MeasuredFigure(1000.0, math.nan), 0.0, math.nan),
+    ],
+)
+def test_noise_and_share_of_the_acceleration_add_as_squares_unless_a_budget_holds_both(figure, share, expanded):
+    clause = only(shock_of(1000.0, figures={"peak": figure}, uncertainty=share), PEAK)
+    assert clause.uncertainty == pytest.approx(expanded, rel=1e-14, nan_ok=True)
+
+
+def test_a_filter_that_leaves_nothing_leaves_the_peak_open():
+    assert only(shock_of(1000.0, filter_left=0.0), PEAK).verdict == "cannot-tell"
+
+
+def test_a_width_that_the_filter_may_have_made_is_left_open():
+    """1 ms behind a filter that widens by a tenth was 0.909 ms: it lies with it inside 0.9 to 1.1, not in 0.95 to 1.1."""
+    figures = {"width": MeasuredFigure(1e-3)}
+    verdicts = [
+        only(
+            shock_of(1000.0, figures=figures, filter_width=1.1),
+            PulseLimits(PULSE, "quoted", width=Limits(low, 1.1e-3, "quoted")),
+        ).verdict
+        for low in (0.9e-3, 0.95e-3)
+    ]
+    assert verdicts == ["pass", "cannot-tell"]
+
+
+def test_the_velocity_change_of_a_straight_line_is_the_integral_over_window_and_pulse():
+    """2 (t - 10) from 11 to 18 s: a sawtooth of 4 s that begins at 12 s, its window a quarter before and a half after."""
+    pulse = IdealPulse("sawtooth", 8.0, 4.0)
+    change = PulseLimits(pulse, "quoted", velocity_change=Limits(0.0, 99.0, "quoted"), window=(0.25, 0.5))
+    line = Shock(np.linspace(0.0, 20.0, 201), 0.05, 10.0, 120)  # it never falls: placed by its "peak" at 16 s
+    assert only(line, change).value == pytest.approx(8.0**2 - 1.0, rel=1e-12)
+    for first, last, reason in (
+        (0, 150, "the record does not hold all of it"),
+        (30, 201, "the record does not hold all of it"),
+        (20, 161, ""),
+    ):
+        cut = replace(line, values=line.values[first:last], begin=10.0 + 0.05 * first, peak_index=120 - first)
+        assert (only(cut, change).reason, math.isnan(only(cut, change).value)) == (reason, bool(reason))
+
+
+def test_the_band_clause_says_where_it_fails_and_what_is_lacking():
+    limits = PulseLimits(PULSE, "quoted", band=PulseBand(PULSE, 0.1, 0.2), band_status="indicative")
+    shock = shock_of(1000.0)
+    high, low = shock.values.copy(), 0.5 * shock.values
+    high[3400] = 500.0  # the band begins at 2 ms
+    reasons = [only(replace(shock, values=values), limits).reason for values in (high, low)]
+    assert "above the upper curve 1.40 durations after the begin of the ideal pulse" in reasons[0]
+    assert "below the lower curve 0.50 durations after the begin of the ideal pulse" in reasons[1]
+    assert only(shock, limits).status == "indicative"
+    cut = replace(shock, values=shock.values[1900:3300], begin=1.9e-3, peak_index=600)
+    assert (
+        only(cut, limits).reason == "the record lacks 0.3 durations before the pulse and 0.7 durations after the pulse"
+    )
+    found = judge_shock(replace(shock, values=1.1 * shock.values), limits)
+    assert found.least_margin(limits) == pytest.approx(0.5, rel=1e-9)  # 100 of 200
+    with_peak = replace(limits, peak=Limits(0.0, 1200.0, "quoted"), rate=Limits(0.0, 1.01e6, "quoted"))
+    assert judge_shock(replace(shock, values=1.15 * shock.values), with_peak).least_margin(with_peak) == pytest.approx(
+        1 / 12
+    )
+    assert math.isnan(judge_shock(shock, PulseLimits(PULSE, "quoted")).least_margin(limits.__class__(PULSE, "quoted")))
+
+
+@pytest.mark.parametrize(("at", "counts"), [(-0.11, False), (-0.09, True), (1.09, True), (1.11, False)])
+def test_across_is_watched_from_a_tenth_before_the_pulse_to_a_tenth_after_it(at, counts):
+    limits = PulseLimits(PULSE, "quoted", cross_axis=Limits(-math.inf, 300.0, "quoted"))
+    across = np.zeros(6000)
+    across[round(2000 + 1000 * at)] = -250.0
+    shock = shock_of(1000.0, cross_axis={"y": across}, troubles={"cross_axis": "clipped"})
+    clause = only(shock, limits)
+    assert (clause.value, clause.verdict, clause.reason) == (250.0 * counts, "cannot-tell", "clipped")
+    assert only(replace(shock, cross_axis={"y": 2.0 * across}), limits).verdict == ("fail" if counts else "cannot-tell")
+
+
+def test_demands_name_rate_and_cutoff_in_hertz():
+    limits = PulseLimits(PULSE, "quoted", rate=Limits(1e6, math.inf, "quoted"), cutoff=Limits(1e4, math.inf, "quoted"))
+    clauses = judge_shock(shock_of(1000.0, filter_cutoff=2e4), limits).clauses
+    assert [(one.value, one.verdict) for one in clauses] == [(pytest.approx(1e6), "pass"), (2e4, "pass")]
+    assert len(judge_shock(shock_of(1000.0), limits).clauses) == 1  # no filter
+
+
+def test_the_worst_clause_is_a_fail_then_an_open_one_then_one_not_judged():
+    def one(verdict, margin=1.0, high=2.0):
+        return ShockVerdict((Clause("c", 0.0, 0.0, high, margin, "1", 0.0, "quoted", verdict),), 0.0, None)
+
+    order = [one("pass"), one("not-judged"), one("cannot-tell"), one("fail")]
+    assert [worst_clauses(order[: k + 1])[0][1] for k in range(4)] == [0, 1, 2, 3]
+    assert [worst_clauses(order[::-1][k:])[0][1] for k in range(4)] == [0, 0, 0, 0]
+    assert worst_clauses([one("pass", 1.0, 2.0), one("pass", 1.5, 100.0), one("pass", 0.5, 0.5)])[0][1] == 1
+
+
+@pytest.mark.parametrize(("octaves", "count"), [(1.0, 13), (2.51, 32), (0.01, 2)])
+def test_the_grid_of_a_spectrum_has_a_point_an_interval_and_both_ends(octaves, count):
+    grid = replace(SPECTRUM, frequency=(10.0, 10.0 * 2.0**octaves), level=(1.0, 2.0)).grid()
+    assert grid.size == count
+    assert grid[[0, -1]] == pytest.approx([10.0, 10.0 * 2.0**octaves], rel=1e-12)
+
+
+def test_the_curves_of_a_spectrum_are_decibels_about_nominal_and_end_with_their_bands():
+    limits = replace(SPECTRUM, bands=(DecibelBand(20.0, 50.0, -20.0, 40.0, "quoted"),))
+    f = np.array([19.999, 20.0 * (1 - 5e-10), 30.0, 50.0 * (1 + 5e-10), 50.001])
+    low, high = limits.curves(f)
+    assert np.isnan(low[[0, 4]]).all()
+    assert np.isnan(high[[0, 4]]).all()
+    assert low[1:4] == pytest.approx(f[1:4] / 10.0, rel=1e-12)  # nominal is f up to 100 Hz
+    assert high[1:4] == pytest.approx(100.0 * f[1:4], rel=1e-12)
+
+
+def test_a_spectrum_says_where_it_is_farthest_outside():
+    f, nominal = np.array([20.0, 200.0, 400.0]), np.array([20.0, 100.0, 100.0])
+    for k, decibels, words in (
+        (1, 12.0, "3 dB above the tolerance at 200"),
+        (2, -11.0, "5 dB below the tolerance at 400"),
+    ):
+        gain = np.zeros(3)
+        gain[k] = decibels
+        [within, above] = judge_spectrum(f, nominal * 10.0 ** (gain / 20.0), SPECTRUM)
+        assert within.reason == words + "\xa0Hz"
+        assert (within.value, within.margin) == (pytest.approx(2 / 3), pytest.approx(2 / 3 - 0.9))
+        assert above.reason == ""
+    [within, _] = judge_spectrum(f, np.array([20.0, math.nan, 100.0]), SPECTRUM)
+    assert math.isnan(within.value)
+    assert within.verdict == "cannot-tell"
+
+
+@pytest.mark.parametrize("doubt", [0.05, 0.2, 0.5, 4.0])
+def test_shares_of_a_spectrum_moved_as_a_whole(doubt):
+    """Counted for 4001 factors from 1 / (1 + U) to 1 + U; no share that matters lasts shorter than one of them."""
+    limits = replace(
+        SPECTRUM, bands=(DecibelBand(10.0, 1000.0, -20 * math.log10(1.25), 20 * math.log10(1.25), "quoted"),)
+    )
+    f = np.array([20.0, 40.0, 200.0, 400.0])
+    clause = judge_spectrum(f, np.array([0.9, 1.15, 0.7, 0.3]) * limits.nominal(f), limits, doubt, "guarded")[0]
+    values = [0.9, 1.15, 0.7, 0.3]
+    moved = [np.mean([0.8 <= x * (1 + doubt) ** t <= 1.25 for x in values]) for t in np.linspace(-1.0, 1.0, 4001)]
+    assert clause.value == 0.5
+    assert clause.uncertainty == pytest.approx(max(max(moved) - 0.5, 0.5 - min(moved)), abs=1e-12)
+
+
+def test_no_value_of_a_guarded_spectrum_may_lack_its_uncertainty():
+    f = SPECTRUM.grid()
+    doubt = np.where(f < 50.0, 0.05, math.nan)
+    assert (
+        judge_spectrum(f, SPECTRUM.nominal(f), SPECTRUM, doubt, "guarded")[0].reason == "its uncertainty is not known"
+    )
+    assert judge_spectrum(f, SPECTRUM.nominal(f), SPECTRUM, doubt)[0].verdict == "pass"
+    strict = replace(SPECTRUM, share=Limits(0.9, math.inf, "indicative"))
+    assert [one.verdict for one in judge_spectrum(f, SPECTRUM.nominal(f), strict, strict=True)] == [
+        "cannot-tell",
+        "pass",
+    ]
+
+
+@pytest.mark.parametrize("gain", [1.2, 1.0 / 1.2])
+def test_a_spectrum_that_its_uncertainty_moves_out_of_its_tolerance_as_a_whole_has_not_passed(gain):
+    """3 dB are a factor 1.41: 1.2 lies within, and 1.2 times 1.5 does not; so below."""
+    limits = replace(SPECTRUM, bands=(DecibelBand(10.0, 1000.0, -3.0, 3.0, "quoted"),), share_above=None)
+    f = limits.grid()
+    for doubt, verdict in ((0.1, "pass"), (0.5, "cannot-tell")):
+        assert judge_spectrum(f, gain * limits.nominal(f), limits, doubt, "guarded")[0].verdict == verdict

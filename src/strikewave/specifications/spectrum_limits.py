@@ -165,7 +165,7 @@ def _shares(values: Array, low: Array, high: Array, uncertainty: Array) -> _Shar
     """Return the share of values within limits, as they are and moved as a whole; NaN where there is none.
 
     Moved by t from -1 to 1 a value is (1 + U)^t times as large, and lies within from t = ln(low / value) / ln(1 + U) to
-    ln(high / value) / ln(1 + U): between two such edges no share changes.
+    ln(high / value) / ln(1 + U): between two such edges, and from the last to -1 or 1, no share changes.
     """
     if not values.size or not np.all(np.isfinite(values)):
         return _Shares(math.nan, math.nan, math.nan)
@@ -173,7 +173,7 @@ def _shares(values: Array, low: Array, high: Array, uncertainty: Array) -> _Shar
         room = np.log1p(np.maximum(np.nan_to_num(uncertainty), LEAST))
         first = np.sort((np.log(low / values) - ROUNDING) / room)
         last = np.sort((np.log(high / values) + ROUNDING) / room)
-    edges = np.unique(np.clip(np.concatenate([first, last, [0.0]]), -1.0, 1.0))
+    edges = np.unique(np.clip(np.concatenate([first, last, [-1.0, 0.0, 1.0]]), -1.0, 1.0))
     moves = np.concatenate([[0.0], edges, 0.5 * (edges[1:] + edges[:-1])])
     begun = np.searchsorted(first, moves, "right")
     shares = (begun - np.searchsorted(last, moves, "left")) / values.size
