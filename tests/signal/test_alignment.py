@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from strikewave.signal.alignment import EvenHistory, by_correlation, by_onset, by_peak
+from strikewave.signal.alignment import EvenHistory, are_opposite, by_correlation, by_onset, by_peak
 
 RULES = [by_correlation, by_onset, by_peak]
 
@@ -141,3 +141,55 @@ def test_nothing_has_no_shift(rule):
 def test_a_history_cut_above_its_onset_is_refused():
     with pytest.raises(ValueError, match="begins above 10 %"):
         by_onset(EvenHistory(np.linspace(1.0, 0.0, 40), 1.0, 0.0), EvenHistory(bell(np.arange(-50, 50), 9.0), 1.0, 0.0))
+
+
+def test_times_of_a_history_run_from_its_start_to_its_end():
+    one = EvenHistory(np.zeros(4), 0.5, 2.0)
+    assert one.time.tolist() == [2.0, 2.5, 3.0, 3.5]
+    assert one.end == 3.5
+
+
+@pytest.mark.parametrize(("least", "opposite"), [(-1.5, True), (-1.15, True), (-1.05, False), (1.0, False)])
+@pytest.mark.parametrize("step", [0.5, 1.0])
+def test_signs_are_opposite_where_the_correlation_reaches_a_tenth_farther_below_zero(least, opposite, step):
+    """One bell against two that are apart: the correlation is as high as the first and as low as the second."""
+    one = history_of(np.arange(0.0, 60.0, step) - 30.0, 4.0, step)
+    time = np.arange(300.0)
+    two = EvenHistory(bell(time - 70.0, 4.0) + least * bell(time - 220.0, 4.0), 1.0, 0.0)
+    assert are_opposite(one, two) is opposite
+    assert are_opposite(two, one) is opposite
+
+
+@pytest.mark.parametrize("cut", [0, 13])
+def test_an_onset_on_a_straight_front_is_uncertain_by_noise_over_its_slope(cut):
+    """Also where the history begins between a half and the whole of the share that is sought."""
+    time = np.arange(400.0)
+    ramp = np.interp(time, [10.0, 110.0, 210.0], [0.0, 1.0, 0.0])[10 + cut :]
+    noisy, still = EvenHistory(ramp, 1e-3, 0.0, 0.02), EvenHistory(bell(time - 200.0, 40.0), 1e-3, 0.0)
+    assert by_onset(noisy, still, 0.2).uncertainty == pytest.approx(0.02 * 100.0 * 1e-3, rel=1e-9)
+    assert by_onset(noisy, noisy, 0.2).uncertainty == pytest.approx(math.sqrt(2.0) * 2e-3, rel=1e-9)
+    assert by_onset(still, still).uncertainty == 0.0
+
+
+@pytest.mark.parametrize(("noise", "doubt"), [(1e-5, 1e-5 * math.pi / math.sqrt(3.0) * 20000.0), (1e-2, 200.0**0.5)])
+def test_a_peak_is_uncertain_by_the_lesser_of_both_estimates(noise, doubt):
+    """A parabola of curvature 1 / 20 000: samples on it read its width at 80 % within 1e-4."""
+    hill = np.maximum(1.0 - ((np.arange(601.0) - 300.25) / 200.0) ** 2, 0.0)
+    found = by_peak(EvenHistory(hill, 2.0, 0.0, noise), EvenHistory(bell(np.arange(-99.0, 100.0), 20.0), 2.0, 0.0))
+    assert found.uncertainty == pytest.approx(2.0 * doubt, rel=3e-4)
+    assert found.shift == pytest.approx(
+        2.0 * (300.25 - 99.0), abs=2e-3
+    )  # a parabola through points 1/16 apart, of 1e-6 each
+
+
+def test_a_tone_that_both_picked_up_beyond_a_gap_is_left_out_on_demand():
+    """A bell holds nothing near the tone; between them each has noise of its own."""
+    time, generator = np.arange(2000.0), np.random.default_rng(8)
+
+    def seen(at, phase):
+        tone = 0.02 * np.cos(2.0 * np.pi * 0.2 * time + phase)
+        return EvenHistory(bell(time - at, 20.0) + tone + 1e-3 * generator.normal(size=time.size), 1.0, 0.0)
+
+    one, two = seen(1003.3, 0.0), seen(1000.0, 2.0)
+    assert by_correlation(one, two, to_gap=True).shift == pytest.approx(3.3, abs=0.02)
+    assert abs(by_correlation(one, two).shift - 3.3) > 0.2

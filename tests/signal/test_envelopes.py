@@ -56,3 +56,11 @@ def test_envelope_is_nowhere_below_any():
 def test_what_makes_no_sense_is_refused(call, words):
     with pytest.raises(ValueError, match=words):
         call()
+
+
+def test_three_spectra_a_decade_apart_have_the_limit_of_their_logarithms_in_any_unit():
+    """Logarithms 1, 2 and 3: mean 2, deviation 1; the factor is scipy's."""
+    factor = nct.ppf(0.5, 2, ndtri(0.95) * 3**0.5) / 3**0.5
+    rows = np.array([[10.0], [1000.0], [100.0]])
+    for unit in (1.0, 1e-6):
+        assert tolerance_limit(unit * rows) == pytest.approx([unit * 10.0 ** (2.0 + factor)], rel=1e-9)

@@ -8,7 +8,15 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.integrate import quad
 
-from strikewave.signal.filters import Filter, HighPass, effect_on_half_sine, low_pass
+from strikewave.signal.filters import (
+    Filter,
+    HighPass,
+    advised_cutoff,
+    effect_on_half_sine,
+    effect_on_pulse,
+    low_pass,
+    stated,
+)
 
 STEP = 1e-6
 
@@ -163,8 +171,6 @@ def test_two_poles_at_10_khz_take_off_a_half_sine_of_100_us_what_the_conventions
 
 
 def test_advised_cutoff_changes_no_figure_of_the_half_sine_it_is_for_by_more_than_two_percent():
-    from strikewave.signal.filters import advised_cutoff
-
     width = 200e-6 * (1.0 - 2.0 * math.asin(0.1) / math.pi)
     cutoff = advised_cutoff(math.nan, width)
     effect = effect_on_half_sine(Filter(cutoff), 200e-6)
@@ -218,3 +224,64 @@ def test_high_pass_makes_zero_of_an_offset_and_of_the_velocity_change(rng):
 def test_high_pass_refuses_a_cutoff_that_makes_no_sense(cutoff):
     with pytest.raises(ValueError, match="the cutoff must lie above zero and below half the sampling rate"):
         HighPass(cutoff).apply(np.ones(100), STEP)
+
+
+@pytest.mark.parametrize("order", [1, 2, 4])
+@pytest.mark.parametrize("convention", ["both", "each"])
+def test_gain_is_half_the_power_at_the_frequency_that_is_stated_for_it(order, convention):
+    found = Filter(80e3, order, convention)
+    assert found.gain(found.half_power(STEP), STEP) == pytest.approx(math.sqrt(0.5), rel=1e-12)
+    assert found.gain(80e3, STEP) == pytest.approx(0.5 if convention == "each" else math.sqrt(0.5), rel=1e-12)
+
+
+def test_a_filter_has_12_poles_at_most():
+    assert low_pass(np.ones(9), STEP, 300e3, 12).size == 9
+    with pytest.raises(ValueError, match="from 1 to 12, got 13"):
+        low_pass(np.ones(9), STEP, 300e3, 13)
+
+
+def test_a_filter_leaves_of_an_uneven_pulse_what_is_read_off_its_output():
+    """Peak, width at 10 % and integral above 2 %, of the filter run over the samples, on lines between them."""
+    place = np.arange(6000.0)
+    since = np.maximum(place - 2500.0, 0.0) / 80.0
+    pulse = since**2 * np.exp(-since)
+    filter_ = Filter(2e-3, 2)
+
+    def seen(values):
+        top = values.max()
+        width, feet = (place[values > share * top] for share in (0.1, 0.02))
+        return top, np.ptp(width), values[values > 0.02 * top].sum(), np.ptp(feet)
+
+    before, after = seen(pulse), seen(filter_.apply(pulse, 1.0))
+    found = effect_on_pulse(filter_, pulse, 1.0)
+    assert found.peak == pytest.approx(after[0] / before[0], rel=1e-4)
+    assert found.width == pytest.approx(after[1] / before[1], rel=1e-2)  # whole samples, of 300
+    assert found.velocity_change == pytest.approx(after[2] / before[2], rel=1e-3)
+    assert found.largest == max(abs(share - 1.0) for share in found) > 0.1
+
+
+def test_half_sines_are_alike_over_frequency_times_duration():
+    """Steps are shares of the duration, or of one over the cutoff where that is less: 1e-6, as is stated."""
+    for cutoff in (0.5, 1.0, 6.0, 40.0):
+        one, fine = effect_on_half_sine(Filter(cutoff), 1.0), effect_on_half_sine(Filter(cutoff), 1.0, 4000)
+        assert one == pytest.approx(fine, rel=2e-5)
+        assert effect_on_half_sine(Filter(1e3 * cutoff), 1e-3) == pytest.approx(one, rel=1e-9)
+
+
+def test_cutoffs_are_advised_for_losses_from_half_a_percent_to_a_half():
+    finest, coarsest = (advised_cutoff(math.nan, 1.0, loss, peak_alone=True) for loss in (5e-3, 0.5))
+    assert effect_on_half_sine(Filter(coarsest), 1.0 / 0.936231).peak == pytest.approx(0.5, abs=1e-3)
+    assert effect_on_half_sine(Filter(finest), 1.0 / 0.936231).peak == pytest.approx(0.995, abs=1e-4)
+    for loss in (4.9e-3, 0.51):
+        with pytest.raises(ValueError, match="lies between"):
+            advised_cutoff(math.nan, 1.0, loss)
+
+
+@pytest.mark.parametrize(("bandwidth", "lost"), [(50e3, 20), (30e3, 34), (4e3, 50)])
+def test_a_history_at_a_bandwidth_is_not_known_within_one_over_it_of_its_end(bandwidth, lost):
+    """At most half of it."""
+    rows = np.random.default_rng(4).normal(size=(2, 100))
+    found = stated(rows, STEP, bandwidth)
+    assert np.array_equal(found[:, : 100 - lost], Filter(bandwidth).apply(rows, STEP)[:, : 100 - lost])
+    assert np.isnan(found[:, 100 - lost :]).all()
+    assert stated(rows, STEP, math.inf) is rows

@@ -51,3 +51,22 @@ def test_drift_is_what_drawn_zeros_and_noise_do():
 def test_what_makes_no_sense_is_refused(bad):
     with pytest.raises(ValueError, match="a motion needs"):
         motion(**{"values": [0.0, 1.0], "step": 1.0, **bad})
+
+
+def test_drift_of_noise_is_that_of_the_weights_of_each_sample():
+    """Independent samples add by their squares; that the first and the last count half leaves 1.5 samples of 1000."""
+    size, step = 1000, 1e-3
+    ends = [motion(row, step)[:2] for row in np.eye(size)]
+    told = motion(np.zeros(size), step, 0.0, 0.5)
+    for k, drift in enumerate(told[2:]):
+        weights = np.array([end[k][-1] for end in ends])
+        assert 0.5 * math.sqrt(np.sum(weights**2)) == pytest.approx(drift[-1], rel=2e-3)
+
+
+def test_drift_of_a_zero_is_the_motion_under_it_and_both_kinds_add_by_squares():
+    off, noisy, both = (motion(np.zeros(50), 0.1, *of) for of in ((0.3, 0.0), (0.0, 0.2), (0.3, 0.2)))
+    moved = motion(np.full(50, 0.3), 0.1)
+    assert off.velocity_drift == pytest.approx(moved.velocity, rel=1e-12)
+    assert off.displacement_drift == pytest.approx(moved.displacement, rel=1e-12)
+    for k in (2, 3):
+        assert both[k] ** 2 == pytest.approx(off[k] ** 2 + noisy[k] ** 2, rel=1e-12)

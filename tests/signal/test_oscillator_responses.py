@@ -7,8 +7,8 @@ import pytest
 from scipy.linalg import expm
 
 from strikewave.signal import srs as module
-from strikewave.signal.oscillator_groups import KINDS
-from strikewave.signal.responses import interpolate
+from strikewave.signal.oscillator_groups import KINDS, groups
+from strikewave.signal.responses import interpolate, largest_sum
 from strikewave.signal.srs import Scope, all_srs, response_history, resultant_srs, rms_spectrum, srs
 
 READS = {
@@ -138,3 +138,27 @@ def test_a_start_that_is_none_is_refused():
         ValueError, match="initial state of a spectrum must be one of rest, shifted, steady, got 'zero'"
     ):
         srs(np.ones(10), 1e-5, [100.0], scope=Scope(initial="zero"))
+
+
+def test_frequencies_take_the_least_factor_that_leaves_20_samples_a_period():
+    """10 up to half the sampling rate; at an edge rounding does not count."""
+    fn = np.array([0.3, 0.05, 0.0501, 0.1, 0.101, 0.2, 0.201, 0.4, 0.401, 0.499, 0.01])
+    found = {group.factor: group.members.tolist() for group in groups(1.0, fn)}
+    assert found == {1: [1, 10], 2: [2, 3], 4: [4, 5], 8: [0, 6, 7], 10: [8, 9]}
+    [plain] = groups(1.0, fn, upsample=False)
+    assert (plain.factor, plain.step) == (1, 1.0)
+
+
+@pytest.mark.parametrize("split", [1, 2, 3, 6, 7, 8, 9, 12, 13])
+@pytest.mark.parametrize("top", [6.0, 6.5, 7.3, 7.9])
+def test_the_largest_sum_of_squares_is_found_between_samples_and_blocks(split, top):
+    """Squares on a parabola, shared by two axes, beside a column that is largest at its beginning."""
+    places = np.arange(14.0)
+    squares = np.column_stack([9.0 - 0.125 * (places - top) ** 2, 4.0 - 0.25 * places])
+    axes = np.sqrt(0.36 * squares), np.sqrt(0.64 * squares)
+    blocks = [tuple(axis[part] for axis in axes) for part in (slice(0, split), slice(split, None))]
+    assert largest_sum(blocks) == pytest.approx([3.0, 2.0], rel=1e-12)
+    assert largest_sum([tuple(axis[:2] for axis in axes)]) == pytest.approx([np.sqrt(squares[1, 0]), 2.0], rel=1e-12)
+    assert largest_sum([tuple(axis[7::-1] for axis in axes)]) == pytest.approx(
+        [3.0 if top < 7.0 else np.sqrt(squares[7, 0]), 2.0], rel=1e-12
+    )

@@ -49,3 +49,28 @@ def test_the_share_above_a_frequency_is_that_of_the_parts_of_a_sum():
     assert share_above(both, 1e-6, 60e3) == pytest.approx(5.0 / 13.0, rel=1e-9)
     assert share_above(both, 1e-6, 1e3) == pytest.approx(1.0)
     assert share_above(np.zeros(8), 1.0, 0.1) == 0.0
+
+
+@pytest.mark.parametrize("size", [2, 8, 100])
+@pytest.mark.parametrize("scale", [1.0, 1e-4])
+def test_offset_and_fastest_swing_count_once_in_the_share(size, scale):
+    """3 and 4 (-1)^k: root mean squares 3 and 4 of 5; both lines of the spectrum have no second side."""
+    swing = 4.0 * (-1.0) ** np.arange(size)
+    assert share_above(scale * (3.0 + swing), 1.0, 0.3) == pytest.approx(0.8, rel=1e-12)
+
+
+@pytest.mark.parametrize("size", [9, 12])
+def test_a_tone_beside_an_offset_has_the_share_of_its_root_mean_square(size):
+    tone = 4.0 * np.sqrt(2.0) * np.cos(2.0 * np.pi * np.arange(size) / 3.0)
+    assert share_above(3.0 + tone, 0.5, 0.1) == pytest.approx(0.8, rel=1e-12)
+
+
+def test_the_stated_error_is_that_at_the_end_of_the_flat_band():
+    """Of both quadratures, at the worst place; twice as good would be stated so."""
+    places = np.linspace(250.0, 251.0, 41)
+    turn = 2.0j * np.pi * FLAT
+    found = [
+        resampled(part(turn * np.arange(500)), places) for part in (lambda a: np.exp(a).real, lambda a: np.exp(a).imag)
+    ]
+    worst = np.abs(found[0] + 1j * found[1] - np.exp(turn * places)).max()
+    assert 0.5 * ERROR < worst < 2.5 * ERROR

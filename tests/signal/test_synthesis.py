@@ -7,7 +7,7 @@ import pytest
 from scipy import signal
 
 from strikewave.signal.motion import motion
-from strikewave.signal.srs import octaves
+from strikewave.signal.srs import Scope, octaves, srs
 from strikewave.signal.synthesis import BASES, Component, matching_half_sine, synthesized
 
 
@@ -55,13 +55,49 @@ def test_the_motion_ends_at_rest_where_it_began(basis):
 
 
 def test_the_components_add_up_to_the_motion():
-    """Up to where the fading begins, at 80 % of the motion."""
+    """15 periods of the lowest one, of which the last fifth is faded out by half a cosine."""
     f, level = PLATEAU
     found = synthesized(f, level(f))
-    time = found.step * np.arange(round(0.8 * found.acceleration.size))
+    size = found.acceleration.size
+    assert found.step * (size - 1) == pytest.approx(15.0 / f[0], rel=1e-3)
+    assert found.step == pytest.approx(1.0 / (20.0 * f[-1]), rel=1e-12)
+    time, first = found.step * np.arange(size), round(0.8 * size)
     total = sum(part.at(time) for part in (*found.components, *found.compensation))
+    faded = np.cos(0.5 * np.pi * np.clip((np.arange(size) - first) / (size - 1 - first), 0.0, 1.0)) ** 2
     # components are left out where they have come down to 1.5e-8
-    np.testing.assert_allclose(total, found.acceleration[: time.size], atol=1e-6 * np.abs(total).max())
+    np.testing.assert_allclose(found.acceleration, faded * total, atol=1e-6 * np.abs(total).max())
+    # what is told of it is that of its samples
+    told = srs(found.acceleration, found.step, f, scope=Scope(upsample=False)).maximax
+    np.testing.assert_allclose(found.spectrum, told, rtol=1e-12)
+    distance = np.abs(20.0 * np.log10(told / level(f))).max()
+    assert found.distance == pytest.approx(distance, rel=1e-9)
+    assert found.distance < 0.25
+    assert [round(part.frequency / f[0], 9) for part in found.compensation] == [round(1.0 / 3.0, 9)] * 2
+    assert [part.delay * f[0] for part in found.compensation] == pytest.approx([0.0, 1.5])
+    assert {part.damping for part in found.components} == {0.05}
+    signs = np.sign([part.amplitude for part in found.components])
+    assert np.array_equal(signs[1:], -signs[:-1])
+
+
+def test_parts_of_a_motion_are_what_is_written_of_them():
+    """A damped sine of 10 Hz from 0.1 s on, and a wavelet of three half-sines there; nothing before."""
+    sine, wavelet = Component(10.0, 2.0, 0.1, 0.05), Component(10.0, 2.0, 0.1, math.nan, 3)
+    time = 0.1 + np.array([-0.03, 0.0, 0.025, 0.075, 0.125, 0.16])
+    decay = np.exp(-0.05 * np.pi * np.array([0.0, 0.0, 0.5, 1.5, 2.5, 3.2]))
+    assert sine.at(time) == pytest.approx(2.0 * decay * [0.0, 0.0, 1.0, -1.0, 1.0, math.sin(3.2 * math.pi)], abs=1e-14)
+    assert wavelet.at(time) == pytest.approx([0.0, 0.0, 1.0, -2.0, 1.0, 0.0], abs=1e-14)
+    assert wavelet.end == pytest.approx(0.1 + 3 / 20.0, rel=1e-15)
+    # e^-18 is left of a damped sine at its end
+    assert math.exp(-0.05 * 20.0 * math.pi * (sine.end - 0.1)) == pytest.approx(math.exp(-18.0), rel=1e-12)
+    assert math.isfinite(sine._replace(damping=0.0).end)
+
+
+def test_wavelets_are_nine_half_sines_and_the_motion_lasts_as_long_as_the_lowest():
+    f = np.array([100.0, 140.0, 200.0])
+    found = synthesized(f, [10.0, 14.0, 20.0], 10.0, "wavelets", rate=8000.0)
+    assert {part.half_sines for part in found.components} == {9}
+    assert found.acceleration.size == 4.5 / 100.0 * 8000.0 + 1
+    assert found.step == 1.0 / 8000.0
 
 
 def test_a_wavelet_leaves_no_velocity_and_no_displacement():
@@ -76,7 +112,9 @@ def test_a_wavelet_leaves_no_velocity_and_no_displacement():
 def test_a_spectrum_that_no_motion_has_is_not_called_reached():
     """At high frequencies a spectrum is the peak of its motion: it cannot fall by 12 dB an octave."""
     f = octaves(100.0, 3200.0, 6.0)
-    assert synthesized(f, 100.0 * (f / 100.0) ** -2.0).distance > 3.0
+    found = synthesized(f, 100.0 * (f / 100.0) ** -2.0)
+    assert found.distance > 3.0
+    assert found.steps == 40
 
 
 @pytest.mark.parametrize("q", [10.0, 25.0])
@@ -105,3 +143,20 @@ def test_the_half_sine_is_found_by_its_own_spectrum(q):
 def test_what_makes_no_sense_is_refused(arguments):
     with pytest.raises(ValueError, match=r"synthesis|levels|quality|basis|sampling"):
         synthesized(*arguments)
+
+
+def test_a_half_sine_lies_in_the_middle_of_limits_that_are_not_even():
+    """From 0.9 to 1.2 of its own spectrum: sqrt(1.08) of its peak is as far from both, 10 log10(0.75) dB inside."""
+    pulse = 300.0 * np.sin(np.pi * np.linspace(0.0, 1.0, 1001))
+    f = octaves(20.0, 2000.0, 4.0)
+    wanted = srs(pulse, 6e-6, f).maximax
+    low, high = 0.9 * wanted, 1.2 * wanted
+    low[3], high[5] = math.nan, math.inf  # without limits there
+    found = matching_half_sine(f, low, high)
+    assert found.peak == pytest.approx(300.0 * math.sqrt(1.08), rel=2e-3)
+    assert found.duration == pytest.approx(6e-3, rel=3e-3)
+    assert found.outside == pytest.approx(10.0 * math.log10(0.75), abs=0.02)
+    two = [k in (2, 9) for k in range(f.size)]
+    assert matching_half_sine(f[two], low[two], high[two]).outside < -1.2
+    with pytest.raises(ValueError, match="two natural frequencies or more"):
+        matching_half_sine([100.0, 200.0], [1.0, math.nan], [2.0, 2.0])
