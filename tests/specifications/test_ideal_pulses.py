@@ -53,3 +53,25 @@ def test_velocity_change_and_drop_height_of_every_row_of_jesd22_b110_follow_from
 def test_velocity_change_of_every_bump_follows_from_peak_and_duration(condition):
     pulse = load_specification(f"iec-60068-2-27-bump:{condition.name}").pulse
     assert condition.velocity_change.si == pytest.approx(pulse.velocity_change, abs=0.055)  # printed to 0.1 m/s
+
+
+@pytest.mark.parametrize(
+    ("shape", "values", "top"),
+    [
+        ("half-sine", [0.0, 0.0, 250.0, 500.0, 250.0 * 2**0.5, 0.0, 0.0], (1.0, 1.0)),
+        ("sawtooth", [0.0, 0.0, 500.0 / 6.0, 250.0, 375.0, 500.0, 0.0], (2.0, 2.0)),
+        ("trapezoid", [0.0, 0.0, 500.0 / 1.5, 500.0, 500.0, 0.0, 0.0], (0.5, 1.5)),
+    ],
+)
+def test_a_pulse_of_2_s_has_the_values_of_its_lines(shape, values, top):
+    pulse = IdealPulse(shape, 500.0, 2.0, 0.25, 0.25)
+    time = [-0.001, 0.0, 1.0 / 3.0, 1.0, 1.5, 2.0, 2.001]
+    assert pulse.at(time) == pytest.approx(values, abs=1e-10)
+    assert pulse.top == top
+
+
+def test_a_trapezoid_is_wide_by_its_own_slopes():
+    pulse = IdealPulse("trapezoid", 4.0, 10.0, 0.1, 0.3)
+    assert (pulse.width(0.5), pulse.velocity_change) == (pytest.approx(8.0), pytest.approx(32.0))
+    assert pulse.at([0.5, 1.0, 7.0, 8.5, 10.0]) == pytest.approx([2.0, 4.0, 4.0, 2.0, 0.0])
+    assert from_width("trapezoid", 4.0, 8.0, 0.5, 0.1, 0.3).duration == pytest.approx(10.0)

@@ -122,3 +122,77 @@ def test_a_record_that_ends_early_lacks_what_is_to_be_watched():
     values = pulse.at(np.arange(1700) * 1e-6 - 0.5e-3)  # 0.2 durations after the pulse
     [clause] = judge_shock(Shock(values, 1e-6, 0.0, 1000), limits).clauses
     assert (clause.verdict, clause.reason) == ("cannot-tell", "the record lacks 0.8 durations after the pulse")
+
+
+def test_the_curves_step_to_other_amplitudes_before_and_after():
+    """A sawtooth of 100 and 1 s, 0.1 s wide: its ramp moved sideways, plus and minus 20, 5 before and 40 after."""
+    band = PulseBand(IdealPulse("sawtooth", 100.0, 1.0), 0.1, 0.2, 0.05, 0.4)
+    low, high = band.curves(np.array([-0.2, -0.101, -0.05, 0.5, 1.05, 1.101, 1.5]))
+    assert low == pytest.approx([-5.0, -5.0, -20.0, 20.0, -20.0, -40.0, -40.0])
+    assert high == pytest.approx([5.0, 5.0, 25.0, 80.0, 120.0, 40.0, 40.0])
+    low, high = PulseBand(band.pulse, 0.1, 0.2).curves(np.array([-0.5, 2.0]))
+    assert low.tolist() == [-20.0, -20.0]
+    assert high.tolist() == [20.0, 20.0]
+
+
+def test_times_of_comparison_are_800_a_duration_and_lie_on_both_sides_of_the_kinks():
+    band = PulseBand(IdealPulse("trapezoid", 1.0, 2.0, 0.2, 0.3), 0.1, 0.2, before=0.5, after=0.75)
+    grid = band.grid()
+    assert grid[[0, -1]].tolist() == [-1.0, 3.5]
+    steps = np.diff(grid)
+    assert steps.max() == pytest.approx(2.0 / 800.0, rel=1e-9)
+    for kink in (0.0, 0.4, 1.4, 2.0):
+        for by in (-0.2, 0.0, 0.2):
+            assert np.min(np.abs(grid - (kink + by))) < 1e-12
+            for side in (-2e-9, 2e-9):
+                assert np.min(np.abs(grid - (kink + by + side))) < 1e-12
+    assert 1801 <= grid.size <= 1801 + 36
+
+
+@pytest.mark.parametrize("count", [50, 2000])
+def test_a_band_is_placed_where_it_lies_best_and_says_where_it_is_least(count):
+    """A half-sine a tenth too high is 10 of 20 from the top, 0.5 s after its begin; 0.3 s off the start that was given."""
+    pulse = IdealPulse("half-sine", 100.0, 1.0)
+    step = 1.0 / count
+    time = 5.0 + step * np.arange(6 * count)
+    record = 1.1 * pulse.at(time - 7.0)
+    placed = PulseBand(pulse, 0.1, 0.2).placed(record, step, 5.0, 7.3)
+    assert placed.margin == pytest.approx(10.0, rel=1e-9)
+    assert (placed.time, placed.above) == (pytest.approx(7.5), True)
+    assert placed.start == pytest.approx(7.1, abs=1e-3)  # of those as good, that nearest the start that was given
+    assert (placed.before, placed.after) == (0.0, 0.0)
+    low = PulseBand(pulse, 0.1, 0.2).placed(0.9 * pulse.at(time - 7.0) - 15.0 * (time > 8.2), step, 5.0, 7.0)
+    assert (low.margin, low.above) == (pytest.approx(5.0, rel=1e-9), False)
+    assert low.time > 8.2
+
+
+@pytest.mark.parametrize(
+    ("first", "last", "before", "after"), [(0.8, 3.1, 0.2, 0.0), (0.5, 2.5, 0.0, 0.5), (0.8, 2.5, 0.2, 0.5)]
+)
+def test_what_a_record_lacks_is_told_in_durations(first, last, before, after):
+    """Of 0.4 before and 1.0 after a pulse of 2 s that begins at 1 in units of its duration."""
+    pulse = IdealPulse("half-sine", 100.0, 2.0)
+    time = 2.0 * np.arange(first, last + 1e-9, 0.005)
+    placed = PulseBand(pulse, 0.1, 0.2).placed(pulse.at(time - 2.0), 0.01, float(time[0]), 2.0)
+    assert placed.start == pytest.approx(2.0, abs=1e-9)
+    assert placed.margin == pytest.approx(20.0, rel=1e-3)
+    assert (placed.before, placed.after) == (pytest.approx(before, abs=1e-6), pytest.approx(after, abs=1e-6))
+
+
+def test_a_record_far_from_the_pulse_is_outside_without_an_end():
+    pulse = IdealPulse("half-sine", 100.0, 1.0)
+    placed = PulseBand(pulse, 0.1, 0.2).placed(np.zeros(100), 0.01, 0.0, 50.0)
+    assert (placed.margin, placed.time) == (-np.inf, placed.start)
+
+
+def test_the_best_start_is_found_three_quarters_of_a_duration_off():
+    """The optimum of a high pulse is where it is centred; its distance is 20 - 50, and grows with the slope beside it."""
+    pulse = IdealPulse("half-sine", 100.0, 1.0)
+    time = 0.001 * np.arange(8000)
+    band = PulseBand(pulse, 0.05, 0.2)
+    for off in (-0.7, 0.0, 0.7):
+        placed = band.placed(1.5 * pulse.at(time - 3.0), 0.001, 0.0, 3.0 + off)
+        assert placed.margin == pytest.approx(-30.0, abs=0.01)
+        wide = IdealPulse("half-sine", 100.0, 1.5)
+        placed = band.placed(wide.at(time - 3.0), 0.001, 0.0, 3.25 + off)
+        assert placed.start == pytest.approx(3.25, abs=1e-3)  # symmetric: too wide at both feet alike, to a sample
