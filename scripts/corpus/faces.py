@@ -179,7 +179,12 @@ def served_pages(program: Path, folder: Path) -> Iterator[object]:
                 page = browser.new_page(viewport={"width": 1280, "height": 1000})
                 page.goto(address[0].rstrip("/") + place, wait_until="networkidle", timeout=120_000)
                 texts: list[str] = []
-                while len(texts) < STEADY or len(set(texts[-STEADY:])) > 1 or page.locator("[aria-busy=true]").count():
+                while (
+                    len(texts) < STEADY
+                    or len(set(texts[-STEADY:])) > 1
+                    or page.locator("[aria-busy=true]").count()
+                    or any(words in texts[-1] for words in UNFINISHED)
+                ):
                     if len(texts) > MOST_LOOKS:
                         break
                     page.wait_for_timeout(500)
