@@ -2,6 +2,7 @@
 
 import dataclasses
 import math
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -13,10 +14,11 @@ from strikewave.hopkinson import (
     carried,
     find_pulses,
 )
-from strikewave.hopkinson.shifting import highest_frequency
+from strikewave.hopkinson.alignment import _averaged, _late_by_balance, _late_by_onset, _spline, _within
+from strikewave.hopkinson.shifting import _running, highest_frequency
 from strikewave.waves.dispersion import Rod, wave_number
 
-from .bench import STEP, bench
+from .bench import STEP, bench, travelled
 
 
 def test_dispersion_turns_up_to_its_highest_frequency_and_moves_nothing_above():
@@ -136,3 +138,94 @@ def test_the_echo_from_the_far_end_bounds_the_window():
     bars, _, traces, _ = bench()
     short = dataclasses.replace(bars[1], length=bars[1].gauge_distance + 80e-6 * bars[1].speed)
     assert find_pulses(*traces, (bars[0], short)).duration == pytest.approx(160e-6, abs=STEP)
+
+
+def test_onsets_are_crossings_of_one_level_between_samples():
+    """Rises of 10, -20 and 5 a sample from samples 10, 30 and 50 on; 5 % of a plateau of 100, or the noise above it."""
+    k = np.arange(100.0)
+    rises = [slope * np.maximum(k - begin, 0.0) for slope, begin in ((10.0, 10), (-20.0, 30), (5.0, 50))]
+    waves = SimpleNamespace(
+        incident=rises[0], reflected=rises[1], transmitted=rises[2], noise=(0.0, 0.0), time=k, step=2.0
+    )
+    # at 10.5, 30.25 and 51
+    assert _late_by_onset(waves, 100.0, 3.0) == pytest.approx((39.5, 78.0), rel=1e-13)
+    # the larger noise: sqrt(2 ln(100/0.01)) of it = 4.292 x 2
+    waves.noise = (1.0, 2.0)
+    level = 2.0 * math.sqrt(2.0 * math.log(1e4))
+    expected = 2.0 * (20.0 + level / 20 - level / 10), 2.0 * (40.0 + level / 5 - level / 10)
+    assert _late_by_onset(waves, 100.0, 0.0) == pytest.approx(expected, rel=1e-12)
+    waves.noise = (0.0, 0.0)
+    waves.reflected, waves.transmitted = np.zeros(100), 9.0 + k
+    assert all(math.isnan(late) for late in _late_by_onset(waves, 100.0, 0.0))
+
+
+def test_moves_that_balance_forces_are_those_by_which_the_waves_came_late():
+    """e_r = -e_i/2, F2 = F1, late by 0.2 and -0.3 of the window between bars of stiffness 2 and 1."""
+    t = np.arange(-200.0, 2000.0)
+
+    def pulse(at):
+        return np.exp(-(((at - 700.0) / 250.0) ** 2))
+
+    waves = SimpleNamespace(
+        time=t, incident=pulse(t), reflected=-0.5 * pulse(t - 80.0), transmitted=pulse(t + 120.0),
+        step=1.0, window=400.0, loaded=1400.0,
+    )  # fmt: skip
+    # half a thousandth of the window: means of ten samples are a little lower than the waves
+    assert _late_by_balance(waves, (2.0, 1.0)) == pytest.approx((80.0, -120.0), abs=0.2)
+    # 25 samples of load are three means of ten
+    waves.loaded = 25.0
+    assert _late_by_balance(waves, (2.0, 1.0)) == (0.0, 0.0)
+    waves.loaded = 55.0
+    assert _late_by_balance(waves, (2.0, 1.0)) != (0.0, 0.0)
+    nothing = SimpleNamespace(**{**vars(waves), **dict.fromkeys(("incident", "reflected", "transmitted"), 0.0 * t)})
+    assert np.all(np.isfinite(_late_by_balance(nothing, (2.0, 1.0))))
+
+
+def test_means_curves_and_windows_of_moves():
+    assert list(_averaged(np.arange(11.0), 3)) == [1.0, 4.0, 7.0]
+    assert list(_averaged(np.arange(3.0), 1)) == [0.0, 1.0, 2.0]
+    curve = _spline(np.arange(6.0), np.arange(6.0) ** 3)
+    assert curve(np.array([-2.0, 0.0, 2.5, 5.0, 9.0])) == pytest.approx([0.0, 0.0, 15.625, 125.0, 125.0])
+    assert _within((0.998, -0.998), 1.0)
+    for late in ((0.9995, 0.0), (0.0, -0.9995), (math.nan, 0.0)):
+        assert not _within(late, 1.0)
+
+
+def test_a_pulse_is_carried_as_the_transform_of_the_whole_record_says():
+    """0.5 and -0.5 m in steel of 20 mm, the delay of 1000 steps taken off, and 300.25 steps moved forward."""
+    t = 1e-7 * np.arange(6000)
+    pulse = np.exp(-(((t - 2e-4) / 8e-6) ** 2))
+    bar = SimpleNamespace(rod=Rod(0.01, 5000.0, 0.29))
+    whole = np.concatenate([pulse, np.zeros(6000)])
+    for distance in (0.5, -0.5):
+        far = np.roll(travelled(whole, 1e-7, distance, bar), -round(distance / 5000.0 / 1e-7))[:6000]
+        # a cubic between 2000 frequencies, and the padding
+        assert carried(pulse, 1e-7, distance, Carrier(bar.rod)) == pytest.approx(far, abs=1e-7)
+    moved = carried(pulse, 1e-7, 2.0, Carrier(bar.rod, "none"), advance=300.25e-7)
+    assert moved == pytest.approx(np.exp(-(((t + 300.25e-7 - 2e-4) / 8e-6) ** 2)), abs=1e-9)
+
+
+def test_what_the_theory_of_love_and_rayleigh_lets_not_run_runs_as_in_the_plain_bar():
+    rod = Rod(0.01, 5000.0, 0.3)
+    w = np.linspace(1e4, 6e6, 4000)
+    k, own = _running(w, rod, "love-rayleigh"), np.asarray(wave_number(w, rod, "love-rayleigh"))
+    stuck = np.abs(own.imag) > 0.0
+    assert stuck.any()
+    assert k[stuck] == pytest.approx(w[stuck] / 5000.0, rel=1e-15)
+    slow = ~stuck & (own.real > w / 2500.0)
+    assert slow.any()
+    assert k[slow] == pytest.approx(w[slow] / 2500.0, rel=1e-15)
+    assert np.array_equal(k[~stuck & ~slow], own[~stuck & ~slow])
+    assert np.array_equal(_running(w, rod, "pochhammer-chree"), wave_number(w, rod, "pochhammer-chree"))
+
+
+def test_the_band_of_one_sample_and_of_one_frequency_in_closed_form():
+    """One sample is as strong at all frequencies: all, or none from 4 sigma sqrt(N) on; bin 3 is widened by 2 N step/width."""
+    one = np.zeros(64)
+    one[0] = 1.0
+    assert highest_frequency(one, 0.5, 0.0312, 32.0) == 1.0
+    assert highest_frequency(one, 0.5, 0.0313, 32.0) == 0.0
+    wave = np.cos(2 * np.pi * 3 * np.arange(64) / 64)
+    # four bins to either side, bin 8 is the first below; one at least
+    assert highest_frequency(wave, 0.5, 0.1, 16.0) == pytest.approx(8 / 32.0)
+    assert highest_frequency(wave + 1.0, 0.5, 0.1, 1e9) == pytest.approx(0.0 + 5 / 32.0)

@@ -2,6 +2,7 @@
 
 import dataclasses
 import math
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -17,6 +18,8 @@ from strikewave.hopkinson import (
     reduce,
     rise_slope,
 )
+from strikewave.hopkinson.bars import StrikerBar
+from strikewave.hopkinson.checks import rise_slopes, striker_check
 
 BAR, OTHER = Bar(7800.0, 210e9, 0.02, 1.0), Bar(2700.0, 70e9, 0.03, 1.0)
 
@@ -116,3 +119,123 @@ def test_agreement_ends_where_the_forces_part():
     found = equilibrium(reduce(waves, (BAR, BAR), Specimen(5e-3, 1e-4)))
     assert (found.begin, found.end) == pytest.approx((20e-6, 60e-6), abs=1e-6)
     assert found.share == pytest.approx((found.end - found.begin) / 80e-6, rel=0.01)
+
+
+def test_every_impulse_and_energy_of_constant_waves():
+    r = constant(1e-3, -0.4e-3, 0.3e-3, Specimen(5e-3, 1e-4))
+    t = 80e-6
+    m, e = momentum(r), energy(r)
+    came, back, on = BAR.stiffness * 1e-3 * t, BAR.stiffness * -0.4e-3 * t, OTHER.stiffness * 0.3e-3 * t
+    assert m[:5] == pytest.approx((came, back, on, came + back, on), rel=1e-12)
+    # a specimen of unknown density counts as without mass
+    assert math.isnan(m.specimen)
+    assert m.closure == pytest.approx((came + back - on) / came, rel=1e-12)
+    reflected = BAR.stiffness * BAR.speed * 0.16e-6 * t
+    assert e.reflected == pytest.approx(reflected, rel=1e-12)
+    assert e.absorbed == pytest.approx(e.incident - reflected - e.transmitted, rel=1e-12)
+    assert np.count_nonzero(r.loading) == 801
+
+
+def test_forces_have_a_ratio_where_their_mean_stands_five_deviations_out():
+    """R = 2 |F1 - F2|/(F1 + F2) of 1.2 and 1 over a ramp; noise of both gauges by its root of squares."""
+    ramp = 1e-6 * np.arange(801)
+    waves = still(1e-7 * np.arange(801), 1.2 * ramp, 0.0 * ramp, ramp)
+    noisy = dataclasses.replace(waves, noise=(3e-6, 4e-6))
+    ratio = equilibrium(reduce(noisy, (BAR, BAR), Specimen(5e-3, 1e-4))).ratio
+    # 1.1 k > 25
+    assert np.array_equal(np.isnan(ratio), np.arange(801) <= 22)
+    assert ratio[23:] == pytest.approx(0.2 / 1.1, rel=1e-12)
+    other = dataclasses.replace(waves, noise=(0.0, 4e-6))
+    unequal = equilibrium(reduce(other, (BAR, OTHER), Specimen(5e-3, 1e-4)))
+    mean = 0.5 * (1.2 * BAR.stiffness + OTHER.stiffness) * np.arange(801)
+    assert np.array_equal(np.isnan(unequal.ratio), mean <= 20.0 * OTHER.stiffness)
+    nothing = equilibrium(
+        reduce(still(1e-7 * np.arange(801), 0.0 * ramp, 0.0 * ramp, 0.0 * ramp), (BAR, BAR), Specimen(1, 1))
+    )
+    assert math.isnan(nothing.misfit)
+    assert math.isnan(nothing.force_ratio)
+
+
+def agreeing(*stretches, window=3.3e-7, apart=1.3, limit=0.05):
+    """Equal forces in stretches of samples, both ends included; smoothing over three takes one from either end."""
+    k = np.arange(801)
+    same = np.any([(k >= low) & (k <= high) for low, high in stretches], axis=0)
+    one = 1e-3 * np.ones(801)
+    waves = still(1e-7 * k, one * np.where(same, 1.0, apart), 0.0 * one, one)
+    found = equilibrium(reduce(dataclasses.replace(waves, window=window), (BAR, BAR), Specimen(5e-3, 1e-4)), limit)
+    return found.begin, found.end, found.share
+
+
+def test_the_longest_stretch_of_agreement_to_the_sample():
+    assert agreeing((200, 600)) == pytest.approx((20.1e-6, 59.9e-6, 399 / 801), rel=1e-12)
+    # the longer of two, the first of two alike
+    assert agreeing((100, 200), (300, 500)) == pytest.approx((30.1e-6, 49.9e-6, 298 / 801), rel=1e-12)
+    assert agreeing((300, 500), (600, 700)) == pytest.approx((30.1e-6, 49.9e-6, 298 / 801), rel=1e-12)
+    assert agreeing((100, 200), (300, 400))[:2] == pytest.approx((10.1e-6, 19.9e-6), rel=1e-12)
+    # three windows of 3.3 steps: ten steps count, nine do not
+    assert agreeing((200, 212))[:2] == pytest.approx((20.1e-6, 21.1e-6), rel=1e-12)
+    begin, end, share = agreeing((200, 211))
+    assert math.isnan(begin)
+    assert math.isnan(end)
+    assert share == pytest.approx(10 / 801, rel=1e-12)
+    # no window narrower than a sample
+    assert agreeing((200, 212), window=1e-9)[:2] == pytest.approx((20.0e-6, 21.2e-6), rel=1e-12)
+
+
+def test_agreement_is_measured_by_the_mean_of_both_forces():
+    """1.2 and 1 differ by 0.1818 of their mean."""
+    assert agreeing((900, 900), apart=1.2, limit=0.1822) == pytest.approx((0.0, 80e-6, 1.0))
+    assert agreeing((900, 900), apart=1.2, limit=0.1815)[2] == 0.0
+
+
+def test_a_striker_is_checked_by_its_plateau_and_its_width():
+    """A striker of a third of the impedance: v/4c of strain, 2 L/c of length, and the speed that the plateau stands for."""
+    striker = StrikerBar(0.2, 4000.0, BAR.impedance / 3, 8.0)
+    pulses = SimpleNamespace(plateau=1e-3, width=90e-6)
+    found = striker_check(pulses, SimpleNamespace(bars=(BAR, OTHER)), striker)
+    expected = (1e-3, 8.0 / (4.0 * BAR.speed), 90e-6, 100e-6, 4.0 * BAR.speed * 1e-3)
+    assert found == pytest.approx(expected, rel=1e-13)
+
+
+def test_a_slope_needs_three_samples_of_a_rise():
+    """Stress 0.05, 0.2, 0.3, 0.4, 0.8, 1: fitted from 0.2 to 0.4, strain on stress."""
+    on = np.ones(6, dtype=bool)
+
+    def slope(stress, strain):
+        return rise_slope(StressStrainCurve(np.arange(6.0), np.array(strain), np.array(stress), np.arange(6.0)), on)
+
+    stress = [0.05, 0.2, 0.3, 0.4, 0.8, 1.0]
+    assert slope(stress, [9.0, 0.1, 0.15, 0.2, 7.0, 3.0]) == pytest.approx(2.0, rel=1e-13)
+    # the middle one of three has no weight
+    assert slope(stress, [9.0, 0.1, 0.9, 0.2, 7.0, 3.0]) == pytest.approx(2.0, rel=1e-13)
+    assert math.isnan(slope([0.05, 0.09, 0.3, 0.4, 0.8, 1.0], [0.0, 0.1, 0.15, 0.2, 0.3, 0.4]))
+    assert math.isnan(slope([-1.0] * 6, [0.0, 0.1, 0.2, 0.3, 0.4, 0.5]))
+    assert math.isnan(slope(stress, [0.0] * 6))
+    # no foot: from the first sample on
+    assert slope([0.1, 0.2, 0.3, 0.4, 0.8, 1.0], [0.1, 0.2, 0.3, 0.4, 5.0, 5.0]) == pytest.approx(1.0, rel=1e-13)
+
+
+def test_slopes_of_a_straight_rise_moved_by_a_sample_in_closed_form():
+    """Strain rate and stress both ramps: moved by a sample either way the three slopes are in order; upright is infinite."""
+    k = np.arange(801.0)
+    # equal bars: F1 = F2 = E A e, e_r = e_t - e_i
+    on = np.minimum(np.minimum(k, 395.0), 800.0 - k) * 1e-6
+    waves = still(1e-7 * k, 2.0 * on, -on, on)
+    reduction = reduce(waves, (BAR, BAR), Specimen(5e-3, 1e-4))
+    found = rise_slopes(reduction, "1-wave")
+    compliances = []
+    for back in (-1, 0, 1):
+        for forward in (-1, 0, 1):
+            moved = dataclasses.replace(waves, reflected=np.roll(-on, back), transmitted=np.roll(on, forward))
+            one = rise_slope(reduce(moved, (BAR, BAR), Specimen(5e-3, 1e-4)).curve("1-wave"), reduction.loading)
+            compliances.append(1.0 / one)
+    assert found.value == pytest.approx(1.0 / compliances[4], rel=1e-12)
+    assert found.low == pytest.approx(1.0 / max(compliances), rel=1e-12)
+    assert found.high == pytest.approx(1.0 / min(compliances), rel=1e-12)
+    # strain = c/L int 2 e_t dt of a ramp, by least squares from 10 to 50 % of it
+    strain = BAR.speed * 2e-6 / 5e-3 * 1e-7 * 0.5 * k**2
+    stress = BAR.stiffness * 1e-6 / 1e-4 * k
+    part = slice(40, 198)
+    assert found.value == pytest.approx(1.0 / np.polyfit(stress[part], strain[part], 1)[0], rel=1e-9)
+    flat = reduce(still(1e-7 * k, 0.0 * k, 0.0 * k, 0.0 * k), (BAR, BAR), Specimen(5e-3, 1e-4))
+    assert all(math.isnan(x) for x in rise_slopes(flat, "3-wave"))

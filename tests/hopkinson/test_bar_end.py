@@ -133,3 +133,56 @@ def test_the_ratio_of_peaks_compares_the_same_lobe(gain, second, first):
     one, other = np.exp(-(((t - 0.4) / 0.05) ** 2)), np.exp(-(((t - 0.7) / 0.05) ** 2))
     found = compare_sensor(first * gain * (one - second * other), first * (one - 0.5 * other), 1e-3)
     assert found.peak_ratio == pytest.approx(gain, rel=2e-3)
+
+
+def test_a_ramp_goes_through_an_elastic_disk_of_the_bar_itself_to_its_last_sample():
+    """v = 2 c e one transit later, and its slope; the force on the disk is E A e until the face outside answers."""
+    disk = Layer("disk", BAR.density, BAR.modulus, BAR.area, 40 * STEP * BAR.speed)
+    ramp = 1e-6 * np.arange(300.0)
+    motion = elastic_disk(ramp, STEP, BAR, disk)
+    late = 2.0 * BAR.speed * 1e-6 * np.maximum(np.arange(300) - 40, 0)
+    assert motion.velocity == pytest.approx(late, abs=1e-8 * late[-1])
+    assert motion.acceleration[42:] == pytest.approx(2.0 * BAR.speed * 1e-6 / STEP, rel=1e-6)
+    # the wave back from the outer face, free, takes away what came two transits before
+    force = BAR.stiffness * 1e-6 * (np.arange(300) - np.maximum(np.arange(300) - 80, 0))
+    assert motion.force == pytest.approx(force, abs=1e-8 * force[-1])
+
+
+def test_readings_at_the_ends_of_a_record_are_moved_as_whole_samples():
+    """One sample each: the only overlap is at the end of the correlation, where there is no parabola."""
+    first, last = np.array([2.0, 0.0, 0.0, 0.0]), np.array([0.0, 0.0, 0.0, 1.0])
+    early = compare_sensor(first, last, 0.5)
+    assert (early.sensitivity, early.peak_ratio, early.delay) == pytest.approx((2.0, 2.0, -1.5))
+    assert early.residual == pytest.approx(0.0, abs=1e-12)
+    late = compare_sensor(-last, first, 0.5)
+    assert (late.sensitivity, late.peak_ratio, late.delay) == pytest.approx((-0.5, -0.5, 1.5))
+
+
+def test_what_a_reading_has_besides_is_its_residual():
+    """A second pulse far off, of 3/4 of the first: a residual of 3/5; a silent side is refused."""
+    t = np.arange(2000.0)
+    one, other = np.exp(-(((t - 500.0) / 40.0) ** 2)), np.exp(-(((t - 1500.0) / 40.0) ** 2))
+    found = compare_sensor(2.0 * (one + 0.75 * other), one, 1e-6)
+    assert (found.sensitivity, found.peak_ratio) == pytest.approx((2.0, 2.0), rel=1e-9)
+    assert found.residual == pytest.approx(0.6, rel=1e-9)
+    assert found.delay == pytest.approx(0.0, abs=1e-15)
+    for reading, reference in ((0.0 * one, one), (one, 0.0 * one), (one[1:], one)):
+        with pytest.raises(ValueError, match="the same number of samples, and not all zero"):
+            compare_sensor(reading, reference, 1e-6)
+    for step in (0.0, math.inf, math.nan):
+        with pytest.raises(ValueError, match="a step above zero"):
+            free_end(one, step, BAR)
+    assert np.array_equal(free_end([0.0, 1.0], 1.0, BAR).force, [0.0, 0.0])
+
+
+@pytest.mark.parametrize("rate", [2e-7, 0.99e-4, 1.01e-4, 0.3, 5.0])
+def test_a_heavy_or_a_light_disk_follows_a_ramp_in_closed_form(rate):
+    """v = s (t - tau + tau exp(-t/tau)), s = 2 c de/dt: exact for straight samples, whatever step over tau."""
+    tau = STEP / rate
+    motion = rigid_disk(1e-6 * np.arange(400.0), STEP, BAR, tau * BAR.impedance)
+    t, slope = STEP * np.arange(400), 2.0 * BAR.speed * 1e-6 / STEP
+    exact = slope * tau * (t / tau + np.expm1(-t / tau))
+    # the difference loses what t/tau lacks to 1
+    assert motion.velocity == pytest.approx(exact, rel=1e-9, abs=1e-12 * slope * tau)
+    assert motion.velocity[0] == 0.0
+    assert motion.acceleration == pytest.approx(slope * -np.expm1(-t / tau), rel=1e-9, abs=1e-12 * slope)

@@ -111,3 +111,38 @@ def test_a_bridge_that_cannot_be_is_refused(bad):
     good = {"kind": "half", "gauge_factor": 2.0, "excitation": 8.0, "gain": 200.0}
     with pytest.raises(ValueError, match="third" if "kind" in bad else next(iter(bad))):
         Bridge(**{**good, **bad})
+
+
+def test_numbers_of_a_round_bar_its_specimen_and_its_striker_worked_by_hand():
+    """d 20 mm, rho 8000, E 200 GPa: A = pi 1e-4, c = 5000, Z = 4e7 A, E A = 2e11 A."""
+    bar = Bar(8000.0, 2e11, 0.02, 1.5, 0.3, 4.0)
+    area = math.pi * 1e-4
+    assert (bar.area, bar.speed, bar.delay) == pytest.approx((area, 5000.0, 3e-4), rel=1e-14)
+    assert (bar.impedance, bar.stiffness) == pytest.approx((4e7 * area, 2e11 * area), rel=1e-14)
+    assert bar.rod == pytest.approx((0.01, 5000.0, 0.3), rel=1e-14)
+    specimen = Specimen(0.005, 2e-4, 2000.0, 8e9)
+    assert (specimen.mass, specimen.transit) == pytest.approx((2e-3, 2.5e-6), rel=1e-14)
+    assert specimen.impedance_ratio(bar) == pytest.approx(4e6 * 2e-4 / (4e7 * area), rel=1e-14)
+    bare = Specimen(0.005, 2e-4)
+    assert (bare.mass, bare.transit, bare.impedance_ratio(bar)) == (None, None, None)
+    for half in (Specimen(0.005, 2e-4, 2000.0), Specimen(0.005, 2e-4, None, 8e9)):
+        assert (half.transit, half.impedance_ratio(bar)) == (None, None)
+    # equal bars share the speed; one of a third of the impedance gives half of that
+    assert StrikerBar(0.2, 5000.0, bar.impedance, 10.0).strain(bar) == pytest.approx(1e-3, rel=1e-14)
+    light = StrikerBar(0.2, 4000.0, bar.impedance / 3, 10.0)
+    assert (light.strain(bar), light.pulse_length) == pytest.approx((0.5e-3, 1e-4), rel=1e-14)
+
+
+def test_edges_of_what_a_bar_can_be_are_taken():
+    for nu in (0.5, -0.999, 0.005):
+        assert Bar(8000.0, 2e11, 0.02, 1.5, nu).poissons_ratio == nu
+    for nu in (0.501, -1.0, math.nan):
+        with pytest.raises(ValueError, match="Poisson's ratio lies above -1"):
+            Bar(8000.0, 2e11, 0.02, 1.5, nu)
+    assert Bar(8000.0, 2e11, 0.02, 1.5, 0.3, 1.501).length == 1.501
+    for key in ("length", "area", "density", "modulus"):
+        for value in (0.0, math.inf):
+            with pytest.raises(ValueError, match=f"{key} of the specimen must be above zero"):
+                Specimen(**{"length": 1.0, "area": 1.0, key: value})
+    assert Specimen(1e-6, 1e-6, 1e-3, 1e-3).mass == pytest.approx(1e-15)
+    assert elastic(modulus=1e-3, speed=1e-2).density == pytest.approx(10.0, rel=1e-14)

@@ -1,6 +1,7 @@
 """Pulses are found or refused in words: short, cut, overlapping, swapped, noisy, empty records."""
 
 import dataclasses
+import math
 
 import numpy as np
 import pytest
@@ -9,8 +10,8 @@ from hypothesis import strategies as st
 
 from strikewave.base.errors import InputError
 from strikewave.hopkinson import Bar, GaugeTrace, align, find_pulses, reduce
-from strikewave.hopkinson.onset import drift, onset, split
-from strikewave.hopkinson.pulses import quieten
+from strikewave.hopkinson.onset import drift, ending, first_above, largest, noise_ceiling, onset, split
+from strikewave.hopkinson.pulses import _check_strain, _first, _place, _shape, quieten
 
 from .bench import STEP, bench
 
@@ -182,3 +183,142 @@ def test_a_strain_of_a_forgotten_unit_is_refused(shot):
         find_pulses(*wrong, bars)
     with pytest.raises(InputError, match=r"transmitted trace: .*ustrain"):
         find_pulses(traces[0], wrong[1], bars)
+
+
+def test_the_split_is_the_least_of_the_criterion_of_maeda_1985(rng):
+    """n ln var(x[:n]) + (N - n - 1) ln var(x[n:]) by numpy's own variances, n from 3 to N - 3; whatever the zero line."""
+    for size, change in ((8, 4), (9, 5), (30, 20), (60, 9)):
+        x = rng.standard_normal(size)
+        x[change:] *= 7.0
+        whole = [n * np.log(np.var(x[:n])) + (size - n - 1) * np.log(np.var(x[n:])) for n in range(3, size - 2)]
+        assert split(x) == split(x + 5.0) == split(1e-3 * x) == 3 + int(np.argmin(whole))
+    assert split(np.arange(7.0)) == 0
+    # a head of zeros has no variance: rounding stands for it
+    assert split(np.concatenate([np.zeros(20), [1.0, -1.0, 1.0, -1.0]])) == 20
+
+
+def test_levels_that_last_for_five_samples_worked_by_hand():
+    x = np.array([0.0, 2.0, -2.0, 2.0, 2.0, 0.5, 3.0, -2.5, 2.2, 4.0, 2.1, 2.0])
+    assert first_above(x, 1.0) == 6
+    assert first_above(x, 1.99) == 6
+    assert first_above(x, 2.05) == 6
+    assert first_above(x, 2.15) is None
+    assert first_above(x[:4], -1.0) is None
+    assert first_above(x[:5], -1.0) == 0
+    assert largest(x) == 2.1
+    assert largest(x[:4]) == math.inf
+    assert largest(x[6:11]) == 2.1
+    # sqrt(2 ln(N/0.01)), two samples at least
+    assert noise_ceiling(2.0, 100) == pytest.approx(2.0 * math.sqrt(2.0 * math.log(1e4)), rel=1e-14)
+    assert noise_ceiling(1.0, 0) == noise_ceiling(1.0, 2) == pytest.approx(math.sqrt(2.0 * math.log(200.0)), rel=1e-14)
+
+
+def test_a_pulse_begins_and_ends_where_it_does_read_either_way():
+    pulse = np.concatenate([np.zeros(100), np.ones(40), np.zeros(70)])
+    assert onset(pulse) == split(pulse[:101])
+    assert abs(onset(pulse) - 100) <= 2
+    assert ending(pulse) == pulse.size - onset(pulse[::-1])
+    assert abs(ending(pulse) - 140) <= 2
+    assert onset(np.zeros(4)) is None
+    assert ending(np.zeros(4)) == 4
+
+
+def test_the_drift_of_eight_means_worked_by_hand():
+    """Parts of m +- 1: variance 1 and neighbours unlike; of m + (1, 1, -1, -1): alike by 1/3; still parts; short ones."""
+    means = np.array([0.0, 0.5, 3.0, 1.0, 0.0, -1.0, 0.0, 2.0])
+    unlike = drift((means[:, None] + [1.0, -1.0]).ravel())
+    assert unlike == pytest.approx((4.0, 1.0), rel=1e-14)
+    # sqrt(2/4 (4/3)/(2/3)); what is over after eight equal parts does not count
+    alike = drift(np.append((means[:, None] + [1.0, 1.0, -1.0, -1.0]).ravel(), [99.0] * 7))
+    assert alike == pytest.approx((4.0, 1.0), rel=1e-14)
+    assert drift(np.repeat(means, 3)) == (4.0, 0.0)
+    assert drift(np.arange(15.0)) == (0.0, math.inf)
+    # neighbours alike to 0.999 at most
+    long = np.tile(np.repeat([1.0, -1.0], 5000), 8)
+    assert drift(long).error == pytest.approx(math.sqrt(2.0 / 10_000 * 1.999 / 0.001), rel=0.2)
+
+
+TRAPEZOID = np.concatenate([np.arange(10.0), np.full(20, 10.0), np.arange(9.0, -1.0, -1.0), np.zeros(5)])
+"""Up over ten samples, 10 from sample 10 on, down from sample 30 on."""
+
+
+def test_the_shape_of_a_trapezoid_worked_by_hand():
+    """Below a tenth at 39, 1 to 9 from sample 1 to 9, half heights at 5 and 34."""
+    assert _shape(TRAPEZOID, 0.5) == pytest.approx((19.5, 4.0, 10.0, 14.5), rel=1e-14)
+    overshot = TRAPEZOID.copy()
+    overshot[12] = 16.0
+    assert _shape(overshot, 0.5) == pytest.approx((19.5, 4.0, 10.0, 14.5), rel=1e-14)
+    # it has not fallen by the end of its body
+    assert _shape(TRAPEZOID[:37], 0.5)[0] == 18.5
+    assert [_first(np.array([0.0, 4.0, 8.0]), level) for level in (6.0, 4.0, 0.0)] == [1.5, 1.0, 0.0]
+    assert _first(np.array([3.0, 3.0, 9.0]), 2.0) == 1.0
+
+
+def test_places_of_times_and_what_is_late_of_them():
+    trace = GaugeTrace(np.zeros(8), 0.5, 1.0)
+    assert np.array_equal(trace.time, 1.0 + 0.5 * np.arange(8))
+    assert _place(trace, 2.2) == (2, pytest.approx(-0.2))
+    assert _place(trace, 2.0) == (2, 0.0)
+    assert _place(trace, 2.0 - 1e-11)[0] == 2
+    assert (_place(trace, 1.0)[0], _place(trace, 4.9)[0]) == (0, 7)
+    for outside in (0.9, 5.0):
+        with pytest.raises(InputError, match="no sample at"):
+            _place(trace, outside)
+    _check_strain(0.02, "incident")
+    with pytest.raises(InputError, match=r"incident trace: .*0\.0201"):
+        _check_strain(0.0201, "incident")
+
+
+@pytest.mark.parametrize("sign", [1, -1])
+def test_a_trace_is_taken_from_three_quarters_of_its_quiet_head(sign):
+    """40 samples of +-0.001 about 5, a pulse of a trapezoid of 10: its line, noise, polarity and drift."""
+    head = 5.0 + 1e-3 * (-1.0) ** np.arange(40)
+    found = quieten(GaugeTrace(np.concatenate([head, 5.0 + sign * TRAPEZOID, np.full(60, 5.0)]), 0.5, 7.0), "trace")
+    assert abs(found.onset - 40) <= 2
+    own = head[: int(0.75 * found.onset)]
+    assert found.baseline == pytest.approx(own.mean(), rel=1e-14)
+    assert found.noise == pytest.approx(own.std(), rel=1e-9)
+    assert found.polarity == sign
+    assert (found.trace.step, found.trace.start) == (0.5, 7.0)
+    assert found.trace.strain[40:85] == pytest.approx(TRAPEZOID, abs=1e-4)
+    assert found.drift == pytest.approx(drift(sign * own), abs=1e-12)
+
+
+def test_short_traces_and_bad_steps_are_refused_in_words():
+    for strain, step, said in (
+        (np.zeros(31), 1.0, "31 samples"),
+        (np.zeros((6, 9)), 1.0, "samples"),
+        (np.zeros(32), 1.0, "quiet samples|noise alone"),
+        (np.zeros(99), 0.0, "a step of"),
+        (np.zeros(99), math.inf, "a step of"),
+        (np.concatenate([np.zeros(10), np.ones(8), np.zeros(60)]), 1.0, "16 quiet samples before the pulse"),
+    ):
+        with pytest.raises(InputError, match=said):
+            quieten(GaugeTrace(strain, step), "trace")
+
+
+def test_windows_of_a_shot_lie_where_its_distances_say(shot):
+    """Waves 300 us apart at the first gauge and 250 us between gauges; windows to the end of the record, from 15 us before the pulses."""
+    bars, _, traces, _ = shot
+    found = find_pulses(*traces, bars)
+    starts = np.subtract(found.starts, found.onset)
+    assert starts == pytest.approx([-15e-6, 285e-6, 235e-6], abs=1.01 * STEP)
+    arrivals = found.onset - 15e-6 + np.array([0.0, 300e-6, 250e-6])
+    # at most zero: the sample lies at or before its time
+    assert found.late == pytest.approx(found.starts - arrivals, abs=1e-12)
+    # the record ends before the 300 us to the reflected wave
+    left = traces[0].time[-1] - found.starts[1]
+    assert (found.lead, found.duration) == pytest.approx((15e-6, left), abs=1.01 * STEP)
+    assert found.end - found.onset == pytest.approx(100e-6, abs=2 * STEP)
+    for name, k in (("incident", 0), ("reflected", 0), ("transmitted", 1)):
+        at = round((found.starts[("incident", "reflected", "transmitted").index(name)] - traces[k].start) / STEP)
+        assert np.array_equal(getattr(found, name), found.traces[k].trace.strain[at : at + found.incident.size])
+    # a head shorter than the lead: windows begin with the record
+    late = find_pulses(*(cut(trace, 3420, None) for trace in traces), bars)
+    assert late.starts[0] == pytest.approx(traces[0].start + 3420 * STEP, abs=1e-12)
+    # the incident bar's far end, 260 us before its gauge, and steps that differ
+    near = dataclasses.replace(bars[0], length=bars[0].gauge_distance + 130e-6 * bars[0].speed)
+    assert find_pulses(*traces, (near, bars[1])).duration == pytest.approx(260e-6, abs=1.01 * STEP)
+    with pytest.raises(InputError, match="that of the incident"):
+        find_pulses(traces[0], GaugeTrace(traces[1].strain, STEP * (1 + 2e-6), traces[1].start), bars)
+    assert find_pulses(traces[0], GaugeTrace(traces[1].strain, STEP * (1 + 5e-7), traces[1].start), bars).step == STEP

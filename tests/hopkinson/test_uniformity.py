@@ -103,3 +103,42 @@ def test_under_a_long_rise_5_percent_comes_after_20_beta_and_half_its_inverse(be
     """
     expected = 20.0 * beta + 0.5 / beta
     assert [transits_to_uniform(beta, rise) for rise in (50.0, 200.0)] == pytest.approx([expected] * 2, abs=0.2)
+
+
+def test_edges_of_what_uniformity_takes():
+    assert transits_to_uniform(0.5, limit=1.999) == 1.0
+    assert transits_to_uniform(0.5, limit=0.01) == 4.0  # 0.0253, 0.0083
+    for limit in (0.0, 2.0, -0.1):
+        with pytest.raises(ValueError, match="the limit lies between 0 and 2"):
+            transits_to_uniform(0.5, limit=limit)
+    for beta, transit in ((0.5, 0.999), (0.5, math.nan), ([0.5, 0.0], 1)):
+        with pytest.raises(ValueError, match="the transit at least 1"):
+            stress_difference(beta, transit)
+    for rise in (-1e-3, math.inf, math.nan):
+        with pytest.raises(ValueError, match="the rise zero or above"):
+            face_forces(0.5, [1.0], rise)
+    with pytest.raises(ValueError, match="at most 100000 transits"):
+        face_forces(0.5, [100_001.0])
+    assert face_forces(1.0, [100_000.0]).second == pytest.approx([1.0], rel=1e-14)
+    assert face_forces(0.5, []).first.size == 0
+
+
+def test_forces_of_a_step_at_the_begin_of_each_transit_worked_by_hand():
+    """beta = 1/2: T = 2/3, r = 1/3; F1 = 2/3, 2/3 + 2/9 ..., just after each arrival; nothing before."""
+    faces = face_forces(0.5, [-0.5, 0.0, 1.0, 2.0, 3.0])
+    # P = 2/3 up to 2, then 2/3 (1 + 1/9); F1 = P(t) + P(t - 2)/3, F2 = 4/3 P(t - 1)
+    assert faces.first == pytest.approx([0.0, 2 / 3, 2 / 3, 20 / 27 + 2 / 9, 20 / 27 + 2 / 9], rel=1e-14)
+    assert faces.second == pytest.approx([0.0, 0.0, 8 / 9, 8 / 9, 80 / 81], rel=1e-14)
+    assert math.isnan(faces.alpha[0])
+    assert faces.alpha[1:3] == pytest.approx([2.0, -2 / 7], rel=1e-13)
+    # half way up a rise of two transits
+    rising = face_forces(0.5, [1.0, 2.0, 9.0], 2.0)
+    assert rising.first[:2] == pytest.approx([1 / 3, 2 / 3], rel=1e-14)
+    assert rising.second[:2] == pytest.approx([0.0, 4 / 9], rel=1e-14)
+
+
+def test_a_specimen_much_softer_than_the_bar_is_uniform_after_thousands_of_transits():
+    """beta = 1e-3, r = 0.998: on a grid of one transit, where the closed form falls below 5 %."""
+    k = np.arange(1, 4000)
+    expected = k[stress_difference(1e-3, k) < 0.05][0] - 1
+    assert transits_to_uniform(1e-3) == expected
