@@ -40,6 +40,8 @@ LONGEST_TABLE = 200
 """Rows of a table that is kept whole; of a longer one, a hash."""
 STEADY, MOST_LOOKS = 10, 240
 """Looks at a page, half a second each, after which equal texts are its last; and most of them."""
+UNFINISHED = ("getting ready", "the full run follows", "computing")
+"""Words of a page that says more a little later."""
 UNSEEN = {"script", "style", "svg", "head"}
 """Elements of a page without text that a reader sees."""
 
