@@ -1,5 +1,6 @@
 """Robust statistics: published examples, tables, closed forms, and false alarms by simulation."""
 
+import itertools
 import math
 
 import numpy as np
@@ -126,3 +127,52 @@ def test_a_line_through_many_points_takes_means_of_neighbours(rng):
     slope, low, high = median_line(x, 2.0 * x + rng.normal(size=x.size), 0.95)
     assert low <= 2.0 <= high
     assert slope == pytest.approx(2.0, abs=1e-4)
+
+
+def test_bounds_of_kendall_are_those_of_the_exact_distribution():
+    """All orders of up to seven values counted one by one; from 61 on the normal variance n (n - 1)(2 n + 5) / 18."""
+    for n in (4, 5, 7):
+        pairs = list(itertools.combinations(range(n), 2))
+        sums = [abs(sum(1 if p[i] < p[j] else -1 for i, j in pairs)) for p in itertools.permutations(range(n))]
+        for confidence in (0.8, 0.95):
+            fits = [
+                c for c in range(len(pairs) % 2, len(pairs) + 1, 2) if np.mean(np.array(sums) > c) <= 1.0 - confidence
+            ]
+            found = kendall_bound(n, confidence)
+            assert (found if found is not None else len(pairs)) == fits[0]
+    exact, normal = kendall_bound(60, 0.95), kendall_bound(61, 0.95)
+    assert exact == pytest.approx(1.96 * math.sqrt(60 * 59 * 125 / 18), abs=2.0)
+    for n in (61, 62, 200, 500):
+        expected = 1.959964 * math.sqrt(n * (n - 1) * (2 * n + 5) / 18)
+        found = kendall_bound(n, 0.95)
+        assert 0.0 <= found - expected < 2.0
+        assert (found - n * (n - 1) // 2) % 2 == 0
+    assert normal > exact
+
+
+def test_a_median_line_is_that_of_theil_and_sen(rng):
+    """Slope and, to a place among the slopes, bounds of scipy, whose variance is the normal one."""
+    from scipy.stats import theilslopes
+
+    x = np.sort(rng.uniform(size=70))
+    y = 3.0 * x + rng.normal(size=70)
+    slope, low, high = median_line(x, y, 0.9)
+    other = theilslopes(y, x, 0.9)
+    slopes = np.sort([(y[j] - y[i]) / (x[j] - x[i]) for i in range(70) for j in range(i + 1, 70)])
+    assert slope == pytest.approx(other.slope, rel=1e-12)
+    for mine, theirs in ((low, other.low_slope), (high, other.high_slope)):
+        assert abs(np.searchsorted(slopes, mine) - np.searchsorted(slopes, theirs)) <= 1
+    assert np.searchsorted(slopes, low) == slopes.size - 1 - np.searchsorted(slopes, high)
+
+
+def test_a_line_of_many_points_is_taken_over_means():
+    x = np.arange(2003.0)
+    assert median_line(x, 2.0 + 0.25 * x, 0.95) == pytest.approx((0.25, 0.25, 0.25))
+
+
+def test_a_spread_is_that_of_normal_values_whatever_their_number():
+    """Of three, four and twenty samples the mean over many is the standard deviation, to 1 / sqrt(2 x 4000 (n - 1))."""
+    rng = np.random.default_rng(8)
+    for n in (2, 3, 4, 5, 8, 9, 12, 20):
+        spreads = [spread_of(row) for row in rng.normal(size=(1500, n))]
+        assert np.mean(spreads) == pytest.approx(1.0, abs=4.0 * np.std(spreads) / math.sqrt(1500) + 0.005)

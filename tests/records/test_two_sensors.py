@@ -1,12 +1,13 @@
 """Two sensors on one object: planted delays and gains, bars in closed form, and what is refused."""
 
+import dataclasses
 import math
 
 import numpy as np
 import pytest
 
 from strikewave.base.percents import beside_doubt
-from strikewave.records import find_pulses
+from strikewave.records import find_pulses, two_sensors
 from strikewave.records.two_sensors import paired_motion
 from strikewave.waves import End, Layer, LoadPulse, Stack, Tap, run_bar
 
@@ -182,3 +183,149 @@ def test_coverage_of_the_common_rigid_peak_over_sixty_bars():
     assert len(misses) >= 30
     assert within >= 0.9
     assert np.median(np.abs(errors)) < np.median(np.abs(ends))
+
+
+def test_a_mean_is_as_uncertain_as_its_values_or_as_they_scatter():
+    assert two_sensors._mean([(1.0, 0.3), (3.0, 0.4)]) == (2.0, pytest.approx(0.5 / 2.0))
+    assert two_sensors._mean([(1.0, 0.1), (3.0, 0.1), (5.0, 0.1)]) == (3.0, pytest.approx(2.0 / math.sqrt(3.0)))
+    assert np.isnan(two_sensors._mean([])).all()
+
+
+@pytest.mark.parametrize(
+    ("values", "rivalled"),
+    [
+        ([1, 0, 10, 0, 9.1], True),
+        ([1, 0, 10, 0, 8.9], False),
+        ([9.1, 0, 10, 0, 1], True),
+        ([1, 5.1, 10, 5.1, 9.5], False),
+        ([9.5, 4.9, 10, 6, 6], True),
+        ([1, 4.9, 10], False),
+    ],
+)
+def test_a_correlation_has_a_rival_behind_a_valley(values, rivalled):
+    assert two_sensors._rivalled(np.array(values, dtype=float)) is rivalled
+
+
+def windows_of(first, second, count, size):
+    return [
+        two_sensors.Window(first[k * size : (k + 1) * size], second[k * size : (k + 1) * size], (0.0, 0.0))
+        for k in range(count)
+    ]
+
+
+def test_the_transfer_function_of_many_blows_is_that_of_welch(rng):
+    """Scipy's spectra over six windows: H1, H2 and coherence, and the standard uncertainty of Bendat & Piersol."""
+    from scipy.signal import coherence, csd, welch
+
+    first = rng.normal(size=6 * 64)
+    second = 0.5 * first + 0.4 * rng.normal(size=first.size)
+    found = two_sensors._transfer(windows_of(first, second, 6, 64), 1e-3, 0.0)
+    how = {"fs": 1e3, "window": "boxcar", "nperseg": 64, "noverlap": 0, "detrend": False}
+    cross = csd(first, second, **how)[1]
+    alike = coherence(first, second, **how)[1]
+    assert found.frequency == pytest.approx(np.fft.rfftfreq(64, 1e-3))
+    assert found.h1 == pytest.approx(cross / welch(first, **how)[1], rel=1e-9)
+    assert found.h2 == pytest.approx(welch(second, **how)[1] / np.conj(cross), rel=1e-9)
+    assert found.coherence == pytest.approx(alike, rel=1e-9)
+    assert found.uncertainty == pytest.approx(np.sqrt((1.0 - alike) / (12.0 * alike)), rel=1e-6)
+    assert (found.averages, found.resolution) == (6, pytest.approx(1e3 / 64))
+
+
+@pytest.mark.parametrize("count", [1, 2, 3])
+def test_a_delayed_copy_turns_the_transfer_function_and_costs_no_coherence(count):
+    """0.9 of a transient, three samples later: magnitude 0.9 and phase -2 pi f 3 h at each line, coherence 1."""
+    transient = np.exp(-0.5 * ((np.arange(64) - 20.0) / 1.5) ** 2) * np.cos(0.3 * np.arange(64))
+    first = np.tile(transient, count)
+    second = 0.9 * np.tile(np.roll(transient, 3), count)
+    found = two_sensors._transfer(windows_of(first, second, count, 64), 1e-3, 3e-3)
+    expected = 0.9 * np.exp(-2j * np.pi * found.frequency * 3e-3)
+    assert found.h1 == pytest.approx(expected, abs=1e-7)  # the highest lines hold 1e-9 of the largest
+    assert found.h2 == pytest.approx(expected, abs=1e-7)
+    assert found.coherence == pytest.approx(np.ones(33))
+    lines = {1: 5, 2: 3, 3: 2}[count]
+    assert (found.averages, found.resolution) == (lines * count, pytest.approx(lines * 1e3 / 64))
+    assert found.trusted == (0.0, 500.0)
+    # within 10 % in magnitude and phase: |0.9 exp(-i a) - 1| < 0.1 at frequency 0 alone
+    assert found.alike_to == 0.0 or abs(expected[1] - 1.0) < 0.1
+
+
+def test_lines_are_trusted_above_ten_times_the_noise_and_alike_within_a_tenth():
+    size = 64
+    k = np.arange(size)
+    first = sum(np.cos(2.0 * np.pi * j * k / size) for j in range(1, 11))
+    second = sum((1.05 if j < 6 else 1.2) * np.cos(2.0 * np.pi * j * k / size) for j in range(1, 11))
+    # a cosine has the one-sided power density size h / 2, white noise 2 h s^2
+    for share, last in ((0.97, 10e3 / 64), (1.03, math.nan)):
+        noise = share * math.sqrt(size / 4.0 / 10.0)
+        windows = [two_sensors.Window(first, second, (noise, 0.0))] * 5
+        found = two_sensors._transfer(windows, 1e-3, 0.0)
+        assert found.trusted[1] == pytest.approx(last, nan_ok=True)
+        assert found.trusted[0] == pytest.approx(1e3 / 64 if last > 0.0 else math.nan, nan_ok=True)
+        assert found.alike_to == pytest.approx(5e3 / 64 if last > 0.0 else math.nan, nan_ok=True)
+
+
+@pytest.mark.parametrize("gain", [0.7, -1.3])
+def test_a_copy_has_its_delay_and_gain_exactly(gain):
+    """Three samples and a half later, of a pulse that a sum of sines holds: what cutting the ends loses is 1e-4."""
+    t = np.arange(256.0)
+    first = np.exp(-0.5 * ((t - 100.0) / 6.0) ** 2)
+    second = gain * np.exp(-0.5 * ((t - 103.5) / 6.0) ** 2)
+    found = two_sensors._copied_below(two_sensors.Window(first, second, (0.0, 0.0)), 1e-3, math.inf)
+    assert found.delay == pytest.approx(3.5e-3, rel=1e-4)
+    assert found.gain == pytest.approx(gain, rel=1e-4)
+    assert found.explained == pytest.approx(1.0, abs=1e-6)
+    assert not found.ambiguous
+    none = two_sensors._copied_below(two_sensors.Window(first, 0.0 * t, (0.0, 0.0)), 1e-3, math.inf)
+    assert (none.delay, none.explained) == (0.0, 0.0)
+
+
+def test_a_gain_is_as_uncertain_as_a_regression_says(rng):
+    """A copy without delay in white noise: s / |x|, and the share of energy explained is r^2."""
+    first = np.exp(-0.5 * ((np.arange(400.0) - 150.0) / 12.0) ** 2)
+    noise = 0.05 * (-1.0) ** np.arange(400)
+    second = 0.8 * first + noise
+    found = two_sensors._copied_below(two_sensors.Window(first, second, (0.0, 0.0)), 1e-3, math.inf)
+    power = np.sum(first**2)
+    assert found.gain == pytest.approx(np.sum(first * second) / power, rel=1e-3)
+    assert found.gain_doubt == pytest.approx(0.05 / math.sqrt(power), rel=1e-2)
+    assert found.explained == pytest.approx(1.0 - 400 * 0.05**2 / np.sum(second**2), rel=1e-3)
+
+
+def test_what_lies_before_and_about_a_blow():
+    """A blow of 10 samples from 500 on: its zero and noise come from 400 to 10 samples before, and 32 are needed."""
+    [blow] = find_pulses(np.where((np.arange(900) >= 500) & (np.arange(900) < 510), 5.0, 0.0), 1e-3)
+    blow = dataclasses.replace(blow, begin=2.0 + 0.5, end=2.0 + 0.51, width=0.01)
+    places = np.arange(900.0)
+    assert two_sensors._quiet(places, 1e-3, 2.0, blow).tolist() == places[100:490].tolist()
+    assert two_sensors._near(blow, 1e-3, 2.0, 900) == slice(490, 520)
+    assert two_sensors._near(blow, 1e-3, 2.0, 515) == slice(490, 515)
+    assert two_sensors._zero(places, 1e-3, 2.0, blow) == 294.5
+    early = dataclasses.replace(blow, begin=2.0 + 0.041)
+    assert two_sensors._zero(places, 1e-3, 2.0, early) == np.median(places)
+    late = dataclasses.replace(blow, begin=2.0 + 0.042)
+    assert two_sensors._zero(places, 1e-3, 2.0, late) == 15.5
+    assert two_sensors._width(dataclasses.replace(blow, width=math.nan)) == blow.smooth.width()
+    assert two_sensors._rigid(blow) == (
+        blow.peak,
+        blow.noise if math.isnan(blow.uncertainty.peak) else blow.uncertainty.peak,
+    )
+
+
+@pytest.mark.parametrize(("settles", "length"), [(0, 210), (300, 320), (2000, 1010)])
+def test_a_window_lasts_until_both_channels_have_settled(settles, length):
+    """From a width before the blow: 20 widths after its begin at least, a width after the last sample above a tenth of
+    the peak, 100 widths after its begin at most."""
+    [blow] = find_pulses(np.where((np.arange(3000) >= 500) & (np.arange(3000) < 510), 5.0, 0.0), 1e-3)
+    blow = dataclasses.replace(blow, begin=0.5, end=0.51, width=0.01)
+    first, second = np.zeros((2, 3000))
+    first[500:510] = second[500:510] = 5.0
+    second[510 : 490 + settles + 10] = 0.51
+    found = two_sensors._window(first, second, 1e-3, 0.0, [blow], 0)
+    assert found.first.size == found.second.size == (length if settles != 300 else 300 + 10 + 10)
+    second[510:] = 0.49
+    assert two_sensors._window(first, second, 1e-3, 0.0, [blow], 0).first.size == 210
+    after = dataclasses.replace(blow, begin=0.62)
+    assert two_sensors._window(first, second, 1e-3, 0.0, [blow, after], 0).first.size == 120
+    assert two_sensors._window(first, second, 1e-3, 0.0, [blow, dataclasses.replace(blow, begin=0.52)], 0) is None
+    assert found.noises == (0.0, 0.0)
+    assert np.array_equal(found.first, first[490 : 490 + found.first.size])
