@@ -1,5 +1,7 @@
 """Every binary format, written by its own library or byte by byte from its layout, is read back to the bit."""
 
+import importlib
+import logging
 import struct
 import sys
 import tracemalloc
@@ -23,6 +25,8 @@ from .samples import (
     TIME,
     uff_set,
 )
+
+READERS = {form: importlib.import_module(f"strikewave.records.readers.{form}") for form in FORMATS}
 
 
 @pytest.fixture
@@ -551,4 +555,95 @@ def test_an_ide_file_whose_numbers_are_expressions(sample):
     assert b"1/1000000" in held
     path.write_bytes(held.replace(b"1/1000000", b"9**9**9**"))
     with pytest.raises(InputError):
+        read_record(path)
+
+
+@pytest.fixture
+def logs():
+    """Two libraries are silenced where they run in a process of their own."""
+    before = logging.root.manager.disable
+    yield
+    logging.disable(before)
+
+
+@pytest.mark.parametrize("form", ["hdf", "tdms", "ide", "rigol"])
+def test_what_is_read_in_a_child_process_is_read_in_this_one(sample, form, logs):
+    """As the tests of these formats above, where the code that reads runs beside the test."""
+    record = READERS[form].parse(sample(form), Options())
+    if form == "rigol":
+        volts = (RAW.astype(float) - 127.0) * 0.5 / 20.0 + 0.25 + 0.5
+        assert record.channels[0].values == pytest.approx(volts, abs=1e-15)
+        assert record.channels[0].start == pytest.approx(5e-6 - SIZE / 2 * 4e-9, rel=1e-12)
+        return
+    step, start = (1e-3, 0.0) if form == "ide" else (STEP, START)
+    same(record.channels[0], BOARD, step, start)
+    if form == "tdms":
+        same(record.channels[1], FRAME * 16, step, start, unit="g")
+    else:
+        same(record.channels[1], FRAME, step, start, unit="" if form == "hdf" else "g")
+
+
+def mat_array(name, values, order="<"):
+    """Lay an array of doubles out as the format says: flags, shape, name and numbers, each to eight bytes."""
+
+    def part(kind, body):
+        return struct.pack(order + "II", kind, len(body)) + body + bytes(-len(body) % 8)
+
+    values = np.asarray(values)
+    body = part(6, struct.pack(order + "II", 6, 0)) + part(5, struct.pack(f"{order}{values.ndim}i", *values.shape))
+    kind = {"f8": 9, "i2": 3, "u1": 2}[values.dtype.str[1:]]
+    numbers = values.astype(values.dtype.newbyteorder(order)).tobytes(order="F")
+    return part(14, body + part(1, name.encode()) + part(kind, numbers))
+
+
+@pytest.mark.parametrize("order", ["<", ">"])
+def test_a_matlab_file_byte_by_byte(tmp_path, order):
+    """Version 5, of both orders of bytes: names and numbers of lengths that are padded, and columns as they lie."""
+    head = b"MATLAB 5.0".ljust(124) + ({"<": b"\x00\x01IM", ">": b"\x01\x00MI"}[order])
+    table = np.column_stack([BOARD, FRAME])
+    odd = np.arange(5, dtype=np.uint8).reshape(5, 1)
+    parts = [("dt", np.array([[STEP]])), ("odd_name_x", odd), ("acc", table), ("n16", (16 * BOARD).astype("i2"))]
+    path = tmp_path / "blow.mat"
+    path.write_bytes(head + b"".join(mat_array(*part, order) for part in parts))
+    record = read_record(path)
+    assert names(record) == ["acc 1", "acc 2", "n16"]
+    for channel, values in zip(record.channels, (BOARD, FRAME, 16 * BOARD), strict=True):
+        same(channel, values, start=0.0, unit="")
+    path.write_bytes(path.read_bytes()[:-1])
+    with pytest.raises(InputError, match="ends within an array"):
+        read_record(path)
+
+
+@pytest.mark.parametrize("compressed", [False, True])
+def test_structs_within_structs_of_matlab(tmp_path, compressed):
+    from scipy.io import savemat
+
+    inner = {"time": TIME, "acceleration": BOARD, "g": FRAME.astype("f4")}
+    savemat(tmp_path / "blow.mat", {"run": {"first": inner, "fs": 3.0}, "z": 1j * BOARD}, do_compression=compressed)
+    record = read_record(tmp_path / "blow.mat")
+    assert names(record) == ["run/first/acceleration", "run/first/g"]
+    same(record.channels[0], BOARD, unit="")
+    same(record.channels[1], FRAME, unit="")
+    assert [finding.value for finding in record.findings if finding.code == "array-ignored"] == [1]
+
+
+@pytest.mark.parametrize("order", ["<", ">"])
+def test_a_matlab_file_of_version_4(tmp_path, order):
+    """Type, rows, columns, whether complex, length of the name, the name with its zero, the numbers."""
+
+    def array(name, values, kind, imaginary=0):
+        values = np.asarray(values)
+        head = struct.pack(order + "5i", 1000 * "<>".index(order) + kind, *values.shape, imaginary, len(name) + 1)
+        body = values.astype({0: "f8", 30: "i2"}[kind]).astype(order + {0: "f8", 30: "i2"}[kind])
+        return head + name.encode() + b"\0" + body.tobytes(order="F") * (1 + imaginary)
+
+    parts = array("dt", [[STEP]], 0), array("z", BOARD[:, None], 0, 1), array("board", 16 * BOARD[:, None], 30)
+    path = tmp_path / "blow.mat"
+    path.write_bytes(b"".join(parts) + array("both", np.column_stack([BOARD, FRAME]), 0))
+    record = read_record(path)
+    assert names(record) == ["board", "both 1", "both 2"]
+    for channel, values in zip(record.channels, (16 * BOARD, BOARD, FRAME), strict=True):
+        same(channel, values, start=0.0, unit="")
+    path.write_bytes(path.read_bytes()[:-8])
+    with pytest.raises(InputError, match="ends within an array"):
         read_record(path)
