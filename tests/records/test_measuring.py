@@ -1,11 +1,18 @@
 """Figures of single blows against their closed forms, and what is no blow."""
 
+import dataclasses
 import math
 
 import numpy as np
 import pytest
 
-from strikewave.records import find_pulses
+from strikewave.records import find_pulses, measuring
+from strikewave.records.band_split import BandSplit
+from strikewave.records.baseline import LocalBaseline
+from strikewave.records.measuring import BlowWindow, Rebound, RecordedPulse
+from strikewave.records.pulses import Box
+from strikewave.records.read_off import ReadPulse
+from strikewave.records.smooth_pulse import PulseUncertainty, SmoothPulse
 
 RATE, STEP = 1e6, 1e-6
 T, HEIGHT, BEGIN = 200e-6, 5000.0, 10e-3
@@ -105,3 +112,123 @@ def test_a_record_that_does_not_come_back_gives_the_velocity_change_of_the_smoot
     [pulse] = find_pulses(half_sine(time) + plateau, STEP)
     assert pulse.velocity_change == pulse.smooth.area()
     assert pulse.velocity_change == pytest.approx(2 * HEIGHT * T / math.pi, rel=0.1)
+
+
+WINDOW = BlowWindow(Box(100, 10, 5.0), 0, 400, 1, LocalBaseline(2.0, wander=0.3, width=10), 0.5, 1e-3, 7.0)
+
+
+@pytest.mark.parametrize(
+    ("earliest", "latest", "widths", "reach"),
+    [
+        (0, 400, 1, (88, 123)),
+        (0, 400, 5, (48, 163)),
+        (90, 400, 5, (95, 163)),
+        (0, 121, 5, (48, 116)),
+        (0, 400, 12, (0, 233)),
+    ],
+)
+def test_a_blow_reaches_halfway_to_its_neighbours(earliest, latest, widths, reach):
+    """Two samples more before, and three after, at most; to the end of a record of 400 where none follows."""
+    window = dataclasses.replace(WINDOW, earliest=earliest, latest=latest)
+    assert measuring._reach(window, 400, widths) == reach
+    assert window.time(3) == 7.003
+    assert window.offset == 2.0
+
+
+def test_the_uncertainty_of_figures_read_off_a_record():
+    """A level that wanders: on the peak as it is, on the width by the slope at 10 %, on the area over its duration; beside
+    them what reading says, and 2 % of the peak for a sample at the feet."""
+    smooth = SmoothPulse(5.0, 7.1, 0.02, 0.5, 1.0)
+    read = ReadPulse(np.zeros(1), 0.0, 5.0, 1.0, 1.0, 0.4, 3.0)
+    found = measuring._of_record(smooth, (7.1, 7.12), WINDOW, read)
+    slope = 2.0 * 0.02 / (math.pi * math.sqrt(0.99))
+    assert found.peak == pytest.approx(0.5)
+    assert found.width == pytest.approx(math.hypot(slope * 0.3 / 5.0, 3e-3), rel=1e-4)
+    assert found.velocity_change == pytest.approx(math.hypot(0.3 * 10 * math.sqrt(2.0) * 1e-3, 0.02 * 5.0 * 1e-3))
+
+
+@pytest.mark.parametrize(("wander", "times"), [(math.nan, 1.0), (0.1, 1.0), (0.5, math.sqrt(10.0))])
+def test_the_uncertainty_of_fitted_figures_grows_with_what_wanders(wander, times):
+    """White noise of 0.5 wanders by 0.5 / sqrt(10) over ten samples."""
+    smooth = SmoothPulse(5.0, 7.1, 0.02, 0.5, 1.0)
+    window = dataclasses.replace(WINDOW, baseline=LocalBaseline(2.0, wander=wander, width=10))
+    assert np.array(measuring._of_fit(smooth, window)) == pytest.approx(
+        times * np.array(smooth.uncertainty(1e-3, 0.5)), rel=1e-9
+    )
+
+
+@pytest.mark.parametrize("cycles", [6, 9.37])
+def test_ringing_after_a_blow_is_found_between_the_lines(cycles):
+    """A swing of constant size over 280 samples, faded by Hann's window: a parabola through logarithms finds it to 0.3 %."""
+    values = 2.0 + np.r_[np.zeros(118), 3.0 * np.sin(2.0 * np.pi * cycles / 280.0 * np.arange(282))]
+    window = dataclasses.replace(WINDOW, noise=0.01)
+    assert measuring._ringing(values, window) == pytest.approx(cycles / 0.28, rel=3e-3 if cycles > 6 else 0.02)
+    assert math.isnan(measuring._ringing(values, dataclasses.replace(window, latest=159)))  # 31 samples
+    # power (3 / 2 x 140)^2 over 30 times the noise in squares of the window, 105: a noise of 3.7
+    assert measuring._ringing(values, dataclasses.replace(window, noise=3.3)) > 0.0
+    assert math.isnan(measuring._ringing(values, dataclasses.replace(window, noise=4.2)))
+
+
+def measured(**more):
+    smooth = SmoothPulse(5.0, 7.1, 0.02, 0.5, 1.0)
+    known = (7.11, 5.0, 0.01, 0.02, 0.06, math.nan, 2.0, 0.0, smooth, "record", 7.1, 7.12)
+    return dataclasses.replace(RecordedPulse(*known, step=1e-3), **more)
+
+
+@pytest.mark.parametrize("sign", [1.0, -1.0])
+def test_a_rebound_after_a_swing_to_the_other_side_is_a_lobe(sign):
+    one = measured(peak=5.0 * sign, rebounds=(Rebound(7.2, 2.0 * sign, 0.01),))
+    for place, deep, count in (
+        (150, -1.01, 0),
+        (150, -0.99, 1),
+        (119, -9.0, 1),
+        (120, -9.0, 0),
+        (199, -9.0, 0),
+        (200, -9.0, 1),
+    ):
+        values = np.full(400, 2.0)
+        values[place] += sign * deep
+        assert len(measuring.one_sided(values, 1e-3, 7.0, one)) == count, place
+
+
+def test_the_stretch_about_a_blow():
+    """A width of 20 samples before it, 5 widths or eight swings after it, turned upwards, over its zero."""
+    values = np.arange(400.0)
+    found = measuring.stretch_of(values, 1e-3, 7.0, measured(peak=-5.0))
+    assert found.values.tolist() == [-(k - 2.0) for k in range(80, 221)]
+    assert (found.begin, found.end, found.width, found.step) == (20, 40, pytest.approx(20.0), 1e-3)
+    assert (found.smooth.peak, found.smooth.begin) == (-5.0, pytest.approx(0.02))
+    rings = measuring.stretch_of(values, 1e-3, 7.0, measured(ringing_frequency=50.0))
+    assert rings.values.size == 40 + 160 + 1
+    assert measuring.stretch_of(values, 1e-3, 7.0, measured(), 7.15).values.size == 70
+    assert measuring.stretch_of(values, 1e-3, 7.0, measured(width=math.nan)).width == pytest.approx(
+        1e3 * measured().smooth.width()
+    )
+    assert measuring.stretch_of(values, 1e-3, 7.0, measured(width=2e-3, end=7.102)).values.size == 2 + 2 + 32 + 1
+
+
+def split_of(peak, doubt, **parts):
+    known = {"loss_uncertainty": 0.0, "leak": 0.0, "elastic": 0.0} | parts
+    return BandSplit(
+        1e3, 2e3, peak, 0.018, doubt, 1e-3, 0.0, known["loss_uncertainty"], known["leak"], known["elastic"], 0, 0
+    )
+
+
+def test_a_rigid_part_is_known_within_a_tenth_and_differs_by_what_harms():
+    assert measured(split=split_of(-5.0, 0.5)).split_peak == -5.0
+    unknown = measured(split=split_of(-5.0, 0.51, leak=0.2, elastic=0.1))
+    assert math.isnan(unknown.split_peak)
+    assert math.isnan(unknown.split_width)
+    assert "leaves too much of the wave part (20 % of the peak)" in unknown.split.reason
+    assert split_of(5.0, 0.4).reason == ""
+    assert split_of(5.0, 0.4).signed(-1.0).peak == -5.0
+    assert math.isnan(measured().methods_apart)
+    assert not measured(split=split_of(5.0, 0.1)._replace(width=0.02)).differs_by_split
+    assert measured(split=split_of(6.0, 0.1)._replace(width=0.02)).differs_by_split
+    assert measured(split=split_of(5.0, 0.1)._replace(width=0.016)).differs_by_split
+
+
+def test_the_area_over_another_duration_wanders_with_it():
+    known = measured(baseline=LocalBaseline(2.0, wander=0.3, width=10), uncertainty=PulseUncertainty(0.1, 0.2, 0.4))
+    assert known.area_uncertainty(0.09) == pytest.approx(0.3 * 10 * 3.0 * 1e-3)
+    assert measured(uncertainty=PulseUncertainty(0.1, 0.2, 0.4)).area_uncertainty(0.09) == 0.4
