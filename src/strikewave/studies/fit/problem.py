@@ -297,7 +297,7 @@ class Problem:
             repeats = Counter(one.called for one in experiment.measured)
             measured = tuple(heavier(one, repeats) for one in experiment.measured)
             experiments.append(replace(experiment, measured=measured))
-        return Problem(experiments, self.fields, excess=excess)
+        return Problem(experiments, self.fields, self._simulate, excess)
 
 
 def _root_mean_square(values: Array) -> float:
