@@ -88,3 +88,12 @@ def test_quality_is_infinite_where_nothing_has_loss_and_only_there(eta, damping)
     # of the gasket a third moves along
     natural = math.sqrt(5e5 / (5e-3 + 0.22e-3 / 3.0)) / (2.0 * math.pi)
     assert found.resonance == pytest.approx(natural, rel=0.01)
+
+
+def test_a_mounting_too_soft_to_pass_10_hz_leaves_every_band_there():
+    """|H| = 1/3 at twice its resonance and less above: looked at from 10 Hz on, it is largest there."""
+    found = band(on_spring(5.0))
+    assert found[:3] == (10.0, 10.0, 10.0)
+    assert math.isnan(found.resonance)
+    assert math.isnan(found.quality)
+    assert (found.largest, found.largest_at) == (pytest.approx(1.0 / 3.0, rel=1e-12), 10.0)

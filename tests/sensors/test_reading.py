@@ -9,6 +9,7 @@ from hypothesis import strategies as st
 
 from strikewave.base.errors import InputError
 from strikewave.sensors import (
+    Mounting,
     Recorder,
     Sensor,
     accelerometer,
@@ -181,7 +182,9 @@ def test_unknown_accelerometer_names_the_nearest():
         (lambda: Recorder(cutoff=-1.0), "cutoff"),
         (lambda: Recorder(full_scale=0.0), "full_scale"),
         (lambda: Recorder(bits=1), "bits"),
+        (lambda: Recorder(bits=33), "from 2 to 32, got 33"),
         (lambda: Recorder(order=0), "order"),
+        (lambda: Recorder(order=13), "from 1 to 12, got 13"),
         (lambda: read(Sensor(), Recorder(bits=8), [1.0], STEP), "full scale"),
         (lambda: read(Sensor(), Recorder(cutoff=5e6), [1.0, 2.0], STEP), "half the sampling rate"),
         (lambda: read(Sensor(), Recorder(), [1.0], STEP, sample_phase=1.0), "phase"),
@@ -212,3 +215,44 @@ def test_an_accelerometer_from_memory_is_reported_with_what_the_case_does_not_gi
     assert not list(sensor_notices(with_sensor(range=case.sensor[0].range)))
     assert not list(sensor_notices(with_sensor(model="Bruel & Kjaer 8309")))  # quoted
     assert "sensor-from-memory" in [notice.code for notice in run_case(with_sensor()).notices]
+
+
+def test_small_values_and_the_most_bits_and_poles_are_taken():
+    assert Recorder(1e-3, 1e-3, 12, 32, 1e-3).full_scale == Sensor(resonance=1e-3, quality=1e-3, range=1e-3).range
+
+
+def test_a_sensor_of_unknown_quality_magnifies_by_about_30_db():
+    assert 20.0 * math.log10(Sensor().quality) == pytest.approx(30.0, abs=0.5)
+    assert accelerometer("pcb 350c02").quality == Sensor().quality
+    assert accelerometer("PCB 350C02") is accelerometer("pcb 350c02")
+
+
+SOFT = Sensor(mounting=Mounting((), 5e-3, 5e-3 * (2.0 * math.pi * 2e4) ** 2, 300.0), resonance=5e4, quality=3.0)
+
+
+def test_a_steady_surface_is_read_as_if_it_had_been_so_for_ever():
+    """Gravity in a fall: beside the same record after 1 ms of it, in which all that answers has died down to e^-60."""
+    surface = -G + np.concatenate([[0.0], 1e3 * half_sine(50e-6, 1500)])
+    recorder = Recorder(sampling_rate=1e6, cutoff=1e5)
+    got = read(SOFT, recorder, surface, STEP, steady=True)
+    long = read(SOFT, recorder, np.concatenate([np.full(10_000, -G), surface]), STEP)
+    assert got.values == pytest.approx(long.values[1000:], abs=1e-8)
+    assert got.values[0] == pytest.approx(-G, rel=1e-12)
+    assert got.peak_before_clip == pytest.approx(np.max(np.abs(output(SOFT, surface + G, STEP) - G)), rel=1e-12)
+
+
+def test_a_shifted_zero_is_added_before_range_and_filter():
+    surface = 100.0 * half_sine(100e-6)
+    plain, shifted = (read(Sensor(range=110.0, zero_shift=z), Recorder(), surface, STEP) for z in (0.0, 20.0))
+    assert shifted.values == pytest.approx(np.minimum(plain.values + 20.0, 110.0), rel=1e-14)
+    assert (shifted.sensor_clipped, plain.sensor_clipped) == (True, False)
+    assert shifted.peak_before_clip == pytest.approx(120.0, rel=1e-12)
+    low = read(Sensor(range=10.0, zero_shift=-15.0), Recorder(), surface, STEP)
+    assert (low.values.min(), low.values.max()) == (-10.0, 10.0)
+
+
+def test_an_instant_at_the_very_end_counts():
+    """Ten intervals of the recorder in ten of the history, which rounding may lay behind its end."""
+    for step in (1e-7, 3e-6, 0.7e-5, 1.0 / 3.0):
+        got = read(Sensor(), Recorder(sampling_rate=1.0 / step), np.arange(11.0), step)
+        assert got.values == pytest.approx(np.arange(11.0), abs=1e-6)

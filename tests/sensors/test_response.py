@@ -114,3 +114,26 @@ def test_bad_histories_are_refused_in_words(values, step, word):
 def test_bad_resonance_is_refused_in_words():
     with pytest.raises(ValueError, match="resonance and quality"):
         seismic(0.0, 1.0)
+
+
+def test_the_transfer_function_in_series_is_the_product_of_both():
+    """c (s - A)^-1 b + d at four places, of systems with and without a direct way, and of plain factors."""
+
+    def transfer(one, s):
+        return one.c @ np.linalg.solve(s * np.eye(one.b.size) - one.A, one.b.astype(complex)) + one.d
+
+    rng = np.random.default_rng(6)
+    systems = [LinearSystem(rng.normal(size=(n, n)), *rng.normal(size=(2, n)), d) for n, d in ((2, 0.7), (3, -1.3))]
+    systems += [LinearSystem(np.zeros((0, 0)), np.zeros(0), np.zeros(0), 2.5)]
+    for first in systems:
+        for second in systems:
+            for s in (3.0, 2j, -1.0 + 4j, 5.0 - 2j):
+                wanted = transfer(first, s) * transfer(second, s)
+                assert transfer(series(first, second), s) == pytest.approx(wanted, rel=1e-10)
+
+
+def test_a_direct_way_adds_its_share_of_the_input():
+    decay = LinearSystem(np.array([[-1.0]]), np.array([1.0]), np.array([1.0]), 0.5)
+    t = np.arange(600) * 0.01
+    assert np.allclose(respond(decay, 1.0 + t, 0.01), t + 0.5 * (1.0 + t), atol=1e-13)
+    assert respond(LinearSystem(np.zeros((0, 0)), np.zeros(0), np.zeros(0), 2.5), t, 0.01) == pytest.approx(2.5 * t)

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from strikewave.sensors import Gasket, Mounting, Recorder, Sensor
+from strikewave.sensors import trial as module
 from strikewave.sensors.trial import (
     FULL_SCALE,
     NOISE,
@@ -16,6 +17,8 @@ from strikewave.sensors.trial import (
     lowest_resonance,
     try_sensor,
 )
+from strikewave.signal.pulse import measure_pulse
+from strikewave.signal.responses import interpolate
 
 STEP, BEGIN, LONG = 1e-6, 300, 1e-4
 """A half-sine of 100 samples: it begins after 0.3 ms."""
@@ -97,7 +100,12 @@ def test_a_recorder_is_judged_by_the_worst_place_of_its_instants():
     plain = try_sensor(Sensor(), Recorder(sampling_rate=30e3), half_sine(), STEP, BEGIN)
     u = (np.arange(40) + np.array([[0.0], [0.25], [0.5], [0.75]])) / 30e3 - BEGIN * STEP
     kept = np.where((u > 0.0) & (u < LONG), np.sin(np.pi * u / LONG), 0.0)
-    assert kept.max(axis=1).min() - 1e-3 <= plain.peak_left < kept.max()
+    seen = [measure_pulse(row, 1.0 / 30e3) for row in kept]
+    peak = max((one.peak for one in seen), key=lambda share: abs(share - 1.0))
+    width = max((one.width / (0.936231 * LONG) for one in seen), key=lambda share: abs(share - 1.0))
+    # interpolated half-sines round the corner at either end over a sample: 1e-3 of the peak
+    assert plain.peak_left == pytest.approx(peak, abs=1e-3)
+    assert plain.width_left == pytest.approx(width, abs=5e-3)
 
 
 def test_noise_that_drives_a_resonance_is_not_taken_for_the_blow():
@@ -121,3 +129,43 @@ def test_a_recorder_that_overshoots_at_some_of_its_instants_cannot_take_a_blow()
         found = try_sensor(Sensor(range=1e5), Recorder(cutoff=50e3, sampling_rate=rate), blow, STEP, BEGIN)
         assert found.peak_left == pytest.approx(1.06, abs=0.015)
         assert found.verdict == RECORDER
+
+
+def test_a_blow_that_falls_between_the_instants_of_a_recorder_is_not_read():
+    found = try_sensor(Sensor(range=1e5), Recorder(sampling_rate=4e3, full_scale=1e5), half_sine(size=430), STEP, BEGIN)
+    assert found.peak_left == 0.0
+    assert math.isnan(found.width_left)
+    assert found.verdict == RECORDER
+
+
+def test_a_shifted_zero_uses_up_the_range_and_leaves_the_pulse():
+    held, beyond = (
+        try_sensor(Sensor(range=r, zero_shift=2e3), Recorder(), half_sine(), STEP, BEGIN) for r in (1.3e4, 1.1e4)
+    )
+    assert (held.verdict, beyond.verdict) == (TAKES, RANGE)
+    assert held.range_used == pytest.approx(12.0 / 13.0, rel=1e-4)
+    assert (held.peak_left, held.width_left) == pytest.approx((1.0, 1.0), rel=1e-9)
+    assert held.ringing + held.noise_ringing == pytest.approx(0.0, abs=1e-15)
+    assert held.time_clipped == 0.0
+    # above 0.9 of the peak
+    assert beyond.time_clipped == pytest.approx(LONG * (1.0 - 2.0 * math.asin(0.9) / math.pi), abs=0.13e-6)
+    assert beyond.peak_left == pytest.approx(0.9, rel=1e-4)
+
+
+def test_noise_is_what_comes_before_the_foot_alone():
+    """A step of 60 before it departs by as much, 0.6 % of the peak, and a fifth of it; the blow itself rings far more."""
+    values = half_sine()
+    values[100:BEGIN] += 60.0
+    found = try_sensor(Sensor(resonance=30e3, quality=1e6, range=1e5), Recorder(), values, STEP, BEGIN)
+    assert found.noise_ringing == pytest.approx(6e-3, rel=0.4)
+    assert found.ringing > 0.1
+    assert try_sensor(Sensor(resonance=30e3), Recorder(), half_sine(), STEP, 0).noise_ringing < 1e-9
+
+
+def test_a_motion_is_made_16_times_as_dense_as_far_as_it_stays_in_bounds(monkeypatch):
+    factors = []
+    monkeypatch.setattr(module, "interpolate", lambda values, by: factors.append(by) or interpolate(values, by))
+    for most in (4_000_000, 3000, 1000):
+        monkeypatch.setattr(module, "MOST_SAMPLES", most)
+        try_sensor(Sensor(range=1e5), Recorder(), half_sine(), STEP, BEGIN)
+    assert factors == [16, 2, 1]
