@@ -236,6 +236,11 @@ def test_a_box_swings_with_half_of_it_before_or_all_of_it_after(first, value, sw
 
 
 def test_what_swings_behind_another_box_is_not_looked_at():
+    for hidden, other, dip in ((True, 85, 80), (False, 120, 80), (True, 120, 125), (False, 85, 125)):
+        one = BoxGrid(30)
+        one.add(Box(other, 5, 9.0))
+        values = with_values(200, (dip, dip + 5, -9.0), (100, 110, 6.0))
+        assert pulses._swings(values, FLAT, 1, Box(100, 10, 6.0), one, 0.0) is not hidden
     near = BoxGrid(30)
     near.add(Box(85, 5, 9.0))
     near.add(Box(120, 5, 9.0))

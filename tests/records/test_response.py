@@ -9,8 +9,9 @@ from hypothesis import strategies as st
 from planted import noises
 
 from strikewave.base.errors import InputError
+from strikewave.records import response
 from strikewave.records.file_reading import read_file
-from strikewave.records.modes import decaying_modes
+from strikewave.records.modes import covariance_of, decaying_modes
 from strikewave.records.reading import Request
 from strikewave.records.record import Channel, Record
 from strikewave.records.response import BaseBlow, effective_span, measure_responses, swings
@@ -265,3 +266,74 @@ def test_a_channel_that_comes_after_its_base_answers_it(lag):
 @pytest.mark.parametrize("blows", [1, 3])
 def test_a_channel_of_noise_is_not_connected(colour, blows):
     assert "not connected" in led(0.0, colour, blows, silent=True)["no-response"]
+
+
+def test_an_effective_span_ends_between_samples():
+    """A tent from 0 over 3 at sample 6 to 0 at 12, its zero taken off: a third of it is crossed at 2 and at 10."""
+    values = np.interp(np.arange(20.0), [0.0, 6.0, 12.0], [0.0, 3.0, 0.0])
+    assert response.effective_span(values) == pytest.approx((2.0, 10.0))
+    assert response.effective_span(-values, 0.5) == pytest.approx((3.0, 9.0))
+    assert response.effective_span(values, 0.55) == pytest.approx((3.3, 8.7))
+    assert response.effective_span(values[6:], 0.5) == pytest.approx((0.0, 3.0))
+    assert response.effective_span(values[:7], 0.5) == pytest.approx((3.0, 6.0))
+
+
+def test_the_tip_of_a_parabola_lies_between_samples():
+    for sign in (1.0, -1.0):
+        values = sign * (5.0 - (np.arange(9.0) - 4.3) ** 2 / 10.0)
+        assert response._tip(values, 4) == pytest.approx((4.3, 5.0 * sign))
+        assert response._tip(values, 0) == (0.0, values[0])
+        assert response._tip(values, 8) == (8.0, values[8])
+    assert response._tip(np.array([0.0, 1.0, 0.0]), 1) == (1.0, 1.0)  # a spike is no parabola
+    assert response._tip(np.full(3, 2.0), 1) == (1.0, 2.0)
+
+
+def test_a_response_in_closed_form():
+    """A sine of a whole number of swings that dies out: each figure of it by hand, against a blow 2 ms long."""
+    time = 1e-5 * np.arange(4000)
+    omega, decay = 2.0 * np.pi * 500.0, 100.0
+    above = -6.0 * np.exp(-decay * time) * np.sin(omega * time)
+    values = np.r_[np.full(1000, 0.7), 0.7 + above]
+    blow = BaseBlow(3.0 + 0.01, 3.0 + 0.011, 3.0 + 0.012, -3.0)
+    [found] = response.measure_responses(values, 1e-5, 3.0, [blow])
+    top = math.atan2(omega, decay) / omega  # where the derivative is zero
+    peak = -6.0 * math.exp(-decay * top) * math.sin(omega * top)
+    assert found.zero == pytest.approx(0.7)
+    assert found.peak == pytest.approx(peak, rel=1e-5)
+    assert found.time == pytest.approx(3.01 + top, abs=1e-7)
+    assert found.delay == pytest.approx(top - 1e-3, abs=1e-7)
+    assert (found.base_peak, found.ratio) == (-3.0, pytest.approx(abs(peak) / 3.0, rel=1e-5))
+    size = np.abs(above)
+    inside = np.flatnonzero(size >= abs(peak) / 3.0)
+    assert found.begin == pytest.approx(3.01 + 1e-5 * inside[0], abs=1e-5)
+    assert found.duration == pytest.approx(1e-5 * (inside[-1] - inside[0]), abs=2e-5)
+    assert found.rms == pytest.approx(math.sqrt(np.mean(above[inside[0] : inside[-1] + 1] ** 2)), rel=3e-3)
+    assert found.decay[0] == pytest.approx(3.012, abs=1.01e-5)
+    assert found.figure("peak") == -found.peak
+    assert found.figure("frequency") == pytest.approx(500.0, rel=1e-6)
+    assert found.figure("damping") == pytest.approx(decay / math.hypot(decay, omega), rel=1e-6)
+    assert found.modes[0].amplitude == pytest.approx(6.0 * math.exp(-decay * (found.decay[0] - 3.01)), rel=1e-6)
+    [none] = response.measure_responses(values, 1e-5, 3.0, [blow], same_unit=False)
+    assert math.isnan(none.ratio)
+    [flat] = response.measure_responses(np.full(2000, 0.7), 1e-5, 3.0, [blow])
+    assert (flat.peak, flat.duration, flat.rms, flat.delay) == (0.0, 0.0, 0.0, pytest.approx(-1e-3))
+
+
+def test_the_covariance_of_a_mean_in_coloured_noise_is_that_of_newey_and_west(rng):
+    """One column of ones: the triangle over a twentieth of the samples, and what the mean takes of the noise put back.
+
+    Written as sums over lags; the rounds that put it back converge to c = sum(t_k g_k) + c sum(t_k (n - k)) / n^2."""
+    n = 200
+    rest = np.convolve(rng.normal(size=n + 3), [1.0, 0.8, 0.5, 0.2], "valid")
+    rest -= rest.mean()
+    memory = n // 20
+    lags = range(-memory, memory + 1)
+    taper = {k: 1.0 - abs(k) / (memory + 1) for k in lags}
+    own = {k: np.sum(rest[abs(k) :] * rest[: n - abs(k)]) / n for k in lags}
+    weights = {k: taper[k] * (n - abs(k)) / n for k in lags}
+    plain = sum(weights[k] * own[k] for k in lags)
+    back = sum(weights[k] * (n - abs(k)) / n for k in lags) / n
+    expected = plain * sum(back**j for j in range(4)) / n
+    assert covariance_of(np.ones((n, 1)), rest)[0, 0] == pytest.approx(expected, rel=1e-9)
+    assert covariance_of(np.ones((n, 2)), rest) is None  # columns that are one
+    assert covariance_of(np.eye(6)[:, :3], np.ones(6)) is None  # two samples a column
