@@ -131,3 +131,39 @@ def test_each_kind_changes_a_record_is_listed_and_stands_in_the_docs():
 
 def test_every_field_of_a_kind_is_one_of_the_table():
     assert {name for fields in FIELDS_OF_KINDS.values() for name in fields.needs} <= set(ContributionTable.model_fields)
+
+
+@pytest.mark.parametrize(
+    ("fields", "spread", "relative"),
+    [
+        ({"kind": '"offset"', "value": '"0.0005 m/s^2"'}, 0.0005, False),
+        ({"kind": '"clock"', "value": '"0.5 %"'}, 0.005, True),
+        ({"kind": '"clock"', "value": '"100 %"'}, 1.0, True),
+        ({"kind": '"temperature"', "per_kelvin": '"0.2 %"', "range": '"3 K"'}, 0.006, True),
+        ({"kind": '"noise"', "value": '"9.9e6 m/s^2"'}, 9.9e6, False),
+    ],
+)
+def test_small_and_large_numbers_are_taken_as_they_are(fields, spread, relative, tmp_path):
+    file = tmp_path / "budget.toml"
+    file.write_text(_one(**fields, distribution='"rectangular"'))
+    [one] = load_budget(str(file)).contributions
+    assert (one.spread, one.relative) == (pytest.approx(spread, rel=1e-12), relative)
+
+
+def test_what_is_typed_is_told_up_to_four_numbers_with_the_weakest_status(tmp_path):
+    file = tmp_path / "budget.toml"
+    bands = '[["1 kHz", "1 %"], ["2 kHz", { value = "2 %", status = "indicative" }], ["3 kHz", "3 %"]]'
+    file.write_text(
+        _one(kind='"response"', bands=bands, distribution='"rectangular"')
+        + "[[contribution]]\n"
+        + _one(**SENSITIVITY | {"coverage": "4"}).split("]]\n")[1]
+    )
+    response, gain = load_budget(str(file)).contributions
+    assert (response.typed, response.status) == ("1 kHz, 1 %, 2 kHz, 2 %, ...", "indicative")
+    assert (gain.typed, gain.status, gain.spread) == ("2 %, k = 4", "normative", 0.005)
+    assert math.isnan(gain.frequency)
+    for word, share in (("99 %", 0.495), ("0.2 %", 0.001)):
+        assert load_budget(word).contributions[0].spread == pytest.approx(share, rel=1e-12)
+    for word in ("100 %", "0 %"):
+        with pytest.raises(InputError):
+            load_budget(word)

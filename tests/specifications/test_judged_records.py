@@ -224,6 +224,15 @@ def test_channels_across_are_no_shocks_and_must_be_there_and_hold_an_acceleratio
         judge_records([volts], IEC, Asked(cross_axis=["2"]))
     with pytest.raises(InputError, match="records of an acceleration"):
         judge_records([replace(volts, channels=volts.channels[1:])], IEC, Asked())
+    bare = replace(volts.channels[1], channel=replace(volts.channels[1].channel, unit=""))
+    with pytest.raises(InputError, match="across, no known unit"):
+        judge_records([replace(volts, channels=(TWO.channels[0], bare))], IEC, Asked(cross_axis=["2"]))
+    with pytest.raises(InputError, match='got "V";'):
+        judge_records([replace(volts, channels=volts.channels[1:])], IEC, Asked())
+    with pytest.raises(InputError, match='got "V, no known unit";|got "no known unit, V";'):
+        judge_records([replace(volts, channels=(volts.channels[1], bare))], IEC, Asked())
+    with pytest.raises(InputError, match='got "no channel";'):
+        judge_records([replace(volts, channels=())], IEC, Asked())
     clipped = TWO.channels[1].with_finding(HealthNotice("drift", "d")).with_finding(HealthNotice("clipped", "c"))
     found = judge_records([replace(TWO, channels=(TWO.channels[0], clipped))], IEC, Asked(cross_axis=["2"]))
     assert found.shocks[0].shock.troubles == {"cross_axis": "across: clipped: c"}

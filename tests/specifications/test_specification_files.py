@@ -8,6 +8,7 @@ import pytest
 from strikewave.base.errors import InputError
 from strikewave.specifications.judging import STATUSES, Shock, judge_shock
 from strikewave.specifications.reading import (
+    Specification,
     load_specification,
     parse_specification,
     read_built_in,
@@ -196,3 +197,133 @@ def test_a_file_of_a_spectrum_is_sent_to_the_command_that_judges_it(strikewave):
     assert "strikewave record FILES --spec pulse.toml judges by it" in open("pulse.toml").read()
     with pytest.raises(InputError, match=r'got "mine\.toml".*strikewave srs FILES --spec mine\.toml'):
         _ = load_specification("mine.toml").pulse
+
+
+def specification(text, condition=None):
+    file = parse_specification(HEAD + text, "t")
+    return Specification("t", file, None if condition is None else file.condition[condition], text)
+
+
+TRAPEZOID = '[pulse]\nshape = "trapezoid"\npeak = "100 m/s^2"\nduration = "10 ms"\nrise = "10 %"\nfall = "30 %"\n'
+
+
+def test_every_limit_of_a_pulse_follows_from_its_tolerance():
+    """A trapezoid of 100 m/s2, 10 ms, slopes of 10 and 30 %: 8 ms wide at half its peak, 0.8 m/s."""
+    limits = specification(
+        TRAPEZOID
+        + '[peak]\ntolerance = ["-10 %", "20 %"]\n[width]\nlevel = "50 %"\ntolerance = "25 %"\n'
+        + '[velocity_change]\ntolerance = "150 %"\nbefore = "20 %"\nafter = "40 %"\n[cross_axis]\nlimit = "30 %"\n'
+        + '[band]\ntime = "5 %"\namplitude = "15 %"\namplitude_after = "25 %"\nbefore = "60 %"\nafter = "70 %"\n'
+        + '[sampling]\nrate = "20 kHz"\n'
+    ).pulse_limits()
+    assert limits.pulse.duration == pytest.approx(0.01)
+    assert limits.peak[:2] == pytest.approx((90.0, 120.0))
+    assert limits.width[:2] == pytest.approx((0.006, 0.010))
+    assert limits.velocity_change[:2] == pytest.approx((0.0, 2.0), abs=1e-12)
+    assert (limits.level, limits.window) == (0.5, (0.2, 0.4))
+    assert limits.cross_axis[:2] == (-math.inf, pytest.approx(30.0))
+    band = limits.band
+    assert (band.time, band.amplitude, band.amplitude_after, band.before, band.after) == pytest.approx(
+        (0.05, 0.15, 0.25, 0.6, 0.7)
+    )
+    assert math.isnan(band.amplitude_before)
+    assert (limits.rate[:2], limits.cutoff) == ((20e3, math.inf), None)
+    bare = specification(PULSE).pulse_limits()
+    assert (bare.level, bare.window, bare.peak, bare.band) == (0.1, (0.1, 0.1), None, None)
+
+
+@pytest.mark.parametrize(
+    ("least", "low", "high"), [("1 ms", 0.006, 0.010), ("3 ms", 0.005, 0.011), ("9 ms", 0.0, 0.017)]
+)
+def test_a_width_may_miss_by_its_least_tolerance_at_least(least, low, high):
+    text = f'{TRAPEZOID}[width]\nlevel = "50 %"\ntolerance = "25 %"\nleast = "{least}"\n'
+    assert specification(text).pulse_limits().width[:2] == pytest.approx((low, high), abs=1e-12)
+
+
+def test_the_status_of_a_limit_is_the_weakest_of_its_numbers():
+    quoted, memory = 'status = "quoted", source = "q"', 'status = "indicative"'
+    text = PULSE + '[peak]\ntolerance = ["-10 %", { value = "20 %", ' + quoted + " }]\n"
+    assert specification(text).pulse_limits().peak.status == "quoted"
+    text = PULSE.replace('"11 ms"', '{ value = "11 ms", ' + memory + " }") + '[peak]\ntolerance = "10 %"\n'
+    assert specification(text).pulse_limits().peak.status == "indicative"
+    row = '[[condition]]\nname = "A"\nvelocity_change = { value = "2 m/s", ' + quoted + " }\n"
+    changed = specification(text + '[velocity_change]\ntolerance = "10 %"\n' + row, 0).pulse_limits().velocity_change
+    assert changed == (pytest.approx(1.8), pytest.approx(2.2), "quoted")
+    band = '[band]\ntime = "5 %"\namplitude = { value = "5 %", ' + memory + ' }\nbefore = "1 %"\nafter = "1 %"\n'
+    assert specification(PULSE + band).pulse_limits().band_status == "indicative"
+    assert specification(PULSE).pulse_limits().band_status == "normative"
+
+
+def test_counts_and_rates_are_read_with_their_tolerance():
+    count = "[count]\nper_direction = 1000\n"
+    assert specification(PULSE + count).count() == (1000.0, math.inf, 6, "normative")
+    more = specification(
+        PULSE + count + 'tolerance = "1 %"\ndirections = 2\n[[condition]]\nname = "A"\nper_direction = 300\n', 0
+    )
+    assert more.count() == (pytest.approx(297.0), pytest.approx(303.0), 2, "normative")
+    assert specification(PULSE + "[count]\ndirections = 2\n").count() is None
+    assert specification(PULSE).count() is None
+    assert specification(PULSE + '[repetition]\nlow = "1 Hz"\n').repetition()[:2] == (1.0, math.inf)
+    assert specification(PULSE + '[repetition]\nhigh = "3 Hz"\n').repetition()[:2] == (0.0, 3.0)
+    assert specification(PULSE + "[repetition]\n").repetition() is None
+    assert specification(PULSE).repetition() is None
+
+
+def test_breakpoints_and_tolerances_of_a_spectrum_are_read():
+    limits = specification(SRS.replace("[[srs", 'q = 5\nshare = "90 %"\nshare_above = "50 %"\n[[srs')).spectrum_limits()
+    assert (limits.frequency, limits.level) == ((10.0, 100.0), (pytest.approx(9.80665), pytest.approx(98.0665)))
+    assert limits.bands == ((10.0, 100.0, -6.0, 6.0, "normative"),)
+    assert (limits.q, limits.share[:2], limits.share_above[:2]) == (5.0, (0.9, math.inf), (0.5, math.inf))
+    assert specification(SRS).spectrum_limits().share_above is None
+    with pytest.raises(InputError, match="a specification of a spectrum"):
+        specification(PULSE).spectrum_limits()
+
+
+def test_numbers_that_are_stated_are_listed_by_their_path():
+    text = (
+        PULSE
+        + '[peak]\ntolerance = "10 %"\n[width]\ntolerance = ["-1 %", "2 %"]\n[[condition]]\nname = "A"\npeak = "9 g"\n'
+    )
+    rows = [(path, number.si) for path, number, _, _ in numbers_of(parse_specification(HEAD + text, "t"))]
+    assert rows == [
+        ("pulse.peak", pytest.approx(50 * 9.80665)),
+        ("pulse.duration", pytest.approx(0.011)),
+        ("peak.tolerance", 0.1),
+        ("width.tolerance", -0.01),
+        ("width.tolerance.1", 0.02),
+        ("condition.A.peak", pytest.approx(9 * 9.80665)),
+    ]
+    paths = [path for path, *_ in numbers_of(parse_specification(HEAD + SRS, "t"))]
+    assert "srs.tolerance.0.from" in paths
+    assert paths[:4] == ["srs.points", "srs.points.1", "srs.points.2", "srs.points.3"]
+
+
+@pytest.mark.parametrize(
+    ("text", "words"),
+    [
+        (SRS.replace('["10 Hz", "1 g"], ', ""), "two breakpoints or more"),
+        (SRS.replace('"100 Hz", "10 g"', '"10 Hz", "10 g"'), "two breakpoints or more"),
+        (SRS.replace('to = "100 Hz"', 'to = "10 Hz"'), "a frequency above from"),
+        (SRS.replace('high = "6 dB"', 'high = "-6 dB"'), "a level above low"),
+        (SRS.replace('high = "6 dB"', 'high = "60.5 dB"'), "from -60 to 60 dB"),
+        (PULSE.replace('"half-sine"', '"trapezoid"') + 'rise = "50 %"\nfall = "50.5 %"\n', "at most 100 % together"),
+        (PULSE.replace('"half-sine"', '"trapezoid"') + 'rise = "50 %"\n', "fall: missing"),
+        (PULSE + '[peak]\ntolerance = "1001 %"\n', "from 0 to 1000 %"),
+        (PULSE + '[peak]\ntolerance = ["-101 %", "1 %"]\n', "from -100 to 0 %"),
+    ],
+)
+def test_limits_of_what_a_file_may_hold(text, words):
+    with pytest.raises(InputError) as raised:
+        parse_specification(HEAD + text, "t")
+    assert words in str(raised.value)
+
+
+def test_the_last_that_a_file_may_hold_is_taken():
+    slopes = 'rise = "50 %"\nfall = "50 %"\n'
+    assert specification(PULSE.replace('"half-sine"', '"trapezoid"') + slopes).pulse.velocity_change > 0.0
+    limits = specification(PULSE + '[peak]\ntolerance = ["-100 %", "1000 %"]\n').pulse_limits()
+    assert limits.peak[:2] == pytest.approx((0.0, 11 * 50 * 9.80665), abs=1e-9)
+    assert specification(SRS.replace('"6 dB"', '"60 dB"')).spectrum_limits().bands[0].high == 60.0
+    assert specification(PULSE + '[width]\nlevel = "90 %"\ntolerance = "0 %"\n').pulse_limits().level == pytest.approx(
+        0.9
+    )
