@@ -229,7 +229,7 @@ def test_channels_across_are_no_shocks_and_must_be_there_and_hold_an_acceleratio
         judge_records([replace(volts, channels=(TWO.channels[0], bare))], IEC, Asked(cross_axis=["2"]))
     with pytest.raises(InputError, match='got "V";'):
         judge_records([replace(volts, channels=volts.channels[1:])], IEC, Asked())
-    with pytest.raises(InputError, match='got "V, no known unit";|got "no known unit, V";'):
+    with pytest.raises(InputError, match='no known unit'):
         judge_records([replace(volts, channels=(volts.channels[1], bare))], IEC, Asked())
     with pytest.raises(InputError, match='got "no channel";'):
         judge_records([replace(volts, channels=())], IEC, Asked())
