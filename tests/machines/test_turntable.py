@@ -43,3 +43,16 @@ def test_waiting_ends_at_the_set_speed():
 def test_drive_that_cannot_hold_the_speed_is_refused():
     with pytest.raises(ValueError, match="cannot hold"):
         spin_up_time(Turntable(**DISC, torque=1.0, speed_gain=20.0, drag=0.5, brake=30.0))
+
+
+def test_a_turntable_speeds_up_evenly_and_then_in_halves():
+    """40 N m on 4 kg m2: 0.8 s to 8 rad/s, where 20 N m s/rad ask for less; then the rest halves every 0.2 ln 2 s."""
+    disc = Turntable(3.0, 0.2, 10.0, torque=40.0, speed_gain=20.0, drag=0.0, brake=8.0, motor_inertia=1.0)
+    assert spin_up_time(disc, 0.2 / 2**10) == pytest.approx(0.8 + 10 * 0.2 * math.log(2.0), rel=1e-12)
+    assert speed_after_wait(disc, 0.2 * math.log(2.0), 0.2) == pytest.approx(9.0, rel=1e-12)
+    assert braking_time(disc, 8.0) == pytest.approx(4.0, rel=1e-12)
+    assert spin_up_time(disc, 0.5) == pytest.approx(0.8, rel=1e-12)  # there before the controller asks for less
+    dragged = Turntable(4.0, 0.2, 10.0, torque=40.0, speed_gain=20.0, drag=2.0, brake=4.0)
+    # 9 rad/s at w' = 10 - w/2, then the rate (20 + 2)/4 for the last tenth, halved
+    assert spin_up_time(dragged, 0.05) == pytest.approx(2.0 * math.log(20.0 / 11.0) + math.log(2.0) / 5.5, rel=1e-12)
+    assert braking_time(dragged, 2.0) == pytest.approx(2.0 * math.log(2.0), rel=1e-12)

@@ -229,7 +229,7 @@ def test_channels_across_are_no_shocks_and_must_be_there_and_hold_an_acceleratio
         judge_records([replace(volts, channels=(TWO.channels[0], bare))], IEC, Asked(cross_axis=["2"]))
     with pytest.raises(InputError, match='got "V";'):
         judge_records([replace(volts, channels=volts.channels[1:])], IEC, Asked())
-    with pytest.raises(InputError, match='no known unit'):
+    with pytest.raises(InputError, match="no known unit"):
         judge_records([replace(volts, channels=(volts.channels[1], bare))], IEC, Asked())
     with pytest.raises(InputError, match='got "no channel";'):
         judge_records([replace(volts, channels=())], IEC, Asked())
@@ -245,3 +245,15 @@ def test_what_is_asked_of_budgets_and_directions_is_told():
     asked = Asked(directions=[read_direction("+x"), read_direction("b*=-x"), read_direction("#2=+y")])
     assert [asked.direction_of(*one) for one in (("a", ["1"]), ("b1", ["1"]), ("b1", ["y", "2"]))] == ["+x", "-x", "+y"]
     assert Asked().direction_of("a", ["1"]) == ""
+
+
+def test_each_blow_has_its_own_uncertainty():
+    def known(share, pulse):
+        one = FigureUncertainty(1.0, 1.0, share * abs(pulse.peak), 2.0, ())
+        return BlowUncertainty(dict.fromkeys(("peak", "width", "velocity_change"), one))
+
+    [reading] = THREE.channels
+    shares = (0.01, 0.02, 0.04)
+    each = tuple(known(*pair) for pair in zip(shares, reading.pulses, strict=True))
+    found = judge_records([replace(THREE, channels=(replace(reading, uncertainties=each),))], IEC, Asked())
+    assert [one.shock.uncertainty for one in found.shocks] == pytest.approx(shares)

@@ -63,6 +63,7 @@ def test_directions_that_lack_fail_unless_shocks_have_none():
     assert (found[-1].value, found[-1].verdict, found[-1].reason) == (2.0, "fail", "not stated: -x, +y, +z, -z")
     loose = direction_clauses(some + shocks("", FAILED, "x/l.csv", name="acc"), ["-y", "+x"], three)
     assert [clause.verdict for clause in loose[-2:]] == ["not-judged", "cannot-tell"]
+    assert (loose[-2].low, loose[-2].high) == (0.0, 0.0)
     assert loose[-2].reason.startswith("l.csv, acc has no direction")
     several = some + [one for name in "abcde" for one in shocks("", FAILED, f"{name}.csv")]
     assert " have no direction" in direction_clauses(several, ["+x"], three)[-2].reason
