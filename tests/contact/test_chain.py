@@ -566,3 +566,30 @@ def test_a_contact_that_is_let_go_loses_what_it_stores_and_remembers_how_deep_it
     never_touches(2, g)
     assert list(g) == [-1.0] * 6 + [1.0] + [-1.0] * 2
     assert [link_of(k) for k in (0, 2, 3, 8)] == [0, 0, 1, 2]
+
+
+def test_impulse_from_a_shaken_base_is_the_change_of_momentum():
+    """A mass on a spring whose base shakes at 1.7 of its frequency: the force at the instants of the quadrature."""
+    table = Vibration(0.2, 1e-3, 170.0, 0.4)
+    chain = Chain({"m": 0.5}, [Spring("table", "m", 5e3)], {"table": table})
+    motion = simulate(chain, {"m": 0.2}, {}, 0.05)
+    v = motion.speeds(0.05)[0]
+    # x'' = w^2 (a sin(W t + p) - x), by hand
+    w, shaken, a = 100.0, 170.0, 1e-3 / (1 - 1.7**2)
+    c, s = -a * math.sin(0.4), -a * 1.7 * math.cos(0.4)
+    expected = w * (s * math.cos(5.0) - c * math.sin(5.0)) + a * shaken * math.cos(shaken * 0.05 + 0.4)
+    assert v == pytest.approx(expected, rel=1e-7)
+    assert motion.motion.impulses(0.0, 0.05)[0] == pytest.approx(0.5 * v, rel=1e-7)
+
+
+def test_the_first_of_two_switches_within_a_step_is_taken_first():
+    """Two balls of one speed before walls 1 nm farther from one than from the other: each touches when it is there."""
+    contact = Contact(1e9, 1.5)
+    for nearer in (0, 1):
+        gaps = [1e-3 + 1e-9, 1e-3 + 1e-9]
+        gaps[nearer] = 1e-3
+        links = [ChainContact("a", "left", contact), ChainContact("b", "right", contact)]
+        chain = Chain({"a": 1.0, "b": 1.0}, links, {"left": gaps[0], "right": gaps[1]})
+        motion = simulate(chain, {}, {"a": 1.0, "b": 1.0}, 1.1e-3)
+        begins = [motion.contacts(k)[0, 0] for k in range(2)]
+        assert begins == pytest.approx(gaps, abs=1e-14)

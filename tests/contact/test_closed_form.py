@@ -9,7 +9,16 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.integrate import quad
 
-from strikewave.contact import Contact, _kernels, exact, li_ma_printed, reduced_mass, restitution, solve_impact
+from strikewave.contact import Contact, exact, li_ma_printed, reduced_mass, restitution, solve_impact
+from strikewave.contact._kernels import (
+    _double_exponential,
+    log_rest,
+    loss_of_span,
+    peak_rate,
+    phi,
+    restitution_of_span,
+    span_of_factor,
+)
 
 
 def span_to_thirty_digits(e):
@@ -271,25 +280,25 @@ def lost(span):
 def test_loss_and_restitution_of_a_span_and_their_slope_by_mpmath(span):
     with mpmath.workdps(50):
         loss, slope = lost(mpmath.mpf(span)), mpmath.diff(lost, mpmath.mpf(span))
-        found = _kernels.loss_of_span(span)
+        found = loss_of_span(span)
         assert found[0] == pytest.approx(float(loss), rel=1e-13 if span > 0.5 else 1e-15)
         # 1/3 below 1e-3; beyond, the closed form of a slope loses the square of the span
         assert found[1] == pytest.approx(float(slope), rel=3e-4 if span < 1e-3 else 1e-15 + 1e-14 / span**2)
-        assert _kernels.restitution_of_span(span) == pytest.approx(float(1 - loss), rel=1e-14)
+        assert restitution_of_span(span) == pytest.approx(float(1 - loss), rel=1e-14)
         # L = chi (1 + e) back from its factor
         chi = span / float(2 - loss)
-    assert _kernels.span_of_factor(chi) == pytest.approx(span, rel=2e-15)
+    assert span_of_factor(chi) == pytest.approx(span, rel=2e-15)
 
 
 def test_series_meet_their_closed_forms_by_mpmath():
     with mpmath.workdps(50):
         for x in (-5.0, -0.36, -0.34, -1e-3, 1e-8, 0.2, 0.34, 0.36, 3.0):
             v = mpmath.mpf(x)
-            assert _kernels.phi(x) == pytest.approx(float(mpmath.expm1(v) - v), rel=2e-15, abs=0.0)
+            assert phi(x) == pytest.approx(float(mpmath.expm1(v) - v), rel=2e-15, abs=0.0)
         for y in (-0.9, -0.081, -0.079, -1e-8, 0.03, 0.079, 0.081, 4.0):
             v = mpmath.mpf(y)
-            assert _kernels.log_rest(y) == pytest.approx(float(v - mpmath.log1p(v)), rel=4e-15, abs=0.0)
-    assert _kernels.loss_of_span(3e-13) == (pytest.approx(1e-13, rel=1e-15, abs=0.0), 1 / 3)
+            assert log_rest(y) == pytest.approx(float(v - mpmath.log1p(v)), rel=4e-15, abs=0.0)
+    assert loss_of_span(3e-13) == (pytest.approx(1e-13, rel=1e-15, abs=0.0), 1 / 3)
 
 
 @pytest.mark.parametrize("n", [0.5, 1.0, 1.5, 3.0])
@@ -301,13 +310,13 @@ def test_rate_at_the_largest_force_is_where_its_logarithm_turns(n, chi):
         left = mpmath.mpf(chi) - mpmath.log1p(chi)
         guess = min(float(left) * (n + 1) / n, chi)
         y = mpmath.findroot(lambda y: a * y - mpmath.log1p(y) - left, (guess / 2, guess))
-    assert _kernels.peak_rate(n, chi) == pytest.approx(float(y), rel=1e-14)
+    assert peak_rate(n, chi) == pytest.approx(float(y), rel=1e-14)
 
 
 def test_double_exponential_rule_integrates_roots_at_both_ends():
     """Takahasi & Mori 1974: int x^(-1/2) dx = 2 and int 1 dx = 1 over 0 to 1, the tail in closed form 2 sqrt(tail)."""
     for nodes in (40, 72):
-        near, weight, tail = _kernels._double_exponential(nodes)
+        near, weight, tail = _double_exponential(nodes)
         assert weight.sum() == pytest.approx(1.0, rel=1e-14)
         assert near == pytest.approx(near[::-1], rel=1e-12)
         first = (

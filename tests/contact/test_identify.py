@@ -637,3 +637,11 @@ def test_a_baseline_adds_to_the_variance_by_the_inverse_of_its_samples():
     # a shift of the baseline by one deviation moves the impulse by at least that over the pulse, 0.15 ms
     assert slope > (20.0 * 1e-4) ** 2
     assert variances[3] < variances[0]
+
+
+def test_a_first_baseline_is_the_median_of_a_tenth_of_what_lies_before_the_peak():
+    """Four samples of 30 at the begin, and 30 from the end of the pulse on: neither moves the half heights."""
+    record = np.concatenate([TRIANGLE[:111], np.full(200, 30.0)])
+    record[:4] = 30.0
+    found = cut_out(np.arange(311.0), record)
+    assert (found.offset, found.before, found.time[0], found.time[-1]) == (0.0, 59, 86.0, 110.0)

@@ -15,7 +15,7 @@ from strikewave.hopkinson import (
     find_pulses,
 )
 from strikewave.hopkinson.alignment import _averaged, _late_by_balance, _late_by_onset, _spline, _within
-from strikewave.hopkinson.shifting import _running, highest_frequency
+from strikewave.hopkinson.shifting import _running, _wave_numbers, highest_frequency
 from strikewave.waves.dispersion import Rod, wave_number
 
 from .bench import STEP, bench, travelled
@@ -229,3 +229,14 @@ def test_the_band_of_one_sample_and_of_one_frequency_in_closed_form():
     # four bins to either side, bin 8 is the first below; one at least
     assert highest_frequency(wave, 0.5, 0.1, 16.0) == pytest.approx(8 / 32.0)
     assert highest_frequency(wave + 1.0, 0.5, 0.1, 1e9) == pytest.approx(0.0 + 5 / 32.0)
+
+
+def test_wave_numbers_are_solved_one_by_one_up_to_two_thousand_and_interpolated_beyond():
+    rod = Rod(0.01, 5000.0, 0.29)
+    few, many = np.linspace(0.0, 3e6, 2000), np.linspace(0.0, 3e6, 2001)
+    assert np.array_equal(_wave_numbers(few, rod, "pochhammer-chree"), wave_number(few, rod, "pochhammer-chree"))
+    assert np.array_equal(_wave_numbers(many, rod, "none"), wave_number(many, rod, "none"))
+    between = _wave_numbers(many, rod, "pochhammer-chree")
+    assert not np.array_equal(between, wave_number(many, rod, "pochhammer-chree"))
+    # far less than a phase of noise over any bar
+    assert between == pytest.approx(np.asarray(wave_number(many, rod, "pochhammer-chree")), abs=1e-5)

@@ -4,10 +4,25 @@ import math
 
 import numpy as np
 import pytest
+from scipy.optimize import curve_fit
 
 from strikewave.base.errors import InputError
 from strikewave.hopkinson import Bar, GaugeTrace
-from strikewave.hopkinson.echoes import FittedValue, _plane, calibrate_bar
+from strikewave.hopkinson.echoes import (
+    FittedValue,
+    _first_large,
+    _foretold,
+    _known_length,
+    _losses,
+    _near_peak,
+    _odd,
+    _PassData,
+    _phase_speed,
+    _plane,
+    _speed_and_length,
+    _taper,
+    calibrate_bar,
+)
 from strikewave.waves import End, Layer, LoadPulse, Stack, Tap, WantedError, run_bar
 from strikewave.waves.dispersion import wave_number
 
@@ -211,3 +226,131 @@ def test_a_pulse_too_near_to_the_begin_of_the_record_has_its_own_words():
     trace = echoes_of(BAR)
     with pytest.raises(InputError, match="pre-trigger"):
         calibrate_bar(GaugeTrace(trace.strain[700:], STEP), BAR)
+
+
+def passes_of(near, far, first=0, bar=UNKNOWN, way="towards", noise=0.0, late=(0.0, 0.0)):
+    """Return eight passes of a plain bar, and their energies: turns of these times at either end, and what is odd."""
+    n = first + np.arange(8)
+    ends = ((n + 1) // 2, n // 2) if way == "towards" else (n // 2, (n + 1) // 2)
+    bends = noise * np.array([1.0, -2.0, 1.5, 0.5, -1.0, 2.0, -0.5, -1.5])
+    times = (ends[0] - ends[0][0]) * near + (ends[1] - ends[1][0]) * far + bends
+    times[:2] += late
+    w = 2.0 * np.pi * np.array([1e4, 2e4, 4e4])
+    logs = np.log([3.0, 2.0, 1.0]) - 0.2 * (n[:, None] // 2) - 0.03 * (n[:, None] % 2) + bends[:, None] / 1e-6
+    energy = np.exp(-0.3 * np.arange(8))
+    data = _PassData(
+        np.repeat(times[:, None], 3, axis=1), logs, energy, np.array([9.0, 4.0, 1.0]), w, first, bar, "none"
+    )
+    return data, times, ends
+
+
+@pytest.mark.parametrize("way", ["towards", "away"])
+@pytest.mark.parametrize("first", [0, 1])
+def test_speed_and_length_of_times_that_do_not_fit_with_the_errors_of_a_curve_fit(way, first):
+    """0.8 m at 5000 m/s is 320 us, 1.2 m 480 us; times off by a tenth of a us: values and errors as scipy finds them."""
+    data, times, ends = passes_of(320e-6, 480e-6, first, noise=1e-7, way=way)
+    turns = [end - end[0] for end in ends]
+    free, plain, design = _speed_and_length(data, way)
+    assert plain == pytest.approx(times, rel=1e-12)
+    assert np.array_equal(design, np.column_stack([np.ones(8), *turns]))
+    sigma = 1.0 / np.sqrt(data.energy)
+
+    def model(_, begin, speed, length):
+        return begin + 1e6 * 2.0 * (0.8 / speed * turns[0] + (length - 0.8) / speed * turns[1])
+
+    found, spread = curve_fit(model, times, 1e6 * times, (0.0, 5010.0, 2.01), sigma, xtol=1e-13, ftol=1e-13)
+    error = np.sqrt(np.diag(spread))
+    # slopes by differences of scipy
+    assert free.speed == (pytest.approx(found[1], rel=1e-8), pytest.approx(error[1], rel=1e-3), 5)
+    assert free.length == (pytest.approx(found[2], rel=1e-8), pytest.approx(error[2], rel=1e-3), 5)
+
+    known = data._replace(bar=BAR)
+    ways = 1.6 * turns[0] + 2.4 * turns[1]
+    found, spread = curve_fit(lambda _, b, v: b + 1e6 * ways / v, times, 1e6 * times, (0.0, 5010.0), sigma)
+    speed, left, of_ways = _known_length(known, way)
+    assert speed == (pytest.approx(found[1], rel=1e-8), pytest.approx(math.sqrt(spread[1, 1]), rel=1e-3), 6)
+    miss = times - (1e-6 * found[0] + ways / found[1])
+    assert left == pytest.approx(math.sqrt(np.mean(miss**2)), rel=1e-4)
+    # the same at each frequency
+    for phase in (_phase_speed(known, of_ways, 1.0),):
+        assert phase[0] == pytest.approx([speed.value] * 3, rel=1e-12)
+        assert phase[1] == pytest.approx([speed.error] * 3, rel=1e-9)
+
+
+@pytest.mark.parametrize(("near", "far"), [(320e-6, -480e-6), (-320e-6, 480e-6)])
+def test_passes_out_of_turn_are_refused(near, far):
+    with pytest.raises(InputError, match="passes out of turn"):
+        _speed_and_length(passes_of(near, far)[0], "towards")
+
+
+def test_attenuation_is_what_a_round_trip_takes_over_its_way():
+    """0.2 a trip of 4 m: 0.05 Np/m, at each frequency and by energy; the length's own error counts."""
+    exact = _losses(passes_of(320e-6, 480e-6)[0], FittedValue(2.0, math.nan, 0))
+    assert exact[0].value == pytest.approx(0.05, rel=1e-12)
+    assert exact[1] == pytest.approx([0.05] * 3, rel=1e-12)
+    data = passes_of(320e-6, 480e-6, noise=1e-8)[0]
+    mean, each, errors = _losses(data, FittedValue(2.0, math.nan, 0))
+    trips, turned = np.arange(8) // 2, np.arange(8) % 2
+    found, spread = curve_fit(
+        lambda _, a, b, c: a + b * turned + c * trips, trips, data.logs[:, 0], (0.0, 0.0, 0.0), data.energy**-0.5
+    )
+    assert each == pytest.approx([-found[2] / 4.0] * 3, rel=1e-7)
+    assert errors == pytest.approx([math.sqrt(spread[2, 2]) / 4.0] * 3, rel=1e-5)
+    assert (mean.value, mean.error, mean.freedom) == pytest.approx((each[0], errors[0], 5), rel=1e-9)
+    unsure = _losses(data, FittedValue(2.0, 0.1, 5))[0]
+    assert unsure.error == pytest.approx(math.hypot(mean.error, mean.value * 0.05), rel=1e-9)
+
+
+def test_a_pass_that_those_after_it_do_not_foretell_is_odd():
+    """Late by 3 us among times off by some ns: the second before the first; less than a sample never is."""
+    for late, number, by in (((0.0, 3e-6), 2, 3e-6), ((-3e-6, 0.0), 1, -3e-6), ((1e-6, 2e-6), 2, 2e-6)):
+        data, times, ends = passes_of(320e-6, 480e-6, noise=1e-9, late=late)
+        design = np.column_stack([np.ones(8), *ends])
+        found = _odd(data, times, design, 1e-7)
+        assert found.number == number
+        assert found.late == pytest.approx(by, abs=2e-8)
+        assert found.strength == pytest.approx(1.0, abs=0.02)
+        assert _odd(data, times, design, 4e-6) is None
+    data, times, ends = passes_of(320e-6, 480e-6, first=3, noise=1e-9)
+    louder = data.logs.copy()
+    louder[0] += 0.5
+    found = _odd(data._replace(logs=louder), times, np.column_stack([np.ones(8), *ends]), 1e-7)
+    assert (found.number, found.strength) == (4, pytest.approx(math.exp(0.5), rel=0.02))
+    # what is foretold: a straight line through six points off by one; Student at 1 in 1000 with 4 degrees is 8.6
+    line = np.column_stack([np.ones(7), np.arange(7.0)])
+    values = np.array([0.0, 1.0, -1.0, 1.0, -1.0, 1.0, -1.0])
+    fit, spread = np.polyfit(np.arange(1.0, 7.0), values[1:], 1, cov=True)
+    error = math.sqrt(spread[1, 1] + np.sum((values[1:] - np.polyval(fit, np.arange(1.0, 7.0))) ** 2) / 4)
+    for times_error, sure in ((8.5, False), (8.7, True), (-8.7, True)):
+        values[0] = fit[1] + times_error * error
+        apart, seen = _foretold(line, values, np.ones(7), 0)
+        assert apart == pytest.approx(times_error * error, rel=1e-9)
+        assert seen == sure
+
+
+def test_weighted_least_squares_worked_by_hand():
+    """Weights 1 and 3 of 0 and 4: mean 3, variance (9 + 3)/1, standard error sqrt(12/4)."""
+    found = _plane(np.ones((2, 1)), np.array([0.0, 4.0]), np.array([1.0, 3.0]))
+    assert (found.value[0], found.errors(0)) == pytest.approx((3.0, math.sqrt(3.0)), rel=1e-12)
+    assert found.carried(np.array([-2.0])) == pytest.approx(2.0 * math.sqrt(3.0), rel=1e-12)
+    assert math.isnan(_plane(np.ones((1, 1)), np.ones(1), np.ones(1)).errors(0))
+    assert FittedValue(1.0, 0.1, 3).student == pytest.approx(3.182446, abs=1e-6)
+    assert math.isnan(FittedValue(1.0, 0.1, 0).student)
+
+
+def test_windows_and_largest_correlations_worked_by_hand():
+    """Flanks of a quarter of the lead, (1 - cos(pi (k + 1/2)/2))/2; the first within nine tenths, and its top."""
+    flank = [0.5 * (1 - math.sqrt(0.5)), 0.5 * (1 + math.sqrt(0.5))]
+    assert _taper(9, 8) == pytest.approx([*flank, 1, 1, 1, 1, 1, *flank[::-1]], rel=1e-14)
+    assert list(_taper(4, 3)) == [1.0] * 4
+    same = np.array([9.0, 9.0, 0.0, 1.0, 4.6, 4.9, 3.0, 0.0, 5.0, 0.0])
+    assert _first_large(same, 3) == 5
+    assert _first_large(np.array([9.0, 9.0, 0.0, 4.4, 0.0, 0.0, 5.0]), 2) == 6
+    ramp = np.arange(200.0)
+    ramp[100] = -50.0
+    # within 90 to 110 of 100, both ends taken
+    assert _near_peak(ramp, 100.0, 1.0) == 110
+    assert _near_peak(ramp, 100.0, -1.0) == 100
+    assert _near_peak(ramp, 104.0, 1.0) == 114
+    for out in (1.0, 190.0):
+        assert _near_peak(ramp, out, 1.0, fallback=7) == 7

@@ -248,6 +248,8 @@ def test_the_shape_of_a_trapezoid_worked_by_hand():
     overshot = TRAPEZOID.copy()
     overshot[12] = 16.0
     assert _shape(overshot, 0.5) == pytest.approx((19.5, 4.0, 10.0, 14.5), rel=1e-14)
+    # the median of 6 and 10, both ends taken and no more
+    assert _shape(np.array([0.0, 6.0, 10.0, 2.0, 0.0, 0.0]), 0.5)[2] == 8.0
     # it has not fallen by the end of its body
     assert _shape(TRAPEZOID[:37], 0.5)[0] == 18.5
     assert [_first(np.array([0.0, 4.0, 8.0]), level) for level in (6.0, 4.0, 0.0)] == [1.5, 1.0, 0.0]

@@ -428,11 +428,11 @@ def _speed_and_length(data: _PassData, way: Way) -> tuple[_Free, Array, Array]:
         times = _plain_times(data, speed)
         fit = _plane(design, times, data.energy)
         near, far = float(fit.value[1]), float(fit.value[2])
+        if not near > 0.0 or not far > 0.0:
+            raise InputError("echo trace", "passes out of turn", "a pulse that runs from end to end")
         before, speed = speed, 2.0 * d / near
         if abs(speed / before - 1.0) < CONVERGED:
             break
-    if not near > 0.0 or not far > 0.0:
-        raise InputError("echo trace", "passes out of turn", "a pulse that runs from end to end")
     error = fit.carried(np.array([0.0, -speed / near, 0.0]))
     off = fit.carried(np.array([0.0, -d * far / near**2, d / near]))
     length = d * (near + far) / near
