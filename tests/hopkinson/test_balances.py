@@ -239,3 +239,11 @@ def test_slopes_of_a_straight_rise_moved_by_a_sample_in_closed_form():
     assert found.value == pytest.approx(1.0 / np.polyfit(stress[part], strain[part], 1)[0], rel=1e-9)
     flat = reduce(still(1e-7 * k, 0.0 * k, 0.0 * k, 0.0 * k), (BAR, BAR), Specimen(5e-3, 1e-4))
     assert all(math.isnan(x) for x in rise_slopes(flat, "3-wave"))
+
+
+def test_forces_of_micronewtons_are_compared_as_any_others():
+    one = 1e-14 * np.ones(801)
+    found = equilibrium(
+        reduce(still(1e-7 * np.arange(801), 1.2 * one, 0.0 * one, one), (BAR, BAR), Specimen(5e-3, 1e-4))
+    )
+    assert (found.misfit, found.force_ratio) == pytest.approx((0.2 / 1.1, 1.2), rel=1e-12)
