@@ -85,6 +85,14 @@ duration = "{duration}"
 """
 
 
+@pytest.fixture
+def undrawn(monkeypatch):
+    """Leave pages and pictures out: whose folder it is, the other files show."""
+    for drawing in ("wave.drawn.draw_result", "record.drawn.draw_result"):
+        monkeypatch.setattr(f"strikewave.analyses.{drawing}", lambda *_: [])
+
+
+@pytest.mark.usefixtures("undrawn")
 def test_two_cases_of_one_name_do_not_share_a_folder_in_silence(strikewave):
     """An edited case runs again into its folder; another file whose case has the same name is refused."""
     for name, duration in (("one.toml", "100 us"), ("one.toml", "120 us"), ("two.toml", "140 us")):
@@ -98,6 +106,7 @@ def test_two_cases_of_one_name_do_not_share_a_folder_in_silence(strikewave):
     assert strikewave("wave", "out/bar/case.toml", "--no-band")[0] == 0  # the case of a result runs again
 
 
+@pytest.mark.usefixtures("undrawn")
 def test_two_records_of_one_name_do_not_share_a_folder_in_silence(strikewave):
     Path("monday").mkdir()
     Path("tuesday").mkdir()
