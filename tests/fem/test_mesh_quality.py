@@ -110,3 +110,14 @@ def test_of_many_bad_elements_the_first_are_named_and_the_rest_counted(pair):
         check_mesh(replace(pair, hexahedra=pair.hexahedra[:, FLIPPED]))
     assert len(error.value.lines) == 6
     assert error.value.lines[-1] == "mesh: 11 more such elements"
+
+
+def test_the_aspect_of_a_part_is_that_of_its_longest_element():
+    """Two layers of unit bricks, of which the upper is drawn to three times its height: 3, and edges from 1 to 3."""
+    bricks = block("a", (1.0, 1.0, 2.0), 1.0, 1.0, 1.0)
+    points = bricks.points.copy()
+    points[points[:, 2] > 1.5, 2] = 4.0
+    (row,) = quality_report(replace(bricks, points=points))
+    assert row.aspect_ratio == pytest.approx(3.0, rel=1e-13)
+    assert (row.shortest_edge, row.longest_edge) == pytest.approx((1.0, 3.0), rel=1e-13)
+    assert row.volume == pytest.approx(4.0, rel=1e-13)
