@@ -212,7 +212,7 @@ def test_slow_motion_passes_as_it_is(mounting):
         (lambda: Mounting(sensor_mass=-1.0), "sensor mass"),
         (lambda: Mounting(edge_stiffness=0.0), "edge contact"),
         (lambda: Mounting(edge_stiffness=1e6, edge_damping=-1.0), "damping"),
-        (lambda: Mounting(edge_damping=1.0), "infinite stiffness"),
+        (lambda: Mounting(edge_damping=1e-3), "infinite stiffness"),
         (lambda: Mounting((Gasket(1e3, 1e7, 1e-4, 1e-3, 4.0),), band=(1e2, 1e6)), "narrower band"),
         (lambda: Mounting((RUBBER,), band=(1e5, 1e3)), "band"),
         (lambda: transmission(Mounting(), [-1.0]), "frequencies"),

@@ -218,6 +218,7 @@ def test_an_accelerometer_from_memory_is_reported_with_what_the_case_does_not_gi
 
 
 def test_small_values_and_the_most_bits_and_poles_are_taken():
+    assert Recorder(order=1).order == 1
     assert Recorder(1e-3, 1e-3, 12, 32, 1e-3).full_scale == Sensor(resonance=1e-3, quality=1e-3, range=1e-3).range
 
 
