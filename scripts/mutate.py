@@ -45,12 +45,12 @@ PLUGINS = [word for name in ("cacheprovider", "xdist", "doctest") for word in ("
 EQUIVALENT = ROOT / "scripts" / "mutation" / "equivalent.toml"
 
 
-def sampled(room: str, seed: int, count: int) -> list[tuple[str, Site]]:
+def sampled(room: str, seed: int, count: int, kernels: bool = True) -> list[tuple[str, Site]]:
     """Return a sample of the faults of a room with their names, in the order they are drawn in."""
     found = []
     for path in sorted((ROOT / "src/strikewave" / ROOMS[room]).rglob("*.py")):
         text = path.read_text("utf-8")
-        found += [(site.name(text), site) for site in sites_of(path, ROOT)]
+        found += [(site.name(text), site) for site in sites_of(path, ROOT) if kernels or not site.kernel]
     drawn = random.Random(f"{room} {seed}").sample(found, min(count, len(found)))
     return list(dict(drawn).items())
 
@@ -91,12 +91,12 @@ def equivalents() -> dict[str, str]:
     return tomllib.loads(EQUIVALENT.read_text("utf-8")) if EQUIVALENT.exists() else {}
 
 
-def run(room: str, seed: int, count: int, jobs: int, folder: Path, deadline: float | None = None) -> list[dict]:
-    """Try a sample of the faults of a room; return what came of each."""
+def run(room: str, sample: Sequence[tuple[str, Site]], jobs: int, folder: Path) -> list[dict]:
+    """Try faults of a room, with their names; return what came of each."""
     tests = ROOT / "tests" / ROOMS[room]
     of_tests, of_source = digest(tests.rglob("*.py")), digest((ROOT / "src").rglob("*.py"))
     kept_file = folder / f"{room}.jsonl"
-    before, sample = known(kept_file), sampled(room, seed, count)
+    before = known(kept_file)
     files = {site.file: digest([ROOT / site.file]) for _, site in sample}
     folder.mkdir(parents=True, exist_ok=True)
 
@@ -173,6 +173,7 @@ def main() -> int:
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--count", type=int, default=30, help="faults of each room")
     parser.add_argument("--jobs", type=int, default=2, help="copies that run at a time")
+    parser.add_argument("--without-kernels", action="store_true", help="which are compiled anew for each fault")
     parser.add_argument("--folder", type=Path, default=ROOT / ".mutants", help="where what came of each is kept")
     asked = parser.parse_args()
     wrong = sorted({*asked.rooms} - {*ROOMS})
@@ -180,8 +181,9 @@ def main() -> int:
         parser.error(f"no room of that name: {', '.join(wrong)}; there are {', '.join(ROOMS)}")
     texts = []
     for room in asked.rooms or ROOMS:
-        lines = run(room, asked.seed, asked.count, asked.jobs, asked.folder)
-        alike = sum(name in equivalents() for name, _ in sampled(room, asked.seed, asked.count))
+        sample = sampled(room, asked.seed, asked.count, not asked.without_kernels)
+        lines = run(room, sample, asked.jobs, asked.folder)
+        alike = sum(name in equivalents() for name, _ in sample)
         texts += [summed(room, asked.seed, lines, alike)]
         texts += [f"  {worded(line)}" for line in lines if line["state"] != "killed"]
     print("\n".join(texts))

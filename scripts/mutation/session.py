@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import ast
 import contextlib
+import dataclasses
 import functools
 import gc
 import json
@@ -79,6 +80,7 @@ class Runner:
         """Measure which tests run what unless that is kept, then try all sites."""
         self.items = {item.nodeid: item for item in session.items}
         self.session = session
+        self._sound: dict[tuple[str, str], bool] = {}
         cover = self._cover()
         running: dict[int, tuple[Site, float, float, Path]] = {}
         waiting = list(self.sites)
@@ -92,10 +94,21 @@ class Runner:
                 answer = Path(tempfile.mkdtemp(prefix="mutant-"))
                 limit = LEAST + FACTOR * sum(cover.seconds[test] for test in tests) + COMPILING * site.kernel
                 running[self._begin(site, tests, answer)] = (site, time.monotonic(), limit, answer)
-            self._end_some(running)
+            self._end_some(running, cover)
         return True
 
-    def _end_some(self, running: dict[int, tuple[Site, float, float, Path]]) -> None:
+    def _is_sound(self, site: Site, test: str) -> bool:
+        """Tell whether a test passes where kernels are compiled anew without a fault; else it is not asked again."""
+        key = (site.file, test)
+        if key not in self._sound:
+            answer = Path(tempfile.mkdtemp(prefix="control-"))
+            os.waitpid(self._begin(dataclasses.replace(site, after=site.before), [test], answer), 0)
+            told = answer / "answer.json"
+            self._sound[key] = told.exists() and json.loads(told.read_text())[0] == "survived"
+            shutil.rmtree(answer, ignore_errors=True)
+        return self._sound[key]
+
+    def _end_some(self, running: dict[int, tuple[Site, float, float, Path]], cover: Cover) -> None:
         """Take what has ended, and end what takes too long."""
         time.sleep(0.02)
         for process, (site, begun, limit, answer) in list(running.items()):
@@ -114,6 +127,10 @@ class Runner:
                 state, test = "killed", "it took too long"
             shutil.rmtree(answer, ignore_errors=True)
             del running[process]
+            if site.kernel and state == "killed" and test in self.items and not self._is_sound(site, test):
+                again = Path(tempfile.mkdtemp(prefix="mutant-"))
+                running[self._begin(site, self._tests_of(site, cover), again)] = (site, begun, limit * 2, again)
+                continue
             self.report(site, state, test, time.monotonic() - begun, count)
 
     def _begin(self, site: Site, tests: Sequence[str], answer: Path) -> int:
@@ -220,6 +237,7 @@ class Runner:
             for line in range(first, last + 1):
                 tests.update(lines.get(line, ()))
         kept, seconds = list[str](), 0.0
+        tests = {test for test in tests if self._sound.get((site.file, test), True)}
         for test in sorted(tests, key=lambda one: (cover.seconds[one], one)):
             seconds += cover.seconds[test]
             if kept and seconds > MOST_SECONDS:
@@ -240,14 +258,12 @@ class Runner:
         return tests
 
     def _tests_of_kernel(self, site: Site, cover: Cover) -> set[str]:
-        module = _module_of(site, self.root)
+        module = _module_of(site)
         dispatcher = getattr(module, site.scope, None) if module is not None else None
         if dispatcher is None:
             return set()
         tests = self._callers(dispatcher, cover)
-        if tests:
-            return tests
-        for one in _affected(dispatcher):  # found by its type, or handed over
+        for one in _affected(dispatcher):  # which find it by its type, or are handed it
             tests |= self._callers(one, cover)
         return tests
 
@@ -297,6 +313,9 @@ def apply(site: Site, root: Path) -> None:
         return _apply_constant(site, text, root)
     old, new = (compile(one, str(path), "exec", dont_inherit=True) for one in (text, site.applied(text)))
     changed = dict(_pairs(old, new))
+    if site.after == site.before:  # a control
+        kernel = getattr(_module_of(site), site.scope, None)
+        return _compile_anew(_affected(kernel)) if kernel is not None else None
     reached = False
     kernels = []
     for function in _functions():
@@ -348,7 +367,7 @@ def _module_name(site: Site) -> str:
     return site.file.removeprefix("src/").removesuffix(".py").replace("/", ".").removesuffix(".__init__")
 
 
-def _module_of(site: Site, root: Path) -> types.ModuleType | None:
+def _module_of(site: Site) -> types.ModuleType | None:
     return sys.modules.get(_module_name(site))
 
 
@@ -425,9 +444,18 @@ def _calling(dispatcher: Any) -> list[Any]:
 
 
 def _affected(dispatcher: Any) -> list[Any]:
-    """Return a kernel and all that may call it: by name, or of modules that import from its module."""
-    modules = {dispatcher.py_func.__module__}
+    """Return a kernel and all that may call it: by name, by type, or of modules that import from its module."""
+    home = dispatcher.py_func.__module__
+    modules = {home}
     while True:
+        for name in list(modules):  # what is overloaded for a type calls the kernel without naming it
+            names = vars(sys.modules[name])
+            if "overload" in names:
+                modules |= {
+                    one.__name__
+                    for one in names.values()
+                    if isinstance(one, types.ModuleType) and _is_ours(one.__name__)
+                }
         more = {
             one.py_func.__module__
             for one in _dispatchers()
