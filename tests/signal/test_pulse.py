@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import example, given
 from hypothesis import strategies as st
 
 from strikewave.signal import measure_pulse
@@ -109,6 +109,8 @@ def test_a_level_that_is_never_reached_is_crossed_nowhere():
 
 
 @given(st.lists(st.integers(-9, 9), min_size=3, max_size=9), st.integers(0, 64), st.integers(0, 64))
+@example([0, 4, 1, -3], 9, 14)  # both places within one interval, and in the last one
+@example([0, 4, 1, -3], 17, 23)
 def test_area_is_that_of_trapezoids_through_all_corners(values, one, other):
     """Within one interval, from sample to sample, up to the last one; places in eighths are exact."""
     last = len(values) - 1

@@ -195,8 +195,9 @@ def _refined(values: Array, time: Array, rates: Array) -> tuple[Array, Array, Ar
     """Return decays and angular frequencies of least squares, their columns, amplitudes, and what is left."""
     columns, linear, rest = _beside(values, time, rates)
     for _ in range(STEPS):
-        slopes = _slopes(columns, linear, time)
-        change = np.linalg.lstsq(np.hstack([slopes, columns]), rest, rcond=None)[0][: rates.size]
+        both = np.hstack([_slopes(columns, linear, time), columns])
+        sizes = np.linalg.norm(both, axis=0) + np.finfo(np.float64).tiny  # slopes have units of their own
+        change = (np.linalg.lstsq(both / sizes, rest, rcond=None)[0] / sizes)[: rates.size]
         squares = float(rest @ rest)
         for halving in range(HALVINGS):
             tried = np.asarray(rates + 0.5**halving * change, dtype=np.float64)
@@ -240,7 +241,7 @@ def covariance_of(columns: Array, rest: Array) -> Array | None:
     if size <= 2 * count:
         return None
     base, corner = np.linalg.qr(columns)
-    if np.min(np.abs(np.diag(corner))) < 1e-12 * np.max(np.abs(np.diag(corner))):
+    if np.any(np.abs(np.diag(corner)) < 1e-12 * np.linalg.norm(columns, axis=0)):  # one follows from those before it
         return None
     memory = max(size // MEMORY, 1)
     length = next_fast_len(2 * size, real=True)
