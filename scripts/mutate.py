@@ -15,7 +15,6 @@ from __future__ import annotations
 import argparse
 import hashlib
 import json
-import math
 import os
 import random
 import sys
@@ -26,33 +25,27 @@ from pathlib import Path
 
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # before numpy is imported
 ROOT = Path(__file__).resolve().parents[1]
-sys.path.insert(0, str(ROOT / "scripts"))
 
 import pytest  # noqa: E402
 from mutation.session import Runner  # noqa: E402
 from mutation.sites import Site, sites_of  # noqa: E402
+from scipy.stats import binomtest  # noqa: E402
 
-ROOMS = {
-    name: name
-    for name in (
-        *("contact", "waves", "machines", "signal", "records", "sensors", "fem", "uncertainty", "specifications"),
-        "hopkinson",
-    )
-} | {"fit": "studies/fit"}
+FOLDERS = "contact waves machines signal records sensors fem uncertainty specifications hopkinson studies/fit"
+ROOMS = {folder.rpartition("/")[2]: folder for folder in FOLDERS.split()}
 """Folders by their rooms, in src/strikewave and in tests."""
 PLUGINS = [word for name in ("cacheprovider", "xdist", "doctest") for word in ("-p", f"no:{name}")]
 """Of pytest, that are left out."""
 EQUIVALENT = ROOT / "scripts" / "mutation" / "equivalent.toml"
 
 
-def sampled(room: str, seed: int, count: int, kernels: bool = True) -> list[tuple[str, Site]]:
-    """Return a sample of the faults of a room with their names, in the order they are drawn in."""
+def sampled(room: str, seed: int, count: int, kernels: bool = True) -> dict[str, Site]:
+    """Return a sample of the faults of a room by their names, in the order they are drawn in."""
     found = []
     for path in sorted((ROOT / "src/strikewave" / ROOMS[room]).rglob("*.py")):
         text = path.read_text("utf-8")
         found += [(site.name(text), site) for site in sites_of(path, ROOT) if kernels or not site.kernel]
-    drawn = random.Random(f"{room} {seed}").sample(found, min(count, len(found)))
-    return list(dict(drawn).items())
+    return dict(random.Random(f"{room} {seed}").sample(found, min(count, len(found))))
 
 
 def digest(paths: Iterable[Path]) -> str:
@@ -70,34 +63,18 @@ def known(file: Path) -> dict[str, dict[str, object]]:
     return {line["name"]: line for line in map(json.loads, file.read_text("utf-8").splitlines())}
 
 
-def interval(killed: int, of: int) -> tuple[float, float]:
-    """Return the 95 % interval of a share (Wilson).
-
-    Examples
-    --------
-    >>> [round(end, 3) for end in interval(27, 30)]
-    [0.744, 0.965]
-    """
-    if not of:
-        return 0.0, 1.0
-    z, share = 1.96, killed / of
-    middle = (share + z * z / (2 * of)) / (1 + z * z / of)
-    half = z / (1 + z * z / of) * math.sqrt(share * (1 - share) / of + z * z / (4 * of * of))
-    return middle - half, middle + half
-
-
 def equivalents() -> dict[str, str]:
     """Return reasons of faults that change nothing anybody could see, by name."""
     return tomllib.loads(EQUIVALENT.read_text("utf-8")) if EQUIVALENT.exists() else {}
 
 
-def run(room: str, sample: Sequence[tuple[str, Site]], jobs: int, folder: Path) -> list[dict]:
-    """Try faults of a room, with their names; return what came of each."""
+def run(room: str, sample: dict[str, Site], jobs: int, folder: Path) -> list[dict]:
+    """Try faults of a room, by their names; return what came of each."""
     tests = ROOT / "tests" / ROOMS[room]
     of_tests, of_source = digest(tests.rglob("*.py")), digest((ROOT / "src").rglob("*.py"))
     kept_file = folder / f"{room}.jsonl"
     before = known(kept_file)
-    files = {site.file: digest([ROOT / site.file]) for _, site in sample}
+    files = {site.file: digest([ROOT / site.file]) for site in sample.values()}
     folder.mkdir(parents=True, exist_ok=True)
 
     def stands(name: str, site: Site) -> bool:
@@ -108,14 +85,13 @@ def run(room: str, sample: Sequence[tuple[str, Site]], jobs: int, folder: Path) 
             and (kept["state"] == "killed" or kept["tests"] == of_tests)
         )
 
-    todo = [(name, site) for name, site in sample if name not in equivalents() and not stands(name, site)]
-    names = {id(site): name for name, site in todo}
-    if todo:
+    names = {site: name for name, site in sample.items() if not stands(name, site)}
+    if names:
         with kept_file.open("a", encoding="utf-8") as out:
 
             def report(site: Site, state: str, test: str, seconds: float, ran: int) -> None:
                 line = {
-                    "name": names[id(site)],
+                    "name": names[site],
                     "state": state,
                     "file": site.file,
                     "line": site.line,
@@ -134,7 +110,7 @@ def run(room: str, sample: Sequence[tuple[str, Site]], jobs: int, folder: Path) 
                 print(worded(line), flush=True)
 
             cover = folder / f"cover-{room}-{of_source}-{of_tests}"
-            runner = Runner(ROOT, [site for _, site in todo], cover, jobs, report)
+            runner = Runner(ROOT, list(names), cover, jobs, report)
             words = [
                 "-q",
                 *PLUGINS,
@@ -145,7 +121,7 @@ def run(room: str, sample: Sequence[tuple[str, Site]], jobs: int, folder: Path) 
             ]
             pytest.main([*words, str(tests)], plugins=[runner])
     came = known(kept_file)
-    return [came[name] for name, _ in sample if name in came and name not in equivalents()]
+    return [came[name] for name in sample if name in came]
 
 
 def worded(line: dict) -> str:
@@ -157,9 +133,9 @@ def worded(line: dict) -> str:
 
 
 def summed(room: str, seed: int, lines: Sequence[dict], alike: int) -> str:
-    """Return the score of a room in a line."""
+    """Return the score of a room in a line, with its 95 % interval (Wilson)."""
     killed = sum(line["state"] == "killed" for line in lines)
-    low, high = interval(killed, len(lines))
+    low, high = binomtest(killed, len(lines)).proportion_ci(method="wilson") if lines else (0.0, 1.0)
     share = 100.0 * killed / max(len(lines), 1)
     states = ", ".join(f"{count} {state}" for state, count in Counter(line["state"] for line in lines).items())
     score = f"{killed} of {len(lines)} killed, {share:.0f} % ({100 * low:.0f} to {100 * high:.0f} %)"
@@ -180,11 +156,12 @@ def main() -> int:
     if wrong:
         parser.error(f"no room of that name: {', '.join(wrong)}; there are {', '.join(ROOMS)}")
     texts = []
+    alike = equivalents()
     for room in asked.rooms or ROOMS:
-        sample = sampled(room, asked.seed, asked.count, not asked.without_kernels)
+        drawn = sampled(room, asked.seed, asked.count, not asked.without_kernels)
+        sample = {name: site for name, site in drawn.items() if name not in alike}
         lines = run(room, sample, asked.jobs, asked.folder)
-        alike = sum(name in equivalents() for name, _ in sample)
-        texts += [summed(room, asked.seed, lines, alike)]
+        texts += [summed(room, asked.seed, lines, len(drawn) - len(sample))]
         texts += [f"  {worded(line)}" for line in lines if line["state"] != "killed"]
     print("\n".join(texts))
     return 0

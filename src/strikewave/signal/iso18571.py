@@ -142,19 +142,22 @@ def best_delay(reference: Array, compared: Array) -> int:
     return int(lags[best]) if np.isfinite(found[best]) else 0
 
 
+def _relative_error(reference: Array, compared: Array) -> float:
+    """Return the summed difference over the summed magnitude of the reference."""
+    return float(np.abs(reference - compared).sum()) / max(float(np.abs(reference).sum()), float(np.finfo(float).tiny))
+
+
 def magnitude_score(reference: Array, compared: Array) -> float:
     """Return 1 - e / 0.5, e the summed difference along the warped path over the summed magnitude of the reference."""
     path = warped_path(compared, reference, math.ceil(WARPING * reference.size) - 1)
     a, b = reference[path[:, 1]], compared[path[:, 0]]
-    error = float(np.abs(a - b).sum()) / max(float(np.abs(a).sum()), float(np.finfo(float).tiny))
-    return max(1.0 - error / MOST_MAGNITUDE, 0.0)
+    return max(1.0 - _relative_error(a, b) / MOST_MAGNITUDE, 0.0)
 
 
 def slope_score(reference: Array, compared: Array) -> float:
     """Return 1 - e / 2, e the summed difference of the averaged slopes over their summed magnitude in the reference."""
     a, b = _averaged_slope(reference), _averaged_slope(compared)
-    error = float(np.abs(a - b).sum()) / max(float(np.abs(a).sum()), float(np.finfo(float).tiny))
-    return max(1.0 - error / MOST_SLOPE, 0.0)
+    return max(1.0 - _relative_error(a, b) / MOST_SLOPE, 0.0)
 
 
 def _averaged_slope(values: Array) -> Array:
