@@ -310,30 +310,22 @@ def apply(site: Site, root: Path) -> None:
     path = root / site.file
     text = path.read_text("utf-8")
     if site.kind == "constant":
-        return _apply_constant(site, text, root)
+        return _apply_constant(site)
     old, new = (compile(one, str(path), "exec", dont_inherit=True) for one in (text, site.applied(text)))
     changed = dict(_pairs(old, new))
-    if site.after == site.before:  # a control
-        kernel = getattr(_module_of(site), site.scope, None)
-        return _compile_anew(_affected(kernel)) if kernel is not None else None
-    reached = False
-    kernels = []
+    reached = not changed  # a control, without a fault
     for function in _functions():
         if function.__code__ in changed and Path(function.__code__.co_filename) == path:
             function.__code__ = changed[function.__code__]
             reached = True
-    for dispatcher in _dispatchers():
-        function = dispatcher.py_func
-        if function.__code__ in changed.values() and Path(function.__code__.co_filename) == path:
-            kernels.append(dispatcher)
-    for dispatcher in kernels:
-        _compile_anew(_affected(dispatcher))
+    if site.kernel:
+        _compile_anew(_affected(getattr(_module_of(site), site.scope)))
     if not reached:
         raise Unreached(site.scope)
     return None
 
 
-def _apply_constant(site: Site, text: str, root: Path) -> None:
+def _apply_constant(site: Site) -> None:
     """Change a constant of a module, wherever it was imported."""
     value = ast.literal_eval(site.after)
     before = ast.literal_eval(site.before)
