@@ -4,10 +4,10 @@
 
 A sample of the faults of the room (`scripts/mutation/sites.py`) is drawn by its seed. A fault is run by the tests of
 `tests/<room>` that enter its line (doctests, and those of ``make verify``, do not count), the shortest first, until one
-fails. What comes of each is kept in ``.mutants`` and not tried again: a killed one as long as its file stands, a
-survivor as long as the tests do. Kept libraries do not fit: mutmut puts every version of a function into its module,
-which the compiler of the kernels does not follow, and cosmic-ray starts the tests anew for each fault, some ten times
-as long. Linux and macOS only: a fault is run in a copy of the process.
+fails. What comes of each is kept in ``.mutants``: a killed one is not tried again as long as its file stands, a
+survivor is tried on the files of tests that have changed. Kept libraries do not fit: mutmut puts every version of a
+function into its module, which the compiler of the kernels does not follow, and cosmic-ray starts the tests anew for
+each fault, some ten times as long. Linux and macOS only: a fault is run in a copy of the process.
 """
 
 from __future__ import annotations
@@ -56,6 +56,14 @@ def digest(paths: Iterable[Path]) -> str:
     return key.hexdigest()[:16]
 
 
+def digests(tests: Path) -> dict[str, str]:
+    """Return keys of the files of tests, by their paths; each has what they share in it."""
+    files = sorted(tests.rglob("*.py"))
+    of_tests = [file for file in files if file.name.startswith("test_")]
+    shared = [ROOT / "tests/conftest.py", *(file for file in files if file not in of_tests)]
+    return {file.relative_to(ROOT).as_posix(): digest([file, *shared]) for file in of_tests}
+
+
 def known(file: Path) -> dict[str, dict[str, object]]:
     """Return what came of faults, the last by name."""
     if not file.exists():
@@ -71,21 +79,22 @@ def equivalents() -> dict[str, str]:
 def run(room: str, sample: dict[str, Site], jobs: int, folder: Path) -> list[dict]:
     """Try faults of a room, by their names; return what came of each."""
     tests = ROOT / "tests" / ROOMS[room]
-    of_tests, of_source = digest(tests.rglob("*.py")), digest((ROOT / "src").rglob("*.py"))
+    of_tests, of_source = digests(tests), digest((ROOT / "src").rglob("*.py"))
     kept_file = folder / f"{room}.jsonl"
     before = known(kept_file)
     files = {site.file: digest([ROOT / site.file]) for site in sample.values()}
     folder.mkdir(parents=True, exist_ok=True)
 
+    def same_source(name: str, site: Site) -> bool:
+        kept = before.get(name, {})
+        return kept.get("source") == files[site.file] and isinstance(kept["tests"], dict)
+
     def stands(name: str, site: Site) -> bool:
-        kept = before.get(name)
-        return (
-            kept is not None
-            and kept["source"] == files[site.file]
-            and (kept["state"] == "killed" or kept["tests"] == of_tests)
-        )
+        return same_source(name, site) and (before[name]["state"] == "killed" or before[name]["tests"] == of_tests)
 
     names = {site: name for name, site in sample.items() if not stands(name, site)}
+    survived = {site for site, name in names.items() if same_source(name, site) and before[name]["state"] == "survived"}
+    tried = {site: before[names[site]]["tests"] for site in survived}
     if names:
         with kept_file.open("a", encoding="utf-8") as out:
 
@@ -109,8 +118,8 @@ def run(room: str, sample: dict[str, Site], jobs: int, folder: Path) -> list[dic
                 out.flush()
                 print(worded(line), flush=True)
 
-            cover = folder / f"cover-{room}-{of_source}-{of_tests}"
-            runner = Runner(ROOT, list(names), cover, jobs, report)
+            cover = folder / f"cover-{room}-{of_source}"
+            runner = Runner(ROOT, list(names), cover, of_tests, tried, jobs, report)
             words = [
                 "-q",
                 *PLUGINS,

@@ -20,7 +20,7 @@ import sys
 import tempfile
 import time
 import types
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -57,14 +57,28 @@ class Runner:
         What is tried.
     cover_file : Path
         Where the coverage is kept.
+    versions : mapping
+        Keys of the files of tests.
+    tried : mapping
+        Such keys of the tests that a site has survived.
     jobs : int
         Copies that run at a time.
     report : callable
         Takes a site, its state, the test that saw it and the seconds.
     """
 
-    def __init__(self, root: Path, sites: Sequence[Site], cover_file: Path, jobs: int, report: Any) -> None:
+    def __init__(
+        self,
+        root: Path,
+        sites: Sequence[Site],
+        cover_file: Path,
+        versions: Mapping[str, str],
+        tried: Mapping[Site, Mapping[str, str]],
+        jobs: int,
+        report: Any,
+    ) -> None:
         self.root, self.sites, self.cover_file, self.jobs, self.report = root, sites, cover_file, jobs, report
+        self.versions, self.tried = versions, tried
 
     def pytest_configure(self) -> None:
         """Let hypothesis search, but not shrink what it found, nor keep it."""
@@ -89,7 +103,7 @@ class Runner:
                 site = waiting.pop(0)
                 tests = self._tests_of(site, cover)
                 if not tests:
-                    self.report(site, "not covered", "", 0.0, 0)
+                    self.report(site, "survived" if site in self.tried else "not covered", "", 0.0, 0)
                     continue
                 answer = Path(tempfile.mkdtemp(prefix="mutant-"))
                 limit = LEAST + FACTOR * sum(cover.seconds[test] for test in tests) + COMPILING * site.kernel
@@ -170,11 +184,27 @@ class Runner:
         item.config.hook.pytest_runtest_protocol(item=item, nextitem=self.items[following] if following else None)
 
     def _cover(self) -> Cover:
+        kept: dict[tuple[str, str], Cover] = {}
         if self.cover_file.exists():
-            return pickle.loads(self.cover_file.read_bytes())  # written by this program, in the folder of the project
-        print("measuring which tests run what ...", flush=True)
-        # the tests are shared among copies: each takes every so-manieth module
-        modules = list(dict.fromkeys(test.split("::")[0] for test in self.items))
+            kept = pickle.loads(self.cover_file.read_bytes())  # written by this program, in the folder of the project
+        keys = [(module, self.versions[module]) for module in dict.fromkeys(map(_module_of_test, self.items))]
+        missing = [module for module, version in keys if (module, version) not in kept]
+        if missing:
+            print(f"measuring what {len(missing)} files of tests run ...", flush=True)
+            for module, part in self._measured(missing).items():
+                kept[module, self.versions[module]] = part
+            self.cover_file.parent.mkdir(parents=True, exist_ok=True)
+            self.cover_file.write_bytes(pickle.dumps({key: kept[key] for key in keys}))
+        cover = Cover()
+        for key in keys:
+            cover.seconds |= kept[key].seconds
+            for file, lines in kept[key].lines.items():
+                for line, tests in lines.items():
+                    cover.lines.setdefault(file, {}).setdefault(line, []).extend(tests)
+        return cover
+
+    def _measured(self, modules: Sequence[str]) -> dict[str, Cover]:
+        """Return what the tests of files run; they are shared among copies, each takes every so-manieth file."""
         parts: list[tuple[int, Path]] = []
         for job in range(self.jobs):
             folder = Path(tempfile.mkdtemp(prefix="cover-"))
@@ -182,24 +212,20 @@ class Runner:
             if not process:
                 try:
                     self._silence(folder)
-                    taken = set(modules[job :: self.jobs])
-                    found = self._measure([test for test in self.items if test.split("::")[0] in taken])
+                    found = {
+                        module: self._measure([test for test in self.items if _module_of_test(test) == module])
+                        for module in modules[job :: self.jobs]
+                    }
                     (folder / "cover").write_bytes(pickle.dumps(found))
                 finally:
                     os._exit(0)
             parts.append((process, folder))
-        cover = Cover()
+        covers: dict[str, Cover] = {}
         for process, folder in parts:
             os.waitpid(process, 0)
-            part = pickle.loads((folder / "cover").read_bytes())
-            cover.seconds |= part.seconds
-            for file, lines in part.lines.items():
-                for line, tests in lines.items():
-                    cover.lines.setdefault(file, {}).setdefault(line, []).extend(tests)
+            covers |= pickle.loads((folder / "cover").read_bytes())
             shutil.rmtree(folder, ignore_errors=True)
-        self.cover_file.parent.mkdir(parents=True, exist_ok=True)
-        self.cover_file.write_bytes(pickle.dumps(cover))
-        return cover
+        return covers
 
     def _measure(self, tests: Sequence[str]) -> Cover:
         import coverage
@@ -215,6 +241,7 @@ class Runner:
             if not failed.any:  # what fails without a fault says nothing of one
                 cover.seconds[test] = time.perf_counter() - begun
         measured.stop()
+        self.session.config.pluginmanager.unregister(failed)
         data = measured.get_data()
         for name in data.measured_files():
             file = Path(name).relative_to(self.root).as_posix()
@@ -237,7 +264,13 @@ class Runner:
             for line in range(first, last + 1):
                 tests.update(lines.get(line, ()))
         kept, seconds = list[str](), 0.0
-        tests = {test for test in tests if self._sound.get((site.file, test), True)}
+        tried = self.tried.get(site, {})
+        tests = {
+            test
+            for test in tests
+            if self._sound.get((site.file, test), True)
+            and tried.get(_module_of_test(test)) != self.versions[_module_of_test(test)]
+        }
         for test in sorted(tests, key=lambda one: (cover.seconds[one], one)):
             seconds += cover.seconds[test]
             if kept and seconds > MOST_SECONDS:
@@ -388,6 +421,10 @@ def _dispatchers() -> list[Any]:
 
 def _modules() -> Iterable[types.ModuleType]:
     return [module for name, module in list(sys.modules.items()) if _is_ours(name)]
+
+
+def _module_of_test(test: str) -> str:
+    return test.split("::")[0]
 
 
 def _is_ours(name: str | None) -> bool:
