@@ -86,15 +86,14 @@ def run(room: str, sample: dict[str, Site], jobs: int, folder: Path) -> list[dic
     folder.mkdir(parents=True, exist_ok=True)
 
     def same_source(name: str, site: Site) -> bool:
-        kept = before.get(name, {})
-        return kept.get("source") == files[site.file] and isinstance(kept["tests"], dict)
+        return name in before and before[name]["source"] == files[site.file]
 
     def stands(name: str, site: Site) -> bool:
         return same_source(name, site) and (before[name]["state"] == "killed" or before[name]["tests"] == of_tests)
 
     names = {site: name for name, site in sample.items() if not stands(name, site)}
-    survived = {site for site, name in names.items() if same_source(name, site) and before[name]["state"] == "survived"}
-    tried = {site: before[names[site]]["tests"] for site in survived}
+    survived = [site for site, name in names.items() if same_source(name, site) and before[name]["state"] == "survived"]
+    tried = {site: before[names[site]]["tests"] for site in survived if isinstance(before[names[site]]["tests"], dict)}
     if names:
         with kept_file.open("a", encoding="utf-8") as out:
 
