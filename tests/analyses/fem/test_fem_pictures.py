@@ -14,17 +14,14 @@ from strikewave.analyses.fem.report import fields as fem_fields
 from strikewave.analyses.fem.report.fields import fields_section
 from strikewave.analyses.fem.report.largest import place_words
 from strikewave.analyses.fem.run import run_fem
-from strikewave.fem.mesh import joined, volumes
-from strikewave.fem.model import Fixed, RigidWall, SurfaceContact, Symmetry
-from strikewave.fem.skin import blow_contact, cut_of, faces_on, meeting_place, skin_of, symmetry_planes
+from strikewave.fem.mesh import joined
+from strikewave.fem.model import SurfaceContact
+from strikewave.fem.skin import faces_on, skin_of
 from strikewave.fem.snapshots import (
-    PER_TRANSIT,
     WAVE_INSTANTS,
     Snapshot,
     SnapshotRecorder,
     recorder_from_frames,
-    snapshot_recorder,
-    transit_time,
 )
 
 from ...fem import synthetic
@@ -47,14 +44,6 @@ def areas(skin, points=None):
     return 0.5 * np.cross(corners[:, 2] - corners[:, 0], corners[:, 3] - corners[:, 1])
 
 
-def enclosed(skin):
-    """Volume by the flux of x/3 through bilinear faces, each by its four triangles about the middle."""
-    corners = skin.points[skin.faces]
-    middle = corners.mean(axis=1)
-    sides = zip(range(4), (1, 2, 3, 0), strict=True)
-    return sum(np.einsum("ij,ij->", middle, np.cross(corners[:, a], corners[:, b])) / 6.0 for a, b in sides)
-
-
 def still(skin, stress, time=0.0, strain=0.0):
     cells = np.broadcast_to(np.asarray(stress, np.float32), (len(skin.elements), 6))
     return Snapshot(
@@ -65,131 +54,7 @@ def still(skin, stress, time=0.0, strain=0.0):
     )
 
 
-# the skin
-
-
-def test_a_quarter_becomes_the_half_with_a_flat_cut(bars):
-    skin = skin_of(bars)
-    assert skin.cut.symmetric
-    quarter = float(volumes(bars.mesh.points, bars.mesh.hexahedra).sum())
-    assert enclosed(skin) == pytest.approx(2.0 * quarter, rel=1e-12)
-    assert np.linalg.norm(areas(skin).sum(axis=0)) < 1e-15  # closed
-    normal = skin.cut.plane.normal
-    on_cut = np.abs(skin.cut.plane.height(skin.points[skin.faces])).max(axis=1) < 1e-12
-    assert float((areas(skin)[on_cut] @ normal).sum()) == pytest.approx(BAR["diameter"] * BAR["length"], rel=1e-12)
-    inside = np.abs(skin.cut.mirror.height(skin.points[skin.faces])).max(axis=1) < 1e-12
-    assert not inside.any()  # no faces where the images meet
-
-
-def test_edges_have_two_faces_and_sharp_ones_are_the_outline(bars):
-    skin = skin_of(bars)
-    assert len(skin.edges.nodes) == 2 * len(skin.faces)  # of a closed surface of quadrilaterals
-    sharp = skin.points[skin.edges.nodes[skin.edges.sharp]]
-    ends = np.isclose(sharp[:, :, 2, None], [0.0, 0.06, 0.18]).any(axis=2).all(axis=1)  # rims of the two bars
-    along = np.abs(np.abs(sharp[:, :, 0]) - 6e-3).max(axis=1) < 1e-9  # where the cut meets the round
-    assert (ends | along).all()
-    length = np.linalg.norm(sharp[:, 1] - sharp[:, 0], axis=1)
-    assert length[along & ~ends].sum() == pytest.approx(2 * BAR["length"], rel=1e-9)
-
-
-def test_images_move_as_mirror_images(bars, rng):
-    skin = skin_of(bars)
-    moved = skin.moved(rng.normal(size=(len(skin.nodes), 3)).astype(np.float32)) - skin.points
-    twins = {int(node): row for row, node in enumerate(skin.node) if not skin.image[row]}
-    rows = np.flatnonzero(skin.image)
-    originals = np.array([twins[int(skin.node[row])] for row in rows])
-    assert np.allclose(moved[rows], moved[originals] * [-1.0, 1.0, 1.0], atol=1e-12)
-    assert np.allclose(skin.points[rows], skin.points[originals] * [-1.0, 1.0, 1.0], atol=1e-12)
-
-
-def test_whole_bodies_are_cut_through_where_they_meet(ball):
-    skin = skin_of(ball)
-    assert not skin.cut.symmetric
-    assert skin.cut.mirror is None
-    assert skin.cut.plane.point == pytest.approx([0.0, 0.0, 0.0], abs=1e-12)
-    block = skin.part == ball.mesh.names.index("block")
-    corners = skin.points[skin.faces]
-    on_cut = block & (np.abs(corners[:, :, 1]).max(axis=1) < 1e-12)
-    assert float(np.linalg.norm(areas(skin)[on_cut], axis=1).sum()) == pytest.approx(0.03 * 0.012, rel=1e-12)
-    assert corners[:, :, 1].min() > -1e-12
-    half = 0.5 * float(volumes(ball.mesh.points, ball.mesh.hexahedra).sum())
-    assert enclosed(skin) == pytest.approx(half, rel=1e-9)
-
-
-def test_only_planes_of_symmetry_along_the_blow_that_all_is_behind_are_cuts(ball, bars):
-    floor = dataclasses.replace(ball, boundaries=(Symmetry("block.bottom"), Fixed("block.top")))
-    assert symmetry_planes(floor) == []  # across the blow: a floor, no cut
-    aside = dataclasses.replace(
-        bars.mesh, points=bars.mesh.points - [1e-3, 0.0, 0.0] * (bars.mesh.points[:, 2:] > 0.06)
-    )
-    assert len(symmetry_planes(dataclasses.replace(bars, mesh=aside))) == 1  # x- of one bar cuts through the other
-    half = dataclasses.replace(bars, boundaries=tuple(b for b in bars.boundaries if b.side.endswith("x-")))
-    found = cut_of(half)
-    assert found.mirror is None
-    assert found.plane.normal == pytest.approx([-1.0, 0.0, 0.0], abs=1e-12)
-
-
-def test_the_contact_of_the_blow_is_that_of_bodies_at_different_speeds(ball):
-    resting = SurfaceContact("block.bottom", "block.top")
-    both = dataclasses.replace(ball, contacts=(resting, *ball.contacts))
-    assert blow_contact(both) is ball.contacts[0]
-    assert blow_contact(dataclasses.replace(both, velocity={})) is resting
-    alone = dataclasses.replace(ball, contacts=(), walls=(RigidWall("ball.all", (0.0, 0.0, -0.001), (0.0, 0.0, 2.0)),))
-    assert meeting_place(alone) == pytest.approx([0.0, 0.0, -0.0005], abs=1e-12)
-    assert blow_contact(dataclasses.replace(ball, contacts=())) is None
-
-
 # the film
-
-
-def test_the_wave_takes_the_way_to_the_far_end_at_the_speed_in_bars(bars):
-    solid = bars.solids["bar"]
-    assert transit_time(bars) == pytest.approx(0.12 / np.sqrt(solid.youngs_modulus / solid.density), rel=1e-12)
-
-
-def test_a_film_keeps_few_even_instants_more_in_contact_and_those_of_the_wave(ball):
-    frame = synthetic.frame(ball.mesh, 1e-5)
-    film = snapshot_recorder(ball, 10)
-    time = 1e-7 * np.arange(1001)
-    touching = (time > 2e-5) & (time < 4e-5)
-    largest = np.where(np.arange(1001) == 777, 9e8, 1e8)
-    for t, touch, most in zip(time, touching, largest, strict=True):
-        film.offer(float(t), bool(touch), float(most), lambda at=t: dataclasses.replace(frame, time=float(at)))
-    kept = np.array([one.time for one in film.whole.kept])
-    assert 10 <= len(kept) < 20
-    assert np.allclose(np.diff(kept), kept[1] - kept[0], rtol=1e-9)
-    close = np.array([one.time for one in film.contact.kept])
-    assert 10 <= len(close) < 20
-    assert close.min() > 2e-5
-    assert close.max() < 4e-5
-    assert (PER_TRANSIT, WAVE_INSTANTS) == (6, 8)  # as the docs and the caption say
-    due = film.touched + film.transit / 6.0 * np.arange(1, 9)
-    late = np.array([one.time for one in film.wave]) - due
-    assert (late > -1e-12).all()
-    assert (late < 1e-7 + 1e-12).all()  # the next instant of the histories
-    assert film.worst.time == pytest.approx(777e-7, rel=1e-12)
-    assert len(film.snapshots) <= 20 + 20 + WAVE_INSTANTS + 2
-
-
-@pytest.mark.parametrize("before", [0.0, 5.0])
-def test_a_run_that_went_on_after_first_touch_has_no_row_of_the_wave(ball, before):
-    frame, film = synthetic.frame(ball.mesh, 1e-5), snapshot_recorder(ball)
-    rows = {f"force/{film.contact_name}": [np.array([0.0, 0.0, before])], "von_mises/ball": [np.array(1e6)]}
-    engine = SimpleNamespace(recorder=SimpleNamespace(rows=rows, bearing=["ball"]), frame=lambda: frame)
-    for k in range(30):
-        engine.time = 1e-6 * (50 + k)
-        rows[f"force/{film.contact_name}"].append(np.array([0.0, 0.0, 7.0]))
-        film.observe(engine, last=k == 29)
-    assert film.missed == (before > 0.0)
-    assert len(film.wave) == (0 if before else WAVE_INSTANTS)
-    assert film.last is not None
-
-
-def test_a_film_of_a_large_model_keeps_fewer_instants(ball, monkeypatch):
-    skin = skin_of(ball)
-    each = 4 * (3 * len(skin.nodes) + 7 * len(skin.elements))
-    monkeypatch.setattr("strikewave.fem.snapshots.LARGEST", 4 * each * 11)
-    assert SnapshotRecorder(skin, 1e-5, "", 60).wanted == 11
 
 
 def test_a_run_is_filmed_from_first_touch_on(bars):
