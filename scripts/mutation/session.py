@@ -287,7 +287,7 @@ class Runner:
         for dispatcher in _dispatchers():
             code = dispatcher.py_func.__code__
             if site.scope in _names(code) and _own_constant(dispatcher.py_func.__globals__, site):
-                tests |= self._callers(dispatcher, cover)
+                tests |= self._callers([dispatcher], cover)
         return tests
 
     def _tests_of_kernel(self, site: Site, cover: Cover) -> set[str]:
@@ -295,24 +295,26 @@ class Runner:
         dispatcher = getattr(module, site.scope, None) if module is not None else None
         if dispatcher is None:
             return set()
-        tests = self._callers(dispatcher, cover)
-        for one in _affected(dispatcher):  # which find it by its type, or are handed it
-            tests |= self._callers(one, cover)
-        return tests
+        # those affected find it by its type, or are handed it
+        return self._callers([dispatcher, *_affected(dispatcher)], cover)
 
-    def _callers(self, dispatcher: Any, cover: Cover) -> set[str]:
-        """Return the tests that enter what calls a kernel, or name it."""
+    def _callers(self, dispatchers: Iterable[Any], cover: Cover) -> set[str]:
+        """Return the tests that enter what calls any of some kernels, or that name one, or what does beside them."""
         tests: set[str] = set()
-        callers = {id(one) for one in _calling(dispatcher)}
+        callers = {id(one) for one in _calling(dispatchers)}
+        handed = _attributes_with(callers)
         for function in _functions():
-            if not _used(function).isdisjoint(callers):
+            names = function.__code__.co_names
+            if not _used(function).isdisjoint(callers) or not handed.isdisjoint(names):
                 tests |= _entering(function.__code__, self.root, cover)
+        reaching = callers | _helpers_of(callers, self.root / "tests")
         for test, item in self.items.items():
-            code = getattr(getattr(item, "function", None), "__code__", None)
-            if code is None or test not in cover.seconds:
+            function = getattr(item, "function", None)
+            function = getattr(getattr(function, "hypothesis", None), "inner_test", function)
+            if not isinstance(function, types.FunctionType) or test not in cover.seconds:
                 continue
-            names = item.function.__globals__  # type: ignore[attr-defined]
-            if any(id(value) in callers for value in names.values()):
+            named = {id(value) for value in function.__globals__.values()}
+            if not named.isdisjoint(callers) or not _used(function).isdisjoint(reaching):
                 tests.add(test)
         return tests
 
@@ -442,14 +444,40 @@ def _names(code: types.CodeType) -> set[str]:
 
 @functools.cache
 def _used(function: types.FunctionType) -> set[int]:
-    """Return which objects a function names: global ones, and those of the modules that it names."""
+    """Return which objects a function names: global ones, what stands in them, and those of the modules it names."""
     names, home = _names(function.__code__), function.__globals__
     values = [home[name] for name in names if name in home]
     for module in [one for one in values if isinstance(one, types.ModuleType) and _is_ours(one.__name__)]:
         values += [getattr(module, name) for name in names if hasattr(module, name)]
+    for table in [one for one in values if isinstance(one, dict | tuple | list)]:
+        values += table.values() if isinstance(table, dict) else table
     if function.__closure__:
         values += [cell.cell_contents for cell in function.__closure__ if _filled(cell)]
     return {id(value) for value in values}
+
+
+def _attributes_with(kernels: set[int]) -> set[str]:
+    """Return the names of attributes by which classes of the project hold kernels."""
+    classes = [one for module in _modules() for one in vars(module).values() if isinstance(one, type)]
+    members = [(name, value) for one in classes for name, value in vars(one).items()]
+    return {name for name, value in members if id(getattr(value, "__func__", value)) in kernels}
+
+
+def _helpers_of(kernels: set[int], tests: Path) -> set[int]:
+    """Return the functions and classes beside tests that name kernels, or others of them that do."""
+    used: dict[int, set[int]] = {}
+    for module in list(sys.modules.values()):
+        if not str(getattr(module, "__file__", None)).startswith(str(tests)):
+            continue
+        for value in vars(module).values():
+            members = vars(value).values() if isinstance(value, type) else [value]
+            functions = [getattr(one, "__func__", getattr(one, "fget", one)) for one in members]
+            own = [_used(one) for one in functions if isinstance(one, types.FunctionType)]
+            used[id(value)] = set().union(*own)
+    found: set[int] = set()
+    while more := {key for key, names in used.items() if key not in found and not names.isdisjoint(kernels | found)}:
+        found |= more
+    return found
 
 
 def _filled(cell: types.CellType) -> bool:
@@ -460,9 +488,9 @@ def _filled(cell: types.CellType) -> bool:
     return True
 
 
-def _calling(dispatcher: Any) -> list[Any]:
-    """Return a kernel and all that call it by name."""
-    found = {id(dispatcher): dispatcher}
+def _calling(dispatchers: Iterable[Any]) -> list[Any]:
+    """Return some kernels and all that call them by name."""
+    found = {id(one): one for one in dispatchers}
     while True:
         more = {
             id(one): one for one in _dispatchers() if id(one) not in found and not _used(one.py_func).isdisjoint(found)
