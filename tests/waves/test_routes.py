@@ -31,9 +31,9 @@ def test_the_corrected_route_is_the_stack_until_an_echo_comes_from_beyond(positi
     assert run.time[np.flatnonzero(run.force[:, 0] > 1e-12)[0]] == pytest.approx(13.0 + 2.0 * position, abs=2 * STEP)
     assert found.force == pytest.approx(run.force[:, 0], abs=1e-5 * 7.0)
     assert found.velocity == pytest.approx(run.velocity[:, 0], abs=1e-5 * 7.0)
-    # at its foot the acceleration has a corner, which averages and cubics round within a step: 1/80 of 2 pi/20 s at most
+    # at its foot the acceleration has a corner, which averages and cubics round within a step: 1/50 of the largest
     assert found.acceleration == pytest.approx(run.acceleration[:, 0], abs=8e-3)
-    assert np.abs(found.acceleration).max() > 1.0
+    assert np.abs(found.acceleration).max() > 0.3
     printed = route_history(STACK, 2, position, run.time, run.face_force, "as printed")
     assert np.abs(printed.velocity - run.velocity[:, 0]).max() > 0.01
 
