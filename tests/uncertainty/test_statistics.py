@@ -113,6 +113,12 @@ def test_sobol_indices_by_hand():
     assert (moved.first.tolist(), moved.total.tolist()) == ([1.0], [1.0])
     half = sobol_indices(np.array([0.0, 2.0]), np.array([4.0, 6.0]), np.array([[0.0, 4.0]]))
     assert (half.first.tolist(), half.total.tolist()) == ([0.6], [0.2])
+    both = sobol_indices(
+        np.array([[0.0, 2.0], [7.0, 9.0]]),
+        np.array([[4.0, 6.0], [11.0, 13.0]]),
+        np.array([[[4.0, 4.0], [11.0, 11.0]], [[0.0, 4.0], [7.0, 11.0]]]),
+    )
+    assert (both.first.tolist(), both.total.tolist()) == ([[1.0, 1.0], [0.6, 0.6]], [[1.0, 1.0], [0.2, 0.2]])
 
 
 def test_mixtures_take_their_columns_from_the_second_half():
@@ -215,6 +221,7 @@ def test_first_and_total_indices_have_bounds_of_their_own():
     assert (found.of, found.runs) == ("y", 1000)
     for path, first, total in (("u", 4 / 9, 4 / 9), ("v", 1 / 9, 5 / 9), ("w", 0.0, 4 / 9)):
         row = rows[path]
+        assert row.floor == 0.0
         assert abs(row.share - first) < 3.0 * row.standard_error < 0.3
         assert abs(row.total - total) < 3.0 * row.total_standard_error < 0.3
         assert row.total_low < row.total < row.total_high
@@ -254,3 +261,13 @@ def test_shares_that_are_not_known_stand_last():
     assert [row.path for row in found.rows] == ["a", "b"]
     assert np.isnan([row.share for row in found.rows]).all()
     assert not found.rows[0].distinct
+
+
+def test_shares_of_each_tolerance_are_those_that_it_has_without_the_others():
+    y, z = np.random.default_rng(8).standard_normal((2, 60))
+    alone = np.array([0.6 * y + 0.3 * z, z, 0.1 * y])
+    found = scatter_shares("y", ["a", "b", "c"], y + z, alone, 2)
+    for row in found.rows:
+        [single] = scatter_shares("y", [row.path], y + z, alone["abc".index(row.path)][None], 2).rows
+        told = [(one.share, one.low, one.high, one.standard_error) for one in (single, row)]
+        assert told[0] == pytest.approx(told[1], rel=1e-9)
