@@ -134,9 +134,7 @@ def test_columns_are_full_filled_or_left_out(tmp_path):
 
 
 def test_columns_of_words_and_settings_are_named(laid):
-    look, found = laid(
-        "t,bar,note,kind,top\n" + "".join(f"{k},{k * k},ok,{'dt' if k == 3 else ''},\n" for k in range(40))
-    )
+    _, found = laid("t,bar,note,kind,top\n" + "".join(f"{k},{k * k},ok,{'dt' if k == 3 else ''},\n" for k in range(40)))
     assert (found.filled, found.full, found.width, found.first) == ([0, 1], [0, 1], 5, 1)
     assert messages(found) == [
         "column 3 is left out: it holds words", "column 4 is left out: it holds words",
