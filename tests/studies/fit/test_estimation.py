@@ -312,26 +312,27 @@ def test_a_profile_ends_at_a_bound_that_the_misfit_does_not_reach():
     assert not is_quadratic(search, found, 0)
 
 
-@pytest.mark.parametrize(("cubic", "parabola"), [(0.27, True), (0.33, False), (-0.27, True), (-0.33, False)])
+@pytest.mark.parametrize(("cubic", "parabola"), [(0.299, True), (0.301, False), (-0.299, True), (-0.301, False)])
 def test_a_misfit_within_three_tenths_of_its_parabola_at_two_errors_is_one(cubic, parabola):
     """r^2 = z^2 (1 + c z/2) at z = 2 errors is 1 + c times that of the parabola, 1 - c at -2."""
 
     def residuals(place):
         z = (place[0] - 0.5) / 0.1
-        return np.array([z * np.sqrt(1.0 + cubic * z / 2.0)])
+        return np.array([z * np.sqrt(1.0 + cubic * z / 2.0), 0.7])
 
-    found = Estimate(np.array([0.5]), np.zeros(1), np.array([[10.0]]), np.array([[0.01]]), np.zeros((1, 0)), [1.96])
+    left, slopes = np.array([0.0, 0.7]), np.array([[10.0], [0.0]])
+    found = Estimate(np.array([0.5]), left, slopes, np.array([[0.01]]), np.zeros((1, 0)), [1.96])
     search = Search(residuals, 1)
     search.begin(np.array([0.5]))
     assert is_quadratic(search, found, 0) == parabola
     for place, answer in (
-        (0.79, True),
-        (0.81, False),
-        (0.19, False),
-        (0.21, True),
+        (0.795, True),
+        (0.805, False),
+        (0.195, False),
+        (0.205, True),
     ):  # two errors beyond a bound are none
-        moved = Search(lambda one, p=place: np.array([(one[0] - p) / 0.1]), 1)
-        other = Estimate(np.array([place]), np.zeros(1), found.jacobian, found.covariance, np.zeros((1, 0)), [1.96])
+        moved = Search(lambda one, p=place: np.array([(one[0] - p) / 0.1, 0.7]), 1)
+        other = Estimate(np.array([place]), left, found.jacobian, found.covariance, np.zeros((1, 0)), [1.96])
         assert is_quadratic(moved, other, 0) == answer
     known = Estimate(np.array([0.5]), np.zeros(1), found.jacobian, np.zeros((1, 1)), np.zeros((1, 0)), [1.96])
     assert is_quadratic(search, known, 0)
@@ -515,6 +516,40 @@ def test_an_end_is_sought_between_a_tenth_and_nine_tenths_of_where_it_lies_and_t
     _, places = end_of_profile(0.0, 100.0, 1.9)
     assert places.size == 13
     assert places[:3] == pytest.approx([0.1, 0.19, 0.271])
+    for above, steps in ((1.9697, 3), (1.96985, 4)):  # from 0.5 % of 1.96 on it is met
+        assert (end_of_profile(1.9, above, 0.95 * 1.96)[1].size > 3) == (steps > 3)
     end, places = end_of_profile(1.9, 1.961, 0.95 * 1.96)
     assert places == pytest.approx([0.9, 0.99, 1.0])
     assert end == pytest.approx(0.99)
+
+
+@pytest.mark.parametrize(("width", "places"), [(0.445, [0.005, 0.45, 0.895]), (0.555, [0.0, 0.45, 1.0])])
+def test_a_profile_goes_to_its_bounds_and_no_farther(width, places):
+    """0.445 to either side of 0.45 lies within 0 to 1, 0.555 does not: there it is looked at the bounds."""
+    error = width / 1.96
+    found = Estimate(np.array([0.45]), np.zeros(1), np.array([[1.0]]), np.array([[error**2]]), np.zeros((1, 0)), [1.96])
+    search = Search(lambda place: (place - 0.45) / error * 1.5, 1)
+    search.begin(found.place)
+    ends = profile(search, found, 0)
+    for place in places:
+        assert np.min(np.abs(ends.places - place)) < 1e-12
+    flat = Search(lambda place: 0.0 * place, 1)
+    flat.begin(found.place)
+    ends = profile(flat, found, 0)
+    assert [ends.low, ends.high, *ends.places[[0, -1]]] == [0.0, 1.0, 0.0, 1.0]
+
+
+def test_slopes_are_none_at_a_bound_where_no_place_beside_it_runs_and_a_misfit_beyond_one_is_no_parabola():
+    def edge(place):
+        if place[0] > 0.0:
+            raise ValueError("cannot be run")
+        return place + 1.0
+
+    search = Search(edge, 1)
+    middle = search.begin(np.zeros(1))
+    assert search.slopes(np.zeros(1), middle, 1e-3, both=True).tolist() == [[0.0]]
+    best, covariance = np.array([0.5, 0.01]), np.array([[4e-4, 4e-4], [4e-4, 1e-3]])
+    slopes = np.linalg.inv(np.linalg.cholesky(covariance))
+    found = Estimate(best, np.zeros(2), slopes, covariance, np.zeros((2, 0)), np.full(2, 1.96))
+    search = Search(lambda place: slopes @ (place - best), 2)
+    assert not is_quadratic(search, found, 0)  # along the first the other goes to -0.03
