@@ -2,22 +2,20 @@
 
 from types import SimpleNamespace
 
-from strikewave.contact import _chain_kernels, _integrator, _kernels, _law_kernels, _pair_kernels
+from strikewave.contact import _chain_kernels, _integrator, _kernels, _law_kernels, _pair_kernels, chain
 
-MODULES = _kernels, _law_kernels, _chain_kernels, _pair_kernels, _integrator
+MODULES = _kernels, _law_kernels, _chain_kernels, _pair_kernels, _integrator, chain
 TAUGHT = {"derivatives": 6, "forces": 6, "switches": 6, "horizon": 5, "switch": 6}
 """What a system is taught, and how many arguments that takes."""
 
 
-def interpret(monkeypatch):
-    """Let the kernels of contacts call one another as plain functions; return them by name."""
-    plain = {}
+def interpret(monkeypatch, kernels):
+    """Let the kernels of contacts call one another as plain functions; return some of them so, by name."""
     for module in MODULES:
         for name, value in list(vars(module).items()):
             if hasattr(value, "py_func"):
                 monkeypatch.setattr(module, name, value.py_func)
-                plain[name] = value.py_func
-    return SimpleNamespace(**plain)
+    return SimpleNamespace(**{kernel.__name__: kernel.py_func for kernel in kernels})
 
 
 def taught(home, kind):

@@ -1,5 +1,6 @@
 """Force laws of a contact one by one, as plain functions: slopes, energies, memories and inverses that belong together."""
 
+import functools
 import itertools
 import math
 
@@ -32,9 +33,47 @@ from strikewave.contact._law_kernels import (
     STYLE,
     TANGENT,
     YIELD_LOAD,
+    base_energy,
+    base_force,
+    base_slope,
+    capped,
+    crushed,
+    damper_force,
+    depth_at_yield,
+    elastic_depth,
+    flattening,
+    hysteresis,
+    logarithm,
+    push,
+    residual,
+    stored,
+    unyielding,
+    unyielding_force,
+    yielding,
 )
 
 from .interpreted import interpret
+
+KERNELS = (
+    base_energy,
+    base_force,
+    base_slope,
+    capped,
+    crushed,
+    damper_force,
+    depth_at_yield,
+    elastic_depth,
+    flattening,
+    hysteresis,
+    logarithm,
+    push,
+    residual,
+    stored,
+    unyielding,
+    unyielding_force,
+    yielding,
+)
+"""What is tried here."""
 
 
 def area(force, *cuts):
@@ -44,7 +83,7 @@ def area(force, *cuts):
 
 @pytest.fixture
 def kernels(monkeypatch):
-    return interpret(monkeypatch)
+    return interpret(monkeypatch, KERNELS)
 
 
 def row(numbers):
@@ -176,7 +215,7 @@ CAPPED = {
 def test_what_yields_has_its_slope_its_energy_and_its_way_back(kernels, name):
     """At the depth D: F' by differences; the rate of what comes back; and the way back begins at F with area W."""
     law = CAPPED[name]
-    first = kernels.depth_at_yield(law)
+    first, back = kernels.depth_at_yield(law), functools.partial(kernels.unyielding_force, law)
     assert kernels.base_force(law, first) == pytest.approx(40.0, rel=1e-13)
     for times in (1.001, 1.7, 3.5):
         d = times * first
@@ -196,7 +235,7 @@ def test_what_yields_has_its_slope_its_energy_and_its_way_back(kernels, name):
             assert here == kernels.unyielding_force(law, x, d, s)
             pair = [kernels.unyielding_force(law, x + side * h, d, s) for side in (-1, 1)]
             assert slope == pytest.approx((pair[1] - pair[0]) / (2 * h), rel=1e-5)
-            work = area(lambda z: kernels.unyielding_force(law, z, d, s), left, x)
+            work = area(functools.partial(back, deepest=d, s=s), left, x)
             assert kernels.stored(law, x, d) == pytest.approx(work, rel=1e-8, abs=0.0)
     # nothing has yielded before the yield load: the elastic slope, and a radius as before
     assert kernels.flattening(law, 0.99 * first) == 1.0
@@ -220,9 +259,7 @@ def test_hysteresis_and_dampers_worked_by_hand(kernels):
     assert kernels.hysteresis(law, 3.0, 2.0) == kernels.push(law, 7.0, 3.0, 2.0) == 1.75
     assert kernels.hysteresis(law, -3.0, 0.01) == -14.0
     assert kernels.damper_force(law, 1.0, 3.0) == 0.0
-    damped = row(
-        {FORM: POWER, STIFFNESS: 10.0, EXPONENT: 2.0, DAMPER: 7.0, DAMPER_EXPONENT: 3.0, STYLE: NEVER_PULLS}
-    )
+    damped = row({FORM: POWER, STIFFNESS: 10.0, EXPONENT: 2.0, DAMPER: 7.0, DAMPER_EXPONENT: 3.0, STYLE: NEVER_PULLS})
     # c d^p d' = 7 x 8 x 3 beside K d^2 = 40
     assert kernels.damper_force(damped, 2.0, 3.0) == 168.0
     assert kernels.damper_force(damped, 2.0, -3.0) == -168.0
