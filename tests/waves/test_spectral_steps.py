@@ -255,7 +255,7 @@ def test_a_run_keeps_each_step_at_taps_and_some_in_its_field(steps, coarse, monk
     assert run.grid.counts == (0, 0)
     if steps == 998:  # a few places at a time do the same
         for module in (spectral, spectral_bar):
-            monkeypatch.setattr(module, "MOST_VALUES", 7.5 * (steps + 1))
+            monkeypatch.setattr(module, "MOST_VALUES", 120.5 * (steps + 1))
         few = run_bar(HUNG, load, [Tap(0, 1.0)], 0.01 * steps, WantedError(step=0.01, method="spectral"))
         for name in ("field_force", "field_velocity", "field_least", "field_greatest", "face_least", "face_greatest"):
             assert getattr(few, name) == pytest.approx(getattr(run, name), abs=1e-9)
