@@ -42,6 +42,7 @@ def one_of(path, si=2.0, low=1.0, high=4.0, shape="uniform", **more):
     [
         (one_of("x"), uniform(1.0, 3.0)),
         (one_of("x", shape="log-uniform"), loguniform(1.0, 4.0)),
+        (one_of("x", low=0.3, high=6.0, shape="log-uniform"), loguniform(0.3, 6.0)),
         (one_of("x", shape="normal", deviation=0.8), truncnorm(-1.25, 2.5, 2.0, 0.8)),
         (one_of("x", si=3.5, shape="normal", deviation=0.5), truncnorm(-5.0, 1.0, 3.5, 0.5)),
     ],
@@ -90,9 +91,9 @@ def test_columns_stand_in_the_order_of_inputs_and_strikers():
 
 
 def test_what_goes_with_others_is_scaled_by_powers_of_theirs():
-    """b (nominal 3, drawn 2.5) goes with the square of a (nominal 2, drawn 4), and with nothing that is not drawn."""
-    inputs = [one_of("a"), one_of("b", si=3.0, goes_with=(("a", 2.0), ("c", 5.0)))]
-    assert drawn(inputs, np.array([[1.0, 0.5]])).tolist() == [[4.0, 10.0]]
+    """b (nominal 3, drawn 2.5) goes with the cube of a (nominal 2, drawn 4), and with nothing that is not drawn."""
+    inputs = [one_of("a"), one_of("b", si=3.0, goes_with=(("a", 3.0), ("c", 5.0)))]
+    assert drawn(inputs, np.array([[1.0, 0.5]])).tolist() == [[4.0, 20.0]]
 
 
 def test_inputs_fitted_together_are_correlated_as_their_weights_say():
@@ -117,6 +118,7 @@ def test_a_random_number_depends_on_seed_run_and_path_and_striker_alone():
     assert both.shape == (3, 4)
     assert np.array_equal(quantiles([b, a], 5, 5)[:3], both[:, [3, 0, 1, 2]])
     assert np.array_equal(quantiles([one_of("a", strikers=(1, 3))], 3, 5), both[:, [0, 2]])
+    assert np.array_equal(quantiles([one_of("a", strikers=(1, 2))], 3, 5), both[:, [0, 1]])
     assert not np.intersect1d(both, quantiles([a, b], 3, 6)).size
     assert np.unique(both).size == both.size
 

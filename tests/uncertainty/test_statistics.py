@@ -54,6 +54,7 @@ def test_the_bounds_of_a_median_are_the_narrowest_that_are_sure_enough(n):
 def test_other_confidences_and_no_values():
     assert upper_limit([3.0, 1.0, 2.0], 0.5, 0.875) == 3.0  # 1 - 1/8, exactly
     assert math.isnan(upper_limit([3.0, 1.0, 2.0], 0.5, 0.876))
+    assert upper_limit([7.0], 0.04, 0.95) == 7.0  # of one run: 1 - 0.04
     assert math.isnan(upper_limit([]))
     assert np.isnan(median_bounds([])).all()
     assert median_bounds([5.0, 7.0], 0.5) == (5.0, 7.0)
