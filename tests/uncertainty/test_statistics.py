@@ -80,12 +80,22 @@ def test_runs_keep_their_order_and_tell_how_far_they_are(threads):
 
 
 @pytest.mark.parametrize(
-    ("threads", "items", "taken"), [(None, 9, 5), (3, 9, 3), (12, 20, 8), (8, 2, 2), (1, 9, 0), (7, 1, 0), (None, 1, 0)]
+    ("threads", "processors", "items", "taken"),
+    [
+        (None, 5, 9, 5),
+        (None, None, 9, 0),  # not known
+        (3, 5, 9, 3),
+        (12, 5, 20, 8),
+        (8, 5, 2, 2),
+        (1, 5, 9, 0),
+        (7, 5, 1, 0),
+        (None, 5, 1, 0),
+    ],
 )
-def test_runs_take_as_many_threads_as_processors_runs_or_eight(monkeypatch, threads, items, taken):
-    """Of five processors; a lone thread is this one."""
+def test_runs_take_as_many_threads_as_processors_runs_or_eight(monkeypatch, threads, processors, items, taken):
+    """A lone thread is this one."""
     made = []
-    monkeypatch.setattr(os, "cpu_count", lambda: 5)
+    monkeypatch.setattr(os, "cpu_count", lambda: processors)
     monkeypatch.setattr(runs, "ThreadPoolExecutor", lambda count: made.append(count) or ThreadPoolExecutor(1))
     assert on_threads(float, list(range(items)), threads) == list(range(items))
     assert made == ([taken] if taken else [])
