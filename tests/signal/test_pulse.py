@@ -181,6 +181,8 @@ def test_the_value_farthest_from_zero_keeps_its_sign():
         ([0.0, 1e-3, 2e-3, 1e-3, 0.0], 3.6),  # a tenth of the peak is crossed at 0.2 and at 3.8
         ([0.0, -1.0, -2.0, -1.0, 0.0], 3.6),
         ([0.0, 10.0, 10.0, 10.0, 0.0, 9.0], 3.8),
+        ([9.0, 10.0, 0.0], 1.9),
+        ([0.0, 10.0, 9.0], 2.9),
         (np.ones(10), 10.0),  # never below: each sample counts for a step
     ],
 )
