@@ -374,8 +374,9 @@ def test_striker_leaves_the_face_and_what_it_stores_is_lost():
     code = machine_switch(system, first, t, y, mode, memory)
     assert (code, mode[at.on_face].tolist()) == (CONTINUE, [0, 1, 1])
     d = y[2] - y[3]
+    mode[at.on_face] = 1, 0, 1
     assert machine_switch(system, last, t, y, mode, memory) == RESTART
-    assert (mode[at.on_face].tolist(), mode[at.contacts].tolist()) == ([0, 1, 0], [OPEN, OPEN, OPEN])
+    assert (mode[at.on_face].tolist(), mode[at.contacts].tolist()) == ([1, 0, 0], [OPEN, OPEN, OPEN])
     lost = y[at.dissipated]
     assert lost[2] == pytest.approx(5.0e9 * d**2.2 / 2.2, rel=1e-13)
     assert np.count_nonzero(lost) == 1
@@ -402,7 +403,7 @@ def test_link_that_switches_is_the_machine_s_where_it_touches():
     assert (mode[0], mode[at.touched], memory[0]) == (PUSHING, 1, y[at.speeds][0] - 2.3)
     assert machine_switch(system, 0, t, y, mode, memory) == CONTINUE  # and apart again
     mode[at.touched] = 0
-    system.settings[STOP_AT_TOUCH] = 1.0
+    system.settings[STOP_AT_TOUCH] = 1e-3  # any number but 0
     assert machine_switch(system, 0, t, y, mode, memory) == STOP
     assert mode[at.touched] == 1
     mode[at.touched], mode[at.stop] = 0, OPEN

@@ -23,6 +23,7 @@ from strikewave.contact.motion import MotionState
 from strikewave.machines import _train_kernels as kernels
 from strikewave.machines._kernels import (
     CARRIED,
+    FEEDING,
     FIRST,
     HALF_FACE,
     LEFT,
@@ -34,7 +35,7 @@ from strikewave.machines._kernels import (
     place_bases,
 )
 from strikewave.machines._layout import FEED_SWITCH, layout_of
-from strikewave.machines._pass_kernels import ROWS_USED
+from strikewave.machines._pass_kernels import LET_GO, ROWS_USED
 from strikewave.machines._train_kernels import (
     AT_EDGE,
     CROWDED,
@@ -162,7 +163,7 @@ def test_blow_ends_with_the_momentum_and_mean_place_of_its_bodies(belt):
         (STICKING, 3.0, STICKING, 0.0),
         (SLIDING, 3.0, SLIDING, 3.0),
         (SLIDING, -3.0, SLIDING_BACK, -3.0),
-        (SLIDING_BACK, 3.0, SLIDING, 3.0),
+        (SLIDING_BACK, 5e-3, SLIDING, 5e-3),
     ],
 )
 def test_rail_goes_on_as_the_object_slips_on_the_carriage(rail, speed, mode, left):
@@ -174,6 +175,23 @@ def test_rail_goes_on_as_the_object_slips_on_the_carriage(rail, speed, mode, lef
     assert going.y[circling.speeds][0] == pytest.approx(left, rel=1e-15)
 
 
+def test_rail_slides_either_way_on_the_carriage_that_moves():
+    """The carriage comes in with 1 m/s: what goes out slower than that slips on it the other way."""
+    for speed, mode in ((-1.5, SLIDING_BACK), (-0.5, SLIDING)):
+        tables, going, struck, circling, at = begun()
+        struck.mode[at.feed] = FEEDING
+        struck.memory[at.feed_start] = T - 0.015
+        struck.mode[at.rail] = SLIDING
+        struck.y[at.speeds] = 4.0, speed, speed
+        end_blow(tables.flight, tables.blow, tables.mounted, going, struck, T)
+        carried = tables.flight.chain.bases[SPEED, 0]
+        assert -1.2 < carried < -0.9
+        assert going.mode[circling.rail] == mode
+        struck.mode[at.rail] = STICKING
+        end_blow(tables.flight, tables.blow, tables.mounted, going, struck, T)
+        assert going.y[circling.speeds][0] == carried
+
+
 def test_object_without_a_rail_goes_on_as_it_is():
     tables, going, struck, circling, at = begun(struck={"friction": 0.0, "stiction": None})
     struck.y[at.speeds] = 4.0, -3.0, -3.0
@@ -181,7 +199,7 @@ def test_object_without_a_rail_goes_on_as_it_is():
     assert going.y[circling.speeds][0] == pytest.approx(-3.0, rel=1e-15)
 
 
-@pytest.mark.parametrize(("spots", "expected"), [((1.0, 2.0, 1.0), [9, 2, 9]), ((0.0, 0.0, 0.0), [1, 2, 9])])
+@pytest.mark.parametrize(("spots", "expected"), [((5e-3, 2.0, 5e-3), [9, 2, 9]), ((0.0, 0.0, 0.0), [1, 2, 9])])
 def test_depth_is_kept_for_all_that_share_a_spot(spots, expected):
     tables, *_ = parts()
     mounted = tables.mounted
@@ -285,7 +303,7 @@ def opens(y, mode, memory, record):
     """The contact is over, and nothing rings: the nose far from the circle, the frame at its steady bend."""
     mode[OF_BLOW.contacts] = OPEN
     mode[OF_BLOW.support] = mode[OF_BLOW.stop] = OPEN
-    y[OF_BLOW.positions][1] = y[OF_BLOW.positions][2] = 0.01
+    y[OF_BLOW.positions][1] = y[OF_BLOW.positions][2] = 2e-3
     y[OF_BLOW.speeds][1:] = -1.0
 
 
@@ -376,6 +394,34 @@ def test_repeats_are_looked_for_once_a_pass_after_the_least(monkeypatch, least, 
     calls = {2: 2, 3: 4, 4: 5}[ends]
     assert t == pytest.approx(0.01 * calls)
     assert looked == [(rows - 1, 1e-3, 3) for rows in range(least + 1, ends + 1)]
+
+
+def test_energy_that_a_blow_lets_go_is_booked_as_it_begins_and_as_it_ends(monkeypatch):
+    """A blow in which nothing happens lets go what it has more as one body before than after."""
+    for first in (0, 2):
+        tables, going, struck, circling, _ = parts(9.1e3)
+        going.mode[circling.touching] = first
+        passes, both = empty_passes(3), controls(uneven(), 1e-6, tables)
+        before = rigid_energy(tables.flight, T, going)
+        monkeypatch.setattr(kernels, "advance", Told((STOPPED,)))
+        monkeypatch.setattr(kernels, "note_blow", lambda *_: None)
+        monkeypatch.setattr(kernels, "measure_row", lambda *_: None)
+        passes.numbers[LET_GO] = 3.0
+        train = Train(1e-2, 10.0, 0, 0.0, 0)
+        why, _ = follow_blow(tables, going, struck, both[1], train, passes, T, np.empty(struck.y.size))
+        assert why == DONE
+        lost = before - rigid_energy(tables.flight, T + 0.01, going)
+        assert abs(lost) > 0.1
+        assert passes.numbers[LET_GO] == pytest.approx(3.0 + lost, abs=1e-9)
+
+
+def test_first_striker_touches_as_any_other(monkeypatch):
+    def first(y, mode, memory, record):
+        touches(y, mode, memory, record)
+        mode[LAYOUT.touching] = 0
+
+    (why, t), *_ = driven(monkeypatch, (STOPPED, first), (STOPPED,))
+    assert (why, t) == (DONE, pytest.approx(0.02))
 
 
 def test_blow_that_another_striker_crowds_ends_so(monkeypatch):

@@ -8,7 +8,7 @@ import pytest
 from strikewave.contact._chain_kernels import OPEN, PUSHING, SLIDING_BACK
 from strikewave.contact._law_kernels import DAMPING, EXPONENT, STIFFNESS
 from strikewave.machines import _pass_kernels as column
-from strikewave.machines._kernels import HELD, RELEASED, RETRACTING
+from strikewave.machines._kernels import FEEDING, HELD, RELEASED, RETRACTING, carriage
 from strikewave.machines._pass_kernels import (
     _crossings,
     _next_row,
@@ -24,8 +24,9 @@ from strikewave.machines._pass_kernels import (
     repeats,
 )
 from strikewave.machines.fast_train import empty_passes
+from strikewave.machines.machine import machine_system
 
-from .uneven import OBJECT, TURNING, parts
+from .uneven import OBJECT, TURNING, parts, uneven
 
 pytestmark = pytest.mark.usefixtures("interpreted")
 
@@ -33,6 +34,9 @@ pytestmark = pytest.mark.usefixtures("interpreted")
 def passes_of(time, acceleration, speed, contacts=()):
     passes = empty_passes(2)
     _next_row(passes)
+    passes.counts[column.BLOW_STEPS] = 1
+    passes.samples[0], passes.samples[1], passes.samples[2] = 1e3, 0.0, 7.0  # of a blow before
+    passes.samples[1, 1] = 50.0
     count = passes.counts[column.SAMPLES] = len(time)
     passes.samples[:, :count] = time, acceleration, speed
     passes.counts[column.CONTACTS_SEEN] = len(contacts)
@@ -61,6 +65,8 @@ def test_a_parabola_has_its_top_between_uneven_samples_and_lines_cross_its_share
 
 
 def test_a_pulse_that_rises_to_its_last_sample_has_no_width_and_the_speed_of_all_of_it():
+    alone = passes_of([0.0], [3.0], [5.0])
+    assert (alone[column.PEAK], alone[column.VELOCITY_CHANGE]) == (3.0, 0.0)
     for a, peak in (([1.0, 2.0, 4.0], 4.0), ([4.0, 3.0, 1.0], 4.0), ([1.0, 3.0, 2.0], 3.0 + 1.0 / 24.0)):
         row = passes_of([0.0, 1.0, 2.0], a, [5.0, 6.0, 9.0])
         assert row[column.PEAK] == pytest.approx(peak)
@@ -142,7 +148,10 @@ def begun(number=2, rows=3):
     struck.y[at.turntable_speed] = TURNING
     struck.memory[at.contacts.start] = 4.3
     going.mode[circling.touching] = 1
-    return tables, going, struck, circling, at, empty_passes(rows)
+    passes = empty_passes(rows)
+    passes.table[:] = 7.0
+    passes.counts[[column.FLIGHT_STEPS, column.BLOW_STEPS]] = rows - 1
+    return tables, going, struck, circling, at, passes
 
 
 def test_row_of_a_pass_begins_with_what_is_so_at_first_touch():
@@ -202,7 +211,7 @@ def test_row_of_a_missed_pass_has_its_apex():
     assert found == [5.0, 2.0, 0.72, 9e-3, 69.0]
     zeros = ("CONTACTS", "VELOCITY_CHANGE", "BLOW_CHANGE", "LAST_CHANGE", "BLOW_IMPULSE", "STOP_FORCE")
     assert [row[getattr(column, name)] for name in zeros] == [0.0] * 6
-    assert np.isnan(row[[column.APPROACH, column.PEAK, column.ANGLE, column.LARGEST_DISPLACEMENT]]).all()
+    assert np.count_nonzero(row == 7.0) == 8  # what there is none of stays as it was
     # the same pass again, or an earlier one, is known
     assert missed_row(tables.flight, going, passes, 0.73, 9e-3)
     going.y[circling.angle] = 4.1 * 2.0 * math.pi / 3.0
@@ -212,6 +221,14 @@ def test_row_of_a_missed_pass_has_its_apex():
     passes.table[2, column.PASS] = 5.0
     going.y[circling.angle] = 6.1 * 2.0 * math.pi / 3.0
     assert not missed_row(tables.flight, going, passes, 0.75, 9e-3)
+
+
+def test_passes_count_from_0():
+    tables, going, _, circling, _, passes = begun()
+    for number, rows in ((-1, 0), (0, 1), (1, 2)):
+        going.y[circling.angle] = number * 2.0 * math.pi / 3.0
+        assert missed_row(tables.flight, going, passes, 0.7, 9e-3)
+        assert passes.counts[column.ROWS_USED] == rows
 
 
 @pytest.mark.parametrize(
@@ -266,10 +283,11 @@ def in_blow(speeds=(4.0, 1.0, 0.5), accelerations=(-900.0, 700.0, 300.0), places
         mode[:] = struck.mode
         mode[at.contacts.start] = mode[at.mounts.start] = mode[at.frame] = PUSHING
         mode[at.support] = mode[at.stop] = PUSHING
-        mode[at.rail], mode[at.feed] = SLIDING_BACK, HELD
+        mode[at.rail], mode[at.feed] = SLIDING_BACK, FEEDING
         struck.record.memory[r] = struck.memory
-        struck.record.memory[r][at.depths] = 0.0
+        struck.record.memory[r][at.depths], struck.record.memory[r][at.feed_start] = 0.0, 0.71 - 0.019
     passes.numbers[[column.FIRST_PLACE, column.HIGHEST]] = places[2]
+    passes.counts[column.BLOW_STEPS] = 0
     return tables, struck, at, passes, (y, rate, change)
 
 
@@ -278,18 +296,26 @@ def state(motion, t):
     return y + rate * t + 0.5 * change * t**2
 
 
-def rigid(x, v):
+def from_carriage(x, v, since, stroke_time=0.031):
+    """Return place and speed of the assembly from the carriage, on its way in for so long."""
+    settings = machine_system(uneven(feed={"stroke_time": stroke_time})).settings
+    place, speed, _ = carriage(settings, FEEDING, since)
+    return x - place, v - speed
+
+
+def rigid(x, v, t):
     """Return the acceleration of the assembly by frame, stop, support and rail, and gravity, m/s^2."""
     frame = 9.1e5 * (x[1] - x[2]) + 210.0 * (v[1] - v[2])
-    support = 390.0 + 41e3 * (x[2] + 5.5e-3) + 23.0 * v[2]
-    return (frame + stop_force(x[2], v[2]) - support + 31.0) / 0.43 + 9.7
+    away, rate = from_carriage(x[2], v[2], 0.019 + t)
+    support = 390.0 + 41e3 * (away + 5.5e-3) + 23.0 * rate
+    return (frame + stop_force(away, rate) - support + 31.0) / 0.43 + 9.7
 
 
 def stop_force(x, v):
     return 2.1e5 * (-x - 5.5e-3 + (390.0 - 0.5 * 9.7) / 2.1e5) - OBJECT.stop_damping * v
 
 
-@pytest.mark.parametrize(("weight", "closed"), [(0.31, True), (0.0, False)])
+@pytest.mark.parametrize(("weight", "closed"), [(5e-3, True), (0.0, False)])
 def test_sample_of_a_step_is_the_acceleration_of_the_assembly_at_its_time(weight, closed):
     tables, struck, at, passes, motion = in_blow()
     work = np.empty(at.states)
@@ -299,7 +325,7 @@ def test_sample_of_a_step_is_the_acceleration_of_the_assembly_at_its_time(weight
     for k, (t, step) in enumerate(((3e-6 + 0.3 * 5e-6, 5e-6), (8e-6 + 0.8 * 2e-6, 2e-6))):
         y = state(motion, t)
         x, v = y[at.positions], y[at.speeds]
-        assert passes.samples[:, k] == pytest.approx([0.71 + t, rigid(x, v), v[2]], rel=1e-12)
+        assert passes.samples[:, k] == pytest.approx([0.71 + t, rigid(x, v, t), v[2]], rel=1e-11)
         impulse += weight * step * K * (x[0] - x[1])
     assert passes.counts[column.SAMPLES] == 2
     assert passes.numbers[column.TOP] == passes.samples[1, :2].max()
@@ -353,6 +379,14 @@ def test_blow_books_impulse_and_contacts_of_its_steps():
     assert passes.samples[0, :15] == pytest.approx(times, abs=1e-15)
 
 
+def test_contact_that_ends_before_the_last_step_has_ended_though_another_begins():
+    tables, struck, at, passes, _ = in_blow()
+    struck.record.mode[:3, at.contacts.start], struck.mode[at.contacts.start] = [PUSHING, PUSHING, OPEN], PUSHING
+    note_blow(tables.flight, tables.blow, struck, passes, 3, np.empty(at.states))
+    assert passes.contacts[0, 1] == pytest.approx(0.710008, abs=1e-15)
+    assert passes.counts[[column.CONTACTS_SEEN, column.IN_TOUCH]].tolist() == [1, 0]
+
+
 def test_contact_that_lasts_beyond_its_steps_goes_on():
     tables, struck, at, passes, _ = in_blow()
     struck.mode[at.contacts.start] = PUSHING
@@ -374,13 +408,17 @@ def test_pulse_that_has_fallen_is_sampled_in_touch_alone(fallen, mode, samples):
 
 def test_highest_place_and_largest_force_of_the_stop_in_a_step():
     """At its begin, middle and end: the assembly turns back in the middle; the stop bears the most at the begin."""
-    for accelerations, speeds in (((0.0, 0.0, -4e5), (0.0, 0.0, 1.0)), ((0.0, 0.0, 0.0), (0.0, 0.0, 0.4))):
+    still, turns = (0.0, 0.0, 0.0), (0.0, 0.0, -4e5)
+    for accelerations, speeds, best in ((turns, (0.0, 0.0, 1.0), 2), (still, still, 0), (still, (0.0, 0.0, -3.0), 2)):
         tables, struck, at, passes, motion = in_blow(speeds, accelerations)
         _note_support(tables.blow, struck.record, 1, passes, np.empty(at.states))
         places = [state(motion, 3e-6 + 5e-6 * x)[[2, 5]] for x in (0.0, 0.5, 1.0)]
         row = passes.table[0]
-        assert row[column.LARGEST_DISPLACEMENT] == pytest.approx(max(x for x, _ in places) + 4.7e-3, rel=1e-9)
-        assert row[column.STOP_FORCE] == pytest.approx(max(stop_force(*one) for one in places), rel=1e-10)
+        highest = max(-4.7e-3, *(x for x, _ in places))
+        assert row[column.LARGEST_DISPLACEMENT] == pytest.approx(highest + 4.7e-3, rel=1e-9)
+        forces = [stop_force(*from_carriage(*places[k], 0.019 + 3e-6 + 2.5e-6 * k)) for k in range(3)]
+        assert row[column.STOP_FORCE] == pytest.approx(max(forces), rel=1e-10)
+        assert np.argmax(forces) == best
         passes.table[0, column.STOP_FORCE] = 0.0
         struck.record.mode[1, at.stop] = OPEN
         _note_support(tables.blow, struck.record, 1, passes, np.empty(at.states))
@@ -389,7 +427,7 @@ def test_highest_place_and_largest_force_of_the_stop_in_a_step():
 
 def in_flight(speed, acceleration, steps=(0.4, 0.3)):
     """Return a flight of an object at a constant acceleration from a place, its row begun, and its layout."""
-    tables, going, struck, circling, _ = parts()
+    tables, going, struck, circling, _ = parts(feed={"stroke_time": 2.0})
     passes = empty_passes(3)
     open_row(tables.flight, tables.blow, going, struck, passes, 0.71)
     passes.numbers[[column.FIRST_PLACE, column.HIGHEST]] = -5e-3, -4.8e-3
@@ -401,7 +439,8 @@ def in_flight(speed, acceleration, steps=(0.4, 0.3)):
         rate[circling.speeds] = change[circling.positions] = acceleration
         step_of(going.record, r, 0.8 + t, step, y, rate, change)
         going.record.mode[r], going.record.memory[r] = going.mode, going.memory
-        going.record.mode[r][circling.stop] = OPEN
+        going.record.mode[r][circling.stop], going.record.mode[r][circling.feed] = OPEN, FEEDING
+        going.record.memory[r][circling.feed_start] = 0.1
         t += step
     return tables.flight, going, circling, passes
 
@@ -431,13 +470,14 @@ def test_turning_place_is_the_top_of_its_parabola():
 
 
 def test_stop_of_a_flight_is_looked_at_nine_times_a_step_until_the_retraction():
-    flight, going, circling, passes = in_flight(0.004, -0.016)
+    flight, going, circling, passes = in_flight(-0.05, 0.2, (0.1, 0.3))
     work = np.empty(circling.states)
     going.record.mode[1, circling.stop] = PUSHING
-    going.memory[:] = 0.0
     note_flight(flight, going, passes, 2, work)
-    times = 0.4 + 0.3 * np.arange(9) / 8
-    forces = [stop_force(-4.7e-3 + 0.004 * t - 0.008 * t**2, 0.004 - 0.016 * t) for t in times]
+    times = 0.1 + 0.3 * np.arange(9) / 8
+    motion = [(-4.7e-3 - 0.05 * t + 0.1 * t**2, 0.2 * t - 0.05, 0.7 + t, 2.0) for t in times]
+    forces = [stop_force(*from_carriage(*one)) for one in motion]
+    assert 0 < np.argmax(forces) < 8
     assert passes.table[0, column.STOP_FORCE] == pytest.approx(max(forces), rel=1e-12)
     passes.table[0, column.STOP_FORCE] = passes.counts[column.FLIGHT_STEPS] = 0.0
     going.record.mode[1, circling.feed] = RETRACTING
@@ -445,7 +485,7 @@ def test_stop_of_a_flight_is_looked_at_nine_times_a_step_until_the_retraction():
     note_flight(flight, going, passes, 2, work)
     assert passes.table[0, column.STOP_FORCE] == 0.0
     assert passes.counts[column.FLIGHT_STEPS] == 2
-    assert passes.numbers[column.HIGHEST] == pytest.approx(-4.7e-3 + 0.004**2 / 0.032, rel=1e-9)
+    assert passes.numbers[column.HIGHEST] == pytest.approx(-4.7e-3 - 5e-3 + 1e-3, rel=1e-9)  # of the step before
 
 
 def test_flight_before_the_first_pass_and_after_a_missed_one_moves_nothing():
