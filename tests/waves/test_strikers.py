@@ -8,7 +8,23 @@ from scipy.integrate import solve_ivp
 
 from strikewave.contact import Contact
 from strikewave.contact.law import Damper, PressureCap
-from strikewave.waves import End, Impactor, Joint, Layer, Stack, Tap, WantedError, run_bar
+from strikewave.waves import (
+    End,
+    Impactor,
+    Joint,
+    Layer,
+    LoadPulse,
+    Stack,
+    Tap,
+    WantedError,
+    _impact_kernels,
+    _kernels,
+    run_bar,
+    transit,
+)
+from strikewave.waves import bar as bar_module
+from strikewave.waves.averages import empty_averages
+from strikewave.waves.transit import TimeGrid, state_at_rest, tables_of
 
 Z, STEP = 5.0, 2e-3
 
@@ -168,3 +184,70 @@ def test_a_striker_feels_the_end_of_its_stack():
     # the wall feels the first wave 0.5 s after the blow, through the joint
     assert np.flatnonzero(run.end_force)[0] == pytest.approx(0.5 / STEP, abs=2)
     assert run.field_force[0, 0] == 0.0
+
+
+def test_norms_under_a_striker_are_those_under_the_force_that_it_gave():
+    """Strike a stack, and drive the same one by the force on its face: the same waves, to rounding."""
+    stack = Stack((bar(0.2), bar(0.3, 9.0)), (Joint(200.0),), End("dashpot", 3.0))
+    grid, steps = TimeGrid(0.01, (20, 30), 0.0), 90
+    nodes = np.array([[0, 0], [1, 30], [0, 7]])
+    found = []
+    load = np.zeros(0)
+    for by in ("strike", "drive"):
+        seen = _kernels.Recording(nodes, 1, np.zeros((steps, 3)), np.zeros((steps, 3)))
+        none = _kernels.Recording(nodes[:0], 1, np.zeros((1, 0)), np.zeros((1, 0)))
+        extremes = _kernels.Extremes(nodes, 1, np.zeros(3), np.zeros(3))
+        averages, norms = empty_averages(nodes[:1], nodes[1:], 7, 5), np.zeros(6)
+        tables, state = tables_of(stack, grid), state_at_rest(stack, grid)
+        more = (none, seen), averages, extremes, norms
+        if by == "strike":
+            row = bar_module._law(Impactor(1.5, 0.8, LAWS["hertz"]))
+            _, _, entered, through, _, _ = _impact_kernels.strike(
+                tables, state, row, 1.5, 0.8, steps, *more, np.zeros((3, 3))
+            )
+            load = seen.force[:, 0].copy()
+        else:
+            entered, through = _kernels.drive(tables, state, load, _kernels.FORCE, *more)
+        found.append(
+            [seen.force, seen.velocity, averages.velocity, averages.force, extremes.greatest, norms, entered, through]
+        )
+    assert norms.min() > 0.0
+    for one, other in zip(*found, strict=True):
+        assert one == pytest.approx(other, rel=1e-11, abs=1e-11)
+    assert extremes.greatest.tolist() == seen.force.max(axis=0).tolist()
+
+
+def test_touches_beyond_those_that_are_kept_change_nothing(monkeypatch):
+    """Of five or so the first two: while one lasts at the end of the run, and after it."""
+    stack = Stack((bar(0.12),), (), End("spring", 15.0))
+    for duration in (1.9, 4.0):
+        monkeypatch.setattr(bar_module, "_MOST_TOUCHES", 1000)
+        whole = struck(stack, STIFF["hertz"], 8.0, 0.8, duration)
+        assert len(whole.touches) > 3
+        monkeypatch.setattr(bar_module, "_MOST_TOUCHES", 2)
+        few = struck(stack, STIFF["hertz"], 8.0, 0.8, duration)
+        assert np.array_equal(few.touches, whole.touches[:2])
+        assert np.array_equal(few.face_force, whole.face_force)
+        monkeypatch.setattr(bar_module, "_MOST_TOUCHES", len(whole.touches))
+        assert np.array_equal(struck(stack, STIFF["hertz"], 8.0, 0.8, duration).touches, whole.touches)
+    assert len(whole.touches) == bar_module._MOST_TOUCHES
+
+
+def test_events_beyond_those_that_are_kept_change_nothing(monkeypatch):
+    """A middle bar bounces between two: its joints open and close four times."""
+    stack = Stack((bar(0.2), bar(0.1), bar(0.3, 9.0)), (Joint(unilateral=True), Joint(unilateral=True)), End("rigid"))
+    load = LoadPulse("half-sine", 5.0, 0.15)
+    whole = run_bar(stack, load, [Tap(1, 0.0), Tap(2, 0.0)], 6.0, WantedError(step=0.01))
+    assert len(whole.events) > 3
+    assert np.all(np.diff(whole.events[:, 1]) >= 0.0)
+    for k in (0, 1):  # each joint opens, closes, opens, ..
+        states = whole.events[whole.events[:, 0] == k, 2]
+        assert states.tolist() == [1.0, 0.0] * (len(states) // 2) + [1.0] * (len(states) % 2)
+        for time, opened in whole.events[whole.events[:, 0] == k, 1:]:
+            at = round(time / 0.01)
+            assert (whole.force[at, k] == 0.0) == bool(opened)
+    monkeypatch.setattr(bar_module, "MOST_EVENTS", 3)
+    monkeypatch.setattr(transit, "MOST_EVENTS", 3)
+    few = run_bar(stack, load, [Tap(1, 0.0), Tap(2, 0.0)], 6.0, WantedError(step=0.01))
+    assert np.array_equal(few.events, whole.events[:3])
+    assert np.array_equal(few.force, whole.force)
