@@ -375,3 +375,48 @@ def test_what_is_not_accelerated_has_no_acceleration_and_the_same_rest():
     assert np.array_equal(whole.force, bare.force)
     assert np.array_equal(whole.velocity, bare.velocity)
     assert whole.acceleration[1] == pytest.approx(np.gradient(whole.velocity[1], 0.25), abs=0.15)
+
+
+@pytest.mark.parametrize(
+    ("end", "impedance"),
+    [
+        (End("mass", 0.7), lambda s: 0.7 * s),
+        (End("spring", 30.0), lambda s: 30.0 / s),
+        (End("dashpot", 1.3), lambda s: 1.3 + 0.0 * s),
+        (End("matched"), lambda s: 5.0 + 0.0 * s),
+        (End("oscillator", 0.7, 30.0, 0.4), lambda s: 1.0 / (1.0 / (0.7 * s) + 1.0 / (30.0 / s + 0.4))),
+    ],
+)
+def test_what_closes_a_stack_is_pushed_by_its_impedance_times_its_speed(end, impedance):
+    """And a place on the last face has that force and that speed; on the first face the load, rounded over a step."""
+    stack = Stack((layer("a", 0.2), layer("b", 0.3, 5.0)), (Joint(30.0, 0.2),), end)
+    spectrum = SpectralStack(stack, LOAD, 0.05, 100)
+    force, velocity, ends, _ = spectrum._respond([(0, 0.0), (1, 1.0)])
+    assert ends[1] == pytest.approx(impedance(spectrum.s) * ends[2], rel=1e-9)
+    assert force[1] == pytest.approx(ends[1], rel=1e-9)
+    assert velocity[1] == pytest.approx(ends[2], rel=1e-9)
+    assert force[0] == pytest.approx(ends[0], rel=1e-12)
+    assert ends[0] == pytest.approx(spectrum._loaded, rel=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("joint", "law"),
+    [
+        (
+            Joint(30.0, 0.2, (Branch(7.0, 0.3), Branch(2.0, 0.05))),
+            lambda s: (s / (30.0 + 0.2 * s + 7.0 * s * 0.3 / (1.0 + 0.3 * s) + 2.0 * s * 0.05 / (1.0 + 0.05 * s)), 0.0),
+        ),
+        (Joint(mass=0.7), lambda s: (0.0, 0.7 * s)),
+        (Joint(30.0, 0.4, attached=0.7), lambda s: (0.0, 1.0 / (1.0 / (0.7 * s) + 1.0 / (30.0 / s + 0.4)))),
+        (BONDED, lambda s: (0.0, 0.0)),
+    ],
+)
+def test_a_joint_gives_way_by_its_force_and_is_pushed_by_what_is_lost_over_it(joint, law):
+    """Speeds differ by f times its mobility, forces by its impedance times the speed."""
+    stack = Stack((layer("a", 0.2), layer("b", 0.3, 5.0)), (joint,), End("rigid"))
+    spectrum = SpectralStack(stack, LOAD, 0.05, 100)
+    force, velocity, _, _ = spectrum._respond([(0, 1.0), (1, 0.0)])
+    mobility, impedance = law(spectrum.s)
+    size = np.abs(velocity[0])
+    assert np.abs(velocity[0] - velocity[1] - mobility * force[0]).max() < 1e-9 * size.max()
+    assert np.abs(force[0] - force[1] - impedance * velocity[1]).max() < 1e-9 * np.abs(force[0]).max()
