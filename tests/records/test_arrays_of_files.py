@@ -484,8 +484,11 @@ def test_a_record_is_parted_where_all_its_clocks_begin_anew():
         return Record(
             "a",
             "text",
-            tuple(Channel(f"{k}", values[:n], 1.0, 9.0, "", s) for k, (s, n) in enumerate(zip(clocks, sizes))),
-        )  # noqa: B905
+            tuple(
+                Channel(f"{k}", values[:n], 1.0, 9.0, "", s)
+                for k, (s, n) in enumerate(zip(clocks, sizes, strict=False))
+            ),
+        )
 
     both = apart(of(stamps, stamps.copy()))
     assert [[c.values[0] for c in one.channels] for one in (both, *both.further)] == [[0.0, 0.0], [20.0, 20.0]]
