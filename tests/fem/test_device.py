@@ -5,6 +5,7 @@ import itertools
 import os
 import subprocess
 import sys
+import types
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
@@ -69,6 +70,28 @@ def skewed(name, counts):
     return dataclasses.replace(mesh, points=points)
 
 
+class AsWritten(Loop):
+    """A device that runs bodies, and all that they call, as Python: nothing is compiled."""
+
+    def __init__(self):
+        super().__init__()
+        self.written = {}
+
+    def each(self, body, count, *arguments):
+        run = self.plain(body)
+        for i in range(count):
+            run(i, *arguments)
+
+    def plain(self, kernel):
+        function = getattr(kernel, "py_func", None)
+        if function is None or kernel in self.written:
+            return self.written.get(kernel, kernel) if function else kernel
+        names = dict(function.__globals__)
+        self.written[kernel] = types.FunctionType(function.__code__, names, function.__name__, function.__defaults__)
+        names.update({name: self.plain(value) for name, value in names.items() if hasattr(value, "py_func")})
+        return self.written[kernel]
+
+
 def body(solid, full=()):
     """Return a block that is held, driven, weighed, and lets waves out; 45 elements fill one chunk and a part."""
     return Model(
@@ -129,6 +152,54 @@ def struck(blows=1):
         contacts=(SurfaceContact("low.z+", "up.z-", 0.2),),
         rigid=(Rigid("up"),),
         boundaries=(Fixed("low.z-"),),
+    )
+
+
+def brick(name, place, seed, size=SIZE):
+    """Return one element whose nodes lie aside, with flat ends."""
+    mesh = moved(block(name, (size, size, size), size, size, size), tuple(SIZE * c for c in place))
+    shift = 0.08 * size * np.random.default_rng(seed).uniform(-1.0, 1.0, mesh.points.shape)
+    return dataclasses.replace(mesh, points=mesh.points + shift * [1.0, 1.0, 0.0])
+
+
+def pile():
+    """Return an element of eight points on a wall, which lets waves out; one of one point falls aslant on it.
+
+    The faster one yields and moves its yield surface; what is tied to it is pressed. A rigid one spins upon another.
+    """
+    low, up, top = (
+        brick("low", (0.0, 0.0, 0.0), 1),
+        brick("up", (0.3, 0.2, 1.001), 2),
+        brick("top", (0.35, 0.15, 2.001), 3, 0.4 * SIZE),
+    )
+    anvil, hammer = brick("anvil", (5.0, 0.0, 0.0), 4), brick("hammer", (5.4, 0.3, 1.0005), 5)
+    mesh = joined([low, up, top, anvil, hammer])
+    laws = {"low": "zerilli-armstrong", "up": "kinematic", "top": "johnson-cook", "anvil": "bilinear"}
+    solids = {name: SOLIDS[laws.get(name, "elastic")] for name in mesh.names}
+    duration = 0.36e-6
+    return Model(
+        mesh,
+        solids,
+        Controls(duration, duration / 2.0, full=("low",)),
+        velocity={
+            "up": (11.0, -7.0, -400.0),
+            "top": (11.0, -7.0, -400.0),
+            "hammer": (3.0, 5.0, -90.0),
+            "low": (1.0, 2.0, -9.0),
+        },
+        gravity=(2e5, -3e5, -5e5),
+        contacts=(SurfaceContact("low.z+", "up.z-", 0.13), SurfaceContact("hammer.z-", "anvil.z+", 0.4)),
+        ties=(Tie("top.z-", "up.z+"),),
+        walls=(RigidWall("low.z-", (0.0, 0.0, 0.0), (0.0, 0.0, 1.0), 0.1),),
+        rigid=(Rigid("hammer"),),
+        boundaries=(
+            NonReflecting("low.y-"),
+            Pressure("top.x+", TimeCurve((0.0, duration), (300e6, 500e6))),
+            Symmetry("anvil.z-"),
+            Driven("anvil.x+", (1.0, 0.0, 0.0), TimeCurve((0.0, duration), (4.0, 9.0))),
+        ),
+        sections=tuple(CutSection(n, n, (0.0, 0.0, SIZE * z), (0.0, 0.0, 1.0)) for n, z in (("low", 0.4), ("up", 1.4))),
+        points=(Point("corner", "up", (SIZE, SIZE, 2.0 * SIZE)),),
     )
 
 
@@ -238,6 +309,13 @@ def test_a_rigid_part_and_the_next_blow_on_a_device_are_those_of_the_processor()
     assert max(np.abs(column).max() for column in runs[1].force.values()) > 100.0
     for run, other in zip(runs, solve_blows(struck(blows=2), RunOptions(device=Loop())), strict=True):
         assert_same(run, other, rounding=("external",))
+
+
+def test_bodies_as_they_are_written_move_whatever_stands_falls_spins_and_is_tied_as_the_processor_does():
+    run = solve(pile())
+    assert min(np.abs(force).max() for force in run.force.values()) > 10.0
+    assert run.energy["plastic"][-1] > 0.01 * run.energy["internal"][-1]
+    assert_same(run, solve(pile(), RunOptions(device=AsWritten())))
 
 
 def test_the_kernels_of_a_gpu_run_in_the_simulator_of_numba():
