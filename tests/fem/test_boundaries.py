@@ -8,7 +8,7 @@ import pytest
 from scipy.integrate import solve_ivp
 
 from strikewave.base.errors import InputError
-from strikewave.fem.boundary import Now
+from strikewave.fem.boundary import Dashpots, Held, Now, Pressed, Weight, dashpots, held_nodes
 from strikewave.fem.mesh import joined
 from strikewave.fem.model import (
     Controls,
@@ -17,6 +17,7 @@ from strikewave.fem.model import (
     Fixed,
     Guided,
     Model,
+    NonReflecting,
     Point,
     Pressure,
     Rigid,
@@ -31,6 +32,7 @@ from strikewave.fem.round_shapes import cylinder
 from strikewave.fem.shapes import block, moved, turned
 from strikewave.fem.solids import Elastic
 from strikewave.fem.solve import solve
+from strikewave.fem.tie import prepare_ties
 
 from .bodies import STEEL
 
@@ -416,3 +418,140 @@ def test_rigid_on_rigid_is_refused(rest, field):
     model = dataclasses.replace(tied_cubes(()), ties=(), rigid=(Rigid("low"), Rigid("high")), **rest)
     with pytest.raises(InputError, match=f"{field}.*rigid on rigid.*deforms"):
         solve(model)
+
+
+# One step of each, by itself
+
+
+def instant(rng, count, time=0.4e-6):
+    """Nodes of different masses in motion, pulled by some forces; steps of velocity and position differ."""
+    x, v, f = rng.uniform(-1.0, 1.0, (3, count, 3))
+    return Now(time, 3e-7, 2e-7, x, 7.0 * v, 1e6 * f, rng.uniform(0.5, 2.0, count))
+
+
+def moved_by(now, before):
+    """Velocities after a step under the forces now."""
+    return before + now.kick * now.f / now.mass[:, None]
+
+
+def test_a_pressure_pushes_the_corners_of_bent_faces_by_its_integral_over_them(rng):
+    """-p times the integral of N (x_xi x x_eta), which two Gauss points a direction give exactly."""
+    now, faces = instant(rng, 12), np.array([[3, 5, 8, 11], [5, 2, 9, 8]])
+    before = now.f.copy()
+    pressed = Pressed(faces, TimeCurve((0.0, 1e-6), (2.0, 12.0)))
+    pressed.add(now)
+    expected = np.zeros((12, 3))
+    for xi in (-(3.0**-0.5), 3.0**-0.5):
+        for eta in (-(3.0**-0.5), 3.0**-0.5):
+            shape = 0.25 * np.array(
+                [(1 - xi) * (1 - eta), (1 + xi) * (1 - eta), (1 + xi) * (1 + eta), (1 - xi) * (1 + eta)]
+            )
+            by_xi, by_eta = 0.25 * np.array([[eta - 1, 1 - eta, 1 + eta, -1 - eta], [xi - 1, -1 - xi, 1 + xi, 1 - xi]])
+            for face in faces:
+                area = np.cross(by_xi @ now.x[face], by_eta @ now.x[face])
+                expected[face] -= 6.0 * np.outer(shape, area)
+    assert pressed.nodes.tolist() == [2, 3, 5, 8, 9, 11]
+    np.testing.assert_allclose(pressed.force, expected[pressed.nodes], rtol=1e-12, atol=1e-14)
+    np.testing.assert_allclose(now.f - before, expected, rtol=1e-8, atol=1e-9)
+
+
+def test_dashpots_act_on_the_mean_of_the_velocities_before_and_after(rng):
+    """F = -C (v + v_new) / 2 with v_new = v + dt (f + F) / m, and again once the step has changed."""
+    now, nodes = instant(rng, 9), np.array([1, 4, 7])
+    root = rng.uniform(-1.0, 1.0, (3, 3, 3))
+    matrix = 1e6 * np.einsum("nij,nkj->nik", root, root)
+    quiet = Dashpots(nodes, matrix)
+    for kick in (3e-7, 8e-7):
+        now.kick, now.f = kick, 1e6 * rng.uniform(-1.0, 1.0, (9, 3))
+        quiet.add(now)
+        after = moved_by(now, now.v)
+        expected = -0.5 * np.einsum("nij,nj->ni", matrix, (now.v + after)[nodes])
+        np.testing.assert_allclose(quiet.force, expected, rtol=1e-10)
+
+
+def test_a_quiet_side_has_rho_c_p_across_and_rho_c_s_along_by_its_area():
+    """A slanted side of six faces: the sum over its nodes; nodes that are not free have none."""
+    mesh = turned(block("a", (0.6, 0.4, 0.5), 0.2, 0.2, 0.5), (1.0, 2.0, -1.0), 0.7)
+    mesh = joined([mesh, block("b", (1.0, 1.0, 1.0), 1.0, 1.0, 1.0)])
+    other = Elastic(2700.0, 70e9, 0.2)
+    free = np.ones(len(mesh.points), bool)
+    found = dashpots(mesh, [NonReflecting("a.z+")], {"a": STEEL, "b": other}, free)
+    corners = mesh.points[mesh.side("a.z+")][0]
+    normal = np.cross(corners[1] - corners[0], corners[3] - corners[0])
+    normal /= np.linalg.norm(normal)
+    across, along = (math.sqrt(STEEL.density * modulus) for modulus in (STEEL.wave_modulus, STEEL.shear_modulus))
+    expected = 0.24 * (across * np.outer(normal, normal) + along * (np.eye(3) - np.outer(normal, normal)))
+    np.testing.assert_allclose(found.matrix.sum(axis=0), expected, rtol=1e-12, atol=1e-9 * across)
+    assert found.nodes.tolist() == np.unique(mesh.side("a.z+")).tolist()
+    shares = np.sort(np.einsum("nii->n", found.matrix)) / np.trace(expected)
+    np.testing.assert_allclose(shares, [1 / 24] * 4 + [1 / 12] * 6 + [1 / 6] * 2, rtol=1e-12)
+    free[found.nodes[:3]] = False
+    assert (
+        dashpots(mesh, [NonReflecting("a.z+")], {"a": STEEL, "b": other}, free).nodes.tolist()
+        == found.nodes[3:].tolist()
+    )
+
+
+def test_held_nodes_have_their_speed_along_what_is_held_and_what_it_takes_is_booked(rng):
+    """One direction, two, and three, the speed of the middle of the step to come; later forces are taken up too."""
+    now, nodes = instant(rng, 8), np.array([6, 2, 3])
+    basis = np.linalg.qr(rng.normal(size=(3, 3)))[0]
+    directions = np.stack([np.where(np.arange(3)[:, None] < count, basis, 0.0) for count in (1, 2, 3)])
+    hold = Held(nodes, directions, TimeCurve((0.0, 1e-6), (1.0, 5.0)))
+    before, alone = now.v.copy(), now.f.copy()
+    hold.add(now)
+    now.f[nodes] += 2e5
+    hold.add_rest(now)
+    after = moved_by(now, before)
+    held = np.einsum("nkc,nc->nk", directions, after[nodes])
+    np.testing.assert_allclose(held[[0, 1, 1, 2, 2, 2], [0, 0, 1, 0, 1, 2]], 1.0 + 4e6 * 0.5e-6, rtol=1e-12)
+    alone[nodes] += 2e5
+    free = before + now.kick * alone / now.mass[:, None]
+    np.testing.assert_allclose((after - free)[nodes[0]] @ basis[1:].T, 0.0, atol=1e-12)
+    np.testing.assert_allclose((after - free)[nodes[1]] @ basis[2], 0.0, atol=1e-12)
+    np.testing.assert_allclose(hold.force, (now.f - alone)[nodes], rtol=1e-9)
+    work, *impulse = hold.done(after, now.kick)
+    assert work == pytest.approx(now.kick * np.sum(hold.force * 0.5 * (before + after)[nodes]), rel=1e-13)
+    np.testing.assert_allclose(impulse, now.kick * hold.force.sum(axis=0), rtol=1e-13)
+    np.testing.assert_allclose(hold.now(), [np.sum(hold.force * before[nodes]), *hold.force.sum(axis=0)], rtol=1e-13)
+
+
+def test_weight_is_mass_times_gravity_at_each_node(rng):
+    now = instant(rng, 5)
+    before, weight = now.f.copy(), Weight(now.mass, (0.0, 3.0, -9.81))
+    weight.add(now)
+    np.testing.assert_allclose(now.f - before, np.outer(now.mass, [0.0, 3.0, -9.81]), atol=1e-9)
+
+
+@pytest.mark.parametrize(("angle", "count"), [(0.7e-6, 2), (1.5e-6, 3)])
+def test_directions_less_than_a_millionth_apart_are_one(angle, count):
+    """Guided along two axes: each holds what lies across; held along, driven, and driven twice alike."""
+    mesh, axis = cube(), (math.sin(angle), 0.0, math.cos(angle))
+    guides = [Guided("cube.z-", (0.0, 0.0, 1.0)), Guided("cube.z-", axis)]
+    held = held_nodes(mesh, guides, prepare_ties((), mesh))
+    assert (np.linalg.norm(held.directions, axis=2) > 0.5).sum(axis=1).tolist() == [count] * 25
+    floor, push = Symmetry("cube.z-"), TimeCurve((0.0,), (1.0,))
+    across = Driven("cube.z-", (math.cos(angle), 0.0, math.sin(angle)), push)
+    twice = (Driven("cube.z-", (0.0, 0.0, 1.0), TimeCurve((0.0,), (2.0,))), across)
+    for boundaries in ((floor, across), twice):
+        model = one(mesh, 1e-6, boundaries=boundaries)
+        if count == 2:
+            solve(model)
+        else:
+            with pytest.raises(InputError, match="driven"):
+                solve(model)
+
+
+@pytest.mark.parametrize(("lean", "flat"), [(1.2e-3, True), (1.75e-3, False)])
+def test_a_side_is_flat_where_its_normals_differ_by_less_than_a_millionth(lean, flat):
+    """Two halves that lean to either side: 1 - cos is 0.7e-6, or 1.5e-6."""
+    mesh = block("a", (2.0, 1.0, 1.0), 1.0, 1.0, 1.0)
+    ridge = np.isclose(mesh.points[:, 0], 0.0) & (mesh.points[:, 2] > 0.5)
+    mesh.points[ridge, 2] += math.tan(lean)
+    ties = prepare_ties((), mesh)
+    if flat:
+        held = held_nodes(mesh, [Symmetry("a.z+")], ties)
+        np.testing.assert_allclose(held.directions[:, 0], np.tile([0.0, 0.0, 1.0], (6, 1)), atol=1e-12)
+    else:
+        with pytest.raises(InputError, match="a flat side"):
+            held_nodes(mesh, [Symmetry("a.z+")], ties)

@@ -1,6 +1,7 @@
 """Plates of free masses, lattices of springs and blocks that meet: momentum, energy, friction, overlaps, walls."""
 
 import itertools
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -18,11 +19,14 @@ from strikewave.fem.contact import (
     prepare,
     prepare_wall,
     searched,
+    two_surfaces,
 )
 from strikewave.fem.mesh import joined
-from strikewave.fem.model import Controls, Model, RigidWall, SurfaceContact
+from strikewave.fem.model import Controls, Model, RigidWall, SurfaceContact, Tie
 from strikewave.fem.solids import Elastic
 from strikewave.fem.solve import solve
+from strikewave.fem.threads import on_all, spans
+from strikewave.fem.tie import prepare_ties
 
 from .blocks import Lattice, block, nodal_mass
 
@@ -552,3 +556,125 @@ def test_sides_behind_a_wall_are_refused():
         prepare_wall(RigidWall("a.bottom", (0.0, 0.0, 0.5), (0.0, 0.0, 1.0)), block("a", (1, 1, 1)))
     with pytest.raises(InputError, match="normal"):
         prepare_wall(RigidWall("a.bottom", (0.0, 0.0, 0.0), (0.0, 0.0, 0.0)), block("a", (1, 1, 1)))
+
+
+# Limits, at both sides
+
+
+@pytest.mark.parametrize(("overlap", "refused"), [(0.049, False), (0.06, True)])
+def test_overlaps_of_a_tenth_of_a_face_are_let_out_and_deeper_ones_refused(overlap, refused):
+    """Faces of half a metre, of a contact and before a wall."""
+    mesh, _ = two_plates((2, 2), (2, 2), gap=-overlap)
+    wall = RigidWall("b.bottom", (0.0, 0.0, 0.5), (0.0, 0.0, 3.0))
+    for make in (lambda: prepare(SurfaceContact("a.top", "b.bottom"), mesh), lambda: prepare_wall(wall, mesh)):
+        if refused:
+            with pytest.raises(
+                InputError, match=rf"overlap of {overlap} m .* at most 0\.1 of the size of a face there, 0\.05 m"
+            ):
+                make()
+        else:
+            (found,) = initial_overlaps([("pair", make())], mesh.points)
+            assert found.deepest == pytest.approx(overlap, rel=1e-12)
+    assert prepare(SurfaceContact("a.top", "b.bottom"), mesh, points=mesh.points).touch.step[0] == 0.0
+    assert prepare_wall(wall, mesh, points=mesh.points).touch.nodes.size == 9
+
+
+def test_an_overlap_before_the_blow_is_told_by_its_deepest_node():
+    """A plate that leans before a wall: six of nine nodes stand behind it, three of them 2 cm."""
+    mesh = block("a", (2, 2, 1))
+    mesh.points[:, 2] += 0.02 * mesh.points[:, 0]
+    wall = prepare_wall(RigidWall("a.bottom", (7.0, 7.0, 0.02), (0.0, 0.0, 1.0)), mesh)
+    (found,) = initial_overlaps([("lean", wall)], mesh.points)
+    assert (found.contact, found.nodes, found.deepest) == ("lean", 6, pytest.approx(0.02, rel=1e-12))
+    assert found.place == tuple(mesh.points[found.node])
+    assert found.place[0] == 0.0
+    np.testing.assert_allclose(np.sort(wall.offset), [-0.02] * 3 + [-0.01] * 3 + [0.0] * 3, atol=1e-15)
+
+
+@pytest.mark.parametrize(
+    ("first", "second", "rate", "steps"),
+    # 0.1 of the smaller faces, 1/2 or 1/4 m: steps that have come and two more do not fit
+    [((2, 2), (1, 1), 0.012, 3), ((2, 2), (2, 2), 0.02, 1), ((1, 1), (4, 4), 0.006, 3), ((4, 4), (2, 2), 0.009, 1)],
+)
+def test_faces_are_searched_again_once_the_margin_would_be_used_up(first, second, rate, steps):
+    mesh, count = two_plates(first, second, gap=0.4)
+    state = prepare(SurfaceContact("a.top", "b.bottom"), mesh)
+    assert state.margin == pytest.approx(0.1 / max(*first, *second), rel=1e-14)
+    v = np.zeros_like(mesh.points)
+    v[count:, 2], v[:count, 1] = -rate / 1e-3, 0.0
+    again = [add_contact(state, mesh.points, v, np.zeros_like(v), np.ones(len(v)), 1e-3) for _ in range(steps)]
+    assert again == [False] * (steps - 1) + [True]
+    assert state.travel[0] == pytest.approx(steps * rate, rel=1e-12)
+
+
+def test_travel_is_twice_the_largest_offset_from_the_mean_velocity_of_both(rng):
+    """Over more than one share of 64 nodes; the mean is that of the means of the two surfaces."""
+    mesh, _ = two_plates((9, 9), (3, 3))
+    state = prepare(SurfaceContact("a.top", "b.bottom"), mesh)
+    v = rng.normal(0.0, 1.0, mesh.points.shape) + np.array([50.0, 0.0, 0.0])
+    add_contact(state, mesh.points, v, np.zeros_like(v), np.zeros(len(v)), 1e-5)
+    first, second = v[state.touch.nodes[:100]], v[state.touch.nodes[100:]]
+    middle = 0.5 * (first.mean(axis=0) + second.mean(axis=0))
+    largest = np.linalg.norm(np.concatenate([first, second]) - middle, axis=1).max()
+    assert state.travel[0] == pytest.approx(2e-5 * largest, rel=1e-12)
+
+
+@pytest.mark.parametrize(("height", "near"), [(0.174, 4), (0.176, 0)])
+def test_nodes_are_candidates_within_a_quarter_of_a_face_and_the_margin(height, near):
+    """Faces of half a metre: 0.125 m and the margin of 0.05 m above a face; four of nine nodes are over the other plate."""
+    mesh, _ = two_plates((2, 2), (2, 2), gap=height, shift=(0.62, 0.62))
+    state = searched(two_surfaces(SurfaceContact("a.top", "b.bottom"), mesh), mesh.points)
+    assert np.count_nonzero(np.diff(state.start)[:9]) == near
+
+
+def test_a_node_is_inside_an_element_up_to_its_middle():
+    """Half of the thickness, or of the width of a face where that is less: plates of 0.3 m and of 0.8 m."""
+    low, high = block("a", (2, 2, 1), (1.0, 1.0, 0.3)), block("b", (4, 4, 1), (1.0, 1.0, 0.8), (0.0, 0.0, 0.3))
+    state = two_surfaces(SurfaceContact("a.top", "b.bottom"), joined([low, high]))
+    np.testing.assert_allclose(state.limit, [0.15] * 4 + [0.125] * 16, rtol=1e-13)
+
+
+@pytest.mark.parametrize(
+    ("change", "allowed"),
+    [
+        ({"stiffness": 1.0}, True), ({"stiffness": 1.005}, False), ({"stiffness": 0.0}, False),
+        ({"friction": 0.0}, True), ({"friction": np.inf}, False), ({"friction": 40.0}, True),
+    ],
+)  # fmt: skip
+def test_numbers_of_a_contact_and_a_wall_have_ranges(change, allowed):
+    mesh, _ = two_plates((1, 1), (1, 1))
+    makes = [lambda: prepare(SurfaceContact("a.top", "b.bottom", **change), mesh)]
+    if "friction" in change:
+        makes.append(lambda: prepare_wall(RigidWall("b.bottom", (0.0, 0.0, 0.0), (0.0, 0.0, 1.0), **change), mesh))
+    for make in makes:
+        if allowed:
+            make()
+        else:
+            with pytest.raises(InputError, match=next(iter(change))):
+                make()
+
+
+@pytest.mark.parametrize(("gap", "tied"), [(0.0495, True), (0.0505, False), (0.09, False)])
+def test_nodes_within_a_tenth_of_a_face_can_be_tied_to_it(gap, tied):
+    mesh, _ = two_plates((2, 2), (3, 3), gap=gap)
+    if tied:
+        state = prepare_ties([Tie("b.bottom", "a.top")], mesh)
+        np.testing.assert_allclose(
+            np.einsum("nk,nkc->nc", state.shape, mesh.points[state.corners]),
+            mesh.points[state.nodes] - [0, 0, gap],
+            atol=1e-12,
+        )
+    else:
+        with pytest.raises(InputError, match=rf"16 of 16 nodes off a\.top, the furthest {gap:.3g} m.*within 0\.1 of"):
+            prepare_ties([Tie("b.bottom", "a.top")], mesh)
+
+
+def test_work_is_shared_by_threads_in_spans_that_are_not_too_small():
+    assert spans(1000, 4, 100) == [(0, 250), (250, 500), (500, 750), (750, 1000)]
+    assert spans(1000, 4, 400) == [(0, 500), (500, 1000)]
+    assert spans(1000, 4, 501) == spans(1000, 1, 1) == [(0, 1000)]
+    assert spans(0, 3, 5) == [(0, 0)]
+    assert on_all(None, divmod, [(7, 2), (9, 4)]) == [(3, 1), (2, 1)]
+    with ThreadPoolExecutor(2) as pool:
+        assert on_all(pool, divmod, [(7, 2), (9, 4), (11, 3)]) == [(3, 1), (2, 1), (3, 2)]
+        assert on_all(pool, divmod, [(7, 2)]) == [(3, 1)]

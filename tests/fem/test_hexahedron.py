@@ -11,10 +11,16 @@ from scipy.sparse import diags
 from scipy.sparse.linalg import splu
 from scipy.spatial.transform import Rotation
 
+from strikewave.fem import _history_kernels as history_kernels
+from strikewave.fem.contact import contact_force, contact_work, two_surfaces
+from strikewave.fem.engine import build_elements
 from strikewave.fem.full import critical_steps as full_critical_steps
 from strikewave.fem.full import mode_slopes
-from strikewave.fem.hexahedron import MODES, critical_steps, element_masses, shapes
-from strikewave.fem.mesh import volumes
+from strikewave.fem.hexahedron import MODES, critical_steps, cut_slabs, element_masses, shapes
+from strikewave.fem.invariants import von_mises
+from strikewave.fem.mesh import Mesh, joined, volumes
+from strikewave.fem.model import Controls, Model, SurfaceContact
+from strikewave.fem.recorder import felt_by, pressed
 from strikewave.fem.solids import Bilinear, Elastic
 
 from .blocks import block
@@ -486,3 +492,146 @@ def test_step_with_viscosity_is_stable_and_for_a_cube_without_lateral_strain_the
     assert largest_in(4000, 0.999) < 3e-8
     if ratio == 0.0:
         assert largest_in(4000, 1.001) > 1e-7
+
+
+@pytest.mark.parametrize("sort", SORTS)
+def test_kernels_and_numpy_have_one_critical_step_of_an_element_numbered_in_any_way(sort):
+    """A strongly distorted one, at rest and with linear viscosity: the bound is written twice, in kernels and numpy."""
+    points, turns = random_hexahedra(np.random.default_rng(11), 1, 0.3).points, Rotation.create_group("O")
+    for turn in [turns[k] for k in (0, 5, 10, 17)]:
+        order = [int(np.argmin(np.abs(CUBE - 0.5 - turn.apply(c - 0.5)).sum(axis=1))) for c in CUBE]
+        mesh, still = mesh_of(points, np.array([order])), np.zeros_like(points)
+        for viscosity in (0.0, 0.06, 0.5):
+            found = elements(mesh, SOLID, sort, viscous=(viscosity, 0.0))
+            step = found.add_forces(points, still, still.copy(), 1.0)
+            assert step == pytest.approx(bound(mesh, SOLID, sort, viscosity), rel=1e-12)
+
+
+# Where elements stand, and what is summed of them
+
+
+def test_chunks_are_cut_into_slabs_by_part_and_slabs_without_common_nodes_go_side_by_side():
+    """16 chunks a slab at least, 32 slabs at most; each chunk shares a node with the next."""
+    nodes = np.arange(640)[:, None] + np.arange(2)
+    slabs, groups = cut_slabs(nodes[:40], np.repeat([0, 1], [25, 15]))
+    assert slabs.tolist() == [[0, 16], [16, 25], [25, 32], [32, 40]]
+    assert [group.tolist() for group in groups] == [[0, 2], [1, 3]]
+    slabs, groups = cut_slabs(nodes, np.zeros(640, int))
+    assert (np.diff(slabs) == 20).all()
+    assert len(slabs) == 32
+    assert [group.tolist() for group in groups] == [list(range(0, 32, 2)), list(range(1, 32, 2))]
+
+
+def strained(rng, sort):
+    """30 elements, more than a chunk, each strained beyond yield by itself."""
+    mesh, solid = random_hexahedra(rng, 30), Bilinear(7800.0, 200e9, 0.3, 300e6, 20e9, 0.5)
+    found = elements(mesh, solid, sort, viscous=(0.06, 1.5))
+    moved(found, mesh.points, mesh.points + 0.02 * rng.uniform(-1.0, 1.0, mesh.points.shape), 1e-5)
+    return found
+
+
+@pytest.mark.parametrize("sort", SORTS)
+def test_stress_of_chosen_elements_stands_where_it_is_said(rng, sort):
+    found = strained(rng, sort)
+    chosen = np.array([3, 25, 7, 29, 0])
+    places = found.stress_places(np.append(chosen, 31))  # the last is of another kind
+    assert places.shape == (5, found.points)
+    stress = found.blocks.state[places[:, :, None] + np.array(history_kernels.STRESS)].mean(axis=1)
+    np.testing.assert_array_equal(stress, found.cell_values(32)[0][chosen])
+    assert (found.cell_values(32)[0][30:] == 0.0).all()
+
+
+@pytest.mark.parametrize("sort", SORTS)
+def test_the_largest_of_a_chunk_are_those_of_its_elements(rng, sort):
+    found = strained(rng, sort)
+    stress, strain = found.cell_values(30)
+    for chunk, own in enumerate((slice(0, 24), slice(24, 30))):
+        # the same sums, rounded once less where products and sums are fused
+        expected = [von_mises(stress[own]).max() ** 2, strain[own].max()]
+        np.testing.assert_allclose(found.peaks()[chunk], expected, rtol=1e-14)
+
+
+@pytest.mark.parametrize("sort", SORTS)
+def test_stress_and_back_stress_of_each_element_turn_by_its_own_rotation(rng, sort):
+    found = strained(rng, sort)
+    turns = Rotation.random(30, random_state=5).as_matrix()
+
+    def tensors(first):
+        rows = found.blocks.state.reshape(-1, found.points, 15, 24)[:, :, first : first + 6]
+        by_lane = np.moveaxis(rows, 3, 1)[found.blocks.filled[:, None] > np.arange(24)]
+        return by_lane[..., [[0, 3, 5], [3, 1, 4], [5, 4, 2]]]
+
+    before, strain = [tensors(0), tensors(9)], found.cell_values(30)[1]
+    found.turn(turns)
+    for old, first in zip(before, (0, 9), strict=True):
+        for element, turn in enumerate(turns):
+            for tensor, now in zip(old[element], tensors(first)[element], strict=True):
+                np.testing.assert_allclose(now, turn @ tensor @ turn.T, atol=1e-13 * np.abs(old).max())
+        assert np.abs(old).max() > 1e6
+    np.testing.assert_array_equal(found.cell_values(30)[1], strain)
+
+
+@pytest.mark.parametrize("sort", SORTS)
+def test_a_balance_begins_with_the_energy_that_is_stored(rng, sort):
+    found = strained(rng, sort)
+    internal, plastic, viscous, hourglass = found.work()
+    assert min(plastic, abs(viscous)) > 0.0
+    found.begin_balance()
+    assert found.work().tolist() == [pytest.approx(internal - plastic, rel=1e-13), 0.0, 0.0, hourglass]
+
+
+@pytest.mark.parametrize("small", ["a", "b"])
+def test_elements_of_both_kinds_add_up_and_the_smallest_sets_the_step(rng, small):
+    """Part a of 30 elements of one point, part b of five of eight; one of them half as large."""
+    mesh = random_hexahedra(rng, 35)
+    owner = np.repeat([0, 1], [30, 5]).astype(np.int32)
+    points = mesh.points * np.where(np.repeat(owner == "ab".index(small), 8), 0.5, 1.0)[:, None]
+    mesh = Mesh(points, mesh.hexahedra, owner, ("a", "b"))
+    solids = {"a": Bilinear(7800.0, 200e9, 0.3, 300e6), "b": Bilinear(8900.0, 120e9, 0.34, 90e6)}
+    mass = element_masses(mesh, solids)
+    np.testing.assert_allclose(mass, np.where(owner, 8900.0, 7800.0) * volumes(points, mesh.hexahedra), rtol=1e-14)
+    model = Model(mesh, solids, Controls(1.0, full=("b",)))
+    after = points + 0.01 * rng.uniform(-1.0, 1.0, points.shape)
+    both, kinds = build_elements(model, ("a", "b"), mass, None), build_elements(model, ("a", "b"), mass, None).kinds
+    force, alone = np.zeros_like(points), np.zeros_like(points)
+    step = both.add_forces(after, (after - points) / 1e-5, force, 1e-5)
+    steps = [kind.add_forces(after, (after - points) / 1e-5, alone, 1e-5) for kind in kinds]
+    assert step == min(steps) == steps["ab".index(small)]
+    np.testing.assert_array_equal(force, alone)
+    np.testing.assert_allclose(both.work(), kinds[0].work() + kinds[1].work(), rtol=1e-14)
+    plastic = both.plastic_work(mesh.names)
+    assert plastic == {"a": pytest.approx(kinds[0].work()[1]), "b": pytest.approx(kinds[1].work()[1])}
+    assert plastic["a"] != plastic["b"]
+    for values, own in zip(
+        both.cell_values(35), zip(*(kind.cell_values(35) for kind in kinds), strict=True), strict=True
+    ):
+        np.testing.assert_array_equal(values[:30], own[0][:30])
+        np.testing.assert_array_equal(values[30:], own[1][30:])
+
+
+def test_what_shares_of_a_contact_feel_is_summed_by_surface(rng):
+    """Two surfaces of 81 and 64 nodes in three shares of 64 nodes at most, every third under pressure."""
+    mesh = joined([block("a", (8, 8, 1)), block("b", (7, 7, 1), origin=(0.0, 0.0, 1.0))])
+    touch = two_surfaces(SurfaceContact("a.top", "b.bottom"), mesh).touch
+    for array in (touch.area, touch.velocity, touch.normal, touch.friction):
+        array[:] = rng.uniform(0.5, 2.0, array.shape)
+    under = np.arange(145) % 3 == 0
+    touch.normal[~under] = 0.0
+    felt, force, first = felt_by(touch), touch.normal + touch.friction, np.arange(145) < 81
+    assert felt.shape == (3, 10)
+    np.testing.assert_allclose(felt[:, :3].sum(axis=0), force[first].sum(axis=0), rtol=1e-13)
+    np.testing.assert_allclose(contact_force(touch), force[first].sum(axis=0), rtol=1e-13)
+    np.testing.assert_allclose(felt[:, 3].sum(), np.sum(force * touch.velocity), rtol=1e-13)
+    shares = []
+    for place, own in ((4, first), (7, ~first)):
+        area, pressing = touch.area[own].sum(), touch.area[own & under].sum()
+        np.testing.assert_allclose(felt[:, place : place + 2].sum(axis=0), [area, pressing], rtol=1e-13)
+        largest = touch.area[own & under].max()
+        assert felt[:, place + 2].max() == largest
+        shares.append([pressing / area, pressing / largest])
+    np.testing.assert_allclose(pressed(felt, 2), shares, rtol=1e-13)
+    np.testing.assert_allclose(pressed(felt, 1), shares[:1], rtol=1e-13)
+    after = rng.uniform(-1.0, 1.0, mesh.points.shape)
+    middle = 0.25 * (touch.velocity + after[touch.nodes])  # half the mean, for a step of half a second
+    expected = [-np.sum(touch.normal * middle), -np.sum(touch.friction * middle)]
+    np.testing.assert_allclose(contact_work(touch, after, 0.5), expected, rtol=1e-13)
