@@ -91,7 +91,14 @@ def test_a_grading_is_symmetric_about_its_place():
         ("grading.fine", lambda: Grading(1e-3, fine=2e-3)),
         ("grading.growth", lambda: Grading(1e-3, growth=1.0)),
         ("grading.extent", lambda: Grading(1e-3, extent=-1.0)),
+        ("grading.coarse", lambda: Grading(math.inf)),
+        ("grading.fine", lambda: Grading(1e-3, fine=0.0)),
+        ("grading.growth", lambda: Grading(1e-3, growth=2.02)),
+        ("grading.extent", lambda: Grading(1e-3, extent=math.inf)),
+        ("grading.extent", lambda: Grading(1e-3, extent=-0.005)),
         ("grading.at", lambda: Grading(1e-3, at=())),
+        ("grading.at", lambda: Grading(1e-3, at=(0.0, math.nan))),
+        ("size", lambda: nodes_between(0.0, 20_001.0, 1.0)),
         ("length", lambda: nodes_between(1.0, 1.0, 0.1)),
         ("size", lambda: nodes_between(0.0, 1.0, 1e-9)),
     ],
@@ -100,3 +107,39 @@ def test_a_grading_that_cannot_be_is_refused_by_name(field, make):
     with pytest.raises(InputError) as error:
         make()
     assert error.value.field == field
+
+
+def test_gradings_at_the_ends_of_their_ranges_are_taken():
+    assert Grading(1e-3, fine=1e-3, growth=2.0).finest == 1e-3
+    assert Grading(1e-3).finest == 1e-3
+    assert Grading(1e-3, growth=1.5).slope == pytest.approx(0.405465108108, rel=1e-11)
+    assert len(nodes_between(0.0, 19_999.0, 1.0)) == 20_000
+
+
+@pytest.mark.parametrize(("more", "count"), [(0.6e-9, 4), (1.5e-9, 5)])
+def test_a_count_within_a_billionth_of_a_whole_number_is_that_number(more, count):
+    assert len(nodes_between(0.0, 4.0 + more, 1.0)) == count + 1
+
+
+def test_sizes_by_hand():
+    """Twice a metre farther: ln 2 a metre. Fine zones of 2 m about 1 and 9 m; without extent one begins below fine."""
+    twice = Grading(3.0, fine=0.5, at=(1.0, 9.0), extent=2.0, growth=2.0)
+    rise = math.log(2.0)
+    expected = [0.5, 0.5, 0.5 + rise, 0.5 + 2.0 * rise, 0.5 + 0.5 * rise, 0.5, 3.0]
+    np.testing.assert_allclose(twice.size(np.array([-1.0, 2.5, 4.0, 5.0, 6.5, 11.0, 20.0])), expected, rtol=1e-14)
+    point = Grading(3.0, fine=0.5, growth=1.5)
+    expected = [0.5 * math.log(1.5) / 0.5, 0.5 * math.log(1.5) / 0.5 + 2.0 * math.log(1.5)]
+    np.testing.assert_allclose(point.size(np.array([0.0, 2.0])), expected, rtol=1e-14)
+    assert Grading(3.0, extent=1.0).size(np.array([0.0, 9.0])).tolist() == [3.0, 3.0]
+
+
+def test_nodes_of_a_line_stand_at_equal_shares_of_the_integral_of_one_over_the_size():
+    """By quadrature in many steps, of two fine zones between the ends."""
+    grading = Grading(2.0, fine=0.3, at=(3.0, 11.0), extent=0.7, growth=1.4)
+    nodes = nodes_between(-1.0, 16.0, grading)
+    x = np.linspace(-1.0, 16.0, 200_001)
+    density = 1.0 / grading.size(x)
+    reached = np.concatenate([[0.0], np.cumsum(0.5 * (density[1:] + density[:-1]) * np.diff(x))])
+    # the trapezoidal rule errs by the kinks, 1e-8 of a step there
+    np.testing.assert_allclose(np.interp(nodes, x, reached), np.linspace(0.0, reached[-1], len(nodes)), atol=1e-6)
+    assert len(nodes) - 1 == math.ceil(reached[-1])

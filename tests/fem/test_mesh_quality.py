@@ -121,3 +121,80 @@ def test_the_aspect_of_a_part_is_that_of_its_longest_element():
     assert row.aspect_ratio == pytest.approx(3.0, rel=1e-13)
     assert (row.shortest_edge, row.longest_edge) == pytest.approx((1.0, 3.0), rel=1e-13)
     assert row.volume == pytest.approx(4.0, rel=1e-13)
+
+
+def squeezed(share):
+    """A unit cube pressed to a share of its height."""
+    cube = block("a", (1.0, 1.0, 1.0), 1.0, 1.0, 1.0)
+    return replace(cube, points=cube.points * [1.0, 1.0, share])
+
+
+@pytest.mark.parametrize(("make", "share", "words"), [
+    (squeezed, 0.7e-6, "mesh.a element 0"), (squeezed, 1.5e-6, ""), (lambda far: moved(squeezed(1.0), (far, 0, 0)), 0.9e6, ""),
+    (lambda far: moved(squeezed(1.0), (0, far, 0)), 1.5e6, "within 1e+06 m"),
+    (lambda far: moved(squeezed(1.0), (0, 0, far)), -1.5e6, "within 1e+06 m"),
+])  # fmt: skip
+def test_flat_and_far_have_limits(make, share, words):
+    if words:
+        with pytest.raises(InputErrors) as error:
+            check_mesh(make(share))
+        assert words in str(error.value)
+    else:
+        check_mesh(make(share))
+
+
+@pytest.mark.parametrize(("jacobian", "refused"), [(0.7e-6, True), (1.5e-6, False)])
+def test_a_corner_is_flat_at_a_millionth(jacobian, refused):
+    """A cube sheared by an angle of cosine 1e-6: its edges are then a million long, and it is as high as they are."""
+    cube = block("a", (1.0, 1.0, 1.0), 1.0, 1.0, 1.0)
+    points = cube.points * [1.0, 1.0, jacobian]
+    points[:, 0] += math.sqrt(1.0 - jacobian**2) * cube.points[:, 2]
+    assert scaled_jacobians(points, cube.hexahedra).min() == pytest.approx(jacobian, rel=1e-6)
+    if refused:
+        with pytest.raises(InputErrors, match=r"mesh\.a element 0"):
+            check_mesh(replace(cube, points=points))
+    else:
+        check_mesh(replace(cube, points=points))
+
+
+def test_of_many_points_beside_elements_five_are_named(pair):
+    with pytest.raises(InputErrors) as error:
+        check_mesh(replace(pair, points=np.concatenate([pair.points, np.zeros((7, 3))])))
+    assert 'got "7 that belong to no element, such as 54, 55, 56, 57, 58"' in str(error.value)
+
+
+def test_corners_warps_and_edges_of_an_element_without_symmetry(rng):
+    """Each corner by the determinant of its unit edges, each face by the normals of its triangles, one by one."""
+    cube = block("a", (1.0, 1.0, 1.0), 1.0, 1.0, 1.0)
+    points = cube.points + rng.uniform(-0.3, 0.3, (8, 3)) * [1.0, 0.8, 0.6]
+    nodes = points[cube.hexahedra[0]]
+    around = {
+        0: (1, 3, 4),
+        1: (2, 0, 5),
+        2: (3, 1, 6),
+        3: (0, 2, 7),
+        4: (7, 5, 0),
+        5: (4, 6, 1),
+        6: (5, 7, 2),
+        7: (6, 4, 3),
+    }
+    for corner, ends in around.items():
+        ways = np.array([nodes[end] - nodes[corner] for end in ends])
+        expected = np.linalg.det(ways / np.linalg.norm(ways, axis=1, keepdims=True))
+        assert scaled_jacobians(points, cube.hexahedra)[0, corner] == pytest.approx(expected, rel=1e-12)
+    faces = [(0, 3, 2, 1), (4, 5, 6, 7), (0, 1, 5, 4), (1, 2, 6, 5), (2, 3, 7, 6), (3, 0, 4, 7)]
+
+    def normal(*three):
+        a, b, c = nodes[list(three)]
+        way = np.cross(b - a, c - a)
+        return way / np.linalg.norm(way)
+
+    for face, (a, b, c, d) in enumerate(faces):
+        cosines = normal(a, b, c) @ normal(a, c, d), normal(b, c, d) @ normal(b, d, a)
+        assert warpages(points, cube.hexahedra)[0, face] == pytest.approx(math.acos(min(cosines)), abs=1e-7)
+    (row,) = quality_report(replace(cube, points=points), {"a": 2.0})
+    lengths = [np.linalg.norm(nodes[i] - nodes[j]) for i, ends in around.items() for j in ends]
+    assert (row.shortest_edge, row.longest_edge) == (pytest.approx(min(lengths)), pytest.approx(max(lengths)))
+    assert row.aspect_ratio == pytest.approx(max(lengths) / min(lengths), rel=1e-12)
+    assert row.step == pytest.approx(0.5 * min(lengths), rel=1e-12)
+    assert row.worst_at == pytest.approx(tuple(nodes.mean(axis=0)), rel=1e-12)

@@ -1,19 +1,32 @@
 """Meshes of the bodies against their volumes, surfaces and symmetries in closed form."""
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from scipy.spatial.transform import Rotation
 
 from strikewave.base.errors import InputError
-from strikewave.fem.grading import Grading
-from strikewave.fem.mesh import exterior_faces, joined, volumes
+from strikewave.fem.grading import Grading, nodes_between, nodes_through
+from strikewave.fem.mesh import exterior, exterior_faces, joined, volumes
 from strikewave.fem.quality import check_mesh, quality_report
-from strikewave.fem.round_shapes import TubeSize, ball, cylinder, half_cylinder, half_space, tube
-from strikewave.fem.sections import BULGE, disc_section, edges
+from strikewave.fem.round_shapes import TubeSize, _half_ball, ball, cylinder, half_cylinder, half_space, tube
+from strikewave.fem.sections import (
+    BULGE,
+    core_half_width,
+    disc_section,
+    edges,
+    extruded,
+    grid_section,
+    merged_nodes,
+    refuse_too_many,
+    shell_radii,
+)
 from strikewave.fem.shapes import FrameSize, block, frame, moved, renamed, turned
+from strikewave.fem.surfaces import extents, neighbours, surface_of, thickness
 
 SHARES = {"whole": 1.0, "half": 0.5, "quarter": 0.25}
 TUBE = TubeSize(0.02, 0.024, 0.03)
@@ -365,26 +378,254 @@ def test_a_renamed_part_takes_its_sides_with_it():
         renamed(mesh, {"b1": "striker"})
 
 
-@pytest.mark.verify
 @pytest.mark.parametrize(
-    "make",
+    ("make", "field"),
     [
-        lambda: cylinder("a", 0.0, 1.0, 0.1, 0.1),
-        lambda: cylinder("a", 1.0, math.inf, 0.1, 0.1),
-        lambda: cylinder("a", 1.0, 1.0, 0.1, 0.1, "third"),
-        lambda: ball("a", -1.0, 0.1),
-        lambda: ball("a", 1.0, 0.1, "eighth"),
-        lambda: cylinder("a", 1.0, 1.0, 1e-7, 0.1),
-        lambda: cylinder("a", 1.0, 1.0, 1e-3, 1e-4),
-        lambda: ball("a", 1.0, 1e-3),
-        lambda: block("a", (1.0, 1.0, 1.0), 1e-4, 1e-4, 0.1),
-        lambda: TubeSize(0.02, 0.01, 0.1),
-        lambda: TubeSize(0.01, 0.02, 0.1, bottom=0.1),
-        lambda: FrameSize(1.0, 1.0, 1.0, 0.5, 0.5, 0.1, 0.1),
-        lambda: block("a", (1.0, math.nan, 1.0), 0.1, 0.1, 0.1),
-        lambda: turned(block("a", (1.0, 1.0, 1.0), 1.0, 1.0, 1.0), (0.0, 0.0, 0.0), 1.0),
+        (lambda: cylinder("a", 0.0, 1.0, 0.1, 0.1), "a.diameter"),
+        (lambda: cylinder("a", 1.0, math.inf, 0.1, 0.1), "a.length"),
+        (lambda: cylinder("a", 1.0, 1.0, 0.1, 0.1, "third"), "sector"),
+        (lambda: half_cylinder("a", 0.0, 1.0, 0.1, 0.1), "a.radius"),
+        (lambda: half_cylinder("a", 1.0, 0.0, 0.1, 0.1), "a.length"),
+        (lambda: half_space("a", math.nan, 0.1), "a.radius"),
+        (lambda: ball("a", -1.0, 0.1), "a.radius"),
+        (lambda: ball("a", 1.0, 0.1, "eighth"), "sector"),
+        (lambda: cylinder("a", 1.0, 1.0, 1e-7, 0.1), "size"),
+        (lambda: ball("a", 1.0, 1e-3), "size"),
+        (lambda: block("a", (1.0, 1.0, 1.0), 1e-4, 1e-4, 0.1), "size"),
+        (lambda: block("a", (1.0, math.nan, 1.0), 0.1, 0.1, 0.1), "a.size"),
+        (lambda: TubeSize(0.0, 0.02, 0.1), "inner"),
+        (lambda: TubeSize(0.02, 0.01, 0.1), "inner"),
+        (lambda: TubeSize(0.01, math.inf, 0.1), "inner"),
+        (lambda: TubeSize(0.01, 0.02, 0.1, bottom=0.1), "length"),
+        (lambda: TubeSize(0.01, 0.02, 0.1, bottom=0.06, top=0.05), "length"),
+        (lambda: TubeSize(0.01, 0.02, 0.1, bottom=-0.01), "length"),
+        (lambda: TubeSize(0.01, 0.02, 0.1, bottom=0.03, top=-0.01), "length"),
+        (lambda: TubeSize(0.01, 0.02, math.inf), "length"),
+        (lambda: FrameSize(1.0, 1.0, 1.0, 0.5, 0.5, 0.1, 0.1), "width"),
+        (lambda: FrameSize(1.0, 1.0, 1.0, 0.3, 0.4, 0.7, 0.4), "height"),
+        (lambda: FrameSize(1.0, 0.0, 1.0, 0.3, 0.4, 0.3, 0.4), "depth"),
+        (lambda: turned(block("a", (1.0, 1.0, 1.0), 1.0, 1.0, 1.0), (0.0, 0.0, 0.0), 1.0), "axis"),
+        (lambda: turned(block("a", (1.0, 1.0, 1.0), 1.0, 1.0, 1.0), (0.0, math.inf, 0.0), 1.0), "axis"),
     ],
 )
-def test_bodies_that_cannot_be_are_refused(make):
-    with pytest.raises(InputError):
+def test_bodies_that_cannot_be_are_refused(make, field):
+    with pytest.raises(InputError) as error:
         make()
+    assert error.value.field == field
+
+
+def test_meshes_that_would_fill_the_memory_are_refused_before_they_are_made():
+    """Above 20 million elements in a part: of a rectangle, along its height, and in a half-ball."""
+    refuse_too_many(20_000_000.0)
+    few = grid_section(np.arange(41.0), np.arange(51.0))
+    for make in (
+        lambda: refuse_too_many(20_000_001.0),
+        lambda: refuse_too_many(math.nan),
+        lambda: grid_section(np.arange(5002.0), np.arange(4002.0)),  # 5001 by 4001
+        lambda: extruded(few, np.arange(10_002.0)),  # 2000 by 10 001
+        lambda: _half_ball(np.linspace(0.5, 1.0, 134), 100),  # 4 100^2 (100 + 3 134)
+    ):
+        with pytest.raises(InputError, match="at most 20000000 in a part"):
+            make()
+
+
+@pytest.mark.parametrize(
+    ("sizes", "half_width", "count"),
+    [
+        # pi 10 / (4 1.2 1) = 6.54 elements, of which half the radius takes those of half a metre
+        (Grading(1.0), 5.0, 7),
+        # 0.7 of a fine zone of 3 m: 8.4 elements of 0.25 m
+        (Grading(1.0, fine=0.25, extent=3.0), 2.1, 9),
+        # 6.54 elements of 0.25 m are wider than 0.7 of a fine zone of 0.5 m
+        (Grading(1.0, fine=0.25, extent=0.5), 0.25 * math.pi * 10.0 / 4.8, 7),
+        # two at least
+        (Grading(8.0, fine=1.0), 2.0, 2),
+    ],
+)
+def test_the_core_of_a_round_body_by_hand(sizes, half_width, count):
+    found = core_half_width(10.0, sizes)
+    assert found == (pytest.approx(half_width, rel=1e-14), count)
+    radii = shell_radii(found[0], 10.0, sizes)
+    wide = replace(sizes, extent=max(sizes.extent, half_width)) if sizes.fine else sizes
+    np.testing.assert_allclose(radii, nodes_between(half_width, 10.0, wide), rtol=1e-13)
+
+
+AXES = Grading(3e-3, fine=8e-4, extent=2e-3, growth=1.3)
+
+
+def on_line(mesh, *across):
+    """Coordinates of the nodes on an axis, given those that vanish, ascending."""
+    along = next(axis for axis in range(3) if axis not in across)
+    return np.sort(mesh.points[np.all(np.abs(mesh.points[:, across]) < 1e-12, axis=1), along])
+
+
+def radii_of(radius, sizes):
+    """Nodes along a radius: even in the core, then the shells."""
+    half_width, count = core_half_width(radius, sizes)
+    return np.concatenate([np.linspace(0.0, half_width, count + 1), shell_radii(half_width, radius, sizes)[1:]])
+
+
+def test_nodes_of_a_cylinder_lie_at_the_places_of_its_gradings():
+    """Along a radius, along the axis, and at equal angles around, eight times the elements of the core."""
+    mesh = cylinder("a", 0.02, 0.03, AXES, Grading(4e-3, fine=1e-3, at=(0.01,)), "half")
+    radii = radii_of(0.01, AXES)
+    foot = replace(mesh, points=mesh.points[mesh.points[:, 2] == 0.0])
+    np.testing.assert_allclose(on_line(foot, 1, 2), [*-radii[:0:-1], *radii], atol=1e-15)
+    heights = nodes_between(0.0, 0.03, Grading(4e-3, fine=1e-3, at=(0.01,)))
+    np.testing.assert_allclose(on_line(mesh, 0, 1), heights, atol=1e-15)
+    rim = foot.points[np.hypot(*foot.points[:, :2].T) > 0.01 - 1e-12]
+    angles = np.sort(np.arctan2(rim[:, 1], rim[:, 0]))
+    np.testing.assert_allclose(
+        angles, np.linspace(0.0, math.pi, 8 * core_half_width(0.01, AXES)[1] // 2 + 1), atol=1e-12
+    )
+
+
+def test_nodes_of_a_closed_shell_lie_at_the_places_of_its_gradings():
+    """Walls between the bore and the rim, ends between their heights, and nothing in the bore between these."""
+    mesh = tube("a", SHELL, AXES, 2e-3, "quarter")
+    walls, heights = nodes_between(0.01, 0.013, AXES), nodes_through([0.0, 0.004, 0.027, 0.03], 2e-3)
+    middle = replace(mesh, points=mesh.points[np.isclose(mesh.points[:, 2], heights[len(heights) // 2])] * [1, 1, 0])
+    np.testing.assert_allclose(on_line(middle, 1, 2), walls, atol=1e-15)
+    axis = heights[(heights < 0.004 + 1e-12) | (heights > 0.027 - 1e-12)]
+    np.testing.assert_allclose(on_line(mesh, 0, 1), axis, atol=1e-15)
+    half_width, count = core_half_width(0.013, AXES)
+    core = min(half_width, 0.005)
+    foot = replace(mesh, points=mesh.points[mesh.points[:, 2] == 0.0])
+    radii = [*np.linspace(0.0, core, count + 1), *shell_radii(core, 0.01, AXES)[1:], *walls[1:]]
+    np.testing.assert_allclose(on_line(foot, 1, 2), radii, atol=1e-15)
+
+
+def test_nodes_of_a_ball_of_one_size_and_of_a_half_space_lie_at_the_places_of_their_gradings():
+    whole, ground = ball("a", 0.01, 2e-3, "quarter"), half_space("a", 0.01, AXES, "quarter")
+    radii = radii_of(0.01, Grading(2e-3))
+    np.testing.assert_allclose(on_line(whole, 0, 1), [*-radii[:0:-1], *radii], atol=1e-15)
+    np.testing.assert_allclose(on_line(whole, 1, 2), radii, atol=1e-15)
+    np.testing.assert_allclose(on_line(ground, 0, 1), -radii_of(0.01, AXES)[::-1], atol=1e-15)
+    np.testing.assert_allclose(on_line(ground, 0, 2), radii_of(0.01, AXES), atol=1e-15)
+
+
+def test_arcs_of_a_graded_ball_and_of_a_half_cylinder_from_the_lowest_point_are_those_of_their_gradings():
+    """Beyond the core, on the surface where y = 0; the upper half of the ball is graded by the coarse size from its top."""
+    equator = 0.005 * math.pi
+    ours = shell_radii(core_half_width(0.01, AXES)[0], equator, AXES)
+    coarse = shell_radii(0.5 * equator, equator, Grading(AXES.coarse))
+    for mesh, upper in (
+        (ball("a", 0.01, AXES, "quarter"), True),
+        (half_cylinder("a", 0.01, 0.02, AXES, 4e-3, "quarter"), False),
+    ):
+        points = mesh.points[np.unique(mesh.side("a.round"))]
+        x, z = points[points[:, 1] == 0.0][:, [0, 2]].T
+        arcs = np.sort(0.01 * np.arctan2(x, -z))
+        lower = arcs[(arcs > ours[0] - 1e-9) & (arcs < equator + 1e-9)]
+        np.testing.assert_allclose(lower, ours, atol=1e-13)
+        from_top = np.sort(2.0 * equator - arcs[arcs > equator - 1e-9])
+        if upper:
+            np.testing.assert_allclose(from_top[from_top > coarse[0] - 1e-9], coarse, atol=1e-13)
+
+
+def corner_angles(points, hexahedra, corner):
+    """Angles in degrees between the edges that meet at a node."""
+    pairs = edges(hexahedra)
+    ends = np.unique(pairs[(pairs == corner).any(axis=1)])
+    ways = points[ends[ends != corner]] - points[corner]
+    ways /= np.linalg.norm(ways, axis=1, keepdims=True)
+    return np.degrees(np.arccos((ways @ ways.T)[np.triu_indices(len(ways), 1)]))
+
+
+def test_edges_at_the_corner_of_a_core_meet_as_evenly_as_they_can():
+    """Three in a disc at 120 degrees, four in a ball as those of a tetrahedron; chords err by the first order."""
+    flat, solid = [], []
+    for count in (12, 24):
+        section = disc_section(np.linspace(0.5, 1.0, 1 + count), count, "quarter")
+        corner = np.argmin(np.abs(section.points - 0.5 * math.sqrt(1.0 - BULGE / 2.0)).sum(axis=1))
+        flat.append(corner_angles(section.points, section.quads, corner))
+        points, hexahedra = _half_ball(np.linspace(0.5, 1.0, 1 + count), count)
+        inner = 0.5 * math.sqrt(1.0 - BULGE + (7.0 * BULGE - 2.0) / 12.0)
+        corner = np.argmin(np.abs(points - inner).sum(axis=1))
+        solid.append(corner_angles(points, hexahedra, corner))
+    np.testing.assert_allclose(2.0 * flat[1] - flat[0], 120.0, atol=0.3)
+    np.testing.assert_allclose(2.0 * solid[1] - solid[0], math.degrees(math.acos(-1.0 / 3.0)), atol=0.3)
+
+
+def test_nodes_and_sides_of_a_frame_by_hand():
+    mesh = frame("a", FRAME, 4e-3, Grading(5e-3, fine=2e-3), 6e-3, "whole")
+    x = nodes_through([0.0, 0.01, 0.048, 0.06], 4e-3) - 0.03
+    y, z = nodes_between(0.0, 0.02, Grading(5e-3, fine=2e-3)) - 0.01, nodes_through([0.0, 0.01, 0.072, 0.08], 6e-3)
+    for axis, places in enumerate((x, y, z)):
+        np.testing.assert_allclose(np.unique(mesh.points[:, axis].round(12)), places, atol=1e-12)
+    sides = {
+        "left": (0, -0.03, 0.02 * 0.08), "right": (0, 0.03, 0.02 * 0.08), "bottom": (2, 0.0, 0.06 * 0.02),
+        "top": (2, 0.08, 0.06 * 0.02), "front": (1, -0.01, 0.06 * 0.08 - 0.038 * 0.062),
+        "back": (1, 0.01, 0.06 * 0.08 - 0.038 * 0.062), "inner_left": (0, -0.02, 0.02 * 0.062),
+        "inner_right": (0, 0.018, 0.02 * 0.062), "inner_bottom": (2, 0.01, 0.038 * 0.02), "inner_top": (2, 0.072, 0.038 * 0.02),
+    }  # fmt: skip
+    for side, (axis, place, area) in sides.items():
+        faces = mesh.side(f"a.{side}")
+        np.testing.assert_allclose(mesh.points[faces][..., axis], place, atol=1e-15)
+        assert np.linalg.norm(area_vectors(mesh, faces), axis=1).sum() == pytest.approx(area, rel=1e-12)
+
+
+def test_nodes_and_sides_of_a_block_by_hand():
+    mesh = block("a", (0.01, 0.02, 0.03), Grading(4e-3, fine=1e-3, at=(0.002,)), 6e-3, 7e-3)
+    places = nodes_between(0.0, 0.01, Grading(4e-3, fine=1e-3, at=(0.002,))) - 5e-3
+    np.testing.assert_allclose(np.unique(mesh.points[:, 0].round(14)), places, atol=1e-14)
+    np.testing.assert_allclose(np.unique(mesh.points[:, 1].round(14)), np.linspace(-0.01, 0.01, 5), atol=1e-14)
+    np.testing.assert_allclose(np.unique(mesh.points[:, 2].round(14)), np.linspace(0.0, 0.03, 6), atol=1e-14)
+    for axis, (letter, area) in enumerate({"x": 6e-4, "y": 3e-4, "z": 2e-4}.items()):
+        for sign, way in (("-", -1.0), ("+", 1.0)):
+            vector = area_vectors(mesh, mesh.side(f"a.{letter}{sign}")).sum(axis=0)
+            np.testing.assert_allclose(vector, way * area * np.eye(3)[axis], atol=1e-17)
+
+
+@given(st.integers(0, 10**6), st.floats(-4.0, 4.0))
+def test_a_turn_is_that_of_scipy(seed, angle):
+    axis, about = np.random.default_rng(seed).normal(size=(2, 3))
+    mesh = block("a", (0.3, 0.2, 0.1), 0.3, 0.2, 0.1)
+    expected = Rotation.from_rotvec(angle * axis / np.linalg.norm(axis)).apply(mesh.points - about) + about
+    np.testing.assert_allclose(turned(mesh, tuple(axis), angle, tuple(about)).points, expected, atol=1e-14)
+
+
+def test_nodes_within_a_millionth_of_the_shortest_edge_are_one():
+    """Two unit squares whose common edge is open by a gap; the second has the shortest edge, 0.5."""
+    for gap, count in ((0.45e-6, 6), (0.55e-6, 8), (0.9e-6, 8)):
+        points = np.array([[0, 0], [1, 0], [1, 1], [0, 1], [1 + gap, 0], [1.5, 0], [1.5, 1], [1 + gap, 1.0]])
+        merged, quads = merged_nodes(points, np.arange(8).reshape(2, 4))
+        assert len(merged) == count
+        assert quads.tolist()[1] == ([1, 4, 5, 2] if count == 6 else [4, 5, 6, 7])
+
+
+def test_parts_of_a_joined_mesh_keep_their_elements_nodes_sides_and_faces():
+    low, high = (
+        block("low", (2.0, 1.0, 1.0), 1.0, 1.0, 1.0),
+        moved(block("high", (1.0, 1.0, 3.0), 1.0, 1.0, 1.0), (0, 0, 1)),
+    )
+    mesh = joined([low, high])
+    assert (mesh.elements_of("low"), mesh.elements_of("high")) == (slice(0, 2), slice(2, 5))
+    assert mesh.nodes_of("high").tolist() == list(range(12, 28))
+    assert mesh.nearest_node("low", (0.1, 0.6, 1.4)) == np.argmin(np.abs(mesh.points - [0.0, 0.5, 1.0]).sum(axis=1))
+    assert mesh.nearest_node("high", (0.1, 0.6, 1.4)) >= 12
+    np.testing.assert_allclose(middles(mesh, mesh.side("high.z+")), [[0.0, 0.0, 4.0]])
+    assert (len(mesh.side("low.all")), len(mesh.side("high.all"))) == (10, 14)
+    faces, element = exterior(mesh.hexahedra)
+    assert np.bincount(element).tolist() == [5, 5, 5, 4, 5]
+    assert all(np.isin(face, mesh.hexahedra[own]).all() for face, own in zip(faces, element, strict=True))
+
+
+def test_surfaces_by_hand():
+    """Two bricks of height 0.5 and one of 4 upon them: thickness, faces across edges, size and radius of a face."""
+    base, tower = block("a", (4.0, 1.0, 0.5), 2.0, 1.0, 0.5), block("b", (3.0, 1.0, 4.0), 3.0, 1.0, 4.0)
+    mesh = joined([base, moved(tower, (0.0, 0.0, 0.5))])
+    np.testing.assert_allclose(thickness(mesh, mesh.side("a.z+")), 0.5, rtol=1e-14)
+    np.testing.assert_allclose(thickness(mesh, mesh.side("b.x-")), 3.0, rtol=1e-14)
+    np.testing.assert_allclose(thickness(mesh, mesh.side("a.y+")), 1.0, rtol=1e-14)
+    slanted = np.concatenate([mesh.side("b.z+"), [mesh.hexahedra[2][[0, 1, 6, 7]]]]).astype(np.int32)
+    diagonal = math.sqrt(3.0 * math.hypot(1.0, 4.0))
+    np.testing.assert_allclose(thickness(mesh, slanted), [4.0, diagonal], rtol=1e-14)  # of no element: as it is wide
+    surface = surface_of(mesh.side("b.x-"))
+    found = extents(mesh.points[surface.nodes], surface.faces)
+    assert found.size[0] == pytest.approx(2.0, rel=1e-14)
+    assert found.radius[0] == pytest.approx(0.5 * math.hypot(1.0, 4.0), rel=1e-14)
+    np.testing.assert_allclose(found.area, 1.0, rtol=1e-14)
+    fan = np.array([[0, 1, 2, 3], [1, 0, 4, 5], [0, 1, 6, 7], [2, 1, 5, 8]])
+    # the edge 0-1 has three faces, 1-2 and 1-5 two
+    assert neighbours(fan).tolist() == [[-1, 3, -1, -1], [-1, -1, -1, 3], [-1, -1, -1, -1], [0, 1, -1, -1]]

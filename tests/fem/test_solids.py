@@ -1,11 +1,14 @@
 """Points of a solid: J2 plasticity (Simo & Hughes 1998, ch. 2 and 3), Johnson & Cook 1983, Zerilli & Armstrong 1987."""
 
+import math
+
 import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
+from strikewave.base.errors import InputError
 from strikewave.fem._layout import LANES
-from strikewave.fem.invariants import von_mises
+from strikewave.fem.invariants import pressure, von_mises
 from strikewave.fem.solids import Bilinear, Elastic, JohnsonCook, ZerilliArmstrong
 
 from .driven import CUBE, XX, XY, YY, Points, elements, mesh_of, moved
@@ -314,3 +317,81 @@ def test_johnson_cook_without_rate_and_heat_is_the_bilinear_solid(rng):
         first.move(strain, 1e-6)
         second.move(strain, 1e-6)
         np.testing.assert_allclose(second.stress, first.stress, rtol=1e-9, atol=1e-9 * YIELD)
+
+
+# Moduli, strengths and ranges
+
+
+@pytest.mark.parametrize("ratio", [0.0, 0.12, 0.31, 0.49])
+def test_moduli_of_an_isotropic_solid_belong_together(ratio):
+    """Identities of elasticity with two other moduli each (Landau & Lifshitz, Theory of Elasticity, section 5)."""
+    solid = Elastic(7300.0, 190e9, ratio)
+    bulk, shear = solid.bulk_modulus, solid.shear_modulus
+    assert 9.0 * bulk * shear / (3.0 * bulk + shear) == pytest.approx(190e9, rel=1e-14)
+    assert (3.0 * bulk - 2.0 * shear) / (6.0 * bulk + 2.0 * shear) == pytest.approx(ratio, abs=1e-14)
+    wave = 190e9 * (1.0 - ratio) / ((1.0 + ratio) * (1.0 - 2.0 * ratio))
+    assert solid.wave_modulus == pytest.approx(wave, rel=1e-13)
+    assert solid.wave_speed == pytest.approx(math.sqrt(wave / 7300.0), rel=1e-13)
+    assert solid.strength == math.inf
+    hard = Bilinear(7300.0, 190e9, ratio, 500e6, 7e9)
+    assert 1.0 / (1.0 / 190e9 + 1.0 / hard.plastic_modulus) == pytest.approx(7e9, rel=1e-13)
+    assert hard.strength == 500e6
+
+
+def test_strengths_of_heated_solids_are_their_flow_stress_at_a_strain_of_one():
+    """At room temperature and the reference rate: A + B, and C0 + (C1 + C2) exp(-C3 T) + C5 with exp(-0.6)."""
+    assert JohnsonCook(*COPPER, **OFHC).strength == 382e6
+    solid = ZerilliArmstrong(*COPPER, C0=10e6, C1=200e6, C2=300e6, C3=0.002, C5=7e6, room_temperature=300.0)
+    assert solid.strength == pytest.approx((17.0 + 500.0 * 0.548811636094) * 1e6, rel=1e-12)
+
+
+ALLOWED = [
+    (Elastic, (1.0, 1.0, 0.0), {}, {"poissons_ratio": 0.499}),
+    (Bilinear, ELASTIC, {"yield_strength": 1e6}, {"tangent_modulus": 0.0, "kinematic": 1.0}),
+    (JohnsonCook, COPPER, OFHC, {"B": 0.0, "C": 0.0, "heat_fraction": 0.0, "preheat": 0.0}),
+    (ZerilliArmstrong, COPPER, {"C0": 0.0, "C1": 1.0}, {"C2": 0.0, "n": 0.009, "reference_rate": 0.009}),
+]
+REFUSED = [
+    (Elastic, (0.0, 1.0, 0.3), {}, "density"),
+    (Elastic, (1.0, math.inf, 0.3), {}, "youngs_modulus"),
+    (Elastic, (1.0, 0.0, 0.3), {}, "youngs_modulus"),
+    (Elastic, (1.0, 1.0, -0.005), {}, "poissons_ratio"),
+    (Elastic, (1.0, 1.0, 0.5), {}, "poissons_ratio"),
+    (Bilinear, ELASTIC, {"yield_strength": 0.0}, "yield_strength"),
+    (Bilinear, ELASTIC, {"tangent_modulus": -0.005}, "tangent_modulus"),
+    (Bilinear, ELASTIC, {"tangent_modulus": E}, "tangent_modulus"),
+    (Bilinear, ELASTIC, {"kinematic": 1.005}, "kinematic"),
+    (Bilinear, ELASTIC, {"kinematic": -0.005}, "kinematic"),
+    *(
+        (JohnsonCook, COPPER, OFHC | {name: 0.0}, name)
+        for name in ("A", "n", "m", "reference_rate", "room_temperature")
+    ),
+    *((JohnsonCook, COPPER, OFHC | {name: -0.005}, name) for name in ("B", "C", "heat_fraction", "preheat")),
+    (JohnsonCook, COPPER, OFHC | {"specific_heat": 0.0}, "specific_heat"),
+    (JohnsonCook, COPPER, OFHC | {"melting_temperature": 293.0}, "melting_temperature"),
+    *((ZerilliArmstrong, COPPER, FACE_CENTRED | {f"C{k}": -0.005}, f"C{k}") for k in range(6)),
+    (ZerilliArmstrong, COPPER, FACE_CENTRED | {"n": 0.0}, "n"),
+    (ZerilliArmstrong, COPPER, {"C0": 0.0, "C2": 1e6}, "C0"),
+]
+
+
+@pytest.mark.parametrize(("law", "first", "rest", "field"), REFUSED)
+def test_a_solid_out_of_range_is_refused_by_name(law, first, rest, field):
+    with pytest.raises(InputError) as error:
+        law(*first, **rest)
+    assert error.value.field == field
+
+
+@pytest.mark.parametrize(("law", "first", "rest", "edge"), ALLOWED)
+def test_numbers_at_the_ends_of_their_ranges_are_taken(law, first, rest, edge):
+    first = (*first[:2], edge["poissons_ratio"]) if "poissons_ratio" in edge else first
+    solid = law(*first, **(rest | {name: value for name, value in edge.items() if name != "poissons_ratio"}))
+    assert all(getattr(solid, name) == value for name, value in edge.items())
+
+
+def test_von_mises_stress_and_pressure_are_those_of_the_principal_stresses(rng):
+    stress = rng.uniform(-1.0, 1.0, (5, 4, 6))
+    a, b, c = np.moveaxis(np.linalg.eigvalsh(stress[..., [[0, 3, 5], [3, 1, 4], [5, 4, 2]]]), -1, 0)
+    expected = np.sqrt(0.5 * ((a - b) ** 2 + (b - c) ** 2 + (c - a) ** 2))
+    np.testing.assert_allclose(von_mises(stress), expected, rtol=1e-12)
+    np.testing.assert_allclose(pressure(stress), -(a + b + c) / 3.0, atol=1e-14)
