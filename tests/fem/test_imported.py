@@ -1,12 +1,18 @@
 """Meshes from files: what is written comes back, and files that cannot be used say why."""
 
+import json
+import subprocess
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 from scipy.spatial import cKDTree
 
 from strikewave.base.errors import InputError, InputErrors
-from strikewave.fem.imported import read_mesh
+from strikewave.fem import abaqus, meshio_child
+from strikewave.fem.imported import ordered_mesh, read_mesh
 from strikewave.fem.mesh import Mesh, exterior_faces, joined, volumes
+from strikewave.fem.raw_mesh import RawMesh
 from strikewave.fem.round_shapes import cylinder
 from strikewave.fem.sections import FLIPPED
 from strikewave.fem.shapes import block, moved
@@ -344,8 +350,6 @@ def test_a_flat_element_is_named_with_its_place(tmp_path):
 
 
 def test_sets_of_sets_do_not_fill_the_memory(tmp_path, monkeypatch):
-    from strikewave.fem import abaqus
-
     monkeypatch.setattr(abaqus, "LARGEST_SETS", 100)
     many = "".join(f"*ELSET, ELSET=E{k}\n Everything\n" for k in range(100))
     with pytest.raises(InputError, match="members of all sets"):
@@ -461,3 +465,270 @@ def test_without_meshio_the_word_says_how_to_get_it(tmp_path, monkeypatch):
 def test_a_scale_must_be_above_zero(tmp_path, scale):
     with pytest.raises(InputError, match="scale"):
         read_mesh(written(tmp_path, TWO_CUBES), scale)
+
+
+# An Abaqus file of a row of six cubes, with numbers of its own
+
+
+def row_of_cubes(*more):
+    """Elements 7, 10, 13, 16, 19, 22 along x, 2 m wide; node 1000 + 100 i + 10 j + k at (2 i, j, k); sets by hand."""
+    nodes = [f"{1000 + 100 * i + 10 * j + k}, {2.0 * i}, {j}, {k}" for i in range(7) for j in (0, 1) for k in (0, 1)]
+    cubes = []
+    for i in range(6):
+        corners = [
+            (i, 0, 0),
+            (i + 1, 0, 0),
+            (i + 1, 1, 0),
+            (i, 1, 0),
+            (i, 0, 1),
+            (i + 1, 0, 1),
+            (i + 1, 1, 1),
+            (i, 1, 1),
+        ]
+        cubes.append(f"{7 + 3 * i}, " + ", ".join(str(1000 + 100 * a + 10 * b + c) for a, b, c in corners))
+    return "\n".join(["*NODE", *nodes, "*ELEMENT, TYPE=C3D8R", *cubes, *more]) + "\n"
+
+
+def elements_by_part(mesh):
+    """Which of the six cubes each part has, by their middles."""
+    number = np.rint(mesh.points[mesh.hexahedra].mean(axis=1)[:, 0] / 2.0 - 0.5).astype(int)
+    return {name: sorted(number[mesh.elements_of(name)].tolist()) for name in mesh.names}
+
+
+def sides_of(mesh):
+    return {name: sorted(mesh.points[faces].mean(axis=1).round(9).tolist()) for name, faces in mesh.sides.items()}
+
+
+def test_ranges_of_sets_begin_at_their_first_number_and_end_with_their_last(tmp_path):
+    text = row_of_cubes(
+        "*ELSET, ELSET=Odd, GENERATE", "8, 19, 1", "*ELSET, ELSET=Each, GENERATE", "7, 22, 6",
+        "*ELSET, ELSET=Late, GENERATE", "19, 21", "*ELSET, ELSET=Some", "7, 7, 10, 999,", "Late, 16",
+        "*SOLID SECTION, ELSET=Some", "1.", "*SOLID SECTION, ELSET=Rest", "*ELSET, ELSET=Rest, GENERATE", "13, 13, 5",
+        "22, 22, 1", "*SURFACE, NAME=foot, TYPE=ELEMENT", "Odd, S1", "*SURFACE, NAME=head", "Each, S2", "13, S2",
+    )  # fmt: skip
+    mesh = read_mesh(written(tmp_path, text))
+    assert elements_by_part(mesh) == {"Some": [0, 1, 3, 4], "Rest": [2, 5]}
+    sides = sides_of(mesh)
+    assert sides["Some.foot"] == [[3.0, 0.5, 0.0], [7.0, 0.5, 0.0], [9.0, 0.5, 0.0]]
+    assert sides["Rest.foot"] == [[5.0, 0.5, 0.0]]
+    assert sides["Some.head"] == [[1.0, 0.5, 1.0], [9.0, 0.5, 1.0]]  # 7 and 19 of 7, 13, 19
+    assert sides["Rest.head"] == [[5.0, 0.5, 1.0]]
+
+
+def test_a_section_of_a_set_that_is_missing_or_empty_is_no_part(tmp_path):
+    sections = [line for name in ("Gone", "None", "Left") for line in (f"*SOLID SECTION, ELSET={name}", "1.")]
+    sets = ["*ELSET, ELSET=Left", "7, 10", "*ELSET, ELSET=None", "500"]
+    assert elements_by_part(read_mesh(written(tmp_path, row_of_cubes(*sets, *sections)))) == {
+        "Left": [0, 1],
+        "unnamed": [2, 3, 4, 5],
+    }
+
+
+def test_each_face_of_an_element_has_its_number_and_a_set_alone_stands_for_its_free_faces(tmp_path):
+    """S1 to S6 of one cube, by the manual: z-, z+, y-, x+, y+, x-; free faces lie on the outside of the whole model."""
+    faces = [f"*SURFACE, NAME=s{k}\n22, S{k}" for k in (1, 2, 3, 4, 5)]
+    more = ["*SURFACE, NAME=s6", "7, s6", "*ELSET, ELSET=Two", "7, 10", "*SURFACE, NAME=free", "Two", "10,"]
+    more += ["*SURFACE, NAME=nodes, TYPE=NODE", "1000, 1.", "*SURFACE, TYPE=ELEMENT", "Nothing, S1"]
+    sides = sides_of(read_mesh(written(tmp_path, row_of_cubes(*faces, *more))))
+    middles = {"s1": [11.0, 0.5, 0.0], "s2": [11.0, 0.5, 1.0], "s3": [11.0, 0.0, 0.5], "s4": [12.0, 0.5, 0.5]}
+    middles |= {"s5": [11.0, 1.0, 0.5], "s6": [0.0, 0.5, 0.5]}
+    part = next(iter(sides)).partition(".")[0]
+    for name, middle in middles.items():
+        assert sides[f"{part}.{name}"] == [middle]
+    # nine of ten faces of the first two; the tenth is between the second and the third
+    assert len(sides[f"{part}.free"]) == 9
+    assert [4.0, 0.5, 0.5] not in sides[f"{part}.free"]
+    assert not any(name.endswith(("nodes", ".")) for name in sides)
+
+
+def test_shells_and_node_sets_mark_sides(tmp_path):
+    """A quadrilateral on the far end, and nodes of which four span a face; sets whose names begin with _ are inner."""
+    shell = [
+        "*ELEMENT, TYPE=S4R, ELSET=End",
+        "99, 1600, 1610, 1611, 1601",
+        "*ELEMENT, TYPE=SFM3D4",
+        "98, 1000, 1010, 1011,",
+        "1001",
+    ]
+    sets = [
+        "*NSET, NSET=Base, GENERATE",
+        "1000, 1110, 10",
+        "1100, 1110",
+        "*NSET, NSET=_inner",
+        "1000, 1010, 1001, 1011",
+    ]
+    sides = sides_of(read_mesh(written(tmp_path, row_of_cubes(*shell, *sets))))
+    assert sides == {"unnamed.End": [[12.0, 0.5, 0.5]], "unnamed.Base": [[1.0, 0.5, 0.0]]}
+
+
+def test_coordinates_may_be_left_out_and_lines_go_on_after_a_comma(tmp_path):
+    text = row_of_cubes().replace("1000, 0.0, 0, 0", "1000,\n").replace("1100, 2.0, 0, 0", "1100, 2.D0, , 0, 9, 9")
+    text = text.replace("*ELEMENT, TYPE=C3D8R", '*ELEMENT,\n** a comment\n\nTYPE=C3D8R,\n ELSET="All"')
+    mesh = read_mesh(written(tmp_path, "*HEADING\n title\n" + text))
+    assert mesh.names == ("All",)
+    assert volumes(mesh.points, mesh.hexahedra).tolist() == pytest.approx([2.0] * 6, rel=1e-14)
+
+
+@pytest.mark.parametrize(
+    ("text", "one"), [("*PART, NAME=a\n{}*END PART\n", 1), ("*INSTANCE, NAME=a\n*END INSTANCE\n{}", 2)]
+)
+def test_one_part_and_one_instance_in_its_place_are_read(tmp_path, text, one):
+    path = written(tmp_path, text.format(row_of_cubes()))
+    assert len(read_mesh(path).hexahedra) == 6
+    twice = text.partition("{}")[0] * 2 + row_of_cubes()
+    with pytest.raises(InputError, match="several"):
+        read_mesh(written(tmp_path, twice, "twice.inp"))
+
+
+def test_bounds_of_an_abaqus_file_are_two_million_elements_and_a_hundred_million_members():
+    class Many(list):
+        def __len__(self):
+            return 18_000_000 - 9 + super().__len__()
+
+    contents = abaqus._Contents()
+    contents.hexahedra = Many()
+    row = ["1, 1, 2, 3, 4, 5, 6, 7, 8"]
+    abaqus._elements(contents, {"TYPE": "C3D8"}, row)
+    with pytest.raises(InputError, match="2000001 hexahedra"):
+        abaqus._elements(contents, {"TYPE": "C3D8"}, row)
+    resolver = abaqus._Resolver(abaqus._Contents())
+    resolver._spend(99_999_990)
+    resolver._spend(10)
+    with pytest.raises(InputError, match="at most 100000000 members"):
+        resolver._spend(1)
+
+
+def test_a_keyword_of_ten_thousand_characters_is_the_longest(tmp_path):
+    for count, read in ((1990, True), (2010, False)):
+        text = row_of_cubes("*ELSET,", *["a=b, ,"] * count, "ELSET=Long", "7")  # 5 characters each, stripped
+        if read:
+            assert len(read_mesh(written(tmp_path, text.replace("a=b, ,", "a=b,,"))).hexahedra) == 6
+        else:
+            with pytest.raises(InputError, match="at most 10000 characters"):
+                read_mesh(written(tmp_path, text.replace("a=b, ,", "a=b,,")))
+
+
+# What a file holds, put in order
+
+
+def raw_row(**more):
+    """Three cubes in a row along x, the second inverted, and a node of nothing before them."""
+    points = np.array([[99.0, 9, 9], *([i, j, k] for i in range(4) for j in (0, 1) for k in (0, 1))], float)
+    cube = np.array([0, 4, 6, 2, 1, 5, 7, 3])
+    hexahedra = np.array([1 + cube, 5 + cube[FLIPPED], 9 + cube])
+    return RawMesh(points, hexahedra, **more)
+
+
+def test_parts_that_are_set_in_order_keep_their_elements_and_sides():
+    ends = {"low end": np.array([[1, 2, 4, 3]]), "high": np.array([[13, 14, 16, 15]])}
+    sets = {"top": np.array([0, 2, 4, 6, 8, 10, 12]), "one": np.array([1, 2, 3])}
+    mesh = ordered_mesh(raw_row(parts={"outer": np.array([2, 0])}, quads=ends, node_sets=sets), 0.5)
+    assert mesh.names == ("outer", "unnamed")
+    middle = mesh.points[mesh.hexahedra].mean(axis=1)
+    assert sorted(middle[mesh.elements_of("outer"), 0]) == [0.25, 1.25]
+    assert middle[mesh.elements_of("unnamed")].tolist() == [[0.75, 0.25, 0.25]]
+    np.testing.assert_allclose(volumes(mesh.points, mesh.hexahedra), 0.125, rtol=1e-14)
+    assert len(mesh.points) == 16
+    assert sides_of(mesh) == {
+        "outer.low-end": [[0.0, 0.25, 0.25]],
+        "outer.high": [[1.5, 0.25, 0.25]],
+        "outer.top": [[0.25, 0.25, 0.5]],
+        "unnamed.top": [[0.75, 0.25, 0.5]],
+    }
+    whole = ordered_mesh(raw_row(parts={"all": np.arange(3), "none": np.array([], int), "again": np.arange(3)}))
+    assert whole.names == ("all",)
+
+
+@pytest.mark.parametrize(
+    ("raw", "scale", "words"),
+    [
+        (RawMesh(np.zeros((8, 3)), np.zeros((0, 8), int)), 1.0, "0 hexahedra"),
+        (RawMesh(np.zeros((8, 3)), np.broadcast_to(np.arange(8), (2_000_001, 8))), 1.0, "2000001 hexahedra"),
+        (RawMesh(np.zeros((16, 3)), raw_row().hexahedra), 1.0, "nodes below 16"),
+        (RawMesh(np.zeros((99, 3)), raw_row().hexahedra - 2), 1.0, "nodes below 99"),
+        (raw_row(), 3.4e5, "coordinates within 1e"),
+        (raw_row(parts={"a": np.array([0, 1]), "b": np.array([1, 2])}), 1.0, "sets a and b overlap"),
+        (raw_row(parts={"a b": np.array([0]), "a.b": np.array([2])}), 1.0, "names differ in letters and digits"),
+        (raw_row(quads={"inner": np.array([[5, 6, 8, 7], [1, 2, 4, 3]])}), 1.0, "1 of 2 faces of inner"),
+    ],
+)
+def test_what_makes_no_mesh_is_refused(raw, scale, words):
+    with pytest.raises(InputError, match=words):
+        ordered_mesh(raw, scale)
+
+
+def test_coordinates_may_reach_a_thousand_kilometres():
+    assert ordered_mesh(raw_row(), 3.3e5).points.max() == pytest.approx(9.9e5)
+
+
+# What meshio hands over
+
+
+def handed(cells, data=None, names=None, sets=None):
+    blocks = [SimpleNamespace(type=kind, data=np.array(rows)) for kind, rows in cells]
+    return SimpleNamespace(
+        cells=blocks, cell_data=data or {}, field_data=names or {}, cell_sets=sets or {}, points=np.eye(3)
+    )
+
+
+def groups_of(arrays, what):
+    names = json.loads(str(arrays["words"]))[what]
+    return {name: arrays[what][arrays[what][:, 0] == k, 1].tolist() for k, name in enumerate(names)}
+
+
+A, B, C = np.arange(8), np.arange(8) + 8, np.arange(8) + 16
+QUADS = [[0, 1, 2, 3], [4, 5, 6, 7], [8, 9, 10, 11]]
+
+
+def test_groups_of_gmsh_have_the_names_of_their_dimension_and_repeated_cells_count_once():
+    """Blocks of quadrilaterals lie between those of hexahedra; number 1 is a surface, 3 a volume, 4 has no name."""
+    cells = [
+        ("hexahedron", [A, B]),
+        ("quad", QUADS[:2]),
+        ("hexahedron", [B[::-1], C, A]),
+        ("quad", QUADS[2:]),
+        ("tetra", [[0, 1, 2, 3]] * 2),
+    ]
+    tags = [np.array(values) for values in ([3, 3], [1, 4], [4, 4, 0], [1], [0, 0])]
+    names = {"side": np.array([1, 2]), "body": np.array([3, 3]), "line": np.array([4, 1])}
+    arrays = meshio_child.contents(handed(cells, {"gmsh:physical": tags, "part": None}, names), "gmsh")
+    assert sorted(np.sort(arrays["hexahedra"], axis=1)[:, 0].tolist()) == [0, 8, 16]
+    first = np.sort(arrays["hexahedra"], axis=1)[:, 0]
+    parts = groups_of(arrays, "parts")
+    assert {name: sorted(first[rows].tolist()) for name, rows in parts.items()} == {"body": [0, 8], "part-4": [8, 16]}
+    assert groups_of(arrays, "sides") == {"side": [0, 2], "side-4": [1]}
+    assert arrays["quads"].tolist() == QUADS
+    assert json.loads(str(arrays["words"]))["others"] == {"tetra": 2}
+    assert arrays["points"].dtype == float
+
+
+def test_sets_of_cells_count_from_the_blocks_that_they_lie_in():
+    cells = [("hexahedron", [A, B]), ("quad", QUADS), ("hexahedron", [C])]
+    tags = [np.array(values) for values in ([7, 7], [5, 5, 5], [7])]
+    names = {"body": np.array([9, 3]), "side": np.array([5, 2])}
+    sets = {
+        "body": [np.array([1]), np.array([2]), np.array([0])],
+        "side": [np.array([], int), np.array([0, 2]), np.array([], int)],
+    }
+    arrays = meshio_child.contents(handed(cells, {"gmsh:physical": tags}, names, sets), "gmsh")
+    assert groups_of(arrays, "parts") == {"part-7": [0, 1, 2], "body": [1, 2]}
+    assert groups_of(arrays, "sides") == {"side": [0, 2]}
+    plain = meshio_child.contents(handed(cells, {"MaterialId": tags}, names), "vtu")
+    assert groups_of(plain, "parts") == {"part-7": [0, 1, 2]}
+    assert groups_of(plain, "sides") == {"side-5": [0, 1, 2]}
+    assert groups_of(meshio_child.contents(handed(cells), "vtk"), "parts") == {}
+
+
+def test_a_file_may_take_memory_and_time_by_its_size(tmp_path, monkeypatch):
+    """4 GiB and 20 bytes for each of its own; a minute and a second for each megabyte."""
+    asked = []
+
+    def run(words, timeout, **options):
+        asked.append((*words[-2:], timeout))
+        raise subprocess.TimeoutExpired(words, timeout)
+
+    monkeypatch.setattr("strikewave.fem.imported.subprocess.run", run)
+    pytest.importorskip("meshio")
+    with pytest.raises(InputError, match="it takes too long; gmsh writes"):
+        read_mesh(written(tmp_path, b"x" * 2_400_000, "large.msh"))
+    assert asked == [(str(2**32 + 48_000_000), "63", 63)]

@@ -11,7 +11,7 @@ import pytest
 from strikewave.base.errors import InputError
 from strikewave.fem.invariants import pressure, von_mises
 from strikewave.fem.run import FieldFrame
-from strikewave.fem.vtkhdf import FIELDS, FieldWriter, stored_frames
+from strikewave.fem.vtkhdf import FIELDS, FieldWriter, _growing, stored_frames
 
 from . import synthetic
 
@@ -26,12 +26,19 @@ def frames(mesh):
     return synthetic.frames(mesh, 5)
 
 
-@pytest.fixture
-def written(tmp_path, mesh, frames):
-    path = tmp_path / "fields.vtkhdf"
+@pytest.fixture(scope="module")
+def whole(tmp_path_factory, mesh, frames):
+    path = tmp_path_factory.mktemp("fields") / "fields.vtkhdf"
     with FieldWriter(path, mesh) as writer:
         for frame in frames:
             writer.add(frame)
+    return path.read_bytes()
+
+
+@pytest.fixture
+def written(tmp_path, whole):
+    path = tmp_path / "fields.vtkhdf"
+    path.write_bytes(whole)
     return path
 
 
@@ -250,9 +257,34 @@ def _has_no_steps(file, elsewhere):
     del file["VTKHDF/Steps"]
 
 
+def _has_fewer_times(file, elsewhere):
+    file["VTKHDF/Steps/Values"].resize(4, axis=0)
+
+
+def _has_other_cells(file, elsewhere):
+    short = file["VTKHDF/Connectivity"][:-1]
+    del file["VTKHDF/Connectivity"]
+    file["VTKHDF/Connectivity"] = short
+
+
+def _has_flat_stress(file, elsewhere):
+    rows = len(file["VTKHDF/CellData/stress"])
+    del file["VTKHDF/CellData/stress"]
+    file["VTKHDF/CellData/stress"] = np.zeros((rows, 5))
+
+
+def _has_fewer_rows(file, elsewhere):
+    table = file["VTKHDF/PointData/velocity"]
+    table.resize(len(table) - 1, axis=0)
+
+
 @pytest.mark.parametrize(
     "harm",
     [
+        _has_fewer_times,
+        _has_other_cells,
+        _has_flat_stress,
+        _has_fewer_rows,
         _claims_too_much,
         _claims_one_more,
         _claims_many_nodes,
@@ -293,3 +325,12 @@ def test_invariants_do_not_hang_on_the_axes(rng):
     assert von_mises(one) == pytest.approx(by_principal, rel=1e-13)  # rounding alone
     assert von_mises(other) == pytest.approx(by_principal, rel=1e-13)
     assert pressure(one) == pytest.approx(-principal.mean(), rel=1e-13)
+
+
+@pytest.mark.parametrize(("rows", "chunk"), [(7, 7), (32_768, 32_768), (32_769, 16_385), (100_000, 25_000)])
+def test_a_step_lies_in_as_few_equal_chunks_of_at_most_32768_rows_as_it_takes(rows, chunk):
+    with h5py.File("nowhere", "w", driver="core", backing_store=False) as file:
+        table = _growing(file, "stress", np.float32, 6, rows)
+        assert (table.shape, table.maxshape, table.chunks) == ((0, 6), (None, 6), (chunk, 6))
+        plain = _growing(file, "time", np.float64)
+        assert (plain.shape, plain.chunks, plain.compression) == ((0,), (1024,), "gzip")
