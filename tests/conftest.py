@@ -57,6 +57,18 @@ def rng() -> np.random.Generator:
     return np.random.default_rng(SEED)
 
 
+@pytest.fixture
+def interpreted(monkeypatch, request) -> None:
+    """Let Python run every kernel as it is written: nothing is compiled, for arguments of no type."""
+    from numba.core.registry import CPUDispatcher
+
+    ours = [module for name, module in list(sys.modules.items()) if name.startswith("strikewave.")]
+    for names in (vars(module) for module in [*ours, request.module]):
+        for name, value in [*names.items()]:
+            if isinstance(value, CPUDispatcher):
+                monkeypatch.setitem(names, name, value.py_func)
+
+
 @pytest.fixture(scope="session")
 def read_page():
     """Return what reads a report: key numbers by label, sections, pictures, tables; nothing is fetched or run."""

@@ -6,18 +6,22 @@ import math
 import numpy as np
 import pytest
 
+from strikewave.base.percents import percent
 from strikewave.records.baseline import LocalBaseline
 from strikewave.records.correlation import alike_as_one
 from strikewave.records.health import blows as blow_checks
 from strikewave.records.health import examined, noise, sampling, train, zero
-from strikewave.records.health.examined import Examined, SampledRecord
+from strikewave.records.health.examined import BLOW, Examined, SampledRecord
 from strikewave.records.health.range import clipping, limits, shape
 from strikewave.records.health.range.shape import BlowShape
 from strikewave.records.health.response import range as response_range
 from strikewave.records.health.response import zero as response_zero
 from strikewave.records.health.ringing import _doubt_of_smooth, _swing_after, goes_back, larger_elsewhere
+from strikewave.records.health_notice import FIGURES
 from strikewave.records.measuring import Rebound, RecordedPulse
+from strikewave.records.pulses import Baseline
 from strikewave.records.smooth_pulse import PulseUncertainty, SmoothPulse
+from strikewave.records.tail import TailModel
 
 STEP, START = 1e-3, 2.0
 
@@ -393,6 +397,562 @@ def test_a_noisy_blow_is_suspect_below_15_db(peak, severity):
     assert notice.value == pytest.approx(20.0 * math.log10(peak))
     assert notice.severity == severity
     assert noise.noisy(record(np.zeros(900), dataclasses.replace(one, method="record"))) == []
+
+
+# a zero without blows
+
+
+def beginning(first=4.0, second=0.0, end=0.0, size=2000):
+    """Return a record that begins in a ramp of a hundred samples, and what it spans after that and at its end."""
+    values = np.zeros(size)
+    values[:100] = np.linspace(first, 0.0, 100)
+    values[150] = second
+    values[-1] = end
+    return values
+
+
+def unsettled(values, noise=0.1, level=0.0, slope=0.0):
+    seen = record(values)
+    vars(seen).update(noise=noise, line=Baseline(level, slope))
+    return [(one.code, one.value, one.severity, one.harms) for one in zero.not_settled(seen)]
+
+
+@pytest.mark.parametrize(
+    ("more", "noise", "found"),
+    [
+        ({}, 0.199, "cut"),
+        ({}, 0.201, None),
+        ({"end": 0.79}, 0.1, "cut"),
+        ({"end": 0.801}, 0.1, None),
+        ({"second": 0.39}, 0.1, "cut"),
+        ({"second": 0.41}, 0.1, "not-settled"),
+        ({"first": -4.0}, 0.1, "cut"),
+    ],
+)
+def test_a_record_begins_in_a_blow_that_falls_off_on_one_side(more, noise, found):
+    """It spans 4 in its first twentieth: 20 noises of 0.2, five ends of 0.8, ten times what the next twentieth does."""
+    [*notices] = unsettled(beginning(**more), noise)
+    first = more.get("first", 4.0)
+    expected = {"cut": ("cut", START, "bad", FIGURES), "not-settled": ("not-settled", abs(first), "bad", FIGURES)}
+    assert notices == ([expected[found]] if found else [])
+
+
+def test_a_record_that_swings_first_to_both_sides_is_not_settled():
+    """By a tenth to the other side; the zero is that of the line in the middle of the record."""
+    for deep, code in ((-0.36, "cut"), (-0.41, "not-settled")):
+        values = beginning(4.0) + 10.0
+        values[50] = 10.0 + deep
+        [(found, _, _, _)] = unsettled(values, 0.05, 10.0 - 0.001 * 1000.0, 0.001)
+        assert found == code
+    [(_, value, _, _)] = unsettled(values, 0.05, 10.0)
+    assert value == pytest.approx(4.41)
+    assert unsettled(beginning(4.0, 0.5, 0.81), 0.1) == []
+    assert unsettled(beginning(4.0, 0.5, 0.79), 0.1)[0][0] == "not-settled"
+    assert unsettled(beginning(4.0, 0.5), 0.201) == []
+
+
+@pytest.mark.parametrize(
+    ("level", "drift", "stray", "found"),
+    [
+        (9.9, 0.0, 0.0, False),
+        (10.1, 0.0, 0.0, True),
+        (-10.1, 0.0, 0.0, True),
+        (-1.0, 2.01, 0.0, True),
+        (1.0, -1.99, 0.0, False),
+        (10.1, 0.0, 0.2, False),
+        (30.0, 0.0, 0.2, True),
+        (-1.0, 2.01, 0.2, False),
+        (-2.5, 6.0, 0.2, True),
+    ],
+)
+def test_a_zero_far_off_or_adrift_is_not_settled(level, drift, stray, found):
+    """Of noise 0.1: 100 of it off, or 20 of it between first and last sample; what the record strays about its line
+    counts as noise does, 1.48 of its median."""
+    size = 2000
+    line = level + drift / (size - 1) * np.arange(size)
+    notices = unsettled(line + stray * (-1.0) ** np.arange(size), 0.1, level, drift / (size - 1))
+    assert notices == (
+        [("not-settled", pytest.approx(level + drift * 1000.0 / 1999.0), "bad", FIGURES)] if found else []
+    )
+
+
+# a zero beside blows
+
+
+@pytest.mark.parametrize(
+    ("slope", "severity"), [(3.9e-4 / 1.872, None), (4.1e-4 / 1.872, "suspect"), (-1e-3, "suspect")]
+)
+def test_a_drift_with_nothing_before_the_blow_falsifies_its_peak(slope, severity):
+    """Half of forty widths of 187 samples: 2 % of a peak of 4 are a slope of 0.08 / 3744 a sample."""
+    one = blow(300, 500, baseline=LocalBaseline(0.0))
+    seen = record(np.zeros(900), dataclasses.replace(one, width=one.width))
+    slope *= 0.08 / 3744.0 / (4e-4 / 1.872) * (187.2 / (one.width / STEP))
+    vars(seen).update(line=Baseline(0.0, slope))
+    found = zero.not_settled(seen)
+    assert [(one.code, one.value, one.severity) for one in found] == (
+        [("drift", pytest.approx(899 * slope), severity)] if severity else []
+    )
+    assert not found or found[0].harms == (*BLOW, "spectrum")
+
+
+@pytest.mark.parametrize(("drift", "noted"), [(0.19, False), (0.21, True), (-0.21, True)])
+def test_a_drift_before_a_blow_is_noted_from_a_twentieth_of_the_peak_on(drift, noted):
+    one = blow(300, 500, -4.0)
+    one = dataclasses.replace(one, baseline=one.baseline._replace(slope=drift / 899))
+    found = zero.not_settled(record(np.zeros(900), one))
+    assert [(each.code, each.value, each.severity, each.harms) for each in found] == (
+        [("drift", pytest.approx(drift), "good", ("spectrum",))] if noted else []
+    )
+
+
+def shift_of(model, *pulses):
+    seen = record(np.zeros(900), *(pulses or (blow(300, 400, 5.0), blow(600, 700, -4.0))))
+    vars(seen).update(tail=model)
+    return [(one.code, one.severity, "spectrum" in one.harms) for one in zero.zero_shift(seen)]
+
+
+@pytest.mark.parametrize(
+    ("kind", "level", "error", "found"),
+    [
+        ("shift", 0.039, 0.0, []),
+        ("shift", 0.041, 0.0, [("zero-shift", "good", True)]),
+        ("shift", -0.041, 0.0, [("zero-shift", "good", True)]),
+        ("shift", 0.041, 0.0136, [("zero-shift", "good", True)]),
+        ("shift", 0.041, 0.0138, []),
+        ("shift", 0.119, 0.0, [("zero-shift", "good", True)]),
+        ("shift", 0.121, 0.0, [("zero-shift", "suspect", True)]),
+        ("decay", 0.041, math.nan, [("zero-shift", "good", True)]),
+        ("line", 0.199, 0.0, []),
+        ("line", -0.201, 0.0, [("drift", "good", True)]),
+        ("rest", 0.3, 0.0, []),
+        ("motion", 0.3, 0.0, []),
+        ("ac-coupling", 0.3, 0.0, []),
+    ],
+)
+def test_a_shift_is_noted_from_a_hundredth_of_the_smallest_peak_and_three_errors_on(kind, level, error, found):
+    assert shift_of(TailModel(kind, level, error, 0.02)) == found
+    assert shift_of(None) == []
+
+
+def test_a_shift_says_what_it_may_have_done_from_the_peak_on():
+    """Half of it on the width and the area of the last blow, without a sign."""
+    pulses = blow(300, 400, 5.0), blow(600, 700, -4.0)
+    seen = record(np.zeros(900), *pulses)
+    vars(seen).update(tail=TailModel("decay", 0.2, 0.0, 0.0213))
+    [found] = zero.zero_shift(seen)
+    expected = examined.effects_of_level(pulses[1], 0.2, after_peak=True)
+    assert dict(found.effects) == pytest.approx({name: abs(effect) for name, effect in expected.items()})
+    assert "by 0.2 m, 5.0 % of the peak, and comes back with a time constant of 21.3\xa0ms" in found.message
+    assert (found.value, found.start) == (0.2, pulses[1].end)
+    line = TailModel("line", -0.3)
+    vars(seen).update(tail=line)
+    assert zero.zero_shift(seen)[0].start == pulses[1].end
+
+
+def test_a_record_that_steps_is_told_with_its_place():
+    values = np.r_[np.zeros(500), np.full(500, 2.0)]
+    for pulses, code in (((), "zero-step"), ((blow(420, 480),), "zero-shift")):
+        [found] = zero.zero_shift(record(values, *pulses))
+        assert (found.code, found.value, found.start) == (code, 2.0, START + 500 * STEP)
+
+
+def test_ac_coupling_falsifies_a_figure_by_the_most_of_all_blows():
+    pulses = blow(300, 400, 5.0), blow(600, 700, 4.0)
+    others = (
+        dataclasses.replace(pulses[0], peak=5.0 / 0.97, width=pulses[0].width / 1.01),
+        dataclasses.replace(
+            pulses[1], peak=4.0 / 0.98, width=pulses[1].width / 0.98, velocity_change=pulses[1].velocity_change / 0.9
+        ),
+    )
+    seen = record(np.zeros(900), *pulses)
+    vars(seen).update(tail=TailModel("ac-coupling", -0.1, math.nan, 0.05, 1e-3), uncoupled_pulses=others)
+    [found] = zero.ac_coupling(seen)
+    assert dict(found.effects) == pytest.approx({"peak": -0.03, "width": -0.02, "velocity_change": -0.1})
+    assert (found.value, found.start) == (0.05, pulses[0].begin)
+    assert "high-pass of 3.183\xa0Hz" in found.message
+    assert "tau = 50\xa0ms +- 2\xa0ms" in found.message
+    cut = (dataclasses.replace(pulses[0], width=math.nan), pulses[1])
+    seen = record(np.zeros(900), *cut)
+    vars(seen).update(tail=TailModel("ac-coupling", -0.1, math.nan, 0.05, 1e-3), uncoupled_pulses=cut)
+    assert dict(zero.ac_coupling(seen)[0].effects) == {"peak": 0.0, "width": 0.0, "velocity_change": 0.0}
+    vars(seen).update(uncoupled_pulses=())
+    [found] = zero.ac_coupling(seen)
+    assert set(dict(found.effects).values()) == {-1.0}
+    vars(seen).update(tail=TailModel("ac-coupling", -0.1, math.nan, 0.4, 1e-3))
+    assert dict(zero.ac_coupling(seen)[0].effects)["peak"] == pytest.approx(-0.5 * 0.1 / 0.4)
+    vars(seen).update(tail=TailModel("shift", 0.1))
+    assert zero.ac_coupling(seen) == []
+
+
+@pytest.mark.parametrize(
+    ("stands", "as_at_first"), [(0.0, False), (0.049, False), (0.051, True), (0.149, True), (0.151, False)]
+)
+def test_a_velocity_does_not_drift_where_the_record_ends_as_it_began(stands, as_at_first):
+    """The record ends at 0.1, which drifts by ten times the velocity change in so long; where it stood within a twentieth
+    of a second of that at first, its zero is that."""
+    one = blow(200, 220, 4.0)
+    change = one.velocity_change
+    size = 2001
+    after = (size - 220) * STEP
+    unit = change / after  # drifts by the velocity change
+    values = np.full(size, 10.0 * unit)
+    values[:100] = 10.0 * unit + (stands - 0.1) / 0.1 * unit
+    seen = record(values, one)
+    level, drift = 10.0 * unit, 10.0 * change
+    assert zero._as_at_first(seen, level, drift) is as_at_first
+    assert zero._as_at_first(seen, level, 1e-3 * change) is (stands == 0.1)
+    near = record(values, blow(199, 219, 4.0))  # less than two beginnings before the blow
+    assert not zero._as_at_first(near, level, drift)
+
+
+# noise and hum
+
+RATE = 1800.0
+"""Of samples that are the means of hum, 30 a period of 60 Hz."""
+
+
+def hum(frequency, amplitude, size, third=0.0, rate=RATE):
+    angle = 2.0 * np.pi * frequency * np.arange(size) / rate + 0.4
+    return amplitude * np.sin(angle) + third * np.sin(3.0 * angle)
+
+
+def hum_of(values, spans=(), step=1.0 / RATE, start=0.0):
+    return noise.hum_beside(np.asarray(values, dtype=float), step, start, spans)
+
+
+@pytest.mark.parametrize("frequency", [50.0, 60.0])
+def test_hum_with_its_harmonic_is_found_exactly(frequency):
+    """Half of what it spans; a mean over three samples takes sin(3 x) / (3 sin x) of a line, x = pi f / rate."""
+    values = 5.0 + hum(frequency, 2.0, 900, 0.5)
+    assert hum_of(values) == (frequency, pytest.approx(0.5 * np.ptp(values), rel=1e-9))
+    x = math.pi * frequency / (3.0 * RATE)
+    fine = hum_of(hum(frequency, 2.0, 2700, rate=3.0 * RATE), step=1.0 / (3.0 * RATE))
+    whole = np.max(np.abs(hum(frequency, 2.0, 2700, rate=3.0 * RATE)[1::3])) / 2.0
+    assert fine == (frequency, pytest.approx(2.0 * whole * math.sin(3.0 * x) / (3.0 * math.sin(x)), rel=1e-9))
+
+
+def test_hum_is_sought_where_its_third_harmonic_is_sampled():
+    for rate, seen in ((361.0, True), (359.0, False)):
+        assert (hum_of(hum(60.0, 2.0, 400, rate=rate), step=1.0 / rate) is not None) is seen
+
+
+@pytest.mark.parametrize(("share", "seen"), [(0.8, True), (0.83, False)])
+def test_hum_explains_six_tenths_of_the_quiet_parts(share, seen):
+    """Beside a line of whole periods: 1 of 1 + share^2; before the blow and after it alike."""
+    values = hum(60.0, 1.0, 1800)
+    beside = share * np.sin(2.0 * np.pi * 700.0 * np.arange(1800) / RATE)
+    assert (hum_of(values + beside) is not None) is seen
+    for part in (slice(0, 600), slice(600, None)):
+        only = values.copy()
+        only[part] += beside[part]
+        assert (hum_of(only, [(600.01 / RATE, 600.02 / RATE)]) is not None) is seen
+    assert hum_of(values + 0.001 * beside, [(14.5 / RATE, 14.6 / RATE)]) is not None
+    values[:14] = 0.0  # fewer than half a period of the means tell nothing
+    assert hum_of(values, [(14.5 / RATE, 14.6 / RATE)]) is not None
+    values[:16] = 0.0
+    assert hum_of(values, [(16.5 / RATE, 16.6 / RATE)]) is None
+
+
+@pytest.mark.parametrize("frequency", [31.0, 40.0, 62.5, 80.0, 37.2, 48.0, 75.0, 96.0])
+def test_what_swings_beside_the_mains_is_no_hum(frequency):
+    values = hum(frequency, 2.0, 300) + hum(50.0 if frequency in (31.0, 40.0, 62.5, 80.0) else 60.0, 0.5, 300)
+    assert hum_of(values) is None
+
+
+def test_hum_is_looked_for_beside_blows():
+    """A length before each and twenty after it are not quiet; where too little is left, three after it."""
+    clean = hum(50.0, 1.0, 1800)
+    begin, end = 900.5 / RATE, 910.5 / RATE
+    expected = pytest.approx(hum_of(clean)[1], rel=1e-9)
+    for place, seen in ((891, True), (1110, True), (889, False), (1112, False)):
+        values = clean.copy()
+        values[place] += 40.0
+        found = hum_of(values, [(begin, end)])
+        assert (found is not None and found[1] == expected) is seen
+    for start, place, seen in ((0.0, 1110, True), (5.0, 1110, True), (5.0, 1112, False)):
+        values = clean.copy()
+        values[place] += 40.0
+        found = hum_of(values, [(start + begin, start + end)], start=start)
+        assert (found is not None and found[1] == expected) is seen
+    short = hum(50.0, 1.0, 200)
+    for place, seen in ((99, True), (112, False), (110, True)):  # 20 lengths reach beyond the end
+        values = short.copy()
+        values[place] += 40.0
+        found = hum_of(values, [(70.5 / RATE, 80.5 / RATE)])
+        assert (found is not None and found[1] == pytest.approx(hum_of(short)[1], rel=1e-9)) is seen
+
+
+def test_six_thousand_means_are_looked_at():
+    values = np.zeros(12_000)
+    values[6001:] = hum(50.0, 1.0, 5999)
+    assert hum_of(values) is None
+    values[5000:] = hum(50.0, 1.0, 7000)
+    values[:6000] = hum(50.0, 1.0, 6000)
+    values[6000:] = 9.0
+    assert hum_of(values) == (50.0, pytest.approx(np.max(hum(50.0, 1.0, 6000)), rel=1e-9))
+
+
+@pytest.mark.parametrize(("size", "seen"), [(36, True), (35, False), (74, True), (75, True)])
+def test_hum_of_a_few_periods_is_seen_from_1_2_on(size, seen):
+    found = hum_of(hum(60.0, 1.0, size))
+    assert (found is not None) is seen
+    assert not seen or found == (60.0, pytest.approx(1.0, rel=5e-3))
+
+
+@pytest.mark.parametrize(("share", "seen"), [(0.095, True), (0.105, False)])
+def test_hum_of_a_few_periods_leaves_a_tenth_of_what_a_cubic_does(share, seen):
+    """With what neither a cubic nor a swing of 50 or 60 Hz takes of the record."""
+    size = 60
+    k = np.arange(size)
+    angles = [2.0 * np.pi * f / RATE * k for f in (50.0, 60.0)]
+    columns = np.array([*(k.astype(float) ** n for n in range(4)), *map(np.cos, angles), *map(np.sin, angles)]).T
+    base, _ = np.linalg.qr(columns)
+    other = np.sin(2.0 * np.pi * 333.0 / RATE * k)
+    other -= base @ (base.T @ other)
+    values = hum(50.0, 1.0, size)
+    bent = values - np.polynomial.polynomial.polyval(k / 59.0, np.polynomial.polynomial.polyfit(k / 59.0, values, 3))
+    squares = np.sum(bent**2)
+    values += math.sqrt(share / (1.0 - share) * squares / np.sum(other**2)) * other
+    assert (hum_of(values) is not None) is seen
+
+
+def test_noise_is_told_by_the_largest_wander_or_by_that_of_a_sample():
+    """From 2 % of a figure on, twice a standard uncertainty of a hundredth."""
+    doubts = PulseUncertainty(0.0404, 0.0, 0.0), PulseUncertainty(0.0396, 0.0, 0.0)
+    for doubt, told in zip(doubts, (True, False), strict=True):
+        pulses = [
+            dataclasses.replace(one, uncertainty=doubt, baseline=one.baseline._replace(wander=wander))
+            for one, wander in ((blow(100, 150), 0.03), (blow(400, 450), 0.01), (blow(700, 750), math.nan))
+        ]
+        found = noise.uncertain(record(np.zeros(900), *pulses))
+        assert [(one.code, one.value) for one in found] == ([("noise", 0.03)] if told else [])
+    lone = dataclasses.replace(blow(400, 450), uncertainty=doubts[0], baseline=LocalBaseline(0.0))
+    seen = record(np.zeros(900), lone)
+    vars(seen).update(noise=0.017)
+    [found] = noise.uncertain(seen)
+    assert (found.value, found.effects[0]) == (0.017, ("peak", pytest.approx(0.0202)))
+    assert "a sample" in found.message
+    [short] = noise.short_before(
+        record(np.zeros(900), dataclasses.replace(lone, baseline=LocalBaseline(0.0, widths=5)))
+    )
+    assert (short.value, short.end, short.severity) == (5, lone.begin, "good")
+    assert noise.short_before(record(np.zeros(900), blow(400, 450), lone)) == []
+    assert noise.short_before(record(np.zeros(900))) == noise.uncertain(record(np.zeros(900))) == []
+
+
+@pytest.mark.parametrize(("amplitude", "code"), [(0.041, ["hum"]), (0.039, [])])
+def test_hum_is_noted_from_a_hundredth_of_the_smallest_peak_on(amplitude, code):
+    values = hum(50.0, amplitude, 900, rate=1000.0)
+    pulses = [
+        dataclasses.replace(blow(450, 455, peak), uncertainty=PulseUncertainty(0.0, 0.0, 0.0)) for peak in (-4.0, 9.0)
+    ]
+    found = noise.uncertain(record(values, *pulses))
+    assert [one.code for one in found] == code
+    assert not found or found[0].value == pytest.approx(amplitude, rel=0.02)
+    assert not found or f"{percent(found[0].value / 4.0)} of the peak" in found[0].message
+
+
+def test_where_no_noise_is_known_that_of_samples_does_it():
+    one = blow(300, 500, -4.0, noise=0.2)
+    found = noise._effects(record(np.zeros(900)), one)
+    white = one.smooth.uncertainty(STEP, 0.2)
+    for name in ("peak", "width", "velocity_change"):
+        assert found[name] == pytest.approx(2.0 * getattr(white, name) / abs(getattr(one, name)))
+    assert noise._effects(record(np.zeros(900)), dataclasses.replace(one, width=math.nan)) == {}
+    known = dataclasses.replace(one, uncertainty=PulseUncertainty(0.1, math.nan, 0.002))
+    assert noise._effects(record(np.zeros(900)), known) == {
+        "peak": pytest.approx(0.05),
+        "velocity_change": pytest.approx(0.004 / abs(one.velocity_change)),
+    }
+
+
+def test_noise_is_the_least_ratio_of_the_blows_that_are_fitted():
+    pulses = [blow(100 * k, 100 * k + 50, peak, method="fit", noise=0.1) for k, peak in ((1, 3.0), (3, -2.0), (5, 4.0))]
+    [found] = noise.noisy(record(np.zeros(900), *pulses, blow(700, 750, 0.5)))
+    assert found.value == pytest.approx(20.0 * math.log10(20.0))
+    assert found.harms == ("rise",)
+
+
+# sampling
+
+
+@pytest.mark.parametrize(
+    ("count", "severity", "harms"),
+    [
+        (20.1, None, ()),
+        (19.9, "good", ()),
+        (10.1, "good", ()),
+        (9.9, "suspect", ("peak", "rise", "width")),
+        (5.1, "suspect", ("peak", "rise", "width")),
+        (4.9, "bad", ("peak", "rise", "width")),
+    ],
+)
+def test_samples_of_the_narrowest_half_sine(count, severity, harms):
+    wide = blow(300, 500)
+    one = dataclasses.replace(wide, width=count * STEP * (1.0 - 2.0 * math.asin(0.1) / math.pi))
+    found = sampling.few_samples(record(np.zeros(900), wide, one, dataclasses.replace(wide, width=math.nan)))
+    assert [(each.severity, each.harms) for each in found] == ([(severity, harms)] if severity else [])
+    assert not found or found[0].value == pytest.approx(count, rel=1e-6)
+    assert sampling.few_samples(record(np.zeros(900))) == []
+
+
+@pytest.mark.parametrize(("length", "reach"), [(40, 150), (10, 64)])
+def test_a_spectrum_is_that_of_four_widths_around_the_largest_blow(length, reach):
+    """Or 64 samples if more; a spike within them is seen, beyond them not, and the zero of the blow is taken off."""
+    one = blow(1000, 1000 + length, offset=7.0)
+    assert reach == max(round(4.0 * one.width / STEP), 64)
+    middle = 1000 + length // 2
+    for place, seen in ((-reach + 8, True), (-reach - 1, False), (reach - 9, True), (reach, False)):
+        values = 7.0 + one.smooth.at(START + STEP * np.arange(3000))
+        values[middle + place] += 4e3
+        assert bool(sampling.aliased(record(values, blow(200, 240, 1.0), one))) is seen
+    found = sampling.aliased(record(values, dataclasses.replace(one, width=math.nan)))
+    assert found == sampling.aliased(record(values)) == []
+
+
+@pytest.mark.parametrize(("level", "area"), [(0.0245, False), (0.0255, True)])
+def test_what_is_folded_harms_areas_twice_as_much(level, area, monkeypatch):
+    monkeypatch.setattr(sampling, "folded_level", lambda part, noise: level)
+    [found] = sampling.aliased(record(np.zeros(3000), blow(1000, 1040)))
+    assert found.value == level
+    assert found.harms == ("peak", "rise", *(("width", "velocity_change") if area else ()), "spectrum")
+
+
+# blows
+
+
+@pytest.mark.parametrize(
+    ("place", "value", "part"),
+    [
+        (11, 0.0, True),
+        (374, 0.19, True),
+        (374, 0.21, False),
+        (747, 0.21, False),
+        (748, 0.21, True),
+        (748, 9.0, True),
+        (374, -0.21, False),
+        (187, 0.21, False),
+        (187, 0.19, True),
+        (186, 0.9, True),
+        (373, -0.21, False),
+    ],
+)
+@pytest.mark.parametrize("at_end", [False, True])
+@pytest.mark.parametrize("sign", [1.0, -1.0])
+def test_a_part_of_a_blow_is_over_within_a_width_and_quiet_after_it(place, value, part, at_end, sign):
+    """Of a width of 187 samples the first eighth stands at a tenth of the peak; half a tenth is no quiet, from the end of
+    one width to four."""
+    values = np.zeros(3000)
+    values[:12] = 0.41  # the median of 23
+    values[place] = value
+    values += 3.0
+    one = blow(1400, 1600, 4.0 * sign, offset=3.0 if sign > 0.0 else -3.0)
+    own = blow_checks._part_of_blow(record(sign * (values[::-1] if at_end else values), one), at_end)
+    if place == 11:  # half of the eighth does not stand there
+        assert own == []
+        return
+    assert bool(own) is part
+    assert not own or own[0].value == (START + 2999 * STEP if at_end else START)
+
+
+def test_a_part_of_a_blow_needs_four_widths_beside_one():
+    for before, seen in ((748, True), (747, False)):
+        values = np.zeros(3000)
+        values[:100] = 1.0
+        assert bool(blow_checks._part_of_blow(record(values, blow(before, before + 200)), False)) is seen
+        ends = record(values[::-1], blow(3000 - before - 187 - 200, 3000 - before - 187, 4.0))
+        assert bool(blow_checks._part_of_blow(ends, True)) is seen
+    assert blow_checks._part_of_blow(record(values), True) == []
+
+
+def test_a_blow_that_reaches_the_last_sample_but_one_is_cut():
+    values = np.zeros(900)
+    for end, cut in ((897, False), (898, True)):
+        [*found] = blow_checks.cut(record(values, blow(end - 100, end)))
+        assert [("end of the record" in one.message, one.severity, one.harms) for one in found] == (
+            [(True, "suspect", BLOW)] if cut else []
+        )
+    [found] = blow_checks.cut(record(values, blow(300, 400, width=math.nan)))
+    assert "by the begin" in found.message
+    assert (found.value, found.start, found.end) == pytest.approx((2.35, 2.3, 2.4))
+
+
+@pytest.mark.parametrize(
+    ("change", "severity"),
+    [(2.01, "bad"), (1.99, None), (0.91, None), (0.89, "suspect"), (-2.01, "bad"), (-0.91, None)],
+)
+def test_a_fall_gives_its_speed_to_twice_that(change, severity):
+    """sqrt(2 g h) of 0.5 m is 3.1316 m/s; the largest change counts."""
+    speed = math.sqrt(9.80665)
+    pulses = [blow(300, 400, velocity_change=change * speed), blow(600, 700, velocity_change=0.1)]
+    seen = Examined(np.zeros(900), STEP, START, "m/s^2", tuple(pulses), drop_height=0.5)
+    found = blow_checks.beyond_drop_height(seen)
+    assert [(one.severity, one.value) for one in found] == (
+        [(severity, pytest.approx(abs(change) * speed))] if severity else []
+    )
+    for other in (
+        dataclasses.replace(seen, drop_height=0.0),
+        dataclasses.replace(seen, unit="g"),
+        dataclasses.replace(seen, pulses=()),
+    ):
+        assert blow_checks.beyond_drop_height(other) == []
+
+
+@pytest.mark.parametrize(("span", "swings"), [(2.9, False), (3.1, True)])
+def test_a_record_without_a_blow_holds_something_beyond_thirty_noises(span, swings):
+    values = np.zeros(900)
+    values[[300, 301]] = 0.5 * span, -0.5 * span
+    seen = record(values)
+    vars(seen).update(noise=0.1)
+    [found] = blow_checks.no_pulse(seen)
+    assert ("spectrum" in found.harms) is not swings
+
+
+# the train
+
+
+def locked(moved=0.0, scale=0.0, before=0.6, after=0.6, doubt=0.0, scatter=0.0):
+    """Return a record of six blows each 20 ms, its first and last so many periods from its ends."""
+    period, step = 20e-3, 1e-5
+    times = START + before * period + period * np.arange(6) + moved * period * np.array([0, -1, 0, 0, 2, 0])
+    peaks = 4.0 * (1.0 + scale * (-1.0) ** np.arange(6))
+    pulses = [
+        dataclasses.replace(blow(0, 4, peak), time=time, uncertainty=PulseUncertainty(doubt * peak, 0.0, 0.0))
+        for time, peak in zip(times, peaks, strict=True)
+    ]
+    seen = Examined(np.zeros(round((before + 5.0 + after) * period / step) + 1), step, START, "m", tuple(pulses))
+    vars(seen).update(scatter=scatter)
+    return seen
+
+
+@pytest.mark.parametrize(
+    ("how", "blips"),
+    [
+        ({}, True),
+        ({"before": 1.24}, True),
+        ({"before": 1.26}, False),
+        ({"after": 1.24}, True),
+        ({"after": 1.26}, False),
+        ({"scale": 0.0110}, True),
+        ({"scale": 0.0114}, False),
+        ({"scale": 0.02, "doubt": 0.0122}, True),
+        ({"scale": 0.02, "doubt": 0.0115}, False),
+        ({"scale": 0.02, "doubt": math.nan, "scatter": 4.0 * 0.0122}, True),
+        ({"scale": 0.02, "doubt": math.nan, "scatter": 4.0 * 0.0115}, False),
+        ({"moved": 0.00054}, True),
+        ({"moved": 0.00058}, False),
+        ({"moved": 0.0021, "doubt": 0.005}, True),
+        ({"moved": 0.0023, "doubt": 0.005}, False),
+    ],
+)
+def test_blips_of_the_mains_are_as_even_and_as_many_as_they_must_be(how, blips):
+    """No place is left where one is due within 1.25 periods. Half of six peaks are higher and half lower: 1.2 x 1.4826 of
+    that is their spread, 2 % or three uncertainties. Gaps of a period +- m or 2 m spread by 1.206 x 1.4826 m: a thousandth,
+    or 3 sqrt 2 times what noise moves a peak by, its share of a width of 3.74 ms."""
+    found = train.mains_blips(locked(**how))
+    assert bool(found) is blips
+    if blips:
+        assert found[0].value == 20e-3
 
 
 # responses

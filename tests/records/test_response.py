@@ -319,11 +319,11 @@ def test_a_response_in_closed_form():
     assert (flat.peak, flat.duration, flat.rms, flat.delay) == (0.0, 0.0, 0.0, pytest.approx(-1e-3))
 
 
-def test_the_covariance_of_a_mean_in_coloured_noise_is_that_of_newey_and_west(rng):
+@pytest.mark.parametrize("n", [30, 200])
+def test_the_covariance_of_a_mean_in_coloured_noise_is_that_of_newey_and_west(rng, n):
     """One column of ones: the triangle over a twentieth of the samples, and what the mean takes of the noise put back.
 
     Written as sums over lags; the rounds that put it back converge to c = sum(t_k g_k) + c sum(t_k (n - k)) / n^2."""
-    n = 200
     rest = np.convolve(rng.normal(size=n + 3), [1.0, 0.8, 0.5, 0.2], "valid")
     rest -= rest.mean()
     memory = n // 20

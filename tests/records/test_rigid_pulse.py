@@ -6,8 +6,22 @@ import numpy as np
 import pytest
 from planted import classes
 
-from strikewave.records import find_pulses
-from strikewave.records.rigid_pulse import _mount, fit_rigid_pulse, least_beside_one_mode
+from strikewave.records import find_pulses, rigid_pulse
+from strikewave.records.correlation import alike_as_one
+from strikewave.records.rigid_pulse import (
+    MODELS,
+    Fit,
+    RigidPulse,
+    _fit,
+    _missed_at_tip,
+    _mode,
+    _mount,
+    _plausible,
+    _struck,
+    fit_rigid_pulse,
+    least_beside_one_mode,
+)
+from strikewave.records.ringing import Stretch
 from strikewave.records.smooth_pulse import SmoothPulse
 
 STEP, PEAK, LENGTH, BEGIN = 1e-6, 1000.0, 200e-6, 1000e-6
@@ -99,6 +113,342 @@ def test_what_one_mode_leaves_of_one_and_of_two():
     fine = slice(0, 300)
     assert least_beside_one_mode(one[fine], STEP, 25e3) < 0.02 * np.sum(one[fine] ** 2)
     assert least_beside_one_mode((one + two)[fine], STEP, 25e3) == pytest.approx(np.sum(two[fine] ** 2), rel=0.1)
+
+
+def test_what_one_mode_leaves_is_the_least_of_its_grid(rng):
+    """Each frequency, 61 over a factor e^1.8, and each decay, 12 over e^6.7, by numpy's least squares."""
+    values, step, frequency = rng.normal(size=30), 2e-4, 700.0
+    time = step * np.arange(30)
+    left = []
+    for omega in 2.0 * np.pi * frequency * np.exp(np.linspace(-0.9, 0.9, 61)):
+        for decay in 2.0 * np.pi * frequency * np.exp(np.linspace(-7.0, -0.3, 12)):
+            columns = np.exp(-decay * time)[:, None] * np.stack([np.cos(omega * time), np.sin(omega * time)]).T
+            left.append(np.linalg.lstsq(columns, values, rcond=None)[1][0])
+    assert least_beside_one_mode(values, step, frequency) == pytest.approx(min(left), rel=1e-9)
+    assert least_beside_one_mode(values[:7], step, frequency) == 0.0
+    assert least_beside_one_mode(values[:8], step, frequency) > 0.0
+
+
+def test_a_struck_swing_begins_at_rest_and_its_cosine_grows_in_a_quarter_of_it():
+    """A half and a whole swing after its onset: 1 - e^-2 and 1 - e^-4 of a cosine, and a sine of a quarter."""
+    omega, decay = 2.0 * math.pi / 40e-6, 3e3
+    since = 1e-6 * np.array([-5.0, 0.0, 10.0, 20.0, 40.0])
+    pulse = np.arange(5.0)
+    columns, gains = _struck(pulse, since, 1e-6, omega, decay)
+    fall = np.exp(-decay * np.maximum(since, 0.0))
+    assert gains.tolist() == [1.0, 0.0, 0.0]
+    assert columns[0].tolist() == pulse.tolist()
+    expected = np.array([0.0, 0.0, 0.0, -(1.0 - math.exp(-2.0)), 1.0 - math.exp(-4.0)])
+    assert columns[1] == pytest.approx(fall * expected, abs=1e-12)
+    assert columns[2] == pytest.approx(fall * np.array([0.0, 0.0, 1.0, 0.0, 0.0]), abs=1e-12)
+
+
+def test_a_mode_is_a_pulse_and_what_a_mount_makes_of_it():
+    """Neither changes what a slow pulse is: both have a gain of one."""
+    pulse = half_sine()[::10]
+    columns, gains = _mode(pulse, TIME[::10], 10.0 * STEP, 1e5, 2e3)
+    assert gains.tolist() == [1.0, 1.0]
+    assert np.array_equal(columns[0], pulse)
+    assert np.array_equal(columns[1], _mount(pulse, TIME[::10], 10.0 * STEP, 1e5, 2e3)[0][0])
+    assert np.sum(columns[1]) == pytest.approx(np.sum(pulse), rel=1e-4)
+
+
+def test_a_tip_is_missed_by_the_mean_over_a_25th_of_its_length():
+    """Four samples of a hundred: their mean is sin(2 pi / 100) / (4 sin(pi / 200)) of the peak for samples halfway, and
+    what is left of them is added. What lies beyond a quarter of the length is none of it; between both as likely."""
+    pulse = SmoothPulse(7.0, 40.5, 100.0, 0.5, 1.0)
+    own = 7.0 * math.sin(2.0 * math.pi / 100.0) / (4.0 * math.sin(math.pi / 200.0) * math.cos(0.0)) / 1.0
+    own = 7.0 * np.mean(np.cos(np.pi * np.array([-1.5, -0.5, 0.5, 1.5]) / 100.0))
+    for places, value, top in (
+        (range(89, 93), 0.8, own + 0.8),
+        (range(89, 93), -9.0, None),
+        (range(112, 116), 9.0, 0.0),
+    ):
+        rest = np.zeros(200)
+        rest[list(places)] = value
+        seen = pulse.at(np.arange(200.0)) + rest
+        if top is None:  # the next four beside the dip
+            top = np.mean(seen[93:97])
+        elif top == 0.0:
+            top = max(own, np.mean(seen[112:116]))
+        assert _missed_at_tip(rest, pulse, 1.0) == pytest.approx(abs(top - 7.0) / math.sqrt(3.0), rel=1e-9)
+        assert _missed_at_tip(rest, pulse._replace(begin=81.0, length=200.0), 2.0) > 0.0
+    rest = np.zeros(200)
+    rest[116:] = 99.0  # 25.5 samples after the tip, and 25 are near it
+    assert _missed_at_tip(rest, pulse, 1.0) == pytest.approx((7.0 - own) / math.sqrt(3.0))
+    assert _missed_at_tip(rest[:60], pulse, 1.0) == 0.0
+    assert _missed_at_tip(np.zeros(68), pulse, 1.0) == 0.0  # two are near, four are needed
+    assert _missed_at_tip(np.zeros(70), pulse, 1.0) > 0.0
+
+
+GUESS = SmoothPulse(100.0, 3e-3, 2e-3, 0.5, 1.0)
+
+
+def fit_of(model, misfit, peak=100.0, length=2e-3, omega=2e4, decay=500.0, doubt=(0.0, 0.0, 0.0)):
+    return Fit(
+        SmoothPulse(peak, 3e-3, length, 0.5, 1.0), omega, decay, misfit, np.array(doubt), model.__name__.strip("_")
+    )
+
+
+def test_a_rigid_pulse_is_narrower_than_four_times_its_guess_and_higher_than_a_quarter():
+    for peak, length, plausible in (
+        (26.0, 7.9e-3, True),
+        (24.0, 7.9e-3, False),
+        (26.0, 8.1e-3, False),
+        (24.0, 9e-3, False),
+    ):
+        assert _plausible(fit_of(_mount, 0.01, peak, length), GUESS) is plausible
+
+
+@pytest.fixture
+def chosen(monkeypatch):
+    """Return what is chosen of fits that are put in, by model and beginning, and which beginnings were tried."""
+
+    def choose(fits, models=None, noise=0.0):
+        tried = []
+
+        def put_in(values, step, guess, frequency, model, onset):
+            tried.append((model, round(guess.length / GUESS.length, 9), onset))
+            assert (step, frequency, values.size) == (1e-5, 9e3, 5)
+            return fits.get(tried[-1], fits.get(model))
+
+        monkeypatch.setattr(rigid_pulse, "_fit", put_in)
+        return fit_rigid_pulse(np.zeros(5), 1e-5, GUESS, 9e3, noise, models), tried
+
+    return choose
+
+
+def test_fits_begin_anew_until_they_fit(chosen):
+    """Of a model that misses less than 3 % no other beginning is tried; late onsets are of a struck mode alone; where
+    all miss by more than a fifth nothing else is."""
+    every = [(m, share, onset) for share, onset in ((1.0, 0.0), (0.65, 0.0)) for m in MODELS] + [(_struck, 1.0, 0.45)]
+    assert chosen({m: fit_of(m, 0.031) for m in MODELS})[1] == every
+    assert chosen({m: fit_of(m, 0.029 if m is _mode else 0.031) for m in MODELS})[1] == [
+        one for one in every if one[0] is not _mode or one[1] == 1.0
+    ]
+    found, tried = chosen({m: fit_of(m, 0.201) for m in MODELS})
+    assert (found, tried) == (None, every[:3])
+    found, tried = chosen({m: fit_of(m, 0.199) for m in MODELS})
+    assert (found, tried) == (None, every)
+    assert chosen({})[0] is None
+    assert chosen({_mode: fit_of(_mode, 0.031)}, [_mode])[1] == every[1:2]
+    better = {_mount: fit_of(_mount, 0.1), every[3]: fit_of(_mount, 0.09, 90.0)}
+    assert chosen(better)[0].peak == 90.0
+    assert chosen(better | {every[3]: fit_of(_mount, 0.11, 90.0)})[0].peak == 100.0
+
+
+@pytest.mark.parametrize(
+    ("misfits", "noise", "model"),
+    [
+        ((0.119, 0.5, 0.5), 0.0, "mount"),
+        ((0.121, 0.5, 0.5), 0.0, None),
+        ((0.029, 0.001, 0.5), 0.0, "mount"),
+        ((0.031, 0.001, 0.5), 0.0, "mode"),
+        ((0.031, 0.001, 0.5), 3.2, "mount"),
+        ((0.074, 0.05, 0.5), 0.0, "mount"),
+        ((0.076, 0.05, 0.5), 0.0, "mode"),
+        ((0.076, 0.05, 0.03), 0.0, "struck"),
+    ],
+)
+def test_the_simplest_model_that_fits_about_as_well_is_taken(chosen, misfits, noise, model):
+    """Within 1.5 times the least, 3 % of the peak, or what noise is of it; 12 % are poor."""
+    found, _ = chosen({m: fit_of(m, misfit) for m, misfit in zip(MODELS, misfits, strict=True)}, noise=noise)
+    assert (found and found.model) == model
+
+
+def test_what_does_not_swing_or_cannot_be_is_no_fit(chosen):
+    fits = {
+        _mount: fit_of(_mount, 0.02, decay=0.71 * 2e4),
+        _mode: fit_of(_mode, 0.02, peak=20.0),
+        _struck: fit_of(_struck, 0.02),
+    }
+    assert chosen(fits)[0].model == "struck"
+    assert chosen(fits | {_mount: fit_of(_mount, 0.02, decay=0.69 * 2e4)})[0].model == "mount"
+
+
+@pytest.mark.parametrize(
+    ("model", "omega", "shapes"),
+    [
+        (_mount, 2e3, (0.025, 0.04, 0.015)),
+        (_mode, 2.0 * math.pi * 2.51 / (0.936231 * 2e-3), (0.025, 0.04, 0.015)),
+        (_mode, 2.0 * math.pi * 2.49 / (0.936231 * 2e-3), (0.2 * 1.5, 0.25 * 1.5, 0.15 * 1.5)),
+    ],
+)
+def test_a_rigid_pulse_is_as_uncertain_as_its_fit_its_models_and_its_shape(chosen, model, omega, shapes):
+    """Root sum of squares of the fit's, of what models as good say, equally likely up to it, and of shapes with half of
+    what is missed. A model that misses more than 1.5 times as much says nothing."""
+    doubt = np.array([2.0, 3e-5, 5e-3])
+    fits = {model: fit_of(model, 0.045, omega=omega, decay=90.0, doubt=doubt)}
+    fits[_struck] = fit_of(_struck, 0.067, 107.0, 1.9e-3)
+    if model is _mode:
+        fits[_mount] = fit_of(_mount, 0.068, 130.0)
+    found, _ = chosen(fits)
+    best, other = fits[model].pulse, fits[_struck].pulse
+    own = np.array([100.0, best.width(), best.area()])
+    apart = np.abs(own - [107.0, other.width(), other.area()]) / math.sqrt(3.0)
+    floor = own * np.sqrt(np.square(shapes) + 0.0225**2)
+    expected = np.sqrt(doubt**2 + apart**2 + floor**2)
+    named = [getattr(found, f"{name}_uncertainty") for name in ("peak", "width", "velocity_change")]
+    assert named == pytest.approx(expected, rel=1e-4)
+    assert (found.peak, found.width, found.velocity_change) == pytest.approx(own)
+    assert found.rise == best.rise()
+    assert (found.frequency, found.misfit, found.shape) == (pytest.approx(omega / (2.0 * math.pi)), 0.045, best)
+    assert found.damping == pytest.approx(90.0 / math.hypot(90.0, omega))
+    moved = found.moved(0.5, -1.0)
+    assert (moved.peak, moved.velocity_change) == (-found.peak, -found.velocity_change)
+    assert moved.shape == best._replace(begin=best.begin + 0.5, peak=-best.peak)
+    assert moved.width == found.width
+
+
+def mounted(v, count, step, guess, omega0):
+    """Return what a sensor on a mount records of a pulse of peak 1, by Duhamel's integral over finer samples."""
+    fine = 8
+    time = step / fine * np.arange(count * fine)
+    omega, decay = omega0 * math.exp(v[4]), omega0 * math.exp(v[4] + v[5])
+    pulse = SmoothPulse(1.0, guess.begin + v[0] * guess.length, guess.length * math.exp(v[1]), v[2], v[3]).at(time)
+    kernel = np.exp(-decay * time) * (
+        2.0 * decay * np.cos(omega * time) + (omega**2 - decay**2) / omega * np.sin(omega * time)
+    )
+    kernel[0] *= 0.5
+    return (step / fine * np.convolve(pulse, kernel)[: time.size])[::fine]
+
+
+def test_doubts_of_a_fit_are_those_of_least_squares_of_all_its_parameters(rng):
+    """Width and area of the covariance s^2 (J'J)^-1 of seven parameters, derivatives by difference; of the area without
+    what is not known of the amplitude alone, which the peak has of its own."""
+    guess, count, step, omega0 = SmoothPulse(1.0, 50.0, 120.0, 0.5, 1.0), 480, 1.0, 0.14
+    truth = np.array([0.03, 0.05, 0.45, 1.4, 0.02, -2.6])
+    values = 3.0 * mounted(truth, count, step, guess, omega0) + 0.005 * rng.normal(size=count)
+    fit = _fit(values, step, guess, omega0 / (2.0 * math.pi), _mount, 0.0)
+    pulse = fit.pulse
+    decays = math.log(fit.omega / omega0), math.log(fit.decay / fit.omega)
+    shape = (pulse.begin - 50.0) / 120.0, math.log(pulse.length / 120.0), pulse.rise_share, pulse.power
+    v = np.array([*shape, *decays])
+    assert v == pytest.approx(truth, abs=0.1)
+    assert pulse.peak == pytest.approx(3.0, rel=0.02)
+    base = mounted(v, count, step, guess, omega0)
+    time = step * np.arange(count)
+    rest = values - _mount(pulse.at(time), time, step, fit.omega, fit.decay)[0][0]  # with lines between its samples
+    steps = 1e-4 * np.eye(6)
+    slopes = [
+        pulse.peak * (mounted(v + s, count, step, guess, omega0) - mounted(v - s, count, step, guess, omega0)) / 2e-4
+        for s in steps
+    ]
+    columns = np.array([*slopes, base]).T
+    variance = np.sum(rest**2) / (count - 9) * alike_as_one(rest, 0.98)
+    covariance = variance * np.linalg.inv(columns.T @ columns)
+
+    def figures(w):
+        one = SmoothPulse(w[6], 0.0, 120.0 * math.exp(w[1]), w[2], w[3])
+        return np.array([one.peak, one.width(), one.area()])
+
+    whole = np.append(v, pulse.peak)
+    slopes = np.array([(figures(whole + s) - figures(whole - s)) / 2e-5 for s in 1e-5 * np.eye(7)])
+    variances = np.diag(slopes.T @ covariance @ slopes).copy()
+    alone = variance / np.sum(base**2)
+    variances -= np.array([1.0, 0.0, pulse.area() / pulse.peak]) ** 2 * alone
+    own = math.sqrt(variance / (0.5 * pulse.length))
+    tip = _missed_at_tip(rest, pulse, step)
+    expected = [math.sqrt(variances[0] + own**2 + tip**2), math.sqrt(variances[1]), math.sqrt(variances[2])]
+    assert fit.doubt == pytest.approx(np.array(expected), rel=0.01)  # terms of the second order in what is left
+    assert fit.misfit == pytest.approx(math.sqrt(np.mean(rest**2)) / pulse.peak, rel=1e-3)
+    scaled = _fit(1e4 * values, step, guess, omega0 / (2.0 * math.pi), _mount, 0.0)
+    assert scaled.doubt == pytest.approx(fit.doubt * [1e4, 1.0, 1e4], rel=1e-3)
+    assert scaled.pulse.peak == pytest.approx(1e4 * pulse.peak, rel=1e-4)
+    assert _fit(-values, step, guess, omega0 / (2.0 * math.pi), _mount, 0.0) is None
+
+
+SMOOTH = SmoothPulse(2.0, 1010e-6, 300e-6, 0.5, 1.0)
+
+
+@pytest.fixture
+def given(monkeypatch):
+    """Return what is fitted of a stretch, and what comes of a fit that is put in."""
+
+    def give(values, begin, end, width, frequency, rigid=None, least=0.0, last=None, swings=True, step=1e-6):
+        seen = {}
+
+        def fit(*asked):
+            seen.setdefault("fits", []).append(asked)
+            return rigid
+
+        def beside(tail, step, frequency):
+            seen["tail"] = tail.size
+            return least(seen) if callable(least) else least
+
+        monkeypatch.setattr(rigid_pulse, "fit_rigid_pulse", fit)
+        monkeypatch.setattr(rigid_pulse, "least_beside_one_mode", beside)
+        monkeypatch.setattr(rigid_pulse, "swings_after", lambda stretch: swings)
+        stretch = Stretch(values, step, begin, end, width, SMOOTH, 0.06)
+        return rigid_pulse.rigid_pulse(stretch, frequency, last), seen
+
+    return give
+
+
+def stand_in(misfit=0.01, damping=0.05, model="mode"):
+    return RigidPulse(2.0, 1e-5, 1e-4, 3e-4, 0.1, 1e-6, 1e-5, 5e3, damping, misfit, model, SMOOTH)
+
+
+@pytest.mark.parametrize(
+    ("width", "frequency", "low", "high", "factor", "tail"),
+    [
+        (300.0, 5e3, 820, 2520, 4, (1320 + 75 - 820) / 4),
+        (300.0, 40e3, 820, 2220, 2, (1320 + 75 - 820) / 2),
+        (70.0, 20e3, 958, 1620, 2, (1320 + 17.5 - 958) / 2),
+        (40.0, 12e3, 976, 1820, 1, 1320 + 120 - 976),
+        (5.0, 400e3, 997, 1344, 1, 1320 + 1.25 - 997),
+        (900.0, 2.4e3, 460, 4000, 8, (1320 + 225 - 460) / 8),
+    ],
+)
+def test_what_is_fitted_of_a_stretch(given, rng, width, frequency, low, high, factor, tail):
+    """From 0.6 widths before the feet to three widths, six swings or 24 samples after them; means that leave some 500
+    samples, 12 a swing and 24 a width. The tail begins a quarter of a width after the feet, or three widths where the
+    blow may be one lobe."""
+    values = rng.normal(size=4000)
+    found, seen = given(values, 1000, 1320, width, frequency)
+    [(part, step, guess, asked, noise, models)] = seen["fits"]
+    count = (high - low) // factor
+    assert part == pytest.approx(values[low : low + count * factor].reshape(count, factor).mean(axis=1))
+    assert (step, asked, models) == (pytest.approx(factor * 1e-6), frequency, MODELS)
+    assert noise == pytest.approx(0.06 / math.sqrt(factor))
+    middle = 1e-6 * (low + 0.5 * (factor - 1))
+    assert guess == SMOOTH._replace(begin=pytest.approx(SMOOTH.begin - middle))
+    assert seen["tail"] == count - round(tail)
+    assert found is None
+    found, _ = given(values, 1000, 1320, width, frequency, stand_in())
+    assert found.shape.begin == pytest.approx(SMOOTH.begin + middle)
+
+
+def test_what_no_mode_explains_or_makes_better_is_no_ringing(given, rng):
+    """A quarter of the squares that the smooth pulse misses in the tail, and half of its root mean square in all."""
+    values = 0.3 * rng.normal(size=2400)
+
+    def alone():
+        low, count, factor = 820, 466, 3
+        part = values[low : low + count * factor].reshape(count, factor).mean(axis=1)
+        return part - SMOOTH.at(1e-6 * (low + 1.0 + factor * np.arange(count)))
+
+    values = values[:2220]
+    squares, root = np.sum(alone() ** 2), math.sqrt(np.mean(alone() ** 2))
+    sizes = (1000, 1320, 300.0, 6.7e3)
+    for share, fitted in ((0.249, True), (0.251, False)):
+        assert ("fits" in given(values, *sizes, stand_in(), share * squares)[1]) is fitted
+    for share, better in ((0.49, True), (0.51, False)):
+        assert (given(values, *sizes, stand_in(share * root / 2.0))[0] is not None) is better
+    for damping, swings, rings in ((0.19, False, True), (0.21, False, False), (0.21, True, True)):
+        assert (given(values, *sizes, stand_in(0.0, damping), swings=swings)[0] is not None) is rings
+    for frequency in (math.nan, 0.0):
+        assert given(values, *sizes[:3], frequency, stand_in(0.0)) == (None, {})
+    for size, enough in ((24, True), (23, False)):
+        assert ("fits" in given(values[:size], 2, 10, 8.0, 2e5, stand_in())[1]) is enough
+
+
+def test_the_model_of_the_blow_before_is_tried_first(given, rng):
+    values = 0.3 * rng.normal(size=2220)
+    asked = [one[5] for one in given(values, 1000, 1320, 300.0, 6.7e3, None, last=stand_in(model="struck"))[1]["fits"]]
+    assert asked == [[_struck], MODELS]
+    fits = given(values, 1000, 1320, 300.0, 6.7e3, stand_in(), last=stand_in(model="mount"))[1]["fits"]
+    assert [one[5] for one in fits] == [[_mount]]
 
 
 @pytest.mark.parametrize("power", [1.0, 2.0])

@@ -144,3 +144,80 @@ def test_a_filter_of_a_pulse_is_that_of_its_samples():
     by_hand = effect_on_pulse(low, np.where((t > 0) & (t < 1), np.sin(np.pi * np.clip(t, 0, 1)), 0.0), 1.0 / 400)
     found = SmoothPulse(-3.0, 7.0, 1.0, 0.5, 1.0).through(low)
     assert np.array(found) == pytest.approx(np.array(by_hand), rel=2e-3)
+
+
+def marquardt(time, values, start, low, high, spreads, rounds, converged):
+    """Return where the steps of Marquardt with the damping of Nielsen lead, by numpy's solver, and the squares there.
+
+    Parameters at a bound that the gradient presses on are held; what goes beyond is put on the bound.
+    """
+
+    def at(pulse):
+        slope, normal, gradient = np.zeros(5), np.zeros((5, 5)), np.zeros(5)
+        squares = kernels.normal_equations(time, values, pulse, spreads, slope, normal, gradient)
+        return squares, normal + np.tril(normal, -1).T, gradient
+
+    pulse = start.copy()
+    squares, normal, gradient = at(pulse)
+    damping, growth = 0.1 * np.max(np.diag(normal)), 2.0
+    for _ in range(rounds - 1):
+        free = ~(((pulse <= low) & (gradient > 0.0)) | ((pulse >= high) & (gradient < 0.0)))
+        step = np.zeros(5)
+        step[free] = np.linalg.solve((normal + damping * np.eye(5))[np.ix_(free, free)], -gradient[free])
+        trial = np.clip(pulse + spreads * step, low, high)
+        step = (trial - pulse) / spreads
+        gained = squares - at(trial)[0]
+        short = np.linalg.norm(step) < converged * np.linalg.norm(pulse / spreads)
+        if gained > 0.0:
+            ends = short or gained < 1e-8 * squares
+            share = min(gained / max(step @ (damping * step - gradient), 1e-300), 1.0)
+            damping, growth = damping * max(1.0 / 3.0, 1.0 - (2.0 * share - 1.0) ** 3), 2.0
+            pulse, (squares, normal, gradient) = trial, at(trial)
+        else:
+            ends = short or damping > 1e12
+            damping, growth = damping * growth, 2.0 * growth
+        if ends:
+            break
+    return pulse, squares
+
+
+SPIKE, RISING, RINGING = (
+    np.exp(-(((TIME - 1.0) / 0.02) ** 2)),
+    np.clip(TIME - 0.7, 0.0, None),
+    SmoothPulse(1.0, 0.4, 1.1, 0.3, 1.7).at(TIME) + 0.2 * np.sin(9.0 * TIME),
+)
+
+
+@pytest.mark.parametrize("values", [SPIKE, RISING, RINGING])
+@pytest.mark.parametrize("power", [0.6, 2.5])
+def test_each_step_of_the_fit_is_that_of_marquardt_and_nielsen(values, power):
+    """Where the fit may take two to fifty evaluations, within bounds that some of the parameters come to."""
+    time = (TIME - 0.5) / 0.8
+    low, high = smooth_pulse.LOWEST.copy(), smooth_pulse.HIGHEST.copy()
+    low[1], high[1] = time[0] - 0.5, time[-1]
+    start = np.array([1.0, -0.1, 1.2, 0.5, power])
+    for rounds, converged in ((2, 1e-6), (3, 1e-6), (5, 1e-6), (9, 1e-6), (16, 1e-6), (50, 1e-2), (50, 1e-6)):
+        found = kernels.fit_pulse(time, values, start, low, high, smooth_pulse.SPREADS, rounds, converged)
+        expected = marquardt(time, values, start, low, high, smooth_pulse.SPREADS, rounds, converged)
+        # rounding grows with the condition of the matrix
+        assert found[0] == pytest.approx(expected[0], rel=1e-6, abs=1e-8)
+        assert found[1] == pytest.approx(expected[1], rel=1e-8, abs=1e-15)
+
+
+def test_a_pulse_may_begin_half_its_guessed_length_before_its_samples_and_is_the_best_of_three_fits():
+    """One that is cut in its rise; and a flat one, which the fit from a pointed beginning misses."""
+    cut = SmoothPulse(3.0, -0.35, 1.3, 0.5, 1.0)
+    fitted = fit_smooth_pulse(TIME, cut.at(TIME), 0.0, 0.8)
+    assert np.array(fitted[:5]) == pytest.approx(np.array(cut[:5]), rel=1e-4)
+    far = fit_smooth_pulse(TIME, SmoothPulse(3.0, -0.9, 2.2, 0.5, 1.0).at(TIME), 0.0, 0.8)
+    assert far.begin == pytest.approx(-0.4)
+    for values in (SPIKE, RINGING):
+        fitted = fit_smooth_pulse(TIME, values, 0.5, 0.8)
+        time, low, high = (TIME - 0.5) / 0.8, smooth_pulse.LOWEST.copy(), smooth_pulse.HIGHEST.copy()
+        low[1], high[1] = time[0] - 0.5, time[-1]
+        scale = np.max(values)
+        squares = [
+            marquardt(time, values / scale, start, low, high, smooth_pulse.SPREADS, 50, 1e-6)[1]
+            for start in np.clip(smooth_pulse.STARTS, low, high)
+        ]
+        assert (fitted.misfit * fitted.peak) ** 2 * TIME.size == pytest.approx(min(squares) * scale**2, rel=1e-6)

@@ -78,6 +78,14 @@ def test_the_5_percent_band_of_an_overdamped_mounting_ends_below_one():
     height = math.sqrt((1.0 + (2.0 * z * r) ** 2) / ((1.0 - r * r) ** 2 + (2.0 * z * r) ** 2))
     assert found.largest < 1.05
     assert height == pytest.approx(0.95, abs=1e-5)
+    r = found.within_10 / (math.sqrt(k / m) / (2.0 * math.pi))
+    height = math.sqrt((1.0 + (2.0 * z * r) ** 2) / ((1.0 - r * r) ** 2 + (2.0 * z * r) ** 2))
+    assert height == pytest.approx(0.9, abs=1e-5)
+
+
+def test_one_lossy_gasket_of_two_keeps_the_quality_finite():
+    layers = [Gasket(1100.0, 10e6, 1e-4, 2e-3, eta) for eta in (0.0, 0.1)]
+    assert band(Mounting(tuple(layers), 5e-3)).quality == pytest.approx(2.0 / 0.1, rel=0.2)
 
 
 @pytest.mark.parametrize(("eta", "damping"), [(0.0, 0.0), (0.01, 0.0), (0.0, 5e3)])

@@ -216,6 +216,8 @@ def test_slow_motion_passes_as_it_is(mounting):
         (lambda: Mounting((Gasket(1e3, 1e7, 1e-4, 1e-3, 4.0),), band=(1e2, 1e6)), "narrower band"),
         (lambda: Mounting((RUBBER,), band=(1e5, 1e3)), "band"),
         (lambda: transmission(Mounting(), [-1.0]), "frequencies"),
+        (lambda: transmission(Mounting(), [1.0, -1.0]), "frequencies"),
+        (lambda: transmission(Mounting(), [1.0, math.nan]), "frequencies"),
         (lambda: mounting_system(Mounting((Gasket(1e3, 1e6, 1e-4, 0.05, 0.3),))), "thinner or stiffer"),
         # 8 states an element, 260 of them: 2080
         (lambda: mounting_system(Mounting((Gasket(1e3, 1e7, 1e-4, 259.5 / 3e5 * 100.0),))), "thinner or stiffer"),
@@ -242,6 +244,34 @@ def test_finer_elements_than_are_stated_would_be_too_many():
     lossless = mounting_system(Mounting((LOSSLESS,), 5e-3))
     assert lossless.b.size == 7 * (4 + 4)
     assert mounting_system(BUFFERS["rubber"]).b.size == 7 * (4 + 4 * (1 + len(BUFFERS["rubber"].loss(RUBBER).branches)))
+
+
+def test_what_loses_nothing_gives_back_everything():
+    """A + A^T = 0 to the last bit, and with a dashpot -2 c/m of the first node at its place alone."""
+    layers = LOSSLESS, Gasket(2200.0, 0.5e9, 1e-4, 1e-3)
+    A = mounting_system(Mounting(layers, 5e-3, 2e7)).A
+    assert np.all(A + A.T == 0.0)
+    # 3 elements of the first layer, of 7 in 2 mm: a tenth of half its first one
+    damped = mounting_system(Mounting(layers, 5e-3, 2e7, 3e-3)).A
+    expected = np.zeros_like(A)
+    expected[0, 0] = -2.0 * 3e-3 / (LOSSLESS.mass / 7 * 0.05)
+    assert damped + damped.T == pytest.approx(expected, rel=1e-12)
+
+
+def test_a_gasket_has_the_stiffness_of_its_block_and_the_mass_of_its_volume():
+    assert Gasket(3.0, 5.0, 7.0, 11.0).stiffness == pytest.approx(5.0 * 7.0 / 11.0, rel=1e-15)
+    assert Gasket(3.0, 5.0, 7.0, 11.0).mass == 231.0
+
+
+@pytest.mark.parametrize("mounting", [BUFFERS["rubber"], BUFFERS["edge contact below"], Mounting((RUBBER, PTFE), 1e-3)])
+def test_a_mounting_with_more_states_than_it_may_have_is_refused(monkeypatch, mounting):
+    """The node that moves with the surface counts too."""
+    states = mounting_system(mounting).b.size
+    monkeypatch.setattr("strikewave.sensors.mounting.MOST_STATES", states + 1)
+    assert mounting_system.__wrapped__(mounting).b.size == states
+    monkeypatch.setattr("strikewave.sensors.mounting.MOST_STATES", states)
+    with pytest.raises(ValueError, match="too many wavelengths"):
+        mounting_system.__wrapped__(mounting)
 
 
 def test_small_values_are_taken():

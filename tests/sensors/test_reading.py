@@ -106,6 +106,24 @@ def test_a_filter_hides_that_the_sensor_went_beyond_its_range_but_the_reading_te
     assert reading.clipped
 
 
+@pytest.mark.parametrize(("missing", "count"), [(0.9e-6, 11), (1.1e-6, 10), (0.9, 10), (1.0 + 1.1e-6, 9)])
+def test_an_instant_a_millionth_of_an_interval_behind_the_end_counts(missing, count):
+    """Ten intervals less a share of one."""
+    assert read(Sensor(), Recorder(sampling_rate=1.0), np.zeros(11), 1.0 - 0.1 * missing).time.size == count
+
+
+def test_what_lasted_for_long_is_not_answered():
+    """A ramp that leaves g: undamped, a resonance reads g + t - sin(w t)/w, at 1 per second."""
+    sensor, time = Sensor(resonance=0.4, quality=math.inf), 0.1 * np.arange(60)
+    found = read(sensor, Recorder(), 9.8 + time, 0.1, steady=True)
+    w = 2.0 * math.pi * 0.4
+    assert found.values == pytest.approx(9.8 + time - np.sin(w * time) / w, rel=1e-12)
+    slow = read(Sensor(), Recorder(cutoff=0.5), 9.8 + time, 0.1, steady=True).values
+    assert slow == pytest.approx(9.8 + read(Sensor(), Recorder(cutoff=0.5), time, 0.1).values, rel=1e-12)
+    # from rest the first second reads less than it felt
+    assert read(sensor, Recorder(), 9.8 + time, 0.1).values[0] == 0.0
+
+
 def test_recorder_clips_at_its_own_full_scale():
     reading = read(Sensor(range=200.0), Recorder(full_scale=50.0), 100.0 * half_sine(100e-6), STEP)
     assert np.max(reading.values) == 50.0

@@ -111,6 +111,14 @@ def test_bad_histories_are_refused_in_words(values, step, word):
         respond(IDENTITY, values, step)
 
 
+def test_a_slow_resonance_of_low_quality_answers_like_any():
+    """5 mHz, Q = 5e-3: z = 100; of a step 1 - (s2 exp(s1 t) - s1 exp(s2 t))/(s2 - s1)."""
+    w, z, t = 2.0 * math.pi * 5e-3, 100.0, 50.0 * np.arange(40)
+    s1, s2 = w * (-z + math.sqrt(z * z - 1.0)), w * (-z - math.sqrt(z * z - 1.0))
+    expected = 1.0 - (s2 * np.exp(s1 * t) - s1 * np.exp(s2 * t)) / (s2 - s1)
+    assert respond(seismic(5e-3, 5e-3), np.ones(40), 50.0) == pytest.approx(expected, abs=1e-12)
+
+
 def test_bad_resonance_is_refused_in_words():
     with pytest.raises(ValueError, match="resonance and quality"):
         seismic(0.0, 1.0)

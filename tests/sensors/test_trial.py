@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from strikewave.sensors import Gasket, Mounting, Recorder, Sensor
+from strikewave.sensors import Gasket, Mounting, Reading, Recorder, Sensor
 from strikewave.sensors import trial as module
 from strikewave.sensors.trial import (
     FULL_SCALE,
@@ -17,7 +17,7 @@ from strikewave.sensors.trial import (
     lowest_resonance,
     try_sensor,
 )
-from strikewave.signal.pulse import measure_pulse
+from strikewave.signal.pulse import Pulse, measure_pulse
 from strikewave.signal.responses import interpolate
 
 STEP, BEGIN, LONG = 1e-6, 300, 1e-4
@@ -160,6 +160,68 @@ def test_noise_is_what_comes_before_the_foot_alone():
     assert found.noise_ringing == pytest.approx(6e-3, rel=0.4)
     assert found.ringing > 0.1
     assert try_sensor(Sensor(resonance=30e3), Recorder(), half_sine(), STEP, 0).noise_ringing < 1e-9
+
+
+def test_a_blow_that_begins_at_once_has_no_noise_before_it():
+    """The first sample alone, where both are at rest; at the next one a soft mounting already lags."""
+    values = half_sine()[BEGIN:]
+    assert try_sensor(Sensor(resonance=2e3), Recorder(), values, STEP, 0).noise_ringing < 1e-4
+    assert try_sensor(Sensor(resonance=2e3), Recorder(), values, STEP, 1).noise_ringing > 1e-3
+
+
+@pytest.mark.parametrize("full_scale", [9.0e3, 9.9e3])
+def test_a_recorder_that_clips_at_some_of_its_instants_has_too_small_a_scale(full_scale):
+    """Instants 0.3 of the half-sine apart: at its top some stand at sin 90 deg, others at sin 76 deg or lower."""
+    recorder = Recorder(sampling_rate=1.0 / (0.3 * LONG), full_scale=full_scale)
+    assert try_sensor(Sensor(range=1e5), recorder, half_sine(), STEP, BEGIN).verdict == FULL_SCALE
+
+
+@pytest.mark.parametrize("share", [0.5, 0.502, 0.51])
+def test_a_filter_above_all_that_the_dense_motion_holds_is_none(share):
+    recorder = Recorder(cutoff=share * 16.0 / STEP)
+    found = try_sensor(Sensor(range=1e5), recorder, half_sine(), STEP, BEGIN)
+    assert (found.peak_left, found.width_left) == pytest.approx((1.0, 1.0), rel=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("peak", "width", "close"),
+    [
+        *((1.0 + x, 1.0, True) for x in (0.049, -0.049)),
+        *((1.0 + x, 1.0, False) for x in (0.051, -0.051)),
+        *((1.0, 1.0 + x, True) for x in (0.049, -0.049)),
+        *((1.0, 1.0 + x, False) for x in (0.051, -0.051)),
+        (1.0, math.nan, True),
+        (math.nan, 1.0, False),
+    ],
+)
+def test_five_percent_of_peak_and_width_are_tolerated(peak, width, close):
+    assert module._close(peak, width) is close
+
+
+def test_the_share_farthest_from_one_counts_and_a_width_that_is_not_known_last(monkeypatch):
+    assert module._farthest([1.006, 0.993, 1.002], 0.0) == 0.993
+    assert module._farthest([1.006, 0.9951, 1.002], 0.0) == 1.006
+    assert math.isnan(module._farthest([1.4, math.nan], math.inf))
+    widths = iter([math.nan, 99.8 * 16, 100.5 * 16, math.nan])
+    monkeypatch.setattr(module, "_pulse", lambda *_: Pulse(0.0, 1e4, next(widths), 0.0, 0.0))
+    monkeypatch.setattr(module, "_interval", lambda one, step: step)
+    monkeypatch.setattr(module, "measure_pulse", lambda *_: Pulse(0.0, 1e4, LONG, 0.0, 0.0))
+    found = try_sensor(Sensor(range=1e5), Recorder(sampling_rate=1e6), half_sine(), STEP, BEGIN)
+    assert found.width_left == pytest.approx(1.005, rel=1e-12)
+
+
+def test_three_samples_make_a_pulse_however_small_and_a_flat_top_is_as_high_as_it_is():
+    """Of 1, 5, 1: a parabola's top is the middle one; of 1, 5, 4 it lies 0.3 aside, 9/40 higher; clipped, nowhere."""
+
+    def pulse(values, clipped=False):
+        values = np.array(values)
+        return module._pulse(Reading(np.arange(values.size), values, False, clipped, 0.0, 0.0), 1e-3)
+
+    assert pulse([2e-3, 6e-3, 2e-3]).peak == pytest.approx(5e-3, rel=1e-12)
+    assert pulse([1.001, 5.001, 4.001]).peak == pytest.approx(5.0 + 9.0 / 40.0, rel=1e-12)
+    assert pulse([1.001, 5.001, 4.001], True).peak == pytest.approx(5.0, rel=1e-12)
+    for nothing in ([5.0, 6.0], [0.0, 1e-3, 0.0], [-3.0, -1.0, -3.0]):
+        assert pulse(nothing)[1:] == pytest.approx((0.0, math.nan, math.nan, math.nan), nan_ok=True)
 
 
 def test_a_motion_is_made_16_times_as_dense_as_far_as_it_stays_in_bounds(monkeypatch):

@@ -1,13 +1,24 @@
 """Shifts of pulses that were moved by a known time."""
 
 import math
+from itertools import pairwise
 
 import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from strikewave.signal.alignment import EvenHistory, are_opposite, by_correlation, by_onset, by_peak
+from strikewave.signal.alignment import (
+    EvenHistory,
+    _at_step,
+    _coherent,
+    _steepened,
+    _vertex,
+    are_opposite,
+    by_correlation,
+    by_onset,
+    by_peak,
+)
 
 RULES = [by_correlation, by_onset, by_peak]
 
@@ -201,3 +212,143 @@ def test_a_correlation_of_few_samples_a_pulse_is_largest_where_its_bells_meet(sh
     time = np.arange(64.0)
     one, two = EvenHistory(bell(time - 30.0 - shift, 2.0), 1.0, 0.0), EvenHistory(bell(time - 25.0, 2.0), 1.0, 0.0)
     assert by_correlation(one, two).shift == pytest.approx(5.0 + shift, abs=1e-6)
+
+
+def bands(*coherences, lines=8):
+    """Return two spectra that have a coherence in each band of so many lines, the first ones louder."""
+    even, odd = np.ones(lines), (-1.0) ** np.arange(lines)
+    first = [(len(coherences) - k) * even for k in range(len(coherences))]
+    second = [np.exp(0.3j) * (math.sqrt(c) * even + math.sqrt(1.0 - c) * odd) for c in coherences]
+    return np.concatenate(first).astype(complex), np.concatenate(second)
+
+
+@pytest.mark.parametrize(
+    ("coherences", "last", "gap"),
+    [
+        ((1.0, 1.0, 1.0), 24, 24),
+        ((1.0, 0.0, 1.0, 0.0), 24, 8),
+        ((0.0, 1.0, 1.0, 0.0, 0.0, 0.7, 0.0), 48, 24),
+        # noise reaches 1 - 1e-3^(1/7) = 0.6272 of 8 lines with a probability of 1e-3
+        ((1.0, 0.63, 0.6, 0.0), 16, 16),
+        ((1.0, 0.624, 0.0), 8, 8),
+        ((0.0, 0.0, 0.1, 0.0), 24, 24),  # the strongest is always alike
+        ((0.3,), 8, 8),
+    ],
+)
+@pytest.mark.parametrize("spacing", [1, 3])
+def test_two_spectra_are_alike_up_to_the_last_coherent_band(coherences, last, gap, spacing):
+    """The last band takes what is left of a whole one, which noise fills; padding puts lines a spacing apart."""
+    one, two = bands(*coherences, lines=8 * spacing)
+    one, two = (np.concatenate([x, np.full(5, filled)]) for x, filled in ((one, 1e-9), (two, 1e-9)))
+    size = one.size
+    expected = [size if found == 8 * len(coherences) else found * spacing for found in (last, gap)]
+    assert [_coherent(one, two, spacing, to_gap) for to_gap in (False, True)] == expected
+
+
+@pytest.mark.parametrize(("coherence", "alike"), [(0.26, True), (0.24, False)])
+def test_a_band_of_many_lines_needs_a_quarter(coherence, alike):
+    """Bands are a tenth of their frequency wide, from 80 lines on: of 26 and more noise
+    reaches a quarter with less than 1e-3."""
+    edges = [0]
+    while edges[-1] < 500:
+        edges.append(edges[-1] + max(8, math.ceil(0.1 * edges[-1])))
+    begin, end = next((a, b) for a, b in pairwise(edges) if b - a >= 26 and (b - a) % 2 == 0)
+    one, two = np.zeros(500, complex), np.zeros(500, complex)
+    one[:8], two[:8] = 3.0, 3.0
+    one[begin:end], two[begin:end] = bands(coherence, lines=end - begin)
+    assert _coherent(one, two, 1.0, False) == (end if alike else 8)
+
+
+@pytest.mark.parametrize("place", [0, 1, 5, 11])
+def test_the_vertex_of_a_parabola_is_found_on_a_ring(place):
+    """Also across its ends; where three do not bend down, the middle one."""
+    ring = np.roll([7.0, 9.0, 6.0, *[0.0] * 9], place - 1)
+    assert _vertex(ring, place) == pytest.approx(-0.1, rel=1e-14)  # (6 - 7) / 2 over 2 x 9 - 7 - 6
+    assert _vertex(-ring, place) == 0.0
+    assert _vertex(np.zeros(12), place) == 0.0
+
+
+@pytest.mark.parametrize(
+    ("begun", "found"), [(0.0, 0.0), (0.4, 0.0), (-0.9, 0.0), (0.99, 0.0), (1.2, 1.2), (-1.6, -1.6), (4.0, 4.0)]
+)
+def test_the_largest_correlation_is_sought_within_a_sample(begun, found):
+    """Of waves of 12 and of 30 samples that meet at 7.3; farther off, and where it bends up, the place stays."""
+    omega = np.array([0.0, 2.0 * math.pi / 12.0, 2.0 * math.pi / 30.0])
+    both = np.array([5.0, 2.0, 1.0]) * np.exp(-7.3j * omega)
+    assert _steepened(both, omega, 7.3 + begun) == pytest.approx(7.3 + found, abs=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("sizes", "place"),
+    [((900, 700), 300), ((900, 1500), 150), ((900, 1300), -600), ((1300, 800), -200), ((600, 1000), 0)],
+)
+def test_an_impulse_beside_a_pulse_counts_as_white_noise_of_its_energy(sizes, place):
+    """Of n samples that both hold, e^2/n is its variance; the bell has the sum b'^2 = sqrt(pi/2)/w, and of the noise
+    the shift takes up 3 sqrt(pi)/4 w/n. What one of them holds beyond the other has no part in it. 1 %: the impulse
+    ends where the bell has ended, in its spectrum."""
+    begin, end = max(place, 0), min(place + sizes[1], sizes[0])
+    n, width, step, impulse = end - begin, 15.0, 2e-6, 0.03
+    time = np.arange(sizes[0])
+    values = bell(time - begin - 0.3 * n, width)
+    other = EvenHistory(bell(np.arange(sizes[1]) - (begin + 0.3 * n - place), width), step, 0.0)
+    values[begin + round(0.75 * n)] += impulse
+    found = by_correlation(EvenHistory(values, step, 1.0), other)
+    taken_up = 0.75 * math.sqrt(math.pi) * width / n
+    bound = impulse / math.sqrt(n * math.sqrt(math.pi / 2.0) / width * (1.0 - taken_up))
+    assert found.shift == pytest.approx(1.0 + place * step, abs=0.05 * step)
+    assert found.uncertainty == pytest.approx(bound * step, rel=0.01)
+
+
+@pytest.mark.parametrize(
+    ("steps", "taken"), [((1.0, 1.5), "1"), ((3.0, 1.0), "1.5"), ((1.0, 4.0), "2"), ((2.0, 2.0), "2")]
+)
+def test_histories_are_brought_to_the_finer_step_or_to_half_the_coarser_one(steps, taken):
+    one, two = (EvenHistory(bell(step * np.arange(300.0) - 150.0, 20.0), step, 0.0) for step in steps)
+    found = by_correlation(one, two)
+    assert found.rule.endswith(f" of {taken} s")
+    assert found.shift == pytest.approx(0.0, abs=1e-4)
+
+
+@pytest.mark.parametrize(("step", "count"), [(0.5, 19), (1.0, 10), (2.0, 5), (3.0, 4), (4.5, 3), (4.6, 2), (9.1, 1)])
+def test_a_history_at_another_step_has_as_many_samples_as_lie_in_it(step, count):
+    """Ten samples last nine steps. A step that is the same but for rounding leaves it as it is."""
+    time = np.arange(10.0)
+    one = EvenHistory(np.full(10, 3.0), 1.0, 0.0)
+    assert _at_step(one, step).tolist() == pytest.approx([3.0] * count, rel=1e-12)
+    assert (_at_step(one, step) is one.values) is (step == 1.0)
+    fine = _at_step(EvenHistory(time, 1.0, 0.0), 0.5)
+    assert fine[::2].tolist() == time.tolist()
+    assert _at_step(one, 1.0 + 0.9e-9) is one.values
+    assert _at_step(one, 1.0 + 1.2e-9) is not one.values
+
+
+def test_an_onset_and_a_peak_of_bells_lie_where_their_closed_forms_put_them():
+    """A tenth of the peak is crossed sqrt(ln 10) widths before it. Lines between points 1/16 apart leave 1e-4 samples of
+    bells of 12 and 31 steps, parabolas less; a smaller pulse long before it does not count."""
+    time = np.arange(500.0)
+    one = EvenHistory(-2.0 * bell(time - 203.37, 12.0) - 0.15 * bell(time - 60.0, 9.0), 2.0, 30.0)
+    two = EvenHistory(bell(time - 250.81, 31.0), 0.5, -7.0)
+    peaks = (30.0 + 2.0 * 203.37) - (-7.0 + 0.5 * 250.81)
+    assert by_peak(one, two).shift == pytest.approx(peaks, abs=2e-4)
+    for share in (0.1, 0.4):
+        earlier = 2.0 * 12.0 - 0.5 * 31.0
+        found = by_onset(one, two, share)
+        assert found.shift == pytest.approx(peaks - earlier * math.sqrt(-math.log(share)), abs=4e-4)
+        assert found.rule == f"first crossings of {100 * share:g} % of the peaks"
+
+
+@pytest.mark.parametrize(("cut", "error"), [(3, 0.2), (20, 1e-3)])
+def test_a_peak_near_an_end_is_found_among_what_is_there(cut, error):
+    """Three samples on either side are looked at where there are so many; what is held beyond an end bends the last."""
+    whole = bell(np.arange(200.0) - 100.25, 8.0)
+    still = EvenHistory(whole, 1.0, 0.0)
+    assert by_peak(EvenHistory(whole[: 100 + cut], 1.0, 0.0), still).shift == pytest.approx(0.0, abs=error)
+    assert by_peak(EvenHistory(whole[100 - cut :], 1.0, 100.0 - cut), still).shift == pytest.approx(0.0, abs=error)
+
+
+def test_a_peak_whose_width_is_not_known_is_uncertain_as_if_it_were_as_wide_as_the_history():
+    """Held above four fifths to its end, 100 samples: a curvature of 0.4 of the height over 100^2."""
+    values = np.interp(np.arange(100.0), [0.0, 50.0, 99.0], [0.0, 1.0, 0.9])
+    found = by_peak(EvenHistory(values, 1.0, 0.0, 1e-3), EvenHistory(bell(np.arange(99.0) - 49.0, 9.0), 1.0, 0.0))
+    curvature = 0.4 / 100.0**2
+    assert found.uncertainty == pytest.approx(math.sqrt(1e-3 / curvature), rel=5e-3)

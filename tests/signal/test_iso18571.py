@@ -83,10 +83,13 @@ def test_the_overall_rating_is_the_weighted_mean():
 
 
 @settings(max_examples=40, deadline=None, derandomize=True)
-@given(st.integers(0, 10**6), st.integers(18, 45))
-def test_the_delay_is_that_of_the_largest_coefficient_of_overlapping_parts(seed, size):
-    """By numpy's coefficient of correlation, shift by shift, up to whole samples of a fifth of the interval."""
-    reference, compared = np.random.default_rng(seed).normal(size=(2, size))
+@given(st.integers(0, 10**6), st.integers(18, 45), st.sampled_from([1e-6, 1.0, 1e6]), st.booleans())
+def test_the_delay_is_that_of_the_largest_coefficient_of_overlapping_parts(seed, size, unit, walks):
+    """By numpy's coefficient of correlation, shift by shift, up to whole samples of a fifth of the interval; of noise
+    and of walks, whose overlapping parts have means of their own, in any unit."""
+    reference, compared = unit * np.random.default_rng(seed).normal(size=(2, size))
+    if walks:
+        reference, compared = reference.cumsum(), compared.cumsum()
     most = int(0.2 * size + 1e-9)
 
     def coefficient(lag):
@@ -107,6 +110,20 @@ def test_of_equal_coefficients_the_least_shift_counts_and_that_forward_first(com
     """A wave of 8 samples fits at -8, 0 and 8, its negative at -4 and 4; nothing correlates with a constant."""
     wave = np.tile([1.0, 2.0, 1.0, 0.0, -1.0, -2.0, -1.0, 0.0], 5)
     assert best_delay(wave, compared * wave) == delay
+
+
+def test_of_two_shifts_by_one_that_forward_counts():
+    wave = np.tile([1.0, -1.0], 12)
+    assert best_delay(wave, -wave) == 1
+
+
+def test_a_shift_beside_which_one_of_them_does_not_vary_may_be_the_best():
+    """What overlaps at a shift by three back is level; at one by two both have their one spike at the end."""
+    reference, compared = np.zeros(20), np.zeros(20)
+    reference[19] = 2.0
+    compared[17:] = [5.0, 1.0, 3.0]
+    assert best_delay(reference, compared) == -2
+    assert best_delay(reference[::-1], compared[::-1]) == 2
 
 
 @pytest.mark.parametrize(("size", "reach"), [(40, 3), (35, 3), (30, 2), (21, 2)])
@@ -181,6 +198,7 @@ def test_the_warped_path_costs_least_of_all(seed, reach, size):
         (PULSE, PULSE[:-1], "as many samples"),
         (PULSE[:9], PULSE[:9], "18 or more"),
         (PULSE, np.where(TIME < 0.5, PULSE, np.nan), "finite"),
+        (np.where(TIME < 0.5, PULSE, np.inf), PULSE, "finite"),
         (np.zeros(400), PULSE, "zero throughout"),
     ],
 )

@@ -8,8 +8,8 @@ from hypothesis import example, given
 from hypothesis import strategies as st
 
 from strikewave.signal import measure_pulse
+from strikewave.signal import pulse as module
 from strikewave.signal.pulse import (
-    FEWEST_INTERVALS,
     area_between,
     crossing,
     foot_to_foot,
@@ -157,6 +157,8 @@ def test_three_samples_are_a_pulse_however_small():
         ([0.0, 50.0, 100.0, 50.0, 0.0, 0.0, 9.0, 9.0], 200.0 - 0.08),
         # stays on 10: over at 12, of which the next sample is the fifth
         ([0.0, 50.0, 100.0, 50.0, 10.0, 10.0, 10.0, 10.0], 205.0 - 0.04),
+        # the same, by a step on 11, which is below 12 too: the foot is 2 % of the peak above what it settles on
+        ([0.0, 50.0, 100.0, 50.0, 11.0, 10.0, 10.0, 10.0], 205.5 - 0.04),
         # ends while it falls: all counts
         ([0.0, 50.0, 100.0, 50.0], 175.0 - 0.04),
         # begins above its foot
@@ -179,6 +181,8 @@ def test_the_value_farthest_from_zero_keeps_its_sign():
         ([0.0, 1e-3, 2e-3, 1e-3, 0.0], 3.6),  # a tenth of the peak is crossed at 0.2 and at 3.8
         ([0.0, -1.0, -2.0, -1.0, 0.0], 3.6),
         ([0.0, 10.0, 10.0, 10.0, 0.0, 9.0], 3.8),
+        ([9.0, 10.0, 0.0], 1.9),
+        ([0.0, 10.0, 9.0], 2.9),
         (np.ones(10), 10.0),  # never below: each sample counts for a step
     ],
 )
@@ -192,5 +196,5 @@ def test_nothing_has_no_front():
 
 def test_a_half_sine_of_the_fewest_intervals_loses_1_2_percent_of_its_peak():
     """Its top lies in the middle between two samples: cos(pi / 20)."""
-    places = (np.arange(FEWEST_INTERVALS) + 0.5) / FEWEST_INTERVALS
+    places = (np.arange(module.FEWEST_INTERVALS) + 0.5) / module.FEWEST_INTERVALS
     assert 1.0 - np.sin(np.pi * places).max() == pytest.approx(0.0123, abs=5e-5)

@@ -81,6 +81,43 @@ def test_an_input_that_may_move_to_no_side_is_left_out(tmp_path):
     assert allowed_inputs(case, (only,), build_machine) == ()
 
 
+@pytest.mark.parametrize(
+    ("allowed", "ends"),
+    [
+        ((0.0, 0.275), (0.1, 0.2 + 76 / 1024)),
+        ((0.1255, 9.0), (0.2 - 0.1 * 762 / 1024, 1.2)),
+        ((0.1995, 1.1), (0.2 - 0.1 * 5 / 1024, 0.2 + 921 / 1024)),
+    ],
+)
+def test_the_end_of_what_is_allowed_is_found_to_a_thousandth_of_a_side(allowed, ends):
+    """Ten halvings: of 1024 parts of a side, counted from the value, the last that is allowed."""
+    case = load_case("mil-s-901d-hammer")
+    value = Value(si=0.2, typed="0.2 m")
+    one = UncertainInput("machine.radius", value, range_of(case, "machine.radius"), 0.1, 1.2)
+    other = UncertainInput("object.mass", Value(si=3.0, typed="3 kg"), range_of(case, "object.mass"), 2.0, 5.0)
+
+    def build(made):
+        if made.object.mass.si != 3.0 and made.machine.radius.si != 0.2:
+            raise AssertionError("one input at a time")
+        if not allowed[0] <= made.machine.radius.si <= allowed[1]:
+            raise ArithmeticError
+
+    found = allowed_inputs(case, (one, other), build)
+    assert found[1] == other
+    assert (found[0].low, found[0].high) == pytest.approx(ends, rel=1e-12)
+
+
+def test_of_a_case_that_is_refused_as_it_is_no_input_is_changed():
+    case = load_case("mil-s-901d-hammer")
+    known = known_inputs(case)[:3]
+
+    def refuse(_):
+        raise ValueError
+
+    assert allowed_inputs(case, known, refuse) == known
+    assert allowed_inputs(case, (), refuse) == ()
+
+
 def test_a_result_without_a_band_says_why_on_screen_and_in_json_and_report(strikewave, monkeypatch, tmp_path):
     def refuse(*_):
         raise ValueError("the pad is gone")

@@ -1,7 +1,9 @@
 """A copy of the process that computes beside it: its answer, its failures, and that nothing of it is left."""
 
+import os
 import subprocess
 import sys
+import threading
 
 import pytest
 
@@ -67,6 +69,36 @@ def test_no_copy_of_a_process_with_threads(environment):
         "    print(result())\n"
     )
     assert _run(program, environment).stdout.split("\n")[:2] == ["None", "none left"]
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="copies are made on Linux alone")
+@pytest.mark.parametrize(
+    ("processors", "threads", "platform", "copied"),
+    [
+        (2, 1, "linux", True),
+        (3, 1, "linux", True),
+        (1, 1, "linux", False),
+        (2, 2, "linux", False),
+        (2, 1, "darwin", False),
+    ],
+)
+def test_a_copy_is_made_on_linux_with_another_processor_and_no_other_thread(
+    monkeypatch, processors, threads, platform, copied
+):
+    """It answers with a number of its own process, and has ended with the block."""
+    asked = []
+    monkeypatch.setattr(os, "sched_getaffinity", lambda process: asked.append(process) or set(range(processors)))
+    monkeypatch.setattr(threading, "active_count", lambda: threads)
+    monkeypatch.setattr(sys, "platform", platform)
+    with computed_beside(lambda: (os.getpid(), "all")) as result:
+        found = result()
+    assert (found is not None) is copied
+    assert asked == ([0] if platform == "linux" else [])  # of this process
+    if found is not None:
+        assert found[0] != os.getpid()
+        assert found[1] == "all"
+        with pytest.raises(ProcessLookupError):
+            os.kill(found[0], 0)
 
 
 @pytest.mark.verify

@@ -91,6 +91,7 @@ def test_numbers_of_a_pad_move_the_most_where_nothing_else_does():
         *(f"{MATERIAL}.2A12.{key}" for key in ("density", "modulus")),
     }
     assert solution.band["tap.foot.peak_force"].inputs[0].field == f"{MATERIAL}.PTFE.modulus"
+    assert (solution.band_method.level, solution.band_method.seed) == (0.95, 2019)  # as is told of every band
 
 
 def test_a_number_that_is_typed_takes_the_place_of_the_named_one():

@@ -1,19 +1,26 @@
 """Scatter, limits without a distribution, runs on threads, and shares, against binomial tails of scipy and by hand."""
 
 import math
+import os
+from concurrent.futures import ThreadPoolExecutor
 
 import numpy as np
 import pytest
 from scipy.stats import binom
 
+from strikewave.uncertainty import runs
 from strikewave.uncertainty.runs import on_threads, or_none, why_failed
 from strikewave.uncertainty.shares import (
     Share,
     Shares,
+    _bounds,
+    _errors,
+    _resamples,
     mixtures,
     scatter_shares,
     sobol_indices,
     sobol_points,
+    sobol_shares,
     variance_shares,
 )
 from strikewave.uncertainty.statistics import median_bounds, spread, upper_limit, variation
@@ -47,6 +54,7 @@ def test_the_bounds_of_a_median_are_the_narrowest_that_are_sure_enough(n):
 def test_other_confidences_and_no_values():
     assert upper_limit([3.0, 1.0, 2.0], 0.5, 0.875) == 3.0  # 1 - 1/8, exactly
     assert math.isnan(upper_limit([3.0, 1.0, 2.0], 0.5, 0.876))
+    assert upper_limit([7.0], 0.04, 0.95) == 7.0  # of one run: 1 - 0.04
     assert math.isnan(upper_limit([]))
     assert np.isnan(median_bounds([])).all()
     assert median_bounds([5.0, 7.0], 0.5) == (5.0, 7.0)
@@ -69,6 +77,28 @@ def test_runs_keep_their_order_and_tell_how_far_they_are(threads):
     assert found == [3.0, None, 4.0]
     assert told == pytest.approx([1 / 3, 2 / 3, 1.0], rel=1e-15)
     assert on_threads(float, [], threads) == []
+
+
+@pytest.mark.parametrize(
+    ("threads", "processors", "items", "taken"),
+    [
+        (None, 5, 9, 5),
+        (None, None, 9, 0),  # not known
+        (3, 5, 9, 3),
+        (12, 5, 20, 8),
+        (8, 5, 2, 2),
+        (1, 5, 9, 0),
+        (7, 5, 1, 0),
+        (None, 5, 1, 0),
+    ],
+)
+def test_runs_take_as_many_threads_as_processors_runs_or_eight(monkeypatch, threads, processors, items, taken):
+    """A lone thread is this one."""
+    made = []
+    monkeypatch.setattr(os, "cpu_count", lambda: processors)
+    monkeypatch.setattr(runs, "ThreadPoolExecutor", lambda count: made.append(count) or ThreadPoolExecutor(1))
+    assert on_threads(float, list(range(items)), threads) == list(range(items))
+    assert made == ([taken] if taken else [])
 
 
 def test_why_a_run_failed_is_the_first_line_of_its_error():
@@ -94,6 +124,12 @@ def test_sobol_indices_by_hand():
     assert (moved.first.tolist(), moved.total.tolist()) == ([1.0], [1.0])
     half = sobol_indices(np.array([0.0, 2.0]), np.array([4.0, 6.0]), np.array([[0.0, 4.0]]))
     assert (half.first.tolist(), half.total.tolist()) == ([0.6], [0.2])
+    both = sobol_indices(
+        np.array([[0.0, 2.0], [7.0, 9.0]]),
+        np.array([[4.0, 6.0], [11.0, 13.0]]),
+        np.array([[[4.0, 4.0], [11.0, 11.0]], [[0.0, 4.0], [7.0, 11.0]]]),
+    )
+    assert (both.first.tolist(), both.total.tolist()) == ([[1.0, 1.0], [0.6, 0.6]], [[1.0, 1.0], [0.2, 0.2]])
 
 
 def test_mixtures_take_their_columns_from_the_second_half():
@@ -152,3 +188,97 @@ def test_no_run_tells_no_share_and_bounds_hold_their_ends():
     ]
     assert not Share("a", 0.1, 0.05, 0.2, 0.05).distinct
     assert Share("a", 0.1, 0.06, 0.2, 0.05).distinct
+
+
+def test_bounds_of_resamples_leave_a_fortieth_on_either_side():
+    """Of 0 to 1000 and of 2000 to 4000: 25 and 975 thousandths of the way; their deviations by the closed form."""
+    rows = np.array([np.random.default_rng(k).permutation(np.arange(1001.0)) for k in (1, 2)])
+    rows[1] = 2000.0 + 2.0 * rows[1]
+    assert _bounds(rows) == pytest.approx(np.array([[25.0, 2050.0], [975.0, 3950.0]]), rel=1e-12)
+    even = math.sqrt(1001.0 * 1002.0 / 12.0)  # of the whole numbers, over one less than there are
+    assert _errors(rows) == pytest.approx([even, 2.0 * even], rel=1e-12)
+    for none in (np.zeros((2, 0)), np.array([[1.0, 2.0], [math.nan, 3.0]])):
+        assert np.isnan(_errors(none)).all()
+        assert np.isnan(_bounds(none)).all()
+        assert (_errors(none).shape, _bounds(none).shape) == ((2,), (2, 2))
+
+
+@pytest.mark.parametrize("count", [1, 2, 40])
+def test_a_bootstrap_draws_each_run_as_often_as_any_a_thousand_times(count):
+    """Counts of 1000 x n draws scatter by sqrt(1000): five of them."""
+    place = _resamples(count, 3)
+    assert place.shape == (1000, count)
+    assert np.bincount(place.ravel(), minlength=count) == pytest.approx(np.full(count, 1000.0), abs=160.0)
+    assert np.array_equal(place, _resamples(count, 3))
+    if count > 2:
+        assert not np.array_equal(place, _resamples(count, 4))
+
+
+def interacting(runs, seed):
+    """Return runs of y = 2 x1 + x2 + 2 x2 x3 of normal inputs: of 9, first-order 4, 1, 0 and totals 4, 5, 4."""
+    a, b = np.random.default_rng(seed).standard_normal((2, runs, 3))
+
+    def y(x):
+        return 2.0 * x[..., 0] + x[..., 1] + 2.0 * x[..., 1] * x[..., 2]
+
+    return y(a), y(b), np.array([y(np.where(np.arange(3) == k, b, a)) for k in range(3)])
+
+
+def test_first_and_total_indices_have_bounds_of_their_own():
+    """1000 runs tell each to some 0.06, and bounds reach about two standard errors to either side of it."""
+    found = sobol_shares("y", ["u", "v", "w"], *interacting(1000, 5), 1)
+    rows = {row.path: row for row in found.rows}
+    assert [row.path for row in found.rows] == ["u", "v", "w"]
+    assert (found.of, found.runs) == ("y", 1000)
+    for path, first, total in (("u", 4 / 9, 4 / 9), ("v", 1 / 9, 5 / 9), ("w", 0.0, 4 / 9)):
+        row = rows[path]
+        assert row.floor == 0.0
+        assert abs(row.share - first) < 3.0 * row.standard_error < 0.3
+        assert abs(row.total - total) < 3.0 * row.total_standard_error < 0.3
+        assert row.total_low < row.total < row.total_high
+        # the bootstrap is nearly normal: its outer fortieths lie 1.96 deviations off, those of 1000 draws to a tenth
+        assert row.total_high - row.total_low == pytest.approx(3.92 * row.total_standard_error, rel=0.1)
+        if first:
+            assert row.low < row.share < row.high
+            assert row.high - row.low == pytest.approx(3.92 * row.standard_error, rel=0.1)
+    assert (found.sum_low < found.sum < found.sum_high, found.additive) == (True, False)
+    assert found.sum == pytest.approx(5 / 9, abs=0.15)
+
+
+def test_the_standard_error_of_a_total_index_is_that_of_repeated_studies():
+    """Over 100 studies of 300 runs; a bootstrap of so many is good to some 15 % on the mean of six."""
+    repeated = np.array([sobol_indices(*interacting(300, seed)).total for seed in range(100)])
+    found = [sobol_shares("y", ["0", "1", "2"], *interacting(300, 500 + seed), seed).rows for seed in range(6)]
+    for k in range(3):
+        errors = [row.total_standard_error for rows in found for row in rows if row.path == str(k)]
+        assert np.mean(errors) == pytest.approx(repeated[:, k].std(ddof=1), rel=0.3)
+
+
+def test_runs_without_a_result_leave_the_shares_of_the_others():
+    a, b, mixed = interacting(200, 6)
+    whole = sobol_shares("y", ["u", "v", "w"], a[3:], b[3:], mixed[:, 3:], 2)
+    a[0] = b[1] = mixed[1, 2] = math.nan
+    assert sobol_shares("y", ["u", "v", "w"], a, b, mixed, 2) == whole
+    assert whole.runs == 197
+    none = sobol_shares("y", ["u", "v"], np.full(3, math.nan), b[:3], mixed[:2, :3], 2)
+    assert (none.runs, [row.path for row in none.rows]) == (0, ["u", "v"])
+    assert np.isnan([none.sum, none.sum_low, none.sum_high, none.rows[1].share]).all()
+
+
+def test_shares_that_are_not_known_stand_last():
+    """What does not vary at all has no share, where nothing else does either."""
+    still = np.zeros((2, 30))
+    found = variance_shares("y", ["a", "b"], still[0], still, 1)
+    assert [row.path for row in found.rows] == ["a", "b"]
+    assert np.isnan([row.share for row in found.rows]).all()
+    assert not found.rows[0].distinct
+
+
+def test_shares_of_each_tolerance_are_those_that_it_has_without_the_others():
+    y, z = np.random.default_rng(8).standard_normal((2, 60))
+    alone = np.array([0.6 * y + 0.3 * z, z, 0.1 * y])
+    found = scatter_shares("y", ["a", "b", "c"], y + z, alone, 2)
+    for row in found.rows:
+        [single] = scatter_shares("y", [row.path], y + z, alone["abc".index(row.path)][None], 2).rows
+        told = [(one.share, one.low, one.high, one.standard_error) for one in (single, row)]
+        assert told[0] == pytest.approx(told[1], rel=1e-9)

@@ -4,8 +4,10 @@ References are the same stacks on a fine step on which every transit is whole by
 the rounding of the coarse one is seen.
 """
 
+import dataclasses
 import itertools
 import math
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -24,11 +26,14 @@ from strikewave.waves import (
     Stack,
     Tap,
     WantedError,
+    _kernels,
     choose_grid,
     grid_of,
     round_bar,
     run_bar,
+    transit,
 )
+from strikewave.waves.averages import empty_averages
 
 FINE = 1e-9
 
@@ -335,3 +340,185 @@ def test_measured_load_gets_a_step_too():
     size = len(run.time)
     difference = np.abs(run.velocity - same.velocity[::n][:size]).max() / np.abs(same.velocity).max()
     assert difference < 5 * sagitta
+
+
+# parts of the choice of a grid, by hand
+
+
+@pytest.mark.parametrize(("layers", "at_once"), [(2, 7), (12, 5), (40, 3)])
+def test_steps_are_compared_some_at_once_as_far_as_memory_goes(monkeypatch, layers, at_once):
+    """At most 60 values a table, at most 7 steps of it and at least 3; all from t/20 to t/60 are tried."""
+    noted = []
+
+    def arange(begin, end, dtype):
+        noted.append((begin, end))
+        return np.arange(begin, end, dtype=dtype)
+
+    monkeypatch.setattr(transit, "np", SimpleNamespace(**{**vars(np), "arange": arange}))
+    for name, value in (("MOST_TRIED", 60), ("FEWEST_AT_ONCE", 3), ("MOST_AT_ONCE", 7)):
+        monkeypatch.setattr(transit, name, value)
+    choose_grid(of_transits([6.0] + [6.0 * math.e] * (layers - 1)), 0.0, 0.301, 0.0999)
+    assert [begin for begin, _ in noted] == list(range(20, 61, at_once))
+    assert [end for _, end in noted] == [min(begin + at_once, 61) for begin in range(20, 61, at_once)]
+
+
+@pytest.mark.parametrize("wanted", [0.0, 1e-5, 1e-4, 1e-3, 1e-2])
+def test_how_many_steps_are_compared_at_once_changes_nothing(monkeypatch, wanted):
+    stack = of_transits([1.0, math.e, math.pi, 7.3])
+    whole = choose_grid(stack, wanted, 0.3, 2e-3)
+    monkeypatch.setattr(transit, "FEWEST_AT_ONCE", 1)
+    monkeypatch.setattr(transit, "MOST_AT_ONCE", 7)
+    assert choose_grid(stack, wanted, 0.3, 2e-3) == whole
+    assert (whole.mismatch <= wanted) == (wanted >= 1e-4)
+
+
+@pytest.mark.parametrize(
+    ("largest", "smallest", "counts"),
+    # 11/4, 14/5, 16/6, 19/7, 22/8, 24/9, 27/10 beside e
+    [
+        (0.26, 0.0999, (7, 19)),
+        (0.26, 0.15, (4, 11)),
+        (0.13, 0.0999, (10, 27)),
+        (0.13, 0.12, (8, 22)),
+        (9.0, 0.6, (1, 3)),
+    ],
+)
+def test_the_best_of_some_steps_is_taken_where_none_is_good_enough(largest, smallest, counts):
+    grid = choose_grid(of_transits([1.0, math.e]), 1e-9, largest, smallest)
+    assert grid.counts == counts
+    # both are off by as much, in opposite directions
+    ratios = counts[0] * grid.step, counts[1] * grid.step / math.e
+    assert abs(ratios[0] - 1.0) == pytest.approx(abs(ratios[1] - 1.0), rel=1e-9)
+    assert grid.mismatch == pytest.approx(abs(ratios[1] - 1.0), rel=1e-9)
+
+
+def test_a_layer_thinner_than_the_shortest_step_takes_one(monkeypatch):
+    stack = of_transits([10.0, 1.0, 7.0])
+    assert choose_grid(stack, 1e-9, 5.0, 2.0) == transit.TimeGrid(2.0, (5, 1, 4), 1.0)
+    monkeypatch.setattr(transit, "MOST_NODES", 9)  # 18 s, cut into 9
+    assert choose_grid(stack, 1e-9, 5.0, 1e-3) == transit.TimeGrid(2.0, (5, 1, 4), 1.0)
+    assert grid_of(stack, 2.0).counts == (5, 1, 4)
+    with pytest.raises(ValueError, match=r"into 9\.05 nodes; at most 9e\+00: take a step above 2 s"):
+        grid_of(stack, 1.99)
+
+
+def test_a_tap_has_the_nearest_node_and_a_field_nodes_evenly_in_time():
+    """Two layers of 1 s and 3 s and 5 m and 9 m: of eight places two and six; fewer layers where there are many."""
+    first, second = timed("a", 5.0, 1.0), timed("b", 3.0, 3.0)
+    grid = transit.TimeGrid(0.25, (4, 15), 0.0)
+    assert transit.nearest_nodes(grid, [(1, 0.3), (0, 0.6), (1, 1.0)]).tolist() == [[1, 4], [0, 2], [1, 15]]
+    assert transit.nearest_nodes(grid, []).shape == (0, 2)
+    nodes, places = transit.field_nodes(Stack((first, second), (BONDED,)), grid, 2, 8)
+    assert nodes.tolist() == [[0, 0], [0, 4], *([1, n] for n in (0, 3, 6, 9, 12, 15))]
+    assert places == pytest.approx([0.0, 5.0, *(5.0 + 9.0 * n / 15 for n in (0, 3, 6, 9, 12, 15))], rel=1e-14)
+    assert transit.field_nodes(Stack((first, second), (BONDED,)), grid, 2, 1)[0].tolist() == [
+        [0, 0],
+        [0, 4],
+        [1, 0],
+        [1, 15],
+    ]
+    many = Stack(tuple(timed(f"{k}", 1.0 + k, 1.0) for k in range(8)), (BONDED,) * 7)
+    for most, kept in ((8, range(8)), (7, (0, 2, 4, 6, 7)), (3, (0, 3, 6, 7)), (4, (0, 2, 4, 6, 7)), (1, (0, 7))):
+        nodes, places = transit.field_nodes(many, transit.TimeGrid(0.5, (2,) * 8, 0.0), most, 16)
+        assert nodes.tolist() == [[k, n] for k in kept for n in (0, 2)]
+        begins = np.cumsum([0.0, *range(1, 9)])
+        assert places.tolist() == [begins[k + side] for k in kept for side in (0, 1)]
+
+
+def test_a_bound_by_hand():
+    """2/Z = 1 and 1/4, transits of 4 and 9; e = 0.5 (4, 6, 10) = 2, 3, 5; w = 3, 5, 7; steps of 8, read a quarter off.
+
+    v^2 = (2/Z) (2^2/4 + 2 2 (3 + 0.5 3)), a^2 = (2/Z) (3^2/4 + 2 3 (5 + 0.5 5)), and 2 s times the slopes
+    (2/Z) (3^2/4 + 2 3 5) and (2/Z) (5^2/4 + 2 5 7).
+    """
+    stack = timed_stack([2.0, 8.0], [4.0, 9.0], [Joint(1.0)], End("rigid"))
+    grid = transit.TimeGrid(8.0, (4, 5), 0.5)
+    integrals = np.array([4.0, 6.0, 10.0, 3.0, 5.0, 7.0])
+
+    def bound(*places):
+        found = transit.error_bound(stack, grid, integrals, places)
+        return found.velocity, found.acceleration
+
+    exact = pytest.approx((math.sqrt(19.0), math.sqrt(47.25)), rel=1e-14)
+    assert bound((0, 0.0)) == bound((0, 0.25)) == bound((0, 1.0)) == bound((1, 0.2), (0, 0.0), (1, 1.0)) == exact
+    lower = 0.25 * (4.0 / 9.0 + 18.0), 0.25 * (1.0 + 45.0)
+    assert bound((1, 0.4)) == pytest.approx([math.sqrt(x) for x in lower], rel=1e-14)
+    off = math.sqrt(19.0) + 2.0 * math.sqrt(32.25), math.sqrt(47.25) + 2.0 * math.sqrt(76.25)
+    for place in (0.0625, 0.3125, 0.4375):  # a quarter of a step behind a node, and before one
+        assert bound((0, place)) == pytest.approx(off, rel=1e-14)
+        assert bound((1, 0.4), (0, place), (0, 0.25)) == pytest.approx(off, rel=1e-14)
+    for moving in (dataclasses.replace(stack.layers[1], speed=0.1), dataclasses.replace(stack.layers[1], speed=-0.1)):
+        other = Stack((stack.layers[0], moving), (BONDED,))
+        assert math.isinf(transit.error_bound(other, grid, integrals, [(0, 0.0)]).velocity)
+
+
+@pytest.mark.parametrize("end", [End("free"), End("dashpot", 5.0), End("matched")])
+def test_norms_of_the_rates_are_those_of_all_waves_in_flight(end):
+    """Sum of (d^k P)^2 + (d^k M)^2 over all nodes, of bonded layers: what entered at both faces is what there is.
+
+    P and M from force and velocity at every node; of a layer of n steps the waves that have arrived, P at its last node
+    and M at its first, count in the next layer. A dashpot takes away what waves throw off it, and nothing is let in.
+    """
+    step, counts = 0.5, (5, 3, 7)
+    layers = tuple(timed(f"{k}", z, n * step) for k, (z, n) in enumerate(zip((2.0, 7.0, 3.0), counts, strict=True)))
+    stack, grid = Stack(layers, (BONDED, BONDED), end), transit.TimeGrid(step, counts, 0.0)
+    load = np.concatenate([np.random.default_rng(5).uniform(-1.0, 1.0, 20), np.zeros(20)])
+    nodes = np.array([(k, j) for k, n in enumerate(counts) for j in range(n + 1)])
+    seen = _kernels.Recording(nodes, 1, np.zeros((40, len(nodes))), np.zeros((40, len(nodes))))
+    none = _kernels.Recording(nodes[:0], 1, np.zeros((1, 0)), np.zeros((1, 0)))
+    unseen = _kernels.Extremes(nodes[:0], 1, np.zeros(0), np.zeros(0))
+    tables, state = transit.tables_of(stack, grid), transit.state_at_rest(stack, grid)
+    found = np.zeros(6)
+    _kernels.drive(
+        tables, state, load, _kernels.FORCE, (seen, none), empty_averages(nodes[:0], nodes[:0], 1, 1), unseen, found
+    )  # fmt: skip
+    z = np.array([layers[k].impedance for k, _ in nodes])
+    last = np.array([counts[k] for k, _ in nodes])
+    waves = np.concatenate(
+        [
+            (0.5 * (seen.force + z * seen.velocity))[:, nodes[:, 1] < last],
+            (0.5 * (seen.force - z * seen.velocity))[:, nodes[:, 1] > 0],
+        ],
+        axis=1,
+    )
+    z = np.concatenate([z[nodes[:, 1] < last], z[nodes[:, 1] > 0]])
+    waves = np.vstack([np.zeros((3, waves.shape[1])), waves])  # at rest before
+    for k in (1, 2, 3):
+        rates = np.diff(waves, k, axis=0)[3 - k :] / step**k
+        norms = np.sqrt((rates**2 / z).sum(axis=1) * step)
+        assert found[k - 1] == pytest.approx(norms.sum() * step, rel=1e-12)
+        assert found[2 + k] == pytest.approx(norms.max(), rel=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("joint", "end", "carried"),
+    [
+        (BONDED, End(), []),
+        (Joint(mass=0.5), End("mass", 0.7), [(0.5, -3.0), (0.7, -3.0)]),
+        (Joint(2.0, 0.1, attached=0.3), End("oscillator", 0.9, 4.0, 0.2), [(0.3, -3.0), (0.9, -3.0)]),
+        (Joint(unilateral=True, gap=0.1), End("spring", 4.0), []),
+        (Joint(2.0, branches=(Branch(3.0, 0.4),)), End("dashpot", 4.0), []),
+    ],
+)
+def test_parts_that_fly_have_their_mass_times_their_speed_and_half_of_its_square(joint, end, carried):
+    """4 kg at 2 m/s, 9 kg at -3 m/s; masses move with what follows them. What hangs at the end is no part of a momentum."""
+    layers = tuple(dataclasses.replace(timed("x", z, t), speed=v) for z, t, v in ((2.0, 2.0, 2.0), (3.0, 3.0, -3.0)))
+    stack = Stack(layers, (joint,), end)
+    grid = transit.TimeGrid(0.5, (4, 6), 0.0)
+    tables, state = transit.tables_of(stack, grid), transit.state_at_rest(stack, grid)
+    parts = [(4.0, 2.0), (9.0, -3.0), *carried]
+    inside = parts[: len(parts) - (end.kind in ("mass", "oscillator"))]
+    assert _kernels.energy(tables, state) == pytest.approx(sum(0.5 * m * v * v for m, v in parts), rel=1e-14)
+    assert _kernels.momentum(tables, state) == pytest.approx(sum(m * v for m, v in inside), rel=1e-14)
+    for k, node in ((0, 0), (0, 2), (0, 4), (1, 0), (1, 6)):
+        assert _kernels.force_and_velocity(tables, state, k, node) == (0.0, pytest.approx((2.0, -3.0)[k], rel=1e-15))
+    assert state.joint[0, _kernels.OPEN] == (joint.gap > 0.0)
+    if joint.gap:
+        assert state.joint[0, _kernels.COMPRESSION] == -0.1
+
+
+def test_a_joint_has_a_spring_and_four_branches_at_most():
+    branches = tuple(Branch(1.0 + k, 2.0) for k in range(5))
+    stack = timed_stack([2.0, 8.0], [4.0, 9.0], [Joint(1.0, branches=branches)], End())
+    with pytest.raises(ValueError, match="at most 4 Maxwell branches, got 5"):
+        transit.tables_of(stack, transit.TimeGrid(1.0, (4, 9), 0.0))

@@ -162,6 +162,50 @@ def test_places_that_no_wave_reaches_are_named_with_the_longest_way():
     assert found.limit == 3.0
 
 
+def test_small_gaps_preloads_and_forces_count_like_large_ones():
+    small = [
+        (Joint(unilateral=True, gap=1e-6), 0.0, 5e-3, [("joint-gap", 5e-3, 0.0)], "closes"),
+        (Joint(unilateral=True, preload=5e-3), -5e-3, 0.0, [("joint-opened", -5e-3, -5e-3)], "opens"),
+        (BONDED, -2e-5, 1e-3, [("joint-tension", 2e-5, 1e-5)], "tension"),
+    ]
+    for joint, least, greatest, expected, word in small:
+        (found,) = joint_notices(Stack((UPPER, LOWER), (joint,)), np.array([least]), np.array([greatest]))
+        assert told([found]) == [(code, pytest.approx(value), pytest.approx(limit)) for code, value, limit in expected]
+        assert word in found.message
+
+
+@pytest.mark.parametrize(("missing", "opens"), [(0.9e-9, True), (1.1e-9, False)])
+def test_a_preload_is_reached_to_a_billionth(missing, opens):
+    stack = Stack((UPPER, LOWER), (Joint(unilateral=True, preload=3.0),))
+    assert len(list(joint_notices(stack, np.array([-3.0 * (1.0 - missing)]), np.ones(1)))) == opens
+
+
+def test_a_place_on_a_face_belongs_to_the_layer_before_to_a_millionth_of_a_millionth():
+    """4 m, a little more, and a little more than that."""
+    for more, layers in ((0.9e-12, [7.0, 0.0]), (1.1e-12, [0.0, 7.0])):
+        found = field_extremes(STACK, np.array([4.0 * (1.0 + more)]), np.array([[7.0]]))
+        assert found[0].tolist() == layers
+
+
+def test_names_are_five_at_most():
+    stack = Stack(tuple(layer(f"disc {k}", 0.5) for k in range(7)), (BONDED,) * 6)
+    (found,) = layer_notices(stack, np.zeros(7))
+    assert "disc 4" in found.message
+    assert "disc 5" not in found.message
+    assert found.value == 0.5
+
+
+def test_a_quotable_bandwidth_is_rounded_down_to_two_digits():
+    """2 d/c = 2 s at 0.35/B alone: 0.175 Hz. What is two digits itself goes
+    down too, lest rounding lies above what it may be."""
+    (found,) = rise_notices(Stack((layer("bar", 4.0, 2.0),)), 0.0, 1e9)
+    assert 'bandwidth="0.00017 kHz"' in found.message
+    for more, expected in ((0.0, "0.16"), (1.5e-9 / 17.0, "0.17"), (0.05, "0.17")):
+        diameter = 0.35 / (170.0 * (1.0 + more))  # d/c is half of it, and two of these are 0.35/B
+        (found,) = rise_notices(Stack((layer("bar", 4.0, diameter),)), 0.0, 1e12)
+        assert f'bandwidth="{expected} kHz"' in found.message
+
+
 def test_extremes_of_layers_and_joints_by_hand():
     run = SimpleNamespace(
         face_least=np.array([[-1.0, -2.0], [-3.0, -9.0]]),

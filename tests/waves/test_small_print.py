@@ -8,12 +8,14 @@ import pytest
 
 from strikewave.analyses.wave.build import build_load
 from strikewave.base.errors import InputError
+from strikewave.base.materials import material
 from strikewave.cases.case import parse_case
 from strikewave.cases.stack_of_case import build_stack
 from strikewave.contact import Contact
-from strikewave.contact.law import PressureCap
+from strikewave.contact.law import Damper, PressureCap
 from strikewave.waves import (
     BONDED,
+    Branch,
     End,
     Joint,
     Layer,
@@ -23,6 +25,7 @@ from strikewave.waves import (
     Tap,
     WantedError,
     _kernels,
+    round_bar,
     run_bar,
     spectral_bar,
 )
@@ -298,3 +301,139 @@ def test_every_layer_of_many_is_watched_for_its_largest_force():
     largest, _, greatest = bar_extremes(run)
     assert largest[necked] == pytest.approx(2e4, rel=1e-3)
     assert greatest[necked] == pytest.approx(2e4, rel=1e-3)
+
+
+# what a stack is made of, and what it may not be
+
+
+def test_a_round_bar_has_the_area_of_its_circle_and_all_of_its_material():
+    steel = material("65Mn")
+    bar = round_bar("bar", steel, 0.7, 0.03, 2.0)
+    assert (bar.name, bar.length, bar.diameter, bar.speed) == ("bar", 0.7, 0.03, 2.0)
+    assert bar.area == pytest.approx(math.pi * 0.015**2, rel=1e-15)
+    assert (bar.density, bar.modulus) == (steel.density, steel.youngs_modulus)
+    assert (bar.yield_strength, bar.poissons_ratio) == (steel.yield_strength, steel.poissons_ratio)
+
+
+def test_a_layer_by_hand():
+    """3 kg/m^3 and 12 Pa: 2 m/s; on 5 m^2 30 kg/s; 7 m in 3.5 s, 105 kg."""
+    one = Layer("one", 3.0, 12.0, 5.0, 7.0)
+    assert (one.bar_speed, one.impedance, one.transit, one.mass) == (2.0, 30.0, 3.5, 105.0)
+    assert math.pi * one.diameter**2 / 4.0 == pytest.approx(5.0, rel=1e-15)
+    assert Layer("one", 3.0, 12.0, 5.0, 7.0, 5e-3).diameter == 5e-3
+
+
+@pytest.mark.parametrize("place", range(4))
+def test_a_layer_has_four_finite_sizes_above_zero(place):
+    for value in (0.0, -1.0, math.inf, math.nan):
+        sizes = [2.0] * 4
+        sizes[place] = value
+        with pytest.raises(ValueError, match="must be above zero and finite"):
+            Layer("one", *sizes)
+    Layer("small", 1e-3, 1e-3, 1e-3, 1e-3)
+
+
+SPRINGY = Branch(1.0, 1.0)
+
+
+@pytest.mark.parametrize(
+    ("values", "words"),
+    [
+        *(
+            ({key: value}, "no negative value")
+            for key in ("damping", "gap", "preload", "mass", "attached")
+            for value in (-1e-3, math.nan)
+        ),
+        *(({"stiffness": value}, "a stiffness above zero") for value in (0.0, -1.0, math.nan)),
+        ({"attached": 5e-3}, "a finite stiffness"),
+        ({"attached": 5e-3, "stiffness": 1.0, "branches": (SPRINGY,)}, "a finite stiffness"),
+        ({"attached": 5e-3, "stiffness": 1.0, "unilateral": True}, "a finite stiffness"),
+        ({"attached": 5e-3, "stiffness": 1.0, "mass": 5e-3}, "a finite stiffness"),
+        ({"gap": 5e-3}, "only a unilateral"),
+        ({"preload": 5e-3}, "only a unilateral"),
+        ({"gap": 5e-3, "preload": 5e-3, "unilateral": True}, "carries no preload"),
+        ({"damping": 5e-3}, "no damping"),
+        ({"branches": (SPRINGY,)}, "no damping"),
+        ({"mass": 5e-3, "stiffness": 1.0}, "bonded on both faces"),
+        ({"mass": 5e-3, "unilateral": True}, "bonded on both faces"),
+        ({"contact": Contact(1.0, 1.0), "stiffness": 1.0}, "nothing else"),
+        ({"contact": Contact(1.0, 1.0), "mass": 5e-3}, "nothing else"),
+        ({"contact": Contact(1.0, 1.0), "attached": 5e-3}, "nothing else"),
+        ({"contact": Contact(1.0, 1.0), "damping": 5e-3}, "nothing else"),
+        ({"contact": Contact(1.0, 1.0), "branches": (SPRINGY,)}, "nothing else"),
+        ({"contact": Contact(1.0, 1.0, 5e-3)}, "restitution of 1"),
+        ({"contact": Contact(1.0, 1.0, damper=Damper(5e-3))}, "no other damper"),
+        ({"contact": Contact(1.0, 1.5, cap=PressureCap(3.0, "point")), "preload": 3.01}, "beyond first yield at 3 N"),
+    ],
+)
+def test_a_joint_that_cannot_be_is_refused(values, words):
+    with pytest.raises(ValueError, match=words):
+        Joint(**values)
+
+
+@pytest.mark.parametrize(
+    ("values", "kind"),
+    [
+        ({}, "bonded"),
+        ({"stiffness": 5e-3}, "compliant"),
+        ({"stiffness": 5e-3, "damping": 5e-3}, "compliant"),
+        ({"stiffness": 5e-3, "damping": 5e-3, "branches": (SPRINGY,)}, "gasket"),
+        ({"unilateral": True, "gap": 5e-3}, "unilateral"),
+        ({"unilateral": True, "preload": 5e-3}, "unilateral"),
+        ({"unilateral": True, "stiffness": 5e-3, "damping": 5e-3, "branches": (SPRINGY,)}, "unilateral"),
+        ({"mass": 5e-3}, "mass"),
+        ({"attached": 5e-3, "stiffness": 5e-3, "damping": 5e-3}, "oscillator"),
+        ({"contact": Contact(1.0, 1.0), "gap": 5e-3}, "contact"),
+        ({"contact": Contact(1.0, 1.5, cap=PressureCap(3.0, "point")), "preload": 2.99}, "contact"),
+    ],
+)
+def test_a_joint_is_called_what_it_does(values, kind):
+    joint = Joint(**values)
+    assert joint.kind == kind
+    assert joint.unilateral == (kind in ("unilateral", "contact"))
+
+
+@pytest.mark.parametrize("kind", ["mass", "spring", "dashpot", "oscillator"])
+def test_an_end_with_a_value_has_one_above_zero(kind):
+    for value in (0.0, -1.0, math.inf, math.nan):
+        with pytest.raises(ValueError, match="a value above zero"):
+            End(kind, value, 2.0)
+    assert End(kind, 5e-3, 5e-3, 0.0).value == 5e-3
+    if kind == "oscillator":
+        for spring in ((0.0, 1.0), (math.inf, 1.0), (1.0, -1e-3), (1.0, math.inf), (-1.0, 0.0)):
+            with pytest.raises(ValueError, match="a stiffness above zero"):
+                End(kind, 2.0, *spring)
+
+
+def test_an_end_is_of_a_known_kind_and_a_stack_has_a_joint_between_each_two_layers():
+    with pytest.raises(ValueError, match="an end is one of free, matched, rigid"):
+        End("loose")
+    with pytest.raises(ValueError, match="at least one layer"):
+        Stack(())
+    a = timed("a", Z1)
+    for joints in ((), (BONDED, BONDED)):
+        with pytest.raises(ValueError, match=f"2 layers need 1 joints, got {len(joints)}"):
+            Stack((a, a), joints)
+
+
+def test_mass_transit_and_what_hangs_on_a_stack_by_hand():
+    layers = tuple(Layer(f"{k}", 1.0, 1.0, 1.0, length) for k, length in enumerate((2.0, 3.0, 7.0)))
+    joints = Joint(mass=11.0), Joint(1.0, attached=5e-3)
+    assert Stack(layers, joints).hung == ((1, 5e-3),)
+    assert Stack(layers, joints, End("oscillator", 17.0, 1.0)).hung == ((1, 5e-3), (2, 17.0))
+    assert Stack(layers, joints).transit == 12.0
+    for end, mass in (
+        (End(), 23.005),
+        (End("mass", 17.0), 40.005),
+        (End("oscillator", 17.0, 1.0), 40.005),
+        (End("spring", 17.0), 23.005),
+    ):
+        assert Stack(layers, joints, end).mass == pytest.approx(mass, rel=1e-15)
+
+
+def test_only_known_theories_of_dispersion_are_taken_and_need_a_poissons_ratio():
+    with pytest.raises(ValueError, match="is one of none, love-rayleigh, pochhammer-chree"):
+        timed("a", Z1, dispersion="love")
+    with pytest.raises(ValueError, match="needs a Poisson's ratio"):
+        timed("a", Z1, dispersion="love-rayleigh")
+    assert timed("a", Z1, dispersion="love-rayleigh", poissons_ratio=0.0).dispersion == "love-rayleigh"

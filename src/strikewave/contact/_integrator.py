@@ -274,7 +274,7 @@ def _first_switch(system, t, h, dense, mode, memory, before, rows, work, g):
         evaluate(dense, x, work)
         switches(system, t + x * h, work, mode, memory, now)
         for which in range(now.size):
-            if now[which] < 0.0 and (previous[which] > 0.0 or j == 1):
+            if now[which] < 0.0 and (previous[which] >= 0.0 or j == 1):
                 root = _root(system, which, t, h, dense, mode, memory, (j - 1) / _SAMPLES, x, work, g)
                 if first < 0 or root < at:
                     first, at = which, root

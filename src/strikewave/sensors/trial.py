@@ -42,10 +42,10 @@ class SensorTrial(NamedTuple):
     peak : float
         Of the motion, m/s^2, above zero.
     peak_left : float
-        Peak of the reading over that of the motion, where the instants of the recorder leave it farthest off; NaN
-        where nothing was read.
+        Peak of the reading over that of the motion, where the instants of the recorder leave it farthest off; 0 where
+        none of them falls into the blow.
     width_left : float
-        The same of the width at 10 % of the own peak.
+        The same of the width at 10 % of the own peak; NaN where it was not read.
     range_used : float
         Largest magnitude that the sensing element would put out without its range, over that range.
     time_clipped : float

@@ -5,7 +5,7 @@ import pytest
 from scipy.signal import lfilter
 
 from strikewave.studies.fit.covariance import Estimate, ResidualBlock, estimate
-from strikewave.studies.fit.estimation import FINAL_STEP, Search, is_quadratic, profile
+from strikewave.studies.fit.estimation import ACCURACY, FINAL_STEP, Search, is_quadratic, profile
 from strikewave.studies.fit.noise import autocorrelation, independent_count
 
 TIME = np.linspace(-1.0, 1.0, 160)
@@ -281,13 +281,14 @@ def test_a_profile_of_a_linear_model_is_its_parabola(coordinate):
     """
     best, inverse = np.array([0.45, 0.55]), np.linalg.inv(SKEW.T @ SKEW)
     for factor, reach in ((1.0, 1.96), (4.0, 2.6)):
-        found = Estimate(best, np.zeros(3), SKEW, factor * inverse, np.zeros((2, 0)), np.full(2, reach))
+        reaches = np.array([reach, reach + 0.4])
+        found = Estimate(best, np.zeros(3), SKEW, factor * inverse, np.zeros((2, 0)), reaches)
         search = Search(lambda place: SKEW @ (place - best), 2)
         search.begin(best)
         assert is_quadratic(search, found, coordinate)
         error = np.sqrt(factor * inverse[coordinate, coordinate])
         ends = profile(search, found, coordinate)
-        middle = best[coordinate]
+        middle, reach = best[coordinate], reaches[coordinate]
         assert [ends.low, ends.high] == pytest.approx([middle - reach * error, middle + reach * error], rel=6e-3)
         assert ends.deviations == pytest.approx((ends.places - middle) / error, abs=1e-3)
         assert 0.0 in ends.deviations
@@ -298,37 +299,40 @@ def test_a_profile_ends_at_a_bound_that_the_misfit_does_not_reach():
     """Flat to the left: the lower end is 0; to the right it has risen by 1.96 errors where (x - 0.5)/0.05 is 1.96 + 0.4^2."""
 
     def residuals(place):
-        return np.array([max(place[0] - 0.5, 0.0) / 0.05])
+        return np.array([max(place[0] - 0.5, 0.0) / 0.05, 0.0])
 
-    found = Estimate(np.array([0.5]), np.zeros(1), np.array([[20.0]]), np.array([[0.0025]]), np.zeros((1, 0)), [1.96])
+    left = np.array([0.0, 0.2])  # elsewhere it is smaller by 0.04: a rise of none
+    found = Estimate(np.array([0.5]), left, np.array([[20.0], [0.0]]), np.array([[0.0025]]), np.zeros((1, 0)), [1.96])
     search = Search(residuals, 1)
     search.begin(np.array([0.5]))
     ends = profile(search, found, 0)
     assert ends.low == 0.0
+    assert ends.deviations[0] == 0.0
     assert ends.high == pytest.approx(0.5 + 1.96 * 0.05, rel=6e-3)
     assert not is_quadratic(search, found, 0)
 
 
-@pytest.mark.parametrize(("cubic", "parabola"), [(0.27, True), (0.33, False), (-0.27, True), (-0.33, False)])
+@pytest.mark.parametrize(("cubic", "parabola"), [(0.299, True), (0.301, False), (-0.299, True), (-0.301, False)])
 def test_a_misfit_within_three_tenths_of_its_parabola_at_two_errors_is_one(cubic, parabola):
     """r^2 = z^2 (1 + c z/2) at z = 2 errors is 1 + c times that of the parabola, 1 - c at -2."""
 
     def residuals(place):
         z = (place[0] - 0.5) / 0.1
-        return np.array([z * np.sqrt(1.0 + cubic * z / 2.0)])
+        return np.array([z * np.sqrt(1.0 + cubic * z / 2.0), 0.7])
 
-    found = Estimate(np.array([0.5]), np.zeros(1), np.array([[10.0]]), np.array([[0.01]]), np.zeros((1, 0)), [1.96])
+    left, slopes = np.array([0.0, 0.7]), np.array([[10.0], [0.0]])
+    found = Estimate(np.array([0.5]), left, slopes, np.array([[0.01]]), np.zeros((1, 0)), [1.96])
     search = Search(residuals, 1)
     search.begin(np.array([0.5]))
     assert is_quadratic(search, found, 0) == parabola
     for place, answer in (
-        (0.79, True),
-        (0.81, False),
-        (0.19, False),
-        (0.21, True),
+        (0.795, True),
+        (0.805, False),
+        (0.195, False),
+        (0.205, True),
     ):  # two errors beyond a bound are none
-        moved = Search(lambda one, p=place: np.array([(one[0] - p) / 0.1]), 1)
-        other = Estimate(np.array([place]), np.zeros(1), found.jacobian, found.covariance, np.zeros((1, 0)), [1.96])
+        moved = Search(lambda one, p=place: np.array([(one[0] - p) / 0.1, 0.7]), 1)
+        other = Estimate(np.array([place]), left, found.jacobian, found.covariance, np.zeros((1, 0)), [1.96])
         assert is_quadratic(moved, other, 0) == answer
     known = Estimate(np.array([0.5]), np.zeros(1), found.jacobian, np.zeros((1, 1)), np.zeros((1, 0)), [1.96])
     assert is_quadratic(search, known, 0)
@@ -354,3 +358,198 @@ def test_more_searches_begin_while_ends_differ_and_none_explains_the_data():
         misfits = [float(left @ left) for _, left in ends]
         assert misfits == sorted(misfits)
     assert counts == [8, 3, 3]
+
+
+class Told(Search):
+    """A search whose descents end as they are told; it keeps where they began, and to what accuracy."""
+
+    def __init__(self, residuals, ends):
+        super().__init__(residuals, 1)
+        self.ends, self.begun = ends, []
+
+    def descend(self, start, free=None, accuracy=ACCURACY):
+        self.begun.append((float(start[0]), accuracy))
+        end = self.ends[min(len(self.begun), len(self.ends)) - 1]
+        return np.array([end[0]]), np.array([end[1]])
+
+
+def told(monkeypatch, ends, rows=(0.9, 0.05, 0.149, 0.151, 0.39, 0.41, 1.2), explained=lambda left: False):
+    """Search from 0.5 and from rows that fit the better the nearer they are to 0; those above 1 cannot be run."""
+    asked = []
+
+    def screened(size, count):
+        asked.append((size, count))
+        return [np.array([row]) for row in rows]
+
+    def residuals(place):
+        if place[0] > 1.0:
+            raise ValueError("cannot be run")
+        return place
+
+    monkeypatch.setattr("strikewave.studies.fit.estimation.latin_hypercube", screened)
+    search = Told(residuals, ends)
+    found = search.wide(np.array([0.5]), explained)
+    assert asked == [(1, 8)]
+    assert search.runs == len(rows)
+    return [start for start, _ in search.begun], [accuracy for _, accuracy in search.begun], found
+
+
+def test_searches_begin_at_the_best_of_the_places_tried_that_lie_a_tenth_apart(monkeypatch):
+    """0.149 lies 0.099 from 0.05, and 0.41 0.09 from the case at 0.5, where the first begins: they are left out."""
+    apart = [(0.1 * k, 9.0 + k) for k in range(9)]
+    starts, accuracies, found = told(monkeypatch, apart)
+    assert starts == [0.5, 0.05, 0.151, 0.39, 0.9]
+    assert accuracies == [1e-7, 1e-4, 1e-4, 1e-4, 1e-4]
+    assert [float(left[0]) for _, left in found] == [9.0, 10.0, 11.0, 12.0, 13.0]
+    rows = 0.001 * np.arange(0, 1000, 107)
+    assert len(told(monkeypatch, apart, rows)[0]) == 8
+    for size, count in ((3, 24), (5, 32)):  # eight a value, 32 at most
+        search = Search(lambda place: place, size)
+        monkeypatch.setattr("strikewave.studies.fit.estimation.latin_hypercube", lambda *asked: pytest.fail(f"{asked}"))
+        with pytest.raises(pytest.fail.Exception, match=rf"\({size}, {count}\)"):
+            search.wide(np.full(size, 0.5))
+
+
+def test_three_searches_are_enough_where_they_end_together_or_one_is_explained(monkeypatch):
+    """Within 0.01 of the first they are together; what noise explains need not be the first."""
+    for second, third, count in ((0.309, 0.309, 3), (0.309, 0.311, 5), (0.311, 0.3, 5)):
+        ends = [(0.3, 2.0), (second, 2.1), (third, 2.2), (0.7, 2.3), (0.3, 2.4)]
+        assert len(told(monkeypatch, ends)[0]) == count
+    ends = [(0.1, 2.0), (0.3, 1.0), (0.6, 3.0)]
+    assert len(told(monkeypatch, ends, explained=lambda left: left[0] < 1.5)[0]) == 4  # the best is refined
+    assert len(told(monkeypatch, [*ends, (0.8, 4.0)], explained=lambda left: left[0] > 3.5)[0]) == 5
+
+
+def test_the_best_end_of_another_start_is_refined(monkeypatch):
+    starts, accuracies, found = told(monkeypatch, [(0.1, 2.0), (0.3, 1.0), (0.6, 3.0), (0.31, 0.9)], explained=any)
+    assert starts == [0.5, 0.05, 0.151, 0.3]
+    assert accuracies[-1] == 1e-7
+    assert [float(left[0]) for _, left in found] == [0.9, 2.0, 3.0]
+
+
+def test_a_profile_takes_doubled_steps_until_the_misfit_has_risen_and_a_straight_line_between():
+    """A model three times as flat as its covariance says: 1, 2 and 4 times 1.96 errors, then 3 times, where it is met."""
+    left, slopes = np.array([0.0, 3.0]), np.array([[50.0], [0.0]])
+    found = Estimate(np.array([0.45]), left, slopes, np.array([[4e-4]]), np.zeros((1, 0)), [1.96])
+    search = Search(lambda place: np.append((place - 0.45) * 50.0 / 3.0, 3.0), 1)
+    search.begin(found.place)
+    ends = profile(search, found, 0)
+    assert (ends.places - 0.45) / 0.0392 == pytest.approx([-4.0, -3.0, -2.0, -1.0, 0.0, 1.0, 2.0, 3.0, 4.0])
+    assert ends.deviations == pytest.approx(1.96 / 3.0 * np.arange(-4.0, 5.0))
+    assert [ends.low, ends.high] == pytest.approx([0.45 - 0.1176, 0.45 + 0.1176])
+    flat = Search(lambda place: np.append((place - 0.45) * 50.0 / 12.5, 3.0), 1)
+    flat.begin(found.place)
+    ends = profile(flat, found, 0)  # 8 times is 0.314 away, and then there is the bound
+    assert ends.places[:5] == pytest.approx([0.0, *(0.45 - 0.0392 * np.array([8.0, 4.0, 2.0, 1.0]))])
+    assert ends.low == 0.0
+    assert ends.high == pytest.approx(0.45 + 0.0392 * 12.5, rel=6e-3)
+
+
+def test_slopes_of_a_descent_are_taken_a_ten_thousandth_beside_it():
+    asked = []
+
+    def residuals(place):
+        asked.append(float(place[0]))
+        return 3.0 * (place - 0.4)
+
+    search = Search(residuals, 1)
+    search.begin(np.array([0.7]))
+    search.descend(np.array([0.7]))
+    assert asked[:3] == pytest.approx([0.7, 0.7, 0.7001], abs=1e-9)
+    beyond = []
+    for start in (-0.2, 1.2):  # a start at a bound is taken a millionth within
+        asked.clear()
+        search.descend(np.array([start]))
+        beyond.append(asked[0])
+    assert beyond == pytest.approx([1e-6, 1.0 - 1e-6], abs=1e-12)
+
+
+def test_slopes_at_a_bound_use_what_is_left_of_the_step():
+    """At 0.9999 and 0.0001 with steps of 0.001: down by one, and up by one; the other side is cut off at the bound."""
+    place = np.array([0.9999, 0.0001])
+    search = Search(lambda one: np.array([one[0] ** 2, one[1] ** 2]), 2)
+    middle = search.begin(place)
+    both = search.slopes(place, middle, 1e-3, both=True)
+    # of a square between a and b: a + b
+    assert both == pytest.approx(np.diag([0.9989 + 1.0, 0.0011]), abs=1e-12)
+
+
+def test_a_search_ends_at_a_bound_beyond_which_it_would_go():
+    for best, bound in ((-0.3, 0.0), (1.3, 1.0)):
+        search = Search(lambda place, best=best: 5.0 * (place - best), 1)
+        search.begin(np.array([0.5]))
+        assert search.descend(np.array([0.5]))[0] == pytest.approx([bound], abs=1e-4)
+
+
+def test_a_search_takes_40_steps_at_most():
+    """(x - 0.5)^9 is left by a ninth in each step of Gauss and Newton: residuals and slopes are one run each."""
+    search = Search(lambda place: 1e14 * (place - 0.5) ** 9, 1)
+    search.begin(np.array([0.9]))
+    place, _ = search.descend(np.array([0.9]))
+    assert 70 <= search.runs <= 80
+    assert abs(place[0] - 0.5) < 0.1
+
+
+def test_other_residuals_are_searched_over_the_same_stairs():
+    asked = []
+
+    def residuals(place):
+        asked.append(float(place[0]))
+        return place
+
+    other = Search(lambda place: place, 1, stairs=np.array([0.02])).of_others(residuals)
+    other.slopes(np.array([0.3]), np.array([0.3]), 1e-3)
+    assert asked == pytest.approx([0.36])
+
+
+def end_of_profile(below, above, cliff):
+    """Return end and points to the right of 0.5, over 1.96 errors, of a misfit with a cliff so many errors away."""
+    found = Estimate(np.array([0.5]), np.zeros(1), np.array([[20.0]]), np.array([[0.0025]]), np.zeros((1, 0)), [1.96])
+    search = Search(lambda place: np.array([below if abs(place[0] - 0.5) < cliff * 0.05 else above]), 1)
+    search.begin(found.place)
+    ends = profile(search, found, 0)
+    return (ends.high - 0.5) / 0.098, (ends.places[ends.places > 0.5] - 0.5) / 0.098
+
+
+def test_an_end_is_sought_between_a_tenth_and_nine_tenths_of_where_it_lies_and_twelve_times():
+    """From 0 to 100 the straight line says a fiftieth; from 1.9 to 1.961 it says 0.98, and from 0.9 on the same."""
+    _, places = end_of_profile(0.0, 100.0, 1.9)
+    assert places.size == 13
+    assert places[:3] == pytest.approx([0.1, 0.19, 0.271])
+    for above, steps in ((1.9697, 3), (1.96985, 4)):  # from 0.5 % of 1.96 on it is met
+        assert (end_of_profile(1.9, above, 0.95 * 1.96)[1].size > 3) == (steps > 3)
+    end, places = end_of_profile(1.9, 1.961, 0.95 * 1.96)
+    assert places == pytest.approx([0.9, 0.99, 1.0])
+    assert end == pytest.approx(0.99)
+
+
+@pytest.mark.parametrize(("width", "places"), [(0.445, [0.005, 0.45, 0.895]), (0.555, [0.0, 0.45, 1.0])])
+def test_a_profile_goes_to_its_bounds_and_no_farther(width, places):
+    """0.445 to either side of 0.45 lies within 0 to 1, 0.555 does not: there it is looked at the bounds."""
+    error = width / 1.96
+    found = Estimate(np.array([0.45]), np.zeros(1), np.array([[1.0]]), np.array([[error**2]]), np.zeros((1, 0)), [1.96])
+    search = Search(lambda place: (place - 0.45) / error * 1.5, 1)
+    search.begin(found.place)
+    ends = profile(search, found, 0)
+    for place in places:
+        assert np.min(np.abs(ends.places - place)) < 1e-12
+    flat = Search(lambda place: 0.0 * place, 1)
+    flat.begin(found.place)
+    ends = profile(flat, found, 0)
+    assert [ends.low, ends.high, *ends.places[[0, -1]]] == [0.0, 1.0, 0.0, 1.0]
+
+
+def test_slopes_are_none_at_a_bound_where_no_place_beside_it_runs_and_a_misfit_beyond_one_is_no_parabola():
+    def edge(place):
+        if place[0] > 0.0:
+            raise ValueError("cannot be run")
+        return place + 1.0
+
+    search = Search(edge, 1)
+    middle = search.begin(np.zeros(1))
+    assert search.slopes(np.zeros(1), middle, 1e-3, both=True).tolist() == [[0.0]]
+    best, covariance = np.array([0.5, 0.01]), np.array([[4e-4, 4e-4], [4e-4, 1e-3]])
+    slopes = np.linalg.inv(np.linalg.cholesky(covariance))
+    found = Estimate(best, np.zeros(2), slopes, covariance, np.zeros((2, 0)), np.full(2, 1.96))
+    search = Search(lambda place: slopes @ (place - best), 2)
+    assert not is_quadratic(search, found, 0)  # along the first the other goes to -0.03

@@ -1,6 +1,7 @@
 """What is measured, and its residuals: numbers; which pulse of a record, its samples and noise, and a run laid on it."""
 
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -11,7 +12,7 @@ from strikewave.analyses.compare.agreement import BESIDE
 from strikewave.analyses.compare.curve import ComparedCurve
 from strikewave.base.errors import InputError
 from strikewave.signal.alignment import EvenHistory
-from strikewave.signal.pulse import Pulse
+from strikewave.signal.pulse import FOOT, Pulse
 from strikewave.studies.fit.measured import MeasuredNumber, MeasuredPulse, _finer, _window, measured_pulse
 from strikewave.studies.fit.noise import autocorrelation
 
@@ -134,10 +135,10 @@ def test_what_residuals_share_is_the_error_of_a_median_and_the_scatter_of_the_am
     """A median of n quiet samples errs by sqrt(pi/2 memory/n) deviations; amplitude by its share of each value."""
     values = np.array([1.0, 4.0, 2.0])
     pulse = MeasuredPulse(
-        curve(values), "", 0, np.arange(3.0), values, 0.5, 50, np.array([1.0, 0.4, 0.1]), None, "", 0.02, 2.0
+        curve(values), "", 0, np.arange(3.0), values, 0.4, 50, np.array([1.0, 0.4, 0.1]), None, "", 0.02, 3.0
     )
-    assert pulse.shared == pytest.approx(np.full((3, 1), np.sqrt(np.pi / 2.0 * 2.0 / 50.0) / 2.0), rel=1e-12)
-    assert pulse.stated[:, 0] == pytest.approx(0.02 * values / (0.5 * 2.0), rel=1e-12)
+    assert pulse.shared == pytest.approx(np.full((3, 1), np.sqrt(np.pi / 2.0 * 2.0 / 50.0) / 3.0), rel=1e-12)
+    assert pulse.stated[:, 0] == pytest.approx(0.02 * values / 1.2, rel=1e-12)
     assert replace(pulse, quiet=0).shared.tolist() == [[0.0]] * 3
     assert replace(pulse, scatter=0.0).stated.size == 0
     assert (
@@ -199,8 +200,10 @@ def test_of_a_record_that_begins_within_its_largest_pulse_the_next_is_taken():
     record = curve(np.concatenate([wave, np.zeros(11), -8.0 * np.sin(np.linspace(0.0, 2.0, 30))]))
     middle, width = 61.0, 40.0 * (1.0 - 2.0 * np.arcsin(0.1) / np.pi)
     begin, end, _ = _window(record)
-    assert begin == pytest.approx((middle - (0.5 + BESIDE) * width) * 1e-6, abs=2e-8)
-    assert end == pytest.approx((middle + (0.5 + BESIDE) * width) * 1e-6, abs=2e-8)
+    assert begin == pytest.approx((middle - (0.5 + BESIDE) * width) * 1e-6, abs=3e-9)
+    assert end == pytest.approx((middle + (0.5 + BESIDE) * width) * 1e-6, abs=3e-9)
+    small = replace(record, history=record.history._replace(values=1e-6 * record.history.values, start=0.7))
+    assert _window(small)[:2] == pytest.approx((begin + 0.7, end + 0.7), abs=1e-12)  # whatever its unit and its clock
     with pytest.raises(InputError, match="no whole pulse"):
         _window(curve(9.0 * np.sin(np.linspace(1.0, 2.0, 30))))
 
@@ -211,6 +214,8 @@ def test_the_window_of_a_blow_is_its_width_and_half_of_it_and_its_quiet_ends_a_w
     values = bump(time, 60e-6, 8e-6) + 3.0 * bump(time, 200e-6, 8e-6)
     found = Pulse(60.4e-6, 900.0, 0.0, 0.0, 0.0)
     width = 16e-6 * np.sqrt(2.0 * np.log(10.0))
+    later = curve(values, start=7e-3, measured=found._replace(time=7e-3 + found.time))
+    assert _window(later) == pytest.approx([7e-3 + one for one in _window(curve(values, measured=found))], abs=1e-12)
     begin, end, edge = _window(curve(values, measured=found))
     assert [begin, end, edge] == pytest.approx(
         [60e-6 - (0.5 + BESIDE) * width, 60e-6 + (0.5 + BESIDE) * width, 60e-6 - 1.5 * width], abs=1e-7
@@ -219,3 +224,83 @@ def test_the_window_of_a_blow_is_its_width_and_half_of_it_and_its_quiet_ends_a_w
     assert begin == pytest.approx(200e-6 - (0.5 + BESIDE) * width, abs=1e-7)
     first = 60e-6 - 8e-6 * np.sqrt(2.0 * np.log(10.0 / 3.0))
     assert edge == pytest.approx(first - width, abs=1e-6)
+
+
+def test_the_residual_of_a_field_has_its_sign_whatever_the_value():
+    """Known as -4 to 0.5: at -5 it lies two below, a number of the run of that size two above."""
+    field = MeasuredNumber("x", "", "N", -4.0, 0.5, "-4 N", of_field=True)
+    run = Played(curve(np.ones(3)))
+    run.case = SimpleNamespace(values=lambda: {"x": SimpleNamespace(si=-5.0)})
+    assert field.residuals(run).tolist() == [-2.0]
+    assert replace(field, left=4.0).residuals(run).tolist() == [-0.5]
+
+
+@pytest.mark.parametrize(("before", "known"), [(31, False), (32, True)])
+def test_the_noise_is_known_from_32_quiet_samples_on(before, known):
+    """The quiet ends a width before the pulse begins, 1.5 widths before its middle."""
+    width = 2.0 * 20e-6 * np.sqrt(2.0 * np.log(10.0))
+    time = np.arange(500) * 1e-6
+    middle = (before - 0.5) * 1e-6 + 1.5 * width
+    values = 0.01 * bump(time, middle)
+    noisy = values + 0.005 * (-1.0) ** np.arange(500)
+    record = curve(noisy, measured=Pulse(middle, 9.0, 0.0, 0.0, 0.0))
+    pulse = measured_pulse(record, Played(curve(values)), "", 0, None)
+    assert pulse.quiet == (before if known else 0)
+    assert pulse.deviation == pytest.approx(0.005 if known else 1e-4 * np.abs(pulse.values).max(), rel=1e-3)
+
+
+@pytest.mark.parametrize(("share", "refused"), [(0.64, True), (0.68, False)])
+def test_a_record_of_both_signs_has_the_other_one_where_that_leaves_less_than_a_quarter(share, refused):
+    """A pulse downwards and a smaller one upwards after it: what is left of either sign at the best of 4400 shifts."""
+    time = np.arange(600) * 1e-6
+    record = curve(share * bump(time, 370e-6) - bump(time, 300e-6), measured=Pulse(300e-6, -900.0, 0.0, 0.0, 0.0))
+    begin, end, _ = _window(record)
+    kept = (time >= begin) & (time <= end)
+    moved = bump(time[kept], np.arange(-200e-6, 900e-6, 0.25e-6)[:, None])
+    own, turned = (np.min(np.sum((moved - sign * record.history.values[kept]) ** 2, axis=1)) for sign in (1.0, -1.0))
+    assert turned / own == pytest.approx(0.25, abs=0.02)
+    assert (turned < 0.25 * own) == refused
+    run = Played(curve(bump(time, 400e-6)))
+    if refused:
+        with pytest.raises(InputError, match="the other sign"):
+            measured_pulse(record, run, "", 0, None)
+    else:
+        assert measured_pulse(record, run, "", 0, None).values.size == np.count_nonzero(kept)
+
+
+@pytest.mark.parametrize(("share", "taken_off"), [(0.9, True), (1.1, False)])
+def test_a_run_begins_at_zero_where_what_it_begins_with_is_small(share, taken_off):
+    """What it reads first, up to the foot of a pulse, is taken off it; what dies out in 10 us then stands below zero."""
+    time = np.arange(500) * 1e-6
+    first = share * FOOT * 900.0 * (1.0 + share * FOOT)
+    run = Played(curve(bump(time, 250e-6) + first * np.exp(-time / 10e-6)))
+    pulse = measured_pulse(curve(bump(time, 250e-6)), Played(curve(bump(time, 250e-6))), "", 0, None)
+    assert pulse.laid(run).computed == pytest.approx(pulse.values - first * taken_off, abs=0.15)
+    assert pulse.part == "board"
+    run.curve = replace(run.curve, name="case:rigid")
+    assert measured_pulse(curve(bump(time, 250e-6)), run, "", 0, None).part == "rigid"
+
+
+def test_a_run_that_ends_early_is_held_as_it_ended():
+    time = np.arange(500) * 1e-6
+    pulse = measured_pulse(curve(bump(time, 250e-6)), Played(curve(bump(time, 250e-6))), "", 0, None)
+    short = curve(bump(time[:271], 250e-6))  # at 0.61 of its peak
+    laid = pulse.laid(Played(short))
+    fine, _ = _finer(short.history, 1e-6)
+    held = laid.computed[laid.time > 280e-6]
+    assert held == pytest.approx(np.full(held.size, fine[-1]), rel=1e-12)
+    assert replace(pulse, left=2.5).residuals(Played(short)) * 2.5 == pytest.approx(pulse.residuals(Played(short)))
+
+
+def test_a_record_that_is_taken_more_coarsely_has_nothing_that_its_samples_cannot_hold():
+    """At 0.2 us and 1 us: 1.3 MHz is gone, and of 1303 samples every fifth up to the last is taken; a little coarser too."""
+    time = np.arange(1303) * 0.2e-6
+    record = curve(bump(time, 200e-6) + 90.0 * np.cos(2.0 * np.pi * 1.3e6 * time), 0.2e-6)
+    run = Played(curve(bump(np.arange(500) * 1e-6, 250e-6)))
+    pulse = measured_pulse(record, run, "", 0, None)
+    assert pulse.values[:-30] == pytest.approx(bump(pulse.time, 200e-6)[:-30], abs=2.0)
+    assert pulse.time[-1] == pytest.approx(260e-6, abs=1e-12)
+    step = 1.005e-6
+    slow = Played(curve(bump(np.arange(500) * step, 250e-6), step))
+    pulse = measured_pulse(curve(bump(np.arange(500) * 1e-6, 250e-6)), slow, "", 0, None)
+    assert pulse.step == pytest.approx(step, rel=1e-9)

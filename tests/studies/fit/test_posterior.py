@@ -6,12 +6,13 @@ from xml.etree import ElementTree
 
 import numpy as np
 import pytest
-from scipy.stats import norm, t, truncnorm
+from scipy.stats import f as f_distribution
+from scipy.stats import multivariate_t, norm, t, truncnorm
 
 from strikewave import load_case
 from strikewave.base.errors import InputError
 from strikewave.studies.fit.covariance import Estimate
-from strikewave.studies.fit.posterior import LONG, WALKERS, Posterior, sample
+from strikewave.studies.fit.posterior import LONG, WALKERS, Posterior, _moves, _sampled, sample
 from strikewave.studies.fit.study import fit
 
 SLOPES = np.array([[40.0, 5.0], [-12.0, 30.0], [8.0, 25.0], [20.0, -9.0]])
@@ -158,3 +159,72 @@ def _closed_form(self, name, sensor=""):
     return {"first.rigid_peak": 14700.0 * force**0.5 * (1.2 - 0.3 * loss), "first.width": 450e-6 * (0.6 + 0.6 * loss)}[
         name
     ]
+
+
+class Sampler:
+    """Stands for a sampler of chains of two values, the second of which remembers for longer."""
+
+    def __init__(self, steps, *times):
+        self.iteration, self.times, self.acceptance_fraction = steps, np.array(times), np.array([0.2, 0.4])
+
+    def get_autocorr_time(self, tol):
+        assert tol == 0
+        return self.times
+
+    def get_chain(self, discard, flat):
+        assert flat
+        return np.full((1, 2), float(discard))
+
+
+@pytest.mark.parametrize(
+    ("times", "memory", "left_out"),
+    [((1.2, 7.4), 7.4, 15), ((0.4, 0.2), 1.0, 2), ((30.0, 2.0), 30.0, 50), ((1.0, np.nan), np.inf, 50)],
+)
+def test_draws_are_those_after_two_memories_or_of_the_second_half(times, memory, left_out):
+    """Of 101 steps; the memory is the longest, a step at least, and without an end where none is found."""
+    found = _sampled(Sampler(101, *times), 17, False)
+    assert (found.steps, found.memory, found.runs, found.stopped) == (101, memory, 17, False)
+    assert found.accepted == pytest.approx(0.3)
+    assert found.draws[0, 0] == left_out
+
+
+def test_moves_of_the_fit_are_student_t_of_four_degrees_about_it():
+    """Ratio of densities to the last digit of scipy's, its distances that of Fisher's F of 2 and 4: the median to 3 %."""
+    found = linear(np.array([[4e-4, 3e-4], [3e-4, 9e-4]]), 2.5)
+    moves = _moves(found)
+    assert [share for _, share in moves] == pytest.approx([0.7, 0.15, 0.15])
+    wide = np.array([[4e-4, 3e-4], [3e-4, 9e-4]]) * (2.5 / 1.96) ** 2
+    places = BEST + np.random.default_rng(2).normal(0.0, 0.05, (20000, 2))
+    new, ratio = moves[0][0].get_proposal(places, np.random.RandomState(3))
+    density = multivariate_t(BEST, wide, 4.0)
+    assert ratio == pytest.approx(density.logpdf(places) - density.logpdf(new), abs=1e-9)
+    apart = np.einsum("ij,jk,ik->i", new - BEST, np.linalg.inv(wide), new - BEST) / 2.0
+    for share in (0.25, 0.5, 0.9):
+        assert np.quantile(apart, share) == pytest.approx(f_distribution.ppf(share, 2, 4), rel=0.04)
+    covered = np.mean((new - BEST) @ np.array([1.0, -1.0]) > 0.0)
+    assert covered == pytest.approx(0.5, abs=0.015)
+    assert new.mean(axis=0) == pytest.approx(BEST, abs=2e-3)
+    ensembles = _moves(Estimate(BEST, np.zeros(1), SLOPES, np.eye(2), np.array([[0.6], [0.8]]), np.full(2, 1.96)))
+    assert [share for _, share in ensembles] == [0.5, 0.5]
+
+
+def test_chains_keep_within_bounds_and_where_the_model_runs(monkeypatch):
+    """Of 75 steps and 32 chains: none below 0, none where there is no number or no run; progress counts them."""
+    monkeypatch.setattr("strikewave.studies.fit.posterior.MOST_RUNS", 75 * WALKERS + 31)
+    told = []
+
+    def some(place):
+        if place[0] > 0.04:
+            raise ValueError("cannot be run")
+        return np.full(1, np.nan) if place[0] > 0.03 else place / 0.02
+
+    found = Estimate(
+        np.zeros(1), np.zeros(1), np.array([[50.0]]), np.array([[4e-4]]), np.zeros((1, 0)), np.full(1, 1.96)
+    )
+    posterior = sample(some, found, lambda runs, misfit: told.append((runs, misfit)))
+    assert (posterior.steps, posterior.too_short, posterior.stopped) == (75, True, False)
+    assert 0.0 <= posterior.draws.min() < 0.003
+    assert 0.027 < posterior.draws.max() <= 0.03
+    assert told[-1] == (posterior.runs, 0.0)
+    assert len(told) == 1 + 1 + 2 * 75 or len(told) > 75
+    assert 0.3 < posterior.accepted < 0.9

@@ -166,7 +166,8 @@ def ac_coupling(record: Examined) -> list[HealthNotice]:
     for pulse, other in zip(record.pulses, record.uncoupled_pulses, strict=False):
         for name in ("peak", "width", "velocity_change"):
             effect = getattr(pulse, name) / getattr(other, name) - 1.0
-            effects[name] = effect if abs(effect) > abs(effects.get(name, 0.0)) else effects[name]
+            if math.isfinite(effect):  # a blow that is cut has no width
+                effects[name] = max(effects.get(name, 0.0), effect, key=abs)
     if not effects:  # nothing can be measured without it: half of a length over tau is what it takes off at least
         length = max(pulse.smooth.length for pulse in record.pulses)
         effects = {name: -min(0.5 * length / model.constant, 1.0) for name in ("peak", "width", "velocity_change")}

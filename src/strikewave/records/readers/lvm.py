@@ -288,7 +288,7 @@ def _of_session(path: Path, content: mmap.mmap, encoding: str, place: tuple[int,
     whole = "a LabVIEW measurement file that is whole"
     marks: list[int] = []
     at = content.find(_MARK, *place)
-    while at >= 0 and len(marks) <= _MOST_SEGMENTS:
+    while at >= 0 and len(marks) <= _MOST_SEGMENTS + 1:  # one of the file, and one too many
         marks.append(at)
         at = content.find(_MARK, at + 1, place[1])
     if len(marks) < 2:

@@ -19,8 +19,8 @@ _INTEGERS = {8: "u1", 16: "i2", 32: "i4"}
 """NumPy's types of integers by their bits; those of 8 bits have no sign."""
 _FLOATS = {32: "f4", 64: "f8"}
 """NumPy's types of floats by their bits."""
-_PCM, _EXTENSIBLE = 1, 0xFFFE
-"""Formats: plain integers, and one that names its format farther on."""
+_PCM, _FLOAT, _EXTENSIBLE = 1, 3, 0xFFFE
+"""Formats: plain integers, floats, and one that names its format farther on."""
 _MOST_CHUNKS = 1000
 """Chunks before the samples: players write a few, and a hostile file could have them without end."""
 _UNKNOWN_SIZE = 2**32 - 1
@@ -50,7 +50,7 @@ def read(path: Path, options: Options) -> Record:
     if frames < 1:
         raise damaged(path, "it has no samples", "a file with samples")
     integer = layout.kind == _PCM
-    known = _INTEGERS if integer else _FLOATS
+    known = {_PCM: _INTEGERS, _FLOAT: _FLOATS}.get(layout.kind, {})
     kind = known.get(layout.bits, "u1" if integer and layout.bits == 24 else "")
     if not kind:
         raise damaged(path, f"samples of {layout.bits} bits, kind {layout.kind}", "WAV of plain integers or floats")
