@@ -57,16 +57,25 @@ def rng() -> np.random.Generator:
     return np.random.default_rng(SEED)
 
 
-@pytest.fixture
-def interpreted(monkeypatch, request) -> None:
-    """Let Python run every kernel as it is written: nothing is compiled, for arguments of no type."""
+@pytest.fixture(scope="session")
+def interpreting():
+    """Return what lets Python run every kernel as it is written, in our modules and another one, until it is undone."""
     from numba.core.registry import CPUDispatcher
 
-    ours = [module for name, module in list(sys.modules.items()) if name.startswith("strikewave.")]
-    for names in (vars(module) for module in [*ours, request.module]):
-        for name, value in [*names.items()]:
-            if isinstance(value, CPUDispatcher):
-                monkeypatch.setitem(names, name, value.py_func)
+    def interpret(monkeypatch, module):
+        ours = [module for name, module in list(sys.modules.items()) if name.startswith("strikewave.")]
+        for names in (vars(module) for module in [*ours, module]):
+            for name, value in [*names.items()]:
+                if isinstance(value, CPUDispatcher):
+                    monkeypatch.setitem(names, name, value.py_func)
+
+    return interpret
+
+
+@pytest.fixture
+def interpreted(monkeypatch, request, interpreting) -> None:
+    """Let Python run every kernel as it is written: nothing is compiled, for arguments of no type."""
+    interpreting(monkeypatch, request.module)
 
 
 @pytest.fixture(scope="session")

@@ -24,8 +24,7 @@ pytestmark = pytest.mark.usefixtures("interpreted")
 STEP = 0.2e-6
 
 
-@pytest.fixture(autouse=True)
-def short(monkeypatch):
+def shorten(monkeypatch):
     """Follow a blow for no longer than it takes here, and keep every step of it."""
     monkeypatch.setattr(one_blow, "SETTLE", 3e-6)
     monkeypatch.setattr(one_blow, "SAMPLE_STEP", STEP)
@@ -96,12 +95,15 @@ def histories(span):
     return columns, span.step * np.arange(len(span.history))
 
 
-@pytest.fixture(params=[(HELD, 0.2), (FEEDING, 0.02)], ids=["held", "fed"])
-def blow(request):
+@pytest.fixture(scope="module", params=[(HELD, 0.2), (FEEDING, 0.02)], ids=["held", "fed"])
+def blow(request, interpreting):
     """A blow on an object that is held, or on its way in with the carriage."""
     feed, since = request.param
-    layered, struck, system, start = about_to_strike(feed=feed, since=since)
-    span, end = strike(layered, struck, system, start)
+    with pytest.MonkeyPatch.context() as patch:
+        interpreting(patch, request.module)
+        shorten(patch)
+        layered, struck, system, start = about_to_strike(feed=feed, since=since)
+        span, end = strike(layered, struck, system, start, field=True)
     return layered, struck, system, start, span, end
 
 
@@ -234,9 +236,9 @@ def test_machine_goes_on_as_two_bodies_where_the_blow_ends(blow):
     assert (end.mode[at.stop], end.mode[at.rail]) == (PUSHING, SLIDING)
 
 
-def test_coarser_table_keeps_every_third_of_the_same_steps(monkeypatch):
-    layered, struck, system, start = about_to_strike()
-    fine, _ = strike(layered, struck, system, start, field=True)
+def test_coarser_table_keeps_every_third_of_the_same_steps(blow, monkeypatch):
+    layered, struck, system, start, fine, _ = blow
+    shorten(monkeypatch)
     monkeypatch.setattr(one_blow, "SAMPLE_STEP", 3.4 * STEP)
     coarse, _ = strike(layered, struck, system, start, field=True)
     assert coarse.step == pytest.approx(3 * STEP, rel=1e-12)
@@ -246,7 +248,11 @@ def test_coarser_table_keeps_every_third_of_the_same_steps(monkeypatch):
     assert n - same <= 1  # it is looked whether all is quiet at kept steps alone
     assert np.array_equal(coarse.history[:same], fine.history[::3][:same])
     assert np.array_equal(coarse.taps.force[:same], fine.taps.force[::3][:same])
-    # forces over the whole length, from the struck face to the held end
+    assert coarse.momentum_error < 1e-12
+
+
+def test_field_of_a_blow_reaches_from_the_struck_face_to_the_held_end(blow):
+    fine = blow[4]
     times, force = fine.field()
     assert times[:3] == pytest.approx([0.0, 3 * STEP, 6 * STEP])
     assert fine.field_position[0] == 0.0

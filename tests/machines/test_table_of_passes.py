@@ -90,6 +90,9 @@ def test_contacts_after_a_gap_of_a_width_are_later_ones(gap, later):
     assert row[column.LATER] == later
     assert row[column.BLOW_IMPULSE] == 12.0 - later
     assert row[column.BLOW_CHANGE] == (0.8 if later else 1.1)
+    row = passes_of(time, a, time, [contacts[0], contacts[2]])
+    assert row[column.LATER] == 1.0
+    assert row[column.BLOW_CHANGE] == 0.5
 
 
 def test_rows_and_contacts_are_used_until_none_is_left():
@@ -425,12 +428,13 @@ def test_highest_place_and_largest_force_of_the_stop_in_a_step():
         assert row[column.STOP_FORCE] == 0.0
 
 
-def in_flight(speed, acceleration, steps=(0.4, 0.3)):
+def in_flight(speed, acceleration, steps=(0.4, 0.3), highest=-4.8e-3):
     """Return a flight of an object at a constant acceleration from a place, its row begun, and its layout."""
     tables, going, struck, circling, _ = parts(feed={"stroke_time": 2.0})
     passes = empty_passes(3)
     open_row(tables.flight, tables.blow, going, struck, passes, 0.71)
-    passes.numbers[[column.FIRST_PLACE, column.HIGHEST]] = -5e-3, -4.8e-3
+    passes.numbers[[column.FIRST_PLACE, column.HIGHEST]] = -5e-3, highest
+    passes.counts[column.BLOW_STEPS] = 1
     t = 0.0
     for r, step in enumerate(steps):
         y, rate, change = np.zeros((3, circling.states))
@@ -461,6 +465,9 @@ def test_object_is_farthest_where_it_turns_back(speed, acceleration, rise):
     highest = max(-4.7e-3 + rise, -4.8e-3)
     assert passes.table[0, column.LARGEST_DISPLACEMENT] == pytest.approx(highest + 5e-3, rel=1e-8)
     assert passes.counts[column.FLIGHT_STEPS] == 2
+    flight, going, circling, passes = in_flight(speed, acceleration, highest=-1e-3)  # it was farther before
+    note_flight(flight, going, passes, 2, np.empty(circling.states))
+    assert passes.table[0, column.LARGEST_DISPLACEMENT] == pytest.approx(4e-3, rel=1e-14)
 
 
 def test_turning_place_is_the_top_of_its_parabola():
@@ -473,6 +480,7 @@ def test_stop_of_a_flight_is_looked_at_nine_times_a_step_until_the_retraction():
     flight, going, circling, passes = in_flight(-0.05, 0.2, (0.1, 0.3))
     work = np.empty(circling.states)
     going.record.mode[1, circling.stop] = PUSHING
+    going.record.memory[0, circling.feed_start] = 0.2  # of the step before
     note_flight(flight, going, passes, 2, work)
     times = 0.1 + 0.3 * np.arange(9) / 8
     motion = [(-4.7e-3 - 0.05 * t + 0.1 * t**2, 0.2 * t - 0.05, 0.7 + t, 2.0) for t in times]
@@ -495,6 +503,7 @@ def test_flight_before_the_first_pass_and_after_a_missed_one_moves_nothing():
     note_flight(flight, going, passes, 2, work)
     assert passes.table[0, column.LARGEST_DISPLACEMENT] == -9.0
     assert passes.numbers[column.HIGHEST] > -4.8e-3
+    passes.numbers[column.HIGHEST] = -1.0
     before = passes.table.copy(), passes.numbers.copy()
     passes.counts[column.CURRENT] = -1
     note_flight(flight, going, passes, 2, work)
