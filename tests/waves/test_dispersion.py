@@ -8,6 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy import optimize, special
 
+from strikewave.waves import dispersion
 from strikewave.waves.dispersion import THEORIES, Rod, group_speed, phase_speed, wave_number
 
 TABLE = {
@@ -163,3 +164,88 @@ def test_a_bar_of_ten_metres_at_megahertz_is_followed_in_no_time():
     """A diameter typed in the wrong unit: 30 000 radii a wave."""
     k = wave_number(np.linspace(0.0, 2e7, 5000) - 10j, Rod(5.0, 5000.0, 0.29))
     assert np.all(np.isfinite(k))
+
+
+@pytest.mark.parametrize("nu", [0.03, 0.08, -0.05, 0.49])
+def test_a_far_frequency_alone_is_reached_on_the_lowest_branch(nu):
+    """At 3 and 30 radii a wave from rest, where two modes nearly touch on the way: the wave that its wavelength has too."""
+    for omega in (3.0, 30.0):
+        k = wave_number(omega, Rod(1.0, 1.0, nu))
+        assert k.imag == 0.0
+        assert float(phase_speed(k.real / math.pi, nu)) == pytest.approx(omega / k.real, rel=1e-9)
+    k = wave_number(3.0, Rod(1.0, 1.0, nu)).real
+    assert 3.0 / k == pytest.approx(lowest_root(k, nu), rel=1e-9)
+    both = wave_number([30.0, 3.0], Rod(1.0, 1.0, nu))
+    assert both.real == pytest.approx([float(wave_number(w, Rod(1.0, 1.0, nu)).real) for w in (30.0, 3.0)], rel=1e-12)
+
+
+def test_radius_and_bar_speed_set_the_scale_of_a_wave():
+    """A bar three times as thick and half as fast at a sixth of the frequency: a third of the wave number, half the speed."""
+    thin, thick = Rod(0.01, 5000.0, 0.29), Rod(0.03, 2500.0, 0.29)
+    w = np.array([[3e5, 9e5], [1.2e6, -2e6]])
+    for theory in THEORIES:
+        assert wave_number(w / 6.0, thick, theory) == pytest.approx(wave_number(w, thin, theory) / 3.0, rel=1e-12)
+    assert group_speed(w / 6.0, thick) == pytest.approx(0.5 * group_speed(w, thin), rel=1e-9)
+    assert group_speed(0.0, thick) == pytest.approx(2500.0, rel=1e-14)
+    assert group_speed(w[1], thin)[1] == pytest.approx(float(group_speed(2e6, thin)), rel=1e-9)
+
+
+@pytest.mark.parametrize("theory", THEORIES)
+def test_a_bar_that_loses_energy_is_one_of_a_complex_speed(theory):
+    """G = i k: with c0 (1 + i d)^(1/2) the wave number is that of a bar as much faster at a frequency as much lower."""
+    rod, c = Rod(0.01, 5000.0, 0.29), 5000.0 * np.sqrt(1.0 + 0.1j)
+    w = 4e5 - 2e3j
+    found = wave_number(w, rod, theory, c)
+    # k a is a function of w a/c0 alone
+    assert found == pytest.approx(wave_number(w * 5000.0 / c, rod, theory), rel=1e-10)
+    assert found.imag < 0.0
+
+
+def test_beyond_the_shortest_wave_the_speed_stays(monkeypatch):
+    """W a/c0 of 2000 at most is followed, in the order of frequencies, with mirrored ones; signs and places come back."""
+    followed = []
+
+    def follow(omega, s, r):
+        followed.append((omega.tolist(), s, r))
+        return omega.astype(complex) / 1e3, omega
+
+    monkeypatch.setattr(dispersion, "follow_frequency", follow)
+    w = np.array([[4001.0, -300.0], [100.0 - 20.0j, 9e6]])
+    found = wave_number(w, Rod(2.0, 4.0, 0.25))
+    assert followed[0][0] == pytest.approx([50.0 - 10.0j, 150.0, 2000.0, 2000.0], rel=1e-14)
+    assert followed[0][1:] == pytest.approx((2.5, 1.25 * 0.5 / 0.75), rel=1e-14)
+    ratio = np.array([[2.0, 0.15], [0.05 - 0.01j, 2.0]])
+    assert found == pytest.approx(w / 4.0 * np.sqrt(ratio), rel=1e-12)
+    wave_number(-50.0 - 7.0j, Rod(2.0, 4.0, 0.25))
+    assert followed[1][0] == pytest.approx([25.0 - 3.5j], rel=1e-14)
+
+
+@pytest.mark.parametrize("theory", THEORIES)
+def test_small_rods_of_small_ratios_are_taken_and_others_refused(theory):
+    wave_number(1.0, Rod(1e-3, 1e-3, 1e-3), theory)
+    wave_number(1.0, Rod(1e-3, 1e-3, -0.99), theory)
+    for rod in (
+        Rod(1.0, 0.0, 0.3),
+        Rod(-1.0, 1.0, 0.3),
+        Rod(math.inf, 1.0, 0.3),
+        Rod(1.0, math.inf, 0.3),
+        Rod(1.0, 1.0, -1.0),
+    ):
+        with pytest.raises(ValueError, match=r"radius and bar speed|ratio lies above -1"):
+            wave_number(1.0, rod, theory)
+    for bad in ([1.0, math.nan], [math.inf, 1.0]):
+        with pytest.raises(ValueError, match="finite"):
+            wave_number(bad, Rod(1.0, 1.0, 0.3), theory)
+
+
+@pytest.mark.parametrize("bad", [[0.1, -0.1], [0.1, math.nan], [math.inf, 0.1]])
+def test_one_wavelength_that_cannot_be_refuses_all(bad):
+    with pytest.raises(ValueError, match="zero or above"):
+        phase_speed(bad, 0.3)
+
+
+def test_wavelengths_may_come_in_any_order_and_shape():
+    ratios = np.array([[0.5, 0.1], [0.0, 0.3]])
+    found = phase_speed(ratios, 0.29)
+    assert found[1, 0] == 1.0
+    assert found.ravel() == pytest.approx([TABLE[0.5][1], TABLE[0.1][1], 1.0, TABLE[0.3][1]], abs=5.1e-7)
