@@ -208,13 +208,13 @@ def test_a_quotable_bandwidth_is_rounded_down_to_two_digits():
 
 def test_extremes_of_layers_and_joints_by_hand():
     run = SimpleNamespace(
-        face_least=np.array([[-1.0, -2.0], [-3.0, -9.0]]),
-        face_greatest=np.array([[5.0, 4.0], [7.0, 6.0]]),
-        field_layer=np.array([0, 0, 1]),
-        field_least=np.array([-8.0, 0.0, -2.0]),
-        field_greatest=np.array([1.0, 6.0, 0.0]),
+        face_least=np.array([[-1.0, -2.0], [-3.0, -9.0], [-4.0, -0.5]]),
+        face_greatest=np.array([[5.0, 4.0], [7.0, 6.0], [6.5, 12.0]]),
+        field_layer=np.array([0, 0, 1, 2]),
+        field_least=np.array([-8.0, 0.0, -2.0, 0.0]),
+        field_greatest=np.array([1.0, 6.0, 0.0, 13.0]),
     )
-    assert [part.tolist() for part in bar_extremes(run)] == [[8.0, 9.0], [-3.0], [7.0]]
+    assert [part.tolist() for part in bar_extremes(run)] == [[8.0, 9.0, 13.0], [-3.0, -9.0], [7.0, 6.5]]
     position = np.array([0.0, 4.0, 4.001, 10.0])
     force = np.array([[1.0, -2.0, 3.0, 0.0], [0.5, 4.0, -5.0, 6.0]])
     assert [part.tolist() for part in field_extremes(STACK, position, force)] == [[4.0, 6.0], [-2.0], [4.0]]
