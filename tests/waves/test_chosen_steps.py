@@ -334,13 +334,15 @@ def test_a_field_has_500_rows_or_so_and_a_tap_one_row_in_every_kept_step(duratio
 
 
 def test_the_push_on_a_bar_is_averaged_with_the_hat_of_a_kept_step():
-    """F at the face from step 0 on, at the end from step 4: of hats of three steps, (1, 2/3, 1/3) to either side."""
+    """F = 3 + n at the face, the same four steps later at the end; hats of three steps, (1, 2/3, 1/3)/3 to either side.
+
+    Of a straight line the average is its middle. The first row counts what lies within the run, (F0 + (4 F1 + 2 F2)/3)/3;
+    at the second the end is pressed from the fourth step on, by (2 3 + 4)/9.
+    """
     stack = Stack((layer("a", 0.04),), (), End("matched"))
-    run = bar._run(
-        stack, LoadPulse("rectangle", 3.0, 100.0), [(0, 0.5)], 0.12, TimeGrid(0.01, (4,), 0.0), bar._Sampling(3, 0.5)
-    )
-    # the first row over what of its hat lies within the run; at the second kept step, 3, the end is pressed from 4 on
-    assert run.mean_push == pytest.approx([3.0, 3.0 * (1.0 - 1.0 / 3.0), 0.0, 0.0, 0.0], abs=1e-12)
+    load = Sampled(0.01 * np.arange(40.0), 3.0 + np.arange(40.0))
+    run = bar._run(stack, load, [(0, 0.5)], 0.12, TimeGrid(0.01, (4,), 0.0), bar._Sampling(3, 0.5))
+    assert run.mean_push == pytest.approx([35.0 / 9.0, 6.0 - 10.0 / 9.0, 4.0, 4.0, 4.0], rel=1e-12)
 
 
 def test_a_striker_is_kept_with_its_touches_and_its_slowest_approach():

@@ -132,6 +132,7 @@ def test_wave_numbers_are_odd_in_frequency_and_in_any_order(nu, frequencies, the
 def test_no_dispersion_without_poissons_ratio():
     w = np.linspace(0.0, 1e6, 5)
     assert np.array_equal(wave_number(w, Rod(0.01, 5000.0, 0.0)).real, w / 5000.0)
+    assert np.array_equal(wave_number(w, Rod(0.01, 5000.0, 0.3), "none").real, w / 5000.0)
 
 
 @pytest.mark.parametrize(

@@ -270,6 +270,24 @@ def test_a_place_of_a_field_is_found_in_a_thousandth_of_its_layer():
     assert np.bincount(run.field_layer).tolist() == [80, 120]  # 0.2 s and 0.3 s
 
 
+def test_a_field_has_200_places_in_a_hundred_layers_at_most_or_as_many_as_its_steps_allow(monkeypatch):
+    """Twenty million values: of 41 steps 200 places; two places a layer at least."""
+    asked = []
+
+    def nodes(stack, grid, layers, places):
+        asked.append((layers, places, grid.counts))
+        return spectral_bar_nodes(stack, grid, layers, places)
+
+    spectral_bar_nodes = spectral_bar.field_nodes
+    monkeypatch.setattr(spectral_bar, "field_nodes", nodes)
+    for values in (2e7, 30.5 * 5, 2.0 * 5):
+        monkeypatch.setattr(spectral_bar, "_FIELD_VALUES", values)
+        run_bar(TWO, LOAD, [Tap(0, 1.0)], 0.4, WantedError(step=0.1, method="spectral"))
+    assert asked == [(100, 200, (1000, 1000)), (15, 30, (1000, 1000)), (1, 2, (1000, 1000))]
+    monkeypatch.undo()
+    assert int(spectral_bar._FIELD_VALUES / 99_000) == 202
+
+
 # the transform itself
 
 SPECTRUM = SpectralStack(TWO, LOAD, 0.25, 61)
