@@ -327,13 +327,13 @@ def held(place, wave, carriage_place=1e-4, carried=-0.4, frame=0.9, arriving=70.
 
 
 @pytest.mark.parametrize("sticking", [0.0, 5e-3, 47.0])
-@pytest.mark.parametrize("arriving", [70.0, -900.0, -40.0])
+@pytest.mark.parametrize(("arriving", "frame"), [(70.0, 0.9), (-900.0, 0.9), (-40.0, -1.1)])
 @pytest.mark.parametrize("place", [-4.1e-3, -1.1e-3])
-def test_end_of_a_stack_balances_what_holds_it(place, arriving, sticking):
+def test_end_of_a_stack_balances_what_holds_it(place, arriving, frame, sticking):
     """Spring, damper, stop and rail at its new speed; the stop by how deep it is and how fast it is pressed."""
     sliding = min(sticking, 31.0)
     force, speed, spring, friction, tables, rate = held(
-        place, 0.2, arriving=arriving, sliding=sliding, sticking=sticking
+        place, 0.2, arriving=arriving, frame=frame, sliding=sliding, sticking=sticking
     )
     total = 390.0 + 41e3 * (place - 1e-4 + 5.5e-3) + 23.0 * (rate + speed)
     assert spring == pytest.approx(total - 23.0 * speed, rel=1e-13)
@@ -580,3 +580,20 @@ def test_two_strikers_at_once_and_a_blow_without_end_are_refused(monkeypatch):
     monkeypatch.setattr(one_blow, "LONGEST_BLOW", 20e-6)
     with pytest.raises(IntegrationError, match=r"longer than 0\.02 ms"):
         strike(layered, struck, system, start)
+
+
+def test_blow_is_followed_half_a_ms_after_its_last_release_and_10_ms_at_most(monkeypatch):
+    class Asked(Exception):  # noqa: N818
+        pass
+
+    def asked(tables, state, law, machine, supports, blow, recordings, averages, history, *_):
+        assert blow.settle == 0.5e-3
+        assert (len(history) - 1) * blow.every * tables.step == pytest.approx(10e-3, rel=1e-12)
+        assert len(recordings[0].force) == len(history)
+        assert len(recordings[1].force) == len(history) * blow.every // recordings[1].every + 1
+        assert recordings[1].every * tables.step == pytest.approx(1e-6, rel=1e-12)
+        raise Asked
+
+    monkeypatch.setattr(one_blow, "follow", asked)
+    with pytest.raises(Asked):
+        strike(*about_to_strike(), field=True)
