@@ -7,8 +7,23 @@ import pytest
 from scipy.signal import savgol_coeffs, savgol_filter
 
 from strikewave.records import read_off
-from strikewave.records.read_off import figures_of, least_error, noise_like, without_noise
+from strikewave.records.read_off import (
+    Surroundings,
+    figures_of,
+    least_error,
+    noise_like,
+    read_pulse,
+    without_noise,
+)
+from strikewave.records.smooth_pulse import SmoothPulse
 from strikewave.records.smoothing import SmoothingWindow, parabola, windows_up_to
+
+
+@pytest.fixture(autouse=True)
+def nothing_kept():
+    """Let each test compute what is kept for the next blow."""
+    parabola.cache_clear()
+    read_off._kept_phases.cache_clear()
 
 
 @pytest.mark.parametrize("half", [2, 3, 7])
@@ -138,3 +153,139 @@ def test_what_lies_between_samples():
     assert read_off._by_sampling(values, 5.0, -1.0).tolist() == [0.0, 0.0]
     open_ = np.array([5.0, 6.0, 5.0, 2.0, 0.0])
     assert read_off._by_sampling(open_, 1.0, 6.0)[1] == pytest.approx(1.0 / 2.0 / (8.0 * math.sqrt(3.0)))
+
+
+def bowl(middle=20.3, cubic=0.0, size=41):
+    """Return a parabola of 10 with a second difference of -0.2, and a third of six times its cubic."""
+    k = np.arange(float(size)) - middle
+    return 10.0 - 0.1 * k**2 + cubic * k**3
+
+
+@pytest.mark.parametrize("scale", [1.0, 1e-3])
+def test_what_lies_between_samples_is_a_chord_and_a_parabola(scale):
+    """An eighth of the second difference over the slope on each side, a sixteenth of the third at the tip, each anywhere
+    up to it: over sqrt 3."""
+    tip, width = read_off._by_sampling(scale * bowl(), 20.3, scale * 10.0)
+    sides = 0.1 * (10.3**2 - 9.3**2), 0.1 * (9.7**2 - 8.7**2)
+    assert tip == pytest.approx(0.0, abs=1e-12 * scale)
+    assert width == pytest.approx(0.2 / 8.0 / math.sqrt(3.0) * math.hypot(1.0 / sides[0], 1.0 / sides[1]))
+    tip, _ = read_off._by_sampling(scale * bowl(cubic=1e-4), 20.3, scale * 10.0)
+    assert tip == pytest.approx(scale * 6e-4 / 16.0 / math.sqrt(3.0))
+    assert read_off._by_sampling(-bowl(), 20.3, -10.0).tolist() == [0.0, 0.0]
+
+
+def test_of_a_stretch_that_ends_above_one_side_is_known():
+    _, left = read_off._by_sampling(bowl()[:28], 20.3, 10.0)
+    assert left == pytest.approx(0.2 / 8.0 / math.sqrt(3.0) / (0.1 * (10.3**2 - 9.3**2)))
+    _, right = read_off._by_sampling(bowl()[13:], 7.3, 10.0)
+    assert right == pytest.approx(0.2 / 8.0 / math.sqrt(3.0) / (0.1 * (9.7**2 - 8.7**2)))
+    assert read_off._by_sampling(bowl()[13:28], 7.3, 10.0)[1] == 0.0
+
+
+@pytest.mark.parametrize(("place", "seen"), [(16, False), (17, True), (24, True), (25, False)])
+def test_third_differences_near_the_tip_count(place, seen):
+    values = bowl()
+    values[place] += 0.01
+    tip, _ = read_off._by_sampling(values, 20.3, 10.0)
+    assert bool(tip > 1e-4) is seen
+    if place == 17:
+        assert tip == pytest.approx(0.01 / 16.0 / math.sqrt(3.0))
+    if place == 24:
+        assert tip == pytest.approx(0.01 / 16.0 / math.sqrt(3.0))
+
+
+@pytest.mark.parametrize(
+    ("place", "seen"),
+    [(8, False), (9, True), (12, True), (13, False), (27, False), (28, True), (31, True), (32, False)],
+)
+def test_second_differences_beside_a_crossing_count(place, seen):
+    """The left one lies between samples 10 and 11, the right one between 29 and 30."""
+    values = bowl()
+    values[place] -= 1e-4
+    _, plain = read_off._by_sampling(bowl(), 20.3, 10.0)
+    _, width = read_off._by_sampling(values, 20.3, 10.0)
+    assert (width != pytest.approx(plain, rel=1e-9)) is seen
+
+
+TIME = np.arange(400.0)
+PULSE = SmoothPulse(2.0, 150.0, 80.0, 0.45, 1.2)
+
+
+def about(raw, later=0):
+    return Surroundings(
+        raw, np.arange(float(raw.size)) - later, slice(110 + later, 280 + later), slice(145 + later, 235 + later), 60
+    )
+
+
+def test_a_clean_record_is_read_as_it_is():
+    """Place, peak, rise and width are those of its samples, and what is not known of them that between these."""
+    raw = np.zeros(400)
+    raw[170:211] = np.maximum(bowl(), 0.0)
+    read = read_pulse(about(raw), PULSE, np.zeros(300))
+    place, peak, rise, width = figures_of(raw[None], slice(145, 235))[0]
+    assert (read.place, read.peak, read.rise, read.width) == pytest.approx((place, peak, rise, width), rel=1e-12)
+    assert read.place == pytest.approx(190.3, abs=1e-9)
+    assert np.array_equal(read.values, raw)
+    assert [read.peak_scatter, read.width_scatter] == pytest.approx(read_off._by_sampling(raw[110:280], 80.3, 10.0))
+
+
+def by_hand(raw, smooth, noise):
+    """Return figures of a noisy pulse and their scatter, as the module says, with the windows of scipy and plain medians."""
+    near, box = slice(110, 280), slice(35, 125)
+
+    def over(values, half):
+        return savgol_filter(values, 2 * half + 1, 2, mode="nearest") if half else values
+
+    halves = [0, 2, 3, 5, 7, 10, 14, 20]
+    pulse = smooth.at(TIME)
+    chances = [
+        (np.mean((rest[near] - over(rest[near], half)) ** 2) + 2.0 * np.mean(noise * over(noise, half)), k, beside)
+        for k, half in enumerate(halves)
+        for beside, rest in ((True, raw - pulse), (False, raw))
+    ]
+    _, best, beside = min(chances)
+    pulse = pulse if beside else 0.0 * pulse
+    rest = raw - pulse
+    halves_taken = halves[best], halves[max(best - 2, 0)]
+    clean = pulse + over(rest, halves_taken[0])
+    found = figures_of(clean[None, near], box)[0]
+    base = over(rest, halves[min(best + 4, 7)])[near]
+    start = figures_of((base + pulse[near])[None], box)[0]
+    moved = {half: [] for half in halves_taken}
+    columns, _ = np.linalg.qr(smooth.tangents(TIME[near])[0])
+    for draw in noise_like(noise, 170, 32):
+        again, left = pulse[near].copy(), base + draw - np.mean(draw[box])
+        if beside:
+            along = columns @ (columns.T @ left)
+            again, left = again + along, left - along
+        for half in moved:
+            moved[half].append(figures_of((again + over(left, half))[None], box)[0] - start)
+    off, off_finer = (np.median(moved[half], axis=0) for half in halves_taken)
+    least, scatter = (np.std(moved[half], axis=0) for half in halves_taken)
+    other = figures_of((pulse + over(rest, halves_taken[1]))[None, near], box)[0] - off_finer
+    found = found - [0.0, *off[1:]]
+    apart = other - found
+    tip, side = read_off._by_sampling(clean[near], *figures_of(clean[None, near], box)[0][:2])
+    peak_scatter = math.sqrt(tip**2 + scatter[1] ** 2 + apart[1] ** 2)
+    return [
+        110.0 + found[0],
+        *found[1:],
+        peak_scatter,
+        math.hypot(side, max(scatter[3], math.hypot(least[3], apart[3]))),
+    ], beside
+
+
+@pytest.mark.parametrize(("true", "beside"), [(PULSE, True), (SmoothPulse(2.0, 185.0, 30.0, 0.5, 3.0), False)])
+def test_a_noisy_pulse_is_read_as_by_hand_wherever_it_lies(true, beside, rng):
+    """Beside its own smooth pulse, and where that is none of it."""
+    noise, own = 0.04 * rng.normal(size=(2, 400))
+    raw = true.at(TIME) + own
+    expected, near_pulse = by_hand(raw, PULSE, noise)
+    assert near_pulse is beside
+    read = read_pulse(about(raw), PULSE, noise)
+    figures = [read.place, read.peak, read.rise, read.width, read.peak_scatter, read.width_scatter]
+    assert figures == pytest.approx(expected, rel=1e-6)
+    later = read_pulse(about(np.r_[np.zeros(37), raw], 37), PULSE, noise)
+    assert later.place == pytest.approx(read.place + 37.0)
+    assert np.array(later[2:]) == pytest.approx(np.array(read[2:]), rel=1e-9)
+    assert later.values[147:317] == pytest.approx(read.values[110:280])

@@ -50,6 +50,12 @@ def test_a_level_after_a_blow_is_that_of_every_stretch(tilt):
     assert found.velocity == pytest.approx(expected, rel=0.02)  # whichever rule the integral takes
     assert np.diff(found.velocity) == pytest.approx(STEP * 0.5 * np.diff(middles), rel=1e-9)
     assert found.one_side == 1.0
+    earlier = values.copy()
+    earlier[[30, 79]] += 50.0  # more than a width before the blow
+    assert tail_of(earlier, STEP, START, [one]).velocity == pytest.approx(found.velocity)
+    assert tail_of(earlier, STEP, START, [one]).moved == pytest.approx(found.moved)
+    earlier[85] += 50.0
+    assert tail_of(earlier, STEP, START, [one]).velocity == pytest.approx(found.velocity + 0.05)
     if not tilt:
         assert found.moved == pytest.approx(found.velocity, rel=1e-9)
     assert tail_of(values[:343], STEP, START, [one]) is None
@@ -77,6 +83,16 @@ def test_a_blow_that_is_cut_has_the_width_of_its_smooth_pulse():
     found = tail_of(record(600, 0.5, one), STEP, START, [one])
     first, second = round(0.15 * wide), round(wide) + round(1.15 * wide)
     assert found.time[0] == pytest.approx(STEP * (first + 0.5 * (second - 1)))
+
+
+def test_a_blow_of_a_sample_has_stretches_of_two():
+    """Two samples, and 1.15 times as many each, rounded."""
+    one = blow(100, 101, width=1.0)
+    found = tail_of(record(160, 0.5, one), STEP, START, [one])
+    sizes = [round(2.0 * 1.15**k) for k in range(40)]
+    edges = 101 + np.cumsum([0, *sizes])
+    edges = edges[edges <= 160]
+    assert found.time == pytest.approx(STEP * (0.5 * (edges[:-2] + edges[2:] - 1) - 101))
 
 
 def test_the_slope_is_carried_on_where_later_baselines_lie_on_it():
@@ -127,6 +143,29 @@ def test_half_a_time_constant_must_be_seen(constant, coupled):
     assert (tail._coupled(exact(constant)) is not None) is coupled
 
 
+@pytest.mark.parametrize(("late", "seen"), [(4.9, True), (5.1, False)])
+def test_coupling_is_looked_at_over_five_time_constants(late, seen):
+    """What comes after that, where the velocity is back at zero, is not explained and need not be."""
+    constant = 3.01e-3
+    decay = np.where(late * constant > TIME, np.exp(-TIME / constant), 0.0)
+    level = -2.0 * decay
+    level[int(late * constant / STEP)] += 0.3 * seen  # one within
+    level[18:24] = 0.4
+    found = model_of(Tail(TIME, level, 2.0 * constant * decay))
+    assert found.kind == "ac-coupling"
+    assert (found.explained < 1.0 - 1e-6) is seen
+
+
+@pytest.mark.parametrize(("share", "coupled"), [(0.69, False), (0.71, True), (1.38, True), (1.42, False)])
+def test_the_amplitude_of_a_free_decay_is_tied_to_its_velocity(share, coupled):
+    """0.7 to 1.4 of what it demands, where it is not seen whole: the decay is one of those that are tried."""
+    constant = np.geomspace(0.5 * TIME[1], 3.0 * TIME[-1], 120)[82]
+    assert 0.5 / share < TIME[-1] / constant < 3.0 / share
+    decay = np.exp(-TIME / constant)
+    found = tail._coupled(Tail(TIME, -2.0 * share * decay, 2.0 * constant * decay))
+    assert (found is not None) is coupled
+
+
 def test_coupling_of_the_wrong_sign_or_none_is_no_coupling():
     assert tail._coupled(exact(8e-3, -1.0)) is None
     assert tail._coupled(Tail(TIME, 0.0 * TIME, 0.0 * TIME)) is None
@@ -137,6 +176,7 @@ def test_coupling_of_the_wrong_sign_or_none_is_no_coupling():
 def test_a_decay_of_its_own_is_found_between_the_constants_that_are_tried(constant):
     """120 of them from half the second time to three times the last, 4.4 % apart."""
     fitted, found = tail._decay(TIME, 5.0 * np.exp(-TIME / constant))
+    assert np.min(np.abs(np.geomspace(0.5 * TIME[1], 3.0 * TIME[-1], 120) / found - 1.0)) < 1e-12
     assert found == pytest.approx(constant, rel=0.023)
     assert fitted == pytest.approx(5.0 * np.exp(-TIME / constant), abs=0.06)
     model = model_of(Tail(TIME, 5.0 * np.exp(-TIME / constant), 0.02 + 0.0 * TIME))
