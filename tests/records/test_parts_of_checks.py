@@ -1,10 +1,13 @@
 """Parts of the checks of health, on small examples worked by hand, each bound from both sides."""
 
 import dataclasses
+import importlib
 import math
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from scipy.optimize import brentq
 
 from strikewave.base.percents import percent
 from strikewave.records.baseline import LocalBaseline
@@ -20,10 +23,20 @@ from strikewave.records.health.ringing import _doubt_of_smooth, _swing_after, go
 from strikewave.records.health_notice import FIGURES
 from strikewave.records.measuring import Rebound, RecordedPulse
 from strikewave.records.pulses import Baseline
+from strikewave.records.rigid_pulse import RigidPulse
 from strikewave.records.smooth_pulse import PulseUncertainty, SmoothPulse
 from strikewave.records.tail import TailModel
 
+ringing_checks = importlib.import_module("strikewave.records.health.ringing")  # the package has a check of that name
 STEP, START = 1e-3, 2.0
+
+
+@pytest.fixture(autouse=True)
+def nothing_kept():
+    """Let each test compute what is kept for the next blow."""
+    shape._legendre_fit.cache_clear()
+    shape._legendre.cache_clear()
+    shape._powers_of_a_sine.cache_clear()
 
 
 def blow(first, last, peak=4.0, top=None, **more):
@@ -953,6 +966,373 @@ def test_blips_of_the_mains_are_as_even_and_as_many_as_they_must_be(how, blips):
     assert bool(found) is blips
     if blips:
         assert found[0].value == 20e-3
+
+
+# ringing beside its model
+
+
+def rigid_of(one, peak=0.0, width=0.0, area=0.0, doubts=(0.0, 0.0, 0.0)):
+    """Return the pulse without ringing of which a blow is off by these shares, and as uncertain as these."""
+    figures = one.peak / (1.0 + peak), one.width / (1.0 + width), one.velocity_change / (1.0 + area)
+    stated = [doubt * abs(figure) for doubt, figure in zip(doubts, figures, strict=True)]
+    return RigidPulse(figures[0], math.nan, *figures[1:], *stated, 4e3, 0.01, 0.01, "mode", one.smooth)
+
+
+@pytest.fixture
+def rings(monkeypatch):
+    """Return what is told of a blow after which a record swings by a share, and that goes back by another."""
+
+    def told(one, swing=0.0, frequency=math.nan, back=(0.0, 0.0)):
+        monkeypatch.setattr(ringing_checks, "_swing_after", lambda record, pulse: swing * abs(pulse.peak))
+        monkeypatch.setattr(ringing_checks, "ringing_of", lambda stretch: frequency)
+        monkeypatch.setattr(ringing_checks, "goes_back", lambda record, pulse: back)
+        found = ringing_checks.ringing(record(np.zeros(900), one))
+        return found[0] if found else None
+
+    return told
+
+
+@pytest.mark.parametrize("sign", [1.0, -1.0])
+def test_ringing_is_noted_by_a_fiftieth_of_a_figure_or_15_percent_of_the_peak(rings, sign):
+    one = blow(300, 500, 4.0 * sign)
+    for effect, swing, noted in ((0.0199, 0.149, False), (0.0201, 0.0, True), (-0.0201, 0.0, True), (0.0, 0.151, True)):
+        for name in ("peak", "width", "area"):
+            found = rings(dataclasses.replace(one, rigid=rigid_of(one, **{name: effect})), swing)
+            assert (found is not None) is noted
+            if found is not None:
+                field = "velocity_change" if name == "area" else name
+                assert dict(found.effects)[field] == pytest.approx(effect)
+                assert (found.value, found.start) == (pytest.approx(swing), one.begin)
+    for doubt, harms in ((0.0199, ()), (0.0201, ("width", "rise"))):
+        found = rings(dataclasses.replace(one, rigid=rigid_of(one, width=0.03, doubts=(0.01, doubt, 0.01))))
+        assert set(found.harms) == set(harms)
+    cut = dataclasses.replace(one, width=math.nan)
+    assert dict(rings(dataclasses.replace(cut, rigid=rigid_of(one, peak=0.1)), 0.2).effects).keys() == {
+        "peak",
+        "velocity_change",
+    }
+    own = dataclasses.replace(one, rigid=rigid_of(one, peak=0.1), ringing_frequency=7.1e3)
+    assert "rings at 7100\xa0Hz" in rings(own).message
+    assert "rings at 4000\xa0Hz" in rings(dataclasses.replace(own, ringing_frequency=math.nan)).message
+
+
+@pytest.mark.parametrize(
+    ("swing", "misfit", "frequency", "harms"),
+    [
+        (0.149, 0.059, 1e3, None),
+        (0.149, 0.061, math.nan, None),
+        (0.61, 0.0, math.nan, ("peak", "rise", "width")),
+        (0.59, 0.0, math.nan, ()),
+        (0.59, 0.119, math.nan, ()),
+        (0.59, 0.121, math.nan, ("peak", "rise", "width")),
+        (0.151, 0.0, 1.49, ()),
+        (0.0, 0.061, 1.49, ()),
+    ],
+)
+def test_ringing_that_no_mode_explains_harms_where_it_is_strong(rings, swing, misfit, frequency, harms):
+    """Swings in a width below 1.5 are those of the blow; a swing of 60 % of the peak, or a misfit of 12 %, are strong."""
+    one = blow(300, 500)
+    one = dataclasses.replace(one, smooth=one.smooth._replace(misfit=misfit))
+    slow = frequency / one.smooth.width() if frequency < 10.0 else frequency
+    found = rings(one, swing, slow)
+    assert (found and found.harms) == harms
+    if found:
+        assert (found.value, found.start) == (pytest.approx(swing), one.end)
+        assert "as slowly as the blow itself" in found.message
+    if misfit > 0.06 and harms == ("peak", "rise", "width") and swing < 0.6:  # of a fit it is what noise does
+        assert rings(dataclasses.replace(one, method="fit"), swing, slow).harms == ()
+
+
+def test_ringing_that_no_mode_explains_is_held_against_the_smooth_pulse(rings):
+    one = blow(300, 500)
+    one = dataclasses.replace(one, smooth=one.smooth._replace(misfit=0.03, peak=4.2), peak=4.4)
+    found = rings(one, 0.2, 1.51 / one.smooth.width())
+    effects = {"peak": 4.4 / 4.2, "width": 1.0, "velocity_change": one.velocity_change / one.smooth.area()}
+    assert dict(found.effects) == pytest.approx({name: ratio - 1.0 for name, ratio in effects.items()})
+    assert "by 20 % of the peak" in found.message
+    assert set(found.harms) == {"peak", "rise", "velocity_change"}  # of 4.8 % and a doubt of 4.2 and 1.7 %
+    wide = rings(dataclasses.replace(one, smooth=one.smooth._replace(misfit=0.3)), 0.2, 1.51 / one.smooth.width())
+    assert "by 30 % of the peak" in wide.message
+
+
+@pytest.mark.parametrize(("share", "told"), [(0.049, False), (0.051, True)])
+def test_a_blow_that_goes_back_rings_within(rings, share, told):
+    """Peak and width as much as it goes back, the velocity change twice what lies between, without signs."""
+    one = blow(300, 500, -4.0)
+    found = rings(one, back=(share, 0.01))
+    assert (found is not None) is told
+    if found is not None:
+        expected = {"peak": share, "width": share, "velocity_change": 0.02 / abs(one.velocity_change)}
+        assert dict(found.effects) == pytest.approx(expected)
+        assert "+-5.1 %" in found.message
+        assert (found.value, found.start, found.end) == (share, one.begin, one.end)
+    assert rings(dataclasses.replace(one, method="fit"), back=(share, 0.01)) is None
+
+
+def test_of_several_blows_that_ring_the_worst_is_told(monkeypatch):
+    """What harms before what does not, then the largest effect."""
+    pulses = [blow(100, 150), blow(300, 350), blow(500, 550)]
+    for effects, worst in (((0.03, 0.06, 0.04), 1), ((0.03, 0.04, 0.035), 1), ((-0.09, 0.06, 0.04), 0)):
+        struck = [
+            dataclasses.replace(one, rigid=rigid_of(one, width=effect))
+            for one, effect in zip(pulses, effects, strict=True)
+        ]
+        monkeypatch.setattr(ringing_checks, "_swing_after", lambda record, pulse: 0.0)
+        [found] = ringing_checks.ringing(record(np.zeros(900), *struck))
+        assert found.start == pulses[worst].begin
+    assert ringing_checks.ringing(record(np.zeros(900))) == []
+
+
+# sides and tops
+
+
+def test_the_doubt_of_a_bend_is_that_of_noise_or_of_what_swings():
+    """Of a cubic four coefficients, of 77 samples between 2 and 77 % of a straight side, and what ripples beside it."""
+    one = blow(300, 450, 4.0, 400, noise=0.2)
+    assert BlowShape(record(tent(100, 50)), one).flanks[0].bend == pytest.approx(0.2 * math.sqrt(7.0 / 77.0) / 4.0)
+    rippled = dataclasses.replace(one, baseline=one.baseline._replace(ripple=0.1))
+    assert BlowShape(record(tent(100, 50)), rippled).flanks[0].bend == pytest.approx(0.1 / 4.0)
+    unknown = dataclasses.replace(one, noise=0.0, baseline=one.baseline._replace(ripple=math.nan))
+    values = tent(100, 50)
+    size = round(2.0 * one.width / STEP) + 1
+    swing = 0.3 * np.sin(2.0 * np.pi * np.arange(size) / 30.0)
+    values[450 : 450 + size] += swing
+    expected = min(-np.min(swing), math.sqrt(2.0 * np.var(swing)))
+    seen = record(values)
+    vars(seen).update(scatter=0.0)
+    assert BlowShape(seen, unknown).flanks[0].bend == pytest.approx(expected / 4.0, rel=1e-6)
+    vars(seen).update(scatter=0.1)
+    left = math.sqrt(2.0 * (np.var(swing) - 0.01 * (1.0 + 3.0 * math.sqrt(2.0 / size))))
+    assert BlowShape(seen, unknown).flanks[0].bend == pytest.approx(left / 4.0, rel=1e-6)
+    vars(seen).update(scatter=1.0)
+    assert BlowShape(seen, unknown).flanks[0].bend == pytest.approx(0.0, abs=1e-9)
+
+
+@pytest.mark.parametrize(("rise", "known"), [(5, True), (4, False)])
+def test_six_samples_of_a_side_tell_its_bend(rise, known):
+    flank = BlowShape(record(tent(rise, 50)), blow(300, 350 + rise, 4.0, 300 + rise)).flanks[0]
+    assert flank.slope == pytest.approx(4.0 / (rise * STEP))
+    assert flank.bend == (pytest.approx(0.0, abs=1e-12) if known else math.inf)
+    assert math.isnan(flank.goes_on) is not known
+
+
+def test_the_straightest_three_quarters_of_a_side_count():
+    """A side with a foot of 18 % that bends: from 22 % on it is a line, which goes on to what it is at the peak."""
+    k = np.arange(101.0)
+    line = 4.0 * (k / 100.0)
+    side = np.where(k < 18, 4.0 * 0.18 * (k / 18.0) ** 3, line)
+    values = np.zeros(900)
+    values[300:401] = side
+    values[401:451] = np.linspace(4.0, 0.0, 51)[1:]
+    flank = BlowShape(record(values), blow(300, 450, 4.0, 400)).flanks[0]
+    assert flank.bend == pytest.approx(0.0, abs=1e-12)
+    assert (flank.slope, flank.goes_on) == (pytest.approx(4.0 / (100 * STEP)), pytest.approx(1.0))
+
+
+@pytest.mark.parametrize(("samples", "known"), [(5, True), (4, False)])
+def test_a_top_of_six_steps_has_a_shape(samples, known):
+    """Samples above 40 % of the peak, between the first ones below it."""
+    values = np.zeros(900)
+    values[400 : 400 + samples] = 4.0 * np.array([0.41, 0.8, 1.0, 0.9, 0.41][:samples])
+    seen = BlowShape(record(values), blow(395, 410, 4.0, 402))
+    assert math.isnan(seen.tip) is not known
+
+
+@pytest.mark.parametrize("side", [1, -1])
+def test_the_usual_tip_is_that_of_a_power_with_the_same_widths_of_both_sides_together(side):
+    """A rise of a half-sine and a fall of its cube: widths at 20 and 50 % of the peak of each, by their arc cosines."""
+    u = np.clip((np.arange(900) - 300.0) / 200.0, 0.0, 1.0)
+    values = 4.0 * np.where(u < 0.5, np.sin(np.pi * u), np.sin(np.pi * u) ** 3)
+    seen = BlowShape(record(values[::side]), blow(300, 500) if side > 0 else blow(399, 599))
+    low, upper = (math.acos(share) + math.acos(share ** (1.0 / 3.0)) for share in (0.2, 0.5))
+    power = brentq(lambda p: math.acos(0.5 ** (1.0 / p)) / math.acos(0.2 ** (1.0 / p)) - upper / low, 1.0, 3.0)
+    assert seen.usual_tip == pytest.approx(math.acos(0.9 ** (1.0 / power)) / math.acos(0.5 ** (1.0 / power)), rel=1e-3)
+
+
+def looks(tip=0.43, usual=0.43, noise_of_top=0.0, swing=0.0, higher=1.0, flanks=None, halfway=(4.0, 4.0), rigid=None):
+    """Return a blow with a shape that is put in; flanks are slope, bend and how far each goes on."""
+    one = blow(300, 500, rigid=rigid)
+    sides = tuple(shape.Flank(*each) for each in (flanks or ((40.0, 0.05, 1.0), (40.0, 0.05, 1.0))))
+    seen = record(np.zeros(900), one)
+    return SimpleNamespace(
+        **{"tip": tip, "usual_tip": usual, "noise_of_top": noise_of_top, "swing_to_both_sides": swing},
+        **{"half_sine_of_flanks": higher, "flanks": sides, "pulse": one, "record": seen},
+        slope_halfway=lambda side: halfway[(side + 1) // 2],
+    )
+
+
+@pytest.mark.parametrize(
+    ("how", "flat"),
+    [
+        ({"tip": 0.4501}, True),
+        ({"tip": 0.4499}, False),
+        ({"tip": 0.4501 + 1.8 * 3.0 * 0.01, "noise_of_top": 0.01}, True),
+        ({"tip": 0.4499 + 1.8 * 3.0 * 0.01, "noise_of_top": 0.01}, False),
+        ({"tip": 0.4501 + 1.8 * 0.02, "swing": 0.02}, True),
+        ({"tip": 0.4499 + 1.8 * 0.02, "swing": 0.02}, False),
+        ({"tip": math.nan}, False),
+    ],
+)
+def test_a_top_is_flat_by_two_hundredths_and_its_doubt(how, flat):
+    found = limits._saturated([looks(**how)])
+    assert [(one.code, one.value, one.harms) for one in found] == ([("flat-top", how["tip"], BLOW)] if flat else [])
+    for higher, told in ((1.049, False), (1.051, True)):
+        [one] = limits._saturated([looks(tip=0.5, higher=higher), looks(tip=0.5, higher=higher)])
+        assert ("half-sine of its flanks would be 5 % higher" in one.message) is told
+
+
+@pytest.mark.parametrize(
+    ("goes_on", "bend", "noise_of_top", "bent"),
+    [
+        (1.0201 + 0.02, 0.0099, 0.0, True),
+        (1.0199 + 0.02, 0.0099, 0.0, False),
+        (1.5, 0.0101, 0.0, False),
+        (1.0801 + 0.02, 0.0, 0.02, True),
+        (1.0799 + 0.02, 0.0, 0.02, False),
+    ],
+)
+def test_a_straight_side_goes_on_above_the_peak_by_more_than_its_tip_is_rounded(goes_on, bend, noise_of_top, bent):
+    """Two hundredths, three of what noise does, and two samples of its slope: of 40 a second over 4, 0.02. Of two straight
+    sides the less steep one counts."""
+    for flanks in (
+        ((40.0, bend, goes_on), (90.0, 0.05, 2.0)),
+        ((40.0, bend, goes_on), (90.0, 0.0, 2.0)),
+        ((90.0, 0.05, 2.0), (40.0, bend, goes_on)),
+    ):
+        higher = limits._bent_off(looks(flanks=flanks, noise_of_top=noise_of_top))
+        steep = flanks[1][1] == 0.0 and bend > 0.01
+        assert higher == pytest.approx(goes_on - 1.0 if bent else 1.0 if steep else 0.0)
+    both = [looks(flanks=((40.0, 0.0, goes_on), (90.0, 0.05, 1.0))) for goes_on in (1.2, 1.3)]
+    [found] = limits._saturated(both)
+    assert (found.code, found.value) == ("flat-top", pytest.approx(0.2))
+    assert limits._saturated([*both, looks()]) == limits._saturated([]) == []
+
+
+@pytest.mark.parametrize(
+    ("flanks", "told"),
+    [
+        (((40.0, 0.0099), (30.0, 0.05)), "one side is"),
+        (((40.0, 0.0101), (30.0, 0.05)), None),
+        (((40.0, 0.0), (37.0, 0.0)), "its sides are"),
+        (((40.0, 0.0), (35.0, 0.0)), "one side is"),
+        (((40.0, 0.05), (30.0, 0.0)), None),
+        (((40.0, 0.0), (7.9, 0.0099)), None),
+        (((40.0, 0.0), (8.1, 0.0099)), "one side is"),
+        (((40.0, 0.0), (7.9, 0.0101)), "one side is"),
+    ],
+)
+def test_the_steeper_side_is_straight_where_an_amplifier_is_too_slow(flanks, told):
+    """Unless both are, and one is a fifth as steep or less, as those of a saw-tooth."""
+    for order in (flanks, flanks[::-1]):
+        one = looks(flanks=order)
+        found = limits._slew_limited(one.record, [looks(), one])
+        assert [(each.code, each.value) for each in found] == ([("slew-rate", 40.0)] if told else [])
+        assert not told or told in found[0].message
+
+
+@pytest.mark.parametrize(
+    ("how", "corner"),
+    [
+        ({"tip": 0.4099}, True),
+        ({"tip": 0.4101}, False),
+        ({"tip": 0.4099 - 1.8 * 3.0 * 0.01, "noise_of_top": 0.01}, True),
+        ({"tip": 0.4101 - 1.8 * 3.0 * 0.01, "noise_of_top": 0.01}, False),
+        ({"tip": 0.3, "halfway": (1.41, 4.0)}, True),
+        ({"tip": 0.3, "halfway": (1.39, 4.0)}, False),
+        ({"tip": 0.3, "halfway": (4.0, 1.39)}, False),
+        ({"tip": 0.3, "rigid": "one"}, False),
+    ],
+)
+def test_a_top_is_a_corner_between_sides_that_are_about_as_steep(how, corner):
+    one = looks(**how)
+    found = limits._slew_limited(one.record, [one])
+    assert [(each.code, each.value) for each in found] == ([("slew-rate", 4.0)] if corner else [])
+
+
+# rails
+
+
+def test_a_rail_is_off_the_zero_by_a_hundredth_of_the_span():
+    """Where the steps of the converter are a tenth of it: 1 of 100."""
+    values = np.r_[0.0, 50.0, 99.0, 99.3, 99.4, [100.0] * 9]
+    for zero_at, found in ((98.9, 9), (99.1, 0)):
+        assert clipping.rail(values, zero_at).size == found
+
+
+def test_the_step_of_a_converter_is_the_least_near_the_top():
+    """A step of 0.9 within a twentieth of the span, beside which the next two of 100 count: up to 2.25 below it."""
+    few = np.r_[0.0, 10.0, 10.1, 94.9, [97.8] * 4, [100.0] * 9, 98.7]  # those at 97.8 and 98.7 lie within
+    assert clipping.rail(few, 0.0).size == 0
+    far = np.r_[0.0, 10.0, 10.1, 94.9, [97.7] * 4, [100.0] * 9, 98.6]
+    assert clipping.rail(far, 0.0).size == 9
+
+
+def test_a_switch_has_no_rail():
+    values = np.r_[np.zeros(20), np.full(20, 5.0)]
+    assert clipping.rail(values, 0.0).size == 0
+    values[3] = 2.0
+    assert clipping.rail(values, 0.0).size == 20
+
+
+def clips(values, *pulses):
+    return [
+        (one.value, one.severity, one.start, one.end, one.harms) for one in clipping.clipped(record(values, *pulses))
+    ]
+
+
+@pytest.mark.parametrize("sign", [1.0, -1.0])
+def test_a_rail_in_a_blow_is_bad_and_one_outside_suspect(sign):
+    values = np.r_[np.linspace(0.0, 0.3, 300), np.linspace(0.0, 3.9, 40), np.full(20, 4.0), np.linspace(3.9, 0.3, 540)]
+    place = (pytest.approx(START + STEP * 340), pytest.approx(START + STEP * 359))
+    one = blow(300, 360, 4.0 * sign)
+    assert clips(sign * values, one) == [(4.0 * sign, "bad", *place, BLOW)]
+    elsewhere = [blow(360, 400, 4.0 * sign), blow(200, 339, 4.0 * sign)]
+    assert clips(sign * values, *elsewhere) == [(4.0 * sign, "suspect", *place, ("ringing_frequency", "spectrum"))]
+    for edge in (blow(359, 400, 4.0 * sign), blow(200, 340, 4.0 * sign)):
+        assert clips(sign * values, edge)[0][1] == "bad"
+    [found] = clipping.clipped(record(sign * values, one, blow(800, 850, sign)))
+    assert "for 2e+04\xa0us in 1 of 2 blows" in found.message
+
+
+def test_zeros_before_or_after_a_blow_are_no_rail():
+    values = np.r_[np.zeros(20), 5.0 + np.arange(50.0), np.zeros(20)]
+    assert clips(values) == []
+    assert clips(values + 1.0)[0][:2] == (1.0, "suspect")
+    inside = np.r_[3.0, np.zeros(20), 5.0 + np.arange(50.0), 7.0]
+    assert clips(inside)[0][:2] == (0.0, "suspect")
+
+
+# what a record is examined by
+
+
+def test_noise_before_the_first_blow_is_that_of_two_widths_of_it():
+    """From three widths to one before its begin, sixteen samples at least; or of all samples, if that is more."""
+    one = blow(600, 700)
+    width = one.width / STEP
+    last = round(600 - width)
+    first = last - round(2.0 * width)
+    for place, seen in ((first, True), (first - 1, False), (last - 1, True), (last, False)):
+        values = np.zeros(900)
+        values[place] = 10.0
+        examined_ = record(values, blow(750, 800), one)
+        vars(examined_).update(noise=0.1)
+        size = last - first
+        expected = 10.0 * math.sqrt((1.0 - 1.0 / size) / size) if seen else 0.1
+        assert examined_.scatter == pytest.approx(expected)
+    narrow = dataclasses.replace(blow(100, 103), width=3 * STEP)
+    for before, seen in ((19, True), (18, False)):
+        values = np.zeros(900)
+        values[0] = 10.0
+        moved = dataclasses.replace(narrow, begin=START + STEP * before)
+        examined_ = record(values, moved)
+        vars(examined_).update(noise=0.1)
+        assert (examined_.scatter > 0.2) is seen
+
+
+def test_a_level_under_no_velocity_change_has_no_effect_on_it():
+    one = blow(100, 200, velocity_change=0.0)
+    assert examined.effects_of_level(one, 0.4).keys() == {"peak", "width"}
+    assert examined.effects_of_level(blow(100, 200, -4.0), 0.4)["peak"] == pytest.approx(-0.1)
 
 
 # responses
