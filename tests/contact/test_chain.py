@@ -300,6 +300,16 @@ def test_initial_overlap_takes_the_speed_it_has():
     assert motion.contacts(0)[0, 2] == 1.0
 
 
+def test_initial_overlap_of_two_that_move_takes_the_speed_at_which_they_close():
+    """5 and 3 m/s close at 2: K d^n (1 + 0.5 x 2/2), one base that shakes counts with its speed."""
+    links = [ChainContact("a", "b", Contact(4e4, 2.0, 0.5)), ChainContact("table", "a", Contact(6e4, 2.0, 0.5))]
+    shaken = {"table": Vibration(0.03, 0.02, 400.0)}  # 8 m/s at first
+    motion = simulate(Chain({"a": 2.0, "b": 3.0}, links, shaken), {"a": 0.01}, {"a": 5.0, "b": 3.0}, 1e-4)
+    assert motion.forces(0.0) == pytest.approx([1.5 * 4.0, 1.5 * 24.0], rel=1e-12)
+    assert motion.contacts(0)[0] == pytest.approx([0.0, 1e-4, 2.0], rel=1e-14)
+    assert motion.contacts(1)[0, 2] == pytest.approx(3.0, rel=1e-15)
+
+
 def test_samples_come_in_any_order_and_only_from_within():
     chain = Chain({"m": 1.0}, bases={"wall": 0.0}, links=[Spring("m", "wall", 1e4)])
     motion = simulate(chain, {"m": 1e-3}, {}, duration=1.0)
@@ -413,12 +423,21 @@ def test_time_and_speed_scales_of_a_chain_worked_by_hand():
     # stored 120 x 0.5^2/2 J in 5 kg
     assert scale(spring, [0.5, 0.0], [0.0, 0.0]) == pytest.approx(math.sqrt(6.0), rel=1e-14)
     assert scale(shaken, [0.0, 0.0], [0.0]) == pytest.approx(0.05, rel=1e-14)
+    two = {"slow": Vibration(0.0, 2e-3, -20.0), "fast": Vibration(0.0, -1e-3, 50.0)}
+    for bases in (two, dict(reversed(two.items()))):
+        both = Chain({"a": 2.0}, [Spring("a", "slow", 0.0)], bases)
+        assert scale(both, [0.0, 0.0, 0.0], [0.0]) == pytest.approx(0.05, rel=1e-14)
+        assert _longest_step(both, 1.0) == pytest.approx(2 * math.pi / 50.0 / 8, rel=1e-14)
     assert scale(spring, [0.0, 0.0], [0.0, 0.0]) == 1e-6
     # gravity over the widest gap, 0.5 m; a preload over a millimetre
     fall = Chain({"a": 2.0}, [Spring("a", "wall", 0.0)], {"wall": 0.0}, gravity=-9.0)
     assert scale(fall, [-0.5, 0.0], [0.0]) == pytest.approx(3.0, rel=1e-14)
     pushed = Chain({"a": 2.0}, [Spring("a", "wall", 0.0, preload=-4.0)], {"wall": 0.0})
     assert scale(pushed, [0.0, 0.0], [0.0]) == pytest.approx(math.sqrt(2 * 4.0 * 1e-3 / 2.0), rel=1e-14)
+    for preloads in ((-4.0, 3.0), (3.0, -4.0)):
+        links = [Spring("a", "wall", 0.0, preload=preload) for preload in preloads]
+        many = Chain({"a": 2.0}, [*links, Stop("a", "wall", 1.0)], {"wall": 0.0})
+        assert scale(many, [0.0, 0.0], [0.0]) == pytest.approx(math.sqrt(4e-3), rel=1e-14)
 
 
 def test_a_spring_with_preload_and_offset_rests_where_it_bears_the_weight():
@@ -541,6 +560,19 @@ def test_a_long_motion_comes_out_equal_to_the_bit_where_its_steps_are_found_agai
     monkeypatch.setattr(motions, "_MOST_STEPS", 600)
     with pytest.raises(IntegrationError, match="more than 6e\\+02 steps"):
         simulate(chain, {"m": 1e-3}, {"m": 0.1}, 6.0, 1e-11)
+
+
+def test_what_a_motion_keeps_is_counted_in_bytes():
+    """One step: time, step, 8 x 3 of dense output, mode, 3 of memory, no switch; with impulses 8 more."""
+    motion = simulate(Chain({"m": 1.0}, [Spring("m", "wall", 1.0)], {"wall": 0.0}), {}, {"m": 1.0}, 1e-3, 1e-2).motion
+    steps = next(motion.records()).time.size
+    kept = 8 * steps * (1 + 1 + 24 + 1 + 3)
+    (stretch,) = motion._kept
+    assert stretch.nbytes == kept
+    # one state of three numbers, a mode and three memories at its begin; modes and memories as they change
+    assert motion.nbytes == kept + 8 * (3 + 1 + 3) + 8 * (1 + 1 + 3)
+    motion.impulses(0.0, 1e-3)
+    assert stretch.nbytes == kept + 8 * steps
 
 
 def test_a_contact_that_is_let_go_loses_what_it_stores_and_remembers_how_deep_it_was():

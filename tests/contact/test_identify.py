@@ -15,6 +15,7 @@ from scipy.stats import chi2
 from strikewave.contact import Contact, exact, impact_history, solve_impact
 from strikewave.contact.force_pulse import (
     ForcePulse,
+    _baseline,
     _beyond,
     _check_clear,
     _checked,
@@ -26,13 +27,24 @@ from strikewave.contact.force_pulse import (
 from strikewave.contact.identification import (
     COMBINATIONS,
     IdentifiedValue,
+    _identified,
     _limits,
     _others,
     _quality,
     _trades,
     identify,
 )
-from strikewave.contact.pulse_fit import FREE, SCALES, VALUES, PulseFitProblem, _moments, derivatives, near
+from strikewave.contact.pulse_fit import (
+    FREE,
+    SCALES,
+    VALUES,
+    PulseFit,
+    PulseFitProblem,
+    _moments,
+    _start,
+    derivatives,
+    near,
+)
 
 STEP = 0.5e-6
 PULSE = ForcePulse(1e-4, 2e4, 60e-6, 1.5, 0.6)
@@ -379,6 +391,31 @@ def test_the_foot_stands_four_deviations_above_the_noise_and_never_above_three_t
         assert (found.time[0], found.time[-1]) == (rows[0], rows[-1])
 
 
+def test_a_foot_below_a_fiftieth_of_the_peak_is_no_part_of_a_pulse():
+    """Six samples of 1.9 before 90 and after 110 are left out, of 2.1 N they are part of it: 84 to 116."""
+    for height, first, last in ((1.9, 90, 110), (2.1, 83, 117)):
+        footed = TRIANGLE.copy()
+        footed[84:91] = footed[110:117] = height
+        margin = 0.2 * (last - first)
+        rows = np.flatnonzero((first - margin <= T) & (last + margin >= T))
+        found = cut_out(T, footed)
+        assert (found.time[0], found.time[-1]) == (rows[0], rows[-1])
+
+
+def test_the_width_of_a_pulse_is_that_at_half_of_its_own_height():
+    """Half of 100 is passed after sample 99 and before 110: 11 wide, so that 54 samples, 34 to 87, are its baseline."""
+    f = np.zeros(200)
+    f[90:100], f[100], f[101:110], f[110:120] = 30.0, 100.0, 60.0, 30.0
+    f[2:40] = 1.5  # six of them within
+    mean, deviation, count = _baseline(T, f, 100)
+    assert count == 54
+    assert mean == pytest.approx(6 * 1.5 / 54, rel=1e-14)
+    assert deviation == pytest.approx(1.5 * math.sqrt(6 * 48 / 54 / 53), rel=1e-13)
+    # a record that ends before the pulse falls to half: up to its top, and one that begins after: none
+    assert _baseline(T[:105], f[:105], 100)[2] == np.count_nonzero((T < 98) & (T > 93 - 0))
+    assert _baseline(T[:20], f[95:115], 5) == (0.0, None, 0)
+
+
 def test_a_window_takes_what_lies_within_and_its_baseline_from_before_where_it_has_none():
     found = cut_out(T, 10.0 + TRIANGLE, window=(95.0, 105.0))
     assert np.array_equal(found.time, T[95:106])
@@ -645,3 +682,56 @@ def test_a_first_baseline_is_the_median_of_a_tenth_of_what_lies_before_the_peak(
     record[:4] = 30.0
     found = cut_out(np.arange(311.0), record)
     assert (found.offset, found.before, found.time[0], found.time[-1]) == (0.0, 59, 86.0, 110.0)
+
+
+@pytest.mark.parametrize("quiet", [True, False])
+def test_standard_errors_are_those_of_the_values_themselves_by_their_own_derivatives(quiet):
+    """Of ln K, ln n, ln e, ln v and the begin, each moved by itself, for known mass; and a baseline that is a mean."""
+    n, e, m, v, begin, noise = 1.4, 0.55, 0.1, 7.0, 1e-4, 30.0
+    K = 3e9
+
+    def force(p, t):
+        K, n, e, v = np.exp(p[:4])
+        blow = solve_impact(Contact(K, n, exact(e)), m, np.inf, v)
+        peak = float(blow.peak_force)
+        return ForcePulse(p[4], peak, m * v * (1 + e) / peak, n, e).force(t)
+
+    at, steps = np.array([*np.log([K, n, e, v]), begin]), np.array([1e-4] * 4 + [1e-9])
+    record = cut_out(TIME if quiet else TIME[200:], force(at, TIME if quiet else TIME[200:]))
+    slopes = [
+        (force(at + step, record.time) - force(at - step, record.time)) / (2 * step.max()) for step in np.diag(steps)
+    ]
+    inverse = np.linalg.pinv(np.column_stack(slopes)) * noise
+    covariance = inverse @ inverse.T
+    if quiet:
+        assert record.before > 8
+        off = inverse.sum(axis=1)
+        covariance += np.outer(off, off) / record.before
+    problem = PulseFitProblem(record, {"mass": m})
+    peak = float(solve_impact(Contact(K, n, exact(e)), m, np.inf, v).peak_force)
+    unknown = problem.unknowns(ForcePulse(begin, peak, m * v * (1 + e) / peak, n, e))
+    fit = PulseFit(problem, unknown, derivatives(problem.misfit, unknown, np.full(5, 100.0)))
+    found = _identified([fit], fit, noise)
+    assert found.names == ("stiffness", "exponent", "restitution", "speed", "begin")
+    errors = np.sqrt(np.diag(covariance))
+    relative = [found.values[name].standard_error / found.values[name].value for name in found.names[:4]]
+    # central differences of shapes that are good to 2e-6 of the peak
+    assert [*relative, found.begin.standard_error] == pytest.approx(errors, rel=3e-3)
+    assert found.correlation == pytest.approx(covariance / np.outer(errors, errors), abs=1e-3)
+    assert found.noise == noise
+
+
+@pytest.mark.parametrize(("n", "e"), [(1.5, 0.85), (1.0, 0.5), (2.5, 0.12)])
+def test_a_fit_begins_at_the_pulse_itself_where_that_is_one_of_its_shapes(n, e):
+    made = ForcePulse(1e-4, 2e4, 60e-6, n, e)
+    problem = PulseFitProblem(cut_out(TIME, made.force(TIME)), {})
+    found = problem.pulse(_start(problem, (0.5, 0.7, 0.85, 0.97) if e > 0.3 else (0.05, 0.12, 0.25)))
+    assert (found.exponent, found.restitution) == (pytest.approx(n, rel=1e-14), e)
+    # moments of samples and of nodes, which are cut off at a tenth of the peak
+    assert found.peak == pytest.approx(made.peak, rel=6e-3)
+    assert found.width == pytest.approx(made.width, rel=1.2e-2)
+    assert found.begin == pytest.approx(made.begin, abs=2e-2 * made.width)
+    # what is given is taken, and a form of a tenth of the peak at least
+    given_ = PulseFitProblem(problem.record, {"exponent": 3.0, "restitution": 0.9})
+    other = given_.pulse(_start(given_, (0.5,)))
+    assert (other.exponent, other.restitution) == (3.0, 0.9)

@@ -30,7 +30,7 @@ from strikewave.contact._pair_kernels import (
     spots,
 )
 from strikewave.contact.elastoplastic import slow_force, spot_after, thornton_restitution, yield_speed
-from strikewave.contact.law import single
+from strikewave.contact.law import rows, single
 
 from .interpreted import integrate_plainly, interpret, taught
 
@@ -77,7 +77,12 @@ def test_what_a_pair_is_taught_worked_by_hand(kernels):
     assert of.horizon(system, 0.0, back, mode, sunk) == pytest.approx(0.7 * 0.38 / 4, rel=1e-14)
     of.switches(system, 0.0, back, mode, sunk, g)
     assert g == pytest.approx([0.38, 0.0, 1.0], abs=1e-15)
-    damped = PairSystem(single(Contact(40.0, 2.0, damper=Damper(1.0, 1.0))), 5.0, 0.001)
+    capped = PairSystem(single(CAPPED), 5.0, 0.001)
+    of.switches(capped, 0.0, y, np.array([YIELDING]), memory, g)
+    assert list(g) == [1.0, 1.0, 3.0]
+    of.switches(capped, 0.0, y, mode, np.array([2.0, 0.6, 1.25]), g)
+    assert g == pytest.approx([0.38, 1.0, 0.1])
+    damped = PairSystem(single(Contact(40.0, 2.0, damper=Damper(1e-3, 1.0))), 5.0, 0.001)
     assert of.horizon(damped, 0.0, back, mode, memory) == math.inf
 
 
@@ -90,7 +95,7 @@ def test_switches_of_a_pair_stop_it_or_change_its_mode(kernels):
         said = of.switch(PairSystem(single(law), 5.0, 0.0), k, 0.0, y, mode, memory)
         return said, mode[0], *memory[1:]
 
-    damped, free = Contact(3e5, 1.5, damper=Damper(1.0, 1.0)), Contact(3e5, 1.5, 0.5)
+    damped, free = Contact(3e5, 1.5, damper=Damper(1e-3, 1.0)), Contact(3e5, 1.5, 0.5)
     for law in (free, damped, CAPPED):
         assert change(law, 0, PUSHING)[0] == STOP
     assert change(damped, 1, PUSHING)[0] == STOP
@@ -98,6 +103,15 @@ def test_switches_of_a_pair_stop_it_or_change_its_mode(kernels):
     assert change(free, 1, SLACK) == (CONTINUE, PUSHING, 0.1, 1.0)
     assert change(CAPPED, 2, PUSHING) == (CONTINUE, YIELDING, 0.1, 1.0)
     assert change(CAPPED, 2, YIELDING) == (CONTINUE, PUSHING, 0.5, kernels.flattening(single(CAPPED), 0.5))
+
+
+def looked_at(monkeypatch, work):
+    """How often the dense output is evaluated in some work."""
+    count, plain = [], pairs.evaluate
+    monkeypatch.setattr(pairs, "evaluate", lambda *arguments: (count.append(1), plain(*arguments)))
+    work()
+    monkeypatch.setattr(pairs, "evaluate", plain)
+    return len(count)
 
 
 def motion_of(edges, place, rate, acceleration):
@@ -115,7 +129,7 @@ def motion_of(edges, place, rate, acceleration):
 
 @pytest.mark.parametrize("edges", [(0.0, 1.7), (0.0, 1.2, 1.9), (0.0, 0.2, 0.5, 1.6), (0.0, 0.9, 1.04, 1.5)])
 @pytest.mark.parametrize("bend", [1.7, -0.25])
-def test_largest_force_and_indentation_of_a_cubic_are_found_where_its_rate_is_zero(kernels, edges, bend):
+def test_largest_force_and_indentation_of_a_cubic_are_found_where_its_rate_is_zero(kernels, monkeypatch, edges, bend):
     """d = 2 t - 1.3 t^2 - b t^3 and F = 9 d: t from the quadratic; whichever step holds it, or begins highest."""
     turn = (math.sqrt(6.76 + 24 * bend) - 2.6) / (6 * bend)
     edges = [turn * edge for edge in edges]
@@ -131,6 +145,8 @@ def test_largest_force_and_indentation_of_a_cubic_are_found_where_its_rate_is_ze
     deepest, when = kernels._turning(record, steps, y)
     assert when == pytest.approx(turn, rel=1e-12)
     assert deepest == pytest.approx(place(turn), rel=1e-14)
+    # regula falsi in the manner of Illinois: a dozen evaluations beside two for each step
+    assert looked_at(monkeypatch, lambda: kernels._turning(record, steps, y)) <= 11 + 2 * steps
     system = PairSystem(SPRING, 5.0, 0.0)
     most, at = kernels._largest_force(system, record, steps, y)
     assert most == pytest.approx(9.0 * place(turn), rel=1e-11)  # five parabolas through a cubic
@@ -151,12 +167,10 @@ def test_largest_force_at_an_end_of_a_step_is_that_of_the_end(kernels):
 
 @pytest.mark.parametrize(("n", "e"), [(1.0, 0.6), (1.5, 1.0), (2.3, 0.35)])
 def test_an_impact_by_steps_is_that_of_the_closed_form(kernels, n, e):
-    """The kernel's own answers beside `solve_impact` without anything beyond the closed form, for three impacts."""
-    contact, masses, speeds = Contact(2e6, n, exact(e)), np.array([0.3, 2.0]), np.array([5.0, 0.7])
-    out = np.empty((7, 2))
-    kernels.impacts(
-        np.tile(single(contact), (2, 1)), masses, speeds, np.zeros(2), 1e-10, empty_record(100, 2, 1, 3), out
-    )
+    """The kernel's own answers beside `solve_impact` without anything beyond the closed form, for two impacts."""
+    contact, masses, speeds = Contact([2e6, 7e5], n, exact(e)), np.array([0.3, 2.0]), np.array([5.0, 0.7])
+    out, record = np.empty((7, 2)), empty_record(100, 2, 1, 3)
+    kernels.impacts(rows(contact, (2,)), masses, speeds, np.zeros(2), 1e-10, record, out)
     found = solve_impact(contact, masses, np.inf, speeds)
     assert found.method == "closed form"
     expected = [found.restitution, found.max_indentation, found.peak_force, found.duration]
@@ -250,3 +264,38 @@ def test_each_of_several_laws_has_depths_and_energies_of_its_own(kernels):
         2 * L / math.pi * math.atan(math.pi * F / (2 * k * L)) for k, L, F in ((700.0, 0.02, 90.0), (300.0, 0.05, 2.0))
     ]
     assert out[:2] == pytest.approx(expected, rel=1e-13)
+
+
+def test_several_spots_each_have_their_own_slope_and_set(kernels):
+    laws = np.array([single(CAPPED), single(Contact(2e6, 1.5, cap=PressureCap(50.0, "point")))])
+    deep, d, left, flat, slope = np.array([0.02, 0.004]), np.array([0.019, 0.0035]), *np.empty((3, 2))
+    kernels.spots(laws, deep, left, flat)
+    kernels.slopes_back(laws, d, deep, slope)
+    for i in range(2):
+        s = kernels.flattening(laws[i], deep[i])
+        assert (left[i], flat[i]) == (kernels.residual(deep[i], s), s)
+        assert slope[i] == kernels.unyielding(laws[i], d[i], deep[i], s)[1]
+
+
+@pytest.mark.parametrize(("damped", "share"), [(False, 0.01), (True, 0.002)])
+def test_a_blow_is_alike_in_units_of_any_size_and_begins_with_a_hundredth_of_its_way(kernels, damped, share):
+    """3 kg on 2e-7 N/m, or 2e5; the first step is 0.01 d/v, a fifth of that with a damper."""
+    answers = []
+    for stiffness in (2e-7, 2e5):
+        w, record, out = math.sqrt(stiffness / 3.0), empty_record(100, 2, 1, 3), np.empty((7, 1))
+        law = single(Contact(stiffness, 1.0, damper=Damper(0.3 * w, 0.0) if damped else None))
+        kernels.impacts(law[None], np.array([3.0]), np.array([0.7]), np.zeros(1), 1e-8, record, out)
+        assert record.step[0] == pytest.approx(share / w, rel=1e-12)
+        answers.append(out[:, 0] * [1.0, w, 1 / w, w, w, w, 1.0])
+    # the time of a flat top: the root of rounding
+    assert answers[0] == pytest.approx(answers[1], rel=1e-7)
+
+
+def test_bodies_that_stay_together_have_no_answer(kernels):
+    """A dashpot that pulls: critical damping never parts, and one just below parts with exp(-zeta pi/sqrt(1 - zeta^2))."""
+    for zeta, parts in ((0.98, True), (1.0, False)):
+        law, out = single(Contact(100.0, 1.0, damper=Damper(20.0 * zeta, 0.0, "pulls"))), np.empty((7, 1))
+        kernels.impacts(law[None], np.ones(1), np.ones(1), np.zeros(1), 1e-10, empty_record(400, 2, 1, 3), out)
+        assert np.isfinite(out).all() == parts
+        if parts:
+            assert out[0, 0] == pytest.approx(math.exp(-zeta * math.pi / math.sqrt(1 - zeta**2)), rel=1e-3)
