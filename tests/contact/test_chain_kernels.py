@@ -308,7 +308,7 @@ def test_switches_of_every_kind_of_link(kernels):
     y = np.array([1.75, 1.0, 5.0, 8.0])  # d = 0.5, d' = -3
     ones = [1.0, 1.0, 1.0]
     stop, contact = 1.0 - 18.0 / 100.0, 1.0 - 0.5
-    pushing = switches(kernels, chain, y, [PUSHING] * 4 + [SLIDING], memory)
+    pushing = switches(kernels, chain, y, [OPEN] + [PUSHING] * 3 + [SLIDING], memory)
     assert pushing[0] == ones
     assert pushing[1] == pytest.approx([0.5, stop, 1.0])
     assert pushing[2] == pytest.approx([0.5, contact, 1.0])
@@ -319,7 +319,7 @@ def test_switches_of_every_kind_of_link(kernels):
     assert slack[2] == pytest.approx([0.5, 1e-9 - contact, 1.0], abs=1e-15)
     assert slack[3] == pytest.approx([0.5, 1e-9 - 1.0, 1.0], abs=1e-15)
     assert slack[4] == [-5.0 + 1e-12, 1.0, 1.0]
-    apart = switches(kernels, chain, y, [OPEN] * 4 + [STICKING], memory)
+    apart = switches(kernels, chain, y, [PUSHING] + [OPEN] * 3 + [STICKING], memory)
     assert apart[1:4] == [[-0.5, 1.0, 1.0]] * 3
     assert switches(kernels, chain, y, [OPEN] * 3 + [YIELDING, SLIDING], memory)[3] == [1.0, 1.0, -3.0]
     # a spot that has sunk by 0.6 (1 - 1/1.25) is left where that much is left
@@ -379,6 +379,23 @@ def test_switching_changes_modes_and_remembers(kernels):
         assert list(mode) == [OPEN] * 5
         assert memory[6] == memory[7] == deepest
         assert lost == kernels.stored(chain.values[1], 0.75, 0.75)
+
+
+def test_three_bodies_and_one_base_in_a_row(kernels):
+    """1, 2 and 4 kg, springs of 10, 20 and 40 N/m pressed by 0.5, 0.25 and 0.125 m: 5 N in each of them."""
+    links = [Spring("a", "b", 10.0), Spring("b", "c", 20.0), Spring("c", "w", 40.0, 2.0)]
+    made = link_arrays(links, ["a", "b", "c", "w"])
+    bodies = np.column_stack([[1.0, 2.0, 4.0], [0.0, 0.0, 0.25]])
+    chain = ChainTables(bodies, np.array([[0.125], [-3.0], [0.0], [0.0]]), *made)
+    y = np.array([1.0, 0.5, 0.25, 7.0, 8.0, 9.0, 0.0, 0.0, 0.0])
+    assert [kernels.link_motion(chain, i, y) for i in range(3)] == [(0.5, -1.0), (0.25, -1.0), (0.125, 12.0)]
+    dy, power, mode = np.full(9, np.nan), np.full(3, np.nan), np.full(3, PUSHING)
+    kernels.chain_rates(chain, y, mode, memory_of(made), dy, power)
+    assert list(dy[:6]) == [7.0, 8.0, 9.0, -5.0, 0.0, 0.25 - 6.0]
+    assert list(power) == [0.0, 0.0, 288.0]
+    assert list(chain.bases[FORCE]) == [29.0]
+    assert kernels.frictionless(chain, 2, y, mode, memory_of(made)) == 0.25 - 6.0
+    assert kernels.frictionless(chain, 3, y, mode, memory_of(made)) == 0.0
 
 
 def test_a_system_of_a_chain_moves_its_bases_first(kernels):

@@ -6,8 +6,11 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from scipy.interpolate import CubicSpline
+from scipy.signal.windows import hann
 
 from strikewave.hopkinson import (
+    Bar,
     Carrier,
     GaugeTrace,
     align,
@@ -15,6 +18,7 @@ from strikewave.hopkinson import (
     find_pulses,
 )
 from strikewave.hopkinson.alignment import _averaged, _late_by_balance, _late_by_onset, _spline, _within
+from strikewave.hopkinson.pulses import Pulses
 from strikewave.hopkinson.shifting import _running, _wave_numbers, highest_frequency
 from strikewave.waves.dispersion import Rod, wave_number
 
@@ -172,6 +176,9 @@ def test_moves_that_balance_forces_are_those_by_which_the_waves_came_late():
     )  # fmt: skip
     # half a thousandth of the window: means of ten samples are a little lower than the waves
     assert _late_by_balance(waves, (2.0, 1.0)) == pytest.approx((80.0, -120.0), abs=0.2)
+    # only while the incident wave lasts: the pulse is cut at 0.73 of its height
+    waves.loaded = 840.0
+    assert _late_by_balance(waves, (2.0, 1.0)) == pytest.approx((80.0, -120.0), abs=0.4)
     # 25 samples of load are three means of ten
     waves.loaded = 25.0
     assert _late_by_balance(waves, (2.0, 1.0)) == (0.0, 0.0)
@@ -179,6 +186,90 @@ def test_moves_that_balance_forces_are_those_by_which_the_waves_came_late():
     assert _late_by_balance(waves, (2.0, 1.0)) != (0.0, 0.0)
     nothing = SimpleNamespace(**{**vars(waves), **dict.fromkeys(("incident", "reflected", "transmitted"), 0.0 * t)})
     assert np.all(np.isfinite(_late_by_balance(nothing, (2.0, 1.0))))
+
+
+def made_of(waves, late=(0.0, 0.0, 0.0), step=1e-7, size=4096, lead=100e-6, noise=1e-9):
+    """Pulses whose windows begin so late after the geometric arrival, of waves over the time from then on."""
+    t = step * np.arange(size) - lead
+    incident, reflected, transmitted = (wave(t + one) for wave, one in zip(waves, late, strict=True))
+    quiet = SimpleNamespace(noise=noise)
+    return Pulses(
+        incident, reflected, transmitted, step, (7e-6, 0.0, 0.0), late, 7e-6 + lead, 7e-6 + lead + 130e-6, 20e-6, 1e-3,
+        90e-6, (quiet, SimpleNamespace(noise=3e-9)),
+    )  # fmt: skip
+
+
+def gaussian(height, at=60e-6, width=18e-6):
+    return lambda t: height * np.exp(-(((t - at) / width) ** 2))
+
+
+BARS = Bar(8000.0, 2e11, 0.02, 0.9), Bar(2700.0, 7e10, 0.03, 0.4)
+
+
+def test_waves_at_the_specimen_lie_on_the_clock_of_the_arrival():
+    """Windows that begin 0.2, 0.7 and 0.45 of a step early: each wave is again that of its time."""
+    waves = gaussian(1e-3), gaussian(-4e-4, 63e-6), gaussian(7e-4, 58e-6)
+    pulses = made_of(waves, (-0.2e-7, -0.7e-7, -0.45e-7))
+    found = align(pulses, BARS, "none")
+    assert found.time == pytest.approx(1e-7 * np.arange(4096) - 100e-6, abs=1e-18)
+    for wave, made in zip((found.incident, found.reflected, found.transmitted), waves, strict=True):
+        assert wave == pytest.approx(made(found.time), abs=1e-12)
+    assert found.loaded == pytest.approx(130e-6, rel=1e-12)
+    assert (found.window, found.step, found.noise) == (20e-6, 1e-7, (1e-9, 3e-9))
+    assert (found.method, found.theory, found.applied, found.beyond) == ("geometric", "none", (0.0, 0.0), False)
+    assert align(dataclasses.replace(pulses, rise=0.3e-7), BARS, "none").window == 1e-7
+
+
+@pytest.mark.parametrize("method", ["onset", "balance"])
+def test_a_wave_that_is_moved_keeps_its_bar_its_way_and_its_dispersion(method):
+    """Unequal bars: what is moved is the geometric wave so much earlier, to the rounding of a cubic between samples."""
+    stiff, soft = (bar.stiffness for bar in BARS)
+    share = stiff / soft
+    waves = gaussian(1e-3), gaussian(-4e-4, 60e-6 + 3e-6), gaussian(6e-4 * share, 60e-6 - 2e-6)
+    pulses = made_of(waves, (-0.2e-7, -0.7e-7, -0.45e-7))
+    plain, moved = (align(pulses, BARS, "pochhammer-chree", one) for one in ("geometric", method))
+    assert not moved.beyond
+    late = getattr(plain, f"late_{method}")
+    assert moved.applied == getattr(moved, f"late_{method}") == late
+    assert moved.method == method
+    # e_i of 1e-3 - 4e-4 balances: as late as they were made but for dispersion, which takes up to 0.7 us
+    if method == "balance":
+        assert late == pytest.approx((3e-6, -2e-6), abs=0.8e-6)
+    assert np.array_equal(moved.incident, plain.incident)
+    for name, by in zip(("reflected", "transmitted"), late, strict=True):
+        earlier = CubicSpline(plain.time, getattr(plain, name))(plain.time + by)
+        assert getattr(moved, name)[200:-200] == pytest.approx(earlier[200:-200], abs=1e-9)
+        # back over the way of its own bar, as the transform of the whole record says
+        bar, wave = BARS[name == "transmitted"], waves[1 + (name == "transmitted")]
+        whole = np.concatenate([wave(plain.time), np.zeros(4096)])
+        carried_back = travelled(whole, 1e-7, -bar.gauge_distance, bar)
+        again = np.roll(carried_back, round(bar.delay / 1e-7))[:4096]
+        part = bar.delay / 1e-7 - round(bar.delay / 1e-7)
+        expected = CubicSpline(plain.time, again)(plain.time + part * -1e-7)
+        assert getattr(plain, name)[200:-200] == pytest.approx(expected[200:-200], abs=2e-8)
+
+
+def test_moves_at_the_edge_of_the_window_are_not_made():
+    """30 us late in a window of 20 us: geometry stays, and it is said."""
+    waves = gaussian(1e-3), gaussian(-4e-4, 90e-6), gaussian(6e-4 * BARS[0].stiffness / BARS[1].stiffness)
+    for method in ("onset", "balance"):
+        found = align(made_of(waves), BARS, "none", method)
+        assert found.beyond
+        assert found.applied == (0.0, 0.0)
+        assert found.reflected == pytest.approx(waves[1](found.time), abs=1e-12)
+
+
+@pytest.mark.parametrize("distance", [0.6, -0.6])
+def test_a_wave_that_is_cut_is_led_to_zero_by_half_a_cosine(distance):
+    """Hann's window of twice the length beyond the last sample, and nothing after it."""
+    t = 1e-7 * np.arange(3000)
+    rise = 0.5 - 0.5 * np.cos(np.pi * np.clip((t - 3e-5) / 3e-5, 0.0, 1.0))
+    pulse = rise * (1.0 - 0.3 * t / t[-1])
+    whole = np.concatenate([pulse, pulse[-1] * hann(6001)[3001:], np.zeros(10_000)])
+    bar = SimpleNamespace(rod=Rod(0.01, 5000.0, 0.29))
+    far = np.roll(travelled(whole, 1e-7, distance, bar), -round(distance / 5000.0 / 1e-7))[:3000]
+    # records of other lengths, whose ends meet
+    assert carried(pulse, 1e-7, distance, Carrier(bar.rod)) == pytest.approx(far, abs=2e-6)
 
 
 def test_means_curves_and_windows_of_moves():

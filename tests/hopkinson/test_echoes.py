@@ -1,6 +1,7 @@
 """A bar calibrated by its echoes: delay lines, a dispersive and lossy bar made in frequency, records that cannot do."""
 
 import math
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -10,6 +11,8 @@ from strikewave.base.errors import InputError
 from strikewave.hopkinson import Bar, GaugeTrace
 from strikewave.hopkinson.echoes import (
     FittedValue,
+    _band,
+    _delay,
     _first_large,
     _foretold,
     _known_length,
@@ -17,10 +20,17 @@ from strikewave.hopkinson.echoes import (
     _near_peak,
     _odd,
     _PassData,
+    _Passes,
+    _passes,
     _phase_speed,
+    _Places,
+    _places,
+    _plain_times,
     _plane,
     _speed_and_length,
     _taper,
+    _trips,
+    _turns,
     calibrate_bar,
 )
 from strikewave.waves import End, Layer, LoadPulse, Stack, Tap, WantedError, run_bar
@@ -179,6 +189,17 @@ def test_passes_of_a_bar_without_noise_give_its_constants():
     assert found.speed.value == pytest.approx(5000.0, rel=1e-6)
     assert found.length.value == pytest.approx(2.0, rel=1e-6)
     assert found.attenuation.value == pytest.approx(0.05, rel=1e-4)
+    # 1.6 m round the near end is the shorter way, and dispersion takes a microsecond; twelve passes in six trips
+    assert found.window == pytest.approx(320e-6, abs=2e-6)
+    assert (found.times.size, found.first, found.speed.freedom) == (12, 0, 9)
+    assert found.times[0] == pytest.approx(100e-6 - 8e-6, abs=6e-6)
+    strong = found.frequency < 40e3
+    assert found.losses[strong] == pytest.approx(0.05, rel=5e-3)
+    assert found.phase_speed[strong] == pytest.approx(found.theory_speed[strong], rel=1e-5)
+    assert found.frequency[0] == pytest.approx(1.0 / found.window, rel=0.3)
+    later = calibrate_bar(echoes_of(BAR, loss=0.05), UNKNOWN, skip=2)
+    assert (later.times.size, later.first) == (10, 2)
+    assert later.times == pytest.approx(found.times[2:], abs=1e-12)
 
 
 def test_the_band_of_echoes_ends_at_3_percent_of_a_gaussian():
@@ -242,6 +263,25 @@ def passes_of(near, far, first=0, bar=UNKNOWN, way="towards", noise=0.0, late=(0
         np.repeat(times[:, None], 3, axis=1), logs, energy, np.array([9.0, 4.0, 1.0]), w, first, bar, "none"
     )
     return data, times, ends
+
+
+@pytest.mark.parametrize("way", ["towards", "away"])
+@pytest.mark.parametrize("first", [0, 1])
+def test_errors_of_a_bar_of_seconds_are_those_of_its_begin_too(way, first):
+    """3.2 and 4.8 s round the ends of 1.6 and 2.4 m: 0.5 m/s; slopes of the length of about one, as scipy carries them."""
+    slow = Bar(8000.0, 8000.0 * 0.51**2, 0.02, 0.8)
+    data, times, ends = passes_of(3.2, 4.8, first, noise=1e-3, way=way, bar=slow)
+    turns = [end - end[0] for end in ends]
+    free, _, _ = _speed_and_length(data, way)
+
+    def model(_, begin, speed, length):
+        return begin + 2.0 * (0.8 / speed * turns[0] + (length - 0.8) / speed * turns[1])
+
+    found, spread = curve_fit(model, times, times, (0.0, 0.5, 2.0), data.energy**-0.5, xtol=1e-13, ftol=1e-13)
+    error = np.sqrt(np.diag(spread))
+    # slopes by differences of scipy
+    assert free.speed == (pytest.approx(found[1], rel=1e-8), pytest.approx(error[1], rel=5e-5), 5)
+    assert free.length == (pytest.approx(found[2], rel=1e-8), pytest.approx(error[2], rel=5e-5), 5)
 
 
 @pytest.mark.parametrize("way", ["towards", "away"])
@@ -321,7 +361,7 @@ def test_a_pass_that_those_after_it_do_not_foretell_is_odd():
     values = np.array([0.0, 1.0, -1.0, 1.0, -1.0, 1.0, -1.0])
     fit, spread = np.polyfit(np.arange(1.0, 7.0), values[1:], 1, cov=True)
     error = math.sqrt(spread[1, 1] + np.sum((values[1:] - np.polyval(fit, np.arange(1.0, 7.0))) ** 2) / 4)
-    for times_error, sure in ((8.5, False), (8.7, True), (-8.7, True)):
+    for times_error, sure in ((8.605, False), (8.615, True), (-8.615, True)):
         values[0] = fit[1] + times_error * error
         apart, seen = _foretold(line, values, np.ones(7), 0)
         assert apart == pytest.approx(times_error * error, rel=1e-9)
@@ -354,3 +394,163 @@ def test_windows_and_largest_correlations_worked_by_hand():
     assert _near_peak(ramp, 104.0, 1.0) == 114
     for out in (1.0, 190.0):
         assert _near_peak(ramp, out, 1.0, fallback=7) == 7
+
+
+def trace_of(*parts, size=1200, onset=100):
+    """A quiet trace of pulses at places, each so many times one that rises as a square and falls in a line."""
+    one = np.concatenate([8.0 * (np.arange(21) / 20) ** 2, np.full(9, 8.0), 8.0 - 0.2 * np.arange(41)])
+    x = np.zeros(size)
+    for place, times in parts:
+        x[place : place + one.size] += times * one[: size - place]
+    return SimpleNamespace(trace=GaugeTrace(x, 0.5, 3.0), onset=onset, noise=0.0)
+
+
+FOOT = 100 + 2 * 10.0 - (14 + (0.5 - 0.49) / (0.5625 - 0.49))
+"""Of the line through a quarter, at sample 10 of the rise, and a half, between 14 and 15."""
+EXPECTED = Bar(1.0, 4.0, 0.02, 77.5)
+"""2 m/s: round its near end in 77.5 s, 155 samples of half a second."""
+
+
+def test_passes_are_found_by_correlation_near_to_where_they_are_expected():
+    """The second one at 150, though a deeper one lies at 280, unless that is twice as deep; the trip is 400."""
+    trace = trace_of((100, 1.0), (250, -0.6), (380, -0.9), (500, 0.95), (650, -0.5), (900, 0.9))
+    assert _places(trace, EXPECTED, "towards") == pytest.approx((FOOT, 150.0, 400.0), rel=1e-12)
+    away = Bar(1.0, 4.0, 0.02, 0.5 * (400 - 155))
+    assert _places(trace, away, "away") == pytest.approx((FOOT, 150.0, 400.0), rel=1e-12)
+    weak = trace_of((100, 1.0), (250, -0.44), (380, -0.9), (500, 0.95), (900, 0.9))
+    assert _places(weak, EXPECTED, "towards").near == 280.0
+    # nothing is expected within the trip: the deepest
+    for distance in (0.2, 210.0):
+        assert _places(trace, Bar(1.0, 4.0, 0.02, distance), "towards").near == 280.0
+    # nine tenths of the largest echo make a round trip, less does not
+    late = trace_of((100, 1.0), (250, -0.6), (500, 0.85), (900, 0.97))
+    assert _places(late, EXPECTED, "towards").around == 800.0
+    # a later pulse of twice the height: half of it is reached by the first one still, on its plateau
+    strong = trace_of((100, 1.0), (250, -0.6), (500, 1.9), (900, 1.9))
+    assert _places(strong, EXPECTED, "towards").foot == pytest.approx(FOOT, rel=1e-12)
+
+
+def test_records_of_one_pulse_are_refused_by_its_width():
+    """Half of the height at 150 and the foot at 105.86: two widths are 88 samples, and two of those must follow."""
+    assert int(2.0 * (150.0 - FOOT)) == 88
+    with pytest.raises(InputError, match="no echo of the sign of the first pulse"):
+        _places(trace_of((100, 1.0), size=106 + 176), EXPECTED, "towards")
+    with pytest.raises(InputError, match="one pulse alone"):
+        _places(trace_of((100, 1.0), size=106 + 175), EXPECTED, "towards")
+    with pytest.raises(InputError, match="one pulse alone"):  # it never falls
+        _places(trace_of((100, 1.0), size=140), EXPECTED, "towards")
+
+
+def test_passes_are_cut_out_turned_over_and_transformed(rng):
+    """From 100.4 on, 150 and 400 apart: windows of 150 samples from 30 before each place, padded to 600."""
+    x = rng.standard_normal(770)
+    quiet = SimpleNamespace(trace=GaugeTrace(x, 0.5, 3.0), noise=0.0)
+    for skip, places in ((0, [100, 250, 500, 650]), (1, [250, 500, 650])):
+        found = _passes(quiet, _Places(100.4, 150.0, 400.0), skip)
+        assert list(found.places) == places
+        assert (found.size, found.first) == (150, skip)
+        assert found.frequency == pytest.approx(np.arange(301) / 300.0, rel=1e-14)
+        for n, place in enumerate(places, skip):
+            part = (1 if n % 2 == 0 else -1) * _taper(150, 30) * x[place - 30 : place + 120]
+            assert found.spectra[n - skip] == pytest.approx(np.fft.rfft(part, 600), rel=1e-10, abs=1e-12)
+    # the far end nearer: 130 of the 400
+    assert _passes(quiet, _Places(100.4, 270.0, 400.0), 0).size == 130
+    # a last window that lacks a sample is no pass
+    short = SimpleNamespace(trace=GaugeTrace(x[:-1], 0.5, 3.0), noise=0.0)
+    assert list(_passes(short, _Places(100.4, 150.0, 400.0), 0).places) == [100, 250, 500]
+    with pytest.raises(InputError, match="2 passes"):
+        _passes(short, _Places(100.4, 150.0, 400.0), 1)
+    # passes end with the first that stays below the ceiling: 4.29 deviations in 770 samples are sqrt(2 ln 77000) = 4.74
+    x[470:620] *= 0.9 * 4.74 / np.abs(x[470:620]).max()
+    calm = SimpleNamespace(trace=GaugeTrace(np.concatenate([9.0 * x[:470], x[470:]]), 0.5, 3.0), noise=1.0)
+    with pytest.raises(InputError, match="2 passes"):
+        _passes(calm, _Places(100.4, 150.0, 400.0), 0)
+    calm.noise = 0.89
+    assert _passes(calm, _Places(100.4, 150.0, 400.0), 0).places.size >= 3
+    # a lead of 30 samples of half a second
+    early = SimpleNamespace(trace=GaugeTrace(x[70:], 0.5, 3.0), noise=0.0)
+    assert _passes(early, _Places(30.4, 150.0, 400.0), 0).places[0] == 30
+    with pytest.raises(InputError, match=r"1\.45e\+07 us before the first pass: at least 1\.5e\+07 us|1\.45e\+07 us"):
+        _passes(early, _Places(29.4, 150.0, 400.0), 0)
+
+
+def test_the_band_of_passes_worked_by_hand():
+    """From 1/(20 x 0.25 ms) = 200 Hz on, up to where a pass is below 10 x 0.1 sqrt(20) = 4.47 or 3 % of its strongest."""
+    strong = np.array([99.0, 9.0, 9.0, 9.0, 9.0, 5.0, 9.0, 9.0, 9.0, 9.0])
+    for second, low, high in (
+        (np.full(10, 9.0), 2, 10),
+        (np.where(np.arange(10) == 7, 4.4, 9.0), 2, 7),
+        (np.where(np.arange(10) == 7, 4.5, 9.0), 2, 10),
+        (np.where(np.arange(10) == 0, 301.0, 9.0), 2, 2),
+        (np.where(np.arange(10) == 0, 299.0, 9.0), 2, 10),
+        (np.where(np.arange(10) < 2, 0.0, 9.0), 2, 10),
+    ):
+        passes = _Passes(np.arange(2), 20, 100.0 * np.arange(10), np.array([strong, second * 1j]), 0)
+        found = _band(passes, SimpleNamespace(noise=0.1, trace=SimpleNamespace(step=0.25e-3)))
+        assert list(found) == list(range(low, high))
+
+
+def test_delays_by_phase_are_those_the_passes_were_made_with():
+    """400 samples, and -0.3 to 1.4 ms more, whose phase turns over several times in the band."""
+    frequency = np.arange(0.0, 5000.0, 50.0)
+    more = -0.3e-3 + 1.7e-3 * (frequency / 5000.0) ** 2
+    band = np.arange(4, 90)
+    first = np.exp(1j * frequency / 700.0) * (1.0 + frequency)
+    passes = _Passes(
+        np.array([100, 500]), 50, frequency, np.array([first, 0.5 * first * np.exp(-2j * np.pi * frequency * more)]), 0
+    )
+    assert _delay(passes, 1, band, 0.5e-3) == pytest.approx(0.2 + more[band], rel=1e-12)
+    assert _delay(passes, 0, band, 0.5e-3) == pytest.approx(np.zeros(86), abs=1e-15)
+
+
+def test_plain_times_are_least_squares_of_phases():
+    """w^2 of the weight: (3 x 1 d1 + 1 x 4 d2)/7 without dispersion; with it, each frequency as much later as it is slow."""
+    data = passes_of(320e-6, 480e-6)[0]
+    small = data._replace(
+        delays=np.array([[0.0, 0.0], [7.0, 14.0]]), weight=np.array([3.0, 1.0]), w=np.array([1.0, 2.0])
+    )
+    assert _plain_times(small, 5000.0) == pytest.approx([0.0, 11.0], rel=1e-14)
+    slow = data._replace(theory="pochhammer-chree", w=2.0 * np.pi * np.array([2e4, 6e4, 1e5]))
+    later = (
+        np.asarray(wave_number(slow.w, UNKNOWN.rod._replace(bar_speed=4900.0), "pochhammer-chree")).real
+        * 4900.0
+        / slow.w
+    )
+    assert later.max() > 1.02
+    root = np.sqrt(slow.weight) * slow.w
+    expected = [np.linalg.lstsq((root * later)[:, None], root * one, rcond=None)[0][0] for one in slow.delays]
+    assert _plain_times(slow, 4900.0) == pytest.approx(expected, rel=1e-12, abs=1e-18)
+
+
+def test_turns_and_trips_before_each_pass():
+    data = passes_of(320e-6, 480e-6)[0]._replace(energy=np.ones(5))
+    assert _turns(data, "towards").T.tolist() == [[1.0] * 5, [0, 1, 1, 2, 2], [0, 0, 1, 1, 2]]
+    assert _turns(data, "away").T.tolist() == [[1.0] * 5, [0, 0, 1, 1, 2], [0, 1, 1, 2, 2]]
+    assert _trips(data).T.tolist() == [[1.0] * 5, [0, 1, 0, 1, 0], [0, 0, 1, 1, 2]]
+    later = data._replace(first=3)
+    assert _turns(later, "towards").T.tolist() == [[1.0] * 5, [0, 0, 1, 1, 2], [0, 1, 1, 2, 2]]
+    assert _trips(later).T.tolist() == [[1.0] * 5, [1, 0, 1, 0, 1], [0, 1, 1, 2, 2]]
+
+
+def test_no_pass_is_odd_that_less_than_two_too_many_foretell():
+    """Three values are sought: of six passes the first is judged by five, of seven the second too, of five none."""
+    for count, late, number in (
+        (7, (0.0, 3e-6), 2),
+        (6, (0.0, 3e-6), None),
+        (6, (3e-6, 0.0), 1),
+        (5, (3e-6, 0.0), None),
+    ):
+        data, times, ends = passes_of(320e-6, 480e-6, noise=1e-9, late=late)
+        few = data._replace(delays=data.delays[:count], logs=0.0 * data.logs[:count], energy=data.energy[:count])
+        found = _odd(few, times[:count], np.column_stack([np.ones(8), *ends])[:count], 1e-7)
+        assert (found and found.number) == number, (count, late)
+
+
+def test_what_is_foretold_weighs_the_pass_itself():
+    """A mean of four, weights 2, and a value of weight 1/2: sqrt(s^2 (2 + 1/8)); Student at 1 in 1000, 3 degrees: 12.924."""
+    values = np.array([0.0, 1.0, -1.0, 1.0, -1.0])
+    weight = np.array([0.5, 2.0, 2.0, 2.0, 2.0])
+    spread = math.sqrt(2 * 4 / 3 * (2 + 1 / 8))
+    for times, sure in ((12.91, False), (12.94, True)):
+        values[0] = times * spread
+        assert _foretold(np.ones((5, 1)), values, weight, 0) == (pytest.approx(times * spread, rel=1e-12), sure)
