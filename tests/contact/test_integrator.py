@@ -61,7 +61,7 @@ def follow(monkeypatch):
             horizon=lambda t, y, mode, memory: horizon,
             switch=switch,
         )
-        mode, memory, record = np.zeros(2, np.int64), np.array([7.0]), empty_record(rows, y.size, 2, 1)
+        mode, memory, record = np.zeros(2, np.int64), np.array([7.0, 3.0]), empty_record(rows, y.size, 2, 2)
         control = Control(
             tolerance,
             limits.get("scale", np.ones(y.size)),
@@ -195,6 +195,7 @@ def test_switches_are_found_where_they_fall_and_change_what_they_say(follow):
         assert np.all(done.modes[later, 0] > n)
         assert np.all(done.modes[~later, 0] <= n)
         assert done.memories[before - 1, 0] == pytest.approx(7.0 if not n else 10.0 * done.events[n - 1][0])
+    assert np.all(done.memories[:, 1] == 3.0)
     assert np.all(done.modes[:, 1] == 0)
     # after the second a step of 0.01, then six times that
     begins = done.events[1][2]
@@ -229,6 +230,26 @@ def test_a_dip_between_two_samples_is_seen_from_either_side(follow, at, width):
     assert done.why == STOPPED
     assert done.t == pytest.approx(at - width, abs=1e-13)
     assert done.events[0][1] == 1
+
+
+@pytest.mark.parametrize(("lowest", "looked"), [(0.98, True), (1.02, False)])
+@pytest.mark.parametrize("place", [-1.6, -1.2, -0.7, -0.4])
+def test_a_dip_is_looked_for_where_the_parabola_falls_to_a_quarter_of_its_samples(follow, lowest, looked, place):
+    """Samples at -2, -1 and 0 of 5 (s - s0)^2 + q, q so many quarters of the least of them; there is a dip where one looks."""
+    done = follow(lambda t, y: [1.0], [0.0], 1.0, h=1.0)
+    away = np.array([-2.0, -1.0, 0.0]) - place
+    least = 5.0 * np.min(away**2)
+    q = lowest * 0.25 / (1.0 - lowest * 0.25) * least
+    rows = [np.array([9.0, 5.0 * one**2 + q]) for one in away]
+    at = (3 + place) / 4
+    done.system.switches = lambda t, y, mode, memory, g: np.copyto(g, [9.0, abs(t - at) - 0.01])
+    found = done.kernels._dip(done.system, 0.0, 1.0, done.dense[0], None, None, 3, *rows, np.empty(1), np.empty(2))
+    assert found == ((1, pytest.approx(at - 0.01, abs=1e-14)) if looked else (-1, 1.0))
+    # a hill has none, nor what is below zero at a sample
+    for other in ([np.array([9.0, 20.0 - one[1]]) for one in rows], [-rows[0], *rows[1:]]):
+        assert done.kernels._dip(
+            done.system, 0.0, 1.0, done.dense[0], None, None, 3, *other, np.empty(1), np.empty(2)
+        ) == (-1, 1.0)
 
 
 def test_no_switch_is_seen_where_a_dip_stays_above_zero(follow):

@@ -7,8 +7,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from strikewave.hopkinson import Bar
-from strikewave.hopkinson.bar_end import compare_sensor, elastic_disk, free_end, rigid_disk
+from strikewave.hopkinson import Bar, bar_end
+from strikewave.hopkinson.bar_end import _moved, compare_sensor, elastic_disk, free_end, rigid_disk
 from strikewave.waves import Layer
 
 BAR = Bar(2700.0, 70e9, 0.02, 1.0)
@@ -137,14 +137,14 @@ def test_the_ratio_of_peaks_compares_the_same_lobe(gain, second, first):
 
 def test_a_ramp_goes_through_an_elastic_disk_of_the_bar_itself_to_its_last_sample():
     """v = 2 c e one transit later, and its slope; the force on the disk is E A e until the face outside answers."""
-    disk = Layer("disk", BAR.density, BAR.modulus, BAR.area, 40 * STEP * BAR.speed)
+    disk = Layer("disk", BAR.density, BAR.modulus, BAR.area, 80 * STEP * BAR.speed)
     ramp = 1e-6 * np.arange(300.0)
     motion = elastic_disk(ramp, STEP, BAR, disk)
-    late = 2.0 * BAR.speed * 1e-6 * np.maximum(np.arange(300) - 40, 0)
+    late = 2.0 * BAR.speed * 1e-6 * np.maximum(np.arange(300) - 80, 0)
     assert motion.velocity == pytest.approx(late, abs=1e-8 * late[-1])
-    assert motion.acceleration[42:] == pytest.approx(2.0 * BAR.speed * 1e-6 / STEP, rel=1e-6)
+    assert motion.acceleration[82:] == pytest.approx(2.0 * BAR.speed * 1e-6 / STEP, rel=1e-6)
     # the wave back from the outer face, free, takes away what came two transits before
-    force = BAR.stiffness * 1e-6 * (np.arange(300) - np.maximum(np.arange(300) - 80, 0))
+    force = BAR.stiffness * 1e-6 * (np.arange(300) - np.maximum(np.arange(300) - 160, 0))
     assert motion.force == pytest.approx(force, abs=1e-8 * force[-1])
 
 
@@ -186,3 +186,35 @@ def test_a_heavy_or_a_light_disk_follows_a_ramp_in_closed_form(rate):
     assert motion.velocity == pytest.approx(exact, rel=1e-9, abs=1e-12 * slope * tau)
     assert motion.velocity[0] == 0.0
     assert motion.acceleration == pytest.approx(slope * -np.expm1(-t / tau), rel=1e-9, abs=1e-12 * slope)
+
+
+@pytest.mark.parametrize(("transit", "steps"), [(5.0, 20), (26.4, 27), (31.0, 31), (20.0 + 1e-9, 20)])
+def test_a_disk_is_crossed_in_twenty_steps_at_least_and_in_a_whole_number(monkeypatch, transit, steps):
+    """Of the record's step where that makes more; rounding adds none."""
+    asked, plain = [], bar_end.run_bar
+    monkeypatch.setattr(bar_end, "run_bar", lambda *a: (asked.append(a), plain(*a))[1])
+    disk = Layer("disk", BAR.density, BAR.modulus, BAR.area, transit * STEP * BAR.speed)
+    elastic_disk(PULSE[:60], STEP, BAR, disk)
+    stack, load, taps, end, wanted = asked[0]
+    assert wanted.step == pytest.approx(disk.transit / steps, rel=1e-12)
+    # the bar before it is longer than the record, and the run ends with it
+    assert stack.layers[0].transit == pytest.approx(1.01 * 60 * STEP, rel=1e-12)
+    assert end == pytest.approx(stack.layers[0].transit + 59 * STEP, rel=1e-12)
+    assert [(tap.layer, tap.position) for tap in taps] == [(1, 0.0), (1, 1.0)]
+    assert load.values == pytest.approx(BAR.stiffness * PULSE[:60], rel=1e-15)
+
+
+def test_a_reading_is_moved_between_samples_by_a_cubic_and_is_zero_before_its_begin():
+    cubes = np.arange(6.0) ** 3
+    assert _moved(cubes, 0.5) == pytest.approx([0.0, *(np.arange(5) + 0.5) ** 3], rel=1e-12)
+    assert _moved(cubes, -1.25) == pytest.approx([*(np.arange(4) + 1.25) ** 3, 0.0, 0.0], rel=1e-12)
+    assert _moved(cubes, 0.0) == pytest.approx(cubes, abs=1e-12)
+
+
+def test_a_delay_lies_at_the_vertex_of_three_correlations():
+    """A reference of one sample: the reading is its own correlation, 3, 8, 7 about sample 5; vertex 1/3 later."""
+    one, reading = np.zeros(12), np.zeros(12)
+    one[2], reading[4:7] = 1.0, [3.0, 8.0, 7.0]
+    vertex = 5.0 + 0.5 * (3.0 - 7.0) / (3.0 - 16.0 + 7.0)
+    assert compare_sensor(reading, one, 0.5).delay == pytest.approx(0.5 * (vertex - 2.0), rel=1e-12)
+    assert compare_sensor(-reading, one, 0.5).delay == pytest.approx(0.5 * (vertex - 2.0), rel=1e-12)

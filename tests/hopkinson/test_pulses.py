@@ -193,6 +193,10 @@ def test_the_split_is_the_least_of_the_criterion_of_maeda_1985(rng):
         whole = [n * np.log(np.var(x[:n])) + (size - n - 1) * np.log(np.var(x[n:])) for n in range(3, size - 2)]
         assert split(x) == split(x + 5.0) == split(1e-3 * x) == 3 + int(np.argmin(whole))
     assert split(np.arange(7.0)) == 0
+    # noise alone: the least of many that are nearly alike
+    for x in rng.standard_normal((150, 14)):
+        whole = [n * np.log(np.var(x[:n])) + (13 - n) * np.log(np.var(x[n:])) for n in range(3, 12)]
+        assert split(x) == 3 + int(np.argmin(whole))
     # a head of zeros has no variance: rounding stands for it
     assert split(np.concatenate([np.zeros(20), [1.0, -1.0, 1.0, -1.0]])) == 20
 
@@ -284,6 +288,28 @@ def test_a_trace_is_taken_from_three_quarters_of_its_quiet_head(sign):
     assert (found.trace.step, found.trace.start) == (0.5, 7.0)
     assert found.trace.strain[40:85] == pytest.approx(TRAPEZOID, abs=1e-4)
     assert found.drift == pytest.approx(drift(sign * own), abs=1e-12)
+
+
+def test_the_line_is_the_mean_of_the_head_and_not_the_median_of_the_trace():
+    """One sample in three at 5.5, the others at 5: a line of 5.17 or so, from which the pulse is counted."""
+    head = 5.0 + np.tile([0.0, 0.0, 0.5], 16)
+    after = np.concatenate([5.0 + 10.0 * TRAPEZOID, np.tile([5.0, 5.0, 5.5], 20)])
+    found = quieten(GaugeTrace(np.concatenate([head, after]), 0.5), "trace")
+    own = head[: int(0.75 * found.onset)]
+    assert 5.1 < own.mean() < 5.25
+    assert found.baseline == pytest.approx(own.mean(), rel=1e-13)
+    assert found.trace.strain[48:] == pytest.approx(after - own.mean(), abs=1e-12)
+
+
+def test_windows_last_to_the_last_sample_of_a_record(shot):
+    """The reflected pulse's window to the end of the first record, the transmitted one's to the end of the second."""
+    bars, _, traces, _ = shot
+    found = find_pulses(*traces, bars)
+    assert found.starts[1] + found.duration == pytest.approx(traces[0].time[-1], abs=0.01 * STEP)
+    short = find_pulses(traces[0], cut(traces[1], 0, 8200), bars)
+    assert short.starts[2] + short.duration == pytest.approx(traces[1].time[8199], abs=0.01 * STEP)
+    assert short.transmitted[-1] == short.traces[1].trace.strain[8199]
+    assert short.incident.size == short.reflected.size == short.transmitted.size
 
 
 def test_short_traces_and_bad_steps_are_refused_in_words():
