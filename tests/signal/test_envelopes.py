@@ -13,8 +13,8 @@ def test_factor_of_the_nist_handbook():
     assert tolerance_factor(43, 0.90, 0.99) == pytest.approx(1.8740, abs=5e-5)
 
 
-@pytest.mark.parametrize("count", [3, 7, 30, 300])
-@pytest.mark.parametrize("share", [(0.95, 0.5), (0.99, 0.9)])
+@pytest.mark.parametrize("count", [2, 3, 7, 30, 300])
+@pytest.mark.parametrize("share", [(0.95, 0.5), (0.99, 0.9), (0.5, 0.005), (0.995, 0.5)])
 def test_factor_is_that_of_the_other_implementation_of_non_central_t(count, share):
     wanted = nct.ppf(share[1], count - 1, ndtri(share[0]) * count**0.5) / count**0.5
     assert tolerance_factor(count, *share) == pytest.approx(wanted, rel=1e-7)
@@ -51,6 +51,7 @@ def test_envelope_is_nowhere_below_any():
             r"one row each, all at the same frequencies, got shapes \[\(1,\), \(2,\)\]",
         ),
         (lambda: envelope([]), "one row each"),
+        (lambda: envelope([[1.0, 2.0], [[1.0, 2.0]]]), "one row each"),
     ],
 )
 def test_what_makes_no_sense_is_refused(call, words):

@@ -285,3 +285,24 @@ def test_a_history_at_a_bandwidth_is_not_known_within_one_over_it_of_its_end(ban
     assert np.array_equal(found[:, : 100 - lost], Filter(bandwidth).apply(rows, STEP)[:, : 100 - lost])
     assert np.isnan(found[:, 100 - lost :]).all()
     assert stated(rows, STEP, math.inf) is rows
+
+
+def test_what_lies_between_the_feet_counts_in_the_velocity_change():
+    """A step of 3 % of the peak behind a half-sine: above its foot of 2 % before as well as after the filter, which
+    takes three tenths off the peak. Above 4 % it would count after it alone, as much again as the half-sine."""
+    pulse = np.zeros(8000)
+    pulse[2000:2101] = np.sin(np.pi * np.arange(101) / 100)
+    pulse[2100:4200] = 0.03
+    found = effect_on_pulse(Filter(4e-3, 1), pulse, 1.0)
+    assert found.peak < 0.7
+    assert found.velocity_change == pytest.approx(1.0, abs=0.02)
+
+
+@pytest.mark.parametrize("pole", [0.0, 0.005, -0.005, 0.3])
+def test_fast_filters_are_padded_until_they_have_settled(pole):
+    """One pole, at (1 - W)/(1 + W): the same values as in a history with ones before and after, held for long."""
+    cutoff = math.atan((1.0 - pole) / (1.0 + pole)) / (math.pi * STEP)
+    values = np.array([2.0, -1.0, 5.0, 3.0])
+    filter_ = Filter(cutoff, 1, "each")
+    held = np.concatenate([np.full(50, 2.0), values, np.full(50, 3.0)])
+    assert filter_.apply(values, STEP) == pytest.approx(filter_.apply(held, STEP)[50:54], abs=1e-12)

@@ -70,3 +70,10 @@ def test_drift_of_a_zero_is_the_motion_under_it_and_both_kinds_add_by_squares():
     assert off.displacement_drift == pytest.approx(moved.displacement, rel=1e-12)
     for k in (2, 3):
         assert both[k] ** 2 == pytest.approx(off[k] ** 2 + noisy[k] ** 2, rel=1e-12)
+
+
+def test_two_samples_are_a_motion():
+    """6 and 12 m/s^2 over 2 s: 18 m/s, and 4/6 (2 x 6 + 12) m."""
+    found = motion([6.0, 12.0], 2.0)
+    assert found.velocity.tolist() == [0.0, 18.0]
+    assert found.displacement.tolist() == pytest.approx([0.0, 16.0], rel=1e-15)

@@ -61,6 +61,10 @@ def test_offset_and_fastest_swing_count_once_in_the_share(size, scale):
 
 @pytest.mark.parametrize("size", [9, 12])
 def test_a_tone_beside_an_offset_has_the_share_of_its_root_mean_square(size):
+    """Of an odd number of samples the fastest line has a second side, as any other."""
+    if size % 2:
+        fastest = 4.0 * np.sqrt(2.0) * np.cos(2.0 * np.pi * (size // 2) / size * np.arange(size))
+        assert share_above(3.0 + fastest, 0.5, 0.1) == pytest.approx(0.8, rel=1e-12)
     tone = 4.0 * np.sqrt(2.0) * np.cos(2.0 * np.pi * np.arange(size) / 3.0)
     assert share_above(3.0 + tone, 0.5, 0.1) == pytest.approx(0.8, rel=1e-12)
 
@@ -74,3 +78,24 @@ def test_the_stated_error_is_that_at_the_end_of_the_flat_band():
     ]
     worst = np.abs(found[0] + 1j * found[1] - np.exp(turn * places)).max()
     assert 0.5 * ERROR < worst < 2.5 * ERROR
+
+
+def test_within_a_billionth_of_a_sample_the_sample_itself_is_taken():
+    values = np.random.default_rng(4).normal(size=80)
+    for place in (3.0, 40.0):
+        near = resampled(values, place + np.array([-1.5e-9, -0.8e-9, 0.8e-9, 1.5e-9]))
+        assert (near == values[int(place)]).tolist() == [False, True, True, False]
+        assert near == pytest.approx(values[int(place)], abs=1e-7)
+    ends = resampled(values, [-0.8e-9, -1.5e-9, 79.0 + 0.8e-9, 79.0 + 1.5e-9])
+    assert ends[[0, 2]].tolist() == [values[0], values[-1]]
+    assert np.isnan(ends[[1, 3]]).all()
+
+
+def test_places_and_their_mirror_images_have_the_same_values():
+    """Near ends too, and for longer steps; that a place within a step is counted from the sample before it shows in the
+    outermost weights alone, of 1e-6."""
+    values = np.random.default_rng(5).normal(size=90)
+    places = np.random.default_rng(6).uniform(0.0, 89.0, 40)
+    for factor in (1.0, 1.7):
+        mirrored = resampled(values[::-1], 89.0 - places, factor)
+        assert resampled(values, places, factor) == pytest.approx(mirrored, abs=5e-6)
