@@ -8,7 +8,18 @@ from scipy import signal
 
 from strikewave.signal.motion import motion
 from strikewave.signal.srs import Scope, octaves, srs
-from strikewave.signal.synthesis import BASES, Component, matching_half_sine, synthesized
+from strikewave.signal.synthesis import (
+    BASES,
+    Component,
+    _check,
+    _compensating,
+    _faded,
+    _sampled,
+    _sum,
+    _unit,
+    matching_half_sine,
+    synthesized,
+)
 
 
 def maximax(values, step, frequencies, q):
@@ -160,3 +171,98 @@ def test_a_half_sine_lies_in_the_middle_of_limits_that_are_not_even():
     assert matching_half_sine(f[two], low[two], high[two]).outside < -1.2
     with pytest.raises(ValueError, match="two natural frequencies or more"):
         matching_half_sine([100.0, 200.0], [1.0, math.nan], [2.0, 2.0])
+
+
+@pytest.mark.parametrize(
+    ("f", "wanted", "q", "rate", "refused"),
+    [
+        ([10.0, 20.0], [3.0, 4.0], 0.501, 50.0, ""),
+        ([10.0, 20.0], [3.0, 4.0], 0.5, 50.0, "quality"),
+        ([10.0, 20.0], [3.0, 4.0], math.inf, 50.0, "quality"),
+        ([10.0, 20.0], [3.0, 4.0], 5.0, 49.9, "sampling"),
+        ([10.0, 20.0], [3.0, 4.0], 5.0, math.inf, "sampling"),
+        ([10.0, 20.0], [3.0, 4.0], 5.0, None, "sampling"),
+        ([10.0, 20.0], [3.0, 1e-3], 5.0, 50.0, ""),
+        ([10.0, 20.0], [3.0, 0.0], 5.0, 50.0, "levels"),
+        ([10.0, 20.0], [0.0, 3.0], 5.0, 50.0, "levels"),
+        ([10.0, 20.0], [math.inf, 3.0], 5.0, 50.0, "levels"),
+        ([10.0], [3.0], 5.0, 50.0, "two natural"),
+        ([10.0, 10.0], [3.0, 4.0], 5.0, 50.0, "two natural"),
+        ([10.0, 20.0, 15.0], [3.0, 4.0, 5.0], 5.0, 50.0, "two natural"),
+        ([20.0, 10.0, 30.0], [3.0, 4.0, 5.0], 5.0, 90.0, "two natural"),
+        ([0.0, 20.0], [3.0, 4.0], 5.0, 50.0, "two natural"),
+        ([-1.0, 20.0], [3.0, 4.0], 5.0, 50.0, "two natural"),
+        ([0.005, 20.0], [3.0, 4.0], 5.0, 50.0, ""),
+        ([0.005, 0.01], [3.0, 4.0], 5.0, 50.0, ""),
+        ([10.0, 20.0], [3.0, 4.0, 5.0], 5.0, 50.0, "two natural"),
+        ([[10.0, 20.0]] * 2, [[3.0, 4.0]] * 2, 5.0, 50.0, "two natural"),
+    ],
+)
+def test_what_may_be_asked_for_ends_where_it_is_said(f, wanted, q, rate, refused):
+    arguments = np.array(f), np.array(wanted), q, BASES[0], rate
+    if not refused:
+        _check(*arguments)
+        return
+    with pytest.raises(ValueError, match=refused):
+        _check(*arguments)
+
+
+@pytest.mark.parametrize("count", [10, 101])
+def test_the_last_fifth_is_faded_out_by_half_a_cosine(count):
+    """From one to nothing, by the square of a quarter of one; a history that ends before is faded as far as it goes."""
+    faded, first = _faded(np.full(count, 3.0), count), round(0.8 * count)
+    assert faded[: first + 1].tolist() == [3.0] * (first + 1)
+    turn = 0.5 * math.pi * np.arange(count - first) / (count - 1 - first)
+    assert faded[first:] == pytest.approx(3.0 * np.cos(turn) ** 2, abs=1e-15)
+    for shorter in (count - 1, first, first // 2):
+        assert np.array_equal(_faded(np.full(shorter, 3.0), count), faded[:shorter])
+
+
+def test_parts_are_sampled_up_to_their_end():
+    """A wavelet of 10 Hz lasts 0.45 s; a damped sine of 1 % lasts longer than the motion, one of half of it 18/10 pi s."""
+    time = np.arange(601) * 1e-3
+    wavelet, sine, stub = (
+        _unit(10.0, 0, 50.0, "wavelets"),
+        _unit(10.0, 1, 50.0, BASES[0]),
+        _unit(10.0, 2, 1.0, BASES[0]),
+    )
+    assert (wavelet.amplitude, sine.amplitude, stub.amplitude) == (1.0, -1.0, 1.0)
+    assert (sine.damping, stub.damping, sine.half_sines) == (0.01, 0.5, 0)
+    assert _unit(10.0, 3, 5.0, "wavelets", 7.0).amplitude == -7.0
+    assert _sampled(wavelet, time) == pytest.approx(wavelet.at(time[:451]), abs=1e-15)
+    assert _sampled(sine, time).size == 601
+    assert _sampled(sine, time) == pytest.approx(_faded(sine.at(time), 601), abs=1e-15)
+    assert _sampled(stub, time).size == math.ceil(18.0 / (2.0 * math.pi * 10.0 * 0.5) * 1e3) + 1
+
+
+def test_compensating_pulses_are_of_a_third_of_the_lowest_frequency_half_a_period_apart():
+    time = np.arange(601) * 1e-3
+    (one, first), (two, second) = _compensating(30.0, time)
+    assert (one.frequency, one.delay, one.amplitude, one.damping) == (pytest.approx(10.0), 0.0, 1.0, 0.95)
+    assert (two.frequency, two.delay, two.amplitude, two.damping) == (one.frequency, pytest.approx(0.05), 1.0, 0.95)
+    assert second[50:430] == pytest.approx(first[:380], abs=1e-12)
+    assert first[:481] == pytest.approx(one.at(time[:481]), abs=1e-15)
+    assert first[600] == 0.0
+
+
+def test_a_sum_has_its_shapes_times_their_amplitudes_and_two_pulses_that_leave_it_at_rest():
+    time = np.arange(601) * 1e-3
+    shapes = [np.sin(0.1 * np.arange(300.0)), np.sin(0.05 * np.arange(601.0))]
+    pulses = _compensating(30.0, time)
+    values, amplitudes = _sum(np.array([2.0, -3.0]), shapes, pulses, time)
+    rest = values - sum(size * pulse for size, (_, pulse) in zip(amplitudes, pulses, strict=True))
+    rest[:300] -= 2.0 * shapes[0]
+    assert rest == pytest.approx(-3.0 * shapes[1], abs=1e-12)
+    assert abs(values.sum()) < 1e-12 * np.abs(values).sum()
+    assert abs(np.dot(values, time)) < 1e-12 * np.dot(np.abs(values), time)
+
+
+def test_the_first_step_is_told_as_it_is_and_begins_at_the_target_over_the_root_of_q(monkeypatch):
+    monkeypatch.setattr("strikewave.signal.synthesis.MOST_STEPS", 1)
+    f, level = np.array([100.0, 130.0, 170.0]), np.array([10.0, 30.0, 12.0])
+    found = synthesized(f, level)
+    assert found.steps == 1
+    told = srs(found.acceleration, found.step, f, scope=Scope(upsample=False)).maximax
+    assert found.spectrum == pytest.approx(told, rel=1e-12)
+    assert found.distance == pytest.approx(np.abs(20.0 * np.log10(told / level)).max(), rel=1e-12)
+    assert [abs(part.amplitude) for part in found.components] == pytest.approx(level / math.sqrt(10.0), rel=1e-12)
