@@ -83,6 +83,7 @@ def test_the_components_add_up_to_the_motion():
     distance = np.abs(20.0 * np.log10(told / level(f))).max()
     assert found.distance == pytest.approx(distance, rel=1e-9)
     assert found.distance < 0.25
+    assert 2 <= found.steps <= 12  # a correction by a power of 0.7 takes 5 to 25 on harder ones
     assert [round(part.frequency / f[0], 9) for part in found.compensation] == [round(1.0 / 3.0, 9)] * 2
     assert [part.delay * f[0] for part in found.compensation] == pytest.approx([0.0, 1.5])
     assert {part.damping for part in found.components} == {0.05}
@@ -109,6 +110,8 @@ def test_wavelets_are_nine_half_sines_and_the_motion_lasts_as_long_as_the_lowest
     assert {part.half_sines for part in found.components} == {9}
     assert found.acceleration.size == 4.5 / 100.0 * 8000.0 + 1
     assert found.step == 1.0 / 8000.0
+    # what is no whole number of samples ends behind the wavelet
+    assert synthesized(1.01 * f, [10.0, 14.0, 20.0], 10.0, "wavelets", rate=8000.0).acceleration.size == 358
 
 
 def test_a_wavelet_leaves_no_velocity_and_no_displacement():
@@ -265,4 +268,7 @@ def test_the_first_step_is_told_as_it_is_and_begins_at_the_target_over_the_root_
     told = srs(found.acceleration, found.step, f, scope=Scope(upsample=False)).maximax
     assert found.spectrum == pytest.approx(told, rel=1e-12)
     assert found.distance == pytest.approx(np.abs(20.0 * np.log10(told / level)).max(), rel=1e-12)
+    moved = motion(found.acceleration, found.step)
+    assert np.array_equal(found.velocity, moved.velocity)
+    assert np.array_equal(found.displacement, moved.displacement)
     assert [abs(part.amplitude) for part in found.components] == pytest.approx(level / math.sqrt(10.0), rel=1e-12)
