@@ -308,6 +308,13 @@ def test_extremes_are_looked_at_twenty_times_in_the_shortest_time(at, seen):
     assert run.field_least[0] == -seen
 
 
+@pytest.mark.parametrize(("less", "samples"), [(0.5e-12, 11), (1.5e-12, 10)])
+def test_a_whole_number_of_steps_is_one_to_a_millionth_of_a_millionth(less, samples):
+    load = LoadPulse("rectangle", 3.0, 100.0)
+    stack, grid = Stack((layer("a", 0.4),)), TimeGrid(0.01, (40,), 0.0)
+    assert len(bar._run(stack, load, [(0, 0.0)], 0.1 * (1.0 - less), grid, bar._Sampling(1, 0.5)).time) == samples
+
+
 @pytest.mark.parametrize(("duration", "every", "coarse"), [(9.98, 3, 1), (9.99, 2, 2), (15.03, 7, 3)])
 def test_a_field_has_500_rows_or_so_and_a_tap_one_row_in_every_kept_step(duration, every, coarse):
     """Of a jump of force that runs along a matched bar of 40 steps: a place d steps in is pressed from step d on."""

@@ -462,7 +462,7 @@ def test_norms_of_the_rates_are_those_of_all_waves_in_flight(end):
     step, counts = 0.5, (5, 3, 7)
     layers = tuple(timed(f"{k}", z, n * step) for k, (z, n) in enumerate(zip((2.0, 7.0, 3.0), counts, strict=True)))
     stack, grid = Stack(layers, (BONDED, BONDED), end), transit.TimeGrid(step, counts, 0.0)
-    load = np.concatenate([np.random.default_rng(5).uniform(-1.0, 1.0, 20), np.zeros(20)])
+    load = np.concatenate([np.zeros(3), np.random.default_rng(5).uniform(-1.0, 1.0, 20), np.zeros(17)])
     nodes = np.array([(k, j) for k, n in enumerate(counts) for j in range(n + 1)])
     seen = _kernels.Recording(nodes, 1, np.zeros((40, len(nodes))), np.zeros((40, len(nodes))))
     none = _kernels.Recording(nodes[:0], 1, np.zeros((1, 0)), np.zeros((1, 0)))
@@ -517,6 +517,20 @@ def test_parts_that_fly_have_their_mass_times_their_speed_and_half_of_its_square
     assert state.joint[0, _kernels.OPEN] == (joint.gap > 0.0)
     if joint.gap:
         assert state.joint[0, _kernels.COMPRESSION] == -0.1
+
+
+@pytest.mark.parametrize(("gap", "seen"), [(0.9e-12, 0.0), (1.1e-12, 1.0)])
+def test_a_gap_below_rounding_is_none(gap, seen):
+    stack = timed_stack([2.0, 8.0], [4.0, 9.0], [Joint(unilateral=True, gap=gap)], End())
+    assert transit.state_at_rest(stack, transit.TimeGrid(1.0, (4, 9), 0.0)).joint[0, _kernels.OPEN] == seen
+
+
+def test_a_grid_has_fifty_million_nodes_at_most_and_a_run_ten_thousand_events():
+    stack = of_transits([1.0])
+    assert grid_of(stack, 1.0 / 49e6).counts == (49_000_000,)
+    with pytest.raises(ValueError, match="at most 5e\\+07"):
+        grid_of(stack, 1.0 / 51e6)
+    assert transit.state_at_rest(stack, transit.TimeGrid(0.5, (2,), 0.0)).events.shape == (10_000, 3)
 
 
 def test_a_joint_has_a_spring_and_four_branches_at_most():

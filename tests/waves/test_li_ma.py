@@ -491,3 +491,14 @@ def test_impossible_sections_and_transfers_are_refused():
         strain(sandwich(), constant(), 1.01, 1.0, CORRECTED)
     with pytest.raises(ValueError, match="transfer"):
         strain(sandwich(), constant(), 0.5, 1.0, CORRECTED, 0)
+
+
+def test_a_force_that_begins_and_ends_with_a_jump_is_there_at_both_ends_and_not_beyond():
+    """From 5 N to 7 N, of a monotone curve between: its rate is not negative."""
+    part = bar(3.0)
+    wave = incident_strain([2.0, 3.0, 5.0], [5.0, 5.5, 7.0], part)
+    times = np.array([2.0 - 1e-9, 2.0, 3.0, 5.0, 5.0 + 1e-9])
+    assert part.modulus * wave.strain(times) == pytest.approx([0.0, 5.0, 5.5, 7.0, 0.0], rel=1e-14)
+    rates = wave.rate(times)
+    assert rates[[0, 4]].tolist() == [0.0, 0.0]
+    assert np.all(rates[1:4] > 0.0)

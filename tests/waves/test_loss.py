@@ -185,10 +185,16 @@ def test_the_fewest_branches_at_the_best_width_are_taken(monkeypatch):
 
 @pytest.mark.parametrize(("off", "taken"), [(0.249, True), (0.251, False), (None, False)])
 def test_the_loss_of_another_material_is_refused_with_how_close_it_came(monkeypatch, off, taken):
-    rest = 0.5 if off else 9e-4
-    monkeypatch.setattr(loss, "_least_squares", lambda *_: (off or 0.0, np.array([rest, 0.5]), np.array([1.0])))
+    rest, counts = 0.5 if off else 9e-4, set()
+
+    def fitted(eta, low, high, count, width):
+        counts.add(count)
+        return off or 0.0, np.array([rest, 0.5]), np.array([1.0])
+
+    monkeypatch.setattr(loss, "_least_squares", fitted)
     if taken:
         assert loss._shares.__wrapped__(0.2, 1e3, 1e5)[2] == off
+        assert counts == {1, 2, 3, 4}
         return
     words = r"branches \(the closest is 25 % off\): take" if off else "branches: take"
     with pytest.raises(ValueError, match=words):

@@ -191,7 +191,16 @@ def test_only_layers_with_loss_or_dispersion_need_a_spectrum():
 
 
 @pytest.mark.parametrize(
-    ("duration", "step", "steps"), [(1.0, 0.1, 11), (1.01, 0.1, 12), (1.1, 0.1, 12), (0.3, 0.1, 4), (0.05, 0.1, 2)]
+    ("duration", "step", "steps"),
+    [
+        (1.0, 0.1, 11),
+        (1.01, 0.1, 12),
+        (1.1, 0.1, 12),
+        (0.3, 0.1, 4),
+        (0.05, 0.1, 2),
+        (1.0 + 0.5e-12, 0.1, 11),
+        (1.0 + 1.5e-12, 0.1, 12),
+    ],
 )
 def test_samples_reach_the_end_of_a_run(duration, step, steps):
     assert spectral_bar._look(TWO, LOAD, [(0, 0.0)], duration, step)[0].steps == steps
@@ -322,6 +331,19 @@ def test_a_spectrum_that_would_take_too_much_is_refused(monkeypatch, name, size)
     monkeypatch.setattr(spectral, name, bins * size - 1)
     with pytest.raises(ValueError, match=rf"2 layers \(1 of them different\) at {bins} frequencies.*than 15\.2 s"):
         SpectralStack(TWO, LOAD, 0.25, 61)
+
+
+@pytest.mark.parametrize(
+    ("layers", "steps", "taken"),
+    [(30, 32_000_000, True), (30, 35_000_000, False), (1, 49_000_000, True), (1, 52_000_000, False)],
+)
+def test_a_thousand_million_layer_frequencies_and_fifty_million_constants_are_followed(layers, steps, taken):
+    stack = Stack((layer("a", 1.0),) * layers, (BONDED,) * (layers - 1))
+    if taken:
+        assert SpectralStack(stack, LOAD, 0.25, steps).steps == steps
+        return
+    with pytest.raises(ValueError, match="are too many"):
+        SpectralStack(stack, LOAD, 0.25, steps)
 
 
 def test_layers_are_of_one_kind_where_their_waves_run_alike():
