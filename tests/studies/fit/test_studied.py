@@ -7,15 +7,16 @@ import numpy as np
 import pytest
 
 from strikewave import load_case
+from strikewave.base.result import Verdicts
 from strikewave.studies.fit import corner, figures
 from strikewave.studies.fit.columns import fit_words, residual_rows
 from strikewave.studies.fit.contradictions import speed_notices
-from strikewave.studies.fit.measured import MeasuredPulse
+from strikewave.studies.fit.measured import MeasuredNumber, MeasuredPulse
 from strikewave.studies.fit.posterior import Posterior, predictive_bands
 from strikewave.studies.fit.problem import Experiment
 from strikewave.studies.fit.report import fit_report
 
-from .closed_runs import CASE, FORCE, HEIGHT, number, problem, pulse
+from .closed_runs import CASE, FORCE, HEIGHT, LOSS, number, problem, pulse
 
 
 def test_a_study_of_a_record_has_its_pictures(studied):
@@ -65,7 +66,7 @@ def test_a_study_that_knows_only_a_product_says_so(studied):
     """Height and force of one peak: neither, their product; what would tell them apart; no picture of a record."""
     study = studied(number("first.rigid_peak"), free=(FORCE, HEIGHT))
     (found,) = [one for one in study.notices if one.code == "not-determined"]
-    assert found.value == 2.0
+    assert (found.value, found.limit) == (2.0, 0.0)
     assert found.message.startswith(f"the data fix {FORCE} × {HEIGHT} (to 2.00 %)")
     assert "first.width measured to 1 % would" in found.message
     assert [one.determined for one in study.parameters] == [False, False]
@@ -191,3 +192,31 @@ def test_a_velocity_change_may_lack_three_percent_of_that_without_rebound(loss, 
     ):
         assert not list(speed_notices(tests, [SimpleNamespace(case=CASE, observed=other)]))
     assert not list(speed_notices(tests, [SimpleNamespace(case=load_case("li-ma-2019"), observed=run.observed)]))
+
+
+def test_numbers_without_a_unit_have_one_in_documents_and_2000_draws_are_written(studied):
+    """A restitution, known from a share; verdicts of runs by an older version are not known."""
+    known = MeasuredNumber(LOSS, "", "", 0.7, 0.01, "0.7", of_field=True)
+    study = studied(known, number("first.width"), free=(LOSS,))
+    document = study.content()
+    assert [one["unit"] for one in document["parameters"]] == ["1"]
+    assert [one["unit"] for one in document["numbers"]] == ["1", "s"]
+    assert study.columns()[1].values == ["1"]
+    assert replace(study, verdicts=Verdicts((), "runs")).verdicts_of_measured() == ["", ""]
+    assert replace(study, verdicts=Verdicts(["passed"], "runs")).verdicts_of_measured() == ["passed"] * 2
+    drawn = replace(study, posterior=Posterior(np.linspace(0.0, 1.0, 2500)[:, None], 100, 1.0, 0.5, 1))
+    text = drawn.tables()["posterior.csv"]
+    rows = [line for line in text.splitlines() if line[:1].isdigit()]
+    assert len(rows) == 2000
+    assert (float(rows[0].split(",")[0]), float(rows[-1].split(",")[0])) == (0.01, 1.0)
+
+
+def test_residuals_are_written_in_the_unit_of_all_records_if_they_have_one(studied):
+    study = studied(pulse(1.02, 0.01))
+    (pair,) = study.pulses
+    force = replace(pair[0], record=replace(pair[0].record, unit="N"))
+    for pulses, unit in (((pair, pair), "m/s^2"), ((pair, (force, pair[1])), "")):
+        text = replace(study, pulses=pulses).tables()["residuals.csv"]
+        assert ("measured [m/s^2]" in text or "measured (m/s^2)" in text) == bool(unit)
+    curve = study.preview()
+    assert curve.y == pytest.approx((pair[1].computed - pair[1].measured) / 9.80665)

@@ -195,6 +195,7 @@ def test_values_at_a_bound_on_steps_and_elsewhere_are_named():
         stepped = FittedParameter(height.field, height.value, error, 0.2, 0.4, stair=share * 3e-3)
         study.parameters = [values[0], stepped]
         assert codes(study) == [("on-stairs", pytest.approx(share * 3e-3), pytest.approx(1.5e-3))] * named
+        assert not named or f"in steps of {share * 3e-3:.2g} m," in fit_notices(study)[0].message
     study.parameters = values
     study.solved.others = (np.array([0.25, 0.75]),)
     (other,) = fit_notices(study)
