@@ -29,6 +29,7 @@ from strikewave.specifications.judged_records import (
     shock_of,
     troubles_of,
 )
+from strikewave.specifications.judged_spectra import JudgedSpectrum, SpectraVerdict
 from strikewave.specifications.judging import Limits, PulseLimits, judged
 from strikewave.specifications.pulse_bands import PulseBand
 from strikewave.specifications.reading import load_specification
@@ -257,3 +258,75 @@ def test_each_blow_has_its_own_uncertainty():
     each = tuple(known(*pair) for pair in zip(shares, reading.pulses, strict=True))
     found = judge_records([replace(THREE, channels=(replace(reading, uncertainties=each),))], IEC, Asked())
     assert [one.shock.uncertainty for one in found.shocks] == pytest.approx(shares)
+
+
+BARE = PulseLimits(IdealPulse("half-sine", 50 * GRAVITY, 11e-3), "quoted")
+
+
+@pytest.mark.parametrize(("at", "counts"), [(0.3, True), (0.2, False)])
+def test_noise_across_ends_a_quarter_of_a_blow_before_it(at, counts):
+    table, across = TWO.channels
+    pulse = table.pulses[0]
+    values = across.channel.values.copy()
+    values[round((pulse.begin - at * (pulse.end - pulse.begin)) / STEP)] = 1e4
+    noisy = replace(across, channel=replace(across.channel, values=values))
+    assert (shock_of(table, pulse, BARE, [noisy]).cross_axis_noise > 100.0) == counts
+
+
+def test_a_width_of_some_milliseconds_is_one():
+    [reading] = ONE.channels
+    short = replace(reading.pulses[0], width=4e-3)
+    assert shock_of(reading, short, BARE).figures["width"].value == 4e-3
+
+
+def test_several_channels_across_are_left_out_and_a_misspelt_one_is_named():
+    three = file_of("d.csv", channel_of([50.0]), channel_of([5.0], "across"), channel_of([4.0], "third"))
+    found = judge_records([three], IEC, Asked(cross_axis=["across", "d*#third"]))
+    assert [one.reading.channel.name for one in found.shocks] == ["table"]
+    assert set(found.shocks[0].shock.cross_axis) == {"across", "third"}
+    with pytest.raises(InputError, match='did you mean "across"'):
+        judge_records([three], IEC, Asked(cross_axis=["d.csv#acros"]))
+
+
+def test_shocks_without_a_direction_are_named_by_their_channels_where_there_are_several():
+    stated = [read_direction("c*=+x")]
+
+    def reason(*files):
+        campaign = judge_records(list(files), IEC, Asked(directions=stated)).campaign
+        return next(one.reason for one in campaign if one.clause == "shocks without a direction")
+
+    assert reason(ONE, THREE).startswith("a.csv has no direction")
+    assert reason(TWO, THREE).startswith("d.csv, table; d.csv, across have no direction")
+    document = judge_records([ONE, THREE], IEC, Asked(directions=stated)).document()
+    assert [one["direction"] for one in document["shocks"]] == [None, "+x", "+x", "+x"]
+
+
+def test_of_files_without_a_shock_three_are_named():
+    empty = [FileReading(f"{name}.csv", "text", ()) for name in "pqrst"]
+    campaign = judge_records([ONE, *empty], IEC, Asked()).campaign
+    clause = next(one for one in campaign if one.clause == "files without a shock")
+    assert (clause.value, clause.low, clause.high, clause.margin) == (5.0, 0.0, 0.0, -5.0)
+    assert all(f"{name}.csv" in clause.reason for name in "pqr")
+    assert not any(f"{name}.csv" in clause.reason for name in "st")
+
+
+def test_a_verdict_of_spectra_is_that_of_the_worst_and_says_what_uncertainties_hold():
+    clause = judged("x", 2.0, Limits(0.0, 1.0, "indicative"), "1")
+    one = JudgedSpectrum(
+        "n", "f.csv", "c", np.ones(1), np.ones(1), (judged("x", 0.5, Limits(0.0, 1.0, "quoted"), "1"),)
+    )
+    spectra = (one, one._replace(file="g.csv", clauses=(clause,)))
+    bare = SpectraVerdict(IEC, None, "simple", False, None, spectra)
+    assert [each.verdict for each in spectra] == ["pass", "fail"]
+    assert (bare.verdict, bare.by_indicative, bare.holds, bare.not_stated) == ("fail", True, (), ())
+    guarded = replace(bare, rule="guarded")
+    assert guarded.not_stated
+    assert guarded.holds == ("noise and baseline",)
+    budget = replace(bare, budget=of_share(0.05))
+    assert (budget.holds, budget.not_stated) == (of_share(0.05).names, of_share(0.05).not_stated)
+    assert replace(budget, rule="guarded").holds == budget.holds
+    assert (bare.document()["uncertainty"], budget.document()["uncertainty"]) == (0.0, 0.05)
+    assert [(row["file"], row["verdict"]) for row in bare.document()["clauses"]] == [
+        ("f.csv", "pass"),
+        ("g.csv", "fail"),
+    ]

@@ -615,3 +615,68 @@ def test_a_spectrum_that_its_uncertainty_moves_out_of_its_tolerance_as_a_whole_h
     f = limits.grid()
     for doubt, verdict in ((0.1, "pass"), (0.5, "cannot-tell")):
         assert judge_spectrum(f, gain * limits.nominal(f), limits, doubt, "guarded")[0].verdict == verdict
+
+
+@pytest.mark.parametrize(
+    ("margin", "guard", "rule", "verdict"),
+    [
+        (0.005, 0.0, "simple", "pass"),
+        (0.0, 0.3, "simple", "pass"),
+        (-0.005, 0.0, "simple", "fail"),
+        (-0.005, 0.0, "guarded", "fail"),
+        (-0.005, 0.01, "guarded", "cannot-tell"),
+        (0.005, 0.01, "guarded", "cannot-tell"),
+        (0.01, 0.01, "guarded", "pass"),
+        (-0.01, 0.01, "guarded", "cannot-tell"),
+        (-0.011, 0.01, "guarded", "fail"),
+        (1.0, math.nan, "guarded", "cannot-tell"),
+        (math.nan, 0.0, "simple", "cannot-tell"),
+    ],
+)
+def test_a_margin_is_held_against_its_guard_band(margin, guard, rule, verdict):
+    assert decide(margin, guard, rule) == verdict
+
+
+ONE_BAND = replace(
+    SPECTRUM,
+    bands=(DecibelBand(10.0, 1000.0, -20 * math.log10(1.25), 20 * math.log10(1.25), "quoted"),),
+    share_above=None,
+)
+F = np.array([20.0, 40.0, 200.0, 400.0])
+
+
+def share_of(values, doubt=0.0, rule="simple", limits=ONE_BAND):
+    return judge_spectrum(F[: len(values)], np.array(values) * limits.nominal(F[: len(values)]), limits, doubt, rule)[0]
+
+
+def test_a_value_of_a_spectrum_may_miss_its_limit_by_1e_9_for_rounding():
+    inside, outside = 0.5e-9, 1.5e-9
+    shares = [share_of([1.25 * (1.0 + by)]).value for by in (inside, outside)]
+    shares += [share_of([0.8 * (1.0 - by)]).value for by in (inside, outside)]
+    assert shares == [1.0, 0.0, 1.0, 0.0]
+    edge = replace(ONE_BAND, bands=(ONE_BAND.bands[0]._replace(first=20.0, last=50.0),))
+    f = np.array([20.0 * (1 - 1e-7), 50.0 * (1 + 1e-7)])
+    assert np.isnan(edge.curves(f)).all()
+
+
+def test_a_spectrum_is_moved_by_its_uncertainty_and_no_farther():
+    """Edges at 0.995 and 1.005 of it, in powers of 1.1: within it the one leaves its tolerance, the other does not."""
+    near, far = 1.25 / 1.1**0.995, 1.25 / 1.1**1.005
+    assert share_of([far, 0.8 * 1.1**1.005], 0.1, "guarded").verdict == "pass"
+    both = share_of([near, far], 0.1, "guarded")
+    assert (both.value, both.uncertainty, both.verdict) == (1.0, 0.5, "cannot-tell")
+    low = share_of([0.8 * 1.1**0.995, 0.8 * 1.1**1.005], 0.1, "guarded")
+    assert (low.value, low.uncertainty) == (1.0, 0.5)
+    assert share_of([0.995 * 1.25], 1.0, "guarded").value == 1.0  # as measured, though 1 % of the way takes it out
+    assert share_of([1.005 * 0.8], 1.0, "guarded").value == 1.0
+
+
+def test_a_share_that_is_just_met_passes_and_a_hundredth_of_a_decibel_is_told():
+    half = replace(ONE_BAND, share=Limits(0.5, math.inf, "quoted"))
+    assert [share_of(values, limits=half).verdict for values in ([1.0, 2.0], [1.0, 2.0, 2.0])] == ["pass", "fail"]
+    assert share_of([1.0, 2.0], 0.01, "guarded", half).verdict == "pass"
+    clause = share_of([1.0, 1.25 * 10.0 ** (0.005 / 20.0)])
+    assert clause.reason == "0.005 dB above the tolerance at 40\xa0Hz"
+    assert share_of([1.0, 1.25 * 10.0 ** (-0.005 / 20.0)]).reason == ""
+    clause = share_of([3.0, 0.8 * 10.0 ** (-20.0 / 20.0)])
+    assert clause.reason == "20 dB below the tolerance at 40\xa0Hz"

@@ -196,3 +196,40 @@ def test_the_best_start_is_found_three_quarters_of_a_duration_off():
         wide = IdealPulse("half-sine", 100.0, 1.5)
         placed = band.placed(wide.at(time - 3.0), 0.001, 0.0, 3.25 + off)
         assert placed.start == pytest.approx(3.25, abs=1e-3)  # symmetric: too wide at both feet alike, to a sample
+
+
+def test_a_band_is_sought_three_quarters_of_a_duration_to_either_side_and_no_farther():
+    """A pulse at 3 s that is sought about 3.9 s: moved to 3.15 s the record is a seventh of a duration early, and fails."""
+    pulse = IdealPulse("half-sine", 100.0, 1.0)
+    time = 0.001 * np.arange(8000)
+    band = PulseBand(pulse, 0.05, 0.2)
+    assert band.placed(pulse.at(time - 3.0), 0.001, 0.0, 3.0).start == 3.0
+    for centre in (2.1, 3.9):
+        placed = band.placed(pulse.at(time - 3.0), 0.001, 0.0, centre)
+        assert abs(placed.start - centre) < 0.8
+        assert placed.margin < 0.0
+
+
+@pytest.mark.parametrize("sample", [0, -1])
+def test_the_first_and_the_last_sample_of_a_record_count(sample):
+    """One alone at 45 where 20 is allowed, 0.2 durations before the pulse or 0.3 after it: no slope gives way as far."""
+    pulse = IdealPulse("half-sine", 100.0, 1.0)
+    time = 0.01 * np.arange(151)
+    values = pulse.at(time - 0.2)
+    band = PulseBand(pulse, 0.1, 0.2)
+    assert band.placed(values, 0.01, 5.0, 5.2).margin == pytest.approx(20.0, rel=1e-3)
+    values[sample] = 45.0
+    placed = band.placed(values, 0.01, 5.0, 5.2)
+    assert placed.margin < 0.0
+
+
+@pytest.mark.parametrize("duration", [1e-3, 7.0])
+def test_straight_lines_between_few_samples_are_held_against_the_band_too(duration):
+    """Ten samples about the top of a half-sine: at its feet the line is half of what the first sample within is, sin(pi/20)."""
+    pulse = IdealPulse("half-sine", 100.0, duration)
+    step = 0.1 * duration
+    time = step * (np.arange(40) + 0.5)
+    placed = PulseBand(pulse, 0.0, 0.2).placed(pulse.at(time - 12.0 * step), step, float(time[0]), 12.0 * step)
+    assert placed.margin == pytest.approx(20.0 - 50.0 * np.sin(np.pi / 20.0), abs=1e-3)
+    assert min(abs(placed.time - 12.0 * step), abs(placed.time - 22.0 * step)) < 1e-4 * duration
+    assert placed.above

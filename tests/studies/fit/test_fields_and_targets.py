@@ -210,6 +210,7 @@ def test_only_what_changes_a_transit_is_felt_in_steps():
     assert found[0] == 0.0
     assert found[2] == pytest.approx(2.0 * found[1])
     assert stairs(DROP, ["machine.height", "stack.layer.upper.length"]) == [0.0, 0.0]
+    assert stairs(load_case("two-bars-fem"), ["load.peak", "stack.layer.upper.length"]) == [0.0, 0.0]
     assert smooth_case(lines, ["stack.layer.upper.length"]) is lines
     assert smooth_case(BAR, ["load.peak", "stack.layer.upper.density"]).solver.method == "spectral"
     assert smooth_case(DROP, ["stack.layer.upper.length"]) is DROP

@@ -10,7 +10,15 @@ from strikewave.base.quantities import Value
 from strikewave.base.result import Verdicts
 from strikewave.studies.fit import report, screen
 from strikewave.studies.fit.checking import Checks, PredictedFigure
-from strikewave.studies.fit.columns import CHECK_COLUMNS, check_words, correlation_columns, fit_words, residual_rows
+from strikewave.studies.fit.columns import (
+    CHECK_COLUMNS,
+    PARAMETER_COLUMNS,
+    RESIDUAL_COLUMNS,
+    check_words,
+    correlation_columns,
+    fit_words,
+    residual_rows,
+)
 from strikewave.studies.fit.excess import Excess
 from strikewave.studies.fit.free_fields import free_fields
 from strikewave.studies.fit.notices import fit_notices, held_notices, posterior_notices
@@ -368,3 +376,19 @@ def test_the_bar_of_a_fit_is_full_after_sixty_runs_a_value_and_five_thousand_of_
     screen.FitCommand(CASE, request, None, None, place=None, fresh=False).solved(None)
     assert reported[0] == (pytest.approx(30.0 / whole), "30 runs, sum of squares 12.35")
     assert reported[1][0] == 0.99
+
+
+def test_an_interval_says_from_what_it_is():
+    """Of a profile, a parabola, or the bounds; a correlation has its own column."""
+    study = study_of((FORCE, LOW), [0.01, np.inf])
+    force, height = study.parameters
+    followed = FittedParameter(force.field, force.value, force.standard_error, 1.0, 2.0, profile=())
+    states = [PARAMETER_COLUMNS[3].text(one) for one in (followed, force, height)]
+    assert states == ["profile", "parabola", "not determined"]
+    texts = [PARAMETER_COLUMNS[2].text(one) for one in (force, height)]
+    assert texts == ["78.96 to 7896 kN", "0.2 to 0.4 m (bounds)"]
+    columns = correlation_columns(study)[1:]
+    row = SimpleNamespace(field="f", values=(0.25, 0.75))
+    assert [column.text(row) for column in columns] == ["0.25", "0.75"]
+    row = SimpleNamespace(one=Misfit("a", 1.0, 0.034, 9.9, False), verdict="")
+    assert [column.text(row) for column in RESIDUAL_COLUMNS[1:4]] == ["3.4", "1", "9"]
