@@ -9,7 +9,7 @@ import pytest
 
 from strikewave.base.errors import InputError
 from strikewave.records.budget.blows import BlowUncertainty, FigureUncertainty
-from strikewave.records.budget.contributions import of_share
+from strikewave.records.budget.contributions import RECORD, SAMPLING, of_share
 from strikewave.records.calibration import Calibration
 from strikewave.records.health_notice import HealthNotice
 from strikewave.records.reading import ChannelReading, FileReading, Request, read_channel
@@ -321,7 +321,7 @@ def test_a_verdict_of_spectra_is_that_of_the_worst_and_says_what_uncertainties_h
     assert (bare.verdict, bare.by_indicative, bare.holds, bare.not_stated) == ("fail", True, (), ())
     guarded = replace(bare, rule="guarded")
     assert guarded.not_stated
-    assert guarded.holds == ("noise and baseline",)
+    assert guarded.holds == (RECORD, SAMPLING)
     budget = replace(bare, budget=of_share(0.05))
     assert (budget.holds, budget.not_stated) == (of_share(0.05).names, of_share(0.05).not_stated)
     assert replace(budget, rule="guarded").holds == budget.holds
