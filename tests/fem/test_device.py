@@ -1,6 +1,7 @@
 """Steps on a device, by the bodies that its threads run, against those of the processor."""
 
 import dataclasses
+import functools
 import itertools
 import os
 import subprocess
@@ -8,6 +9,7 @@ import sys
 import types
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -15,6 +17,7 @@ import pytest
 from strikewave import design, load_case, sweep
 from strikewave.analyses.fem import run as fem_run
 from strikewave.base.errors import InputError
+from strikewave.fem import _layout as layout
 from strikewave.fem.contact import prepare, searched
 from strikewave.fem.device import devices, gpu
 from strikewave.fem.device._bodies import one_point_element
@@ -367,3 +370,65 @@ def test_without_a_gpu_one_line_says_what_is_missing(monkeypatch):
     ) as error:
         device_named("cuda")
     assert "\n" not in str(error.value)
+
+
+class Threads:
+    """What a GPU is to numba, with its threads one after another."""
+
+    def __init__(self):
+        self.local, self.launched, self.compiled = SimpleNamespace(array=np.zeros), [], 0
+
+    def is_available(self):
+        return True
+
+    def to_device(self, array):
+        there = np.array(array)
+        return SimpleNamespace(array=there, copy_to_host=lambda: there)
+
+    def grid(self, axes):
+        return self.thread
+
+    def reduce(self, lesser):
+        return lambda there, init: functools.reduce(lesser, there.array.tolist(), init)
+
+    def jit(self, kernel):
+        self.compiled += 1
+        threads = self
+
+        class Kernel:
+            def __getitem__(self, shape):
+                def launch(*arguments):
+                    threads.launched.append(shape)
+                    for threads.thread in range(shape[0] * shape[1]):
+                        kernel(*arguments)
+
+                return launch
+
+        return Kernel()
+
+
+def test_a_gpu_calls_a_body_once_for_each_index_in_blocks_of_128_threads(monkeypatch):
+    threads = Threads()
+    monkeypatch.setattr(gpu, "cuda", threads)
+    device = gpu.Cuda(np.float32)
+    there = device.put(np.zeros(300))
+
+    def count(i, out, more):
+        out.array[i] += more + i
+
+    def add(i, scratch, out):
+        assert (scratch.size, scratch.sum()) == (layout.SCRATCH, 0.0)
+        scratch[:] = 1.0
+        out.array[i] -= i
+
+    device.each(count, 257, there, 0.25)
+    device.each(count, 128, there, 0.25)
+    device.each(count, 0, there, 0.25)
+    device.each_with_scratch(add, 300, there)
+    expected = 0.25 * (np.arange(300) < 257) + (np.arange(300) < 128) * (0.25 + np.arange(300))
+    expected -= np.where(np.arange(300) < 257, 0, np.arange(300))
+    np.testing.assert_array_equal(device.get(there), expected)
+    assert threads.launched == [(3, 128), (1, 128), (3, 128)]
+    assert threads.compiled == 2
+    assert (device.stored, device.least(there)) == (np.float32, -299.0)
+    assert device.least(device.put(np.array([7.0, 5.0, 9.0]))) == 5.0

@@ -36,6 +36,7 @@ from strikewave.fem.snapshots import (
     WAVE_INSTANTS,
     SnapshotRecorder,
     Thinned,
+    recorder_from_frames,
     snapshot_recorder,
     transit_time,
 )
@@ -368,6 +369,8 @@ def test_instants_of_the_wave_and_of_the_largest_stress_have_thresholds():
     offers = [(0.5, False, 1e8), (2.0, True, 1.01e8), (3.0 - 0.6e-6, True, 1.0198e8), (4.0 - 1.7e-6, True, 1.021e8)]
     for time, touching, largest in [*offers, (4.5, False, 0.9e8)]:
         film.offer(time, touching, largest, lambda at=time: dataclasses.replace(frame, time=at))
+    assert [one.time for one in film.whole.kept] == [0.5, 2.0, 3.0 - 0.6e-6, 4.0 - 1.7e-6, 4.5]
+    assert [one.time for one in film.contact.kept] == [2.0, 3.0 - 0.6e-6, 4.0 - 1.7e-6]
     assert (film.touched, film.missed) == (2.0, False)
     assert [one.time for one in film.wave] == [3.0 - 0.6e-6, 4.5]
     assert film.worst.time == 4.0 - 1.7e-6
@@ -381,3 +384,10 @@ def test_a_film_takes_a_quarter_of_a_gigabyte_at_most(rows, wanted, kept):
     skin = SimpleNamespace(nodes=range(rows), elements=range(rows))
     film = SnapshotRecorder(skin, 1e-5) if wanted is None else SnapshotRecorder(skin, 1e-5, "", wanted)
     assert (film.wanted, film.whole.wanted, film.contact.wanted) == (kept, kept, kept)
+
+
+def test_frames_alone_make_a_film_too(ball):
+    film = recorder_from_frames(ball, synthetic.frames(ball.mesh, 5))
+    assert [one.time for one in film.snapshots] == pytest.approx(np.linspace(0.0, synthetic.DURATION, 5).tolist())
+    assert film.worst.time == pytest.approx(0.5 * synthetic.DURATION)
+    assert film.wave == []

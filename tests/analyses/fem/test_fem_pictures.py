@@ -223,10 +223,3 @@ def test_slender_bodies_lie_down_and_rows_fit_the_page(bars, ball):
     row = fem_cut.wave_figure(skin, [still(skin, np.zeros(6), k * 1e-6) for k in range(8)])
     assert row.get_size_inches()[0] < 10.0
     assert row.get_size_inches()[1] < 8.0
-
-
-def test_frames_alone_make_pictures_too(ball):
-    film = recorder_from_frames(ball, synthetic.frames(ball.mesh, 5))
-    assert [one.time for one in film.snapshots] == pytest.approx(np.linspace(0.0, synthetic.DURATION, 5).tolist())
-    assert film.worst.time == pytest.approx(0.5 * synthetic.DURATION)
-    assert film.wave == []
