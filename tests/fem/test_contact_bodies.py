@@ -678,3 +678,67 @@ def test_work_is_shared_by_threads_in_spans_that_are_not_too_small():
     with ThreadPoolExecutor(2) as pool:
         assert on_all(pool, divmod, [(7, 2), (9, 4), (11, 3)]) == [(3, 1), (2, 1), (3, 2)]
         assert on_all(pool, divmod, [(7, 2)]) == [(3, 1)]
+
+
+# Depths as the step changes, and friction at both sides of its limit
+
+
+@pytest.mark.parametrize(("dt", "depth"), [(0.5e-3, 0.5e-3), (2e-3, 1e-3), (0.9e-3, 0.9e-3)])
+def test_a_depth_shrinks_with_the_step_and_does_not_grow_with_it(dt, depth):
+    """Nodes 1 mm behind a wall, and behind another plate: s m* / dt^2 times what is kept of the depth."""
+    mesh, count = two_plates((2, 2), (2, 2), gap=0.0)
+    mass = nodal_mass(mesh)
+    x, still = mesh.points.copy(), np.zeros_like(mesh.points)
+    wall = prepare_wall(RigidWall("b.bottom", (0.0, 0.0, 0.5), (0.0, 0.0, 1.0)), mesh)
+    state = prepare(SurfaceContact("a.top", "b.bottom"), mesh)
+    state.nodal.known[:] = 1  # as if the nodes had been pressed in
+    x[count:, 2] -= 1e-3
+    for step, kept in ((1e-3, 1e-3), (dt, depth)):
+        f, other = np.zeros_like(x), np.zeros_like(x)
+        add_wall(wall, x, still, f, 1.0 / mass, step, 0.7 * step)
+        expected = 0.8 * mass[wall.touch.nodes] * kept / (0.7 * step * step)
+        assert f[wall.touch.nodes, 2] == pytest.approx(expected, rel=1e-10)
+        add_contact(state, x, still, other, 1.0 / mass, step, 0.7 * step)
+        # both surfaces close half of it, with half the mass of a node each
+        assert other[wall.touch.nodes, 2] == pytest.approx(0.5 * expected, rel=1e-10)
+        np.testing.assert_allclose(other.sum(axis=0), 0.0, atol=1e-9)
+
+
+@pytest.mark.parametrize(("mu", "slides"), [(0.45, True), (0.55, False)])
+@pytest.mark.parametrize("axis", [0, 1, 2])
+def test_friction_is_the_lesser_of_its_limit_and_of_what_stops_the_sliding(mu, slides, axis):
+    """Nodes that come at 2 m/s and slide at 1 m/s along (0.6, 0.8): what stops both is in the ratio of the speeds."""
+    mesh, count = two_plates((1, 1), (1, 1), gap=0.0)
+    mesh = replace(mesh, points=np.roll(mesh.points, axis, axis=1))
+    way, normal = np.roll([0.6, 0.8, 0.0], axis), np.roll([0.0, 0.0, 1.0], axis)
+    dt, mass, v = 1e-9, nodal_mass(mesh), np.zeros_like(mesh.points)
+    v[count:] = way - 2.0 * normal
+    place, f = tuple(0.5 * normal), np.zeros_like(v)
+    wall = prepare_wall(RigidWall("b.bottom", place, tuple(3.0 * normal), mu), mesh)
+    add_wall(wall, mesh.points, v, f, 1.0 / mass, dt)
+    pressing = 0.8 * mass[count:] * 2.0 / dt
+    bottom = np.isin(np.arange(count, len(v)), wall.touch.nodes)
+    np.testing.assert_allclose(f[count:] @ normal, np.where(bottom, pressing, 0.0), rtol=1e-7)
+    rubbing = np.minimum(mu * pressing, 0.8 * mass[count:] * 1.0 / dt)
+    assert (rubbing[0] < 0.8 * mass[count] / dt) == slides
+    np.testing.assert_allclose(f[count:] @ way, np.where(bottom, -rubbing, 0.0), rtol=1e-7)
+    np.testing.assert_allclose(f[count:] @ np.cross(way, normal), 0.0, atol=1e-6)
+    state, g = prepare(SurfaceContact("b.bottom", "a.top", mu), mesh), np.zeros_like(v)
+    add_contact(state, mesh.points, v, g, 1.0 / mass, dt)
+    np.testing.assert_allclose(g[count:], 0.5 * f[count:], rtol=1e-7, atol=1e-6)
+    np.testing.assert_allclose(g.sum(axis=0), 0.0, atol=1e-6)
+    np.testing.assert_allclose(contact_force(state.touch), g[count:].sum(axis=0), rtol=1e-12, atol=1e-9)
+
+
+def test_a_node_is_not_looked_at_before_what_is_left_of_its_distance_is_travelled():
+    """Plates 0.1 m apart that close in by 3 mm a step: each node stays clear until its distance is used up."""
+    mesh, count = two_plates((2, 2), (2, 2), gap=0.1)
+    state, v = prepare(SurfaceContact("a.top", "b.bottom"), mesh), np.zeros_like(mesh.points)
+    v[count:, 2] = -3.0
+    np.testing.assert_allclose(state.nodal.clear, 0.1, rtol=1e-12)  # from the look at overlaps before the blow
+    state.nodal.clear[:] = 0.0
+    for _ in range(3):
+        add_contact(state, mesh.points, v, np.zeros_like(v), np.ones(len(v)), 1e-3)
+        # looked at in the first step alone: 3 mm nearer at its end, before which nothing was travelled
+        np.testing.assert_allclose(state.nodal.clear, 0.1 - 3e-3, rtol=1e-12)
+    assert state.travel[0] == pytest.approx(9e-3, rel=1e-12)

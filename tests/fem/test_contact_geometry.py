@@ -216,6 +216,23 @@ def test_nodes_above_and_beside_a_ridge_feel_nothing_and_beyond_the_rim_the_forc
     assert beyond[:, 2] / beyond[0, 2] == pytest.approx([1.0, 1.0, 1.0, 0.0, 0.0], abs=1e-12)
 
 
+@pytest.mark.parametrize(("share", "felt"), [(0.9 / 40, 1.0), (1.2 / 40, 0.8), (1.7 / 40, 0.3), (2.1 / 40, 0.0)])
+def test_from_a_fortieth_to_a_twentieth_beyond_the_rim_the_felt_share_falls_evenly(share, felt):
+    """A node 0.01 below a roof whose faces have the size sqrt(2); its overlap of before the step counts for nothing."""
+    mesh = ridge(0.0)
+    state = prepare(SurfaceContact("tip.bottom", "roof.top"), mesh)
+    x = mesh.points.copy()
+    x[0] = [0.3, 1.0 + share * 2**0.5, -0.01]
+    state = searched(state, x)
+    state.place[:] = x[state.touch.nodes]
+    face, xi, eta, distance, rim = contact_kernels.nearest_face.py_func(state, 0)
+    assert distance == pytest.approx(np.hypot(0.01, share * 2**0.5), rel=1e-12)
+    gap, normal, found = contact_kernels.gap_at.py_func(state, 0, face, xi, eta, rim)
+    assert (gap, found) == (pytest.approx(-0.01, rel=1e-12), pytest.approx(felt, abs=1e-12))
+    assert normal == pytest.approx((0.0, 0.0, 1.0), abs=1e-15)
+    assert rim
+
+
 def test_nodes_that_both_sides_share_are_refused():
     mesh = block("a", (2, 2, 2))
     with pytest.raises(InputError, match="common nodes"):
@@ -247,3 +264,90 @@ def test_search_of_300_000_faces_finds_what_lies_on_what():
     # the sides lie in one plane, shifted by 1e-4 both ways: two rims look beyond the other side by that much
     assert distance.max() == pytest.approx(1e-4 * 2**0.5, rel=1e-6)
     assert np.count_nonzero(distance > 1e-9) == 2 * (2 * 388 - 1)
+
+
+@pytest.mark.parametrize(
+    ("length", "count", "wanted", "cells"),
+    [
+        ((10.0, 5.0, 1.0), 3, 1.5, (7, 4, 1)),
+        # 21 11 5 are more than 68, and so are those of 1.3, 1.69 and 2.197 times the width; 8 4 2 of 2.8561 times are not
+        ((10.0, 5.0, 2.0), 1, 0.5, (8, 4, 2)),
+        # as many as 4 21 and 64 more: 6 5 5 are 150, 6 5 4 are 120
+        ((5.9, 4.9, 3.9), 21, 1.0, (6, 5, 4)),
+        # at most a thousand along the longest axis at first, and one more that begins at its end
+        ((0.0, 16.0, 0.25), 10**6, 1e-9, (1, 1001, 16)),
+        ((0.0, 0.0, 0.0), 5, 0.3, (1, 1, 1)),
+    ],
+)
+def test_cells_are_about_as_wide_as_wanted_and_few_beside_the_nodes(length, count, wanted, cells):
+    low = np.array([1.0, -2.0, 3.0])
+    found, width = kernels.cells_of.py_func(low, low + length, count, wanted)
+    assert tuple(found) == cells
+    np.testing.assert_allclose(width, np.array(length) / cells, rtol=1e-12, atol=1e-299)
+
+
+def test_nodes_are_sorted_into_the_cells_of_their_own_box():
+    """Those to be checked within the bounds of all boxes; cells span these nodes, as wide as a box in the mean."""
+    place = np.array(
+        [[9.0, 9, 9], [0.0, 0, 0], [6.0, 0, 0], [3.0, 2, 1], [6.0, 4, 2], [0.0, 4, 2], [7.5, 0, 0], [1.0, 1, 1]]
+    )
+    checked = np.array([True, True, True, True, True, False, True, True])
+    boxes = np.array([[-1.0, -1, -1, 3, 1, 2], [4.0, 0, -3, 7, 5, 4]])
+    inside, wide = kernels.nodes_within.py_func(place, checked, (1, 7), boxes)
+    assert inside.tolist() == [1, 2, 3, 4]
+    assert wide == pytest.approx((4 + 2 + 3 + 3 + 5 + 7) / 6.0, rel=1e-14)
+    order, begin, low, high, width, cells = kernels.grid.py_func(place, checked, (1, 7), boxes)
+    assert (low.tolist(), high.tolist()) == ([0.0, 0.0, 0.0], [6.0, 4.0, 2.0])
+    assert (cells.tolist(), width.tolist()) == ([2, 2, 1], [3.0, 2.0, 2.0])
+    assert [order[begin[k] : begin[k + 1]].tolist() for k in range(4)] == [[1], [], [2], [3, 4]]
+    nobody = kernels.grid.py_func(place, checked, (5, 6), boxes)
+    assert (nobody[0].size, nobody[1].tolist()) == (0, [0, 0])
+    assert kernels.cell_of.py_func(4.9, 1.0, 2.0, 9) == 1
+    assert kernels.cell_of.py_func(-4.9, 1.0, 2.0, 9) == 0
+    assert kernels.cell_of.py_func(40.9, 1.0, 2.0, 9) == 8
+
+
+def test_a_box_holds_its_face_and_its_reach():
+    place = np.array([[0.0, 5, 2], [3.0, 5, 1], [3.0, 7, 2], [1.0, 6, 9], [2.5, 7.25, 0.6], [2.5, 7.35, 0.6]])
+    faces = np.array([[1, 2, 3, 0], [0, 1, 2, 3]], np.int32)
+    boxes = kernels.face_boxes.py_func(place, faces, np.array([0.5, 0.3]))
+    np.testing.assert_allclose(boxes, [[-0.5, 4.5, 0.5, 3.5, 7.5, 9.5], [-0.3, 4.7, 0.7, 3.3, 7.3, 9.3]], atol=1e-15)
+    assert [kernels.in_box.py_func(place, n, boxes, 0) for n in (4, 5)] == [True, True]
+    assert [kernels.in_box.py_func(place, n, boxes, 1) for n in (4, 5)] == [False, False]
+    boxes[1, 2] = 0.6
+    assert [kernels.in_box.py_func(place, n, boxes, 1) for n in (4, 5)] == [True, False]
+
+
+def test_nodes_that_may_meet_a_face_of_a_corner_ascend_and_count_once():
+    """By candidates or by the face met last, which may be one of them; -1 is none."""
+    faces = np.array([[0, 1, 2, 3], [2, 1, 4, 5]], np.int32)
+    start, candidates = np.array([0, 2, 2, 3, 3, 3, 3]), np.array([0, 1, 1], np.int32)
+    last = np.array([1, -1, 0, -1, 1, -1], np.int32)
+    begin, met = kernels.nodes_by_corner.py_func(faces, start, candidates, last)
+    expected = [[0, 2], [0, 2, 4], [0, 2, 4], [0, 2], [0, 2, 4], [0, 2, 4]]
+    assert [met[begin[k] : begin[k + 1]].tolist() for k in range(6)] == expected
+
+
+def test_the_closest_of_four_edges_and_the_corner_that_a_point_is_at():
+    """A trapezium in a plane aslant: places along its edges by hand, and the share of the middle's distance, a tenth."""
+    a, b, c, d = (0.0, 0.0, 0.0), (4.0, 0.0, 2.0), (4.0, 2.0, 2.0), (0.0, 4.0, 0.0)
+    assert kernels.along.py_func((1.0, 3.0, 0.5), a, b) == (pytest.approx(-0.5), pytest.approx(9.0))
+    assert kernels.along.py_func((9.0, 3.0, 2.0), a, b) == (1.0, pytest.approx(25.0 + 9.0))
+    assert kernels.along.py_func((-1.0, 3.0, -2.0), a, b) == (-1.0, pytest.approx(14.0))
+    rims = {
+        (1.0, -1.0, 0.5): (-0.5, -1.0, 1.0), (4.0, 0.5, 3.0): (1.0, -0.5, 1.0),
+        (1.0, 5.5, 0.5): (-0.5, 1.0, 4.0 * 21.0 / 21.0), (-2.0, 1.0, 0.0): (-1.0, -0.5, 4.0),
+    }  # fmt: skip
+    for x, (xi, eta, square) in rims.items():
+        found = kernels.on_rim.py_func(x, a, b, c, d)
+        if x[1] < 5.0:
+            assert found == (pytest.approx(xi), pytest.approx(eta), pytest.approx(square))
+        else:  # the edge c-d: the foot by its own projection
+            edge, off = np.subtract(d, c), np.subtract(x, c)
+            share = off @ edge / (edge @ edge)
+            assert found == (pytest.approx(1.0 - 2.0 * share), 1.0, pytest.approx(off @ off - share**2 * (edge @ edge)))
+    middle = np.mean([a, b, c, d], axis=0)
+    for corner, place in zip((a, b, c, d), ((-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)), strict=True):
+        for share, wanted in ((0.08, place), (0.095, (0.0, 0.0))):
+            x = tuple(np.array(corner) + share * (middle - corner))  # as far from it as 0.087 or 0.105 of the way
+            assert kernels.first_guess.py_func(x, a, b, c, d) == wanted
