@@ -177,10 +177,10 @@ def test_the_largest_sum_of_squares_is_found_between_samples_and_blocks(split, t
     )
 
 
-@pytest.mark.parametrize(("count", "rule"), [(24, (NODES, WEIGHTS)), (8, FEW), (3, legendre(3))])
+@pytest.mark.parametrize(("count", "rule"), [(24, (NODES, WEIGHTS)), (8, FEW), (3, None)])
 def test_a_rule_integrates_powers_up_to_twice_its_places_less_one(count, rule):
     """From 0 to 1: 1/(n + 1)."""
-    places, weights = rule
+    places, weights = rule or legendre(count)
     assert places.size == count
     for n in range(2 * count):
         assert np.dot(weights, places**n) == pytest.approx(1.0 / (n + 1.0), rel=1e-12)

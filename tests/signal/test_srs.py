@@ -507,3 +507,107 @@ def test_wrong_sides_windows_and_grids_are_refused_in_words():
             rolling_srs([0.0, 1.0, 0.0], 1.0, [0.01], window)
     with pytest.raises(ValueError, match="octaves need"):
         octaves(2.0, 1.0)
+
+
+@pytest.mark.parametrize(
+    ("change", "words"),
+    [
+        ({"values": [3.0, 1.0]}, None),  # two samples
+        ({"values": [3.0, math.inf, 1.0]}, "not finite"),
+        ({"step": -1.0}, "step must be above zero"),
+        ({"step": 5e-3, "frequencies": [1.0]}, None),
+        ({"frequencies": [0.01, -0.01]}, "above zero"),
+        ({"frequencies": [0.01, 0.0]}, "above zero"),
+        ({"frequencies": [1e-3, 0.499]}, None),
+        ({"frequencies": [[0.01, 0.02]]}, "one row"),
+        ({"frequencies": [0.01, 0.6]}, "rate, 0.5 Hz, got 0.6 Hz"),
+        ({"q": 1e-3}, None),
+        ({"q": -1.0}, "quality factor"),
+        ({"scope": Scope(end=0.0)}, "end of the shock"),
+        ({"scope": Scope(end=0.4)}, "end of the shock"),  # not a step
+        ({"scope": Scope(end=0.6)}, None),
+        ({"scope": Scope(end=math.inf)}, "end of the shock"),
+    ],
+)
+def test_what_is_asked_of_a_spectrum_ends_where_it_is_said(change, words):
+    given = {"values": [0.0, 1.0, 0.0], "step": 1.0, "frequencies": [0.01], **change}
+    if words is None:
+        assert np.all(np.isfinite(srs(**given).maximax))
+        return
+    with pytest.raises(ValueError, match=words):
+        srs(**given)
+
+
+def test_a_shock_ends_at_the_sample_nearest_to_its_end():
+    """What follows is taken as zero."""
+    values, fn = np.random.default_rng(3).normal(size=30), [0.02, 0.2]
+    for end, kept in ((5.0, 6), (5.4, 6), (5.6, 7), (100.0, 30)):
+        one, other = srs(values, 1.0, fn, scope=Scope(end=end)), srs(values[:kept], 1.0, fn)
+        assert np.array_equal(one.maximax, other.maximax)
+
+
+@pytest.mark.parametrize(
+    ("hop", "starts"), [(10.0, [0, 10, 20, 30]), (9.0, [0, 9, 18, 27]), (15.0, [0, 15, 30]), (31.0, [0])]
+)
+@pytest.mark.parametrize("fn", [0.01, 0.21])
+def test_windows_slide_as_far_as_the_record_lasts(hop, starts, fn):
+    """Forty samples, ten a window; each as if nothing came before or after, also where the record is interpolated."""
+    values = np.convolve(np.random.default_rng(6).normal(size=44), np.ones(5) / 5.0, "valid")
+    found = rolling_srs(values, 1.0, [fn], (10.0, hop), 7.0)
+    assert found.time.tolist() == [start + 4.5 for start in starts]
+    fine = interpolate(values, 1 if fn < 0.05 else 8)
+    factor = 1 if fn < 0.05 else 8
+    for row, start in enumerate(starts):
+        part = fine[start * factor : (start + 9) * factor + 1]
+        # with the rise to its first sample and the fall from its last one over a whole step
+        ramp = np.arange(1, factor) / factor
+        framed = np.concatenate([ramp * part[0], part, ramp[::-1] * part[-1], [0.0]])
+        alone = srs(framed, 1.0 / factor, [fn], 7.0, scope=Scope(upsample=False))
+        assert found.positive[row] == pytest.approx(alone.positive, rel=1e-9)
+        assert found.negative[row] == pytest.approx(alone.negative, rel=1e-9)
+        assert found.maximax[row, 0] == max(found.positive[row, 0], found.negative[row, 0])
+
+
+def test_windows_may_be_as_long_as_the_record_and_as_short_as_two_samples():
+    values = np.array([0.0, 1.0, 3.0, -2.0, 1.0])
+    assert rolling_srs(values, 1.0, [0.01], (5.0, 1.0)).time.tolist() == [2.0]
+    assert rolling_srs(values, 1.0, [0.01], (2.0, 1.0)).time.tolist() == [0.5, 1.5, 2.5, 3.5]
+    for window in ((1.4, 1.0), (5.6, 1.0), (2.0, 0.4), (0.0, 1.0), (2.0, -1.0), (math.inf, 1.0)):
+        with pytest.raises(ValueError, match="window must hold"):
+            rolling_srs(values, 1.0, [0.01], window)
+
+
+@pytest.mark.parametrize(
+    ("arguments", "grid"),
+    [
+        ((3.0, 24.0, 1.0), [3.0, 6.0, 12.0, 24.0]),
+        ((3.0, 23.9, 1.0), [3.0, 6.0, 12.0]),
+        ((3.0, 24.0 * (1.0 + 5e-10), 1.0), [3.0, 6.0, 12.0, 24.0]),
+        ((1.0, 2.0, 2.0), [1.0, math.sqrt(2.0), 2.0]),
+        ((1.0, 64.0, 0.5), [1.0, 4.0, 16.0, 64.0]),
+    ],
+)
+def test_frequencies_at_even_ratios_by_hand(arguments, grid):
+    found = octaves(*arguments)
+    assert found == pytest.approx(grid, rel=1e-9)
+    if math.isclose(arguments[1], grid[-1], rel_tol=1e-9):
+        assert found[-1] == arguments[1]  # to the bit
+
+
+@pytest.mark.parametrize(
+    "arguments", [(0.0, 1.0), (-1.0, 1.0), (2.0, 1.9), (1.0, math.inf), (1.0, 2.0, 0.0), (1.0, 2.0, math.inf)]
+)
+def test_grids_that_make_no_sense_are_refused(arguments):
+    with pytest.raises(ValueError, match="octaves need"):
+        octaves(*arguments)
+    assert octaves(1e-3, 2e-3, 1e-3).tolist() == [1e-3]
+
+
+@pytest.mark.parametrize(("frequency", "least", "most"), [(0.46, 0.0, 2.5e-4), (0.47, 0.01, 0.03)])
+def test_interpolation_is_flat_up_to_0_46_of_the_rate_and_no_further(frequency, least, most):
+    """With 32 samples on each side; what is further is told as well: the band ends."""
+    turn = 2.0 * np.pi * frequency * np.arange(600.0)
+    fine = interpolate(np.cos(turn), 10) + 1j * interpolate(np.sin(turn), 10)
+    k = np.arange(2000, 4001)
+    true = np.exp(2j * np.pi * frequency * k / 10) / np.sinc(frequency / 10) ** 2
+    assert least <= np.abs(fine[k] - true).max() < most
