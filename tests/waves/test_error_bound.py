@@ -15,6 +15,8 @@ from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
 from strikewave.base.materials import material
+from strikewave.contact import Contact
+from strikewave.contact.law import PressureCap
 from strikewave.waves import (
     BONDED,
     Branch,
@@ -494,29 +496,124 @@ def test_norms_of_the_rates_are_those_of_all_waves_in_flight(end):
     ("joint", "end", "carried"),
     [
         (BONDED, End(), []),
-        (Joint(mass=0.5), End("mass", 0.7), [(0.5, -3.0), (0.7, -3.0)]),
-        (Joint(mass=5e-3), End("mass", 7e-3), [(5e-3, -3.0), (7e-3, -3.0)]),
-        (Joint(2e-3, 0.1, attached=3e-3), End("oscillator", 9e-3, 4.0), [(3e-3, -3.0), (9e-3, -3.0)]),
-        (Joint(2.0, 0.1, attached=0.3), End("oscillator", 0.9, 4.0, 0.2), [(0.3, -3.0), (0.9, -3.0)]),
+        (Joint(mass=0.5), End("mass", 0.7), [0.5, 0.7]),
+        (Joint(mass=5e-3), End("mass", 7e-3), [5e-3, 7e-3]),
+        (Joint(2e-3, 0.1, attached=3e-3), End("oscillator", 9e-3, 4.0), [3e-3, 9e-3]),
+        (Joint(2.0, 0.1, attached=0.3), End("oscillator", 0.9, 4.0, 0.2), [0.3, 0.9]),
         (Joint(unilateral=True, gap=0.1), End("spring", 4.0), []),
         (Joint(2.0, branches=(Branch(3.0, 0.4),)), End("dashpot", 4.0), []),
     ],
 )
 def test_parts_that_fly_have_their_mass_times_their_speed_and_half_of_its_square(joint, end, carried):
-    """4 kg at 2 m/s, 9 kg at -3 m/s; masses move with what follows them. What hangs at the end is no part of a momentum."""
-    layers = tuple(dataclasses.replace(timed("x", z, t), speed=v) for z, t, v in ((2.0, 2.0, 2.0), (3.0, 3.0, -3.0)))
-    stack = Stack(layers, (joint,), end)
-    grid = transit.TimeGrid(0.5, (4, 6), 0.0)
-    tables, state = transit.tables_of(stack, grid), transit.state_at_rest(stack, grid)
-    parts = [(4.0, 2.0), (9.0, -3.0), *carried]
-    inside = parts[: len(parts) - (end.kind in ("mass", "oscillator"))]
-    assert _kernels.energy(tables, state) == pytest.approx(sum(0.5 * m * v * v for m, v in parts), rel=1e-14)
-    assert _kernels.momentum(tables, state) == pytest.approx(sum(m * v for m, v in inside), rel=1e-14)
-    for k, node in ((0, 0), (0, 2), (0, 4), (1, 0), (1, 6)):
-        assert _kernels.force_and_velocity(tables, state, k, node) == (0.0, pytest.approx((2.0, -3.0)[k], rel=1e-15))
-    assert state.joint[0, _kernels.OPEN] == (joint.gap > 0.0)
-    if joint.gap:
-        assert state.joint[0, _kernels.COMPRESSION] == -0.1
+    """4 kg at 2 m/s, 9 kg at -3 m/s, 25 kg at 5 m/s; masses move with what follows them.
+
+    What hangs at the end is no part of a momentum. The other joint, before or behind, carries 0.1 kg on a spring.
+    """
+    other = Joint(7.0, attached=0.1)
+    for joints, speeds in (((joint, other), (2.0, -3.0, 5.0)), ((other, joint), (5.0, 2.0, -3.0))):
+        flying = zip((2.0, 3.0, 5.0), speeds, strict=True)
+        layers = tuple(dataclasses.replace(timed("x", z, z), speed=v) for z, v in flying)
+        stack = Stack(layers, joints, end)
+        grid = transit.TimeGrid(0.5, (4, 6, 10), 0.0)
+        tables, state = transit.tables_of(stack, grid), transit.state_at_rest(stack, grid)
+        place = joints.index(joint)
+        inside = [(z * z, v) for z, v in zip((2.0, 3.0, 5.0), speeds, strict=True)]
+        inside += [(0.1, speeds[2 - place])]
+        ended = end.kind in ("mass", "oscillator")
+        inside += [(m, speeds[1 + place]) for m in carried[: len(carried) - ended]]
+        parts = inside + [(m, speeds[2]) for m in carried[len(carried) - ended :] if ended]
+        assert _kernels.energy(tables, state) == pytest.approx(sum(0.5 * m * v * v for m, v in parts), rel=1e-14)
+        assert _kernels.momentum(tables, state) == pytest.approx(sum(m * v for m, v in inside), rel=1e-13)
+        for k, node in ((0, 0), (0, 2), (0, 4), (1, 0), (1, 6), (2, 3)):
+            seen = _kernels.force_and_velocity(tables, state, k, node)
+            assert seen == (pytest.approx(0.0, abs=1e-14), pytest.approx(speeds[k], rel=1e-14))
+        assert state.joint[place, _kernels.OPEN] == (joint.gap > 0.0)
+        if joint.gap:
+            assert state.joint[place, _kernels.COMPRESSION] == -0.1
+
+
+@pytest.mark.parametrize(
+    ("end", "coefficients"),
+    [
+        (End("free"), [1.0, 0.0, 0.0, 0.0, 0.0]),
+        (End("matched"), [0.5, 1.0, 4.0, 0.0, 0.0]),
+        (End("rigid"), [0.0, 2.0, 0.0, 0.0, 0.0]),
+        (End("dashpot", 12.0), [0.25, 1.5, 12.0, 0.0, 0.0]),
+        (End("spring", 48.0), [0.25, 1.5, 12.0, 1.0, 1.0]),  # k dt/2
+        (End("mass", 3.0), [0.25, 1.5, 12.0, -1.0, -1.0]),  # 2 m/dt
+        (End("oscillator", 3.0, 40.0, 7.0), [0.0, 0.0, 0.0, 0.0, 0.0, 10.0, 7.0, 12.0]),
+    ],
+)
+def test_an_end_by_hand(end, coefficients):
+    """Behind 4 kg/s, of steps of 0.5 s: f = 1/(1 + R/Z) (a + 2 R/Z P), and what a gains of f and of R v."""
+    stack = timed_stack([9.0, 4.0], [1.0, 1.0], [BONDED], end)
+    found = transit.tables_of(stack, transit.TimeGrid(0.5, (2, 2), 0.0)).end
+    assert found.tolist() == coefficients + [0.0] * (8 - len(coefficients))
+
+
+@pytest.mark.parametrize(
+    ("joint", "kind", "values", "branches"),
+    [
+        (BONDED, _kernels.BONDED, {"STIFFNESS": math.inf}, []),
+        (Joint(mass=5e-3), _kernels.MASS, {"STIFFNESS": math.inf, "RESISTANCE": 0.02}, []),
+        (
+            Joint(40.0, 7.0, attached=5e-3),
+            _kernels.OSCILLATOR,
+            {"STIFFNESS": 40.0, "DAMPING": 7.0, "RESISTANCE": 10.0, "INERTIA": 0.02},
+            [],
+        ),
+        (
+            Joint(40.0, 7.0, unilateral=True, preload=3.0),
+            _kernels.UNILATERAL,
+            {"STIFFNESS": 40.0, "DAMPING": 7.0, "PRELOAD": 3.0},
+            [],
+        ),
+        (
+            Joint(contact=Contact(2.0, 2.0), preload=18.0),
+            _kernels.CONTACT,
+            {"STIFFNESS": math.inf, "PRELOAD": 18.0, "DATUM": 3.0},
+            [],
+        ),
+        (
+            # dt/(2 tau) = 3: r/4, (1 - 3)/(1 + 3)
+            Joint(40.0, 7.0, (Branch(16.0, 0.5 / 6.0),)),
+            _kernels.ELASTIC,
+            {"STIFFNESS": 40.0, "DAMPING": 7.0, "RESISTANCE": 7.0 + 10.0 + 1.0, "BRANCHES": 2.0},
+            [(10.0, 1.0), (1.0, -0.5)],
+        ),
+    ],
+)
+def test_a_joint_by_hand(joint, kind, values, branches):
+    """Of steps of 0.5 s; the second of two, behind a bonded one."""
+    stack = timed_stack([9.0, 4.0, 2.0], [1.0, 1.0, 1.0], [BONDED, joint], End())
+    tables = transit.tables_of(stack, transit.TimeGrid(0.5, (2, 2, 2), 0.0))
+    assert tables.joint_kind.tolist() == [_kernels.BONDED, kind]
+    expected = np.zeros(_kernels.JOINT_VALUES)
+    for name, value in values.items():
+        expected[getattr(_kernels, name)] = value
+    assert tables.joint_value[1] == pytest.approx(expected, rel=1e-14)
+    assert tables.branch[1].tolist() == [pytest.approx(x, rel=1e-14) for x in branches] + [[0.0, 0.0]] * (
+        5 - len(branches)
+    )
+    assert tables.start.tolist() == [0, 3, 6]
+    assert tables.nodes.tolist() == [3, 3, 3]
+    assert tables.law[1].any() == (joint.contact is not None)
+    assert not tables.law[0].any()
+
+
+def test_a_contact_at_rest_is_as_deep_as_its_preload_or_first_yield():
+    """2 d^2: 18 N at 3, 50 N at 5."""
+    for joint, deepest in (
+        (Joint(contact=Contact(2.0, 2.0), preload=18.0), 3.0),
+        (Joint(contact=Contact(2.0, 1.5, cap=PressureCap(2.0 * 5.0**1.5, "point")), preload=18.0), 5.0),
+    ):
+        stack = timed_stack([4.0, 2.0], [1.0, 1.0], [joint], End())
+        row = transit.state_at_rest(stack, transit.TimeGrid(0.5, (2, 2), 0.0)).joint[0]
+        if joint.contact.cap is not None:
+            assert row[_kernels.DEEPEST] == pytest.approx(deepest, rel=1e-12)
+        else:
+            assert row[_kernels.DEEPEST] >= deepest
+        assert row[_kernels.GROWTH] == 1.0
 
 
 @pytest.mark.parametrize(("gap", "seen"), [(0.9e-12, 0.0), (1.1e-12, 1.0)])
