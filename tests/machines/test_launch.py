@@ -13,6 +13,7 @@ from strikewave.base.constants import STANDARD_GRAVITY
 from strikewave.contact import Contact
 from strikewave.hopkinson.bars import Bar, StrikerBar
 from strikewave.machines.launch import (
+    STANDARD_ATMOSPHERE,
     GunBarrel,
     MacheteHammer,
     RigidPendulum,
@@ -413,3 +414,203 @@ def test_striker_bar_of_equal_bars_gives_half_its_speed():
 def test_refusals_name_the_number(call, words):
     with pytest.raises(ValueError, match=words.replace("+", r"\+")):
         call()
+
+
+# --- worked by hand ---
+
+E, ROOT = math.e, math.sqrt
+
+
+def gun(way, gamma, a=300.0):
+    """Return a gun whose P A L/(m a^2) is given, of numbers that all differ."""
+    return GunBarrel(3e5, 7e-3, 2e-3, way * 0.6 * a**2 / (3e5 * 2e-3), 0.6, heat_ratio=gamma)
+
+
+def test_gas_gun_by_hand():
+    """P V is what an isothermal gas gives that grows e times, and one of gamma 1.5 that grows four times."""
+    for gamma, grown in ((1.0, E), (1.5, 4.0)):
+        one = GunBarrel(4e6, 1e-3, 2e-3, (grown - 1.0) / 2.0, 0.5, 100.0, 2e5, gamma)
+        assert one.held_back == pytest.approx(500.0)
+        assert muzzle_speed(one) == pytest.approx(ROOT(2.0 * (4000.0 - 250.0 * (grown - 1.0)) / 0.5), rel=1e-14)
+    # the gas of Boyle works P V ln 2 over as long again as its reservoir: friction may take little less
+    for share in (0.999, 1.001):
+        one = GunBarrel(4e6, 1e-3, 2e-3, 0.5, 0.5, share * 8000.0 * math.log(2.0), 0.0, 1.0)
+        if share < 1.0:
+            assert muzzle_speed(one) == pytest.approx(ROOT(2.0 * 4.0 * math.log(2.0) / 0.5), rel=1e-9)
+        else:
+            with pytest.raises(ValueError, match="cannot push"):
+                muzzle_speed(one)
+    for share in (0.999, 1.001):  # nor does it begin where it is held back by as much
+        one = GunBarrel(share * 1e5, 1.0, 2e-3, 1e-6, 0.5, 100.0, 5e4, 1.0)
+        assert one.held_back == 200.0
+        if share > 1.0:
+            assert muzzle_speed(one) > 0.0
+        else:
+            with pytest.raises(ValueError, match="cannot push"):
+                muzzle_speed(one)
+
+
+def test_gas_with_inertia_by_hand():
+    """Gamma 5/3: n = 5, and half of the escape speed 3 a leaves 1/2 of a: (15/4 - 7/3) 9 of P A L/(m a^2).
+
+    From a reservoir: sqrt(0.6) a takes 0.8^(-3/2) - 1; the speed of sound there, c = sqrt(0.75) a, takes
+    0.75^(-3/2) - 1, and from there to 5/2 c it takes 24 c^2 over the pressure there, 0.75^(5/2).
+    """
+    a = 300.0
+    assert wave_muzzle_speed(gun(9.0 * 17.0 / 12.0, 5 / 3), a) == pytest.approx(1.5 * a, rel=1e-12)
+    assert reservoir_muzzle_speed(gun(0.8**-1.5 - 1.0, 5 / 3), a) == pytest.approx(ROOT(0.6) * a, rel=1e-13)
+    sonic = 0.75**-1.5 - 1.0
+    assert reservoir_muzzle_speed(gun(sonic, 5 / 3), a) == pytest.approx(ROOT(0.75) * a, rel=1e-12)
+    fast = reservoir_muzzle_speed(gun(sonic + 18.0 / 0.75**2.5, 5 / 3), a)
+    assert fast == pytest.approx(2.5 * ROOT(0.75) * a, rel=1e-12)
+
+
+def test_isothermal_gas_with_inertia_by_hand():
+    """(x - 1) e^x + 1 of P A L/(m a^2) to x a; from a reservoir e^(x^2/2) - 1 up to a, and e^(3/2) more to 2 a."""
+    a = 300.0
+    for x in (0.5, 1.0, 2.0):
+        assert wave_muzzle_speed(gun((x - 1.0) * math.exp(x) + 1.0, 1.0), a) == pytest.approx(x * a, rel=1e-12)
+    assert reservoir_muzzle_speed(gun(math.expm1(0.32), 1.0), a) == pytest.approx(0.8 * a, rel=1e-13)
+    assert reservoir_muzzle_speed(gun(math.expm1(0.5) + E**1.5, 1.0), a) == pytest.approx(2.0 * a, rel=1e-12)
+
+
+@pytest.mark.parametrize("law", [wave_muzzle_speed, reservoir_muzzle_speed])
+def test_gas_is_isothermal_to_a_millionth(law):
+    limit = law(gun(0.5, 1.0), 300.0)
+    assert abs(law(gun(0.5, 1.0 + 0.9e-6), 300.0) / limit - 1.0) < (1e-16 if law is wave_muzzle_speed else 1e-6)
+    beyond = law(gun(0.5, 1.0 + 1.5e-6), 300.0)
+    assert 1e-8 < limit / beyond - 1.0 < 1e-6
+
+
+def test_gases_are_those_of_one_to_three_directions():
+    assert STANDARD_ATMOSPHERE == 101325.0  # ISO 2533
+    assert GunBarrel(3e5, 7e-3, 2e-3, 1.0, 0.6).held_back == 202.65
+    for gamma in (1.0, 5 / 3):
+        GunBarrel(3e5, 7e-3, 2e-3, 1.0, 0.6, heat_ratio=gamma)
+    for gamma in (0.999, 1.668):
+        with pytest.raises(ValueError, match="1 to 5/3"):
+            GunBarrel(3e5, 7e-3, 2e-3, 1.0, 0.6, heat_ratio=gamma)
+    for zero in ({"friction": 0.0}, {"ambient": 0.0}):
+        GunBarrel(3e5, 7e-3, 2e-3, 1.0, 0.6, **zero)
+
+
+def test_falls_by_hand():
+    """Half the terminal speed in a viscous guide: r^2 h/g' = ln 2 - 1/2; against a drag sqrt(3)/2 of it: 2 c h = ln 4."""
+    pull = 5.0 * 0.8
+    assert fall_speed(0.7, 5.0, 0.2) == pytest.approx(ROOT(2.0 * pull * 0.7), rel=1e-14)
+    assert fall_speed(pull * (math.log(2.0) - 0.5) / 9.0, 5.0, 0.2, viscous=3.0) == pytest.approx(pull / 6.0, rel=1e-13)
+    assert fall_speed(math.log(4.0) / 0.6, 5.0, 0.2, drag=0.3) == pytest.approx(ROOT(0.75 * pull / 0.3), rel=1e-13)
+    assert fall_speed([0.0, 0.7], 5.0).tolist() == pytest.approx([0.0, ROOT(7.0)])
+    assert fall_speed(0.0, viscous=3.0) == fall_speed(0.0, drag=3.0) == 0.0
+    slow = fall_speed(0.7, viscous=5e-3), fall_speed(0.7, drag=5e-3), fall_speed(0.7, friction=5e-3)
+    assert all(speed < 0.9999 * float(fall_speed(0.7)) for speed in slow)
+    both = fall_speed(0.7, viscous=[0.0, 0.0], drag=[0.0, 5e-3])
+    assert both.tolist() == [float(fall_speed(0.7)), float(slow[1])]
+    with pytest.raises(ValueError, match="not both"):
+        fall_speed(0.7, viscous=1e-3, drag=1e-3)
+    with pytest.raises(ValueError, match="below 1"):
+        fall_speed(0.7, friction=-1e-9)
+
+
+def test_falls_with_cords_by_hand():
+    """Cords whose pull doubles what there is at the end make a sixth of a swing of the way."""
+    last = 0.8 * G + 5.0
+    speed, time = corded_fall(0.5, 2.0, 10.0, 4.0 * last, 0.2)
+    assert speed == pytest.approx(ROOT(0.8 * G + (10.0 + last) / 2.0), rel=1e-14)
+    assert time == pytest.approx(math.pi / 3.0 / ROOT(2.0 * last), rel=1e-14)
+    speed, time = corded_fall(0.5, 2.0, 10.0)
+    assert speed == pytest.approx(ROOT(G + 5.0), rel=1e-14)
+    assert time == pytest.approx(1.0 / speed, rel=1e-14)
+    assert corded_fall(0.5, 2.0, 10.0, 5e-3)[1] == pytest.approx(time, rel=1e-4)
+    assert corded_fall(0.5, 2.0, 10.0, 5e-3)[1] < time
+
+
+def test_machete_by_hand():
+    """Twelve teeth of 30 degrees: three of them lift an arm by its length, from 30 degrees by cos 30 + cos 60."""
+    for strike, lifted in ((0.0, 1.0), (math.pi / 6.0, 0.5 * ROOT(3.0) + 0.5)):
+        hammer = MacheteHammer(12, 1.7, 0.6, 0.3, 7.0, 0.08, 0.4, strike)
+        energy = (7.0 * 5.0 * 0.08 - 0.4) * 0.5 * math.pi + 0.3 * 5.0 * lifted
+        assert machete_energy(hammer, 3, 5.0) == pytest.approx(energy, rel=1e-13)
+        assert machete_speed(hammer, 3, 5.0) == pytest.approx(
+            0.6 * ROOT(2.0 * energy / (1.7 + 7.0 * 0.0064)), rel=1e-13
+        )
+    assert hammer.pitch == pytest.approx(math.pi / 6.0)
+    assert hammer.turning_inertia == pytest.approx(1.7 + 7.0 * 0.0064)
+    assert hammer.effective_mass == pytest.approx(1.7 / 0.36)
+    assert machete_energy(hammer, [0, 3]).tolist() == pytest.approx([0.0, float(machete_energy(hammer, 3))])
+    for wrong in (-1, 1.5, math.inf, math.nan):
+        with pytest.raises(ValueError, match="whole number from 0"):
+            machete_energy(hammer, wrong)
+    # friction that takes just as much as the weight gives, and a little more
+    assert machete_energy(MacheteHammer(12, 1.7, 0.6, weight=1.0, drum=0.1, friction=0.5), 3, 5.0) == 0.0
+    with pytest.raises(ValueError, match="the arm stays"):
+        machete_energy(MacheteHammer(12, 1.7, 0.6, weight=1.0, drum=0.1, friction=0.501), 3, 5.0)
+
+
+@pytest.mark.parametrize(
+    ("strike", "teeth", "steepest"),
+    [
+        (0.0, 2, math.sin(math.pi / 3.0)),  # from 60 degrees down
+        (2.0, 1, math.sin(2.0)),  # from 145 to 115 degrees
+        (0.0, 3, 1.0),  # from 90 degrees
+        (1.0, 3, 1.0),  # over them
+        (0.5 * math.pi, 1, 1.0),  # down to them
+        (2.0, 12, 1.0),  # over them a turn later
+        (2.6, 9, math.sin(2.6 + 1.5 * math.pi)),  # not yet
+    ],
+)
+def test_rope_is_slackest_where_the_arm_falls_steepest(strike, teeth, steepest):
+    """The weight falls with r w', w' = (M g r + u g sin c - T)/(J + M r^2)."""
+    hammer = MacheteHammer(12, 1.7, 0.6, 0.3, 7.0, 0.08, 0.4, strike)
+    turning = (7.0 * 5.0 * 0.08 + 0.3 * 5.0 * steepest - 0.4) / (1.7 + 7.0 * 0.0064)
+    assert rope_tension(hammer, teeth, 5.0) == pytest.approx(7.0 * (5.0 - 0.08 * turning), rel=1e-13)
+
+
+def test_pendulum_by_hand():
+    hammer = RigidPendulum(3.0, 0.4, 0.9, 0.7)
+    assert hammer.effective_mass == pytest.approx(0.9 / 0.49, rel=1e-15)
+    assert hammer.reduced_length == pytest.approx(0.75, rel=1e-15)
+    assert inertia_of_period(3.0, 0.4, 2.0 * math.pi * ROOT(0.15), 5.0) == pytest.approx(0.9, rel=1e-14)
+    energy = 3.0 * 5.0 * 0.4 * (0.5 * ROOT(3.0) + 0.5)  # from 120 to 30 degrees
+    for sign in (-1.0, 1.0):
+        for other in (-1.0, 1.0):
+            found = pendulum_energy(hammer, sign * 2.0 * math.pi / 3.0, other * math.pi / 6.0, 5.0)
+            assert found == pytest.approx(energy, rel=1e-13)
+    speed = pendulum_speed(hammer, 2.0 * math.pi / 3.0, math.pi / 6.0, 5.0)
+    assert speed == pytest.approx(0.7 * ROOT(2.0 * energy / 0.9), rel=1e-13)
+    assert pendulum_energy(hammer, math.pi) == pytest.approx(2.0 * 3.0 * G * 0.4, rel=1e-14)
+    assert pendulum_energy(hammer, 0.5, 0.5) == pendulum_energy(hammer, -0.5, 0.5) == 0.0
+    for angle, strike in ((3.15, 0.0), (-3.15, 0.0), (0.49, 0.5), (-0.49, -0.5), (math.nan, 0.0)):
+        with pytest.raises(ValueError, match="angle of release"):
+            pendulum_energy(hammer, angle, strike)
+    RigidPendulum(3.0, 0.4, 3.0 * 0.16, 0.4)  # all in one point
+    with pytest.raises(ValueError, match="at least mass times centre squared"):
+        RigidPendulum(3.0, 0.4, 3.0 * 0.16 * (1.0 - 1e-9), 0.4)
+
+
+def test_table_pulses_by_hand():
+    """Where v w is g the table lies 3/8 of a swing on its shaper, at sqrt(2) g; and 2/3 of it where v w is sqrt(1/3) g."""
+    pulse = half_sine_pulse(2.5, 2.0, 8.0, 5.0)
+    assert pulse == pytest.approx((5.0 * ROOT(2.0), 0.75 * math.pi, 5.0, 1.25 * (1.0 + ROOT(2.0))), rel=1e-14)
+    pulse = half_sine_pulse(2.5 / ROOT(3.0), 2.0, 8.0, 5.0)
+    assert pulse[:2] == pytest.approx((10.0 / ROOT(3.0), 5.0 * math.pi / 6.0), rel=1e-14)
+    assert half_sine_pulse(3.0, 2.0, 8.0) == pytest.approx((6.0, 0.5 * math.pi, 6.0, 1.5), rel=1e-14)
+    drop = drop_for_half_sine(300.0, 0.01, 0.25, 5.0)
+    speed = 2.0 * 300.0 * 0.01 / (1.25 * math.pi)
+    assert drop == pytest.approx((speed, speed**2 / 10.0, (100.0 * math.pi) ** 2), rel=1e-14)
+    for restitution in (0.0, 1.0):
+        drop_for_half_sine(300.0, 0.01, restitution)
+    for restitution in (-1e-9, 1.0 + 1e-9):
+        with pytest.raises(ValueError, match="within 0 to 1"):
+            drop_for_half_sine(300.0, 0.01, restitution)
+
+
+def test_shaper_without_loss_has_no_damper():
+    assert linear_shaper(8.0, 2.0).damper is None
+    shaper = linear_shaper(8.0, 2.0, 0.5)
+    assert (shaper.stiffness, shaper.exponent) == (8.0, 1.0)
+    assert linear_shaper(8.0, 2.0, 0.999999).damper is not None
+    lossy = shaper_pulse(linear_shaper(7.9e8, 20.0, 0.5), 2.35, 20.0)
+    # it begins with the force of its damper, c v, where little is left of the half sine
+    assert lossy.crush < half_sine_pulse(2.35, 20.0, 7.9e8).crush
+    assert lossy.velocity_change == pytest.approx(1.5 * 2.35, rel=1e-7)
