@@ -111,7 +111,7 @@ class Contribution:
             size = -0.5 * np.log((1.0 - over**2) ** 2 + (over / self.quality) ** 2)
             return np.asarray(e * np.maximum(size, 0.0))
         power = 2.0 * self.order
-        with np.errstate(over="ignore"):
+        with np.errstate(over="ignore", invalid="ignore"):
             bent = np.log1p(over**power), np.log1p((over / (1.0 + e)) ** power)
             return np.asarray(0.5 * np.where(np.isfinite(bent[0]), bent[0] - bent[1], power * np.log1p(e)))
 
