@@ -288,6 +288,39 @@ def test_a_body_rests_after_as_many_small_steps_as_its_longest_rise_took():
     assert small == rise + 2
 
 
+def test_the_watch_on_two_bodies_by_hand():
+    """Half of 2 J each is small. A wave goes to and fro over the diagonal of 3 x 4 x 12 m in 13 steps, or in 26."""
+    mesh = joined(
+        [block("a", (3.0, 4.0, 12.0), 3.0, 4.0, 12.0), moved(block("b", (6.0, 8.0, 24.0), 6.0, 8.0, 24.0), (9.0, 0, 0))]
+    )
+    solids = {
+        "a": SimpleNamespace(wave_speed=4.0),
+        "b": SimpleNamespace(wave_speed=4.0),
+        "c": SimpleNamespace(wave_speed=9.0),
+    }
+    engine = SimpleNamespace(x=mesh.points, model=SimpleNamespace(mesh=mesh, solids=solids), dt_next=0.51)
+    bodies = [SimpleNamespace(nodes=np.arange(8 * k, 8 * k + 8), parts=("c", name)) for k, name in enumerate("ab")]
+    watch = _Watch(engine, bodies, 2.0)
+    assert watch.owner.tolist() == [0] * 8 + [1] * 8
+    assert watch.longest.tolist() == [13, 26]  # 26 / (4 0.51) = 12.7 and 25.5
+    passed = [
+        watch.passed(np.array(now)).tolist() for now in ([5.0, 0.4], [8.0, 3.0], [6.0, 0.9], [1.0, 0.7], [0.5, 0.8])
+    ]
+    # the second falls below what counts, which is no maximum; after its own the first begins from nothing
+    assert passed == [[False] * 2, [False] * 2, [True, False], [False] * 2, [False] * 2]
+    assert (watch.maxima.tolist(), watch.rise.tolist(), watch.small.tolist()) == ([1, 0], [2, 5], [2, 3])
+    assert watch.left.tolist() == [1.0, 0.9]
+    assert watch.energy.tolist() == [0.5, 0.8]
+    assert not watch.over
+    for _ in range(24):
+        watch.passed(np.array([0.1, 0.1]))
+    assert (watch.small.tolist(), watch.over) == ([26, 27], True)
+    watch.small[1] = 26
+    assert not watch.over
+    watch.maxima[1] = 300
+    assert watch.over
+
+
 @pytest.mark.parametrize(("contacts", "times"), [((SurfaceContact("up.z-", "base.z+"),), 2), ((), 1)])
 def test_bodies_that_touch_come_to_rest_again_once_they_are_back(monkeypatch, contacts, times):
     """Bodies that go on to touch meet anew where they have gone back to; others have nothing to settle."""

@@ -12,7 +12,9 @@ import pytest
 from scipy.integrate import cumulative_trapezoid
 
 from strikewave.base.errors import InputError
+from strikewave.fem.checks import control_faults
 from strikewave.fem.engine import Engine
+from strikewave.fem.masses import fitting, nodal_sums, part_masses
 from strikewave.fem.measures import balance_measure
 from strikewave.fem.mesh import joined
 from strikewave.fem.model import (
@@ -28,11 +30,13 @@ from strikewave.fem.model import (
     SurfaceContact,
     Symmetry,
     TimeCurve,
+    stays,
 )
+from strikewave.fem.recorder import section_elements, watched
 from strikewave.fem.run import ENERGIES
 from strikewave.fem.shapes import block, moved
 from strikewave.fem.solids import Bilinear, Elastic
-from strikewave.fem.solve import Checkpoint, RunOptions, solve
+from strikewave.fem.solve import Checkpoint, Progress, RunOptions, _of_blow, frame_instants, solve
 
 from .bodies import STEEL, Ball, ball_on_base, two_bars
 
@@ -351,3 +355,128 @@ def test_bodies_at_rest_stay_so_and_keep_their_balance():
     nothing = dict.fromkeys(ENERGIES, 0.0)
     assert engine._broken(nothing) == ""
     assert "the energy is off" in engine._broken({**nothing, "internal": 1e-3})  # a millijoule from nowhere is none
+
+
+# Parts of a run, by hand
+
+
+@pytest.mark.parametrize(
+    ("name", "allowed", "refused"),
+    [
+        ("safety", 1.0, 1.005), ("safety", 0.005, 0.0), ("hourglass", 0.5, 0.504), ("hourglass", 0.0, -0.005),
+        ("linear_viscosity", 0.0, -0.005), ("quadratic_viscosity", 0.0, -0.005), ("linear_viscosity", 7.0, math.inf),
+        ("least_step", 0.0, -0.005), ("threads", 1, 0), ("blows", 20, 21), ("blows", 1, 0), ("interval", 2.0, 2.004),
+        ("interval", 0.005, 0.0), ("duration", 0.6, 0.0), ("duration", 1e9, math.inf),
+    ],
+)  # fmt: skip
+def test_controls_have_ranges(name, allowed, refused):
+    good = Controls(2.0, 0.5)
+    assert list(control_faults(dataclasses.replace(good, **{name: allowed}))) == []
+    fields = [fault.field for fault in control_faults(dataclasses.replace(good, **{name: refused}))]
+    assert name in fields
+
+
+@pytest.mark.parametrize(("share", "whole"), [(0.6e-9, 3), (1.5e-9, 4)])
+def test_a_step_fits_its_span_a_whole_number_of_times(share, whole):
+    assert fitting(10.0, 3.0) == 2.5
+    assert fitting(1.0, 5.0) == 1.0
+    assert fitting(6.0, 2.0 / (1.0 + share / 3.0)) == pytest.approx(6.0 / whole, rel=1e-14)
+    assert Controls(3.0 + share, 1.0).intervals == whole
+    assert Controls(0.2, 1.0).intervals == 1
+
+
+def test_masses_of_nodes_are_shares_of_their_elements():
+    low, high = block("low", (2.0, 1.0, 1.0), 1.0, 1.0, 1.0), block("high", (1.0, 1.0, 1.0), 1.0, 1.0, 1.0)
+    mesh, mass = joined([low, moved(high, (0.0, 0.0, 1.0))]), np.array([8.0, 16.0, 40.0])
+    sums = nodal_sums(mesh.hexahedra, mass / 8.0, 21)
+    assert sorted(sums[:12].tolist()) == [1.0] * 4 + [2.0] * 4 + [3.0] * 4
+    assert sums[12:].tolist() == [5.0] * 8 + [0.0]
+    assert part_masses(mesh, mass, "high").tolist() == [5.0] * 8
+    assert part_masses(mesh, mass, "low").sum() == 24.0
+
+
+def test_frames_stand_at_equal_instants_and_the_ends():
+    controls = Controls(7e-6, 0.5e-6)
+    assert frame_instants(controls, 0) == []
+    assert frame_instants(controls, 1) == [0]
+    assert frame_instants(controls, 4) == [0, 5, 9, 14]
+    assert frame_instants(controls, 99) == list(range(15))
+
+
+def test_progress_over_several_blows_is_that_of_all_and_only_the_first_is_filmed():
+    """The second of three blows of 4 intervals of 0.5 s: 2 s come before it."""
+    seen, later = [], {2: "second writer"}
+    options = RunOptions(writer="first writer", later=later.get, observer="film", report=seen.append)
+    controls = Controls(1.9, 0.5, blows=3)
+    first, second = (_of_blow(options, blow, controls) for blow in (1, 2))
+    assert (first.writer, first.observer) == ("first writer", "film")
+    assert (second.writer, second.observer) == ("second writer", None)
+    second.report(Progress(0.5, 1.9, 10, 0.1, 8.0, 1.0))
+    first.report(Progress(0.5, 1.9, 10, 0.1, 8.0, 1.0))
+    assert [(each.time, each.duration, each.left) for each in seen] == [
+        (2.5, 6.0, pytest.approx(11.2)),
+        (0.5, 6.0, 88.0),
+    ]
+    alone = _of_blow(options, 1, dataclasses.replace(controls, blows=1))
+    assert alone.report is options.report
+    assert _of_blow(RunOptions(), 2, controls).report is None
+
+
+def test_sides_stay_together_where_their_parts_begin_alike():
+    model = dataclasses.replace(two_bars(), velocity={"striking": (0.0, 0.0, -5.0), "anvil": (0.0, 0.0, -5.0)})
+    assert stays(model, ("striking.z-", "anvil"))
+    assert not stays(model, ("striking.z-", "struck.z+"))
+    assert not stays(model, ("anvil",))
+    assert stays(model, ("struck.z-",))
+
+
+def test_a_run_stops_where_a_tenth_of_its_energy_is_missing_or_its_step_has_collapsed():
+    """40 J at first and 60 J from outside: 9 J may be missing, 15 J of 106 J may not; what is largest is named."""
+    model = two_bars(duration=2e-6)
+    engine = Engine(model)
+    engine.assemble_forces()
+    assert engine.record() == ""
+    engine.initial_energy, engine.steps = 40.0, 3
+    energies = dict.fromkeys(ENERGIES, 0.0) | {"kinetic": 70.0, "internal": 20.0, "hourglass": -30.0, "contact": 31.0}
+    assert engine._broken(energies | {"external": 60.0}) == ""  # 91 of 100 J
+    words = engine._broken(energies | {"external": 66.0})
+    assert words.startswith("the energy is off by -14")
+    assert "contact energy is largest; look at element" in words
+    words = engine._broken(energies | {"external": 15.0, "plastic": 900.0, "viscous": 39.0, "contact": 12.0})
+    assert words.startswith("the energy is off by +102")
+    assert "viscous energy is largest" in words
+    assert "the numbers end" in engine._broken(energies | {"external": 60.0, "viscous": math.nan})
+    engine.steps = 0
+    assert engine._broken(energies | {"external": 66.0}) == ""
+    assert engine.collapse == pytest.approx(1e-3 * engine.critical, rel=1e-12)
+    engine.critical = 0.999 * engine.collapse
+    assert "the critical step fell to" in engine._broken(energies | {"external": 60.0})
+    assert not engine.goes_on
+    engine.critical = 1.001 * engine.collapse
+    assert engine.goes_on
+
+
+def test_groups_of_nodes_are_watched_in_shares_of_64():
+    groups = [(np.arange(130), np.ones(130)), (np.array([7]), np.array([0.5])), (np.arange(64), np.zeros(64))]
+    first, shares = watched(groups)
+    assert first.tolist() == [0, 3, 4]
+    assert shares.begin.tolist() == [0, 64, 128, 130, 131, 195]
+    assert shares.nodes.tolist() == [*range(130), 7, *range(64)]
+    assert shares.weights.sum() == 130.5
+
+
+@pytest.mark.parametrize(
+    ("height", "up", "layer"),
+    [(1.5, 1.0, 1), (1.0, 1.0, 1), (1.0, -1.0, 0), (3.0, 2.0, 2), (3.0, -2.0, 1), (4.5, 3.0, 2)],
+)
+def test_a_section_cuts_the_elements_it_goes_through_or_those_it_lies_upon(height, up, layer):
+    """Layers of 1, 2 and 3 m, of an element 1 m and one 3 m wide; between layers it cuts those its normal points to."""
+    column = block("b", (2.0, 1.0, 3.0), 1.0, 1.0, 1.0)
+    column.points[:, 2] = np.array([0.0, 1.0, 3.0, 6.0])[np.rint(column.points[:, 2]).astype(int)]
+    column.points[column.points[:, 0] > 0.5, 0] = 3.0
+    mesh = joined([block("a", (1.0, 1.0, 1.0), 1.0, 1.0, 1.0), column])
+    elements, shares = section_elements(mesh, CutSection("s", "b", (0.0, 0.0, height), (0.0, 0.0, up)))
+    middle = mesh.points[mesh.hexahedra[elements]].mean(axis=1)
+    np.testing.assert_allclose(middle[:, 2], (0.5, 2.0, 4.5)[layer])
+    assert elements.dtype == np.int32
+    np.testing.assert_allclose(shares[np.argsort(middle[:, 0])], [0.25, 0.75], rtol=1e-13)
