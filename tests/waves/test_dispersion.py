@@ -250,3 +250,10 @@ def test_wavelengths_may_come_in_any_order_and_shape():
     found = phase_speed(ratios, 0.29)
     assert found[1, 0] == 1.0
     assert found.ravel() == pytest.approx([TABLE[0.5][1], TABLE[0.1][1], 1.0, TABLE[0.3][1]], abs=5.1e-7)
+
+
+def test_frequencies_may_lie_as_close_as_they_like():
+    """K of four frequencies a billionth apart, and of the same one twice: a straight line of the slope 1/c_g."""
+    rod, w = Rod(1.0, 1.0, 0.29), 3.0 + 1e-9 * np.array([0.0, 1.0, 1.0, 2.0, 5.0])
+    k = wave_number(w, rod).real
+    assert k == pytest.approx(k[0] + (w - 3.0) / float(group_speed(3.0, rod)), rel=1e-13)

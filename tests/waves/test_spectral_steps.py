@@ -127,7 +127,7 @@ def test_the_first_step_is_a_fiftieth_of_what_changes_first(made_up, monkeypatch
 
 @pytest.mark.parametrize(("step", "taps", "words"), [
     (1.25e-4, 1, None), (1.19e-4, 1, r"a step of 0\.000119 s, and once more at half.*than 1e\+06 steps"),
-    (1.25e-4, 4, None), (1.25e-4, 5, "samples at 5 taps"),
+    (1.25e-4, 4, None), (1.25e-4, 5, "samples at 5 taps"), (1.194e-4, 4, "samples at 4 taps"),
 ])  # fmt: skip
 def test_a_million_steps_and_four_million_samples_are_followed_at_most(made_up, step, taps, words):
     """60 s at half the step: 0.96 or 1.008 million."""
@@ -281,17 +281,22 @@ def test_a_place_of_a_field_is_found_in_a_thousandth_of_its_layer():
 
 def test_a_field_has_200_places_in_a_hundred_layers_at_most_or_as_many_as_its_steps_allow(monkeypatch):
     """Twenty million values: of 41 steps 200 places; two places a layer at least."""
-    asked = []
+    asked, look = [], SpectralStack.look
 
     def nodes(stack, grid, layers, places):
         asked.append((layers, places, grid.counts))
         return spectral_bar_nodes(stack, grid, layers, places)
 
+    looks = []
+    monkeypatch.setattr(
+        SpectralStack, "look", lambda self, *more, **how: looks.append(self) or look(self, *more, **how)
+    )
     spectral_bar_nodes = spectral_bar.field_nodes
     monkeypatch.setattr(spectral_bar, "field_nodes", nodes)
     for values in (2e7, 30.5 * 5, 2.0 * 5):
         monkeypatch.setattr(spectral_bar, "_FIELD_VALUES", values)
         run_bar(TWO, LOAD, [Tap(0, 1.0)], 0.4, WantedError(step=0.1, method="spectral"))
+    assert len(looks) == 3 * 5  # at taps with two steps; at the field, at faces and at masses, at once
     assert asked == [(100, 200, (1000, 1000)), (15, 30, (1000, 1000)), (1, 2, (1000, 1000))]
     monkeypatch.undo()
     assert int(spectral_bar._FIELD_VALUES / 99_000) == 202
