@@ -48,10 +48,13 @@ def follow(monkeypatch):
     ):
         y, count = np.array(y, dtype=float), len(switches(t, np.array(y, dtype=float), [0])) if switches else 0
 
+        told = []
+
         def fill(t, y, mode, memory, dy):
-            dy[:] = rates(t, y)
+            dy[:] = rates(t, y, mode) if limits.get("moded") else rates(t, y)
 
         def tell(t, y, mode, memory, g):
+            told.append(t)
             g[:] = switches(t, y, mode) if switches else []
 
         system = SimpleNamespace(
@@ -72,7 +75,7 @@ def follow(monkeypatch):
         with np.errstate(invalid="ignore"):
             why, at, step, steps, events = kernels.advance(system, control, t, h, y, mode, memory, record, count)
         return SimpleNamespace(
-            why=why, t=at, h=step, y=y, mode=mode, memory=memory, system=system, kernels=kernels, control=control,
+            why=why, t=at, h=step, told=len(told), y=y, mode=mode, memory=memory, system=system, kernels=kernels, control=control,
             time=record.time[:steps], step=record.step[:steps], dense=record.dense[:steps], modes=record.mode[:steps],
             memories=record.memory[:steps], events=list(zip(record.event_time[:events], *record.event[:events].T, strict=True)),
             record=type(record)(*(column[:steps] for column in record[:5]), record.event_time[:events], record.event[:events]),
@@ -180,12 +183,15 @@ def test_switches_are_found_where_they_fall_and_change_what_they_say(follow):
         falls = [0.37 - t, 0.9 - t**3 * 0.9 / 0.9**3, 1.6 - t]
         return [falls[k] if mode[0] == k else 1.0 for k in range(3)]
 
-    done = follow(lambda t, y: [2.0, 1.0], [0.0, 5.0], 4.0, h=0.7, switches=switches, switch=switch, first=0.01)
+    done = follow(
+        lambda t, y, mode: [[2.0, 5.0, -1.0, 0.0][mode[0]], 1.0], [0.0, 5.0], 4.0, h=0.7, switches=switches, switch=switch,
+        first=0.01, moded=True,
+    )  # fmt: skip
     assert done.why == STOPPED
     assert [k for k, *_ in log] == [0, 1, 2]
     assert [at for _, at, *_ in log] == pytest.approx([0.37, 0.9, 1.6], abs=1e-14)
     assert done.t == done.events[-1][0]
-    assert log[1][2] == pytest.approx([1.8, 5.9], rel=1e-13)
+    assert [y for at, _, y, _ in log for y in y] == pytest.approx([0.74, 5.37, 3.39, 5.9, 2.69, 6.6], rel=1e-13)
     # switches by their time, place and the steps before them; modes and memories of each step
     assert [at for at, *_ in done.events] == pytest.approx([0.37, 0.9, 1.6], abs=1e-14)
     assert [k for _, k, _ in done.events] == [0, 1, 2]
@@ -214,19 +220,16 @@ def test_the_first_of_several_switches_is_taken_whatever_their_order(follow):
         assert done.events[0][1] == (0 if two < one else 1)
 
 
-@pytest.mark.parametrize("at", [0.05, 0.3, 0.45, 0.62, 0.8])
+@pytest.mark.parametrize("at", [0.05, 0.2, 0.3, 0.45, 0.62, 0.8])
 @pytest.mark.parametrize("width", [0.1, 0.01])
 def test_a_dip_between_two_samples_is_seen_from_either_side(follow, at, width):
     """(t - a)^2 - w^2 is below zero for 2 w around a, and falls through zero at a - w; samples lie 0.25 apart."""
-    if at < width:
+    if at <= width:
         return
     done = follow(
         lambda t, y: [1.0], [0.0], 1.0, h=1.0,
         switches=lambda t, y, mode: [1.0, (y[0] - at) ** 2 - width**2], switch=lambda *_: STOP,
     )  # fmt: skip
-    # before the second sample a parabola has no three points
-    if at < 0.25:
-        return
     assert done.why == STOPPED
     assert done.t == pytest.approx(at - width, abs=1e-13)
     assert done.events[0][1] == 1
@@ -241,23 +244,25 @@ def test_a_dip_is_looked_for_where_the_parabola_falls_to_a_quarter_of_its_sample
     least = 5.0 * np.min(away**2)
     q = lowest * 0.25 / (1.0 - lowest * 0.25) * least
     rows = [np.array([9.0, 5.0 * one**2 + q]) for one in away]
-    at = (3 + place) / 4
-    done.system.switches = lambda t, y, mode, memory, g: np.copyto(g, [9.0, abs(t - at) - 0.01])
-    found = done.kernels._dip(done.system, 0.0, 1.0, done.dense[0], None, None, 3, *rows, np.empty(1), np.empty(2))
-    assert found == ((1, pytest.approx(at - 0.01, abs=1e-14)) if looked else (-1, 1.0))
+    at = 2.0 + 0.5 * (3 + place) / 4
+    done.system.switches = lambda t, y, mode, memory, g: np.copyto(g, [9.0, abs(t - at) - 1e-8])
+    found = done.kernels._dip(done.system, 2.0, 0.5, done.dense[0], None, None, 3, *rows, np.empty(1), np.empty(2))
+    assert found == ((1, pytest.approx((at - 1e-8 - 2.0) / 0.5, abs=1e-14)) if looked else (-1, 1.0))
     # a hill has none, nor what is below zero at a sample
     for other in ([np.array([9.0, 20.0 - one[1]]) for one in rows], [-rows[0], *rows[1:]]):
         assert done.kernels._dip(
-            done.system, 0.0, 1.0, done.dense[0], None, None, 3, *other, np.empty(1), np.empty(2)
+            done.system, 2.0, 0.5, done.dense[0], None, None, 3, *other, np.empty(1), np.empty(2)
         ) == (-1, 1.0)
 
 
 def test_no_switch_is_seen_where_a_dip_stays_above_zero(follow):
-    for lowest in (1e-3, 0.2):
+    for lowest, told in ((1e-3, 7), (0.2, 5)):
         done = follow(
             lambda t, y: [1.0], [0.0], 1.0, h=1.0, switches=lambda t, y, mode, low=lowest: [(t - 0.6) ** 2 + low]
         )
         assert (done.why, done.events) == (END, [])
+        # at the begin of the step and four times in it; the deeper one is looked at from two sets of samples
+        assert done.told == told
 
 
 def test_two_switches_that_switch_each_other_are_given_up_after_a_hundred(follow):
@@ -287,22 +292,22 @@ def test_a_full_record_hands_on_where_it_stands(follow):
 
 
 def test_samples_and_impulses_of_a_record_are_those_of_its_polynomials(follow):
-    """y = t^2 from 0.5 on and forces t^3 + mode, y and memory: 13 steps of 0.125, and times beyond both ends."""
-    done = follow(lambda t, y: [2.0 * t], [0.25], 2.0, t=0.5, h=0.125, most=0.125)
-    assert done.time.size == 12
-    done.modes[6:, 0], done.memories[6:, 0] = 2, 3.0
+    """y = t^2 from 0.5 on, forces t^3 + mode, y and memory: steps of 1/16, 1/4 (five) and 3/16, and times beyond both ends."""
+    done = follow(lambda t, y: [2.0 * t], [0.25], 2.0, t=0.5, h=0.0625, most=0.25)
+    edges = np.array([0.5, 0.5625, 0.8125, 1.0625, 1.3125, 1.5625, 1.8125, 2.0])
+    assert [*done.time, 2.0] == pytest.approx(edges, rel=1e-15)
+    done.modes[3:, 0], done.memories[3:, 0] = 2, 3.0
     record = done.record._replace(mode=done.modes, memory=done.memories)
-    times = np.array([0.4, 0.5, 0.55, 0.625, 1.2499, 1.25, 1.9, 2.0, 2.5])
+    times = np.array([0.4, 0.5, 0.55, 0.5625, 1.0624, 1.0625, 1.9, 2.0, 2.5])
     states, forces = np.empty((9, 1)), np.empty((9, 3))
     done.kernels.sample(done.system, record, times, states, forces)
     t = np.clip(times, 0.5, 2.0)
     assert states[:, 0] == pytest.approx(t**2, rel=1e-14)
-    later = times >= 1.25
+    later = times >= 1.0625
     assert forces == pytest.approx(np.column_stack([t**3 + 2 * later, t**2, np.where(later, 3.0, 7.0)]), rel=1e-13)
-    out = np.empty((12, 3))
+    out = np.empty((7, 3))
     done.kernels.impulses(done.system, record, out)
-    edges = 0.5 + 0.125 * np.arange(13)
-    second = np.arange(12) >= 6
-    assert out[:, 0] == pytest.approx(np.diff(edges**4) / 4 + 0.25 * second, rel=1e-13)
+    second = np.arange(7) >= 3
+    assert out[:, 0] == pytest.approx(np.diff(edges**4) / 4 + 2 * np.diff(edges) * second, rel=1e-13)
     assert out[:, 1] == pytest.approx(np.diff(edges**3) / 3, rel=1e-13)
-    assert out[:, 2] == pytest.approx(0.125 * np.where(second, 3.0, 7.0), rel=1e-13)
+    assert out[:, 2] == pytest.approx(np.diff(edges) * np.where(second, 3.0, 7.0), rel=1e-13)
