@@ -1,6 +1,7 @@
 """Damping laws: the restitution that comes out of each, against published tables, limits and an independent integral."""
 
 import math
+from types import SimpleNamespace
 
 import mpmath
 import numpy as np
@@ -10,8 +11,8 @@ from hypothesis import strategies as st
 from scipy.integrate import quad, solve_ivp
 
 from strikewave.base.citations import CHECKED, FROM_MEMORY, QUOTED, SOURCES
-from strikewave.base.errors import InputError
-from strikewave.contact import damper_laws, damping_laws, exact, factor, restitution, stiffness_laws
+from strikewave.base.errors import InputError, StrikewaveError, StrikewaveWarning
+from strikewave.contact import damper_laws, damping_laws, exact, factor, registry, restitution, stiffness_laws
 
 ESTIMATES = [name for name in damping_laws() if name != "exact"]
 
@@ -153,3 +154,37 @@ def test_li_ma_corrected_is_the_printed_law_with_the_integral_by_quadrature():
     integral, _ = quad(lambda x: x ** (10 / 9) * math.sqrt(1 - x * x), 0, 1, epsabs=1e-13)
     # quad's own 1e-10 at the root's end
     assert factor("li-ma-corrected", [0.25, 0.8]) == pytest.approx([27 / 19 / integral, 9 / 76 / integral], rel=1e-9)
+
+
+def test_laws_of_installed_packages_stand_beside_ours_and_wrong_ones_are_left_out(monkeypatch):
+    """A law of the kind is added, ours are kept; one of another kind, what is no law, and what fails is told."""
+    good = registry.DampingLaw("mine", lambda e: 2.0 - e, "chi = 2 - e", "any e", QUOTED, "a book")
+    ours = registry.DampingLaw("exact", lambda e: 9.0, "", "", QUOTED, "")
+    words = registry.DampingLaw("words", lambda e: "much", "", "", QUOTED, "")
+    other = registry.DamperLaw("damper", lambda *a: None, "", "", QUOTED, "")
+    named_alike = type("DampingLaw", (), {"name": "no law"})()
+
+    def failing():
+        raise SystemExit("no licence")
+
+    found = {"mine": good, "exact": ours, "words": words, "damper": other, "alike": named_alike}
+    points = [SimpleNamespace(name=name, load=lambda law=law: law) for name, law in found.items()]
+    points.append(SimpleNamespace(name="failing", load=failing))
+    before = damping_laws()
+    monkeypatch.setattr(registry, "entry_points", lambda group: points if group == "strikewave.damping_laws" else [])
+    registry._added.cache_clear()
+    try:
+        with pytest.warns(StrikewaveWarning) as told:
+            laws = damping_laws()
+    finally:
+        registry._added.cache_clear()
+    assert set(laws) - set(before) == {"mine", "words"}
+    assert laws["mine"].function(0.5) == 1.5
+    assert laws["mine"].reference == "a book"
+    assert laws["exact"] is before["exact"]
+    with pytest.raises(StrikewaveError, match="'words' of an installed package gives"):
+        laws["words"].function(0.5)
+    said = " ".join(str(one.message) for one in told)
+    assert all(f"{name!r}" in said or name in said for name in ("damper", "alike", "failing"))
+    assert "it is a DamperLaw, not a DampingLaw" in said
+    assert "SystemExit: no licence" in said

@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 from scipy.integrate import solve_ivp
 from scipy.stats import chi2
 
-from strikewave.contact import Contact, exact, impact_history, solve_impact
+from strikewave.contact import Contact, exact, identification, impact_history, solve_impact
 from strikewave.contact.force_pulse import (
     ForcePulse,
     _baseline,
@@ -29,6 +29,7 @@ from strikewave.contact.identification import (
     IdentifiedValue,
     _identified,
     _limits,
+    _notices,
     _others,
     _quality,
     _trades,
@@ -735,3 +736,89 @@ def test_a_fit_begins_at_the_pulse_itself_where_that_is_one_of_its_shapes(n, e):
     given_ = PulseFitProblem(problem.record, {"exponent": 3.0, "restitution": 0.9})
     other = given_.pulse(_start(given_, (0.5,)))
     assert (other.exponent, other.restitution) == (3.0, 0.9)
+
+
+def test_values_given_disagree_beyond_25_variances_and_a_tenth_more_misfit():
+    """Ten samples of 0.01 of 100 N alone, and noise of 2 N: more than 25 x 4 N^2, and 1.1 times the deviation."""
+
+    def said(more, deviation, unknowns=3, systematic=0.0, described=True):
+        problem = SimpleNamespace(scales=frozenset({"speed", "mass"}), record=SimpleNamespace(peak=100.0))
+        fit = SimpleNamespace(
+            misfit=np.array([math.sqrt(1e-4 + more / 1e4)] + [0.01] * 9), unknown=np.zeros(unknowns), elastic=False,
+            deviation=deviation, problem=problem,
+        )  # fmt: skip
+        alone = SimpleNamespace(misfit=np.full(10, 0.01), unknown=np.zeros(5), deviation=0.02)
+        result = SimpleNamespace(**vars(valued()), described=described)
+        quality = SimpleNamespace(noise=2.0, residual=0.031, systematic=systematic, autocorrelation=-0.75)
+        fit.problem.pulse = lambda _: None
+        return _notices(result, [fit], alone, quality)
+
+    (words,) = said(100.1, 0.02201)
+    assert words.startswith(
+        "the values given do not agree with the pulse: the misfit is 3.10 % of the peak with them, 2.00 % without"
+    )
+    assert "check mass, speed and" in words
+    assert said(99.9, 0.05) == said(100.1, 0.02199) == said(100.1, 0.05, unknowns=5) == []
+    # a pattern in the misfit is said from half a percent on: that of the law, or with the values given
+    seen = identification.PATTERN_SEEN
+    assert said(0.0, 0.01, systematic=0.99 * seen) == []
+    (words,) = said(0.0, 0.01, systematic=1.01 * seen)
+    assert "(lag-1 autocorrelation -0.75): the standard errors are too small" in words
+    (words,) = said(0.0, 0.01, systematic=1.01 * seen, described=False)
+    assert ": the law does not describe this pulse; the standard" in words
+    assert "the law with the values given does not" in said(100.1, 0.05, systematic=1.01 * seen, described=False)[1]
+
+
+def test_the_exponent_that_suits_what_is_known_is_found_though_the_pulse_alone_says_another():
+    """K, m and v make peak and width at n = 1.5; the shape alone said 2.5: within half of the 5 % between those tried."""
+    blow = solve_impact(Contact(KNOWN["stiffness"], 1.5, exact(0.6)), KNOWN["mass"], np.inf, KNOWN["speed"])
+    peak = float(blow.peak_force)
+    made = ForcePulse(1e-4, peak, KNOWN["mass"] * KNOWN["speed"] * 1.6 / peak, 2.5, 0.6)
+    t = np.linspace(0.0, 3e-4 + 2.0 * made.duration, 300)
+    alone = PulseFitProblem(cut_out(t, made.force(t)), {})
+    fit = SimpleNamespace(problem=alone, unknown=alone.unknowns(made))
+    problem = PulseFitProblem(alone.record, KNOWN)
+    found = problem.pulse(near(problem, fit))
+    assert found.exponent == pytest.approx(1.5, rel=0.026)
+    assert (found.peak, found.width) == pytest.approx((made.peak, made.width), rel=0.15)
+    # where all suit it equally, that of the pulse stays
+    two = PulseFitProblem(alone.record, {"mass": 0.2, "speed": 7.0})
+    assert two.pulse(near(two, fit)).exponent == pytest.approx(2.5, rel=1e-12)
+
+
+def test_the_larger_of_both_directions_is_measured_from_the_line_before_each():
+    """About -100 N: a pulse of 40 N up and one of 30 down is taken, of 30 and 40 refused; a line alone is none."""
+    other = np.roll(TRIANGLE, 60)
+    for up, down, taken in ((40.0, 30.0, True), (30.0, 40.0, False)):
+        f = -100.0 + up / 100.0 * TRIANGLE - down / 100.0 * other
+        if taken:
+            assert cut_out(T, f).peak == pytest.approx(up, rel=1e-12)
+        else:
+            with pytest.raises(ValueError, match="the largest pulse is negative"):
+                cut_out(T, f)
+    with pytest.raises(ValueError, match="there is no pulse"):
+        cut_out(T, np.zeros(200))
+
+
+def test_words_on_a_cut_pulse_name_the_side_and_what_is_left():
+    """60 of 100 at the last sample; 30 of 100 at the first."""
+    with pytest.raises(ValueError, match=r"cut at the end of the record, where 60 % of its peak"):
+        cut_out(T[:105], TRIANGLE[:105])
+    with pytest.raises(ValueError, match=r"cut at the beginning of the record, where 30 % of its peak"):
+        cut_out(T[:107], TRIANGLE[93:])
+
+
+def test_times_of_a_fit_are_those_of_the_record_whatever_its_begin():
+    start = 3.0
+    found = identify(
+        TIME[:500] + start,
+        PULSE.force(TIME[:500]),
+        {"mass": 0.1, "exponent": 1.5},
+        window=(start + 8e-5, start + 2.2e-4),
+    )
+    assert found.begin.value == found.pulse.begin == pytest.approx(start + 1e-4, abs=1e-9)
+    assert (found.time[0], found.time[-1]) == pytest.approx((start + 8e-5, start + 2.2e-4), abs=STEP)
+    assert found.fitted == pytest.approx(PULSE.force(found.time - start), abs=2e-4 * PULSE.peak)
+    assert found.measured == pytest.approx(PULSE.force(found.time - start), abs=2e-4 * PULSE.peak)
+    assert found.values["exponent"] == (1.5, None, True)
+    assert not found.begin.given

@@ -206,6 +206,7 @@ def test_a_slope_needs_three_samples_of_a_rise():
 
     stress = [0.05, 0.2, 0.3, 0.4, 0.8, 1.0]
     assert slope(stress, [9.0, 0.1, 0.15, 0.2, 7.0, 3.0]) == pytest.approx(2.0, rel=1e-13)
+    assert slope([1e-4 * one for one in stress], [9.0, 0.1, 0.15, 0.2, 7.0, 3.0]) == pytest.approx(2e-4, rel=1e-13)
     # the middle one of three has no weight
     assert slope(stress, [9.0, 0.1, 0.9, 0.2, 7.0, 3.0]) == pytest.approx(2.0, rel=1e-13)
     assert math.isnan(slope([0.05, 0.09, 0.3, 0.4, 0.8, 1.0], [0.0, 0.1, 0.15, 0.2, 0.3, 0.4]))

@@ -341,6 +341,16 @@ def test_windows_of_a_shot_lie_where_its_distances_say(shot):
     for name, k in (("incident", 0), ("reflected", 0), ("transmitted", 1)):
         at = round((found.starts[("incident", "reflected", "transmitted").index(name)] - traces[k].start) / STEP)
         assert np.array_equal(getattr(found, name), found.traces[k].trace.strain[at : at + found.incident.size])
+    # gauges 0.3 and 0.9 of a step farther off, 1.5 of way between incident and reflected: parts of a step are told
+    odd = tuple(
+        dataclasses.replace(bar, gauge_distance=bar.gauge_distance + share * STEP * bar.speed)
+        for bar, share in zip(bars, (0.3, 0.9), strict=True)
+    )
+    parts = find_pulses(*traces, odd)
+    arrivals = parts.onset - 0.05 * 300.06e-6 + np.array([0.0, 300.06e-6, 250.12e-6])
+    assert parts.late == pytest.approx(parts.starts - arrivals, abs=1e-12)
+    assert len({round(late / STEP, 3) for late in parts.late}) == 3
+    assert all(-STEP < late <= 0.0 for late in parts.late)
     # a head shorter than the lead: windows begin with the record
     late = find_pulses(*(cut(trace, 3420, None) for trace in traces), bars)
     assert late.starts[0] == pytest.approx(traces[0].start + 3420 * STEP, abs=1e-12)

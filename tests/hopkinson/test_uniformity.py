@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import example, given
 from hypothesis import strategies as st
 
 from strikewave.hopkinson import face_forces, stress_difference, transits_to_uniform
@@ -49,6 +49,7 @@ def test_forces_under_a_straight_rise_against_delay_lines(beta, rise):
 
 
 @given(st.floats(1e-3, 1e3), st.integers(1, 200))
+@example(1.005, 2)
 def test_closed_form_in_its_printed_shape(beta, k):
     """2 beta (1-beta)^(k-1)/[(1+beta)^k - (1-beta)^(k-1)] in whole numbers of a fraction, which cannot cancel."""
     from fractions import Fraction
