@@ -404,14 +404,14 @@ def test_a_foot_below_a_fiftieth_of_the_peak_is_no_part_of_a_pulse():
 
 
 def test_the_width_of_a_pulse_is_that_at_half_of_its_own_height():
-    """Half of 100 is passed after sample 99 and before 110: 11 wide, so that 54 samples, 34 to 87, are its baseline."""
+    """Half of 100 is passed after sample 99 and before 109: 10 wide, so that 49 samples, 40 to 88, are its baseline."""
     f = np.zeros(200)
-    f[90:100], f[100], f[101:110], f[110:120] = 30.0, 100.0, 60.0, 30.0
-    f[2:40] = 1.5  # six of them within
+    f[90:100], f[100], f[101:109], f[109:120] = 30.0, 100.0, 60.0, 30.0
+    f[2:45] = 1.5  # five of them within
     mean, deviation, count = _baseline(T, f, 100)
-    assert count == 54
-    assert mean == pytest.approx(6 * 1.5 / 54, rel=1e-14)
-    assert deviation == pytest.approx(1.5 * math.sqrt(6 * 48 / 54 / 53), rel=1e-13)
+    assert count == 49
+    assert mean == pytest.approx(5 * 1.5 / 49, rel=1e-14)
+    assert deviation == pytest.approx(1.5 * math.sqrt(5 * 44 / 49 / 48), rel=1e-13)
     # a record that ends before the pulse falls to half: up to its top, and one that begins after: none
     assert _baseline(T[:105], f[:105], 100)[2] == np.count_nonzero((T < 98) & (T > 93 - 0))
     assert _baseline(T[:20], f[95:115], 5) == (0.0, None, 0)
