@@ -330,3 +330,11 @@ def test_a_verdict_of_spectra_is_that_of_the_worst_and_says_what_uncertainties_h
         ("f.csv", "pass"),
         ("g.csv", "fail"),
     ]
+
+
+def test_a_peak_beyond_the_stretch_is_its_last_sample():
+    values = ONE.channels[0].channel.values[1500:2150]
+    reading = replace(ONE.channels[0], channel=Channel("t", values, STEP, 0.15, "m/s^2"))
+    shock = shock_of(reading, replace(reading.pulses[0], time=0.3), BARE)
+    assert shock.values.size < 600
+    assert shock.peak_index == shock.values.size - 1

@@ -233,3 +233,32 @@ def test_straight_lines_between_few_samples_are_held_against_the_band_too(durati
     assert placed.margin == pytest.approx(20.0 - 50.0 * np.sin(np.pi / 20.0), abs=1e-3)
     assert min(abs(placed.time - 12.0 * step), abs(placed.time - 22.0 * step)) < 1e-4 * duration
     assert placed.above
+
+
+@pytest.mark.parametrize("duration", [1.0, 7.0])
+@pytest.mark.parametrize("mirrored", [False, True])
+def test_what_is_watched_beside_a_pulse_decides_which_of_two_it_is(duration, mirrored):
+    """The one at 2 is ideal but for 60 where 20 are allowed, a tenth before or 0.03 after it; that at 3.3 is 10 too high."""
+    pulse = IdealPulse("half-sine", 100.0, duration)
+    band = PulseBand(pulse, 0.02, 0.2, before=0.15, after=0.15)
+    step = 0.005 * duration
+    time = step * np.arange(1300)
+    share = time / duration
+    values = pulse.at(time - 2.0 * duration) + 1.1 * pulse.at(time - 3.3 * duration)
+    spike = (share > 3.02) & (share < 3.05) if mirrored else (share > 1.88) & (share < 1.91)
+    values = values + 60.0 * spike
+    placed = band.placed(values, step, 0.0, 2.65 * duration)
+    assert placed.start == pytest.approx(3.3 * duration, abs=0.03 * duration)
+    assert placed.margin == pytest.approx(10.0, abs=0.1)
+
+
+@pytest.mark.parametrize(
+    ("first", "last", "centre", "beside"), [(1.9, 4.5, 2.6, 0.2), (1.0, 3.1, 2.4, 0.0), (1.9, 3.1, 1.4, 0.2)]
+)
+def test_a_pulse_of_a_short_record_is_found_far_from_where_it_is_sought(first, last, centre, beside):
+    """What is watched beside it lies outside of the record, or all of the band does where it is tried first."""
+    pulse = IdealPulse("half-sine", 100.0, 1.0)
+    time = np.arange(first, last, 0.01)
+    placed = PulseBand(pulse, 0.02, 0.2, before=beside, after=beside).placed(pulse.at(time - 2.0), 0.01, first, centre)
+    assert placed.margin == pytest.approx(20.0, abs=0.1)
+    assert placed.start == pytest.approx(2.0, abs=0.03)

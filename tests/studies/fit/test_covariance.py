@@ -5,6 +5,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
+from scipy.linalg import toeplitz
+from scipy.signal import lfilter
 from scipy.stats import t
 
 from strikewave.studies.fit.covariance import (
@@ -18,6 +20,7 @@ from strikewave.studies.fit.covariance import (
     larger,
     scatter_of_shots,
 )
+from strikewave.studies.fit.noise import autocorrelation, independent_count
 
 TIME = np.linspace(-1.0, 1.0, 100)
 NOISE = 0.005
@@ -353,3 +356,88 @@ def test_intervals_are_the_widest_of_noise_and_of_shots():
         assert found.covariance[0, 0] == pytest.approx(variance / 1e4, rel=1e-9)
         assert found.reach[0] == pytest.approx(reach, rel=1e-9)
         assert found.misfit == pytest.approx(2.0 * off**2)
+
+
+@pytest.mark.parametrize(("share", "lost"), [(1.1e-8, False), (0.9e-8, True)])
+def test_a_direction_has_information_from_a_hundred_millionth_of_the_largest_on(share, lost):
+    sizes = np.array([1e6, 1e6 * np.sqrt(share)])
+    found = estimate(np.full(2, 0.5), np.zeros(2), np.diag(sizes), [ResidualBlock(slice(0, 2), np.ones(1), 0)])
+    assert found.groups() == ([[1]] if lost else [])
+
+
+def test_a_coordinate_belongs_to_a_group_from_a_twentieth_of_what_another_takes_part_on():
+    """Of the first a half is lost, of the second 0.075, and 0.05 of both together: a tenth of that half."""
+    first = np.array([np.sqrt(0.5), 0.0707, 0.0, 0.0])
+    first[2] = np.sqrt(1.0 - first @ first)
+    second = np.array([0.0, np.sqrt(0.07), 0.0, 0.0])
+    second[2] = -first[1] * second[1] / first[2]
+    second[3] = np.sqrt(1.0 - second @ second)
+    lost = np.column_stack([first, second])
+    found = Estimate(np.zeros(4), np.zeros(1), np.zeros((1, 4)), np.eye(4), lost, np.ones(4))
+    assert found.groups() == [[0, 1, 2, 3]]
+
+
+def test_what_is_left_of_one_record_alone_widens_the_errors():
+    """Two records of a value; of the second ten times its noise is left, white and of nine samples."""
+    left = np.array([10.0, -10.0, 10.0, -10.0, 0.0, 10.0, -10.0, 10.0, -10.0])
+    jacobian = np.full((18, 1), 50.0)
+    blocks = [ResidualBlock(slice(0, 9), np.ones(1), 0), ResidualBlock(slice(9, 18), np.ones(1), 0, left)]
+    found = estimate(np.array([0.5]), np.zeros(18), jacobian, blocks)
+    pushed = 9.0 * 2500.0 * (1.0 + left @ left / 9.0 * 9.0 / 8.0)
+    assert found.covariance[0, 0] == pytest.approx(pushed / (18.0 * 2500.0) ** 2, rel=1e-9)
+
+
+def test_a_colour_of_two_lags_is_followed():
+    noise = np.array([2.0, 0.7])
+    whole = toeplitz([2.0, 0.7, 0.0, 0.0, 0.0, 0.0])
+    found = by_noise(DESIGN, np.eye(2), [ResidualBlock(slice(0, 6), noise, 0)])
+    assert found.covariance == pytest.approx(INVERSE @ DESIGN.T @ whole @ DESIGN @ INVERSE, rel=1e-12)
+
+
+def test_what_is_left_has_its_own_colour():
+    """40 samples of an autoregression, on their own: variance times autocorrelation, raised by one value of so many."""
+    rng = np.random.default_rng(5)
+    left = lfilter([1.0], [1.0, -0.7], 3.0 * rng.standard_normal(40))
+    slopes = pulse(20.0, 0.3)[30:70][:, None]
+    colour = autocorrelation(left)
+    count = independent_count(40, colour)
+    assert colour.size > 3
+    lags = np.append(colour, np.zeros(40))[:40]
+    middle = np.mean(left**2) * slopes.T @ toeplitz(lags) @ slopes
+    found = by_what_is_left(slopes, np.eye(1), [ResidualBlock(slice(0, 40), np.ones(1), 0, left)])
+    wanted = middle / np.sum(slopes**2) ** 2 * count / (count - 1.0)
+    assert found.covariance == pytest.approx(wanted, rel=1e-9)
+    assert found.freedom == pytest.approx([count - 1.0], rel=1e-9)
+
+
+def test_of_few_samples_one_degree_is_left():
+    """Two samples and two values: nothing would be left to tell what is."""
+    jacobian, left = 50.0 * np.array([[1.0, 0.2], [0.3, 1.0]]), np.array([3.0, -1.0])
+    found = by_what_is_left(jacobian, np.eye(2), [ResidualBlock(slice(0, 2), np.ones(1), 0, left)])
+    assert found.freedom == pytest.approx([1.0, 1.0])
+    assert found.covariance == pytest.approx(5.0 * 2.0 * np.linalg.inv(jacobian.T @ jacobian), rel=1e-9)
+
+
+def test_records_are_held_against_one_another_on_the_samples_of_the_shortest():
+    """A spike of three samples and one of five: on three they are the same."""
+    assert design_effect([np.array([0.0, 1.0, 0.0]), np.array([0.0, 0.0, 1.0, 0.0, 0.0])]) == pytest.approx(2.0)
+
+
+def test_values_that_other_shots_tell_have_the_freedom_of_these():
+    """Two means, of three shots and of five others: two degrees and four."""
+    design = np.zeros((8, 2))
+    design[:3, 0] = design[3:, 1] = 1.0
+    blocks = [ResidualBlock(slice(k, k + 1), np.ones(1), k) for k in range(8)]
+    residuals = np.array([1.0, -1.0, 0.0, 2.0, -2.0, 1.0, -1.0, 0.0])
+    found = scatter_of_shots(residuals, design, np.eye(2), blocks)
+    assert found.freedom == pytest.approx([2.0, 4.0], rel=1e-9)
+    assert np.diag(found.covariance) == pytest.approx([2.0 / 2.0 / 3.0, 10.0 / 4.0 / 5.0], rel=1e-9)
+
+
+def test_a_shot_that_alone_tells_a_value_pushes_nothing():
+    design = 100.0 * np.array([[1.0, 0.0], [1.0, 0.0], [1.0, 1.0]])
+    blocks = [ResidualBlock(slice(k, k + 1), np.ones(1), k) for k in range(3)]
+    found = [
+        scatter_of_shots(np.array([1.0, -1.0, last]), design, np.eye(2), blocks).covariance for last in (0.0, 500.0)
+    ]
+    assert found[0] == pytest.approx(found[1], abs=1e-12)

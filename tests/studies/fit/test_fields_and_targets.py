@@ -10,6 +10,8 @@ from strikewave import load_case
 from strikewave.base.errors import InputError
 from strikewave.base.quantities import Range, Value
 from strikewave.cases.plausible import PLAUSIBLE
+from strikewave.studies.fit import free_fields as free_fields_module
+from strikewave.studies.fit import targets as targets_module
 from strikewave.studies.fit.free_fields import FreeField, case_at, free_fields
 from strikewave.studies.fit.measured import MeasuredNumber
 from strikewave.studies.fit.targets import (
@@ -20,6 +22,7 @@ from strikewave.studies.fit.targets import (
     parse_targets,
     published_targets,
     read_number,
+    read_targets,
     target_words,
 )
 from strikewave.studies.fit.transits import _stair, smooth_case, stairs
@@ -122,7 +125,7 @@ def test_numbers_of_fields_may_be_small_and_of_either_sign():
 
 def test_words_are_numbers_of_the_run_or_of_a_field_and_records_else(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
-    for name in ("a.csv", "b=c.csv", "b; d=1.csv", "e +- 2 %.csv"):
+    for name in ("a.csv", "7.csv", "b=c.csv", "b; d=1.csv", "e +- 2 %.csv"):
         (tmp_path / name).write_text("")
     settings = ("machine.height=1 m", "striker.mass = 3 kg")
     for word, target in (
@@ -132,6 +135,8 @@ def test_words_are_numbers_of_the_run_or_of_a_field_and_records_else(tmp_path, m
         ("a.csv", Target("", "a.csv")),
         ("a.csv ± 3 %; machine.height=1 m; striker.mass = 3 kg", Target("", "a.csv", settings, scatter=0.03)),
         ("board@2=a.csv#1", Target("board@2", "a.csv#1")),
+        ("board=none.csv", Target("board", "none.csv")),
+        ("board=7.csv", Target("board", "7.csv")),
         ("board=5.csv +- 2 %", None),  # no file: a number of no such name
         ("board=a.csv +- 2 %", Target("board", "a.csv", scatter=0.02)),
         ("b=c.csv", Target("", "b=c.csv")),
@@ -222,3 +227,57 @@ def test_two_to_twenty_choices_are_tried():
     for word in ("exponent=1", "exponent=1,1", "exponent=" + ",".join(map(str, range(21)))):
         with pytest.raises(InputError, match="2 to 20 choices"):
             read_tries(DROP, word)
+
+
+@pytest.mark.parametrize(
+    ("allowed", "scale"),
+    [
+        (Range("", 0.0, 1.0), False),
+        (Range("", 0.0, 1.005), True),
+        (Range("", 0.005, 1.0), True),
+        (Range("m", 0.0, 1.0), True),
+    ],
+)
+@pytest.mark.parametrize(("form", "factors"), [(None, True), ("factor", True), ("width", False)])
+def test_factors_count_unless_a_field_is_a_share_or_has_a_plausible_width(monkeypatch, allowed, scale, form, factors):
+    plausible = {} if form is None else {"machine.height": SimpleNamespace(form=form)}
+    monkeypatch.setattr(free_fields_module, "PLAUSIBLE", plausible)
+    monkeypatch.setattr(free_fields_module, "range_of", lambda case, path: allowed)
+    assert free_fields_module._is_scale(DROP, "machine.height") == (scale and factors)
+
+
+@pytest.mark.parametrize(("path", "hint"), [("object.friction", True), ("nothing.friction", False), ("contact", False)])
+def test_a_field_that_a_case_may_have_is_told_to_be_given_a_start(path, hint):
+    with pytest.raises(InputError) as error:
+        free_fields(DROP, [path])
+    assert ("give it a start" in str(error.value)) == hint
+
+
+def test_a_scatter_is_stated_once(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    with pytest.raises(InputError, match="a share above 0"):
+        parse_target("a.csv +- 2 % +- 3 %", DROP)
+
+
+@pytest.mark.parametrize(("count", "words"), [(201, "201 records"), (200, "stopped here")])
+def test_a_fit_reads_200_records_of_a_setting(monkeypatch, count, words):
+    def stop(case, blows):
+        raise InputError("x", "stopped here", "y")
+
+    curves = [SimpleNamespace(notices=())] * count
+    monkeypatch.setattr(targets_module, "read_shots", lambda option, word, reading: (curves, []))
+    monkeypatch.setattr(targets_module, "quick_case", stop)
+    with pytest.raises(InputError, match=words):
+        read_targets("--to", DROP, [Target("", "a.csv")], (), SimpleNamespace(low_pass=None))
+
+
+@pytest.mark.parametrize(("is_open", "low"), [(True, np.nextafter(0.0, 1.0)), (False, 0.0)])
+def test_a_bound_that_is_not_allowed_itself_is_the_next_number(monkeypatch, is_open, low):
+    monkeypatch.setattr(free_fields_module, "PLAUSIBLE", {})
+    share = Range("", 0.0, 1.0, open_low=is_open)
+    monkeypatch.setattr(free_fields_module, "range_of", lambda case, path: share)
+    value = Value(si=0.3, typed=0.3)
+    assert free_fields_module._bounds(DROP, "machine.height", value, share) == (low, 1.0)
+    scale = Range("m", 0.0, 10.0, open_low=is_open)
+    monkeypatch.setattr(free_fields_module, "range_of", lambda case, path: scale)
+    assert free_fields_module._bounds(DROP, "machine.height", value, scale) == pytest.approx((0.03, 3.0))

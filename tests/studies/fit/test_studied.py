@@ -202,9 +202,16 @@ def test_numbers_without_a_unit_have_one_in_documents_and_2000_draws_are_written
     assert [one["unit"] for one in document["parameters"]] == ["1"]
     assert [one["unit"] for one in document["numbers"]] == ["1", "s"]
     assert study.columns()[1].values == ["1"]
+    some = [replace(study.solved.misfits[0], share=share) for share in (0.01, 0.2, 0.1)]
+    assert replace(study, solved=replace(study.solved, misfits=some)).highlights()[-1][1] == "20.00 %"
+    indented = study.texts()["fit.json"].splitlines()[1]
+    assert len(indented) - len(indented.lstrip()) == 2
     assert replace(study, verdicts=Verdicts((), "runs")).verdicts_of_measured() == ["", ""]
     assert replace(study, verdicts=Verdicts(["passed"], "runs")).verdicts_of_measured() == ["passed"] * 2
     drawn = replace(study, posterior=Posterior(np.linspace(0.0, 1.0, 2500)[:, None], 100, 1.0, 0.5, 1))
+    (value,) = drawn.posterior_values()
+    field = study.parameters[0].field
+    assert (value.median, value.low, value.high) == pytest.approx((field.si(0.5), field.si(0.025), field.si(0.975)))
     text = drawn.tables()["posterior.csv"]
     rows = [line for line in text.splitlines() if line[:1].isdigit()]
     assert len(rows) == 2000
