@@ -131,6 +131,8 @@ SLOW = LoadPulse("rectangle", 5.0, 1e6)
     [
         (BONDED, End("free"), 1e6 / 20.0),
         (Joint(mass=30.0), End("free"), 30.0 / (2.0 + 4.0)),
+        (Joint(mass=5e-3), End("free"), 5e-3 / (2.0 + 4.0)),
+        (Joint(stiffness=4.0, attached=4e-3), End("free"), math.sqrt(1e-3)),
         (Joint(stiffness=3.0), End("free"), 1.0 / (3.0 * 0.75)),
         (Joint(stiffness=4.0, attached=100.0), End("free"), 5.0),
         (Joint(unilateral=True), End("free"), 1e6 / 20.0),

@@ -461,6 +461,8 @@ def test_what_closes_a_stack_is_pushed_by_its_impedance_times_its_speed(end, imp
         ),
         (Joint(mass=0.7), lambda s: (0.0, 0.7 * s)),
         (Joint(30.0, 0.4, attached=0.7), lambda s: (0.0, 1.0 / (1.0 / (0.7 * s) + 1.0 / (30.0 / s + 0.4)))),
+        (Joint(6e-3, 0.0, (Branch(7e-3, 0.3),)), lambda s: (s / (6e-3 + 7e-3 * s * 0.3 / (1.0 + 0.3 * s)), 0.0)),
+        (Joint(30.0, 0.4, attached=5e-3), lambda s: (0.0, 1.0 / (1.0 / (5e-3 * s) + 1.0 / (30.0 / s + 0.4)))),
         (BONDED, lambda s: (0.0, 0.0)),
     ],
 )

@@ -251,3 +251,32 @@ def test_events_beyond_those_that_are_kept_change_nothing(monkeypatch):
     few = run_bar(stack, load, [Tap(1, 0.0), Tap(2, 0.0)], 6.0, WantedError(step=0.01))
     assert np.array_equal(few.events, whole.events[:3])
     assert np.array_equal(few.force, whole.force)
+
+
+LINEAR = {
+    "rigid": None,
+    "spring": Contact(4e3, 1.0),
+    "damped": Contact(4e3, 1.0, damper=Damper(2.0, 0.0, "never-pulls")),
+    "damped while it comes": Contact(4e3, 1.0, damper=Damper(2.0, 0.0, "on-approach")),
+    "lossy": Contact(4e3, 1.0, 0.4),
+}
+
+
+@pytest.mark.parametrize("name", LINEAR)
+def test_a_blow_of_a_linear_law_is_as_much_weaker_as_it_is_slower(name):
+    """Of 0.8 m/s / 1024: forces, speeds and losses go with it, times stay, touch after touch."""
+    stack = Stack((bar(0.12),), (), End("spring", 15.0))
+    fast, slow = (struck(stack, LINEAR[name], 8.0, v, 1.4) for v in (0.8, 0.8 / 1024.0))
+    assert len(fast.touches) > 1
+    for each in ("face_force", "velocity", "striker_speed", "impulse", "deepest"):
+        was, now = getattr(fast, each), getattr(slow, each)
+        assert now * 1024.0 == pytest.approx(was, rel=1e-9, abs=1e-9), each
+    assert slow.energy_lost * 1024.0**2 == pytest.approx(fast.energy_lost, rel=1e-9, abs=1e-9)
+    assert slow.touches[:, :2] == pytest.approx(fast.touches[:, :2], rel=1e-9)
+    assert slow.touches[:, 2] * 1024.0 == pytest.approx(fast.touches[:, 2], rel=1e-9, abs=1e-9)
+
+
+def test_a_weak_damper_takes_what_is_its_share():
+    """Half of the coefficient half as much, for a damper so weak that it changes no motion."""
+    lost = [struck(ENDLESS, Contact(60.0, 1.5, damper=Damper(c, 0.5, "never-pulls"))).energy_lost for c in (8e-3, 4e-3)]
+    assert lost[0] / lost[1] == pytest.approx(2.0, rel=1e-3)
