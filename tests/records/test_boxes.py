@@ -1,5 +1,6 @@
 """The search for blows: lines and noise against scipy, boxes and humps worked by hand, each bound from both sides."""
 
+import itertools
 import math
 
 import numpy as np
@@ -76,6 +77,10 @@ def test_widths_are_half_an_octave_apart_up_to_a_third():
     assert pulses._widths(30) == [3, 4, 6, 8]
     assert pulses._widths(36) == [3, 4, 6, 8, 12]
     assert pulses._widths(4) == [3]
+    for size in (100, 1000, 8901, 8911, 50_001):
+        widths = pulses._widths(size)
+        assert widths[-1] <= size // 3 < math.sqrt(2.0) * widths[-1] + 1.0
+        assert all(abs(wide / narrow - math.sqrt(2.0)) < 0.7 / narrow for narrow, wide in itertools.pairwise(widths))
 
 
 def test_noise_passes_the_threshold_in_one_record_of_a_hundred():
@@ -193,6 +198,24 @@ def test_of_two_lobes_the_higher_is_left(place, value, left):
     assert pulses._without_lobes(values, FLAT, 1, boxes, 0.2) == boxes  # three of it in both bounds
 
 
+def test_lobes_near_the_ends_of_a_record():
+    """Fifty samples before two boxes 30 apart there may be none, and fifty after them."""
+    for later in (10, 0):
+        boxes = [Box(later, 10, 10.0), Box(later + 30, 10, 8.0)]
+        for place, value, left in (
+            (later + 94, -1.7, 1),
+            (later + 95, -1.7, 2),
+            (later + 79, 3.7, 1),
+            (later + 80, 3.7, 2),
+        ):
+            values = with_values(
+                later + 200, (later, later + 10, 10.0), (later + 30, later + 40, 8.0), (place, place + 1, value)
+            )
+            assert len(pulses._without_lobes(values, FLAT, 1, boxes, 0.0)) == left
+            if place < later + 80:
+                assert len(pulses._without_lobes(values[: place + 1], FLAT, 1, boxes, 0.0)) == left
+
+
 def test_boxes_four_widths_apart_are_no_lobes_of_one_another():
     values = np.where(np.arange(400) % 2, -9.0, 9.0)
     for first, left in ((149, 1), (150, 2)):
@@ -235,6 +258,15 @@ def test_a_box_swings_with_half_of_it_before_or_all_of_it_after(first, value, sw
     assert not pulses._swings(values, line, 1, Box(100, 10, 6.0), BoxGrid(30), 0.2)  # 0.27 is what noise may be
 
 
+def test_a_box_near_either_end_is_held_against_what_there_is():
+    """Up to the first sample and the last."""
+    for dip, swings in ((0, True), (1, True)):
+        values = with_values(100, (dip, dip + 5, -3.1), (20, 30, 6.0))
+        assert pulses._swings(values, FLAT, 1, Box(20, 10, 6.0), BoxGrid(30), 0.0) is swings
+        values = with_values(50, (50 - 5 - dip, 50 - dip, -6.1), (20, 30, 6.0))
+        assert pulses._swings(values, FLAT, 1, Box(20, 10, 6.0), BoxGrid(30), 0.0) is swings
+
+
 def test_what_swings_behind_another_box_is_not_looked_at():
     for hidden, other, dip in ((True, 85, 80), (False, 120, 80), (True, 120, 125), (False, 85, 125)):
         one = BoxGrid(30)
@@ -260,10 +292,14 @@ def test_a_fifth_of_the_largest_area_is_a_blow_and_a_twentieth_a_small_contact(s
     assert large[0] == (1000, 96, pytest.approx(200.0, rel=0.01))
 
 
-@pytest.mark.parametrize("begin", [0, 40, 60])
-def test_a_blow_needs_half_its_width_before_it(begin, rng):
-    values = with_values(4000, (begin, begin + 96, 200.0)) + rng.normal(size=4000)
-    assert len(find_boxes(values, robust_line(values), 1.0)[1]) == (1 if begin > 48 else 0)
+@pytest.mark.parametrize("begin", [0, 40, 47, 48, 60])
+def test_a_blow_needs_half_its_width_before_it(begin):
+    values = with_values(4000, (begin, begin + 96, 200.0)) + 0.01 * (-1.0) ** np.arange(4000)
+    assert len(find_boxes(values, robust_line(values), 0.0)[1]) == (1 if begin >= 48 else 0)
+
+
+def test_where_nothing_stands_out_there_is_no_box(rng):
+    assert find_boxes(np.zeros(300), FLAT, 0.0) == find_boxes(rng.normal(size=300), FLAT, 1.0) == (1, [], [])
 
 
 def half_sines(apart, length=64, size=1200):
@@ -285,6 +321,8 @@ def test_two_hits_foot_to_foot_are_told_apart(apart, hits):
             assert hit.width == pytest.approx(64.0 * 2.0 / 3.0, abs=4.0)
             assert hit.mean == pytest.approx(100.0 * 3.0 * math.sqrt(3.0) / (2.0 * math.pi), rel=0.03)
         assert pulses._hits_of(-values, FLAT, -1, Box(495, 140, 60.0), 0.01) == found
+        near = pulses._hits_of(values[400:], FLAT, 1, Box(95, 140, 60.0), 0.01)
+        assert near == [hit._replace(first=hit.first - 400) for hit in found]
         line = Baseline(7.0, 0.5)
         tilted = pulses._hits_of(values + line.at(np.arange(1200)), line, 1, Box(495, 140, 60.0), 0.01)
         assert np.array(tilted) == pytest.approx(np.array(found), rel=1e-9)
