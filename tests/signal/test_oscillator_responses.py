@@ -259,6 +259,7 @@ def test_a_record_rises_from_a_level_and_falls_to_zero_within_a_step():
     rising, fall = framed(body, 4, 1.0)
     assert rising.tolist() == [1.5, 2.0, 2.5, 3.0, 5.0, 8.0]
     assert fall.tolist() == [6.0, 4.0, 2.0, 0.0]
+    assert framed(body, 2, 1.0)[0].tolist() == [2.0, 3.0, 5.0, 8.0]
     rising, fall = framed(body, 1, 1.0)
     assert (rising.tolist(), fall.tolist()) == ([3.0, 5.0, 8.0], [0.0])
 
@@ -270,7 +271,9 @@ def test_a_base_that_has_always_had_an_acceleration_leaves_oscillators_bent_and_
     assert change.tolist() == [0.0, 0.0]
 
 
-@pytest.mark.parametrize(("w", "zeta"), [(0.3, 0.0), (0.3, 0.2), (1.1, 0.7), (0.5, 1.0), (0.4, 1.8), (1.5, 6.0)])
+@pytest.mark.parametrize(
+    ("w", "zeta"), [(0.3, 0.0), (0.3, 0.2), (1.1, 0.7), (0.5, 1.0), (0.5, 1.005), (0.4, 1.8), (1.5, 6.0)]
+)
 def test_free_vibrations_reach_as_far_as_they_are_followed(w, zeta):
     """In 2000 places each of a period, of ten times the slowest decay and of the fastest one."""
     rates = np.array([[0.0, 1.0], [-w * w, -2.0 * zeta * w]])
@@ -289,3 +292,27 @@ def test_free_vibrations_reach_as_far_as_they_are_followed(w, zeta):
     for reached, wanted in ((found[0], high), (-found[1], -low)):
         assert np.all(reached >= wanted * (1.0 - 1e-9))
         assert np.all(reached <= wanted + 1e-5 * np.maximum(high, -low))  # a parabola between places
+
+
+@pytest.mark.parametrize("factor", [1, 2, 8])
+def test_interpolation_keeps_both_ends(factor):
+    assert interpolate(np.arange(40.0), factor).size == 39 * factor + 1
+
+
+@pytest.mark.parametrize("part", ["primary", "residual", "total"])
+@pytest.mark.parametrize("values", [[3.0, 1.0], [-2.0, 5.0, 1.0], [1.0, -4.0, 2.0, 3.0]])
+def test_zeros_before_a_record_change_nothing_however_short_it_is(values, part):
+    for q, kind in ((5.0, "absolute"), (0.4, "relative-velocity")):
+        short, long = (
+            srs(record, 1.0, [0.02, 0.2], q, kind, Scope(part, upsample=False))
+            for record in (values, [0.0] * 9 + values)
+        )
+        assert short.positive == pytest.approx(long.positive, rel=1e-9)
+        assert short.negative == pytest.approx(long.negative, rel=1e-9)
+
+
+def test_responses_go_on_from_block_to_block():
+    """Of 4096 samples; 700 zeros before move the blocks."""
+    values = noise(9000)
+    late = response_history(np.concatenate([np.zeros(700), values]), 1e-5, 700.0)[700:]
+    assert response_history(values, 1e-5, 700.0) == pytest.approx(late, rel=1e-9, abs=1e-9)

@@ -194,7 +194,7 @@ def test_low_frequencies_give_the_velocity_change_and_high_ones_the_peak():
 @pytest.mark.parametrize("q", [*QS, 0.05, 0.001])
 def test_weights_of_the_filter_at_high_precision(q, response):
     zeta = 0.0 if math.isinf(q) else 0.5 / q
-    ws = np.array([1e-9, 1e-6, 1e-3, 0.03, 0.3, 0.75, 3.0])
+    ws = np.array([1e-9, 1e-6, 1e-3, 0.009, 0.3, 0.75, 3.0])
     found = recursion(ws, zeta, response(ws, zeta))
     kind = {acceleration: "absolute", displacement: "displacement", velocity: "relative-velocity"}[response]
     with mp.workdps(120):
