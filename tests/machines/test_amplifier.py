@@ -1,5 +1,6 @@
 """The stacked amplifier against closed forms, published numbers, and what any line of bodies must keep."""
 
+import dataclasses
 import itertools
 import math
 
@@ -18,9 +19,11 @@ from strikewave.machines.amplifier import (
     collide_softly,
     fastest_masses,
     gain_limit,
+    gain_limit_of,
     next_speed,
     resting_ratio,
 )
+from strikewave.machines.amplifier.soft_collisions import SoftCollisions
 from strikewave.machines.launch import fall_speed
 
 INF = math.inf
@@ -434,3 +437,228 @@ def test_stiffness_does_not_help_bodies_that_touch():
 def test_refusals_name_the_number(call, words):
     with pytest.raises(ValueError, match=words):
         call()
+
+
+# --- worked by hand ---
+
+TEN = 10.0
+"""Gravity of what is worked by hand, m/s^2."""
+
+
+def bouncing():
+    """A ball of 2 kg from 1.25 m at 10 m/s^2: half a second to 5 m/s; then 3 m/s and 0.6 s, 1.8 m/s and 0.36 s."""
+    return collide(line((INF, 2.0), 0.6, (1.25,), (0.0, 0.0), TEN), duration=1.3)
+
+
+def test_ball_is_where_its_parabolas_are():
+    run = bouncing()
+    assert [c.time for c in run.collisions] == pytest.approx([0.5, 1.1], rel=1e-14)
+    times = [0.0, 0.25, 0.5, 0.7, 1.1, 1.3]
+    places = [1.25, 1.25 - 0.3125, 0.0, 0.6 - 0.2, 0.0, 0.36 - 0.2]
+    assert np.allclose(run.positions(times), [[0.0, x] for x in places], rtol=0, atol=1e-14)
+    speeds = [0.0, -2.5, 3.0, 1.0, 1.8, -0.2]
+    assert np.allclose(run.speeds(times), [[0.0, v] for v in speeds], rtol=0, atol=1e-13)
+    assert run.positions(0.7).tolist() == pytest.approx([0.0, 0.4])
+    assert run.final_speeds == pytest.approx([0.0, 1.8])
+    assert run.end == 1.3
+    with pytest.raises(ValueError, match="from 0 to the end"):
+        run.positions(-1e-9)
+    first, second = run.collisions
+    assert (first.before, first.after) == ((0.0, pytest.approx(-5.0)), (0.0, pytest.approx(3.0)))
+    assert (first.impulse, first.energy_lost, first.pair) == (pytest.approx(16.0), pytest.approx(16.0), 0)
+    assert second.impulse == pytest.approx(2.0 * 4.8)
+    assert run.energy_lost == pytest.approx(16.0 * 1.36)
+    assert run.gain == pytest.approx(0.6)
+    assert run.energy_error < 1e-14
+    assert run.momentum_error < 1e-14
+    assert run.words == ()
+
+
+def test_two_free_bodies_keep_their_common_fall():
+    """3 kg at 4 m/s, 0.5 m below 1 kg at -1 m/s: they meet after 0.1 s, and leave with 0.2 of 5 m/s."""
+    run = collide(line((3.0, 1.0), 0.2, (0.5,), (4.0, -1.0), TEN))
+    (met,) = run.collisions
+    assert met.time == pytest.approx(0.1, rel=1e-14)
+    assert met.before == pytest.approx((3.0, -2.0))
+    assert met.after == pytest.approx((1.5, 2.5))
+    assert met.impulse == pytest.approx(4.5)
+    assert met.energy_lost == pytest.approx(0.5 * 0.75 * 25.0 * 0.96)
+    assert run.positions(0.1) == pytest.approx([0.35, 0.35])
+    assert run.positions([0.3])[0] == pytest.approx([0.35 + 0.3 - 0.2, 0.35 + 0.5 - 0.2])
+    assert run.end == math.inf
+    assert run.support == 0.0
+
+
+def tampered(run, **last):
+    return dataclasses.replace(run, _flights=(*run._flights[:-1], run._flights[-1]._replace(**last)))
+
+
+def test_errors_are_what_the_balances_miss():
+    """A speed of 1.8 m/s made 2 m/s, or a place 0.1 m higher, of 25 J and of 16 N s."""
+    run = bouncing()
+    faster = tampered(run, speeds=np.array([0.0, 2.0]))
+    assert faster.energy_error == pytest.approx((4.0 - 3.24) / 25.0, rel=1e-12)
+    assert faster.momentum_error == pytest.approx(0.4 / 16.0, rel=1e-12)
+    assert tampered(run, places=np.array([0.0, 0.1])).energy_error == pytest.approx(2.0 / 25.0, rel=1e-12)
+    assert dataclasses.replace(run, support=8.0).momentum_error == pytest.approx(0.5, rel=1e-12)
+    still = collide(line((1.0, 1.0), 1.0, (1.0,), (0.0, 0.0)))
+    assert (still.energy_error, still.momentum_error) == (0.0, 0.0)
+    assert math.isnan(still.gain)
+
+
+@pytest.mark.parametrize("gravity", [0.0, TEN])
+@pytest.mark.parametrize("ends", [(INF, INF), (INF, 4.0), (4.0, INF)])
+def test_floor_and_ceiling_take_part_in_the_momentum(ends, gravity):
+    start = line((ends[0], 2.0, 3.0, ends[1]), 0.7, (0.3, 0.2, 0.05), (0.0, 4.0, -1.0, 0.0), gravity)
+    run = collide(start, duration=0.5)
+    assert {c.pair for c in run.collisions} >= {0, 1, 2}
+    assert run.momentum_error < 1e-13
+    assert run.energy_error < 1e-13
+    up = sum(c.impulse for c in run.collisions if c.pair == 0 and ends[0] == INF)
+    down = sum(c.impulse for c in run.collisions if c.pair == 2 and ends[1] == INF)
+    finite = np.where(np.isfinite(start.masses), start.masses, 0.0)
+    change = finite @ (run.final_speeds - start.speeds) + finite.sum() * gravity * run.collisions[-1].time
+    assert change == pytest.approx(up - down, rel=1e-12)
+    leaves = max(c.after[1] for c in run.collisions if c.pair == (1 if ends[1] == INF else 2))
+    first = run.collisions[0].before
+    assert run.gain == pytest.approx(leaves / (first[0] - first[1]), rel=1e-14)
+
+
+def test_body_thrown_up_comes_back_to_what_rests_on_its_floor():
+    """The wait of a gap that opens first: 2 v/g; and what rests bears its weight on the floor."""
+    run = collide(line((INF, 3.0, 2.0), 0.5, (0.0, 0.0), (0.0, 0.0, 4.0), TEN), most=1)
+    (met,) = run.collisions
+    assert met.time == pytest.approx(0.8, rel=1e-14)
+    assert (met.pair, met.at_once) == (1, True)
+    assert met.before == pytest.approx((0.0, -4.0))
+    assert run.support == pytest.approx(3.0 * 10.0 * 0.8, rel=1e-14)
+    assert run.positions(0.4)[1:] == pytest.approx([0.0, 0.8])
+    # one that flies with what is below it never meets it; one that rises faster than it can fall back neither
+    assert collide(line((1.0, 1.0), 1.0, (0.1,), (2.0, 2.0), TEN)).collisions == ()
+    assert collide(line((1.0, 1.0), 1.0, (0.1,), (2.0, 2.001))).collisions == ()
+    # the ceiling that is just not reached, and just reached: v^2/(2 g) = 0.8 m
+    for gap, count in ((0.801, 0), (0.799, 1)):
+        up = collide(line((1.0, INF), 1.0, (gap,), (4.0, 0.0), TEN), duration=1.0)
+        assert len(up.collisions) == count
+
+
+def test_bodies_that_meet_together_are_told():
+    """A gap of nothing that opens is none; one that stays is a touch; two that close at once are two."""
+    apart = collide(line((1.0, 1.0, 1.0), 1.0, (0.1, 0.0), (1.0, 0.0, 0.5)), most=1)
+    assert not apart.collisions[0].at_once
+    together = collide(line((1.0, 1.0, 1.0), 1.0, (0.1, 0.0), (1.0, 0.0, 0.0)), most=1)
+    assert together.collisions[0].at_once
+    assert together.words[-1].startswith("collisions while a third body touches: 1;")
+    both = collide(line((1.0,) * 4, 1.0, (0.1, 5.0, 0.1), (1.0, 0.0, 0.0, -1.0)), most=2)
+    assert [c.pair for c in both.collisions] == [0, 2]
+    assert not any(c.at_once for c in both.collisions)  # far from one another
+    below = collide(line((1.0, 1.0, 1.0), 1.0, (0.0, 0.1), (0.0, 0.0, -1.0)), most=1)
+    assert (below.collisions[0].pair, below.collisions[0].at_once) == (1, True)
+    flight = collide(line((INF, 1.0, 1.0), 1.0, (1.25, 0.0), (0.0, 0.0, 0.0), TEN), most=1)
+    assert (flight.collisions[0].pair, flight.collisions[0].at_once) == (0, True)
+
+
+def test_slow_bodies_stay_together_with_their_momentum():
+    """Below 1e-9 of the speed scale, here 10 m/s: two that meet so get the speed of both, with what touches them."""
+    slow = 4e-9
+    run = collide(line((1.0, 3.0, 2.0), 0.5, (1.0, 5.0), (slow, 0.0, 0.0)))
+    assert run.words == ()  # the scale is the difference of the speeds
+    for gap, joins in ((0.0, True), (0.1, False)):
+        run = collide(line((1.0, 3.0, 2.0, 1.0), 0.5, (1e-9, gap, 1.0), (slow, 0.0, 0.0, 10.0)), duration=2.0)
+        common = slow / 6.0 if joins else slow / 4.0
+        assert run.final_speeds[:2] == pytest.approx([common] * 2, rel=1e-12)
+        assert run.final_speeds[2] == pytest.approx(common if joins else 0.0, rel=1e-12)
+        assert run.words[0].startswith("ever smaller bounces bring to rest on a neighbour: body 2; those below 1e-09")
+    above = collide(line((1.0, 3.0, 2.0, 1.0), 0.5, (1e-9, 0.1, 1.0), (2e-8, 0.0, 0.0, 10.0)), duration=2.0)
+    assert above.final_speeds[:2] == pytest.approx([2e-8 * (1.0 - 1.5 * 0.75), 2e-8 * 1.5 * 0.25], rel=1e-9)
+    # one that comes to a wall is stopped by it
+    wall = collide(
+        line(
+            (
+                2.0,
+                INF,
+            ),
+            0.5,
+            (1e-9,),
+            (slow, 0.0),
+        ),
+        duration=2.0,
+    )
+    assert wall.final_speeds.tolist() == pytest.approx([-0.5 * slow, 0.0])
+    ceiling = collide(line((1.0, 2.0, INF), 0.5, (1.0, 1e-9), (-10.0, slow, 0.0)), duration=2.0)
+    assert ceiling.final_speeds.tolist() == [-10.0, 0.0, 0.0]
+    assert "body 2" in ceiling.words[0]
+    assert ceiling.support == pytest.approx(-2.0 * slow + ceiling.collisions[0].impulse, abs=1e-20)
+    floor = collide(line((INF, 3.0, 1.0), 0.5, (1e-9, 1.0), (0.0, -slow, 10.0)), duration=2.0)
+    assert floor.final_speeds.tolist() == [0.0, 0.0, 10.0]
+    assert floor.momentum_error < 1e-12
+
+
+def test_collisions_may_be_followed_one_by_one():
+    start = line((INF, 1.0), 1.0, (1.25,), (0.0, 0.0), TEN)
+    one = collide(start, most=1)
+    assert len(one.collisions) == 1
+    assert one.words == ("stopped after 1 collisions, at 0.5 s: more follow",)
+    assert (one.end, collide(start, duration=0.4).end) == (pytest.approx(0.5), 0.4)
+    for wrong in ({"most": 0}, {"duration": 0.0}, {"duration": -1.0}, {"duration": math.nan}):
+        with pytest.raises(ValueError, match="duration must be positive"):
+            collide(start, **wrong)
+    assert collide(start, duration=1e-9).collisions == ()
+
+
+def test_speeds_by_hand():
+    assert next_speed(3.0, 0.5, 0.25, 2.0) == pytest.approx(1.25 * 5.0 / 1.5 - 2.0)
+    assert chain_speed([4.0, 2.0, 0.5], [0.5, 0.25], 3.0) == pytest.approx(1.25 / 1.25 * 1.5 / 1.5 * 3.0)
+    falls = next_speed(float(next_speed(3.0, 0.5, 0.5, 2.0)), 0.25, 0.25, 2.0)
+    assert chain_speed([4.0, 2.0, 0.5], [0.5, 0.25], 3.0, 2.0) == pytest.approx(float(falls))
+    assert (gain_limit(0.5, 3), gain_limit(0.5, 3, falling=True)) == (3.375, 2.375)
+    assert gain_limit_of([0.5, 0.25, 0.2]) == pytest.approx(1.25)
+    assert fastest_masses(8.0, 0.125, 3).tolist() == pytest.approx([8.0, 1.0, 0.125])
+    assert resting_ratio(3.0, 0.5, 2.0) == pytest.approx(3.0 / 4.5)
+    for wrong in ((0.0, 1.0), (1.0, -1.0)):
+        with pytest.raises(ValueError, match="masses of the ends"):
+            fastest_masses(*wrong, 3)
+
+
+def test_lines_are_refused_at_their_limits():
+    for gap, speed, restitution, gravity in ((0.0, 0.0, 0.0, 0.0), (0.0, -3.0, 1.0, 9.8)):
+        BodyLine((1.0, INF), (restitution,), (gap,), (speed, 0.0), gravity)
+    for wrong in (
+        {"masses": (0.0, 1.0)},
+        {"restitutions": (-1e-9,)},
+        {"restitutions": (1.0 + 1e-9,)},
+        {"gaps": (-1e-9,)},
+        {"gravity": -1e-9},
+        {"speeds": (math.nan, 0.0)},
+        {"speeds": (0.0,)},
+        {"restitutions": (1.0, 1.0)},
+        {"masses": (1.0, 1.0, 1.0)},
+    ):
+        values = {"masses": (1.0, 1.0), "restitutions": (1.0,), "gaps": (0.1,), "speeds": (0.0, 0.0), "gravity": 9.8}
+        with pytest.raises(ValueError, match=r"mass|restitution|gap|gravity|speed"):
+            BodyLine(**values | wrong)
+
+
+def test_overlap_is_the_longest_common_time_of_neighbouring_contacts():
+    contacts = (
+        np.array([[1.0, 2.0, 0.0], [5.0, 5.5, 0.0]]),
+        np.array([[1.7, 3.0, 0.0], [4.0, 5.2, 0.0]]),
+        np.array([[2.6, 2.9, 0.0]]),
+    )
+    assert SoftCollisions(None, np.zeros(4), contacts).overlap == pytest.approx(0.3)
+    assert SoftCollisions(None, np.zeros(4), (contacts[0], contacts[2])).overlap == 0.0
+    assert SoftCollisions(None, np.zeros(3), contacts[1:]).overlap == pytest.approx(0.3)
+    assert SoftCollisions(None, np.zeros(2), (contacts[0], np.empty((0, 3)))).overlap == 0.0
+
+
+def test_soft_bodies_between_a_floor_and_a_ceiling_end_as_pairs():
+    """3 kg between two walls 0.3 and 0.5 m off, at 4 m/s: it meets the one above after 0.125 s, the one below 0.2 s on."""
+    start = line((INF, 3.0, INF), 1.0, (0.3, 0.5), (0.0, 4.0, 0.0))
+    soft = collide_softly(start, [Contact(1e8, 1.0), Contact(2e8, 1.0)], 0.36)
+    assert soft.speeds == pytest.approx([0.0, 4.0, 0.0], abs=1e-7)
+    assert soft.contacts[1][0, 0] == pytest.approx(0.125, rel=1e-9)
+    lasted = math.pi * math.sqrt(3.0 / 2e8)
+    assert soft.contacts[1][0, 1] == pytest.approx(0.125 + lasted, rel=1e-7)
+    assert soft.contacts[0][0, 0] == pytest.approx(0.325 + lasted, rel=1e-7)
+    with pytest.raises(ValueError, match="must stand still"):
+        collide_softly(line((INF, 3.0), 1.0, (0.3,), (1e-9, 0.0)), [Contact(1e8, 1.0)], 0.36)
