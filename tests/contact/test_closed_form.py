@@ -12,12 +12,6 @@ from scipy.integrate import quad
 from strikewave.contact import Contact, exact, li_ma_printed, reduced_mass, restitution, solve_impact
 from strikewave.contact._kernels import (
     _double_exponential,
-    log_rest,
-    loss_of_span,
-    peak_rate,
-    phi,
-    restitution_of_span,
-    span_of_factor,
 )
 
 
@@ -265,52 +259,6 @@ def test_durations_by_mpmath(n, e, lasts, error):
     # K -> k, m, v: T = (m v^(1-n)/K)^(1/(n+1)) T(1, 1, 1)
     other = solve_impact(Contact(3e6, n, exact(e)), 0.2, np.inf, 5.0)
     assert float(other.duration) == pytest.approx(lasts * (0.2 * 5.0 ** (1 - n) / 3e6) ** (1 / (n + 1)), rel=error)
-
-
-SPANS = (1e-6, 5e-4, 0.05, 0.3, 0.49, 0.51, 0.99, 1.01, 4.0, 30.0)
-
-
-def lost(span):
-    """1 - e = [L - 2 + (L + 2) exp(-L)]/(L - 1 + exp(-L)) to fifty digits."""
-    decay = mpmath.exp(-span)
-    return (span - 2 + (span + 2) * decay) / (span - 1 + decay)
-
-
-@pytest.mark.parametrize("span", SPANS)
-def test_loss_and_restitution_of_a_span_and_their_slope_by_mpmath(span):
-    with mpmath.workdps(50):
-        loss, slope = lost(mpmath.mpf(span)), mpmath.diff(lost, mpmath.mpf(span))
-        found = loss_of_span(span)
-        assert found[0] == pytest.approx(float(loss), rel=1e-13 if span > 0.5 else 1e-15)
-        # 1/3 below 1e-3; beyond, the closed form of a slope loses the square of the span
-        assert found[1] == pytest.approx(float(slope), rel=3e-4 if span < 1e-3 else 1e-15 + 1e-14 / span**2)
-        assert restitution_of_span(span) == pytest.approx(float(1 - loss), rel=1e-14)
-        # L = chi (1 + e) back from its factor
-        chi = span / float(2 - loss)
-    assert span_of_factor(chi) == pytest.approx(span, rel=2e-15)
-
-
-def test_series_meet_their_closed_forms_by_mpmath():
-    with mpmath.workdps(50):
-        for x in (-5.0, -0.36, -0.34, -1e-3, 1e-8, 0.2, 0.34, 0.36, 3.0):
-            v = mpmath.mpf(x)
-            assert phi(x) == pytest.approx(float(mpmath.expm1(v) - v), rel=2e-15, abs=0.0)
-        for y in (-0.9, -0.081, -0.079, -1e-8, 0.03, 0.079, 0.081, 4.0):
-            v = mpmath.mpf(y)
-            assert log_rest(y) == pytest.approx(float(v - mpmath.log1p(v)), rel=4e-15, abs=0.0)
-    assert loss_of_span(3e-13) == (pytest.approx(1e-13, rel=1e-15, abs=0.0), 1 / 3)
-
-
-@pytest.mark.parametrize("n", [0.5, 1.0, 1.5, 3.0])
-@pytest.mark.parametrize("chi", [1e-6, 0.3, 2.0, 40.0])
-def test_rate_at_the_largest_force_is_where_its_logarithm_turns(n, chi):
-    """d ln F = n dd/d + dy/(1 + y) = 0 along the phase plane: a y - ln(1 + y) = chi - ln(1 + chi), a = (2n + 1)/(n + 1)."""
-    with mpmath.workdps(40):
-        a = mpmath.mpf(2 * n + 1) / (n + 1)
-        left = mpmath.mpf(chi) - mpmath.log1p(chi)
-        guess = min(float(left) * (n + 1) / n, chi)
-        y = mpmath.findroot(lambda y: a * y - mpmath.log1p(y) - left, (guess / 2, guess))
-    assert peak_rate(n, chi) == pytest.approx(float(y), rel=1e-14)
 
 
 def test_double_exponential_rule_integrates_roots_at_both_ends():
