@@ -1,0 +1,420 @@
+"""Checks of a channel that answers, part by part: records and responses made by hand, each bound from both sides."""
+
+import importlib
+import math
+
+import numpy as np
+import pytest
+
+from strikewave.records.health.response import blows, examined, sampling, zero
+from strikewave.records.health.response import range as limits
+from strikewave.records.health.response.examined import ExaminedResponse
+from strikewave.records.health_notice import RESPONSE_FIGURES
+from strikewave.records.modes import FEWEST, Mode
+from strikewave.records.pulses import MAD_TO_SIGMA, sample_noise
+from strikewave.records.response import BaseBlow, MeasuredResponse, measure_responses
+
+noise = importlib.import_module("strikewave.records.health.response.noise")  # the package has a check of that name
+STEP, START = 2.0**-10, 3.0
+"""A step of about 1 ms that a double holds, so that places are exact."""
+
+
+def mode(frequency=20.0, damping=0.02, amplitude=5.0):
+    known = dict.fromkeys(Mode._fields, 0.0) | {"frequency": frequency, "damping": damping, "amplitude": amplitude}
+    return Mode(**known)
+
+
+def response(**how):
+    known = {
+        "blow": 1, "peak": 10.0, "time": START + 150 * STEP, "delay": 0.0, "base_peak": 5.0, "ratio": 2.0, "begin": START + 120 * STEP,
+        "duration": 80 * STEP, "rms": 4.0, "modes": (mode(),), "zero": 0.0, "decay": (START + 160 * STEP, START + 300 * STEP),
+    }  # fmt: skip
+    return MeasuredResponse(**{**known, **how})
+
+
+def blow(place, peak=5.0):
+    return BaseBlow(START + place * STEP, START + (place + 5) * STEP, START + (place + 10) * STEP, peak)
+
+
+def record(values, *responses, places=(100,), base=None):
+    return ExaminedResponse(
+        np.asarray(values, float), STEP, START, "N", [blow(place) for place in places], responses or (response(),), base
+    )
+
+
+FLAT = np.zeros(500)
+
+
+# What was measured
+
+
+def test_what_is_known_of_a_response():
+    values = np.r_[np.tile([0.5, -0.5, 0.0], 40)[:100], np.zeros(400)]
+    one = record(values, response(peak=-7.0, zero=2.0), response(blow=2, peak=4.0), places=(100, 300))
+    assert (one.largest.peak, one.peak, one.first) == (-7.0, 4.0, 100)
+    assert one.above[:3].tolist() == [-1.5, -2.5, -2.0]
+    assert (one.span(one.responses[0]), one.span(one.responses[1])) == ((100, 300), (300, 500))
+    assert one.period == 1.0 / 20.0
+    assert one.resolution == 0.5
+
+
+def test_the_noise_of_a_response_is_that_before_its_blow():
+    """Its median magnitude, or a step of the converter over root twelve; where too little lies before, white noise."""
+    values = np.r_[np.tile([0.6, -0.6, 0.6, -0.6, 0.1], 20), np.zeros(400)]
+    assert record(values).noise == pytest.approx(MAD_TO_SIGMA * 0.6)
+    quiet = np.r_[np.zeros(100), np.tile([0.0, 3.0], 200)]
+    assert record(quiet).noise == pytest.approx(3.0 / math.sqrt(12.0))
+    assert record(values, places=(FEWEST - 1,)).noise == sample_noise(values)
+    assert record(values, places=(FEWEST,)).noise != sample_noise(values)
+    assert record(np.r_[0.0, 1e-12, 5.0, np.zeros(497)]).resolution == 5.0 - 1e-12
+    assert record(FLAT).resolution == 0.0
+
+
+def test_the_period_without_a_mode_is_that_of_the_crossings():
+    """Four crossings in eighty steps: two swings, of forty steps each."""
+    values = FLAT - 1.0
+    values[130:150] = values[160:190] = 1.0
+    assert record(values, response(modes=())).period == pytest.approx(40.0 * STEP)
+    assert record(FLAT, response(modes=())).period == pytest.approx(160.0 * STEP)
+    assert record(FLAT, response(modes=(), duration=0.0)).period == pytest.approx(2.0 * STEP)
+
+
+def test_what_other_values_change_of_figures():
+    t = STEP * np.arange(600)
+    swing = np.r_[np.zeros(100), 10.0 * np.exp(-8.0 * t[:500]) * np.sin(2.0 * np.pi * 20.0 * t[:500])]
+    both = [blow(100)]
+    one = ExaminedResponse(swing, STEP, START, "N", both, measure_responses(swing, STEP, START, both))
+    found = one.against(swing / 1.1)
+    assert found["peak"] == pytest.approx(0.1)
+    assert found["rms"] == pytest.approx(0.1)
+    assert (found["duration"], found["delay"]) == (pytest.approx(0.0, abs=1e-12), 0.0)
+    assert (found["frequency"], found["damping"]) == (pytest.approx(0.0, abs=1e-6), pytest.approx(0.0, abs=1e-6))
+    late = one.against(np.r_[np.zeros(10), swing[:-10]])
+    assert late["delay"] == pytest.approx(-10.0 * STEP / one.period, rel=1e-6)
+
+
+def test_what_a_level_moves_of_figures():
+    """A tent from 0 over 10 at 150 to 0 at 200, an effective span above 10 / 3: a level of 1 makes it ten samples longer or
+    shorter, four tops within 2 of the peak lie up to ten samples away."""
+    values = np.interp(np.arange(500.0), [100.0, 150.0, 200.0], [0.0, 10.0, 0.0])
+    third = 2.0 / 3.0 * 100.0
+    rms = math.sqrt(float(np.mean(values[117:184] ** 2)))
+    one = record(values, response(duration=third * STEP, rms=rms, begin=START + (100.0 + 50.0 / 3.0) * STEP))
+    found = one.moved_by(1.0)
+    assert found["peak"] == pytest.approx(0.1)
+    assert found["duration"] == pytest.approx((176 - 112) / third * 1.0 - 1.0, abs=0.2)
+    shorter, longer = values[122:179], values[112:189]
+    expected = max(abs(math.sqrt(float(np.mean(part**2))) / rms - 1.0) for part in (shorter, longer))
+    assert found["rms"] == pytest.approx(expected, rel=0.02)
+    assert found["duration"] == pytest.approx(max(abs(56.0 / third - 1.0), abs(76.0 / third - 1.0)), rel=0.02)
+    assert found["delay"] == pytest.approx(9.0 * STEP / one.period)
+    assert one.moved_by(0.05)["delay"] == 0.0
+    silent = record(values, response(duration=0.0, rms=0.0))
+    assert (silent.moved_by(1.0)["duration"], silent.moved_by(1.0)["rms"]) == (0.0, 0.0)
+    assert examined._above(np.array([0.0, 3.0, 1.0, 2.0, 0.0]), 1.0) == (1, 3)
+    assert examined._above(np.zeros(3), 1.0) == (0, 0)
+
+
+def test_a_base_drives_each_mode():
+    """A step of the base: the absolute acceleration of a mode without much damping swings about it up to twice."""
+    base = np.r_[np.full(100, 2.0), np.full(400, 5.0)]
+    one = record(FLAT, response(modes=(mode(8.0, 1e-4),)), base=base)
+    columns = one.driven(450)
+    assert columns.shape == (450, 2)
+    assert columns[:, 0].tolist() == [0.0] * 100 + [3.0] * 350
+    assert np.max(columns[:, 1]) == pytest.approx(6.0, rel=2e-2)
+    assert np.argmax(columns[:, 1]) == pytest.approx(100 + 0.5 / (8.0 * STEP), abs=1.5)
+    assert record(FLAT, response(modes=()), base=base).driven(450) is None
+    assert record(FLAT).driven(450) is None
+    assert record(FLAT, base=base[:-1]).driven(450) is None
+
+
+def test_what_only_makes_a_timing_uncertain_is_no_reason():
+    for effects, severity, harms in (
+        ({"delay": 0.06, "rms": 0.06}, "good", ("delay", "rms")), ({"peak": 0.06}, "suspect", ("peak", "ratio")), ({"peak": 0.04}, "good", ()),
+    ):  # fmt: skip
+        found = examined.finding("a", "b", 3.0, effects, start=7.0)
+        assert (found.severity, found.harms, found.start, found.value) == (severity, harms, 7.0, 3.0)
+
+
+# Sampling, hum and noise
+
+
+@pytest.mark.parametrize("count", [3.0, 5.0, 6.0, 7.5, 12.0])
+def test_the_top_of_a_sine_that_a_parabola_misses(count):
+    """Sampled half a step beside its top, the worst place: by the parabola through the higher three where they are round."""
+    phase = 2.0 * math.pi / count
+    left, middle, right = math.cos(1.5 * phase), math.cos(0.5 * phase), math.cos(0.5 * phase)
+    shift = 0.5 * (left - right) / (left - 2.0 * middle + right)
+    tip = middle - 0.25 * (left - right) * shift
+    round_ = left >= 0.5 * middle or count >= 6.0
+    assert sampling._missed(count) == pytest.approx(1.0 - (tip if round_ else middle), abs=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("count", "amplitude", "found"), [(7.9, 5.0, True), (8.1, 5.0, False), (7.9, 2.1, True), (7.9, 1.9, False)]
+)
+def test_a_swing_of_fewer_than_eight_samples_is_told(count, amplitude, found):
+    said = sampling.few_samples(
+        record(FLAT, response(modes=(mode(1.0 / (count * STEP), amplitude=amplitude), mode(5.0))))
+    )
+    assert [(one.code, one.value) for one in said] == [("few-samples", pytest.approx(count))] * found
+    if found:
+        assert dict(said[0].effects)["peak"] == pytest.approx(-sampling._missed(count))
+        assert f"a swing of {1.0 / (count * STEP):.4g} Hz has {count:.1f} samples" in said[0].message
+
+
+def test_a_spectrum_is_sought_about_the_onset(monkeypatch):
+    seen = []
+
+    def level(values, noise_):
+        seen.append(values.tolist())
+        return 0.25 if len(seen) < 3 else None
+
+    monkeypatch.setattr(sampling, "folded_level", level)
+    values = np.arange(500.0)
+    (said,) = sampling.aliased(record(values))
+    assert seen[0] == [float(k) for k in range(300)]  # a window of 200, of its own length before it: only 100 there
+    assert (said.value, said.harms) == (0.25, RESPONSE_FIGURES)
+    sampling.aliased(record(values, response(decay=(START, START + 100 * STEP)), places=(300,)))
+    assert seen[1] == [float(k) for k in range(300 - 2 * FEWEST, 300 + 2 * FEWEST)]
+    assert sampling.aliased(record(values)) == []
+
+
+def test_hum_and_noise_are_told_from_a_share_of_the_peak_on(monkeypatch):
+    from strikewave.records.health.noise import NOTED_HUM, NOTED_NOISE
+
+    spans = []
+    for share, said in ((1.01, True), (0.99, False)):
+        monkeypatch.setattr(noise, "hum_beside", lambda *a, s=share: spans.append(a[3]) or (50.0, s * NOTED_HUM * 10.0))
+        assert [one.value for one in noise.hum(record(FLAT))] == [pytest.approx(share * NOTED_HUM * 10.0)] * said
+        scatter = share * NOTED_NOISE * 10.0 / 2.0  # k = 2
+        values = np.r_[np.tile([scatter, -scatter], 50) / MAD_TO_SIGMA, np.zeros(400)]
+        values[150] = 10.0
+        assert [one.value for one in noise.noise(record(values, response(duration=0.0, rms=1e6)))] == [
+            pytest.approx(scatter)
+        ] * said
+    assert spans[0] == [(START + 100 * STEP, START + 200 * STEP)]
+    monkeypatch.setattr(noise, "hum_beside", lambda *a: None)
+    assert noise.hum(record(FLAT)) == []
+
+
+def test_too_little_before_a_blow_is_told():
+    assert noise.short_before(record(FLAT, places=(FEWEST,))) == []
+    (said,) = noise.short_before(record(FLAT, places=(FEWEST - 1,)))
+    assert (said.value, said.severity, said.end) == (FEWEST - 1, "good", START + (FEWEST - 1) * STEP)
+
+
+# No answer, cut off
+
+
+@pytest.mark.parametrize(
+    ("before", "scatter", "peak", "found"),
+    [(5.1, 0.0, 10.0, True), (4.9, 0.0, 10.0, False), (1.0, 1.3, 10.0, True), (1.0, 1.2, 10.0, False)],
+)
+def test_an_answer_is_twice_what_comes_before_and_eight_times_its_noise(before, scatter, peak, found):
+    values = np.r_[np.tile([scatter, -scatter], 50) / MAD_TO_SIGMA, np.zeros(400)]
+    values[7], values[400] = before, 1e-3  # so that no converter has large steps
+    said = blows.nothing(record(values, response(peak=peak)))
+    assert [(one.code, one.value, one.severity) for one in said] == [("no-response", peak, "bad")] * found
+
+
+@pytest.mark.parametrize(("highest", "early"), [(4.9, True), (5.1, False)])
+def test_a_channel_that_does_more_before_its_blow_comes_early(highest, early):
+    values = FLAT.copy()
+    values[60] = -10.0
+    words = blows._early(record(values), values[:100], highest)
+    assert bool(words) is early
+    if early:
+        assert (
+            f"reaches 10 N {1e3 * 45 * STEP:.3g}\xa0ms before the peak of the blow of the base, and 4.9 N after the blow"
+            in words
+        )
+    several = blows._early(record(values, places=(100, 300)), values[:100], highest)
+    assert "peak of the first blow" in several  # whatever comes after the next one
+    assert blows._early(record(values), values[:0], 1.0) == ""
+    loud = np.tile([1.3, -1.3], 250) / MAD_TO_SIGMA
+    loud[60] = -10.0
+    assert blows._early(record(loud), loud[:100], 1.0) == ""
+    assert blows._early(record(loud * 0.9), loud[:100], 1.0) != ""
+
+
+def test_a_response_is_cut_within_half_a_swing_of_its_end():
+    """Half of 51.2 samples and one more; the message says which comes, and of how many."""
+    for rest, found in ((26.5, True), (26.7, False)):
+        one = response(begin=START + 300 * STEP, duration=(200.0 - rest) * STEP)
+        said = blows.cut(record(FLAT, one))
+        assert [(f.code, f.value, f.harms) for f in said] == [
+            ("cut", pytest.approx(one.begin + one.duration), ("duration", "rms"))
+        ] * found
+    at_end = response(begin=START + 300 * STEP, duration=190 * STEP)
+    assert "the record ends before" in blows.cut(record(FLAT, at_end))[0].message
+    first = response(begin=START + 120 * STEP, duration=170 * STEP)
+    (said,) = blows.cut(
+        record(FLAT, first, response(blow=2, begin=START + 310 * STEP, duration=20 * STEP), places=(100, 300))
+    )
+    assert "the next blow comes before" in said.message
+    assert "(1 of 2 responses)" in said.message
+
+
+# Range
+
+
+@pytest.mark.parametrize(("step", "found"), [(0.41, True), (0.39, False)])
+def test_steps_of_the_converter_are_told_from_a_twenty_fifth_of_the_peak(step, found):
+    values = FLAT.copy()
+    values[150:155] = step * np.array([1.0, 3.0, 20.0, 3.0, 1.0])
+    said = limits.coarse(record(values))
+    assert [(one.code, one.value) for one in said] == [("coarse", pytest.approx(step))] * found
+
+
+@pytest.mark.parametrize(
+    ("near", "far", "found"),
+    [(6.1, 0.0, False), (5.9, 0.0, False), (4.4, 0.0, True), (4.6, 0.0, False), (5.9, 6.0, True), (6.1, 6.0, False)],
+)
+def test_a_spike_stands_off_the_cubic_through_its_neighbours(near, far, found):
+    """A top of 10 between two neighbours each: (4 (a + b) - (c + d)) / 6 is more than 4 below it."""
+    values = FLAT.copy()
+    values[148:153] = far, near, 10.0, near, far
+    values[400] = 1e-3  # so that no converter has large steps
+    said = limits.spike(record(values))
+    assert [(one.code, one.value) for one in said] == [("spike", 10.0)] * found
+    assert limits.spike(record(values, response(time=START + 1 * STEP))) == []
+    assert limits.spike(record(values, response(time=START + 498 * STEP))) == []
+
+
+def test_a_rail_on_either_side_is_clipped():
+    values = 10.0 * np.sin(2.0 * np.pi * np.arange(500) / 50.0)
+    for sign in (1.0, -1.0):
+        cut = np.minimum(sign * values, 7.0) * sign
+        (said,) = limits.clipped(record(cut))
+        assert (said.value, said.severity) == (7.0 * sign, "bad")
+        at = np.flatnonzero(cut == 7.0 * sign)
+        assert (said.start, said.end) == (pytest.approx(START + at[0] * STEP), pytest.approx(START + at[-1] * STEP))
+        assert f"for {at.size * STEP * 1e6:.4g} us" in said.message
+    assert limits.clipped(record(values * np.exp(-np.arange(500) / 300.0))) == []
+
+
+@pytest.mark.parametrize(("clip", "found"), [(0.98, False), (0.85, True)])
+def test_tops_flatter_than_those_of_a_sine_are_told(clip, found):
+    """Cut to a share of it: flat for 1 - 2 asin(share) / pi of a half swing beyond what a sine is within 2 %."""
+    t = np.arange(500.0)
+    swing = np.where(t >= 100, np.sin(2.0 * np.pi * (t - 100) / 50.0), 0.0)
+    soft = np.clip(swing, -clip, clip) * 10.0
+    said = limits.saturated(record(soft, response(peak=10.0 * clip)))
+    assert [one.code for one in said] == ["flat-top"] * found
+    assert limits.saturated(record(10.0 * swing)) == []
+
+
+def test_a_slope_that_stays_is_a_slew_rate():
+    """A triangle of 48 samples rises at one slope; a sine does not."""
+    t = np.arange(500.0)
+    triangle = np.where(t >= 100, np.interp((t - 100) % 48.0, [0.0, 12.0, 36.0, 48.0], [0.0, 10.0, -10.0, 0.0]), 0.0)
+    sine = np.where(t >= 100, 10.0 * np.sin(2.0 * np.pi * (t - 100) / 48.0), 0.0)
+    period = (mode(1.0 / (48.0 * STEP)),)
+    assert [one.code for one in limits.slew_limited(record(triangle, response(modes=period)))] == ["slew-rate"]
+    assert limits.slew_limited(record(sine, response(modes=period))) == []
+    assert limits.slew_limited(record(triangle[:112], response(modes=period))) == []  # four lags of three samples
+    assert limits.slew_limited(record(FLAT, response(modes=period))) == []
+
+
+# Zero
+
+
+@pytest.mark.parametrize(
+    ("level", "severity"), [(0.49, None), (0.51, "good"), (4.9, "good"), (5.1, "suspect"), (-5.1, "suspect")]
+)
+def test_a_zero_is_told_from_a_twentieth_of_the_peak_on(level, severity):
+    said = zero.offset(record(FLAT, response(zero=level)))
+    assert [(one.code, one.value, one.severity) for one in said] == (
+        [("not-settled", level, severity)] if severity else []
+    )
+
+
+def test_of_figures_that_jump_the_larger_effect_counts():
+    found = zero._larger(
+        {"peak": 0.5, "delay": -0.3, "rms": 0.1}, {"peak": 0.9, "delay": 0.2, "duration": 0.4, "rms": -0.2}
+    )
+    assert found == {"peak": 0.5, "delay": -0.3, "rms": -0.2, "duration": 0.4}
+
+
+def drifting(slope, behind=1.0, size=500, scatter=1e-3):
+    """Before the blow at 100 a straight line with white noise; behind the last decay, at 300, a share of where it leads."""
+    values = scatter * np.random.default_rng(4).normal(size=size)
+    values[:100] += slope * (np.arange(100) - 49.5)
+    values[300:] += behind * slope * (np.arange(300, size) - 49.5)
+    return values
+
+
+def test_a_line_before_a_blow_is_one_of_least_squares():
+    values = drifting(2e-3)
+    level, slope = zero._line_before(record(values))
+    by_hand = np.polyfit(np.arange(100) - 49.5, values[:100], 1)
+    assert (slope, level) == (pytest.approx(by_hand[0]), pytest.approx(by_hand[1]))
+    for behind, found in ((1.0, True), (0.52, True), (0.48, False), (1.48, True), (1.52, False), (-1.0, False)):
+        assert (zero._line_before(record(drifting(2e-3, behind))) is not None) is found
+    assert zero._line_before(record(drifting(1e-5))) is None  # noise
+    assert zero._line_before(record(drifting(2e-3)[100 - 2 * FEWEST + 1 :], places=(2 * FEWEST - 1,))) is None
+    short = drifting(2e-3, 0.0, 300 + 2 * FEWEST - 1)
+    assert zero._line_before(record(short)) is not None  # too little behind it to tell
+    assert zero._line_before(record(np.r_[short, 0.0])) is None
+
+
+def test_a_drift_before_a_blow_is_told_from_a_hundredth_of_the_peak_on():
+    """Over the length of the record, 499 steps."""
+    for share, found in ((1.1, True), (0.9, False)):
+        values = drifting(share * 0.01 * 10.0 / 499.0, scatter=1e-5)
+        values[150] = 10.0
+        both = [blow(100)]
+        one = ExaminedResponse(values, STEP, START, "N", both, [response(modes=())])
+        said = [f for f in zero.shifted(one) if f.code == "drift"]
+        assert [f.value for f in said] == [pytest.approx(share * 0.1, rel=1e-2)] * found
+
+
+def decaying(level=0.0, decay=0.0, constant=0.1):
+    """A swing of 20 Hz from 100 on; the zero behind it."""
+    t = STEP * np.arange(900)
+    since = np.maximum(t - 100 * STEP, 0.0)
+    swing = np.where(t >= 100 * STEP, 10.0 * np.exp(-6.0 * since) * np.sin(2.0 * np.pi * 20.0 * since), 0.0)
+    behind = np.where(t >= 100 * STEP, level + decay * np.exp(-since / constant), 0.0)
+    return swing + behind + 1e-4 * np.random.default_rng(2).normal(size=900)
+
+
+def test_the_zero_behind_a_blow_is_found_beside_the_modes():
+    def found(values):
+        both = [blow(100)]
+        one = ExaminedResponse(values, STEP, START, "N", both, measure_responses(values, STEP, START, both))
+        return one, zero._zero_after(one, one.above)
+
+    one, after = found(decaying(0.5))
+    begin, level, decay, constant = after
+    assert begin == one.place(one.responses[-1].decay[0])
+    assert level + decay == pytest.approx(0.5, abs=0.02)
+    assert constant > 0.3 * one.period
+    assert found(decaying())[1] is None or abs(found(decaying())[1][1]) < 0.01
+    said = zero.shifted(found(decaying(0.5))[0])
+    assert [f.code for f in said] == ["zero-shift"]
+    assert said[0].value == pytest.approx(0.5, abs=0.02)
+    assert said[0].start == blow(100).end
+    assert [f.code for f in zero.shifted(found(decaying(0.05))[0])] == []  # a two-hundredth of the peak
+
+
+def test_a_free_decay_is_thinned_and_has_two_waves_a_mode(monkeypatch):
+    monkeypatch.setattr(zero, "MOST_LOOKED_AT", 50)
+    values = np.arange(500.0)
+    known = mode()
+    last = 1.0 / (
+        0.02 * 2.0 * math.pi * 20.0 / math.sqrt(1.0 - 0.02**2)
+    )  # damped frequency over root(1 - d^2) is the natural one
+    assert known.decay_time == pytest.approx(last)
+    part = zero._free_decay(record(values, response(modes=(known,))), values)
+    assert (part.begin, part.values.tolist()) == (160, values[160:500:6].tolist())
+    assert part.since[:2].tolist() == [0.0, 6.0 * STEP]
+    assert part.swinging[:, 0] == pytest.approx(np.exp(-part.since / last) * np.cos(2.0 * np.pi * 20.0 * part.since))
+    assert part.swinging[:, 1] == pytest.approx(np.exp(-part.since / last) * np.sin(2.0 * np.pi * 20.0 * part.since))
+    exact = 3.0 * part.swinging[:, 0] - 2.0 * part.swinging[:, 1] + 0.5 + 0.7 * np.exp(-part.since / 0.1)
+    squares, found, rest = part._replace(values=exact).decayed(0.1)
+    assert found == pytest.approx([3.0, -2.0, 0.5, 0.7])
+    assert (squares, np.max(np.abs(rest))) == (pytest.approx(0.0, abs=1e-18), pytest.approx(0.0, abs=1e-9))
+    assert zero._free_decay(record(values[: 160 + 2 * FEWEST], response(modes=())), values).swinging.shape[1] == 0
+    assert zero._free_decay(record(values[: 160 + 2 * FEWEST - 1]), values) is None
