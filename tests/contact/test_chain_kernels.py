@@ -399,32 +399,34 @@ def test_three_bodies_and_one_base_in_a_row(kernels):
 
 
 def test_a_system_of_a_chain_moves_its_bases_first(kernels):
-    """Whatever is asked at a time finds the base where it shakes to then."""
+    """Whatever is asked at a time finds the base where it shakes to then; the last of the state are energies lost."""
     system_of = taught(chains, ChainSystem)
-    links = [Spring("t", "a", 100.0), ChainContact("a", "b", Contact(40.0, 2.0))]
-    chain = Chain({"a": 2.0, "b": 5.0}, links, {"t": TABLE})
+    links = [Spring("t", "a", 100.0, 2.0), ChainContact("a", "b", Contact(40.0, 2.0))]
+    chain = Chain({"a": 2.0, "b": 5.0, "c": 7.0}, links, {"t": TABLE})
     made = link_arrays(links, chain.nodes)
     shakes = _shakes(chain)
-    t, y, memory = 0.3, np.array([0.5, 1.0, 8.0, 5.0, 0.0, 0.0]), memory_of(made)
+    t, y, memory = 0.3, np.array([0.5, 1.0, 4.0, 8.0, 5.0, 6.0, 0.0, 0.0]), memory_of(made)
     mode = np.array([PUSHING, OPEN])
-    place = 2.0 + 3.0 * math.sin(2.2)
+    place, speed = 2.0 + 3.0 * math.sin(2.2), 15.0 * math.cos(2.2)
 
     def fresh():
-        return ChainSystem(ChainTables(np.array([[2.0, 0.0], [5.0, 1.0]]), np.zeros((4, 1)), *made), shakes)
+        bodies = np.array([[2.0, 0.0], [5.0, 1.0], [7.0, -1.0]])
+        return ChainSystem(ChainTables(bodies, np.zeros((4, 1)), *made), shakes)
 
-    dy, out, g = np.empty(6), np.empty(2), np.empty(6)
+    dy, out, g = np.full(8, np.nan), np.empty(2), np.empty(6)
     system_of.derivatives(fresh(), t, y, mode, memory, dy)
-    force = 100.0 * (place - 0.5)
-    assert dy == pytest.approx([8.0, 5.0, force / 2, 1.0, 0.0, 0.0], rel=1e-13)
+    force, lost = 100.0 * (place - 0.5) + 2.0 * (speed - 8.0), 2.0 * (speed - 8.0) ** 2
+    assert dy == pytest.approx([8.0, 5.0, 6.0, force / 2, 1.0, -1.0, lost, 0.0], rel=1e-13)
     system_of.forces(fresh(), t, y, mode, memory, out)
     assert out == pytest.approx([force, 0.0], rel=1e-13)
     links[1] = ChainContact("t", "b", Contact(40.0, 2.0))
     made = link_arrays(links, chain.nodes)
     system_of.switches(fresh(), t, y, mode, memory, g)
     assert g == pytest.approx([1.0, 1.0, 1.0, 1.0 - place, 1.0, 1.0], rel=1e-13)
+    y[4] = -20.0
     assert system_of.switch(fresh(), 3, t, y, mode, memory) == RESTART
     assert mode[1] == PUSHING
-    assert memory[1] == pytest.approx(max(15.0 * math.cos(2.2) - 5.0, 0.0))
+    assert memory[1] == pytest.approx(speed + 20.0)
     assert system_of.horizon(fresh(), t, y, mode, memory) == math.inf
     assert chains.is_a(SimpleNamespace(instance_class=ChainSystem), ChainSystem)
     assert not chains.is_a(SimpleNamespace(instance_class=ChainTables), ChainSystem)

@@ -18,6 +18,7 @@ from strikewave.contact.force_pulse import (
     _baseline,
     _beyond,
     _check_clear,
+    _check_sign,
     _checked,
     _neighbour,
     _rest,
@@ -798,6 +799,19 @@ def test_the_larger_of_both_directions_is_measured_from_the_line_before_each():
                 cut_out(T, f)
     with pytest.raises(ValueError, match="there is no pulse"):
         cut_out(T, np.zeros(200))
+    # one sample of 40 counts, beside 30 the other way
+    spike = -0.3 * TRIANGLE
+    spike[170] = 40.0
+    _check_sign(T, spike, np.arange(200))
+    with pytest.raises(ValueError, match="turn the sign"):
+        _check_sign(T, spike, np.arange(170))
+
+
+def test_the_deviation_of_a_fit_counts_what_it_is_free_to_choose():
+    """Nine misfits of 1 with five unknowns: sqrt(9/4); with nine of them, as if one were left."""
+    problem = SimpleNamespace(misfit=lambda unknown: np.ones(9))
+    assert PulseFit(problem, np.zeros(5), np.zeros((9, 5))).deviation == 1.5
+    assert PulseFit(problem, np.zeros(9), np.zeros((9, 9))).deviation == 3.0
 
 
 def test_words_on_a_cut_pulse_name_the_side_and_what_is_left():
