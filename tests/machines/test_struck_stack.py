@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from scipy.integrate import solve_ivp
 
 from strikewave import load_case
 from strikewave.analyses.machine.build import build_machine
@@ -20,6 +21,7 @@ from strikewave.machines import strike as one_blow
 from strikewave.machines._layout import layout_of
 from strikewave.machines.layered import LayeredObject, machine_grid
 from strikewave.machines.spans import StackSpan
+from strikewave.machines.struck_object import StruckObject
 from strikewave.waves import BONDED, Branch, Joint, Layer, Stack
 
 CASE = "li-ma-2019-fig5"
@@ -110,6 +112,96 @@ def test_stiffness_between_the_parts_is_that_of_a_quasi_static_push(base):
     pieces = [dataclasses.replace(assembly, length=assembly.length * share) for share in (0.2, 0.5, 0.3)]
     cut = with_stack(base, Stack((nose, *pieces), (Joint(9e7), BONDED, BONDED)), 1, 50e-9)
     assert cut.struck.frame_stiffness == pytest.approx(1 / compliance, rel=1e-12)
+
+
+def mean_displacement(part, slices=2000):
+    """Return how far a part moves on its face that the frame pushes with 1 N, in the mean of its mass, m: slice by slice.
+
+    ``part`` holds from that face on a layer and the joint behind it; all of it is accelerated alike.
+    """
+    total = sum(layer.mass + (joint.mass if joint else 0.0) for layer, joint in part)
+    passed = moved = mean = 0.0
+    for layer, joint in part:
+        for _ in range(slices):  # each half pushed by what is behind its middle
+            m, length = layer.mass / slices, layer.length / slices
+            force = 1.0 - (passed + 0.5 * m) / total
+            step = force * length / (layer.modulus * layer.area)
+            mean += m / total * (moved + 0.5 * step)
+            moved, passed = moved + step, passed + m
+        if joint is not None:
+            mean, passed = mean + joint.mass / total * moved, passed + joint.mass
+            moved += (1.0 - passed / total) / joint.stiffness
+    return mean
+
+
+def test_stiffness_of_uneven_parts_is_that_of_an_even_acceleration():
+    """Parts of several layers, a point mass and compliant joints on both sides of the frame, by slices."""
+    layers = [
+        dataclasses.replace(part(name, m, t), modulus=e, area=a)
+        for name, m, t, e, a in (
+            ("a", 0.05, 3e-6, 2.1e11, 7e-4),
+            ("b", 0.03, 2e-6, 7e10, 9e-4),
+            ("c", 0.09, 5e-6, 1.1e11, 5e-4),
+            ("d", 0.04, 4e-6, 3e10, 8e-4),
+            ("e", 0.02, 1e-6, 4e9, 6e-4),
+        )
+    ]
+    joints = (Joint(3e8, 70.0), Joint(9e7, 200.0), Joint(mass=0.013), Joint(2e8, 150.0))
+    stack = Stack(tuple(layers), joints)
+    layered = LayeredObject(stack, 2, machine_grid(stack, 50e-9))
+    mass = [layer.mass for layer in layers]
+    assert layered.nose_mass == pytest.approx(mass[0] + mass[1], rel=1e-14)
+    assert layered.assembly_mass == pytest.approx(sum(mass[2:]) + 0.013, rel=1e-14)
+    assert layered.frame_damping == 200.0
+    before = [(layers[1], joints[0]), (layers[0], None)]
+    behind = [(layers[2], joints[2]), (layers[3], joints[3]), (layers[4], None)]
+    compliance = 1 / 9e7 + mean_displacement(before) + mean_displacement(behind)
+    # the square of a slice
+    assert layered.frame_stiffness == pytest.approx(1 / compliance, rel=1e-6)
+    heavy = LayeredObject(Stack(tuple(layers), (Joint(mass=0.013), *joints[1:])), 2, layered.grid)
+    assert heavy.nose_mass == pytest.approx(mass[0] + mass[1] + 0.013, rel=1e-14)
+    last = LayeredObject(stack, 4, layered.grid)
+    assert last.assembly_mass == mass[4]
+    behind = 1 / 2e8 + mean_displacement([(layers[4], None)])
+    nose = [(layers[3], joints[2]), (layers[2], joints[1]), (layers[1], joints[0]), (layers[0], None)]
+    assert last.frame_stiffness == pytest.approx(1 / (behind + mean_displacement(nose)), rel=1e-6)
+
+
+def test_steps_of_a_stack_are_20_to_40_ns_and_whole_to_one_in_ten_thousand():
+    """Transits of 1 us and 1.3 us are whole at 33.3 ns, two of 1 us at 40 ns."""
+    for ratio, counts in ((1.3, (30, 39)), (1.0, (25, 25))):
+        stack = Stack((part("a", 0.06, 0.9999e-6), part("b", 0.06, ratio * 0.9999e-6)), (BONDED,))
+        assert machine_grid(stack).counts == counts
+    asked = machine_grid(stack, 0.1e-6)
+    assert (asked.step, asked.counts) == (0.1e-6, (10, 10))
+    short = Stack((part("a", 0.06, 21e-9), part("b", 0.06, 42e-9)), (BONDED,))
+    assert machine_grid(short).counts == (1, 2)
+
+
+def test_frame_swings_and_stop_throws_back_as_two_bodies_do():
+    """Nose and assembly against each other, and the whole object on a damped stop until its force is gone."""
+    struck = StruckObject(0.07, 0.43, 9.1e7, 210.0, 41e3, 390.0, 23.0, 2.1e5, 0.55, 9.7)
+    swing = math.sqrt(9.1e7 / 0.07 + 9.1e7 / 0.43)
+    assert 2.0 * math.pi * struck.frame_frequency == pytest.approx(swing, rel=1e-14)
+
+    def gone(_, y):
+        return 2.1e5 * y[0] + struck.stop_damping * y[1] + 1e-9
+
+    gone.terminal, gone.direction = True, -1.0
+    rates = lambda _, y: [y[1], -(2.1e5 * y[0] + struck.stop_damping * y[1]) / 0.5]  # noqa: E731
+    end = solve_ivp(rates, (0.0, 0.1), [0.0, 1.0], events=gone, rtol=1e-10, atol=1e-14).y_events[0][0]
+    assert end[1] == pytest.approx(-0.55, rel=1e-7)
+    assert struck.mass == pytest.approx(0.5)
+    assert struck.stop_compression * 2.1e5 == pytest.approx(390.0 - 0.5 * 9.7)
+    assert struck.rail.holds == 0.0
+    assert not struck.rubs
+    assert dataclasses.replace(struck, friction=5e-3).rubs
+    assert len(struck.links(-5e-3)) == 3
+    free = dataclasses.replace(struck, stop_stiffness=0.0)
+    assert free.stop_compression == 0.0
+    assert free.links(-5e-3)[2].offset > 1e3  # nowhere
+    assert struck.links(-5e-3)[2].offset == pytest.approx(5e-3 - struck.stop_compression)
+    assert dataclasses.replace(struck, stop_restitution=1.0).stop_damping == pytest.approx(0.0, abs=1e-9)
 
 
 def test_bonded_cut_changes_nothing(base):

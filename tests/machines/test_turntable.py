@@ -56,3 +56,28 @@ def test_a_turntable_speeds_up_evenly_and_then_in_halves():
     # 9 rad/s at w' = 10 - w/2, then the rate (20 + 2)/4 for the last tenth, halved
     assert spin_up_time(dragged, 0.05) == pytest.approx(2.0 * math.log(20.0 / 11.0) + math.log(2.0) / 5.5, rel=1e-12)
     assert braking_time(dragged, 2.0) == pytest.approx(2.0 * math.log(2.0), rel=1e-12)
+
+
+def test_little_drag_takes_little_from_a_spin_up_and_a_braking():
+    """By first order x/2 of what the drag takes at the end, x, also across the switch to the closed form without it."""
+    for x in (1e-8, 1e-10, 1e-12):
+        disc = Turntable(4.0, 0.2, 10.0, torque=40.0, speed_gain=1e15, drag=4.0 * x, brake=8.0)
+        assert spin_up_time(disc, 1e-6) == pytest.approx(1.0 + 0.5 * x, rel=1e-12)
+        assert braking_time(disc, 2.0) == pytest.approx(1.0 - 0.5 * x, rel=1e-12)
+    assert disc.rigid_belt
+    assert not Turntable(4.0, 0.2, 10.0, 40.0, 20.0, 0.0, 8.0, belt_stiffness=1e9).rigid_belt
+
+
+def test_spin_up_ends_at_the_tolerance_and_a_drive_that_just_holds_is_refused():
+    """Where the controller asks for less from the begin there is no full torque: ln 2 by 40/(20 + 0) for each half."""
+    disc = Turntable(40.0, 0.2, 1.0, torque=40.0, speed_gain=20.0, drag=0.0, brake=8.0)
+    assert spin_up_time(disc, 0.25) == pytest.approx(2.0 * 2.0 * math.log(2.0), rel=1e-12)
+    assert spin_up_time(disc) == pytest.approx(2.0 * math.log(1e4), rel=1e-12)
+    assert speed_after_wait(disc, 2.0) == pytest.approx(1.0 - 1e-4 / math.e, rel=1e-14)
+    for drag, refused in ((3.9999, False), (4.0, True)):
+        held = Turntable(4.0, 0.2, 10.0, torque=40.0, speed_gain=20.0, drag=drag, brake=8.0)
+        if refused:
+            with pytest.raises(ValueError, match="cannot hold"):
+                spin_up_time(held)
+        else:
+            assert spin_up_time(held) > 1.0
