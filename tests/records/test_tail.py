@@ -96,8 +96,8 @@ def test_a_blow_of_a_sample_has_stretches_of_two():
 
 
 def test_the_slope_is_carried_on_where_later_baselines_lie_on_it():
-    first = blow(100, 120, 0.0, 0.1)
-    at = [(blow(300, 320, 20.0), 0.1), (blow(300, 320, 11.0), 0.1), (blow(300, 320, 9.0), 0.0), (blow(300, 320), 0.0)]
+    first = blow(100, 120, -6.0, 0.1)
+    at = [(blow(300, 320, 6.0 * later - 6.0), 0.1 if later > 1.7 else 0.0) for later in (3.4, 1.75, 1.65, 0.0)]
     for later, slope in at:
         assert tail._carried_slope([first, later], STEP) == slope
     assert tail._carried_slope([first], STEP) == 0.1
