@@ -1,4 +1,6 @@
-"""Elements and points of a solid driven by hand, without a solver."""
+"""Elements and points of a solid driven by hand, without a solver; kernels as they are written."""
+
+import types
 
 import numpy as np
 from scipy import sparse
@@ -121,3 +123,15 @@ class Points:
     def plastic_work(self):
         """Of the last step, J/m^3."""
         return self._at(layout.PLASTIC, 1)[0]
+
+
+def as_written(kernel, written):
+    """Return a kernel, with all that it calls, as Python: nothing is compiled; ``written`` keeps those made before."""
+    function = getattr(kernel, "py_func", None)
+    if function is None:
+        return kernel
+    if kernel not in written:
+        names = dict(function.__globals__)
+        written[kernel] = types.FunctionType(function.__code__, names, function.__name__, function.__defaults__)
+        names.update({name: as_written(value, written) for name, value in names.items() if hasattr(value, "py_func")})
+    return written[kernel]

@@ -1,5 +1,7 @@
 """Closest points, nodal areas, search, and the gap of nodes that cross edges, against closed forms and brute force."""
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 from hypothesis import given
@@ -9,12 +11,14 @@ from scipy.optimize import minimize
 from strikewave.base.errors import InputError
 from strikewave.fem import _contact_kernels as contact_kernels
 from strikewave.fem import _surface_kernels as kernels
+from strikewave.fem import _touch_kernels as touch_kernels
 from strikewave.fem.contact import add_contact, prepare, searched, two_surfaces
 from strikewave.fem.mesh import Mesh, joined
 from strikewave.fem.model import SurfaceContact
 from strikewave.fem.surfaces import extents, neighbours, surface_of, thickness
 
 from .blocks import block
+from .driven import as_written
 
 SQUARE = np.array([[-1.0, -1, 0], [1, -1, 0], [1, 1, 0], [-1, 1, 0]])
 coordinate = st.floats(-3.0, 3.0)
@@ -225,9 +229,9 @@ def test_from_a_fortieth_to_a_twentieth_beyond_the_rim_the_felt_share_falls_even
     x[0] = [0.3, 1.0 + share * 2**0.5, -0.01]
     state = searched(state, x)
     state.place[:] = x[state.touch.nodes]
-    face, xi, eta, distance, rim = contact_kernels.nearest_face.py_func(state, 0)
+    face, xi, eta, distance, rim = as_written(contact_kernels.nearest_face, {})(state, 0)
     assert distance == pytest.approx(np.hypot(0.01, share * 2**0.5), rel=1e-12)
-    gap, normal, found = contact_kernels.gap_at.py_func(state, 0, face, xi, eta, rim)
+    gap, normal, found = as_written(contact_kernels.gap_at, {})(state, 0, face, xi, eta, rim)
     assert (gap, found) == (pytest.approx(-0.01, rel=1e-12), pytest.approx(felt, abs=1e-12))
     assert normal == pytest.approx((0.0, 0.0, 1.0), abs=1e-15)
     assert rim
@@ -281,7 +285,7 @@ def test_search_of_300_000_faces_finds_what_lies_on_what():
 )
 def test_cells_are_about_as_wide_as_wanted_and_few_beside_the_nodes(length, count, wanted, cells):
     low = np.array([1.0, -2.0, 3.0])
-    found, width = kernels.cells_of.py_func(low, low + length, count, wanted)
+    found, width = as_written(kernels.cells_of, {})(low, low + length, count, wanted)
     assert tuple(found) == cells
     np.testing.assert_allclose(width, np.array(length) / cells, rtol=1e-12, atol=1e-299)
 
@@ -293,29 +297,29 @@ def test_nodes_are_sorted_into_the_cells_of_their_own_box():
     )
     checked = np.array([True, True, True, True, True, False, True, True])
     boxes = np.array([[-1.0, -1, -1, 3, 1, 2], [4.0, 0, -3, 7, 5, 4]])
-    inside, wide = kernels.nodes_within.py_func(place, checked, (1, 7), boxes)
+    inside, wide = as_written(kernels.nodes_within, {})(place, checked, (1, 7), boxes)
     assert inside.tolist() == [1, 2, 3, 4]
     assert wide == pytest.approx((4 + 2 + 3 + 3 + 5 + 7) / 6.0, rel=1e-14)
-    order, begin, low, high, width, cells = kernels.grid.py_func(place, checked, (1, 7), boxes)
+    order, begin, low, high, width, cells = as_written(kernels.grid, {})(place, checked, (1, 7), boxes)
     assert (low.tolist(), high.tolist()) == ([0.0, 0.0, 0.0], [6.0, 4.0, 2.0])
     assert (cells.tolist(), width.tolist()) == ([2, 2, 1], [3.0, 2.0, 2.0])
     assert [order[begin[k] : begin[k + 1]].tolist() for k in range(4)] == [[1], [], [2], [3, 4]]
-    nobody = kernels.grid.py_func(place, checked, (5, 6), boxes)
+    nobody = as_written(kernels.grid, {})(place, checked, (5, 6), boxes)
     assert (nobody[0].size, nobody[1].tolist()) == (0, [0, 0])
-    assert kernels.cell_of.py_func(4.9, 1.0, 2.0, 9) == 1
-    assert kernels.cell_of.py_func(-4.9, 1.0, 2.0, 9) == 0
-    assert kernels.cell_of.py_func(40.9, 1.0, 2.0, 9) == 8
+    assert as_written(kernels.cell_of, {})(4.9, 1.0, 2.0, 9) == 1
+    assert as_written(kernels.cell_of, {})(-4.9, 1.0, 2.0, 9) == 0
+    assert as_written(kernels.cell_of, {})(40.9, 1.0, 2.0, 9) == 8
 
 
 def test_a_box_holds_its_face_and_its_reach():
     place = np.array([[0.0, 5, 2], [3.0, 5, 1], [3.0, 7, 2], [1.0, 6, 9], [2.5, 7.25, 0.6], [2.5, 7.35, 0.6]])
     faces = np.array([[1, 2, 3, 0], [0, 1, 2, 3]], np.int32)
-    boxes = kernels.face_boxes.py_func(place, faces, np.array([0.5, 0.3]))
+    boxes = as_written(kernels.face_boxes, {})(place, faces, np.array([0.5, 0.3]))
     np.testing.assert_allclose(boxes, [[-0.5, 4.5, 0.5, 3.5, 7.5, 9.5], [-0.3, 4.7, 0.7, 3.3, 7.3, 9.3]], atol=1e-15)
-    assert [kernels.in_box.py_func(place, n, boxes, 0) for n in (4, 5)] == [True, True]
-    assert [kernels.in_box.py_func(place, n, boxes, 1) for n in (4, 5)] == [False, False]
+    assert [as_written(kernels.in_box, {})(place, n, boxes, 0) for n in (4, 5)] == [True, True]
+    assert [as_written(kernels.in_box, {})(place, n, boxes, 1) for n in (4, 5)] == [False, False]
     boxes[1, 2] = 0.6
-    assert [kernels.in_box.py_func(place, n, boxes, 1) for n in (4, 5)] == [True, False]
+    assert [as_written(kernels.in_box, {})(place, n, boxes, 1) for n in (4, 5)] == [True, False]
 
 
 def test_nodes_that_may_meet_a_face_of_a_corner_ascend_and_count_once():
@@ -323,7 +327,7 @@ def test_nodes_that_may_meet_a_face_of_a_corner_ascend_and_count_once():
     faces = np.array([[0, 1, 2, 3], [2, 1, 4, 5]], np.int32)
     start, candidates = np.array([0, 2, 2, 3, 3, 3, 3]), np.array([0, 1, 1], np.int32)
     last = np.array([1, -1, 0, -1, 1, -1], np.int32)
-    begin, met = kernels.nodes_by_corner.py_func(faces, start, candidates, last)
+    begin, met = as_written(kernels.nodes_by_corner, {})(faces, start, candidates, last)
     expected = [[0, 2], [0, 2, 4], [0, 2, 4], [0, 2], [0, 2, 4], [0, 2, 4]]
     assert [met[begin[k] : begin[k + 1]].tolist() for k in range(6)] == expected
 
@@ -331,15 +335,15 @@ def test_nodes_that_may_meet_a_face_of_a_corner_ascend_and_count_once():
 def test_the_closest_of_four_edges_and_the_corner_that_a_point_is_at():
     """A trapezium in a plane aslant: places along its edges by hand, and the share of the middle's distance, a tenth."""
     a, b, c, d = (0.0, 0.0, 0.0), (4.0, 0.0, 2.0), (4.0, 2.0, 2.0), (0.0, 4.0, 0.0)
-    assert kernels.along.py_func((1.0, 3.0, 0.5), a, b) == (pytest.approx(-0.5), pytest.approx(9.0))
-    assert kernels.along.py_func((9.0, 3.0, 2.0), a, b) == (1.0, pytest.approx(25.0 + 9.0))
-    assert kernels.along.py_func((-1.0, 3.0, -2.0), a, b) == (-1.0, pytest.approx(14.0))
+    assert as_written(kernels.along, {})((1.0, 3.0, 0.5), a, b) == (pytest.approx(-0.5), pytest.approx(9.0))
+    assert as_written(kernels.along, {})((9.0, 3.0, 2.0), a, b) == (1.0, pytest.approx(25.0 + 9.0))
+    assert as_written(kernels.along, {})((-1.0, 3.0, -2.0), a, b) == (-1.0, pytest.approx(14.0))
     rims = {
         (1.0, -1.0, 0.5): (-0.5, -1.0, 1.0), (4.0, 0.5, 3.0): (1.0, -0.5, 1.0),
         (1.0, 5.5, 0.5): (-0.5, 1.0, 4.0 * 21.0 / 21.0), (-2.0, 1.0, 0.0): (-1.0, -0.5, 4.0),
     }  # fmt: skip
     for x, (xi, eta, square) in rims.items():
-        found = kernels.on_rim.py_func(x, a, b, c, d)
+        found = as_written(kernels.on_rim, {})(x, a, b, c, d)
         if x[1] < 5.0:
             assert found == (pytest.approx(xi), pytest.approx(eta), pytest.approx(square))
         else:  # the edge c-d: the foot by its own projection
@@ -350,4 +354,143 @@ def test_the_closest_of_four_edges_and_the_corner_that_a_point_is_at():
     for corner, place in zip((a, b, c, d), ((-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)), strict=True):
         for share, wanted in ((0.08, place), (0.095, (0.0, 0.0))):
             x = tuple(np.array(corner) + share * (middle - corner))  # as far from it as 0.087 or 0.105 of the way
-            assert kernels.first_guess.py_func(x, a, b, c, d) == wanted
+            assert as_written(kernels.first_guess, {})(x, a, b, c, d) == wanted
+
+
+# Single nodes and faces, by hand
+
+
+def three_squares(place, last=-1, candidates=(0, 1, 2), radius=9.0):
+    """Squares of 2 m in a row along x in the plane z = 0, and one node."""
+    corners = [[2.0 * i, 2.0 * j, 0.0] for i in range(4) for j in (0, 1)]
+    faces = np.array([[2 * k, 2 * k + 2, 2 * k + 3, 2 * k + 1] for k in range(3)])
+    nodal = SimpleNamespace(face=[-1] * 8 + [last], touches=[0] * 9, shape=np.zeros((9, 4)))
+    start = [0] * 9 + [len(candidates)]
+    return SimpleNamespace(
+        place=np.array([*corners, place]), faces=faces, size=[2.0] * 3, radius=[radius] * 3, nodal=nodal,
+        start=start, candidates=candidates, neighbours=[[-1, 1, -1, -1], [-1, 2, -1, 0], [-1, -1, -1, 1]],
+    )  # fmt: skip
+
+
+NEAREST = [
+    # over a common edge the first of the candidates is taken, or what was met last is kept
+    ((2.0, 0.5, 0.4), {}, (0, 1.0, -0.5, 0.4, False)),
+    ((2.0, 0.5, 0.4), {"candidates": (1, 0)}, (1, -1.0, -0.5, 0.4, False)),
+    ((2.0, 0.5, 0.4), {"last": 1}, (1, -1.0, -0.5, 0.4, False)),
+    # another takes the place of the last where it is closer, and only there
+    ((0.5, 1.5, -0.4), {"last": 2}, (0, -0.5, 0.5, 0.4, False)),
+    ((4.5, 1.5, 0.4), {"last": 2}, (2, -0.5, 0.5, 0.4, False)),
+    # of equally close ones that which the node is over, not one whose rim it is beyond by a hair
+    ((2.0 - 1e-7, 0.5, 0.4), {"last": 1}, (0, 1.0 - 1e-7, -0.5, 0.4, False)),
+    # beyond all rims: the closest point of the edges
+    ((-0.3, 0.5, 0.4), {}, (0, -1.0, -0.5, 0.5, True)),
+    ((3.0, 2.3, -0.4), {"last": 0}, (1, 0.0, 1.0, 0.5, True)),
+    ((6.3, 2.0, 0.4), {"last": 2, "candidates": (1,)}, (2, 1.0, 1.0, 0.5, True)),
+    # what was met last needs no candidate; without either there is none
+    ((5.0, 1.0, 0.1), {"last": 2, "candidates": ()}, (2, 0.0, 0.0, 0.1, False)),
+]
+
+
+@pytest.mark.parametrize(("place", "given", "found"), NEAREST)
+def test_the_nearest_face_of_a_node_over_a_row_of_squares(place, given, found):
+    face, xi, eta, distance, rim = as_written(contact_kernels.nearest_face, {})(three_squares(place, **given), 8)
+    assert (face, rim) == (found[0], found[4])
+    assert (xi, eta, distance) == pytest.approx(found[1:4], abs=1e-9)
+
+
+def test_a_face_whose_sphere_is_farther_than_the_closest_one_is_not_looked_at():
+    """Its middle is 3 m away: closer than 1.2 and 1.9 m together, farther than 1 and 1.9 m."""
+    far = as_written(contact_kernels.is_far, {})
+    square = [(x - 4.0, y + 1.0, 5.0) for x, y in ((-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0))]
+    assert not far(*square, 1.9, (-2.0, 2.0, 7.0), 1.2)
+    assert far(*square, 1.9, (-2.0, 2.0, 7.0), 1.0)
+    late = three_squares((4.2, 1.0, 0.5), last=0, radius=2.1)
+    assert as_written(contact_kernels.nearest_face, {})(late, 8)[0] == 2
+
+
+def test_where_a_node_touched_is_where_its_next_foot_is_sought():
+    shape = np.array([kernels.shape_functions(0.3, -0.6)] * 2)
+    met = as_written(contact_kernels.met_last, {})
+    nodal = SimpleNamespace(touches=[0, 1], shape=shape)
+    assert met(nodal, 0) == (0.0, 0.0)
+    assert met(nodal, 1) == pytest.approx((0.3, -0.6), abs=1e-15)
+
+
+def test_a_vector_points_inward_of_a_face_against_its_normal():
+    state, behind = three_squares((0.0, 0.0, 9.0)), as_written(contact_kernels.is_behind, {})
+    state.place[:, 2] = 0.5 * state.place[:, 0]  # the normal is (-1, 0, 2) / sqrt(5)
+    assert behind(state, 1, (1.0, 7.0, 0.4))
+    assert not behind(state, 1, (1.0, 7.0, 0.6))
+    assert not behind(state, 1, (2.0, -3.0, 1.0))  # within its plane
+    assert behind(state, 0, (0.0, 0.0, -0.004))
+    assert not behind(state, -1, (0.0, 0.0, -1.0))
+
+
+@pytest.mark.parametrize(
+    ("xi", "eta", "edges"),
+    [
+        (0.3, -0.2, ()),
+        (0.3, -1.0, (0,)),
+        (1.0, 0.4, (1,)),
+        (-0.9, 1.0, (2,)),
+        (-1.0, 0.0, (3,)),
+        (1.0, 1.0, (1, 2)),
+        (-1.0, -1.0, (0, 3)),
+    ],
+)
+def test_behind_an_edge_is_in_a_valley_where_it_is_behind_the_face_across(xi, eta, edges):
+    """For each way of having the faces across the four edges before or behind the vector."""
+    state, valley = three_squares((0.0, 0.0, 0.0)), as_written(contact_kernels.in_valley, {})
+    off = (-1.0, 0.0, -0.1)
+    for behind in range(16):
+        state.neighbours[1] = [0 if behind >> k & 1 else 2 for k in range(4)]
+        state.place[:8, 2] = [0.0, 0.0, -4.0, -4.0, 0.0, 0.0, 4.0, 4.0]
+        # the first falls along x, its normal is (2, 0, 1): behind; the third rises, its normal (-2, 0, 1): before
+        assert valley(state, 1, xi, eta, off) == all(behind >> k & 1 for k in edges)
+
+
+def test_offsets_of_gaps_by_hand():
+    """An overlap counts from where it was let out; of a depth below that a share is kept; who moves out takes it along."""
+    moved = as_written(touch_kernels.moved_offset, {})
+    assert moved(-0.1, -0.5, -0.3, 0.25) == pytest.approx(-0.25)
+    assert moved(-0.1, -0.5, -0.05, 0.25) == -0.1
+    assert moved(-0.3, -0.1, -0.3, 0.25) == -0.1
+    assert moved(-0.3, 0.2, -0.2, 0.25) == 0.0
+    depth = as_written(contact_kernels.depth_of, {})
+    for known, share, expected in ((1, 1.0, 0.4), (0, 1.0, 0.1), (1, 0.5, 0.1)):
+        nodal = SimpleNamespace(offset=[9.0, -0.1], known=[1 - known, known])
+        assert depth(nodal, 1, -0.5, -0.4, share, 1.0) == pytest.approx(expected)
+        assert nodal.offset == [9.0, pytest.approx(expected - 0.5)]
+
+
+def test_what_boundaries_leave_and_what_rubs_by_hand():
+    free = as_written(touch_kernels.free_fraction, {})
+    held = np.array([np.zeros((3, 3)), np.outer([0.6, 0.0, 0.8], [0.6, 0.0, 0.8]), 1.001 * np.eye(3)])
+    touch = SimpleNamespace(held=held)
+    assert free(touch, 0, (0.0, 1.0, 0.0)) == 1.0
+    assert free(touch, 1, (0.0, 0.6, 0.8)) == pytest.approx(1.0 - 0.64**2)
+    assert free(touch, 2, (1.0, 0.0, 0.0)) == 0.0
+    rub = as_written(touch_kernels.coulomb_force, {})
+    assert rub((3.0, 0.0, -4.0), 2.0, 20.0) == pytest.approx((-6.0, 0.0, 8.0))
+    assert rub((3.0, 0.0, -4.0), 2.0, 5.0) == pytest.approx((-3.0, 0.0, 4.0))
+    assert rub((0.003, 0.0, -0.004), 2.0, 5.0) == pytest.approx((-0.006, 0.0, 0.008))
+    assert rub((0.0, 0.0, 0.0), 2.0, 5.0) == (0.0, 0.0, 0.0)
+    assert as_written(touch_kernels.along, {})((0.0, -6.0, 8.0)) == pytest.approx((0.0, -0.6, 0.8))
+    assert as_written(touch_kernels.along, {})((0.0, 0.0, 0.0)) == (0.0, 0.0, 0.0)
+    kept = as_written(touch_kernels.kept_depth, {})
+    steps = SimpleNamespace(step=[0.0])
+    assert [kept(steps, dt) for dt in (4.0, 3.0, 3.0, 5.0)] == [1.0, 0.75, 1.0, 1.0]
+
+
+@pytest.mark.parametrize(("area", "expected"), [(0.5, 1.0 + 20.0), (100.0, 1.0 + 0.5)])
+def test_the_inverse_mass_of_a_node_against_a_face_by_hand(area, expected):
+    """Corners of 1/m = 5, 10, 20, 0 with shares 0.2, 0.1, 0.1, 0.6 and areas 6, 2, 1, 7; the node has a quarter of 4.
+
+    By area (0.2 5 6 + 0.1 10 2 + 0.1 20 1) / A, and at least 0.2^2 5 + 0.1^2 10 + 0.1^2 20.
+    """
+    held = np.zeros((5, 3, 3))
+    held[4] = np.outer([0.0, 0.0, 1.0], [0.0, 0.0, 1.0]) * 0.75
+    touch = SimpleNamespace(held=held, area=[6.0, 2.0, 1.0, 7.0, area])
+    state = SimpleNamespace(faces=[[0, 1, 2, 3]], inverse_mass=[5.0, 10.0, 20.0, 0.0, 4.0], touch=touch)
+    inverse = as_written(contact_kernels.relative_inverse_mass, {})(state, 4, 0, (0.2, 0.1, 0.1, 0.6), (0.0, 0.0, 1.0))
+    assert inverse == pytest.approx(expected)

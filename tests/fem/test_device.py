@@ -6,7 +6,6 @@ import itertools
 import os
 import subprocess
 import sys
-import types
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 from types import SimpleNamespace
@@ -46,6 +45,7 @@ from strikewave.fem.solids import Bilinear, Elastic, JohnsonCook, ZerilliArmstro
 from strikewave.fem.solve import Checkpoint, RunOptions, solve, solve_blows
 
 from .bodies import THIN_STEEL, rod_on_wall
+from .driven import as_written
 
 SAME = 1e-10
 """Of the largest value: sums of up to eight corners in another order, over some hundred steps."""
@@ -81,18 +81,9 @@ class AsWritten(Loop):
         self.written = {}
 
     def each(self, body, count, *arguments):
-        run = self.plain(body)
+        run = as_written(body, self.written)
         for i in range(count):
             run(i, *arguments)
-
-    def plain(self, kernel):
-        function = getattr(kernel, "py_func", None)
-        if function is None or kernel in self.written:
-            return self.written.get(kernel, kernel) if function else kernel
-        names = dict(function.__globals__)
-        self.written[kernel] = types.FunctionType(function.__code__, names, function.__name__, function.__defaults__)
-        names.update({name: self.plain(value) for name, value in names.items() if hasattr(value, "py_func")})
-        return self.written[kernel]
 
 
 def body(solid, full=()):
