@@ -167,3 +167,70 @@ def test_what_is_typed_is_told_up_to_four_numbers_with_the_weakest_status(tmp_pa
     for word in ("100 %", "0 %"):
         with pytest.raises(InputError):
             load_budget(word)
+
+
+def _contributions(tmp_path, *rows):
+    file = tmp_path / "budget.toml"
+    file.write_text(HEAD + "".join(f"[[contribution]]\n{row}\n" for row in rows))
+    return load_budget(str(file)).contributions
+
+
+def test_the_status_of_a_contribution_is_the_weakest_of_all_its_numbers(tmp_path):
+    """The order of a filter and a time constant have one too; what is no share of itself has a spread of 1."""
+    filter_, coupling, resonance, response = _contributions(
+        tmp_path,
+        'kind = "filter"\nvalue = "10 %"\ncutoff = "20 kHz"\norder = { value = 4, status = "indicative" }\ncoverage = 2',
+        'kind = "coupling"\ntime_constant = { value = "1 s", status = "indicative" }',
+        'kind = "resonance"\nfrequency = "40 kHz"\nquality = 30',
+        'kind = "response"\nbands = [["1 kHz", "1 %"], ["10 kHz", "5 %"]]\ndistribution = "triangular"',
+    )
+    assert [one.status for one in (filter_, coupling, resonance, response)] == [
+        "indicative",
+        "indicative",
+        "normative",
+        "normative",
+    ]
+    assert (filter_.typed, filter_.order, filter_.spread) == ("10 %, 20 kHz, 4, k = 2", 4.0, 0.05)
+    assert (coupling.typed, coupling.spread, coupling.relative) == ("1 s", 1.0, True)
+    assert (resonance.typed, resonance.spread, resonance.relative) == ("40 kHz, 30", 1.0, True)
+    assert response.typed == "1 kHz, 1 %, 10 kHz, 5 %"
+    shapes = [one.distribution for one in (filter_, coupling, resonance, response)]
+    assert shapes == ["normal", "rectangular", "rectangular", "triangular"]
+    assert [one.kind for one in (filter_, coupling)] == [one.name for one in (filter_, coupling)]
+
+
+@pytest.mark.parametrize(
+    ("row", "words"),
+    [
+        ('kind = "offset"\nvalue = "1.005e7 m/s^2"\ndistribution = "rectangular"', "value: got"),
+        ('kind = "clock"\nvalue = "100.5 %"\ndistribution = "rectangular"', "from 0 to 100 %"),
+        (
+            'kind = "response"\nbands = [["1 kHz", "1 %", "2 %"], ["2 kHz", "1 %"]]\ndistribution = "rectangular"',
+            "pairs of",
+        ),
+        ('kind = "response"\nbands = [1, 2]\ndistribution = "rectangular"', "pairs of"),
+        ('kind = "response"\nbands = "1 kHz"\ndistribution = "rectangular"', "pairs of"),
+        ('kind = "response"\nbands = [["1 kHz", "1 %"], ["1 kHz", "2 %"]]\ndistribution = "rectangular"', "upwards"),
+        ('kind = "clock"\nname = "noise and baseline"\nvalue = "1 %"\ndistribution = "rectangular"', "another name"),
+    ],
+)
+def test_numbers_beyond_their_limits_are_refused(row, words, tmp_path):
+    with pytest.raises(InputError) as error:
+        _contributions(tmp_path, row)
+    assert words in str(error.value)
+
+
+@pytest.mark.parametrize(("bands", "tables", "taken"), [(200, 100, True), (201, 1, False), (2, 101, False)])
+def test_a_budget_has_a_hundred_contributions_and_a_response_200_frequencies_at_most(bands, tables, taken, tmp_path):
+    pairs = ", ".join(f'["{k + 1} kHz", "1 %"]' for k in range(bands))
+    rows = [f'kind = "response"\nbands = [{pairs}]\ndistribution = "rectangular"']
+    rows += [f'kind = "clock"\nname = "c{k}"\nvalue = "1 %"\ncoverage = 2' for k in range(tables - 1)]
+    if taken:
+        assert len(_contributions(tmp_path, *rows)) == tables
+    else:
+        with pytest.raises(InputError, match=f"{bands} pairs" if bands > 200 else "101 tables"):
+            _contributions(tmp_path, *rows)
+
+
+def test_small_shares_are_taken():
+    assert load_budget("0.005 %").contributions[0].spread == pytest.approx(2.5e-5, rel=1e-12)

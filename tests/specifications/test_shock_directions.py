@@ -9,6 +9,7 @@ from strikewave.specifications.reading import ShockCount
 from strikewave.specifications.shock_directions import (
     CountedShock,
     check_directions,
+    cross_axis_fits,
     direction_clauses,
     direction_fits,
     read_direction,
@@ -87,3 +88,38 @@ def test_a_place_means_files_channels_or_both():
     for word, words in (("up*#acb=+x", "a channel of these files; did you mean"), ("uq.csv=+x", "a pattern that fits")):
         with pytest.raises(InputError, match=words):
             check_directions([read_direction(word)], files)
+
+
+def test_a_file_is_meant_by_its_name_its_path_or_a_pattern_of_either():
+    for place, path, fits in (
+        ("up[1].csv", "up[1].csv", True),  # a name that is no pattern of itself
+        ("a/*.csv", "a/up.csv", True),
+        ("a/*.csv", "b/up.csv", False),
+        ("u*", "a/up.csv", True),
+        ("*", "a/up.csv: measurement 2", True),
+        ("up.csv: measurement 3", "a/up.csv: measurement 2", False),
+    ):
+        assert direction_fits(place, path, {"1"}) == fits
+        assert cross_axis_fits(f"{place}#1", path, {"1"}) == fits
+    assert not cross_axis_fits("a/up.csv", "a/up.csv", {"1"})
+    assert not direction_fits("down*#1", "up.csv", {"1"})
+    assert not direction_fits("up*#2", "up.csv", {"1"})
+
+
+def test_a_misspelt_file_or_channel_is_told_the_nearest():
+    files = [("a/up.csv", [{"acc", "2"}, {"third", "3"}]), ("a/down.csv", [{"acc", "1"}])]
+    for word, words in (
+        ("up*#acb=+x", 'did you mean "acc"'),
+        ("ub.csv#2=+x", 'did you mean "up.csv"'),
+        ("ub.csv=+x", 'did you mean "up.csv"'),
+    ):
+        with pytest.raises(InputError, match=words):
+            check_directions([read_direction(word)], files)
+    check_directions([read_direction("up.csv#third=+x"), read_direction("#1=-x")], files)
+
+
+def test_three_files_without_a_direction_are_named():
+    some = shocks("+x", PASSED) + [one for name in "abcde" for one in shocks("", FAILED, f"{name}.csv")]
+    reason = direction_clauses(some, ["+x"], THREE)[-2].reason
+    assert reason.startswith("a.csv; b.csv; c.csv")
+    assert "d.csv" not in reason

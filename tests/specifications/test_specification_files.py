@@ -9,12 +9,13 @@ from strikewave.base.errors import InputError
 from strikewave.specifications.judging import STATUSES, Shock, judge_shock
 from strikewave.specifications.reading import (
     Specification,
+    asked_names,
     load_specification,
     parse_specification,
     read_built_in,
     specification_names,
 )
-from strikewave.specifications.tables import numbers_of
+from strikewave.specifications.tables import NumberReader, SpecificationTable, StatedNumber, numbers_of, standing
 
 from .specification_table import PAGE, page_with_tables
 
@@ -327,3 +328,136 @@ def test_the_last_that_a_file_may_hold_is_taken():
     assert specification(PULSE + '[width]\nlevel = "90 %"\ntolerance = "0 %"\n').pulse_limits().level == pytest.approx(
         0.9
     )
+
+
+@pytest.mark.parametrize(("size", "taken"), [(200_000, True), (200_001, False)])
+def test_a_file_of_200_kb_is_read_to_its_end(tmp_path, size, taken):
+    path = tmp_path / "own.toml"
+    path.write_text(HEAD + "#".ljust(size - len(HEAD + PULSE) - 1) + "\n" + PULSE)
+    assert path.stat().st_size == size
+    if taken:
+        assert load_specification(str(path)).pulse.duration == pytest.approx(0.011)
+    else:
+        with pytest.raises(InputError, match="200 kB"):
+            load_specification(str(path))
+
+
+def test_a_condition_changes_what_it_states_alone(tmp_path):
+    """Shape and velocity change of itself or of the file; the one of a file need not be named."""
+    rows = '[[condition]]\nname = "A"\nshape = "sawtooth"\n[[condition]]\nname = "B"\nvelocity_change = "2 m/s"\n'
+    text = PULSE + '[velocity_change]\ntolerance = "10 %"\n[count]\nper_direction = 300\n' + rows
+    first, second = (specification(text, k) for k in (0, 1))
+    assert [one.pulse.shape for one in (first, second, specification(PULSE))] == ["sawtooth", "half-sine", "half-sine"]
+    change = 50 * 9.80665 * 0.011 / 2.0
+    assert first.pulse_limits().velocity_change[:2] == pytest.approx((0.9 * change, 1.1 * change))
+    assert second.pulse_limits().velocity_change[:2] == pytest.approx((1.8, 2.2))
+    assert first.count().low == 300.0
+    (tmp_path / "one.toml").write_text(HEAD + PULSE + '[[condition]]\nname = "only"\ntitle = "the one"\n')
+    asked = load_specification(str(tmp_path / "one.toml"))
+    assert (asked.condition.name, asked.file_name) == ("only", "one-only")
+    assert asked.title == "t (one.toml), the one"
+    with pytest.raises(InputError, match=r"such as .*one\.toml:only"):
+        load_specification(f"{tmp_path / 'one.toml'}:other")
+
+
+def test_a_file_of_one_s_own_is_called_by_what_it_was_made_from(tmp_path):
+    name = next(one for one in specification_names() if len(read_built_in(one)[0].condition) > 1)
+    file, text = read_built_in(name)
+    path = tmp_path / "mine.toml"
+    first = file.condition[0].name
+
+    def title(changed):
+        path.write_text(changed)
+        return load_specification(f"{path}:{first}").title
+
+    assert title(text).startswith(f"mine.toml, made from {file.title}, without changes")
+    assert f"made from {file.title}, with changes" in title(text + '\n[repetition]\nhigh = "77 Hz"\n')
+    more = '\n[[condition]]\nname = "own"\npeak = "77 g"\nduration = "7 ms"\n'
+    assert f"made from {file.title}, with changes" in title(text + more)
+    path.write_text(HEAD + PULSE)
+    assert load_specification(str(path)).title == "t (mine.toml)"
+
+
+def test_names_that_can_be_asked_for_have_their_conditions():
+    names = asked_names()
+    assert {"mil-std-810h-srs", "mil-std-810h:ground", "un-38-3-t4:cell"} <= set(names)
+    assert "un-38-3-t4" not in names
+    with pytest.raises(InputError) as raised:
+        load_specification("mil-std-810h:ground").spectrum_limits()
+    choice = str(raised.value).partition("choose from: ")[2].split(", ")
+    assert choice == [one for one in specification_names() if read_built_in(one)[0].srs is not None]
+    with pytest.raises(InputError, match=r"spec new FILE\.toml --from mil-std-810h-srs, and add them"):
+        load_specification("mil-std-810h-srs").spectrum_limits()
+
+
+def test_a_misspelt_condition_is_named_and_another_severity_is_no_misspelt_one():
+    with pytest.raises(InputError) as raised:
+        load_specification("jesd22-b110:Z9")
+    assert "choose from: " in str(raised.value)
+    assert "strikewave spec new my-spec.toml --from jesd22-b110" in str(raised.value)
+    with pytest.raises(InputError) as raised:
+        load_specification("jesd22-b110")
+    assert "a condition, such as jesd22-b110:" in str(raised.value)
+    assert "spec new" not in str(raised.value)
+
+
+@pytest.mark.parametrize(
+    ("reader", "example"),
+    [
+        (NumberReader("%"), '"20 %"'),
+        (NumberReader("dB"), '"-6 dB"'),
+        (NumberReader("s"), '"200 us"'),
+        (NumberReader("count", 1, 20), "1"),
+        (NumberReader("", 2.5, 9.0), "2.5"),
+    ],
+)
+def test_an_example_of_a_number_is_one_of_its_kind(reader, example):
+    assert reader.example() == example
+    assert reader.read(example.strip('"') if '"' in example else float(example)).si is not None
+
+
+def test_a_number_has_its_own_source_and_the_status_of_its_table():
+    table = SpecificationTable(status="quoted", source="t")
+    file = SpecificationTable(status="indicative", source="f")
+    bare, own = StatedNumber(si=1.0, typed=1.0), StatedNumber(si=1.0, typed=1.0, source="n")
+    sure = StatedNumber(si=1.0, typed=1.0, status="normative", source="n")
+    assert [standing(one, table, file) for one in (bare, own, sure)] == [
+        ("quoted", "t"),
+        ("quoted", "n"),
+        ("normative", "n"),
+    ]
+    nothing = SpecificationTable()
+    assert standing(bare, nothing, file) == ("indicative", "f")
+    assert standing(bare, nothing, SpecificationTable(status="indicative")) == ("indicative", "from memory")
+
+
+@pytest.mark.parametrize(
+    ("text", "words", "hint"),
+    [
+        (PULSE + "[peak]\ntolerance = true\n", "peak.tolerance", False),
+        (PULSE + "[peak]\ntolerance = 5\n", "peak.tolerance", True),
+        (SRS.replace('"6 dB"', "6"), "srs.tolerance.0.high", False),
+        (PULSE + '[peak]\ntolerance = ["0.5 %", "1 %"]\n', "from -100 to 0 %", False),
+        (PULSE + '[peak]\ntolerance = ["-100.5 %", "1 %"]\n', "from -100 to 0 %", False),
+        (PULSE.replace('"50 g"', '{ value = "50 g", source = "x", sauce = "y" }'), 'did you mean "source"', False),
+        (PULSE.replace('"50 g"', '{ status = "indicative" }'), "the number itself", False),
+    ],
+)
+def test_a_wrong_number_is_told_its_sign_where_one_is_missing(text, words, hint):
+    with pytest.raises(InputError) as raised:
+        parse_specification(HEAD + text, "t")
+    assert words in str(raised.value)
+    assert ("write " in str(raised.value)) == hint
+
+
+@pytest.mark.parametrize(("count", "taken"), [(200, True), (201, False)])
+def test_a_file_has_200_conditions_and_1000_breakpoints_at_most(count, taken):
+    rows = "".join(f'[[condition]]\nname = "c{k}"\n' for k in range(count))
+    points = ", ".join(f'["{k + 1} Hz", "1 g"]' for k in range(1000 if taken else 1001))
+    texts = (PULSE + rows, SRS.replace('["10 Hz", "1 g"], ["100 Hz", "10 g"]', points))
+    for text, words in zip(texts, ("201 tables", "1001 pairs"), strict=True):
+        if taken:
+            assert parse_specification(HEAD + text, "t")
+        else:
+            with pytest.raises(InputError, match=words):
+                parse_specification(HEAD + text, "t")
