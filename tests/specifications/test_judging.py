@@ -680,3 +680,13 @@ def test_a_share_that_is_just_met_passes_and_a_hundredth_of_a_decibel_is_told():
     assert share_of([1.0, 1.25 * 10.0 ** (-0.005 / 20.0)]).reason == ""
     clause = share_of([3.0, 0.8 * 10.0 ** (-20.0 / 20.0)])
     assert clause.reason == "20 dB below the tolerance at 40\xa0Hz"
+
+
+def test_each_value_of_a_spectrum_has_its_own_uncertainty_and_limits():
+    """1.2 of at most 1.25 is moved out by a half and not by nothing; what has no tolerance is nowhere outside."""
+    for doubt, verdict in (([0.0, 0.5], "cannot-tell"), ([0.2, 0.0], "pass")):
+        assert share_of([1.0, 1.2], np.array(doubt), "guarded").verdict == verdict
+    upper = replace(ONE_BAND, bands=(ONE_BAND.bands[0]._replace(first=30.0),))
+    clause = share_of([9.0, 1.1], limits=upper)
+    assert (clause.value, clause.reason) == (1.0, "")
+    assert SPECTRUM.grid().size == 81  # two decades are 6.64 octaves of twelve

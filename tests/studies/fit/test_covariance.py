@@ -184,6 +184,7 @@ def test_a_direction_that_one_shot_alone_informs_has_no_scatter():
     residuals = np.array([1.0, -1.0, 0.0])
     found = scatter_of_shots(residuals, design, np.eye(2), blocks)
     assert found.covariance[0, 0] == pytest.approx(1e-4, rel=1e-9)  # of the two others: s^2/2
+    assert found.freedom[1] == pytest.approx(1.0)
     whole = estimate(np.zeros(2), residuals, design, blocks)
     assert whole.covariance[1, 1] >= np.linalg.inv(design.T @ design)[1, 1] * (1.0 - 1e-9)
 
@@ -441,3 +442,17 @@ def test_a_shot_that_alone_tells_a_value_pushes_nothing():
         scatter_of_shots(np.array([1.0, -1.0, last]), design, np.eye(2), blocks).covariance for last in (0.0, 500.0)
     ]
     assert found[0] == pytest.approx(found[1], abs=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("one", "other", "above"),
+    [
+        ((4.0, 4e-17), (1.0, 9.0), (4.0, 0.0)),  # a direction that is known to nothing, by rounding
+        ((4e6, 1e-11), (1.0, 9.0), (4e6, 0.0)),
+        ((4.0, 4e-10), (1.0, 8e-10), (4.0, 8e-10)),
+        ((4.0, 4e-10), (9.0, 1e-10), (9.0, 4e-10)),
+        ((4e-9, 4e-9), (1e-9, 9e-9), (4e-9, 9e-9)),
+    ],
+)
+def test_a_covariance_above_two_keeps_the_directions_of_the_first(one, other, above):
+    assert np.diag(larger(np.diag(one), np.diag(other))) == pytest.approx(above, rel=1e-6, abs=1e-30)

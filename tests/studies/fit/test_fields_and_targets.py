@@ -257,6 +257,9 @@ def test_a_scatter_is_stated_once(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     with pytest.raises(InputError, match="a share above 0"):
         parse_target("a.csv +- 2 % +- 3 %", DROP)
+    with pytest.raises(InputError, match="a share above 0"):
+        read_number(DROP, Target("first.width", "1 ms +- 2 % +- 3 %", is_number=True))
+    assert read_number(DROP, Target("first.width", "10 ms", is_number=True)).value == 0.01
 
 
 @pytest.mark.parametrize(("count", "words"), [(201, "201 records"), (200, "stopped here")])
