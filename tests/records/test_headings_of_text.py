@@ -139,6 +139,32 @@ def test_settings_are_told_from_heads(line, filled, expected):
     assert headings._setting(line, COMMAS, range(filled)) is expected
 
 
+@pytest.mark.parametrize(
+    ("lines", "names", "units"),
+    [
+        (["t,bar,top", "x,0.5,1"], ["t", "bar", "top"], ["", "", ""]),
+        (["t,bar,top", "what,g,N"], ["t", "bar", "top"], ["what", "g", "N"]),
+        (["what,g,N"], ["what", "g", "N"], ["what", "g", "N"]),
+        (["5,t,bar", "6,t [ms],bar [V]"], ["5", "t", "bar"], ["", "ms", "V"]),
+        (["# ,t,bar"], ["", "t", "bar"], ["", "", ""]),
+        (["# what,s,mV"], ["", "", ""], ["what", "s", "mV"]),
+        (["# note,bar [g],top [V]"], ["note", "bar", "top"], ["", "g", "V"]),
+    ],
+)
+def test_columns_of_words_tell_nothing_of_a_head(lines, names, units):
+    """Of three columns the last two hold numbers."""
+    assert head(lines, width=3, filled=[1, 2]) == (names, units)
+
+
+def test_heads_that_may_be_cut_or_read_in_two_ways():
+    assert head(["t,5,x", "time,b,c"], width=3) == (["time", "b", "c"], ["", "", ""])
+    assert head(["t [ms],bar_g"]) == (["t", "bar_g"], ["ms", ""])
+    assert head(["a b,c [g];t"]) == (["a b,c", "t"], ["g", ""])  # the way with most units
+    assert head(["# t"]) == (["", ""], ["", ""])
+    assert head(["t,bar", "s,(" + "x" * 29 + ")"]) == (["t", "bar"], ["s", "x" * 29])
+    assert headings._whole(['"a",b', "c,d"]) == ['"a",b', "c,d"]
+
+
 def test_headings_of_more_letters_than_a_line_are_not_joined():
     short, long = '"' + "a" * 198, '"' + "a" * 199
     assert headings._whole([short, 'b",c']) == [short + ' b",c']
@@ -198,7 +224,9 @@ def test_the_step_is_from_end_to_end_within_a_tenth_of_jitter():
     stamps = 7.0 + 2.0 * np.arange(11.0)
     stamps[4] += 0.19
     assert step_of(stamps, 0.0) == 2.0
-    stamps[10] += 0.4  # end to end 2.04
+    stamps[10] += 0.1
+    assert step_of(stamps, 0.0) == pytest.approx(2.01, rel=1e-12)  # end to end, and not the median
+    stamps[10] += 0.3  # end to end 2.04
     assert step_of(stamps, 0.0) == 2.0  # the median: more than a tenth of the step astray
     assert step_of(np.array([1.0, 4.0]), 0.0) == 3.0
     assert math.isnan(step_of(np.array([1.0]), 0.0))

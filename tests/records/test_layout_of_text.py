@@ -98,6 +98,8 @@ def test_lines_in_quotes_as_a_whole_are_taken_off_them():
     assert not layout._are_quoted(['"a,b"', '"2,5"', '"3,5"'])  # a head above them
     assert layout._are_quoted(['"2,5"', '"3,5"', '"a,b"'])
     assert not layout._are_quoted(['"a b"', '"c d"', '"e f"'])
+    assert layout._are_quoted(['"a,"', '"b,"', '"c,"'])
+    assert not layout._are_quoted(['"1,a;2'] * 3)
 
 
 # Columns
@@ -181,6 +183,7 @@ def test_settings_beside_the_data_are_counted_from_their_first_line(laid):
     rows[1], rows[2] = "1,1", "2,2,t0"
     assert laid("t,a\n" + "\n".join(rows) + "\n")[1].beside == 0  # not together
     assert layout._settings_beside(look._replace(head=look.head[:5]), found.marks, 2, 1) == 0  # half of the lines
+    assert layout._settings_beside(look._replace(head=look.head[:6]), found.marks, 2, 1) == 3
 
 
 def test_lines_of_words_are_left_out_where_one_in_five_is_of_numbers(laid):
@@ -209,6 +212,8 @@ def test_long_lines_are_judged_by_fewer_of_them(laid, monkeypatch, least):
         ("t,a,b\n,1,2\n1,2,3\n2,3,4\n", 2),
         ("t,a,b\n# 0,1,2\n1,2,3\n2,3,4\n", 2),
         ("0,1,2\n1,2,3\n2,3,4\n", 0),
+        ("0,over,2\n1,2,3\n2,3,4\n", 0),
+        ("t,a\n1,\n,2\n3,\n,4\n", 1),  # no line has a number in every column
     ],
 )
 def test_the_first_line_of_the_data_may_lack_numbers_like_those_over_the_range(laid, content, first):
@@ -250,6 +255,13 @@ def test_settings_with_a_number_for_each_channel_are_above_the_data(laid):
     assert messages(found)[-1].endswith("samples: length")
 
 
+def test_settings_end_where_a_line_has_a_number_and_no_name(laid):
+    assert laid(SETTINGS + "\n" + BODY)[1].first == 4
+    assert laid(SETTINGS + ",0,over\n" + "foo,3,4\n" + BODY)[1].first == 4
+    _, found = laid("name,bar,top\nt0,2,3\n" + BODY)
+    assert (found.first, messages(found)[-1]) == (2, "settings above the data are no samples: t0")
+
+
 def test_names_that_come_again_are_no_settings(laid):
     """Lines may begin with the name of their channel; what stands once above them is a setting."""
     body = "".join(f"{'bar' if k % 2 else 'top'},{k},{k * k}\n" for k in range(50))
@@ -279,7 +291,7 @@ def test_settings_are_looked_for_in_forty_lines(laid, count, first):
         ("1,20\n2,30\n3,40\n4", True), ("1,20\n2,30\n3,40\n4,", True), ("1,20\n2,30\n3,40\n4\n", True),
         ("1,20\n2,30\n3,40\n4,\n", False), ("1,20\n2,\n3,40\n4,", False), ("1,20\n2,30\n3,40\n4,50", False),
         ("1,20\n2", False), ("1,20\n2,30\n3", True), ("1,20\n2,30\n3,40\n# 4", False),
-        ("1,20\n2,30\n# 3,4\n4", True),
+        ("1,20\n2,30\n# 3,4\n4", True), ("1,20\n# 3,4\n2,30\n4", True), ("1,2,\n3,4\n3,4\n5,\n", False),
     ],
 )  # fmt: skip
 def test_a_last_line_without_all_columns_is_cut(laid, content, cut):
@@ -305,6 +317,10 @@ def test_a_line_that_lacks_what_others_lacked_ten_lines_ago_is_cut(laid):
 def test_a_last_number_with_fewer_digits_is_cut(laid, above, last, cut):
     """Eight numbers of as many digits above it, or fifty of any, make it known."""
     assert is_cut(*laid("".join(f"{k},{cell}\n" for k, cell in enumerate(above)) + f"{len(above)},{last}")) is cut
+
+
+def test_a_number_that_a_mark_ends_is_whole(laid):
+    assert not is_cut(*laid("".join(f"{k},1.25,\n" for k in range(9)) + "9,1.2,"))
 
 
 def test_the_end_of_a_large_file_is_judged_by_its_own_lines(written, monkeypatch):
