@@ -362,3 +362,41 @@ def test_more_names_of_channels_than_two_to_sixty_four_are_refused(read):
         read(long(count=15))
     assert len(read(long(count=16)).channels) == 2
     assert len(read(long(names=("A",), count=40)).channels) == 1
+
+
+@pytest.mark.parametrize("order", [(0, 1, 2), (2, 1, 0), (1, 2, 0), (2, 0, 1)])
+@pytest.mark.parametrize(("label", "names"), [("Channel", ("A", "B")), ("Sensor No", ("4", "6")), ("Shot", ("4", "6"))])
+def test_columns_of_a_long_table_may_stand_in_any_order(read, order, label, names):
+    """Time in ms from 2 s on; words, numbers of sensors, and of shots."""
+    head = [label, "time [ms]", "value [g]"]
+    rows = [[name, f"{2000 + 500 * k}", f"{(1 + j) * k}.5"] for k in range(20) for j, name in enumerate(names)]
+    if label == "Shot":
+        rows = rows[::2] + rows[1::2]
+    record = read("".join(",".join(row[k] for k in order) + "\n" for row in [head, *rows]))
+    channels = [one.channels[0] for one in (record, *record.further)] if label == "Shot" else record.channels
+    assert [(c.unit, c.step, c.start, c.values[:3].tolist()) for c in channels] == [
+        ("g", 0.5, 2.0, [0.5, 1.5, 2.5]), ("g", 0.5, 2.0, [0.5, 2.5, 4.5]),
+    ]  # fmt: skip
+    assert "column-dropped" not in codes(record)
+
+
+def test_a_column_of_units_stands_beside_the_channels(read):
+    rows = [f"{0.5 * k},{'Nm' if j else 'g'},{'top' if j else 'bar'},{k + j}" for k in range(20) for j in range(2)]
+    record = read("time,unit,Channel,value\n" + "\n".join(rows) + "\n")
+    assert [(c.name, c.unit, c.values[1], c.step) for c in record.channels] == [
+        ("bar", "g", 1.0, 0.5),
+        ("top", "Nm", 2.0, 0.5),
+    ]
+
+
+def test_time_without_a_name_is_the_first_column_that_rises_in_each_channel(read):
+    """A value that rises too stands behind it; one that rises in one channel alone is none."""
+    rows = [f"{'AB'[j]},{k if j else 3 * k % 7},{2 + 0.5 * k},{4 * k}" for k in range(20) for j in range(2)]
+    record = read("\n".join(rows) + "\n")
+    assert [(c.step, c.start) for c in record.channels] == [(0.5, 2.0)] * 4
+    assert [c.values[:3].tolist() for c in record.channels] == [
+        [0.0, 3.0, 6.0],
+        [0.0, 4.0, 8.0],
+        [0.0, 1.0, 2.0],
+        [0.0, 4.0, 8.0],
+    ]
