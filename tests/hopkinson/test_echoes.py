@@ -444,6 +444,11 @@ def test_passes_are_found_by_correlation_near_to_where_they_are_expected():
     # nine tenths of the largest echo make a round trip, less does not
     late = trace_of((100, 1.0), (250, -0.6), (500, 0.85), (900, 0.97))
     assert _places(late, EXPECTED, "towards").around == 800.0
+    # a pulse that falls at once from its top, to less than a quarter
+    cut = trace_of((100, 1.0), (250, -0.6), (380, -0.9), (500, 0.95), (900, 0.9))
+    for place in (100, 250, 380, 500, 900):
+        cut.trace.strain[place + 21 : place + 71] = 0.0
+    assert _places(cut, EXPECTED, "towards") == pytest.approx((FOOT, 150.0, 400.0), rel=1e-12)
     # a later pulse of twice the height: half of it is reached by the first one still, on its plateau
     strong = trace_of((100, 1.0), (250, -0.6), (500, 1.9), (900, 1.9))
     assert _places(strong, EXPECTED, "towards").foot == pytest.approx(FOOT, rel=1e-12)
