@@ -146,3 +146,17 @@ def test_edges_of_what_a_bar_can_be_are_taken():
                 Specimen(**{"length": 1.0, "area": 1.0, key: value})
     assert Specimen(1e-6, 1e-6, 1e-3, 1e-3).mass == pytest.approx(1e-15)
     assert elastic(modulus=1e-3, speed=1e-2).density == pytest.approx(10.0, rel=1e-14)
+
+
+def test_one_of_density_modulus_and_speed_is_not_enough_and_each_is_above_zero():
+    """8000 kg/m^3, 5000 m/s and 200 GPa belong together: nothing is off where two are given."""
+    all_three = {"density": 8e3, "modulus": 2e11, "speed": 5e3}
+    for one in all_three:
+        left = {name: value for name, value in all_three.items() if name != one}
+        assert (elastic(**left).derived, elastic(**left).mismatch) == (one, 0.0)
+        with pytest.raises(ValueError, match="two of density, modulus and speed"):
+            elastic(**{one: 1.0})
+        for bad in (0.0, -1.0, math.inf, math.nan):
+            with pytest.raises(ValueError, match=f"{one} must be above zero and finite"):
+                elastic(**{**all_three, one: bad})
+    assert elastic(8e3, 2.1e11, 5e3).mismatch == pytest.approx(0.05, rel=1e-12)
