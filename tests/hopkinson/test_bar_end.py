@@ -211,10 +211,14 @@ def test_a_reading_is_moved_between_samples_by_a_cubic_and_is_zero_before_its_be
     assert _moved(cubes, 0.0) == pytest.approx(cubes, abs=1e-12)
 
 
-def test_a_delay_lies_at_the_vertex_of_three_correlations():
-    """A reference of one sample: the reading is its own correlation, 3, 8, 7 about sample 5; vertex 1/3 later."""
+@pytest.mark.parametrize(("place", "top"), [(2, 5), (11, 1), (0, 10)])
+def test_a_delay_lies_at_the_vertex_of_three_correlations(place, top):
+    """A reference of one sample: the reading is its own correlation, 3, 8, 7 about its top; vertex 1/3 later.
+
+    The second and the last but one of all correlations have neighbours too.
+    """
     one, reading = np.zeros(12), np.zeros(12)
-    one[2], reading[4:7] = 1.0, [3.0, 8.0, 7.0]
-    vertex = 5.0 + 0.5 * (3.0 - 7.0) / (3.0 - 16.0 + 7.0)
-    assert compare_sensor(reading, one, 0.5).delay == pytest.approx(0.5 * (vertex - 2.0), rel=1e-12)
-    assert compare_sensor(-reading, one, 0.5).delay == pytest.approx(0.5 * (vertex - 2.0), rel=1e-12)
+    one[place], reading[top - 1 : top + 2] = 1.0, [3.0, 8.0, 7.0]
+    vertex = top + 0.5 * (3.0 - 7.0) / (3.0 - 16.0 + 7.0)
+    for sign in (1.0, -1.0):
+        assert compare_sensor(sign * reading, one, 0.5).delay == pytest.approx(0.5 * (vertex - place), rel=1e-12)
