@@ -594,6 +594,42 @@ def test_slow_bodies_stay_together_with_their_momentum():
     assert floor.momentum_error < 1e-12
 
 
+@pytest.mark.parametrize("drift", [0.0, 5.0])
+@pytest.mark.parametrize("mirrored", [False, True])
+def test_all_that_touch_slow_bodies_and_are_as_slow_go_with_them(mirrored, drift):
+    """A body of 1 kg at 4e-9 m/s comes to 3, 2 and 2 kg in touch: an eighth of it for all; what leaves them does not."""
+    slow = 4e-9
+
+    def ended(masses, gaps, speeds, **options):
+        speeds = [v + drift for v in speeds]
+        if mirrored:
+            masses, gaps, speeds = masses[::-1], gaps[::-1], [-v for v in speeds[::-1]]
+        found = collide(line(masses, 0.5, gaps, speeds), duration=0.9, **options).final_speeds
+        return (-found[::-1] if mirrored else found) - drift
+
+    found = ended((1.0, 1.0, 3.0, 2.0, 2.0), (1.0, 1e-9, 0.0, 0.0), (-10.0, slow, 0.0, 0.0, 0.0))
+    # of 5 m/s the last digit is 1e-15
+    assert found == pytest.approx([-10.0, *[slow / 8.0] * 4], abs=3e-15)
+    found = ended((3.0, 1.0, 2.0, 5.0), (1.0, 0.0, 0.0), (-10.0, slow, 0.0, 6.0), most=1)
+    assert found == pytest.approx([-10.0, slow / 3.0, slow / 3.0, 6.0], abs=3e-15)
+
+
+@pytest.mark.parametrize("masses", [(0.1, 0.3), (0.7, 1.1), (1.3, 0.9)])
+def test_bodies_that_stick_have_one_speed_to_the_last_digit(masses):
+    for speeds in ((0.1, -0.3), (1.7, 0.9), (3.3, -1.1)):
+        (met,) = collide(line(masses, 0.0, (0.1,), speeds)).collisions
+        assert met.after[0] == met.after[1]
+        assert met.after[0] == pytest.approx(np.dot(masses, speeds) / sum(masses), rel=1e-14)
+    (met,) = collide(line((2.0, INF), 0.0, (0.1,), (3.3, 0.0))).collisions
+    assert met.after == (0.0, 0.0)
+
+
+def test_body_that_leaves_its_ceiling_is_no_third_one():
+    run = collide(line((1.0, 2.0, INF), 1.0, (0.8, 0.0), (4.0, 0.0, 0.0), TEN), most=1)
+    (met,) = run.collisions
+    assert (met.time, met.pair, met.at_once) == (pytest.approx(0.2), 0, False)
+
+
 def test_collisions_may_be_followed_one_by_one():
     start = line((INF, 1.0), 1.0, (1.25,), (0.0, 0.0), TEN)
     one = collide(start, most=1)
