@@ -569,8 +569,8 @@ def test_slow_bodies_stay_together_with_their_momentum():
         assert run.final_speeds[:2] == pytest.approx([common] * 2, rel=1e-12)
         assert run.final_speeds[2] == pytest.approx(common if joins else 0.0, rel=1e-12)
         assert run.words[0].startswith("ever smaller bounces bring to rest on a neighbour: body 2; those below 1e-09")
-    above = collide(line((1.0, 3.0, 2.0, 1.0), 0.5, (1e-9, 0.1, 1.0), (2e-8, 0.0, 0.0, 10.0)), duration=2.0)
-    assert above.final_speeds[:2] == pytest.approx([2e-8 * (1.0 - 1.5 * 0.75), 2e-8 * 1.5 * 0.25], rel=1e-9)
+    above = collide(line((1.0, 3.0, 2.0, 1.0), 0.5, (1e-9, 0.1, 1.0), (1.5e-8, 0.0, 0.0, 10.0)), duration=2.0)
+    assert above.final_speeds[:2] == pytest.approx([1.5e-8 * (1.0 - 1.5 * 0.75), 1.5e-8 * 1.5 * 0.25], rel=1e-9)
     # one that comes to a wall is stopped by it
     wall = collide(
         line(
@@ -612,6 +612,12 @@ def test_all_that_touch_slow_bodies_and_are_as_slow_go_with_them(mirrored, drift
     assert found == pytest.approx([-10.0, *[slow / 8.0] * 4], abs=3e-15)
     found = ended((3.0, 1.0, 2.0, 5.0), (1.0, 0.0, 0.0), (-10.0, slow, 0.0, 6.0), most=1)
     assert found == pytest.approx([-10.0, slow / 3.0, slow / 3.0, 6.0], abs=3e-15)
+
+
+@pytest.mark.parametrize(("later", "at_once"), [(0.5e-12, True), (1.5e-12, False)])
+def test_collisions_are_at_once_to_a_millionth_of_a_millionth_of_their_time(later, at_once):
+    run = collide(line((1.0, 1.0, 1.0), 0.5, (0.1, 0.3 * (1.0 + later)), (1.0, 0.0, -3.0)), most=1)
+    assert run.collisions[0].at_once == at_once
 
 
 @pytest.mark.parametrize("masses", [(0.1, 0.3), (0.7, 1.1), (1.3, 0.9)])
