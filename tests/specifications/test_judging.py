@@ -690,3 +690,9 @@ def test_each_value_of_a_spectrum_has_its_own_uncertainty_and_limits():
     clause = share_of([9.0, 1.1], limits=upper)
     assert (clause.value, clause.reason) == (1.0, "")
     assert SPECTRUM.grid().size == 81  # two decades are 6.64 octaves of twelve
+
+
+def test_what_a_spectrum_loses_before_it_gains_is_seen():
+    """Of two values one leaves at a tenth of the uncertainty, the other comes in at three tenths: between them none is in."""
+    clause = share_of([1.25 / 1.1**0.1, 0.8 / 1.1**0.3], 0.1, "guarded")
+    assert (clause.value, clause.uncertainty) == (0.5, 0.5)

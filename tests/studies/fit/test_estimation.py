@@ -553,3 +553,11 @@ def test_slopes_are_none_at_a_bound_where_no_place_beside_it_runs_and_a_misfit_b
     found = Estimate(best, np.zeros(2), slopes, covariance, np.zeros((2, 0)), np.full(2, 1.96))
     search = Search(lambda place: slopes @ (place - best), 2)
     assert not is_quadratic(search, found, 0)  # along the first the other goes to -0.03
+
+
+@pytest.mark.parametrize("scale", [1e-6, 1e6])
+def test_the_colour_of_noise_is_that_whatever_its_unit(scale):
+    noise = coloured(np.random.default_rng(3), 0.8, 300)
+    found = autocorrelation(noise)
+    assert found.size > 5
+    assert autocorrelation(scale * noise + 7.0 * scale) == pytest.approx(found, abs=1e-9)

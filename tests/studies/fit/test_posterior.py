@@ -2,6 +2,7 @@
 
 import json
 import sys
+from types import SimpleNamespace
 from xml.etree import ElementTree
 
 import numpy as np
@@ -228,3 +229,15 @@ def test_chains_keep_within_bounds_and_where_the_model_runs(monkeypatch):
     assert told[-1] == (posterior.runs, 0.0)
     assert len(told) == 1 + 1 + 2 * 75 or len(told) > 75
     assert 0.3 < posterior.accepted < 0.9
+
+
+def test_chains_are_looked_at_every_25_steps(monkeypatch):
+    looked = []
+
+    def sampled(sampler, runs, stopped):
+        looked.append(sampler.iteration)
+        return SimpleNamespace(too_short=len(looked) < 2)
+
+    monkeypatch.setattr("strikewave.studies.fit.posterior._sampled", sampled)
+    sample(residuals, linear())
+    assert looked == [25, 50, 50]
