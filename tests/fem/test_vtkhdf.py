@@ -26,17 +26,26 @@ def frames(mesh):
     return synthetic.frames(mesh, 5)
 
 
-@pytest.fixture(scope="module")
-def whole(tmp_path_factory, mesh, frames):
-    path = tmp_path_factory.mktemp("fields") / "fields.vtkhdf"
+def write(path, mesh, frames):
     with FieldWriter(path, mesh) as writer:
         for frame in frames:
             writer.add(frame)
-    return path.read_bytes()
+    return path
 
 
 @pytest.fixture
-def written(tmp_path, whole):
+def written(tmp_path, mesh, frames):
+    return write(tmp_path / "fields.vtkhdf", mesh, frames)
+
+
+@pytest.fixture(scope="module")
+def whole(tmp_path_factory, mesh, frames):
+    return write(tmp_path_factory.mktemp("fields") / "fields.vtkhdf", mesh, frames).read_bytes()
+
+
+@pytest.fixture
+def copied(tmp_path, whole):
+    """A file that was written once, for tests that spoil it."""
     path = tmp_path / "fields.vtkhdf"
     path.write_bytes(whole)
     return path
@@ -295,15 +304,15 @@ def _has_fewer_rows(file, elsewhere):
         _has_no_steps,
     ],
 )
-def test_a_hostile_file_is_refused(written, tmp_path, mesh, harm):
+def test_a_hostile_file_is_refused(copied, tmp_path, mesh, harm):
     with h5py.File(tmp_path / "elsewhere.h5", "w") as file:
         file["secret"] = np.zeros((5 * len(mesh.hexahedra), 6))
-    with h5py.File(written, "r+") as file:
+    with h5py.File(copied, "r+") as file:
         harm(file, tmp_path / "elsewhere.h5")
     with pytest.raises(InputError, match="fields as strikewave writes them"):
-        list(stored_frames(written))
+        list(stored_frames(copied))
     with pytest.raises(InputError, match="fields as strikewave writes them"):
-        FieldWriter.restored(written, mesh, before=1.0)
+        FieldWriter.restored(copied, mesh, before=1.0)
 
 
 def test_a_file_of_random_bytes_is_refused(tmp_path, rng):
