@@ -14,6 +14,8 @@ from strikewave.records.readers import Options, excel, hdf, ide, mat, mdf, netcd
 from strikewave.records.readers.common import ArrayColumn
 from strikewave.records.readers.settings import PICO
 
+from .samples import uff_set
+
 NAN = math.nan
 
 
@@ -717,6 +719,37 @@ def test_classic_netcdf_has_scales_grids_and_scalars(tmp_path, own):
     assert shown(netcdf.read(tmp_path / "a.nc", Options())) == expected
     assert netcdf.sniff(b"CDF\x02")
     assert not netcdf.sniff(b"CDF\x05")
+
+
+# What a file claims
+
+
+def test_readers_claim_the_bytes_that_a_file_promises(tmp_path, monkeypatch, hdf_file):
+    claimed = []
+    for module in (tdms, ide, hdf, mat):
+        monkeypatch.setattr(module, "guard", lambda path, size, compressed=True: claimed.append((size, compressed)))
+    nptdms = pytest.importorskip("nptdms")
+    with nptdms.TdmsWriter(str(tmp_path / "a.tdms")) as file:
+        file.write_segment(
+            [nptdms.ChannelObject("g", "a", np.arange(9.0)), nptdms.ChannelObject("g", "b", np.arange(7, dtype="i2"))]
+        )
+    tdms.parse(tmp_path / "a.tdms", Options())
+    assert claimed == [(72, False), (14, False)]
+    claimed.clear()
+    hdf_file.create_dataset("a", data=np.zeros((5, 6), "f4"), chunks=(2, 3))
+    hdf._columns(tmp_path, "", "a", hdf_file["a"])
+    assert claimed == [(24.0, True)]
+
+
+def test_more_arrays_than_the_most_of_other_formats_are_refused(tmp_path, monkeypatch):
+    import pyuff
+
+    pyuff.UFF(str(tmp_path / "a.uff")).write_sets([uff_set(0, label="a"), uff_set(0, label="b")], "overwrite")
+    monkeypatch.setattr(uff, "MOST_ARRAYS", 2)
+    assert [c.name for c in uff.read(tmp_path / "a.uff", Options()).channels] == ["a", "b"]
+    monkeypatch.setattr(uff, "MOST_ARRAYS", 1)
+    with pytest.raises(InputError, match="it has 2 data sets"):
+        uff.read(tmp_path / "a.uff", Options())
 
 
 # Parquet

@@ -5,6 +5,7 @@ import math
 import numpy as np
 import pytest
 
+from strikewave.base.errors import InputError
 from strikewave.records.budget import blows, contributions, propagation, spectra
 from strikewave.records.budget.blows import BlowUncertainty, BudgetLine, FigureUncertainty, ReadOff
 from strikewave.records.budget.contributions import (
@@ -354,6 +355,49 @@ def test_noise_stands_in_place_of_what_the_record_does_not_tell():
     assert [one.name for one in found.quantities] == ["instants of sampling", "d", "peak", "width", "velocity_change"]
     two = blows._Inputs((), (("a", np.array([3.0, NAN, 0.0])), ("b", np.array([4.0, 2.0, 0.0]))), np.zeros(3, bool))
     assert [one.spread for one in two.quantities] == [5.0, 2.0, 0.0]
+
+
+def test_the_largest_blow_of_each_channel_is_checked_and_the_others_are_like_it(monkeypatch):
+    from types import SimpleNamespace
+
+    from strikewave.records import budgeted
+    from strikewave.records.calibration import Calibration
+    from strikewave.records.reading import ChannelReading, FileReading
+
+    done = []
+
+    class Found(SimpleNamespace):
+        def alike(self, checked):
+            return ("alike", self.peak, checked.peak)
+
+    def uncertainty(channel, pulse, budget, trials=False):
+        done.append((pulse.peak, trials))
+        return Found(peak=pulse.peak)
+
+    monkeypatch.setattr(budgeted, "blow_uncertainty", uncertainty)
+
+    def file_of(number, *peaks, unit="m/s^2"):
+        pulses = tuple(SimpleNamespace(peak=peak) for peak in peaks)
+        return FileReading(
+            "f", "text", (ChannelReading(Channel("a", np.zeros(3), 1.0, unit=unit), number, pulses, (), Calibration()),)
+        )
+
+    files = [file_of(1, 3.0, -7.0, 5.0), file_of(1, 6.0), file_of(2, 1.0), file_of(1)]
+    found = [one.channels[0].uncertainties for one in budgeted.with_budget(files, of_share(0.05))]
+    assert found[0][0] == ("alike", 3.0, -7.0)
+    assert (found[0][1].peak, found[0][2], found[1][0], found[2][0].peak, found[3]) == (
+        -7.0,
+        ("alike", 5.0, -7.0),
+        ("alike", 6.0, -7.0),
+        1.0,
+        (),
+    )
+    assert [one for one in done if one[1]] == [(-7.0, True), (1.0, True)]
+    amount = Budget((Contribution("offset", "zero", 3.0, relative=False),))
+    budgeted.check_amounts(amount, files[0].channels[0])
+    budgeted.check_amounts(of_share(0.05), file_of(1, 1.0, unit="N").channels[0])
+    with pytest.raises(InputError, match="zero states an acceleration"):
+        budgeted.check_amounts(amount, file_of(1, 1.0, unit="N").channels[0])
 
 
 # Spectra
