@@ -125,6 +125,23 @@ def test_a_wave_in_one_channel_makes_its_delay_uncertain():
     assert two_sensors._copied(window._replace(cutoff=math.inf), STEP).delay_doubt < wave_alone
 
 
+def test_what_half_of_the_band_says_otherwise_is_not_known(monkeypatch):
+    """Beyond its own uncertainty, and as a rectangle: of 2 with 1, sqrt(3 / 3); of 1 with a half, sqrt(0.75 / 3)."""
+    copies = {
+        100.0: two_sensors.Copy(5.0, 3.0, 2.0, 4.0, 0.9, True),
+        50.0: two_sensors.Copy(3.0, 1.0, 1.0, 0.5, 0.8, False),
+    }
+    monkeypatch.setattr(two_sensors, "_band", lambda window, step: 100.0)
+    monkeypatch.setattr(two_sensors, "_copied_below", lambda window, step, cutoff: copies[cutoff])
+    found = two_sensors._copied(Window(np.zeros(3), np.zeros(3), (0.0, 0.0)), STEP)
+    assert found == two_sensors.Copy(
+        5.0, pytest.approx(math.hypot(3.0, 1.0)), 2.0, pytest.approx(math.hypot(4.0, 0.5)), 0.9, True
+    )
+    copies[50.0] = two_sensors.Copy(4.0, 1.1, 2.0, 0.5, 0.8, False)
+    found = two_sensors._copied(Window(np.zeros(3), np.zeros(3), (0.0, 0.0)), STEP)
+    assert (found.delay_doubt, found.gain_doubt) == (3.0, 4.0)
+
+
 def half_sine(size, begin, length, height):
     u = (np.arange(size) - begin) / length
     return np.where((u > 0.0) & (u < 1.0), height * np.sin(np.pi * np.clip(u, 0.0, 1.0)), 0.0)
