@@ -18,8 +18,7 @@ def test_a_result_that_holds_an_input_of_the_new_one_stays(strikewave, force):
         assert (code, Path("blow/history.csv").read_bytes()) == (2, before), err
 
 
-@pytest.mark.parametrize("name", ["impact", "spec", "deck"])
-@pytest.mark.parametrize("what", ["added", "changed"])
+@pytest.mark.parametrize(("name", "what"), [("impact", "added"), ("spec", "changed"), ("deck", "changed")])
 def test_files_of_the_user_in_a_result_survive_each_command(strikewave, name, what):
     """Under a name that results have, and in a table of the result itself; forced or not."""
     write_inputs(strikewave)

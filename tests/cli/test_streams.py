@@ -24,6 +24,7 @@ def test_a_full_disk_under_stdout_is_one_line(environment):
     assert done.stderr == "the system refused what was to be printed or written: No space left on device\n"
 
 
+@pytest.mark.verify
 @pytest.mark.skipif(not Path("/dev/full").exists(), reason="a disk without room, of Linux")
 def test_a_full_disk_under_stderr_costs_words_and_no_result(environment, tmp_path):
     command = "strikewave impact --m1 0.2 --m2 0.4 --speed 20 -e 0.5 --stiffness 1e9 --exponent 1.5"

@@ -114,7 +114,7 @@ def test_two_records_of_one_name_do_not_share_a_folder_in_silence(strikewave):
     Path("monday/shot.csv").write_text("time (s),accel (g)\n" + "\n".join(lines) + "\n")
     shutil.copy("monday/shot.csv", "tuesday/shot.csv")
     for command in ("record", "srs"):
-        for place, code in (("monday", 0), ("tuesday", 2), ("monday", 0)):
+        for place, code in (("monday", 0), ("tuesday", 2)):
             assert strikewave(command, f"{place}/shot.csv")[0] == code
         assert strikewave(command, "monday/shot.csv", "--filter", "10 kHz")[0] == 0
         assert len([one for one in os.listdir("out") if one.startswith(command)]) == 2  # what is filtered stands apart

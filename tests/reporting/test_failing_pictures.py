@@ -26,9 +26,12 @@ def raising(error):
 
 
 @pytest.mark.parametrize(
-    ("planted", "lost", "stays"), [(SHEET, "impact.svg", "report.html"), (PAGE, "report.html", "impact.svg")]
+    ("planted", "lost", "stays", "error"),
+    [
+        (SHEET, "impact.svg", "report.html", ZeroDivisionError("division by zero")),
+        (PAGE, "report.html", "impact.svg", InputError("view", "nothing left", "some")),
+    ],
 )
-@pytest.mark.parametrize("error", [ZeroDivisionError("division by zero"), InputError("view", "nothing left", "some")])
 def test_a_picture_that_fails_is_named_and_the_rest_is_written(strikewave, monkeypatch, planted, lost, stays, error):
     code, whole, _ = strikewave("impact", *IMPACT, "--out", "whole", "--json")
     assert code == 0

@@ -41,9 +41,8 @@ def lossy(loss, folder):
     return load_case(str(path), LOSSES[loss])
 
 
-@pytest.mark.parametrize(
-    "loss", ["felt", *(pytest.param(loss, marks=pytest.mark.verify) for loss in LOSSES if loss != "felt")]
-)
+@pytest.mark.verify
+@pytest.mark.parametrize("loss", LOSSES)
 def test_a_cushion_with_a_loss_of_its_own_has_a_band(loss, tmp_path):
     solution = run_case(lossy(loss, tmp_path), band=True)
     assert solution.band_method.failed == 0

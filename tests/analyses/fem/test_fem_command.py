@@ -200,6 +200,7 @@ def test_histories_are_the_same_in_every_file(bars, tmp_path):
     assert read == pytest.approx(bars.run.parts["bar"].acceleration[:, 2], rel=1e-8)  # nine digits are written
 
 
+@pytest.mark.verify
 def test_fem_writes_a_whole_result_that_runs_again(strikewave, small):
     code, out, err = strikewave("fem", small, "--out", "f")
     assert code == 0

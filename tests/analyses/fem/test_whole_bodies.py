@@ -277,6 +277,7 @@ def test_what_is_meshed_has_names_of_its_own(solved, sector, pieces):
     assert set(solution.units()) >= {key for key in document if key.startswith("model_") and key != "model_energy"}
 
 
+@pytest.mark.verify
 def test_histories_kept_before_forces_were_of_whole_bodies_are_refused_where_a_sector_is_meshed(solved, tmp_path):
     from strikewave import InputError, compare
 

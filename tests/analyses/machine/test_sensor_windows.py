@@ -64,6 +64,7 @@ def test_a_resonant_filtered_sensor_reads_a_slow_pulse_whatever_records_it(recor
     assert np.isfinite(solution.arrays["pulse_acceleration"].values[0][-1])
 
 
+@pytest.mark.verify
 def test_rigid_pulse_and_reading_of_a_slow_blow_agree_when_compared():
     solution = run_case(with_sensors("iec-60068-2-27-rubber", accel=FILTERED))
     found = compare((solution, "rigid"), (solution, "accel"))

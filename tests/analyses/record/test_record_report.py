@@ -127,6 +127,7 @@ def test_sixteen_files_stay_small(page):
     assert len(page.encode()) < LARGEST
 
 
+@pytest.mark.verify
 def test_summary_says_means_with_bounds_and_what_is_bad(files, page):
     campaign = summed(files)
     peak = campaign.statistics["peak"]

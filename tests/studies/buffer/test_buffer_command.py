@@ -175,6 +175,7 @@ def test_a_record_at_the_mounting_surface(strikewave, shot):
     assert {"record-bandwidth"} <= {w["code"] for w in found["warnings"]}
 
 
+@pytest.mark.verify
 def test_a_record_has_one_peak_width_and_velocity_change_whatever_reads_it(strikewave, tmp_path):
     """The largest sample of a noisy record stands above its peak by about two standard deviations of the noise."""
     time = np.arange(0.0, 6e-3, 2e-6)

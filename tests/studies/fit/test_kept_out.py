@@ -9,6 +9,7 @@ from strikewave.studies.simulation import Simulation
 CASE = load_case("jesd22-b111-b")
 
 
+@pytest.mark.verify
 def test_a_stated_scatter_of_a_record_that_is_kept_out_widens_the_bands_of_its_amplitude(tmp_path):
     """By 1.96 times 2 % of peak and velocity change, in squares; a width has none of it."""
     history = Simulation(CASE).history("").history

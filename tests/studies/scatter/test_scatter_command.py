@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 from strikewave import load_case
+from strikewave.base.errors import StrikewaveError
 from strikewave.cases.case import parse_case
 from strikewave.cases.written_case import dump_case
 from strikewave.studies.scatter.figures import scatter_picture
@@ -142,11 +143,11 @@ def test_no_more_processes_than_cores(strikewave, monkeypatch):
 
     def note(case, plan, report, store, pool):
         asked.append(plan.workers)
-        return scatter(case, ScatterPlan(plan.runs, plan.seed, plan.shares), report, store, pool)
+        raise StrikewaveError("enough is known")
 
     monkeypatch.setattr("os.cpu_count", lambda: 3)
     monkeypatch.setattr("strikewave.studies.scatter.screen.scatter", note)
-    assert strikewave(*QUICK, *TWO, "--shares", "none", "--workers", "64", "--json")[0] == 0
+    assert strikewave(*QUICK, *TWO, "--shares", "none", "--workers", "64", "--json")[0] == 2
     assert asked == [3]
 
 
