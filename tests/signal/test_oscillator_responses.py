@@ -171,6 +171,8 @@ def test_the_largest_sum_of_squares_is_found_between_samples_and_blocks(split, t
     axes = np.sqrt(0.36 * squares), np.sqrt(0.64 * squares)
     blocks = [tuple(axis[part] for axis in axes) for part in (slice(0, split), slice(split, None))]
     assert largest_sum(blocks) == pytest.approx([3.0, 2.0], rel=1e-12)
+    every = [tuple(axis[begin : begin + split] for axis in axes) for begin in range(0, 14, split)]
+    assert largest_sum(every) == pytest.approx([3.0, 2.0], rel=1e-12)
     assert largest_sum([tuple(axis[:2] for axis in axes)]) == pytest.approx([np.sqrt(squares[1, 0]), 2.0], rel=1e-12)
     assert largest_sum([tuple(axis[7::-1] for axis in axes)]) == pytest.approx(
         [3.0 if top < 7.0 else np.sqrt(squares[7, 0]), 2.0], rel=1e-12
