@@ -127,7 +127,9 @@ def motion_of(edges, place, rate, acceleration):
     return record
 
 
-@pytest.mark.parametrize("edges", [(0.0, 1.7), (0.0, 1.2, 1.9), (0.0, 0.2, 0.5, 1.6), (0.0, 0.9, 1.04, 1.5)])
+@pytest.mark.parametrize(
+    "edges", [(0.0, 1.7), (0.0, 1.2, 1.9), (0.0, 0.2, 0.5, 1.6), (0.0, 0.9, 1.04, 1.5), (0.0, 0.995, 2.0)]
+)
 @pytest.mark.parametrize("bend", [1.7, -0.25])
 def test_largest_force_and_indentation_of_a_cubic_are_found_where_its_rate_is_zero(kernels, monkeypatch, edges, bend):
     """d = 2 t - 1.3 t^2 - b t^3 and F = 9 d: t from the quadratic; whichever step holds it, or begins highest."""
