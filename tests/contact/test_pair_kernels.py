@@ -77,6 +77,11 @@ def test_what_a_pair_is_taught_worked_by_hand(kernels):
     assert of.horizon(system, 0.0, back, mode, sunk) == pytest.approx(0.7 * 0.38 / 4, rel=1e-14)
     of.switches(system, 0.0, back, mode, sunk, g)
     assert g == pytest.approx([0.38, 0.0, 1.0], abs=1e-15)
+    # 40 (1.25 d - 0.25 x 0.6)^2/1.25 and the same hysteresis
+    of.derivatives(system, 0.0, y, mode, sunk, dy)
+    of.forces(system, 0.0, y, mode, sunk, out)
+    left = 40.0 * 0.475**2 / 1.25 * 1.75
+    assert [dy[1], out[0]] == pytest.approx([-left / 5.0, left], rel=1e-14)
     capped = PairSystem(single(CAPPED), 5.0, 0.001)
     of.switches(capped, 0.0, y, np.array([YIELDING]), memory, g)
     assert list(g) == [1.0, 1.0, 3.0]
@@ -155,8 +160,10 @@ def test_largest_force_and_indentation_of_a_cubic_are_found_where_its_rate_is_ze
     # flat at its top: the square of the error of the time
     assert at == pytest.approx(turn, rel=1e-5)
     x = 0.3
-    expected = 9.0 * place(edges[0] + x * (edges[1] - edges[0]))
-    assert kernels._force_within(system, record, 0, x, y) == pytest.approx(expected, rel=1e-13)
+    deep = place(edges[0] + x * (edges[1] - edges[0]))
+    assert kernels._force_within(system, record, 0, x, y) == pytest.approx(9.0 * deep, rel=1e-13)
+    record.memory[0] = [1.0, 0.1, 1.25]
+    assert kernels._force_within(system, record, 0, x, y) == pytest.approx(9.0 * (deep - 0.02), rel=1e-13)
 
 
 def test_largest_force_at_an_end_of_a_step_is_that_of_the_end(kernels):
@@ -268,6 +275,26 @@ def test_each_of_several_laws_has_depths_and_energies_of_its_own(kernels):
     assert out[:2] == pytest.approx(expected, rel=1e-13)
 
 
+def test_several_blows_on_spots_that_have_yielded_are_each_that_of_its_own(kernels):
+    """Two laws, masses, speeds and depths, in one call and one by one, to the bit; slowly pressed too."""
+    laws = np.array([single(CAPPED), single(Contact(2e6, 1.5, cap=PressureCap(50.0, "point")))])
+    numbers = np.array([0.3, 2.0]), np.array([5.0, 0.2]), np.array([0.0, 0.004])
+    out, alone, record = np.empty((7, 2)), np.empty((7, 1)), empty_record(200, 2, 1, 3)
+    kernels.impacts(laws, *numbers, 1e-8, record, out)
+    for i in range(2):
+        kernels.impacts(laws[i : i + 1], *(one[i : i + 1] for one in numbers), 1e-8, record, alone)
+        assert list(alone[:, 0]) == list(out[:, i])
+    # the first yields, the second is elastic on what it has
+    assert out[6] == pytest.approx([out[1, 0], 0.004], rel=1e-9)
+    assert out[0, 0] < 0.99
+    assert out[0, 1] == pytest.approx(1.0, rel=1e-6)
+    d, deepest, forces, force = np.array([0.01, 0.0035]), np.array([0.02, 0.004]), np.empty(2), np.empty(1)
+    kernels.slow_forces(laws, d, deepest, forces)
+    for i in range(2):
+        kernels.slow_forces(laws[i : i + 1], d[i : i + 1], deepest[i : i + 1], force)
+        assert forces[i] == force[0] > 0.0
+
+
 def test_several_spots_each_have_their_own_slope_and_set(kernels):
     laws = np.array([single(CAPPED), single(Contact(2e6, 1.5, cap=PressureCap(50.0, "point")))])
     deep, d, left, flat, slope = np.array([0.02, 0.004]), np.array([0.019, 0.0035]), *np.empty((3, 2))
@@ -281,9 +308,9 @@ def test_several_spots_each_have_their_own_slope_and_set(kernels):
 
 @pytest.mark.parametrize(("damped", "share"), [(False, 0.01), (True, 0.002)])
 def test_a_blow_is_alike_in_units_of_any_size_and_begins_with_a_hundredth_of_its_way(kernels, damped, share):
-    """3 kg on 2e-7 N/m, or 2e5; the first step is 0.01 d/v, a fifth of that with a damper."""
+    """3 kg on 2e-12 N/m, or 2e5; the first step is 0.01 d/v, a fifth of that with a damper."""
     answers = []
-    for stiffness in (2e-7, 2e5):
+    for stiffness in (2e-12, 2e5):
         w, record, out = math.sqrt(stiffness / 3.0), empty_record(100, 2, 1, 3), np.empty((7, 1))
         law = single(Contact(stiffness, 1.0, damper=Damper(0.3 * w, 0.0) if damped else None))
         kernels.impacts(law[None], np.array([3.0]), np.array([0.7]), np.zeros(1), 1e-8, record, out)
