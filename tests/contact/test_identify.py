@@ -45,7 +45,9 @@ from strikewave.contact.pulse_fit import (
     _moments,
     _start,
     derivatives,
+    minima,
     near,
+    solve,
 )
 
 STEP = 0.5e-6
@@ -838,3 +840,35 @@ def test_times_of_a_fit_are_those_of_the_record_whatever_its_begin():
     assert found.measured == pytest.approx(PULSE.force(found.time - start), abs=2e-4 * PULSE.peak)
     assert found.values["exponent"] == (1.5, None, True)
     assert not found.begin.given
+
+
+@pytest.mark.parametrize(("n", "e"), [(1.2, 0.95), (2.2, 0.12), (1.5, 1.0)])
+def test_a_pulse_of_some_fifty_samples_comes_back_whichever_minimum_is_its_own(n, e):
+    """Near the elastic limit, at it, and of the low restitutions that look like high ones: exact, to what fits end at."""
+    t = 2e-6 * np.arange(150)
+    made = ForcePulse(9e-5, 2e4, 50e-6, n, e)
+    fits = minima(PulseFitProblem(cut_out(t, made.force(t)), {}))
+    assert len(fits) == 2
+    assert fits[0].deviation <= fits[1].deviation
+    assert fits[0].deviation < 1e-9
+    found = fits[0].problem.pulse(fits[0].unknown)
+    for name in FREE:
+        assert getattr(found, name) == pytest.approx(getattr(made, name), rel=1e-6)
+    assert fits[0].elastic == (e == 1.0)
+    # restitution given: one minimum, and none at the limit
+    known = minima(PulseFitProblem(fits[0].problem.record, {"restitution": e}))
+    assert len(known) == 1
+    assert not known[0].elastic
+    assert known[0].deviation < 1e-9
+    assert known[0].unknown.size == 4
+
+
+def test_an_elastic_limit_is_taken_only_where_it_fits_as_well():
+    """e = 0.995: the limit is off by some thousandths of the peak, and is not taken."""
+    t = 2e-6 * np.arange(150)
+    made = ForcePulse(9e-5, 2e4, 50e-6, 1.3, 0.995)
+    problem = PulseFitProblem(cut_out(t, made.force(t)), {})
+    fit = solve(problem, problem.unknowns(ForcePulse(8.9e-5, 1.9e4, 51e-6, 1.35, 0.98)))
+    assert not fit.elastic
+    assert problem.pulse(fit.unknown).restitution == pytest.approx(0.995, abs=1e-6)
+    assert fit.jacobian == pytest.approx(derivatives(problem.misfit, fit.unknown, np.full(5, 9e9)), abs=1e-4)
