@@ -559,8 +559,15 @@ def test_measurements_are_numbered_from_one(tmp_path):
     assert {record.findings[0].value for record in found} == {3.0}
     assert read_measurements(tmp_path / "a.csv", Options(measurement=3))[0].path == found[2].path
     for wrong in (0, 4):
-        with pytest.raises(InputError, match="a number from 1 to 3"):
+        with pytest.raises(InputError, match="it holds 3 measurements"):
             read_measurements(tmp_path / "a.csv", Options(measurement=wrong))
+
+
+def test_a_file_of_one_measurement_has_no_second(tmp_path):
+    (tmp_path / "a.csv").write_text("time,a\n" + "".join(f"{k},{k * k}\n" for k in range(20)))
+    assert read_measurements(tmp_path / "a.csv", Options(measurement=1))[0].path == str(tmp_path / "a.csv")
+    with pytest.raises(InputError, match="it holds one measurement"):
+        read_measurements(tmp_path / "a.csv", Options(measurement=2))
 
 
 # The child process

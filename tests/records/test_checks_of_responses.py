@@ -111,6 +111,9 @@ def test_what_a_level_moves_of_figures():
     assert one.moved_by(0.05)["delay"] == 0.0
     silent = record(values, response(duration=0.0, rms=0.0))
     assert (silent.moved_by(1.0)["duration"], silent.moved_by(1.0)["rms"]) == (0.0, 0.0)
+    assert (
+        record(values, response(duration=0.0, rms=2.0)).moved_by(1.0)["rms"] == 0.5 * (0.5 / 2.0) ** 2
+    )  # white noise adds its square
     assert examined._above(np.array([0.0, 3.0, 1.0, 2.0, 0.0]), 1.0) == (1, 3)
     assert examined._above(np.zeros(3), 1.0) == (0, 0)
 

@@ -188,6 +188,15 @@ def test_units_of_time_have_their_seconds(unit, seconds):
     assert to_seconds(np.array([20.0]), "what").tolist() == [20.0]
 
 
+@pytest.mark.parametrize("seconds", [3e-3, 0.7, 0.3, 1.005, 0.995, 1e-5, 7.5e-4])
+def test_a_unit_of_time_that_is_stated_may_be_any(seconds):
+    """3 ms are no 333rd of a second, and 0.7 s not a whole one; 10 us are its hundred-thousandth to the last bit."""
+    assert to_seconds(np.array([20.0, 3.0]), "", seconds).tolist() == pytest.approx(
+        [20.0 * seconds, 3.0 * seconds], rel=1e-15
+    )
+    assert to_seconds(np.array([7.0]), "us")[0] == 7e-6
+
+
 @pytest.mark.parametrize(
     ("cells", "digit"),
     [

@@ -303,6 +303,7 @@ def test_statistics_of_files_by_hand():
     assert campaign.statistic([2.0, 4.0], [3, 3]).high == campaign.statistic([2.0, 4.0]).high
     assert campaign._vangel(0.1, 5.0, 4) == pytest.approx(0.1 / math.sqrt((7.0 / 4.0 - 1.0) * 0.01 + 5.0 / 3.0))
     assert campaign._vangel(5.0, 0.01, 9) == math.inf
+    assert campaign._vangel(0.1, 0.05, 6) == pytest.approx(0.1 / math.sqrt((2.05 / 6.0 - 1.0) * 0.01 + 0.01))
     assert math.isnan(campaign._vangel(math.inf, 5.0, 4))
 
 

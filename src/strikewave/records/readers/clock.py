@@ -78,14 +78,15 @@ def seconds_in(unit: str) -> float | None:
 
 
 def to_seconds(values: Array, unit: str, stated: float | None = None) -> Array:
-    """Bring times to seconds, in place; by a divisor, so that 20 us are 2e-05 s and not a digit less.
+    """Bring times to seconds, in place; by a whole divisor, so that 20 us are 2e-05 s and not a digit less.
 
-    Seconds of the unit that are stated overrule the unit.
+    Seconds of the unit that are stated overrule the unit; a divisor that is not whole, such as that of 3 ms, is none.
     """
     factor = stated or seconds_in(unit) or 1.0
-    if factor < 1.0:
-        values /= round(1.0 / factor)
-    elif factor > 1.0:
+    parts = round(1.0 / factor)
+    if parts and 1.0 / parts == factor:
+        values /= parts
+    else:
         values *= factor
     return values
 
