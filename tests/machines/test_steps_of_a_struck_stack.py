@@ -479,7 +479,11 @@ def test_switches_of_the_machine_are_listed_as_they_come():
     (system, y, mode, memory), at = alone()
     g, switches = np.zeros(at.switches), np.zeros((2, 2))
     y[at.motor_speed] = 75.0  # 19 N m and the drag: within the limits
+    place_bases(system, 0.7, y, mode, memory)
+    mode[at.on_face] = 0, 1, 1  # the first one is at the edge: it touches nothing here, and is no matter
     assert switch_machine(system, 0.7, y, mode, memory, g, switches, 0) == 0
+    assert mode[at.on_face].tolist() == [0, 1, 1]
+    assert g[at.own_switches][at.edges][0] < 0.0
     memory[at.feed_start], mode[at.feed] = 0.7 - 0.0312, FEEDING
     y[at.angle] = memory[at.next_apex] + 1e-9
     assert switch_machine(system, 0.71, y, mode, memory, g, switches, 0) == 2
