@@ -261,6 +261,13 @@ def test_a_split_states_what_its_filter_does(noise):
     lost = 0.5 * (split.loss * split.peak) ** 2 * split.width / STEP
     assert split.wave_energy == pytest.approx((np.sum(wave**2) - lost) / np.sum(values[2000:] ** 2))
     assert split.signed(-1.0) == split._replace(peak=-split.peak)
+    small = split_bands(
+        Stretch(1e-9 * values, STEP, 2000, 2400, 374.5, pulse._replace(peak=1e-9 * PEAK), 1e-9 * noise), 14.8e3
+    )
+    assert small.peak == pytest.approx(1e-9 * split.peak)
+    assert small.peak_uncertainty == pytest.approx(1e-9 * split.peak_uncertainty)
+    assert (small.cutoff, small.wave_energy) == pytest.approx((split.cutoff, split.wave_energy))
+    assert split_bands(Stretch(-values, STEP, 2000, 2400, 374.5, pulse, noise), 14.8e3) is None
 
 
 @pytest.mark.parametrize(("doubt", "separable"), [(9.9, True), (10.1, False)])

@@ -146,6 +146,8 @@ def test_the_memory_of_neighbours():
     assert baseline._alike(np.array([1.0, -1.0])) == 0.0
     assert baseline._alike(np.ones(99)) == 0.9
     assert baseline._alike(np.zeros(3)) == 0.0
+    assert baseline._alike(1e-6 * np.array([1.0, 1.0, -1.0, -1.0])) == pytest.approx(0.25)
+    assert alike_as_one(1e-6 * np.array([1.0, 1.0, -1.0, -1.0])) == pytest.approx(1.25 / 0.75)
     assert alike_as_one(np.array([1.0, 1.0, -1.0, -1.0])) == pytest.approx(1.25 / 0.75)
     assert alike_as_one(np.ones(99)) == pytest.approx(19.0)
     assert alike_as_one(np.zeros(3)) == alike_as_one(np.array([1.0, -1.0])) == 1.0

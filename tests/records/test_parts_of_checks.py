@@ -659,6 +659,7 @@ def test_hum_with_its_harmonic_is_found_exactly(frequency):
     """Half of what it spans; a mean over three samples takes sin(3 x) / (3 sin x) of a line, x = pi f / rate."""
     values = 5.0 + hum(frequency, 2.0, 900, 0.5)
     assert hum_of(values) == (frequency, pytest.approx(0.5 * np.ptp(values), rel=1e-9))
+    assert hum_of(1e-9 * values)[1] == pytest.approx(0.5e-9 * np.ptp(values), rel=1e-6)
     x = math.pi * frequency / (3.0 * RATE)
     fine = hum_of(hum(frequency, 2.0, 2700, rate=3.0 * RATE), step=1.0 / (3.0 * RATE))
     whole = np.max(np.abs(hum(frequency, 2.0, 2700, rate=3.0 * RATE)[1::3])) / 2.0

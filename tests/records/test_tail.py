@@ -255,3 +255,20 @@ def test_the_last_third_of_a_tail():
     at_rest = model_of(bounced(1.0, 0.0)._replace(level=level))
     assert (at_rest.kind, at_rest.level, at_rest.level_error) == ("motion", mean, error)  # six errors are 2.0
     assert model_of(bounced(1.0, 0.0)._replace(level=level + 0.1)).kind == "shift"
+
+
+@pytest.mark.parametrize("constant", [2e-3, 10e-3])
+def test_what_a_tail_does_is_the_same_in_any_unit(constant):
+    rest = 0.02 * np.cos(7.0 * np.arange(30))
+    for level, velocity in (
+        (-2.0 * np.exp(-TIME / constant) + rest, 2.0 * constant * np.exp(-TIME / constant)),
+        (2.0 + rest, 0.02 + 0.0 * TIME),
+        (TIME / TIME[-1] + rest, 0.02 + 0.0 * TIME),
+        (5.0 * np.exp(-TIME / constant) + rest, 0.02 + 0.0 * TIME),
+        (rest, 0.02 + 0.0 * TIME),
+    ):
+        one, small = model_of(Tail(TIME, level, velocity)), model_of(Tail(TIME, 1e-9 * level, 1e-9 * velocity))
+        assert (small.kind, small.explained) == (one.kind, pytest.approx(one.explained))
+        assert small.level == pytest.approx(1e-9 * one.level)
+        assert small.level_error == pytest.approx(1e-9 * one.level_error, nan_ok=True)
+        assert (small.constant, small.constant_error) == pytest.approx((one.constant, one.constant_error), nan_ok=True)
