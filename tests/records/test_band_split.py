@@ -85,6 +85,7 @@ def test_a_negative_blow_has_a_negative_rigid_peak():
 
 def test_the_family_comes_back_as_what_it_was():
     """Each member through the filter: from its filtered width its own peak and width, to what lines in a table err."""
+    _tables.cache_clear()
     cutoff, length = 5e3, 400e-6
     for k, member in enumerate(FAMILY):
         pulse = member._replace(begin=2000e-6, length=length)
@@ -237,6 +238,9 @@ def test_a_split_states_what_its_filter_does(noise):
     split = split_bands(record, 14.8e3)
     assert split.lowest_mode == pytest.approx(frequency, rel=0.01)
     swings = _swing_in_blow(record, split.lowest_mode)
+    for peak, scale in ((400.0, np.max(values[2000:2401]) - swings), (1700.0, 1700.0)):
+        other = split_bands(record._replace(smooth=pulse._replace(peak=peak)), 14.8e3)
+        assert other.cutoff == _best_cutoff(374.5 * STEP, split.lowest_mode, swings / scale, STEP)
     assert swings == pytest.approx(300.0 * math.exp(-200.0 / 600.0), rel=0.05)
     filter_ = Filter(split.cutoff)
     low = filter_.apply(values, STEP)

@@ -289,3 +289,12 @@ def test_a_noisy_pulse_is_read_as_by_hand_wherever_it_lies(true, beside, rng):
     assert later.place == pytest.approx(read.place + 37.0)
     assert np.array(later[2:]) == pytest.approx(np.array(read[2:]), rel=1e-9)
     assert later.values[147:317] == pytest.approx(read.values[110:280])
+
+
+@pytest.mark.parametrize(("share", "noisy"), [(0.9e-5, False), (1.1e-5, True)])
+def test_noise_of_a_hundred_thousandth_of_the_peak_moves_no_figure(share, noisy):
+    raw = np.zeros(400)
+    raw[170:211] = np.maximum(bowl(), 0.0)
+    read = read_pulse(about(raw), PULSE, 10.0 * share * (-1.0) ** np.arange(340))
+    clean = read_pulse(about(raw), PULSE, np.zeros(340))
+    assert ((read.peak, read.peak_scatter) != (clean.peak, clean.peak_scatter)) is noisy

@@ -183,3 +183,22 @@ def test_a_spread_is_that_of_normal_values_whatever_their_number():
     for n in (2, 3, 4, 5, 8, 9, 12, 20):
         spreads = [spread_of(row) for row in rng.normal(size=(1500, n))]
         assert np.mean(spreads) == pytest.approx(1.0, abs=4.0 * np.std(spreads) / math.sqrt(1500) + 0.005)
+
+
+def test_the_factors_of_small_samples_are_those_of_croux_and_rousseeuw():
+    """Of 0, 1, ... n - 1 the median deviation is a quarter of n, or of n - 1 or n + 1 where n is odd; n / (n - 0.8) from ten on."""
+    published = {
+        2: 1.196,
+        3: 1.495,
+        4: 1.363,
+        5: 1.206,
+        6: 1.200,
+        7: 1.140,
+        8: 1.129,
+        9: 1.107,
+        10: 10 / 9.2,
+        12: 12 / 11.2,
+    }
+    deviations = {2: 0.5, 3: 1.0, 4: 1.0, 5: 1.0, 6: 1.5, 7: 2.0, 8: 2.0, 9: 2.0, 10: 2.5, 12: 3.0}
+    for n, factor in published.items():
+        assert spread_of(np.arange(float(n))) == pytest.approx(factor * 1.4826 * deviations[n])

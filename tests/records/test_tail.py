@@ -85,6 +85,16 @@ def test_a_blow_that_is_cut_has_the_width_of_its_smooth_pulse():
     assert found.time[0] == pytest.approx(STEP * (first + 0.5 * (second - 1)))
 
 
+@pytest.mark.parametrize("sign", [1.0, -1.0])
+def test_the_side_of_a_tail_is_that_of_its_first_stretch(sign):
+    """Of 43 samples from 123 on; ten of them lie on the other side, and what comes after does not count."""
+    one = blow(100, 120)
+    values = record(344, 0.5, one)
+    values[123:133], values[166:192] = -0.1, -0.4
+    found = tail_of(sign * values, STEP, START, [one])
+    assert found.one_side == pytest.approx(33.0 / 43.0)
+
+
 def test_a_blow_of_a_sample_has_stretches_of_two():
     """Two samples, and 1.15 times as many each, rounded."""
     one = blow(100, 101, width=1.0)

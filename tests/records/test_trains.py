@@ -417,7 +417,7 @@ def test_a_train_of_what_is_small_beside_a_blow_is_none():
     """Of contacts of 0.55 of a blow that is not among them; with one of 0.65 they are blows."""
     times = np.array([0.0, 1.0, 2.0, 3.0, 3.4])
     for share, train in ((0.55, None), (0.65, (0, 1, 2, 3))):
-        found = sort_contacts(times, np.array([share, share, share, share, 1.0]), np.full(5, 0.5), [False] * 5)
+        found = sort_contacts(times, 50.0 * np.array([share, share, share, share, 1.0]), np.full(5, 0.5), [False] * 5)
         assert (found.train and found.train.members) == train
 
 
