@@ -81,7 +81,7 @@ def test_errors_of_shares_are_those_of_small_changes(owner, runs):
     errors = FIT.share_errors(owner, runs)
     for name, error in errors.items():
         slopes = [(moved(k, 1e-5)[name] - moved(k, -1e-5)[name]) / 2e-5 for k in range(4)]
-        assert error**2 == pytest.approx(np.dot(spread, np.square(slopes)), rel=1e-8)
+        assert error**2 == pytest.approx(np.dot(spread, np.square(slopes)), rel=1e-8, abs=0.0)
     assert list(errors) == list(dict.fromkeys(owner))
 
 
@@ -213,8 +213,8 @@ def test_a_fit_is_the_same_in_any_unit(unit):
     results = results + 0.1 * np.random.default_rng(4).standard_normal(30)
     one, other = fit_expansion(polynomials, results), fit_expansion(polynomials, unit * results)
     assert other.terms == one.terms
-    assert other.coefficients == pytest.approx(unit * one.coefficients, rel=1e-9)
-    assert other.left_out == pytest.approx(unit * one.left_out, rel=1e-9)
+    assert other.coefficients == pytest.approx(unit * one.coefficients, rel=1e-9, abs=1e-9 * unit)
+    assert other.left_out == pytest.approx(unit * one.left_out, rel=1e-9, abs=1e-9 * unit)
     assert other.explained == pytest.approx(one.explained, rel=1e-12)
     assert other.shares("ab") == pytest.approx(one.shares("ab"), rel=1e-12)
     assert other.share_errors("ab", 30) == pytest.approx(one.share_errors("ab", 30), rel=1e-12)

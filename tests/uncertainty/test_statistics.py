@@ -157,13 +157,13 @@ def test_shares_of_tolerances_alone_by_hand():
     assert (found.of, found.runs, found.rows[0].floor) == (
         "peak",
         78,
-        pytest.approx((1e-6 * 10.0) ** 2 / 25.0, rel=0.02),
+        pytest.approx((1e-6 * 10.0) ** 2 / 25.0, rel=0.02, abs=0.0),
     )
     assert found.rows[0].standard_error == pytest.approx(0.0, abs=1e-12)
     mean = scatter_shares("scatter", ["a", "b"], whole, alone, 1)
     by_hand = [(100.0 + 16.0) / 125.0, (100.0 + 9.0) / 125.0]
     assert [row.share for row in mean.rows] == pytest.approx(by_hand, rel=1e-12)
-    assert mean.rows[0].floor == pytest.approx(1e-12 / 125.0, rel=1e-12)
+    assert mean.rows[0].floor == pytest.approx(1e-12 / 125.0, rel=1e-12, abs=0.0)
 
 
 def test_bounds_of_a_share_are_those_of_the_normal_theory():
