@@ -504,6 +504,11 @@ def test_errors_are_what_the_balances_miss():
     still = collide(line((1.0, 1.0), 1.0, (1.0,), (0.0, 0.0)))
     assert (still.energy_error, still.momentum_error) == (0.0, 0.0)
     assert math.isnan(still.gain)
+    # where there was no energy and no collision, by 1 J and 1 N s
+    begun = dataclasses.replace(
+        still, _flights=(still._flights[0], still._flights[0]._replace(speeds=np.array([0.0, 3.0])))
+    )
+    assert (begun.energy_error, begun.momentum_error) == pytest.approx((4.5, 3.0), rel=1e-15)
 
 
 @pytest.mark.parametrize("gravity", [0.0, TEN])
