@@ -8,6 +8,7 @@ import pytest
 
 from strikewave.base.errors import IntegrationError
 from strikewave.contact import Contact
+from strikewave.contact._chain_kernels import OPEN, PUSHING
 from strikewave.contact.law import elastic_indentation
 from strikewave.contact.motion import MotionState
 from strikewave.machines import _stack_kernels as column
@@ -16,6 +17,7 @@ from strikewave.machines import run as machine_runs
 from strikewave.machines import spans as of_spans
 from strikewave.machines._kernels import HELD, RETRACTING
 from strikewave.machines._layout import APEX_SWITCH, FEED_SWITCH, layout_of
+from strikewave.machines.launch import linear_shaper
 from strikewave.machines.machine import Arm, Launch, Machine, Striker, Strikers, energy, machine_system, start_state
 from strikewave.machines.rebounds import Rebounds, blow_numbers, end_at_touch, is_flight, top_of_flight
 from strikewave.machines.run import MachineRun, run_machine
@@ -471,3 +473,106 @@ def test_top_of_a_flight_is_where_both_go_as_fast(released, monkeypatch):
     monkeypatch.setattr(span.motion, "sample", lambda times: asked.append(times) or sample(times))
     top_of_flight(span, 0.15)
     assert (asked[0][0], asked[0][-1], len(asked[0])) == (0.15, 0.6, follow.FLIGHT_SAMPLES)
+
+
+# how a launched run goes on from touch to touch
+
+
+def followed(monkeypatch, machine, ends, rows=(), speeds=3.0, **patches):
+    """Follow a launched machine by an integrator whose spans end at given times, at a touch each but the last.
+
+    ``rows`` are the contacts, each told once its span is over. Returns the run, and begin and end asked for each span.
+    """
+    asked, left = [], list(ends)
+    at = layout_of(machine_system(machine))
+
+    def integrate(system, state, control, sizes, report=None):
+        asked.append((state.time, control.end))
+        time = left.pop(0)
+        motion = Motion.__new__(Motion)
+        motion.at, motion.begin, motion.links = at, state.time, at.stop + 2
+        motion.switched = np.empty(0), np.empty(0, dtype=int)
+        motion.changes = SimpleNamespace(time=np.array([state.time]), memory=state.memory[None])
+        motion.end = MotionState(time, state.y.copy(), state.mode.copy(), state.memory.copy())
+        motion.end.mode[at.contacts] = PUSHING if left else OPEN
+        motion.end.memory[at.contacts] = speeds
+        motion.end.y[at.speeds] = 5.0, 0.0, 0.0
+        return motion
+
+    def contacts(motion, link):
+        inside = [row for row in rows if motion.begin <= row[0] < motion.end.time]
+        return np.array(inside, dtype=float).reshape(-1, 3)
+
+    monkeypatch.setattr(machine_runs, "integrate", integrate)
+    monkeypatch.setattr(of_spans, "contacts", contacts)
+    for name, value in patches.items():
+        monkeypatch.setattr(machine_runs, name, value)
+    return run_machine(machine), asked
+
+
+ROWS = [(0.1, 0.101, 3.0), (0.3, 0.301, 2.0), (0.5, 0.501, 1.0)]
+
+
+def bouncing(brake=None, follow=0.9):
+    return flier(striker_speed=5.0, follow=follow, rebounds=Rebounds(brake))
+
+
+def test_brake_takes_the_last_flight_back_to_its_top(monkeypatch):
+    """The flight before the third touch is followed again, to its top; what flew there is stopped, and its energy booked."""
+    top = {"top_of_flight": lambda span, released: 0.41 if released == 0.301 else math.nan}
+    run, asked = followed(monkeypatch, bouncing(2), (0.1, 0.3, 0.5, 0.41, 0.6), ROWS, **top)
+    limit = 3.0 * (0.9 + 1e-5)
+    assert asked == [(0.0, limit), (0.1, limit), (0.3, limit), (0.3, 0.41)]
+    assert (run.ended, run.end, len(run.spans)) == ("brake", 0.41, 3)
+    assert run.braked == pytest.approx(0.65 * 25.0, rel=1e-9)
+    # it came with 16.25 J, and nothing else flowed: none is missing
+    assert run.energy_error < 1e-9
+    assert dict(run.phases)["brake"] == 0.41
+
+
+def test_run_rests_where_it_comes_slowly(monkeypatch):
+    run, asked = followed(monkeypatch, bouncing(), (0.1, 0.3, 0.5), ROWS, speeds=0.05)
+    assert (run.ended, run.end, len(asked)) == ("rest", 0.3, 2)  # 0.05 m/s are below 2 % of 3 m/s
+    assert run.braked == 0.0
+
+
+def test_run_goes_on_until_its_time_is_over(monkeypatch):
+    run, asked = followed(monkeypatch, bouncing(follow=0.35), (0.1, 0.3, 0.5, 0.7), ROWS)
+    assert (run.ended, run.end, len(asked)) == ("", 0.5, 3)  # the first touch after it
+    run, asked = followed(monkeypatch, bouncing(), (0.1, 0.3, 0.5, 0.7), ROWS)
+    assert (run.ended, run.end, len(asked)) == ("", 0.7, 4)  # it came to no touch more
+    run, asked = followed(monkeypatch, flier(striker_speed=5.0, follow=0.9), (0.1, 0.3), ROWS)
+    assert (run.end, len(asked)) == (0.1, 1)  # without rebounds a touch is no end, and nothing stops there
+    run, asked = followed(monkeypatch, bouncing(follow=0.035), (0.1, 0.3, 0.5), ROWS)
+    assert len(asked) == 1
+
+
+def test_blow_on_a_stack_is_followed_by_itself(monkeypatch):
+    """The x-t field of the first one alone is kept; a launched machine ends with the blow after its time."""
+    told = []
+
+    def strike(layered, struck, system, state, field):
+        told.append((state.time, field))
+        end = MotionState(state.time + 0.01, state.y.copy(), state.mode.copy(), state.memory.copy())
+        end.mode[layout_of(system).contacts] = OPEN
+        return stack_span(state.time, 11, striker=0), end
+
+    def struck(follow):
+        machine = flier(striker_speed=5.0, follow=follow)
+        return Machine(machine.strikers, machine.struck, machine.start, layered=SimpleNamespace())
+
+    run, asked = followed(monkeypatch, struck(0.9), (0.1, 0.3, 0.5), strike=strike)
+    assert told == [(0.1, True), (0.3, False)]
+    assert [begin for begin, _ in asked] == pytest.approx([0.0, 0.11, 0.31])
+    assert [type(span).__name__ for span in run.spans] == ["ChainSpan", "StackSpan"] * 2 + ["ChainSpan"]
+    told.clear()
+    run, asked = followed(monkeypatch, struck(0.305), (0.1, 0.3, 0.5), strike=strike)
+    assert told == [(0.1, True), (0.3, False)]
+    assert len(asked) == 2
+
+
+def test_striker_with_a_damper_strikes_no_stack():
+    damped = Striker(1.3, 0.0, 0.0, linear_shaper(1e8, 1.0, 0.5))
+    machine = Machine(Strikers((damped,), 0.3), OBJECT, Launch(striker_speed=3.0), layered=SimpleNamespace())
+    with pytest.raises(ValueError, match="with hysteresis, not with a damper"):
+        run_machine(machine)
