@@ -274,6 +274,15 @@ def test_only_channels_asked_for_are_loaded_under_either_name():
     assert [np.isnan(c.values).all() for c in found.channels] == [False, True]
 
 
+def test_only_what_is_wanted_is_claimed(monkeypatch):
+    claimed = []
+    monkeypatch.setattr(common, "guard", lambda path, size, compressed=True: claimed.append(size))
+    assembled(
+        column("a", [1.0] * 3), column("b", [1.0] * 3), column("c", [1.0] * 3), options=Options(channels=("c", "a"))
+    )
+    assert claimed == [48.0]
+
+
 def test_time_that_stands_still_or_differs_in_size_gives_no_step():
     record = assembled(column("t", [4.0, 4.0, 4.0]), column("a", [1.0, 2.0, 3.0]))
     np.testing.assert_equal((record.channels[0].step, record.channels[0].start), (NAN, 4.0))
@@ -511,7 +520,7 @@ def test_more_measurements_than_the_most_are_refused(monkeypatch):
     ("step", "stamps", "fine"),
     [
         (1e-15, None, True), (0.9e-15, None, False), (1e6, None, True), (1.1e6, None, False), (-1.1e6, None, False),
-        (-1e-16, None, False), (0.0, None, True), (NAN, None, True), (1.0, [0.0, 1e6, 2.1e6], False),
+        (-1e-16, None, False), (0.0, None, True), (NAN, None, True), (1.0, [0.0, 1e6, 2.1e6], False), (1.0, [0.0, 2e6], False),
         (1.0, [0.0, 5e-16, 1.9e-15], False), (1e9, [0.0, 1.0, 2.0], True), (1e9, [0.0], False), (1.0, [1e7, 1e7 + 1.0], True),
     ],
 )  # fmt: skip

@@ -566,7 +566,7 @@ def test_numbers_of_ide_are_fractions():
         ide._ratio("os.x")
 
 
-def test_axes_of_ide_lie_over_microseconds(written):
+def test_axes_of_ide_lie_over_microseconds(written, monkeypatch):
     class Events(SimpleNamespace):
         def __len__(self):
             return self.count
@@ -578,7 +578,10 @@ def test_axes_of_ide_lie_over_microseconds(written):
         return SimpleNamespace(id=8, name="board", subchannels=(names * 3)[:axes], getSession=lambda: events)
 
     path = written(b"x")
+    claimed = []
+    monkeypatch.setattr(ide, "guard", lambda path, size: claimed.append(size))
     columns = ide._columns(path, channel())
+    assert claimed == [8.0 * 3 * 3]  # time and two axes
     assert [(c.name, c.size, c.unit, c.folder, c.time, c.load().tolist()) for c in columns] == [
         ("time", 3, "s", "8", True, pytest.approx([0.0, 5e-6, 1e-5], rel=1e-15)), ("board/X", 3, "g", "8", False, [1.0, 2.0, 3.0]),
         ("board/Y", 3, "N", "8", False, [4.0, 5.0, 6.0]),

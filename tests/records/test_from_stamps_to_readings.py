@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from strikewave.base.errors import InputError
-from strikewave.records import clock, coupling, reading, response_reading, ringing, sample_store, smoothing
+from strikewave.records import clock, coupling, reading, response, response_reading, ringing, sample_store, smoothing
 from strikewave.records.calibration import Calibration
 from strikewave.records.clock import even
 from strikewave.records.correlation import alike_as_one
@@ -45,12 +45,12 @@ def test_a_step_of_one_and_a_half_is_a_gap(more, found):
 
 
 def test_a_gap_is_as_long_as_it_says_and_bridged_by_a_straight_line():
-    stamps = 5.0 + STEP * np.delete(np.arange(60.0), [20, 21, 22, 40])
+    stamps = 5.0 + STEP * np.delete(np.arange(60.0), [20, 40, 41, 42])
     values = 7.0 + 2.0 * stamps / STEP
     channel, said = mended(stamps, values)
     np.testing.assert_allclose(channel.values, 7.0 + 2.0 * (5.0 / STEP + np.arange(60.0)), rtol=1e-12)
     gap = said["gap"]
-    assert (gap.value, gap.start, gap.end) == (4.0 * STEP, stamps[19], stamps[20])
+    assert (gap.value, gap.start, gap.end) == (4.0 * STEP, stamps[38], stamps[39])
     assert gap.message.startswith(f"2 gaps in time, 6.78 % of the record, the longest {4.0 * STEP:.3g}\xa0s after")
     assert gap.message.endswith("bridged by straight lines")
     assert (gap.severity, gap.harms) == ("suspect", ("spectrum",))
@@ -502,6 +502,12 @@ def test_a_swing_is_louder_than_twenty_times_the_noise_before_it():
     assert not response_reading._louder(a_reading(values), 3.015)  # too few samples before it: over all
 
 
+def test_a_top_whose_neighbours_are_less_than_half_of_it_is_a_spike():
+    assert response._tip(np.array([6.0, 10.0, 4.9]), 1) == (1.0, 10.0)
+    assert response._tip(np.array([6.0, 10.0, 5.1]), 1)[1] > 10.0
+    assert response._tip(-np.array([4.9, 10.0, 6.0]), 1) == (1.0, -10.0)
+
+
 def test_the_zero_before_a_place_needs_enough_samples():
     from strikewave.records.modes import FEWEST
 
@@ -545,7 +551,7 @@ def test_a_channel_that_swings_after_the_blow_of_another_is_told(monkeypatch):
 @pytest.mark.parametrize(
     ("size", "blows", "words"), [(2, 1, ""), (2, 0, "the base, bar, has no blow"), (1, 1, "too few samples")]
 )
-def test_a_response_needs_samples_and_a_blow_of_its_base(size, blows, words):
+def test_a_response_needs_samples_and_a_blow_of_its_base(monkeypatch, size, blows, words):
     from strikewave.records.measuring import FEWEST
 
     count = 2 * FEWEST if size == 2 else 2 * FEWEST - 1
@@ -557,6 +563,13 @@ def test_a_response_needs_samples_and_a_blow_of_its_base(size, blows, words):
         f.message for f in found.findings if f.code == "no-response" and f.message.endswith("no response is measured")
     ]
     assert len(said) == bool(words)
+    filtered = []
+    monkeypatch.setattr(
+        response_reading, "filtered_channel", lambda channel, request: filtered.append(request) or channel
+    )
+    for request in (Request(filter=Filter(50.0)), Request(high_pass=HighPass(50.0))):
+        response_reading.read_response(channel, 7, Calibration(), request, base)
+    assert len(filtered) == (0 if words else 2)
     if words:
         assert words in said[0]
         assert (found.status, found.responses) == ("bad", ())

@@ -317,6 +317,7 @@ def test_settings_with_a_name_before_all_columns_are_moved_by_one():
     assert settings_of(["dt [min];2;3;4"], SEMICOLONS, 3, [0, 1, 2]).steps == {0: 120.0, 1: 180.0, 2: 240.0}
     assert settings_of(["dt;2;0;4"], SEMICOLONS, 3, [0, 1, 2]).steps == {}  # no step is zero
     assert settings_of(["dt;2;3"], SEMICOLONS, 3, [0, 1, 2]).steps == {}
+    assert settings_of(["dt;;2;3"], SEMICOLONS, 4, [2, 3]).steps == {2: 2.0, 3: 3.0}
     assert settings_of(["x0;2;-3;x"], SEMICOLONS, 4, [1, 2]).starts == {1: 2.0, 2: -3.0}
 
 

@@ -262,7 +262,7 @@ def run(start, count=3, step=0.5, origin=None, every=0, stamps=None):
 @pytest.mark.parametrize(
     ("after", "shift"),
     [
-        (run(2.5), 0.0), (run(2.74), 0.0), (run(2.76), None), (run(2.26), 0.0), (run(2.24), None),
+        (run(2.5), 0.0), (run(2.74), 0.0), (run(2.751), None), (run(2.26), 0.0), (run(2.24), None),
         (run(2.5, step=0.5049), 0.0), (run(2.5, step=0.5051), None), (run(2.5, step=0.4949), None),
         (run(2.5, every=5), None), (run(9.0, count=0), 0.0), (run(1.0, origin=3 * PICO // 2), None),
     ],
@@ -273,6 +273,27 @@ def test_a_segment_goes_on_within_half_a_step(after, shift):
     assert lvm._shift(run(1.0), after, [False], Options()) == (None if after.every else 0.0)
     assert lvm._shift(run(1.0, every=4), after, [True], Options()) is None
     assert lvm._shift(run(1.0), after, [True], Options(rate=3.0)) == (None if after.every else 0.0)
+
+
+def of_two(starts, origins=(None, None), sizes=(3, 2), steps=(0.5, 0.25)):
+    return lvm.Read([np.zeros(n) for n in sizes], [None, None], list(steps), list(starts), list(origins), [])
+
+
+@pytest.mark.parametrize(
+    ("before", "after", "shift"),
+    [
+        (of_two((1.0, 7.0)), of_two((2.5, 7.5)), 0.0), (of_two((1.0, 7.0)), of_two((2.5, 7.7)), None), (of_two((1.0, 7.0)), of_two((2.8, 7.5)), None),
+        (of_two((1.0, 7.0)), of_two((2.5, 7.5), steps=(0.5, 0.26)), None), (of_two((1.0, 7.0)), of_two((2.5, 99.0), sizes=(3, 0)), 0.0),
+        (of_two((1.0, 7.0), sizes=(3, 0)), of_two((2.5, 99.0)), 0.0), (of_two((1.0, 7.0)), of_two((99.0, 7.5), sizes=(0, 2)), 0.0),
+        (of_two((1.0, 7.0), (PICO, PICO)), of_two((0.5, 5.5), (3 * PICO, 9 * PICO)), 2.0),
+        (of_two((1.0, 7.0), (PICO, PICO)), of_two((0.5, 5.5), (9 * PICO, 3 * PICO)), None),  # the clock of the first counts
+        (of_two((1.0, 7.0), (PICO, None)), of_two((0.5, 5.5), (3 * PICO, PICO)), None),
+        (of_two((1.0, 7.0), (PICO, PICO)), of_two((0.5, 5.5), (3 * PICO, None)), None),
+    ],
+)  # fmt: skip
+def test_all_channels_of_a_segment_go_on_together(before, after, shift):
+    """Three samples from 1 s and two from 7 s: the next ones are due at 2.5 s and at 7.5 s."""
+    assert lvm._shift(before, after, [True, True], Options()) == shift
 
 
 def test_a_segment_that_begins_at_zero_goes_on_by_its_clock_time():

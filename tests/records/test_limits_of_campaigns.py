@@ -286,6 +286,13 @@ def test_a_file_without_a_blow_loses_what_was_found_of_it():
     assert [f.code for f in siblings._found(one, HealthNotice("x", "")).findings] == ["a", "b", "c", "x"]
 
 
+def test_a_file_is_bad_by_what_was_found_on_it():
+    def of(*severities):
+        return SimpleNamespace(findings=[HealthNotice("a", "", severity=one) for one in severities])
+
+    assert [campaign._file_bad(of(*one)) for one in ((), ("good", "suspect"), ("good", "bad"))] == [False, False, True]
+
+
 # Statistics
 
 

@@ -156,6 +156,9 @@ def test_the_first_two_numbers_of_all_columns_may_be_start_and_step(read):
         (5e-5, -2e-3, 30, 0.5), (5e-5, -2e-3, 30, 0.25),
     ]  # fmt: skip
     assert (codes(record), record.findings[0].value) == (["start-and-step"], 5e-5)
+    assert codes(read("Samples: 30\n" + START_AND_STEP + "".join(f"{k}.5,{-k}.25\n" for k in range(30)))) == [
+        "start-and-step"
+    ]
     plain = read("fs = 8 Hz\n" + START_AND_STEP + "".join(f"{k}.5,{-k}.25\n" for k in range(30)))
     assert (plain.channels[0].values.size, plain.channels[0].step) == (32, 0.125)
 
