@@ -1,11 +1,13 @@
 """Runs: threads, restart, time step, mass scaling, what stops them, what is refused before they begin."""
 
 import dataclasses
+import itertools
 import math
 import subprocess
 import sys
 import time
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -480,3 +482,21 @@ def test_a_section_cuts_the_elements_it_goes_through_or_those_it_lies_upon(heigh
     np.testing.assert_allclose(middle[:, 2], (0.5, 2.0, 4.5)[layer])
     assert elements.dtype == np.int32
     np.testing.assert_allclose(shares[np.argsort(middle[:, 0])], [0.25, 0.75], rtol=1e-13)
+
+
+def test_a_run_is_observed_at_each_instant_and_reported_each_fifth_of_a_second(monkeypatch):
+    """Nine instants, 0.15 s one after another: every second one is reported, and the last; the last is told apart."""
+    clock = itertools.count(7.0, 0.15)
+    monkeypatch.setattr("strikewave.fem.solve.clock", SimpleNamespace(perf_counter=lambda: next(clock)))
+    seen, told = [], []
+    observer = SimpleNamespace(observe=lambda engine, last: seen.append((engine.instant, last)), state=dict)
+    cube = block("cube", (1e-3, 2e-3, 3e-3), 1e-3, 1e-3, 1e-3)
+    model = Model(cube, {"cube": STEEL}, Controls(4e-6, 0.5e-6), velocity={"cube": (1.0, 0.0, 0.0)})
+    run = solve(model, RunOptions(report=told.append, observer=observer))
+    assert seen == [(k, k == 8) for k in range(9)]
+    assert [each.time for each in told] == pytest.approx([0.5e-6, 1.5e-6, 2.5e-6, 3.5e-6, 4e-6])
+    assert [each.seconds for each in told] == pytest.approx([0.3, 0.6, 0.9, 1.2, 1.35])
+    assert told[-1].speed == pytest.approx(6 * run.steps / 1.35, rel=1e-9)
+    assert [each.duration for each in told] == pytest.approx([4e-6] * 5)
+    assert told[-1].steps == run.steps
+    assert run.seconds == pytest.approx(1.5)
