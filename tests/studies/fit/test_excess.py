@@ -104,3 +104,23 @@ def test_the_weight_of_repeats_gives_their_mean_both_parts():
     assert found.of_another == 5.0
     assert found.weight(1) == 5.0
     assert found.weight(5) ** 2 / 5.0 == pytest.approx(9.0 / 5.0 + 16.0, rel=1e-12)
+
+
+def test_an_excess_is_sought_up_to_where_it_explains_all_whatever_the_repeats():
+    """Two settings of which one has 50 repeats: the root of the sum of squares of the means, by bisection."""
+    residuals, groups = np.concatenate([np.full(50, 3.0), [-9.0, 6.0]]), np.append(np.zeros(50, int), [1, 2])
+    found = excess_of(residuals, groups, 1)
+    low, high = 0.0, 1e4
+    for _ in range(200):
+        middle = 0.5 * (low + high)
+        left = 9.0 / (1.0 / 50.0 + middle) + 81.0 / (1.0 + middle) + 36.0 / (1.0 + middle)
+        low, high = (middle, high) if left > 2.0 else (low, middle)
+    assert found.within == 1.0
+    assert found.between**2 == pytest.approx(low, rel=1e-9)
+
+
+def test_one_repeat_tells_a_scatter_and_many_a_small_excess():
+    """5 and -5 of one setting: 50 of one degree. Of 10 000 repeats the mean is off by 0.05, which is sure to 0.01."""
+    assert excess_of(np.array([5.0, -5.0, 0.0]), [0, 0, 1], 1).within == pytest.approx(np.sqrt(50.0))
+    found = excess_of(np.append(np.full(10000, 0.05), 0.0), np.append(np.zeros(10000, int), 1), 1)
+    assert found.between**2 == pytest.approx(0.05**2 - 0.01**2, rel=1e-9)

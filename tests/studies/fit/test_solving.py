@@ -410,7 +410,9 @@ def test_a_search_that_is_stopped_keeps_its_best_place():
     assert found.estimate.misfit < calls[0]
 
 
-@pytest.mark.parametrize(("sizes", "felt"), [((1.0, 1.1e-7), True), ((1.0, 0.9e-7), False), ((0.0, 0.0), False)])
+@pytest.mark.parametrize(
+    ("sizes", "felt"), [((1.0, 1.1e-7), True), ((1.0, 0.9e-7), False), ((0.0, 0.0), False), ((1e-3, 1e-9), True)]
+)
 def test_a_field_is_felt_from_a_ten_millionth_of_the_largest_slope_on(sizes, felt):
     one = problem(free=(FORCE, LOSS))
     search = SimpleNamespace(slopes=lambda place, first, step: np.array([[0.6], [0.8]]) * np.array(sizes))
@@ -493,3 +495,13 @@ def test_places_are_halved_each_by_what_it_fits_with_what_the_determined_add():
     places = allowed_places(solved, [0.5 + move for move in moves])
     wanted = [0.5 + move * half for move, half in zip(moves, (1.0, 0.5, 1.0, 0.5), strict=True)]
     assert np.array(places) == pytest.approx(np.array(wanted))
+
+
+def test_all_experiments_must_run_fast(monkeypatch):
+    monkeypatch.setattr("strikewave.studies.fit.problem.or_none", lambda function, item: 1.0)
+    case = load_case("li-ma-2019")
+    fields = free_fields(case, ["machine.engagement"])
+    known = MeasuredNumber("machine.engagement", "", "m", 1.0, 0.1, "", of_field=True)
+    tests = [Experiment(case, (), (known,)), Experiment(CASE, (), (known,))]
+    assert Problem(tests[:1], fields).fast() is not None
+    assert Problem(tests, fields).fast() is None
