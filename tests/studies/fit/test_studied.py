@@ -212,6 +212,9 @@ def test_numbers_without_a_unit_have_one_in_documents_and_2000_draws_are_written
     (value,) = drawn.posterior_values()
     field = study.parameters[0].field
     assert (value.median, value.low, value.high) == pytest.approx((field.si(0.5), field.si(0.025), field.si(0.975)))
+    told = drawn.content()["posterior"]
+    assert (told["walkers"], told["steps"], told["independent_draws"], told["seed"]) == (32, 100, 3200.0, 20)
+    assert (told["accepted"], told["autocorrelation_time"], told["too_short"]) == (0.5, 1.0, False)
     text = drawn.tables()["posterior.csv"]
     rows = [line for line in text.splitlines() if line[:1].isdigit()]
     assert len(rows) == 2000
