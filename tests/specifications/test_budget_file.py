@@ -208,6 +208,7 @@ def test_the_status_of_a_contribution_is_the_weakest_of_all_its_numbers(tmp_path
             'kind = "response"\nbands = [["1 kHz", "1 %", "2 %"], ["2 kHz", "1 %"]]\ndistribution = "rectangular"',
             "pairs of",
         ),
+        ('kind = "response"\nbands = ["1k", "2k"]\ndistribution = "rectangular"', "pairs of"),
         ('kind = "response"\nbands = [1, 2]\ndistribution = "rectangular"', "pairs of"),
         ('kind = "response"\nbands = "1 kHz"\ndistribution = "rectangular"', "pairs of"),
         ('kind = "response"\nbands = [["1 kHz", "1 %"], ["1 kHz", "2 %"]]\ndistribution = "rectangular"', "upwards"),

@@ -455,6 +455,7 @@ def test_ten_samples_a_pulse_are_enough_and_a_tenth_of_the_peak_may_be_filtered_
         (MeasuredFigure(1000.0, 15.0), 0.0, 30.0),
         (MeasuredFigure(1000.0, 15.0, whole=True), 0.04, 30.0),
         (MeasuredFigure(1000.0, math.nan), 0.04, 40.0),
+        (MeasuredFigure(1000.0, math.nan), 0.005, 5.0),
         (MeasuredFigure(1000.0, math.nan), 0.0, math.nan),
     ],
 )

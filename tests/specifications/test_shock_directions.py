@@ -112,6 +112,7 @@ def test_a_misspelt_file_or_channel_is_told_the_nearest():
         ("up*#acb=+x", 'did you mean "acc"'),
         ("ub.csv#2=+x", 'did you mean "up.csv"'),
         ("ub.csv=+x", 'did you mean "up.csv"'),
+        ("ub.csv#a-long-channel=+x", 'did you mean "up.csv"'),
     ):
         with pytest.raises(InputError, match=words):
             check_directions([read_direction(word)], files)

@@ -435,6 +435,8 @@ def test_a_number_has_its_own_source_and_the_status_of_its_table():
     ("text", "words", "hint"),
     [
         (PULSE + "[peak]\ntolerance = true\n", "peak.tolerance", False),
+        (SRS.replace('["10 Hz", "1 g"], ["100 Hz", "10 g"]', '"1g", "2g"'), "pairs of frequency and level", False),
+        (SRS.replace('["10 Hz", "1 g"], ', '["10 Hz", "1 g", "2 g"], '), "pairs of frequency and level", False),
         (PULSE + "[peak]\ntolerance = 5\n", "peak.tolerance", True),
         (SRS.replace('"6 dB"', "6"), "srs.tolerance.0.high", False),
         (PULSE + '[peak]\ntolerance = ["0.5 %", "1 %"]\n', "from -100 to 0 %", False),

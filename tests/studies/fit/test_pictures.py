@@ -230,3 +230,10 @@ def test_a_corner_has_a_panel_of_each_value_and_pair_of_five_values_at_most(monk
             assert axes.xaxis.get_tick_params()["labelsize"] == 7
             assert axes.xaxis.get_major_locator()._nbins == 4
     assert not asked
+
+
+def test_few_draws_have_contours_too():
+    axes = Recorder()
+    corner._draw_pair(axes, np.arange(5.0), np.array([0.0, 3.0, 1.0, 4.0, 2.0]))
+    ((_, how),) = axes.asked["contour"]
+    assert 0.0 < how["levels"][0] < 0.01

@@ -230,3 +230,15 @@ def test_residuals_are_written_in_the_unit_of_all_records_if_they_have_one(studi
         assert ("measured [m/s^2]" in text or "measured (m/s^2)" in text) == bool(unit)
     curve = study.preview()
     assert curve.y == pytest.approx((pair[1].computed - pair[1].measured) / 9.80665)
+
+
+def test_a_band_ends_where_a_fortieth_of_the_draws_lies_beyond():
+    """100 of 991 draws of the height, evenly apart, whose peaks are 14000 times the root of it; hardly any noise."""
+    begun = problem(pulse(), free=(HEIGHT,))
+    draws = np.linspace(0.49, 0.52, 991)[:, None]
+    ((low, high),) = predictive_bands(SimpleNamespace(problem=begun), Posterior(draws, 100, 1.0, 0.5, 1), 6)
+    at, width = int(np.argmax(high)), begun.fields[0].width
+    ends = [14000.0 * np.exp(0.5 * width * (0.49 + 0.03 * share - 0.5)) for share in (0.025, 0.5, 0.975)]
+    noise = 1.96 * 1.4
+    assert low[at] == pytest.approx(ends[1] - np.hypot(ends[1] - ends[0], noise), abs=0.05)
+    assert high[at] == pytest.approx(ends[1] + np.hypot(ends[2] - ends[1], noise), abs=0.05)
