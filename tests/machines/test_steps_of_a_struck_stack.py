@@ -292,6 +292,13 @@ def test_coarser_table_keeps_every_third_of_the_same_steps(blow, monkeypatch):
     assert np.array_equal(coarse.history[:same], fine.history[::3][:same])
     assert np.array_equal(coarse.taps.force[:same], fine.taps.force[::3][:same])
     assert coarse.momentum_error < 1e-12
+    # at a tap what is felt is what its speed changes by, of the last step half
+    for span in (fine, coarse):
+        for tap, begin in ((0, 0.9), (1, 0.7), (2, 0.7), (3, 0.7)):
+            _, moving, felt = span.tap(tap)
+            gained = span.step * (felt - G)[:-1].sum() + 0.5 * span.step * (felt - G)[-1]
+            time = span.step * (len(felt) - 1)
+            assert moving[-1] - begin - G * time == pytest.approx(gained, abs=1e-9)
     # the push on the assembly is an average about a kept step that falls in lines to its neighbours, and loses nothing
     push = fine.taps.force[:, 2] - fine.taps.force[:, 3]
     hat = np.array([1.0, 2.0, 3.0, 2.0, 1.0]) / 9.0
@@ -597,6 +604,15 @@ def test_two_strikers_at_once_and_a_blow_without_end_are_refused(monkeypatch):
 def test_blow_is_followed_half_a_ms_after_its_last_release_and_10_ms_at_most(monkeypatch):
     class Asked(Exception):  # noqa: N818
         pass
+
+    def fine(tables, state, law, machine, supports, blow, recordings, *_):
+        assert recordings[1].every == blow.every == 1
+        raise Asked
+
+    with monkeypatch.context() as patch, pytest.raises(Asked):
+        patch.setattr(one_blow, "follow", fine)
+        patch.setattr(one_blow, "FIELD_STEP", 0.4 * STEP)  # no finer than what is kept
+        strike(*about_to_strike(), field=True)
 
     def asked(tables, state, law, machine, supports, blow, recordings, averages, history, *_):
         assert blow.settle == 0.5e-3
