@@ -19,8 +19,8 @@ about as much, which the model leaves out."""
 
 
 FILTER_PERIODS = 2.0
-"""Periods of its cutoff within which a recorder's filter has answered a blow: four Butterworth poles are then within 1 %
-of a step, and the answer to an impulse is below 1.4 % of its largest value."""
+"""Periods of its cutoff within which a recorder's filter has answered a blow: four Butterworth poles are then within
+1 % of a step, and the answer to an impulse is below 1.4 % of its largest value."""
 LAST_SHARE = 0.02
 """Last part of a reading whose mean tells where it stands: what rings there cancels."""
 
