@@ -21,6 +21,7 @@ from strikewave.fem.contact import prepare, searched
 from strikewave.fem.device import devices, gpu
 from strikewave.fem.device._bodies import one_point_element
 from strikewave.fem.device.devices import Loop, device_named
+from strikewave.fem.device.engine import DeviceEngine
 from strikewave.fem.device.parts import put_fields
 from strikewave.fem.device.search import FaceSearch
 from strikewave.fem.mesh import joined
@@ -310,6 +311,14 @@ def test_bodies_as_they_are_written_move_whatever_stands_falls_spins_and_is_tied
     assert min(np.abs(force).max() for force in run.force.values()) > 10.0
     assert run.energy["plastic"][-1] > 0.01 * run.energy["internal"][-1]
     assert_same(run, solve(pile(), RunOptions(device=AsWritten())))
+
+
+def test_a_run_that_begins_anew_does_so_on_its_device():
+    engine = DeviceEngine(pile(), Loop())
+    other = engine.begun_anew()
+    assert type(other) is DeviceEngine
+    assert other.device is engine.device
+    assert other.model is engine.model
 
 
 def test_the_kernels_of_a_gpu_run_in_the_simulator_of_numba():
