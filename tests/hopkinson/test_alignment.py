@@ -257,6 +257,11 @@ def test_moves_at_the_edge_of_the_window_are_not_made():
         assert found.beyond
         assert found.applied == (0.0, 0.0)
         assert found.reflected == pytest.approx(waves[1](found.time), abs=1e-12)
+    # a fit ends at the window on either side
+    assert found.late_balance[0] == pytest.approx(20e-6, rel=1e-3)
+    early = align(made_of((waves[0], gaussian(-4e-4, 30e-6), waves[2])), BARS, "none", "balance")
+    assert early.beyond
+    assert early.late_balance[0] == pytest.approx(-20e-6, rel=1e-3)
 
 
 @pytest.mark.parametrize("distance", [0.6, -0.6])
