@@ -872,3 +872,36 @@ def test_an_elastic_limit_is_taken_only_where_it_fits_as_well():
     assert not fit.elastic
     assert problem.pulse(fit.unknown).restitution == pytest.approx(0.995, abs=1e-6)
     assert fit.jacobian == pytest.approx(derivatives(problem.misfit, fit.unknown, np.full(5, 9e9)), abs=1e-4)
+
+
+@pytest.mark.parametrize("shift", [1, 2, 5])
+def test_a_record_some_samples_later_is_cut_out_so_much_later(shift):
+    """A lopsided pulse between other blows, on a baseline with noise: the same samples, whatever their place."""
+    pulse = np.concatenate([np.linspace(0.0, 100.0, 14), np.linspace(100.0, 0.0, 23)[1:]])
+    f = 3.0 + 0.2 * np.random.default_rng(3).standard_normal(260)
+    f[110:146] += pulse
+    f[20:26] += 40.0  # another blow within the baseline's reach
+    f[150:156] += 35.0  # one behind the pulse, within the margin
+    t = np.arange(260.0)
+    for window in (None, (100.0, 148.0)):
+        one = cut_out(t, f, window)
+        later = cut_out(t, np.roll(f, shift), None if window is None else (window[0] + shift, window[1] + shift))
+        assert np.array_equal(later.time, one.time + shift)
+        assert later.force == pytest.approx(one.force, abs=1e-12)
+        assert (later.offset, later.noise, later.before, later.peak) == pytest.approx(
+            (one.offset, one.noise, one.before, one.peak), rel=1e-12
+        )
+    free = cut_out(t, f)
+    assert (free.time[0], free.time[-1]) == (103.0, 149.0)
+    assert free.offset == pytest.approx(3.0, abs=0.1)
+    assert free.noise == pytest.approx(0.2, rel=0.3)
+
+
+@pytest.mark.parametrize(("newtons", "seconds"), [(2.0**-20, 2.0**13), (2.0**30, 2.0**-17)])
+def test_units_of_force_and_time_change_nothing_of_what_is_cut_out(newtons, seconds):
+    f, t = 3.0 + 0.2 * np.random.default_rng(3).standard_normal(260), np.arange(260.0)
+    f[110:146] += np.concatenate([np.linspace(0.0, 100.0, 14), np.linspace(100.0, 0.0, 23)[1:]])
+    one, other = cut_out(t, f), cut_out(seconds * t, newtons * f)
+    assert np.array_equal(other.time, seconds * one.time)
+    assert np.array_equal(other.force, newtons * one.force)
+    assert other[2:] == (newtons * one.offset, newtons * one.noise, one.before, newtons * one.peak)
