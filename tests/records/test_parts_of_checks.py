@@ -1382,6 +1382,54 @@ def test_a_level_under_no_velocity_change_has_no_effect_on_it():
     assert examined.effects_of_level(blow(100, 200, -4.0), 0.4)["peak"] == pytest.approx(-0.1)
 
 
+@pytest.mark.parametrize(
+    ("value", "unit", "text"),
+    [
+        (-9806.65, "m/s^2", "-1000\xa0g"),
+        (0.99e-3, "s", "990\xa0us"),
+        (-0.99e-3, "s", "-990\xa0us"),
+        (1.01e-3, "s", "1.01\xa0ms"),
+        (9990.0, "Hz", "9990\xa0Hz"),
+        (-10010.0, "Hz", "-10.01\xa0kHz"),
+        (1.5e-3, "1", "1500 ustrain"),
+        (12.5, "N", "12.5 N"),
+        (12.5, "", "12.5"),
+    ],
+)
+def test_values_are_written_with_units_of_a_usual_size(value, unit, text):
+    assert examined.with_unit(value, unit) == text
+
+
+@pytest.mark.parametrize(("peak", "told"), [(0.004, False), (-0.004, True)])
+def test_blows_are_negative_where_the_first_is(peak, told):
+    found = blow_checks.polarity(record(np.zeros(900), blow(100, 150, peak), blow(300, 350, -peak)))
+    assert [(one.value, one.severity) for one in found] == ([(-1.0, "suspect")] if told else [])
+    assert blow_checks.polarity(record(np.zeros(900))) == []
+
+
+def test_shapes_are_those_of_blows_that_are_read_off_the_record(monkeypatch):
+    seen = []
+    monkeypatch.setattr(limits, "_saturated", lambda shapes: seen.extend(shapes) or [])
+    monkeypatch.setattr(limits, "_slew_limited", lambda record, shapes: [])
+    pulses = blow(100, 150), blow(300, 350, method="fit"), blow(500, 550, width=math.nan), blow(700, 750, width=5e-3)
+    assert limits.limited(record(np.zeros(900), *pulses)) == []
+    assert [one.pulse for one in seen] == [pulses[0], pulses[3]]
+
+
+def test_pulses_without_ringing_are_those_without_the_coupling():
+    """An undershoot is no ringing; what is known of the tail holds on."""
+    pulses = blow(100, 150), blow(300, 350)
+    others = blow(100, 150, rigid=rigid_of(pulses[0])), blow(300, 350)
+    seen = record(np.zeros(900), *pulses)
+    model = TailModel("ac-coupling", -0.1, math.nan, 0.05, 1e-3)
+    vars(seen).update(tail=model, uncoupled_pulses=others)
+    found = seen.ringing_as_uncoupled()
+    assert [one.rigid for one in found.pulses] == [others[0].rigid, None]
+    assert (found.tail, found.uncoupled_pulses) == (model, others)
+    vars(seen).update(uncoupled_pulses=())
+    assert seen.ringing_as_uncoupled() is seen
+
+
 # responses
 
 
