@@ -56,10 +56,12 @@ def test_every_response_is_written(size):
     ("response", "change", "kept"), [(6e-281, 5e-281, True), (-8e-281, 7e-281, True), (5e-281, -4e-281, False)]
 )
 def test_responses_of_less_than_1e_minus_280_are_nothing(response, change, kept):
-    state, record = np.array([[response] * 3, [change] * 3]), np.empty((4, 1, 3))
+    """Of each oscillator by itself."""
+    state = np.array([[1.0, response, 2.0], [0.1, change, -0.3]])
+    record = np.empty((4, 1, 3))
     kernels.march(np.zeros(1), np.zeros(2), BANK.filters, state, record)
-    assert record[2:, 0].tolist() == [[response * kept] * 3, [change * kept] * 3]
-    assert (state[0] != 0.0).all() == kept
+    assert record[2:, 0].tolist() == [[1.0, response * kept, 2.0], [0.1, change * kept, -0.3]]
+    assert (state[0, 1] != 0.0) == kept
 
 
 @pytest.mark.parametrize("size", SIZES)
