@@ -175,7 +175,7 @@ def test_signs_are_opposite_where_the_correlation_reaches_a_tenth_farther_below_
 def test_an_onset_on_a_straight_front_is_uncertain_by_noise_over_its_slope(cut):
     """Also where the history begins between a half and the whole of the share that is sought."""
     time = np.arange(400.0)
-    ramp = np.interp(time, [10.0, 110.0, 210.0], [0.0, 1.0, 0.0])[10 + cut :]
+    ramp = np.interp(time, [10.0, 110.0, 310.0], [0.0, 1.0, 0.0])[10 + cut :]
     noisy, still = EvenHistory(ramp, 1e-3, 0.0, 0.02), EvenHistory(bell(time - 200.0, 40.0), 1e-3, 0.0)
     assert by_onset(noisy, still, 0.2).uncertainty == pytest.approx(0.02 * 100.0 * 1e-3, rel=1e-9)
     assert by_onset(noisy, noisy, 0.2).uncertainty == pytest.approx(math.sqrt(2.0) * 2e-3, rel=1e-9)
@@ -319,6 +319,9 @@ def test_a_history_at_another_step_has_as_many_samples_as_lie_in_it(step, count)
     assert (_at_step(one, step) is one.values) is (step == 1.0)
     fine = _at_step(EvenHistory(time, 1.0, 0.0), 0.5)
     assert fine[::2].tolist() == time.tolist()
+    assert _at_step(EvenHistory(np.zeros(500), 1.0, 0.0), 0.5).size == 999
+    tone = EvenHistory(np.cos(0.6 * np.pi * np.arange(400.0)), 1.0, 0.0)  # which three steps cannot hold
+    assert np.abs(_at_step(tone, 3.0)[40:90]).max() < 1e-3
     assert _at_step(one, 1.0 + 0.9e-9) is one.values
     assert _at_step(one, 1.0 + 1.2e-9) is not one.values
 

@@ -46,7 +46,8 @@ def test_an_offset_costs_what_the_corridor_says():
 
 @pytest.mark.parametrize(("offset", "score"), [(0.0499, 1.0), (0.05, 1.0), (0.5, 0.0), (0.501, 0.0)])
 def test_the_corridors_end_at_5_and_50_percent(offset, score):
-    assert corridor_score(np.ones(9), 1.0 + np.full(9, offset)) == pytest.approx(score, abs=1e-12)
+    for size in (1.0, -40.0):
+        assert corridor_score(size * np.ones(9), size * (1.0 + np.full(9, offset))) == pytest.approx(score, abs=1e-12)
 
 
 @pytest.mark.parametrize("delay", [-40, -7, 7, 40, 79])
