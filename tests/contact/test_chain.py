@@ -315,7 +315,7 @@ def test_samples_come_in_any_order_and_only_from_within():
     motion = simulate(chain, {"m": 1e-3}, {}, duration=1.0)
     t = np.array([0.9, 0.1, 0.5])
     assert np.array_equal(motion.positions(t), motion.positions(np.sort(t))[[2, 0, 1]])
-    for outside in (-0.1, 1.1, math.nan):
+    for outside in (-0.1, 1.1, math.nan, [0.5, 1.1], [-0.1, 0.5]):
         with pytest.raises(ValueError, match="within the motion"):
             motion.positions(outside)
     for duration in (0.0, -1.0, math.nan, math.inf):
@@ -412,6 +412,8 @@ def test_time_and_speed_scales_of_a_chain_worked_by_hand():
     assert _longest_step(shaken, 1.0) == pytest.approx(2 * math.pi / 50.0 / 8, rel=1e-14)
     assert _longest_step(shaken, 1e-4) == 1e-4
     assert _longest_step(spring, 0.7) == 0.7
+    tide = Chain({"a": 2.0}, [Spring("a", "table", 1.0)], {"table": Vibration(0.0, 1.0, 5e-3)})
+    assert _longest_step(tide, 1e3) == pytest.approx(2 * math.pi / 5e-3 / 8, rel=1e-14)
 
     def scale(chain, x, v):
         links = link_arrays(chain.links, chain.nodes)

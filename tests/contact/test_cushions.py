@@ -14,6 +14,7 @@ from scipy.optimize import brentq
 from strikewave.base.citations import CHECKED, QUOTED
 from strikewave.base.errors import InputError, IntegrationError
 from strikewave.contact import (
+    Contact,
     Damper,
     HardeningContact,
     LogarithmicContact,
@@ -45,7 +46,7 @@ from strikewave.contact.cushions import (
     tangent,
 )
 from strikewave.contact.dampers import cut_off_restitution
-from strikewave.contact.law import check_end, indentation_under
+from strikewave.contact.law import PressureCap, check, check_end, indentation_under
 
 AREA, THICKNESS, MASS, SPEED = 2e-3, 0.02, 3.0, 2.0
 PAD = Pad(AREA, THICKNESS)
@@ -511,6 +512,7 @@ def test_edges_of_what_a_pad_can_be_are_taken():
         lambda: Wear(stiffening=math.inf),
         lambda: retarded(LogarithmicContact(1e9, 1e5), 1e-5),
         lambda: retarded(retarded(linear(PAD, 1e6), 1e-5), 1e-5),
+        lambda: check(Contact([1e6, 1e6], [1.0, 1.5], cap=PressureCap(1e2, "crush"))),
     ):
         with pytest.raises(ValueError, match=r"must|a cushion"):
             wrong()
