@@ -47,7 +47,7 @@ class Made:
             contact_force=np.where(x < 0.5, 800.0, 0.49 * 800.0) * sine,
             rigid_acceleration=5000.0 * sine,
             face_place=-4e-3 + 0.1 * times,
-            assembly_place=5e-3 * np.sin(2.0 * math.pi * (times - TOUCH)),
+            assembly_place=-2e-3 + 5e-3 * np.sin(2.0 * math.pi * (times - TOUCH)),
             assembly_speed=0.0 * times,
             object_speed=3.0 * times,
             turntable_angle=9.1 * PITCH + 10.0 * (times - TOUCH) * PITCH,

@@ -476,6 +476,19 @@ def test_turning_place_is_the_top_of_its_parabola():
     assert place == pytest.approx(-4.7e-3 + 0.0009, abs=1e-15)  # flat at the top
 
 
+@pytest.mark.parametrize(("acceleration", "first", "last"), [(0.2, 1, 7), (-0.2, 8, 8), (9.0, 0, 0)])
+def test_largest_force_of_the_stop_is_found_from_the_first_to_the_last_of_nine_times(acceleration, first, last):
+    flight, going, circling, passes = in_flight(-0.05, acceleration, (0.1, 0.3))
+    going.record.mode[1, circling.stop] = PUSHING
+    note_flight(flight, going, passes, 2, np.empty(circling.states))
+    forces = []
+    for t in 0.1 + 0.3 * np.arange(9) / 8:
+        place, speed = -4.7e-3 - 0.05 * t + 0.5 * acceleration * t**2, acceleration * t - 0.05
+        forces.append(stop_force(*from_carriage(place, speed, 0.7 + t, 2.0)))
+    assert first <= np.argmax(forces) <= last
+    assert passes.table[0, column.STOP_FORCE] == pytest.approx(max(*forces, 0.0), rel=1e-12)
+
+
 def test_stop_of_a_flight_is_looked_at_nine_times_a_step_until_the_retraction():
     flight, going, circling, passes = in_flight(-0.05, 0.2, (0.1, 0.3))
     work = np.empty(circling.states)
