@@ -421,3 +421,99 @@ def test_a_free_decay_is_thinned_and_has_two_waves_a_mode(monkeypatch):
     assert (squares, np.max(np.abs(rest))) == (pytest.approx(0.0, abs=1e-18), pytest.approx(0.0, abs=1e-9))
     assert zero._free_decay(record(values[: 160 + 2 * FEWEST], response(modes=())), values).swinging.shape[1] == 0
     assert zero._free_decay(record(values[: 160 + 2 * FEWEST - 1]), values) is None
+
+
+@pytest.mark.parametrize(
+    ("level", "decay", "coupled", "code"),
+    [
+        (0.0, 0.099, True, None), (0.0, 0.101, True, "ac-coupling"), (0.29, 1.0, True, "ac-coupling"), (0.31, 1.0, True, "zero-shift"),
+        (-0.29, 1.0, True, "ac-coupling"), (0.0, 1.0, False, "zero-shift"), (0.5, -1.5, True, "zero-shift"), (0.4, 0.0, True, "zero-shift"),
+    ],
+)  # fmt: skip
+def test_a_zero_that_decays_is_coupled_or_has_shifted(monkeypatch, level, decay, coupled, code):
+    """From a hundredth of the peak on; what is taken off grows from the blow at 100 to the decay at 160."""
+    seen = []
+    monkeypatch.setattr(ExaminedResponse, "against", lambda self, values: seen.append(values) or {"peak": -0.01})
+    monkeypatch.setattr(zero, "_is_coupled", lambda *args: coupled)
+    one = ExaminedResponse(FLAT, STEP, START, "N", [blow(100)], [response()])
+    said = zero._shifted_after(one, FLAT, (160, level, decay, 0.05))
+    assert [f.code for f in said] == ([code] if code else [])
+    if code == "ac-coupling":
+        assert (said[0].value, said[0].start) == (0.05, blow(100).end)
+    elif code:
+        start, later = level + decay, level + decay * math.exp(-140.0 * STEP / 0.05)
+        assert said[0].value == pytest.approx(start)
+        assert seen[0][[100, 130, 160, 300]] == pytest.approx([0.0, -0.5 * start, -start, -later])
+        assert dict(said[0].effects)["peak"] == pytest.approx(
+            max(abs(level + decay * math.exp(-since * STEP / 0.05)) for since in (0, 339)) / 10.0
+        )
+        assert ("comes back with a time constant of 50 ms" in said[0].message) is bool(decay)
+
+
+@pytest.mark.parametrize(("left", "coupled"), [(0.59, True), (-0.59, True), (0.61, False), (-0.61, False)])
+def test_what_ac_coupling_leaves_of_a_decay_is_less_than_three_tenths(monkeypatch, left, coupled):
+    class Part:
+        values = np.zeros(3)
+
+        def beside(self, column):
+            return 0.0, np.array([9.0, left]), None
+
+    monkeypatch.setattr(zero, "_free_decay", lambda one, above: Part())
+    assert zero._is_coupled(record(FLAT), FLAT, -2.0, 0.1) is coupled
+    monkeypatch.setattr(zero, "_free_decay", lambda one, above: None)
+    assert zero._is_coupled(record(FLAT), FLAT, -2.0, 0.1) is False
+
+
+def test_level_decay_and_constant_of_a_zero_come_back():
+    known = mode()
+    since = STEP * np.arange(340)
+    swing = np.exp(since * (-1.0 / known.decay_time + 2j * np.pi * 20.0))
+    values = np.r_[np.zeros(160), 3.0 * swing.real - 2.0 * swing.imag + 0.5 + 0.7 * np.exp(-since / 0.06)]
+    one = record(values, response(modes=(known,)))
+    assert zero._zero_after(one, values) == pytest.approx((160, 0.5, 0.7, 0.06), rel=1e-3)
+    level = np.r_[np.zeros(160), 3.0 * swing.real + 0.5]
+    begin, at, decay, _ = zero._zero_after(one, level + 1e-6 * np.sin(np.arange(500.0) ** 2))
+    assert (begin, at + decay) == (160, pytest.approx(0.5, rel=1e-3))
+
+
+def test_a_drift_is_carried_to_the_end_of_the_response(monkeypatch):
+    """From the middle of what lies before the blow to the end of the effective duration: 150 samples."""
+    values = drifting(2e-3)
+    reaches = []
+    monkeypatch.setattr(ExaminedResponse, "against", lambda self, values: {"peak": 0.0})
+    monkeypatch.setattr(
+        ExaminedResponse, "moved_by", lambda self, reach: reaches.append(reach) or dict.fromkeys(examined.JUMPING, 0.0)
+    )
+    monkeypatch.setattr(zero, "_zero_after", lambda one, above: None)
+    one = ExaminedResponse(values, STEP, START, "N", [blow(100)], [response(modes=())])
+    assert [f.code for f in zero.shifted(one)] == ["drift"]
+    assert reaches == [pytest.approx(150.0 * abs(zero._line_before(one)[1]))]
+
+
+@pytest.mark.parametrize(("limit", "found"), [(0.9, True), (0.99, False), (1.0, False)])
+def test_tops_lower_than_the_modes_make_them_are_compressed(monkeypatch, limit, found):
+    """What stays below six tenths of the peak is as the modes make it; above, a share of that."""
+    t = np.arange(400.0)
+    template = 10.0 * np.sin(2.0 * np.pi * t / 50.0)
+    values = np.r_[np.zeros(100), np.where(np.abs(template) < 6.0, template, limit * template)]
+    ends = []
+    monkeypatch.setattr(
+        ExaminedResponse, "driven", lambda self, end: ends.append(end) or np.r_[np.zeros(100), template][:end, None]
+    )
+    said = limits.compressed(record(values, response(peak=10.0 * limit)))
+    assert ends == [301]
+    assert [(f.code, f.value, f.harms) for f in said] == (
+        [("flat-top", pytest.approx(1.0 - limit, abs=2e-3), RESPONSE_FIGURES)] if found else []
+    )
+    monkeypatch.setattr(ExaminedResponse, "driven", lambda self, end: None)
+    assert limits.compressed(record(values)) == []
+
+
+def test_noise_that_only_makes_a_timing_uncertain_is_told(monkeypatch):
+    for effects, said in (({"delay": 0.06}, True), ({"duration": 0.04}, False), ({"rms": 0.06}, True)):
+        monkeypatch.setattr(
+            ExaminedResponse,
+            "moved_by",
+            lambda self, reach, e=effects: dict.fromkeys(("peak", "rms", "delay", "duration"), 0.0) | e,
+        )
+        assert bool(noise.noise(record(FLAT))) is said

@@ -77,6 +77,8 @@ def test_what_comes_in_the_period_of_the_mains_is_no_blow_three_times_below():
     assert (
         told(siblings._without_blow, [reading(blow(100.0)), mains(20.0), mains(21.0)]) == []
     )  # one alone tells no usual one
+    found = told(siblings._without_blow, [*others, mains(30.0), mains(30.0), mains(30.0)])
+    assert [one[0] for one in found] == [2, 3, 4]  # two do, however many of the mains there are
 
 
 def test_a_ratio_that_a_setting_explains_is_left_to_the_gain():

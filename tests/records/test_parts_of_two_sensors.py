@@ -32,7 +32,7 @@ def motion(**how):
         ({}, "yes", "gain 1 ± 0 and delay 0 ± 0 µs; alike within 10 % up to 2500\xa0Hz"),
         ({"gain": 1.039}, "yes", ""), ({"gain": 1.041}, "no", "calibration 2 % more"), ({"gain": 0.961}, "yes", ""), ({"gain": 0.959}, "no", "gain"),
         ({"gain": 1.07, "gain_uncertainty": 0.03}, "yes", ""), ({"gain": 1.073, "gain_uncertainty": 0.03}, "no", "gain"),
-        ({"delay": 5.7e-4}, "yes", ""), ({"delay": 5.8e-4}, "no", "sampling 289 µs more"), ({"delay": -5.8e-4}, "no", "delay"),
+        ({"delay": 5.77e-4}, "yes", ""), ({"delay": 5.78e-4}, "no", "sampling 289 µs more"), ({"delay": -5.8e-4}, "no", "delay"),
         ({"delay": 9e-4, "delay_uncertainty": 3.5e-4}, "yes", ""), ({"delay": 9.2e-4, "delay_uncertainty": 3.5e-4}, "no", "delay"),
         ({"gain": 1.05, "delay": 6e-4}, "no", "and sampling"),
         ({"gain_uncertainty": 0.0979}, "yes", ""), ({"gain_uncertainty": 0.0981}, "cannot-tell", "too uncertain"),
