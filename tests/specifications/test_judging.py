@@ -17,6 +17,7 @@ from strikewave.specifications.judging import (
     PulseLimits,
     Shock,
     ShockVerdict,
+    area_between,
     judge_shock,
     judged,
     not_judged,
@@ -347,6 +348,7 @@ def test_a_cross_axis_channel_without_numbers_or_of_some_shocks_alone_is_no_pass
         (-math.inf, 4.0, 3.0, 0.25),
         (4.0, math.inf, 5.0, 0.25),
         (0.0, math.inf, 5.0, math.nan),
+        (0.0, 0.002, 0.0005, 0.5),
     ],
 )
 def test_the_share_of_a_margin_is_of_half_the_tolerance_or_of_the_one_limit(low, high, value, share):
@@ -697,3 +699,41 @@ def test_what_a_spectrum_loses_before_it_gains_is_seen():
     """Of two values one leaves at a tenth of the uncertainty, the other comes in at three tenths: between them none is in."""
     clause = share_of([1.25 / 1.1**0.1, 0.8 / 1.1**0.3], 0.1, "guarded")
     assert (clause.value, clause.uncertainty) == (0.5, 0.5)
+
+
+BAND = PulseLimits(PULSE, "quoted", band=PulseBand(PULSE, 0.1, 0.2), band_status="quoted")
+WIDE = PulseLimits(PULSE, "quoted", width=Limits(0.0, 1.0, "quoted"))
+
+
+@pytest.mark.parametrize(
+    ("limits", "figures"),
+    [(WIDE, ("width",)), (BAND, ("peak", "width")), (PEAK, ("peak",))],
+    ids=["width", "band", "peak"],
+)
+def test_what_harms_its_figures_or_is_sampled_too_coarsely_leaves_a_clause_open(limits, figures):
+    coarse = Shock(PULSE.at(np.arange(60) * 1.2e-4 - 2e-3), 1.2e-4, 0.0, 20)
+    assert only(shock_of(1000.0), limits).verdict == "pass"
+    for figure in ("peak", "width"):
+        clause = only(shock_of(1000.0, troubles={figure: "why"}), limits)
+        assert (clause.reason, clause.verdict) == (("why", "cannot-tell") if figure in figures else ("", "pass"))
+    assert only(coarse, limits).reason.startswith("8.3 samples a pulse")
+
+
+def test_a_peak_of_which_a_filter_leaves_little_has_no_upper_limit_to_miss():
+    limits = PulseLimits(PULSE, "quoted", peak=Limits(800.0, math.inf, "quoted"))
+    assert only(shock_of(1000.0, filter_left=0.005), limits).verdict == "pass"
+
+
+@pytest.mark.parametrize(("left", "verdict"), [(1.0, "pass"), (1.0 / 1.004, "pass"), (1.0 / 1.006, "cannot-tell")])
+def test_a_filter_may_take_as_much_as_there_is_room_in_a_band(left, verdict):
+    """A peak of 1195 has 5 to the upper curve: four thousandths of it are 4.8, and six 7.2."""
+    assert only(shock_of(1195.0, filter_left=left), BAND).verdict == verdict
+
+
+def test_an_area_is_that_of_all_samples_from_one_time_to_another():
+    """Of a half-sine 2 A D/pi; half a microsecond that a record lacks is told."""
+    whole = shock_of(1000.0)
+    assert area_between(whole, 2e-3, 3e-3) == pytest.approx(2.0 / math.pi, rel=1e-6)
+    assert area_between(whole, 2.2503e-3, 2.5e-3) == pytest.approx(math.cos(0.2503 * math.pi) / math.pi, rel=1e-5)
+    assert math.isnan(area_between(replace(whole, begin=0.5e-6), 0.0, 1e-3))
+    assert not math.isnan(area_between(whole, 0.0, 1e-3))
