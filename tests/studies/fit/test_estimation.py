@@ -338,28 +338,6 @@ def test_a_misfit_within_three_tenths_of_its_parabola_at_two_errors_is_one(cubic
     assert is_quadratic(search, known, 0)
 
 
-def test_more_searches_begin_while_ends_differ_and_none_explains_the_data():
-    """Three starts where ends agree or one is explained, at most eight where none is; the best end comes first."""
-    rng = np.random.default_rng(1)
-
-    def rough(place):
-        return np.array([np.sin(40.0 * place[0]) + 1.5, np.cos(31.0 * place[1]) + 1.5, place[0] - 0.3])
-
-    def smooth(place):
-        return 10.0 * (place - 0.4)
-
-    start = rng.uniform(0.2, 0.8, 2)
-    counts = []
-    for residuals, explained in ((rough, False), (rough, True), (smooth, False)):
-        search = Search(residuals, 2)
-        search.begin(start)
-        ends = search.wide(start, lambda left, answer=explained: answer)
-        counts.append(len(ends))
-        misfits = [float(left @ left) for _, left in ends]
-        assert misfits == sorted(misfits)
-    assert counts == [8, 3, 3]
-
-
 class Told(Search):
     """A search whose descents end as they are told; it keeps where they began, and to what accuracy."""
 

@@ -210,8 +210,8 @@ def test_moves_of_the_fit_are_student_t_of_four_degrees_about_it():
 
 
 def test_chains_keep_within_bounds_and_where_the_model_runs(monkeypatch):
-    """Of 75 steps and 32 chains: none below 0, none where there is no number or no run; progress counts them."""
-    monkeypatch.setattr("strikewave.studies.fit.posterior.MOST_RUNS", 75 * WALKERS + 31)
+    """Of 50 steps and 32 chains: none below 0, none where there is no number or no run; progress counts them."""
+    monkeypatch.setattr("strikewave.studies.fit.posterior.MOST_RUNS", 50 * WALKERS + 31)
     told = []
 
     def some(place):
@@ -223,11 +223,11 @@ def test_chains_keep_within_bounds_and_where_the_model_runs(monkeypatch):
         np.zeros(1), np.zeros(1), np.array([[50.0]]), np.array([[4e-4]]), np.zeros((1, 0)), np.full(1, 1.96)
     )
     posterior = sample(some, found, lambda runs, misfit: told.append((runs, misfit)))
-    assert (posterior.steps, posterior.too_short, posterior.stopped) == (75, True, False)
+    assert (posterior.steps, posterior.too_short, posterior.stopped) == (50, True, False)
     assert 0.0 <= posterior.draws.min() < 0.003
     assert 0.027 < posterior.draws.max() <= 0.03
     assert told[-1] == (posterior.runs, 0.0)
-    assert len(told) == 1 + 1 + 2 * 75 or len(told) > 75
+    assert len(told) > 50
     assert 0.3 < posterior.accepted < 0.9
 
 
