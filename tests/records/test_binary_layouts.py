@@ -318,6 +318,10 @@ def test_more_arrays_than_the_most_are_refused(written, monkeypatch):
     assert len(mat.read(written(old_matrix("ab", [3, 5]) * 2), Options()).channels) == 2
     with pytest.raises(InputError, match="more than 2 arrays"):
         mat.read(written(old_matrix("ab", [3, 5]) * 3), Options())
+    passed_over = matrix("class4", [3, 5], flags=4)
+    assert len(mat.read(written(HEAD["<"] + matrix("a", [3, 5]) + passed_over), Options()).channels) == 1
+    with pytest.raises(InputError, match="more than 2 arrays"):
+        mat.read(written(HEAD["<"] + matrix("a", [3, 5]) + passed_over + matrix("b", [3, 5])), Options())
     assert not mat.sniff(HEAD["<"][:127])
     assert mat.sniff(HEAD[">"])
 

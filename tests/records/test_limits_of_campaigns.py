@@ -366,7 +366,8 @@ def test_more_points_than_the_most_are_means_of_neighbours(monkeypatch, n, rows)
 @pytest.mark.parametrize(
     ("text", "known"),
     [
-        (" [G] ", ("m/s^2", 9.80665)), ("(Volts)", ("V", 1.0)), ("0.5 kN", ("N", 500.0)), ("-3 g", None), ("0 g", None), ("3 bananas", None),
+        (" [G] ", ("m/s^2", 9.80665)), ("(Volts)", ("V", 1.0)), ("0.5 kN", ("N", 500.0)),
+        ("0.005 g", ("m/s^2", 0.04903325)), ("-3 g", None), ("0 g", None), ("3 bananas", None),
         ("ME", ("1", 1e-6)), ("1e999 g", None), ("m/s/s", ("m/s^2", 1.0)), ("MilliVolts", ("V", 1e-3)), ("", None),
     ],
 )  # fmt: skip
