@@ -18,7 +18,8 @@ def gradings(draw):
     coarse = draw(size)
     fine = coarse * draw(st.floats(1e-2, 1.0))
     places = tuple(draw(st.lists(st.floats(-0.01, 0.06), min_size=1, max_size=3)))
-    return Grading(coarse, fine, places, draw(st.floats(0.0, 0.01)), draw(st.floats(1.02, 2.0)))
+    extent = min(draw(st.floats(0.0, 0.01)), 2000.0 * fine)  # three zones then stay below 20 000 elements
+    return Grading(coarse, fine, places, extent, draw(st.floats(1.02, 2.0)))
 
 
 lengths = st.floats(1e-4, 0.05)

@@ -225,10 +225,10 @@ def test_no_other_bulge_of_the_core_gives_a_better_worst_corner(monkeypatch):
 
     def worst(bulge):
         monkeypatch.setattr(sections, "BULGE", bulge)
-        return min(row.scaled_jacobian for row in quality_report(cylinder("a", 0.02, 0.01, 2.5e-4, 5e-3, "quarter")))
+        return min(row.scaled_jacobian for row in quality_report(cylinder("a", 0.02, 0.01, 2.5e-4, 1e-2, "quarter")))
 
     ours = worst(BULGE)
-    assert all(worst(bulge) < ours + 0.006 for bulge in np.linspace(0.0, 1.0, 21))
+    assert all(worst(bulge) < ours + 0.006 for bulge in np.linspace(0.0, 1.0, 11))
 
 
 @pytest.mark.parametrize("name", ROUND)
@@ -577,6 +577,7 @@ def test_nodes_and_sides_of_a_block_by_hand():
             np.testing.assert_allclose(vector, way * area * np.eye(3)[axis], atol=1e-17)
 
 
+@settings(max_examples=15)
 @given(st.integers(0, 10**6), st.floats(-4.0, 4.0))
 def test_a_turn_is_that_of_scipy(seed, angle):
     axis, about = np.random.default_rng(seed).normal(size=(2, 3))
