@@ -52,6 +52,7 @@ def test_integral_rise_and_slope_of_a_pulse_are_those_of_its_history(pulse):
 def test_a_rise_that_is_not_given_is_half_a_triangle_and_a_quarter_of_a_trapezoid():
     assert [LoadPulse(shape, 1.0, 8.0).rise for shape in ("triangle", "trapezoid", "half-sine")] == [4.0, 2.0, 0.0]
     assert LoadPulse("trapezoid", 1.0, 8.0, 4.0).impulse == 4.0  # no flat top: a triangle
+    assert LoadPulse("triangle", 1.0, 8.0, 0.01).rise == 0.01
     for shape, rise in (("triangle", 8.1), ("trapezoid", 4.1), ("triangle", -1.0)):
         with pytest.raises(ValueError, match="rise"):
             LoadPulse(shape, 1.0, 8.0, rise)
@@ -95,6 +96,8 @@ def test_a_measured_load_that_never_changes_takes_its_whole_time():
     assert (load.steepest_time, load.rise_time, load_time(load)) == (3.0, 0.0, 3.0)
     slow = Sampled(np.array([0.0, 2.0]), np.array([9.0, 10.0]))
     assert slow.steepest_time == 2.0  # ten times at its slope is longer than the load
+    weak = Sampled(np.array([0.0, 1.0, 3.0]), np.array([0.0, 5e-3, 5e-3]))
+    assert weak.steepest_time == 1.0
 
 
 @pytest.mark.parametrize(
@@ -175,6 +178,8 @@ def test_a_load_and_a_run_last_two_steps_at_least():
     refuse_coarse(LoadPulse("rectangle", 5.0, 1.0), 0.5)
     refuse_coarse(LoadPulse("rectangle", 0.0, 1.0), 9.0)
     refuse_few_steps(0.5, 1.0)
+    with pytest.raises(ValueError, match="too long for a load"):
+        refuse_coarse(LoadPulse("rectangle", 5e-3, 1.0), 0.501)
     with pytest.raises(ValueError, match=r"below 0\.5 s"):
         refuse_coarse(LoadPulse("rectangle", 5.0, 1.0), 0.501)
     with pytest.raises(ValueError, match=r"below 0\.5 s"):
