@@ -271,6 +271,14 @@ def test_twice_what_half_the_step_changes_is_added_and_a_third_of_the_bend(monke
     assert found.acceleration == pytest.approx(2.0 + 2.0 * 64.0 + 36.0 / 3.0, rel=1e-14)
 
 
+def test_half_the_step_that_changes_nothing_adds_nothing(monkeypatch):
+    """Two samples have no second difference."""
+    stack = Stack(TWO.layers, (Joint(2.0),))
+    monkeypatch.setattr(bar, "_run", lambda *_: made_up(2, 3.0))
+    monkeypatch.setattr(bar, "replace", lambda run, bound: bound)
+    assert bar._with_lumped_error(made_up(2, 3.0, stack=stack), bar._Sampling(1, 0.5)) == ErrorBound(1.0, 2.0)
+
+
 @pytest.mark.parametrize(
     ("joint", "end", "bound"),
     [

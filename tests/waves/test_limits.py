@@ -160,6 +160,9 @@ def test_places_that_no_wave_reaches_are_named_with_the_longest_way():
     assert not list(not_reached_notices(STACK, taps, 0.1, "", faces=()))
     (found,) = not_reached_notices(STACK, taps, 1.0, "", faces=(2,))  # from behind: far 1.5, near and upper 3
     assert found.limit == 3.0
+    (found,) = not_reached_notices(STACK, [], 2.99, "", faces=(2,))  # its rear face, nearest, after 3
+    assert "layer upper" in found.message
+    assert not list(not_reached_notices(STACK, [], 3.01, "", faces=(2,)))
 
 
 def test_small_gaps_preloads_and_forces_count_like_large_ones():
