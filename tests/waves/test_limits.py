@@ -165,6 +165,18 @@ def test_places_that_no_wave_reaches_are_named_with_the_longest_way():
     assert not list(not_reached_notices(STACK, [], 3.01, "", faces=(2,)))
 
 
+def test_a_field_of_three_layers_is_read_beyond_their_ends_and_at_both_joints():
+    """Layers end at 4, 10 and 14 m; a place that lies behind the last face by rounding belongs to the last layer."""
+    stack = Stack((UPPER, LOWER, UPPER), (BONDED, BONDED))
+    position = np.array([1.0, 4.0, 9.9, 12.0, 14.0000001])
+    force = np.array([[1.0, -2.0, 3.0, -4.0, 5.0], [0.0, 6.0, -7.0, 0.0, -8.0]])
+    assert [part.tolist() for part in field_extremes(stack, position, force)] == [
+        [6.0, 7.0, 8.0],
+        [-2.0, -7.0],
+        [6.0, 3.0],
+    ]
+
+
 def test_small_gaps_preloads_and_forces_count_like_large_ones():
     small = [
         (Joint(unilateral=True, gap=1e-6), 0.0, 5e-3, [("joint-gap", 5e-3, 0.0)], "closes"),
