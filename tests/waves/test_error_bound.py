@@ -533,6 +533,31 @@ def test_parts_that_fly_have_their_mass_times_their_speed_and_half_of_its_square
 
 
 @pytest.mark.parametrize(
+    ("stiffness", "place", "rate", "energy"),
+    [
+        (40.0, 0.2, 0.0, 0.5 * 40.0 * 0.2**2),
+        (40.0, 0.2, 0.4, 0.5 * 40.0 * 0.3**2),  # half a step ahead
+        (40.0, -0.05, 0.0, 0.5 * 40.0 * 0.05**2),
+        (40.0, -0.175, 0.0, 0.5 * 3.0 * 0.075 + 3.0 * 0.1),  # let go at 3/40 m, the bolt pulled 0.1 m further
+        (40.0, -0.275, 0.4, 0.5 * 3.0 * 0.075 + 3.0 * 0.1),
+        (math.inf, -0.2, 0.4, 3.0 * 0.2),
+        (math.inf, 0.0, 0.0, 0.0),
+    ],
+)
+def test_a_bolted_joint_holds_what_its_spring_and_its_bolt_were_given(stiffness, place, rate, energy):
+    """A spring of 40 N/m between halves of a flange, and a bolt that pulls 3 N however far they part."""
+    damping = 0.0 if math.isinf(stiffness) else 7.0
+    joint = Joint(stiffness, damping, unilateral=True, preload=3.0)
+    for joints, k in (([joint, BONDED], 0), ([BONDED, joint], 1)):
+        stack = timed_stack([9.0, 4.0, 2.0], [1.0, 1.0, 1.0], joints, End())
+        grid = transit.TimeGrid(0.5, (2, 2, 2), 0.0)
+        tables, state = transit.tables_of(stack, grid), transit.state_at_rest(stack, grid)
+        state.joint[k, _kernels.COMPRESSION], state.joint[k, _kernels.RATE] = place, rate
+        assert _kernels.energy(tables, state) == pytest.approx(energy, rel=1e-12, abs=1e-15)
+        assert _kernels.momentum(tables, state) == 0.0
+
+
+@pytest.mark.parametrize(
     ("end", "coefficients"),
     [
         (End("free"), [1.0, 0.0, 0.0, 0.0, 0.0]),

@@ -38,6 +38,14 @@ def test_both_end_at_what_passes_without_the_layer(rng):
         assert ends == pytest.approx([2.0 * ratio[1] / (1.0 + ratio[1])] * 2, rel=1e-12)
 
 
+def test_one_step_is_what_passes_both_interfaces_at_once():
+    """T1 = 2 Z/(Z1 + Z) and T2 of 2, 3 and 5 kg/s: 6/5 and 10/8 of the jump."""
+    bars = [Layer("bar", 1.0, z * z, 1.0, 1.0) for z in (2.0, 3.0, 5.0)]
+    steps = staircase(Sandwich(*bars), 1)
+    assert steps.first == pytest.approx([1.2], rel=1e-15)
+    assert steps.second == pytest.approx([1.5], rel=1e-15)
+
+
 def test_no_step_is_refused():
     with pytest.raises(ValueError, match="at least one step"):
         staircase(Sandwich(steel(0.1), alloy(0.02), steel(0.1)), 0)
