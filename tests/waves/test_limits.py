@@ -163,6 +163,8 @@ def test_places_that_no_wave_reaches_are_named_with_the_longest_way():
     (found,) = not_reached_notices(STACK, [], 2.99, "", faces=(2,))  # its rear face, nearest, after 3
     assert "layer upper" in found.message
     assert not list(not_reached_notices(STACK, [], 3.01, "", faces=(2,)))
+    assert not list(not_reached_notices(STACK, [], 2.01, ""))  # the lower layer begins after 2
+    assert len(list(not_reached_notices(STACK, [], 1.99, ""))) == 1
 
 
 def test_a_field_of_three_layers_is_read_beyond_their_ends_and_at_both_joints():
