@@ -646,3 +646,12 @@ def test_blow_ends_where_its_striker_leaves_the_face(monkeypatch):
     gained, booked = energy(system, end) - energy(system, start), end.y - start.y
     driven, dragged, fed, rubbed = booked[at.of_drive]
     assert gained == pytest.approx(driven - dragged - rubbed - booked[at.dissipated].sum() + fed, abs=5e-3)
+
+
+def test_momentum_that_the_waves_miss_is_told_over_the_impulse_of_the_contact(monkeypatch):
+    shorten(monkeypatch)
+    gained = iter((3.0, 3.2))
+    monkeypatch.setattr(one_blow.waves, "momentum", lambda *_: next(gained))
+    span, _ = strike(*about_to_strike())
+    got = STEP * (span.history[:, column.CONTACT_FORCE] - span.taps.force[:, 3]).sum()
+    assert span.momentum_error == pytest.approx(abs(got - 0.2) / span.history[-1, column.CONTACT_IMPULSE], rel=1e-6)
