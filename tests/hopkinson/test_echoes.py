@@ -197,7 +197,7 @@ def test_passes_of_a_bar_without_noise_give_its_constants():
     assert found.times[0] == pytest.approx(100e-6 - 8e-6, abs=6e-6)
     strong = found.frequency < 40e3
     assert found.losses[strong] == pytest.approx(0.05, rel=5e-3)
-    assert found.phase_speed[strong] == pytest.approx(found.theory_speed[strong], rel=1e-5)
+    assert found.phase_speed[strong] == pytest.approx(found.theory_speed[strong], rel=3e-5)  # tails that are cut
     assert found.frequency[0] == pytest.approx(1.0 / found.window, rel=0.3)
     later = calibrate_bar(echoes_of(BAR, loss=0.05), UNKNOWN, skip=2)
     assert (later.times.size, later.first) == (10, 2)
