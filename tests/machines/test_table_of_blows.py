@@ -216,7 +216,7 @@ def test_passes_count_while_the_object_is_held():
     run = Made([], apexes=(0.09, 0.1, 0.39, 0.9, 0.9 + 5e-13, 0.9 + 5e-12), held=(0.1, 0.9))
     found = counted_passes(run)
     assert list(found) == [8, 11, 16]
-    assert list(found.values()) == pytest.approx([0.1, 0.39, 0.9])
+    assert list(found.values()) == [0.1, 0.39, 0.9 + 5e-13]  # rounding of the end counts, no more
     assert counted_passes(Made([])) == {}
 
 
