@@ -318,3 +318,10 @@ def test_responses_go_on_from_block_to_block():
     values = noise(9000)
     late = response_history(np.concatenate([np.zeros(700), values]), 1e-5, 700.0)[700:]
     assert response_history(values, 1e-5, 700.0) == pytest.approx(late, rel=1e-9, abs=1e-9)
+
+
+def test_vector_sums_of_several_frequencies_are_those_of_each():
+    """The slowest swings on for the longest after a short record."""
+    axes, fn = [noise(12, k) for k in (1, 2)], [30.0, 300.0, 3000.0]
+    alone = [resultant_srs(axes, 1e-5, [one])[0] for one in fn]
+    assert resultant_srs(axes, 1e-5, fn) == pytest.approx(alone, rel=1e-9)
