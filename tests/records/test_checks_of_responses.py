@@ -505,6 +505,7 @@ def test_tops_lower_than_the_modes_make_them_are_compressed(monkeypatch, limit, 
     assert [(f.code, f.value, f.harms) for f in said] == (
         [("flat-top", pytest.approx(1.0 - limit, abs=2e-3), RESPONSE_FIGURES)] if found else []
     )
+    assert [dict(f.effects)["peak"] for f in said] == [-f.value for f in said]
     monkeypatch.setattr(ExaminedResponse, "driven", lambda self, end: None)
     assert limits.compressed(record(values)) == []
 

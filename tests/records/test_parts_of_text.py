@@ -230,6 +230,12 @@ def test_a_column_that_counts_samples_is_no_channel(read):
     assert [name for name, _, _ in named(read("a,b,\n" + rows, Options(rate=3.0)))] == ["a", "b", "channel 3"]
 
 
+def test_two_lines_are_a_record_and_one_is_none(read):
+    assert read("a,b\n1,5\n2,3\n", Options(rate=4.0)).channels[0].values.tolist() == [1.0, 2.0]
+    with pytest.raises(InputError, match="at least two lines"):
+        read("a,b\n1,5\n", Options(rate=4.0))
+
+
 def test_channels_not_asked_for_are_not_read(read):
     record = read("t,a,b\n" + ROWS, Options(channels=("b",)))
     assert [(c.name, c.values.strides == (0,), c.values.size) for c in record.channels] == [
