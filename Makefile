@@ -10,6 +10,8 @@ INSTALL = install --quiet --disable-pip-version-check --no-deps
 COMPILE = .uv/bin/uv pip compile --quiet pyproject.toml requirements/build.in --constraint constraints.txt --universal \
 	--python-version 3.11 --generate-hashes --no-annotate --no-header --default-index https://pypi.org/simple
 JOBS ?= 2
+# asserts are not rewritten, which takes each worker half a minute: what fails is run again with its values
+PYTEST = $(BIN)/python -m pytest -n $(JOBS) --dist worksteal --assert=plain
 SEED ?= 1
 COUNT ?= 30
 CASES ?= li-ma-2019 li-ma-2019-fig13
@@ -38,10 +40,10 @@ demo: $(VENV)/core
 
 test: $(VENV)/dev
 	@$(BIN)/python scripts/compile_kernels.py $(JOBS)
-	$(BIN)/python -m pytest -n $(JOBS) --dist worksteal
+	$(PYTEST) || { $(BIN)/python -m pytest --last-failed; exit 1; }
 
 verify: $(VENV)/dev
-	$(BIN)/python -m pytest -n $(JOBS) --dist worksteal -m verify
+	$(PYTEST) -m verify || { $(BIN)/python -m pytest --last-failed -m verify; exit 1; }
 
 # one file a study, in the order of their names; each prints what it found and writes its tables and pictures
 validate: $(VENV)/dev

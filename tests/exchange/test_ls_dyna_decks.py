@@ -19,7 +19,12 @@ from strikewave.fem.solids import Bilinear, Elastic, JohnsonCook
 
 from .decks import TILT, LsDyna, everything, outward, unit_of
 
-pytest.importorskip("ansys.dyna.core")
+
+@pytest.fixture(scope="module", autouse=True)
+def reader():
+    """Skip what cannot be read back; imported for tests that run, as it takes two seconds."""
+    pytest.importorskip("ansys.dyna.core")
+
 
 BUNDLED = ("hertz-ball-fem", "two-bars-fem", "taylor-bar-fem")
 
