@@ -12,7 +12,9 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, ClassVar, Literal, NamedTuple
 
-from strikewave.base.json_document import head, json_text, plain, without
+from strikewave.base import declare
+from strikewave.base.declare import KEY, MAIN, NO_UNIT, Quantity
+from strikewave.base.json_document import head, json_text, plain
 
 if TYPE_CHECKING:
     import xarray
@@ -291,38 +293,20 @@ NO_RUNS = Verdicts(())
 """Verdicts of a result that is not made of runs."""
 
 
-@dataclass(frozen=True)
+@declare.dataclass
 class Comparison:
-    """Comparison of a computed number with the published one.
+    """Comparison of a computed number with the published one, both in the SI unit of the quantity."""
 
-    Attributes
-    ----------
-    quantity : str
-        Which number, such as ``first.rigid_peak``.
-    published : float
-        The published number, SI.
-    measured_or_simulated : str
-        How it was found by those who published it.
-    computed : float or None
-        Ours, SI; None where the run has none.
-    difference : float or None
-        (computed - published) / published.
-    role : str
-        ``fitted``, it chose a value; ``predicted``; or ``shown``, not comparable.
-    note : str
-        Why it is not comparable, or what else is said of it.
-    sensor : str
-        Which sensor it is of, where it is of one.
-    """
-
-    quantity: str
-    published: float
-    measured_or_simulated: str
-    computed: float | None
-    difference: float | None
-    role: str
-    note: str = ""
-    sensor: str = ""
+    quantity: str = declare.word("which number, such as first.rigid_peak", column=KEY)
+    published: float = declare.word("the published number", column=MAIN)
+    measured_or_simulated: str = declare.word("how it was found by those who published it", column=MAIN)
+    computed: float | None = declare.word("ours; null where the run has none", column=MAIN)
+    difference: float | None = declare.number(Quantity(NO_UNIT, "%"), "(computed - published) / published", column=MAIN)
+    role: str = declare.word("fitted, it chose a value; predicted; or shown, not comparable", column=MAIN)
+    note: str = declare.word(
+        "why it is not comparable, or what else is said of it", default="", column=MAIN, in_document=False
+    )
+    sensor: str = declare.word("which sensor it is of, where it is of one", default="", column=MAIN)
 
 
 class BalanceCheck(NamedTuple):
@@ -579,6 +563,10 @@ class Result(ABC):
     """The command that gives it."""
     data_file: ClassVar[str] = ""
     """Name of the file that keeps its data."""
+    named_units: ClassVar[Mapping[str, str]] = {}
+    """SI units of numbers that the document names by their paths, such as published ones."""
+    may_have_bands: ClassVar[bool] = False
+    """Whether the JSON document says what bands it has."""
 
     notices: tuple[Notice, ...] = ()
     comparisons: tuple[Comparison, ...] = ()
@@ -655,13 +643,13 @@ class Result(ABC):
         own = fail_on == "broken" and (self.broken or self.own_verdict.status == RUN_BROKEN)
         return EXIT_BROKEN if own or self.verdicts.fails(fail_on) else 0
 
-    @abstractmethod
     def units(self) -> Mapping[str, str]:
-        """Return the unit of each key of the JSON document."""
+        """Return the unit of each key of the JSON document, as its fields declare it."""
+        return {**declare.units(type(self)), **self.named_units}
 
-    @abstractmethod
     def content(self) -> dict[str, Any]:
-        """Return what the JSON document holds beside its head."""
+        """Return what the JSON document holds beside its head: its declared fields, and its bands."""
+        return {**declare.content(self), **(self.band_content() if self.may_have_bands else {})}
 
     def band_content(self) -> dict[str, Any]:
         """Return what the JSON document says of the bands; see `Band` and `BandMethod`."""
@@ -729,11 +717,6 @@ def failed_words(codes: Sequence[str]) -> str:
     'check failed: no-blow'
     """
     return f"check{'s' if len(codes) > 1 else ''} failed: {', '.join(codes)}"
-
-
-def comparison_document(comparison: Comparison, *left_out: str) -> dict[str, Any]:
-    """Return a comparison as a row of the JSON document."""
-    return without(dataclasses.asdict(comparison), *left_out)
 
 
 def balance_notices(balance: Mapping[str, float]) -> Iterator[Notice]:

@@ -8,6 +8,8 @@ from typing import NamedTuple
 
 from pydantic import Field
 
+from strikewave.base import declare
+from strikewave.base.declare import KEY
 from strikewave.base.errors import InputError, nearest
 from strikewave.base.quantities import Range, Value
 from strikewave.cases.paths import Form
@@ -42,12 +44,18 @@ class ChangedField(NamedTuple):
     now: str
 
 
-class StaleFit(NamedTuple):
+@declare.dataclass
+class StaleFit:
     """A value whose fit no longer applies: its path, what it was fitted to, and the fields that changed since."""
 
-    field: str
+    field: str = declare.word("path of the fitted value", column=KEY)
     to: str
     changed: tuple[ChangedField, ...]
+
+    @declare.computed(declare.word("paths of the fields under which it was fitted and that differ now", key="changed"))
+    def changed_paths(self) -> list[str]:
+        """The paths of what changed."""
+        return [change.path for change in self.changed]
 
     @property
     def since(self) -> str:

@@ -2,24 +2,23 @@
 
 from __future__ import annotations
 
-from typing import NamedTuple
-
+from strikewave.base import declare
+from strikewave.base.declare import KEY
+from strikewave.base.shock_quantities import FREQUENCY, RATIO
 from strikewave.cases.case import Case
 from strikewave.cases.sensors_of_case import build_channels
 from strikewave.cases.stack_of_case import fitted, layer_loss, matter_of
 
 
-class FittedLoss(NamedTuple):
-    """A loss factor held by springs and dashpots: where, the one asked for, by how much of it it is missed at most.
+@declare.dataclass
+class FittedLoss:
+    """A loss factor held by springs and dashpots over a band of frequencies."""
 
-    ``low`` and ``high`` are the ends of the band, Hz.
-    """
-
-    where: str
-    loss_factor: float
-    error: float
-    low: float
-    high: float
+    where: str = declare.word("what loses energy", column=KEY)
+    loss_factor: float = declare.number(RATIO, "its loss factor in the case")
+    error: float = declare.number(RATIO, "by how much of it the springs and dashpots miss it at most")
+    low: float = declare.number(FREQUENCY, "low end of the band")
+    high: float = declare.number(FREQUENCY, "high end of the band")
 
 
 def fitted_losses(case: Case) -> tuple[FittedLoss, ...]:
@@ -28,8 +27,8 @@ def fitted_losses(case: Case) -> tuple[FittedLoss, ...]:
     Examples
     --------
     >>> from strikewave import load_case
-    >>> fitted_losses(load_case("li-ma-2019-fig13-bar", ["stack.layer.lower.loss_factor=0.1"]))[0][:2]
-    ('lower', 0.1)
+    >>> fitted_losses(load_case("li-ma-2019-fig13-bar", ["stack.layer.lower.loss_factor=0.1"]))[0].loss_factor
+    0.1
     """
     losses = []
     for layer in case.stack.layer:

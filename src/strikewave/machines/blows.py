@@ -4,11 +4,24 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
+from strikewave.base import declare
+from strikewave.base.declare import KEY, MAIN, MORE, NO_UNIT, Quantity
+from strikewave.base.shock_quantities import (
+    IMPULSE,
+    INDENTATION,
+    PEAK_FORCE,
+    PULSE_WIDTH,
+    RATIO,
+    RESTITUTION,
+    RIGID_PEAK,
+    RISE_TIME,
+    SPEED,
+    VELOCITY_CHANGE,
+)
 from strikewave.contact.elastoplastic import spot_after
 from strikewave.contact.law import check_end
 from strikewave.machines._layout import APEX_SWITCH
@@ -41,107 +54,134 @@ MOST_SAMPLES = 200_000
 """Samples of such a window at most, 30 MB with all that is sampled: beyond 50 ms it is sampled more coarsely."""
 
 
-@dataclass(frozen=True)
+@declare.dataclass
 class Blow:
     """One pass of one striker, or one of the rebounds of a launched machine, all its re-contacts included; SI.
 
     Theory of both velocity changes: :eq:`machine-velocity-change`.
-
-    Attributes
-    ----------
-    index : int
-        Number of the blow, from 1.
-    kind : str
-        full, glancing (approach below half the nominal speed of a drive), double (a second group of contacts, more
-        than a pulse width later, carries a tenth of the impulse) or missed.
-    striker : int
-        Which striker, from 1.
-    time : float
-        First touch after the valve signal, s; the apex of the pass when missed.
-    contacts : int
-        Intervals of contact.
-    approach_speed : float
-        Closing speed at first touch, m/s.
-    rebound_speed : float
-        Parting speed at the release that ends the blow, m/s: the last one of a double blow, else the last one before a
-        gap longer than the pulse, after which the striker only touches lightly.
-    contact_time : float
-        From first touch to the release that ends the blow, gaps between contacts included, s.
-    restitution : float
-        Of the contact: square root of the work that it gives back over the work that it takes (Stronge).
-    indentation : float
-        Largest indentation of the contact, m.
-    residual_indentation : float
-        What stays of the indentation, m.
-    contact_stiffness : float
-        Slope of the contact force at the largest indentation, on the way back, N/m.
-    flattening : float
-        Radius of the spot after the blow over that before anything yielded.
-    impulse : float
-        Of all forces on the object from first touch to the release that ends the blow, N s.
-    contact_impulse : float
-        The part of the impulse by the strikers' contact, N s.
-    support_impulse : float
-        The part of the impulse by spring, damper, stop and gravity, N s.
-    momentum_error : float
-        Impulse less change of momentum, over the larger of contact and support impulse.
-    peak_force : float
-        Largest contact force, N.
-    side_force : float
-        Largest force across the blow with which the sliding nose drags the face along, N, over all contacts of the
-        pass: above 0 the way the nose passes. The guide of the object bears it.
-    side_impulse : float
-        Impulse of the side force over all contacts of the pass, N s.
-    friction_heat : float
-        Heat of this sliding over all contacts of the pass, J.
-    rigid_peak : float
-        Peak of the assembly's rigid-body acceleration, m/s^2. The zero is that of a sensor, taken before the blow: of
-        an object that falls, in the fall, so that gravity is in no figure of its pulse.
-    width : float
-        Width of that pulse at 10 % of its peak, s.
-    rise : float
-        Time in which that pulse rises from 10 to 90 % of its peak, s.
-    velocity_change : float
-        Integral of that pulse from foot to foot, where 2 % of its peak is left, m/s, as a record has it: what frame,
-        spring and stop give the assembly from about first touch to the last release of the pulse, nothing later.
-    blow_velocity_change : float
-        Of the object's centre of mass from first touch to the release that ends the blow, m/s: impulse over its mass,
-        gravity included; of a double blow over the whole pass, what spring and stop do between its contacts included.
-    largest_displacement : float
-        Largest displacement of the struck face, rearward, after first touch and until the next blow or the retraction,
-        m; of a missed blow, how far behind its place of rest the face was when the striker passed.
-    turntable_speed : float
-        At first touch, rad/s.
     """
 
-    index: int
-    kind: str
-    striker: int
-    time: float
-    contacts: int
-    approach_speed: float
-    rebound_speed: float
-    contact_time: float
-    restitution: float
-    indentation: float
-    residual_indentation: float
-    contact_stiffness: float
-    flattening: float
-    impulse: float
-    contact_impulse: float
-    support_impulse: float
-    momentum_error: float
-    peak_force: float
-    side_force: float
-    side_impulse: float
-    friction_heat: float
-    rigid_peak: float
-    width: float
-    rise: float
-    velocity_change: float
-    blow_velocity_change: float
-    largest_displacement: float
-    turntable_speed: float
+    index: int = declare.word("number of the blow, from 1", label="#", column=KEY, tables="blows contact sliding")
+    kind: str = declare.word(
+        "full, glancing (approach below half the nominal speed of a drive), double (a second group of contacts, more "
+        "than a pulse width later, carries a tenth of the impulse) or missed",
+        column=MAIN,
+        tables="blows",
+        is_tag=True,
+    )
+    striker: int = declare.word("which striker, from 1", in_document=False)
+    time: float = declare.number(
+        Quantity("s", "ms", decimals=3, digits=0),
+        "first touch after the valve signal; the apex of the pass when missed",
+        column=MAIN,
+        tables="blows",
+    )
+    contacts: int = declare.word("intervals of contact", column=MORE + 2, tables="blows", order=1)
+    approach_speed: float = declare.number(SPEED, "closing speed at first touch", column=MORE, tables="blows contact")
+    rebound_speed: float = declare.number(
+        SPEED,
+        "parting speed at the release that ends the blow: the last one of a double blow, else the last one before a "
+        "gap longer than the pulse, after which the striker only touches lightly",
+        column=MORE,
+        tables="contact",
+    )
+    contact_time: float = declare.number(
+        Quantity("s", "us", decimals=1, digits=0),
+        "from first touch to the release that ends the blow, gaps between contacts included",
+        column=MORE,
+        tables="contact",
+    )
+    restitution: float = declare.number(
+        RESTITUTION,
+        "of the contact: square root of the work that it gives back over the work that it takes (Stronge)",
+        column=MAIN,
+        tables="contact",
+    )
+    indentation: float = declare.number(
+        INDENTATION, "largest indentation of the contact", column=MAIN, tables="contact"
+    )
+    residual_indentation: float = declare.number(
+        INDENTATION, "what stays of the indentation", column=MORE + 1, tables="contact"
+    )
+    contact_stiffness: float = declare.number(
+        Quantity("N/m", "MN/m", decimals=1, digits=0),
+        "slope of the contact force at the largest indentation, on the way back",
+        column=MAIN,
+        tables="contact",
+    )
+    flattening: float = declare.number(
+        Quantity(NO_UNIT, NO_UNIT, decimals=4, digits=0),
+        "radius of the spot after the blow over that before anything yielded",
+        column=MORE + 1,
+        tables="contact",
+    )
+    impulse: float = declare.number(
+        IMPULSE,
+        "of all forces on the object from first touch to the release that ends the blow",
+        column=MORE + 1,
+        tables="blows",
+    )
+    contact_impulse: float = declare.number(IMPULSE, "the part of the impulse by the strikers' contact")
+    support_impulse: float = declare.number(
+        IMPULSE, "the part of the impulse by spring, damper, stop and gravity", in_document=False
+    )
+    momentum_error: float = declare.number(
+        RATIO, "impulse less change of momentum, over the larger of contact and support impulse", in_document=False
+    )
+    peak_force: float = declare.number(PEAK_FORCE, "largest contact force", column=MORE, tables="blows")
+    side_force: float = declare.number(
+        Quantity("N", "kN", decimals=2, digits=0),
+        "largest force across the blow with which the sliding nose drags the face along, over all contacts of the "
+        "pass: above 0 the way the nose passes. The guide of the object bears it",
+        column=MAIN,
+        tables="sliding",
+    )
+    side_impulse: float = declare.number(
+        IMPULSE, "impulse of the side force over all contacts of the pass", column=MAIN, tables="sliding"
+    )
+    friction_heat: float = declare.number(
+        Quantity("J", "J", decimals=2, digits=0),
+        "heat of this sliding over all contacts of the pass",
+        column=MORE,
+        tables="sliding",
+    )
+    rigid_peak: float = declare.number(
+        RIGID_PEAK,
+        "peak of the assembly's rigid-body acceleration. The zero is that of a sensor, taken before the blow: of an "
+        "object that falls, in the fall, so that gravity is in no figure of its pulse",
+        band="rigid_peak",
+        column=MAIN,
+        tables="blows",
+    )
+    width: float = declare.number(
+        PULSE_WIDTH, "width of that pulse at 10 % of its peak", band="width", column=MAIN, tables="blows"
+    )
+    rise: float = declare.number(
+        RISE_TIME, "time in which that pulse rises from 10 to 90 % of its peak", in_document=False
+    )
+    velocity_change: float = declare.number(
+        VELOCITY_CHANGE,
+        "integral of that pulse from foot to foot, where 2 % of its peak is left, as a record has it: what frame, "
+        "spring and stop give the assembly from about first touch to the last release of the pulse, nothing later",
+        band="velocity_change",
+        column=MAIN,
+        tables="blows",
+    )
+    blow_velocity_change: float = declare.number(
+        VELOCITY_CHANGE,
+        "of the object's centre of mass from first touch to the release that ends the blow: impulse over its mass, "
+        "gravity included; of a double blow over the whole pass, what spring and stop do between its contacts included",
+    )
+    largest_displacement: float = declare.number(
+        Quantity("m", "mm", decimals=2, digits=0),
+        "largest displacement of the struck face, rearward, after first touch and until the next blow or the "
+        "retraction; of a missed blow, how far behind its place of rest the face was when the striker passed",
+        column=MORE + 1,
+        tables="blows",
+    )
+    turntable_speed: float = declare.number(
+        Quantity("rad/s", "rad/s", decimals=3, digits=0), "at first touch", column=MORE, tables="sliding"
+    )
 
 
 def contact_table(run: MachineRun) -> Array:
@@ -175,13 +215,13 @@ def blows(run: MachineRun) -> tuple[Blow, ...]:
     passes = sorted({*counted, *(int(p) for p in table[:, 4])})
     starts = [float(table[table[:, 4] == p, 0][0]) if p in table[:, 4] else counted[p] for p in passes]
     listed = []
-    for index, (number, start) in enumerate(zip(passes, starts, strict=True), start=1):
+    for index, (struck_pass, start) in enumerate(zip(passes, starts, strict=True), start=1):
         until = starts[index] if index < len(starts) else run.end
-        rows = table[table[:, 4] == number]
+        rows = table[table[:, 4] == struck_pass]
         if len(rows):
             listed.append(_struck(run, index, rows, until))
         else:
-            listed.append(_missed(run, index, number, start))
+            listed.append(_missed(run, index, struck_pass, start))
     return tuple(listed)
 
 

@@ -26,6 +26,7 @@ from strikewave.base.result import RUN_PASSED, WARNING, Band, Result
 from strikewave.reporting.banded_numbers import table_decimals
 from strikewave.reporting.bands import bands_of
 from strikewave.reporting.columns import Column
+from strikewave.reporting.faces import data_columns, key_numbers, shown_rows
 from strikewave.reporting.numbers import axis_unit, fixed, headed, shown, time_unit
 from strikewave.reporting.parts import written
 
@@ -137,6 +138,9 @@ class ShownResult(Result):
     table_name: ClassVar[str] = "table"
     """What its main table is called in a workbook."""
 
+    main_rows: ClassVar[str] = ""
+    """The declared field with the rows of that table."""
+
     is_history: ClassVar[bool] = False
     """Whether its main table is a history, of which a notebook shows rows spread over it, not the first ones."""
 
@@ -158,7 +162,7 @@ class ShownResult(Result):
         >>> run_case(load_case("li-ma-2019", ["feed.blows=1"])).highlights()[1]
         ('first peak', '4151 g')
         """
-        return ()
+        return key_numbers(self)
 
     def columns(self) -> Sequence[Column]:
         """Return its main table.
@@ -169,7 +173,7 @@ class ShownResult(Result):
         >>> [column.name for column in run_case(load_case("li-ma-2019", ["feed.blows=1"])).columns()][:3]
         ['index', 'kind', 'striker']
         """
-        return ()
+        return data_columns(self, self.main_rows) if self.main_rows else ()
 
     def brief(self) -> Mapping[str, str]:
         """Return the columns that a notebook shows, each with the unit in which it does as a rule.
@@ -349,6 +353,8 @@ def shown_table(result: ShownResult, most: int | None = None) -> tuple[list[str]
     >>> heads[:3], rows[0][:3]
     (['index', 'kind', 'time (ms)'], ['1', 'full', '42.07'])
     """
+    if result.main_rows:
+        return shown_rows(result, result.main_rows, most)
     usual, kept = result.brief(), result.brief_columns()
     heads = [headed(column.name.replace("_", " "), column.si, usual[column.name]) for column in kept]
     if most is not None and result.is_history:

@@ -4,11 +4,13 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
 from typing import NamedTuple
 
+from strikewave.base import declare
+from strikewave.base.declare import MAIN
 from strikewave.base.percents import percent
 from strikewave.base.result import Notice
+from strikewave.base.shock_quantities import ACCELERATION, PULSE_WIDTH
 from strikewave.sensors import Reading, Recorder, Sensor
 from strikewave.sensors.mounting import RESOLVED
 from strikewave.signal.pulse import WIDTH_FRACTION, largest, measure_pulse
@@ -33,26 +35,16 @@ class SensorChannel(NamedTuple):
     recorder: Recorder
 
 
-@dataclass(frozen=True)
+@declare.dataclass
 class SensorPulse:
-    """What a sensor made of one blow.
+    """What a sensor made of one blow."""
 
-    Attributes
-    ----------
-    peak : float
-        Largest reading with its sign, m/s^2.
-    width : float
-        Width at 10 % of the peak, s.
-    clipped : bool
-        Whether anything was cut off on the way.
-    cut : bool
-        Whether the reading ends before the pulse does: its peak may come later.
-    """
-
-    peak: float
-    width: float
-    clipped: bool
-    cut: bool = False
+    peak: float = declare.number(
+        ACCELERATION, "what the sensor reads at most, with its sign", band="peak", column=MAIN, headline="sensor {name}"
+    )
+    width: float = declare.number(PULSE_WIDTH, "width of that pulse at 10 % of its peak", column=MAIN)
+    clipped: bool = declare.word("whether sensor or recorder cut it off", column=MAIN)
+    cut: bool = declare.word("whether the reading ends before the pulse does: its peak may come later", default=False)
 
 
 def shortest_period(channels: Sequence[SensorChannel]) -> float:

@@ -2,28 +2,33 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
+from strikewave.base import declare
+from strikewave.base.declare import KEY, MAIN
+from strikewave.base.shock_quantities import EXACT_LENGTH, RATIO, STEP
 from strikewave.waves import Stack, TimeGrid
 
 
-@dataclass(frozen=True)
+@declare.dataclass
 class LayerUsed:
-    """A layer as asked for and as the time step made it, m and steps."""
+    """A layer as asked for and as the time step made it."""
 
-    name: str
-    length_asked: float
-    length_used: float
-    steps: int
+    name: str = declare.word("what the layer is called", label="layer", column=KEY, tables="lengths stress")
+    length_asked: float = declare.number(
+        EXACT_LENGTH, "its length in the case", label="asked", column=MAIN, tables="lengths"
+    )
+    length_used: float = declare.number(
+        EXACT_LENGTH, "its length by whole steps", label="used", column=MAIN, tables="lengths"
+    )
+    steps: int = declare.word("steps of its transit", column=MAIN, tables="lengths")
 
 
-@dataclass(frozen=True)
+@declare.dataclass
 class WaveSetup:
-    """How the waves of a stack were followed: time step (s), largest mismatch of a transit, layers as used."""
+    """How the waves of a stack were followed."""
 
-    step: float
-    mismatch: float
-    layers: tuple[LayerUsed, ...]
+    step: float = declare.number(STEP, "time step of the waves")
+    mismatch: float = declare.number(RATIO, "largest relative error of a transit time by whole steps")
+    layers: tuple[LayerUsed, ...] = declare.rows(LayerUsed, "the layers as the time step makes them")
 
 
 def wave_setup(stack: Stack, grid: TimeGrid) -> WaveSetup:

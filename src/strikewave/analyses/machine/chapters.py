@@ -6,12 +6,12 @@ import math
 from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING
 
-from strikewave.analyses.machine.columns import blow_columns
 from strikewave.analyses.machine.kind import kind_of
 from strikewave.analyses.machine.words import (
     ANSWERS_CALLED,
     MACHINES,
     answer_columns,
+    blow_columns,
     launch_tables,
     reference_law,
     restitution_words,

@@ -2,62 +2,56 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from typing import Any
-
+from strikewave.base import declare
+from strikewave.base.declare import KEY, MAIN, MORE, NO_UNIT, Quantity
+from strikewave.base.shock_quantities import ACCELERATION, PEAK_FORCE, PULSE_WIDTH, RATIO, RESTITUTION
 from strikewave.cases.yield_pressure import ELASTIC, HIGH, LOW, WORTH_SHOWING
 
-ANSWER_UNITS = {
-    "asked_restitution": "1",
-    "first_yield": "N",
-    "times_first_yield": "1",
-    "yield_pressure": "Pa",
-    "rigid_peak": "m/s^2",
-    "peak_force": "N",
-    "width": "s",
-    "restitution": "1",
-}
-"""SI unit of each number of the answers."""
 
-
-@dataclass(frozen=True)
+@declare.dataclass
 class ContactAnswer:
     """The first blow with its contact elastic, or yielding at a largest pressure (None where elastic), SI."""
 
-    name: str
-    yield_pressure: float | None
-    rigid_peak: float
-    peak_force: float
-    width: float
-    restitution: float
+    name: str = declare.word("answer of the contact: elastic, or yielding at a largest pressure", column=KEY)
+    yield_pressure: float | None = declare.number(
+        Quantity("Pa", "GPa", "largest pressure", 3, 0), "that pressure; null where elastic", column=MORE
+    )
+    rigid_peak: float = declare.number(
+        ACCELERATION, "peak of the rigid-body acceleration of the first blow then", band="rigid_peak", column=MAIN
+    )
+    peak_force: float = declare.number(PEAK_FORCE, "its largest contact force", column=MAIN)
+    width: float = declare.number(PULSE_WIDTH, "its width at 10 % of the peak", band="width", column=MAIN)
+    restitution: float = declare.number(
+        Quantity(NO_UNIT, NO_UNIT, "coefficient of restitution", 3, 0), "its coefficient of restitution", column=MORE
+    )
 
 
-@dataclass(frozen=True)
+@declare.dataclass
 class ContactAnswers:
     """The first blow by each answer of its contact.
 
+    Beside what documents have:
+
     Attributes
     ----------
-    asked_restitution : float
-        Restitution asked of the damping; what comes out is that of each row, what yields included.
-    first_yield : float or None
-        Load at which the weaker material first yields inside, N; None where it is not known.
-    taken : str
-        Name of the answer that the run took.
     rows : tuple of ContactAnswer
         From elastic to the highest pressure; the others stand beside the one taken where the contact yields.
     """
 
-    asked_restitution: float
-    first_yield: float | None
-    taken: str
-    rows: tuple[ContactAnswer, ...]
+    asked_restitution: float = declare.number(RESTITUTION, "coefficient of restitution asked of the damping")
+    first_yield: float | None = declare.number(
+        Quantity("N", "N"), "load at which the weaker material first yields inside; null where it is not known"
+    )
+    taken: str = declare.word("name of the answer that the run took")
+    rows: tuple[ContactAnswer, ...] = declare.rows(
+        ContactAnswer, "the answers, from elastic to the highest pressure", key="answers"
+    )
 
     def row(self, name: str) -> ContactAnswer | None:
         """Return an answer by its name; None where it was not found."""
         return next((row for row in self.rows if row.name == name), None)
 
-    @property
+    @declare.computed(declare.number(RATIO, "elastic peak force over that load"))
     def times_first_yield(self) -> float | None:
         """Elastic peak force over the load of first yield."""
         elastic = self.row(ELASTIC)
@@ -69,7 +63,13 @@ class ContactAnswers:
         peaks = ([getattr(row, name) for row in self.rows] for name in ("rigid_peak", "peak_force"))
         return max(max(values) / min(values) - 1.0 if min(values) > 0.0 else 0.0 for values in peaks)
 
-    @property
+    @declare.computed(declare.number(RESTITUTION, "what came out of the first blow"))
+    def restitution(self) -> float | None:
+        """Coefficient of restitution of the answer that was taken."""
+        taken = self.row(self.taken)
+        return None if taken is None else taken.restitution
+
+    @declare.computed(declare.word("whether the answers differ so much that all are shown"))
     def differ(self) -> bool:
         """Whether the answers differ by so much that all are shown."""
         return self.spread > WORTH_SHOWING
@@ -81,16 +81,3 @@ class ContactAnswers:
             return None
         peaks = [row.rigid_peak for row in self.rows if row.name != ELASTIC]
         return min(peaks), max(peaks)
-
-    def document(self) -> dict[str, Any]:
-        """Return what the JSON document holds of it."""
-        taken = self.row(self.taken)
-        return {
-            "asked_restitution": self.asked_restitution,
-            "restitution": None if taken is None else taken.restitution,
-            "first_yield": self.first_yield,
-            "times_first_yield": self.times_first_yield,
-            "taken": self.taken,
-            "differ": self.differ,
-            "answers": [vars(row) for row in self.rows],
-        }

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import dataclasses
 import math
 from collections.abc import Sequence
 from typing import Any
@@ -10,8 +9,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from strikewave.analyses.machine.columns import BLOW_UNITS
 from strikewave.analyses.machine.sensor_readings import BlowHistory, Observed, ReadingSetup
+from strikewave.base.declare import declarations
 from strikewave.base.variables import LabelledArrays, quantity
 from strikewave.cases.case import Case
 from strikewave.machines import Blow
@@ -104,12 +103,10 @@ def build_dataset(case: Case, seen: Observed) -> LabelledArrays:
     if case.launched() is None:
         variables["turntable_speed"] = quantity("time", train.turntable_speed, "rad/s", "turntable speed")
     variables |= _place_variables(case, run, time, train)
-    for column in (f.name for f in dataclasses.fields(Blow)):
+    for column, one in declarations(Blow).items():
         if column not in ("index", "kind"):
             values = np.array([getattr(b, column) for b in blows])
-            variables[f"blow_{column}"] = quantity(
-                "blow", values, BLOW_UNITS.get(column, "1"), column.replace("_", " ")
-            )
+            variables[f"blow_{column}"] = quantity("blow", values, one.quantity.si or "1", column.replace("_", " "))
     variables["blow_kind"] = quantity("blow", np.array([b.kind for b in blows], dtype=object), "1", "kind")
     coordinates = {
         "time": quantity("time", time, "s", f"time after {begun}"),

@@ -8,7 +8,6 @@ The dataset holds the whole train (dimension ``time``, from the valve signal or 
 from __future__ import annotations
 
 import dataclasses
-import functools
 import json
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
@@ -21,29 +20,32 @@ import numpy as np
 from numpy.typing import NDArray
 
 from strikewave._version import __version__
-from strikewave.analyses.machine.columns import BLOW_SI, BLOW_UNITS, HIDDEN, shown_in
-from strikewave.analyses.machine.contact_answers import ANSWER_UNITS, ContactAnswer, ContactAnswers
+from strikewave.analyses.machine.contact_answers import ContactAnswer, ContactAnswers
 from strikewave.analyses.machine.figures_of import figures_of, sensor_figures
 from strikewave.analyses.machine.sensor_readings import BlowReading
+from strikewave.base import declare
+from strikewave.base.declare import KEY, MAIN, NO_UNIT, Quantity, declarations
 from strikewave.base.errors import InputError
 from strikewave.base.first_few import first_few
-from strikewave.base.result import SCHEMA, Band, BandMethod, Comparison, Notice, Source, comparison_document
+from strikewave.base.result import SCHEMA, Band, BandMethod, Comparison, Notice
+from strikewave.base.shock_quantities import MASS, RATIO
 from strikewave.base.variables import LabelledArrays, open_result
 from strikewave.cases.case import Case, parse_case
-from strikewave.cases.comparisons import stale_fits_document
 from strikewave.cases.tables.published import PUBLISHED_QUANTITIES
-from strikewave.cases.written_case import dump_case
 from strikewave.machines import Blow
 from strikewave.machines.blows import KINDS
 from strikewave.reporting.banded_numbers import with_band
+from strikewave.reporting.case_result import CaseResult
 from strikewave.reporting.columns import Column, csv_table
-from strikewave.reporting.shown_result import Curve, ShownResult, history_curve
+from strikewave.reporting.faces import data_columns
+from strikewave.reporting.shown_result import Curve, history_curve
 from strikewave.sensors.channel import SensorPulse
 from strikewave.waves.setup import LayerUsed, WaveSetup
 
 if TYPE_CHECKING:
     import xarray
 
+LINE_SPEED = Quantity("m/s", "m/s", decimals=4, digits=0)
 SHOWN_WIDTHS = 2.2
 """Widths of the first blow that its curve lasts: the pulse, and as long again in which the object flies."""
 
@@ -76,72 +78,113 @@ class RigidReference:
     duration: float
 
 
-@dataclass(frozen=True)
+@declare.dataclass
 class LineCollision:
-    """A collision of two bodies of an amplifier, SI: time after the lowest met the floor, speeds upwards."""
+    """A collision of two bodies of an amplifier, SI."""
 
-    time: float
-    lower: str
-    upper: str
-    lower_before: float
-    upper_before: float
-    lower_after: float
-    upper_after: float
-    impulse: float
-    energy_lost: float
-
-
-LAUNCH_UNITS = {"approach_speed": "m/s", "energy_released": "J", "energy_at_touch": "J", "gain": "1"}
-"""What is said of a machine without a drive, and its SI unit."""
+    time: float = declare.number(
+        Quantity("s", "ms", decimals=4, digits=0), "time after the lowest met the floor", column=KEY
+    )
+    lower: str = declare.word("the lower body", column=KEY)
+    upper: str = declare.word("the upper body", column=KEY)
+    lower_before: float = declare.number(LINE_SPEED, "its speed before, upwards", column=MAIN)
+    upper_before: float = declare.number(LINE_SPEED, "that of the upper one", column=MAIN)
+    lower_after: float = declare.number(LINE_SPEED, "its speed after", column=MAIN)
+    upper_after: float = declare.number(LINE_SPEED, "that of the upper one", column=MAIN)
+    impulse: float = declare.number(Quantity("N s", "N s", digits=5), "impulse between them", column=MAIN)
+    energy_lost: float = declare.number(Quantity("J", "J", digits=5), "energy that is lost", column=MAIN)
 
 
-@dataclass(frozen=True)
-class Solution(ShownResult):
+@declare.dataclass
+class Launch:
+    """How a machine without a drive came to first touch."""
+
+    approach_speed: float = declare.number(
+        Quantity("m/s", "m/s", digits=6), "speed at first touch", label="approach speed at first touch", column=MAIN
+    )
+    energy_released: float = declare.number(
+        Quantity("J", "J", digits=6),
+        "energy that was released",
+        label="energy given on the way to first touch",
+        column=MAIN,
+    )
+    energy_at_touch: float = declare.number(
+        Quantity("J", "J", digits=6),
+        "kinetic energy at first touch",
+        label="kinetic energy of what meets, at first touch",
+        column=MAIN,
+    )
+    gain: float = declare.number(
+        RATIO,
+        "of an amplifier: largest speed of the top body over the first approach speed",
+        label="gain of the line: fastest speed of the object over that at the floor",
+        column=MAIN,
+    )
+
+
+@declare.dataclass
+class Phase:
+    """A phase of a test."""
+
+    name: str = declare.word("phase of the test, such as feed", column=KEY)
+    time: float = declare.number(Quantity("s", "ms"), "when it begins", column=MAIN)
+
+
+@declare.dataclass
+class ReadBlow:
+    """A blow, and what taps and sensors show of it."""
+
+    blow: Blow = declare.part(Blow, "the blow", inline=True)
+    reading: BlowReading = declare.part(BlowReading, "what taps and sensors show", inline=True)
+
+
+@declare.dataclass
+class Solution(CaseResult):
     """What a run gave; see `Result` for what it shares with others.
+
+    Beside what documents have:
 
     Attributes
     ----------
-    case : Case
-        What ran.
     blows : sequence of Blow
         The table of blows.
-    masses : dict
-        Of striker, object and assembly, kg.
-    balance : dict
-        ``energy_error`` and ``momentum_error``: what the balances miss, as shares of what flowed.
-    phases : tuple of (str, float)
-        Name and time (s) from the valve signal.
     reference : RigidReference
         The printed law on a rigid object.
     readings : tuple of (BlowReading or None)
         What taps and sensors show, one a blow; None where it missed.
-    waves : WaveSetup or None
-        How the waves were followed; None where the object is no stack.
+    phases : tuple of (str, float)
+        Name and time (s) from the valve signal.
     sampled : LabelledArrays
         Histories and the table of blows, with units; `histories` and `data` are the xarray Dataset of them.
-    launch : dict
-        Of a machine without a drive, SI: see `LAUNCH_UNITS`.
     collisions : tuple of LineCollision
         Of the bodies of an amplifier, that of striker and object among them, by restitution alone.
-    contact : ContactAnswers or None
-        The first blow with its contact elastic and yielding; None where none struck.
     """
 
     command: ClassVar[str] = "run"
     table_name: ClassVar[str] = "blows"
+    main_rows: ClassVar[str] = "read_blows"
+    may_have_bands: ClassVar[bool] = True
+    named_units: ClassVar[Mapping[str, str]] = {name: unit or NO_UNIT for name, unit in PUBLISHED_QUANTITIES.items()}
 
-    case: Case
     blows: Sequence[Blow]
-    masses: dict[str, float]
+    masses: dict[str, float] = declare.number(MASS, "masses of striker, object and assembly, by these names")
     phases: tuple[tuple[str, float], ...]
-    balance: dict[str, float]
+    balance: dict[str, float] = declare.number(
+        RATIO, "energy_error and momentum_error: what the balances miss, as shares of what flowed"
+    )
     reference: RigidReference
     readings: tuple[BlowReading | None, ...]
-    waves: WaveSetup | None
+    waves: WaveSetup | None = declare.part(
+        WaveSetup, "how the waves of a struck stack were followed; null where the object is none"
+    )
     sampled: LabelledArrays = field(repr=False, compare=False)
-    launch: dict[str, float] = field(default_factory=dict)
+    launch: dict[str, float] | None = declare.part(
+        Launch, "of a machine without a drive: how it came to first touch", default=None, optional=True
+    )
     collisions: tuple[LineCollision, ...] = ()
-    contact: ContactAnswers | None = None
+    contact: ContactAnswers | None = declare.part(
+        ContactAnswers, "the first blow with its contact elastic and yielding; null where none struck", default=None
+    )
 
     @property
     def title(self) -> str:
@@ -159,16 +202,6 @@ class Solution(ShownResult):
         return any(blow.friction_heat > 0.0 for blow in self.blows)
 
     @property
-    def test(self) -> Mapping[str, str]:
-        """What the case says of the test."""
-        return self.case.test.stated()
-
-    @functools.cached_property
-    def source(self) -> Source:
-        """The case."""
-        return Source("case", self.case.name, dump_case(self.case))
-
-    @property
     def arrays(self) -> LabelledArrays:
         """Histories and the table of blows, with units."""
         return self.sampled
@@ -178,47 +211,38 @@ class Solution(ShownResult):
         """Histories and the table of blows, with units in their attributes."""
         return self.data
 
-    def units(self) -> dict[str, str]:
-        """Return the unit of each key of the JSON document."""
-        units = {k: u for k, u in BLOW_UNITS.items() if k not in HIDDEN}
-        units |= {"wave_peak": "m/s^2", "total_peak": "m/s^2", "bandwidth": "Hz", "peak": "m/s^2", "masses": "kg"}
-        units |= {"step": "s", "mismatch": "1", "length_asked": "m", "length_used": "m"}
-        units |= ANSWER_UNITS | LAUNCH_UNITS | {"lower_before": "m/s", "upper_before": "m/s"}
-        units |= {"lower_after": "m/s", "upper_after": "m/s", "energy_lost": "J"}
-        return units | {"balance": "1", "difference": "1"} | {k: u or "1" for k, u in PUBLISHED_QUANTITIES.items()}
+    @declare.computed(declare.word("exact, or as printed: the paper's own"))
+    def route(self) -> str:
+        """By which route the waves were followed."""
+        return self.case.solver.route
 
-    def content(self) -> dict[str, Any]:
-        """Return what the JSON document holds beside its head."""
-        rows = []
+    @declare.computed(declare.rows(ReadBlow, "the blows", key="blows", band="first typical"))
+    def read_blows(self) -> list[ReadBlow]:
+        """The blows, with what taps and sensors show of each."""
         nothing = BlowReading(None, None, None, {})
-        for blow, reading in zip(self.blows, self.readings, strict=True):
-            row = {k: v for k, v in dataclasses.asdict(blow).items() if k not in HIDDEN}
-            rows.append({**row, **dataclasses.asdict(reading or nothing)})
-        return {
-            "case": self.case.name,
-            "route": self.case.solver.route,
-            "blows": rows,
-            "masses": self.masses,
-            "phases": [{"name": name, "time": time} for name, time in self.phases],
-            "balance": self.balance,
-            "contact": None if self.contact is None else self.contact.document(),
-            **self._launched(),
-            "waves": dataclasses.asdict(self.waves) if self.waves else None,
-            "published": [comparison_document(c, "note", "sensor") for c in self.comparisons],
-            "fitted_fields": self.case.fitted_fields(),
-            "stale_fits": stale_fits_document(self.case),
-            **self.band_content(),
-        }
+        return [ReadBlow(blow, reading or nothing) for blow, reading in zip(self.blows, self.readings, strict=True)]
+
+    @declare.computed(declare.rows(Phase, "phases of the test", key="phases"))
+    def phase_rows(self) -> list[Phase]:
+        """The phases, as rows."""
+        return [Phase(*phase) for phase in self.phases]
+
+    @declare.computed(
+        declare.rows(LineCollision, "collisions of two bodies of an amplifier", key="collisions", optional=True)
+    )
+    def line(self) -> tuple[LineCollision, ...] | None:
+        """The collisions of a machine without a drive; None of one with a drive."""
+        return self.collisions if self.launch else None
+
+    @declare.computed(declare.rows(Comparison, "comparison with published values"))
+    def published(self) -> tuple[Comparison, ...]:
+        """The comparisons, by the key of the JSON document."""
+        return self.comparisons
 
     @property
     def figures(self) -> dict[str, float]:
         """The results that may have a band, by name, SI."""
         return {**figures_of(self.blows), **sensor_figures(self.readings)}
-
-    def _launched(self) -> dict[str, Any]:
-        """Return what the JSON document says of a machine without a drive; nothing of one with a drive."""
-        rows = [dataclasses.asdict(collision) for collision in self.collisions]
-        return {"launch": self.launch, "collisions": rows} if self.launch else {}
 
     @property
     def struck(self) -> list[Blow]:
@@ -258,24 +282,12 @@ class Solution(ShownResult):
 
     def columns(self) -> list[Column]:
         """Return the table of blows, with what taps and sensors show of each."""
-        columns = [
-            Column(name, [getattr(blow, name) for blow in self.blows], BLOW_SI.get(name, ""))
-            for name in (one.name for one in dataclasses.fields(Blow))
-        ]
-        if self.waves:
-            for name, si in (("total_peak", "m/s^2"), ("wave_peak", "m/s^2"), ("bandwidth", "Hz")):
-                columns.append(Column(name, [getattr(reading, name, None) for reading in self.readings], si))
-            columns.append(Column("route", [self.case.solver.route] * len(self.blows)))
-        for name in dict.fromkeys(name for r in self.readings if r is not None for name in r.sensors):
-            pulses = [None if reading is None else reading.sensors[name] for reading in self.readings]
-            for key, si in (("peak", "m/s^2"), ("width", "s"), ("clipped", "")):
-                columns.append(Column(f"{name} {key}", [getattr(pulse, key, None) for pulse in pulses], si))
-        return columns
-
-    def brief(self) -> dict[str, str]:
-        """Return the columns of the table of blows on the screen, and the peaks of the sensors."""
-        usual = {"index": "", "kind": "", **{name: unit for name, _, unit, _ in shown_in("blows")}}
-        return usual | {f"{name} peak": "g" for reading in self.readings if reading for name in reading.sensors}
+        columns = data_columns(self, "read_blows")
+        if not self.waves:
+            return [one for one in columns if one.name not in declarations(BlowReading)]
+        place = 1 + [one.name for one in columns].index("bandwidth")
+        route = Column("route", [self.route] * len(self.blows))
+        return [*columns[:place], route, *columns[place:]]
 
     def save(self, path: Path) -> None:
         """Write the whole solution as NetCDF; `load_solution` reads it back."""
@@ -369,7 +381,7 @@ def load_solution(path: Path | str) -> Solution:
             waves=_waves(state["waves"]),
             citations=tuple(state["citations"]),
             sampled=LabelledArrays.of_xarray(data.drop_attrs(deep=False)),
-            launch=state["launch"],
+            launch=state["launch"] or None,
             collisions=tuple(LineCollision(**row) for row in state["collisions"]),
             contact=_contact(state["contact"]),
             band={name: Band.read(row) for name, row in state["band"].items()},

@@ -115,7 +115,7 @@ def run_case(case: Case, progress: Callable[[float], None] | None = None, *, ban
         waves=wave_setup(machine.layered.stack, machine.layered.grid) if machine.layered else None,
         citations=_citations(case, seen),
         sampled=build_dataset(case, seen),
-        launch=launch_of(machine, start) if start else {},
+        launch=launch_of(machine, start) if start else None,
         collisions=line_collisions(start) if start else (),
         contact=answers,
     )
@@ -158,7 +158,7 @@ def with_bands(
 
 
 def launch_of(machine: Machine, start: Release) -> dict[str, float]:
-    """Return what is said of a machine without a drive: see `strikewave.analyses.machine.result.LAUNCH_UNITS`."""
+    """Return what is said of a machine without a drive: see `strikewave.analyses.machine.result.Launch`."""
     striker, arm = machine.strikers.first, start.pendulum
     speed, energy = (0.0, 0.0) if arm is None else (start.arm * arm.radius, 0.5 * arm.inertia * start.arm**2)
     numbers = {

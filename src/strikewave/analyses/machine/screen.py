@@ -7,13 +7,12 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from strikewave.analyses.machine.columns import blow_columns
-from strikewave.analyses.machine.result import Solution
+from strikewave.analyses.machine.result import LineCollision, Solution
 from strikewave.analyses.machine.run import band_compiled_beside, band_runs_beside, run_case, with_bands
 from strikewave.analyses.machine.words import (
     ANSWERS_CALLED,
-    COLLISION_COLUMNS,
     answer_columns,
+    blow_columns,
     reference_law,
     restitution_words,
     settings,
@@ -25,6 +24,7 @@ from strikewave.cases.losses_of_case import fitted_losses
 from strikewave.cases.sensors_of_case import build_channels
 from strikewave.cases.written_case import dump_case
 from strikewave.reporting.bands import bands_of
+from strikewave.reporting.faces import columns_of
 from strikewave.reporting.layout import KEY, numerals
 from strikewave.reporting.numbers import headed, with_unit
 from strikewave.reporting.options.output import Output
@@ -181,4 +181,4 @@ def _print_waves(solution: Solution) -> None:
 def _print_collisions(solution: Solution) -> None:
     """Print the collisions of the bodies of an amplifier."""
     if solution.collisions:
-        print_rows("Collisions in the line, by restitution alone", COLLISION_COLUMNS, solution.collisions)
+        print_rows("Collisions in the line, by restitution alone", columns_of(LineCollision), solution.collisions)

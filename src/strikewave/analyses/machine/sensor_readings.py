@@ -9,12 +9,14 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
+from strikewave.base import declare
+from strikewave.base.shock_quantities import FREQUENCY, TOTAL_PEAK
 from strikewave.machines.blows import WINDOW_AFTER, WINDOW_BEFORE, Blow, window_ends
 from strikewave.machines.machine import Machine
 from strikewave.machines.run import MachineRun
@@ -48,24 +50,16 @@ SAMPLES_A_CUTOFF = 4
 """Samples to a period of a filter's cutoff at least: it must lie below half the rate."""
 
 
-@dataclass(frozen=True)
+@declare.dataclass
 class BlowReading:
-    """What taps and sensors show of one blow.
+    """What taps and sensors show of one blow; None where the object is no stack."""
 
-    Attributes
-    ----------
-    total_peak, wave_peak : float or None
-        At the first tap, at the bandwidth, m/s^2; None where the object is no stack.
-    bandwidth : float or None
-        Hz.
-    sensors : dict
-        `SensorPulse` by name.
-    """
-
-    total_peak: float | None
-    wave_peak: float | None
-    bandwidth: float | None
-    sensors: dict[str, SensorPulse]
+    total_peak: float | None = declare.number(
+        TOTAL_PEAK, "of a struck stack: peak of the acceleration at the first tap, at the bandwidth"
+    )
+    wave_peak: float | None = declare.number(TOTAL_PEAK, "of a struck stack: the same less that of the rigid body")
+    bandwidth: float | None = declare.number(FREQUENCY, "of a struck stack: low-pass by which both peaks are quoted")
+    sensors: dict[str, SensorPulse] = declare.named(SensorPulse, "what each sensor reads, by its name")
 
 
 class ReadingSetup(NamedTuple):

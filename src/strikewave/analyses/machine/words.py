@@ -4,58 +4,30 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from itertools import pairwise
-from operator import attrgetter
 from statistics import median
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
-from strikewave.analyses.machine.columns import quantity_columns
 from strikewave.analyses.machine.contact_answers import ContactAnswer, ContactAnswers
 from strikewave.analyses.machine.kind import MachineKind, kind_of
+from strikewave.analyses.machine.result import LineCollision, Solution
 from strikewave.base.result import Band
 from strikewave.cases.tables.machine_kinds import KINDS
 from strikewave.cases.yield_pressure import YIELDING
+from strikewave.machines import Blow
 from strikewave.reporting.banded_numbers import with_band
-from strikewave.reporting.layout import KEY, MAIN, MORE
+from strikewave.reporting.faces import columns_of, part_table
+from strikewave.reporting.layout import KEY
 from strikewave.reporting.numbers import listed, shown, spelled, with_unit
-from strikewave.reporting.parts import NONE, Cell, Table, written
+from strikewave.reporting.parts import NONE, Table, written
 from strikewave.reporting.shown_units import shown_unit
 from strikewave.reporting.table_columns import TableColumn, page_table
 
 if TYPE_CHECKING:
-    from strikewave.analyses.machine.result import Solution
     from strikewave.cases.case import Case
-    from strikewave.machines import Blow
 
 MACHINES = {kind: (table.description, table.chain) for kind, table in KINDS.items() if issubclass(table, MachineKind)}
 """Kind of machine: its description, and its bodies and links in the order in which a blow runs through them."""
-_OF_LAUNCH = {
-    "approach_speed": ("approach speed at first touch", "m/s", "m/s"),
-    "energy_released": ("energy given on the way to first touch", "J", "J"),
-    "energy_at_touch": ("kinetic energy of what meets, at first touch", "J", "J"),
-    "gain": ("gain of the line: fastest speed of the object over that at the floor", "", ""),
-}
-
-_ANSWER_COLUMNS = (
-    ("yield_pressure", "Pa", "GPa", 3),
-    ("rigid_peak", "m/s^2", "g", 0),
-    ("peak_force", "N", "kN", 2),
-    ("width", "s", "us", 1),
-    ("restitution", "1", "1", 3),
-)
 ANSWERS_CALLED = "First blow with its contact elastic and yielding"
-
-COLLISION_COLUMNS: tuple[TableColumn[Any], ...] = (
-    TableColumn("time", attrgetter("time"), "s", "ms", decimals=4, priority=KEY),
-    TableColumn("lower", attrgetter("lower"), priority=KEY, words=True),
-    TableColumn("upper", attrgetter("upper"), priority=KEY, words=True),
-    TableColumn("lower before", attrgetter("lower_before"), "m/s", "m/s", decimals=4),
-    TableColumn("upper before", attrgetter("upper_before"), "m/s", "m/s", decimals=4),
-    TableColumn("lower after", attrgetter("lower_after"), "m/s", "m/s", decimals=4),
-    TableColumn("upper after", attrgetter("upper_after"), "m/s", "m/s", decimals=4),
-    TableColumn("impulse", attrgetter("impulse"), "N s", "N s", 5),
-    TableColumn("energy lost", attrgetter("energy_lost"), "J", "J", 5),
-)
-"""Of the collisions of a line of bodies."""
 
 
 def settings(solution: Solution) -> list[str]:
@@ -66,7 +38,7 @@ def settings(solution: Solution) -> list[str]:
         value = getattr(case.machine, key)
         if value is not None:
             words.append(f"{name} {with_unit(value.si, si, unit)}".strip() if si else f"{value.si:.0f} {name}")
-    approach = solution.launch.get("approach_speed", solution.reference.approach_speed)
+    approach = (solution.launch or {}).get("approach_speed", solution.reference.approach_speed)
     words += [f"nominal approach {with_unit(approach, 'm/s', 'm/s')}"]
     words += [f"object {with_unit(solution.masses['object'], 'kg', 'kg')}"]
     return words + ([f"{case.feed.blows.si:.0f} blows wanted"] if case.feed else [])
@@ -77,16 +49,35 @@ def reference_law(case: Case) -> str:
     return kind_of(case).reference_law
 
 
-def answer_columns(
-    answers: ContactAnswers, bands: Mapping[str, Band] | None = None
-) -> tuple[TableColumn[ContactAnswer], ...]:
+def answer_columns(answers: ContactAnswers, bands: Mapping[str, Band]) -> list[TableColumn[ContactAnswer]]:
     """Return the columns of the answers of a contact, with the digits that the bands leave."""
 
-    def named(row: ContactAnswer) -> str:
+    def called(row: ContactAnswer) -> str:
         return row.name + (" (this run)" if row.name == answers.taken else "")
 
-    name: TableColumn[ContactAnswer] = TableColumn("contact", named, priority=KEY, words=True)
-    return (name, *quantity_columns(_ANSWER_COLUMNS, (MORE, MAIN, MAIN, MAIN, MORE), bands))
+    _, *rest = columns_of(ContactAnswer, bands=blow_bands(bands))
+    return [TableColumn("contact", called, priority=KEY, words=True), *rest]
+
+
+def blow_bands(bands: Mapping[str, Band]) -> dict[str, list[Band]]:
+    """Return the bands of the first blow and of later ones by what they are of."""
+    found: dict[str, list[Band]] = {}
+    for name, band in bands.items():
+        which, _, what = name.partition(".")
+        if which in ("first", "typical"):
+            found.setdefault(what, []).append(band)
+    return found
+
+
+def blow_columns(table: str, bands: Mapping[str, Band] | None = None) -> list[TableColumn[Blow]]:
+    """Return the columns of a table of blows, ``blows``, ``contact`` or ``sliding``, for screen, page and app.
+
+    Examples
+    --------
+    >>> [column.head for column in blow_columns("contact")][:4]
+    ['#', 'approach speed (m/s)', 'rebound speed (m/s)', 'contact time (µs)']
+    """
+    return columns_of(Blow, table, blow_bands(bands or {}))
 
 
 def restitution_words(answers: ContactAnswers) -> str:
@@ -101,14 +92,10 @@ def launch_tables(solution: Solution) -> list[Table]:
     """Return how a machine without a drive came to first touch; nothing for one with a drive."""
     if not solution.launch:
         return []
-    rows: list[list[Cell]] = []
-    for key, value in solution.launch.items():
-        name, si, unit = _OF_LAUNCH[key]
-        rows.append([name, with_unit(value, si, unit, 6) if si else f"{value:.4g}"])
-    tables = [Table("Up to first touch", ["quantity", "value"], rows)]
+    tables = [part_table(solution, "launch", "Up to first touch")]
     if solution.collisions:
         caption = "Collisions in the line, by restitution alone; speeds upwards, time after the lowest met the floor"
-        tables.append(page_table(caption, COLLISION_COLUMNS, solution.collisions))
+        tables.append(page_table(caption, columns_of(LineCollision), solution.collisions))
     return tables
 
 

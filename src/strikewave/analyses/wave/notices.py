@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import math
 from collections.abc import Iterator, Sequence
 from itertools import pairwise
@@ -84,7 +85,7 @@ def layered_bar_notices(
     yield from layer_notices(stack, most)
     yield from _not_reached(solution)
     yield from joint_notices(stack, least, greatest, load_peak(run))
-    yield from loss_notices(solution.losses)
+    yield from loss_notices([dataclasses.astuple(loss) for loss in solution.losses])
     yield from end_notices(stack, lasting)
     yield from channel_notices(solution.channels, [solution.sensors], stack.mass)
     yield from _unresolved(solution.channels, float(run.time[1]))

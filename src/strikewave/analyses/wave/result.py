@@ -5,30 +5,43 @@ from __future__ import annotations
 import dataclasses
 import functools
 import math
-from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, field
-from typing import Any, ClassVar
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import field
+from typing import ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
 
 from strikewave._version import __version__
-from strikewave.base.result import SCHEMA, Source
+from strikewave.base import declare
+from strikewave.base.declare import KEY, MAIN, MORE, Quantity, declarations
+from strikewave.base.result import SCHEMA, Band
+from strikewave.base.shock_quantities import (
+    ACCELERATION,
+    ENERGY,
+    FORCE,
+    FREQUENCY,
+    IMPULSE,
+    INDENTATION,
+    LENGTH,
+    MASS,
+    MICROSECONDS,
+    RATIO,
+    STEP,
+    STRESS,
+    VELOCITY,
+)
 from strikewave.base.variables import LabelledArrays, quantity
-from strikewave.cases.case import Case
-from strikewave.cases.comparisons import stale_fits_document
 from strikewave.cases.losses_of_case import FittedLoss, fitted_losses
-from strikewave.cases.written_case import dump_case
-from strikewave.reporting.banded_numbers import with_band
+from strikewave.reporting.case_result import CaseResult
 from strikewave.reporting.columns import HISTORY_DIGITS, Column, csv_table
-from strikewave.reporting.numbers import with_unit
-from strikewave.reporting.shown_result import Curve, ShownResult, columns_of, history_curve
+from strikewave.reporting.shown_result import Curve, history_curve
 from strikewave.sensors import Reading
 from strikewave.sensors.channel import SensorChannel, SensorPulse, sensor_pulse
 from strikewave.signal.pulse import largest
 from strikewave.waves import BarRun, Impactor, Tap
 from strikewave.waves.routes import EXACT, RouteHistory
-from strikewave.waves.setup import WaveSetup
+from strikewave.waves.setup import LayerUsed, WaveSetup
 
 Array = NDArray[np.float64]
 
@@ -38,14 +51,118 @@ def load_peak(run: BarRun) -> float:
     return float(np.abs(run.face_force).max(initial=0.0))
 
 
-@dataclass(frozen=True)
-class WaveSolution(ShownResult):
+@declare.dataclass
+class TapPeaks:
+    """The values of largest magnitude at a tap, with their signs; None where theory allows none to be quoted."""
+
+    force: float | None = declare.number(
+        FORCE, "largest force, with its sign", band="peak_force", column=MAIN, headline="force at {name}"
+    )
+    stress: float | None = declare.number(
+        STRESS,
+        "largest stress, with its sign",
+        band="peak_stress",
+        column=MAIN,
+        headline="stress at {name}",
+        in_document=False,
+    )
+    velocity: float | None = declare.number(
+        VELOCITY, "largest velocity, with its sign", band="peak_velocity", column=MAIN, headline="velocity at {name}"
+    )
+    acceleration: float | None = declare.number(
+        ACCELERATION,
+        "largest acceleration; null where theory allows none to be quoted",
+        band="peak_acceleration",
+        column=MAIN,
+        headline="acceleration at {name}",
+    )
+
+
+@declare.dataclass
+class TapHistory:
+    """What a tap sees by the route of the case."""
+
+    name: str = declare.word("what the tap is called", label="tap", column=KEY)
+    route: str = declare.word("exact, or as printed", column=MORE + 1)
+    layer: str = declare.word("its layer", column=MORE)
+    position: float = declare.number(RATIO, "as a fraction of the layer, from its loaded side", column=MORE)
+    peaks: TapPeaks = declare.part(TapPeaks, "largest values")
+    time: Array = declare.history("s", "from the start of the load at the first face")
+    force: Array = declare.history("N", "force, pressure positive")
+    stress: Array = declare.history("Pa", "stress, pressure positive")
+    velocity: Array = declare.history("m/s", "velocity")
+    acceleration: Array = declare.history("m/s^2", "acceleration")
+
+    def further_bands(self, bands: Mapping[str, Sequence[Band]]) -> dict[str, list[Band]]:
+        """Return the band of the stress: that of the force, over the area."""
+        peaks, forces = self.peaks, bands.get("peak_force", ())
+        if not peaks.force or peaks.stress is None:
+            return {}
+        area = peaks.force / peaks.stress
+        scaled = [dataclasses.replace(band, low=band.low / area, high=band.high / area) for band in forces]
+        return {"peak_stress": scaled} if scaled else {}
+
+
+@declare.dataclass
+class StressedLayer(LayerUsed):
+    """A layer, and the largest stress in it."""
+
+    stress: float = declare.number(STRESS, "largest magnitude of the stress in it", column=MAIN, tables="stress")
+
+
+@declare.dataclass
+class ContactInterval:
+    """One contact of the striker with the first face."""
+
+    begin: float = declare.number(MICROSECONDS, "begin of the contact")
+    end: float = declare.number(MICROSECONDS, "end of the contact")
+    approach_speed: float = declare.number(VELOCITY, "closing speed at its begin")
+
+
+@declare.dataclass
+class StrikerContact:
+    """What the contact of a striker came to."""
+
+    peak_force: float = declare.number(FORCE, "largest force", column=MAIN)
+    impulse: float = declare.number(IMPULSE, "impulse on the first face", column=MAIN)
+    rebound_speed: float = declare.number(VELOCITY, "speed of the striker afterwards, away from the stack", column=MAIN)
+    max_indentation: float = declare.number(INDENTATION, "deepest indentation; 0 of a rigid contact", column=MAIN)
+    energy_lost: float = declare.number(ENERGY, "energy lost in the contact", column=MAIN)
+    contacts: tuple[ContactInterval, ...] = declare.rows(ContactInterval, "its contacts")
+
+
+@declare.dataclass
+class HungMass:
+    """A mass on a spring."""
+
+    where: str = declare.word("after which layer, or at the end", label="mass on a spring", column=KEY)
+    mass: float = declare.number(MASS, "its mass", column=MAIN)
+    peak: float = declare.number(
+        ACCELERATION, "its largest acceleration, without any filter", label="largest acceleration", column=MAIN
+    )
+    acceleration: Array = declare.history("m/s^2", "its acceleration")
+
+
+@declare.dataclass
+class OpeningJoint:
+    """A joint that can open, and when it did."""
+
+    after: str = declare.word("the layer before it", column=KEY)
+    kind: str = declare.word("what kind of joint it is", column=MAIN)
+    preload: float = declare.number(Quantity("N", "N"), "force that presses it together", column=MAIN)
+    gap: float = declare.number(LENGTH, "gap before it closes for the first time")
+    opened: Array = declare.history("s", "when it opened", usual="us", label="opens at", column=MAIN)
+    closed: Array = declare.history("s", "when it closed", usual="us", label="closes at", column=MAIN)
+
+
+@declare.dataclass
+class WaveSolution(CaseResult):
     """What a bar under its load did; see `Result` for what it shares with others.
+
+    Beside what documents have:
 
     Attributes
     ----------
-    case : Case
-        What ran.
     run : BarRun
         Histories, field, bounds.
     taps : tuple of (str, Tap)
@@ -70,9 +187,10 @@ class WaveSolution(ShownResult):
 
     command: ClassVar[str] = "wave"
     table_name: ClassVar[str] = "taps"
+    main_rows: ClassVar[str] = "tap_histories"
     data_file: ClassVar[str] = "waves.nc"
+    may_have_bands: ClassVar[bool] = True
 
-    case: Case
     run: BarRun = field(repr=False)
     taps: tuple[tuple[str, Tap], ...]
     waves: WaveSetup
@@ -91,22 +209,6 @@ class WaveSolution(ShownResult):
         return (self.case.title or self.case.name) + route
 
     @property
-    def sensors(self) -> dict[str, SensorPulse]:
-        """Peak, width and clipping of each sensor's reading."""
-        pairs = zip(self.channels, self.readings, strict=True)
-        return {channel.sensor.name: sensor_pulse(reading) for channel, reading in pairs}
-
-    @property
-    def test(self) -> Mapping[str, str]:
-        """What the case says of the test."""
-        return self.case.test.stated()
-
-    @functools.cached_property
-    def source(self) -> Source:
-        """The case."""
-        return Source("case", self.case.name, dump_case(self.case))
-
-    @property
     def balance(self) -> dict[str, float]:
         """Momentum of the stack against the impulses on it, as a share."""
         return {"momentum_error": self.run.momentum_error}
@@ -115,13 +217,14 @@ class WaveSolution(ShownResult):
         """Return the stress at tap k, compression above zero, Pa."""
         return np.asarray(self.run.force[:, k] / self.run.stack.layers[self.taps[k][1].layer].area)
 
-    def peaks(self, k: int, route: str = EXACT) -> dict[str, float | None]:
+    def peaks(self, k: int, route: str = EXACT) -> TapPeaks:
         """Return the values of largest magnitude at tap k; no acceleration where theory allows none to be quoted."""
         history = self.by_route(k, route)
         if history is None:
-            return dict.fromkeys(RouteHistory._fields)
-        peaks: dict[str, float | None] = {key: largest(values) for key, values in history._asdict().items()}
-        return peaks if self.quoted else {**peaks, "acceleration": None}
+            return TapPeaks(None, None, None, None)
+        force, velocity, acceleration = (largest(values) for values in history)
+        stress = force / self.run.stack.layers[self.taps[k][1].layer].area
+        return TapPeaks(force, stress, velocity, acceleration if self.quoted else None)
 
     @property
     def figures(self) -> dict[str, float]:
@@ -133,9 +236,12 @@ class WaveSolution(ShownResult):
         >>> list(run_wave(load_case("li-ma-2019-fig13-bar")).figures)[:2]
         ['tap.sensor.peak_force', 'tap.sensor.peak_velocity']
         """
-        figures: dict[str, float | None] = {}
-        for k, (name, _) in enumerate(self.taps):
-            figures |= {f"tap.{name}.peak_{what}": peak for what, peak in self.peaks(k, self.route).items()}
+        told = {name: one.band for name, one in declarations(TapPeaks).items() if one.in_document}
+        figures: dict[str, float | None] = {
+            f"tap.{tap.name}.{band}": getattr(tap.peaks, name)
+            for tap in self.tap_histories
+            for name, band in told.items()
+        }
         figures |= {f"sensor.{name}.peak": pulse.peak for name, pulse in self.sensors.items()}
         return {name: abs(value) for name, value in figures.items() if value and math.isfinite(value)}
 
@@ -144,123 +250,127 @@ class WaveSolution(ShownResult):
         """The route that was chosen: exact, as printed, corrected."""
         return self.case.solver.route
 
-    @property
+    @declare.computed(declare.word("how the waves were followed"))
     def method(self) -> str:
         """The solver that ran: delay lines, or spectral."""
         return "delay lines" if any(layer.steps for layer in self.waves.layers) else "spectral"
 
-    @functools.cached_property
+    @declare.computed(declare.number(STEP, "time between the samples of the taps"))
+    def step(self) -> float:
+        """Time between the samples of the taps."""
+        return float(self.run.time[1]) if self.run.time.size > 1 else self.waves.step
+
+    @declare.computed(declare.number(STEP, "time step of the waves"))
+    def solver_step(self) -> float:
+        """Time step of the waves."""
+        return self.waves.step
+
+    @declare.computed(declare.number(RATIO, "largest relative error of a transit time by whole steps"))
+    def mismatch(self) -> float:
+        """Largest relative error of a transit time."""
+        return self.waves.mismatch
+
+    @declare.computed(declare.number(FREQUENCY, "low-pass by which peaks are quoted"))
+    def bandwidth(self) -> float | None:
+        """The low-pass of accelerations; None without one."""
+        return self.case.solver.bandwidth.si if self.case.solver.bandwidth else None
+
+    @declare.computed(declare.number(RATIO, "bound of the error of velocities, over the largest at the taps"))
+    def error_bound(self) -> float:
+        """Bound of the error of velocities."""
+        return self.accuracy[0]
+
+    @declare.computed(declare.number(RATIO, "the same of accelerations, before any filter"))
+    def acceleration_error_bound(self) -> float:
+        """Bound of the error of accelerations."""
+        return self.accuracy[1]
+
+    @declare.computed(declare.number(RATIO, "momentum that the balance misses, as a share"))
+    def momentum_error(self) -> float:
+        """What the balance of momentum misses."""
+        return self.run.momentum_error
+
+    @declare.computed(declare.word("theory by which short waves run slower; none"))
+    def dispersion(self) -> str:
+        """The theory of dispersion."""
+        return self.case.solver.dispersion
+
+    @declare.computed(declare.rows(FittedLoss, "what loses energy, and how well its loss factor is fitted"))
     def losses(self) -> tuple[FittedLoss, ...]:
         """Where the stack loses energy, and how well the loss factor is held over its band."""
         return fitted_losses(self.case)
 
-    def contact(self) -> dict[str, Any] | None:
-        """Return what the contact of a striker came to: force, times, speeds, indentation; None without one."""
+    @declare.computed(declare.part(StrikerContact, "what the contact of a striker came to; null without one"))
+    def contact(self) -> StrikerContact | None:
+        """Force, times, speeds, indentation of the contact of a striker; None without one."""
         run = self.run
         if not isinstance(run.load, Impactor):
             return None
-        contacts = [{"begin": begin, "end": end, "approach_speed": speed} for begin, end, speed in run.touches]
-        return {
-            "peak_force": load_peak(run),
-            "impulse": run.impulse,
-            "rebound_speed": -run.striker_speed,
-            "max_indentation": run.deepest if run.load.contact is not None else 0.0,
-            "energy_lost": run.energy_lost,
-            "contacts": contacts,
-        }
+        deepest = run.deepest if run.load.contact is not None else 0.0
+        contacts = tuple(ContactInterval(*row) for row in run.touches)
+        return StrikerContact(load_peak(run), run.impulse, -run.striker_speed, deepest, run.energy_lost, contacts)
 
-    def oscillators(self) -> list[dict[str, Any]]:
-        """Return the masses on springs: where, kg, and their acceleration (without any filter)."""
-        rows = []
-        for column, (k, mass) in zip(self.run.hung_acceleration.T, self.run.stack.hung, strict=True):
-            where = f"after {self.run.stack.layers[k].name}" if k < len(self.run.stack.joints) else "end"
-            rows.append({"where": where, "mass": mass, "peak": largest(column), "acceleration": column})
-        return rows
+    @declare.computed(declare.rows(HungMass, "masses on springs: where, and their acceleration"))
+    def oscillators(self) -> list[HungMass]:
+        """The masses on springs, with their acceleration (without any filter)."""
+        stack, masses = self.run.stack, list[HungMass]()
+        for column, (k, mass) in zip(self.run.hung_acceleration.T, stack.hung, strict=True):
+            where = f"after {stack.layers[k].name}" if k < len(stack.joints) else "end"
+            masses.append(HungMass(where, mass, largest(column), column))
+        return masses
 
-    def joints(self) -> list[dict[str, Any]]:
-        """Return the joints that can open, and when they opened and closed, s."""
+    @declare.computed(declare.rows(OpeningJoint, "joints that can open, and when they opened and closed"))
+    def joints(self) -> list[OpeningJoint]:
+        """The joints that can open."""
         listed = []
         for k, joint in enumerate(self.run.stack.joints):
             if joint.unilateral:
                 mine = self.run.events[self.run.events[:, 0] == k]
                 opened, closed = mine[mine[:, 2] == 1.0, 1], mine[mine[:, 2] == 0.0, 1]
                 after = self.run.stack.layers[k].name
-                row = {"after": after, "kind": joint.kind, "preload": joint.preload, "gap": joint.gap}
-                listed.append({**row, "opened": opened, "closed": closed})
+                listed.append(OpeningJoint(after, joint.kind, joint.preload, joint.gap, opened, closed))
         return listed
+
+    @declare.computed(declare.rows(StressedLayer, "the layers as the time step makes them"))
+    def layers(self) -> list[StressedLayer]:
+        """The layers as the time step makes them, with their largest stress."""
+        pairs = zip(self.waves.layers, self.layer_stress, strict=True)
+        return [StressedLayer(**vars(layer), stress=stress) for layer, stress in pairs]
+
+    @declare.computed(declare.word("how many taps there are", headline="taps", in_document=False))
+    def tap_count(self) -> int:
+        """How many taps there are."""
+        return len(self.taps)
+
+    @declare.computed(
+        declare.rows(TapHistory, "what the taps see, by the route of the case", key="taps", band="tap.{name}")
+    )
+    def tap_histories(self) -> list[TapHistory]:
+        """What each tap sees, where the route of the case knows it."""
+        taps = []
+        for k, (name, tap) in enumerate(self.taps):
+            layer, history = self.run.stack.layers[tap.layer], self.by_route(k, self.route)
+            if history is not None:
+                place = (name, self.route, layer.name, tap.position, self.peaks(k, self.route))
+                stress = history.force / layer.area
+                taps.append(
+                    TapHistory(*place, self.run.time, history.force, stress, history.velocity, history.acceleration)
+                )
+        return taps
+
+    @declare.computed(
+        declare.named(SensorPulse, "what each sensor reads, by its name", label="sensor", band="sensor.{name}")
+    )
+    def sensors(self) -> dict[str, SensorPulse]:
+        """Peak, width and clipping of each sensor's reading."""
+        pairs = zip(self.channels, self.readings, strict=True)
+        return {channel.sensor.name: sensor_pulse(reading) for channel, reading in pairs}
 
     def by_route(self, k: int, route: str) -> RouteHistory | None:
         """Return force, velocity and acceleration at tap k by a route; None where that knows no such tap."""
         if route == EXACT:
             return RouteHistory(self.run.force[:, k], self.run.velocity[:, k], self.run.acceleration[:, k])
         return self.routes.get((self.taps[k][0], route))
-
-    def units(self) -> dict[str, str]:
-        """Return the unit of each key of the JSON document."""
-        units = {"step": "s", "length_asked": "m", "length_used": "m", "position": "1", "time": "s", "force": "N"}
-        units |= {"stress": "Pa", "velocity": "m/s", "acceleration": "m/s^2", "error_bound": "1", "bandwidth": "Hz"}
-        units |= {
-            "acceleration_error_bound": "1",
-            "solver_step": "s",
-            "mismatch": "1",
-            "momentum_error": "1",
-            "peak": "m/s^2",
-            "width": "s",
-            "loss_factor": "1",
-            "error": "1",
-            "low": "Hz",
-            "high": "Hz",
-            "preload": "N",
-            "gap": "m",
-            "opened": "s",
-            "closed": "s",
-            "begin": "s",
-            "end": "s",
-            "mass": "kg",
-            "peak_force": "N",
-            "impulse": "N s",
-            "approach_speed": "m/s",
-            "rebound_speed": "m/s",
-            "max_indentation": "m",
-            "energy_lost": "J",
-        }
-        return units
-
-    def content(self) -> dict[str, Any]:
-        """Return what the JSON document holds beside its head: each tap by the route of the case."""
-        velocity, acceleration = self.accuracy
-        taps = []
-        for k, (name, tap) in enumerate(self.taps):
-            layer, history = self.run.stack.layers[tap.layer], self.by_route(k, self.route)
-            if history is not None:
-                place = {"name": name, "layer": layer.name, "position": tap.position, "route": self.route}
-                place["peaks"] = self.peaks(k, self.route)
-                taps.append({**place, "time": self.run.time, **history._asdict(), "stress": history.force / layer.area})
-        return {
-            "case": self.case.name,
-            "fitted_fields": self.case.fitted_fields(),
-            "stale_fits": stale_fits_document(self.case),
-            "step": float(self.run.time[1]) if self.run.time.size > 1 else self.waves.step,
-            "solver_step": self.waves.step,
-            "mismatch": self.waves.mismatch,
-            "bandwidth": self.case.solver.bandwidth.si if self.case.solver.bandwidth else None,
-            "error_bound": velocity,
-            "acceleration_error_bound": acceleration,
-            "momentum_error": self.run.momentum_error,
-            "method": self.method,
-            "dispersion": self.case.solver.dispersion,
-            "losses": [loss._asdict() for loss in self.losses],
-            "contact": self.contact(),
-            "oscillators": self.oscillators(),
-            "joints": self.joints(),
-            "layers": [
-                {**dataclasses.asdict(layer), "stress": stress}
-                for layer, stress in zip(self.waves.layers, self.layer_stress, strict=True)
-            ],
-            "taps": taps,
-            "sensors": {name: dataclasses.asdict(pulse) for name, pulse in self.sensors.items()},
-            **self.band_content(),
-        }
 
     def _histories(self) -> Iterator[tuple[Array, Array, Array, Array]]:
         """Yield force, stress, velocity, acceleration at each tap by the route of the case; NaN where it has none."""
@@ -311,30 +421,6 @@ class WaveSolution(ShownResult):
             "tap": ("tap", np.array([name for name, _ in self.taps], dtype=object)),
         }
         return LabelledArrays.of(variables, coordinates, {})
-
-    def highlights(self) -> list[tuple[str, str]]:
-        """Return the peaks at the first tap, and what each sensor reads."""
-        numbers = [("taps", str(len(self.taps)))]
-        for k, (name, _) in enumerate(self.taps[:1]):
-            peaks = self.peaks(k, self.route)
-            numbers += [
-                (f"force at {name}", with_unit(peaks["force"], "N", "kN")),
-                (f"velocity at {name}", with_unit(peaks["velocity"], "m/s", "m/s")),
-            ]
-            if peaks["acceleration"] is not None:
-                numbers.append((f"acceleration at {name}", with_unit(peaks["acceleration"], "m/s^2", "g")))
-        for name, pulse in self.sensors.items():
-            band = self.band.get(f"sensor.{name}.peak")
-            numbers.append((f"sensor {name}", with_band(pulse.peak, band, "m/s^2", "g")))
-        return numbers
-
-    def columns(self) -> list[Column]:
-        """Return the taps with their peaks."""
-        return columns_of(self.content()["taps"], self.units())
-
-    def brief(self) -> dict[str, str]:
-        """Return name, layer and peaks of each tap."""
-        return {"name": "", "layer": "", "peaks.force": "kN", "peaks.velocity": "m/s", "peaks.acceleration": "g"}
 
     def preview(self) -> Curve | None:
         """Return the acceleration at the first tap, the velocity where theory allows none to be quoted."""

@@ -9,20 +9,18 @@ from pathlib import Path
 from typing import ClassVar
 
 from strikewave.analyses.wave.band import with_bands
-from strikewave.analyses.wave.report import TAP_COLUMNS, error_words, sensor_columns, tap_rows, wave_tables, wave_words
+from strikewave.analyses.wave.report import error_words, wave_tables, wave_words
 from strikewave.analyses.wave.run import WaveSolution, run_wave
 from strikewave.base.compile_progress import compiling_shown
 from strikewave.base.errors import MISSING, InputError
 from strikewave.cases.case import Case
 from strikewave.cases.written_case import dump_case
-from strikewave.reporting.layout import keys, numerals
+from strikewave.reporting.faces import face_columns, face_rows
 from strikewave.reporting.numbers import with_unit
 from strikewave.reporting.options.output import Output
-from strikewave.reporting.parts import Table
 from strikewave.reporting.run_and_write import Command, case_folder, run_and_write
 from strikewave.reporting.stack_chapters import MOST_LAYERS
 from strikewave.reporting.terminal import (
-    number,
     print_bands,
     print_fits,
     print_losses,
@@ -30,7 +28,6 @@ from strikewave.reporting.terminal import (
     progress_bar,
     report_table,
     say_compiling,
-    table,
     tell,
 )
 
@@ -101,26 +98,18 @@ def show(solution: WaveSolution) -> None:
     stack = solution.run.stack
     name, transit = solution.case.name, with_unit(stack.transit, "s", "us")
     tell(f"{name}: {len(stack.layers)} layers, {stack.mass:.4g} kg, transit {transit}", "  ")
-    print_rows(f"{solution.title}: largest values at the taps", TAP_COLUMNS, tap_rows(solution))
-    used = [
-        [
-            layer.name,
-            number(layer.length_asked, "m", "mm", 7),
-            number(layer.length_used, "m", "mm", 7),
-            str(layer.steps),
-        ]
-        for layer in solution.waves.layers[:MOST_LAYERS]
-    ]
+    taps = face_columns(solution, "tap_histories"), face_rows(solution, "tap_histories")
+    print_rows(f"{solution.title}: largest values at the taps", *taps)
     if solution.method != "spectral":
         more = len(stack.layers) - MOST_LAYERS
         title = "Layers as the time step makes them" + (f" ({more} more in the JSON)" if more > 0 else "")
-        columns = [*keys("layer"), *numerals("asked (mm)", "used (mm)", "steps")]
-        table(title, columns, used, detail=True)
+        rows = face_rows(solution, "layers")[:MOST_LAYERS]
+        print_rows(title, face_columns(solution, "layers", "lengths"), rows, detail=True)
     print_fits(solution.losses)
-    for caption, heads, listing in wave_tables(solution):
-        report_table(Table(caption, heads, listing))
+    for shown in wave_tables(solution):
+        report_table(shown)
     if solution.channels:
-        print_rows("What the sensors read", sensor_columns(solution.band), solution.sensors.items())
+        print_rows("What the sensors read", face_columns(solution, "sensors"), face_rows(solution, "sensors"))
         print_losses(solution.channels)
     print_bands(solution, solution.figures)
     tell(error_words(solution))

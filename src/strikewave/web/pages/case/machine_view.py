@@ -8,12 +8,12 @@ from typing import Any
 
 import numpy as np
 
-from strikewave.analyses.machine.columns import blow_columns
 from strikewave.analyses.machine.figures_of import figures_of
 from strikewave.analyses.machine.kind import kind_of
 from strikewave.analyses.machine.quick_look import PULSE_TOLERANCE, quick_look
 from strikewave.analyses.machine.result import SHOWN_WIDTHS, Solution, blow_history
 from strikewave.analyses.machine.run import run_case
+from strikewave.analyses.machine.words import blow_columns
 from strikewave.base.compiled import is_cold
 from strikewave.base.percents import percent
 from strikewave.base.result import Band

@@ -1,0 +1,258 @@
+"""What a value of a result is, declared once where its field stands: unit, label, meaning, and where it is shown.
+
+A result and its rows are classes decorated with `dataclass`; their fields and computed values have a `Declaration`, and
+every face is a walk over these: the JSON document with its units and the documentation of its keys here, tables, key
+numbers and columns in `strikewave.reporting.faces`.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+import functools
+from collections.abc import Callable, Iterator, Mapping
+from typing import Any, Generic, Literal, NamedTuple, TypeVar, dataclass_transform, overload
+
+T = TypeVar("T")
+Kind = Literal["number", "word", "history", "part", "rows", "named"]
+NO_UNIT = "1"
+"""SI unit of a ratio, which documents name; words and counts have none."""
+KEY, MAIN, MORE = 0, 1, 2
+"""Priority of a column: it names the row, it matters, it is shown where there is room."""
+_METADATA = "declaration"
+_PLACES = {"rows": "[].", "named": ".*.", "part": "."}
+"""What leads from the path of a key to those within: each row of a list, any name, a part."""
+
+
+class Quantity(NamedTuple):
+    """What a number measures: SI unit ("1" of a ratio), unit shown as a rule, label, decimals in that unit or digits.
+
+    Where no label is given the name of the field is one; where no decimals are, so many significant digits are shown.
+    """
+
+    si: str
+    usual: str
+    label: str = ""
+    decimals: int | None = None
+    digits: int = 4
+
+
+NOT_MEASURED = Quantity("", "")
+"""Of what is no number."""
+
+
+@dataclasses.dataclass(frozen=True, slots=True, kw_only=True)
+class Declaration:
+    """What a value is, and where it is shown.
+
+    Attributes
+    ----------
+    kind : str
+        A number; a word (a count and a truth too); a history, an array of numbers; a part, rows, or parts by their
+        names, all of a declared class.
+    meaning : str
+        What it is, in a phrase: the documentation of the JSON documents and of the class has it.
+    quantity : Quantity
+        Of a number or a history.
+    key : str
+        Key in the JSON document, and name of its column; the name of the field if empty.
+    column : int, optional
+        Priority of its column in the tables of its rows: `KEY`, `MAIN`, `MORE` or more. No column without it.
+    tables : str
+        Names of the tables that it stands in, where its rows have several.
+    band : str
+        Name of its band, or its last part; of rows and named parts the first part, such as ``tap.{name}``.
+    headline : str
+        Label among the key numbers, with ``{name}`` of its row; empty where it is none.
+    is_tag : bool
+        Whether a word stands in a coloured box, whose colour is its own.
+    order : int
+        Columns of a larger number stand further to the right than their fields do.
+    in_document : bool
+        Whether the JSON document holds it.
+    optional : bool
+        Whether the document leaves the key out where there is nothing (None), instead of saying null.
+    inline : bool
+        Whether the keys of a part stand among those around it.
+    of : type, optional
+        Declared class of a part, of rows, of named parts.
+    """
+
+    kind: Kind
+    meaning: str
+    quantity: Quantity = NOT_MEASURED
+    key: str = ""
+    column: int | None = None
+    tables: str = ""
+    band: str = ""
+    headline: str = ""
+    is_tag: bool = False
+    order: int = 0
+    in_document: bool = True
+    optional: bool = False
+    inline: bool = False
+    of: type | None = None
+    label: str = ""
+
+
+def _field(declaration: Declaration, default: Any, **rest: Any) -> Any:
+    return dataclasses.field(default=default, metadata={_METADATA: declaration}, **rest)
+
+
+def number(quantity: Quantity, meaning: str, *, default: Any = dataclasses.MISSING, **rest: Any) -> Any:
+    """Return the field of a number; see `Declaration` for ``rest``.
+
+    Examples
+    --------
+    >>> @dataclass
+    ... class Tap:
+    ...     '''A place in a bar.'''
+    ...     name: str = word("what it is called", column=KEY)
+    ...     peak: float = number(Quantity("m/s^2", "g"), "largest acceleration", column=MAIN)
+    >>> content(Tap("mid", 9806.65)), units(Tap)
+    ({'name': 'mid', 'peak': 9806.65}, {'peak': 'm/s^2'})
+    """
+    return _field(Declaration(kind="number", quantity=quantity, meaning=meaning, **rest), default)
+
+
+def word(meaning: str, *, default: Any = dataclasses.MISSING, **rest: Any) -> Any:
+    """Return the field of a word, a count or a truth, or of what a document holds as it is."""
+    return _field(Declaration(kind="word", meaning=meaning, **rest), default)
+
+
+def history(si: str, meaning: str, *, usual: str = "", default: Any = dataclasses.MISSING, **rest: Any) -> Any:
+    """Return the field of an array of numbers in an SI unit, shown in a usual one."""
+    one = Declaration(kind="history", quantity=Quantity(si, usual or si), meaning=meaning, **rest)
+    return _field(one, default, repr=False)
+
+
+def part(of: type, meaning: str, *, default: Any = dataclasses.MISSING, **rest: Any) -> Any:
+    """Return the field of a part, which is of a declared class, or None."""
+    return _field(Declaration(kind="part", of=of, meaning=meaning, **rest), default)
+
+
+def rows(of: type, meaning: str, *, default: Any = dataclasses.MISSING, **rest: Any) -> Any:
+    """Return the field of rows of a declared class."""
+    return _field(Declaration(kind="rows", of=of, meaning=meaning, **rest), default)
+
+
+def named(of: type, meaning: str, *, default: Any = dataclasses.MISSING, **rest: Any) -> Any:
+    """Return the field of parts of a declared class by their names."""
+    return _field(Declaration(kind="named", of=of, meaning=meaning, **rest), default)
+
+
+class Computed(Generic[T]):
+    """A value that a declared class computes when it is asked for, with its declaration; it is remembered."""
+
+    def __init__(self, declaration: Declaration, function: Callable[[Any], T]) -> None:
+        self.declaration, self.function = declaration, function
+        self.name = function.__name__
+        self.__doc__ = function.__doc__
+
+    @overload
+    def __get__(self, instance: None, owner: type) -> Computed[T]: ...
+    @overload
+    def __get__(self, instance: object, owner: type) -> T: ...
+    def __get__(self, instance: object | None, owner: type) -> T | Computed[T]:
+        """Return the value; of the class itself what declares it."""
+        if instance is None:
+            return self
+        remembered = vars(
+            instance
+        )  # where a descriptor without __set__ is found no more, as of functools.cached_property
+        return remembered.setdefault(self.name, self.function(instance))  # type: ignore[no-any-return]
+
+
+def computed(field: Any) -> Callable[[Callable[[Any], T]], Computed[T]]:
+    """Declare a computed value as a field is: ``@computed(number(TIME, "time step"))`` above its method."""
+    return lambda function: Computed(field.metadata[_METADATA], function)
+
+
+@dataclass_transform(
+    frozen_default=True, field_specifiers=(number, word, history, part, rows, named, dataclasses.field)
+)
+def dataclass(kind: type[T]) -> type[T]:
+    """Make a frozen dataclass that faces are made of; a field without a declaration stands on none of them."""
+    own = {name: value for name, value in vars(kind).items() if isinstance(value, Computed | dataclasses.Field)}
+    found = {name: one for base in reversed(kind.__mro__[1:]) for name, one in _own(base).items()}
+    for name, value in own.items():
+        one = value.declaration if isinstance(value, Computed) else value.metadata.get(_METADATA)
+        if one is not None:
+            found[name] = one
+    made = dataclasses.dataclass(frozen=True)(kind)
+    made.__declarations__ = found  # type: ignore[attr-defined]
+    made.__doc__ = _documented(made.__doc__ or "", {name: found[name] for name in own if name in found}, kind)
+    return made
+
+
+def _documented(text: str, own: dict[str, Declaration], kind: type) -> str:
+    """Return a docstring with what is declared among its attributes, so that it is said once."""
+    lines = []
+    for name, one in own.items():
+        unit = f", {one.quantity.si}" if one.quantity.si not in ("", NO_UNIT) else ""
+        lines.append(f"    {name} : {kind.__annotations__.get(name, 'computed')}\n        {one.meaning}{unit}.")
+    if not lines:
+        return text
+    head = [] if "\n    Attributes\n" in text else ["", "    Attributes", "    ----------"]
+    return "\n".join([text.rstrip(), *head, *lines, "    "])
+
+
+def _own(kind: type) -> dict[str, Declaration]:
+    found: dict[str, Declaration] = vars(kind).get("__declarations__", {})
+    return found
+
+
+def declarations(kind: type) -> dict[str, Declaration]:
+    """Return the declarations of a class by the names of its fields, in their order; none where it is not declared."""
+    found: dict[str, Declaration] = getattr(kind, "__declarations__", {})
+    return found
+
+
+def content(value: Any) -> dict[str, Any]:
+    """Return what the JSON document holds of a declared value; `json_document.plain` makes it fit for JSON."""
+    held: dict[str, Any] = {}
+    for name, one in declarations(type(value)).items():
+        if not one.in_document:
+            continue
+        inner = _within(one, getattr(value, name))
+        if one.inline:
+            held |= inner
+        elif inner is not None or not one.optional:
+            held[one.key or name] = inner
+    return held
+
+
+def _within(one: Declaration, value: Any) -> Any:
+    if one.of is None or value is None or (one.kind == "part" and isinstance(value, Mapping)):
+        return value  # what is described by a class and kept as a dictionary is its own document
+    if one.kind == "rows":
+        return [content(row) for row in value]
+    return {name: content(row) for name, row in value.items()} if one.kind == "named" else content(value)
+
+
+def keys(kind: type, path: str = "") -> Iterator[tuple[str, Declaration]]:
+    """Yield path and declaration of each key of a document: ``[]`` is each row of a list, ``*`` any name."""
+    for name, one in declarations(kind).items():
+        if not one.in_document:
+            continue
+        here = path if one.inline else f"{path}{one.key or name}"
+        if not one.inline:
+            yield here, one
+        if one.of is not None:
+            yield from keys(one.of, here if one.inline else here + _PLACES[one.kind])
+
+
+@functools.cache
+def units(kind: type) -> dict[str, str]:
+    """Return the SI unit of each key of the document of a declared class.
+
+    Raises
+    ------
+    TypeError
+        If one key has two units.
+    """
+    found: dict[str, str] = {}
+    for path, one in keys(kind):
+        key, si = path.rpartition(".")[2], one.quantity.si
+        if si and found.setdefault(key, si) != si:
+            raise TypeError(f"{kind.__name__}: {key} is in {found[key]} and, as {path}, in {si}: give one another key")
+    return found

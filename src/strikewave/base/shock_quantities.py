@@ -1,0 +1,29 @@
+"""The quantities that several results have: unit, unit shown as a rule, label, decimals, each said once."""
+
+from __future__ import annotations
+
+from strikewave.base.declare import NO_UNIT, Quantity
+
+ACCELERATION = Quantity("m/s^2", "g", decimals=0)
+RIGID_PEAK = Quantity("m/s^2", "g", decimals=1)
+TOTAL_PEAK = Quantity("m/s^2", "g", digits=5)
+PULSE_WIDTH = Quantity("s", "us", "pulse width at 10 %", 1)
+SPEED = Quantity("m/s", "m/s", decimals=3, digits=0)
+VELOCITY_CHANGE = Quantity("m/s", "m/s", decimals=3, digits=3)
+RISE_TIME = Quantity("s", "us", "rise time 10-90 %", 1)
+PEAK_FORCE = Quantity("N", "kN", decimals=2, digits=3)
+RESTITUTION = Quantity(NO_UNIT, NO_UNIT, "coefficient of restitution", 4, 0)
+VELOCITY = Quantity("m/s", "m/s", decimals=3)
+INTERVAL = Quantity("s", "ms")
+FORCE = Quantity("N", "kN", decimals=3)
+STRESS = Quantity("Pa", "MPa", decimals=2)
+IMPULSE = Quantity("N s", "N s", decimals=3, digits=0)
+ENERGY = Quantity("J", "J")
+MICROSECONDS = Quantity("s", "us")
+STEP = Quantity("s", "ns")
+LENGTH = Quantity("m", "mm")
+EXACT_LENGTH = Quantity("m", "mm", digits=7)
+INDENTATION = Quantity("m", "um", decimals=2, digits=0)
+MASS = Quantity("kg", "gram")
+FREQUENCY = Quantity("Hz", "Hz")
+RATIO = Quantity(NO_UNIT, NO_UNIT)

@@ -1,0 +1,233 @@
+"""Tables, columns and key numbers of a result, made of what its fields declare: see `strikewave.base.declare`."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Any
+
+from strikewave.base.declare import KEY, MORE, Declaration, declarations
+from strikewave.base.first_few import first_few
+from strikewave.base.result import Band, Result
+from strikewave.reporting.banded_numbers import table_decimals, with_band
+from strikewave.reporting.columns import Column
+from strikewave.reporting.numbers import decimals_of, fixed, shown
+from strikewave.reporting.parts import NONE, Cell, Table, Tag, written
+from strikewave.reporting.shown_units import shown_unit
+from strikewave.reporting.table_columns import TableColumn, page_table
+
+MOST_LISTED = 5
+"""Values of a history that a cell lists, such as the openings of a joint: a row stays one line; documents have all."""
+Path = tuple[str, ...]
+
+
+Bands = Mapping[str, Sequence[Band]]
+"""Bands by what declarations call them: of a row, or of all rows of a column."""
+
+
+@dataclass(frozen=True)
+class FaceRow:
+    """A row of a table of a result: its name, what it shows, which is of a declared class, its bands."""
+
+    name: str
+    value: Any
+    bands: Bands = field(default_factory=dict)
+
+
+def label_of(name: str, one: Declaration) -> str:
+    """Return what a field is called on faces."""
+    return one.label or one.quantity.label or name.replace("_", " ")
+
+
+def leaves(kind: type, path: Path = ()) -> Iterator[tuple[Path, Declaration]]:
+    """Yield the values of a class that are no rows, with the way to them; those of its parts too."""
+    for name, one in declarations(kind).items():
+        if one.kind == "part" and one.of is not None:
+            yield from leaves(one.of, (*path, name))
+        elif one.of is None:
+            yield (*path, name), one
+
+
+def at(value: Any, path: Path) -> Any:
+    """Return what lies at the end of a way; None where a part on it is missing."""
+    for name in path:
+        value = None if value is None else value.get(name) if isinstance(value, Mapping) else getattr(value, name)
+    return value
+
+
+def columns_of(
+    kind: type, table: str = "", bands: Bands | None = None, least: int | None = None
+) -> list[TableColumn[Any]]:
+    """Return the columns of rows of a declared class for screen, page, notebook and app.
+
+    Parameters
+    ----------
+    kind : type
+        Class of the rows.
+    table : str, optional
+        Which of the tables of such rows, where there are several.
+    bands : mapping, optional
+        Bands of whole columns: they leave all cells of one as many decimals.
+    least : int, optional
+        Columns of a priority above this are left out.
+    """
+    return _columns(kind, table, least, lambda row: (row, bands or {}))
+
+
+def _columns(
+    kind: type, table: str, least: int | None, parts_of: Callable[[Any], tuple[Any, Bands]]
+) -> list[TableColumn[Any]]:
+    """Return columns of what ``parts_of`` makes of a row: a value of the class, and bands."""
+
+    def column(path: Path, one: Declaration) -> TableColumn[Any]:
+        def cell(row: Any) -> float | str | Tag | None:
+            value, bands = parts_of(row)
+            return cell_of(one, at(value, path), bands.get(one.band, ()), label)
+
+        label, quantity = label_of(path[-1], one), one.quantity
+        words = one.kind == "word" and not one.order and label != "#"
+        priority = KEY if one.column is None else one.column
+        return TableColumn(label, cell, quantity.si, quantity.usual, quantity.digits, priority=priority, words=words)
+
+    shown_ones = [(path, one) for path, one in leaves(kind) if one.column is not None]
+    kept = [
+        (path, one)
+        for path, one in sorted(shown_ones, key=lambda pair: pair[1].order)
+        if (least is None or (one.column or 0) <= least) and table in ("", *one.tables.split())
+    ]
+    return [column(path, one) for path, one in kept]
+
+
+def cell_of(one: Declaration, value: Any, bands: Sequence[Band] = (), label: str = "") -> float | str | Tag | None:
+    """Return what a cell shows of a value, as its declaration says it."""
+    si, usual, _, decimals, digits = one.quantity
+    if value is None or isinstance(value, str):
+        return Tag(value, value) if one.is_tag and value is not None else value
+    if isinstance(value, bool):
+        return Tag(label, "bad") if value else Tag("no")
+    if one.kind == "word":
+        return str(value)
+    if one.kind == "history":
+        return first_few([written(shown(float(each), si, usual), 5) for each in value], MOST_LISTED) or NONE
+    if decimals is None and not bands:
+        return float(value)
+    if bands:
+        return fixed(value, si, usual, table_decimals(bands, si, usual, *(() if decimals is None else (decimals,))))
+    return fixed(value, si, usual, decimals_of(value, si, usual, decimals or 0, digits))
+
+
+def face_rows(result: Result, name: str) -> list[FaceRow]:
+    """Return the rows that a result has under a name, or its parts by their names, with their bands."""
+    one, value = declarations(type(result))[name], getattr(result, name)
+    pairs = value.items() if one.kind == "named" else ((getattr(row, "name", ""), row) for row in value)
+    return [FaceRow(called, row, _bands_of_row(result, one, called, row)) for called, row in pairs]
+
+
+def _bands_of_row(result: Result, one: Declaration, called: str, row: Any) -> Bands:
+    bands: dict[str, list[Band]] = {}
+    for first in one.band.format(name=called).split():
+        for name, band in result.band.items():
+            if name.startswith(f"{first}."):
+                bands.setdefault(name.removeprefix(f"{first}."), []).append(band)
+    further = getattr(row, "further_bands", None)
+    return {**bands, **(further(bands) if further else {})}
+
+
+def face_columns(result: Result, name: str, table: str = "", least: int | None = None) -> list[TableColumn[FaceRow]]:
+    """Return the columns of such rows, as `columns_of` does; named parts begin with their name."""
+    one = declarations(type(result))[name]
+    assert one.of is not None
+    called = [TableColumn[FaceRow](label_of(name, one), lambda row: row.name, priority=KEY, words=True)]
+    return called * (one.kind == "named") + _columns(one.of, table, least, lambda row: (row.value, row.bands))
+
+
+def numbers_of(value: Any, bands: Bands) -> list[tuple[str, str]]:
+    """Return the numbers of a declared value that have a column, each as text with its unit; none that is missing."""
+    columns = [one for one in columns_of(type(value), bands=bands) if one.si and one.value(value) is not None]
+    return [(column.text(value), shown_unit(column.si, column.usual)) for column in columns]
+
+
+def face_table(result: Result, name: str, table: str = "", caption: str = "") -> Table:
+    """Return such rows as a table of a page, under their meaning or another caption."""
+    caption = caption or _sentence(declarations(type(result))[name].meaning)
+    return page_table(caption, face_columns(result, name, table), face_rows(result, name))
+
+
+def part_table(result: Result, name: str, caption: str = "") -> Table | None:
+    """Return the numbers of a part as a table, a line each; None where there is no part."""
+    one, value = declarations(type(result))[name], getattr(result, name)
+    if value is None or one.of is None:
+        return None
+    columns = [column for column in columns_of(one.of) if column.value(value) is not None]
+    lines: list[list[Cell]] = [[column.head, column.cell(value)] for column in columns]
+    return Table(caption or _sentence(one.meaning), [label_of(name, one), "value"], lines)
+
+
+def _sentence(meaning: str) -> str:
+    return meaning[:1].upper() + meaning[1:]
+
+
+def data_columns(result: Result, name: str) -> list[Column]:
+    """Return such rows as columns in SI for Python, CSV and workbooks: every single value, and those of named parts."""
+    one, rows = declarations(type(result))[name], getattr(result, name)
+    assert one.of is not None
+    columns = [
+        Column(".".join(_keys(one.of, path)), [at(row, path) for row in rows], leaf.quantity.si)
+        for path, leaf in leaves(one.of)
+        if leaf.kind != "history"
+    ]
+    for path, kind in _named(one.of):
+        parts = [at(row, path) or {} for row in rows]
+        for called in dict.fromkeys(called for by_name in parts for called in by_name):
+            for inner, leaf in leaves(kind):
+                if leaf.column is not None:
+                    values = [at(by_name.get(called), inner) for by_name in parts]
+                    columns.append(Column(f"{called} {inner[-1]}", values, leaf.quantity.si))
+    return columns
+
+
+def _keys(kind: type, path: Path) -> list[str]:
+    """Return the keys on the way to a value, as the document has them."""
+    keys = []
+    for name in path:
+        one = declarations(kind)[name]
+        keys += [] if one.inline else [one.key or name]
+        kind = one.of or kind
+    return keys
+
+
+def _named(kind: type, path: Path = ()) -> Iterator[tuple[Path, type]]:
+    """Yield the way to parts by their names within rows of a class, and the class of the parts."""
+    for name, one in declarations(kind).items():
+        if one.kind == "named" and one.of is not None:
+            yield (*path, name), one.of
+        elif one.kind == "part" and one.of is not None:
+            yield from _named(one.of, (*path, name))
+
+
+def key_numbers(result: Result) -> list[tuple[str, str]]:
+    """Return the key numbers of a result, each with its label: of rows those of the first one, of named parts all."""
+    numbers = []
+    for name, one in declarations(type(result)).items():
+        if one.of is None and one.headline:
+            numbers.append((one.headline, _with_unit(one, getattr(result, name), result.band.get(one.band))))
+        elif one.kind in ("rows", "named") and one.of is not None:
+            for row in face_rows(result, name)[: None if one.kind == "named" else 1]:
+                for path, leaf in leaves(one.of):
+                    value = at(row.value, path)
+                    if leaf.headline and value is not None:
+                        label = leaf.headline.format(name=row.name)
+                        numbers.append((label, _with_unit(leaf, value, *row.bands.get(leaf.band, [None])[:1])))
+    return numbers
+
+
+def _with_unit(one: Declaration, value: Any, band: Band | None) -> str:
+    if one.kind == "number":
+        return with_band(value, band, one.quantity.si, one.quantity.usual, one.quantity.digits)
+    return written(value)
+
+
+def shown_rows(result: Result, name: str, most: int | None = None) -> tuple[list[str], list[list[str]]]:
+    """Return heads and cells of such rows as notebooks and the app show them."""
+    columns, rows = face_columns(result, name, least=MORE), face_rows(result, name)[:most]
+    return [column.head for column in columns], [[column.text(row) for column in columns] for row in rows]
