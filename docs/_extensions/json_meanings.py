@@ -14,6 +14,8 @@ from importlib import import_module
 from pathlib import Path
 from typing import Any, NamedTuple
 
+from strikewave.base import declare
+
 HERE = Path(__file__).parent
 MEANINGS = HERE / "json_keys.toml"
 OF_EACH = ("schema", "version", "units", "warnings")
@@ -64,8 +66,9 @@ def key_tables() -> KeyTables:
         If keys and meanings differ.
     """
     stated = tomllib.loads(MEANINGS.read_text("utf-8"))
-    shared = {name: _shared(one) for name, one in stated.pop("shared").items()}
-    commands = [KeyTable(name, one, one.pop("lines")) for name, one in stated.items()]
+    tables_of = {_named(one["class"]): name for name, one in stated["shared"].items() if "class" in one}
+    shared = {name: _shared(one, tables_of) for name, one in stated.pop("shared").items()}
+    commands = [_of_command(name, one, tables_of) for name, one in stated.items()]
     documents = _documents([line for one in commands for line in one.lines])
     for known in commands:
         for document in (documents[line] for line in known.lines):
@@ -79,8 +82,34 @@ def key_tables() -> KeyTables:
     return KeyTables(commands, shared)
 
 
-def _shared(stated: dict[str, Any]) -> KeyTable:
+def _of_command(name: str, stated: dict[str, Any], tables_of: Mapping[type, str]) -> KeyTable:
+    """Return the table of a command, with what the class of its result declares."""
+    lines, kind = stated.pop("lines"), stated.pop("class", "")
+    found = dict(_of_declared(_named(kind), tables_of)) if kind else {}
+    return KeyTable(name, {**found, **stated}, lines, optional=set(found) - set(stated))
+
+
+def _of_declared(kind: type, tables_of: Mapping[type, str], path: str = "") -> Iterator[tuple[str, str]]:
+    """Yield path and meaning of each key that a class declares; what has a table of its own is left to that."""
+    for name, one in declare.declarations(kind).items():
+        if not one.in_document:
+            continue
+        here = path if one.inline else f"{path}.{one.key or name}".lstrip(".")
+        below = here + {"rows": "[]", "named": ".*"}.get(one.kind, "")
+        if one.of in tables_of:
+            yield below, f"{LEADS_TO}{tables_of[one.of]}"
+        elif one.of is not None:
+            yield from _of_declared(one.of, tables_of, below)
+        else:
+            yield here, one.meaning
+
+
+def _shared(stated: dict[str, Any], tables_of: Mapping[type, str]) -> KeyTable:
     """Return a table that several share, with what classes say of their fields; its own words stand over these."""
+    if "class" in stated:
+        others = {kind: name for kind, name in tables_of.items() if kind is not _named(stated["class"])}
+        declared = dict(_of_declared(_named(stated.pop("class")), others))
+        return KeyTable(stated.pop("heading"), {**declared, **stated}, optional=set(declared) - set(stated))
     found = {key: text for path in stated.pop("classes", ()) for key, text in _of_class(_named(path)).items()}
     if "mapping" in stated:
         found = {key: text for key, (_, text) in _named(stated.pop("mapping")).items()}

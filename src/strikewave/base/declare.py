@@ -62,7 +62,8 @@ class Declaration:
     band : str
         Name of its band, or its last part; of rows and named parts the first part, such as ``tap.{name}``.
     headline : str
-        Label among the key numbers, with ``{name}`` of its row; empty where it is none.
+        Label among the key numbers, with ``{name}`` of its row; of rows and named parts whether key numbers are taken
+        of the "first" or of "each". Empty where there are none.
     is_tag : bool
         Whether a word stands in a coloured box, whose colour is its own.
     order : int
@@ -189,7 +190,8 @@ def _documented(text: str, own: dict[str, Declaration], kind: type) -> str:
     lines = []
     for name, one in own.items():
         unit = f", {one.quantity.si}" if one.quantity.si not in ("", NO_UNIT) else ""
-        lines.append(f"    {name} : {kind.__annotations__.get(name, 'computed')}\n        {one.meaning}{unit}.")
+        of = kind.__annotations__.get(name, "computed")
+        lines.append(f"    {name} : {of.__name__ if isinstance(of, type) else of}\n        {one.meaning}{unit}.")
     if not lines:
         return text
     head = [] if "\n    Attributes\n" in text else ["", "    Attributes", "    ----------"]
@@ -226,7 +228,9 @@ def _within(one: Declaration, value: Any) -> Any:
         return value  # what is described by a class and kept as a dictionary is its own document
     if one.kind == "rows":
         return [content(row) for row in value]
-    return {name: content(row) for name, row in value.items()} if one.kind == "named" else content(value)
+    if one.kind == "named":
+        return {name: None if row is None else content(row) for name, row in value.items()}
+    return content(value)
 
 
 def keys(kind: type, path: str = "") -> Iterator[tuple[str, Declaration]]:

@@ -13,6 +13,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from strikewave.base import declare
+from strikewave.base.declare import MAIN, MORE, NO_UNIT, Quantity
+from strikewave.base.shock_quantities import MICROSECONDS, TOTAL_PEAK
 from strikewave.fem.run import FemRun
 from strikewave.signal.pulse import WIDTH_FRACTION, crossing
 
@@ -35,27 +38,35 @@ STILL = 1e-12
 """A part whose velocity changes by less than this share of the largest in play does not move: rounding of its sums."""
 
 
-@dataclass(frozen=True)
+CONTACT_FORCE = Quantity("N", "kN", digits=5)
+MEASURED_IMPULSE = Quantity("N s", "N s")
+MEASURED_WIDTH = Quantity("s", "us", "pulse width at 10 %")
+MEASURED_VELOCITY = Quantity("m/s", "m/s")
+MEASURED_STRESS = Quantity("Pa", "MPa")
+PLASTIC_STRAIN = Quantity(NO_UNIT, NO_UNIT, digits=3)
+BODY_MASS = Quantity("kg", "kg")
+"""Numbers of measures have significant digits: they go over decades."""
+
+
+@declare.dataclass
 class ContactMeasure:
-    """A contact over the whole run.
+    """A contact over the whole run."""
 
-    Attributes
-    ----------
-    peak, at : float
-        Largest mean force of an interval, N, and the middle of that interval, s.
-    impulse : float
-        Size of the impulse over the run, N s.
-    begin, end : float
-        s: when the force first rises above a tenth of its peak, and when it last falls below.
-    """
+    peak: float = declare.number(
+        CONTACT_FORCE, "largest mean force of an interval of the histories, of whole bodies", column=MAIN
+    )
+    at: float = declare.number(MICROSECONDS, "middle of the interval of the peak", key="time", label="at", column=MORE)
+    impulse: float = declare.number(MEASURED_IMPULSE, "size of the impulse over the run, of whole bodies", column=MAIN)
+    begin: float = declare.number(
+        MICROSECONDS, "when the force first rises above a tenth of its peak", label="begins", column=MORE
+    )
+    end: float = declare.number(MICROSECONDS, "when it last falls below that")
 
-    peak: float
-    at: float
-    impulse: float
-    begin: float
-    end: float
-
-    @property
+    @declare.computed(
+        declare.number(
+            MICROSECONDS, "from begin to end, all contacts and gaps between them", label="lasts", column=MAIN
+        )
+    )
     def duration(self) -> float:
         """From first to last tenth of the peak, all contacts and gaps between them, s."""
         return self.end - self.begin
@@ -80,36 +91,48 @@ class BalanceMeasure:
     momentum: float
 
 
-@dataclass(frozen=True)
+@declare.dataclass
 class PartMeasure:
-    """The blow that a part took, as one rigid body, and the most that its elements bore.
+    """The blow that a part took, as one rigid body, and the most that its elements bore."""
 
-    Attributes
-    ----------
-    mass : float
-        Of the part, kg.
-    direction : tuple of float
-        Unit vector along its largest change of velocity, or the axis within 5 degrees of it; the rest is measured
-        along it.
-    rigid_peak : float
-        Largest mean over an interval of the rate of momentum over mass, m/s^2.
-    width : float
-        Of that pulse at 10 % of its peak, s; NaN where the run ends above it.
-    velocity_change : float
-        Largest change of momentum over mass, m/s.
-    von_mises : float
-        Largest von Mises stress of its elements at the instants of the histories, Pa; NaN for a rigid part or a group.
-    plastic_strain : float
-        Largest plastic strain of its elements; NaN alike.
-    """
-
-    mass: float
-    direction: tuple[float, float, float]
-    rigid_peak: float
-    width: float
-    velocity_change: float
-    von_mises: float = math.nan
-    plastic_strain: float = math.nan
+    mass: float = declare.number(BODY_MASS, "its mass", column=MORE, tables="parts")
+    direction: tuple[float, float, float] = declare.history(
+        NO_UNIT,
+        "unit vector along its largest change of velocity, or the axis within 5 degrees of it; the rest is measured "
+        "along it",
+    )
+    rigid_peak: float = declare.number(
+        TOTAL_PEAK,
+        "largest mean over an interval of the rate of momentum over mass",
+        column=MAIN,
+        tables="parts",
+        headline="rigid-body peak of {name}",
+    )
+    width: float = declare.number(
+        MEASURED_WIDTH,
+        "width of that pulse at 10 % of its peak; null where the run ends above it",
+        column=MAIN,
+        tables="parts",
+        headline="width",
+    )
+    velocity_change: float = declare.number(
+        MEASURED_VELOCITY, "largest change of momentum over mass", column=MAIN, tables="parts"
+    )
+    von_mises: float = declare.number(
+        MEASURED_STRESS,
+        "largest von Mises stress of its elements at the instants of the histories; null for a rigid part or a group",
+        label="von Mises stress",
+        default=math.nan,
+        column=MAIN,
+        tables="elements",
+    )
+    plastic_strain: float = declare.number(
+        PLASTIC_STRAIN,
+        "largest plastic strain of its elements; null alike",
+        default=math.nan,
+        column=MAIN,
+        tables="elements",
+    )
 
 
 def interval_means(gathered: Array, time: Array) -> Array:

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Callable, Iterator, Mapping
+from dataclasses import astuple, fields
 from pathlib import Path
 from typing import Any
 
@@ -56,7 +57,7 @@ def state_of(engine: Engine) -> dict[str, np.ndarray]:
     """Return everything that changes in a run, by name, as it is before the forces of an instant are found."""
     engine.fetch()
     state: dict[str, Any] = {name: getattr(engine, name) for name in NUMBERS} | dict(_arrays(engine))
-    state["rest"] = np.array(engine.rest or np.zeros(len(Rest._fields)), float)
+    state["rest"] = np.array(astuple(engine.rest) if engine.rest else np.zeros(len(fields(Rest))), float)
     state |= {f"done/{name}": value for name, value in engine.done.items()}
     for name, surfaces in engine.contacts.items():
         state |= {f"contact/{name}/{field}": getattr(surfaces, field) for field in SEARCHED}

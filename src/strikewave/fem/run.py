@@ -4,11 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
+from strikewave.base import declare
+from strikewave.base.shock_quantities import ENERGY, LENGTH, RATIO
 from strikewave.fem.contact import Overlap
 from strikewave.fem.mesh import TINY
 
@@ -103,33 +104,22 @@ class FieldFrame:
     plastic_strain: Array
 
 
-class Rest(NamedTuple):
-    """How bodies came to rest between the blow before and this one.
+@declare.dataclass
+class Rest:
+    """How bodies came to rest between the blow before and this one."""
 
-    Attributes
-    ----------
-    maxima : int
-        Maxima of the kinetic energy at which velocities were set to zero, of all bodies.
-    steps : int
-    kinetic_share : float
-        Kinetic energy that was left, over the energy in play of the blow before.
-    plastic_energy : float
-        Plastic work that the way to rest itself did, J.
-    added_distance : float
-        m by which what strikes begins farther away than at first, as it would have stood inside what it strikes.
-    overlap : float
-        Deepest overlap that is let out without a force, m.
-    plastic_before : float
-        Plastic work of everything before this blow, J.
-    """
-
-    maxima: int
-    steps: int
-    kinetic_share: float
-    plastic_energy: float
-    added_distance: float
-    overlap: float
-    plastic_before: float
+    maxima: int = declare.word("maxima of the kinetic energy at which velocities were set to zero, of all bodies")
+    steps: int = declare.word("steps on the way to rest")
+    kinetic_share: float = declare.number(
+        RATIO, "kinetic energy that was left, over the energy in play of the blow before"
+    )
+    plastic_energy: float = declare.number(ENERGY, "plastic work that the way to rest itself did")
+    added_distance: float = declare.number(
+        LENGTH,
+        "by how much what strikes begins farther away than at first, as it would have stood inside what it strikes",
+    )
+    overlap: float = declare.number(LENGTH, "deepest overlap that is let out without a force")
+    plastic_before: float = declare.number(ENERGY, "plastic work of everything before this blow")
 
 
 @dataclass(frozen=True)

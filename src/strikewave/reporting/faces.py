@@ -169,9 +169,10 @@ def _sentence(meaning: str) -> str:
 
 def data_columns(result: Result, name: str) -> list[Column]:
     """Return such rows as columns in SI for Python, CSV and workbooks: every single value, and those of named parts."""
-    one, rows = declarations(type(result))[name], getattr(result, name)
+    one, rows = declarations(type(result))[name], [row.value for row in face_rows(result, name)]
     assert one.of is not None
-    columns = [
+    columns = [Column("name", [row.name for row in face_rows(result, name)])] if one.kind == "named" else []
+    columns += [
         Column(".".join(_keys(one.of, path)), [at(row, path) for row in rows], leaf.quantity.si)
         for path, leaf in leaves(one.of)
         if leaf.kind != "history"
@@ -206,13 +207,13 @@ def _named(kind: type, path: Path = ()) -> Iterator[tuple[Path, type]]:
 
 
 def key_numbers(result: Result) -> list[tuple[str, str]]:
-    """Return the key numbers of a result, each with its label: of rows those of the first one, of named parts all."""
+    """Return the key numbers of a result, each with its label: of rows as their declaration says."""
     numbers = []
     for name, one in declarations(type(result)).items():
         if one.of is None and one.headline:
             numbers.append((one.headline, _with_unit(one, getattr(result, name), result.band.get(one.band))))
-        elif one.kind in ("rows", "named") and one.of is not None:
-            for row in face_rows(result, name)[: None if one.kind == "named" else 1]:
+        elif one.headline and one.of is not None:
+            for row in face_rows(result, name)[: 1 if one.headline == "first" else None]:
                 for path, leaf in leaves(one.of):
                     value = at(row.value, path)
                     if leaf.headline and value is not None:

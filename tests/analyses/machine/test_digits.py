@@ -9,9 +9,8 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from strikewave.analyses.machine.chapters import blow_table
-from strikewave.analyses.machine.columns import blow_columns
 from strikewave.analyses.machine.screen import show
-from strikewave.analyses.machine.words import answer_columns, key_numbers, summary_words
+from strikewave.analyses.machine.words import answer_columns, blow_columns, key_numbers, summary_words
 from strikewave.base.constants import STANDARD_GRAVITY as G
 from strikewave.base.result import Band
 from strikewave.reporting.shown_units import ShownUnits, showing

@@ -12,17 +12,18 @@ import pytest
 from matplotlib.figure import Figure
 
 from strikewave import load_case, run_case, run_wave
-from strikewave.analyses.machine.columns import shown_in
 from strikewave.analyses.machine.figures.pulses import chosen, rigid_acceleration, whole_train
 from strikewave.analyses.machine.report import report
 from strikewave.analyses.machine.result import load_solution
 from strikewave.analyses.wave.report import wave_report
 from strikewave.base import citations
+from strikewave.base.declare import declarations
 from strikewave.base.quantities import PROVENANCES
 from strikewave.base.result import FAILED, Notice
 from strikewave.base.units import in_unit
 from strikewave.cases.case import parse_case
 from strikewave.cases.written_case import dump_case
+from strikewave.machines import Blow
 from strikewave.reporting.curves import MOST_PULSES, thin
 from strikewave.reporting.inline import inline_svg
 from strikewave.reporting.numbers import in_shown_units
@@ -153,10 +154,14 @@ def test_head_names_case_version_and_digest(solution, page):
 def test_every_number_of_the_table_of_blows_is_there(solution, page):
     rows = tables(page)["Blows"][1:]
     assert len(rows) == len(solution.blows)
-    columns = shown_in("blows")
-    assert [name for name, *_ in columns[:4]] == ["time", "approach_speed", "impulse", "peak_force"]
+    columns = {
+        name: one.quantity
+        for name, one in declarations(Blow).items()
+        if "blows" in one.tables.split() and one.kind == "number"
+    }
+    assert [*columns][:4] == ["time", "approach_speed", "impulse", "peak_force"]
     for blow, row in zip(solution.blows, rows, strict=True):
-        numbers = [f"{in_unit(getattr(blow, name), si, unit):.{digits}f}" for name, si, unit, digits in columns]
+        numbers = [f"{in_unit(getattr(blow, name), q.si, q.usual):.{q.decimals}f}" for name, q in columns.items()]
         assert row == [str(blow.index), blow.kind, *numbers, str(blow.contacts)]
     assert tables(page)["Blows"][0][2:5] == ["time (ms)", "approach speed (m/s)", "impulse (N s)"]
 

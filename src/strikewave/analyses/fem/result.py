@@ -4,10 +4,9 @@ from __future__ import annotations
 
 import dataclasses
 import functools
-import itertools
 import math
-from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, field
+from collections.abc import Iterator
+from dataclasses import field
 from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
@@ -15,22 +14,19 @@ from numpy.typing import NDArray
 
 from strikewave._version import __version__
 from strikewave.analyses.fem.sectors import Sector, sectors
-from strikewave.base.result import (
-    BALANCE_LIMIT,
-    ELEMENTS_SCHEMA,
-    BalanceCheck,
-    Comparison,
-    Source,
-    comparison_document,
-)
+from strikewave.base import declare
+from strikewave.base.declare import KEY, NO_UNIT, Quantity
+from strikewave.base.result import BALANCE_LIMIT, ELEMENTS_SCHEMA, BalanceCheck, Comparison
+from strikewave.base.shock_quantities import ENERGY, RATIO, STEP
 from strikewave.base.variables import LabelledArrays, quantity
-from strikewave.cases.case import Case
-from strikewave.cases.comparisons import comparisons, stale_fits_document
-from strikewave.cases.written_case import dump_case
+from strikewave.cases.comparisons import comparisons
 from strikewave.fem.blow_measures import blow_measure
 from strikewave.fem.measures import (
+    BODY_MASS,
+    CONTACT_FORCE,
     ENERGY_LIMIT,
     HOURGLASS_LIMIT,
+    MEASURED_IMPULSE,
     BalanceMeasure,
     ContactMeasure,
     PartMeasure,
@@ -42,11 +38,11 @@ from strikewave.fem.measures import (
     part_measure,
 )
 from strikewave.fem.model import Model
-from strikewave.fem.run import ENERGIES, FemRun, FieldFrame, PartHistory
+from strikewave.fem.run import ENERGIES, FemRun, FieldFrame, PartHistory, Rest
 from strikewave.fem.snapshots import SnapshotRecorder
+from strikewave.reporting.case_result import CaseResult
 from strikewave.reporting.columns import HISTORY_DIGITS, Column, csv_table
-from strikewave.reporting.numbers import with_unit
-from strikewave.reporting.shown_result import Curve, ShownResult, columns_of, history_curve
+from strikewave.reporting.shown_result import Curve, history_curve
 
 if TYPE_CHECKING:
     from strikewave.cases.tables.published import Published
@@ -57,14 +53,81 @@ STRESS = ("xx", "yy", "zz", "xy", "yz", "zx")
 """Components of a stress."""
 
 
-@dataclass(frozen=True)
-class FemSolution(ShownResult):
+PIECES = Quantity(NO_UNIT, NO_UNIT)
+SECONDS = Quantity("s", "s")
+
+
+@declare.dataclass
+class BodyBlow:
+    """The blow that a part or a group took, of its whole body and of the sector that is meshed."""
+
+    measure: PartMeasure = declare.part(PartMeasure, "what it measures", inline=True)
+    sectors: int = declare.number(PIECES, "how many of what is meshed make the whole body")
+    whole_mass: float = declare.number(BODY_MASS, "equal to mass, which was that of the meshed sector before")
+    model_mass: float = declare.number(BODY_MASS, "of what is meshed")
+
+
+@declare.dataclass
+class TouchedBodies:
+    """What a contact came to on whole bodies and on what is meshed."""
+
+    measure: ContactMeasure = declare.part(ContactMeasure, "what it measures", inline=True)
+    whole_peak: float = declare.number(CONTACT_FORCE, "equal to peak")
+    whole_impulse: float = declare.number(MEASURED_IMPULSE, "equal to impulse")
+    model_peak: float | None = declare.number(CONTACT_FORCE, "peak on what is meshed", optional=True)
+    model_impulse: float | None = declare.number(MEASURED_IMPULSE, "impulse on what is meshed", optional=True)
+
+
+@declare.dataclass
+class Energies:
+    """Energies of a run."""
+
+    initial: float = declare.number(ENERGY, "energy at the start")
+    kinetic: float = declare.number(ENERGY, "kinetic energy at the end, as the following ones")
+    internal: float = declare.number(ENERGY, "elastic energy and plastic work")
+    plastic: float = declare.number(ENERGY, "plastic work, a part of the internal energy")
+    hourglass: float = declare.number(ENERGY, "energy in the hourglass modes")
+    contact: float = declare.number(ENERGY, "stored in contacts, and lost to friction")
+    viscous: float = declare.number(ENERGY, "lost to bulk viscosity")
+    external: float = declare.number(
+        ENERGY, "work of gravity and of driven and pressed sides, less what left through non-reflecting ones"
+    )
+
+
+@declare.dataclass
+class BalancedEnergies(Energies):
+    """Energies of whole bodies, and how well they balance."""
+
+    error: float = declare.number(RATIO, "energy that the balance misses, as a share of the energy in play")
+
+
+@declare.dataclass
+class ElementsBlow:
+    """One of several blows."""
+
+    blow: int = declare.word("number of the blow, from 1", column=KEY)
+    contacts: dict[str, TouchedBodies | None] = declare.named(TouchedBodies, "its contacts and walls")
+    parts: dict[str, BodyBlow] = declare.named(BodyBlow, "the blow that each part took")
+    groups: dict[str, BodyBlow] = declare.named(BodyBlow, "the blow that each group of parts took as one body")
+    restitution: dict[str, float | None] = declare.number(RATIO, "coefficient of restitution of each contact")
+    plastic_strain: dict[str, float] = declare.number(
+        RATIO, "largest plastic strain of each part that deforms, of all blows so far"
+    )
+    plastic_energy: dict[str, float] = declare.number(ENERGY, "plastic work of this blow in each part that deforms")
+    model_plastic_energy: dict[str, float] = declare.number(ENERGY, "the same of what is meshed")
+    energy_error: float = declare.number(RATIO, "energy that the balance of this blow misses, as a share")
+    rest: Rest | None = declare.part(Rest, "how the bodies came to rest before it; null before the first")
+    stopped: str | None = declare.word("why it ended early; null where it did not")
+
+
+@declare.dataclass
+class FemSolution(CaseResult):
     """The result of an explicit finite-element run; see `Result` for what it shares with others.
+
+    Beside what documents have:
 
     Attributes
     ----------
-    case : Case
-        What ran.
     model : Model
         Mesh, solids, and what holds and loads them.
     run : FemRun
@@ -81,15 +144,153 @@ class FemSolution(ShownResult):
 
     command: ClassVar[str] = "fem"
     table_name: ClassVar[str] = "parts"
+    main_rows: ClassVar[str] = "bodies"
     data_file: ClassVar[str] = "histories.nc"
 
-    case: Case
     model: Model = field(repr=False)
     run: FemRun = field(repr=False)
     frames: tuple[FieldFrame, ...] = field(repr=False)
     film: SnapshotRecorder | None = field(default=None, repr=False)
     later: tuple[FemRun, ...] = field(default=(), repr=False)
     modelled: tuple[FemRun, ...] = field(default=(), repr=False)
+
+    @declare.computed(declare.word("how many elements", headline="elements"))
+    def elements(self) -> int:
+        """How many elements there are."""
+        return self.run.elements
+
+    @declare.computed(declare.word("how many nodes"))
+    def nodes(self) -> int:
+        """How many nodes there are."""
+        return len(self.model.mesh.points)
+
+    @declare.computed(declare.word("how many time steps"))
+    def steps(self) -> int:
+        """How many time steps there were."""
+        return self.run.steps
+
+    @declare.computed(declare.number(STEP, "smallest time step"))
+    def step(self) -> float:
+        """Smallest time step, s."""
+        return self.run.step
+
+    @declare.computed(declare.number(BODY_MASS, "by mass scaling on request, of whole bodies"))
+    def added_mass(self) -> float:
+        """Mass that mass scaling added, kg."""
+        return self.run.added_mass
+
+    @declare.computed(declare.number(BODY_MASS, "the same of what is meshed"))
+    def model_added_mass(self) -> float:
+        """Mass that mass scaling added to what is meshed, kg."""
+        return self.model_run.added_mass
+
+    @declare.computed(declare.number(SECONDS, "wall time of the steps"))
+    def seconds(self) -> float:
+        """Wall time of the steps, s."""
+        return self.run.seconds
+
+    @declare.computed(declare.number(Quantity("1/s", "1/s"), "elements times steps over that time"))
+    def element_steps_per_second(self) -> float:
+        """Pace of the run."""
+        return self.run.speed
+
+    @declare.computed(
+        declare.number(
+            CONTACT_FORCE,
+            "largest mean force of any contact over an interval, of whole bodies (before, of the meshed sector)",
+            headline="contact force",
+        )
+    )
+    def contact_force_peak(self) -> float:
+        """Largest mean force of any contact of the whole bodies over an interval of the histories, N."""
+        return max((contact.peak for contact in self.contacts.values() if contact is not None), default=0.0)
+
+    @declare.computed(declare.number(CONTACT_FORCE, "the same of what is meshed"))
+    def model_contact_force_peak(self) -> float:
+        """Largest mean force of any contact as meshed, of the sectors alone, N."""
+        return max((contact.peak for contact in self.model_contacts.values() if contact is not None), default=0.0)
+
+    @declare.computed(declare.named(TouchedBodies, "contacts and walls", key="contacts", label="contact"))
+    def touched(self) -> dict[str, TouchedBodies | None]:
+        """What each contact and wall of the first blow came to; None where nothing touched."""
+        return self.first_blow.contacts
+
+    @declare.computed(declare.named(BodyBlow, "the blow that each part took", key="parts", label="part"))
+    def blow_of_parts(self) -> dict[str, BodyBlow]:
+        """The first blow that each part took."""
+        return self.first_blow.parts
+
+    @declare.computed(declare.named(BodyBlow, "the blow of each group of parts", key="groups", label="group"))
+    def blow_of_groups(self) -> dict[str, BodyBlow]:
+        """The first blow that each group of parts took as one body."""
+        return self.first_blow.groups
+
+    @declare.computed(declare.named(BodyBlow, "parts as rigid bodies", label="part", in_document=False))
+    def bodies(self) -> dict[str, BodyBlow]:
+        """The first blow that each part and group took."""
+        return {**self.blow_of_parts, **self.blow_of_groups}
+
+    @declare.computed(declare.named(BodyBlow, "what moves first", in_document=False, headline="first"))
+    def moved(self) -> dict[str, BodyBlow]:
+        """The parts that moved."""
+        return {name: body for name, body in self.blow_of_parts.items() if body.measure.rigid_peak > 0.0}
+
+    @declare.computed(declare.part(BalancedEnergies, "energies of whole bodies"))
+    def energy(self) -> BalancedEnergies:
+        """Energies of whole bodies."""
+        return BalancedEnergies(**_energy(self.run), error=self.measured_balance.energy)
+
+    @declare.computed(declare.part(Energies, "as of energy, of what is meshed"))
+    def model_energy(self) -> Energies:
+        """Energies of what is meshed."""
+        return Energies(**_energy(self.model_run))
+
+    @declare.computed(declare.number(RATIO, "largest hourglass energy over the largest internal energy"))
+    def hourglass_share(self) -> float:
+        """Largest hourglass energy over the largest internal energy."""
+        return self.measured_balance.hourglass
+
+    @declare.computed(declare.number(RATIO, "momentum that the balance misses, as a share"))
+    def momentum_error(self) -> float:
+        """Momentum that the balance misses."""
+        return self.measured_balance.momentum
+
+    @declare.computed(declare.rows(Comparison, "comparison with published values"))
+    def published(self) -> tuple[Comparison, ...]:
+        """The comparisons, by the key of the JSON document."""
+        return self.comparisons
+
+    @declare.computed(declare.word("why the run ended early; null where it did not"))
+    def stopped(self) -> str | None:
+        """Why the run ended early."""
+        return self.run.stopped or None
+
+    @declare.computed(declare.rows(ElementsBlow, "each blow", key="blows"))
+    def blow_rows(self) -> list[ElementsBlow]:
+        """What each blow came to."""
+        return [each.first_blow for each in self.blows]
+
+    @functools.cached_property
+    def first_blow(self) -> ElementsBlow:
+        """What the first blow came to."""
+        blow, meshed, twins = blow_measure(self.run, self.model.touching), self.model_run, self.model_contacts
+
+        def body(name: str, measure: PartMeasure, modelled: PartHistory) -> BodyBlow:
+            return BodyBlow(measure, self.sectors[name].pieces, measure.mass, modelled.mass)
+
+        return ElementsBlow(
+            blow=blow.blow,
+            contacts={name: _touched(found, twins[name]) for name, found in self.contacts.items()},
+            parts={name: body(name, part, meshed.parts[name]) for name, part in self.parts.items()},
+            groups={name: body(name, part, meshed.groups[name]) for name, part in self.groups.items()},
+            restitution=dict(blow.restitution),
+            plastic_strain=dict(blow.plastic_strain),
+            plastic_energy=dict(blow.plastic_energy),
+            model_plastic_energy=dict(meshed.plastic_work),
+            energy_error=self.measured_balance.energy,
+            rest=blow.rest,
+            stopped=self.run.stopped or None,
+        )
 
     @property
     def blows(self) -> tuple[FemSolution, ...]:
@@ -124,16 +325,6 @@ class FemSolution(ShownResult):
     def title(self) -> str:
         """The title of the case."""
         return self.case.title or self.case.name
-
-    @property
-    def test(self) -> Mapping[str, str]:
-        """What the case says of the test."""
-        return self.case.test.stated()
-
-    @functools.cached_property
-    def source(self) -> Source:
-        """The case."""
-        return Source("case", self.case.name, dump_case(self.case))
 
     @property
     def parts(self) -> dict[str, PartMeasure]:
@@ -189,73 +380,6 @@ class FemSolution(ShownResult):
         elif part is not None and quantity in ("rigid_peak", "width"):
             value = getattr(part, quantity)
         return None if value is None or math.isnan(value) else value
-
-    @property
-    def contact_force_peak(self) -> float:
-        """Largest mean force of any contact of the whole bodies over an interval of the histories, N."""
-        return max((contact.peak for contact in self.contacts.values() if contact is not None), default=0.0)
-
-    @property
-    def model_contact_force_peak(self) -> float:
-        """Largest mean force of any contact as meshed, of the sectors alone, N."""
-        return max((contact.peak for contact in self.model_contacts.values() if contact is not None), default=0.0)
-
-    def units(self) -> dict[str, str]:
-        """Return the unit of each key of the JSON document."""
-        return UNITS
-
-    def content(self) -> dict[str, Any]:
-        """Return what the JSON document holds beside its head."""
-        run, model_run, balance = self.run, self.model_run, self.measured_balance
-        blows = [_blow(each) for each in self.blows]
-        return {
-            "case": self.case.name,
-            "elements": run.elements,
-            "nodes": len(self.model.mesh.points),
-            "steps": run.steps,
-            "step": run.step,
-            "added_mass": run.added_mass,
-            "model_added_mass": model_run.added_mass,
-            "seconds": run.seconds,
-            "element_steps_per_second": run.speed,
-            "contact_force_peak": self.contact_force_peak,
-            "model_contact_force_peak": self.model_contact_force_peak,
-            **{name: blows[0][name] for name in ("contacts", "parts", "groups")},
-            "energy": {**_energy(run), "error": balance.energy},
-            "model_energy": _energy(model_run),
-            "hourglass_share": balance.hourglass,
-            "momentum_error": balance.momentum,
-            "published": [comparison_document(row, "note") for row in self.comparisons],
-            "fitted_fields": self.case.fitted_fields(),
-            "stale_fits": stale_fits_document(self.case),
-            "stopped": run.stopped or None,
-            "blows": blows,
-        }
-
-    def highlights(self) -> list[tuple[str, str]]:
-        """Return the number of elements, the largest contact force, and the peak of the first part that moves."""
-        numbers = [
-            ("elements", str(self.run.elements)),
-            ("contact force", with_unit(self.contact_force_peak, "N", "kN")),
-        ]
-        moved = ((name, part) for name, part in self.parts.items() if part.rigid_peak > 0.0)
-        for name, part in itertools.islice(moved, 1):
-            numbers += [
-                (f"rigid-body peak of {name}", with_unit(part.rigid_peak, "m/s^2", "g")),
-                ("width", with_unit(part.width, "s", "us")),
-            ]
-        return numbers
-
-    def columns(self) -> list[Column]:
-        """Return the parts and groups with the blow that each took."""
-        content = self.content()
-        rows = [{"name": name, **row} for kind in ("parts", "groups") for name, row in content[kind].items()]
-        return columns_of(rows, UNITS)
-
-    def brief(self) -> dict[str, str]:
-        """Return name, mass and blow of each part, and its largest stress and strain."""
-        blow = {"rigid_peak": "g", "width": "us", "velocity_change": "m/s"}
-        return {"name": "", "mass": "kg", **blow, "von_mises": "MPa", "plastic_strain": "1"}
 
     def preview(self) -> Curve | None:
         """Return the mean force of the strongest contact; None where nothing touched."""
@@ -356,49 +480,6 @@ class FemSolution(ShownResult):
 
 MOTION = {"displacement": "m", "velocity": "m/s", "acceleration": "m/s^2"}
 """Histories of parts, points and sections, and their units."""
-UNITS = {
-    "step": "s",
-    "added_mass": "kg",
-    "model_added_mass": "kg",
-    "seconds": "s",
-    "element_steps_per_second": "1/s",
-    "contact_force_peak": "N",
-    "model_contact_force_peak": "N",
-    "peak": "N",
-    "time": "s",
-    "impulse": "N s",
-    "begin": "s",
-    "end": "s",
-    "duration": "s",
-    "whole_peak": "N",
-    "whole_impulse": "N s",
-    "model_peak": "N",
-    "model_impulse": "N s",
-    "mass": "kg",
-    "whole_mass": "kg",
-    "model_mass": "kg",
-    "sectors": "1",
-    "direction": "1",
-    "rigid_peak": "m/s^2",
-    "width": "s",
-    "velocity_change": "m/s",
-    "von_mises": "Pa",
-    "plastic_strain": "1",
-    "initial": "J",
-    **dict.fromkeys(ENERGIES, "J"),
-    "error": "1",
-    "energy_error": "1",
-    "hourglass_share": "1",
-    "momentum_error": "1",
-    "restitution": "1",
-    "plastic_energy": "J",
-    "model_plastic_energy": "J",
-    "kinetic_share": "1",
-    "added_distance": "m",
-    "overlap": "m",
-    "plastic_before": "J",
-}
-"""Of the JSON document."""
 
 
 def of_blow(name: str, blow: int) -> str:
@@ -413,44 +494,17 @@ def of_blow(name: str, blow: int) -> str:
     return name if blow == 1 else f"{stem}-{blow}.{ending}"
 
 
-def _blow(solution: FemSolution) -> dict[str, Any]:
-    """Return what one of several blows came to, for the JSON document."""
-    blow, modelled, sector = blow_measure(solution.run, solution.model.touching), solution.model_run, solution.sectors
-    twins = solution.model_contacts
-    return {
-        "blow": blow.blow,
-        "contacts": {name: _contact(x, twins[name]) for name, x in solution.contacts.items()},
-        "parts": {name: _part(part, sector[name], modelled.parts[name]) for name, part in solution.parts.items()},
-        "groups": {name: _part(part, sector[name], modelled.groups[name]) for name, part in solution.groups.items()},
-        "restitution": dict(blow.restitution),
-        "plastic_strain": dict(blow.plastic_strain),
-        "plastic_energy": dict(blow.plastic_energy),
-        "model_plastic_energy": dict(modelled.plastic_work),
-        "energy_error": solution.measured_balance.energy,
-        "rest": blow.rest._asdict() if blow.rest else None,
-        "stopped": solution.run.stopped or None,
-    }
-
-
 def _energy(run: FemRun) -> dict[str, float]:
     """Return the energies at the start, all, and at the end."""
     return {"initial": run.initial_energy, **{name: float(run.energy[name][-1]) for name in ENERGIES}}
 
 
-def _part(measure: PartMeasure, sector: Sector, modelled: PartHistory) -> dict[str, Any]:
-    """Return the blow that a part took, and how many such sectors make its body, for the JSON document."""
-    masses = {"sectors": sector.pieces, "whole_mass": measure.mass, "model_mass": modelled.mass}
-    return {**dataclasses.asdict(measure), **masses}
-
-
-def _contact(found: ContactMeasure | None, modelled: ContactMeasure | None) -> dict[str, float] | None:
-    """Return what a contact came to on whole bodies and on what is meshed, for the JSON document."""
+def _touched(found: ContactMeasure | None, modelled: ContactMeasure | None) -> TouchedBodies | None:
+    """Return what a contact came to on whole bodies and on what is meshed; None where nothing touched."""
     if found is None:
         return None
-    times = {"time": found.at, "begin": found.begin, "end": found.end, "duration": found.duration}
-    meshed = {} if modelled is None else {"model_peak": modelled.peak, "model_impulse": modelled.impulse}
-    whole = {"whole_peak": found.peak, "whole_impulse": found.impulse}
-    return {"peak": found.peak, "impulse": found.impulse, **times, **whole, **meshed}
+    meshed = (None, None) if modelled is None else (modelled.peak, modelled.impulse)
+    return TouchedBodies(found, found.peak, found.impulse, *meshed)
 
 
 def _components(name: str, unit: str, values: Array, axes: tuple[str, ...] = ("x", "y", "z")) -> Iterator[Any]:

@@ -33,14 +33,17 @@ from strikewave.fem.run import ENERGIES
 from strikewave.fem.snapshots import SNAPSHOTS
 from strikewave.fem.solve import Checkpoint, Progress, RunOptions, frame_instants
 from strikewave.reporting.bands import NO_BAND_OF_ELEMENTS
+from strikewave.reporting.faces import FaceRow, face_columns, face_rows
 from strikewave.reporting.layout import KEY, MORE, keys, numerals
 from strikewave.reporting.numbers import headed, with_unit
 from strikewave.reporting.options.output import Output
 from strikewave.reporting.run_and_write import Command, case_folder, run_and_write
+from strikewave.reporting.table_columns import TableColumn
 from strikewave.reporting.terminal import (
     number,
     print_json,
     print_published,
+    print_rows,
     progress_bar,
     say,
     show_notices,
@@ -256,51 +259,23 @@ def say_faceted(case: Case, quality: Sequence[PartQuality]) -> None:
 
 def show(solution: FemSolution) -> None:
     """Print parts, contacts and balance."""
-    rows = [
-        [
-            name,
-            number(part.mass, "kg", "kg"),
-            number(part.rigid_peak, "m/s^2", "g", 5),
-            number(part.width, "s", "us"),
-            number(part.velocity_change, "m/s", "m/s"),
-            " ".join(f"{x:+.2f}" for x in part.direction),
-        ]
-        for name, part in {**solution.parts, **solution.groups}.items()
-    ]
-    columns = [
-        *keys("part"),
-        *numerals("mass (kg)", priority=MORE),
-        *numerals("rigid peak (g)", "pulse width at 10 % (us)", "velocity change (m/s)"),
-        *numerals("along", priority=MORE),
-    ]
-    table(f"{solution.title}: parts as rigid bodies", columns, rows)
-    rows = [
-        [name, number(part.von_mises, "Pa", "MPa"), number(part.plastic_strain, "1", "1", 3)]
-        for name, part in solution.parts.items()
-    ]
-    table("Largest in the elements", [*keys("part"), *numerals("von Mises stress (MPa)", "plastic strain")], rows)
+    along: TableColumn[FaceRow] = TableColumn("along", _along, priority=MORE)
+    columns = [*face_columns(solution, "bodies", "parts"), along]
+    print_rows(f"{solution.title}: parts as rigid bodies", columns, face_rows(solution, "bodies"))
+    elements = face_columns(solution, "blow_of_parts", "elements")
+    print_rows("Largest in the elements", elements, face_rows(solution, "blow_of_parts"))
     if solution.film is not None and (words := largest_words(solution.film, solution.model.mesh)):
         tell(words)
-    rows = [[name, *([*"-----"] if one is None else _contact_cells(one))] for name, one in solution.contacts.items()]
-    if rows:
-        columns = [
-            *keys("contact"),
-            *numerals("peak (kN)"),
-            *numerals("at (us)", priority=MORE),
-            *numerals("impulse (N s)"),
-            *numerals("begins (us)", priority=MORE),
-            *numerals("lasts (us)"),
-        ]
-        table("Contacts", columns, rows)
+    if solution.touched:
+        print_rows("Contacts", face_columns(solution, "touched"), face_rows(solution, "touched"))
     print_published(solution.comparisons)
     _show_balance(solution)
     if solution.later:
         _show_blows(solution)
 
 
-def _contact_cells(found: Any) -> list[str]:
-    times = [number(x, "s", "us") for x in (found.at, found.begin, found.duration)]
-    return [number(found.peak, "N", "kN", 5), times[0], number(found.impulse, "N s", "N s"), *times[1:]]
+def _along(row: FaceRow) -> str:
+    return " ".join(f"{x:+.2f}" for x in row.value.measure.direction)
 
 
 def _show_balance(solution: FemSolution) -> None:

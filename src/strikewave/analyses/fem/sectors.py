@@ -122,8 +122,10 @@ def of_whole_bodies(model: Model, run: FemRun, sector_of: dict[str, Sector]) -> 
         name: _whole_section(section, sector_of[cuts[name].part], unit(cuts[name].normal, "normal"))
         for name, section in run.sections.items()
     }
-    rest = run.rest and run.rest._replace(
-        plastic_energy=shared.pieces * run.rest.plastic_energy, plastic_before=shared.pieces * run.rest.plastic_before
+    rest = run.rest and replace(
+        run.rest,
+        plastic_energy=shared.pieces * run.rest.plastic_energy,
+        plastic_before=shared.pieces * run.rest.plastic_before,
     )
     return replace(
         run,

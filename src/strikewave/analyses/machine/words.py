@@ -49,13 +49,15 @@ def reference_law(case: Case) -> str:
     return kind_of(case).reference_law
 
 
-def answer_columns(answers: ContactAnswers, bands: Mapping[str, Band]) -> list[TableColumn[ContactAnswer]]:
+def answer_columns(
+    answers: ContactAnswers, bands: Mapping[str, Band] | None = None
+) -> list[TableColumn[ContactAnswer]]:
     """Return the columns of the answers of a contact, with the digits that the bands leave."""
 
     def called(row: ContactAnswer) -> str:
         return row.name + (" (this run)" if row.name == answers.taken else "")
 
-    _, *rest = columns_of(ContactAnswer, bands=blow_bands(bands))
+    _, *rest = columns_of(ContactAnswer, bands=blow_bands(bands or {}))
     return [TableColumn("contact", called, priority=KEY, words=True), *rest]
 
 

@@ -1,0 +1,139 @@
+"""What a field declares is what the document, its units and its documentation hold, and nothing else."""
+
+import dataclasses
+import pickle
+
+import numpy as np
+import pytest
+
+from strikewave.base import declare
+from strikewave.base.declare import KEY, MAIN, NO_UNIT, Quantity
+
+FORCE, TIME, SHARE = Quantity("N", "kN"), Quantity("s", "us"), Quantity(NO_UNIT, "%")
+
+
+@declare.dataclass
+class Touch:
+    """A contact."""
+
+    begin: float = declare.number(TIME, "when it begins", column=KEY)
+    force: float | None = declare.number(FORCE, "largest force")
+
+
+@declare.dataclass
+class Body:
+    """A body.
+
+    Attributes
+    ----------
+    hidden : int
+        What no face shows.
+    """
+
+    hidden: int
+    touches: tuple[Touch, ...] = declare.rows(Touch, "its contacts", key="contacts")
+    first: Touch | None = declare.part(Touch, "the first one; null where it was not touched")
+    other: Touch | None = declare.part(Touch, "the other", optional=True)
+    again: Touch = declare.part(Touch, "the same as its own keys", inline=True)
+    by_name: dict[str, Touch] = declare.named(Touch, "by their names")
+    speed: np.ndarray = declare.history("m/s", "its speed")
+    inner: str = declare.word("of no document", in_document=False, default="x")
+
+    @declare.computed(declare.number(SHARE, "share of them that have a force"))
+    def share(self) -> float:
+        """Share of contacts with a force."""
+        return sum(touch.force is not None for touch in self.touches) / len(self.touches)
+
+
+@declare.dataclass
+class Heavy(Body):
+    """A body with a mass."""
+
+    mass: float = declare.number(Quantity("kg", "kg"), "its mass", default=2.0)
+
+
+@pytest.fixture
+def body():
+    one, two = Touch(1.0, 10.0), Touch(2.0, None)
+    return Body(7, (one, two), one, None, two, {"a": one}, np.array([1.0, 2.0]))
+
+
+def test_the_document_has_each_declared_field_by_its_key(body):
+    held = declare.content(body)
+    assert held.pop("speed") is body.speed
+    assert held == {
+        "contacts": [{"begin": 1.0, "force": 10.0}, {"begin": 2.0, "force": None}],
+        "first": {"begin": 1.0, "force": 10.0},
+        "begin": 2.0,
+        "force": None,
+        "by_name": {"a": {"begin": 1.0, "force": 10.0}},
+        "share": 0.5,
+    }
+    there = dataclasses.replace(body, first=None, other=body.again)
+    assert declare.content(there)["first"] is None
+    assert declare.content(there)["other"] == {"begin": 2.0, "force": None}
+
+
+def test_units_are_those_of_all_keys_within():
+    assert declare.units(Body) == {"begin": "s", "force": "N", "speed": "m/s", "share": "1"}
+    assert declare.units(Heavy) == {**declare.units(Body), "mass": "kg"}
+
+
+def test_a_key_with_two_units_is_refused():
+    @declare.dataclass
+    class Torn:
+        """A body whose force is a stress elsewhere."""
+
+        force: float = declare.number(Quantity("Pa", "MPa"), "a stress")
+        touches: tuple[Touch, ...] = declare.rows(Touch, "contacts")
+
+    with pytest.raises(TypeError, match=r"force is in Pa and, as touches\[\]\.force, in N"):
+        declare.units(Torn)
+
+
+def test_paths_of_keys_lead_through_rows_names_and_parts():
+    paths = [path for path, _ in declare.keys(Body)]
+    assert paths == [
+        *("contacts", "contacts[].begin", "contacts[].force", "first", "first.begin", "first.force"),
+        *("other", "other.begin", "other.force", "begin", "force"),
+        *("by_name", "by_name.*.begin", "by_name.*.force", "speed", "share"),
+    ]
+
+
+def test_docstrings_say_what_fields_declare_once():
+    assert Touch.__doc__.count("begin : float\n        when it begins, s.") == 1
+    text = Body.__doc__
+    assert text.count("Attributes\n") == 1
+    assert text.index("hidden : int") < text.index("share : computed\n        share of them that have a force.")
+    assert "Heavy" not in text
+    assert "begin" not in Heavy.__doc__
+
+
+def test_what_is_computed_is_computed_once_and_counts_for_no_equality(body):
+    calls = []
+
+    @declare.dataclass
+    class Counted:
+        """A value that is asked for twice."""
+
+        size: float = declare.number(FORCE, "size")
+
+        @declare.computed(declare.number(FORCE, "twice"))
+        def twice(self) -> float:
+            """Twice the size."""
+            calls.append(self.size)
+            return 2.0 * self.size
+
+    one, other = Counted(3.0), Counted(3.0)
+    assert [one.twice, one.twice] == [6.0, 6.0]
+    assert calls == [3.0]
+    assert one == other
+    assert dataclasses.replace(one, size=4.0).twice == 8.0
+    with pytest.raises(dataclasses.FrozenInstanceError):
+        one.size = 5.0
+
+
+def test_declared_values_are_pickled():
+    touch = Touch(1.0, 2.0)
+    assert pickle.loads(pickle.dumps(touch)) == touch
+    assert MAIN > KEY

@@ -1,0 +1,121 @@
+"""A number that is declared stands on every face: one line, and its value, unit and label are the same everywhere."""
+
+import dataclasses
+from typing import ClassVar
+
+import pytest
+
+from strikewave.base import declare
+from strikewave.base.declare import KEY, MAIN, MORE, Quantity
+from strikewave.base.result import Band, Source
+from strikewave.reporting import faces
+from strikewave.reporting.columns import csv_table
+from strikewave.reporting.plain_page import plain_page
+from strikewave.reporting.shown_result import ShownResult, shown_table
+from strikewave.reporting.shown_units import ShownUnits, showing
+from strikewave.reporting.workbook import _sheets
+
+PEAK = Quantity("m/s^2", "g", "planted peak", 1)
+
+
+@declare.dataclass
+class Reading:
+    """What a sensor shows."""
+
+    peak: float = declare.number(PEAK, "planted", column=MAIN, band="peak", headline="sensor {name}")
+    clipped: bool = declare.word("whether it was cut", column=MAIN)
+
+
+@declare.dataclass
+class Row:
+    """A row."""
+
+    name: str = declare.word("name of the row", label="place", column=KEY)
+    peak: float = declare.number(PEAK, "planted", column=MAIN, band="peak", headline="peak at {name}")
+    length: float = declare.number(Quantity("m", "mm"), "a length", column=MORE + 1)
+    seen: dict[str, Reading] = declare.named(Reading, "sensors by name")
+
+
+@declare.dataclass
+class Planted(ShownResult):
+    """A result with a number that faces have to show."""
+
+    command: ClassVar[str] = "run"
+    main_rows: ClassVar[str] = "places"
+    drawing: ClassVar[str] = ""
+
+    places: tuple[Row, ...] = declare.rows(Row, "the places", band="at.{name}", headline="first")
+    planted: float = declare.number(PEAK, "planted", headline="planted number", band="planted")
+
+    @property
+    def title(self):
+        return "Planted"
+
+    @property
+    def source(self):
+        return Source("command", "planted", "")
+
+
+G = 9.80665
+
+
+@pytest.fixture
+def result():
+    rows = (Row("a", 1000.0 * G, 0.002, {"s": Reading(500.0 * G, True)}), Row("b", 2000.0 * G, 0.004, {}))
+    return Planted(rows, 1234.4 * G)
+
+
+def test_document_and_units(result):
+    document = result.document()
+    assert document["planted"] == 1234.4 * G
+    assert document["places"][0] == {
+        "name": "a", "peak": 1000.0 * G, "length": 0.002, "seen": {"s": {"peak": 500.0 * G, "clipped": True}},
+    }  # fmt: skip
+    assert document["units"] == {"peak": "m/s^2", "length": "m", "planted": "m/s^2"}
+
+
+def test_key_numbers_are_those_of_the_first_row(result):
+    assert result.highlights() == [("peak at a", "1000 g"), ("planted number", "1234 g")]
+    banded = dataclasses.replace(result, band={"at.a.peak": Band(900.0 * G, 1200.0 * G, 0.95)})
+    assert banded.highlights()[0] == ("peak at a", "1000 g (900 to 1200 g)")
+
+
+def test_table_of_screen_and_page(result):
+    table = faces.face_table(result, "places")
+    assert table.caption == "The places"
+    assert list(table.columns) == ["place", "planted peak (g)", "length (mm)"]
+    assert table.cells() == [["a", "1000.0", "2"], ["b", "2000.0", "4"]]
+
+
+def test_a_band_of_a_row_takes_digits_of_that_row_alone(result):
+    banded = dataclasses.replace(result, band={"at.a.peak": Band(800.0 * G, 1500.0 * G, 0.95)})
+    assert [row[1] for row in faces.face_table(banded, "places").cells()] == ["1000", "2000.0"]
+
+
+def test_a_band_of_a_column_takes_digits_of_all_its_rows(result):
+    columns = faces.columns_of(Row, bands={"peak": [Band(800.0 * G, 1500.0 * G, 0.95)]})
+    assert [columns[1].text(row) for row in result.places] == ["1000", "2000"]
+
+
+def test_notebook_shows_what_is_not_left_out_first_and_python_has_all(result):
+    assert shown_table(result, 1) == (["place", "planted peak (g)"], [["a", "1000.0"]])
+    columns = result.columns()
+    assert [(one.name, one.si) for one in columns] == [
+        ("name", ""), ("peak", "m/s^2"), ("length", "m"), ("s peak", "m/s^2"), ("s clipped", ""),
+    ]  # fmt: skip
+    assert csv_table(columns).splitlines()[1:] == ["a,9806.65,0.002,4903.325,True", "b,19613.3,0.004,,"]
+
+
+def test_workbook_and_page_show_the_planted_number(result):
+    sheets = {title: [list(row) for row in rows] for title, _, rows in _sheets(result)}
+    assert ["planted number", dict(result.highlights())["planted number"]] in sheets["summary"]
+    assert [row[1] for row in sheets["table"]] == [1000.0 * G, 2000.0 * G]
+    page = plain_page(result, result.highlights(), None, *shown_table(result))
+    assert "planted number" in page
+
+
+def test_units_that_are_chosen_hold_on_all_of_them(result):
+    with showing(ShownUnits.read("m/s^2")):
+        assert dict(result.highlights())["peak at a"] == "9807 m/s²"
+        assert faces.face_table(result, "places").columns[1] == "planted peak (m/s²)"
+        assert shown_table(result)[0][1] == "planted peak (m/s²)"
