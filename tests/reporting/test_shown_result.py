@@ -12,6 +12,7 @@ import numpy as np
 import pytest
 
 import strikewave
+from strikewave.base import declare
 from strikewave.base.errors import InputError, StrikewaveError
 from strikewave.base.result import FAILED, Notice, Result
 from strikewave.reporting.shown_result import Curve, ShownResult, _svg, columns_of
@@ -30,7 +31,16 @@ def kinds():
             yield one
             yield from below(one)
 
-    return {kind for kind in below(Result) if not getattr(kind, "__abstractmethods__", None) and kind.command}
+    made = {kind for kind in below(Result) if not getattr(kind, "__abstractmethods__", None) and kind.command}
+    return {kind for kind in made if kind.__module__.startswith("strikewave.")}
+
+
+def test_every_declared_result_has_one_unit_a_key_and_a_meaning_of_each():
+    found = [kind for kind in kinds() if declare.declarations(kind)]
+    assert {kind.__name__ for kind in found} >= {"Solution", "WaveSolution", "FemSolution"}
+    for kind in found:
+        assert declare.units(kind)
+        assert all(one.meaning[:1].strip() and one.meaning[-1] != "." for _, one in declare.keys(kind)), kind
 
 
 def test_every_result_shows_itself_and_has_a_picture_or_says_that_it_has_none():
@@ -39,7 +49,7 @@ def test_every_result_shows_itself_and_has_a_picture_or_says_that_it_has_none():
     for kind in found:
         assert issubclass(kind, ShownResult), kind
         assert kind.__repr__ is ShownResult.__repr__, kind
-        for hook in ("highlights", "columns"):
+        for hook in () if kind.main_rows else ("highlights", "columns"):
             assert getattr(kind, hook) is not getattr(ShownResult, hook), (kind, hook)
         if kind.drawing:
             module = importlib.import_module(f"{kind.__module__.rpartition('.')[0]}.{kind.drawing}")

@@ -157,10 +157,8 @@ class Computed(Generic[T]):
         """Return the value; of the class itself what declares it."""
         if instance is None:
             return self
-        remembered = vars(
-            instance
-        )  # where a descriptor without __set__ is found no more, as of functools.cached_property
-        return remembered.setdefault(self.name, self.function(instance))  # type: ignore[no-any-return]
+        remembered = vars(instance)  # what stands there is found before this descriptor, as of cached_property
+        return remembered.setdefault(self.name, self.function(instance))
 
 
 def computed(field: Any) -> Callable[[Callable[[Any], T]], Computed[T]]:
