@@ -141,7 +141,7 @@ def named(of: type, meaning: str, *, default: Any = dataclasses.MISSING, **rest:
     return _field(Declaration(kind="named", of=of, meaning=meaning, **rest), default)
 
 
-class Computed(Generic[T]):
+class ComputedField(Generic[T]):
     """A value that a declared class computes when it is asked for, with its declaration; it is remembered."""
 
     def __init__(self, declaration: Declaration, function: Callable[[Any], T]) -> None:
@@ -150,10 +150,10 @@ class Computed(Generic[T]):
         self.__doc__ = function.__doc__
 
     @overload
-    def __get__(self, instance: None, owner: type) -> Computed[T]: ...
+    def __get__(self, instance: None, owner: type) -> ComputedField[T]: ...
     @overload
     def __get__(self, instance: object, owner: type) -> T: ...
-    def __get__(self, instance: object | None, owner: type) -> T | Computed[T]:
+    def __get__(self, instance: object | None, owner: type) -> T | ComputedField[T]:
         """Return the value; of the class itself what declares it."""
         if instance is None:
             return self
@@ -161,9 +161,9 @@ class Computed(Generic[T]):
         return remembered.setdefault(self.name, self.function(instance))
 
 
-def computed(field: Any) -> Callable[[Callable[[Any], T]], Computed[T]]:
+def computed(field: Any) -> Callable[[Callable[[Any], T]], ComputedField[T]]:
     """Declare a computed value as a field is: ``@computed(number(TIME, "time step"))`` above its method."""
-    return lambda function: Computed(field.metadata[_METADATA], function)
+    return lambda function: ComputedField(field.metadata[_METADATA], function)
 
 
 @dataclass_transform(
@@ -171,10 +171,10 @@ def computed(field: Any) -> Callable[[Callable[[Any], T]], Computed[T]]:
 )
 def dataclass(kind: type[T]) -> type[T]:
     """Make a frozen dataclass that faces are made of; a field without a declaration stands on none of them."""
-    own = {name: value for name, value in vars(kind).items() if isinstance(value, Computed | dataclasses.Field)}
+    own = {name: value for name, value in vars(kind).items() if isinstance(value, ComputedField | dataclasses.Field)}
     found = {name: one for base in reversed(kind.__mro__[1:]) for name, one in _own(base).items()}
     for name, value in own.items():
-        one = value.declaration if isinstance(value, Computed) else value.metadata.get(_METADATA)
+        one = value.declaration if isinstance(value, ComputedField) else value.metadata.get(_METADATA)
         if one is not None:
             found[name] = one
     made = dataclasses.dataclass(frozen=True)(kind)

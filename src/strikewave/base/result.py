@@ -306,7 +306,7 @@ class Comparison:
     note: str = declare.word(
         "why it is not comparable, or what else is said of it", default="", column=MAIN, in_document=False
     )
-    sensor: str = declare.word("which sensor it is of, where it is of one", default="", column=MAIN)
+    sensor: str = declare.word("which sensor it is of, where it is of one", default="", column=MAIN, in_document=False)
 
 
 class BalanceCheck(NamedTuple):

@@ -121,6 +121,13 @@ class ElementsBlow:
 
 
 @declare.dataclass
+class BodyComparison(Comparison):
+    """Comparison of a number of a part or a group with the published one."""
+
+    sensor: str = declare.word("which part or group it is of, where it is of one", default="")
+
+
+@declare.dataclass
 class FemSolution(CaseResult):
     """The result of an explicit finite-element run; see `Result` for what it shares with others.
 
@@ -255,10 +262,10 @@ class FemSolution(CaseResult):
         """Momentum that the balance misses."""
         return self.measured_balance.momentum
 
-    @declare.computed(declare.rows(Comparison, "comparison with published values"))
-    def published(self) -> tuple[Comparison, ...]:
+    @declare.computed(declare.rows(BodyComparison, "comparison with published values"))
+    def published(self) -> tuple[BodyComparison, ...]:
         """The comparisons, by the key of the JSON document."""
-        return self.comparisons
+        return tuple(BodyComparison(**vars(one)) for one in self.comparisons)
 
     @declare.computed(declare.word("why the run ended early; null where it did not"))
     def stopped(self) -> str | None:

@@ -96,7 +96,7 @@ class LineCollision:
 
 
 @declare.dataclass
-class Launch:
+class MachineLaunch:
     """How a machine without a drive came to first touch."""
 
     approach_speed: float = declare.number(
@@ -179,7 +179,7 @@ class Solution(CaseResult):
     )
     sampled: LabelledArrays = field(repr=False, compare=False)
     launch: dict[str, float] | None = declare.part(
-        Launch, "of a machine without a drive: how it came to first touch", default=None, optional=True
+        MachineLaunch, "of a machine without a drive: how it came to first touch", default=None, optional=True
     )
     collisions: tuple[LineCollision, ...] = ()
     contact: ContactAnswers | None = declare.part(

@@ -158,7 +158,7 @@ def with_bands(
 
 
 def launch_of(machine: Machine, start: Release) -> dict[str, float]:
-    """Return what is said of a machine without a drive: see `strikewave.analyses.machine.result.Launch`."""
+    """Return what is said of a machine without a drive: see `strikewave.analyses.machine.result.MachineLaunch`."""
     striker, arm = machine.strikers.first, start.pendulum
     speed, energy = (0.0, 0.0) if arm is None else (start.arm * arm.radius, 0.5 * arm.inertia * start.arm**2)
     numbers = {

@@ -14,7 +14,7 @@ import numpy as np
 
 from strikewave._version import __version__
 from strikewave.base.compiled import PACKAGE, kernel_key
-from strikewave.base.declare import Computed
+from strikewave.base.declare import ComputedField
 from strikewave.base.result import ELEMENTS_SCHEMA, SCHEMA
 from strikewave.cases.case import Case
 
@@ -47,7 +47,7 @@ def run_key(case: Case, evaluation: object) -> bytes:
 def content_key(thing: object) -> bytes:
     """Return the SHA-256 of the content of an object, of a function with what it is bound to, or of a tuple of these.
 
-    What is computed once and remembered (`functools.cached_property`, `Computed`) is no content.
+    What is computed once and remembered (`functools.cached_property`, `ComputedField`) is no content.
 
     Raises
     ------
@@ -87,7 +87,7 @@ def _add_content(digest: Any, thing: Any) -> None:
     elif isinstance(thing, Mapping):
         parts = [part for item in thing.items() for part in item]
     elif hasattr(thing, "__dict__"):
-        remembered = functools.cached_property | Computed
+        remembered = functools.cached_property | ComputedField
         own = {k: v for k, v in vars(thing).items() if not isinstance(getattr(type(thing), k, None), remembered)}
         parts = [own]
     else:
