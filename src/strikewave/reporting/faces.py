@@ -153,14 +153,14 @@ def face_table(result: Result, name: str, table: str = "", caption: str = "") ->
     return page_table(caption, face_columns(result, name, table), face_rows(result, name))
 
 
-def part_table(result: Result, name: str, caption: str = "") -> Table | None:
-    """Return the numbers of a part as a table, a line each; None where there is no part."""
+def part_tables(result: Result, name: str, caption: str = "") -> list[Table]:
+    """Return the numbers of a part as a table, a line each; no table where there is no part."""
     one, value = declarations(type(result))[name], getattr(result, name)
     if value is None or one.of is None:
-        return None
+        return []
     columns = [column for column in columns_of(one.of) if column.value(value) is not None]
     lines: list[list[Cell]] = [[column.head, column.cell(value)] for column in columns]
-    return Table(caption or _sentence(one.meaning), [label_of(name, one), "value"], lines)
+    return [Table(caption or _sentence(one.meaning), [label_of(name, one), "value"], lines)]
 
 
 def _sentence(meaning: str) -> str:

@@ -15,7 +15,7 @@ from strikewave.cases.tables.machine_kinds import KINDS
 from strikewave.cases.yield_pressure import YIELDING
 from strikewave.machines import Blow
 from strikewave.reporting.banded_numbers import with_band
-from strikewave.reporting.faces import columns_of, part_table
+from strikewave.reporting.faces import columns_of, part_tables
 from strikewave.reporting.layout import KEY
 from strikewave.reporting.numbers import listed, shown, spelled, with_unit
 from strikewave.reporting.parts import NONE, Table, written
@@ -94,7 +94,7 @@ def launch_tables(solution: Solution) -> list[Table]:
     """Return how a machine without a drive came to first touch; nothing for one with a drive."""
     if not solution.launch:
         return []
-    tables = [part_table(solution, "launch", "Up to first touch")]
+    tables = part_tables(solution, "launch", "Up to first touch")
     if solution.collisions:
         caption = "Collisions in the line, by restitution alone; speeds upwards, time after the lowest met the floor"
         tables.append(page_table(caption, columns_of(LineCollision), solution.collisions))

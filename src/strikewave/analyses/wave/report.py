@@ -10,7 +10,7 @@ from strikewave.analyses.wave.field import field_of_solution
 from strikewave.reporting import chapters
 from strikewave.reporting.bands import band_sections
 from strikewave.reporting.curves import Trace, traces
-from strikewave.reporting.faces import face_rows, face_table, numbers_of, part_table
+from strikewave.reporting.faces import face_rows, face_table, numbers_of, part_tables
 from strikewave.reporting.numbers import listed, spelled, with_unit
 from strikewave.reporting.parts import Flow, Part, Picture, Section, Table
 from strikewave.reporting.stack_chapters import (
@@ -74,14 +74,13 @@ def _staircase(field: WaveField, layer: int, solution: WaveSolution) -> Picture:
 
 def wave_tables(solution: WaveSolution) -> list[Table]:
     """Return the further tables of a bar: contact, masses on springs, joints, layers."""
-    contact = part_table(solution, "contact")
     tables = [
         face_table(solution, "oscillators", caption="Masses on springs"),
         face_table(solution, "joints", caption="Joints that can open"),
         face_table(solution, "layers", "stress", "Largest stress in each layer"),
     ]
     tables = [dataclasses.replace(table, rows=table.rows[:MOST_LAYERS]) for table in tables if table.rows]
-    return [contact, *tables] if contact else tables
+    return [*part_tables(solution, "contact"), *tables]
 
 
 def wave_sections(solution: WaveSolution, quantity: str = "stress") -> list[Section]:

@@ -154,7 +154,7 @@ def blow_rows(
     columns = blow_columns("blows", bands)
     if found and not isinstance(found[0], Blow):
         there = {one.name for one in dataclasses.fields(found[0])}
-        columns = tuple(c for c in columns if c.si == "" or _field(c.name) in there)
+        columns = [c for c in columns if c.si == "" or _field(c.name) in there]
     rows = [[column.text(blow) for column in columns] for blow in found]
     return "Blows", [column.head for column in columns], rows, ()
 
