@@ -92,6 +92,15 @@ def test_a_band_of_a_row_takes_digits_of_that_row_alone(result):
     assert [row[1] for row in faces.face_table(banded, "places").cells()] == ["1000", "2000.0"]
 
 
+def test_a_band_of_a_row_is_found_by_its_name_whatever_that_is(result):
+    far = dataclasses.replace(result.places[0], name="far end.{x}")
+    banded = dataclasses.replace(
+        result, places=(far, result.places[1]), band={"at.far end.{x}.peak": Band(800.0 * G, 1500.0 * G, 0.95)}
+    )
+    assert [row[1] for row in faces.face_table(banded, "places").cells()] == ["1000", "2000.0"]
+    assert banded.highlights()[0] == ("peak at far end.{x}", "1000 g (800 to 1500 g)")
+
+
 def test_a_band_of_a_column_takes_digits_of_all_its_rows(result):
     columns = faces.columns_of(Row, bands={"peak": [Band(800.0 * G, 1500.0 * G, 0.95)]})
     assert [columns[1].text(row) for row in result.places] == ["1000", "2000"]

@@ -13,7 +13,7 @@ from collections.abc import Callable, Iterator, Mapping
 from typing import Any, Generic, Literal, NamedTuple, TypeVar, dataclass_transform, overload
 
 T = TypeVar("T")
-Kind = Literal["number", "word", "history", "part", "rows", "named"]
+Kind = Literal["number", "count", "word", "history", "part", "rows", "named"]
 NO_UNIT = "1"
 """SI unit of a ratio, which documents name; words and counts have none."""
 KEY, MAIN, MORE = 0, 1, 2
@@ -47,7 +47,7 @@ class Declaration:
     Attributes
     ----------
     kind : str
-        A number; a word (a count and a truth too); a history, an array of numbers; a part, rows, or parts by their
+        A number; a count; a word (a truth too); a history, an array of numbers; a part, rows, or parts by their
         names, all of a declared class.
     meaning : str
         What it is, in a phrase: the documentation of the JSON documents and of the class has it.
@@ -115,8 +115,13 @@ def number(quantity: Quantity, meaning: str, *, default: Any = dataclasses.MISSI
     return _field(Declaration(kind="number", quantity=quantity, meaning=meaning, **rest), default)
 
 
+def count(meaning: str, *, default: Any = dataclasses.MISSING, **rest: Any) -> Any:
+    """Return the field of a whole number of things, or of their order."""
+    return _field(Declaration(kind="count", meaning=meaning, **rest), default)
+
+
 def word(meaning: str, *, default: Any = dataclasses.MISSING, **rest: Any) -> Any:
-    """Return the field of a word, a count or a truth, or of what a document holds as it is."""
+    """Return the field of a word or a truth, or of what a document holds as it is."""
     return _field(Declaration(kind="word", meaning=meaning, **rest), default)
 
 
@@ -167,7 +172,7 @@ def computed(field: Any) -> Callable[[Callable[[Any], T]], ComputedField[T]]:
 
 
 @dataclass_transform(
-    frozen_default=True, field_specifiers=(number, word, history, part, rows, named, dataclasses.field)
+    frozen_default=True, field_specifiers=(number, count, word, history, part, rows, named, dataclasses.field)
 )
 def dataclass(kind: type[T]) -> type[T]:
     """Make a frozen dataclass that faces are made of; a field without a declaration stands on none of them."""

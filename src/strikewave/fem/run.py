@@ -108,8 +108,8 @@ class FieldFrame:
 class Rest:
     """How bodies came to rest between the blow before and this one."""
 
-    maxima: int = declare.word("maxima of the kinetic energy at which velocities were set to zero, of all bodies")
-    steps: int = declare.word("steps on the way to rest")
+    maxima: int = declare.count("maxima of the kinetic energy at which velocities were set to zero, of all bodies")
+    steps: int = declare.count("steps on the way to rest")
     kinetic_share: float = declare.number(
         RATIO, "kinetic energy that was left, over the energy in play of the blow before"
     )

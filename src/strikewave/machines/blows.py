@@ -61,7 +61,7 @@ class Blow:
     Theory of both velocity changes: :eq:`machine-velocity-change`.
     """
 
-    index: int = declare.word("number of the blow, from 1", label="#", column=KEY, tables="blows contact sliding")
+    index: int = declare.count("number of the blow, from 1", label="#", column=KEY, tables="blows contact sliding")
     kind: str = declare.word(
         "full, glancing (approach below half the nominal speed of a drive), double (a second group of contacts, more "
         "than a pulse width later, carries a tenth of the impulse) or missed",
@@ -69,14 +69,14 @@ class Blow:
         tables="blows",
         is_tag=True,
     )
-    striker: int = declare.word("which striker, from 1", in_document=False)
+    striker: int = declare.count("which striker, from 1", in_document=False)
     time: float = declare.number(
         Quantity("s", "ms", decimals=3, digits=0),
         "first touch after the valve signal; the apex of the pass when missed",
         column=MAIN,
         tables="blows",
     )
-    contacts: int = declare.word("intervals of contact", column=MORE + 2, tables="blows", order=1)
+    contacts: int = declare.count("intervals of contact", column=MORE + 2, tables="blows", order=1)
     approach_speed: float = declare.number(SPEED, "closing speed at first touch", column=MORE, tables="blows contact")
     rebound_speed: float = declare.number(
         SPEED,

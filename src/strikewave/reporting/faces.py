@@ -19,8 +19,6 @@ from strikewave.reporting.table_columns import TableColumn, page_table
 MOST_LISTED = 5
 """Values of a history that a cell lists, such as the openings of a joint: a row stays one line; documents have all."""
 Path = tuple[str, ...]
-
-
 Bands = Mapping[str, Sequence[Band]]
 """Bands by what declarations call them: of a row, or of all rows of a column."""
 
@@ -85,7 +83,7 @@ def _columns(
             return cell_of(one, at(value, path), bands.get(one.band, ()), label)
 
         label, quantity = label_of(path[-1], one), one.quantity
-        words = one.kind == "word" and not one.order and label != "#"
+        words = one.kind == "word"
         priority = KEY if one.column is None else one.column
         return TableColumn(label, cell, quantity.si, quantity.usual, quantity.digits, priority=priority, words=words)
 
@@ -105,7 +103,7 @@ def cell_of(one: Declaration, value: Any, bands: Sequence[Band] = (), label: str
         return Tag(value, value) if one.is_tag and value is not None else value
     if isinstance(value, bool):
         return Tag(label, "bad") if value else Tag("no")
-    if one.kind == "word":
+    if one.kind in ("word", "count"):
         return str(value)
     if one.kind == "history":
         return first_few([written(shown(float(each), si, usual), 5) for each in value], MOST_LISTED) or NONE
@@ -125,10 +123,11 @@ def face_rows(result: Result, name: str) -> list[FaceRow]:
 
 def _bands_of_row(result: Result, one: Declaration, called: str, row: Any) -> Bands:
     bands: dict[str, list[Band]] = {}
-    for first in one.band.format(name=called).split():
+    for first in one.band.split():
+        begin = first.format(name=called) + "."
         for name, band in result.band.items():
-            if name.startswith(f"{first}."):
-                bands.setdefault(name.removeprefix(f"{first}."), []).append(band)
+            if name.startswith(begin):
+                bands.setdefault(name.removeprefix(begin), []).append(band)
     further = getattr(row, "further_bands", None)
     return {**bands, **(further(bands) if further else {})}
 

@@ -19,7 +19,7 @@ class LayerUsed:
     length_used: float = declare.number(
         EXACT_LENGTH, "its length by whole steps", label="used", column=MAIN, tables="lengths"
     )
-    steps: int = declare.word("steps of its transit", column=MAIN, tables="lengths")
+    steps: int = declare.count("steps of its transit", column=MAIN, tables="lengths")
 
 
 @declare.dataclass

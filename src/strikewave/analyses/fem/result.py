@@ -105,7 +105,7 @@ class BalancedEnergies(Energies):
 class ElementsBlow:
     """One of several blows."""
 
-    blow: int = declare.word("number of the blow, from 1", column=KEY)
+    blow: int = declare.count("number of the blow, from 1", column=KEY)
     contacts: dict[str, TouchedBodies | None] = declare.named(TouchedBodies, "its contacts and walls")
     parts: dict[str, BodyBlow] = declare.named(BodyBlow, "the blow that each part took")
     groups: dict[str, BodyBlow] = declare.named(BodyBlow, "the blow that each group of parts took as one body")
@@ -161,17 +161,17 @@ class FemSolution(CaseResult):
     later: tuple[FemRun, ...] = field(default=(), repr=False)
     modelled: tuple[FemRun, ...] = field(default=(), repr=False)
 
-    @declare.computed(declare.word("how many elements", headline="elements"))
+    @declare.computed(declare.count("how many elements", headline="elements"))
     def elements(self) -> int:
         """How many elements there are."""
         return self.run.elements
 
-    @declare.computed(declare.word("how many nodes"))
+    @declare.computed(declare.count("how many nodes"))
     def nodes(self) -> int:
         """How many nodes there are."""
         return len(self.model.mesh.points)
 
-    @declare.computed(declare.word("how many time steps"))
+    @declare.computed(declare.count("how many time steps"))
     def steps(self) -> int:
         """How many time steps there were."""
         return self.run.steps

@@ -337,7 +337,7 @@ class WaveSolution(CaseResult):
         pairs = zip(self.waves.layers, self.layer_stress, strict=True)
         return [StressedLayer(**vars(layer), stress=stress) for layer, stress in pairs]
 
-    @declare.computed(declare.word("how many taps there are", headline="taps", in_document=False))
+    @declare.computed(declare.count("how many taps there are", headline="taps", in_document=False))
     def tap_count(self) -> int:
         """How many taps there are."""
         return len(self.taps)
