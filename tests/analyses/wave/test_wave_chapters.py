@@ -10,6 +10,7 @@ from strikewave import load_case, run_case, run_wave
 from strikewave.analyses.machine.report import report
 from strikewave.analyses.wave.report import wave_report
 from strikewave.base.constants import STANDARD_GRAVITY
+from strikewave.base.result import Band
 from strikewave.reporting.stack_chapters import LOSS_FREQUENCIES, loss_table
 
 
@@ -91,3 +92,19 @@ def test_names_of_layers_and_taps_are_text_in_the_report(bar):
 @pytest.mark.verify
 def test_the_same_run_gives_the_same_page(bar):
     assert wave_report(bar) == wave_report(run_wave(load_case("li-ma-2019-fig13-bar")))
+
+
+def test_key_numbers_are_those_of_the_first_tap_and_of_each_sensor(read_page, tmp_path):
+    """On the page as in Python; the band of the stress is that of the force over the area of its layer."""
+    solution = run_wave(load_case("li-ma-2019-fig13-bar"))
+    force = abs(solution.peaks(0).force)
+    band = {"tap.sensor.peak_force": Band(0.9 * force, 1.2 * force, 0.95)}
+    banded = dataclasses.replace(solution, band=band)
+    numbers = dict(banded.highlights())
+    assert list(numbers) == ["force at sensor", "stress at sensor", "velocity at sensor", "taps"]
+    area = solution.run.stack.layers[solution.taps[0][1].layer].area
+    low, high = (f"{share * force / area / 1e6:.0f}" for share in (0.9, 1.2))
+    assert numbers["stress at sensor"].endswith(f"({low} to {high} MPa)")
+    assert numbers["force at sensor"] == "-19.68 kN (17.7 to 23.6 kN)"
+    page = read_page(banded.report(tmp_path / "bar.html"))
+    assert {label: page.numbers[label] for label in numbers} == numbers

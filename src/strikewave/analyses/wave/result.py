@@ -337,13 +337,10 @@ class WaveSolution(CaseResult):
         pairs = zip(self.waves.layers, self.layer_stress, strict=True)
         return [StressedLayer(**vars(layer), stress=stress) for layer, stress in pairs]
 
-    @declare.computed(declare.count("how many taps there are", headline="taps", in_document=False))
-    def tap_count(self) -> int:
-        """How many taps there are."""
-        return len(self.taps)
-
     @declare.computed(
-        declare.rows(TapHistory, "what the taps see, by the route of the case", key="taps", band="tap.{name}")
+        declare.rows(
+            TapHistory, "what the taps see, by the route of the case", key="taps", band="tap.{name}", headline="first"
+        )
     )
     def tap_histories(self) -> list[TapHistory]:
         """What each tap sees, where the route of the case knows it."""
@@ -359,12 +356,17 @@ class WaveSolution(CaseResult):
         return taps
 
     @declare.computed(
-        declare.named(SensorPulse, "what each sensor reads, by its name", label="sensor", band="sensor.{name}")
+        declare.named(SensorPulse, "what each sensor reads", label="sensor", band="sensor.{name}", headline="each")
     )
     def sensors(self) -> dict[str, SensorPulse]:
         """Peak, width and clipping of each sensor's reading."""
         pairs = zip(self.channels, self.readings, strict=True)
         return {channel.sensor.name: sensor_pulse(reading) for channel, reading in pairs}
+
+    @declare.computed(declare.count("how many taps there are", headline="taps", in_document=False))
+    def tap_count(self) -> int:
+        """How many taps there are."""
+        return len(self.taps)
 
     def by_route(self, k: int, route: str) -> RouteHistory | None:
         """Return force, velocity and acceleration at tap k by a route; None where that knows no such tap."""
