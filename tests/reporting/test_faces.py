@@ -80,6 +80,18 @@ def test_key_numbers_are_those_of_the_first_row(result):
     assert banded.highlights()[0] == ("peak at a", "1000 g (900 to 1200 g)")
 
 
+def test_a_key_number_has_no_more_digits_than_a_sentence():
+    exact = Quantity("N", "kN", digits=7)
+
+    @declare.dataclass
+    class Exact(Planted):
+        """A result with a number of seven digits."""
+
+        force: float = declare.number(exact, "a force", headline="force", default=12345.678)
+
+    assert dict(Exact((), 1.0).highlights())["force"] == "12.35 kN"
+
+
 def test_table_of_screen_and_page(result):
     table = faces.face_table(result, "places")
     assert table.caption == "The places"

@@ -11,7 +11,7 @@ from strikewave.base.first_few import first_few
 from strikewave.base.result import Band, Result
 from strikewave.reporting.banded_numbers import table_decimals, with_band
 from strikewave.reporting.columns import Column
-from strikewave.reporting.numbers import decimals_of, fixed, shown
+from strikewave.reporting.numbers import FEWEST_DIGITS, decimals_of, fixed, shown
 from strikewave.reporting.parts import NONE, Cell, Table, Tag, written
 from strikewave.reporting.shown_units import shown_unit
 from strikewave.reporting.table_columns import TableColumn, page_table
@@ -223,7 +223,8 @@ def key_numbers(result: Result) -> list[tuple[str, str]]:
 
 def _with_unit(one: Declaration, value: Any, band: Band | None) -> str:
     if one.kind == "number":
-        return with_band(value, band, one.quantity.si, one.quantity.usual, one.quantity.digits)
+        digits = min(one.quantity.digits or FEWEST_DIGITS, FEWEST_DIGITS)  # a sentence has no more
+        return with_band(value, band, one.quantity.si, one.quantity.usual, digits)
     return written(value)
 
 
