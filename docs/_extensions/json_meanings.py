@@ -89,19 +89,13 @@ def _of_command(name: str, stated: dict[str, Any], tables_of: Mapping[type, str]
     return KeyTable(name, {**found, **stated}, lines, optional=set(found) - set(stated))
 
 
-def _of_declared(kind: type, tables_of: Mapping[type, str], path: str = "") -> Iterator[tuple[str, str]]:
+def _of_declared(kind: type, tables_of: Mapping[type, str]) -> Iterator[tuple[str, str]]:
     """Yield path and meaning of each key that a class declares; what has a table of its own is left to that."""
-    for name, one in declare.declarations(kind).items():
-        if not one.in_document:
-            continue
-        here = path if one.inline else f"{path}.{one.key or name}".lstrip(".")
-        below = here + {"rows": "[]", "named": ".*"}.get(one.kind, "")
+    for path, one in declare.keys(kind, apart=tables_of):
         if one.of in tables_of:
-            yield below, f"{LEADS_TO}{tables_of[one.of]}"
-        elif one.of is not None:
-            yield from _of_declared(one.of, tables_of, below)
-        else:
-            yield here, one.meaning
+            yield path + declare.PLACES[one.kind], f"{LEADS_TO}{tables_of[one.of]}"
+        elif one.of is None:
+            yield path, one.meaning
 
 
 def _shared(stated: dict[str, Any], tables_of: Mapping[type, str]) -> KeyTable:

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import dataclasses
 import functools
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Container, Iterator, Mapping
 from typing import Any, Generic, Literal, NamedTuple, TypeVar, dataclass_transform, overload
 
 T = TypeVar("T")
@@ -19,8 +19,8 @@ NO_UNIT = "1"
 KEY, MAIN, MORE = 0, 1, 2
 """Priority of a column: it names the row, it matters, it is shown where there is room."""
 _METADATA = "declaration"
-_PLACES = {"rows": "[].", "named": ".*.", "part": "."}
-"""What leads from the path of a key to those within: each row of a list, any name, a part."""
+PLACES = {"rows": "[]", "named": ".*", "part": ""}
+"""What the path of a key ends with where those within follow: each row of a list, any name, a part."""
 
 
 class Quantity(NamedTuple):
@@ -76,6 +76,8 @@ class Declaration:
         Whether the keys of a part stand among those around it.
     of : type, optional
         Declared class of a part, of rows, of named parts.
+    label : str
+        What it is called on faces, where neither its quantity nor the name of the field says it.
     """
 
     kind: Kind
@@ -236,16 +238,19 @@ def _within(one: Declaration, value: Any) -> Any:
     return content(value)
 
 
-def keys(kind: type, path: str = "") -> Iterator[tuple[str, Declaration]]:
-    """Yield path and declaration of each key of a document: ``[]`` is each row of a list, ``*`` any name."""
+def keys(kind: type, path: str = "", apart: Container[type | None] = ()) -> Iterator[tuple[str, Declaration]]:
+    """Yield path and declaration of each key of a document: ``[]`` is each row of a list, ``*`` any name.
+
+    What lies within the classes ``apart`` is left out.
+    """
     for name, one in declarations(kind).items():
         if not one.in_document:
             continue
         here = path if one.inline else f"{path}{one.key or name}"
         if not one.inline:
             yield here, one
-        if one.of is not None:
-            yield from keys(one.of, here if one.inline else here + _PLACES[one.kind])
+        if one.of is not None and one.of not in apart:
+            yield from keys(one.of, here if one.inline else f"{here}{PLACES[one.kind]}.", apart)
 
 
 @functools.cache

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from typing import Any
 
 from strikewave.base.first_few import first_few
 from strikewave.base.result import INFO, Comparison, Notice
@@ -53,8 +52,3 @@ def origin_notices(case: Case) -> Iterator[Notice]:
             "with records of both to have it for both, or take them as assumed"
         )
         yield Notice("fit-stale", message, float(len(paths)), 0.0)
-
-
-def stale_fits_document(case: Case) -> list[dict[str, Any]]:
-    """Return the fits that no longer apply for the JSON document, with the fields that changed."""
-    return [{"field": one.field, "changed": [change.path for change in one.changed]} for one in case.stale_fits()]

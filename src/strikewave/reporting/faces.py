@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -114,6 +114,16 @@ def cell_of(one: Declaration, value: Any, bands: Sequence[Band] = (), label: str
     return fixed(value, si, usual, decimals_of(value, si, usual, decimals or 0, digits))
 
 
+def bands_below(bands: Mapping[str, Band], firsts: Iterable[str]) -> dict[str, list[Band]]:
+    """Return bands by the rest of their names, of those whose names begin with one of the first parts."""
+    found: dict[str, list[Band]] = {}
+    for first in firsts:
+        for name, band in bands.items():
+            if name.startswith(f"{first}."):
+                found.setdefault(name.removeprefix(f"{first}."), []).append(band)
+    return found
+
+
 def face_rows(result: Result, name: str) -> list[FaceRow]:
     """Return the rows that a result has under a name, or its parts by their names, with their bands."""
     one, value = declarations(type(result))[name], getattr(result, name)
@@ -122,12 +132,7 @@ def face_rows(result: Result, name: str) -> list[FaceRow]:
 
 
 def _bands_of_row(result: Result, one: Declaration, called: str, row: Any) -> Bands:
-    bands: dict[str, list[Band]] = {}
-    for first in one.band.split():
-        begin = first.format(name=called) + "."
-        for name, band in result.band.items():
-            if name.startswith(begin):
-                bands.setdefault(name.removeprefix(begin), []).append(band)
+    bands = bands_below(result.band, [first.format(name=called) for first in one.band.split()])
     further = getattr(row, "further_bands", None)
     return {**bands, **(further(bands) if further else {})}
 

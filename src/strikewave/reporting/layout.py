@@ -11,8 +11,10 @@ from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from typing import NamedTuple
 
-KEY, MAIN, MORE = 0, 1, 2
-"""Priority of a column: it names the row, it matters, it is shown where there is room."""
+from strikewave.base.declare import KEY as KEY
+from strikewave.base.declare import MAIN as MAIN
+from strikewave.base.declare import MORE as MORE
+
 GAP = "  "
 """Between two columns."""
 MOST_HEAD_LINES = 3

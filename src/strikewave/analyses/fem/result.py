@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from strikewave._version import __version__
 from strikewave.analyses.fem.sectors import Sector, sectors
 from strikewave.base import declare
-from strikewave.base.declare import KEY, NO_UNIT, Quantity
+from strikewave.base.declare import KEY, Quantity
 from strikewave.base.result import BALANCE_LIMIT, ELEMENTS_SCHEMA, BalanceCheck, Comparison
 from strikewave.base.shock_quantities import ENERGY, RATIO, STEP
 from strikewave.base.variables import LabelledArrays, quantity
@@ -53,7 +53,6 @@ STRESS = ("xx", "yy", "zz", "xy", "yz", "zx")
 """Components of a stress."""
 
 
-PIECES = Quantity(NO_UNIT, NO_UNIT)
 SECONDS = Quantity("s", "s")
 
 
@@ -62,7 +61,7 @@ class BodyBlow:
     """The blow that a part or a group took, of its whole body and of the sector that is meshed."""
 
     measure: PartMeasure = declare.part(PartMeasure, "what it measures", inline=True)
-    sectors: int = declare.number(PIECES, "how many of what is meshed make the whole body")
+    sectors: int = declare.number(RATIO, "how many of what is meshed make the whole body")
     whole_mass: float = declare.number(BODY_MASS, "equal to mass, which was that of the meshed sector before")
     model_mass: float = declare.number(BODY_MASS, "of what is meshed")
 
@@ -275,15 +274,16 @@ class FemSolution(CaseResult):
     @declare.computed(declare.rows(ElementsBlow, "each blow", key="blows"))
     def blow_rows(self) -> list[ElementsBlow]:
         """What each blow came to."""
-        return [each.first_blow for each in self.blows]
+        return [self.first_blow, *(each.first_blow for each in self.blows[1:])]
 
     @functools.cached_property
     def first_blow(self) -> ElementsBlow:
         """What the first blow came to."""
         blow, meshed, twins = blow_measure(self.run, self.model.touching), self.model_run, self.model_contacts
+        sector = self.sectors
 
         def body(name: str, measure: PartMeasure, modelled: PartHistory) -> BodyBlow:
-            return BodyBlow(measure, self.sectors[name].pieces, measure.mass, modelled.mass)
+            return BodyBlow(measure, sector[name].pieces, measure.mass, modelled.mass)
 
         return ElementsBlow(
             blow=blow.blow,
@@ -296,7 +296,7 @@ class FemSolution(CaseResult):
             model_plastic_energy=dict(meshed.plastic_work),
             energy_error=self.measured_balance.energy,
             rest=blow.rest,
-            stopped=self.run.stopped or None,
+            stopped=self.stopped,
         )
 
     @property
@@ -313,7 +313,7 @@ class FemSolution(CaseResult):
         """The first blow as meshed: of the sectors, where sectors are meshed."""
         return self.modelled[0] if self.modelled else self.run
 
-    @property
+    @functools.cached_property
     def measured_balance(self) -> BalanceMeasure:
         """How well the balances of the first blow close, of what was meshed: its momentum across cuts counts too."""
         return balance_measure(self.model_run)

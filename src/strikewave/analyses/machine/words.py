@@ -15,7 +15,7 @@ from strikewave.cases.tables.machine_kinds import KINDS
 from strikewave.cases.yield_pressure import YIELDING
 from strikewave.machines import Blow
 from strikewave.reporting.banded_numbers import with_band
-from strikewave.reporting.faces import columns_of, part_tables
+from strikewave.reporting.faces import bands_below, columns_of, part_tables
 from strikewave.reporting.layout import KEY
 from strikewave.reporting.numbers import listed, shown, spelled, with_unit
 from strikewave.reporting.parts import NONE, Table, written
@@ -63,12 +63,7 @@ def answer_columns(
 
 def blow_bands(bands: Mapping[str, Band]) -> dict[str, list[Band]]:
     """Return the bands of the first blow and of later ones by what they are of."""
-    found: dict[str, list[Band]] = {}
-    for name, band in bands.items():
-        which, _, what = name.partition(".")
-        if which in ("first", "typical"):
-            found.setdefault(what, []).append(band)
-    return found
+    return bands_below(bands, ("first", "typical"))
 
 
 def blow_columns(table: str, bands: Mapping[str, Band] | None = None) -> list[TableColumn[Blow]]:

@@ -237,11 +237,10 @@ class WaveSolution(CaseResult):
         ['tap.sensor.peak_force', 'tap.sensor.peak_velocity']
         """
         told = {name: one.band for name, one in declarations(TapPeaks).items() if one.in_document}
-        figures: dict[str, float | None] = {
-            f"tap.{tap.name}.{band}": getattr(tap.peaks, name)
-            for tap in self.tap_histories
-            for name, band in told.items()
-        }
+        figures: dict[str, float | None] = {}
+        for k, (tap, _) in enumerate(self.taps):
+            peaks = self.peaks(k, self.route)
+            figures |= {f"tap.{tap}.{band}": getattr(peaks, name) for name, band in told.items()}
         figures |= {f"sensor.{name}.peak": pulse.peak for name, pulse in self.sensors.items()}
         return {name: abs(value) for name, value in figures.items() if value and math.isfinite(value)}
 
