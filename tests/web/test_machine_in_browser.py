@@ -108,6 +108,15 @@ def test_a_dropped_case_is_shown_and_one_that_is_none_is_refused_in_words(visit)
     assert settings_of(one.page)["case"] == ["mine"]
 
 
+def test_files_dropped_one_right_after_the_other_all_arrive(visit):
+    one = visit("/record")
+    drop = one.page.locator("input[type=file]").first
+    for number in range(12):  # the next as soon as the field takes one again
+        drop.set_input_files({"name": f"no_{number}.toml", "mimeType": "text/plain", "buffer": b"schema = 1"})
+    for number in range(12):
+        one.page.get_by_text(f"no_{number}.toml", exact=True).wait_for(timeout=20_000)
+
+
 def test_two_people_do_not_see_one_another_and_a_case_that_is_too_large_is_refused(visit):
     one, two = visit(f"/?case={QUICK}&set=recorder.memory%3D40000000000"), visit(f"/?case={QUICK}")
     two.shows_full_run()

@@ -61,7 +61,9 @@ class DroppedFiles:
             zone = ui.upload(label=label, multiple=True, auto_upload=True, max_file_size=LARGEST_UPLOAD)
             zone.on_multi_upload(self._take)
         zone.on("rejected", self._refuse, js_handler=REFUSED)
-        zone.on("finish", zone.reset, args=[])  # what is kept stands in the list below
+        # what is kept stands in the list below; emptied by the browser itself: asked for from here, it comes late and
+        # throws away what has been dropped since
+        zone.on("finish", js_handler=f"() => runMethod({zone.id}, 'reset', [])")
         zone.add_slot("header", DROP_HEAD.format(label=html.escape(label)))
         zone.props(f'flat bordered batch {FIELD_NAME} aria-label="{html.escape(label)}"')
         self._list = ui.element("div").classes("sw-full")
