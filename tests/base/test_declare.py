@@ -91,6 +91,20 @@ def test_a_key_with_two_units_is_refused():
         declare.units(Torn)
 
 
+def test_a_unit_that_the_data_decide_is_said_by_what_gives_it():
+    @declare.dataclass
+    class Read:
+        """A value as it was typed, and more by their names."""
+
+        value: float = declare.number(Quantity.of_data("as the field"), "what was typed")
+        more: dict[str, float] = declare.number(Quantity("N", "N"), "by name", inline=True)
+        shown: list[str] = declare.table("of no document")
+
+    assert declare.units(Read) == {"value": "as the field"}
+    assert [path for path, _ in declare.keys(Read)] == ["value", "*"]
+    assert declare.content(Read(1.0, {"a": 2.0, "b": 3.0}, [])) == {"value": 1.0, "a": 2.0, "b": 3.0}
+
+
 def test_paths_of_keys_lead_through_rows_names_and_parts():
     paths = [path for path, _ in declare.keys(Body)]
     assert paths == [

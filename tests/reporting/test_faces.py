@@ -9,7 +9,7 @@ from strikewave.base import declare
 from strikewave.base.declare import KEY, MAIN, MORE, Quantity
 from strikewave.base.result import Band, Source
 from strikewave.reporting import faces
-from strikewave.reporting.columns import csv_table
+from strikewave.reporting.columns import Column, csv_table
 from strikewave.reporting.plain_page import plain_page
 from strikewave.reporting.shown_result import ShownResult, shown_table
 from strikewave.reporting.shown_units import ShownUnits, showing
@@ -140,3 +140,68 @@ def test_units_that_are_chosen_hold_on_all_of_them(result):
         assert dict(result.highlights())["peak at a"] == "9807 m/s²"
         assert faces.face_table(result, "places").columns[1] == "planted peak (m/s²)"
         assert shown_table(result)[0][1] == "planted peak (m/s²)"
+
+
+@declare.dataclass
+class Typed:
+    """A value in the unit of its channel."""
+
+    channel: str = declare.word("its channel", column=KEY)
+    value: float = declare.number(
+        Quantity.of_data("as the channel", "value"), "what it is", column=MAIN, headline="at {name}"
+    )
+    si: str = ""
+    usual: str = ""
+
+    @property
+    def given_units(self):
+        return {"as the channel": (self.si, self.usual)} if self.si else {}
+
+
+@declare.dataclass
+class Channels(Planted):
+    """A result whose units the data decide."""
+
+    main_rows: ClassVar[str] = "values"
+
+    values: tuple[Typed, ...] = declare.rows(Typed, "the values", default=(), headline="each")
+
+    @property
+    def given_units(self):
+        units = {(row.si, row.usual) for row in self.values}
+        return {"as the channel": units.pop()} if len(units) == 1 else {}
+
+
+def test_a_unit_that_all_rows_share_stands_in_the_head():
+    same = Channels((), 1.0, values=(Typed("a", 2.0 * G, "m/s^2", "g"), Typed("b", 3.0 * G, "m/s^2", "g")))
+    assert shown_table(same) == (["channel", "value (g)"], [["a", "2"], ["b", "3"]])
+    assert same.columns()[1].si == same.document()["units"]["value"] == "m/s^2"
+    assert same.highlights()[1:] == [("at ", "2 g"), ("at ", "3 g")]
+
+
+def test_a_unit_that_rows_do_not_share_stands_beside_each_number():
+    mixed = Channels((), 1.0, values=(Typed("a", 2.0 * G, "m/s^2", "g"), Typed("b", 3.0, "N", "kN"), Typed("c", 4.0)))
+    assert shown_table(mixed) == (["channel", "value"], [["a", "2 g"], ["b", "0.003 kN"], ["c", "4"]])
+    assert mixed.columns()[1].si == ""
+    assert mixed.document()["units"]["value"] == "as the channel"
+    assert [text for _, text in mixed.highlights()][1:] == ["2 g", "0.003 kN", "4"]
+
+
+def test_a_table_of_chosen_columns_is_itself_in_python_and_shows_those_with_a_unit():
+    @declare.dataclass
+    class Chosen(Planted):
+        """A result with a table that the user chose."""
+
+        main_rows: ClassVar[str] = "runs"
+        is_history: ClassVar[bool] = True
+        runs: list[Column] = declare.table("the runs", default=())
+
+    columns = [
+        Column("run", range(1, 6), shown=""),
+        Column("x", [G * k for k in range(5)], "m/s^2", shown="g"),
+        Column("y", "abcde"),
+    ]
+    chosen = Chosen((), 1.0, runs=columns)
+    assert chosen.columns() == columns
+    assert shown_table(chosen, 3) == (["run", "x (g)"], [["1", "0"], ["3", "2"], ["5", "4"]])
+    assert "runs" not in chosen.document()

@@ -13,7 +13,9 @@ from collections.abc import Callable, Container, Iterator, Mapping
 from typing import Any, Generic, Literal, NamedTuple, TypeVar, dataclass_transform, overload
 
 T = TypeVar("T")
-Kind = Literal["number", "count", "word", "history", "part", "rows", "named"]
+GivenUnits = Mapping[str, tuple[str, str]]
+"""SI unit and unit shown as a rule, by what `Quantity.given_by` says: of numbers whose unit the data decide."""
+Kind = Literal["number", "count", "word", "history", "part", "rows", "named", "table"]
 NO_UNIT = "1"
 """SI unit of a ratio, which documents name; words and counts have none."""
 KEY, MAIN, MORE = 0, 1, 2
@@ -27,6 +29,8 @@ class Quantity(NamedTuple):
     """What a number measures: SI unit ("1" of a ratio), unit shown as a rule, label, decimals in that unit or digits.
 
     Where no label is given the name of the field is one; where no decimals are, so many significant digits are shown.
+    Where the data decide about the unit, ``given_by`` says which it is ("as the field"): the row, or else the result,
+    has it among its `given_units`.
     """
 
     si: str
@@ -34,6 +38,23 @@ class Quantity(NamedTuple):
     label: str = ""
     decimals: int | None = None
     digits: int = 4
+    given_by: str = ""
+
+    @classmethod
+    def of_data(cls, given_by: str, label: str = "", decimals: int | None = None, digits: int = 4) -> Quantity:
+        """Return a quantity whose unit the data decide.
+
+        Examples
+        --------
+        >>> Quantity.of_data("as the channel", "peak").within({"as the channel": ("m/s^2", "g")}).usual
+        'g'
+        """
+        return cls("", "", label, decimals, digits, given_by)
+
+    def within(self, given: GivenUnits) -> Quantity:
+        """Return it with its unit, where that is among those given."""
+        si, usual = given.get(self.given_by, (self.si, self.usual))
+        return self._replace(si=si, usual=usual)
 
 
 NOT_MEASURED = Quantity("", "")
@@ -48,7 +69,7 @@ class Declaration:
     ----------
     kind : str
         A number; a count; a word (a truth too); a history, an array of numbers; a part, rows, or parts by their
-        names, all of a declared class.
+        names, all of a declared class; a table, columns that the data decide about.
     meaning : str
         What it is, in a phrase: the documentation of the JSON documents and of the class has it.
     quantity : Quantity
@@ -73,7 +94,7 @@ class Declaration:
     optional : bool
         Whether the document leaves the key out where there is nothing (None), instead of saying null.
     inline : bool
-        Whether the keys of a part stand among those around it.
+        Whether the keys of a part, or of numbers by their names, stand among those around it.
     of : type, optional
         Declared class of a part, of rows, of named parts.
     label : str
@@ -127,10 +148,17 @@ def word(meaning: str, *, default: Any = dataclasses.MISSING, **rest: Any) -> An
     return _field(Declaration(kind="word", meaning=meaning, **rest), default)
 
 
-def history(si: str, meaning: str, *, usual: str = "", default: Any = dataclasses.MISSING, **rest: Any) -> Any:
+def history(
+    si: str | Quantity, meaning: str, *, usual: str = "", default: Any = dataclasses.MISSING, **rest: Any
+) -> Any:
     """Return the field of an array of numbers in an SI unit, shown in a usual one."""
-    one = Declaration(kind="history", quantity=Quantity(si, usual or si), meaning=meaning, **rest)
-    return _field(one, default, repr=False)
+    measured = si if isinstance(si, Quantity) else Quantity(si, usual or si)
+    return _field(Declaration(kind="history", quantity=measured, meaning=meaning, **rest), default, repr=False)
+
+
+def table(meaning: str, *, default: Any = dataclasses.MISSING, **rest: Any) -> Any:
+    """Return the field of columns that the data decide about (`reporting.columns.Column`): no document has them."""
+    return _field(Declaration(kind="table", meaning=meaning, in_document=False, **rest), default)
 
 
 def part(of: type, meaning: str, *, default: Any = dataclasses.MISSING, **rest: Any) -> Any:
@@ -174,7 +202,7 @@ def computed(field: Any) -> Callable[[Callable[[Any], T]], ComputedField[T]]:
 
 
 @dataclass_transform(
-    frozen_default=True, field_specifiers=(number, count, word, history, part, rows, named, dataclasses.field)
+    frozen_default=True, field_specifiers=(number, count, word, history, table, part, rows, named, dataclasses.field)
 )
 def dataclass(kind: type[T]) -> type[T]:
     """Make a frozen dataclass that faces are made of; a field without a declaration stands on none of them."""
@@ -222,7 +250,7 @@ def content(value: Any) -> dict[str, Any]:
             continue
         inner = _within(one, getattr(value, name))
         if one.inline:
-            held |= inner
+            held |= inner or {}
         elif inner is not None or not one.optional:
             held[one.key or name] = inner
     return held
@@ -247,15 +275,15 @@ def keys(kind: type, path: str = "", apart: Container[type | None] = ()) -> Iter
         if not one.in_document:
             continue
         here = path if one.inline else f"{path}{one.key or name}"
-        if not one.inline:
-            yield here, one
+        if not one.inline or one.of is None:
+            yield f"{here}*" if one.inline else here, one
         if one.of is not None and one.of not in apart:
             yield from keys(one.of, here if one.inline else f"{here}{PLACES[one.kind]}.", apart)
 
 
 @functools.cache
 def units(kind: type) -> dict[str, str]:
-    """Return the SI unit of each key of the document of a declared class.
+    """Return the SI unit of each key of the document of a declared class; what gives it where the data decide.
 
     Raises
     ------
@@ -264,7 +292,7 @@ def units(kind: type) -> dict[str, str]:
     """
     found: dict[str, str] = {}
     for path, one in keys(kind):
-        key, si = path.rpartition(".")[2], one.quantity.si
-        if si and found.setdefault(key, si) != si:
+        key, si = path.rpartition(".")[2], one.quantity.si or one.quantity.given_by
+        if si and key != "*" and found.setdefault(key, si) != si:
             raise TypeError(f"{kind.__name__}: {key} is in {found[key]} and, as {path}, in {si}: give one another key")
     return found

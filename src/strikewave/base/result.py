@@ -563,8 +563,6 @@ class Result(ABC):
     """The command that gives it."""
     data_file: ClassVar[str] = ""
     """Name of the file that keeps its data."""
-    named_units: ClassVar[Mapping[str, str]] = {}
-    """SI units of numbers that the document names by their paths, such as published ones."""
     may_have_bands: ClassVar[bool] = False
     """Whether the JSON document says what bands it has."""
 
@@ -591,6 +589,16 @@ class Result(ABC):
 
         Of measured files, tables of a test report may stand beside those texts.
         """
+        return {}
+
+    @property
+    def named_units(self) -> Mapping[str, str]:
+        """SI units of numbers that the document names by what they are of, such as published ones."""
+        return {}
+
+    @property
+    def given_units(self) -> declare.GivenUnits:
+        """SI unit and unit shown of numbers whose unit the data decide, by what their declaration says gives it."""
         return {}
 
     @property
@@ -645,7 +653,8 @@ class Result(ABC):
 
     def units(self) -> Mapping[str, str]:
         """Return the unit of each key of the JSON document, as its fields declare it."""
-        return {**declare.units(type(self)), **self.named_units}
+        given = {by: si for by, (si, _) in self.given_units.items() if si}
+        return {**{key: given.get(si, si) for key, si in declare.units(type(self)).items()}, **self.named_units}
 
     def content(self) -> dict[str, Any]:
         """Return what the JSON document holds beside its head: its declared fields, and its bands."""

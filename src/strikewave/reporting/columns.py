@@ -37,12 +37,15 @@ class Column(NamedTuple):
         SI unit; empty for texts and counts, whose head has none.
     usual : str
         Unit in which it is written where none was chosen; the SI unit if empty.
+    shown : str, optional
+        Unit in which screens and notebooks show it as a rule, empty of words; None where they leave it out.
     """
 
     name: str
     values: Values
     si: str = ""
     usual: str = ""
+    shown: str | None = None
 
     @property
     def unit(self) -> str:

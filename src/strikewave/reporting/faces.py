@@ -4,14 +4,18 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
+from types import MappingProxyType
 from typing import Any
 
-from strikewave.base.declare import KEY, MORE, Declaration, declarations
+import numpy as np
+from numpy.typing import NDArray
+
+from strikewave.base.declare import KEY, MORE, NO_UNIT, Declaration, GivenUnits, declarations
 from strikewave.base.first_few import first_few
 from strikewave.base.result import Band, Result
 from strikewave.reporting.banded_numbers import table_decimals, with_band
 from strikewave.reporting.columns import Column
-from strikewave.reporting.numbers import FEWEST_DIGITS, decimals_of, fixed, shown
+from strikewave.reporting.numbers import FEWEST_DIGITS, decimals_of, fixed, headed, shown
 from strikewave.reporting.parts import NONE, Cell, Table, Tag, written
 from strikewave.reporting.shown_units import shown_unit
 from strikewave.reporting.table_columns import TableColumn, page_table
@@ -54,7 +58,11 @@ def at(value: Any, path: Path) -> Any:
 
 
 def columns_of(
-    kind: type, table: str = "", bands: Bands | None = None, least: int | None = None
+    kind: type,
+    table: str = "",
+    bands: Bands | None = None,
+    least: int | None = None,
+    given: GivenUnits = MappingProxyType({}),
 ) -> list[TableColumn[Any]]:
     """Return the columns of rows of a declared class for screen, page, notebook and app.
 
@@ -68,21 +76,26 @@ def columns_of(
         Bands of whole columns: they leave all cells of one as many decimals.
     least : int, optional
         Columns of a priority above this are left out.
+    given : mapping, optional
+        Units of numbers whose unit the data decide, where all rows have one: `Result.given_units`. Where they have
+        not, each cell has its unit beside it.
     """
-    return _columns(kind, table, least, lambda row: (row, bands or {}))
+    return _columns(kind, table, least, given, lambda row: (row, bands or {}))
 
 
 def _columns(
-    kind: type, table: str, least: int | None, parts_of: Callable[[Any], tuple[Any, Bands]]
+    kind: type, table: str, least: int | None, given: GivenUnits, parts_of: Callable[[Any], tuple[Any, Bands]]
 ) -> list[TableColumn[Any]]:
     """Return columns of what ``parts_of`` makes of a row: a value of the class, and bands."""
 
     def column(path: Path, one: Declaration) -> TableColumn[Any]:
         def cell(row: Any) -> float | str | Tag | None:
             value, bands = parts_of(row)
-            return cell_of(one, at(value, path), bands.get(one.band, ()), label)
+            if quantity.given_by and not quantity.si:
+                return own_unit_cell(one, at(value, path), value)
+            return cell_of(one, at(value, path), bands.get(one.band, ()), label, given)
 
-        label, quantity = label_of(path[-1], one), one.quantity
+        label, quantity = label_of(path[-1], one), one.quantity.within(given)
         words = one.kind == "word"
         priority = KEY if one.column is None else one.column
         return TableColumn(label, cell, quantity.si, quantity.usual, quantity.digits, priority=priority, words=words)
@@ -96,9 +109,22 @@ def _columns(
     return [column(path, one) for path, one in kept]
 
 
-def cell_of(one: Declaration, value: Any, bands: Sequence[Band] = (), label: str = "") -> float | str | Tag | None:
+def own_unit_cell(one: Declaration, value: Any, row: Any) -> str | None:
+    """Return what a cell shows of a number whose unit is that of its row: both."""
+    if value is None or value != value:
+        return None
+    return _with_unit(one, value, None, getattr(row, "given_units", {}))
+
+
+def cell_of(
+    one: Declaration,
+    value: Any,
+    bands: Sequence[Band] = (),
+    label: str = "",
+    given: GivenUnits = MappingProxyType({}),
+) -> float | str | Tag | None:
     """Return what a cell shows of a value, as its declaration says it."""
-    si, usual, _, decimals, digits = one.quantity
+    si, usual, _, decimals, digits, _ = one.quantity.within(given)
     if value is None or isinstance(value, str):
         return Tag(value, value) if one.is_tag and value is not None else value
     if isinstance(value, bool):
@@ -142,7 +168,8 @@ def face_columns(result: Result, name: str, table: str = "", least: int | None =
     one = declarations(type(result))[name]
     assert one.of is not None
     called = [TableColumn[FaceRow](label_of(name, one), lambda row: row.name, priority=KEY, words=True)]
-    return called * (one.kind == "named") + _columns(one.of, table, least, lambda row: (row.value, row.bands))
+    rows = _columns(one.of, table, least, result.given_units, lambda row: (row.value, row.bands))
+    return called * (one.kind == "named") + rows
 
 
 def numbers_of(value: Any, bands: Bands) -> list[tuple[str, str]]:
@@ -162,7 +189,7 @@ def part_tables(result: Result, name: str, caption: str = "") -> list[Table]:
     one, value = declarations(type(result))[name], getattr(result, name)
     if value is None or one.of is None:
         return []
-    columns = [column for column in columns_of(one.of) if column.value(value) is not None]
+    columns = [one for one in columns_of(one.of, given=result.given_units) if one.value(value) is not None]
     lines: list[list[Cell]] = [[column.head, column.cell(value)] for column in columns]
     return [Table(caption or _sentence(one.meaning), [label_of(name, one), "value"], lines)]
 
@@ -172,12 +199,20 @@ def _sentence(meaning: str) -> str:
 
 
 def data_columns(result: Result, name: str) -> list[Column]:
-    """Return such rows as columns in SI for Python, CSV and workbooks: every single value, and those of named parts."""
-    one, rows = declarations(type(result))[name], [row.value for row in face_rows(result, name)]
+    """Return such rows as columns in SI for Python, CSV and workbooks: every single value, and those of named parts.
+
+    A table is its columns.
+    """
+    one = declarations(type(result))[name]
+    if one.kind == "table":
+        return list(getattr(result, name))
+    rows = [row.value for row in face_rows(result, name)]
     assert one.of is not None
     columns = [Column("name", [row.name for row in face_rows(result, name)])] if one.kind == "named" else []
     columns += [
-        Column(".".join(_keys(one.of, path)), [at(row, path) for row in rows], leaf.quantity.si)
+        Column(
+            ".".join(_keys(one.of, path)), [at(row, path) for row in rows], leaf.quantity.within(result.given_units).si
+        )
         for path, leaf in leaves(one.of)
         if leaf.kind != "history"
     ]
@@ -215,25 +250,77 @@ def key_numbers(result: Result) -> list[tuple[str, str]]:
     numbers = []
     for name, one in declarations(type(result)).items():
         if one.of is None and one.headline:
-            numbers.append((one.headline, _with_unit(one, getattr(result, name), result.band.get(one.band))))
+            value = getattr(result, name)
+            if value is not None:
+                text = _with_unit(one, value, result.band.get(one.band), result.given_units)
+                numbers.append((one.headline, text))
         elif one.headline and one.of is not None:
             for row in face_rows(result, name)[: 1 if one.headline == "first" else None]:
                 for path, leaf in leaves(one.of):
                     value = at(row.value, path)
                     if leaf.headline and value is not None:
                         label = leaf.headline.format(name=row.name)
-                        numbers.append((label, _with_unit(leaf, value, *row.bands.get(leaf.band, [None])[:1])))
+                        given = {**result.given_units, **getattr(row.value, "given_units", {})}
+                        band = next(iter(row.bands.get(leaf.band, ())), None)
+                        numbers.append((label, _with_unit(leaf, value, band, given)))
     return numbers
 
 
-def _with_unit(one: Declaration, value: Any, band: Band | None) -> str:
+def _with_unit(one: Declaration, value: Any, band: Band | None, given: GivenUnits) -> str:
     if one.kind == "number":
-        digits = min(one.quantity.digits or FEWEST_DIGITS, FEWEST_DIGITS)  # a sentence has no more
-        return with_band(value, band, one.quantity.si, one.quantity.usual, digits)
+        quantity = one.quantity.within(given)
+        digits = min(quantity.digits or FEWEST_DIGITS, FEWEST_DIGITS)  # a sentence has no more
+        return with_band(value, band, quantity.si or NO_UNIT, quantity.usual or NO_UNIT, digits)
     return written(value)
 
 
-def shown_rows(result: Result, name: str, most: int | None = None) -> tuple[list[str], list[list[str]]]:
-    """Return heads and cells of such rows as notebooks and the app show them."""
+def shown_rows(
+    result: Result, name: str, most: int | None = None, is_history: bool = False
+) -> tuple[list[str], list[list[str]]]:
+    """Return heads and cells of such rows, or of a table, as notebooks and the app show them."""
+    if declarations(type(result))[name].kind == "table":
+        return shown_columns(getattr(result, name), most, is_history)
     columns, rows = face_columns(result, name, least=MORE), face_rows(result, name)[:most]
     return [column.head for column in columns], [[column.text(row) for column in columns] for row in rows]
+
+
+def shown_columns(
+    columns: Sequence[Column], most: int | None = None, is_history: bool = False
+) -> tuple[list[str], list[list[str]]]:
+    """Return heads and cells of the columns that faces show: the first rows, of a history as many spread over it.
+
+    Examples
+    --------
+    >>> shown_columns([Column("peak", [9806.65, None], "m/s^2", shown="g"), Column("kept", [1.0, 2.0])])
+    (['peak (g)'], [['1000'], ['–']])
+    """
+    kept = [one for one in columns if one.shown is not None]
+    heads = [headed(one.name.replace("_", " "), one.si, one.shown or "") for one in kept]
+    shown_of = (_spread(one.values, most) if is_history and most is not None else one.values[:most] for one in kept)
+    cells = (
+        [_column_cell(value, one.si, one.shown or "") for value in values]
+        for one, values in zip(kept, shown_of, strict=True)
+    )
+    return heads, [list(row) for row in zip(*cells, strict=True)]
+
+
+def _spread(values: Sequence[Any] | NDArray[Any], most: int) -> list[Any]:
+    """Return at most so many values, from the first to the last in equal steps."""
+    count = len(values)
+    places = range(count) if count <= most else [round(k * (count - 1) / (most - 1)) for k in range(most)]
+    return [values[place] for place in places]
+
+
+def _column_cell(value: Any, si: str, usual: str) -> str:
+    """Return a cell as it is shown.
+
+    Examples
+    --------
+    >>> _column_cell(True, "", ""), _column_cell("full", "", "")
+    ('yes', 'full')
+    """
+    if isinstance(value, bool | np.bool_):
+        return "yes" if value else "no"
+    if si in ("", NO_UNIT) or value is None or value != value:
+        return written(value.item() if isinstance(value, np.generic) else value)
+    return written(shown(float(value), si, usual))

@@ -22,12 +22,10 @@ from numpy.typing import ArrayLike, NDArray
 
 from strikewave.base.errors import InputError, StrikewaveError
 from strikewave.base.output_folder import write_atomically
-from strikewave.base.result import RUN_PASSED, WARNING, Band, Result
-from strikewave.reporting.banded_numbers import table_decimals
-from strikewave.reporting.bands import bands_of
+from strikewave.base.result import RUN_PASSED, WARNING, Result
 from strikewave.reporting.columns import Column
-from strikewave.reporting.faces import data_columns, key_numbers, shown_rows
-from strikewave.reporting.numbers import axis_unit, fixed, headed, shown, time_unit
+from strikewave.reporting.faces import data_columns, key_numbers, shown_columns, shown_rows
+from strikewave.reporting.numbers import axis_unit, time_unit
 from strikewave.reporting.parts import written
 
 if TYPE_CHECKING:
@@ -354,43 +352,10 @@ def shown_table(result: ShownResult, most: int | None = None) -> tuple[list[str]
     (['#', 'kind', 'time (ms)'], ['1', 'full', '42.073'])
     """
     if result.main_rows:
-        return shown_rows(result, result.main_rows, most)
-    usual, kept = result.brief(), result.brief_columns()
-    heads = [headed(column.name.replace("_", " "), column.si, usual[column.name]) for column in kept]
-    if most is not None and result.is_history:
-        kept = [column._replace(values=_spread(column.values, most)) for column in kept]
-    cells = (_cells(column, usual[column.name], bands_of(result.band, column.name), most) for column in kept)
-    return heads, [list(row) for row in zip(*cells, strict=True)]
-
-
-def _spread(values: Sequence[Any] | NDArray[Any], most: int) -> list[Any]:
-    """Return at most so many values, from the first to the last in equal steps."""
-    count = len(values)
-    places = range(count) if count <= most else [round(k * (count - 1) / (most - 1)) for k in range(most)]
-    return [values[place] for place in places]
-
-
-def _cells(column: Column, usual: str, bands: Sequence[Band], most: int | None) -> list[str]:
-    """Return the first cells of a column as they are shown, with the digits that its bands leave."""
-    if not bands:
-        return [_cell(value, column.si, usual) for value in column.values[:most]]
-    decimals = table_decimals(bands, column.si, usual)
-    return [fixed(value, column.si, usual, decimals) for value in column.values[:most]]
-
-
-def _cell(value: Any, si: str, usual: str) -> str:
-    """Return a cell as it is shown.
-
-    Examples
-    --------
-    >>> _cell(9806.65, "m/s^2", "g"), _cell(None, "m/s^2", "g"), _cell(True, "", ""), _cell("full", "", "")
-    ('1000', '–', 'yes', 'full')
-    """
-    if isinstance(value, bool | np.bool_):
-        return "yes" if value else "no"
-    if si in ("", "1") or value is None or value != value:
-        return written(value.item() if isinstance(value, np.generic) else value)
-    return written(shown(float(value), si, usual))
+        return shown_rows(result, result.main_rows, most, result.is_history)
+    usual = result.brief()
+    kept = [column._replace(shown=usual[column.name]) for column in result.brief_columns()]
+    return shown_columns(kept, most, result.is_history)
 
 
 def _svg(curve: Curve) -> str:

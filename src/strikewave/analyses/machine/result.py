@@ -164,7 +164,6 @@ class Solution(CaseResult):
     table_name: ClassVar[str] = "blows"
     main_rows: ClassVar[str] = "read_blows"
     may_have_bands: ClassVar[bool] = True
-    named_units: ClassVar[Mapping[str, str]] = {name: unit or NO_UNIT for name, unit in PUBLISHED_QUANTITIES.items()}
 
     blows: Sequence[Blow]
     masses: dict[str, float] = declare.number(MASS, "masses of striker, object and assembly, by these names")
@@ -195,6 +194,11 @@ class Solution(CaseResult):
         shown = first_few([f"{path} = {now[path]}" for path in changed], 3)
         route = "" if self.case.solver.route == "exact" else f"; route {self.case.solver.route}"
         return (self.case.title or self.case.name) + (f"; here {shown}" if changed else "") + route
+
+    @property
+    def named_units(self) -> Mapping[str, str]:
+        """Those of published numbers."""
+        return {name: unit or NO_UNIT for name, unit in PUBLISHED_QUANTITIES.items()}
 
     @property
     def slides(self) -> bool:
