@@ -36,6 +36,16 @@ def test_of_widths_that_alternate_the_level_is_known_as_a_median_is(count):
     assert (found.slope, found.ripple, found.widths, found.width) == (0.0, 0.0, count, width)
 
 
+def test_widths_that_resemble_the_next_tell_less_of_the_level():
+    """Eight runs of five widths: 32 of 39 neighbours are equal, 7 opposite, a correlation of 25 / 40."""
+    means = np.repeat(np.tile([1.0, -1.0], 4), 5)
+    found = baseline_before(np.repeat(np.r_[means, 9.0, 9.0], 10), 410, 10)
+    error = 0.5 * math.pi / 40 * (1.0 + 0.625) / (1.0 - 0.625)
+    assert (found.level, found.slope, found.widths) == (0.0, 0.0, 40)
+    assert found.wander == pytest.approx(math.sqrt(1.0 + error), rel=1e-12)
+    assert found.alike == pytest.approx((0.625 + error) / (1.0 + error), rel=1e-12)
+
+
 def test_of_six_widths_the_level_alone_is_known():
     found = baseline_before(alternating(6, 10), 70, 10)
     assert (found.level, found.widths, found.width, found.alike) == (0.0, 6, 10, 0.0)

@@ -118,6 +118,8 @@ def test_an_extended_format_names_its_own(written):
     samples = np.arange(4.0, dtype="<f4").tobytes()
     extended = wav_form(kind=0xFFFE, bits=32, extension=struct.pack("<HHIH", 22, 32, 0, 3))
     assert wav.read(written(riff(extended, samples)), Options()).channels[1].values.tolist() == [1.0, 3.0]
+    assert len(extended) == 26
+    assert wav.read(written(riff(extended + bytes(8), samples)), Options()).channels[0].values.tolist() == [0.0, 2.0]
     with pytest.raises(InputError, match="kind 65534"):
         wav.read(written(riff(extended[:24], samples)), Options())
 
@@ -252,6 +254,10 @@ def test_compressed_arrays_are_unpacked_no_further_than_they_claim(written):
     assert (
         mat.read(written(HEAD["<"] + struct.pack("<II", 15, len(packed)) + packed), Options()).channels[0].name == "abc"
     )
+    empty = zlib.compress(struct.pack("<II", 14, 0) + b"xyz")
+    assert mat._unpacked(written(b"file"), memoryview(empty), "<") == (14, b"x")  # zlib takes a bound of zero for none
+    three = zlib.compress(struct.pack("<II", 14, 3) + b"abcdef")
+    assert mat._unpacked(written(b"file"), memoryview(three), "<") == (14, b"abc")
     packed = zlib.compress(b"1234567")
     with pytest.raises(InputError, match="compressed array is empty"):
         mat.read(written(HEAD["<"] + struct.pack("<II", 15, len(packed)) + packed), Options())
@@ -451,6 +457,20 @@ def test_waveforms_of_tdms_have_grid_unit_and_clock_time():
     np.testing.assert_equal((still.step, still.origin, still.unit), (NAN, None, "V"))
     plain = tdms._column(Sized(properties={"wf_increment": 0.5}, group_name="g", read_data=None), "a")
     np.testing.assert_equal((plain.step, plain.start, plain.origin), (0.5, NAN, None))
+
+
+def test_clock_times_of_a_tdms_channel_begin_at_its_first():
+    class Channel(Sized):
+        def __getitem__(self, k):
+            return SimpleNamespace(seconds=24107 * 86400 + 5 * k, second_fractions=2**63)
+
+        def read_data(self):
+            return SimpleNamespace(as_datetime64=lambda unit: f"read in {unit}")
+
+    column = tdms._stamps(Channel(group_name="shots"), "shots/t")
+    assert column.origin == 24107 * 86400 * PICO + PICO // 2
+    assert (column.name, column.size, column.folder, column.time) == ("shots/t", 3, "shots/", True)
+    assert column.load() == "read in ns"
 
 
 def test_clock_times_of_tdms_before_1970_are_none():
@@ -921,6 +941,18 @@ def test_few_numbers_beside_long_columns_are_settings():
     assert ([c.name for c in kept], left) == (["a", "b", "d"], ["c"])
     kept, left = excel._without_settings([column("a", 31), column("c", 15)])
     assert ([c.name for c in kept], left) == (["a", "c"], [])
+
+
+def test_rows_below_the_last_number_of_any_column_are_left_out():
+    columns = [
+        ArrayColumn("a", 5, lambda: np.array([1.0, 2.0, NAN, NAN, NAN])),
+        ArrayColumn("b", 5, lambda: np.array([NAN, 5.0, NAN, 6.0, NAN])),
+    ]
+    first, second = excel._trimmed(columns)
+    assert (first.name, first.size, second.name, second.size) == ("a", 4, "b", 4)
+    np.testing.assert_equal(first.load(), [1.0, 2.0, NAN, NAN])
+    np.testing.assert_equal(second.load(), [NAN, 5.0, NAN, 6.0])
+    assert excel._trimmed([]) == []
 
 
 def test_settings_of_a_sheet_give_step_start_and_origin():

@@ -140,6 +140,7 @@ def test_a_hump_ends_at_half_its_height_or_in_the_valley():
     even = np.array([4.0, 3.0, 3.0, 4.0])
     assert pulses._hump_box(even, even, 0, 2) == (0, 2, 3.5)
     assert pulses._hump_box(even, even, 3, 1) == (2, 2, 3.5)
+    assert pulses._hump_box(with_values(9, (4, 5, 6.0)), np.arange(9.0), 4, 7) == (4, 1, 4.0)
 
 
 @pytest.mark.parametrize(
@@ -326,3 +327,65 @@ def test_two_hits_foot_to_foot_are_told_apart(apart, hits):
         line = Baseline(7.0, 0.5)
         tilted = pulses._hits_of(values + line.at(np.arange(1200)), line, 1, Box(495, 140, 60.0), 0.01)
         assert np.array(tilted) == pytest.approx(np.array(found), rel=1e-9)
+
+
+def hits_of(first, second, valley, single=0.0, width=24, at=100, size=200):
+    """Search a box for hits of which each is given by its begin, length and height, over a level between them."""
+    (a, m, low), (b, n, high) = first, second
+    values = with_values(size, (a + m, b, valley), (a, a + m, low), (b, b + n, high))
+    found = pulses._hits_of(values, FLAT, 1, Box(at, width, 7.0), single)
+    return None if found == [Box(at, width, 7.0)] else found
+
+
+@pytest.mark.parametrize(
+    ("low", "high", "valley", "single", "two"),
+    [
+        (10.0, 5.05, 0.0, 0.0, True), (10.0, 4.95, 0.0, 0.0, False), (4.95, 10.0, 0.0, 0.0, False), (5.05, 10.0, 0.0, 0.0, True),
+        (10.0, 8.0, 2.78, 0.0, True), (10.0, 8.0, 2.82, 0.0, False), (8.0, 10.0, 2.82, 0.0, False), (8.0, 10.0, 2.78, 0.0, True),
+        (10.0, 8.0, 3.08, 0.1, True), (10.0, 8.0, 3.12, 0.1, False), (10.0, 8.0, 0.0, 0.931, True), (10.0, 8.0, 0.0, 0.936, False),
+    ],
+)  # fmt: skip
+def test_two_hits_are_half_as_high_as_one_another_over_a_valley_of_a_third(low, high, valley, single, two):
+    """A half of the higher; 35 % of the lower and three noises between them; three noises below that share."""
+    found = hits_of((102, 4, low), (114, 4, high), valley, single)
+    assert found == ([Box(102, 4, low), Box(114, 4, high)] if two else None)
+
+
+def test_hits_lie_within_a_quarter_of_a_width_beside_their_box():
+    """From 94 on, up to 129; of twelve samples at least, and of like widths."""
+    for begin, two in ((94, True), (91, True), (90, False)):
+        assert (hits_of((begin, 4, 10.0), (114, 6, 9.0), 0.0) is not None) is two
+    for begin, two in ((127, True), (129, True), (130, False)):
+        assert (hits_of((104, 4, 10.0), (begin, 6, 9.0), 0.0) is not None) is two
+    for width, two in ((12, True), (11, False)):
+        assert (hits_of((100, 3, 10.0), (107, 3, 9.0), 0.0, width=width) is not None) is two
+    for length, two in ((9, True), (10, False)):
+        assert (hits_of((100, 3, 10.0), (122, length, 9.0), 0.0) is not None) is two
+        assert (hits_of((100, length, 10.0), (122, 3, 9.0), 0.0) is not None) is two
+
+
+def test_hits_near_the_ends_of_a_record_are_found():
+    assert hits_of((14, 4, 10.0), (26, 6, 9.0), 0.0, at=12) == [Box(14, 4, 10.0), Box(26, 6, 9.0)]
+    assert hits_of((176, 4, 10.0), (188, 6, 9.0), 0.0, at=174) == [Box(176, 4, 10.0), Box(188, 6, 9.0)]
+
+
+def test_wide_boxes_are_looked_at_in_means():
+    """Over two samples of 32, and over one of 31: a spike of one sample is then half as high, noise less by root two."""
+    for width, two in ((31, True), (32, False)):
+        assert (hits_of((102, 6, 10.0), (116, 2, 9.9), 0.0, width=width) is not None) is True
+        assert (hits_of((102, 3, 10.0), (116, 1, 9.9), 0.0, width=width) is not None) is two
+    for single, two in ((0.931 * math.sqrt(2.0), True), (0.936 * math.sqrt(2.0), False)):
+        assert (hits_of((102, 8, 10.0), (118, 8, 8.0), 0.0, single, width=32) is not None) is two
+
+
+def test_hits_with_a_swing_beside_them_are_one():
+    """A fifth of the lower to the other side; 45 % of it as far away as they lie apart, 12."""
+    for place, value, one in (
+        (96, -1.7, True),
+        (96, -1.5, False),
+        (126, 3.7, True),
+        (126, 3.5, False),
+        (90, 3.7, True),
+    ):
+        values = with_values(200, (102, 106, 10.0), (114, 120, 8.0), (place, place + 2, value))
+        assert (len(pulses._hits_of(values, FLAT, 1, Box(100, 24, 7.0), 0.0)) == 1) is one, place

@@ -214,7 +214,8 @@ def test_outliers_of_responses_are_of_ratio_and_frequency():
     wrong = reading(**response(100.0, 2.4, 600.0))
     ((_, finding),) = siblings._outlying(list(enumerate([*files, wrong])))
     assert (finding.harms, finding.message.partition(",")[0]) == (siblings.OF_SIZE, "its peak over that of the base")
-    ((_, finding),) = siblings._outlying(list(enumerate([*files, reading(**response(100.0, 2.0, 650.0))])))
+    ((k, finding),) = siblings._outlying(list(enumerate([reading(), *files, reading(**response(100.0, 2.0, 650.0))])))
+    assert k == 7  # one that answers nothing is passed over
     assert (finding.harms, "650\xa0Hz" in finding.message) == (("frequency",), True)
 
 

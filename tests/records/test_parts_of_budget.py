@@ -393,6 +393,11 @@ def test_the_largest_blow_of_each_channel_is_checked_and_the_others_are_like_it(
         (),
     )
     assert [one for one in done if one[1]] == [(-7.0, True), (1.0, True)]
+    done.clear()
+    first, second = budgeted.with_budget([file_of(3, 4.0), file_of(3, 1.0, -5.0)], of_share(0.05))
+    assert first.channels[0].uncertainties == (("alike", 4.0, -5.0),)
+    assert second.channels[0].uncertainties[0] == ("alike", 1.0, -5.0)
+    assert done == [(-5.0, True), (4.0, False), (1.0, False)]
     amount = Budget((Contribution("offset", "zero", 3.0, relative=False),))
     budgeted.check_amounts(amount, files[0].channels[0])
     budgeted.check_amounts(of_share(0.05), file_of(1, 1.0, unit="N").channels[0])
@@ -456,6 +461,18 @@ def test_a_clock_moves_a_spectrum_along_its_slope():
         SPECTRAL, 0.0, [], Budget((Contribution("clock", "c", 0.02),)), frequency[:1], lambda values: spectrum[:1]
     )
     assert by(alone, "c").tolist() == [0.0]
+
+
+def test_without_a_blow_a_drift_is_a_step_behind_the_first_sample():
+    """Zero at the first of 200 samples and all of it from the second on; the mean lacks one of them."""
+    channel = Channel("a", np.sin(np.arange(200.0)), 1e-3)
+    drift = Contribution("drift", "d", 0.3, relative=False)
+
+    def ends(values):
+        return np.array([values[0], values[1], np.mean(values)])
+
+    found = of_spectrum(drift, channel=channel, spectrum=ends, pulses=[])
+    assert by(found, "d") == pytest.approx(0.3 * np.array([0.0, 1.0, 199.0 / 200.0]))
 
 
 def test_noise_moves_a_mean_by_its_root():

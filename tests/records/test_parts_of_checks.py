@@ -104,6 +104,17 @@ def test_a_parabola_goes_on_above_where_it_was_cut(middle):
     assert clipping._cut_off(np.minimum(values, 9.5)[:15], 9.5) == math.inf
 
 
+def test_a_parabola_is_laid_through_three_samples_to_either_side():
+    """Of a run at 20 to 25: beside it 17 to 19 and 26 to 28, of which no parabola holds all."""
+    values = np.zeros(60)
+    values[17:29] = [3.0, 4.5, 7.0, *[9.0] * 6, 8.0, 6.0, 1.5]
+    places = np.array([-5.5, -4.5, -3.5, 3.5, 4.5, 5.5])
+    top = np.polyfit(places, [3.0, 4.5, 7.0, 8.0, 6.0, 1.5], 2)[2]
+    assert clipping._cut_off(values, 9.0) == pytest.approx(top - 9.0)
+    assert clipping._cut_off(values[17:29], 9.0) == pytest.approx(top - 9.0)
+    assert clipping._cut_off(values[18:], 9.0) == clipping._cut_off(values[:28], 9.0) == math.inf
+
+
 @pytest.mark.parametrize(
     ("at", "beside", "zero", "found"),
     [(9, 3, 0.0, 9), (9, 4, 0.0, 0), (8, 3, 0.0, 0), (9, 3, 96.9, 9), (9, 3, 97.0, 0), (3, 0, 0.0, 3), (2, 0, 0.0, 0)],

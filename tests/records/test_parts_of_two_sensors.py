@@ -123,6 +123,8 @@ def test_a_wave_in_one_channel_makes_its_delay_uncertain():
     assert found.delay_doubt == pytest.approx(wave_alone, rel=0.05)
     assert two_sensors._copied(window._replace(second=0.5 * pulse), STEP).delay_doubt < 0.1 * wave_alone
     assert two_sensors._copied(window._replace(cutoff=math.inf), STEP).delay_doubt < wave_alone
+    both = Window(pulse + wave, 0.5 * (pulse + wave), (1e-9, 1e-9), 30.0)
+    assert two_sensors._copied(both, STEP).delay_doubt < 0.1 * wave_alone  # one that both have is none of it
 
 
 def test_what_half_of_the_band_says_otherwise_is_not_known(monkeypatch):
@@ -188,7 +190,7 @@ def test_peaks_of_two_copies_lie_apart_by_their_delay():
 def test_rebounds_of_a_tenth_of_their_blow_are_its_own(monkeypatch):
     """A small contact that is a rebound was not known when its blow was measured: its ringing is none."""
     pulses = [
-        recorded(peak=peak, time=time, ringing_frequency=5.0)
+        recorded(peak=peak, time=time, ringing_frequency=5.0 * time)
         for peak, time in ((-10.0, 1.0), (1.1, 3.0), (0.9, 2.0), (-1.05, 2.5), (7.0, 5.0), (0.8, 6.0))
     ]
     kinds = SimpleNamespace(owner={1: 0, 2: 0, 3: 0, 5: 4}, blows=[0, 4])
@@ -198,21 +200,29 @@ def test_rebounds_of_a_tenth_of_their_blow_are_its_own(monkeypatch):
     assert first.rebounds == (Rebound(2.5, -1.05, 0.06), Rebound(3.0, 1.1, 0.06))
     assert second.rebounds == (Rebound(6.0, 0.8, 0.06),)
     assert math.isnan(first.ringing_frequency)
-    assert second.ringing_frequency == 5.0
+    assert second.ringing_frequency == 25.0
     times, sizes, widths, small = told[0]
     assert (times.tolist(), sizes.tolist()) == ([1.0, 3.0, 2.0, 2.5, 5.0, 6.0], [10.0, 1.1, 0.9, 1.05, 7.0, 0.8])
     assert widths.tolist() == [pulses[0].smooth.width()] * 6
     assert small == [False, False, False, True, False, False]
     pulses[5] = recorded(peak=0.69, time=6.0)
-    _, second = measuring._owned([(pulse, k == 5) for k, pulse in enumerate(pulses)])
-    assert (second.rebounds, second.ringing_frequency) == ((), 5.0)  # too small to be one
+    first, second = measuring._owned([(pulse, k == 5) for k, pulse in enumerate(pulses)])
+    assert (second.rebounds, second.ringing_frequency) == ((), 25.0)  # too small to be one
+    assert first.ringing_frequency == 5.0  # its rebounds are no small contacts
 
 
 def test_ringing_is_sought_until_the_next_contact(monkeypatch):
     """Of a double hit it is not; each rigid pulse is handed the one before it."""
     pulses = [
         recorded(time=t, begin=t - 0.01, peak=p, rebounds=r)
-        for t, p, r in ((7.11, 5.0, (Rebound(7.5, 2.0, 0.1),)), (8.0, -5.0, ()), (9.0, 5.0, ()), (9.1, 5.0, ()))
+        for t, p, r in (
+            (7.11, 5.0, (Rebound(7.5, 2.0, 0.1),)),
+            (8.0, -5.0, ()),
+            (9.0, 5.0, ()),
+            (9.1, 5.0, ()),
+            (12.0, 5.0, ()),
+            (13.0, 5.0, ()),
+        )
     ]
     seen, handed = [], []
 
@@ -224,15 +234,13 @@ def test_ringing_is_sought_until_the_next_contact(monkeypatch):
         handed.append((frequency, last and last.number))
         return Rigid(number=len(handed)) if frequency > 0.0 else None
 
-    stretches = iter(
-        [SimpleNamespace(smooth=SimpleNamespace(begin=0.3)), SimpleNamespace(smooth=SimpleNamespace(begin=0.4))]
-    )
+    stretches = iter([SimpleNamespace(smooth=SimpleNamespace(begin=begin)) for begin in (0.3, 0.4, 0.5, 0.6)])
     monkeypatch.setattr(measuring, "contacts_of", lambda pulses: SimpleNamespace(double={2: 3}))
     monkeypatch.setattr(measuring, "one_sided", lambda values, step, start, pulse: pulse.rebounds)
     monkeypatch.setattr(
         measuring, "stretch_of", lambda values, step, start, pulse, until: seen.append(until) or next(stretches)
     )
-    monkeypatch.setattr(measuring, "ringing_of", lambda stretch: 100.0 if len(seen) == 1 else 50.0)
+    monkeypatch.setattr(measuring, "ringing_of", lambda stretch: {1: 100.0, 2: 50.0}.get(len(seen), 0.0))
     monkeypatch.setattr(
         measuring,
         "split_bands",
@@ -240,11 +248,11 @@ def test_ringing_is_sought_until_the_next_contact(monkeypatch):
     )
     monkeypatch.setattr(measuring, "rigid_pulse", rigid)
     found = measuring._with_rigid(np.zeros(5), STEP, 7.0, pulses)
-    assert seen == [pytest.approx(7.5 - 0.02), pytest.approx(8.99)]
-    assert handed == [(100.0, None), (50.0, 1)]
+    assert seen == [pytest.approx(7.5 - 0.02), pytest.approx(8.99), pytest.approx(12.99), math.inf]
+    assert handed == [(100.0, None), (50.0, 1), (0.0, 2), (0.0, 2)]
     assert [(one.rigid, one.split) for one in found] == [
         (("moved", 1, pytest.approx(7.1 - 0.3), 1.0), ("split", 100.0, 1.0)), (("moved", 2, pytest.approx(7.1 - 0.4), -1.0), ("split", 50.0, -1.0)),
-        (None, None), (None, None),
+        (None, None), (None, None), (None, None), (None, None),
     ]  # fmt: skip
 
 

@@ -317,6 +317,9 @@ def test_a_response_in_closed_form():
     assert math.isnan(none.ratio)
     [flat] = response.measure_responses(np.full(2000, 0.7), 1e-5, 3.0, [blow])
     assert (flat.peak, flat.duration, flat.rms, flat.delay) == (0.0, 0.0, 0.0, pytest.approx(-1e-3))
+    assert (flat.blow, flat.time, flat.base_peak, flat.ratio) == (1, blow.begin, -3.0, 0.0)
+    assert (flat.begin, flat.modes, flat.zero, flat.decay) == (blow.begin, (), 0.7, (blow.begin, blow.begin))
+    assert response._measure(2, np.zeros(99), 1e-5, 3.0, blow, True).zero == 0.0
 
 
 @pytest.mark.parametrize("n", [30, 200])
