@@ -2,25 +2,26 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from functools import cached_property
 from pathlib import Path
-from typing import Any, ClassVar
+from typing import ClassVar
 
 from strikewave._version import __version__
 from strikewave.analyses.fem.build import build_model
 from strikewave.analyses.fem.field_names import fields_of_case
 from strikewave.analyses.fem.notices import model_notices
 from strikewave.analyses.fem.sectors import sectors
+from strikewave.base import declare
+from strikewave.base.declare import KEY, MAIN
 from strikewave.base.result import Source
 from strikewave.cases.case import Case
 from strikewave.cases.written_case import dump_case
-from strikewave.exchange.deck import Deck, Heading
+from strikewave.exchange.deck import Heading
 from strikewave.exchange.ls_dyna.deck import ls_dyna_deck
 from strikewave.exchange.radioss.deck import radioss_deck
 from strikewave.exchange.units import UnitSystem
 from strikewave.fem.model import Model
-from strikewave.reporting.columns import Column
 from strikewave.reporting.options.output import Output
 from strikewave.reporting.run_and_write import Command, case_folder, run_and_write
 from strikewave.reporting.shown_result import ShownResult
@@ -30,35 +31,46 @@ CODES = {"ls-dyna": (".k",), "openradioss": ("_0000.rad", "_0001.rad")}
 """Codes, and how the names of their files end."""
 
 
-@dataclass(frozen=True)
+@declare.dataclass
+class DeckNote:
+    """What another code does in its own way, or what its deck does not hold."""
+
+    kind: str = declare.word("differs, or left out", column=KEY)
+    what: str = declare.word("the same in words", column=MAIN)
+
+
+@declare.dataclass
 class DeckResult(ShownResult):
     """A model written for another code; see `Result` for what it shares with others.
+
+    Beside what documents have:
 
     Attributes
     ----------
     case : Case
         What the model was built from.
-    model : Model
-        Of the case.
-    deck : Deck
-        The files, and what differs or is left out.
-    code : str
-        One of `CODES`.
     system : UnitSystem
         Units of the deck.
-    stem : str
-        What the names of its files begin with.
+    pieces : sequence of iterator of str
+        Text of each file, to be written one after another.
     """
 
     command: ClassVar[str] = "deck"
     drawing: ClassVar[str] = ""
+    main_rows: ClassVar[str] = "notes"
 
     case: Case
-    model: Model
-    deck: Deck
-    code: str
     system: UnitSystem
-    stem: str
+    pieces: Sequence[Iterator[str]]
+    case_name: str = declare.word("name of the case", key="case")
+    code: str = declare.word("ls-dyna or openradioss", headline="code")
+    units_called: str = declare.word("units of the deck", key="system", headline="units")
+    names: list[str] = declare.word("files that it would write", key="files")
+    elements: int = declare.count("how many elements", headline="elements")
+    nodes: int = declare.count("how many nodes", headline="nodes")
+    parts: Sequence[str] = declare.word("names of the parts")
+    left_out: Sequence[str] = declare.word("what the deck does not hold, in words")
+    differs: Sequence[str] = declare.word("what the other code does otherwise, in words")
 
     @property
     def title(self) -> str:
@@ -70,45 +82,11 @@ class DeckResult(ShownResult):
         """The case, with code and units below."""
         return Source("case", self.case.name, marked_text(self.case, self.code, self.system))
 
-    @cached_property
-    def names(self) -> list[str]:
-        """The names of its files."""
-        return [f"{self.stem}{ending}" for ending in self.deck.files]
-
-    def highlights(self) -> list[tuple[str, str]]:
-        """Return code, units, and the size of the mesh."""
-        mesh = self.model.mesh
-        sizes = [("elements", str(len(mesh.hexahedra))), ("nodes", str(len(mesh.points)))]
-        return [("code", self.code), ("units", self.system.name), *sizes]
-
-    def columns(self) -> list[Column]:
-        """Return what differs from the model, and what is left out."""
-        differs, left_out = self.deck.differs, self.deck.left_out
-        kinds = ["differs"] * len(differs) + ["left out"] * len(left_out)
-        return [Column("kind", kinds), Column("what", [*differs, *left_out])]
-
-    def brief(self) -> dict[str, str]:
-        """Return both columns."""
-        return {"kind": "", "what": ""}
-
-    def units(self) -> dict[str, str]:
-        """Return nothing: counts have no unit."""
-        return {}
-
-    def content(self) -> dict[str, Any]:
-        """Return what the JSON document holds beside its head."""
-        mesh = self.model.mesh
-        return {
-            "case": self.case.name,
-            "code": self.code,
-            "system": self.system.name,
-            "files": self.names,
-            "elements": len(mesh.hexahedra),
-            "nodes": len(mesh.points),
-            "parts": list(mesh.names),
-            "left_out": list(self.deck.left_out),
-            "differs": list(self.deck.differs),
-        }
+    @declare.computed(declare.rows(DeckNote, "what differs from the model, and what is left out", in_document=False))
+    def notes(self) -> list[DeckNote]:
+        """What differs from the model, and what is left out."""
+        differs = [DeckNote("differs", what) for what in self.differs]
+        return differs + [DeckNote("left out", what) for what in self.left_out]
 
 
 def marked_text(case: Case, code: str, system: UnitSystem) -> str:
@@ -146,25 +124,39 @@ class DeckCommand(Command[DeckResult]):
         heading = _heading(self.case, self.model)
         with fields_of_case(self.model):
             deck = (ls_dyna_deck if self.code == "ls-dyna" else radioss_deck)(self.model, self.system, heading)
-        notices = tuple(model_notices(self.case, self.model))
-        return DeckResult(self.case, self.model, deck, self.code, self.system, heading.stem, notices=notices)
+        mesh, names = self.model.mesh, [f"{heading.stem}{ending}" for ending in deck.files]
+        return DeckResult(
+            case=self.case,
+            system=self.system,
+            pieces=list(deck.files.values()),
+            case_name=self.case.name,
+            code=self.code,
+            units_called=self.system.name,
+            names=names,
+            elements=len(mesh.hexahedra),
+            nodes=len(mesh.points),
+            parts=mesh.names,
+            left_out=deck.left_out,
+            differs=deck.differs,
+            notices=tuple(model_notices(self.case, self.model)),
+        )
 
     def summary(self, result: DeckResult) -> str:
         """Say how large the model is, and in which units."""
-        mesh, (length, mass, time) = result.model.mesh, result.system.words
-        counted = f"{len(mesh.hexahedra)} elements, {len(mesh.points)} nodes"
+        length, mass, time = result.system.words
+        counted = f"{result.elements} elements, {result.nodes} nodes"
         return f"A deck of {result.code}: {counted}, in {length}, {mass}, {time}."
 
     def show(self, result: DeckResult) -> None:
         """Print what differs from the model, and what is left out."""
-        for line in result.deck.differs:
+        for line in result.differs:
             tell(f"done in its own way: {line}", "  ")
-        for line in result.deck.left_out or ("nothing",):
+        for line in result.left_out or ("nothing",):
             tell(f"left out: {line}", "  ")
 
     def hand_over(self, result: DeckResult, folder: Path) -> list[str]:
         """Write the files of the deck piece by piece, for they may be long."""
-        for name, pieces in zip(result.names, result.deck.files.values(), strict=True):
+        for name, pieces in zip(result.names, result.pieces, strict=True):
             with (folder / name).open("w", encoding="ascii", newline="\n") as file:
                 file.writelines(pieces)
         return result.names
