@@ -79,6 +79,18 @@ def test_units_are_those_of_all_keys_within():
     assert declare.units(Heavy) == {**declare.units(Body), "mass": "kg"}
 
 
+def test_the_unit_of_a_part_is_that_of_the_numbers_within_it():
+    @declare.dataclass
+    class Balance:
+        """Two parts with the same keys and different units."""
+
+        force: Touch = declare.part(Touch, "forces", quantity=FORCE)
+        again: dict[str, Touch] = declare.named(Touch, "by their names", quantity=FORCE)
+        shares: Body = declare.part(Body, "what has units of its own", quantity=SHARE)
+
+    assert declare.units(Balance) == {"force": "N", "begin": "s", "again": "N", "shares": "1", "speed": "m/s"}
+
+
 def test_a_key_with_two_units_is_refused():
     @declare.dataclass
     class Torn:

@@ -205,3 +205,37 @@ def test_a_table_of_chosen_columns_is_itself_in_python_and_shows_those_with_a_un
     assert chosen.columns() == columns
     assert shown_table(chosen, 3) == (["run", "x (g)"], [["1", "0"], ["3", "2"], ["5", "4"]])
     assert "runs" not in chosen.document()
+
+
+@declare.dataclass
+class Closing:
+    """By how much a sum misses, and how late it is."""
+
+    off: float = declare.number(Quantity("1", "%", "off", 2, 0), "off", column=MAIN, headline="misses by")
+    late: float | None = declare.number(
+        Quantity("s", "us", "late", 1, 0, signed=True), "late", column=MAIN, headline="late by"
+    )
+
+
+@declare.dataclass
+class Closed(Planted):
+    """A result with one part, whose numbers are key numbers."""
+
+    closing: Closing = declare.part(Closing, "how it closes", headline="first", default=Closing(0.01234, 2e-6))
+
+
+def test_key_numbers_of_a_part_are_those_of_its_fields(result):
+    closed = Closed(result.places, 1.0)
+    assert closed.highlights()[1:] == [
+        ("planted number", "0.1020 g"), ("misses by", "1.23 %"), ("late by", "+2.0 µs"),
+    ]  # fmt: skip
+    assert "late by" not in dict(Closed((), 1.0, closing=Closing(0.5, None)).highlights())
+    assert len(Closed((), 1.0, closing=None).highlights()) == 1
+
+
+def test_per_cent_and_a_number_with_a_sign_have_the_same_decimals_in_tables_and_sentences():
+    early = Closing(-0.5, -2e-6)
+    assert [column.text(early) for column in faces.columns_of(Closing)] == ["-50.00", "-2.0"]
+    assert [faces.text_of(early, name) for name in ("off", "late")] == ["-50.00 %", "-2.0 µs"]
+    assert faces.text_of(Closing(float("nan"), None), "off") == faces.text_of(Closing(0.0, None), "late") == "–"
+    assert faces.text_of(Closing(0.0, 0.0), "late") == "+0.0 µs"

@@ -30,7 +30,7 @@ class Quantity(NamedTuple):
 
     Where no label is given the name of the field is one; where no decimals are, so many significant digits are shown.
     Where the data decide about the unit, ``given_by`` says which it is ("as the field"): the row, or else the result,
-    has it among its `given_units`.
+    has it among its `given_units`. One that is ``signed`` and has decimals has a plus where it is not below zero.
     """
 
     si: str
@@ -39,6 +39,7 @@ class Quantity(NamedTuple):
     decimals: int | None = None
     digits: int = 4
     given_by: str = ""
+    signed: bool = False
 
     @classmethod
     def of_data(cls, given_by: str, label: str = "", decimals: int | None = None, digits: int = 4) -> Quantity:
@@ -73,7 +74,7 @@ class Declaration:
     meaning : str
         What it is, in a phrase: the documentation of the JSON documents and of the class has it.
     quantity : Quantity
-        Of a number or a history.
+        Of a number or a history; of a part that of its numbers, where the document says it once for all of them.
     key : str
         Key in the JSON document, and name of its column; the name of the field if empty.
     column : int, optional
@@ -83,8 +84,8 @@ class Declaration:
     band : str
         Name of its band, or its last part; of rows and named parts the first part, such as ``tap.{name}``.
     headline : str
-        Label among the key numbers, with ``{name}`` of its row; of rows and named parts whether key numbers are taken
-        of the "first" or of "each". Empty where there are none.
+        Label among the key numbers, with ``{name}`` of its row; of a part, rows and named parts whether key numbers
+        are taken of the "first" or of "each". Empty where there are none.
     is_tag : bool
         Whether a word stands in a coloured box, whose colour is its own.
     order : int
@@ -285,14 +286,19 @@ def keys(kind: type, path: str = "", apart: Container[type | None] = ()) -> Iter
 def units(kind: type) -> dict[str, str]:
     """Return the SI unit of each key of the document of a declared class; what gives it where the data decide.
 
+    The unit of a part is that of the numbers within it, which then have none of their own.
+
     Raises
     ------
     TypeError
         If one key has two units.
     """
     found: dict[str, str] = {}
+    within: dict[str, str] = {}
     for path, one in keys(kind):
-        key, si = path.rpartition(".")[2], one.quantity.si or one.quantity.given_by
-        if si and key != "*" and found.setdefault(key, si) != si:
+        (place, _, key), si = path.rpartition("."), one.quantity.si or one.quantity.given_by
+        if one.of is not None and si:
+            within[path + PLACES[one.kind]] = si
+        if si and key != "*" and within.get(place) != si and found.setdefault(key, si) != si:
             raise TypeError(f"{kind.__name__}: {key} is in {found[key]} and, as {path}, in {si}: give one another key")
     return found

@@ -15,13 +15,14 @@ from strikewave.base.first_few import first_few
 from strikewave.base.result import Band, Result
 from strikewave.reporting.banded_numbers import table_decimals, with_band
 from strikewave.reporting.columns import Column
-from strikewave.reporting.numbers import FEWEST_DIGITS, decimals_of, fixed, headed, shown
+from strikewave.reporting.numbers import FEWEST_DIGITS, decimals_of, fixed, headed, shown, spelled
 from strikewave.reporting.parts import NONE, Cell, Table, Tag, written
 from strikewave.reporting.shown_units import shown_unit
 from strikewave.reporting.table_columns import TableColumn, page_table
 
 MOST_LISTED = 5
 """Values of a history that a cell lists, such as the openings of a joint: a row stays one line; documents have all."""
+PERCENT = "%"
 Path = tuple[str, ...]
 Bands = Mapping[str, Sequence[Band]]
 """Bands by what declarations call them: of a row, or of all rows of a column."""
@@ -124,7 +125,7 @@ def cell_of(
     given: GivenUnits = MappingProxyType({}),
 ) -> float | str | Tag | None:
     """Return what a cell shows of a value, as its declaration says it."""
-    si, usual, _, decimals, digits, _ = one.quantity.within(given)
+    si, usual, _, decimals, digits, _, signed = one.quantity.within(given)
     if value is None or isinstance(value, str):
         return Tag(value, value) if one.is_tag and value is not None else value
     if isinstance(value, bool):
@@ -137,7 +138,8 @@ def cell_of(
         return float(value)
     if bands:
         return fixed(value, si, usual, table_decimals(bands, si, usual, *(() if decimals is None else (decimals,))))
-    return fixed(value, si, usual, decimals_of(value, si, usual, decimals or 0, digits))
+    plus = "+" if signed and value >= 0.0 else ""
+    return plus + fixed(value, si, usual, decimals_of(value, si, usual, decimals or 0, digits))
 
 
 def bands_below(bands: Mapping[str, Band], firsts: Iterable[str]) -> dict[str, list[Band]]:
@@ -151,9 +153,10 @@ def bands_below(bands: Mapping[str, Band], firsts: Iterable[str]) -> dict[str, l
 
 
 def face_rows(result: Result, name: str) -> list[FaceRow]:
-    """Return the rows that a result has under a name, or its parts by their names, with their bands."""
+    """Return the rows that a result has under a name, or its parts by their names, or one part, with their bands."""
     one, value = declarations(type(result))[name], getattr(result, name)
-    pairs = value.items() if one.kind == "named" else ((getattr(row, "name", ""), row) for row in value)
+    listed = value if one.kind != "part" else [] if value is None else [value]
+    pairs = value.items() if one.kind == "named" else ((getattr(row, "name", ""), row) for row in listed)
     return [FaceRow(called, row, _bands_of_row(result, one, called, row)) for called, row in pairs]
 
 
@@ -266,9 +269,17 @@ def key_numbers(result: Result) -> list[tuple[str, str]]:
     return numbers
 
 
+def text_of(value: Any, name: str, given: GivenUnits = MappingProxyType({})) -> str:
+    """Return what a sentence says of a field of a declared value, with its unit, as its key number does."""
+    return _with_unit(declarations(type(value))[name], getattr(value, name), None, given)
+
+
 def _with_unit(one: Declaration, value: Any, band: Band | None, given: GivenUnits) -> str:
     if one.kind == "number":
         quantity = one.quantity.within(given)
+        as_in_tables = quantity.decimals is not None and (quantity.signed or quantity.usual == PERCENT)
+        if as_in_tables and band is None and value is not None and value == value:
+            return f"{cell_of(one, value, given=given)} {spelled(shown_unit(quantity.si, quantity.usual))}"
         digits = min(quantity.digits or FEWEST_DIGITS, FEWEST_DIGITS)  # a sentence has no more
         return with_band(value, band, quantity.si or NO_UNIT, quantity.usual or NO_UNIT, digits)
     return written(value)
