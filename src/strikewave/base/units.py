@@ -106,8 +106,8 @@ def _registry() -> Any:
 
 @functools.lru_cache(maxsize=512)
 def _factor(unit: str, si: str) -> float:
-    """Return how many ``si`` are in one ``unit``; raises pint's own errors."""
-    usual = USUAL.get((unit, si))
+    """Return how many ``si`` are in one ``unit``; raises pint's own errors. A unit such as N/m^n is known to itself."""
+    usual = 1.0 if unit == si else USUAL.get((unit, si))
     return _by_pint(unit, si) if usual is None else usual
 
 

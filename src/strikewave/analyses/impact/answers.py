@@ -6,20 +6,27 @@ import contextlib
 from dataclasses import dataclass, replace
 
 from strikewave.analyses.impact.setup import Setup
+from strikewave.base import declare
+from strikewave.base.declare import KEY, MAIN, Quantity
+from strikewave.base.shock_quantities import RESTITUTION
 from strikewave.cases.yield_pressure import ELASTIC, HIGH, LOW, WORTH_SHOWING, YIELDING, pressures_of_answers
 from strikewave.contact import Impact, cap_of, solve_impact
 
+CONTACT_FORCE = Quantity("N", "kN", digits=5)
+CONTACT_TIME = Quantity("s", "us", digits=5)
+CONTACT_DEPTH = Quantity("m", "um", digits=5)
 
-@dataclass(frozen=True)
+
+@declare.dataclass
 class ImpactAnswer:
     """A first blow with its contact elastic, or yielding from a load on (None where elastic), SI."""
 
-    name: str
-    yield_load: float | None
-    peak_force: float
-    duration: float
-    residual_indentation: float
-    restitution: float
+    name: str = declare.word("answer of the contact: elastic, or yielding", label="contact", column=KEY)
+    yield_load: float | None = declare.number(CONTACT_FORCE, "force at which it yields then", column=MAIN)
+    peak_force: float = declare.number(CONTACT_FORCE, "largest force of the first blow then", column=MAIN)
+    duration: float = declare.number(CONTACT_TIME, "its duration", column=MAIN)
+    residual_indentation: float = declare.number(CONTACT_DEPTH, "what stays of its indentation", column=MAIN)
+    restitution: float = declare.number(RESTITUTION, "its coefficient of restitution", column=MAIN)
 
 
 @dataclass(frozen=True)

@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 from strikewave.analyses.impact.figures.contact import impact_sheet
-from strikewave.analyses.impact.result import MOST_ROWS, ImpactResult, answer_table, blow_table, first_rows
+from strikewave.analyses.impact.result import MOST_ROWS, ImpactResult, blow_table
 from strikewave.reporting import chapters
+from strikewave.reporting.faces import face_table, part_tables
 from strikewave.reporting.numbers import percent, with_unit
-from strikewave.reporting.parts import Cell, Picture, Section, Table
+from strikewave.reporting.parts import Picture, Section
+from strikewave.reporting.table_columns import page_table
 
 
 def impact_report(result: ImpactResult) -> str:
@@ -16,48 +18,30 @@ def impact_report(result: ImpactResult) -> str:
     caption = (
         "Force over time and over indentation, and the phase plane: shares of the approach speed and of the depth."
     )
-    rows: list[list[Cell]] = [[name, value] for name, value in first_rows(result.setup, result.blows[0])]
+    answers = [face_table(result, "contact_answers")] if result.differ else []
+    numbers = [*part_tables(result, "first"), *part_tables(result, "law"), *answers]
+    lost = "energy lost, share of that of the approach", percent(1.0 - result.first.restitution**2)
     sections = [
         Section("Histories", "", [Picture(figure, caption)]),
-        Section("First blow" if many else "Blow", "", [Table("Numbers", ["", "value"], rows), *_answers(result)]),
+        Section("First blow" if many else "Blow", "", numbers),
         *([_blows(result)] if many else []),
         chapters.warnings(result.notices),
     ]
-    summary = chapters.Summary("Report of an impact", impact_words(result), _key_numbers(result))
+    summary = chapters.Summary("Report of an impact", impact_words(result), [*result.highlights(), lost])
     return chapters.result_page(result, summary, sections)
 
 
 def impact_words(result: ImpactResult) -> str:
     """Say in words what happens."""
-    setup, first = result.setup, result.blows[0]
+    setup, numbers = result.setup, dict(result.highlights())
     m1, m2 = (with_unit(mass, "kg", "kg") if mass < float("inf") else "a fixed body" for mass in setup.masses)
     return (
-        f"{m1} strikes {m2} at {with_unit(setup.speed, 'm/s', 'm/s')}: the force peaks at "
-        f"{with_unit(float(first.peak_force), 'N', 'kN')} and lasts {with_unit(float(first.duration), 's', 'us')}; the "
-        f"coefficient of restitution is {float(first.restitution):.4g}. Solved by the {first.method}."
+        f"{m1} strikes {m2} at {with_unit(setup.speed, 'm/s', 'm/s')}: the force peaks at {numbers['peak force']} and "
+        f"lasts {numbers['duration']}; the coefficient of restitution is {numbers['coefficient of restitution']}. "
+        f"Solved by the {result.first.method}."
     )
 
 
-def _key_numbers(result: ImpactResult) -> list[tuple[str, str]]:
-    first, energy = result.blows[0], float(result.blows[0].energy_lost)
-    return [
-        ("peak force", with_unit(float(first.peak_force), "N", "kN")),
-        ("duration", with_unit(float(first.duration), "s", "us")),
-        ("largest indentation", with_unit(float(first.max_indentation), "m", "um")),
-        ("coefficient of restitution", f"{float(first.restitution):.4g}"),
-        ("energy lost", with_unit(energy, "J", "J", 3)),
-        ("energy lost, share of that of the approach", percent(1.0 - float(first.restitution) ** 2)),
-    ]
-
-
-def _answers(result: ImpactResult) -> list[Table]:
-    if not result.answers.differ:
-        return []
-    heads, rows = answer_table(result.answers)
-    return [Table("First blow with its contact elastic and yielding", heads, rows)]
-
-
 def _blows(result: ImpactResult) -> Section:
-    heads, rows = blow_table(result.blows)
     some = f"The first and last {MOST_ROWS // 2} of {len(result.blows)} blows." if len(result.blows) > MOST_ROWS else ""
-    return Section("Blows", some, [Table("Blows on the same spot", heads, rows)])
+    return Section("Blows", some, [page_table("Blows on the same spot", *blow_table(result))])

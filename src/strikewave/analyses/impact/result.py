@@ -3,16 +3,19 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import replace
 from typing import Any, ClassVar
 
 import numpy as np
 
-from strikewave.analyses.impact.answers import ImpactAnswers
-from strikewave.analyses.impact.setup import ContactLoss, Setup
+from strikewave.analyses.impact.answers import CONTACT_DEPTH, CONTACT_FORCE, CONTACT_TIME, ImpactAnswer, ImpactAnswers
+from strikewave.analyses.impact.setup import Setup
+from strikewave.base import declare
+from strikewave.base.declare import KEY, MAIN, MORE, NO_UNIT, Quantity, declarations
 from strikewave.base.errors import InputError
 from strikewave.base.quantities import AUTO
 from strikewave.base.result import INFO, Notice
+from strikewave.base.shock_quantities import RATIO, RESTITUTION
 from strikewave.cases.contact_range_notices import duration_notices, indentation_notices, speed_notices
 from strikewave.cases.yield_pressure import ELASTIC, YIELDING
 from strikewave.contact import Impact, Stiffness, first_yield, impact_history, reduced_mass, solve_impact
@@ -20,10 +23,9 @@ from strikewave.contact.elastoplastic import cap_law_of
 from strikewave.contact.registry import FROM_MEMORY
 from strikewave.reporting import measured_files as measured
 from strikewave.reporting.columns import HISTORY_DIGITS, Column, csv_table
-from strikewave.reporting.numbers import shown_heads, spelled, with_unit
-from strikewave.reporting.shown_result import Curve, columns_of, history_curve
-from strikewave.reporting.shown_units import shown_unit
-from strikewave.reporting.terminal import number
+from strikewave.reporting.faces import FaceRow, face_columns, face_rows
+from strikewave.reporting.shown_result import Curve, history_curve
+from strikewave.reporting.table_columns import TableColumn
 
 ERRORS = {"closed form": 1e-9, "integrator": 1e-6}
 """Difference of restitutions, by the method, from which on it is no rounding."""
@@ -32,34 +34,89 @@ LEAST_ENERGY = 1e-100
 MOST_ROWS = 20
 MOST_DRAWN = 5
 
-_BLOW_UNITS = {
-    "restitution": "1",
-    "max_indentation": "m",
-    "residual_indentation": "m",
-    "peak_force": "N",
-    "duration": "s",
-    "energy_lost": "J",
-    "flattening": "1",
-}
-_UNITS = {
-    **_BLOW_UNITS,
-    "asked_restitution": "1",
-    "peak_time": "s",
-    "turning_time": "s",
-    "stiffness": "N/m^n",
-    "exponent": "1",
-    "slope": "N/m",
-    "load": "N",
-    "hysteresis_factor": "1",
-    "damper_coefficient": "N s/m^(p+1)",
-    "damper_exponent": "1",
-    "yield_load": "N",
-}
+
+@declare.dataclass
+class SpotBlow:
+    """A blow on a spot, SI."""
+
+    restitution: float = declare.number(
+        RESTITUTION, "separation speed over approach speed", column=MAIN, headline="coefficient of restitution"
+    )
+    max_indentation: float = declare.number(
+        CONTACT_DEPTH,
+        "largest indentation",
+        label="largest indentation",
+        column=MORE,
+        headline="largest indentation",
+    )
+    residual_indentation: float = declare.number(CONTACT_DEPTH, "indentation that stays", column=MORE + 1)
+    peak_force: float = declare.number(CONTACT_FORCE, "largest force", column=MAIN, headline="peak force")
+    duration: float = declare.number(CONTACT_TIME, "length of the contact", column=MAIN, headline="duration")
+    energy_lost: float = declare.number(
+        Quantity("J", "J", digits=5), "kinetic energy lost", column=MORE, headline="energy lost"
+    )
+    flattening: float = declare.number(
+        Quantity(NO_UNIT, NO_UNIT, decimals=4, digits=0),
+        "radius of the unloaded spot over that before it yielded",
+        column=MORE + 1,
+    )
 
 
-@dataclass(frozen=True)
+@declare.dataclass
+class FirstBlow(SpotBlow):
+    """The first blow, and what was asked of it, SI."""
+
+    asked_restitution: float | None = declare.number(
+        RATIO,
+        "coefficient of restitution that was asked of the damping",
+        label="coefficient of restitution asked for",
+        column=MAIN,
+    )
+    peak_time: float = declare.number(
+        CONTACT_TIME, "when the force is largest", label="time of the peak force", column=MAIN
+    )
+    turning_time: float = declare.number(
+        CONTACT_TIME, "when the indentation is largest", label="time of the largest indentation", column=MAIN
+    )
+    method: str = declare.word("closed form, or integrator", label="solved by", column=MAIN)
+
+
+@declare.dataclass
+class ForceLaw:
+    """The force law of a contact, SI; None where a key does not apply."""
+
+    stiffness: float | None = declare.number(
+        Quantity("N/m^n", "N/m^n", digits=6), "K of F = K d^n; null of another law", column=MAIN
+    )
+    exponent: float | None = declare.number(RATIO, "n", column=MAIN)
+    slope: float | None = declare.number(
+        Quantity("N/m", "N/m", digits=6), "of a logarithmic law, d = (F / slope) ln(load / F)", column=MAIN
+    )
+    load: float | None = declare.number(Quantity("N", "N", digits=6), "of a logarithmic law", column=MAIN)
+    hysteresis_factor: float | None = declare.number(
+        Quantity(NO_UNIT, NO_UNIT, digits=6), "chi of F = K d^n (1 + chi d' / v0)", column=MAIN
+    )
+    law: str = declare.word("stiffness law; given where the stiffness was", label="stiffness law", column=MAIN)
+    law_status: str = declare.word("checked, quoted or from memory", label="status of the stiffness law", column=MAIN)
+    damping: str | None = declare.word("damping law", label="damping law", column=MAIN)
+    damping_status: str | None = declare.word("as above", label="status of the damping law", column=MAIN)
+    damper: str | None = declare.word("damper instead of the hysteresis", column=MAIN)
+    damper_status: str | None = declare.word("as above", label="status of the damper", column=MAIN)
+    damper_coefficient: float | None = declare.number(
+        Quantity("N s/m^(p+1)", "N s/m^(p+1)", digits=6), "of the damper", column=MAIN
+    )
+    damper_exponent: float | None = declare.number(RATIO, "of the damper, p", column=MAIN)
+    yield_load: float | None = declare.number(CONTACT_FORCE, "force at which the contact yields", column=MAIN)
+    shape: str | None = declare.word("point or line", label="shape of the contact", column=MAIN)
+    cap: str | None = declare.word("law by which it yields", label="law by which it yields", column=MAIN)
+    cap_status: str | None = declare.word("as above", label="status of that law", column=MAIN)
+
+
+@declare.dataclass
 class ImpactResult(measured.AskedResult):
     """Blows of two free bodies, and what was asked for; see `Result` for what it shares with others.
+
+    Beside what documents have:
 
     Attributes
     ----------
@@ -72,6 +129,7 @@ class ImpactResult(measured.AskedResult):
     """
 
     command: ClassVar[str] = "impact"
+    main_rows: ClassVar[str] = "spot_blows"
 
     setup: Setup
     blows: list[Impact]
@@ -87,42 +145,37 @@ class ImpactResult(measured.AskedResult):
         law = _stiffness_words(setup) if setup.base.stiffness.law == "given" else setup.base.stiffness.law
         return f"Stiffness {law}, {kind} {setup.loss.law.name}: e = {float(first.restitution):.4g}{where}{asked}"
 
-    def units(self) -> dict[str, str]:
-        """Return the unit of each key of the JSON document."""
-        return _UNITS
+    @declare.computed(declare.part(FirstBlow, "numbers of the first blow", label="first blow", inline=True))
+    def first(self) -> FirstBlow:
+        """The first blow."""
+        blow = self.blows[0]
+        return FirstBlow(
+            **_numbers(blow),
+            asked_restitution=self.setup.loss.asked,
+            peak_time=float(blow.peak_time),
+            turning_time=float(blow.turning_time),
+            method=blow.method,
+        )
 
-    def content(self) -> dict[str, Any]:
-        """Return what the JSON document holds beside its head; its first keys are those of the first blow."""
-        setup, first = self.setup, self.blows[0]
-        return {
-            **_numbers(first),
-            "asked_restitution": setup.loss.asked,
-            "peak_time": float(first.peak_time),
-            "turning_time": float(first.turning_time),
-            "method": first.method,
-            **_law_keys(setup),
-            "blows": [_numbers(blow) for blow in self.blows],
-            "differ": self.answers.differ,
-            "answers": [vars(row) for row in self.answers.rows],
-        }
+    @declare.computed(declare.part(ForceLaw, "law of the contact", label="contact", inline=True))
+    def law(self) -> ForceLaw:
+        """The force law."""
+        return _force_law(self.setup)
 
-    def highlights(self) -> list[tuple[str, str]]:
-        """Return coefficient of restitution, peak force, duration and largest indentation of the first blow."""
-        first = self.blows[0]
-        return [
-            ("coefficient of restitution", f"{float(first.restitution):.4g}"),
-            ("peak force", with_unit(float(first.peak_force), "N", "kN")),
-            ("duration", with_unit(float(first.duration), "s", "us")),
-            ("indentation", with_unit(float(first.max_indentation), "m", "um")),
-        ]
+    @declare.computed(declare.rows(SpotBlow, "blows on the same spot", key="blows", headline="first"))
+    def spot_blows(self) -> list[SpotBlow]:
+        """The blows, one after another on the same spot."""
+        return [SpotBlow(**_numbers(blow)) for blow in self.blows]
 
-    def columns(self) -> list[Column]:
-        """Return the blows, one after another on the same spot."""
-        return columns_of([_numbers(blow) for blow in self.blows], _UNITS)
+    @declare.computed(declare.word("whether the answers of the contact differ so much that all are shown"))
+    def differ(self) -> bool:
+        """Whether the answers of the contact differ by so much that all are shown."""
+        return self.answers.differ
 
-    def brief(self) -> dict[str, str]:
-        """Return restitution, indentation, force, duration and loss."""
-        return {"restitution": "1", "max_indentation": "um", "peak_force": "kN", "duration": "us", "energy_lost": "J"}
+    @declare.computed(declare.rows(ImpactAnswer, "first blow with its contact elastic and yielding", key="answers"))
+    def contact_answers(self) -> tuple[ImpactAnswer, ...]:
+        """The first blow by each answer of its contact."""
+        return self.answers.rows
 
     def preview(self) -> Curve:
         """Return the force of the first blow."""
@@ -165,7 +218,7 @@ def _blows(setup: Setup) -> list[Impact]:
         except ValueError as error:
             raise InputError("impact", _given(setup), "numbers that the contact can do with", str(error)) from None
         blows.append(blow)
-        if not all(math.isfinite(value) for value in _numbers(blow).values()):
+        if not all(map(math.isfinite, _numbers(blow).values())):
             raise InputError("impact", _given(setup), "masses, speed and stiffness whose result is finite")
         deepest = float(blow.deepest)
     return blows if setup.cap is not None else blows * setup.repeat
@@ -176,31 +229,29 @@ def _given(setup: Setup) -> str:
 
 
 def _numbers(blow: Impact) -> dict[str, float]:
-    return {name: float(getattr(blow, name)) for name in _BLOW_UNITS}
+    return {name: float(getattr(blow, name)) for name in declarations(SpotBlow)}
 
 
-def _law_keys(setup: Setup) -> dict[str, Any]:
-    """Return what the force law is; null where a key does not apply."""
+def _force_law(setup: Setup) -> ForceLaw:
     stiffness, loss, cap = setup.base.stiffness, setup.loss, setup.cap
-    numbers = {key: getattr(stiffness, key, None) for key in ("stiffness", "exponent", "slope", "load")}
-    of_damping, cap_law = loss.damper is None, cap and cap_law_of(cap)
-    damping, damper = (loss.law, None) if of_damping else (None, loss.law)
-    return {
-        **numbers,
-        "hysteresis_factor": loss.factor if of_damping else None,
-        "law": stiffness.law,
-        "law_status": stiffness.status,
-        "damping": damping and damping.name,
-        "damping_status": damping and damping.status,
-        "damper": damper and damper.name,
-        "damper_status": damper and damper.status,
-        "damper_coefficient": loss.damper and loss.damper.coefficient,
-        "damper_exponent": loss.damper and loss.damper.exponent,
-        "yield_load": cap and cap.yield_load,
-        "shape": cap and cap.shape,
-        "cap": cap_law and cap_law.name,
-        "cap_status": cap_law and cap_law.status,
-    }
+    damping, damper = (loss.law, None) if loss.damper is None else (None, loss.law)
+    cap_law = None if cap is None else cap_law_of(cap)
+    return ForceLaw(
+        **{key: getattr(stiffness, key, None) for key in ("stiffness", "exponent", "slope", "load")},
+        hysteresis_factor=loss.factor if damping else None,
+        law=stiffness.law,
+        law_status=stiffness.status,
+        damping=getattr(damping, "name", None),
+        damping_status=getattr(damping, "status", None),
+        damper=getattr(damper, "name", None),
+        damper_status=getattr(damper, "status", None),
+        damper_coefficient=getattr(loss.damper, "coefficient", None),
+        damper_exponent=getattr(loss.damper, "exponent", None),
+        yield_load=getattr(cap, "yield_load", None),
+        shape=getattr(cap, "shape", None),
+        cap=getattr(cap_law, "name", None),
+        cap_status=getattr(cap_law, "status", None),
+    )
 
 
 def _beyond(setup: Setup, blow: Impact) -> list[Notice]:
@@ -328,46 +379,6 @@ def _drawn(count: int) -> list[int]:
     return [round(count ** (k / (MOST_DRAWN - 1))) - 1 for k in range(MOST_DRAWN)]
 
 
-def first_rows(setup: Setup, blow: Impact) -> list[tuple[str, str]]:
-    """Return what is known of a blow, in words."""
-
-    def shown(value: Any, si: str, unit: str) -> str:
-        return f"{number(float(value), si, unit, 6)} {spelled(shown_unit(si, unit))}"
-
-    asked = setup.loss.asked
-    rows = [
-        ("restitution", f"{blow.restitution:.6g}, " + ("none" if asked is None else f"{asked:g}") + " asked for"),
-        ("largest indentation", shown(blow.max_indentation, "m", "um")),
-        ("time of the largest indentation", shown(blow.turning_time, "s", "us")),
-        ("peak force", shown(blow.peak_force, "N", "N")),
-        ("time of the peak force", shown(blow.peak_time, "s", "us")),
-        ("duration", shown(blow.duration, "s", "us")),
-        ("energy lost", shown(blow.energy_lost, "J", "J")),
-        ("stiffness", f"{_stiffness_words(setup)} ({_status(setup.base.stiffness.law, setup.base.stiffness.status)})"),
-        _loss_row(setup.loss),
-        ("solved", blow.method),
-    ]
-    if setup.cap is not None:
-        rows += [
-            ("yield load", f"{shown(setup.cap.yield_load, 'N', 'N')} ({setup.cap.shape})"),
-            ("residual indentation", shown(blow.residual_indentation, "m", "um")),
-            ("flattening", f"{blow.flattening:.6g}"),
-        ]
-    return rows
-
-
-def _loss_row(loss: ContactLoss) -> tuple[str, str]:
-    named = _status(loss.law.name, loss.law.status)
-    if loss.damper is None:
-        return "hysteresis factor", f"{loss.factor:.6g} ({named})"
-    c, p = float(loss.damper.coefficient), float(loss.damper.exponent)  # type: ignore[arg-type]
-    return "damper", f"{c:.6g} N s/m^{p + 1.0:.4g} ({named})"
-
-
-def _status(name: str, status: str) -> str:
-    return name if name == status else f"{name}, {status}"
-
-
 def _stiffness_words(setup: Setup) -> str:
     stiffness = setup.base.stiffness
     if isinstance(stiffness, Stiffness):
@@ -375,43 +386,10 @@ def _stiffness_words(setup: Setup) -> str:
     return f"slope {stiffness.slope:.6g} N/m, load {stiffness.load:.6g} N"
 
 
-def answer_table(answers: ImpactAnswers) -> tuple[list[str], list[list[str]]]:
-    """Return heads and rows of the first blow with its contact elastic and yielding."""
-    columns = ["contact", "yield load (kN)", "peak force (kN)", "duration (us)", "residual (um)", "restitution"]
-    rows = [
-        [
-            row.name,
-            number(row.yield_load, "N", "kN", 5),
-            number(row.peak_force, "N", "kN", 5),
-            number(row.duration, "s", "us", 5),
-            number(row.residual_indentation, "m", "um", 5),
-            f"{row.restitution:.4f}",
-        ]
-        for row in answers.rows
-    ]
-    return shown_heads(*columns), rows
-
-
-def blow_table(blows: list[Impact]) -> tuple[list[str], list[list[str]]]:
-    """Return heads and rows of blows on the same spot: of many, the first and the last."""
-    columns = ["blow", "restitution", "largest indentation (um)", "residual (um)", "peak force (kN)", "duration (us)"]
-    columns += ["energy lost (J)", "flattening"]
-    half = MOST_ROWS // 2
-    hidden = range(half, len(blows) - half) if len(blows) > MOST_ROWS else range(0)
-    rows = [_blow_row(k, blow) for k, blow in enumerate(blows) if k not in hidden]
-    if hidden:
-        rows.insert(half, ["..."] * len(columns))
-    return shown_heads(*columns), rows
-
-
-def _blow_row(k: int, blow: Impact) -> list[str]:
-    return [
-        str(k + 1),
-        f"{blow.restitution:.4f}",
-        number(float(blow.max_indentation), "m", "um", 5),
-        number(float(blow.residual_indentation), "m", "um", 5),
-        number(float(blow.peak_force), "N", "kN", 5),
-        number(float(blow.duration), "s", "us", 5),
-        number(float(blow.energy_lost), "J", "J", 5),
-        f"{blow.flattening:.4f}",
-    ]
+def blow_table(result: ImpactResult) -> tuple[list[TableColumn[FaceRow]], list[FaceRow]]:
+    """Return columns and rows of the blows on the same spot: of many, the first and the last."""
+    number = TableColumn[FaceRow]("blow", lambda row: row.name, priority=KEY)
+    rows = [replace(row, name=str(k)) for k, row in enumerate(face_rows(result, "spot_blows"), start=1)]
+    if len(rows) > MOST_ROWS:
+        rows[MOST_ROWS // 2 : -MOST_ROWS // 2] = [FaceRow("...", None)]
+    return [number, *face_columns(result, "spot_blows")], rows

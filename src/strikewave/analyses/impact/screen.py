@@ -11,18 +11,15 @@ from strikewave.analyses.impact.result import (
     ImpactResult,
     _blows,
     _notices,
-    answer_table,
     blow_table,
-    first_rows,
 )
 from strikewave.analyses.impact.setup import Setup
 from strikewave.base.result import Source
-from strikewave.contact import Impact
 from strikewave.reporting import measured_files as measured
-from strikewave.reporting.layout import KEY, MORE, keys, numerals, texts
+from strikewave.reporting.faces import face_table, part_tables
 from strikewave.reporting.options.output import Output
 from strikewave.reporting.run_and_write import Command, drawing, run_and_write
-from strikewave.reporting.terminal import table, tell
+from strikewave.reporting.terminal import print_rows, report_table, tell
 
 
 def solve_setup(setup: Setup, output: Output) -> int:
@@ -77,20 +74,13 @@ class ImpactCommand(Command[ImpactResult]):
 
 
 def _print(result: ImpactResult) -> None:
-    setup, blows = result.setup, result.blows
-    title = "Impact of two free bodies" + (", first blow" if setup.repeat > 1 else "")
-    table(title, [*keys(""), *texts("")], first_rows(setup, blows[0]))
-    if result.answers.differ:
-        (named, *heads), rows = answer_table(result.answers)
-        table("First blow with its contact elastic and yielding", [*keys(named), *numerals(*heads)], rows)
-    if setup.repeat > 1:
-        _print_blows(blows)
-
-
-def _print_blows(blows: list[Impact]) -> None:
-    (blow, restitution, indentation, residual, force, duration, *others), rows = blow_table(blows)
-    columns = [*numerals(blow, priority=KEY), *numerals(restitution)]
-    columns += [*numerals(indentation, residual, priority=MORE), *numerals(force, duration)]
-    table("Blows on the same spot", [*columns, *numerals(*others, priority=MORE + 1)], rows)
-    if len(blows) > MOST_ROWS:
-        tell(f"the first and last {MOST_ROWS // 2} of {len(blows)} blows; --json and --out have them all")
+    many = len(result.blows) > 1
+    title = "Impact of two free bodies" + (", first blow" if many else "")
+    for shown in (*part_tables(result, "first", title), *part_tables(result, "law")):
+        report_table(shown)
+    if result.differ:
+        report_table(face_table(result, "contact_answers"))
+    if many:
+        print_rows("Blows on the same spot", *blow_table(result))
+    if len(result.blows) > MOST_ROWS:
+        tell(f"the first and last {MOST_ROWS // 2} of {len(result.blows)} blows; --json and --out have them all")
