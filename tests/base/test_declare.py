@@ -74,6 +74,18 @@ def test_the_document_has_each_declared_field_by_its_key(body):
     assert declare.content(there)["other"] == {"begin": 2.0, "force": None}
 
 
+def test_a_part_that_is_not_there_leaves_its_keys_null_unless_it_is_optional():
+    @declare.dataclass
+    class Looked:
+        """A contact that was looked at, or not."""
+
+        more: Touch | None = declare.part(Touch, "what was found", inline=True)
+        rest: Touch | None = declare.part(Touch, "what else", inline=True, optional=True)
+
+    assert declare.content(Looked(None, None)) == {"begin": None, "force": None}
+    assert declare.content(Looked(None, Touch(1.0, 2.0))) == {"begin": 1.0, "force": 2.0}
+
+
 def test_units_are_those_of_all_keys_within():
     assert declare.units(Body) == {"begin": "s", "force": "N", "speed": "m/s", "share": "1"}
     assert declare.units(Heavy) == {**declare.units(Body), "mass": "kg"}

@@ -10,6 +10,7 @@ from strikewave.base.declare import KEY, MAIN, MORE, Quantity
 from strikewave.base.result import Band, Source
 from strikewave.reporting import faces
 from strikewave.reporting.columns import Column, csv_table
+from strikewave.reporting.parts import Tag
 from strikewave.reporting.plain_page import plain_page
 from strikewave.reporting.shown_result import ShownResult, shown_table
 from strikewave.reporting.shown_units import ShownUnits, showing
@@ -97,6 +98,28 @@ def test_table_of_screen_and_page(result):
     assert table.caption == "The places"
     assert list(table.columns) == ["place", "planted peak (g)", "length (mm)"]
     assert table.cells() == [["a", "1000.0", "2"], ["b", "2000.0", "4"]]
+
+
+def test_what_is_infinite_is_a_dash_as_it_is_null_in_the_document(result):
+    endless = dataclasses.replace(result, places=(Row("a", float("inf"), 0.002, {}),), planted=float("inf"))
+    assert faces.face_table(endless, "places").cells() == [["a", "–", "2"]]
+    assert endless.highlights() == [("peak at a", "–"), ("planted number", "–")]
+    assert endless.document()["planted"] is None
+
+
+def test_a_truth_that_is_wanted_is_good_where_it_holds():
+    @declare.dataclass
+    class Kept:
+        """Whether a limit is kept, and whether it was cut."""
+
+        kept: bool = declare.word("whether it is kept", column=MAIN, is_tag=True)
+        cut: bool = declare.word("whether it was cut", label="cut off", column=MAIN)
+
+    columns = faces.columns_of(Kept)
+    assert [[column.cell(row) for column in columns] for row in (Kept(True, False), Kept(False, True))] == [
+        [Tag("yes", "good"), Tag("no")],
+        [Tag("no", "bad"), Tag("cut off", "bad")],
+    ]
 
 
 def test_a_band_of_a_row_takes_digits_of_that_row_alone(result):

@@ -87,13 +87,14 @@ class Declaration:
         Label among the key numbers, with ``{name}`` of its row; of a part, rows and named parts whether key numbers
         are taken of the "first" or of "each". Empty where there are none.
     is_tag : bool
-        Whether a word stands in a coloured box, whose colour is its own.
+        Whether a word stands in a coloured box, whose colour is its own; of a truth that is wanted, yes is good.
     order : int
         Columns of a larger number stand further to the right than their fields do.
     in_document : bool
         Whether the JSON document holds it.
     optional : bool
-        Whether the document leaves the key out where there is nothing (None), instead of saying null.
+        Whether the document leaves the key out where there is nothing (None), instead of saying null; of a part whose
+        keys stand among those around it all of them.
     inline : bool
         Whether the keys of a part, or of numbers by their names, stand among those around it.
     of : type, optional
@@ -251,10 +252,16 @@ def content(value: Any) -> dict[str, Any]:
             continue
         inner = _within(one, getattr(value, name))
         if one.inline:
-            held |= inner or {}
+            held |= _nothing(one) if inner is None else inner
         elif inner is not None or not one.optional:
             held[one.key or name] = inner
     return held
+
+
+def _nothing(one: Declaration) -> dict[str, Any]:
+    """Return what the document holds of the keys of a part that is not there."""
+    held = () if one.optional or one.kind != "part" or one.of is None else declarations(one.of).items()
+    return {inner.key or name: None for name, inner in held if inner.in_document and not inner.optional}
 
 
 def _within(one: Declaration, value: Any) -> Any:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from types import MappingProxyType
@@ -129,11 +130,15 @@ def cell_of(
     if value is None or isinstance(value, str):
         return Tag(value, value) if one.is_tag and value is not None else value
     if isinstance(value, bool):
+        if one.is_tag:
+            return Tag("yes", "good") if value else Tag("no", "bad")
         return Tag(label, "bad") if value else Tag("no")
     if one.kind in ("word", "count"):
         return str(value)
     if one.kind == "history":
         return first_few([written(shown(float(each), si, usual), 5) for each in value], MOST_LISTED) or NONE
+    if math.isinf(value):
+        return None
     if decimals is None and not bands:
         return float(value)
     if bands:
@@ -276,6 +281,8 @@ def text_of(value: Any, name: str, given: GivenUnits = MappingProxyType({})) -> 
 
 def _with_unit(one: Declaration, value: Any, band: Band | None, given: GivenUnits) -> str:
     if one.kind == "number":
+        if value is not None and math.isinf(value):
+            return NONE
         quantity = one.quantity.within(given)
         as_in_tables = quantity.decimals is not None and (quantity.signed or quantity.usual == PERCENT)
         if as_in_tables and band is None and value is not None and value == value:
